@@ -1,0 +1,70 @@
+// What happens with bad input: a message that names the function, the field and the value.
+#pragma once
+
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+
+#include "physics/base/config.hpp"
+
+PHYSICS_HPP_BEGIN
+
+/// A refused call: which function, which field, which value, and what was expected. The world is as it
+/// was before the call. Thrown where exceptions are on, otherwise handed to the error handler.
+class error : public std::exception {
+public:
+    error(const char* function, const char* field, const char* value, const char* rule) noexcept {
+        std::snprintf(text_, sizeof text_, "physics: %s: %s is %s; %s", function, field, value, rule);
+    }
+    /// The whole sentence, for example `physics: create_body: position.x is nan; it must be finite`.
+    [[nodiscard]] const char* what() const noexcept override { return text_; }
+
+private:
+    char text_[256];
+};
+
+/// Called with every refused call in builds without exceptions.
+using error_handler = void (*)(const error&);
+
+namespace detail {
+[[noreturn]] inline void print_and_abort(const error& failure) {
+    std::fprintf(stderr, "%s\n", failure.what());
+    std::abort();
+}
+inline error_handler& current_error_handler() noexcept {
+    static error_handler handler = print_and_abort;
+    return handler;
+}
+}  // namespace detail
+
+/// Sets what builds without exceptions (-fno-exceptions) do with a refused call, and returns the former
+/// handler; nullptr restores the default, which prints and aborts. If the handler returns, the refused
+/// function returns too, with a null handle or a zero, and nothing has changed. Not thread-safe: set it
+/// once, at the start. Builds with exceptions throw instead and never call it.
+inline error_handler set_error_handler(error_handler handler) noexcept {
+    error_handler former = detail::current_error_handler();
+    detail::current_error_handler() = handler ? handler : detail::print_and_abort;
+    return former;
+}
+
+namespace detail {
+
+/// Throws the error, or calls the handler and returns false where exceptions are off.
+PHYSICS_HPP_COLD inline bool refuse(const char* function, const char* field, const char* value, const char* rule) {
+#if PHYSICS_HPP_EXCEPTIONS
+    throw error(function, field, value, rule);
+#else
+    current_error_handler()(error(function, field, value, rule));
+    return false;
+#endif
+}
+
+PHYSICS_HPP_COLD inline bool refuse(const char* function, const char* field, double value, const char* rule) {
+    char text[40];
+    std::snprintf(text, sizeof text, "%.9g", value);
+    return refuse(function, field, text, rule);
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
