@@ -65,6 +65,14 @@ PHYSICS_HPP_COLD inline bool refuse(const char* function, const char* field, dou
     return refuse(function, field, text, rule);
 }
 
+/// The same for a component of a field, such as ".x" of "position".
+PHYSICS_HPP_COLD inline bool refuse(const char* function, const char* field, const char* component, double value,
+                                    const char* rule) {
+    char name[80];
+    std::snprintf(name, sizeof name, "%s%s", field, component);
+    return refuse(function, name, value, rule);
+}
+
 }  // namespace detail
 
 PHYSICS_HPP_END

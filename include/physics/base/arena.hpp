@@ -1,0 +1,84 @@
+// Memory for one step: taken piece by piece, given back all at once.
+#pragma once
+
+#include <cstddef>
+
+#include "physics/base/buffer.hpp"
+
+PHYSICS_HPP_BEGIN
+
+/// Scratch memory. take() costs a few instructions; reset() frees everything and, where the last round did
+/// not fit into one block, merges the blocks, so that a steady step allocates nothing. A copy starts empty.
+class arena {
+public:
+    arena() = default;
+    arena(const arena&) {}
+    arena(arena&& other) noexcept { swap(other); }
+    arena& operator=(const arena&) { return *this; }
+    arena& operator=(arena&& other) noexcept {
+        swap(other);
+        return *this;
+    }
+    ~arena() {
+        for (block& b : blocks_) std::free(b.memory);
+    }
+
+    /// Room for count values, not initialised, aligned for T and to at least 16 bytes; valid until reset().
+    template <class T>
+    T* take(std::uint32_t count) {
+        static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= alignment);
+        const std::size_t bytes = (std::size_t{count} * sizeof(T) + alignment - 1) / alignment * alignment;
+        if (blocks_.empty() || blocks_.back().size - used_ < bytes) add_block(bytes);
+        void* place = blocks_.back().memory + used_;
+        used_ += bytes;
+        return static_cast<T*>(place);
+    }
+
+    void reset() {
+        if (blocks_.size() > 1) {
+            std::size_t total = 0;
+            for (block& b : blocks_) {
+                total += b.size;
+                std::free(b.memory);
+            }
+            blocks_.clear();
+            add_block(total);
+        }
+        used_ = 0;
+    }
+
+    /// Bytes that the arena holds.
+    [[nodiscard]] std::size_t capacity() const {
+        std::size_t total = 0;
+        for (const block& b : blocks_) total += b.size;
+        return total;
+    }
+
+private:
+    static constexpr std::size_t alignment = alignof(std::max_align_t) < 16 ? 16 : alignof(std::max_align_t);
+    struct block {
+        unsigned char* memory;
+        std::size_t size;
+    };
+
+    void swap(arena& other) noexcept {
+        blocks_.swap(other.blocks_);
+        std::swap(used_, other.used_);
+    }
+    PHYSICS_HPP_COLD void add_block(std::size_t bytes) {
+        std::size_t size = blocks_.empty() ? 4096 : blocks_.back().size * 2;
+        if (size < bytes) size = bytes;
+        void* memory = std::malloc(size);
+        if (memory == nullptr) {
+            detail::refuse("arena", "memory", static_cast<double>(size), "the bytes are not available");
+            std::abort();
+        }
+        blocks_.push({static_cast<unsigned char*>(memory), size});
+        used_ = 0;
+    }
+
+    buffer<block> blocks_;
+    std::size_t used_ = 0;
+};
+
+PHYSICS_HPP_END

@@ -1,0 +1,93 @@
+// A growable array of plain values: what all state of a world is made of.
+#pragma once
+
+#include <cstddef>
+#include <cstring>
+#include <new>
+#include <type_traits>
+#include <utility>
+
+#include "physics/base/error.hpp"
+
+PHYSICS_HPP_BEGIN
+
+/// A growable array of trivially copyable values without pointers into itself, so that a copy is a memcpy.
+/// Capacity doubles and is kept by clear(): a steady step allocates nothing.
+template <class T>
+class buffer {
+    static_assert(std::is_trivially_copyable_v<T>, "physics::buffer: the values must be trivially copyable");
+
+public:
+    buffer() = default;
+    buffer(const buffer& other) { *this = other; }
+    buffer(buffer&& other) noexcept { swap(other); }
+    buffer& operator=(const buffer& other) {
+        if (this == &other) return *this;
+        reserve(other.size_);
+        if (other.size_ > 0) std::memcpy(static_cast<void*>(data_), other.data_, other.size_ * sizeof(T));
+        size_ = other.size_;
+        return *this;
+    }
+    buffer& operator=(buffer&& other) noexcept {
+        swap(other);
+        return *this;
+    }
+    ~buffer() { std::free(data_); }
+    void swap(buffer& other) noexcept {
+        std::swap(data_, other.data_);
+        std::swap(size_, other.size_);
+        std::swap(capacity_, other.capacity_);
+    }
+
+    [[nodiscard]] std::uint32_t size() const { return size_; }
+    [[nodiscard]] std::uint32_t capacity() const { return capacity_; }
+    [[nodiscard]] bool empty() const { return size_ == 0; }
+    T* begin() { return data_; }
+    T* end() { return data_ + size_; }
+    const T* begin() const { return data_; }
+    const T* end() const { return data_ + size_; }
+    T& operator[](std::uint32_t i) { return data_[i]; }
+    const T& operator[](std::uint32_t i) const { return data_[i]; }
+    T& back() { return data_[size_ - 1]; }
+
+    void clear() { size_ = 0; }
+    void reserve(std::uint32_t capacity) {
+        if (capacity > capacity_) grow_to(capacity);
+    }
+    /// Adds a copy of value at the end; the value may lie within the buffer.
+    T& push(const T& value) {
+        const T copy = value;
+        if (size_ == capacity_) grow_to(size_ + 1);
+        return *new (static_cast<void*>(data_ + size_++)) T(copy);
+    }
+    void pop() { --size_; }
+    /// Shortens the buffer, or fills it up with copies of value.
+    void resize(std::uint32_t size, const T& value = T{}) {
+        reserve(size);
+        for (std::uint32_t i = size_; i < size; ++i) new (static_cast<void*>(data_ + i)) T(value);
+        size_ = size;
+    }
+
+private:
+    static_assert(alignof(T) <= alignof(std::max_align_t));
+
+    PHYSICS_HPP_COLD void grow_to(std::uint32_t needed) {
+        std::uint64_t capacity = capacity_ < 8 ? 16 : std::uint64_t{capacity_} * 2;
+        if (capacity < needed) capacity = needed;
+        if (capacity > 0xffffffffu) capacity = 0xffffffffu;
+        void* grown = std::realloc(static_cast<void*>(data_), static_cast<std::size_t>(capacity) * sizeof(T));
+        if (grown == nullptr || needed > capacity) {
+            // Nobody can go on without the memory, so a handler that returns must not reach the caller.
+            detail::refuse("buffer", "memory", static_cast<double>(capacity) * sizeof(T), "the bytes are not available");
+            std::abort();
+        }
+        data_ = static_cast<T*>(grown);
+        capacity_ = static_cast<std::uint32_t>(capacity);
+    }
+
+    T* data_ = nullptr;
+    std::uint32_t size_ = 0;
+    std::uint32_t capacity_ = 0;
+};
+
+PHYSICS_HPP_END

@@ -1,0 +1,21 @@
+// Names of things in a world that know when the thing is gone.
+#pragma once
+
+#include "physics/base/config.hpp"
+
+PHYSICS_HPP_BEGIN
+
+/// A small value that names a body, a shape... of one world. It stays unique when its slot is used again,
+/// and a world recognises handles of another. The default one is null.
+template <class Tag>
+struct handle {
+    std::uint32_t index = 0xffffffffu;
+    std::uint16_t generation = 0;
+    std::uint16_t world = 0;
+
+    /// False for the null handle; true says nothing about whether the thing still lives.
+    constexpr explicit operator bool() const { return index != 0xffffffffu; }
+    friend constexpr bool operator==(handle, handle) = default;
+};
+
+PHYSICS_HPP_END

@@ -1,0 +1,88 @@
+// Slots with stable numbers: things come and go, handles go stale and know it.
+#pragma once
+
+#include "physics/base/buffer.hpp"
+#include "physics/base/handle.hpp"
+
+PHYSICS_HPP_BEGIN
+
+/// Items in numbered slots. A freed slot is used again, last freed first, under a new generation; a slot
+/// whose generations are used up is retired, so a stale handle can never come alive. The order of slots
+/// depends on the calls alone, never on memory. Insert, erase, look-up: O(1).
+template <class T>
+class pool {
+public:
+    /// What a slot looks like from outside.
+    struct place {
+        std::uint32_t index;
+        std::uint16_t generation;
+    };
+
+    place insert(const T& item) {
+        std::uint32_t index = free_;
+        if (index == none) {
+            index = items_.size();
+            items_.push(item);
+            slots_.push({occupied, 1});
+        } else {
+            free_ = slots_[index].next;
+            slots_[index].next = occupied;
+            items_[index] = item;
+        }
+        ++count_;
+        return {index, slots_[index].generation};
+    }
+    void erase(std::uint32_t index) {
+        slot& s = slots_[index];
+        --count_;
+        if (s.generation == 0xffff) {
+            s.next = retired;
+            return;
+        }
+        ++s.generation;
+        s.next = free_;
+        free_ = index;
+    }
+    [[nodiscard]] bool contains(std::uint32_t index, std::uint16_t generation) const {
+        return alive(index) && slots_[index].generation == generation;
+    }
+    [[nodiscard]] bool alive(std::uint32_t index) const {
+        return index < slots_.size() && slots_[index].next == occupied;
+    }
+    [[nodiscard]] std::uint16_t generation(std::uint32_t index) const { return slots_[index].generation; }
+    T& operator[](std::uint32_t index) { return items_[index]; }
+    const T& operator[](std::uint32_t index) const { return items_[index]; }
+
+    /// Number of items.
+    [[nodiscard]] std::uint32_t count() const { return count_; }
+    /// Number of slots, free ones included: every index is below it.
+    [[nodiscard]] std::uint32_t slots() const { return slots_.size(); }
+    /// The first occupied slot from index on, or slots() where there is none.
+    [[nodiscard]] std::uint32_t next(std::uint32_t index) const {
+        while (index < slots_.size() && slots_[index].next != occupied) ++index;
+        return index;
+    }
+    /// Calls f(index, item) for every item in the order of slots.
+    template <class F>
+    void each(F&& f) {
+        for (std::uint32_t i = next(0); i < slots(); i = next(i + 1)) f(i, items_[i]);
+    }
+    template <class F>
+    void each(F&& f) const {
+        for (std::uint32_t i = next(0); i < slots(); i = next(i + 1)) f(i, items_[i]);
+    }
+
+private:
+    static constexpr std::uint32_t none = 0xffffffffu, occupied = 0xfffffffeu, retired = 0xfffffffdu;
+    struct slot {
+        std::uint32_t next;  // the next free slot, or what the slot is
+        std::uint16_t generation;
+    };
+
+    buffer<T> items_;
+    buffer<slot> slots_;
+    std::uint32_t free_ = none;
+    std::uint32_t count_ = 0;
+};
+
+PHYSICS_HPP_END

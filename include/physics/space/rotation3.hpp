@@ -1,0 +1,98 @@
+// Rotation in space: a unit quaternion.
+#pragma once
+
+#include "physics/space/rotation2.hpp"
+
+PHYSICS_HPP_BEGIN
+
+/// A rotation in space as a unit quaternion x i + y j + z k + w.
+template <class S>
+struct rotation<S, 3> {
+    S x{}, y{}, z{};
+    S w = S(1);
+
+    constexpr rotation() = default;
+    constexpr rotation(S x_, S y_, S z_, S w_) : x(x_), y(y_), z(z_), w(w_) {}
+    /// By an angle in radians about a unit axis, counter-clockwise as seen from its tip.
+    static rotation from_axis_angle(vec<S, 3> axis, S radians) {
+        const auto [s, c] = sine_cosine(radians * S(0.5));
+        return {axis.x * s, axis.y * s, axis.z * s, c};
+    }
+    [[nodiscard]] constexpr vec<S, 3> imaginary() const { return {x, y, z}; }
+
+    friend constexpr rotation operator*(rotation a, rotation b) {
+        const auto sum = [](auto p, auto q, auto r, auto s) { return narrow<S>(p + q + r + s); };
+        return {sum(product(a.w, b.x), product(a.x, b.w), product(a.y, b.z), -product(a.z, b.y)),
+                sum(product(a.w, b.y), product(a.y, b.w), product(a.z, b.x), -product(a.x, b.z)),
+                sum(product(a.w, b.z), product(a.z, b.w), product(a.x, b.y), -product(a.y, b.x)),
+                sum(product(a.w, b.w), -product(a.x, b.x), -product(a.y, b.y), -product(a.z, b.z))};
+    }
+    friend constexpr vec<S, 3> operator*(rotation a, vec<S, 3> v) {
+        const vec<S, 3> t = cross(a.imaginary(), v) * S(2);
+        return v + t * a.w + cross(a.imaginary(), t);
+    }
+    friend constexpr bool operator==(rotation, rotation) = default;
+};
+
+template <class S>
+constexpr rotation<S, 3> inverse(rotation<S, 3> a) {
+    return {-a.x, -a.y, -a.z, a.w};
+}
+/// The rotation that undoes a, times v.
+template <class S>
+constexpr vec<S, 3> inverse_rotate(rotation<S, 3> a, vec<S, 3> v) {
+    return inverse(a) * v;
+}
+template <class S>
+constexpr mat<S, 3> matrix(rotation<S, 3> a) {
+    const S x2 = a.x + a.x, y2 = a.y + a.y, z2 = a.z + a.z;
+    return {{{S(1) - sum_of_products(a.y, y2, a.z, z2), sum_of_products(a.x, y2, a.w, z2), difference_of_products(a.x, z2, a.w, y2)},
+             {difference_of_products(a.x, y2, a.w, z2), S(1) - sum_of_products(a.x, x2, a.z, z2), sum_of_products(a.y, z2, a.w, x2)},
+             {sum_of_products(a.x, z2, a.w, y2), difference_of_products(a.y, z2, a.w, x2), S(1) - sum_of_products(a.x, x2, a.y, y2)}}};
+}
+template <class S>
+constexpr bool is_finite(rotation<S, 3> a) {
+    return is_finite(a.imaginary()) && is_finite(a.w);
+}
+
+namespace detail {
+template <class S>
+constexpr S squared_norm(rotation<S, 3> a) {
+    return narrow<S>(wide_dot(a.imaginary(), a.imaginary()) + product(a.w, a.w));
+}
+}  // namespace detail
+
+/// | |a|^2 - 1 |: how far a is from a rotation.
+template <class S>
+constexpr S norm_error(rotation<S, 3> a) {
+    return abs(detail::squared_norm(a) - S(1));
+}
+template <class S>
+constexpr rotation<S, 3> normalized(rotation<S, 3> a) {
+    const S scale = max(largest(a.imaginary()), abs(a.w));
+    if (!(scale > S(0))) return {};
+    const rotation<S, 3> b{a.x / scale, a.y / scale, a.z / scale, a.w / scale};
+    const S norm = sqrt(detail::squared_norm(b));
+    return {b.x / norm, b.y / norm, b.z / norm, b.w / norm};
+}
+
+/// a, turned further by a rotation vector (axis times angle, radians, in the outer frame); keeps length 1.
+/// One radian at most goes without trigonometry, as in the plane.
+template <class S>
+constexpr rotation<S, 3> turned(rotation<S, 3> a, vec<S, 3> angle) {
+    const vec<S, 3> quarter = angle * S(0.25);
+    const S xx = dot(quarter, quarter);
+    if (largest(quarter) > S(0.25) || xx > S(0.0625)) {
+        const auto [axis, radians] = split(angle);
+        return normalized(rotation<S, 3>::from_axis_angle(axis, radians) * a);
+    }
+    const vec<S, 3> t = quarter * detail::tangent_ratio(xx);
+    const S tt = dot(t, t);
+    const S scale = S(1) / (S(1) + tt);
+    const vec<S, 3> v = t * (scale + scale);
+    const rotation<S, 3> r = rotation<S, 3>{v.x, v.y, v.z, (S(1) - tt) * scale} * a;
+    const S repair = detail::length_repair(detail::squared_norm(r));
+    return {r.x * repair, r.y * repair, r.z * repair, r.w * repair};
+}
+
+PHYSICS_HPP_END

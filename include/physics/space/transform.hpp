@@ -1,0 +1,62 @@
+// Rigid transforms, twists and boxes.
+#pragma once
+
+#include "physics/space/rotation3.hpp"
+
+PHYSICS_HPP_BEGIN
+
+/// A rigid transform: first the rotation, then the translation to position (metres).
+template <class S, int D>
+struct transform {
+    vec<S, D> position;
+    physics::rotation<S, D> rotation;
+
+    /// The point p, given in the inner frame, in the outer one.
+    friend constexpr vec<S, D> operator*(const transform& t, vec<S, D> p) { return t.rotation * p + t.position; }
+    /// b first, then a.
+    friend constexpr transform operator*(const transform& a, const transform& b) {
+        return {a * b.position, a.rotation * b.rotation};
+    }
+    friend constexpr bool operator==(const transform&, const transform&) = default;
+};
+
+/// The transform that undoes t.
+template <class S, int D>
+constexpr transform<S, D> inverse(const transform<S, D>& t) {
+    return {-inverse_rotate(t.rotation, t.position), inverse(t.rotation)};
+}
+/// The point p, given in the outer frame, in the inner one.
+template <class S, int D>
+constexpr vec<S, D> inverse_transform(const transform<S, D>& t, vec<S, D> p) {
+    return inverse_rotate(t.rotation, p - t.position);
+}
+/// The frame b as seen from a: a * relative(a, b) == b. Subtracts positions first, so that two bodies far
+/// from the origin keep the precision of their distance.
+template <class S, int D>
+constexpr transform<S, D> relative(const transform<S, D>& a, const transform<S, D>& b) {
+    return {inverse_rotate(a.rotation, b.position - a.position), inverse(a.rotation) * b.rotation};
+}
+template <class S, int D>
+constexpr bool is_finite(const transform<S, D>& t) {
+    return is_finite(t.position) && is_finite(t.rotation);
+}
+
+/// Linear velocity (m/s) and angular velocity (rad/s) of a body, or an impulse and its moment.
+template <class S, int D>
+struct twist {
+    vec<S, D> linear;
+    physics::angular<S, D> angular{};
+
+    friend constexpr twist operator+(const twist& a, const twist& b) {
+        return {a.linear + b.linear, a.angular + b.angular};
+    }
+    friend constexpr bool operator==(const twist&, const twist&) = default;
+};
+
+/// The velocity of the point at lever r from the centre of mass.
+template <class S, int D>
+constexpr vec<S, D> velocity_at(const twist<S, D>& v, vec<S, D> r) {
+    return v.linear + cross(v.angular, r);
+}
+
+PHYSICS_HPP_END

@@ -1,0 +1,208 @@
+// Vectors of two and three components, and their products.
+#pragma once
+
+#include "physics/base/math.hpp"
+#include "physics/base/scalar.hpp"
+
+PHYSICS_HPP_BEGIN
+
+/// A vector of D scalars with the members x, y (and z).
+template <class S, int D>
+struct vec;
+
+namespace detail {
+/// Plain numbers that may fill a vector of S, so that `{0, -10}` serves every scalar.
+template <class T, class S>
+concept literal_for = std::is_arithmetic_v<T> && !std::same_as<T, S>;
+}  // namespace detail
+
+template <class S>
+struct vec<S, 2> {
+    S x{}, y{};
+
+    constexpr vec() = default;
+    constexpr vec(S x_, S y_) : x(x_), y(y_) {}
+    template <class A, class B>
+        requires detail::literal_for<A, S> || detail::literal_for<B, S>
+    constexpr vec(A x_, B y_) : x(static_cast<S>(x_)), y(static_cast<S>(y_)) {}
+
+    static constexpr int size = 2;
+    constexpr S& operator[](int i) { return i == 0 ? x : y; }
+    constexpr const S& operator[](int i) const { return i == 0 ? x : y; }
+    static constexpr vec filled(S value) { return {value, value}; }
+
+    friend constexpr vec operator+(vec a, vec b) { return {a.x + b.x, a.y + b.y}; }
+    friend constexpr vec operator-(vec a, vec b) { return {a.x - b.x, a.y - b.y}; }
+    friend constexpr vec operator-(vec a) { return {-a.x, -a.y}; }
+    friend constexpr vec operator*(vec a, S s) { return {a.x * s, a.y * s}; }
+    friend constexpr vec operator*(S s, vec a) { return a * s; }
+    friend constexpr vec operator/(vec a, S s) { return {a.x / s, a.y / s}; }
+    constexpr vec& operator+=(vec b) { return *this = *this + b; }
+    constexpr vec& operator-=(vec b) { return *this = *this - b; }
+    constexpr vec& operator*=(S s) { return *this = *this * s; }
+    friend constexpr bool operator==(vec, vec) = default;
+};
+
+template <class S>
+struct vec<S, 3> {
+    S x{}, y{}, z{};
+
+    constexpr vec() = default;
+    constexpr vec(S x_, S y_, S z_) : x(x_), y(y_), z(z_) {}
+    template <class A, class B, class C>
+        requires detail::literal_for<A, S> || detail::literal_for<B, S> || detail::literal_for<C, S>
+    constexpr vec(A x_, B y_, C z_) : x(static_cast<S>(x_)), y(static_cast<S>(y_)), z(static_cast<S>(z_)) {}
+
+    static constexpr int size = 3;
+    constexpr S& operator[](int i) { return i == 0 ? x : i == 1 ? y : z; }
+    constexpr const S& operator[](int i) const { return i == 0 ? x : i == 1 ? y : z; }
+    static constexpr vec filled(S value) { return {value, value, value}; }
+
+    friend constexpr vec operator+(vec a, vec b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+    friend constexpr vec operator-(vec a, vec b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+    friend constexpr vec operator-(vec a) { return {-a.x, -a.y, -a.z}; }
+    friend constexpr vec operator*(vec a, S s) { return {a.x * s, a.y * s, a.z * s}; }
+    friend constexpr vec operator*(S s, vec a) { return a * s; }
+    friend constexpr vec operator/(vec a, S s) { return {a.x / s, a.y / s, a.z / s}; }
+    constexpr vec& operator+=(vec b) { return *this = *this + b; }
+    constexpr vec& operator-=(vec b) { return *this = *this - b; }
+    constexpr vec& operator*=(S s) { return *this = *this * s; }
+    friend constexpr bool operator==(vec, vec) = default;
+};
+
+/// Angular quantities (velocity, impulse, torque): a scalar in 2D, counter-clockwise; a vector in 3D.
+template <class S, int D>
+using angular = std::conditional_t<D == 2, S, vec<S, 3>>;
+
+/// a * b + c * d, rounded once where S can.
+template <class S>
+constexpr S sum_of_products(S a, S b, S c, S d) {
+    return narrow<S>(product(a, b) + product(c, d));
+}
+/// a * b - c * d, rounded once where S can.
+template <class S>
+constexpr S difference_of_products(S a, S b, S c, S d) {
+    return narrow<S>(product(a, b) - product(c, d));
+}
+
+/// The dot product, not rounded where S can.
+template <class S>
+constexpr wide_of<S> wide_dot(vec<S, 2> a, vec<S, 2> b) {
+    return product(a.x, b.x) + product(a.y, b.y);
+}
+template <class S>
+constexpr wide_of<S> wide_dot(vec<S, 3> a, vec<S, 3> b) {
+    return product(a.x, b.x) + product(a.y, b.y) + product(a.z, b.z);
+}
+/// The dot product.
+template <class S, int D>
+constexpr S dot(vec<S, D> a, vec<S, D> b) {
+    return narrow<S>(wide_dot(a, b));
+}
+
+/// The cross product: in 2D its one component, positive where b lies counter-clockwise of a.
+template <class S>
+constexpr S cross(vec<S, 2> a, vec<S, 2> b) {
+    return difference_of_products(a.x, b.y, a.y, b.x);
+}
+template <class S>
+constexpr vec<S, 3> cross(vec<S, 3> a, vec<S, 3> b) {
+    return {difference_of_products(a.y, b.z, a.z, b.y), difference_of_products(a.z, b.x, a.x, b.z),
+            difference_of_products(a.x, b.y, a.y, b.x)};
+}
+/// The velocity at lever r of a body that turns with w; in 3D it is cross(w, r).
+template <class S>
+constexpr vec<S, 2> cross(S w, vec<S, 2> r) {
+    return {-(w * r.y), w * r.x};
+}
+
+/// The squared length, not rounded where S can: compare it with other wide numbers.
+template <class S, int D>
+constexpr wide_of<S> length_squared(vec<S, D> v) {
+    return wide_dot(v, v);
+}
+/// The length.
+template <class S, int D>
+constexpr S length(vec<S, D> v) {
+    return root<S>(length_squared(v));
+}
+
+/// The largest component by magnitude.
+template <class S>
+constexpr S largest(vec<S, 2> v) {
+    return max(abs(v.x), abs(v.y));
+}
+template <class S>
+constexpr S largest(vec<S, 3> v) {
+    return max(abs(v.x), max(abs(v.y), abs(v.z)));
+}
+
+/// A vector as unit direction and length.
+template <class S, int D>
+struct direction_and_length {
+    vec<S, D> direction;
+    S length{};
+};
+
+/// Splits a vector into direction and length; a null vector gives a null direction. Scales by the largest
+/// component first, so that neither tiny nor huge vectors lose their direction to underflow or overflow.
+template <class S, int D>
+constexpr direction_and_length<S, D> split(vec<S, D> v) {
+    const S scale = largest(v);
+    if (!(scale > S(0))) return {};
+    const vec<S, D> scaled = v / scale;
+    const S scaled_length = length(scaled);
+    return {scaled / scaled_length, scaled_length * scale};
+}
+
+/// The unit vector along v; the null vector for the null vector.
+template <class S, int D>
+constexpr vec<S, D> normalized(vec<S, D> v) {
+    return split(v).direction;
+}
+
+/// A unit vector across the unit vector n; in 2D n turned clockwise by a quarter.
+template <class S>
+constexpr vec<S, 2> perpendicular(vec<S, 2> n) {
+    return {n.y, -n.x};
+}
+template <class S>
+constexpr vec<S, 3> perpendicular(vec<S, 3> n) {
+    // The branch keeps the longer of two candidates, so that its length is at least sqrt(1/2).
+    return abs(n.x) > abs(n.z) ? normalized(vec<S, 3>{-n.y, n.x, S(0)}) : normalized(vec<S, 3>{S(0), -n.z, n.y});
+}
+
+template <class S>
+constexpr vec<S, 2> min(vec<S, 2> a, vec<S, 2> b) {
+    return {min(a.x, b.x), min(a.y, b.y)};
+}
+template <class S>
+constexpr vec<S, 3> min(vec<S, 3> a, vec<S, 3> b) {
+    return {min(a.x, b.x), min(a.y, b.y), min(a.z, b.z)};
+}
+template <class S>
+constexpr vec<S, 2> max(vec<S, 2> a, vec<S, 2> b) {
+    return {max(a.x, b.x), max(a.y, b.y)};
+}
+template <class S>
+constexpr vec<S, 3> max(vec<S, 3> a, vec<S, 3> b) {
+    return {max(a.x, b.x), max(a.y, b.y), max(a.z, b.z)};
+}
+template <class S>
+constexpr vec<S, 2> abs(vec<S, 2> v) {
+    return {abs(v.x), abs(v.y)};
+}
+template <class S>
+constexpr vec<S, 3> abs(vec<S, 3> v) {
+    return {abs(v.x), abs(v.y), abs(v.z)};
+}
+template <class S>
+constexpr bool is_finite(vec<S, 2> v) {
+    return is_finite(v.x) && is_finite(v.y);
+}
+template <class S>
+constexpr bool is_finite(vec<S, 3> v) {
+    return is_finite(v.x) && is_finite(v.y) && is_finite(v.z);
+}
+
+PHYSICS_HPP_END

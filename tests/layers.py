@@ -1,0 +1,206 @@
+#!/usr/bin/env python3
+"""The order of the house, as rules over the text of include/ and tests/. Each rule says which accident it prevents.
+
+    python3 tests/layers.py
+
+Prints one line a violation; the last line is `N passed, M failed`, counted in rules.
+"""
+import pathlib
+import re
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+INCLUDE = ROOT / "include"
+FLOORS = ["base", "space", "shape", "collide", "broadphase", "dynamics", "world", "loop", "kit"]
+
+# What each costs decides: a unit that includes physics.hpp pays for all of them (budget: bench/compile.py).
+STANDARD = {"bit", "compare", "concepts", "cstddef", "cstdint", "cstdio", "cstdlib", "cstring", "exception",
+            "initializer_list", "limits", "new", "type_traits", "utility"}
+CONDITIONAL = {"intrin.h"}
+MOST_LINES = 400
+MOST_COLUMNS = 120
+
+OWN = re.compile(r'^\s*#\s*include\s+"physics/([^"]+)"', re.MULTILINE)
+LIBM = re.compile(r"\b(?:std::|__builtin_)(?:sin|cos|tan|asin|acos|atan|atan2|sinh|cosh|tanh|exp|exp2|expm1|log|log2|"
+                  r"log10|log1p|pow|cbrt|hypot|fma|fmin|fmax|fmod|remainder|lerp|round|nearbyint|rint)[fl]?\s*\(")
+DECLARES = re.compile(r"^(?:class|struct|union|enum|using|concept|inline constexpr|constexpr \w+ \w+ =)\b")
+SPECIALISES = re.compile(r"^(?:class|struct)\s+(?:\[\[.*?\]\]\s*)?(\w+)\s*<")
+
+
+class House:
+    def __init__(self):
+        paths = sorted((INCLUDE / "physics").rglob("*.hpp"))
+        self.parts = {str(path.relative_to(INCLUDE / "physics")): path.read_text(encoding="utf-8") for path in paths}
+        self.all = {str(path.relative_to(ROOT)): path.read_text(encoding="utf-8") for path in [
+            INCLUDE / "physics.hpp", *paths,
+            *(path for folder in ("tests", "samples", "bench") for kind in ("*.hpp", "*.cpp", "*.py")
+              for path in sorted((ROOT / folder).rglob(kind)) if "out" not in path.parts)] if path.is_file()}
+
+    def laws(self):
+        return {name: text for name, text in self.all.items() if name.startswith("tests/laws/")}
+
+
+def floors_only_downwards(house):
+    """A part includes from its own floor or lower ones: a lower floor can be understood, tested and used alone."""
+    for name, text in house.parts.items():
+        floor = name.split("/")[0]
+        if floor not in FLOORS:
+            yield f"{name}: no such floor"
+            continue
+        for other in OWN.findall(text):
+            if other not in house.parts:
+                yield f"{name}: includes physics/{other}, which does not exist"
+            elif FLOORS.index(other.split("/")[0]) > FLOORS.index(floor):
+                yield f"{name}: includes physics/{other} from a floor above"
+
+
+def no_circles(house):
+    """Includes have no circle: with #pragma once, one would compile or not depending on what came first."""
+    state = {}
+
+    def visit(name, path):
+        if state.get(name) == "open":
+            yield "circle: " + " -> ".join(path[path.index(name):] + [name])
+        if name in state or name not in house.parts:
+            return
+        state[name] = "open"
+        for other in OWN.findall(house.parts[name]):
+            yield from visit(other, path + [name])
+        state[name] = "done"
+
+    for name in house.parts:
+        yield from visit(name, [])
+
+
+def opening(house):
+    """A part opens with one line of comment that says what it is, then #pragma once."""
+    for name, text in house.parts.items():
+        lines = text.splitlines()
+        if not lines or not re.match(r"// \S", lines[0]):
+            yield f"{name}: the first line is no comment"
+        elif len(lines) < 2 or lines[1] != "#pragma once":
+            yield f"{name}: the second line is not #pragma once"
+
+
+def region(house):
+    """All code is between PHYSICS_HPP_BEGIN and PHYSICS_HPP_END, once, and all includes are before: code outside
+    is contracted, standard headers inside land in our namespace."""
+    for name, text in house.parts.items():
+        if name == "base/config.hpp":
+            continue
+        marks = re.findall(r"^PHYSICS_HPP_(?:BEGIN|END)$", text, re.MULTILINE)
+        if marks != ["PHYSICS_HPP_BEGIN", "PHYSICS_HPP_END"]:
+            yield f"{name}: not exactly one PHYSICS_HPP_BEGIN and then one PHYSICS_HPP_END"
+            continue
+        before, rest = re.split(r"^PHYSICS_HPP_BEGIN$", text, flags=re.MULTILINE)
+        inside, after = re.split(r"^PHYSICS_HPP_END$", rest, flags=re.MULTILINE)
+        if re.search(r"^\s*#\s*include\b", inside + after, re.MULTILINE):
+            yield f"{name}: includes after PHYSICS_HPP_BEGIN"
+        for place, outside in (("before PHYSICS_HPP_BEGIN", before), ("after PHYSICS_HPP_END", after)):
+            outside = re.sub(r"\\\n", " ", outside)
+            if re.search(r"^(?!\s*(?://|#|$))", outside, re.MULTILINE):
+                yield f"{name}: code {place}"
+
+
+def cheap_standard_headers(house):
+    """Only standard headers that compile in milliseconds: the others are most of what such libraries cost."""
+    for name, text in house.parts.items():
+        for header in re.findall(r"^\s*#\s*include\s+<([^>]+)>", text, re.MULTILINE):
+            if header not in STANDARD | CONDITIONAL:
+                yield f"{name}: includes <{header}>; allowed are {', '.join(sorted(STANDARD))}"
+
+
+def small_files(house):
+    """No part is longer than a reader's patience."""
+    for name, text in house.parts.items():
+        if text.count("\n") > MOST_LINES:
+            yield f"{name}: {text.count(chr(10))} lines; at most {MOST_LINES}"
+
+
+def documented(house):
+    """Every public type, concept and alias has a docstring: the header is the manual."""
+    for name, text in house.parts.items():
+        lines = text.splitlines()
+        hidden = False
+        for i, line in enumerate(lines):
+            if re.match(r"namespace detail\b", line):
+                hidden = True
+            elif re.match(r"}  // namespace detail", line):
+                hidden = False
+            if hidden or not DECLARES.match(line) or line.startswith("using namespace"):
+                continue
+            above = i - 1
+            while above >= 0 and re.match(r"(template\b|\s+requires\b|requires\b|\s{4,}\S.*>$)", lines[above]):
+                above -= 1
+            described = above >= 0 and (lines[above].startswith("///") or lines[above].startswith("using "))
+            special = SPECIALISES.match(line)
+            primary = special and re.search(rf"^(?:class|struct) {special.group(1)};", text, re.MULTILINE)
+            elsewhere = special and not primary
+            if not (described or primary or elsewhere):
+                yield f"{name}:{i + 1}: no docstring: {line.strip()}"
+
+
+def own_macros(house):
+    """Macros begin with PHYSICS_HPP_: they reach into the user's file, past every namespace."""
+    for name, text in house.parts.items():
+        for macro in re.findall(r"^\s*#\s*define\s+(\w+)", text, re.MULTILINE):
+            if not macro.startswith("PHYSICS_HPP_"):
+                yield f"{name}: defines {macro}"
+
+
+def no_libm(house):
+    """No call into libm: its last bits differ from system to system. Square roots are exact everywhere."""
+    for name, text in house.parts.items():
+        for i, line in enumerate(text.splitlines(), 1):
+            found = LIBM.search(re.sub(r"//.*", "", line))
+            if found:
+                yield f"{name}:{i}: calls {found.group(0)[:-1]}"
+
+
+def private_laws(house):
+    """Laws are written once and compiled for every cell; outside an unnamed namespace, two cells that link into one
+    program would share a function by name, and one of them would silently test the other."""
+    for name, text in house.laws().items():
+        opens = text.count("\nnamespace {\n")
+        if opens != 1 or "\n}  // namespace\n" not in text:
+            yield f"{name}: not exactly one unnamed namespace around the laws"
+            continue
+        outside = re.sub(r"\nnamespace \{\n.*\n}  // namespace\n", "\n", text, flags=re.DOTALL)
+        for line in outside.splitlines():
+            if line.strip() and not re.match(r"\s*(//|#|template (class|struct)\b|}$|using )", line):
+                if not re.match(r"template [\w:]", line):
+                    yield f"{name}: outside the unnamed namespace: {line.strip()}"
+
+
+def tidy(house):
+    """No tabs, no space at line ends, no line over 120 columns (messages aside), no note to do it later."""
+    for name, text in house.all.items():
+        if text and not text.endswith("\n"):
+            yield f"{name}: no line end at the end"
+        for i, line in enumerate(text.split("\n"), 1):
+            if "\t" in line or "\r" in line or line != line.rstrip():
+                yield f"{name}:{i}: tab, carriage return or space at the line end"
+            if name.startswith("include/") and len(line) > MOST_COLUMNS and '"' not in line:
+                yield f"{name}:{i}: {len(line)} columns"
+            if re.search(r"\b(TO" r"DO|FIX" r"ME|XX" r"X)\b", line):
+                yield f"{name}:{i}: {line.strip()}"
+
+
+RULES = [floors_only_downwards, no_circles, opening, region, cheap_standard_headers, small_files, documented, own_macros,
+         no_libm, private_laws, tidy]
+
+
+def main():
+    house = House()
+    failed = 0
+    for rule in RULES:
+        violations = list(rule(house))
+        failed += bool(violations)
+        for violation in violations:
+            print(f"{rule.__name__}: {violation}")
+    print(f"{len(RULES) - failed} passed, {failed} failed")
+    return failed > 0 or not house.parts
+
+
+if __name__ == "__main__":
+    sys.exit(main())
