@@ -39,7 +39,8 @@
 #error "physics.hpp promises the same bits everywhere, which -ffast-math breaks: drop that flag for this file, or define PHYSICS_HPP_NONDETERMINISTIC"
 #elif defined(__GCC_IEC_559) && __GCC_IEC_559 == 0
 #error "physics.hpp promises the same bits everywhere, which flags such as -fassociative-math break: drop them for this file, or define PHYSICS_HPP_NONDETERMINISTIC"
-#elif defined(__FLT_EVAL_METHOD__) && __FLT_EVAL_METHOD__ != 0
+#elif defined(__FLT_EVAL_METHOD__) && __FLT_EVAL_METHOD__ != 0 && __FLT_EVAL_METHOD__ != 16
+// 16 is what gcc says where _Float16 has arithmetic of its own; float and double then have too.
 #error "physics.hpp promises the same bits everywhere, which x87 arithmetic breaks: add -msse2 -mfpmath=sse, or define PHYSICS_HPP_NONDETERMINISTIC"
 #endif
 #endif
@@ -77,7 +78,9 @@
 #define PHYSICS_HPP_REGION_PUSH _Pragma("clang fp contract(off)")
 #define PHYSICS_HPP_REGION_POP
 #elif defined(__clang__)
-#define PHYSICS_HPP_REGION_PUSH _Pragma("float_control(push)") _Pragma("clang fp contract(off)")
+// Precise as well, since no macro shows flags such as -fassociative-math. Only -ffp-contract=fast gets through:
+// clang fuses after it has forgotten the pragma, and the probe reports it.
+#define PHYSICS_HPP_REGION_PUSH _Pragma("float_control(precise, on, push)") _Pragma("clang fp contract(off)")
 #define PHYSICS_HPP_REGION_POP _Pragma("float_control(pop)")
 #elif defined(__GNUC__) && (defined(__FP_FAST_FMA) || defined(__FP_FAST_FMAF))
 #define PHYSICS_HPP_REGION_PUSH _Pragma("GCC push_options") _Pragma("GCC optimize(\"fp-contract=off\")")

@@ -5,7 +5,7 @@
 #include <limits>
 #include <type_traits>
 
-#include "physics/base/wide.hpp"
+#include "physics/base/root.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -55,33 +55,61 @@ constexpr Rep saturated(bool negative) {
 
 /// sign * magnitude, saturating.
 template <class Rep>
-constexpr Rep signed_saturating(bool negative, uint128 magnitude) {
-    using limits = std::numeric_limits<Rep>;
-    const uint128 most = uint128(static_cast<std::uint64_t>(limits::max())) + uint128(std::uint64_t{negative});
+constexpr Rep signed_saturating(bool negative, std::uint64_t magnitude) {
+    const std::uint64_t most = static_cast<std::uint64_t>(std::numeric_limits<Rep>::max()) + std::uint64_t{negative};
     if (magnitude > most) return saturated<Rep>(negative);
-    const std::uint64_t low = static_cast<std::uint64_t>(magnitude);
-    return static_cast<Rep>(static_cast<std::int64_t>(negative ? std::uint64_t{0} - low : low));
+    return static_cast<Rep>(static_cast<std::int64_t>(negative ? std::uint64_t{0} - magnitude : magnitude));
+}
+template <class Rep>
+constexpr Rep signed_saturating(bool negative, uint128 magnitude) {
+    return high_half(magnitude) != 0 ? saturated<Rep>(negative) : signed_saturating<Rep>(negative, low_half(magnitude));
 }
 
-constexpr uint128 magnitude128(std::int64_t a) { return int128(a).magnitude(); }
+constexpr std::uint64_t magnitude64(std::int64_t a) {
+    return a < 0 ? std::uint64_t{0} - static_cast<std::uint64_t>(a) : static_cast<std::uint64_t>(a);
+}
+constexpr uint128 magnitude128(std::int64_t a) { return uint128(magnitude64(a)); }
 constexpr uint128 magnitude128(int128 a) { return a.magnitude(); }
 
-/// a * 2^shift / b to nearest, saturating. Where a * 2^shift does not fit in 128 bits, b is scaled down
-/// instead, which loses only bits that are far below the quotient's own rounding where the quotient fits.
-/// A zero divisor saturates by the sign of a.
+/// 0 / 0 is 0; other numbers by zero saturate.
+template <class Rep>
+constexpr Rep quotient_by_zero(bool negative, bool of_zero) {
+    if (!of_zero) return saturated<Rep>(negative);
+    note_overflow(true);
+    return 0;
+}
+
+/// a * 2^shift / b to nearest, ties away from zero, saturating; shift from 1 to 63. One hardware division.
+template <class Rep>
+constexpr Rep scaled_quotient(std::int64_t a, int shift, std::int64_t b) {
+    const bool negative = (a < 0) != (b < 0);
+    const std::uint64_t n = magnitude64(a), d = magnitude64(b);
+    if (d == 0) return quotient_by_zero<Rep>(negative, n == 0);
+    const std::uint64_t high = n >> (64 - shift);
+    if (high >= d) return saturated<Rep>(negative);
+    std::uint64_t rest = 0;
+    const std::uint64_t quotient = divide128(high, n << shift, d, rest);
+    const std::uint64_t up = rest >= d - rest;
+    return signed_saturating<Rep>(negative, quotient + up < up ? quotient : quotient + up);
+}
+
+/// a * 2^shift / b to nearest, ties away from zero, saturating; shift from -126 to 186, a and b up to 2^127.
+/// Exact: where a * 2^shift has more than 128 bits, the division goes on with the rest, as many bits a round
+/// as there is room for.
 template <class Rep>
 constexpr Rep scaled_quotient(bool negative, uint128 a, int shift, uint128 b) {
-    if (b == uint128(0)) return a == uint128(0) ? (note_overflow(true), Rep{0}) : saturated<Rep>(negative);
-    if (shift < 0) {
-        const int spare = 127 - bit_width(b);
-        if (-shift > spare) return Rep{0};
-        return signed_saturating<Rep>(negative, divide_nearest(a, b << -shift));
-    }
-    const int room = 127 - bit_width(a);
-    if (shift <= room) return signed_saturating<Rep>(negative, divide_nearest(a << shift, b));
-    b = room < 0 ? b >> shift : b >> (shift - room);
-    if (b == uint128(0)) return saturated<Rep>(negative);
-    return signed_saturating<Rep>(negative, divide_nearest(room < 0 ? a : a << room, b));
+    if (b == uint128(0)) return quotient_by_zero<Rep>(negative, a == uint128(0));
+    uint128 quotient{}, rest = a;
+    do {
+        const int room = 128 - bit_width(rest | uint128(1));
+        const int step = shift < 0 ? 0 : shift < room ? shift : room;
+        if (bit_width(quotient) + step > 127) return saturated<Rep>(negative);
+        const uint128 dividend = rest << step;
+        quotient = (quotient << step) + divide128(dividend, b, rest);
+        shift -= step;
+    } while (shift > 0);
+    if (shift < 0) return signed_saturating<Rep>(negative, ((quotient >> (-shift - 1)) + uint128(1)) >> 1);
+    return signed_saturating<Rep>(negative, rest >= b - rest ? quotient + uint128(1) : quotient);
 }
 
 }  // namespace detail
@@ -150,13 +178,14 @@ public:
     [[nodiscard]] constexpr Rep raw() const { return raw_; }
 
     constexpr explicit operator double() const { return static_cast<double>(raw_) * unit; }
-    constexpr explicit operator float() const { return static_cast<float>(static_cast<double>(*this)); }
-    /// The integer part, towards zero.
-    constexpr explicit operator int() const { return static_cast<int>(raw_ / (Rep{1} << FractionBits)); }
-
-    friend constexpr fixed operator+(fixed a, fixed b) {
-        return add(a.raw_, b.raw_);
+    constexpr explicit operator float() const { return static_cast<float>(raw_) * static_cast<float>(unit); }
+    /// The integer part, towards zero; saturates.
+    constexpr explicit operator int() const {
+        const Rep whole = raw_ / (Rep{1} << FractionBits);
+        return detail::fits<int>(std::int64_t{whole}) ? static_cast<int>(whole) : detail::saturated<int>(raw_ < 0);
     }
+
+    friend constexpr fixed operator+(fixed a, fixed b) { return add(a.raw_, b.raw_); }
     friend constexpr fixed operator-(fixed a, fixed b) { return subtract(a.raw_, b.raw_); }
     friend constexpr fixed operator-(fixed a) { return subtract(Rep{0}, a.raw_); }
     friend constexpr fixed operator+(fixed a) { return a; }
@@ -164,8 +193,7 @@ public:
         return from_raw(detail::wrap<Rep>(detail::shift_nearest(raw_product(a.raw_, b.raw_), FractionBits)));
     }
     friend constexpr fixed operator/(fixed a, fixed b) {
-        return from_raw(detail::scaled_quotient<Rep>((a.raw_ < 0) != (b.raw_ < 0), detail::magnitude128(a.raw_),
-                                                     FractionBits, detail::magnitude128(b.raw_)));
+        return from_raw(detail::scaled_quotient<Rep>(a.raw_, FractionBits, b.raw_));
     }
     constexpr fixed& operator+=(fixed other) { return *this = *this + other; }
     constexpr fixed& operator-=(fixed other) { return *this = *this - other; }
@@ -204,7 +232,9 @@ private:
     static constexpr Rep from_double(double value) {
         constexpr double end = -static_cast<double>(limits::min());
         const double scaled = value * static_cast<double>(std::int64_t{1} << FractionBits);
-        if (!(scaled > -end - 0.5 && scaled < end - (sizeof(Rep) == 4 ? 0.5 : 0.0)))
+        // Next to the ends of a 64-bit representation doubles are whole, so there is no half to round.
+        const bool inside = sizeof(Rep) == 4 ? scaled > -end - 0.5 && scaled < end - 0.5 : scaled >= -end && scaled < end;
+        if (!inside)
             return value != value ? (detail::note_overflow(true), Rep{0}) : detail::saturated<Rep>(value < 0);
         const std::int64_t whole = static_cast<std::int64_t>(scaled);
         const double rest = scaled - static_cast<double>(whole);
@@ -274,10 +304,9 @@ constexpr R root(wide_fixed<Int, FractionBits> a) {
     constexpr int shift = 2 * R::fraction_bits - FractionBits;
     static_assert(shift <= 0 && shift % 2 == 0, "physics::root: the operand must have at least twice the result's fraction bits");
     if (a < wide_fixed<Int, FractionBits>{}) return detail::note_overflow(true), R{};
-    const std::uint64_t raw = detail::root_nearest(detail::magnitude128(a.raw));
-    if constexpr (shift == 0) return R::from_raw(detail::signed_saturating<typename R::rep>(false, detail::uint128(raw)));
-    return R::from_raw(detail::signed_saturating<typename R::rep>(
-        false, detail::int128(detail::shift_nearest(detail::int128(detail::uint128(raw)), shift == 0 ? 1 : -shift / 2)).bits));
+    const detail::integer_root found = detail::root_of(detail::magnitude128(a.raw));
+    if constexpr (shift == 0) return R::from_raw(detail::signed_saturating<typename R::rep>(false, found.nearest()));
+    else return R::from_raw(detail::signed_saturating<typename R::rep>(false, ((found.root >> (-shift / 2 - 1)) + 1) >> 1));
 }
 
 inline std::uint64_t overflow_count() noexcept {

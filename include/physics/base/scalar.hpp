@@ -17,11 +17,13 @@ PHYSICS_HPP_BEGIN
 ///   max()      the largest number
 ///   is_finite(x)
 ///   bits(x)    equal numbers give equal bits, for hashing; both zeros give 0
-///   sqrt, sin, cos, tan, exp, log, acos (x) and atan2(y, x), needed only of types the library does not know
+///   sqrt, floor, sin, cos, tan, exp, log, acos (x) and atan2(y, x), needed only of types the library does not
+///   know (see math.hpp)
 template <class S>
 struct scalar_traits;
 
 template <std::floating_point S>
+    requires(!std::same_as<S, long double>)
 struct scalar_traits<S> {
     using wide = S;
     using inverse = S;

@@ -63,17 +63,58 @@ constexpr int bit_width(portable_uint128 a) {
     return a.high != 0 ? 64 + static_cast<int>(std::bit_width(a.high)) : static_cast<int>(std::bit_width(a.low));
 }
 
-/// Quotient and remainder of a 128-bit by a 128-bit integer, schoolbook: one bit a round.
+/// The next 32 bits of a long division by a normalised divisor: high becomes the rest. The guess from the
+/// divisor's upper half is at most two too large (Knuth, The Art of Computer Programming 2, 4.3.1, D).
+constexpr std::uint64_t quotient_digit(std::uint64_t& high, std::uint64_t next, std::uint64_t d) {
+    const std::uint64_t mask = 0xffffffffu, d_high = d >> 32, d_low = d & mask;
+    std::uint64_t guess = high / d_high, rest = high % d_high;
+    while (rest <= mask && (guess > mask || guess * d_low > ((rest << 32) | next))) {
+        --guess;
+        rest += d_high;
+    }
+    high = ((high << 32) | next) - guess * d;
+    return guess;
+}
+
+/// (high * 2^64 + low) / d and its remainder, for high < d.
+constexpr std::uint64_t portable_divide(std::uint64_t high, std::uint64_t low, std::uint64_t d,
+                                        std::uint64_t& remainder) {
+    if (high == 0) {
+        remainder = low % d;
+        return low / d;
+    }
+    const int shift = std::countl_zero(d);
+    const portable_uint128 a = portable_uint128(high, low) << shift;
+    d <<= shift;
+    remainder = a.high;
+    const std::uint64_t first = quotient_digit(remainder, a.low >> 32, d);
+    const std::uint64_t second = quotient_digit(remainder, a.low & 0xffffffffu, d);
+    remainder >>= shift;
+    return (first << 32) | second;
+}
+
+/// Quotient and remainder of a 128-bit by a 128-bit integer; b must not be zero. ~10 ns.
 constexpr portable_uint128 portable_divide(portable_uint128 a, portable_uint128 b, portable_uint128& remainder) {
-    portable_uint128 quotient;
-    remainder = {};
-    for (int i = bit_width(a) - 1; i >= 0; --i) {
-        remainder = (remainder << 1) | ((a >> i).low & 1u);
-        quotient = quotient << 1;
-        if (remainder >= b) {
-            remainder = remainder - b;
-            quotient.low |= 1u;
-        }
+    if (b.high == 0) {
+        portable_uint128 quotient(a.high / b.low, 0);
+        std::uint64_t rest = 0;
+        quotient.low = portable_divide(a.high % b.low, a.low, b.low, rest);
+        remainder = rest;
+        return quotient;
+    }
+    // The quotient by the divisor's upper 64 bits is right or one too large; half of a keeps its upper word
+    // below the divisor's.
+    const int shift = std::countl_zero(b.high);
+    const portable_uint128 half = a >> 1;
+    std::uint64_t unused = 0;
+    std::uint64_t quotient = portable_divide(half.high, half.low, (b << shift).high, unused) >> (63 - shift);
+    if (quotient != 0) --quotient;
+    portable_uint128 back = portable_product(quotient, b.low);
+    back.high += quotient * b.high;
+    remainder = a - back;
+    if (remainder >= b) {
+        remainder = remainder - b;
+        ++quotient;
     }
     return quotient;
 }
@@ -86,14 +127,32 @@ constexpr uint128 divide128(uint128 a, uint128 b, uint128& remainder) {
     remainder = a - quotient * b;
     return quotient;
 }
+constexpr std::uint64_t divide128(std::uint64_t high, std::uint64_t low, std::uint64_t d, std::uint64_t& remainder) {
+    const std::uint64_t quotient =
+        high == 0 ? low / d : static_cast<std::uint64_t>(((static_cast<uint128>(high) << 64) | low) / d);
+    remainder = low - quotient * d;
+    return quotient;
+}
 constexpr int bit_width(uint128 a) {
     return bit_width(portable_uint128(static_cast<std::uint64_t>(a >> 64), static_cast<std::uint64_t>(a)));
 }
+__extension__ typedef __int128 native_int128;
+constexpr uint128 shift_signed(uint128 a, int n) { return static_cast<uint128>(static_cast<native_int128>(a) >> n); }
+constexpr std::uint64_t high_half(uint128 a) { return static_cast<std::uint64_t>(a >> 64); }
 #else
 using uint128 = portable_uint128;
 constexpr uint128 product128(std::uint64_t a, std::uint64_t b) { return portable_product(a, b); }
 constexpr uint128 divide128(uint128 a, uint128 b, uint128& remainder) { return portable_divide(a, b, remainder); }
+constexpr std::uint64_t divide128(std::uint64_t high, std::uint64_t low, std::uint64_t d, std::uint64_t& remainder) {
+    return portable_divide(high, low, d, remainder);
+}
 #endif
+/// Arithmetic shift: rounds towards minus infinity.
+constexpr portable_uint128 shift_signed(portable_uint128 a, int n) { return a.high >> 63 != 0 ? ~(~a >> n) : a >> n; }
+constexpr std::uint64_t high_half(portable_uint128 a) { return a.high; }
+constexpr std::uint64_t low_half(uint128 a) { return static_cast<std::uint64_t>(a); }
+/// The upper half of the product of two 64-bit integers.
+constexpr std::uint64_t mul_high(std::uint64_t a, std::uint64_t b) { return high_half(product128(a, b)); }
 
 /// Two's-complement 128-bit integer over either representation; wraps, never undefined.
 template <class Unsigned>
@@ -116,7 +175,7 @@ struct basic_int128 {
     friend constexpr basic_int128 operator<<(basic_int128 a, int n) { return basic_int128(a.bits << n); }
     /// Arithmetic shift: rounds towards minus infinity.
     friend constexpr basic_int128 operator>>(basic_int128 a, int n) {
-        return a.negative() ? basic_int128(~(~a.bits >> n)) : basic_int128(a.bits >> n);
+        return basic_int128(shift_signed(a.bits, n));
     }
     friend constexpr bool operator==(basic_int128 a, basic_int128 b) { return a.bits == b.bits; }
     friend constexpr bool operator<(basic_int128 a, basic_int128 b) {
@@ -131,13 +190,13 @@ using int128 = basic_int128<uint128>;
 
 constexpr int128 product128(std::int64_t a, std::int64_t b) {
 #if PHYSICS_HPP_INT128
-    __extension__ typedef __int128 native;
-    return int128(static_cast<uint128>(static_cast<native>(a) * b));
+    return int128(static_cast<uint128>(static_cast<native_int128>(a) * b));
 #else
-    const std::uint64_t ua = a < 0 ? std::uint64_t{0} - static_cast<std::uint64_t>(a) : static_cast<std::uint64_t>(a);
-    const std::uint64_t ub = b < 0 ? std::uint64_t{0} - static_cast<std::uint64_t>(b) : static_cast<std::uint64_t>(b);
-    const uint128 magnitude = product128(ua, ub);
-    return int128((a < 0) != (b < 0) ? -magnitude : magnitude);
+    // The product of the bit patterns is too large by 2^64 times the other factor for each negative one.
+    const std::uint64_t ua = static_cast<std::uint64_t>(a), ub = static_cast<std::uint64_t>(b);
+    uint128 result = product128(ua, ub);
+    result.high -= (a < 0 ? ub : 0) + (b < 0 ? ua : 0);
+    return int128(result);
 #endif
 }
 
@@ -153,52 +212,6 @@ constexpr std::int64_t shift_nearest(std::int64_t a, int n) {
     return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(half) -
                                      static_cast<std::uint64_t>(a < 0)) >>
            n;
-}
-
-/// a / b to nearest, ties away from zero; b must not be zero.
-constexpr uint128 divide_nearest(uint128 a, uint128 b) {
-    uint128 remainder{};
-    const uint128 quotient = divide128(a, b, remainder);
-    return remainder >= b - remainder ? quotient + uint128(1) : quotient;
-}
-
-/// The integer nearest to sqrt(a): the digit-by-digit method, two bits of a round. The root is never a tie.
-template <class Unsigned>
-constexpr Unsigned root_nearest_by_digits(Unsigned a) {
-    Unsigned root{}, rest = a;
-    Unsigned bit = Unsigned(1) << 126;
-    while (bit > a) bit = bit >> 2;
-    for (; bit > Unsigned(0); bit = bit >> 2) {
-        if (rest >= root + bit) {
-            rest = rest - (root + bit);
-            root = (root >> 1) + bit;
-        } else {
-            root = root >> 1;
-        }
-    }
-    return rest > root ? root + Unsigned(1) : root;
-}
-
-/// The integer nearest to sqrt(a). A hardware double seeds Newton's iteration and integers repair it, so
-/// the result does not depend on the floating-point environment; ~20 ns.
-constexpr std::uint64_t root_nearest(uint128 a) {
-    const int width = bit_width(a);
-    if (width == 0) return 0;
-    if (std::is_constant_evaluated() || width > 126) {
-        const uint128 root = root_nearest_by_digits(a);
-        return static_cast<std::uint64_t>(root);
-    }
-    const int shift = width > 62 ? (width - 61) & ~1 : 0;
-    const double leading = static_cast<double>(static_cast<std::int64_t>(static_cast<std::uint64_t>(a >> shift)));
-    std::uint64_t root = static_cast<std::uint64_t>(static_cast<std::int64_t>(__builtin_sqrt(leading))) << (shift / 2);
-    if (root == 0) root = 1;
-    if (shift > 0) {
-        uint128 rest{};
-        root = (root + static_cast<std::uint64_t>(divide128(a, uint128(root), rest))) / 2;
-    }
-    while (product128(root, root) > a) --root;
-    while (product128(root + 1, root + 1) <= a) ++root;
-    return a - product128(root, root) > uint128(root) ? root + 1 : root;
 }
 
 }  // namespace detail

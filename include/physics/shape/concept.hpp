@@ -1,38 +1,10 @@
-// What a shape must offer, and the checks of its numbers.
+// What a shape must offer.
 #pragma once
 
-#include "physics/base/error.hpp"
+#include "physics/space/check.hpp"
 #include "physics/space/space.hpp"
 
 PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-template <class S>
-bool check_finite(const char* function, const char* field, S value) {
-    return is_finite(value) || refuse(function, field, static_cast<double>(value), "it must be finite");
-}
-template <class S, int D>
-bool check_finite(const char* function, const char* field, vec<S, D> value) {
-    for (int i = 0; i < D; ++i) {
-        if (is_finite(value[i])) continue;
-        const char component[] = {'.', "xyz"[i], '\0'};
-        return refuse(function, field, component, static_cast<double>(value[i]), "it must be finite");
-    }
-    return true;
-}
-template <class S>
-bool check_positive(const char* function, const char* field, S value) {
-    return check_finite(function, field, value) &&
-           (value > S(0) || refuse(function, field, static_cast<double>(value), "it must be greater than 0"));
-}
-template <class S>
-bool check_not_negative(const char* function, const char* field, S value) {
-    return check_finite(function, field, value) &&
-           (!(value < S(0)) || refuse(function, field, static_cast<double>(value), "it must not be negative"));
-}
-
-}  // namespace detail
 
 /// A shape for the scalar S in D dimensions: a trivially copyable value with free functions
 ///   check(shape, function)       refuses bad numbers (see error.hpp) and says whether all are good

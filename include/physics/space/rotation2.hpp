@@ -64,6 +64,12 @@ constexpr rotation<S, 2> normalized(rotation<S, 2> a) {
     return {unit.x, unit.y};
 }
 
+/// The angle of a in radians, in [-pi, pi]; in space the rotation vector, axis times angle.
+template <class S>
+S rotation_vector(rotation<S, 2> a) {
+    return a.angle();
+}
+
 namespace detail {
 /// tan(x) / x by its series for x^2 = xx <= 1/16, relative error < 9e-9 there and 9e-16 at x = 1/20. A
 /// rotation built from the tangent has length 1 whatever its error, so a cut series costs angle, never scale.

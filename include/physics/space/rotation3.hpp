@@ -76,6 +76,13 @@ constexpr rotation<S, 3> normalized(rotation<S, 3> a) {
     return {b.x / norm, b.y / norm, b.z / norm, b.w / norm};
 }
 
+/// Axis times angle of a (radians, at most pi), so that turned({}, rotation_vector(a)) is a again.
+template <class S>
+vec<S, 3> rotation_vector(rotation<S, 3> a) {
+    const auto [axis, sine] = split(a.w < S(0) ? -a.imaginary() : a.imaginary());
+    return axis * (atan2(sine, abs(a.w)) * S(2));
+}
+
 /// a, turned further by a rotation vector (axis times angle, radians, in the outer frame); keeps length 1.
 /// One radian at most goes without trigonometry, as in the plane.
 template <class S>

@@ -1,0 +1,23 @@
+// The stages of a step. Policies name theirs, so that a recipe can list them in any order.
+#pragma once
+
+#include "physics/base/config.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace stage {
+/// Which shapes a world knows: shapes<...>.
+struct shapes {};
+/// From boxes to pairs: all_pairs.
+struct broadphase {};
+/// From pairs to manifolds: best_per_pair.
+struct narrowphase {};
+/// From contacts to velocities: sequential_impulse.
+struct solver {};
+/// How velocities and poses advance: semi_implicit_euler.
+struct integrator {};
+/// Which features are left out: without<...>.
+struct features {};
+}  // namespace stage
+
+PHYSICS_HPP_END

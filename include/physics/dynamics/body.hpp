@@ -1,0 +1,67 @@
+// The state of a body.
+#pragma once
+
+#include "physics/space/space.hpp"
+
+PHYSICS_HPP_BEGIN
+
+/// How a body moves.
+enum class body_type : std::uint8_t {
+    /// Never moves; infinite mass.
+    static_body,
+    /// Moves as told, by velocities or poses; pushes dynamic bodies and is not pushed.
+    kinematic_body,
+    /// Moved by forces, impulses and contacts.
+    dynamic_body,
+};
+
+/// Everything that a world keeps of one body.
+template <class S, int D>
+struct body {
+    // Moves every step. The centre of mass is the integrated position; the body's origin follows from it.
+    vec<S, D> center;
+    physics::rotation<S, D> rotation;
+    twist<S, D> velocity;
+    vec<S, D> force;
+    angular<S, D> torque{};
+
+    // Changes when shapes, masses or settings do.
+    mass_properties<S, D> mass;
+    inverse_of<S> inverse_mass{};
+    physics::inverse_inertia<S, D> inverse_inertia{};
+    S linear_damping{};
+    S angular_damping{};
+    S gravity_scale = S(1);
+    transform<S, D> target;
+    std::uint64_t user_data = 0;
+    std::uint32_t first_shape = 0xffffffffu;
+    body_type type = body_type::dynamic_body;
+    bool rotation_locked = false;
+    bool mass_is_set = false;
+    bool has_target = false;
+
+    /// The pose of the body's own frame, in which its shapes lie.
+    [[nodiscard]] constexpr transform<S, D> pose() const { return {center - rotation * mass.center, rotation}; }
+    constexpr void set_pose(const transform<S, D>& pose) {
+        rotation = pose.rotation;
+        center = pose * mass.center;
+    }
+    [[nodiscard]] constexpr bool is_dynamic() const { return type == body_type::dynamic_body; }
+};
+
+/// What a solver sees of a body: velocity and how it answers to impulses. Bodies that nothing pushes have
+/// the inverse mass 0.
+template <class S, int D>
+struct solver_body {
+    twist<S, D> velocity;
+    inverse_of<S> inverse_mass{};
+    physics::inverse_inertia<S, D> inverse_inertia{};
+
+    /// The impulse p (kg m/s) acts at lever r from the centre of mass.
+    constexpr void apply(vec<S, D> p, vec<S, D> r) {
+        for (int i = 0; i < D; ++i) velocity.linear[i] += mul<S>(inverse_mass, p[i]);
+        velocity.angular += times(inverse_inertia, cross(r, p));
+    }
+};
+
+PHYSICS_HPP_END

@@ -1,0 +1,100 @@
+// Contacts: manifolds in the world, with what is remembered of them from step to step.
+#pragma once
+
+#include "physics/base/buffer.hpp"
+#include "physics/broadphase/concept.hpp"
+#include "physics/collide/manifold.hpp"
+
+PHYSICS_HPP_BEGIN
+
+/// How a shape's surface answers to contact.
+template <class S>
+struct material {
+    /// Coulomb friction coefficient; two surfaces meet with the square root of their product.
+    S friction = S(0.6);
+    /// Share of the approach speed that a bounce gives back, 0 to 1; two surfaces meet with the larger one.
+    S restitution = S(0);
+};
+
+/// Friction impulses along the tangents of a contact: one in the plane, two in space.
+template <class S, int D>
+using tangential = std::conditional_t<D == 2, S, vec<S, 2>>;
+
+/// One point of a contact.
+template <class S, int D>
+struct contact_point {
+    /// Lever from the centre of mass of either body to the point, in world axes (m).
+    vec<S, D> lever_a;
+    vec<S, D> lever_b;
+    /// Distance of the surfaces along the normal (m); negative where they overlap.
+    S separation{};
+    /// Sum of the impulses of the last step along the normal, at least 0, and along the tangents (N s).
+    S normal_impulse{};
+    physics::tangential<S, D> friction_impulse{};
+    std::uint32_t feature = 0;
+    /// True if the same features touched in the step before.
+    bool persisted = false;
+};
+
+/// Two shapes of different bodies that touch or are about to.
+template <class S, int D>
+struct contact {
+    /// Numbers of the shapes and bodies; the normal points from A to B.
+    std::uint32_t shape_a, shape_b;
+    std::uint32_t body_a, body_b;
+    vec<S, D> normal;
+    contact_point<S, D> points[manifold<S, D>::capacity];
+    int count = 0;
+    /// Of both surfaces together.
+    S friction{};
+    S restitution{};
+
+    [[nodiscard]] constexpr proxy_pair key() const {
+        return shape_a < shape_b ? proxy_pair{shape_a, shape_b} : proxy_pair{shape_b, shape_a};
+    }
+};
+
+/// The tangents of a contact normal: in the plane one, in space two.
+template <class S>
+struct tangents2 {
+    vec<S, 2> t;
+
+    constexpr explicit tangents2(vec<S, 2> normal) : t(perpendicular(normal)) {}
+    [[nodiscard]] constexpr S components(vec<S, 2> v) const { return dot(t, v); }
+    [[nodiscard]] constexpr vec<S, 2> combine(S along) const { return t * along; }
+};
+template <class S>
+struct tangents3 {
+    vec<S, 3> t, u;
+
+    constexpr explicit tangents3(vec<S, 3> normal) : t(perpendicular(normal)), u(cross(normal, t)) {}
+    [[nodiscard]] constexpr vec<S, 2> components(vec<S, 3> v) const { return {dot(t, v), dot(u, v)}; }
+    [[nodiscard]] constexpr vec<S, 3> combine(vec<S, 2> along) const { return t * along.x + u * along.y; }
+};
+template <class S, int D>
+using tangents = std::conditional_t<D == 2, tangents2<S>, tangents3<S>>;
+
+/// Hands the impulses of last step's contacts to the same features of this step's. Both lists are in
+/// ascending order of their pairs, so one walk along both finds the matches: O(n), no hashing. Points that
+/// are new start from zero: only what outlives a step is warm.
+template <class S, int D>
+void inherit_impulses(const buffer<contact<S, D>>& before, buffer<contact<S, D>>& now) {
+    std::uint32_t i = 0;
+    for (contact<S, D>& c : now) {
+        while (i < before.size() && before[i].key() < c.key()) ++i;
+        if (i == before.size()) return;
+        const contact<S, D>& old = before[i];
+        if (!(old.key() == c.key())) continue;
+        const tangents<S, D> old_frame(old.normal), frame(c.normal);
+        for (int k = 0; k < c.count; ++k)
+            for (int j = 0; j < old.count; ++j) {
+                if (old.points[j].feature != c.points[k].feature) continue;
+                c.points[k].normal_impulse = old.points[j].normal_impulse;
+                c.points[k].friction_impulse = frame.components(old_frame.combine(old.points[j].friction_impulse));
+                c.points[k].persisted = true;
+                break;
+            }
+    }
+}
+
+PHYSICS_HPP_END

@@ -1,0 +1,96 @@
+// Coulomb friction at one point: an interval in the plane, a circular cone in space.
+#pragma once
+
+#include "physics/dynamics/body.hpp"
+#include "physics/dynamics/contact.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// How much a unit impulse along n at lever r changes the velocity along m at the same point, by rotation
+/// alone, in the inverse format.
+template <class S>
+constexpr inverse_of<S> angular_answer(inverse_of<S> inverse_inertia, vec<S, 2> r, vec<S, 2> n, vec<S, 2> m) {
+    using I = inverse_of<S>;
+    return mul<I>(mul<I>(inverse_inertia, cross(r, n)), cross(r, m));
+}
+template <class S>
+constexpr inverse_of<S> angular_answer(const symmetric<inverse_of<S>>& inverse_inertia, vec<S, 3> r, vec<S, 3> n, vec<S, 3> m) {
+    using I = inverse_of<S>;
+    const vec<S, 3> a = cross(r, n), b = cross(r, m);
+    const auto& k = inverse_inertia;
+    const I x = narrow<I>(product(k.xx, a.x) + product(k.xy, a.y) + product(k.xz, a.z));
+    const I y = narrow<I>(product(k.xy, a.x) + product(k.yy, a.y) + product(k.yz, a.z));
+    const I z = narrow<I>(product(k.xz, a.x) + product(k.yz, a.y) + product(k.zz, a.z));
+    return narrow<I>(product(x, b.x) + product(y, b.y) + product(z, b.z));
+}
+
+/// Both bodies' answer along m to a unit impulse along n at a contact point.
+template <class S, int D>
+constexpr inverse_of<S> answer(const solver_body<S, D>& a, const solver_body<S, D>& b, const contact_point<S, D>& p,
+                               vec<S, D> n, vec<S, D> m) {
+    return angular_answer<S>(a.inverse_inertia, p.lever_a, n, m) + angular_answer<S>(b.inverse_inertia, p.lever_b, n, m);
+}
+
+/// The effective mass along n: the impulse that changes the relative velocity along n by 1.
+template <class S, int D>
+constexpr S effective_mass(const solver_body<S, D>& a, const solver_body<S, D>& b, const contact_point<S, D>& p, vec<S, D> n) {
+    const inverse_of<S> k = a.inverse_mass + b.inverse_mass + answer(a, b, p, n, n);
+    return k > inverse_of<S>(0) ? reciprocal<S>(k) : S(0);
+}
+
+}  // namespace detail
+
+/// Friction of a point in the plane.
+template <class S>
+struct friction2 {
+    S mass{};
+
+    constexpr friction2() = default;
+    constexpr friction2(const solver_body<S, 2>& a, const solver_body<S, 2>& b, const contact_point<S, 2>& p, const tangents2<S>& frame)
+        : mass(detail::effective_mass(a, b, p, frame.t)) {}
+
+    /// The accumulated impulse that stops the slip v, or the largest that friction can give.
+    [[nodiscard]] constexpr S next(S impulse, S v, S limit) const { return clamp(impulse - mass * v, -limit, limit); }
+};
+
+/// Friction of a point in space. Sticking is solved exactly, by the inverse of the 2 x 2 answer of both
+/// tangents. Slipping takes a gradient step, scaled by the largest eigenvalue, onto the circular cone: its
+/// fixed point opposes the slip in any direction, which per-tangent limits do not.
+template <class S>
+struct friction3 {
+    S xx{}, xy{}, yy{};
+    S slip{};
+
+    constexpr friction3() = default;
+    constexpr friction3(const solver_body<S, 3>& a, const solver_body<S, 3>& b, const contact_point<S, 3>& p, const tangents3<S>& frame) {
+        using I = inverse_of<S>;
+        const I m = a.inverse_mass + b.inverse_mass;
+        const I kxx = m + detail::answer(a, b, p, frame.t, frame.t);
+        const I kyy = m + detail::answer(a, b, p, frame.u, frame.u);
+        const I kxy = detail::answer(a, b, p, frame.t, frame.u);
+        const auto determinant = product(kxx, kyy) - product(kxy, kxy);
+        if (!(determinant > wide_of<I>{})) return;
+        xx = quotient<S>(kyy, determinant);
+        yy = quotient<S>(kxx, determinant);
+        xy = -quotient<S>(kxy, determinant);
+        const I half = mul<I>(kxx - kyy, S(0.5));
+        slip = reciprocal<S>(mul<I>(kxx + kyy, S(0.5)) + root<I>(product(half, half) + product(kxy, kxy)));
+    }
+
+    [[nodiscard]] constexpr vec<S, 2> next(vec<S, 2> impulse, vec<S, 2> v, S limit) const {
+        const vec<S, 2> stick = impulse - vec<S, 2>{sum_of_products(xx, v.x, xy, v.y), sum_of_products(xy, v.x, yy, v.y)};
+        const wide_of<S> most = product(limit, limit);
+        if (!(length_squared(stick) > most)) return stick;
+        const vec<S, 2> slide = impulse - v * slip;
+        if (!(length_squared(slide) > most)) return slide;
+        return normalized(slide) * limit;
+    }
+};
+
+/// Friction of a point in D dimensions.
+template <class S, int D>
+using point_friction = std::conditional_t<D == 2, friction2<S>, friction3<S>>;
+
+PHYSICS_HPP_END

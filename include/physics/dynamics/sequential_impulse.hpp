@@ -1,0 +1,157 @@
+// The sequential impulse solver: one constraint at a time, impulses accumulated and clamped.
+#pragma once
+
+#include "physics/base/arena.hpp"
+#include "physics/dynamics/friction.hpp"
+#include "physics/dynamics/integrator.hpp"
+#include "physics/space/check.hpp"
+
+PHYSICS_HPP_BEGIN
+
+/// Numbers of the sequential impulse solver; lengths in metres, speeds in m/s.
+template <class S>
+struct sequential_impulse_settings {
+    /// Rounds over all contacts; more make tall stacks and heavy loads stiffer. At least 1.
+    int iterations = 12;
+    /// Share of an overlap that one step takes back (the factor beta of Baumgarte), 0 to 1.
+    S baumgarte = S(0.2);
+    /// Overlap that is left alone, so that resting contacts persist.
+    S penetration_slop = S(0.005);
+    /// Speed at which overlaps are pushed apart, at most.
+    S max_push_speed = S(3);
+    /// Approaches slower than this do not bounce.
+    S restitution_slop = S(0.5);
+};
+
+template <class S>
+bool check(const sequential_impulse_settings<S>& with, const char* function) {
+    if (with.iterations < 1) return detail::refuse(function, "solver.iterations", with.iterations, "it must be at least 1");
+    if (with.baumgarte > S(1))
+        return detail::refuse(function, "solver.baumgarte", static_cast<double>(with.baumgarte), "it must be at most 1");
+    return detail::check_not_negative(function, "solver.baumgarte", with.baumgarte) &&
+           detail::check_not_negative(function, "solver.penetration_slop", with.penetration_slop) &&
+           detail::check_not_negative(function, "solver.max_push_speed", with.max_push_speed) &&
+           detail::check_not_negative(function, "solver.restitution_slop", with.restitution_slop);
+}
+
+/// Sequential impulses (projected Gauss-Seidel on velocities): accumulated impulses clamped to what contact
+/// can give, warm starting of points that outlive a step, Baumgarte's term with a penetration slop,
+/// restitution with its slop, Coulomb friction on a circular cone. Error: of order h; stacks settle into
+/// the slop, mass ratios beyond 1:10 need more iterations. Cost: iterations x points.
+/// Source: Catto, Iterative Dynamics with Temporal Coherence (2005); Catto, Modeling and Solving
+/// Constraints (2009); Baumgarte (1972).
+struct sequential_impulse {
+    using stage = physics::stage::solver;
+
+    template <class Space, class Features>
+    class in {
+    public:
+        using S = typename Space::scalar;
+        static constexpr int D = Space::dimension;
+        using settings = sequential_impulse_settings<S>;
+
+        /// Advances velocities and poses by h: `motion` offers advance_velocities(h) and advance_poses(h).
+        template <class Motion>
+        static void solve(solver_body<S, D>* bodies, buffer<contact<S, D>>& contacts, const settings& with, S h, arena& scratch,
+                          Motion&& motion) {
+            block* blocks = scratch.template take<block>(contacts.size());
+            for (std::uint32_t i = 0; i < contacts.size(); ++i) new (blocks + i) block(contacts[i], bodies, with, h);
+            motion.advance_velocities(h);
+            for (std::uint32_t i = 0; i < contacts.size(); ++i) warm_start(contacts[i], blocks[i], bodies);
+            // Forth and back in turns: loads and corrections travel as far one way as the other.
+            for (int round = 0; round < with.iterations; ++round) {
+                const bool back = round % 2 != 0;
+                for (std::uint32_t i = 0; i < contacts.size(); ++i) {
+                    const std::uint32_t at = back ? contacts.size() - 1 - i : i;
+                    solve_contact(contacts[at], blocks[at], bodies, back);
+                }
+            }
+            motion.advance_poses(h);
+        }
+
+    private:
+        struct no_friction {
+            constexpr no_friction() = default;
+            constexpr no_friction(const solver_body<S, D>&, const solver_body<S, D>&, const contact_point<S, D>&, const tangents<S, D>&) {}
+        };
+        /// What one point needs while iterating; target_speed is the speed along the normal with which the
+        /// surfaces must part, at least.
+        struct row {
+            [[no_unique_address]] std::conditional_t<Features::friction, point_friction<S, D>, no_friction> friction;
+            S normal_mass;
+            S target_speed;
+        };
+        struct block {
+            tangents<S, D> frame;
+            row rows[manifold<S, D>::capacity];
+
+            block(const contact<S, D>& c, const solver_body<S, D>* bodies, const settings& with, S h) : frame(c.normal) {
+                const solver_body<S, D>& a = bodies[c.body_a];
+                const solver_body<S, D>& b = bodies[c.body_b];
+                for (int k = 0; k < c.count; ++k) {
+                    const contact_point<S, D>& p = c.points[k];
+                    rows[k] = {{a, b, p, frame}, detail::effective_mass(a, b, p, c.normal), target_speed(c, p, a, b, with, h)};
+                }
+            }
+        };
+
+        /// Apart, the surfaces may close the gap; overlapping, they part slowly; a bounce parts them with its
+        /// share of the approach.
+        static S target_speed(const contact<S, D>& c, const contact_point<S, D>& p, const solver_body<S, D>& a,
+                              const solver_body<S, D>& b, const settings& with, S h) {
+            S target = -p.separation / h;
+            if (p.separation < S(0)) {
+                const S overlap = max(-p.separation - with.penetration_slop, S(0));
+                target = min(overlap * with.baumgarte / h, with.max_push_speed);
+            }
+            if constexpr (Features::restitution) {
+                const S speed = dot(c.normal, velocity_at(b.velocity, p.lever_b) - velocity_at(a.velocity, p.lever_a));
+                const bool meets = p.separation + speed * h < S(0);
+                if (meets && -speed > with.restitution_slop) target = max(target, -(c.restitution * speed));
+            }
+            return target;
+        }
+
+        static void warm_start(const contact<S, D>& c, const block& with, solver_body<S, D>* bodies) {
+            for (int k = 0; k < c.count; ++k) {
+                const contact_point<S, D>& p = c.points[k];
+                if (!p.persisted) continue;
+                vec<S, D> impulse = c.normal * p.normal_impulse;
+                if constexpr (Features::friction) impulse += with.frame.combine(p.friction_impulse);
+                bodies[c.body_a].apply(-impulse, p.lever_a);
+                bodies[c.body_b].apply(impulse, p.lever_b);
+            }
+        }
+
+        static void solve_contact(contact<S, D>& c, const block& with, solver_body<S, D>* bodies, bool back) {
+            solver_body<S, D>& a = bodies[c.body_a];
+            solver_body<S, D>& b = bodies[c.body_b];
+            if constexpr (Features::friction) {
+                const auto& frame = with.frame;
+                for (int i = 0; i < c.count; ++i) {
+                    const int k = back ? c.count - 1 - i : i;
+                    contact_point<S, D>& p = c.points[k];
+                    const vec<S, D> v = velocity_at(b.velocity, p.lever_b) - velocity_at(a.velocity, p.lever_a);
+                    const auto impulse = with.rows[k].friction.next(p.friction_impulse, frame.components(v), c.friction * p.normal_impulse);
+                    const vec<S, D> change = frame.combine(impulse - p.friction_impulse);
+                    p.friction_impulse = impulse;
+                    a.apply(-change, p.lever_a);
+                    b.apply(change, p.lever_b);
+                }
+            }
+            // Normals last: not sinking in matters more than not sliding.
+            for (int i = 0; i < c.count; ++i) {
+                const int k = back ? c.count - 1 - i : i;
+                contact_point<S, D>& p = c.points[k];
+                const vec<S, D> v = velocity_at(b.velocity, p.lever_b) - velocity_at(a.velocity, p.lever_a);
+                const S impulse = max(p.normal_impulse + with.rows[k].normal_mass * (with.rows[k].target_speed - dot(c.normal, v)), S(0));
+                const vec<S, D> change = c.normal * (impulse - p.normal_impulse);
+                p.normal_impulse = impulse;
+                a.apply(-change, p.lever_a);
+                b.apply(change, p.lever_b);
+            }
+        }
+    };
+};
+
+PHYSICS_HPP_END

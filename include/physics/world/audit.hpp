@@ -1,0 +1,169 @@
+// Every way to misuse a recipe, each with its one sentence.
+#pragma once
+
+#include "physics/world/recipe.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+enum class recipe_problem {
+    none,
+    not_a_recipe,
+    bad_scalar,
+    bad_dimension,
+    policy_without_stage,
+    unknown_stage,
+    two_policies_for_a_stage,
+    no_shapes,
+    same_shape_twice,
+    not_a_shape,
+    pair_without_contact,
+    unknown_feature,
+    bad_broadphase,
+    bad_narrowphase,
+    bad_integrator,
+    bad_solver,
+};
+
+template <class Recipe>
+concept recipe_like = requires {
+    typename Recipe::scalar;
+    { Recipe::dimension } -> std::convertible_to<int>;
+    typename Recipe::policies;
+};
+
+template <class Stage>
+constexpr bool known_stage = std::same_as<Stage, stage::shapes> || std::same_as<Stage, stage::broadphase> ||
+                             std::same_as<Stage, stage::narrowphase> || std::same_as<Stage, stage::solver> ||
+                             std::same_as<Stage, stage::integrator> || std::same_as<Stage, stage::features>;
+
+/// How many of the policies serve the stage.
+template <class Stage, class... Policies>
+constexpr int policies_for = (0 + ... + int{std::same_as<typename stage_of<Policies>::type, Stage>});
+
+template <class A, class S, int D, template <class, int> class... Shapes>
+constexpr bool meets_all = (collidable<A, Shapes<S, D>, S, D> && ...);
+template <class A, class S, int D, template <class, int> class... Shapes>
+constexpr int times_among = (0 + ... + int{std::same_as<A, Shapes<S, D>>});
+
+template <class S, int D, template <class, int> class... Shapes>
+constexpr recipe_problem problem_of_shapes(const shapes<Shapes...>*) {
+    if constexpr (sizeof...(Shapes) == 0) return recipe_problem::no_shapes;
+    else if constexpr (((times_among<Shapes<S, D>, S, D, Shapes...> > 1) || ...)) return recipe_problem::same_shape_twice;
+    else if constexpr (!(shape_for<Shapes<S, D>, S, D> && ...)) return recipe_problem::not_a_shape;
+    else if constexpr (!(meets_all<Shapes<S, D>, S, D, Shapes...> && ...)) return recipe_problem::pair_without_contact;
+    else return recipe_problem::none;
+}
+
+template <class Policy, class Space>
+concept broadphase_policy = requires { typename Policy::template in<Space>; } && broadphase_for<typename Policy::template in<Space>, Space>;
+
+template <class Policy, class S, int D, template <class, int> class... Shapes>
+constexpr bool narrowphase_serves(const shapes<Shapes...>*) {
+    return narrowphase_for<Policy, S, D, Shapes...>;
+}
+
+/// What an integrator must offer: advance_velocity(velocity, body, gravity, h), advance_pose(body, velocity, h).
+template <class Policy, class S, int D>
+concept integrator_policy = requires(solver_body<S, D> v, body<S, D> b, const twist<S, D> t) {
+    Policy::template in<space<S, D>>::advance_velocity(v, b, vec<S, D>{}, S(1));
+    Policy::template in<space<S, D>>::advance_pose(b, t, S(1));
+};
+
+/// What a solver asks of the world that it advances.
+template <class S>
+struct any_motion {
+    void advance_velocities(S) {}
+    void advance_poses(S) {}
+};
+/// What a solver must offer: settings, and solve(bodies, contacts, settings, h, scratch, motion).
+template <class Policy, class S, int D, class Features>
+concept solver_policy = requires(solver_body<S, D>* bodies, buffer<contact<S, D>> contacts, arena scratch, any_motion<S> motion,
+                                 const typename Policy::template in<space<S, D>, Features>::settings settings) {
+    Policy::template in<space<S, D>, Features>::solve(bodies, contacts, settings, S(1), scratch, motion);
+};
+
+template <class S, int D, class... Policies>
+constexpr recipe_problem problem_of_policies(const policy_list<Policies...>*) {
+    if constexpr ((std::is_void_v<typename stage_of<Policies>::type> || ...)) {
+        return recipe_problem::policy_without_stage;
+    } else if constexpr (!(known_stage<typename stage_of<Policies>::type> && ...)) {
+        return recipe_problem::unknown_stage;
+    } else if constexpr (((policies_for<typename stage_of<Policies>::type, Policies...> > 1) || ...)) {
+        return recipe_problem::two_policies_for_a_stage;
+    } else {
+        using set = shape_set_for<Policies...>;
+        using features = typename policy_for<stage::features, without<>, Policies...>::type;
+        constexpr recipe_problem of_shapes = problem_of_shapes<S, D>(static_cast<const set*>(nullptr));
+        if constexpr (of_shapes != recipe_problem::none) return of_shapes;
+        else if constexpr (!features::known) return recipe_problem::unknown_feature;
+        else if constexpr (!broadphase_policy<typename policy_for<stage::broadphase, all_pairs, Policies...>::type, space<S, D>>)
+            return recipe_problem::bad_broadphase;
+        else if constexpr (!narrowphase_serves<typename policy_for<stage::narrowphase, best_per_pair, Policies...>::type, S, D>(
+                               static_cast<const set*>(nullptr)))
+            return recipe_problem::bad_narrowphase;
+        else if constexpr (!integrator_policy<typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type, S, D>)
+            return recipe_problem::bad_integrator;
+        else if constexpr (!solver_policy<typename policy_for<stage::solver, sequential_impulse, Policies...>::type, S, D, features>)
+            return recipe_problem::bad_solver;
+        else return recipe_problem::none;
+    }
+}
+
+template <class Recipe>
+constexpr recipe_problem problem_of() {
+    if constexpr (!recipe_like<Recipe>) return recipe_problem::not_a_recipe;
+    else if constexpr (!scalar_type<typename Recipe::scalar>) return recipe_problem::bad_scalar;
+    else if constexpr (Recipe::dimension != 2 && Recipe::dimension != 3) return recipe_problem::bad_dimension;
+    else return problem_of_policies<typename Recipe::scalar, Recipe::dimension>(static_cast<const typename Recipe::policies*>(nullptr));
+}
+
+/// Says in one sentence what is wrong with a recipe.
+template <class Recipe>
+struct audit {
+    static constexpr recipe_problem problem = problem_of<Recipe>();
+    static_assert(problem != recipe_problem::not_a_recipe,
+                  "physics::world: the argument is not a recipe; write struct mine : physics::recipe<float, 2> {} and physics::world<mine>");
+    static_assert(problem != recipe_problem::bad_scalar,
+                  "physics::recipe: the scalar is not a physics::scalar_type; use float, double, physics::fixed32, or specialise physics::scalar_traits");
+    static_assert(problem != recipe_problem::bad_dimension, "physics::recipe: the dimension must be 2 or 3");
+    static_assert(problem != recipe_problem::policy_without_stage,
+                  "physics::recipe: a policy names no stage; give it `using stage = physics::stage::...`");
+    static_assert(problem != recipe_problem::unknown_stage,
+                  "physics::recipe: a policy names a stage that does not exist; the stages are those of namespace physics::stage");
+    static_assert(problem != recipe_problem::two_policies_for_a_stage,
+                  "physics::recipe: two policies serve the same stage; keep one of them");
+    static_assert(problem != recipe_problem::no_shapes, "physics::shapes: the set is empty; name at least one shape");
+    static_assert(problem != recipe_problem::same_shape_twice, "physics::shapes: a shape stands in the set twice");
+    static_assert(problem != recipe_problem::not_a_shape,
+                  "physics::shapes: a type of the set does not model physics::shape_for; it needs check, bounds and as<T>()");
+    static_assert(problem != recipe_problem::pair_without_contact,
+                  "physics::shapes: two shapes of the set have no function collide(a, b, b_in_a, margin, manifold)");
+    static_assert(problem != recipe_problem::unknown_feature,
+                  "physics::without: an argument is not a feature; the features are those of namespace physics::feature");
+    static_assert(problem != recipe_problem::bad_broadphase,
+                  "physics::recipe: the broadphase does not model physics::broadphase_for; its in<Space> needs insert, move, erase and pairs");
+    static_assert(problem != recipe_problem::bad_narrowphase,
+                  "physics::recipe: the narrowphase does not model physics::narrowphase_for; its in<S, D, Shapes...> needs collide");
+    static_assert(problem != recipe_problem::bad_integrator,
+                  "physics::recipe: the integrator's in<Space> needs advance_velocity and advance_pose");
+    static_assert(problem != recipe_problem::bad_solver,
+                  "physics::recipe: the solver's in<Space, Features> needs a struct settings and a function solve");
+};
+
+template <class S, int D, class... Policies>
+plan<S, D, shape_set_for<Policies...>, Policies...> planned(const policy_list<Policies...>*);
+
+/// The plan of a recipe. A recipe that fails its audit gets the default plan, so that its one sentence is
+/// the only error.
+template <class Recipe, bool Good = audit<Recipe>::problem == recipe_problem::none>
+struct plan_of {
+    using type = decltype(planned<typename Recipe::scalar, Recipe::dimension>(static_cast<const typename Recipe::policies*>(nullptr)));
+};
+template <class Recipe>
+struct plan_of<Recipe, false> : plan_of<recipe<float, 2>> {};
+
+}  // namespace detail
+
+PHYSICS_HPP_END

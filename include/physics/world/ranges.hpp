@@ -1,0 +1,116 @@
+// What a loop over a world's bodies and contacts walks along.
+#pragma once
+
+#include "physics/world/state.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Where a loop ends.
+struct range_end {};
+
+/// The bodies of a world, in the order of their numbers.
+template <class Plan>
+class body_range {
+public:
+    explicit body_range(const state<Plan>& s) : state_(&s) {}
+    class iterator {
+    public:
+        iterator(const state<Plan>& s, std::uint32_t at) : state_(&s), at_(s.bodies.next(at)) {}
+        body_id operator*() const { return {at_, state_->bodies.generation(at_), state_->tag}; }
+        iterator& operator++() {
+            at_ = state_->bodies.next(at_ + 1);
+            return *this;
+        }
+        bool operator==(range_end) const { return at_ == state_->bodies.slots(); }
+
+    private:
+        const state<Plan>* state_;
+        std::uint32_t at_;
+    };
+    iterator begin() const { return {*state_, 0}; }
+    range_end end() const { return {}; }
+
+private:
+    const state<Plan>* state_;
+};
+
+/// The shapes of one body, the latest first.
+template <class Plan>
+class shape_range {
+public:
+    shape_range(const state<Plan>& s, std::uint32_t first) : state_(&s), first_(first) {}
+    class iterator {
+    public:
+        iterator(const state<Plan>& s, std::uint32_t at) : state_(&s), at_(at) {}
+        shape_id operator*() const { return {at_, state_->shapes.generation(at_), state_->tag}; }
+        iterator& operator++() {
+            at_ = state_->shapes[at_].next;
+            return *this;
+        }
+        bool operator==(range_end) const { return at_ == 0xffffffffu; }
+
+    private:
+        const state<Plan>* state_;
+        std::uint32_t at_;
+    };
+    iterator begin() const { return {*state_, first_}; }
+    range_end end() const { return {}; }
+
+private:
+    const state<Plan>* state_;
+    std::uint32_t first_;
+};
+
+template <class Plan>
+auto view_of(const state<Plan>& s, const contact<typename Plan::scalar, Plan::dimension>& c) {
+    using S = typename Plan::scalar;
+    constexpr int D = Plan::dimension;
+    const body<S, D>& a = s.bodies[c.body_a];
+    const body<S, D>& b = s.bodies[c.body_b];
+    contact_view<S, D> view{
+        {c.shape_a, s.shapes.generation(c.shape_a), s.tag}, {c.shape_b, s.shapes.generation(c.shape_b), s.tag},
+        {c.body_a, s.bodies.generation(c.body_a), s.tag},   {c.body_b, s.bodies.generation(c.body_b), s.tag},
+        c.normal, tangents<S, D>(c.normal), {}, c.count, c.friction, c.restitution};
+    for (int k = 0; k < c.count; ++k) {
+        const contact_point<S, D>& p = c.points[k];
+        view.points[k] = {a.center + p.lever_a,
+                          inverse_rotate(a.rotation, p.lever_a) + a.mass.center,
+                          inverse_rotate(b.rotation, p.lever_b) + b.mass.center,
+                          p.separation, p.normal_impulse, p.friction_impulse, p.persisted};
+    }
+    return view;
+}
+
+/// The contacts of a world's last step, in ascending order of their shapes' numbers.
+template <class Plan>
+class contact_range {
+public:
+    explicit contact_range(const state<Plan>& s) : state_(&s) {}
+    class iterator {
+    public:
+        iterator(const state<Plan>& s, std::uint32_t at) : state_(&s), at_(at) {}
+        auto operator*() const { return view_of(*state_, state_->contacts[at_]); }
+        iterator& operator++() {
+            ++at_;
+            return *this;
+        }
+        bool operator==(range_end) const { return at_ == state_->contacts.size(); }
+
+    private:
+        const state<Plan>* state_;
+        std::uint32_t at_;
+    };
+    iterator begin() const { return {*state_, 0}; }
+    range_end end() const { return {}; }
+    /// Number of contacts.
+    [[nodiscard]] std::uint32_t size() const { return state_->contacts.size(); }
+
+private:
+    const state<Plan>* state_;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END

@@ -1,0 +1,122 @@
+// Recipes: which types make up a world.
+#pragma once
+
+#include "physics/broadphase/all_pairs.hpp"
+#include "physics/collide/narrowphase.hpp"
+#include "physics/dynamics/sequential_impulse.hpp"
+#include "physics/world/settings.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+template <class... Policies>
+struct policy_list {};
+}  // namespace detail
+
+/// What a world is made of: a scalar, a dimension (2 or 3) and policies in any order. Derive a struct from
+/// it, so that the world has a short name:
+///
+///     struct crates : physics::recipe<float, 2> {};
+///     struct lockstep : physics::recipe<physics::fixed32, 3, physics::shapes<physics::sphere, physics::box>> {};
+///     physics::world<lockstep> arena;
+///
+/// A policy is a type that names its stage (`using stage = physics::stage::solver`) and rebinds itself to
+/// the recipe's space, so changing the scalar changes everything. Stages without a policy get the default.
+template <class Scalar, int Dimension, class... Policies>
+struct recipe {
+    using scalar = Scalar;
+    static constexpr int dimension = Dimension;
+    using policies = detail::policy_list<Policies...>;
+};
+
+/// The shapes that a world knows: ball (or circle, sphere), capsule, box, halfspace, or the user's own.
+/// Default: all four. A world's shapes are as large as the largest of the set.
+template <template <class, int> class... Shapes>
+struct shapes {
+    using stage = physics::stage::shapes;
+};
+
+/// Features that a recipe can leave out; what is left out costs nothing.
+namespace feature {
+/// Coulomb friction of contacts.
+struct friction {};
+/// Bouncing.
+struct restitution {};
+}  // namespace feature
+
+/// Leaves features out: without<feature::friction, feature::restitution>.
+template <class... Features>
+struct without {
+    using stage = physics::stage::features;
+    static constexpr bool friction = !(std::same_as<Features, feature::friction> || ...);
+    static constexpr bool restitution = !(std::same_as<Features, feature::restitution> || ...);
+    static constexpr bool known = ((std::same_as<Features, feature::friction> || std::same_as<Features, feature::restitution>) && ...);
+};
+
+namespace detail {
+
+/// The stage of a policy; void for a type that names none.
+template <class Policy>
+struct stage_of {
+    using type = void;
+};
+template <class Policy>
+    requires requires { typename Policy::stage; }
+struct stage_of<Policy> {
+    using type = typename Policy::stage;
+};
+
+/// The first policy of a list that serves a stage, or the default.
+template <class Stage, class Default, class... Policies>
+struct policy_for {
+    using type = Default;
+};
+template <class Stage, class Default, class First, class... Rest>
+struct policy_for<Stage, Default, First, Rest...> {
+    using type = typename std::conditional_t<std::same_as<typename stage_of<First>::type, Stage>, policy_for<Stage, First>,
+                                             policy_for<Stage, Default, Rest...>>::type;
+};
+
+/// The names of shapes inside a world: physics::world<recipe>::box.
+template <class S, int D>
+struct shape_names {
+    using ball = physics::ball<S, D>;
+    using capsule = physics::capsule<S, D>;
+    using box = physics::box<S, D>;
+    using halfspace = physics::halfspace<S, D>;
+};
+template <class S, int D>
+struct shape_aliases;
+template <class S>
+struct shape_aliases<S, 2> : shape_names<S, 2> {
+    using circle = physics::ball<S, 2>;
+};
+template <class S>
+struct shape_aliases<S, 3> : shape_names<S, 3> {
+    using sphere = physics::ball<S, 3>;
+};
+
+/// A recipe's choices, resolved: every stage with its type in the recipe's space.
+template <class S, int D, class ShapeSet, class... Policies>
+struct plan;
+template <class S, int D, template <class, int> class... Shapes, class... Policies>
+struct plan<S, D, shapes<Shapes...>, Policies...> {
+    using scalar = S;
+    static constexpr int dimension = D;
+    using space = physics::space<S, D>;
+    using features = typename policy_for<stage::features, without<>, Policies...>::type;
+    using shape = any_shape<S, D, Shapes...>;
+    using query = narrowphase_query<S, D, Shapes...>;
+    using broadphase = typename policy_for<stage::broadphase, all_pairs, Policies...>::type::template in<space>;
+    using narrowphase = typename policy_for<stage::narrowphase, best_per_pair, Policies...>::type::template in<S, D, Shapes...>;
+    using integrator = typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type::template in<space>;
+    using solver = typename policy_for<stage::solver, sequential_impulse, Policies...>::type::template in<space, features>;
+    using settings = world_settings<S, D, typename solver::settings>;
+};
+
+template <class... Policies>
+using shape_set_for = typename policy_for<stage::shapes, shapes<ball, capsule, box, halfspace>, Policies...>::type;
+
+}  // namespace detail
+
+PHYSICS_HPP_END

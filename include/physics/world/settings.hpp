@@ -1,0 +1,99 @@
+// Plain structs that users fill in: of a world, a body, a shape.
+#pragma once
+
+#include "physics/base/handle.hpp"
+#include "physics/dynamics/body.hpp"
+#include "physics/dynamics/contact.hpp"
+
+PHYSICS_HPP_BEGIN
+
+/// Numbers of a world. Lengths in metres, times in seconds, masses in kilograms; a world in other units
+/// scales the lengths and speeds here with them.
+template <class S, int D, class SolverSettings>
+struct world_settings {
+    /// Acceleration of every body, times its gravity scale (m/s^2).
+    vec<S, D> gravity = downward();
+    /// Surfaces closer than this are contacts already, so that the solver can stop them at the surface (m).
+    S contact_margin = S(0.02);
+    /// How far a body may move before its broadphase box is renewed (m).
+    S box_margin = S(0.05);
+    /// Numbers of the solver that the recipe names.
+    SolverSettings solver = {};
+
+private:
+    static constexpr vec<S, D> downward() {
+        vec<S, D> g;
+        g.y = S(-9.81);
+        return g;
+    }
+};
+
+/// A body to be.
+template <class S, int D>
+struct body_def {
+    body_type type = body_type::dynamic_body;
+    /// Where the origin of the body's frame is (m), and how the frame is turned.
+    vec<S, D> position = {};
+    physics::rotation<S, D> rotation = {};
+    /// Velocity of the centre of mass (m/s) and angular velocity (rad/s).
+    vec<S, D> linear_velocity = {};
+    physics::angular<S, D> angular_velocity = {};
+    /// Rates at which velocities decay without force (1/s), at least 0.
+    S linear_damping = S(0);
+    S angular_damping = S(0);
+    /// Factor of the world's gravity for this body.
+    S gravity_scale = S(1);
+    /// True if nothing turns the body.
+    bool rotation_locked = false;
+    /// Anything of the user's; the library never looks at it.
+    std::uint64_t user_data = 0;
+};
+
+/// How a shape sits on its body, and what it is made of.
+template <class S, int D>
+struct shape_def {
+    /// Pose of the shape's frame in the body's frame.
+    vec<S, D> position = {};
+    physics::rotation<S, D> rotation = {};
+    /// kg/m^3 in space, kg/m^2 in the plane; at least 0. Only ratios matter until forces act.
+    S density = S(1);
+    physics::material<S> material = {};
+    std::uint64_t user_data = 0;
+};
+
+struct body_tag;
+struct shape_tag;
+/// Names a body of a world.
+using body_id = handle<body_tag>;
+/// Names a shape of a world.
+using shape_id = handle<shape_tag>;
+
+/// One contact as it is reported: both sides, and up to 2 (plane) or 4 (space) points.
+template <class S, int D>
+struct contact_view {
+    struct point {
+        /// Halfway between the surfaces, in the world, carried along with body A (m).
+        vec<S, D> position;
+        /// The same point in the frames of both bodies.
+        vec<S, D> local_a, local_b;
+        /// Distance of the surfaces at the step's start (m); negative is the depth of their overlap.
+        S separation;
+        /// Sums of the last step's impulses (N s): along the normal, and along the tangents.
+        S normal_impulse;
+        physics::tangential<S, D> friction_impulse;
+        /// True if the point had been in contact in the step before.
+        bool persisted;
+    };
+
+    shape_id shape_a, shape_b;
+    body_id body_a, body_b;
+    /// Unit normal from A to B, and unit tangents (one in the plane, two in space), in world axes.
+    vec<S, D> normal;
+    physics::tangents<S, D> tangents;
+    point points[manifold<S, D>::capacity];
+    int count;
+    /// Coefficients of the two surfaces together.
+    S friction, restitution;
+};
+
+PHYSICS_HPP_END

@@ -1,0 +1,88 @@
+// Everything that a world holds, as plain arrays.
+#pragma once
+
+#include "physics/base/pool.hpp"
+#include "physics/world/audit.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Everything that a world keeps of one shape.
+template <class Plan>
+struct shape_record {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+
+    typename Plan::shape shape;
+    transform<S, D> local;
+    physics::material<S> material;
+    S density{};
+    std::uint32_t body = 0;
+    /// The next shape of the same body.
+    std::uint32_t next = 0xffffffffu;
+    /// The box that the broadphase knows: larger than the shape, so that small moves leave it alone.
+    aabb<S, D> fat_box;
+    std::uint64_t user_data = 0;
+};
+
+/// The state of a world. Copying it copies the world.
+template <class Plan>
+struct state {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+
+    typename Plan::settings settings;
+    pool<body<S, D>> bodies;
+    pool<shape_record<Plan>> shapes;
+    typename Plan::broadphase broadphase;
+    /// Contacts of the last step, in ascending order of their pairs.
+    buffer<contact<S, D>> contacts;
+    std::uint64_t steps = 0;
+    std::uint16_t tag = 0;
+
+    // Scratch of the step: nothing in it outlives one.
+    buffer<proxy_pair> pairs;
+    buffer<contact<S, D>> found;
+    arena scratch;
+};
+
+/// The pose of a shape in the world.
+template <class Plan>
+auto world_pose(const state<Plan>& s, const shape_record<Plan>& shape) {
+    return s.bodies[shape.body].pose() * shape.local;
+}
+
+/// The box that the narrowphase needs the broadphase to know: all within half the contact margin.
+template <class Plan>
+auto needed_box(const state<Plan>& s, const shape_record<Plan>& shape) {
+    return grown(bounds(shape.shape, world_pose(s, shape)), s.settings.contact_margin / typename Plan::scalar(2));
+}
+template <class Plan>
+auto fat_box(const state<Plan>& s, const shape_record<Plan>& shape) {
+    return grown(needed_box(s, shape), s.settings.box_margin);
+}
+
+/// Calls f(index, shape) for every shape of a body.
+template <class State, class F>
+void each_shape(State& s, std::uint32_t body, F&& f) {
+    for (std::uint32_t i = s.bodies[body].first_shape; i != 0xffffffffu;) {
+        const std::uint32_t next = s.shapes[i].next;
+        f(i, s.shapes[i]);
+        i = next;
+    }
+}
+
+/// A number for each world of the program, to recognise foreign handles. It never enters any result.
+inline std::uint16_t next_world_tag() noexcept {
+    static std::uint32_t count = 0;
+#if defined(__GNUC__)
+    return static_cast<std::uint16_t>(__atomic_add_fetch(&count, 1u, __ATOMIC_RELAXED));
+#else
+    return static_cast<std::uint16_t>(++count);
+#endif
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END

@@ -1,0 +1,150 @@
+// One step of a world: the page to read first.
+#pragma once
+
+#include "physics/world/edit.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Bounds: shapes that left their fat box get a new one, and the broadphase hears of it.
+template <class Plan>
+void update_boxes(state<Plan>& s) {
+    s.bodies.each([&](std::uint32_t, const auto& b) {
+        if (b.type == body_type::static_body) return;
+        for (std::uint32_t i = b.first_shape; i != 0xffffffffu; i = s.shapes[i].next) {
+            shape_record<Plan>& shape = s.shapes[i];
+            if (contains(shape.fat_box, needed_box(s, shape))) continue;
+            shape.fat_box = fat_box(s, shape);
+            s.broadphase.move(i, shape.fat_box);
+        }
+    });
+}
+
+/// Broadphase: pairs of shapes whose boxes overlap, where one body at least can be pushed.
+template <class Plan>
+void find_pairs(state<Plan>& s) {
+    s.broadphase.pairs(
+        [&](std::uint32_t a, std::uint32_t b) {
+            const std::uint32_t body_a = s.shapes[a].body, body_b = s.shapes[b].body;
+            return body_a != body_b && (s.bodies[body_a].is_dynamic() || s.bodies[body_b].is_dynamic());
+        },
+        s.pairs);
+}
+
+/// Narrowphase: contacts of the pairs that touch or nearly do, in the order of the pairs.
+template <class Plan>
+void find_contacts(state<Plan>& s) {
+    using S = typename Plan::scalar;
+    constexpr int D = Plan::dimension;
+    const std::uint32_t count = s.pairs.size();
+    auto* queries = s.scratch.template take<typename Plan::query>(count);
+    auto* manifolds = s.scratch.template take<manifold<S, D>>(count);
+    for (std::uint32_t i = 0; i < count; ++i) {
+        proxy_pair& p = s.pairs[i];
+        if (s.shapes[p.a].shape.kind() > s.shapes[p.b].shape.kind()) std::swap(p.a, p.b);
+        const auto& a = s.shapes[p.a];
+        const auto& b = s.shapes[p.b];
+        new (queries + i) typename Plan::query{&a.shape, &b.shape, relative(world_pose(s, a), world_pose(s, b))};
+    }
+    Plan::narrowphase::collide(queries, count, s.settings.contact_margin, manifolds);
+
+    s.found.clear();
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const manifold<S, D>& m = manifolds[i];
+        if (m.count == 0) continue;
+        const auto& a = s.shapes[s.pairs[i].a];
+        const auto& b = s.shapes[s.pairs[i].b];
+        const transform<S, D> pose = world_pose(s, a);
+        const vec<S, D> from_a = pose.position - s.bodies[a.body].center;
+        const vec<S, D> from_b = pose.position - s.bodies[b.body].center;
+        contact<S, D> c{s.pairs[i].a, s.pairs[i].b, a.body, b.body, pose.rotation * m.normal, {}, m.count, S(0), S(0)};
+        for (int k = 0; k < m.count; ++k) {
+            const vec<S, D> p = pose.rotation * m.points[k].position;
+            c.points[k].lever_a = from_a + p;
+            c.points[k].lever_b = from_b + p;
+            c.points[k].separation = m.points[k].separation;
+            c.points[k].feature = m.points[k].feature;
+        }
+        c.friction = root<S>(product(a.material.friction, b.material.friction));
+        c.restitution = max(a.material.restitution, b.material.restitution);
+        s.found.push(c);
+    }
+}
+
+/// What the solver sees of the bodies; bodies with a target pose get the velocity that reaches it.
+template <class Plan>
+auto* gather_bodies(state<Plan>& s, typename Plan::scalar h) {
+    using S = typename Plan::scalar;
+    constexpr int D = Plan::dimension;
+    auto* bodies = s.scratch.template take<solver_body<S, D>>(s.bodies.slots());
+    s.bodies.each([&](std::uint32_t i, const body<S, D>& b) {
+        new (bodies + i) solver_body<S, D>{b.velocity, b.inverse_mass, in_world(b.inverse_inertia, b.rotation)};
+        if (!b.has_target) return;
+        bodies[i].velocity.linear = (b.target * b.mass.center - b.center) / h;
+        bodies[i].velocity.angular = rotation_vector(b.target.rotation * inverse(b.rotation)) * (S(1) / h);
+    });
+    return bodies;
+}
+
+/// How the solver moves the world: it asks for velocities and poses to advance, once or in substeps.
+template <class Plan>
+struct motion {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+
+    state<Plan>& s;
+    solver_body<S, D>* bodies;
+    bool finite = true;
+
+    void advance_velocities(S h) {
+        s.bodies.each([&](std::uint32_t i, const body<S, D>& b) {
+            if (b.is_dynamic()) Plan::integrator::advance_velocity(bodies[i], b, s.settings.gravity, h);
+        });
+    }
+    void advance_poses(S h) {
+        s.bodies.each([&](std::uint32_t i, const body<S, D>& b) {
+            const twist<S, D>& v = bodies[i].velocity;
+            finite = finite && is_finite(b.center + v.linear * h) && is_finite(v.angular);
+        });
+        if (!finite) return;
+        s.bodies.each([&](std::uint32_t i, body<S, D>& b) {
+            if (b.type != body_type::static_body) Plan::integrator::advance_pose(b, bodies[i].velocity, h);
+        });
+    }
+};
+
+/// Stores what the step found: velocities, contacts with their impulses. Forces act for one step.
+template <class Plan>
+void finish(state<Plan>& s, const solver_body<typename Plan::scalar, Plan::dimension>* bodies) {
+    s.bodies.each([&](std::uint32_t i, auto& b) {
+        b.velocity = bodies[i].velocity;
+        b.force = {};
+        b.torque = {};
+        if (b.has_target) b.set_pose(b.target);
+        b.has_target = false;
+    });
+    s.contacts.swap(s.found);
+    ++s.steps;
+}
+
+/// Advances a world by h seconds. Each stage reads and writes plain arrays; only this function knows their
+/// order. False, and the world as it was, if a velocity or a position would leave the range of numbers.
+template <class Plan>
+bool step(state<Plan>& s, typename Plan::scalar h) {
+    s.scratch.reset();
+    update_boxes(s);                             // poses and shapes  -> boxes of what has moved
+    find_pairs(s);                               // boxes             -> pairs, in order
+    find_contacts(s);                            // pairs and poses   -> contacts with feature ids
+    inherit_impulses(s.contacts, s.found);       // last step's       -> warm impulses of what persists
+    auto* bodies = gather_bodies(s, h);          // bodies            -> what the solver sees of them
+    motion<Plan> moving{s, bodies};
+    Plan::solver::solve(bodies, s.found, s.settings.solver, h, s.scratch, moving);  // -> velocities, poses
+    if (!moving.finite) return false;
+    finish(s, bodies);                           // results           -> bodies and contacts
+    return true;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END

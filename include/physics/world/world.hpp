@@ -1,0 +1,262 @@
+// The world: what users hold.
+#pragma once
+
+#include "physics/world/hash.hpp"
+#include "physics/world/ranges.hpp"
+#include "physics/world/step.hpp"
+
+PHYSICS_HPP_BEGIN
+
+/// A world of rigid bodies, made of what a recipe names.
+///
+/// SI units; x to the right, y up. Vectors, points and rotations are in world axes unless a name says
+/// "local", which means the body's own frame. Change a world between steps only. Every function refuses bad
+/// numbers and null, foreign or stale handles with physics::error (see there for builds without exceptions)
+/// and then leaves the world as it was. A copy of a world is a world in the same state, and handles serve both.
+/// Two worlds may be used on two threads. Functions cost O(1) unless they say otherwise.
+template <class Recipe>
+class world : public detail::shape_aliases<typename detail::plan_of<Recipe>::type::scalar, detail::plan_of<Recipe>::type::dimension> {
+    using plan = typename detail::plan_of<Recipe>::type;
+
+public:
+    using scalar = typename plan::scalar;
+    static constexpr int dimension = plan::dimension;
+    using vec = physics::vec<scalar, dimension>;
+    /// Angular velocity, torque...: a scalar in the plane, a vector in space.
+    using angular = physics::angular<scalar, dimension>;
+    using rotation = physics::rotation<scalar, dimension>;
+    using transform = physics::transform<scalar, dimension>;
+    using mass_properties = physics::mass_properties<scalar, dimension>;
+    using settings_type = typename plan::settings;
+    using body_def = physics::body_def<scalar, dimension>;
+    using shape_def = physics::shape_def<scalar, dimension>;
+    using contact_view = physics::contact_view<scalar, dimension>;
+    using material = physics::material<scalar>;
+    using any_shape = typename plan::shape;
+
+    /// An empty world. Refuses settings out of range, and a build whose arithmetic would not give the same
+    /// bits as every other (see float_environment).
+    explicit world(const settings_type& settings = {}) {
+        if (detail::check_settings<plan>(settings, "world") && detail::check_environment<scalar>("world")) state_.settings = settings;
+        state_.tag = detail::next_world_tag();
+    }
+
+    /// Advances time by dt seconds (greater than 0). Forces and torques act for this step and are then
+    /// forgotten. Cost: see the policies. Refused, with nothing changed, if a number would leave its range.
+    void step(scalar dt) {
+        if (!detail::check_positive("step", "dt", dt)) return;
+        const float_control_scope control;
+        if (!detail::step(state_, dt))
+            detail::refuse("step", "a velocity", "not finite", "a force, a speed or a mass is beyond the scalar's range");
+    }
+    /// Number of steps taken.
+    [[nodiscard]] std::uint64_t steps() const { return state_.steps; }
+    /// A number that worlds in the same state share, on any machine. O(bodies + contacts).
+    [[nodiscard]] std::uint64_t state_hash() const { return detail::state_hash(state_); }
+    [[nodiscard]] const settings_type& settings() const { return state_.settings; }
+    /// Changes the settings from the next step on.
+    void set_settings(const settings_type& settings) {
+        if (detail::check_settings<plan>(settings, "set_settings")) detail::change_settings(state_, settings);
+    }
+
+    /// Adds a body; shapes give it extent and mass. Without shapes it is a point of 1 kg that nothing turns.
+    body_id create_body(const body_def& def = {}) { return detail::create_body(state_, def); }
+    /// Removes a body with its shapes and contacts. O(shapes + contacts).
+    void destroy_body(body_id id) {
+        if (const auto b = find(id, "destroy_body")) detail::destroy_body(state_, b.index);
+    }
+    /// Adds a shape of the recipe's set to a body; unless the body's mass is set, it changes with it.
+    template <class Shape>
+    shape_id create_shape(body_id body, const Shape& shape, const shape_def& def = {}) {
+        return detail::create_shape(state_, body, shape, def);
+    }
+    /// Removes a shape and its contacts. O(contacts).
+    void destroy_shape(shape_id id) {
+        if (const auto s = detail::find_shape(state_, id, "destroy_shape")) detail::destroy_shape(state_, s.index);
+    }
+    /// True if the handle names a living thing of this world; never an error.
+    [[nodiscard]] bool contains(body_id id) const { return id.world == state_.tag && state_.bodies.contains(id.index, id.generation); }
+    [[nodiscard]] bool contains(shape_id id) const { return id.world == state_.tag && state_.shapes.contains(id.index, id.generation); }
+    [[nodiscard]] std::uint32_t body_count() const { return state_.bodies.count(); }
+    [[nodiscard]] std::uint32_t shape_count() const { return state_.shapes.count(); }
+
+    /// All bodies: `for (physics::body_id b : world.bodies())`.
+    [[nodiscard]] auto bodies() const { return detail::body_range<plan>(state_); }
+    /// All shapes of a body.
+    [[nodiscard]] auto shapes(body_id id) const {
+        const auto b = find(id, "shapes");
+        return detail::shape_range<plan>(state_, b ? state_.bodies[b.index].first_shape : 0xffffffffu);
+    }
+    /// All contacts of the last step, each as a contact_view.
+    [[nodiscard]] auto contacts() const { return detail::contact_range<plan>(state_); }
+
+    /// Where the body's frame is: origin, rotation, both; and where its centre of mass is.
+    [[nodiscard]] vec position(body_id id) const { return pose(id).position; }
+    [[nodiscard]] rotation orientation(body_id id) const { return pose(id).rotation; }
+    [[nodiscard]] transform pose(body_id id) const {
+        const auto b = find(id, "pose");
+        return b ? state_.bodies[b.index].pose() : transform{};
+    }
+    [[nodiscard]] vec center_of_mass(body_id id) const { return get(id, "center_of_mass", [](const auto& b) { return b.center; }); }
+    /// Moves a body at once, without a path in between. Velocities stay.
+    void set_pose(body_id id, vec position, const rotation& orientation) {
+        const auto b = find(id, "set_pose");
+        if (!b || !detail::check_pose("set_pose", position, orientation)) return;
+        state_.bodies[b.index].set_pose({position, normalized(orientation)});
+        detail::refresh_boxes(state_, b.index);
+    }
+    void set_pose(body_id id, const transform& pose) { set_pose(id, pose.position, pose.rotation); }
+    /// Lets a kinematic body reach a pose by the end of the next step, pushing what is in its way.
+    void move_to(body_id id, vec position, const rotation& orientation) {
+        const auto b = find(id, "move_to");
+        if (!b || !detail::check_pose("move_to", position, orientation)) return;
+        auto& moved = state_.bodies[b.index];
+        if (moved.type != body_type::kinematic_body) {
+            detail::refuse("move_to", "body", moved.is_dynamic() ? "dynamic" : "static", "it must be kinematic");
+            return;
+        }
+        moved.target = {position, normalized(orientation)};
+        moved.has_target = true;
+    }
+
+    /// Velocity of the centre of mass (m/s), angular velocity (rad/s), velocity of the body at a point.
+    [[nodiscard]] vec linear_velocity(body_id id) const { return get(id, "linear_velocity", [](const auto& b) { return b.velocity.linear; }); }
+    [[nodiscard]] angular angular_velocity(body_id id) const { return get(id, "angular_velocity", [](const auto& b) { return b.velocity.angular; }); }
+    [[nodiscard]] vec velocity_at(body_id id, vec point) const {
+        return get(id, "velocity_at", [&](const auto& b) { return physics::velocity_at(b.velocity, point - b.center); });
+    }
+    /// Velocities of dynamic and kinematic bodies; static ones have none.
+    void set_linear_velocity(body_id id, vec v) {
+        set(find_moving(id, "set_linear_velocity"), detail::check_finite("set_linear_velocity", "v", v), [&](auto& b) { b.velocity.linear = v; });
+    }
+    void set_angular_velocity(body_id id, angular w) {
+        set(find_moving(id, "set_angular_velocity"), detail::check_finite("set_angular_velocity", "w", w), [&](auto& b) { b.velocity.angular = w; });
+    }
+
+    /// A force (N) on a dynamic body during the next step, at its centre of mass or at a point; "local"
+    /// takes force and point in the body's frame. Forces add up.
+    void apply_force(body_id id, vec force) { push(id, "apply_force", force, false, nullptr); }
+    void apply_force_at(body_id id, vec force, vec point) { push(id, "apply_force_at", force, false, &point); }
+    void apply_local_force(body_id id, vec force) { push(id, "apply_local_force", force, true, nullptr); }
+    void apply_local_force_at(body_id id, vec force, vec point) { push(id, "apply_local_force_at", force, true, &point); }
+    /// A torque (N m) during the next step.
+    void apply_torque(body_id id, angular torque) {
+        set(dynamic(id, "apply_torque"), detail::check_finite("apply_torque", "torque", torque), [&](auto& b) { b.torque += torque; });
+    }
+    /// An impulse (N s): changes velocities at once.
+    void apply_impulse(body_id id, vec impulse) { kick(id, "apply_impulse", impulse, false, nullptr); }
+    void apply_impulse_at(body_id id, vec impulse, vec point) { kick(id, "apply_impulse_at", impulse, false, &point); }
+    void apply_local_impulse(body_id id, vec impulse) { kick(id, "apply_local_impulse", impulse, true, nullptr); }
+    void apply_local_impulse_at(body_id id, vec impulse, vec point) { kick(id, "apply_local_impulse_at", impulse, true, &point); }
+    /// An angular impulse (N m s).
+    void apply_angular_impulse(body_id id, angular impulse) {
+        set(dynamic(id, "apply_angular_impulse"), detail::check_finite("apply_angular_impulse", "impulse", impulse),
+            [&](auto& b) { b.velocity.angular += times(in_world(b.inverse_inertia, b.rotation), impulse); });
+    }
+
+    [[nodiscard]] body_type type(body_id id) const {
+        const auto b = find(id, "type");
+        return b ? state_.bodies[b.index].type : body_type::static_body;
+    }
+    /// Changes how a body moves; a static body loses its velocity. O(shapes + contacts).
+    void set_type(body_id id, body_type type) {
+        if (const auto b = find(id, "set_type")) detail::set_type(state_, b.index, type);
+    }
+    /// Mass (kg), centre (m) and inertia about it (kg m^2) in the body's frame.
+    [[nodiscard]] mass_properties mass(body_id id) const { return get(id, "mass", [](const auto& b) { return b.mass; }); }
+    /// Sets them, until reset_mass, whatever the shapes are.
+    void set_mass(body_id id, const mass_properties& mass) {
+        const auto b = dynamic(id, "set_mass");
+        if (!b || !detail::check_finite("set_mass", "center", mass.center) ||
+            !detail::check_mass<scalar>("set_mass", detail::converted<double>(mass)))
+            return;
+        state_.bodies[b.index].mass_is_set = true;
+        detail::set_mass_properties(state_.bodies[b.index], mass);
+    }
+    /// Takes the mass from the shapes again. O(shapes).
+    void reset_mass(body_id id) {
+        const auto b = dynamic(id, "reset_mass");
+        if (!b || !detail::check_shapes_mass(state_, b.index, "reset_mass")) return;
+        state_.bodies[b.index].mass_is_set = false;
+        detail::refresh_mass(state_, b.index);
+    }
+    [[nodiscard]] scalar linear_damping(body_id id) const { return get(id, "linear_damping", [](const auto& b) { return b.linear_damping; }); }
+    [[nodiscard]] scalar angular_damping(body_id id) const { return get(id, "angular_damping", [](const auto& b) { return b.angular_damping; }); }
+    /// Rates (1/s), at least 0, at which velocities decay without force.
+    void set_damping(body_id id, scalar linear, scalar angular_rate) {
+        set(find(id, "set_damping"),
+            detail::check_not_negative("set_damping", "linear", linear) && detail::check_not_negative("set_damping", "angular_rate", angular_rate),
+            [&](auto& b) {
+                b.linear_damping = linear;
+                b.angular_damping = angular_rate;
+            });
+    }
+    [[nodiscard]] scalar gravity_scale(body_id id) const { return get(id, "gravity_scale", [](const auto& b) { return b.gravity_scale; }); }
+    void set_gravity_scale(body_id id, scalar factor) {
+        set(find(id, "set_gravity_scale"), detail::check_finite("set_gravity_scale", "factor", factor), [&](auto& b) { b.gravity_scale = factor; });
+    }
+    [[nodiscard]] bool rotation_locked(body_id id) const { return get(id, "rotation_locked", [](const auto& b) { return b.rotation_locked; }); }
+    /// Locks or frees rotation; locking stops it.
+    void set_rotation_locked(body_id id, bool locked) {
+        if (const auto b = find(id, "set_rotation_locked")) detail::set_rotation_locked(state_, b.index, locked);
+    }
+    [[nodiscard]] std::uint64_t user_data(body_id id) const { return get(id, "user_data", [](const auto& b) { return b.user_data; }); }
+    void set_user_data(body_id id, std::uint64_t data) {
+        set(find(id, "set_user_data"), true, [&](auto& b) { b.user_data = data; });
+    }
+
+    [[nodiscard]] body_id body(shape_id id) const {
+        const auto s = detail::find_shape(state_, id, "body");
+        if (!s) return {};
+        const std::uint32_t b = state_.shapes[s.index].body;
+        return {b, state_.bodies.generation(b), state_.tag};
+    }
+    /// The shape itself, and its pose in the body's frame: visit it to learn its kind.
+    [[nodiscard]] any_shape shape(shape_id id) const { return get(id, "shape", [](const auto& s) { return s.shape; }); }
+    [[nodiscard]] transform local_pose(shape_id id) const { return get(id, "local_pose", [](const auto& s) { return s.local; }); }
+    [[nodiscard]] material surface(shape_id id) const { return get(id, "surface", [](const auto& s) { return s.material; }); }
+    /// Changes a shape's material from the next step on.
+    void set_surface(shape_id id, const material& m) {
+        const auto s = detail::find_shape(state_, id, "set_surface");
+        if (s && detail::check_material("set_surface", m)) state_.shapes[s.index].material = m;
+    }
+    [[nodiscard]] std::uint64_t user_data(shape_id id) const { return get(id, "user_data", [](const auto& s) { return s.user_data; }); }
+
+private:
+    detail::found find(body_id id, const char* function) const { return detail::find_body(state_, id, function); }
+    detail::found dynamic(body_id id, const char* function) const { return detail::find_dynamic(state_, id, function); }
+    detail::found find_moving(body_id id, const char* function) const { return detail::find_moving(state_, id, function); }
+
+    /// f of the thing that the handle names, or a default value after refusing the handle.
+    template <class F>
+    auto get(body_id id, const char* function, F&& f) const -> decltype(f(std::declval<const physics::body<scalar, dimension>&>())) {
+        const auto b = find(id, function);
+        return b ? f(state_.bodies[b.index]) : decltype(f(state_.bodies[0])){};
+    }
+    template <class F>
+    auto get(shape_id id, const char* function, F&& f) const -> decltype(f(std::declval<const detail::shape_record<plan>&>())) {
+        const auto s = detail::find_shape(state_, id, function);
+        return s ? f(state_.shapes[s.index]) : decltype(f(state_.shapes[0])){};
+    }
+    template <class F>
+    void set(detail::found body, bool good, F&& f) {
+        if (body && good) f(state_.bodies[body.index]);
+    }
+    void push(body_id id, const char* function, vec force, bool local, const vec* point) {
+        detail::act(state_, id, function, "force", force, local, point, [](auto& b, vec f, vec lever) {
+            b.force += f;
+            b.torque += cross(lever, f);
+        });
+    }
+    void kick(body_id id, const char* function, vec impulse, bool local, const vec* point) {
+        detail::act(state_, id, function, "impulse", impulse, local, point, [](auto& b, vec p, vec lever) {
+            solver_body<scalar, dimension> v{b.velocity, b.inverse_mass, in_world(b.inverse_inertia, b.rotation)};
+            v.apply(p, lever);
+            b.velocity = v.velocity;
+        });
+    }
+
+    detail::state<plan> state_;
+};
+
+PHYSICS_HPP_END
