@@ -15,7 +15,7 @@ struct handle {
 
     /// False for the null handle; true says nothing about whether the thing still lives.
     constexpr explicit operator bool() const { return index != 0xffffffffu; }
-    friend constexpr bool operator==(handle, handle) = default;
+    friend bool operator==(handle, handle) = default;
 };
 
 PHYSICS_HPP_END

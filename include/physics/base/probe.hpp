@@ -249,8 +249,8 @@ std::uint32_t code_faults() noexcept {
 
 /// What is wrong with float and double arithmetic in this unit and on this thread, as a sum of float_fault bits; 0 is
 /// well. Looks at the library's own code, or with an argument at the code where that was defined by
-/// PHYSICS_HPP_DEFINE_PROBED_ARITHMETIC. Within a float_control_scope only what that can't repair is left. Where rounding
-/// is off for good, faults of code are not looked for. ~0.1 us.
+/// PHYSICS_HPP_DEFINE_PROBED_ARITHMETIC. Within a float_control_scope only what that can't repair is left. Where
+/// rounding is off for good, faults of code are not looked for. ~0.1 us.
 template <class Arithmetic = detail::region_arithmetic>
 PHYSICS_HPP_NOINLINE std::uint32_t float_environment() noexcept {
     const std::uint32_t control =

@@ -40,7 +40,7 @@ struct portable_uint128 {
     friend constexpr portable_uint128 operator|(portable_uint128 a, portable_uint128 b) {
         return {a.high | b.high, a.low | b.low};
     }
-    friend constexpr bool operator==(portable_uint128 a, portable_uint128 b) = default;
+    friend bool operator==(portable_uint128 a, portable_uint128 b) = default;
     friend constexpr bool operator<(portable_uint128 a, portable_uint128 b) {
         return a.high != b.high ? a.high < b.high : a.low < b.low;
     }

@@ -12,7 +12,7 @@ struct proxy_pair {
     std::uint32_t a;
     std::uint32_t b;
 
-    friend constexpr bool operator==(proxy_pair, proxy_pair) = default;
+    friend bool operator==(proxy_pair, proxy_pair) = default;
     friend constexpr bool operator<(proxy_pair x, proxy_pair y) { return x.a != y.a ? x.a < y.a : x.b < y.b; }
 };
 

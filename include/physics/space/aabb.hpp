@@ -11,7 +11,7 @@ struct aabb {
     vec<S, D> lower;
     vec<S, D> upper;
 
-    friend constexpr bool operator==(const aabb&, const aabb&) = default;
+    friend bool operator==(const aabb&, const aabb&) = default;
 };
 
 /// True if the boxes share a point.

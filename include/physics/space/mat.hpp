@@ -69,7 +69,7 @@ struct symmetric {
     friend constexpr symmetric operator*(const symmetric& a, S s) {
         return {a.xx * s, a.yy * s, a.zz * s, a.xy * s, a.xz * s, a.yz * s};
     }
-    friend constexpr bool operator==(const symmetric&, const symmetric&) = default;
+    friend bool operator==(const symmetric&, const symmetric&) = default;
 };
 
 /// Matrix times vector; the matrix may be of a finer format than the vector.

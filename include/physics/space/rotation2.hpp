@@ -33,7 +33,7 @@ struct rotation<S, 2> {
     friend constexpr vec<S, 2> operator*(rotation a, vec<S, 2> v) {
         return {difference_of_products(a.cosine, v.x, a.sine, v.y), sum_of_products(a.sine, v.x, a.cosine, v.y)};
     }
-    friend constexpr bool operator==(rotation, rotation) = default;
+    friend bool operator==(rotation, rotation) = default;
 };
 
 template <class S>

@@ -31,7 +31,7 @@ struct rotation<S, 3> {
         const vec<S, 3> t = cross(a.imaginary(), v) * S(2);
         return v + t * a.w + cross(a.imaginary(), t);
     }
-    friend constexpr bool operator==(rotation, rotation) = default;
+    friend bool operator==(rotation, rotation) = default;
 };
 
 template <class S>

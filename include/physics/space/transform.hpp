@@ -17,7 +17,7 @@ struct transform {
     friend constexpr transform operator*(const transform& a, const transform& b) {
         return {a * b.position, a.rotation * b.rotation};
     }
-    friend constexpr bool operator==(const transform&, const transform&) = default;
+    friend bool operator==(const transform&, const transform&) = default;
 };
 
 /// The transform that undoes t.
@@ -50,7 +50,7 @@ struct twist {
     friend constexpr twist operator+(const twist& a, const twist& b) {
         return {a.linear + b.linear, a.angular + b.angular};
     }
-    friend constexpr bool operator==(const twist&, const twist&) = default;
+    friend bool operator==(const twist&, const twist&) = default;
 };
 
 /// The velocity of the point at lever r from the centre of mass.

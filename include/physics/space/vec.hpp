@@ -40,7 +40,7 @@ struct vec<S, 2> {
     constexpr vec& operator+=(vec b) { return *this = *this + b; }
     constexpr vec& operator-=(vec b) { return *this = *this - b; }
     constexpr vec& operator*=(S s) { return *this = *this * s; }
-    friend constexpr bool operator==(vec, vec) = default;
+    friend bool operator==(vec, vec) = default;
 };
 
 template <class S>
@@ -67,7 +67,7 @@ struct vec<S, 3> {
     constexpr vec& operator+=(vec b) { return *this = *this + b; }
     constexpr vec& operator-=(vec b) { return *this = *this - b; }
     constexpr vec& operator*=(S s) { return *this = *this * s; }
-    friend constexpr bool operator==(vec, vec) = default;
+    friend bool operator==(vec, vec) = default;
 };
 
 /// Angular quantities (velocity, impulse, torque): a scalar in 2D, counter-clockwise; a vector in 3D.

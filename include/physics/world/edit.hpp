@@ -1,6 +1,7 @@
 // How bodies and shapes come, go and change between steps; every check of the user's numbers.
 #pragma once
 
+#include "physics/base/probe.hpp"
 #include "physics/world/state.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -64,6 +65,22 @@ template <class Plan, class Settings>
 bool check_settings(const Settings& with, const char* function) {
     return check_finite(function, "gravity", with.gravity) && check_not_negative(function, "contact_margin", with.contact_margin) &&
            check_not_negative(function, "box_margin", with.box_margin) && check(with.solver, function);
+}
+
+/// Refuses to make a world of floating-point numbers where arithmetic would not give the same bits as
+/// everywhere. What the step itself repairs, rounding modes and flushing to zero, is no reason to refuse.
+template <class S>
+bool check_environment([[maybe_unused]] const char* function) {
+#ifndef PHYSICS_HPP_NONDETERMINISTIC
+    if constexpr (std::floating_point<S>) {
+        const float_control_scope control;
+        const auto faults = float_environment();
+        if (faults != 0)
+            return refuse(function, "arithmetic", float_fault_names(faults).c_str(),
+                          "compile without the flags that allow it, or define PHYSICS_HPP_NONDETERMINISTIC");
+    }
+#endif
+    return true;
 }
 
 /// True if the type can hold the value to one percent: neither rounded away nor out of range.

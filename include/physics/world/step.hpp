@@ -130,8 +130,9 @@ void finish(state<Plan>& s, const solver_body<typename Plan::scalar, Plan::dimen
 
 /// Advances a world by h seconds. Each stage reads and writes plain arrays; only this function knows their
 /// order. False, and the world as it was, if a velocity or a position would leave the range of numbers.
+/// Not inlined, so that no arithmetic moves out of the caller's float_control_scope.
 template <class Plan>
-bool step(state<Plan>& s, typename Plan::scalar h) {
+PHYSICS_HPP_NOINLINE bool step(state<Plan>& s, typename Plan::scalar h) {
     s.scratch.reset();
     update_boxes(s);                             // poses and shapes  -> boxes of what has moved
     find_pairs(s);                               // boxes             -> pairs, in order
