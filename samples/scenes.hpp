@@ -59,25 +59,54 @@ physics::body_id square_pyramid(World& world, int rows) {
     return top;
 }
 
-/// A hollow tower in space: floors of four planks laid as a square, each floor on the corners of the one
-/// below, with a ball on top; returns the ball.
+/// A tower of planks in space: floors of two planks, each across those below; returns the last plank.
 template <class World>
 physics::body_id tower(World& world, int floors) {
     using S = typename World::scalar;
-    const typename World::box along_x{{S(1.5), S(0.25), S(0.25)}}, along_z{{S(0.25), S(0.25), S(1.5)}};
+    physics::body_id top;
     for (int floor = 0; floor < floors; ++floor)
-        for (int side = 0; side < 2; ++side) {
-            const bool even = floor % 2 == 0;
-            const double out = side == 0 ? -1.2 : 1.2;
+        for (const double side : {-1.0, 1.0}) {
+            const bool along_x = floor % 2 == 0;
             typename World::body_def def;
-            def.position = {S(even ? 0 : out), S(0.25 + 0.5 * floor), S(even ? out : 0)};
-            world.create_shape(world.create_body(def), even ? along_x : along_z);
+            def.position = {S(along_x ? 0 : side), S(0.25 + 0.5 * floor), S(along_x ? side : 0)};
+            top = world.create_body(def);
+            world.create_shape(top, typename World::box{{S(along_x ? 1.5 : 0.25), S(0.25), S(along_x ? 0.25 : 1.5)}});
         }
+    return top;
+}
+
+/// A heavy ball of 0.5 m that waits on the ground, to the left.
+template <class World>
+physics::body_id waiting_ball(World& world) {
+    using S = typename World::scalar;
     typename World::body_def def;
-    def.position = {S(1.2), S(0.5 * floors + 0.4), S(1.2)};
+    def.position.x = S(-9);
+    def.position.y = S(0.5);
     const physics::body_id ball = world.create_body(def);
-    world.create_shape(ball, typename World::sphere{S(0.4)});
+    world.create_shape(ball, typename World::ball{S(0.5)}, {.density = S(4)});
     return ball;
+}
+
+/// The flagship scenes: a structure stands for four seconds, then a ball flies into it. Calls
+/// visit(world, number of steps taken) before the first step and after each one.
+template <class World, class Build, class Visit>
+World flagship(Build&& build, int steps, Visit&& visit) {
+    using S = typename World::scalar;
+    World world = grounded<World>();
+    build(world);
+    const physics::body_id ball = waiting_ball(world);
+    visit(world, 0);
+    for (int i = 1; i <= steps; ++i) {
+        if (i == 240) {
+            typename World::vec v;
+            v.x = S(12);
+            v.y = S(4);
+            world.set_linear_velocity(ball, v);
+        }
+        world.step(S(1.0 / 60));
+        visit(world, i);
+    }
+    return world;
 }
 
 /// Energy of motion (J), in double.

@@ -125,6 +125,54 @@ CELL_CASE("F2 oscillator: energy stays bounded, its error falls with the first o
     CHECK(worst[1] <= 0.3 * worst[0] + drift(5120, 1));
 }
 
+#if CELL_DIMENSION == 3
+CELL_CASE("F4 torque-free box: angular momentum is kept to rounding, energy to a thousandth, and it tips over") {
+    using vec3 = physics::vec<S, 3>;
+    world w(weightless());
+    const auto b = w.create_body({.angular_velocity = vec3{S(0.1), S(5), S(0.1)}});
+    const auto i = [](double p, double q) { return S(10.0 / 12 * (p * p + q * q)); };
+    w.set_mass(b, {S(10), {}, physics::symmetric<S>::diagonal(i(0.4, 0.9), i(0.1, 0.9), i(0.1, 0.4))});
+    const auto spin = [&] { return inverse_rotate(w.orientation(b), w.angular_velocity(b)); };
+    const auto momentum = [&] { return w.orientation(b) * times(w.mass(b).inertia, spin()); };
+    const auto energy = [&] { return number(dot(times(w.mass(b).inertia, spin()), spin())) / 2; };
+    const vec3 momentum0 = momentum();
+    const double energy0 = energy();
+    bool tipped = false;
+    for (int k = 0; k < 600; ++k) {
+        w.step(S(1.0 / 60));
+        CHECK(number(length(momentum() - momentum0)) <= drift(2 * 600, number(length(momentum0))));
+        CHECK(std::abs(energy() / energy0 - 1) <= 1e-3);
+        tipped = tipped || spin().y < S(-4);
+    }
+    CHECK(tipped);
+}
+
+CELL_CASE("X5 spin: no energy is gained up to 10^4 rad/s") {
+    for (const double speed : {1e2, 1e3, 1e4}) {
+        CAPTURE(speed);
+        world w(weightless());
+        const auto b = w.create_body({.angular_velocity = physics::vec<S, 3>{S(0.1 * speed), S(speed), S(0.2 * speed)}});
+        w.create_shape(b, world::box{{S(0.05), S(0.2), S(0.45)}});
+        const double limit = number(physics::length(w.angular_velocity(b)));
+        const auto inertia = w.mass(b).inertia;
+        // With the momentum kept, spin can grow at most to that about the axis of least inertia.
+        const double most = limit * number(physics::max(inertia.xx, physics::max(inertia.yy, inertia.zz))) /
+                            number(physics::min(inertia.xx, physics::min(inertia.yy, inertia.zz)));
+        const auto momentum = [&] {
+            const auto r = w.orientation(b);
+            return number(physics::length(r * times(inertia, inverse_rotate(r, w.angular_velocity(b)))));
+        };
+        const double momentum0 = momentum();
+        for (int k = 0; k < 600; ++k) {
+            w.step(S(1.0 / 60));
+            CHECK(number(physics::length(w.angular_velocity(b))) <= most);
+        }
+        CHECK(std::abs(momentum() / momentum0 - 1) <= drift(16 * 600, 1));
+        CHECK(number(norm_error(w.orientation(b))) <= 16 * number(cell::traits::epsilon()));
+    }
+}
+#endif
+
 CELL_CASE("C1 off-centre impact: impulse, momentum and spin are exact for every restitution") {
     for (const double e : {0.0, 0.5, 1.0}) {
         CAPTURE(e);

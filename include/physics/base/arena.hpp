@@ -16,7 +16,8 @@ public:
     arena(arena&& other) noexcept { swap(other); }
     arena& operator=(const arena&) { return *this; }
     arena& operator=(arena&& other) noexcept {
-        swap(other);
+        arena taken(std::move(other));
+        swap(taken);
         return *this;
     }
     ~arena() {
@@ -44,7 +45,7 @@ public:
             blocks_.clear();
             add_block(total);
         }
-        used_ = 0;
+        used_ = blocks_.empty() ? 0 : start(blocks_.back());
     }
 
     /// Bytes that the arena holds.
@@ -60,6 +61,10 @@ private:
         unsigned char* memory;
         std::size_t size;
     };
+    /// Where a block's first aligned byte is: malloc aligns to 8 bytes only on some systems.
+    static std::size_t start(const block& b) {
+        return (alignment - reinterpret_cast<std::uintptr_t>(b.memory) % alignment) % alignment;
+    }
 
     void swap(arena& other) noexcept {
         blocks_.swap(other.blocks_);
@@ -67,14 +72,14 @@ private:
     }
     PHYSICS_HPP_COLD void add_block(std::size_t bytes) {
         std::size_t size = blocks_.empty() ? 4096 : blocks_.back().size * 2;
-        if (size < bytes) size = bytes;
+        if (size < bytes + alignment) size = bytes + alignment;
         void* memory = std::malloc(size);
         if (memory == nullptr) {
             detail::refuse("arena", "memory", static_cast<double>(size), "the bytes are not available");
             std::abort();
         }
         blocks_.push({static_cast<unsigned char*>(memory), size});
-        used_ = 0;
+        used_ = start(blocks_.back());
     }
 
     buffer<block> blocks_;

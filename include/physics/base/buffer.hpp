@@ -12,7 +12,7 @@
 PHYSICS_HPP_BEGIN
 
 /// A growable array of trivially copyable values without pointers into itself, so that a copy is a memcpy.
-/// Capacity doubles and is kept by clear(): a steady step allocates nothing.
+/// Capacity doubles and is kept by clear(): a steady step allocates nothing. Moving from a buffer empties it.
 template <class T>
 class buffer {
     static_assert(std::is_trivially_copyable_v<T>, "physics::buffer: the values must be trivially copyable");
@@ -29,7 +29,8 @@ public:
         return *this;
     }
     buffer& operator=(buffer&& other) noexcept {
-        swap(other);
+        buffer taken(std::move(other));
+        swap(taken);
         return *this;
     }
     ~buffer() { std::free(data_); }
@@ -57,26 +58,28 @@ public:
     /// Adds a copy of value at the end; the value may lie within the buffer.
     T& push(const T& value) {
         const T copy = value;
-        if (size_ == capacity_) grow_to(size_ + 1);
+        if (size_ == capacity_) grow_to(std::uint64_t{size_} + 1);
         return *new (static_cast<void*>(data_ + size_++)) T(copy);
     }
     void pop() { --size_; }
-    /// Shortens the buffer, or fills it up with copies of value.
+    /// Shortens the buffer, or fills it up with copies of value, which may lie within the buffer.
     void resize(std::uint32_t size, const T& value = T{}) {
+        const T copy = value;
         reserve(size);
-        for (std::uint32_t i = size_; i < size; ++i) new (static_cast<void*>(data_ + i)) T(value);
+        for (std::uint32_t i = size_; i < size; ++i) new (static_cast<void*>(data_ + i)) T(copy);
         size_ = size;
     }
 
 private:
     static_assert(alignof(T) <= alignof(std::max_align_t));
 
-    PHYSICS_HPP_COLD void grow_to(std::uint32_t needed) {
+    PHYSICS_HPP_COLD void grow_to(std::uint64_t needed) {
+        constexpr std::uint64_t most = 0xffffffffu < SIZE_MAX / sizeof(T) ? 0xffffffffu : SIZE_MAX / sizeof(T);
         std::uint64_t capacity = capacity_ < 8 ? 16 : std::uint64_t{capacity_} * 2;
         if (capacity < needed) capacity = needed;
-        if (capacity > 0xffffffffu) capacity = 0xffffffffu;
-        void* grown = std::realloc(static_cast<void*>(data_), static_cast<std::size_t>(capacity) * sizeof(T));
-        if (grown == nullptr || needed > capacity) {
+        if (capacity > most && needed <= most) capacity = most;
+        void* grown = capacity > most ? nullptr : std::realloc(static_cast<void*>(data_), static_cast<std::size_t>(capacity) * sizeof(T));
+        if (grown == nullptr) {
             // Nobody can go on without the memory, so a handler that returns must not reach the caller.
             detail::refuse("buffer", "memory", static_cast<double>(capacity) * sizeof(T), "the bytes are not available");
             std::abort();

@@ -93,7 +93,7 @@ constexpr Rep scaled_quotient(std::int64_t a, int shift, std::int64_t b) {
     return signed_saturating<Rep>(negative, quotient + up < up ? quotient : quotient + up);
 }
 
-/// a * 2^shift / b to nearest, ties away from zero, saturating; shift from -126 to 186, a and b up to 2^127.
+/// a * 2^shift / b to nearest, ties away from zero, saturating; shift from -126 up, a and b up to 2^127.
 /// Exact: where a * 2^shift has more than 128 bits, the division goes on with the rest, as many bits a round
 /// as there is room for.
 template <class Rep>

@@ -154,8 +154,8 @@ constexpr Rep fixed_tangent(Rep raw) {
     if (!a.swapped) return scaled_quotient<Rep>(negative, uint128(mul_high(p, ratio)), FractionBits, cosine);
     const int zeros = 128 - bit_width(a.eighths);
     if (zeros == 128) return saturated<Rep>(negative);
-    const uint128 sine = product128(high_half(a.eighths << zeros), ratio);
-    return scaled_quotient<Rep>(negative, cosine, 64 + zeros + FractionBits, sine);
+    const uint128 sine = product128(high_half(a.eighths << zeros), ratio) >> 1;
+    return scaled_quotient<Rep>(negative, cosine, 63 + zeros + FractionBits, sine);
 }
 
 /// atan(n / d) as a count of 2^-126, for n <= d. Subtracts the nearest of atan(0, 1/4, 1/2, 1), since

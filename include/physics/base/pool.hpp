@@ -8,7 +8,7 @@ PHYSICS_HPP_BEGIN
 
 /// Items in numbered slots. A freed slot is used again, last freed first, under a new generation; a slot
 /// whose generations are used up is retired, so a stale handle can never come alive. The order of slots
-/// depends on the calls alone, never on memory. Insert, erase, look-up: O(1).
+/// depends on the calls alone, never on memory. Moving from a pool empties it. Insert, erase, look-up: O(1).
 template <class T>
 class pool {
 public:
@@ -17,6 +17,23 @@ public:
         std::uint32_t index;
         std::uint16_t generation;
     };
+
+    pool() = default;
+    pool(const pool&) = default;
+    pool(pool&& other) noexcept { swap(other); }
+    pool& operator=(const pool&) = default;
+    pool& operator=(pool&& other) noexcept {
+        pool taken(std::move(other));
+        swap(taken);
+        return *this;
+    }
+    ~pool() = default;
+    void swap(pool& other) noexcept {
+        items_.swap(other.items_);
+        slots_.swap(other.slots_);
+        std::swap(free_, other.free_);
+        std::swap(count_, other.count_);
+    }
 
     place insert(const T& item) {
         std::uint32_t index = free_;

@@ -61,6 +61,16 @@ constexpr symmetric<inverse_of<S>> inverted_inertia(const symmetric<S>& inertia)
     return inverse<inverse_of<S>>(inertia);
 }
 
+/// True if the inertia is the same about every axis.
+template <class S>
+constexpr bool is_isotropic(S) {
+    return true;
+}
+template <class S>
+constexpr bool is_isotropic(const symmetric<S>& m) {
+    return m.xx == m.yy && m.yy == m.zz && m.xy == S(0) && m.xz == S(0) && m.yz == S(0);
+}
+
 /// The inverse inertia of a body with the given rotation, in world axes.
 template <class S>
 constexpr inverse_of<S> in_world(inverse_of<S> local, const rotation<S, 2>&) {

@@ -66,7 +66,7 @@ constexpr bool narrowphase_serves(const shapes<Shapes...>*) {
 
 /// What an integrator must offer: advance_velocity(velocity, body, gravity, h), advance_pose(body, velocity, h).
 template <class Policy, class S, int D>
-concept integrator_policy = requires(solver_body<S, D> v, body<S, D> b, const twist<S, D> t) {
+concept integrator_policy = requires(solver_body<S, D> v, body<S, D> b, twist<S, D> t) {
     Policy::template in<space<S, D>>::advance_velocity(v, b, vec<S, D>{}, S(1));
     Policy::template in<space<S, D>>::advance_pose(b, t, S(1));
 };

@@ -164,6 +164,7 @@ void set_mass_properties(body<S, D>& b, const mass_properties<S, D>& mass) {
     b.velocity.linear += cross(b.velocity.angular, b.center - old_center);
     b.inverse_mass = {};
     b.inverse_inertia = {};
+    b.is_gyroscopic = b.is_dynamic() && !b.rotation_locked && !is_isotropic(mass.inertia);
     if (!b.is_dynamic()) return;
     b.inverse_mass = reciprocal<inverse_of<S>>(mass.mass);
     if (!b.rotation_locked) b.inverse_inertia = inverted_inertia(mass.inertia);

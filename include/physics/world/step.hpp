@@ -72,6 +72,23 @@ void find_contacts(state<Plan>& s) {
     }
 }
 
+/// Where bodies are as a step begins: what a refused step goes back to.
+template <class Plan>
+auto* remember_poses(state<Plan>& s) {
+    using S = typename Plan::scalar;
+    constexpr int D = Plan::dimension;
+    auto* poses = s.scratch.template take<transform<S, D>>(s.bodies.slots());
+    s.bodies.each([&](std::uint32_t i, const auto& b) { new (poses + i) transform<S, D>{b.center, b.rotation}; });
+    return poses;
+}
+template <class Plan>
+void restore_poses(state<Plan>& s, const transform<typename Plan::scalar, Plan::dimension>* poses) {
+    s.bodies.each([&](std::uint32_t i, auto& b) {
+        b.center = poses[i].position;
+        b.rotation = poses[i].rotation;
+    });
+}
+
 /// What the solver sees of the bodies; bodies with a target pose get the velocity that reaches it.
 template <class Plan>
 auto* gather_bodies(state<Plan>& s, typename Plan::scalar h) {
@@ -82,7 +99,7 @@ auto* gather_bodies(state<Plan>& s, typename Plan::scalar h) {
         new (bodies + i) solver_body<S, D>{b.velocity, b.inverse_mass, in_world(b.inverse_inertia, b.rotation)};
         if (!b.has_target) return;
         bodies[i].velocity.linear = (b.target * b.mass.center - b.center) / h;
-        bodies[i].velocity.angular = rotation_vector(b.target.rotation * inverse(b.rotation)) * (S(1) / h);
+        bodies[i].velocity.angular = rotation_vector(b.target.rotation * inverse(b.rotation)) / h;
     });
     return bodies;
 }
@@ -103,13 +120,10 @@ struct motion {
         });
     }
     void advance_poses(S h) {
-        s.bodies.each([&](std::uint32_t i, const body<S, D>& b) {
-            const twist<S, D>& v = bodies[i].velocity;
-            finite = finite && is_finite(b.center + v.linear * h) && is_finite(v.angular);
-        });
-        if (!finite) return;
         s.bodies.each([&](std::uint32_t i, body<S, D>& b) {
-            if (b.type != body_type::static_body) Plan::integrator::advance_pose(b, bodies[i].velocity, h);
+            twist<S, D>& v = bodies[i].velocity;
+            if (b.type != body_type::static_body) Plan::integrator::advance_pose(b, v, h);
+            finite = finite && is_finite(b.center) && is_finite(b.rotation) && is_finite(v.linear) && is_finite(v.angular);
         });
     }
 };
@@ -138,10 +152,11 @@ PHYSICS_HPP_NOINLINE bool step(state<Plan>& s, typename Plan::scalar h) {
     find_pairs(s);                               // boxes             -> pairs, in order
     find_contacts(s);                            // pairs and poses   -> contacts with feature ids
     inherit_impulses(s.contacts, s.found);       // last step's       -> warm impulses of what persists
+    auto* poses = remember_poses(s);             // poses             -> what a refused step goes back to
     auto* bodies = gather_bodies(s, h);          // bodies            -> what the solver sees of them
     motion<Plan> moving{s, bodies};
     Plan::solver::solve(bodies, s.found, s.settings.solver, h, s.scratch, moving);  // -> velocities, poses
-    if (!moving.finite) return false;
+    if (!moving.finite) return restore_poses(s, poses), false;
     finish(s, bodies);                           // results           -> bodies and contacts
     return true;
 }
