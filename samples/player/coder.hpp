@@ -56,7 +56,7 @@ inline void put_number(bit_writer& out, number_model& model, std::int32_t value)
     if (value == 0) return;
     out.put(value < 0, model.chances[1]);
     const auto size = static_cast<std::uint32_t>(value < 0 ? -value : value);
-    const int length = std::bit_width(size) - 1;
+    const int length = static_cast<int>(std::bit_width(size)) - 1;
     for (int i = 0; i < length; ++i) out.put(true, model.chances[static_cast<std::size_t>(2 + i)]);
     out.put(false, model.chances[static_cast<std::size_t>(2 + length)]);
     for (int i = length - 1; i >= 0; --i) {
@@ -95,9 +95,9 @@ inline std::string quoted(std::string_view text) {
     return out + '"';
 }
 
-inline std::string number(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.9g", value);
+inline std::string number(double value, int digits = 9) {
+    char text[40];
+    std::snprintf(text, sizeof text, "%.*g", digits, value);
     return text;
 }
 

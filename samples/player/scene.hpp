@@ -152,7 +152,7 @@ public:
         std::string text = "{\"title\":" + detail::quoted(settings_.title);
         text += ",\"scalar\":" + detail::quoted(settings_.scalar);
         const auto field = [&](const char* name, double value) {
-            text += std::string(",\"") + name + "\":" + detail::number(value);
+            text += std::string(",\"") + name + "\":" + detail::number(value, 17);
         };
         field("dimension", settings_.dimension);
         field("dt", settings_.dt);
@@ -204,7 +204,7 @@ private:
     /// Codes the difference, with a model chosen by the channel and by how large the last difference was.
     void put(std::size_t channel, std::int32_t difference, std::int32_t& size) {
         detail::put_number(out_, models_[channel * 8 + static_cast<std::size_t>(size)], difference);
-        const int bits = std::bit_width(static_cast<std::uint32_t>(difference < 0 ? -difference : difference));
+        const auto bits = static_cast<int>(std::bit_width(static_cast<std::uint32_t>(std::abs(difference))));
         size = bits < 7 ? bits : 7;
     }
     void note(std::int32_t value) { check_ = (check_ ^ static_cast<std::uint32_t>(value)) * 16777619u; }
@@ -258,8 +258,8 @@ private:
     void put_touches() {
         const std::int32_t reach = rounded(smallest_ * 0.5, 4 * grid_) + 1;
         const auto cell_key = [&](std::int32_t x, std::int32_t y, std::int32_t z) {
-            return static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15u ^
-                   static_cast<std::uint64_t>(y) * 0xc2b2ae3d27d4eb4fu ^ static_cast<std::uint64_t>(z) * 0x165667b19e3779f9u;
+            const auto wide = [](std::int32_t value) { return static_cast<std::uint64_t>(value); };
+            return (wide(x) * 0x9e3779b97f4a7c15u) ^ (wide(y) * 0xc2b2ae3d27d4eb4fu) ^ (wide(z) * 0x165667b19e3779f9u);
         };
         const auto cell = [&](std::int32_t value) { return (value >= 0 ? value : value - reach + 1) / reach; };
         std::unordered_map<std::uint64_t, std::vector<std::size_t>> cells;

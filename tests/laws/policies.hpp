@@ -1,0 +1,203 @@
+// Policies in combination: pairwise over broadphase, integrator, features and shapes, each against a law.
+#pragma once
+
+#include <cmath>
+#include <algorithm>
+#include <vector>
+
+#include "../../samples/scenes.hpp"
+#include "cell.hpp"
+
+namespace {
+
+using S = cell::scalar;
+constexpr int D = cell::dimension;
+
+/// A user's broadphase: keeps its boxes sorted along x and sweeps over them.
+struct sweep_along_x {
+    using stage = physics::stage::broadphase;
+    template <class Space>
+    class in {
+    public:
+        void insert(std::uint32_t id, const typename Space::aabb& box) { boxes_.push_back({id, box}); }
+        void move(std::uint32_t id, const typename Space::aabb& box) {
+            for (auto& b : boxes_)
+                if (b.id == id) b.box = box;
+        }
+        void erase(std::uint32_t id) {
+            std::erase_if(boxes_, [&](const entry& b) { return b.id == id; });
+        }
+        template <class Accept>
+        void pairs(Accept&& accept, physics::buffer<physics::proxy_pair>& out) {
+            std::stable_sort(boxes_.begin(), boxes_.end(), [](const entry& a, const entry& b) { return a.box.lower.x < b.box.lower.x; });
+            std::vector<physics::proxy_pair> found;
+            for (std::size_t i = 0; i < boxes_.size(); ++i)
+                for (std::size_t k = i + 1; k < boxes_.size() && !(boxes_[k].box.lower.x > boxes_[i].box.upper.x); ++k) {
+                    const std::uint32_t a = std::min(boxes_[i].id, boxes_[k].id), b = std::max(boxes_[i].id, boxes_[k].id);
+                    if (overlap(boxes_[i].box, boxes_[k].box) && accept(a, b)) found.push_back({a, b});
+                }
+            std::sort(found.begin(), found.end());
+            out.clear();
+            for (const auto& p : found) out.push(p);
+        }
+
+    private:
+        struct entry {
+            std::uint32_t id;
+            typename Space::aabb box;
+        };
+        std::vector<entry> boxes_;
+    };
+};
+
+/// A user's integrator: explicit Euler, which falls ahead of the exact parabola by half a step.
+struct explicit_euler {
+    using stage = physics::stage::integrator;
+    template <class Space>
+    struct in {
+        using body = physics::body<S, D>;
+        static void advance_velocity(physics::solver_body<S, D>& v, const body& b, physics::vec<S, D> gravity, S h) {
+            v.velocity.linear += gravity * b.gravity_scale * h;
+        }
+        static void advance_pose(body& b, physics::twist<S, D>& v, S h) {
+            // The velocity at the step's start: what gravity has added since is taken off again.
+            b.center += (v.linear - last_gravity() * h) * h;
+            b.rotation = turned(b.rotation, v.angular * h);
+        }
+        static physics::vec<S, D> last_gravity() {
+            physics::vec<S, D> g;
+            g.y = S(-10);
+            return g;
+        }
+    };
+};
+
+/// A user's narrowphase: the library's, one query at a time.
+struct one_by_one {
+    using stage = physics::stage::narrowphase;
+    template <class Scalar, int Dimension, template <class, int> class... Shapes>
+    struct in {
+        static void collide(const physics::narrowphase_query<Scalar, Dimension, Shapes...>* queries, std::uint32_t count, Scalar margin,
+                            physics::manifold<Scalar, Dimension>* out) {
+            for (std::uint32_t i = count; i-- > 0;)
+                physics::best_per_pair::in<Scalar, Dimension, Shapes...>::collide(queries + i, 1, margin, out + i);
+        }
+    };
+};
+
+using physics::feature::friction;
+using physics::feature::restitution;
+using physics::without;
+template <template <class, int> class... Shapes>
+using only = physics::shapes<Shapes...>;
+
+struct plain : physics::recipe<S, D> {};
+struct swept : physics::recipe<S, D, sweep_along_x> {};
+struct reordered : physics::recipe<S, D, one_by_one, sweep_along_x> {};
+struct slippery : physics::recipe<S, D, without<friction>, only<physics::halfspace, physics::box>> {};
+struct dull : physics::recipe<S, D, only<physics::ball, physics::box, physics::halfspace>, without<restitution>, sweep_along_x> {};
+struct bare : physics::recipe<S, D, one_by_one, without<restitution, friction>> {};
+struct ahead : physics::recipe<S, D, explicit_euler, without<restitution>, one_by_one> {};
+struct ahead_swept : physics::recipe<S, D, sweep_along_x, explicit_euler, without<friction>, only<physics::box, physics::halfspace>> {};
+
+template <class Recipe>
+std::uint64_t hash_of_pyramid() {
+    auto w = scenes::grounded<physics::world<Recipe>>();
+    scenes::pyramid(w, 4);
+    for (int i = 0; i < 60; ++i) w.step(S(1.0 / 60));
+    return w.state_hash();
+}
+
+CELL_CASE("policies: a broadphase or a narrowphase that finds the same pairs gives the same bits") {
+    CHECK(hash_of_pyramid<swept>() == hash_of_pyramid<plain>());
+    CHECK(hash_of_pyramid<reordered>() == hash_of_pyramid<plain>());
+}
+
+template <class Recipe>
+void rests_on_the_ground() {
+    auto w = scenes::grounded<physics::world<Recipe>>();
+    const auto crate = scenes::add_crate(w, 0, 0.75);
+    for (int i = 0; i < 120; ++i) w.step(S(1.0 / 60));
+    CHECK(std::abs(cell::number(w.position(crate).y) - 0.5) <= 0.01);
+    CHECK(scenes::kinetic_energy(w) <= 1e-4);
+}
+
+CELL_CASE("policies: a crate comes to rest in every combination") {
+    rests_on_the_ground<plain>();
+    rests_on_the_ground<swept>();
+    rests_on_the_ground<reordered>();
+    rests_on_the_ground<slippery>();
+    rests_on_the_ground<dull>();
+    rests_on_the_ground<bare>();
+}
+
+/// The speed along x that is left of 3 m/s after a second on the ground.
+template <class Recipe>
+double speed_after_slide() {
+    auto w = scenes::grounded<physics::world<Recipe>>();
+    const auto crate = scenes::add_crate(w, 0, 0.5);
+    typename physics::world<Recipe>::vec v;
+    v.x = S(3);
+    w.set_linear_velocity(crate, v);
+    for (int i = 0; i < 64; ++i) w.step(S(1.0 / 64));
+    return cell::number(w.linear_velocity(crate).x);
+}
+
+CELL_CASE("policies: friction stops a crate, and without it nothing does") {
+    CHECK(std::abs(speed_after_slide<plain>()) <= 1e-3);
+    CHECK(std::abs(speed_after_slide<dull>()) <= 1e-3);
+    const double rounding = 1024 * cell::number(cell::traits::epsilon());
+    CHECK(std::abs(speed_after_slide<slippery>() - 3) <= rounding);
+    CHECK(std::abs(speed_after_slide<bare>() - 3) <= rounding);
+}
+
+/// The highest point that a ball of restitution 1 reaches again after a fall of 1 m.
+template <class Recipe>
+double height_after_bounce() {
+    using world = physics::world<Recipe>;
+    auto w = scenes::grounded<world>();
+    typename world::body_def def;
+    def.position.y = S(1.5);
+    const auto ball = w.create_body(def);
+    w.create_shape(ball, typename world::ball{S(0.5)}, {.material = {.restitution = S(1)}});
+    double highest = 0;
+    for (int i = 0; i < 56; ++i) {
+        w.step(S(1.0 / 64));
+        if (cell::number(w.linear_velocity(ball).y) > 0) highest = std::max(highest, cell::number(w.position(ball).y));
+    }
+    return highest;
+}
+
+CELL_CASE("policies: restitution throws a ball back, and without it it stays down") {
+    CHECK(height_after_bounce<plain>() >= 1.4);
+    CHECK(height_after_bounce<dull>() <= 0.51);
+    CHECK(height_after_bounce<bare>() <= 0.51);
+}
+
+template <class Recipe>
+double fall_of_a_second() {
+    using world = physics::world<Recipe>;
+    auto w = scenes::grounded<world>();
+    typename world::body_def def;
+    def.position.y = S(100);
+    const auto body = w.create_body(def);
+    for (int i = 0; i < 64; ++i) w.step(S(1.0 / 64));
+    return 100 - cell::number(w.position(body).y);
+}
+
+CELL_CASE("policies: the integrator is the recipe's: explicit Euler lags by g t h / 2, the symplectic one leads by it") {
+    const double rounding = 64 * 128 * cell::number(cell::traits::epsilon());
+    CHECK(std::abs(fall_of_a_second<plain>() - (5 + 5.0 / 64)) <= rounding);
+    CHECK(std::abs(fall_of_a_second<ahead>() - (5 - 5.0 / 64)) <= rounding);
+    CHECK(std::abs(fall_of_a_second<ahead_swept>() - (5 - 5.0 / 64)) <= rounding);
+}
+
+CELL_CASE("policies: the set of shapes decides what a shape's value costs") {
+    using all = physics::world<plain>::any_shape;
+    using few = physics::world<dull>::any_shape;
+    CHECK(sizeof(few) <= sizeof(all));
+    CHECK(few::kinds == 3);
+    CHECK(few::kind_of<physics::capsule<S, D>>() == -1);
+}
+
+}  // namespace
