@@ -8,6 +8,7 @@
 //   PHYSICS_HPP_NO_INT128         take the portable 128-bit path even where the compiler has __int128
 #pragma once
 
+// Numbers, memory, errors, facts about the compiler.
 #include "physics/base/arena.hpp"
 #include "physics/base/buffer.hpp"
 #include "physics/base/config.hpp"
@@ -27,6 +28,7 @@
 #include "physics/base/stage.hpp"
 #include "physics/base/wide.hpp"
 
+// Vectors, rotations, transforms, inertia, boxes.
 #include "physics/space/aabb.hpp"
 #include "physics/space/check.hpp"
 #include "physics/space/inertia.hpp"
@@ -37,6 +39,7 @@
 #include "physics/space/transform.hpp"
 #include "physics/space/vec.hpp"
 
+// What bodies are made of.
 #include "physics/shape/ball.hpp"
 #include "physics/shape/box.hpp"
 #include "physics/shape/capsule.hpp"
@@ -44,6 +47,7 @@
 #include "physics/shape/halfspace.hpp"
 #include "physics/shape/shapes.hpp"
 
+// From two shapes to a contact.
 #include "physics/collide/box3.hpp"
 #include "physics/collide/capsule3.hpp"
 #include "physics/collide/manifold.hpp"
@@ -55,18 +59,23 @@
 #include "physics/collide/round.hpp"
 #include "physics/collide/segment.hpp"
 
+// From all boxes to the pairs that may touch.
 #include "physics/broadphase/all_pairs.hpp"
 #include "physics/broadphase/concept.hpp"
 
+// Bodies, contacts, and the solver that moves them.
 #include "physics/dynamics/body.hpp"
 #include "physics/dynamics/contact.hpp"
 #include "physics/dynamics/friction.hpp"
 #include "physics/dynamics/integrator.hpp"
 #include "physics/dynamics/sequential_impulse.hpp"
 
+// What users hold; world/step.hpp is the page to read first.
 #include "physics/world/audit.hpp"
+#include "physics/world/check.hpp"
 #include "physics/world/edit.hpp"
 #include "physics/world/hash.hpp"
+#include "physics/world/mass.hpp"
 #include "physics/world/ranges.hpp"
 #include "physics/world/recipe.hpp"
 #include "physics/world/settings.hpp"
@@ -74,4 +83,5 @@
 #include "physics/world/step.hpp"
 #include "physics/world/world.hpp"
 
+// From elapsed time to fixed steps.
 #include "physics/loop/accumulator.hpp"

@@ -16,15 +16,15 @@ FLOORS = ["base", "space", "shape", "collide", "broadphase", "dynamics", "world"
 # What each costs decides: a unit that includes physics.hpp pays for all of them (budget: bench/compile.py).
 STANDARD = {"bit", "compare", "concepts", "cstddef", "cstdint", "cstdio", "cstdlib", "cstring", "exception",
             "initializer_list", "limits", "new", "type_traits", "utility"}
-CONDITIONAL = {"intrin.h"}
+CONDITIONAL = STANDARD | {"cmath", "intrin.h"}  # under an #if: for compilers without the builtins that we use
 MOST_LINES = 400
 MOST_COLUMNS = 120
 
 OWN = re.compile(r'^\s*#\s*include\s+"physics/([^"]+)"', re.MULTILINE)
 LIBM = re.compile(r"\b(?:std::|__builtin_)(?:sin|cos|tan|asin|acos|atan|atan2|sinh|cosh|tanh|exp|exp2|expm1|log|log2|"
                   r"log10|log1p|pow|cbrt|hypot|fma|fmin|fmax|fmod|remainder|lerp|round|nearbyint|rint)[fl]?\s*\(")
-DECLARES = re.compile(r"^(?:class|struct|union|enum|using|concept|inline constexpr|constexpr \w+ \w+ =)\b")
-SPECIALISES = re.compile(r"^(?:class|struct)\s+(?:\[\[.*?\]\]\s*)?(\w+)\s*<")
+DECLARES = re.compile(r"^(?:class|struct|union|enum class|enum|using|concept|inline constexpr \w+) (\w+)\b")
+SPECIALISES = re.compile(r"^(?:class|struct|inline constexpr \w+) \w+<")
 
 
 class House:
@@ -105,9 +105,12 @@ def region(house):
 def cheap_standard_headers(house):
     """Only standard headers that compile in milliseconds: the others are most of what such libraries cost."""
     for name, text in house.parts.items():
-        for header in re.findall(r"^\s*#\s*include\s+<([^>]+)>", text, re.MULTILINE):
-            if header not in STANDARD | CONDITIONAL:
-                yield f"{name}: includes <{header}>; allowed are {', '.join(sorted(STANDARD))}"
+        depth = 0
+        for line in text.splitlines():
+            depth += bool(re.match(r"\s*#\s*if", line)) - bool(re.match(r"\s*#\s*endif", line))
+            header = re.match(r"\s*#\s*include\s+<([^>]+)>", line)
+            if header and header.group(1) not in (CONDITIONAL if depth else STANDARD):
+                yield f"{name}: includes <{header.group(1)}>; allowed are {', '.join(sorted(STANDARD))}"
 
 
 def small_files(house):
@@ -118,25 +121,26 @@ def small_files(house):
 
 
 def documented(house):
-    """Every public type, concept and alias has a docstring: the header is the manual."""
+    """Every public type, concept and alias has a docstring: the header is the manual. Specialisations, later
+    declarations of a name and the rest of a run of aliases share the first one's."""
     for name, text in house.parts.items():
         lines = text.splitlines()
         hidden = False
+        known = set()
         for i, line in enumerate(lines):
             if re.match(r"namespace detail\b", line):
                 hidden = True
             elif re.match(r"}  // namespace detail", line):
                 hidden = False
-            if hidden or not DECLARES.match(line) or line.startswith("using namespace"):
+            declared = DECLARES.match(line)
+            if hidden or not declared or SPECIALISES.match(line) or declared.group(1) in known:
                 continue
             above = i - 1
-            while above >= 0 and re.match(r"(template\b|\s+requires\b|requires\b|\s{4,}\S.*>$)", lines[above]):
+            while above >= 0 and re.match(r"template\b|\s*requires\b|\s{4,}\S.*>$", lines[above]):
                 above -= 1
-            described = above >= 0 and (lines[above].startswith("///") or lines[above].startswith("using "))
-            special = SPECIALISES.match(line)
-            primary = special and re.search(rf"^(?:class|struct) {special.group(1)};", text, re.MULTILINE)
-            elsewhere = special and not primary
-            if not (described or primary or elsewhere):
+            if above >= 0 and re.match(r"///|using ", lines[above]):
+                known.add(declared.group(1))
+            else:
                 yield f"{name}:{i + 1}: no docstring: {line.strip()}"
 
 
@@ -159,17 +163,36 @@ def no_libm(house):
 
 def private_laws(house):
     """Laws are written once and compiled for every cell; outside an unnamed namespace, two cells that link into one
-    program would share a function by name, and one of them would silently test the other."""
+    program would share a function by name, and one of them would silently test the other. Before it: includes and
+    explicit instantiations. Cases carry the cell's name, else the run of that cell does not find them."""
     for name, text in house.laws().items():
-        opens = text.count("\nnamespace {\n")
-        if opens != 1 or "\n}  // namespace\n" not in text:
+        parts = re.split(r"^namespace \{$|^\}  // namespace$", text, flags=re.MULTILINE)
+        if len(parts) != 3:
             yield f"{name}: not exactly one unnamed namespace around the laws"
             continue
-        outside = re.sub(r"\nnamespace \{\n.*\n}  // namespace\n", "\n", text, flags=re.DOTALL)
-        for line in outside.splitlines():
-            if line.strip() and not re.match(r"\s*(//|#|template (class|struct)\b|}$|using )", line):
-                if not re.match(r"template [\w:]", line):
-                    yield f"{name}: outside the unnamed namespace: {line.strip()}"
+        code = re.sub(r"^\s*(//|#).*$", "", parts[0] + parts[2], flags=re.MULTILINE)
+        for statement in code.split(";"):
+            if not re.match(r"template (?!<)|$", statement.strip()):
+                yield f"{name}: outside the unnamed namespace: {statement.strip().splitlines()[0]}"
+        if re.search(r"\bTEST_CASE", text):
+            yield f"{name}: TEST_CASE; write CELL_CASE"
+
+
+def every_law_runs(house):
+    """Each header of laws/ is in the matrix of tests/meson.build, or included by one that is: no law lies idle."""
+    matrix = re.search(r"^matrix = \{.*?^\}", (ROOT / "tests/meson.build").read_text(encoding="utf-8"), re.M | re.S)
+    entries = re.findall(r"'(\w+)':", matrix.group(0) if matrix else "")
+    running = {name for name in house.laws() if pathlib.PurePath(name).stem.split("_")[0] in entries}
+    todo = list(running)
+    while todo:
+        for other in re.findall(r'#include "(\w+\.hpp)"', house.laws().get(todo.pop(), "")):
+            name = f"tests/laws/{other}"
+            if name not in running:
+                running.add(name)
+                todo.append(name)
+    for name in house.laws():
+        if name not in running:
+            yield f"{name}: not in the matrix of tests/meson.build"
 
 
 def tidy(house):
@@ -187,7 +210,7 @@ def tidy(house):
 
 
 RULES = [floors_only_downwards, no_circles, opening, region, cheap_standard_headers, small_files, documented, own_macros,
-         no_libm, private_laws, tidy]
+         no_libm, private_laws, every_law_runs, tidy]
 
 
 def main():

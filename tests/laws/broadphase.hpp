@@ -58,6 +58,7 @@ inline aabb random_box(cell::dice& dice) {
 }
 
 CELL_CASE("broadphase: agrees with a comparison of all boxes through any history") {
+    std::size_t met = 0;
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
         cell::dice dice(seed);
         broadphase tested;
@@ -87,8 +88,9 @@ CELL_CASE("broadphase: agrees with a comparison of all boxes through any history
             if (!plain.boxes.empty()) copy.erase(plain.boxes.begin()->first);
             REQUIRE(pairs_of(tested, anything) == plain.pairs(anything));
         }
-        CHECK(plain.pairs(anything).size() > 10);
+        met += plain.pairs(anything).size();
     }
+    CHECK(met > 100);
 }
 
 CELL_CASE("broadphase: pairs ascend, each once, and the filter sees no others") {

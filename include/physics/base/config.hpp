@@ -20,6 +20,8 @@
 #endif
 #if PHYSICS_HPP_CPLUSPLUS < 202002L
 #error "physics.hpp needs C++20: compile with -std=c++20 or later"
+// Ends the compilation, for want of such a file: hundreds of errors would bury the one that counts.
+#pragma GCC dependency "C++20"
 #endif
 
 #if defined(__cpp_exceptions) || defined(_CPPUNWIND)
@@ -78,8 +80,8 @@
 #define PHYSICS_HPP_REGION_PUSH _Pragma("clang fp contract(off)")
 #define PHYSICS_HPP_REGION_POP
 #elif defined(__clang__)
-// Precise as well, since no macro shows flags such as -fassociative-math. Only -ffp-contract=fast gets through:
-// clang fuses after it has forgotten the pragma, and the probe reports it.
+// Precise as well, since no macro shows flags such as -fassociative-math. Only -ffp-contract=fast gets through, and
+// flags that imply it: clang fuses after it has forgotten the pragma. The probe reports it.
 #define PHYSICS_HPP_REGION_PUSH _Pragma("float_control(precise, on, push)") _Pragma("clang fp contract(off)")
 #define PHYSICS_HPP_REGION_POP _Pragma("float_control(pop)")
 #elif defined(__GNUC__) && (defined(__FP_FAST_FMA) || defined(__FP_FAST_FMAF))

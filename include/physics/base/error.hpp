@@ -62,7 +62,8 @@ PHYSICS_HPP_COLD inline bool refuse(const char* function, const char* field, con
 PHYSICS_HPP_COLD inline bool refuse(const char* function, const char* field, double value, const char* rule) {
     char text[40];
     std::snprintf(text, sizeof text, "%.9g", value);
-    return refuse(function, field, text, rule);
+    // Some systems write nan with a sign.
+    return refuse(function, field, value != value ? "nan" : text, rule);
 }
 
 /// The same for a component of a field, such as ".x" of "position".

@@ -19,25 +19,25 @@ inline constexpr std::uint64_t fixed_sine_series[] = {
     0xc90fdaa22168c235, 0x14abbce625be52bf, 0x00a335e33bad570f, 0x000265a599cc57b1, 0x00000541e0d21fba,
     0x000000078c1d3f7a, 0x0000000007a3d0d3, 0x000000000005beb7, 0x0000000000000356, 0x0000000000000002};
 /// (pi/4)^(2k) / (2k)!, k from 1: one minus that cosine, over z, with alternating signs.
-inline constexpr std::uint64_t fixed_cosine_series[] = {
-    0x4ef4f326f9177969, 0x040f07c206d6b0ed, 0x00155d3c7e3cbffa, 0x00003c3ea0d12375, 0x00000069b47ca881,
-    0x000000007e74e28e, 0x00000000006db894, 0x0000000000004832, 0x0000000000000025};
-/// (log(2)/16)^k / k!, k from 1: 2^(g/16) - 1, over g.
+inline constexpr std::uint64_t fixed_cosine_series[] = {0x4ef4f326f9177969, 0x040f07c206d6b0ed, 0x00155d3c7e3cbffa,
+                                                        0x00003c3ea0d12375, 0x00000069b47ca881, 0x000000007e74e28e,
+                                                        0x00000000006db894, 0x0000000000004832, 0x0000000000000025};
+/// 16 (log(2)/16)^k / k!, k from 1: 16 (2^(g/16) - 1), over g; the factor keeps four more bits.
 inline constexpr std::uint64_t fixed_exp_series[] = {
-    0x0b17217f7d1cf79b, 0x003d7f7bff058b1d, 0x0000e35846b82506, 0x00000276556df74a, 0x00000005761ff9e3,
-    0x000000000a184898, 0x00000000000ffe60, 0x000000000000162c, 0x000000000000001b};
+    0xb17217f7d1cf79ac, 0x03d7f7bff058b1d5, 0x000e35846b825060, 0x0000276556df749d, 0x0000005761ff9e2a,
+    0x00000000a184897c, 0x0000000000ffe5fe, 0x00000000000162c0, 0x00000000000001b5, 0x0000000000000002};
 /// 2^(i/16) - 1.
 inline constexpr std::uint64_t fixed_powers[] = {
-    0x0000000000000000, 0x0b5586cf9890f62a, 0x172b83c7d517adce, 0x2387a6e75623866c, 0x306fe0a31b7152df,
-    0x3dea64c12342235b, 0x4bfdad5362a271d4, 0x5ab07dd48542958d, 0x6a09e667f3bcc909, 0x7a11473eb0186d7d,
-    0x8ace5422aa0db5ba, 0x9c49182a3f0901c8, 0xae89f995ad3ad5e8, 0xc199bdd85529c222, 0xd5818dcfba48725e,
-    0xea4afa2a490d9859};
+    0x0000000000000000, 0x0b5586cf9890f62a, 0x172b83c7d517adce, 0x2387a6e75623866c,
+    0x306fe0a31b7152df, 0x3dea64c12342235b, 0x4bfdad5362a271d4, 0x5ab07dd48542958d,
+    0x6a09e667f3bcc909, 0x7a11473eb0186d7d, 0x8ace5422aa0db5ba, 0x9c49182a3f0901c8,
+    0xae89f995ad3ad5e8, 0xc199bdd85529c222, 0xd5818dcfba48725e, 0xea4afa2a490d9859};
 
-/// How many coefficients of a series on [0, 1] reach 2^-(bits + 4).
+/// How many coefficients of a series on [0, 1] reach 2^-(bits + 6).
 template <int N>
 constexpr int terms_above(int bits, const std::uint64_t (&c)[N]) {
     int n = 1;
-    while (n < N && (bits >= 60 || c[n] >> (60 - bits) != 0)) ++n;
+    while (n < N && (bits >= 58 || c[n] >> (58 - bits) != 0)) ++n;
     return n;
 }
 /// c[0] - z (c[1] - z (c[2] - ...)), or with sums instead.
@@ -68,37 +68,39 @@ template <int FractionBits>
 constexpr std::uint64_t rounded(std::uint64_t a) {
     return ((a >> (63 - FractionBits)) + 1) >> 1;
 }
-/// A count of 2^-126 as one of 2^-FractionBits, to nearest.
-template <int FractionBits>
-constexpr uint128 rounded126(uint128 a) {
-    return ((a >> (125 - FractionBits)) + uint128(std::uint64_t{1})) >> 1;
+/// A count of 2^-Bits as one of 2^-FractionBits, to nearest.
+template <int FractionBits, int Bits>
+constexpr uint128 rounded(uint128 a) {
+    return ((a >> (Bits - 1 - FractionBits)) + uint128(std::uint64_t{1})) >> 1;
 }
 constexpr uint128 words128(std::uint64_t high, std::uint64_t low) { return (uint128(high) << 64) | uint128(low); }
 
 /// An angle in eighths of a turn from the nearest axis, as a count of 2^-128, below 1.
 struct fixed_angle {
-    bool swapped;          // the nearest axis is the vertical one: sine and cosine change places
-    bool sine_negative;    // for positive angles
+    bool swapped;        // the nearest axis is the vertical one: sine and cosine change places
+    bool sine_negative;  // for positive angles
     bool cosine_negative;
     uint128 eighths;
 };
 
-/// Multiplies by 2/pi, of which 128 bits (64 for 32-bit numbers) leave an error below 2^-64 of the format's step.
-template <class Rep, int FractionBits>
+/// Multiplies by 2/pi. One word of it for 32-bit numbers and two for 64-bit ones leave an error below 2^-32 of the
+/// format's step; with one more, the angle is right to 64 bits wherever its tangent is in range.
+template <class Rep, int FractionBits, bool Fine = false>
 constexpr fixed_angle reduce(Rep raw) {
     const std::uint64_t m = magnitude64(raw);
-    uint128 turns{}, fraction{};
-    if constexpr (sizeof(Rep) == 4) {
-        turns = product128(m, two_over_pi[1]);
-        fraction = turns << (64 - FractionBits);
-    } else {
-        const uint128 low = product128(m, two_over_pi[2]);
-        turns = product128(m, two_over_pi[1]) + uint128(high_half(low));
-        fraction = (turns << (64 - FractionBits)) | uint128(low_half(low) >> FractionBits);
+    constexpr int words = (sizeof(Rep) == 4 ? 1 : 2) + Fine;
+    uint128 turns = product128(m, two_over_pi[1]), low{};
+    if constexpr (words > 1) {
+        low = product128(m, two_over_pi[2]);
+        if constexpr (words > 2) low = low + uint128(mul_high(m, two_over_pi[3]));
+        turns = turns + uint128(high_half(low));
     }
+    const uint128 fraction = (turns << (64 - FractionBits)) | uint128(low_half(low) >> FractionBits);
     const unsigned quadrant = static_cast<unsigned>(low_half(turns >> (64 + FractionBits)) & 3);
     const bool upper = high_half(fraction) >> 63 != 0;
-    return {upper != ((quadrant & 1) != 0), (quadrant & 2) != 0, ((quadrant + 1) & 2) != 0, (upper ? ~fraction : fraction) << 1};
+    // ~ for -: an exact half stays below 1.
+    return {upper != ((quadrant & 1) != 0), (quadrant & 2) != 0, ((quadrant + 1) & 2) != 0,
+            (upper ? ~fraction : fraction) << 1};
 }
 
 /// The sine of p eighths of a turn over p, z = p^2.
@@ -142,20 +144,21 @@ constexpr void fixed_sine_and_cosine(Rep raw, Rep& sine, Rep& cosine) {
     cosine = with_sign<Rep>(a.cosine_negative, fixed_wave<FractionBits>(a.eighths, !a.swapped));
 }
 
-/// Near a pole the result has all the bits of Rep, so the sine is kept as a normalised 128-bit product.
+/// Near a pole the result has all the bits of Rep, so the sine is normalised before its last digits are dropped.
 template <class Rep, int FractionBits>
 constexpr Rep fixed_tangent(Rep raw) {
     constexpr int bits = std::numeric_limits<Rep>::digits;
-    const fixed_angle a = reduce<Rep, FractionBits>(raw);
+    const fixed_angle a = reduce<Rep, FractionBits, true>(raw);
     const bool negative = (a.sine_negative != a.cosine_negative) != (raw < 0);
     const std::uint64_t p = high_half(a.eighths), z = mul_high(p, p);
-    const std::uint64_t ratio = fixed_sine_ratio<bits>(z);
-    const uint128 cosine = words128(1, 0) - uint128(fixed_versine<bits>(z));
-    if (!a.swapped) return scaled_quotient<Rep>(negative, uint128(mul_high(p, ratio)), FractionBits, cosine);
+    const std::uint64_t ratio = fixed_sine_ratio<bits>(z), versine = fixed_versine<bits>(z);
+    const std::uint64_t cosine = versine == 0 ? ~versine : std::uint64_t{0} - versine;
+    if (!a.swapped) return scaled_quotient<Rep>(negative, mul_high(p, ratio), FractionBits, cosine);
     const int zeros = 128 - bit_width(a.eighths);
-    if (zeros == 128) return saturated<Rep>(negative);
-    const uint128 sine = product128(high_half(a.eighths << zeros), ratio) >> 1;
-    return scaled_quotient<Rep>(negative, cosine, 63 + zeros + FractionBits, sine);
+    if (zeros + FractionBits > 63) return saturated<Rep>(negative);
+    const std::uint64_t sine =
+        high_half(product128(high_half(a.eighths << zeros), ratio) + (uint128(std::uint64_t{1}) << 63));
+    return scaled_quotient<Rep>(negative, cosine, zeros + FractionBits, sine);
 }
 
 /// atan(n / d) as a count of 2^-126, for n <= d. Subtracts the nearest of atan(0, 1/4, 1/2, 1), since
@@ -198,7 +201,7 @@ constexpr uint128 fixed_direction(std::uint64_t y, bool x_negative, std::uint64_
 template <class Rep, int FractionBits>
 constexpr Rep fixed_arctangent2(Rep y, Rep x) {
     const uint128 angle = fixed_direction<FractionBits>(magnitude64(y), x < 0, magnitude64(x));
-    return signed_saturating<Rep>(y < 0, rounded126<FractionBits>(angle));
+    return signed_saturating<Rep>(y < 0, rounded<FractionBits, 126>(angle));
 }
 
 /// sqrt(1 - x^2) as a count of 2^-62; clamps |x| > 1 to 1.
@@ -215,13 +218,13 @@ template <class Rep, int FractionBits>
 constexpr Rep fixed_arccosine(Rep raw) {
     std::uint64_t x = magnitude64(raw);
     const std::uint64_t y = fixed_complement<FractionBits>(x);
-    return signed_saturating<Rep>(false, rounded126<FractionBits>(fixed_direction<FractionBits>(y, raw < 0, x)));
+    return signed_saturating<Rep>(false, rounded<FractionBits, 126>(fixed_direction<FractionBits>(y, raw < 0, x)));
 }
 template <class Rep, int FractionBits>
 constexpr Rep fixed_arcsine(Rep raw) {
     std::uint64_t y = magnitude64(raw);
     const std::uint64_t x = fixed_complement<FractionBits>(y);
-    return signed_saturating<Rep>(raw < 0, rounded126<FractionBits>(fixed_direction<FractionBits>(y, false, x)));
+    return signed_saturating<Rep>(raw < 0, rounded<FractionBits, 126>(fixed_direction<FractionBits>(y, false, x)));
 }
 
 /// x log2(e) = k + i/16 + g/16, k and i integers, 0 <= g < 1; exp x = 2^k 2^(i/16) 2^(g/16).
@@ -238,7 +241,7 @@ constexpr Rep fixed_exponential(Rep raw) {
     const std::uint64_t fraction = low_half((exponent >> (FractionBits - 1)).bits);
     const std::uint64_t g = fraction << 4, power = fixed_powers[fraction >> 60];
     const std::uint64_t rest = mul_high(g, series<terms_above(digits, fixed_exp_series), false>(g, fixed_exp_series));
-    const uint128 value = words128(1, power) + uint128(rest) + uint128(mul_high(power, rest));
+    const uint128 value = words128(1, power) + ((uint128(rest) + uint128(mul_high(power, rest))) >> 4);
     const int shift = 64 - FractionBits - static_cast<int>(k);
     return signed_saturating<Rep>(false, ((value >> (shift - 1)) + uint128(std::uint64_t{1})) >> 1);
 }
@@ -263,7 +266,8 @@ constexpr Rep fixed_logarithm(Rep raw) {
     // From here counts of 2^-65.
     const int128 rest{uint128(s4) + uint128(mul_high(s4, reciprocal_series<FractionBits, false>(z)))};
     const std::uint64_t doublings = magnitude64(k);
-    const int128 whole{(product128(doublings, 0xb17217f7d1cf79ab) << 1) + uint128(mul_high(doublings << 1, 0xc9e3b39803f2f6af))};
+    const int128 whole{(product128(doublings, 0xb17217f7d1cf79ab) << 1) +
+                       uint128(mul_high(doublings << 1, 0xc9e3b39803f2f6af))};
     const int128 value = (k < 0 ? -whole : whole) + (below ? -rest : rest);
     const int128 nearest = shift_nearest(value, 65 - FractionBits);
     return signed_saturating<Rep>(nearest.negative(), nearest.magnitude());

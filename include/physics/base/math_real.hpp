@@ -24,16 +24,15 @@ inline constexpr double_pair pi_pair{0x1.921fb54442d18p+1, 0x1.1a62633145c07p-53
 inline constexpr double_pair half_pi_pair{0x1.921fb54442d18p+0, 0x1.1a62633145c07p-54};
 
 /// (sin x - x) / x^3 in x^2, |x| <= pi/4; error of the sine 2^-58.
-inline constexpr double sine_series[] = {-0x1.5555555555549p-3,  0x1.111111110f8a6p-7,  -0x1.a01a019c1619ep-13,
+inline constexpr double sine_series[] = {-0x1.5555555555549p-3, 0x1.111111110f8a6p-7,   -0x1.a01a019c1619ep-13,
                                          0x1.71de357b1c021p-19, -0x1.ae5e689f1914fp-26, 0x1.5d93a47bc7c21p-33};
 /// (cos x - 1 + x^2/2) / x^4 in x^2, |x| <= pi/4; error of the cosine 2^-64.
 inline constexpr double cosine_series[] = {0x1.555555555554cp-5,   -0x1.6c16c16c1521fp-10, 0x1.a01a019cbf634p-16,
                                            -0x1.27e4f812b76b4p-22, 0x1.1ee9f153733fap-29,  -0x1.8fb13176f7930p-37};
 /// (exp x - 1 - x) / x^2 in x, |x| <= log(2)/2; error of the exponential 2^-56.
-inline constexpr double exp_series[] = {0x1.000000000000bp-1,  0x1.5555555555561p-3,  0x1.555555555001cp-5,
-                                        0x1.111111110d612p-7,  0x1.6c16c185ac392p-10, 0x1.a01a01baf110cp-13,
-                                        0x1.a01996850cf70p-16, 0x1.71dddfa9da093p-19, 0x1.28b057f105d9bp-22,
-                                        0x1.af85bd3f177a1p-26};
+inline constexpr double exp_series[] = {
+    0x1.000000000000bp-1,  0x1.5555555555561p-3,  0x1.555555555001cp-5,  0x1.111111110d612p-7,  0x1.6c16c185ac392p-10,
+    0x1.a01a01baf110cp-13, 0x1.a01996850cf70p-16, 0x1.71dddfa9da093p-19, 0x1.28b057f105d9bp-22, 0x1.af85bd3f177a1p-26};
 /// (2 atanh s - 2 s) / s^3 in s^2, |s| <= (sqrt(2) - 1) / (sqrt(2) + 1); error of the logarithm 2^-59.
 inline constexpr double log_series[] = {0x1.5555555555592p-1, 0x1.999999997ff18p-2, 0x1.24924941e16d9p-2,
                                         0x1.c71c52143773cp-3, 0x1.74663cf3c5182p-3, 0x1.39a1e80a6e733p-3,
@@ -44,14 +43,16 @@ inline constexpr double arctangent_series[] = {-0x1.555555555553cp-2, 0x1.999999
                                                -0x1.f1be9b5d729d9p-5};
 /// (asin x - x) / x^3 in x^2, |x| <= 1/2; error of the arcsine 2^-59.
 inline constexpr double arcsine_series[] = {
-    0x1.5555555555578p-3, 0x1.333333332df1fp-4, 0x1.6db6db722abbdp-5, 0x1.f1c71a8bebd1ap-6, 0x1.6e8bdfdc83fc0p-6,
-    0x1.1c49decb2c3f1p-6, 0x1.ca212fb7b03dap-7, 0x1.7578420cf7d3cp-7, 0x1.6186833457bc3p-7, 0x1.e19e9ca2d18a3p-9,
+    0x1.5555555555578p-3, 0x1.333333332df1fp-4,  0x1.6db6db722abbdp-5, 0x1.f1c71a8bebd1ap-6, 0x1.6e8bdfdc83fc0p-6,
+    0x1.1c49decb2c3f1p-6, 0x1.ca212fb7b03dap-7,  0x1.7578420cf7d3cp-7, 0x1.6186833457bc3p-7, 0x1.e19e9ca2d18a3p-9,
     0x1.64ec74b91c73ap-6, -0x1.59d68e3a47e11p-6, 0x1.0bd9f58ddc882p-5};
 
 template <int I, int Terms, int N>
 constexpr double every_second_term(double xx, const double (&c)[N]) {
-    if constexpr (I + 2 >= Terms) return c[I];
-    else return c[I] + xx * every_second_term<I + 2, Terms>(xx, c);
+    if constexpr (I + 2 >= Terms)
+        return c[I];
+    else
+        return c[I] + xx * every_second_term<I + 2, Terms>(xx, c);
 }
 /// The first Terms terms of a polynomial; even and odd terms side by side, which halves the latency.
 template <int Terms, int N>
@@ -65,14 +66,14 @@ constexpr double polynomial(double x, const double (&c)[N]) {
 template <bool Precise>
 constexpr double_pair sine_of(const reduced_angle& a) {
     const double z = a.high * a.high;
-    const double cubic = a.high * z * polynomial<Precise ? 6 : 5>(z, sine_series);
+    const double cubic = a.high * z * polynomial < Precise ? 6 : 5 > (z, sine_series);
     return {a.high, Precise ? cubic + a.low * (1 - 0.5 * z) : cubic};
 }
 template <bool Precise>
 constexpr double_pair cosine_of(const reduced_angle& a) {
     const double z = a.high * a.high;
     const double half = 0.5 * z;
-    const double quartic = z * z * polynomial<Precise ? 6 : 5>(z, cosine_series);
+    const double quartic = z * z * polynomial < Precise ? 6 : 5 > (z, cosine_series);
     const double head = 1 - half;
     return {head, Precise ? ((1 - head) - half) + (quartic - a.high * a.low) : quartic};
 }
@@ -111,7 +112,9 @@ constexpr double tangent(double x) {
     if (x - x != 0) return not_a_number;
     if (tiny(x)) return x;
     const reduced_angle a = reduce<Precise>(x);
-    const double_pair s = sine_of<Precise>(a), c = cosine_of<Precise>(a);
+    const double_pair s = sine_of<Precise>(a);
+    double_pair c = cosine_of<Precise>(a);
+    if constexpr (Precise) c.low -= 0.5 * two_product(a.high, a.high).low;  // the rounding of x^2 in cosine_of
     const bool odd = a.quadrant & 1;
     const double_pair n = odd ? fast_two_sum(-c.high, -c.low) : fast_two_sum(s.high, s.low);
     const double_pair d = odd ? fast_two_sum(s.high, s.low) : fast_two_sum(c.high, c.low);
@@ -226,7 +229,7 @@ constexpr double exponential(double x) {
     const double turns = static_cast<double>(n);
     double_pair r{x - turns * 0x1.62e42fefa39efp-1, 0};
     if constexpr (Precise) r = two_sum(x - turns * 0x1.62e42fefa38p-1, -(turns * 0x1.ef35793c7673p-45));
-    const double square = r.high * r.high * polynomial<Precise ? 10 : 8>(r.high, exp_series);
+    const double square = r.high * r.high * polynomial < Precise ? 10 : 8 > (r.high, exp_series);
     const double_pair head = fast_two_sum(1, r.high);
     const double value = head.high + (head.low + (r.low + square));
     // In two steps, since 2^n alone may leave the range of double; the second step rounds subnormal results.
@@ -253,7 +256,7 @@ constexpr double logarithm(double x) {
     const double f = m - 1;
     const double s = f / (2 + f);
     const double z = s * s;
-    const double tail = z * polynomial<Precise ? 7 : 6>(z, log_series);
+    const double tail = z * polynomial < Precise ? 7 : 6 > (z, log_series);
     if constexpr (!Precise) return turns * 0x1.62e42fefa39efp-1 + (f - s * (f - tail));
     const double half = 0.5 * f * f;
     const double_pair head = two_sum(turns * 0x1.62e42fefa38p-1, f);

@@ -70,7 +70,8 @@ PHYSICS_HPP_COLD constexpr reduced_angle reduce_huge(double x) {
     const std::uint64_t* words = two_over_pi + first / 64;
     const int shift = first % 64;
     std::uint64_t window[3] = {};
-    for (int i = 0; i < 3; ++i) window[i] = shift == 0 ? words[i] : (words[i] << shift) | (words[i + 1] >> (64 - shift));
+    for (int i = 0; i < 3; ++i)
+        window[i] = shift == 0 ? words[i] : (words[i] << shift) | (words[i + 1] >> (64 - shift));
 
     const uint128 low = product128(m, window[2]);
     const uint128 middle = product128(m, window[1]) + uint128(high_half(low));
@@ -115,7 +116,9 @@ constexpr reduced_angle reduce(double x) {
             if (rest.high > 0x1p-30 || rest.high < -0x1p-30) return {static_cast<unsigned>(turns), rest.high, rest.low};
         }
     }
-    return reduce_huge(x);
+    // Field by field, so that compilers keep the common case in registers.
+    const reduced_angle huge = reduce_huge(x);
+    return {huge.quadrant, huge.high, huge.low};
 }
 
 }  // namespace detail

@@ -78,15 +78,16 @@ inline integer_root root_by_double(uint128 a) {
         while (rest > 2 * root) rest -= 2 * root++ + 1;
         return {static_cast<std::uint64_t>(root), uint128(static_cast<std::uint64_t>(rest))};
     }
-    const double leading =
-        static_cast<double>(static_cast<std::int64_t>(high)) * 0x1p64 + static_cast<double>(static_cast<std::int64_t>(low >> 1)) * 2;
+    const double leading = static_cast<double>(static_cast<std::int64_t>(high)) * 0x1p64 +
+                           static_cast<double>(static_cast<std::int64_t>(low >> 1)) * 2;
     // A guess that is a little too low makes the step positive, so that truncation is almost always right.
     const double guess = hardware_root(leading) * (1 - 0x1p-50);
     const double slope = 32768 / guess;
     std::uint64_t root = static_cast<std::uint64_t>(static_cast<std::int64_t>(guess));
     const int128 first_rest(a - product128(root, root));
     // |first_rest| < 2^77, since the guess is off by 2^13 at most.
-    root += static_cast<std::uint64_t>(static_cast<std::int64_t>(static_cast<double>((first_rest >> 16).low()) * slope));
+    root +=
+        static_cast<std::uint64_t>(static_cast<std::int64_t>(static_cast<double>((first_rest >> 16).low()) * slope));
     int128 rest(a - product128(root, root));
     while (rest.negative()) {
         --root;

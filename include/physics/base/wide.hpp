@@ -174,9 +174,7 @@ struct basic_int128 {
     friend constexpr basic_int128 operator-(basic_int128 a) { return basic_int128(-a.bits); }
     friend constexpr basic_int128 operator<<(basic_int128 a, int n) { return basic_int128(a.bits << n); }
     /// Arithmetic shift: rounds towards minus infinity.
-    friend constexpr basic_int128 operator>>(basic_int128 a, int n) {
-        return basic_int128(shift_signed(a.bits, n));
-    }
+    friend constexpr basic_int128 operator>>(basic_int128 a, int n) { return basic_int128(shift_signed(a.bits, n)); }
     friend constexpr bool operator==(basic_int128 a, basic_int128 b) { return a.bits == b.bits; }
     friend constexpr bool operator<(basic_int128 a, basic_int128 b) {
         return a.negative() != b.negative() ? a.negative() : a.bits < b.bits;

@@ -1,4 +1,4 @@
-// Contact of two boxes in space: separating axes, then clipping or a pair of edges.
+// Contact of two boxes in space: separating axes, then clipping, a pair of edges, or the nearest corner.
 #pragma once
 
 #include "physics/collide/manifold.hpp"
@@ -52,19 +52,22 @@ constexpr clip_polygon<S> clipped(const clip_polygon<S>& in, vec<S, 3> normal, S
     return out;
 }
 
-/// Clips the face of `incident` that faces the reference face against the reference face's sides. All in
-/// one frame; sign tells which of the two faces across the axis is meant.
+/// Clips the face of `incident` that faces the reference face to the reference face's sides, and adds what is
+/// left within the margin. All in one frame; sign tells which of the two faces across the axis is meant, gap is
+/// how far it parts the boxes. False, with nothing added, if the point in which it finds `incident` closest was
+/// cut off: then its normal is not the direction of least distance.
 template <class S>
-constexpr void clip_faces(const oriented_box<S>& reference, int axis, S sign, const oriented_box<S>& incident, bool flip,
-                          S margin, manifold<S, 3>& out) {
+constexpr bool clip_faces(const oriented_box<S>& reference, int axis, S sign, S gap, const oriented_box<S>& incident,
+                          bool flip, S slack, S margin, manifold<S, 3>& out) {
     const vec<S, 3> n = reference.axis(axis) * sign;
     const vec<S, 3> facing = transposed_times(incident.axes, n);
     int across = 0;
+    // A lower number wins unless another face is clearly better, so that rounding does not choose.
     for (int i = 1; i < 3; ++i)
-        if (abs(facing[i]) > abs(facing[across])) across = i;
+        if (abs(facing[i]) > abs(facing[across]) + S(1.0 / 1024)) across = i;
     const S side = facing[across] > S(0) ? S(-1) : S(1);
     const int u = across == 2 ? 0 : across + 1, v = across == 0 ? 2 : across - 1;
-    const vec<S, 3> middle = incident.center + incident.axis(across) * (incident.half[across] * side);
+    const vec<S, 3> middle = incident.center - reference.center + incident.axis(across) * (incident.half[across] * side);
     const vec<S, 3> du = incident.axis(u) * incident.half[u], dv = incident.axis(v) * incident.half[v];
 
     clip_polygon<S> face;
@@ -77,28 +80,32 @@ constexpr void clip_faces(const oriented_box<S>& reference, int axis, S sign, co
     for (int i = 0; i < 3; ++i) {
         if (i == axis) continue;
         const vec<S, 3> a = reference.axis(i);
-        const S c = dot(a, reference.center);
         // A little beyond the face, so that rounding does not decide whether the corners of equal boxes are
         // cut, and named anew, in each step.
-        const S edge = reference.half[i] + min(reference.half[i], min(incident.half[u], incident.half[v])) * S(1.0 / 256);
-        face = clipped(face, a, c + edge, plane++);
-        face = clipped(face, -a, edge - c, plane++);
+        const S edge = reference.half[i] + slack;
+        face = clipped(face, a, edge, plane++);
+        face = clipped(face, -a, edge, plane++);
     }
 
-    const S top = dot(n, reference.center) + reference.half[axis];
+    const S top = reference.half[axis];
     const std::uint32_t faces = static_cast<std::uint32_t>(axis << 1 | int{sign > S(0)}) << 12 |
                                 static_cast<std::uint32_t>(across << 1 | int{side > S(0)}) << 8 |
                                 static_cast<std::uint32_t>(flip) << 16;
-    out.normal = flip ? -n : n;
     manifold_point<S, 3> candidates[8];
     int count = 0;
+    S deepest = gap + slack + slack;
     for (int i = 0; i < face.count; ++i) {
         const auto& corner = face.corners[i];
-        const S gap = dot(n, corner.position) - top;
-        if (gap > margin) continue;
-        candidates[count++] = {corner.position - n * (gap * S(0.5)), gap, faces | corner.before << 4 | corner.after};
+        const S separation = dot(n, corner.position) - top;
+        deepest = min(deepest, separation);
+        if (separation > margin) continue;
+        candidates[count++] = {reference.center + corner.position - n * (separation * S(0.5)), separation,
+                               faces | corner.before << 4 | corner.after};
     }
-    reduce(candidates, count, n, out);
+    if (deepest > gap + slack) return false;
+    out.normal = flip ? -n : n;
+    reduce(candidates, count, n, slack, out);
+    return true;
 }
 
 /// The middle of the edge of a box that lies farthest along n, among the edges along one axis.
@@ -115,40 +122,96 @@ constexpr vec<S, 3> supporting_edge(const oriented_box<S>& b, int along, vec<S, 
     return p;
 }
 
+/// Adds the closest points of an edge of a, which lies at the origin along the coordinate axes, and an edge of b.
+/// False, with nothing added, if they are not what the normal found closest.
+template <class S>
+constexpr bool touch_edges(const oriented_box<S>& a, int edge_a, const oriented_box<S>& b, int edge_b, vec<S, 3> n, S gap,
+                           S slack, S margin, manifold<S, 3>& out) {
+    std::uint32_t name_a = 0, name_b = 0;
+    vec<S, 3> on_a = supporting_edge(a, edge_a, n, name_a), on_b = supporting_edge(b, edge_b, -n, name_b);
+    const auto at = closest_to_axis(edge_a, a.half[edge_a], on_b - on_a, b.axis(edge_b), b.half[edge_b]);
+    on_a[edge_a] += at.on_a;
+    on_b += b.axis(edge_b) * at.on_b;
+    if (largest(on_b - on_a - n * gap) > slack) return false;
+    out.normal = n;
+    if (!(gap > margin)) out.add((on_a + on_b) * S(0.5), gap, 0x20000u | name_a << 4 | name_b);
+    return true;
+}
+
+/// Adds the closest pair of a corner of one box and a point of the other, for boxes that do not overlap. `n` is
+/// the best separating axis, from a to b, and `parted` how far it parts them.
+template <class S>
+constexpr void touch_corner(const oriented_box<S>& a, const oriented_box<S>& b, vec<S, 3> n, S parted, S margin,
+                            manifold<S, 3>& out) {
+    vec<S, 3> best, corner;
+    wide_of<S> least{};
+    std::uint32_t feature = 0;
+    for (std::uint32_t flip = 0; flip < 2; ++flip) {
+        const oriented_box<S>& whole = flip ? b : a;
+        const oriented_box<S>& pointed = flip ? a : b;
+        for (std::uint32_t i = 0; i < 8; ++i) {
+            vec<S, 3> p = pointed.center - whole.center;
+            for (int k = 0; k < 3; ++k) p += pointed.axis(k) * (i >> k & 1u ? pointed.half[k] : -pointed.half[k]);
+            const vec<S, 3> local = transposed_times(whole.axes, p);
+            const vec<S, 3> beyond = local - max(-whole.half, min(whole.half, local));
+            const wide_of<S> distance = length_squared(beyond);
+            if (feature != 0 && !(distance < least)) continue;
+            least = distance;
+            best = whole.axes * (flip ? -beyond : beyond);
+            corner = p + whole.center;
+            // Two corners have one name, whichever was found first.
+            std::uint32_t region = 0, other = 0;
+            for (int k = 0; k < 3; ++k) {
+                region = region * 3 + (beyond[k] > S(0) ? 2u : beyond[k] < S(0) ? 1u : 0u);
+                other |= std::uint32_t{beyond[k] > S(0)} << k;
+            }
+            const bool corners = beyond.x != S(0) && beyond.y != S(0) && beyond.z != S(0);
+            feature = corners ? 0x40000u | (flip ? i << 4 | other : other << 4 | i) : 0x80000u | flip << 12 | region << 4 | i;
+        }
+    }
+    const auto [direction, distance] = split(best);
+    const auto parts = [&](vec<S, 3> m) { return dot(m, b.center - a.center) - a.reach(m) - b.reach(m); };
+    // Of points that all but coincide the direction is chance.
+    const bool clear = distance > S(0) && !(parts(direction) < parted);
+    out.normal = clear ? direction : n;
+    const S gap = clear ? distance : parted;
+    if (gap > margin) return;
+    const bool corner_of_b = (feature & 0x40000u) != 0 || (feature >> 12 & 1u) == 0;
+    out.add(corner + out.normal * (corner_of_b ? -gap : gap) * S(0.5), gap, feature);
+}
+
 }  // namespace detail
 
-/// Contact of two boxes: 15 separating axes, then face clipping with reduction to four points, or one point
-/// between two edges. Source: Gottschalk, Lin, Manocha, OBBTree (1996), section 5.
+/// Contact of two boxes: 15 separating axes, then face clipping with reduction to four points, one point between
+/// two edges, or the nearest corner. To keep the features of bodies at rest, contacts may deviate by 1/256 of the
+/// smallest half extent, never more. Source: Gottschalk, Lin, Manocha, OBBTree (1996), section 5.
 template <class S>
 constexpr void collide(const box<S, 3>& shape_a, const box<S, 3>& shape_b, const transform<S, 3>& b_in_a, S margin,
                        manifold<S, 3>& out) {
     const detail::oriented_box<S> a{{}, mat<S, 3>::identity(), shape_a.half_extents};
     const detail::oriented_box<S> b{b_in_a.position, matrix(b_in_a.rotation), shape_b.half_extents};
-    const vec<S, 3> offset = b.center;
+    const vec<S, 3> offset = b.center, offset_in_b = transposed_times(b.axes, offset);
+    const S smallest = min(min(a.half.x, min(a.half.y, a.half.z)), min(b.half.x, min(b.half.y, b.half.z)));
+    const S slack = smallest * S(1.0 / 512);
 
-    S best_a = S(0), best_b = S(0);
-    int axis_a = 0, axis_b = 0;
+    S best_a = S(0), best_b = S(0), best_edge = S(0);
+    int axis_a = 0, axis_b = 0, edge_a = -1, edge_b = 0;
     for (int i = 0; i < 3; ++i) {
         const S gap = abs(offset[i]) - a.half[i] - b.reach(a.axis(i));
         if (gap > margin) return;
         if (i == 0 || gap > best_a) best_a = gap, axis_a = i;
     }
-    const vec<S, 3> offset_in_b = transposed_times(b.axes, offset);
     for (int i = 0; i < 3; ++i) {
         const S gap = abs(offset_in_b[i]) - b.half[i] - dot(abs(b.axis(i)), a.half);
         if (gap > margin) return;
         if (i == 0 || gap > best_b) best_b = gap, axis_b = i;
     }
-    S best_edge = S(0);
-    int edge_a = -1, edge_b = 0;
     vec<S, 3> edge_normal;
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) {
-            const vec<S, 3> across = cross(a.axis(i), b.axis(j));
-            const S size = length(across);
-            // Within 0.06 degrees of parallel a face says the same.
-            if (size < S(1.0 / 1024)) continue;
-            const vec<S, 3> n = across / size;
+            const auto [n, sine] = split(cross(a.axis(i), b.axis(j)));
+            // Edges so nearly parallel that a face says the same.
+            if (sine * (a.half[i] + b.half[j]) < slack) continue;
             const S along = dot(n, offset);
             const S gap = abs(along) - dot(abs(n), a.half) - b.reach(n);
             if (gap > margin) return;
@@ -159,29 +222,18 @@ constexpr void collide(const box<S, 3>& shape_a, const box<S, 3>& shape_b, const
             edge_normal = along < S(0) ? -n : n;
         }
 
-    // Faces before edges and a before b where they are alike, so that the choice does not flicker.
-    const S smallest = min(min(a.half.x, min(a.half.y, a.half.z)), min(b.half.x, min(b.half.y, b.half.z)));
-    const S preference = smallest * S(1.0 / 256);
-    const bool use_b = best_b > best_a + preference;
-    const S best_face = use_b ? best_b : best_a;
-    if (edge_a < 0 || best_edge <= best_face + preference) {
-        if (use_b) {
-            clip_faces(b, axis_b, offset_in_b[axis_b] > S(0) ? S(-1) : S(1), a, true, margin, out);
-        } else {
-            clip_faces(a, axis_a, offset[axis_a] < S(0) ? S(-1) : S(1), b, false, margin, out);
-        }
-        if (out.count > 0 || edge_a < 0) return;
-    }
+    const S sign_a = offset[axis_a] < S(0) ? S(-1) : S(1), sign_b = offset_in_b[axis_b] > S(0) ? S(-1) : S(1);
+    const auto face_of_a = [&] { return clip_faces(a, axis_a, sign_a, best_a, b, false, slack, margin, out); };
+    const auto face_of_b = [&] { return clip_faces(b, axis_b, sign_b, best_b, a, true, slack, margin, out); };
+    const auto edges = [&] { return touch_edges(a, edge_a, b, edge_b, edge_normal, best_edge, slack, margin, out); };
 
-    std::uint32_t name_a = 0, name_b = 0;
-    const vec<S, 3> pa = detail::supporting_edge(a, edge_a, edge_normal, name_a);
-    const vec<S, 3> pb = detail::supporting_edge(b, edge_b, -edge_normal, name_b);
-    const vec<S, 3> da = a.axis(edge_a) * a.half[edge_a], db = b.axis(edge_b) * b.half[edge_b];
-    const auto closest = closest_points(pa - da, pa + da, pb - db, pb + db);
-    const S gap = dot(edge_normal, closest.on_b - closest.on_a);
-    if (gap > margin) return;
-    out.normal = edge_normal;
-    out.add((closest.on_a + closest.on_b) * S(0.5), gap, 0x20000u | name_a << 4 | name_b);
+    // Faces before edges and a before b where they are alike, so that the choice does not flicker.
+    const bool use_b = best_b > best_a + slack, edge_leads = edge_a >= 0 && best_edge > max(best_a, best_b);
+    if (!(edge_leads && best_edge > (use_b ? best_b : best_a) + slack) && (use_b ? face_of_b() : face_of_a())) return;
+    if (edge_leads ? edges() : best_b > best_a ? face_of_b() : face_of_a()) return;
+    const S best_face = max(best_a, best_b);
+    const vec<S, 3> face_normal = best_b > best_a ? b.axis(axis_b) * -sign_b : a.axis(axis_a) * sign_a;
+    touch_corner(a, b, edge_leads ? edge_normal : face_normal, edge_leads ? best_edge : best_face, margin, out);
 }
 
 PHYSICS_HPP_END

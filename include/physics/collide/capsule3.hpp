@@ -7,168 +7,206 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// The part of the segment from-to, as parameters in [0, 1], that lies between the planes dot(n, p) = low
-/// and dot(n, p) = high; false if there is none.
+/// A capsule's axis: middle, unit direction and half length.
 template <class S>
-constexpr bool clip_segment(vec<S, 3> from, vec<S, 3> to, vec<S, 3> n, S low, S high, S& start, S& stop) {
-    const S a = dot(n, from), d = dot(n, to) - a;
-    if (d == S(0)) return !(a < low) && !(a > high);
-    S first = (low - a) / d, second = (high - a) / d;
-    if (first > second) std::swap(first, second);
-    start = max(start, first);
-    stop = min(stop, second);
-    return !(start > stop);
-}
+struct axis_segment {
+    vec<S, 3> middle;
+    vec<S, 3> direction;
+    S half;
 
-/// The parameter of the point of the segment from-to that is closest to the box |p_i| <= half_i. The
-/// squared distance is convex and its slope piecewise linear, with a knee where a coordinate meets a face:
-/// the root lies between two neighbouring knees and is found there exactly.
+    constexpr vec<S, 3> at(S t) const { return middle + direction * t; }
+    /// Half of its extent along a direction.
+    constexpr S reach(vec<S, 3> n) const { return abs(dot(n, direction)) * half; }
+};
+
+/// Where on a segment the point lies that is closest to the box |p_i| <= half_i. The squared distance is convex
+/// and its slope piecewise linear, with a knee where a coordinate meets a face: the root lies between two
+/// neighbouring knees and is found there exactly. Within a flat stretch, its middle.
 template <class S>
-constexpr S closest_parameter_to_box(vec<S, 3> from, vec<S, 3> to, vec<S, 3> half) {
-    const vec<S, 3> d = to - from;
-    S knees[8] = {S(0), S(1)};
+constexpr S closest_to_box(const axis_segment<S>& s, vec<S, 3> half) {
+    S knees[8] = {-s.half, s.half};
     int count = 2;
     for (int i = 0; i < 3; ++i) {
-        if (d[i] == S(0)) continue;
-        const S ends[2] = {-half[i] - from[i], half[i] - from[i]};
-        for (const S end : ends) {
-            // Compared before the division, which could leave a fixed-point range.
-            const bool within = d[i] > S(0) ? end > S(0) && end < d[i] : end < S(0) && end > d[i];
-            if (within) knees[count++] = end / d[i];
-        }
+        const S reach = abs(s.direction[i]) * s.half;
+        const S ends[2] = {-half[i] - s.middle[i], half[i] - s.middle[i]};
+        for (const S end : ends)
+            if (abs(end) < reach) knees[count++] = end / s.direction[i];
     }
     for (int i = 1; i < count; ++i)
         for (int j = i; j > 0 && knees[j] < knees[j - 1]; --j) std::swap(knees[j], knees[j - 1]);
     const auto slope = [&](S t) {
-        const vec<S, 3> p = from + d * t;
-        const vec<S, 3> beyond = p - max(-half, min(half, p));
-        return dot(beyond, d);
+        const vec<S, 3> p = s.at(t);
+        return wide_dot(p - max(-half, min(half, p)), s.direction);
     };
-    S at = S(0), slope_at = slope(S(0));
-    if (!(slope_at < S(0))) {
-        // Within the box the slope is zero: take the middle of the flat part.
-        S end = S(0);
-        for (int i = 1; i < count && slope_at == S(0) && slope(knees[i]) == S(0); ++i) end = knees[i];
-        return end * S(0.5);
-    }
-    for (int i = 1; i < count; ++i) {
-        const S next = slope(knees[i]);
-        if (next > S(0)) return at + (knees[i] - at) * (slope_at / (slope_at - next));
-        if (next == S(0)) {
+    const wide_of<S> zero{};
+    S before = knees[0];
+    wide_of<S> slope_before = slope(before);
+    for (int i = 0; i < count; ++i) {
+        const wide_of<S> here = i == 0 ? slope_before : slope(knees[i]);
+        if (here > zero) {
+            if (i == 0) return knees[0];
+            return before + (knees[i] - before) * quotient<S>(slope_before, slope_before - here);
+        }
+        if (here == zero) {
             S end = knees[i];
-            for (int j = i + 1; j < count && slope(knees[j]) == S(0); ++j) end = knees[j];
+            for (int j = i + 1; j < count && slope(knees[j]) == zero; ++j) end = knees[j];
             return (knees[i] + end) * S(0.5);
         }
-        at = knees[i];
-        slope_at = next;
+        before = knees[i];
+        slope_before = here;
     }
-    return S(1);
+    return s.half;
+}
+
+/// The direction in which a segment is to be moved out of a box, and what it then leads past.
+template <class S>
+struct parting {
+    vec<S, 3> normal;
+    S gap{};
+    /// Where on the segment the box is nearest.
+    S at{};
+};
+/// The best separating axis of a segment and the box |p_i| <= half_i, from the box to the segment: the faces,
+/// then the edges across the segment, which have to be better by `slack`.
+template <class S>
+constexpr parting<S> part_from_box(const axis_segment<S>& s, vec<S, 3> half, S slack) {
+    parting<S> best;
+    for (int i = 0; i < 3; ++i) {
+        const S gap = abs(s.middle[i]) - half[i] - abs(s.direction[i]) * s.half;
+        if (i > 0 && !(gap > best.gap)) continue;
+        best.gap = gap;
+        best.normal = {};
+        best.normal[i] = s.middle[i] < S(0) ? S(-1) : S(1);
+        best.at = dot(best.normal, s.direction) > S(0) ? -s.half : s.half;
+    }
+    const S best_face = best.gap;
+    for (int i = 0; i < 3; ++i) {
+        vec<S, 3> e;
+        e[i] = S(1);
+        const auto [n, sine] = split(cross(e, s.direction));
+        // An edge so nearly parallel to the segment that a face says the same.
+        if (sine * (half[i] + s.half) < slack) continue;
+        const S along = dot(n, s.middle);
+        const S gap = abs(along) - dot(abs(n), half);
+        if (!(gap > best.gap) || !(gap > best_face + slack)) continue;
+        best.gap = gap;
+        best.normal = along < S(0) ? -n : n;
+        vec<S, 3> edge;
+        for (int k = 0; k < 3; ++k)
+            if (k != i) edge[k] = best.normal[k] > S(0) ? half[k] : -half[k];
+        best.at = closest_to_axis(i, half[i], s.middle - edge, s.direction, s.half).on_b;
+    }
+    return best;
 }
 
 }  // namespace detail
 
-/// Two capsules: one point between the axes, or two where the axes are parallel within three degrees.
+/// Two capsules: one point between the axes, or two where the axes lie side by side.
 template <class S>
 constexpr void collide(const capsule<S, 3>& a, const capsule<S, 3>& b, const transform<S, 3>& b_in_a, S margin,
                        manifold<S, 3>& out) {
-    const vec<S, 3> xa{a.half_length, S(0), S(0)};
-    const vec<S, 3> xb = b_in_a.rotation * vec<S, 3>{b.half_length, S(0), S(0)};
-    const vec<S, 3> b0 = b_in_a.position - xb, b1 = b_in_a.position + xb;
-    const auto closest = closest_points(-xa, xa, b0, b1);
-    const auto [direction, gap] = split(closest.on_b - closest.on_a);
-    if (gap > a.radius + b.radius + margin) return;
-    const vec<S, 3> across = cross(vec<S, 3>{S(1), S(0), S(0)}, xb / b.half_length);
-    const bool parallel = largest(across) < S(0.05);
-    out.normal = gap > S(0) ? direction : parallel ? vec<S, 3>{S(0), S(1), S(0)} : normalized(across);
-    if (parallel && abs(out.normal.x) < S(0.1)) {
-        S start = S(0), stop = S(1);
-        if (detail::clip_segment(b0, b1, vec<S, 3>{S(1), S(0), S(0)}, -a.half_length, a.half_length, start, stop) &&
-            stop > start) {
-            const S ends[2] = {start, stop};
-            for (int k = 0; k < 2; ++k) {
-                const vec<S, 3> on_b = b0 + (b1 - b0) * ends[k];
-                const vec<S, 3> on_a{on_b.x, S(0), S(0)};
-                const S local = dot(out.normal, on_b - on_a);
-                if (local - a.radius - b.radius > margin) continue;
-                add_rounded(out, on_a, a.radius, on_b, b.radius, local, static_cast<std::uint32_t>(1 + k));
-            }
-            if (out.count > 0) return;
+    const detail::axis_segment<S> s{b_in_a.position, b_in_a.rotation * vec<S, 3>{S(1), S(0), S(0)}, b.half_length};
+    const auto closest = closest_to_axis(0, a.half_length, s.middle, s.direction, s.half);
+    const vec<S, 3> on_a{closest.on_a, S(0), S(0)}, on_b = s.at(closest.on_b);
+    auto [n, gap] = split(on_b - on_a);
+    const S reach = a.radius + b.radius, thinner = min(a.radius, b.radius);
+    if (gap > reach + margin) return;
+
+    // Of points that all but coincide the direction is chance; across both axes is right if they cross there.
+    const auto parted = [&](vec<S, 3> m) { return abs(dot(m, s.middle)) - abs(m.x) * a.half_length - s.reach(m); };
+    if (!(gap > S(0)) || parted(n) < gap - detail::rounding_of(a.half_length + b.half_length)) {
+        vec<S, 3> across = normalized(vec<S, 3>{S(0), -s.direction.z, s.direction.y});
+        if (across == vec<S, 3>{}) across.y = S(1);
+        if (!(gap > S(0)) || parted(across) > parted(n)) {
+            n = dot(across, s.middle) < S(0) ? -across : across;
+            gap = parted(across);
         }
     }
-    add_rounded(out, closest.on_a, a.radius, closest.on_b, b.radius, gap, 0u);
+    out.normal = n;
+
+    // Side by side: both ends of what they share, if the axes stay within three degrees of each other there and
+    // the surfaces meet along the normal.
+    const vec<S, 3> d = s.direction;
+    if (abs(n.x) < S(0.05) && max(abs(d.y), abs(d.z)) < S(0.05)) {
+        S ends[2] = {-s.half, s.half};
+        if (clip_segment(s.middle.x, d.x, a.half_length, ends[0], ends[1]) && ends[1] > ends[0]) {
+            vec<S, 3> from_a[2];
+            S gaps[2];
+            bool beside = true;
+            for (int k = 0; k < 2; ++k) {
+                from_a[k] = s.at(ends[k]);
+                from_a[k].x = S(0);
+                gaps[k] = dot(n, from_a[k]);
+                beside = beside && largest(from_a[k] - n * gaps[k]) < thinner * S(0.1);
+            }
+            if (beside && !(min(gaps[0], gaps[1]) > gap + thinner * S(1.0 / 512))) {
+                for (int k = 0; k < 2; ++k) {
+                    if (gaps[k] - reach > margin) continue;
+                    const vec<S, 3> p = s.at(ends[k]);
+                    add_rounded(out, p - from_a[k], a.radius, p, b.radius, gaps[k], static_cast<std::uint32_t>(1 + k));
+                }
+                return;
+            }
+        }
+    }
+    if (!(gap - reach > margin)) add_rounded(out, on_a, a.radius, on_b, b.radius, gap, 0u);
 }
 
-/// A capsule and a box: the closest points where the axis is outside of the box, the axis of least overlap
-/// where it is not; two points where the capsule lies on a face.
+/// A capsule and a box: the closest points where the axis is outside of the box, the axis of least overlap where
+/// it is not; two points where the capsule lies on a face. To keep the features of bodies at rest, contacts may
+/// deviate by 1/256 of the smallest size, never more.
 template <class S>
 constexpr void collide(const capsule<S, 3>& a, const box<S, 3>& b, const transform<S, 3>& b_in_a, S margin,
                        manifold<S, 3>& out) {
     // In the box's frame, with the normal from the box to the capsule until the end.
-    const transform<S, 3> a_in_b = inverse(b_in_a);
-    const vec<S, 3> h = b.half_extents, x = a_in_b.rotation * vec<S, 3>{a.half_length, S(0), S(0)};
-    const vec<S, 3> from = a_in_b.position - x, to = a_in_b.position + x, middle = a_in_b.position;
-    const S t = detail::closest_parameter_to_box(from, to, h);
-    const vec<S, 3> on_axis = from + (to - from) * t;
-    const vec<S, 3> on_box = max(-h, min(h, on_axis));
-    const auto [direction, distance] = split(on_axis - on_box);
-    if (distance > a.radius + margin) return;
-
-    vec<S, 3> n = direction;
-    S gap = distance;
-    vec<S, 3> lowest = on_axis;
-    if (!(distance > S(0))) {
-        for (int i = 0; i < 3; ++i) {
-            const S overlap_i = abs(middle[i]) - h[i] - abs(x[i]);
-            if (i > 0 && !(overlap_i > gap)) continue;
-            gap = overlap_i;
-            n = {};
-            n[i] = middle[i] < S(0) ? S(-1) : S(1);
+    const vec<S, 3> h = b.half_extents;
+    const detail::axis_segment<S> s{inverse_transform(b_in_a, vec<S, 3>{}),
+                                    inverse_rotate(b_in_a.rotation, vec<S, 3>{S(1), S(0), S(0)}), a.half_length};
+    const S slack = min(a.radius, min(h.x, min(h.y, h.z))) * S(1.0 / 512);
+    S at = closest_to_box(s, h);
+    const vec<S, 3> nearest = s.at(at);
+    auto [n, gap] = split(nearest - max(-h, min(h, nearest)));
+    if (gap > a.radius + margin) return;
+    // Of points that all but coincide the direction is chance.
+    const S parted = dot(n, s.middle) - dot(abs(n), h) - s.reach(n);
+    if (!(gap > S(0)) || parted < gap - detail::rounding_of(s.half + largest(h))) {
+        const auto best = detail::part_from_box(s, h, slack);
+        if (!(gap > S(0)) || best.gap > parted) {
+            n = best.normal;
+            gap = best.gap;
+            at = best.at;
         }
-        const vec<S, 3> axis = x / a.half_length;
-        for (int i = 0; i < 3; ++i) {
-            vec<S, 3> e;
-            e[i] = S(1);
-            const vec<S, 3> across = cross(e, axis);
-            const S size = length(across);
-            if (size < S(1.0 / 1024)) continue;
-            const vec<S, 3> candidate = across / size;
-            const S along = dot(candidate, middle);
-            const S overlap_i = abs(along) - dot(abs(candidate), h);
-            if (!(overlap_i > gap + min(h.x, min(h.y, h.z)) * S(1.0 / 256))) continue;
-            gap = overlap_i;
-            n = along < S(0) ? -candidate : candidate;
-        }
-        lowest = dot(n, x) > S(0) ? from : to;
     }
 
-    const auto add = [&](vec<S, 3> core, S local, std::uint32_t feature) {
-        if (local - a.radius > margin) return;
-        const vec<S, 3> on_surface = core - n * local;
-        out.add(b_in_a * ((on_surface + core - n * a.radius) * S(0.5)), local - a.radius, feature);
-    };
-    out.normal = -(b_in_a.rotation * n);
     int face = 0;
     for (int i = 1; i < 3; ++i)
         if (abs(n[i]) > abs(n[face])) face = i;
-    // On a face, within three degrees: both ends of the part above the face.
-    if (abs(n[face]) > S(0.9986) && abs(dot(n, x)) < a.half_length * S(0.05)) {
-        S start = S(0), stop = S(1);
+    const bool upper = n[face] > S(0);
+    const std::uint32_t name = static_cast<std::uint32_t>(face << 3 | int{upper} << 2);
+    out.normal = -(b_in_a.rotation * n);
+    const auto add = [&](S t, S local, std::uint32_t feature) {
+        if (local - a.radius > margin) return;
+        out.add(b_in_a * (s.at(t) - n * ((local + a.radius) * S(0.5))), local - a.radius, feature);
+    };
+    // On a face, within three degrees: both ends of the part that the normal leads to the face.
+    if (abs(n[face]) > S(0.9986) && abs(dot(n, s.direction)) < S(0.05)) {
+        const S height = s.middle[face] - (upper ? h[face] : -h[face]), rise = s.direction[face];
+        S ends[2] = {-s.half, s.half};
         bool above = true;
         for (int i = 0; i < 3 && above; ++i) {
-            vec<S, 3> e;
-            e[i] = S(1);
-            if (i != face) above = detail::clip_segment(from, to, e, -h[i], h[i], start, stop);
+            if (i == face) continue;
+            const S lean = n[i] / n[face];
+            above = clip_segment(s.middle[i] - lean * height, s.direction[i] - lean * rise, h[i] + slack, ends[0], ends[1]);
         }
-        if (above && stop > start) {
-            const S ends[2] = {start, stop};
-            for (int k = 0; k < 2; ++k) {
-                const vec<S, 3> core = from + (to - from) * ends[k];
-                add(core, dot(n, core) - abs(n[face]) * h[face], static_cast<std::uint32_t>(face << 2 | 2 | k));
+        if (above && ends[1] > ends[0]) {
+            const S gaps[2] = {(height + rise * ends[0]) / n[face], (height + rise * ends[1]) / n[face]};
+            if (!(min(gaps[0], gaps[1]) > gap + slack)) {
+                for (std::uint32_t k = 0; k < 2; ++k) add(ends[k], gaps[k], name | 2u | k);
+                return;
             }
-            if (out.count > 0) return;
         }
     }
-    add(lowest, gap, static_cast<std::uint32_t>(face << 2));
+    add(at, gap, name);
 }
 
 PHYSICS_HPP_END

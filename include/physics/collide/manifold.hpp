@@ -47,10 +47,19 @@ constexpr void collide_round(vec<S, D> a, S radius_a, vec<S, D> b, S radius_b, v
                              std::uint32_t feature, manifold<S, D>& out) {
     const vec<S, D> offset = b - a;
     const S reach = radius_a + radius_b + margin;
-    if (length_squared(offset) > product(reach, reach)) return;
+    if (largest(offset) > reach) return;
     const auto [direction, gap] = split(offset);
+    if (gap > reach) return;
     out.normal = gap > S(0) ? direction : fallback;
     add_rounded(out, a, radius_a, b, radius_b, gap, feature);
 }
+
+namespace detail {
+/// What a few roundings of numbers as large as `size` may come to.
+template <class S>
+constexpr S rounding_of(S size) {
+    return S(16) * scalar_traits<S>::epsilon() * (is_fixed<S> ? max(size, S(1)) : size);
+}
+}  // namespace detail
 
 PHYSICS_HPP_END

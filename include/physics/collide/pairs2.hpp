@@ -9,14 +9,16 @@ PHYSICS_HPP_BEGIN
 template <class S>
 constexpr void collide(const box<S, 2>& a, const halfspace<S, 2>& b, const transform<S, 2>& b_in_a, S margin, manifold<S, 2>& out) {
     const auto plane = detail::plane_of(b, b_in_a);
-    // The two lowest corners share the edge that rises least.
-    const vec<S, 2> h = a.half_extents, n = plane.normal;
-    const bool along_x = abs(n.x) * h.x <= abs(n.y) * h.y;
-    const vec<S, 2> side = along_x ? vec<S, 2>{S(0), n.y > S(0) ? -h.y : h.y} : vec<S, 2>{n.x > S(0) ? -h.x : h.x, S(0)};
-    const vec<S, 2> half = along_x ? vec<S, 2>{h.x, S(0)} : vec<S, 2>{S(0), h.y};
-    const std::uint32_t edge = (along_x ? 2u : 0u) | (side.x + side.y > S(0) ? 4u : 0u);
-    detail::touch_plane(side - half, S(0), n, plane.offset, margin, edge, out);
-    detail::touch_plane(side + half, S(0), n, plane.offset, margin, edge | 1u, out);
+    // The corners of the edge that faces the plane most; one of them is the lowest of all.
+    const vec<S, 2> n = plane.normal;
+    const int across = abs(n.x) > abs(n.y) ? 0 : 1;
+    for (std::uint32_t k = 0; k < 2; ++k) {
+        vec<S, 2> corner = a.half_extents;
+        if (n[across] > S(0)) corner[across] = -corner[across];
+        if (k == 0) corner[1 - across] = -corner[1 - across];
+        const std::uint32_t name = std::uint32_t{corner.x > S(0)} | std::uint32_t{corner.y > S(0)} << 1;
+        detail::touch_plane(corner, S(0), n, plane.offset, margin, name, out);
+    }
 }
 
 template <class S>

@@ -53,91 +53,102 @@ constexpr edge_distance<S> farthest_edge(const rounded_polygon<S>& a, const roun
     }
     return best;
 }
-
-/// The closest pair of a vertex of one polygon and an edge of the other, for cores that do not overlap;
-/// flips where the vertex belongs to a.
+/// How far apart the cores are along a unit vector from a to b.
 template <class S>
-constexpr bool collide_nearest(const rounded_polygon<S>& a, const rounded_polygon<S>& b, S margin, manifold<S, 2>& out) {
-    vec<S, 2> best_a, best_b;
+constexpr S distance_along(const rounded_polygon<S>& a, const rounded_polygon<S>& b, vec<S, 2> n) {
+    S last = dot(n, a.vertex[0]), first = dot(n, b.vertex[0]);
+    for (int i = 1; i < a.count; ++i) last = max(last, dot(n, a.vertex[i]));
+    for (int i = 1; i < b.count; ++i) first = min(first, dot(n, b.vertex[i]));
+    return first - last;
+}
+
+/// Clips the edge of `incident` that faces the reference edge to the length of the latter, and adds the ends
+/// that are left. False, with nothing added, if the point in which the edge finds `incident` closest was cut
+/// off: then the edge's normal is not the direction of least distance.
+template <class S>
+constexpr bool clip_edges(const rounded_polygon<S>& reference, edge_distance<S> found, const rounded_polygon<S>& incident,
+                          bool flip, S slack, S margin, manifold<S, 2>& out) {
+    const int edge = found.edge;
+    const vec<S, 2> n = reference.normal[edge], t{-n.y, n.x}, from = reference.vertex[edge];
+    int facing = 0;
+    // A lower number wins unless another edge is clearly better, so that rounding does not choose.
+    for (int i = 1; i < incident.count; ++i)
+        if (dot(incident.normal[i], n) < dot(incident.normal[facing], n) - S(1.0 / 1024)) facing = i;
+
+    // Along the reference edge the incident edge runs backwards: its end comes first.
+    const vec<S, 2> first = incident.vertex[incident.next(facing)] - from, last = incident.vertex[facing] - from;
+    const S at_first = dot(first, t), at_last = dot(last, t), span = at_last - at_first;
+    // Reference ends are a little farther out, so that rounding does not cut the corners of equal boxes.
+    const S low = -slack, high = dot(reference.vertex[reference.next(edge)] - from, t) + slack;
+    if (at_first > high || at_last < low) return false;
+    const auto point_at = [&](S at) {
+        return span > S(0) ? first + (last - first) * clamp((at - at_first) / span, S(0), S(1)) : first;
+    };
+    const vec<S, 2> ends[2] = {at_first < low ? point_at(low) : first, at_last > high ? point_at(high) : last};
+    const S gaps[2] = {dot(n, ends[0]), dot(n, ends[1])};
+    const int deeper = gaps[1] < gaps[0] ? 1 : 0;
+    if (gaps[deeper] > found.distance + slack) return false;
+    // A round edge leads its surface along its own normal: beyond five degrees of tilt only the deeper end touches.
+    const bool flat = !(incident.radius > S(0)) || dot(incident.normal[facing], n) < S(-1 + 1.0 / 256);
+
+    out.normal = flip ? -n : n;
+    for (int k = 0; k < 2; ++k) {
+        if (gaps[k] - reference.radius - incident.radius > margin || (k != deeper && !flat)) continue;
+        const vec<S, 2> on_incident = from + ends[k], on_reference = on_incident - n * gaps[k];
+        // Whether the end is a corner or a cut stays out of the name: of equal boxes it changes with rounding.
+        const std::uint32_t feature = static_cast<std::uint32_t>(edge << 12 | facing << 8 | k << 4 | int{flip});
+        if (flip) add_rounded(out, on_incident, incident.radius, on_reference, reference.radius, gaps[k], feature);
+        else add_rounded(out, on_reference, reference.radius, on_incident, incident.radius, gaps[k], feature);
+    }
+    return true;
+}
+
+/// Adds the closest pair of a vertex of one polygon and an edge or vertex of the other, for cores that do not
+/// overlap. `parting` is the best of the edges' normals, from a to b, and `parted` how far it parts the cores.
+template <class S>
+constexpr void collide_nearest(const rounded_polygon<S>& a, const rounded_polygon<S>& b, vec<S, 2> parting, S parted,
+                               S margin, manifold<S, 2>& out) {
+    vec<S, 2> on_a, on_b;
     wide_of<S> best{};
     std::uint32_t feature = 0;
-    bool found = false;
-    const auto consider = [&](const rounded_polygon<S>& edges, const rounded_polygon<S>& vertices, bool flip) {
+    for (int flip = 0; flip < 2; ++flip) {
+        const rounded_polygon<S>& edges = flip ? b : a;
+        const rounded_polygon<S>& vertices = flip ? a : b;
         for (int i = 0; i < edges.count; ++i) {
             const vec<S, 2> from = edges.vertex[i], to = edges.vertex[edges.next(i)];
             for (int j = 0; j < vertices.count; ++j) {
                 const vec<S, 2> v = vertices.vertex[j];
                 const S t = closest_parameter(from, to, v);
-                const vec<S, 2> p = from + (to - from) * t;
+                const vec<S, 2> p = t < S(1) ? from + (to - from) * t : to;
                 const wide_of<S> distance = length_squared(v - p);
-                if (found && !(distance < best)) continue;
-                found = true;
+                if (feature != 0 && !(distance < best)) continue;
                 best = distance;
-                best_a = flip ? v : p;
-                best_b = flip ? p : v;
-                feature = 0x10000u | static_cast<std::uint32_t>(i << 8 | j << 4 | int{flip});
+                on_a = flip ? v : p;
+                on_b = flip ? p : v;
+                // Two vertices have one name, whichever edge found them.
+                const bool inside = t > S(0) && t < S(1);
+                const int vertex = t > S(0) ? edges.next(i) : i;
+                feature = static_cast<std::uint32_t>(inside ? 0x20000 | i << 8 | j << 4 | flip
+                                                            : 0x10000 | (flip ? j << 4 | vertex : vertex << 4 | j));
             }
         }
-    };
-    consider(a, b, false);
-    consider(b, a, true);
-    const auto [direction, gap] = split(best_b - best_a);
-    if (!(gap > S(0))) return false;
-    if (gap > a.radius + b.radius + margin) return true;
-    out.normal = direction;
-    add_rounded(out, best_a, a.radius, best_b, b.radius, gap, feature);
-    return true;
-}
-
-/// Clips the edge of `incident` that faces the reference edge against the reference edge's ends.
-template <class S>
-constexpr void clip_edges(const rounded_polygon<S>& reference, int edge, const rounded_polygon<S>& incident, bool flip,
-                          S margin, manifold<S, 2>& out) {
-    const vec<S, 2> n = reference.normal[edge];
-    const vec<S, 2> from = reference.vertex[edge], to = reference.vertex[reference.next(edge)];
-    int facing = 0;
-    for (int i = 1; i < incident.count; ++i)
-        if (dot(incident.normal[i], n) < dot(incident.normal[facing], n)) facing = i;
-
-    // Along the reference edge the incident edge runs backwards: its end comes first.
-    const vec<S, 2> first = incident.vertex[incident.next(facing)], last = incident.vertex[facing];
-    const vec<S, 2> t = normalized(to - from);
-    const S length_t = dot(to - from, t), at_first = dot(first - from, t), at_last = dot(last - from, t);
-    const S span = at_last - at_first;
-    const auto point_at = [&](S at) {
-        return span > S(0) ? first + (last - first) * clamp((at - at_first) / span, S(0), S(1)) : first;
-    };
-    if (at_first > length_t || at_last < S(0)) return;
-    const vec<S, 2> ends[2] = {at_first < S(0) ? point_at(S(0)) : first, at_last > length_t ? point_at(length_t) : last};
-
-    out.normal = flip ? -n : n;
-    for (int k = 0; k < 2; ++k) {
-        const S gap = dot(n, ends[k] - from);
-        if (gap - reference.radius - incident.radius > margin) continue;
-        const vec<S, 2> on_reference = ends[k] - n * gap;
-        // Whether the end is a corner or a cut stays out of the name: of equal boxes it changes with rounding.
-        const std::uint32_t feature = static_cast<std::uint32_t>(edge << 12 | facing << 8 | k << 4 | int{flip});
-        if (flip) add_rounded(out, ends[k], incident.radius, on_reference, reference.radius, gap, feature);
-        else add_rounded(out, on_reference, reference.radius, ends[k], incident.radius, gap, feature);
     }
-}
-
-/// Adds the corner of `incident` that lies deepest behind the reference edge.
-template <class S>
-constexpr void add_corner(const rounded_polygon<S>& reference, int edge, const rounded_polygon<S>& incident, int corner,
-                          bool flip, manifold<S, 2>& out) {
-    const vec<S, 2> n = reference.normal[edge], v = incident.vertex[corner];
-    const S gap = dot(n, v - reference.vertex[edge]);
-    const std::uint32_t feature = 0x20000u | static_cast<std::uint32_t>(edge << 8 | corner << 4 | int{flip});
-    out.normal = flip ? -n : n;
-    if (flip) add_rounded(out, v, incident.radius, v - n * gap, reference.radius, gap, feature);
-    else add_rounded(out, v - n * gap, reference.radius, v, incident.radius, gap, feature);
+    auto [n, gap] = split(on_b - on_a);
+    // Of points that all but coincide the direction is chance.
+    if (!(gap > S(0)) || distance_along(a, b, n) < parted) {
+        n = parting;
+        gap = parted;
+    }
+    if (gap - a.radius - b.radius > margin) return;
+    out.normal = n;
+    add_rounded(out, on_a, a.radius, on_b, b.radius, gap, feature);
 }
 
 }  // namespace detail
 
-/// Contact of two rounded convex polygons: separating axes over the edges, then clipping; nearest features
-/// where the cores are apart and a corner leads. The result lies in the frame of a and b's vertices.
+/// Contact of two rounded convex polygons: separating axes over the edges and clipping, or the nearest features
+/// where a corner meets a corner. The result lies in the frame of a and b's vertices. To keep the features of
+/// bodies at rest, contacts may deviate by 1/512 of the smaller size, never more.
 template <class S>
 constexpr void collide_polygons(const detail::rounded_polygon<S>& a, const detail::rounded_polygon<S>& b, S margin,
                                 manifold<S, 2>& out) {
@@ -148,33 +159,12 @@ constexpr void collide_polygons(const detail::rounded_polygon<S>& a, const detai
     if (from_b.distance > reach) return;
 
     // A preference for a's edge keeps the reference from flipping between two that are alike.
-    const S preference = min(a.size, b.size) * S(1.0 / 1024);
-    const bool flip = from_b.distance > from_a.distance + preference;
-    const auto& reference = flip ? b : a;
-    const auto& incident = flip ? a : b;
-    const auto chosen = flip ? from_b : from_a;
-    const vec<S, 2> n = reference.normal[chosen.edge], from = reference.vertex[chosen.edge];
-    int nearest = 0;
-    for (int i = 1; i < incident.count; ++i)
-        if (dot(n, incident.vertex[i] - incident.vertex[nearest]) < S(0)) nearest = i;
-
-    // Cores apart: an edge's normal is the direction of least distance only where the nearest corner lies
-    // beside the edge, which a corner against a corner does not.
-    if (chosen.distance > S(0) || (a.count == 2 && b.count == 2 && chosen.distance == S(0))) {
-        const vec<S, 2> along = reference.vertex[reference.next(chosen.edge)] - from;
-        const wide_of<S> at = wide_dot(incident.vertex[nearest] - from, along);
-        const bool beside = !(at < wide_of<S>{}) && !(at > length_squared(along));
-        if (!beside) {
-            // Parallel edges still touch along a line; two points keep such a pair from rocking.
-            detail::clip_edges(reference, chosen.edge, incident, flip, margin, out);
-            if (out.count == 2 && abs(out.points[0].separation - out.points[1].separation) <= preference) return;
-            out.count = 0;
-            if (detail::collide_nearest(a, b, margin, out)) return;
-        }
-    }
-    detail::clip_edges(reference, chosen.edge, incident, flip, margin, out);
-    // Where rounding puts the facing edge beside the reference edge, its deepest corner remains.
-    if (out.count == 0) detail::add_corner(reference, chosen.edge, incident, nearest, flip, out);
+    const S slack = min(a.size, b.size) * S(1.0 / 1024);
+    const bool better_b = from_b.distance > from_a.distance;
+    if (!(from_b.distance > from_a.distance + slack) && detail::clip_edges(a, from_a, b, false, slack, margin, out)) return;
+    if (better_b && detail::clip_edges(b, from_b, a, true, slack, margin, out)) return;
+    detail::collide_nearest(a, b, better_b ? -b.normal[from_b.edge] : a.normal[from_a.edge],
+                            better_b ? from_b.distance : from_a.distance, margin, out);
 }
 
 PHYSICS_HPP_END

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "physics/collide/manifold.hpp"
-#include "physics/collide/segment.hpp"
 #include "physics/shape/shapes.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -18,36 +17,38 @@ constexpr void collide(const ball<S, D>& a, const ball<S, D>& b, const transform
     collide_round(vec<S, D>{}, a.radius, b_in_a.position, b.radius, up, margin, 0u, out);
 }
 
+namespace detail {
+/// A ball against a box that may be flat and rounded: all points within radius_b of |p_i| <= half_i.
+template <class S, int D>
+constexpr void collide_ball(S radius_a, vec<S, D> half, S radius_b, const transform<S, D>& b_in_a, S margin, manifold<S, D>& out) {
+    // In the box's frame, where the components of the normal along a face are exactly zero.
+    const vec<S, D> center = inverse_transform(b_in_a, vec<S, D>{});
+    const vec<S, D> nearest = max(-half, min(half, center));
+    auto [direction, gap] = split(nearest - center);
+    if (gap > radius_a + radius_b + margin) return;
+    std::uint32_t feature = 0;
+    if (!(gap > S(0))) {
+        int axis = 0;
+        for (int i = 1; i < D; ++i)
+            if (half[i] - abs(center[i]) < half[axis] - abs(center[axis])) axis = i;
+        const bool below = center[axis] < S(0);
+        direction[axis] = S(below ? 1 : -1);
+        gap = abs(center[axis]) - half[axis];
+        feature = static_cast<std::uint32_t>(1 + 2 * axis + int{below});
+    }
+    out.normal = b_in_a.rotation * direction;
+    add_rounded(out, vec<S, D>{}, radius_a, out.normal * gap, radius_b, gap, feature);
+}
+}  // namespace detail
+
 template <class S, int D>
 constexpr void collide(const ball<S, D>& a, const capsule<S, D>& b, const transform<S, D>& b_in_a, S margin, manifold<S, D>& out) {
-    const vec<S, D> x = b_in_a.rotation * detail::along_x<S, D>(b.half_length);
-    const vec<S, D> from = b_in_a.position - x, to = b_in_a.position + x;
-    const vec<S, D> nearest = from + (to - from) * closest_parameter(from, to, vec<S, D>{});
-    collide_round(vec<S, D>{}, a.radius, nearest, b.radius, perpendicular(normalized(x)), margin, 0u, out);
+    detail::collide_ball(a.radius, detail::along_x<S, D>(b.half_length), b.radius, b_in_a, margin, out);
 }
 
 template <class S, int D>
 constexpr void collide(const ball<S, D>& a, const box<S, D>& b, const transform<S, D>& b_in_a, S margin, manifold<S, D>& out) {
-    const vec<S, D> center = inverse_transform(b_in_a, vec<S, D>{});
-    vec<S, D> nearest = center;
-    bool inside = true;
-    for (int i = 0; i < D; ++i) {
-        nearest[i] = clamp(center[i], -b.half_extents[i], b.half_extents[i]);
-        inside = inside && nearest[i] == center[i];
-    }
-    if (!inside) {
-        collide_round(vec<S, D>{}, a.radius, b_in_a * nearest, S(0), vec<S, D>{}, margin, 0u, out);
-        return;
-    }
-    int axis = 0;
-    for (int i = 1; i < D; ++i)
-        if (b.half_extents[i] - abs(center[i]) < b.half_extents[axis] - abs(center[axis])) axis = i;
-    const bool below = center[axis] < S(0);
-    vec<S, D> out_of_box;
-    out_of_box[axis] = S(below ? -1 : 1);
-    const S depth = b.half_extents[axis] - abs(center[axis]);
-    out.normal = -(b_in_a.rotation * out_of_box);
-    add_rounded(out, vec<S, D>{}, a.radius, -(out.normal * depth), S(0), -depth, static_cast<std::uint32_t>(1 + 2 * axis + int{below}));
+    detail::collide_ball(a.radius, b.half_extents, S(0), b_in_a, margin, out);
 }
 
 namespace detail {
@@ -67,7 +68,7 @@ struct plane {
 };
 template <class S, int D>
 constexpr plane<S, D> plane_of(const halfspace<S, D>& h, const transform<S, D>& at) {
-    const vec<S, D> n = at.rotation * h.normal;
+    const vec<S, D> n = at.rotation * unit_normal(h);
     return {n, h.offset + dot(n, at.position)};
 }
 }  // namespace detail

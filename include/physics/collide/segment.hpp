@@ -1,4 +1,4 @@
-// Closest points on segments.
+// Closest points on segments, and segments cut by planes.
 #pragma once
 
 #include "physics/space/vec.hpp"
@@ -17,30 +17,41 @@ constexpr S closest_parameter(vec<S, D> a, vec<S, D> b, vec<S, D> p) {
     return quotient<S>(along, whole);
 }
 
-/// Closest points of two segments.
-template <class S, int D>
-struct segment_pair {
-    vec<S, D> on_a;
-    vec<S, D> on_b;
-    S at_a{};
-    S at_b{};
+/// Where on two segments the points lie that are closest to each other, as distances from their middles.
+template <class S>
+struct segment_parameters {
+    S on_a{};
+    S on_b{};
 };
 
-/// The closest points of the segments a0-a1 and b0-b1. For parallel segments one of the pairs that are
-/// closest. Source: Ericson, 5.1.9; the clamped parameter is refined once against the other segment.
-template <class S, int D>
-constexpr segment_pair<S, D> closest_points(vec<S, D> a0, vec<S, D> a1, vec<S, D> b0, vec<S, D> b1) {
-    const vec<S, D> da = a1 - a0, db = b1 - b0, r = a0 - b0;
-    const S aa = dot(da, da), bb = dot(db, db), ab = dot(da, db);
-    const S determinant = difference_of_products(aa, bb, ab, ab);
-    S s(0);
-    // Of near-parallel segments every s is nearly right; the projections below choose.
-    if (determinant > S(32) * scalar_traits<S>::epsilon() * aa * bb)
-        s = clamp(difference_of_products(ab, dot(db, r), bb, dot(da, r)) / determinant, S(0), S(1));
-    S t = closest_parameter(b0, b1, a0 + da * s);
-    s = closest_parameter(a0, a1, b0 + db * t);
-    t = closest_parameter(b0, b1, a0 + da * s);
-    return {a0 + da * s, b0 + db * t, s, t};
+/// The closest points of the segment |x| <= half_a of the coordinate axis a, and of the segment
+/// center + t * b, |t| <= half_b, of unit direction b. For parallel segments one of the pairs that are closest.
+/// Seen along the axis this is a point and a line, which keeps its precision where the two are nearly parallel.
+template <class S>
+constexpr segment_parameters<S> closest_to_axis(int a, S half_a, vec<S, 3> center, vec<S, 3> b, S half_b) {
+    vec<S, 3> beside = center, across = b;
+    beside[a] = across[a] = S(0);
+    const auto [direction, sine] = split(across);
+    const S along = -dot(beside, direction), most = half_b * sine;
+    S t = !(along < most) ? half_b : !(along > -most) ? -half_b : along / sine;
+    S s = clamp(center[a] + b[a] * t, -half_a, half_a);
+    t = clamp(b[a] * s - dot(b, center), -half_b, half_b);
+    s = clamp(center[a] + b[a] * t, -half_a, half_a);
+    return {s, t};
+}
+
+/// Cuts a segment middle + t * direction, start <= t <= stop, seen along one coordinate, down to what lies
+/// within |p| <= limit; false if nothing does.
+template <class S>
+constexpr bool clip_segment(S middle, S direction, S limit, S& start, S& stop) {
+    const S sides[2] = {S(-1), S(1)};
+    for (const S side : sides) {
+        const S at_start = side * (middle + direction * start) - limit, at_stop = side * (middle + direction * stop) - limit;
+        if (at_start > S(0) && at_stop > S(0)) return false;
+        if (at_start > S(0)) start += (stop - start) * (at_start / (at_start - at_stop));
+        else if (at_stop > S(0)) stop -= (stop - start) * (at_stop / (at_stop - at_start));
+    }
+    return true;
 }
 
 PHYSICS_HPP_END

@@ -10,7 +10,8 @@ template <class S>
 struct accumulator_settings {
     /// Length of one step.
     S step = S(1.0 / 60);
-    /// Time that one call may consume at most; what a longer frame brings beyond it is dropped and reported.
+    /// Time that one call may consume at most, 1 to 65536 steps; what a longer frame brings beyond it is dropped and
+    /// reported.
     S longest_frame = S(0.25);
 };
 
@@ -19,9 +20,17 @@ template <class S>
 struct advance_report {
     /// Fixed steps taken.
     int steps = 0;
-    /// Time that was dropped because the frame was too long (s); 0 in a healthy game.
+    /// Time that was dropped because the frame was too long or a step was refused (s); 0 in a healthy game.
     S dropped{};
 };
+
+namespace detail {
+template <class World>
+concept world_like = requires {
+    typename World::scalar;
+    typename World::transform;
+};
+}  // namespace detail
 
 /// Does nothing: the default of the hooks around a step.
 struct no_hook {
@@ -31,29 +40,35 @@ struct no_hook {
 
 /// Advances a world in fixed steps by whatever time has really passed, so that the motion does not depend
 /// on the frame rate. Time that does not fill a step is carried over; interpolated() shows the world in
-/// between. It remembers the poses before the last step: 16 to 32 bytes a body.
+/// between. It remembers the poses before the last step: 24 to 64 bytes a body.
 /// Source: Fiedler, Fix Your Timestep! (2004).
 template <class World>
 class accumulator {
+    static constexpr bool of_world = detail::world_like<World>;
+    static_assert(of_world, "physics::accumulator: the argument is not a world; write physics::accumulator<physics::world<mine>>");
+    // Any world does after the sentence above, so that it stays the only error.
+    using world_type = std::conditional_t<of_world, World, world<recipe<float, 2>>>;
+
 public:
-    using scalar = typename World::scalar;
-    using transform = typename World::transform;
+    using scalar = typename world_type::scalar;
+    using transform = typename world_type::transform;
     using settings_type = accumulator_settings<scalar>;
 
-    /// Refuses a step that is not positive and a longest frame that is shorter than a step.
+    /// Refuses a step that is not positive and a longest frame that is not 1 to 65536 steps.
     explicit accumulator(const settings_type& settings = {}) {
         if (!detail::check_positive("accumulator", "step", settings.step) ||
             !detail::check_finite("accumulator", "longest_frame", settings.longest_frame))
             return;
-        if (settings.longest_frame < settings.step) {
-            detail::refuse("accumulator", "longest_frame", static_cast<double>(settings.longest_frame), "it must not be below the step");
+        if (settings.longest_frame < settings.step || settings.longest_frame / S(65536) > settings.step) {
+            detail::refuse("accumulator", "longest_frame", static_cast<double>(settings.longest_frame), "it must be 1 to 65536 steps");
             return;
         }
         settings_ = settings;
     }
 
     /// Consumes `elapsed` seconds (at least 0) of real time: calls before(world), world.step and
-    /// after(world) for every whole step, and keeps the rest for the next call.
+    /// after(world) for every whole step, and keeps the rest for the next call. A step that is refused, or a hook that
+    /// throws, ends the call, and the time of the steps that were due is dropped: they are not tried again.
     template <class Before = no_hook, class After = no_hook>
     advance_report<scalar> advance(World& world, scalar elapsed, Before&& before = {}, After&& after = {}) {
         if (!detail::check_not_negative("advance", "elapsed", elapsed)) return {};
@@ -62,14 +77,18 @@ public:
             report.dropped = elapsed - settings_.longest_frame;
             elapsed = settings_.longest_frame;
         }
-        rest_ += elapsed;
-        while (!(rest_ < settings_.step)) {
+        int due = 0;
+        for (rest_ += elapsed; !(rest_ < settings_.step); rest_ -= settings_.step) ++due;
+        for (; report.steps < due; ++report.steps) {
             before(world);
             remember(world);
+            const std::uint64_t steps = world.steps();
             world.step(settings_.step);
+            if (world.steps() == steps) {  // refused, in a build without exceptions
+                report.dropped += settings_.step * S(due - report.steps);
+                break;
+            }
             after(world);
-            rest_ -= settings_.step;
-            ++report.steps;
         }
         return report;
     }
@@ -81,12 +100,13 @@ public:
     [[nodiscard]] const settings_type& settings() const { return settings_; }
 
     /// The pose to draw: between the poses before and after the last step, by factor(). Bodies that are newer
-    /// than the last step stand where they are. Turns by the shorter way, at nearly constant speed.
+    /// than the last step stand where they are. Turns by the shorter way, at constant speed.
     [[nodiscard]] transform interpolated(const World& world, body_id id) const {
         const transform now = world.pose(id);
-        if (!(id.index < before_.size()) || !(before_[id.index].id == id)) return now;
+        if (!(id.index < before_.size()) || !(before_[id.index].id == id) || !world.contains(id)) return now;
         const transform& then = before_[id.index].pose;
-        return {then.position + (now.position - then.position) * factor(), between(then.rotation, now.rotation, factor())};
+        const auto turn = rotation_vector(now.rotation * inverse(then.rotation));
+        return {then.position + (now.position - then.position) * factor(), turned(then.rotation, turn * factor())};
     }
 
 private:
@@ -102,14 +122,6 @@ private:
             before_.resize(id.index + 1);
             before_[id.index] = {id, world.pose(id)};
         }
-    }
-    static rotation<S, 2> between(const rotation<S, 2>& a, const rotation<S, 2>& b, S t) {
-        return normalized(rotation<S, 2>{a.cosine + (b.cosine - a.cosine) * t, a.sine + (b.sine - a.sine) * t});
-    }
-    static rotation<S, 3> between(const rotation<S, 3>& a, const rotation<S, 3>& b, S t) {
-        const bool opposite = dot(a.imaginary(), b.imaginary()) + a.w * b.w < S(0);
-        const rotation<S, 3> c = opposite ? rotation<S, 3>{-b.x, -b.y, -b.z, -b.w} : b;
-        return normalized(rotation<S, 3>{a.x + (c.x - a.x) * t, a.y + (c.y - a.y) * t, a.z + (c.z - a.z) * t, a.w + (c.w - a.w) * t});
     }
 
     settings_type settings_;

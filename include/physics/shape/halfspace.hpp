@@ -5,8 +5,8 @@
 
 PHYSICS_HPP_BEGIN
 
-/// All points p with dot(normal, p) <= offset (m) in the shape's frame; normal is a unit vector. It has no
-/// mass, so it serves static and kinematic bodies.
+/// All points p with dot(normal, p) <= offset (m) in the shape's frame; normal is a unit vector, four digits
+/// of it suffice. It has no mass, so it serves static and kinematic bodies.
 template <class S, int D>
 struct halfspace {
     using scalar = S;
@@ -38,13 +38,21 @@ bool check(const halfspace<S, D>& h, const char* function) {
         return detail::refuse(function, "length of normal", static_cast<double>(l), "it must be 1");
     return true;
 }
+namespace detail {
+/// The normal with length 1: two Newton steps bring the error that check() admits below rounding.
+template <class S, int D>
+constexpr vec<S, D> unit_normal(const halfspace<S, D>& h) {
+    const vec<S, D> n = h.normal * length_repair(dot(h.normal, h.normal));
+    return n * length_repair(dot(n, n));
+}
+}  // namespace detail
 /// Endless in most directions: a quarter of the scalar's range stands for infinity, so that margins do not
 /// overflow.
 template <class S, int D>
 constexpr aabb<S, D> bounds(const halfspace<S, D>& h, const transform<S, D>& at) {
     const S far = scalar_traits<S>::max() * S(0.25);
     aabb<S, D> box{vec<S, D>::filled(-far), vec<S, D>::filled(far)};
-    const vec<S, D> n = at.rotation * h.normal;
+    const vec<S, D> n = at.rotation * detail::unit_normal(h);
     const S height = h.offset + dot(n, at.position);
     for (int i = 0; i < D; ++i) {
         bool aligned = true;

@@ -16,12 +16,13 @@ struct mat {
         return m;
     }
     friend constexpr vec<S, D> operator*(const mat& m, vec<S, D> v) {
-        if constexpr (D == 2) {
-            return {sum_of_products(m.column[0].x, v.x, m.column[1].x, v.y),
-                    sum_of_products(m.column[0].y, v.x, m.column[1].y, v.y)};
-        } else {
-            return {row_dot(m, 0, v), row_dot(m, 1, v), row_dot(m, 2, v)};
+        vec<S, D> result;
+        for (int i = 0; i < D; ++i) {
+            wide_of<S> sum = product(m.column[0][i], v[0]) + product(m.column[1][i], v[1]);
+            if constexpr (D == 3) sum = sum + product(m.column[2][i], v[2]);
+            result[i] = narrow<S>(sum);
         }
+        return result;
     }
     friend constexpr mat operator*(const mat& a, const mat& b) {
         mat m{};
@@ -32,11 +33,6 @@ struct mat {
         for (int i = 0; i < D; ++i)
             if (!(a.column[i] == b.column[i])) return false;
         return true;
-    }
-
-private:
-    static constexpr S row_dot(const mat& m, int i, vec<S, D> v) {
-        return narrow<S>(product(m.column[0][i], v.x) + product(m.column[1][i], v.y) + product(m.column[2][i], v.z));
     }
 };
 

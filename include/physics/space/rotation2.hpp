@@ -58,9 +58,11 @@ template <class S>
 constexpr S norm_error(rotation<S, 2> a) {
     return abs(sum_of_products(a.cosine, a.cosine, a.sine, a.sine) - S(1));
 }
+/// a with length 1; the identity if a is null.
 template <class S>
 constexpr rotation<S, 2> normalized(rotation<S, 2> a) {
-    const vec<S, 2> unit = normalized(vec<S, 2>{a.cosine, a.sine});
+    const auto [unit, length] = split(vec<S, 2>{a.cosine, a.sine});
+    if (!(length > S(0))) return {};
     return {unit.x, unit.y};
 }
 

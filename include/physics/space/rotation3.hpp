@@ -67,6 +67,7 @@ template <class S>
 constexpr S norm_error(rotation<S, 3> a) {
     return abs(detail::squared_norm(a) - S(1));
 }
+/// a with length 1; the identity if a is null.
 template <class S>
 constexpr rotation<S, 3> normalized(rotation<S, 3> a) {
     const S scale = max(largest(a.imaginary()), abs(a.w));

@@ -14,6 +14,12 @@ namespace detail {
 /// Plain numbers that may fill a vector of S, so that `{0, -10}` serves every scalar.
 template <class T, class S>
 concept literal_for = std::is_arithmetic_v<T> && !std::same_as<T, S>;
+/// Such a number as S, through double where S takes nothing nearer.
+template <class S, class T>
+constexpr S from_literal(T x) {
+    if constexpr (std::constructible_from<S, T>) return static_cast<S>(x);
+    else return static_cast<S>(static_cast<double>(x));
+}
 }  // namespace detail
 
 template <class S>
@@ -24,7 +30,7 @@ struct vec<S, 2> {
     constexpr vec(S x_, S y_) : x(x_), y(y_) {}
     template <class A, class B>
         requires detail::literal_for<A, S> || detail::literal_for<B, S>
-    constexpr vec(A x_, B y_) : x(static_cast<S>(x_)), y(static_cast<S>(y_)) {}
+    constexpr vec(A x_, B y_) : x(detail::from_literal<S>(x_)), y(detail::from_literal<S>(y_)) {}
 
     static constexpr int size = 2;
     constexpr S& operator[](int i) { return i == 0 ? x : y; }
@@ -51,7 +57,8 @@ struct vec<S, 3> {
     constexpr vec(S x_, S y_, S z_) : x(x_), y(y_), z(z_) {}
     template <class A, class B, class C>
         requires detail::literal_for<A, S> || detail::literal_for<B, S> || detail::literal_for<C, S>
-    constexpr vec(A x_, B y_, C z_) : x(static_cast<S>(x_)), y(static_cast<S>(y_)), z(static_cast<S>(z_)) {}
+    constexpr vec(A x_, B y_, C z_)
+        : x(detail::from_literal<S>(x_)), y(detail::from_literal<S>(y_)), z(detail::from_literal<S>(z_)) {}
 
     static constexpr int size = 3;
     constexpr S& operator[](int i) { return i == 0 ? x : i == 1 ? y : z; }

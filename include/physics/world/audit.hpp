@@ -14,6 +14,7 @@ enum class recipe_problem {
     bad_dimension,
     policy_without_stage,
     unknown_stage,
+    not_shapes_or_without,
     two_policies_for_a_stage,
     no_shapes,
     same_shape_twice,
@@ -26,17 +27,30 @@ enum class recipe_problem {
     bad_solver,
 };
 
+template <class T>
+constexpr bool is_policy_list = false;
+template <class... Policies>
+constexpr bool is_policy_list<policy_list<Policies...>> = true;
+
 template <class Recipe>
 concept recipe_like = requires {
     typename Recipe::scalar;
-    { Recipe::dimension } -> std::convertible_to<int>;
+    typename std::integral_constant<int, Recipe::dimension>;
     typename Recipe::policies;
-};
+} && is_policy_list<typename Recipe::policies>;
 
 template <class Stage>
 constexpr bool known_stage = std::same_as<Stage, stage::shapes> || std::same_as<Stage, stage::broadphase> ||
                              std::same_as<Stage, stage::narrowphase> || std::same_as<Stage, stage::solver> ||
                              std::same_as<Stage, stage::integrator> || std::same_as<Stage, stage::features>;
+
+/// False for a policy that claims a stage of the library's own.
+template <class Policy, class Stage = typename stage_of<Policy>::type>
+constexpr bool may_serve = !std::same_as<Stage, stage::shapes> && !std::same_as<Stage, stage::features>;
+template <template <class, int> class... Shapes>
+constexpr bool may_serve<shapes<Shapes...>, stage::shapes> = true;
+template <class... Features>
+constexpr bool may_serve<without<Features...>, stage::features> = true;
 
 /// How many of the policies serve the stage.
 template <class Stage, class... Policies>
@@ -47,11 +61,15 @@ constexpr bool meets_all = (collidable<A, Shapes<S, D>, S, D> && ...);
 template <class A, class S, int D, template <class, int> class... Shapes>
 constexpr int times_among = (0 + ... + int{std::same_as<A, Shapes<S, D>>});
 
+template <class T>
+concept complete = requires { sizeof(T); };
+template <class Shape, class S, int D>
+concept usable_shape = complete<Shape> && shape_for<Shape, S, D>;
 template <class S, int D, template <class, int> class... Shapes>
 constexpr recipe_problem problem_of_shapes(const shapes<Shapes...>*) {
     if constexpr (sizeof...(Shapes) == 0) return recipe_problem::no_shapes;
     else if constexpr (((times_among<Shapes<S, D>, S, D, Shapes...> > 1) || ...)) return recipe_problem::same_shape_twice;
-    else if constexpr (!(shape_for<Shapes<S, D>, S, D> && ...)) return recipe_problem::not_a_shape;
+    else if constexpr (!(usable_shape<Shapes<S, D>, S, D> && ...)) return recipe_problem::not_a_shape;
     else if constexpr (!(meets_all<Shapes<S, D>, S, D, Shapes...> && ...)) return recipe_problem::pair_without_contact;
     else return recipe_problem::none;
 }
@@ -77,10 +95,12 @@ struct any_motion {
     void advance_velocities(S) {}
     void advance_poses(S) {}
 };
-/// What a solver must offer: settings, and solve(bodies, contacts, settings, h, scratch, motion).
+/// What a solver must offer: settings with a function check(settings, function) like that of shapes, and
+/// solve(bodies, contacts, settings, h, scratch, motion).
 template <class Policy, class S, int D, class Features>
 concept solver_policy = requires(solver_body<S, D>* bodies, buffer<contact<S, D>> contacts, arena scratch, any_motion<S> motion,
                                  const typename Policy::template in<space<S, D>, Features>::settings settings) {
+    { check(settings, "function") } -> std::same_as<bool>;
     Policy::template in<space<S, D>, Features>::solve(bodies, contacts, settings, S(1), scratch, motion);
 };
 
@@ -90,6 +110,8 @@ constexpr recipe_problem problem_of_policies(const policy_list<Policies...>*) {
         return recipe_problem::policy_without_stage;
     } else if constexpr (!(known_stage<typename stage_of<Policies>::type> && ...)) {
         return recipe_problem::unknown_stage;
+    } else if constexpr (!(may_serve<Policies> && ...)) {
+        return recipe_problem::not_shapes_or_without;
     } else if constexpr (((policies_for<typename stage_of<Policies>::type, Policies...> > 1) || ...)) {
         return recipe_problem::two_policies_for_a_stage;
     } else {
@@ -119,6 +141,18 @@ constexpr recipe_problem problem_of() {
     else return problem_of_policies<typename Recipe::scalar, Recipe::dimension>(static_cast<const typename Recipe::policies*>(nullptr));
 }
 
+template <class S, int D, class... Policies>
+plan<S, D, shape_set_for<Policies...>, Policies...> planned(const policy_list<Policies...>*);
+
+/// The plan of a recipe. A recipe that fails its audit gets the default plan, so that its one sentence is
+/// the only error.
+template <class Recipe, bool Good = problem_of<Recipe>() == recipe_problem::none>
+struct plan_of {
+    using type = decltype(planned<typename Recipe::scalar, Recipe::dimension>(static_cast<const typename Recipe::policies*>(nullptr)));
+};
+template <class Recipe>
+struct plan_of<Recipe, false> : plan_of<recipe<float, 2>> {};
+
 /// Says in one sentence what is wrong with a recipe.
 template <class Recipe>
 struct audit {
@@ -132,6 +166,8 @@ struct audit {
                   "physics::recipe: a policy names no stage; give it `using stage = physics::stage::...`");
     static_assert(problem != recipe_problem::unknown_stage,
                   "physics::recipe: a policy names a stage that does not exist; the stages are those of namespace physics::stage");
+    static_assert(problem != recipe_problem::not_shapes_or_without,
+                  "physics::recipe: a policy names a stage that only physics::shapes<...> or physics::without<...> may serve");
     static_assert(problem != recipe_problem::two_policies_for_a_stage,
                   "physics::recipe: two policies serve the same stage; keep one of them");
     static_assert(problem != recipe_problem::no_shapes, "physics::shapes: the set is empty; name at least one shape");
@@ -149,20 +185,8 @@ struct audit {
     static_assert(problem != recipe_problem::bad_integrator,
                   "physics::recipe: the integrator's in<Space> needs advance_velocity and advance_pose");
     static_assert(problem != recipe_problem::bad_solver,
-                  "physics::recipe: the solver's in<Space, Features> needs a struct settings and a function solve");
+                  "physics::recipe: the solver's in<Space, Features> needs a struct settings with a function check, and a function solve");
 };
-
-template <class S, int D, class... Policies>
-plan<S, D, shape_set_for<Policies...>, Policies...> planned(const policy_list<Policies...>*);
-
-/// The plan of a recipe. A recipe that fails its audit gets the default plan, so that its one sentence is
-/// the only error.
-template <class Recipe, bool Good = audit<Recipe>::problem == recipe_problem::none>
-struct plan_of {
-    using type = decltype(planned<typename Recipe::scalar, Recipe::dimension>(static_cast<const typename Recipe::policies*>(nullptr)));
-};
-template <class Recipe>
-struct plan_of<Recipe, false> : plan_of<recipe<float, 2>> {};
 
 }  // namespace detail
 

@@ -1,4 +1,4 @@
-// A number that two worlds share exactly when they are in the same state.
+// A number that worlds in the same state share.
 #pragma once
 
 #include "physics/world/state.hpp"
@@ -35,36 +35,84 @@ public:
         add(r.imaginary());
         add(r.w);
     }
+    template <class S>
+    void add(const symmetric<S>& m) {
+        add(vec<S, 3>{m.xx, m.yy, m.zz});
+        add(vec<S, 3>{m.xy, m.xz, m.yz});
+    }
+    template <class S, int D>
+    void add(const transform<S, D>& t) {
+        add(t.position);
+        add(t.rotation);
+    }
+    template <class S, int D>
+    void add(const body<S, D>& b) {
+        add(static_cast<std::uint64_t>(b.type) | std::uint64_t{b.rotation_locked} << 8 | std::uint64_t{b.mass_is_set} << 9 |
+            std::uint64_t{b.has_target} << 10);
+        add(b.center);
+        add(b.rotation);
+        add(b.velocity.linear);
+        add(b.velocity.angular);
+        add(b.force);
+        add(b.torque);
+        add(b.mass.mass);
+        add(b.mass.center);
+        add(b.mass.inertia);
+        add(b.linear_damping);
+        add(b.angular_damping);
+        add(b.gravity_scale);
+        if (b.has_target) add(b.target);
+    }
+    template <class Plan>
+    void add(const shape_record<Plan>& s) {
+        add(static_cast<std::uint64_t>(s.shape.kind()) << 32 | s.body);
+        add(s.local);
+        add(s.material.friction);
+        add(s.material.restitution);
+        add(s.density);
+        const auto box = bounds(s.shape, s.local);
+        add(box.lower);
+        add(box.upper);
+    }
+    template <class S, int D>
+    void add(const contact<S, D>& c) {
+        add(c.normal);
+        add(static_cast<std::uint64_t>(c.count));
+        for (int k = 0; k < c.count; ++k) {
+            add(std::uint64_t{c.points[k].feature});
+            add(c.points[k].normal_impulse);
+            add(c.points[k].friction_impulse);
+        }
+    }
     [[nodiscard]] std::uint64_t value() const { return hash_; }
 
 private:
     std::uint64_t hash_ = 0x9e3779b97f4a7c15u;
 };
 
+/// One number for one thing: processors work on several at a time, and a difference can be traced to its thing.
+template <class Item>
+std::uint64_t hash_of(std::uint64_t name, const Item& item) {
+    hasher h;
+    h.add(name);
+    h.add(item);
+    return h.value();
+}
+
+/// Of everything in a world that bears on its future, but for the settings: neither user data nor what only
+/// saves work, like the boxes of the broadphase. The dimensions of a shape enter by its bounds.
 template <class Plan>
 std::uint64_t state_hash(const state<Plan>& s) {
     hasher h;
+    const auto add_all = [&](const auto& pool) {
+        h.add(std::uint64_t{pool.count()});
+        pool.each([&](std::uint32_t i, const auto& item) { h.add(hash_of(std::uint64_t{i} << 32 | pool.generation(i), item)); });
+    };
     h.add(s.steps);
-    h.add(std::uint64_t{s.bodies.count()});
-    s.bodies.each([&](std::uint32_t i, const auto& b) {
-        h.add(std::uint64_t{i} << 32 | s.bodies.generation(i));
-        h.add(b.center);
-        h.add(b.rotation);
-        h.add(b.velocity.linear);
-        h.add(b.velocity.angular);
-        h.add(b.force);
-        h.add(b.torque);
-    });
+    add_all(s.bodies);
+    add_all(s.shapes);
     h.add(std::uint64_t{s.contacts.size()});
-    for (const auto& c : s.contacts) {
-        h.add(std::uint64_t{c.shape_a} << 32 | c.shape_b);
-        h.add(c.normal);
-        for (int k = 0; k < c.count; ++k) {
-            h.add(std::uint64_t{c.points[k].feature});
-            h.add(c.points[k].normal_impulse);
-            h.add(c.points[k].friction_impulse);
-        }
-    }
+    for (const auto& c : s.contacts) h.add(hash_of(std::uint64_t{c.shape_a} << 32 | c.shape_b, c));
     return h.value();
 }
 

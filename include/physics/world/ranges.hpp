@@ -75,10 +75,9 @@ auto view_of(const state<Plan>& s, const contact<typename Plan::scalar, Plan::di
         c.normal, tangents<S, D>(c.normal), {}, c.count, c.friction, c.restitution};
     for (int k = 0; k < c.count; ++k) {
         const contact_point<S, D>& p = c.points[k];
-        view.points[k] = {a.center + p.lever_a,
-                          inverse_rotate(a.rotation, p.lever_a) + a.mass.center,
-                          inverse_rotate(b.rotation, p.lever_b) + b.mass.center,
-                          p.separation, p.normal_impulse, p.friction_impulse, p.persisted};
+        const vec<S, D> local_a = inverse_rotate(s.contact_starts[c.body_a].rotation, p.lever_a) + a.mass.center;
+        const vec<S, D> local_b = inverse_rotate(s.contact_starts[c.body_b].rotation, p.lever_b) + b.mass.center;
+        view.points[k] = {a.pose() * local_a, local_a, local_b, p.separation, p.normal_impulse, p.friction_impulse, p.persisted};
     }
     return view;
 }

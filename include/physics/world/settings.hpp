@@ -72,9 +72,9 @@ using shape_id = handle<shape_tag>;
 template <class S, int D>
 struct contact_view {
     struct point {
-        /// Halfway between the surfaces, in the world, carried along with body A (m).
+        /// Halfway between the surfaces at the step's start, carried along with body A since (m).
         vec<S, D> position;
-        /// The same point in the frames of both bodies.
+        /// The same point in the frames of both bodies, in which it stays.
         vec<S, D> local_a, local_b;
         /// Distance of the surfaces at the step's start (m); negative is the depth of their overlap.
         S separation;

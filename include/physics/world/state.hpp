@@ -38,12 +38,15 @@ struct state {
     typename Plan::broadphase broadphase;
     /// Contacts of the last step, in ascending order of their pairs.
     buffer<contact<S, D>> contacts;
+    /// Where the centres of bodies were, and how bodies were turned, when these contacts were found.
+    buffer<transform<S, D>> contact_starts;
     std::uint64_t steps = 0;
     std::uint16_t tag = 0;
 
     // Scratch of the step: nothing in it outlives one.
     buffer<proxy_pair> pairs;
     buffer<contact<S, D>> found;
+    buffer<transform<S, D>> starts;
     arena scratch;
 };
 

@@ -72,20 +72,17 @@ void find_contacts(state<Plan>& s) {
     }
 }
 
-/// Where bodies are as a step begins: what a refused step goes back to.
+/// Where bodies are as the step begins: what contacts refer to, and what a refused step goes back to.
 template <class Plan>
-auto* remember_poses(state<Plan>& s) {
-    using S = typename Plan::scalar;
-    constexpr int D = Plan::dimension;
-    auto* poses = s.scratch.template take<transform<S, D>>(s.bodies.slots());
-    s.bodies.each([&](std::uint32_t i, const auto& b) { new (poses + i) transform<S, D>{b.center, b.rotation}; });
-    return poses;
+void remember_poses(state<Plan>& s) {
+    s.starts.resize(s.bodies.slots());
+    s.bodies.each([&](std::uint32_t i, const auto& b) { s.starts[i] = {b.center, b.rotation}; });
 }
 template <class Plan>
-void restore_poses(state<Plan>& s, const transform<typename Plan::scalar, Plan::dimension>* poses) {
+void restore_poses(state<Plan>& s) {
     s.bodies.each([&](std::uint32_t i, auto& b) {
-        b.center = poses[i].position;
-        b.rotation = poses[i].rotation;
+        b.center = s.starts[i].position;
+        b.rotation = s.starts[i].rotation;
     });
 }
 
@@ -128,17 +125,21 @@ struct motion {
     }
 };
 
-/// Stores what the step found: velocities, contacts with their impulses. Forces act for one step.
+/// Stores what the step found: velocities, contacts with their impulses. Forces act for one step, and bodies
+/// that had a target stand there.
 template <class Plan>
 void finish(state<Plan>& s, const solver_body<typename Plan::scalar, Plan::dimension>* bodies) {
     s.bodies.each([&](std::uint32_t i, auto& b) {
         b.velocity = bodies[i].velocity;
         b.force = {};
         b.torque = {};
-        if (b.has_target) b.set_pose(b.target);
+        if (!b.has_target) return;
+        b.set_pose(b.target);
+        b.velocity = {};
         b.has_target = false;
     });
     s.contacts.swap(s.found);
+    s.contact_starts.swap(s.starts);
     ++s.steps;
 }
 
@@ -152,11 +153,11 @@ PHYSICS_HPP_NOINLINE bool step(state<Plan>& s, typename Plan::scalar h) {
     find_pairs(s);                               // boxes             -> pairs, in order
     find_contacts(s);                            // pairs and poses   -> contacts with feature ids
     inherit_impulses(s.contacts, s.found);       // last step's       -> warm impulses of what persists
-    auto* poses = remember_poses(s);             // poses             -> what a refused step goes back to
+    remember_poses(s);                           // poses             -> where the step began
     auto* bodies = gather_bodies(s, h);          // bodies            -> what the solver sees of them
     motion<Plan> moving{s, bodies};
     Plan::solver::solve(bodies, s.found, s.settings.solver, h, s.scratch, moving);  // -> velocities, poses
-    if (!moving.finite) return restore_poses(s, poses), false;
+    if (!moving.finite) return restore_poses(s), false;
     finish(s, bodies);                           // results           -> bodies and contacts
     return true;
 }

@@ -17,6 +17,7 @@ PHYSICS_HPP_BEGIN
 template <class Recipe>
 class world : public detail::shape_aliases<typename detail::plan_of<Recipe>::type::scalar, detail::plan_of<Recipe>::type::dimension> {
     using plan = typename detail::plan_of<Recipe>::type;
+    static_assert(sizeof(detail::audit<Recipe>) > 0);
 
 public:
     using scalar = typename plan::scalar;
@@ -37,7 +38,7 @@ public:
     /// An empty world. Refuses settings out of range, and a build whose arithmetic would not give the same
     /// bits as every other (see float_environment).
     explicit world(const settings_type& settings = {}) {
-        if (detail::check_settings<plan>(settings, "world") && detail::check_environment<scalar>("world")) state_.settings = settings;
+        if (detail::check_settings(settings, "world") && detail::check_environment<scalar>("world")) state_.settings = settings;
         state_.tag = detail::next_world_tag();
     }
 
@@ -51,26 +52,32 @@ public:
     }
     /// Number of steps taken.
     [[nodiscard]] std::uint64_t steps() const { return state_.steps; }
-    /// A number that worlds in the same state share, on any machine. O(bodies + contacts).
+    /// A number that worlds in the same state share, on any machine. User data and settings do not enter.
+    /// O(bodies + shapes + contacts).
     [[nodiscard]] std::uint64_t state_hash() const { return detail::state_hash(state_); }
     [[nodiscard]] const settings_type& settings() const { return state_.settings; }
     /// Changes the settings from the next step on.
     void set_settings(const settings_type& settings) {
-        if (detail::check_settings<plan>(settings, "set_settings")) detail::change_settings(state_, settings);
+        if (detail::check_settings(settings, "set_settings")) detail::change_settings(state_, settings);
     }
 
-    /// Adds a body; shapes give it extent and mass. Without shapes it is a point of 1 kg that nothing turns.
+    /// Adds a body; shapes give it extent and, if it is dynamic, mass. Without mass from shapes it is a point of
+    /// 1 kg that nothing turns.
     body_id create_body(const body_def& def = {}) { return detail::create_body(state_, def); }
     /// Removes a body with its shapes and contacts. O(shapes + contacts).
     void destroy_body(body_id id) {
         if (const auto b = find(id, "destroy_body")) detail::destroy_body(state_, b.index);
     }
-    /// Adds a shape of the recipe's set to a body; unless the body's mass is set, it changes with it.
+    /// Adds a shape of the recipe's set to a body; unless the body's mass is set, it changes with it. Refuses a mass
+    /// that the scalar cannot hold. O(shapes of the body), and O(contacts) where the centre of mass moves.
     template <class Shape>
     shape_id create_shape(body_id body, const Shape& shape, const shape_def& def = {}) {
-        return detail::create_shape(state_, body, shape, def);
+        constexpr bool known = any_shape::template kind_of<Shape>() >= 0;
+        static_assert(known, "physics::world::create_shape: the recipe's set of shapes lacks this one; name it in physics::shapes<...>");
+        if constexpr (known) return detail::create_shape(state_, body, shape, def);
+        else return {};
     }
-    /// Removes a shape and its contacts. O(contacts).
+    /// Removes a shape and its contacts. Refused where the rest's mass is one that the scalar cannot hold. O(contacts).
     void destroy_shape(shape_id id) {
         if (const auto s = detail::find_shape(state_, id, "destroy_shape")) detail::destroy_shape(state_, s.index);
     }
@@ -91,57 +98,63 @@ public:
     [[nodiscard]] auto contacts() const { return detail::contact_range<plan>(state_); }
 
     /// Where the body's frame is: origin, rotation, both; and where its centre of mass is.
-    [[nodiscard]] vec position(body_id id) const { return pose(id).position; }
-    [[nodiscard]] rotation orientation(body_id id) const { return pose(id).rotation; }
-    [[nodiscard]] transform pose(body_id id) const {
-        const auto b = find(id, "pose");
-        return b ? state_.bodies[b.index].pose() : transform{};
-    }
+    [[nodiscard]] vec position(body_id id) const { return get(id, "position", [](const auto& b) { return b.pose().position; }); }
+    [[nodiscard]] rotation orientation(body_id id) const { return get(id, "orientation", [](const auto& b) { return b.rotation; }); }
+    [[nodiscard]] transform pose(body_id id) const { return get(id, "pose", [](const auto& b) { return b.pose(); }); }
     [[nodiscard]] vec center_of_mass(body_id id) const { return get(id, "center_of_mass", [](const auto& b) { return b.center; }); }
     /// Moves a body at once, without a path in between. Velocities stay.
     void set_pose(body_id id, vec position, const rotation& orientation) {
         const auto b = find(id, "set_pose");
-        if (!b || !detail::check_pose("set_pose", position, orientation)) return;
-        state_.bodies[b.index].set_pose({position, normalized(orientation)});
-        detail::refresh_boxes(state_, b.index);
+        if (b && detail::check_pose("set_pose", position, orientation)) detail::set_pose(state_, b.index, {position, normalized(orientation)});
     }
     void set_pose(body_id id, const transform& pose) { set_pose(id, pose.position, pose.rotation); }
-    /// Lets a kinematic body reach a pose by the end of the next step, pushing what is in its way.
+    /// Lets a kinematic body reach a pose by the end of the next step, pushing what is in its way; then it stands.
     void move_to(body_id id, vec position, const rotation& orientation) {
-        const auto b = find(id, "move_to");
+        const auto b = detail::find_kinematic(state_, id, "move_to");
         if (!b || !detail::check_pose("move_to", position, orientation)) return;
-        auto& moved = state_.bodies[b.index];
-        if (moved.type != body_type::kinematic_body) {
-            detail::refuse("move_to", "body", moved.is_dynamic() ? "dynamic" : "static", "it must be kinematic");
-            return;
-        }
-        moved.target = {position, normalized(orientation)};
-        moved.has_target = true;
+        state_.bodies[b.index].target = {position, normalized(orientation)};
+        state_.bodies[b.index].has_target = true;
     }
+    void move_to(body_id id, const transform& pose) { move_to(id, pose.position, pose.rotation); }
 
     /// Velocity of the centre of mass (m/s), angular velocity (rad/s), velocity of the body at a point.
     [[nodiscard]] vec linear_velocity(body_id id) const { return get(id, "linear_velocity", [](const auto& b) { return b.velocity.linear; }); }
     [[nodiscard]] angular angular_velocity(body_id id) const { return get(id, "angular_velocity", [](const auto& b) { return b.velocity.angular; }); }
     [[nodiscard]] vec velocity_at(body_id id, vec point) const {
-        return get(id, "velocity_at", [&](const auto& b) { return physics::velocity_at(b.velocity, point - b.center); });
+        const auto b = find(id, "velocity_at");
+        if (!b || !detail::check_finite("velocity_at", "point", point)) return {};
+        return physics::velocity_at(state_.bodies[b.index].velocity, point - state_.bodies[b.index].center);
     }
-    /// Velocities of dynamic and kinematic bodies; static ones have none.
+    /// Velocities of dynamic and kinematic bodies; static ones have none, and locked rotations stay at 0.
     void set_linear_velocity(body_id id, vec v) {
-        set(find_moving(id, "set_linear_velocity"), detail::check_finite("set_linear_velocity", "v", v), [&](auto& b) { b.velocity.linear = v; });
+        const auto b = find_moving(id, "set_linear_velocity");
+        if (b && detail::check_finite("set_linear_velocity", "v", v)) state_.bodies[b.index].velocity.linear = v;
     }
     void set_angular_velocity(body_id id, angular w) {
-        set(find_moving(id, "set_angular_velocity"), detail::check_finite("set_angular_velocity", "w", w), [&](auto& b) { b.velocity.angular = w; });
+        const auto b = find_moving(id, "set_angular_velocity");
+        if (b && detail::check_angular_velocity("set_angular_velocity", "w", w, state_.bodies[b.index].rotation_locked))
+            state_.bodies[b.index].velocity.angular = w;
     }
 
     /// A force (N) on a dynamic body during the next step, at its centre of mass or at a point; "local"
-    /// takes force and point in the body's frame. Forces add up.
+    /// takes force and point in the body's frame. Forces add up; refused where the sum would leave the scalar's range.
     void apply_force(body_id id, vec force) { push(id, "apply_force", force, false, nullptr); }
     void apply_force_at(body_id id, vec force, vec point) { push(id, "apply_force_at", force, false, &point); }
     void apply_local_force(body_id id, vec force) { push(id, "apply_local_force", force, true, nullptr); }
     void apply_local_force_at(body_id id, vec force, vec point) { push(id, "apply_local_force_at", force, true, &point); }
     /// A torque (N m) during the next step.
     void apply_torque(body_id id, angular torque) {
-        set(dynamic(id, "apply_torque"), detail::check_finite("apply_torque", "torque", torque), [&](auto& b) { b.torque += torque; });
+        const auto b = dynamic(id, "apply_torque");
+        if (!b || !detail::check_finite("apply_torque", "torque", torque)) return;
+        auto& sum = state_.bodies[b.index].torque;
+        if (!detail::assign(sum, sum + torque)) detail::refuse_action("apply_torque", "torque", detail::size_of(torque));
+    }
+    /// Forgets the forces and torques that wait for the next step.
+    void clear_forces(body_id id) {
+        const auto b = dynamic(id, "clear_forces");
+        if (!b) return;
+        state_.bodies[b.index].force = {};
+        state_.bodies[b.index].torque = {};
     }
     /// An impulse (N s): changes velocities at once.
     void apply_impulse(body_id id, vec impulse) { kick(id, "apply_impulse", impulse, false, nullptr); }
@@ -150,8 +163,11 @@ public:
     void apply_local_impulse_at(body_id id, vec impulse, vec point) { kick(id, "apply_local_impulse_at", impulse, true, &point); }
     /// An angular impulse (N m s).
     void apply_angular_impulse(body_id id, angular impulse) {
-        set(dynamic(id, "apply_angular_impulse"), detail::check_finite("apply_angular_impulse", "impulse", impulse),
-            [&](auto& b) { b.velocity.angular += times(in_world(b.inverse_inertia, b.rotation), impulse); });
+        const auto at = dynamic(id, "apply_angular_impulse");
+        if (!at || !detail::check_finite("apply_angular_impulse", "impulse", impulse)) return;
+        auto& b = state_.bodies[at.index];
+        if (!detail::assign(b.velocity.angular, b.velocity.angular + times(in_world(b.inverse_inertia, b.rotation), impulse)))
+            detail::refuse_action("apply_angular_impulse", "impulse", detail::size_of(impulse));
     }
 
     [[nodiscard]] body_type type(body_id id) const {
@@ -162,38 +178,33 @@ public:
     void set_type(body_id id, body_type type) {
         if (const auto b = find(id, "set_type")) detail::set_type(state_, b.index, type);
     }
-    /// Mass (kg), centre (m) and inertia about it (kg m^2) in the body's frame.
+    /// Mass (kg), centre (m) and inertia about it (kg m^2) in the body's frame. Static and kinematic bodies take none
+    /// from their shapes: they have mass 0 and their centre at the origin.
     [[nodiscard]] mass_properties mass(body_id id) const { return get(id, "mass", [](const auto& b) { return b.mass; }); }
-    /// Sets them, until reset_mass, whatever the shapes are.
+    /// Sets them for a dynamic body, until reset_mass, whatever its shapes are; with an inertia of 0 nothing turns it.
+    /// Refuses what the scalar cannot hold, and tensors that are not positive definite.
     void set_mass(body_id id, const mass_properties& mass) {
-        const auto b = dynamic(id, "set_mass");
-        if (!b || !detail::check_finite("set_mass", "center", mass.center) ||
-            !detail::check_mass<scalar>("set_mass", detail::converted<double>(mass)))
-            return;
-        state_.bodies[b.index].mass_is_set = true;
-        detail::set_mass_properties(state_.bodies[b.index], mass);
+        if (const auto b = dynamic(id, "set_mass")) detail::set_mass(state_, b.index, mass);
     }
     /// Takes the mass from the shapes again. O(shapes).
     void reset_mass(body_id id) {
-        const auto b = dynamic(id, "reset_mass");
-        if (!b || !detail::check_shapes_mass(state_, b.index, "reset_mass")) return;
-        state_.bodies[b.index].mass_is_set = false;
-        detail::refresh_mass(state_, b.index);
+        if (const auto b = dynamic(id, "reset_mass")) detail::reset_mass(state_, b.index);
     }
     [[nodiscard]] scalar linear_damping(body_id id) const { return get(id, "linear_damping", [](const auto& b) { return b.linear_damping; }); }
     [[nodiscard]] scalar angular_damping(body_id id) const { return get(id, "angular_damping", [](const auto& b) { return b.angular_damping; }); }
-    /// Rates (1/s), at least 0, at which velocities decay without force.
-    void set_damping(body_id id, scalar linear, scalar angular_rate) {
-        set(find(id, "set_damping"),
-            detail::check_not_negative("set_damping", "linear", linear) && detail::check_not_negative("set_damping", "angular_rate", angular_rate),
-            [&](auto& b) {
-                b.linear_damping = linear;
-                b.angular_damping = angular_rate;
-            });
+    /// Rates (1/s), at least 0, at which the velocities of a dynamic body decay without force.
+    void set_damping(body_id id, scalar linear_rate, scalar angular_rate) {
+        const auto b = find(id, "set_damping");
+        if (!b || !detail::check_not_negative("set_damping", "linear_rate", linear_rate) ||
+            !detail::check_not_negative("set_damping", "angular_rate", angular_rate))
+            return;
+        state_.bodies[b.index].linear_damping = linear_rate;
+        state_.bodies[b.index].angular_damping = angular_rate;
     }
     [[nodiscard]] scalar gravity_scale(body_id id) const { return get(id, "gravity_scale", [](const auto& b) { return b.gravity_scale; }); }
     void set_gravity_scale(body_id id, scalar factor) {
-        set(find(id, "set_gravity_scale"), detail::check_finite("set_gravity_scale", "factor", factor), [&](auto& b) { b.gravity_scale = factor; });
+        const auto b = find(id, "set_gravity_scale");
+        if (b && detail::check_finite("set_gravity_scale", "factor", factor)) state_.bodies[b.index].gravity_scale = factor;
     }
     [[nodiscard]] bool rotation_locked(body_id id) const { return get(id, "rotation_locked", [](const auto& b) { return b.rotation_locked; }); }
     /// Locks or frees rotation; locking stops it.
@@ -202,7 +213,7 @@ public:
     }
     [[nodiscard]] std::uint64_t user_data(body_id id) const { return get(id, "user_data", [](const auto& b) { return b.user_data; }); }
     void set_user_data(body_id id, std::uint64_t data) {
-        set(find(id, "set_user_data"), true, [&](auto& b) { b.user_data = data; });
+        if (const auto b = find(id, "set_user_data")) state_.bodies[b.index].user_data = data;
     }
 
     [[nodiscard]] body_id body(shape_id id) const {
@@ -221,6 +232,9 @@ public:
         if (s && detail::check_material("set_surface", m)) state_.shapes[s.index].material = m;
     }
     [[nodiscard]] std::uint64_t user_data(shape_id id) const { return get(id, "user_data", [](const auto& s) { return s.user_data; }); }
+    void set_user_data(shape_id id, std::uint64_t data) {
+        if (const auto s = detail::find_shape(state_, id, "set_user_data")) state_.shapes[s.index].user_data = data;
+    }
 
 private:
     detail::found find(body_id id, const char* function) const { return detail::find_body(state_, id, function); }
@@ -238,21 +252,18 @@ private:
         const auto s = detail::find_shape(state_, id, function);
         return s ? f(state_.shapes[s.index]) : decltype(f(state_.shapes[0])){};
     }
-    template <class F>
-    void set(detail::found body, bool good, F&& f) {
-        if (body && good) f(state_.bodies[body.index]);
-    }
     void push(body_id id, const char* function, vec force, bool local, const vec* point) {
         detail::act(state_, id, function, "force", force, local, point, [](auto& b, vec f, vec lever) {
-            b.force += f;
-            b.torque += cross(lever, f);
+            const angular torque = b.torque + cross(lever, f);
+            return is_finite(torque) && detail::assign(b.force, b.force + f) && detail::assign(b.torque, torque);
         });
     }
     void kick(body_id id, const char* function, vec impulse, bool local, const vec* point) {
         detail::act(state_, id, function, "impulse", impulse, local, point, [](auto& b, vec p, vec lever) {
             solver_body<scalar, dimension> v{b.velocity, b.inverse_mass, in_world(b.inverse_inertia, b.rotation)};
             v.apply(p, lever);
-            b.velocity = v.velocity;
+            return is_finite(v.velocity.linear) && detail::assign(b.velocity.angular, v.velocity.angular) &&
+                   detail::assign(b.velocity.linear, v.velocity.linear);
         });
     }
 

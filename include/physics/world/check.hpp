@@ -1,0 +1,170 @@
+// Every check of the user's handles and numbers: each refuses what is bad by name, and says whether all was good.
+#pragma once
+
+#include "physics/base/probe.hpp"
+#include "physics/world/mass.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// What a handle names: its number, where ok.
+struct found {
+    std::uint32_t index;
+    bool ok;
+    explicit operator bool() const { return ok; }
+};
+template <class Plan, class Pool, class Tag>
+found find(const state<Plan>& s, const Pool& pool, handle<Tag> id, const char* function, const char* what) {
+    if (!id) return {0, refuse(function, what, "null", "it must name something that this world has created")};
+    char name[32];
+    std::snprintf(name, sizeof name, "#%u", static_cast<unsigned>(id.index));
+    if (id.world != s.tag) return {0, refuse(function, what, name, "it belongs to another world")};
+    if (!pool.contains(id.index, id.generation)) return {0, refuse(function, what, name, "it has been destroyed")};
+    return {id.index, true};
+}
+template <class Plan>
+found find_body(const state<Plan>& s, body_id id, const char* function) {
+    return find(s, s.bodies, id, function, "body");
+}
+template <class Plan>
+found find_shape(const state<Plan>& s, shape_id id, const char* function) {
+    return find(s, s.shapes, id, function, "shape");
+}
+inline const char* name_of(body_type type) {
+    return type == body_type::static_body ? "static" : type == body_type::kinematic_body ? "kinematic" : "dynamic";
+}
+/// The same for calls that only dynamic bodies take,
+template <class Plan>
+found find_dynamic(const state<Plan>& s, body_id id, const char* function) {
+    const found f = find_body(s, id, function);
+    if (f && !s.bodies[f.index].is_dynamic()) return {0, refuse(function, "body", name_of(s.bodies[f.index].type), "it must be dynamic")};
+    return f;
+}
+/// only kinematic ones,
+template <class Plan>
+found find_kinematic(const state<Plan>& s, body_id id, const char* function) {
+    const found f = find_body(s, id, function);
+    if (f && s.bodies[f.index].type != body_type::kinematic_body)
+        return {0, refuse(function, "body", name_of(s.bodies[f.index].type), "it must be kinematic")};
+    return f;
+}
+/// and only those that have a velocity.
+template <class Plan>
+found find_moving(const state<Plan>& s, body_id id, const char* function) {
+    const found f = find_body(s, id, function);
+    if (f && s.bodies[f.index].type == body_type::static_body)
+        return {0, refuse(function, "body", "static", "it must be dynamic or kinematic")};
+    return f;
+}
+
+/// The largest part of a number or vector, for messages.
+template <scalar_type S>
+double size_of(S x) {
+    return static_cast<double>(abs(x));
+}
+template <class S, int D>
+double size_of(vec<S, D> v) {
+    return static_cast<double>(largest(v));
+}
+
+template <class S, int D>
+bool check_pose(const char* function, vec<S, D> position, const rotation<S, D>& r) {
+    if (!check_finite(function, "position", position)) return false;
+    // In double, where the squares of no format overflow.
+    const double error = norm_error(converted<double>(r));
+    return error < 1e-3 || refuse(function, "error of rotation", error, "its squared length must be 1, to less than 0.001");
+}
+template <class Angular>
+bool check_angular_velocity(const char* function, const char* field, Angular w, bool rotation_locked) {
+    if (!check_finite(function, field, w)) return false;
+    return !rotation_locked || w == Angular{} || refuse(function, field, size_of(w), "it must be 0, since the body's rotation is locked");
+}
+inline bool check_type(const char* function, body_type type) {
+    return type <= body_type::dynamic_body || refuse(function, "type", static_cast<double>(type), "it must be a body_type");
+}
+template <class S, int D>
+bool check_body(const body_def<S, D>& def) {
+    const char* f = "create_body";
+    return check_type(f, def.type) && check_pose(f, def.position, def.rotation) &&
+           check_finite(f, "linear_velocity", def.linear_velocity) &&
+           check_angular_velocity(f, "angular_velocity", def.angular_velocity, def.rotation_locked) &&
+           check_not_negative(f, "linear_damping", def.linear_damping) &&
+           check_not_negative(f, "angular_damping", def.angular_damping) && check_finite(f, "gravity_scale", def.gravity_scale);
+}
+template <class S>
+bool check_material(const char* function, const material<S>& m) {
+    if (!check_not_negative(function, "friction", m.friction) || !check_not_negative(function, "restitution", m.restitution)) return false;
+    return !(m.restitution > S(1)) || refuse(function, "restitution", static_cast<double>(m.restitution), "it must be at most 1");
+}
+template <class Settings>
+bool check_settings(const Settings& with, const char* function) {
+    return check_finite(function, "gravity", with.gravity) && check_not_negative(function, "contact_margin", with.contact_margin) &&
+           check_not_negative(function, "box_margin", with.box_margin) && check(with.solver, function);
+}
+
+/// Refuses to make a world of floating-point numbers where arithmetic would not give the same bits as
+/// everywhere. What the step itself repairs, rounding modes and flushing to zero, is no reason to refuse.
+template <class S>
+bool check_environment([[maybe_unused]] const char* function) {
+#ifndef PHYSICS_HPP_NONDETERMINISTIC
+    if constexpr (std::floating_point<S>) {
+        const float_control_scope control;
+        const auto faults = float_environment();
+        if (faults != 0)
+            return refuse(function, "arithmetic", float_fault_names(faults).c_str(),
+                          "compile without the flags that allow it, or define PHYSICS_HPP_NONDETERMINISTIC");
+    }
+#endif
+    return true;
+}
+
+/// True if the type can hold the value to one percent: neither rounded away nor out of range.
+template <class S>
+bool representable(double value) {
+    const double back = static_cast<double>(static_cast<S>(value));
+    const double error = back < value ? value - back : back - value;
+    return error <= 0.01 * (value < 0 ? -value : value);
+}
+template <class S>
+bool check_mass_value(const char* function, const char* field, double value, double inverse_value) {
+    if (!(value > 0)) return refuse(function, field, value, "it must be greater than 0");
+    if (!representable<S>(value) || !representable<inverse_of<S>>(inverse_value))
+        return refuse(function, field, value, "it or its inverse is beyond the scalar's range; use other units of length or mass");
+    return true;
+}
+template <class S>
+bool check_inertia(const char* function, double inertia) {
+    return check_mass_value<S>(function, "inertia", inertia, 1 / inertia);
+}
+template <class S>
+bool check_inertia(const char* function, const symmetric<double>& i) {
+    if (!check_finite(function, "inertia.xy", i.xy) || !check_finite(function, "inertia.xz", i.xz) || !check_finite(function, "inertia.yz", i.yz))
+        return false;
+    const symmetric<double> inverted = inverse<double>(i);
+    const double diagonal[] = {i.xx, i.yy, i.zz}, of_inverse[] = {inverted.xx, inverted.yy, inverted.zz};
+    constexpr const char* names[] = {"inertia.xx", "inertia.yy", "inertia.zz"};
+    for (int k = 0; k < 3; ++k)
+        if (!check_mass_value<S>(function, names[k], diagonal[k], inverted.xx > 0 ? of_inverse[k] : 1 / diagonal[k])) return false;
+    const bool definite = inverted.xx > 0 && inverted_inertia(converted<S>(i)).xx > inverse_of<S>(0);
+    return definite || refuse(function, "inertia.xx", i.xx, "the tensor that it begins must be positive definite");
+}
+/// Whether a dynamic body can have these mass properties, given in double, where it is now.
+template <class S, int D>
+bool check_mass(const char* function, const body<S, D>& b, const mass_properties<double, D>& m, bool without_inertia = false) {
+    if (!check_mass_value<S>(function, "mass", m.mass, 1 / m.mass)) return false;
+    if (!without_inertia && !check_inertia<S>(function, m.inertia)) return false;
+    const vec<S, D> center = converted<S>(m.center), moved = b.pose() * center;
+    return (is_finite(center) && is_finite(moved) && is_finite(velocity_at(b.velocity, moved - b.center))) ||
+           refuse(function, "center", size_of(m.center), "the body's centre of mass or its velocity would be beyond the scalar's range");
+}
+/// Whether a dynamic body can take its mass from its shapes, but one.
+template <class Plan>
+bool check_shapes_mass(const state<Plan>& s, std::uint32_t body, const char* function, std::uint32_t but = 0xffffffffu) {
+    const auto mass = mass_of_shapes<double>(s, body, but);
+    return !(mass.mass > 0) || check_mass(function, s.bodies[body], mass);
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END

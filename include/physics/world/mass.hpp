@@ -1,0 +1,99 @@
+// What bodies weigh: from their shapes, or as they are told.
+#pragma once
+
+#include "physics/world/state.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+template <class T, class S>
+rotation<T, 2> converted(const rotation<S, 2>& r) {
+    return {static_cast<T>(r.cosine), static_cast<T>(r.sine)};
+}
+template <class T, class S>
+rotation<T, 3> converted(const rotation<S, 3>& r) {
+    return {static_cast<T>(r.x), static_cast<T>(r.y), static_cast<T>(r.z), static_cast<T>(r.w)};
+}
+template <class T, class S, int D>
+vec<T, D> converted(vec<S, D> v) {
+    vec<T, D> result;
+    for (int i = 0; i < D; ++i) result[i] = static_cast<T>(v[i]);
+    return result;
+}
+template <class T, class S, int D>
+transform<T, D> converted(const transform<S, D>& t) {
+    return {converted<T>(t.position), converted<T>(t.rotation)};
+}
+template <class T, scalar_type S>
+T converted(S x) {
+    return static_cast<T>(x);
+}
+template <class T, class S>
+symmetric<T> converted(const symmetric<S>& m) {
+    return {static_cast<T>(m.xx), static_cast<T>(m.yy), static_cast<T>(m.zz), static_cast<T>(m.xy), static_cast<T>(m.xz), static_cast<T>(m.yz)};
+}
+template <class T, class S, int D>
+mass_properties<T, D> converted(const mass_properties<S, D>& m) {
+    return {static_cast<T>(m.mass), converted<T>(m.center), converted<T>(m.inertia)};
+}
+
+/// The mass of one shape in its body's frame, computed with the scalar T; none for shapes without mass.
+template <class T, class Plan>
+auto mass_of_shape(const shape_record<Plan>& record) {
+    return record.shape.visit([&](const auto& shape) -> mass_properties<T, Plan::dimension> {
+        if constexpr (solid_shape_for<std::remove_cvref_t<decltype(shape)>, typename Plan::scalar, Plan::dimension>)
+            return transformed(mass_of(shape.template as<T>(), static_cast<T>(record.density)), converted<T>(record.local));
+        else return {};
+    });
+}
+/// The mass of all shapes of a body but one, computed with the scalar T.
+template <class T, class Plan>
+auto mass_of_shapes(const state<Plan>& s, std::uint32_t body, std::uint32_t but = 0xffffffffu) {
+    mass_properties<T, Plan::dimension> sum;
+    each_shape(s, body, [&](std::uint32_t i, const shape_record<Plan>& shape) {
+        if (i != but) sum = combined(sum, mass_of_shape<T>(shape));
+    });
+    return sum;
+}
+
+/// Gives a body its mass, its centre and what follows from them. The frame stays where it is, and the
+/// velocity of the body's material points and the points of its contacts with it.
+template <class Plan>
+void set_mass_properties(state<Plan>& s, std::uint32_t index, const mass_properties<typename Plan::scalar, Plan::dimension>& mass) {
+    using S = typename Plan::scalar;
+    auto& b = s.bodies[index];
+    if (!(mass.center == b.mass.center)) {
+        const vec<S, Plan::dimension> center = b.pose() * mass.center, shift = mass.center - b.mass.center;
+        b.velocity.linear += cross(b.velocity.angular, center - b.center);
+        b.center = center;
+        for (auto& c : s.contacts)
+            for (int k = 0; k < c.count; ++k) {
+                if (c.body_a == index) c.points[k].lever_a -= s.contact_starts[index].rotation * shift;
+                if (c.body_b == index) c.points[k].lever_b -= s.contact_starts[index].rotation * shift;
+            }
+    }
+    b.mass = mass;
+    b.inverse_mass = {};
+    b.inverse_inertia = {};
+    b.is_gyroscopic = b.is_dynamic() && !b.rotation_locked && !is_isotropic(mass.inertia);
+    if (!b.is_dynamic()) return;
+    b.inverse_mass = reciprocal<inverse_of<S>>(mass.mass);
+    if (!b.rotation_locked) b.inverse_inertia = inverted_inertia(mass.inertia);
+}
+/// Mass from shapes, unless the user has set it. A dynamic body without any mass is a point of 1 kg at its
+/// origin; static and kinematic bodies take no mass from shapes.
+template <class Plan>
+void refresh_mass(state<Plan>& s, std::uint32_t index) {
+    using S = typename Plan::scalar;
+    const auto& b = s.bodies[index];
+    mass_properties<S, Plan::dimension> mass;
+    if (b.mass_is_set) mass = b.mass;
+    else if (b.is_dynamic()) mass = mass_of_shapes<S>(s, index);
+    if (b.is_dynamic() && !(mass.mass > S(0))) mass = {S(1), {}, {}};
+    set_mass_properties(s, index, mass);
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END

@@ -1,0 +1,7495 @@
+// physics.hpp 0.1.0
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 the physics authors
+//
+// Rigid-body physics for games, in 2D and 3D, in float, double and fixed point: the same bits everywhere.
+//
+// This one header is all there is: copy it into your project, compile as C++20, no flags, nothing to link.
+// From a checkout, -I. gives the single header and -Iinclude its parts; both are #include <physics.hpp>.
+// Options, off unless defined before the include:
+//   PHYSICS_HPP_NONDETERMINISTIC  accept fast-math, x87 and contraction; the bits then depend on the build
+//   PHYSICS_HPP_AUDIT             count every fixed-point overflow (see overflow_count)
+//   PHYSICS_HPP_NO_INT128         take the portable 128-bit path even where the compiler has __int128
+//
+// Made from include/physics.hpp and its parts by include/amalgamate.py: change those, not this file.
+#ifndef PHYSICS_HPP
+#define PHYSICS_HPP
+
+#include <bit>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <limits>
+#include <new>
+#include <type_traits>
+#include <utility>
+
+// =================================================================================================
+// physics/base/config.hpp
+// =================================================================================================
+// Compiler facts, options, the determinism region and what is refused at compile time.
+
+// One place holds the version; meson.build and the banner of the single header read it from here.
+#define PHYSICS_HPP_VERSION_MAJOR 0
+#define PHYSICS_HPP_VERSION_MINOR 1
+#define PHYSICS_HPP_VERSION_PATCH 0
+
+// Options, all off unless the user defines them before including:
+//   PHYSICS_HPP_NONDETERMINISTIC  accept fast-math, x87 and contraction; the bits then depend on the build
+//   PHYSICS_HPP_AUDIT             count every fixed-point overflow (see overflow_count)
+//   PHYSICS_HPP_NO_INT128         take the portable 128-bit path even where the compiler has __int128
+
+#if defined(_MSVC_LANG)
+#define PHYSICS_HPP_CPLUSPLUS _MSVC_LANG
+#else
+#define PHYSICS_HPP_CPLUSPLUS __cplusplus
+#endif
+#if PHYSICS_HPP_CPLUSPLUS < 202002L
+#error "physics.hpp needs C++20: compile with -std=c++20 or later"
+// Ends the compilation, for want of such a file: hundreds of errors would bury the one that counts.
+#pragma GCC dependency "C++20"
+#endif
+
+#if defined(__cpp_exceptions) || defined(_CPPUNWIND)
+#define PHYSICS_HPP_EXCEPTIONS 1
+#else
+#define PHYSICS_HPP_EXCEPTIONS 0
+#endif
+
+#if defined(__SIZEOF_INT128__) && !defined(PHYSICS_HPP_NO_INT128)
+#define PHYSICS_HPP_INT128 1
+#else
+#define PHYSICS_HPP_INT128 0
+#endif
+
+#ifndef PHYSICS_HPP_NONDETERMINISTIC
+#if defined(__FAST_MATH__) || defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__ != 0 || defined(_M_FP_FAST)
+#error "physics.hpp promises the same bits everywhere, which -ffast-math breaks: drop that flag for this file, or define PHYSICS_HPP_NONDETERMINISTIC"
+#elif defined(__GCC_IEC_559) && __GCC_IEC_559 == 0
+#error "physics.hpp promises the same bits everywhere, which flags such as -fassociative-math break: drop them for this file, or define PHYSICS_HPP_NONDETERMINISTIC"
+#elif defined(__FLT_EVAL_METHOD__) && __FLT_EVAL_METHOD__ != 0 && __FLT_EVAL_METHOD__ != 16
+// 16 is what gcc says where _Float16 has arithmetic of its own; float and double then have too.
+#error "physics.hpp promises the same bits everywhere, which x87 arithmetic breaks: add -msse2 -mfpmath=sse, or define PHYSICS_HPP_NONDETERMINISTIC"
+#endif
+#endif
+
+// Options that change types or results enter the name of the inline namespace, so that units built
+// differently never share an instantiation by accident.
+#if PHYSICS_HPP_INT128
+#define PHYSICS_HPP_ABI_WIDE
+#else
+#define PHYSICS_HPP_ABI_WIDE _portable
+#endif
+#ifdef PHYSICS_HPP_AUDIT
+#define PHYSICS_HPP_ABI_AUDIT _audit
+#else
+#define PHYSICS_HPP_ABI_AUDIT
+#endif
+#ifdef PHYSICS_HPP_NONDETERMINISTIC
+#define PHYSICS_HPP_ABI_FLOAT _loose
+#else
+#define PHYSICS_HPP_ABI_FLOAT
+#endif
+#define PHYSICS_HPP_JOIN_(a, b, c, d) a##b##c##d
+#define PHYSICS_HPP_JOIN(a, b, c, d) PHYSICS_HPP_JOIN_(a, b, c, d)
+#define PHYSICS_HPP_ABI PHYSICS_HPP_JOIN(v0_1, PHYSICS_HPP_ABI_WIDE, PHYSICS_HPP_ABI_AUDIT, PHYSICS_HPP_ABI_FLOAT)
+
+// The determinism region. Compilers fuse a * b + c into one rounding where the target has such an
+// instruction (gcc also under -std=c++20), so each part of the library opens a region that forbids it.
+// gcc's pragma keeps region code from inlining into user code, so it is set only where fusing is possible.
+// gcc contracts always_inline functions again in the caller, hence the library's are plain inline.
+#ifdef PHYSICS_HPP_NONDETERMINISTIC
+#define PHYSICS_HPP_REGION_PUSH
+#define PHYSICS_HPP_REGION_POP
+#elif defined(__clang__) && (defined(__wasm__) || defined(__arm__) || defined(__aarch64__) && __clang_major__ < 15)
+// Here clang ignores float_control(push): the pragma reaches to the end of the user's file.
+#define PHYSICS_HPP_REGION_PUSH _Pragma("clang fp contract(off)")
+#define PHYSICS_HPP_REGION_POP
+#elif defined(__clang__)
+// Precise as well, since no macro shows flags such as -fassociative-math. Only -ffp-contract=fast gets through, and
+// flags that imply it: clang fuses after it has forgotten the pragma. The probe reports it.
+#define PHYSICS_HPP_REGION_PUSH _Pragma("float_control(precise, on, push)") _Pragma("clang fp contract(off)")
+#define PHYSICS_HPP_REGION_POP _Pragma("float_control(pop)")
+#elif defined(__GNUC__) && (defined(__FP_FAST_FMA) || defined(__FP_FAST_FMAF))
+#define PHYSICS_HPP_REGION_PUSH _Pragma("GCC push_options") _Pragma("GCC optimize(\"fp-contract=off\")")
+#define PHYSICS_HPP_REGION_POP _Pragma("GCC pop_options")
+#elif defined(_MSC_VER)
+#define PHYSICS_HPP_REGION_PUSH __pragma(float_control(precise, on, push)) __pragma(fp_contract(off))
+#define PHYSICS_HPP_REGION_POP __pragma(float_control(pop))
+#else
+#define PHYSICS_HPP_REGION_PUSH
+#define PHYSICS_HPP_REGION_POP
+#endif
+
+#define PHYSICS_HPP_BEGIN  \
+    PHYSICS_HPP_REGION_PUSH \
+    namespace physics {    \
+    inline namespace PHYSICS_HPP_ABI {
+#define PHYSICS_HPP_END \
+    }                   \
+    }                   \
+    PHYSICS_HPP_REGION_POP
+
+#if defined(__GNUC__)
+#define PHYSICS_HPP_COLD __attribute__((noinline, cold))
+#elif defined(_MSC_VER)
+#define PHYSICS_HPP_COLD __declspec(noinline)
+#else
+#define PHYSICS_HPP_COLD
+#endif
+
+// =================================================================================================
+// physics/base/error.hpp
+// =================================================================================================
+// What happens with bad input: a message that names the function, the field and the value.
+
+PHYSICS_HPP_BEGIN
+
+/// A refused call: which function, which field, which value, and what was expected. The world is as it
+/// was before the call. Thrown where exceptions are on, otherwise handed to the error handler.
+class error : public std::exception {
+public:
+    error(const char* function, const char* field, const char* value, const char* rule) noexcept {
+        std::snprintf(text_, sizeof text_, "physics: %s: %s is %s; %s", function, field, value, rule);
+    }
+    /// The whole sentence, for example `physics: create_body: position.x is nan; it must be finite`.
+    [[nodiscard]] const char* what() const noexcept override { return text_; }
+
+private:
+    char text_[256];
+};
+
+/// Called with every refused call in builds without exceptions.
+using error_handler = void (*)(const error&);
+
+namespace detail {
+[[noreturn]] inline void print_and_abort(const error& failure) {
+    std::fprintf(stderr, "%s\n", failure.what());
+    std::abort();
+}
+inline error_handler& current_error_handler() noexcept {
+    static error_handler handler = print_and_abort;
+    return handler;
+}
+}  // namespace detail
+
+/// Sets what builds without exceptions (-fno-exceptions) do with a refused call, and returns the former
+/// handler; nullptr restores the default, which prints and aborts. If the handler returns, the refused
+/// function returns too, with a null handle or a zero, and nothing has changed. Not thread-safe: set it
+/// once, at the start. Builds with exceptions throw instead and never call it.
+inline error_handler set_error_handler(error_handler handler) noexcept {
+    error_handler former = detail::current_error_handler();
+    detail::current_error_handler() = handler ? handler : detail::print_and_abort;
+    return former;
+}
+
+namespace detail {
+
+/// Throws the error, or calls the handler and returns false where exceptions are off.
+PHYSICS_HPP_COLD inline bool refuse(const char* function, const char* field, const char* value, const char* rule) {
+#if PHYSICS_HPP_EXCEPTIONS
+    throw error(function, field, value, rule);
+#else
+    current_error_handler()(error(function, field, value, rule));
+    return false;
+#endif
+}
+
+PHYSICS_HPP_COLD inline bool refuse(const char* function, const char* field, double value, const char* rule) {
+    char text[40];
+    std::snprintf(text, sizeof text, "%.9g", value);
+    // Some systems write nan with a sign.
+    return refuse(function, field, value != value ? "nan" : text, rule);
+}
+
+/// The same for a component of a field, such as ".x" of "position".
+PHYSICS_HPP_COLD inline bool refuse(const char* function, const char* field, const char* component, double value,
+                                    const char* rule) {
+    char name[80];
+    std::snprintf(name, sizeof name, "%s%s", field, component);
+    return refuse(function, name, value, rule);
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/base/buffer.hpp
+// =================================================================================================
+// A growable array of plain values: what all state of a world is made of.
+
+PHYSICS_HPP_BEGIN
+
+/// A growable array of trivially copyable values without pointers into itself, so that a copy is a memcpy.
+/// Capacity doubles and is kept by clear(): a steady step allocates nothing. Moving from a buffer empties it.
+template <class T>
+class buffer {
+    static_assert(std::is_trivially_copyable_v<T>, "physics::buffer: the values must be trivially copyable");
+
+public:
+    buffer() = default;
+    buffer(const buffer& other) { *this = other; }
+    buffer(buffer&& other) noexcept { swap(other); }
+    buffer& operator=(const buffer& other) {
+        if (this == &other) return *this;
+        reserve(other.size_);
+        if (other.size_ > 0) std::memcpy(static_cast<void*>(data_), other.data_, other.size_ * sizeof(T));
+        size_ = other.size_;
+        return *this;
+    }
+    buffer& operator=(buffer&& other) noexcept {
+        buffer taken(std::move(other));
+        swap(taken);
+        return *this;
+    }
+    ~buffer() { std::free(data_); }
+    void swap(buffer& other) noexcept {
+        std::swap(data_, other.data_);
+        std::swap(size_, other.size_);
+        std::swap(capacity_, other.capacity_);
+    }
+
+    [[nodiscard]] std::uint32_t size() const { return size_; }
+    [[nodiscard]] std::uint32_t capacity() const { return capacity_; }
+    [[nodiscard]] bool empty() const { return size_ == 0; }
+    T* begin() { return data_; }
+    T* end() { return data_ + size_; }
+    const T* begin() const { return data_; }
+    const T* end() const { return data_ + size_; }
+    T& operator[](std::uint32_t i) { return data_[i]; }
+    const T& operator[](std::uint32_t i) const { return data_[i]; }
+    T& back() { return data_[size_ - 1]; }
+
+    void clear() { size_ = 0; }
+    void reserve(std::uint32_t capacity) {
+        if (capacity > capacity_) grow_to(capacity);
+    }
+    /// Adds a copy of value at the end; the value may lie within the buffer.
+    T& push(const T& value) {
+        const T copy = value;
+        if (size_ == capacity_) grow_to(std::uint64_t{size_} + 1);
+        return *new (static_cast<void*>(data_ + size_++)) T(copy);
+    }
+    void pop() { --size_; }
+    /// Shortens the buffer, or fills it up with copies of value, which may lie within the buffer.
+    void resize(std::uint32_t size, const T& value = T{}) {
+        const T copy = value;
+        reserve(size);
+        for (std::uint32_t i = size_; i < size; ++i) new (static_cast<void*>(data_ + i)) T(copy);
+        size_ = size;
+    }
+
+private:
+    static_assert(alignof(T) <= alignof(std::max_align_t));
+
+    PHYSICS_HPP_COLD void grow_to(std::uint64_t needed) {
+        constexpr std::uint64_t most = 0xffffffffu < SIZE_MAX / sizeof(T) ? 0xffffffffu : SIZE_MAX / sizeof(T);
+        std::uint64_t capacity = capacity_ < 8 ? 16 : std::uint64_t{capacity_} * 2;
+        if (capacity < needed) capacity = needed;
+        if (capacity > most && needed <= most) capacity = most;
+        void* grown = capacity > most ? nullptr : std::realloc(static_cast<void*>(data_), static_cast<std::size_t>(capacity) * sizeof(T));
+        if (grown == nullptr) {
+            // Nobody can go on without the memory, so a handler that returns must not reach the caller.
+            detail::refuse("buffer", "memory", static_cast<double>(capacity) * sizeof(T), "the bytes are not available");
+            std::abort();
+        }
+        data_ = static_cast<T*>(grown);
+        capacity_ = static_cast<std::uint32_t>(capacity);
+    }
+
+    T* data_ = nullptr;
+    std::uint32_t size_ = 0;
+    std::uint32_t capacity_ = 0;
+};
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/base/arena.hpp
+// =================================================================================================
+// Memory for one step: taken piece by piece, given back all at once.
+
+PHYSICS_HPP_BEGIN
+
+/// Scratch memory. take() costs a few instructions; reset() frees everything and, where the last round did
+/// not fit into one block, merges the blocks, so that a steady step allocates nothing. A copy starts empty.
+class arena {
+public:
+    arena() = default;
+    arena(const arena&) {}
+    arena(arena&& other) noexcept { swap(other); }
+    arena& operator=(const arena&) { return *this; }
+    arena& operator=(arena&& other) noexcept {
+        arena taken(std::move(other));
+        swap(taken);
+        return *this;
+    }
+    ~arena() {
+        for (block& b : blocks_) std::free(b.memory);
+    }
+
+    /// Room for count values, not initialised, aligned for T and to at least 16 bytes; valid until reset().
+    template <class T>
+    T* take(std::uint32_t count) {
+        static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= alignment);
+        const std::size_t bytes = (std::size_t{count} * sizeof(T) + alignment - 1) / alignment * alignment;
+        if (blocks_.empty() || blocks_.back().size - used_ < bytes) add_block(bytes);
+        void* place = blocks_.back().memory + used_;
+        used_ += bytes;
+        return static_cast<T*>(place);
+    }
+
+    void reset() {
+        if (blocks_.size() > 1) {
+            std::size_t total = 0;
+            for (block& b : blocks_) {
+                total += b.size;
+                std::free(b.memory);
+            }
+            blocks_.clear();
+            add_block(total);
+        }
+        used_ = blocks_.empty() ? 0 : start(blocks_.back());
+    }
+
+    /// Bytes that the arena holds.
+    [[nodiscard]] std::size_t capacity() const {
+        std::size_t total = 0;
+        for (const block& b : blocks_) total += b.size;
+        return total;
+    }
+
+private:
+    static constexpr std::size_t alignment = alignof(std::max_align_t) < 16 ? 16 : alignof(std::max_align_t);
+    struct block {
+        unsigned char* memory;
+        std::size_t size;
+    };
+    /// Where a block's first aligned byte is: malloc aligns to 8 bytes only on some systems.
+    static std::size_t start(const block& b) {
+        return (alignment - reinterpret_cast<std::uintptr_t>(b.memory) % alignment) % alignment;
+    }
+
+    void swap(arena& other) noexcept {
+        blocks_.swap(other.blocks_);
+        std::swap(used_, other.used_);
+    }
+    PHYSICS_HPP_COLD void add_block(std::size_t bytes) {
+        std::size_t size = blocks_.empty() ? 4096 : blocks_.back().size * 2;
+        if (size < bytes + alignment) size = bytes + alignment;
+        void* memory = std::malloc(size);
+        if (memory == nullptr) {
+            detail::refuse("arena", "memory", static_cast<double>(size), "the bytes are not available");
+            std::abort();
+        }
+        blocks_.push({static_cast<unsigned char*>(memory), size});
+        used_ = start(blocks_.back());
+    }
+
+    buffer<block> blocks_;
+    std::size_t used_ = 0;
+};
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/base/wide.hpp
+// =================================================================================================
+// 128-bit integers for exact products, quotients and roots: the compiler's, and a portable twin.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Unsigned 128-bit integer from two 64-bit halves; the twin of the compiler's, for targets without one
+/// and for wasm, where it is the faster of the two.
+struct portable_uint128 {
+    std::uint64_t low = 0;
+    std::uint64_t high = 0;
+
+    constexpr portable_uint128() = default;
+    constexpr portable_uint128(std::uint64_t value) : low(value) {}
+    constexpr portable_uint128(std::uint64_t high_half, std::uint64_t low_half) : low(low_half), high(high_half) {}
+    constexpr explicit operator std::uint64_t() const { return low; }
+
+    friend constexpr portable_uint128 operator+(portable_uint128 a, portable_uint128 b) {
+        const std::uint64_t sum = a.low + b.low;
+        return {a.high + b.high + (sum < a.low), sum};
+    }
+    friend constexpr portable_uint128 operator~(portable_uint128 a) { return {~a.high, ~a.low}; }
+    friend constexpr portable_uint128 operator-(portable_uint128 a) { return ~a + portable_uint128(1); }
+    friend constexpr portable_uint128 operator-(portable_uint128 a, portable_uint128 b) { return a + -b; }
+    friend constexpr portable_uint128 operator<<(portable_uint128 a, int n) {
+        if (n == 0) return a;
+        if (n >= 64) return {a.low << (n - 64), 0};
+        return {(a.high << n) | (a.low >> (64 - n)), a.low << n};
+    }
+    friend constexpr portable_uint128 operator>>(portable_uint128 a, int n) {
+        if (n == 0) return a;
+        if (n >= 64) return {0, a.high >> (n - 64)};
+        return {a.high >> n, (a.low >> n) | (a.high << (64 - n))};
+    }
+    friend constexpr portable_uint128 operator|(portable_uint128 a, portable_uint128 b) {
+        return {a.high | b.high, a.low | b.low};
+    }
+    friend bool operator==(portable_uint128 a, portable_uint128 b) = default;
+    friend constexpr bool operator<(portable_uint128 a, portable_uint128 b) {
+        return a.high != b.high ? a.high < b.high : a.low < b.low;
+    }
+    friend constexpr bool operator>=(portable_uint128 a, portable_uint128 b) { return !(a < b); }
+    friend constexpr bool operator>(portable_uint128 a, portable_uint128 b) { return b < a; }
+    friend constexpr bool operator<=(portable_uint128 a, portable_uint128 b) { return !(b < a); }
+};
+
+/// The exact product of two 64-bit integers, by four 32-bit products.
+constexpr portable_uint128 portable_product(std::uint64_t a, std::uint64_t b) {
+    const std::uint64_t mask = 0xffffffffu;
+    const std::uint64_t low = (a & mask) * (b & mask);
+    const std::uint64_t mid = (a >> 32) * (b & mask) + (low >> 32);
+    const std::uint64_t mid2 = (a & mask) * (b >> 32) + (mid & mask);
+    return {(a >> 32) * (b >> 32) + (mid >> 32) + (mid2 >> 32), (mid2 << 32) | (low & mask)};
+}
+
+/// Bits needed to hold the value; 0 for zero.
+constexpr int bit_width(portable_uint128 a) {
+    return a.high != 0 ? 64 + static_cast<int>(std::bit_width(a.high)) : static_cast<int>(std::bit_width(a.low));
+}
+
+/// The next 32 bits of a long division by a normalised divisor: high becomes the rest. The guess from the
+/// divisor's upper half is at most two too large (Knuth, The Art of Computer Programming 2, 4.3.1, D).
+constexpr std::uint64_t quotient_digit(std::uint64_t& high, std::uint64_t next, std::uint64_t d) {
+    const std::uint64_t mask = 0xffffffffu, d_high = d >> 32, d_low = d & mask;
+    std::uint64_t guess = high / d_high, rest = high % d_high;
+    while (rest <= mask && (guess > mask || guess * d_low > ((rest << 32) | next))) {
+        --guess;
+        rest += d_high;
+    }
+    high = ((high << 32) | next) - guess * d;
+    return guess;
+}
+
+/// (high * 2^64 + low) / d and its remainder, for high < d.
+constexpr std::uint64_t portable_divide(std::uint64_t high, std::uint64_t low, std::uint64_t d,
+                                        std::uint64_t& remainder) {
+    if (high == 0) {
+        remainder = low % d;
+        return low / d;
+    }
+    const int shift = std::countl_zero(d);
+    const portable_uint128 a = portable_uint128(high, low) << shift;
+    d <<= shift;
+    remainder = a.high;
+    const std::uint64_t first = quotient_digit(remainder, a.low >> 32, d);
+    const std::uint64_t second = quotient_digit(remainder, a.low & 0xffffffffu, d);
+    remainder >>= shift;
+    return (first << 32) | second;
+}
+
+/// Quotient and remainder of a 128-bit by a 128-bit integer; b must not be zero. ~10 ns.
+constexpr portable_uint128 portable_divide(portable_uint128 a, portable_uint128 b, portable_uint128& remainder) {
+    if (b.high == 0) {
+        portable_uint128 quotient(a.high / b.low, 0);
+        std::uint64_t rest = 0;
+        quotient.low = portable_divide(a.high % b.low, a.low, b.low, rest);
+        remainder = rest;
+        return quotient;
+    }
+    // The quotient by the divisor's upper 64 bits is right or one too large; half of a keeps its upper word
+    // below the divisor's.
+    const int shift = std::countl_zero(b.high);
+    const portable_uint128 half = a >> 1;
+    std::uint64_t unused = 0;
+    std::uint64_t quotient = portable_divide(half.high, half.low, (b << shift).high, unused) >> (63 - shift);
+    if (quotient != 0) --quotient;
+    portable_uint128 back = portable_product(quotient, b.low);
+    back.high += quotient * b.high;
+    remainder = a - back;
+    if (remainder >= b) {
+        remainder = remainder - b;
+        ++quotient;
+    }
+    return quotient;
+}
+
+#if PHYSICS_HPP_INT128
+__extension__ typedef unsigned __int128 uint128;
+constexpr uint128 product128(std::uint64_t a, std::uint64_t b) { return static_cast<uint128>(a) * b; }
+constexpr uint128 divide128(uint128 a, uint128 b, uint128& remainder) {
+    const uint128 quotient = a / b;
+    remainder = a - quotient * b;
+    return quotient;
+}
+constexpr std::uint64_t divide128(std::uint64_t high, std::uint64_t low, std::uint64_t d, std::uint64_t& remainder) {
+    const std::uint64_t quotient =
+        high == 0 ? low / d : static_cast<std::uint64_t>(((static_cast<uint128>(high) << 64) | low) / d);
+    remainder = low - quotient * d;
+    return quotient;
+}
+constexpr int bit_width(uint128 a) {
+    return bit_width(portable_uint128(static_cast<std::uint64_t>(a >> 64), static_cast<std::uint64_t>(a)));
+}
+__extension__ typedef __int128 native_int128;
+constexpr uint128 shift_signed(uint128 a, int n) { return static_cast<uint128>(static_cast<native_int128>(a) >> n); }
+constexpr std::uint64_t high_half(uint128 a) { return static_cast<std::uint64_t>(a >> 64); }
+#else
+using uint128 = portable_uint128;
+constexpr uint128 product128(std::uint64_t a, std::uint64_t b) { return portable_product(a, b); }
+constexpr uint128 divide128(uint128 a, uint128 b, uint128& remainder) { return portable_divide(a, b, remainder); }
+constexpr std::uint64_t divide128(std::uint64_t high, std::uint64_t low, std::uint64_t d, std::uint64_t& remainder) {
+    return portable_divide(high, low, d, remainder);
+}
+#endif
+/// Arithmetic shift: rounds towards minus infinity.
+constexpr portable_uint128 shift_signed(portable_uint128 a, int n) { return a.high >> 63 != 0 ? ~(~a >> n) : a >> n; }
+constexpr std::uint64_t high_half(portable_uint128 a) { return a.high; }
+constexpr std::uint64_t low_half(uint128 a) { return static_cast<std::uint64_t>(a); }
+/// The upper half of the product of two 64-bit integers.
+constexpr std::uint64_t mul_high(std::uint64_t a, std::uint64_t b) { return high_half(product128(a, b)); }
+
+/// Two's-complement 128-bit integer over either representation; wraps, never undefined.
+template <class Unsigned>
+struct basic_int128 {
+    Unsigned bits{};
+
+    constexpr basic_int128() = default;
+    constexpr explicit basic_int128(Unsigned value) : bits(value) {}
+    constexpr basic_int128(std::int64_t value)
+        : bits(value < 0 ? -Unsigned(std::uint64_t{0} - static_cast<std::uint64_t>(value))
+                         : Unsigned(static_cast<std::uint64_t>(value))) {}
+
+    constexpr bool negative() const { return static_cast<std::uint64_t>(bits >> 127) != 0; }
+    constexpr Unsigned magnitude() const { return negative() ? -bits : bits; }
+    constexpr std::int64_t low() const { return static_cast<std::int64_t>(static_cast<std::uint64_t>(bits)); }
+
+    friend constexpr basic_int128 operator+(basic_int128 a, basic_int128 b) { return basic_int128(a.bits + b.bits); }
+    friend constexpr basic_int128 operator-(basic_int128 a, basic_int128 b) { return basic_int128(a.bits - b.bits); }
+    friend constexpr basic_int128 operator-(basic_int128 a) { return basic_int128(-a.bits); }
+    friend constexpr basic_int128 operator<<(basic_int128 a, int n) { return basic_int128(a.bits << n); }
+    /// Arithmetic shift: rounds towards minus infinity.
+    friend constexpr basic_int128 operator>>(basic_int128 a, int n) { return basic_int128(shift_signed(a.bits, n)); }
+    friend constexpr bool operator==(basic_int128 a, basic_int128 b) { return a.bits == b.bits; }
+    friend constexpr bool operator<(basic_int128 a, basic_int128 b) {
+        return a.negative() != b.negative() ? a.negative() : a.bits < b.bits;
+    }
+    friend constexpr bool operator>(basic_int128 a, basic_int128 b) { return b < a; }
+    friend constexpr bool operator<=(basic_int128 a, basic_int128 b) { return !(b < a); }
+    friend constexpr bool operator>=(basic_int128 a, basic_int128 b) { return !(a < b); }
+};
+
+using int128 = basic_int128<uint128>;
+
+constexpr int128 product128(std::int64_t a, std::int64_t b) {
+#if PHYSICS_HPP_INT128
+    return int128(static_cast<uint128>(static_cast<native_int128>(a) * b));
+#else
+    // The product of the bit patterns is too large by 2^64 times the other factor for each negative one.
+    const std::uint64_t ua = static_cast<std::uint64_t>(a), ub = static_cast<std::uint64_t>(b);
+    uint128 result = product128(ua, ub);
+    result.high -= (a < 0 ? ub : 0) + (b < 0 ? ua : 0);
+    return int128(result);
+#endif
+}
+
+/// a / 2^n to nearest, ties away from zero; n from 1 to 126. Symmetric: f(-a) == -f(a).
+template <class Unsigned>
+constexpr basic_int128<Unsigned> shift_nearest(basic_int128<Unsigned> a, int n) {
+    const basic_int128<Unsigned> half = basic_int128<Unsigned>(Unsigned(1) << (n - 1));
+    return (a + half - basic_int128<Unsigned>(std::int64_t{a.negative()})) >> n;
+}
+
+constexpr std::int64_t shift_nearest(std::int64_t a, int n) {
+    const std::int64_t half = std::int64_t{1} << (n - 1);
+    return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(half) -
+                                     static_cast<std::uint64_t>(a < 0)) >>
+           n;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/base/root.hpp
+// =================================================================================================
+// Square roots by the processor, and of 128-bit integers.
+
+#if !defined(__GNUC__)
+#include <cmath>
+#endif
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+// __builtin_sqrt tests for negative arguments and calls the C library for errno's sake; the instruction does not.
+#if defined(__SSE2__) && defined(__has_builtin)
+#if __has_builtin(__builtin_ia32_sqrtsd) && __has_builtin(__builtin_ia32_sqrtss)
+#define PHYSICS_HPP_SQRT_INSTRUCTION
+#endif
+#endif
+
+/// The correctly rounded square root; NaN of negative numbers.
+inline double hardware_root(double x) {
+#if defined(PHYSICS_HPP_SQRT_INSTRUCTION)
+    typedef double lanes __attribute__((vector_size(16)));
+    return __builtin_ia32_sqrtsd(lanes{x, 0})[0];
+#elif defined(__GNUC__)
+    return __builtin_sqrt(x);
+#else
+    return std::sqrt(x);
+#endif
+}
+inline float hardware_root(float x) {
+#if defined(PHYSICS_HPP_SQRT_INSTRUCTION)
+    typedef float lanes __attribute__((vector_size(16)));
+    return __builtin_ia32_sqrtss(lanes{x, 0, 0, 0})[0];
+#elif defined(__GNUC__)
+    return __builtin_sqrtf(x);
+#else
+    return std::sqrt(x);
+#endif
+}
+#undef PHYSICS_HPP_SQRT_INSTRUCTION
+
+/// A square root rounded down, and what it leaves: a == root^2 + rest, 0 <= rest <= 2 root.
+struct integer_root {
+    std::uint64_t root = 0;
+    uint128 rest{};
+    /// The root to nearest; it is never a tie.
+    constexpr std::uint64_t nearest() const { return root + std::uint64_t{rest > uint128(root)}; }
+};
+
+/// Two bits of a a round: for constant expressions, and for numbers above 125 bits.
+constexpr integer_root root_by_digits(uint128 a) {
+    uint128 root{}, rest = a;
+    for (uint128 bit = uint128(std::uint64_t{1}) << 126; bit > uint128(std::uint64_t{0}); bit = bit >> 2) {
+        const uint128 least = root + bit;
+        root = root >> 1;
+        if (rest >= least) {
+            rest = rest - least;
+            root = root + bit;
+        }
+    }
+    return {low_half(root), rest};
+}
+
+/// The root of up to 125 bits: a hardware double gives its first 53 bits, a Newton step in doubles the others,
+/// and integers repair the last unit, so that nothing depends on the floating-point environment. ~5 ns.
+inline integer_root root_by_double(uint128 a) {
+    const std::uint64_t high = high_half(a), low = low_half(a);
+    if (high == 0 && low >> 62 == 0) {
+        const std::int64_t whole = static_cast<std::int64_t>(low);
+        std::int64_t root = static_cast<std::int64_t>(hardware_root(static_cast<double>(whole)));
+        std::int64_t rest = whole - root * root;
+        while (rest < 0) rest += 2 * --root + 1;
+        while (rest > 2 * root) rest -= 2 * root++ + 1;
+        return {static_cast<std::uint64_t>(root), uint128(static_cast<std::uint64_t>(rest))};
+    }
+    const double leading = static_cast<double>(static_cast<std::int64_t>(high)) * 0x1p64 +
+                           static_cast<double>(static_cast<std::int64_t>(low >> 1)) * 2;
+    // A guess that is a little too low makes the step positive, so that truncation is almost always right.
+    const double guess = hardware_root(leading) * (1 - 0x1p-50);
+    const double slope = 32768 / guess;
+    std::uint64_t root = static_cast<std::uint64_t>(static_cast<std::int64_t>(guess));
+    const int128 first_rest(a - product128(root, root));
+    // |first_rest| < 2^77, since the guess is off by 2^13 at most.
+    root +=
+        static_cast<std::uint64_t>(static_cast<std::int64_t>(static_cast<double>((first_rest >> 16).low()) * slope));
+    int128 rest(a - product128(root, root));
+    while (rest.negative()) {
+        --root;
+        rest = rest + int128((uint128(root) << 1) + uint128(std::uint64_t{1}));
+    }
+    while (rest.bits > uint128(root) << 1) {
+        rest = rest - int128((uint128(root) << 1) + uint128(std::uint64_t{1}));
+        ++root;
+    }
+    return {root, rest.bits};
+}
+
+constexpr integer_root root_of(uint128 a) {
+    return std::is_constant_evaluated() || bit_width(a) > 125 ? root_by_digits(a) : root_by_double(a);
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/base/fixed.hpp
+// =================================================================================================
+// Fixed-point numbers with exact wide products: integers only, hence the same bits by construction.
+
+PHYSICS_HPP_BEGIN
+
+/// How many fixed-point results left their range on this thread since the last reset: sums and products
+/// that wrapped, and quotients, roots and conversions that saturated. Counts only where the user defines
+/// PHYSICS_HPP_AUDIT; always 0 otherwise.
+std::uint64_t overflow_count() noexcept;
+/// Sets this thread's overflow_count back to 0.
+void reset_overflow_count() noexcept;
+
+namespace detail {
+
+#ifdef PHYSICS_HPP_AUDIT
+inline thread_local std::uint64_t overflow_counter = 0;
+#endif
+
+constexpr void note_overflow([[maybe_unused]] bool happened) noexcept {
+#ifdef PHYSICS_HPP_AUDIT
+    if (!std::is_constant_evaluated() && happened) ++overflow_counter;
+#endif
+}
+
+/// The integer that holds a product of two representations exactly.
+template <class A, class B>
+using product_integer = std::conditional_t<sizeof(A) == 4 && sizeof(B) == 4, std::int64_t, int128>;
+
+constexpr std::int64_t low_word(std::int64_t a) { return a; }
+constexpr std::int64_t low_word(int128 a) { return a.low(); }
+
+template <class Rep, class Int>
+constexpr bool fits(Int a) {
+    return a >= Int(std::int64_t{std::numeric_limits<Rep>::min()}) &&
+           a <= Int(std::int64_t{std::numeric_limits<Rep>::max()});
+}
+
+/// Takes the low bits, so that a result out of range wraps; the audit counts it.
+template <class Rep, class Int>
+constexpr Rep wrap(Int a) {
+    note_overflow(!fits<Rep>(a));
+    return static_cast<Rep>(low_word(a));
+}
+
+template <class Rep>
+constexpr Rep saturated(bool negative) {
+    note_overflow(true);
+    return negative ? std::numeric_limits<Rep>::min() : std::numeric_limits<Rep>::max();
+}
+
+/// sign * magnitude, saturating.
+template <class Rep>
+constexpr Rep signed_saturating(bool negative, std::uint64_t magnitude) {
+    const std::uint64_t most = static_cast<std::uint64_t>(std::numeric_limits<Rep>::max()) + std::uint64_t{negative};
+    if (magnitude > most) return saturated<Rep>(negative);
+    return static_cast<Rep>(static_cast<std::int64_t>(negative ? std::uint64_t{0} - magnitude : magnitude));
+}
+template <class Rep>
+constexpr Rep signed_saturating(bool negative, uint128 magnitude) {
+    return high_half(magnitude) != 0 ? saturated<Rep>(negative) : signed_saturating<Rep>(negative, low_half(magnitude));
+}
+
+constexpr std::uint64_t magnitude64(std::int64_t a) {
+    return a < 0 ? std::uint64_t{0} - static_cast<std::uint64_t>(a) : static_cast<std::uint64_t>(a);
+}
+constexpr uint128 magnitude128(std::int64_t a) { return uint128(magnitude64(a)); }
+constexpr uint128 magnitude128(int128 a) { return a.magnitude(); }
+
+/// 0 / 0 is 0; other numbers by zero saturate.
+template <class Rep>
+constexpr Rep quotient_by_zero(bool negative, bool of_zero) {
+    if (!of_zero) return saturated<Rep>(negative);
+    note_overflow(true);
+    return 0;
+}
+
+/// n * 2^shift / d to nearest, ties away from zero, saturating; shift from 1 to 63. One hardware division.
+template <class Rep>
+constexpr Rep scaled_quotient(bool negative, std::uint64_t n, int shift, std::uint64_t d) {
+    if (d == 0) return quotient_by_zero<Rep>(negative, n == 0);
+    const std::uint64_t high = n >> (64 - shift);
+    if (high >= d) return saturated<Rep>(negative);
+    std::uint64_t rest = 0;
+    const std::uint64_t quotient = divide128(high, n << shift, d, rest);
+    // No carry out of 64 bits: where the quotient is that large d <= 2^shift, of which the dividend is a multiple.
+    return signed_saturating<Rep>(negative, quotient + std::uint64_t{rest >= d - rest});
+}
+
+/// a * 2^shift / b to nearest, ties away from zero, saturating; shift from -126 up, a and b up to 2^127.
+/// Exact: where a * 2^shift has more than 128 bits, the division goes on with the rest, as many bits a round
+/// as there is room for.
+template <class Rep>
+constexpr Rep scaled_quotient(bool negative, uint128 a, int shift, uint128 b) {
+    if (b == uint128(0)) return quotient_by_zero<Rep>(negative, a == uint128(0));
+    uint128 quotient{}, rest = a;
+    do {
+        const int room = 128 - bit_width(rest | uint128(1));
+        const int step = shift < 0 ? 0 : shift < room ? shift : room;
+        if (bit_width(quotient) + step > 127) return saturated<Rep>(negative);
+        const uint128 dividend = rest << step;
+        quotient = (quotient << step) + divide128(dividend, b, rest);
+        shift -= step;
+    } while (shift > 0);
+    if (shift < 0) return signed_saturating<Rep>(negative, ((quotient >> (-shift - 1)) + uint128(1)) >> 1);
+    return signed_saturating<Rep>(negative, rest >= b - rest ? quotient + uint128(1) : quotient);
+}
+
+}  // namespace detail
+
+/// An exact product of two fixed-point numbers, or a sum of such: compare it as it is, or narrow it once.
+/// Range: 128 bits for 64-bit operands, 64 for 32-bit ones; wraps beyond.
+template <class Int, int FractionBits>
+struct wide_fixed {
+    Int raw{};
+
+    friend constexpr wide_fixed operator+(wide_fixed a, wide_fixed b) { return {sum(a.raw, b.raw)}; }
+    friend constexpr wide_fixed operator-(wide_fixed a, wide_fixed b) { return a + -b; }
+    friend constexpr wide_fixed operator-(wide_fixed a) { return {negated(a.raw)}; }
+    friend constexpr bool operator==(wide_fixed a, wide_fixed b) { return a.raw == b.raw; }
+    friend constexpr bool operator<(wide_fixed a, wide_fixed b) { return a.raw < b.raw; }
+    friend constexpr bool operator>(wide_fixed a, wide_fixed b) { return b.raw < a.raw; }
+    friend constexpr bool operator<=(wide_fixed a, wide_fixed b) { return !(b.raw < a.raw); }
+    friend constexpr bool operator>=(wide_fixed a, wide_fixed b) { return !(a.raw < b.raw); }
+
+private:
+    static constexpr detail::int128 sum(detail::int128 a, detail::int128 b) { return a + b; }
+    static constexpr std::int64_t sum(std::int64_t a, std::int64_t b) {
+        return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
+    }
+    static constexpr detail::int128 negated(detail::int128 a) { return -a; }
+    static constexpr std::int64_t negated(std::int64_t a) {
+        return static_cast<std::int64_t>(std::uint64_t{0} - static_cast<std::uint64_t>(a));
+    }
+};
+
+/// A fixed-point number: an integer of type Rep that counts units of 2^-FractionBits.
+/// Sums and products wrap, quotients, roots and conversions saturate, all rounding is to nearest with ties
+/// away from zero, so that f(-x) == -f(x). Every operation is exact integer arithmetic: no result depends
+/// on compiler, processor or floating-point environment. Cost: sums as integers, product 1 ns,
+/// quotient 2-4 ns, root 3-8 ns (two to three times that where there is no __int128).
+template <class Rep, int FractionBits>
+class fixed {
+    static_assert(std::is_same_v<Rep, std::int32_t> || std::is_same_v<Rep, std::int64_t>,
+                  "physics::fixed: the representation must be std::int32_t or std::int64_t");
+    static_assert(
+        FractionBits > 0 && FractionBits < std::numeric_limits<Rep>::digits,
+        "physics::fixed: the fraction must have at least one bit and leave at least one for the integer part");
+
+public:
+    using rep = Rep;
+    static constexpr int fraction_bits = FractionBits;
+
+    constexpr fixed() = default;
+    /// From an integer; saturates.
+    template <std::integral Integer>
+    constexpr explicit fixed(Integer value) : raw_(from_integer(static_cast<std::int64_t>(value))) {
+        static_assert(sizeof(Integer) < 8 || std::is_signed_v<Integer>,
+                      "physics::fixed: converts from integers that fit in std::int64_t");
+    }
+    /// From a floating-point number, to nearest; saturates, and takes NaN as 0 (both counted by the audit).
+    template <std::floating_point Real>
+    constexpr explicit fixed(Real value) : raw_(from_double(static_cast<double>(value))) {}
+    /// From another format, to nearest; saturates.
+    template <class OtherRep, int OtherBits>
+    constexpr explicit fixed(fixed<OtherRep, OtherBits> other) : raw_(from_fixed(other.raw(), OtherBits)) {}
+
+    static constexpr fixed from_raw(Rep raw) {
+        fixed result;
+        result.raw_ = raw;
+        return result;
+    }
+    [[nodiscard]] constexpr Rep raw() const { return raw_; }
+
+    constexpr explicit operator double() const { return static_cast<double>(raw_) * unit; }
+    constexpr explicit operator float() const { return static_cast<float>(raw_) * static_cast<float>(unit); }
+    /// The integer part, towards zero; saturates.
+    constexpr explicit operator int() const {
+        const Rep whole = raw_ / (Rep{1} << FractionBits);
+        return detail::fits<int>(std::int64_t{whole}) ? static_cast<int>(whole) : detail::saturated<int>(raw_ < 0);
+    }
+
+    friend constexpr fixed operator+(fixed a, fixed b) { return add(a.raw_, b.raw_); }
+    friend constexpr fixed operator-(fixed a, fixed b) { return subtract(a.raw_, b.raw_); }
+    friend constexpr fixed operator-(fixed a) { return subtract(Rep{0}, a.raw_); }
+    friend constexpr fixed operator+(fixed a) { return a; }
+    friend constexpr fixed operator*(fixed a, fixed b) {
+        return from_raw(detail::wrap<Rep>(detail::shift_nearest(raw_product(a.raw_, b.raw_), FractionBits)));
+    }
+    friend constexpr fixed operator/(fixed a, fixed b) {
+        return from_raw(detail::scaled_quotient<Rep>((a.raw_ < 0) != (b.raw_ < 0), detail::magnitude64(a.raw_),
+                                                     FractionBits, detail::magnitude64(b.raw_)));
+    }
+    constexpr fixed& operator+=(fixed other) { return *this = *this + other; }
+    constexpr fixed& operator-=(fixed other) { return *this = *this - other; }
+    constexpr fixed& operator*=(fixed other) { return *this = *this * other; }
+    constexpr fixed& operator/=(fixed other) { return *this = *this / other; }
+    friend constexpr bool operator==(fixed a, fixed b) { return a.raw_ == b.raw_; }
+    friend constexpr bool operator!=(fixed a, fixed b) { return a.raw_ != b.raw_; }
+    friend constexpr bool operator<(fixed a, fixed b) { return a.raw_ < b.raw_; }
+    friend constexpr bool operator>(fixed a, fixed b) { return a.raw_ > b.raw_; }
+    friend constexpr bool operator<=(fixed a, fixed b) { return a.raw_ <= b.raw_; }
+    friend constexpr bool operator>=(fixed a, fixed b) { return a.raw_ >= b.raw_; }
+
+private:
+    using limits = std::numeric_limits<Rep>;
+    using unsigned_rep = std::make_unsigned_t<Rep>;
+    static constexpr double unit = 1.0 / static_cast<double>(std::int64_t{1} << FractionBits);
+
+    static constexpr detail::int128 raw_product(std::int64_t a, std::int64_t b) { return detail::product128(a, b); }
+    static constexpr std::int64_t raw_product(std::int32_t a, std::int32_t b) { return std::int64_t{a} * b; }
+
+    static constexpr fixed add(Rep a, Rep b) {
+        const Rep sum = static_cast<Rep>(static_cast<unsigned_rep>(a) + static_cast<unsigned_rep>(b));
+        detail::note_overflow((a < 0) == (b < 0) && (sum < 0) != (a < 0));
+        return from_raw(sum);
+    }
+    static constexpr fixed subtract(Rep a, Rep b) {
+        const Rep difference = static_cast<Rep>(static_cast<unsigned_rep>(a) - static_cast<unsigned_rep>(b));
+        detail::note_overflow((a < 0) != (b < 0) && (difference < 0) != (a < 0));
+        return from_raw(difference);
+    }
+    static constexpr Rep from_integer(std::int64_t value) {
+        const std::int64_t most = static_cast<std::int64_t>(limits::max() >> FractionBits);
+        if (value > most || value < -most - 1) return detail::saturated<Rep>(value < 0);
+        return static_cast<Rep>(value * (std::int64_t{1} << FractionBits));
+    }
+    static constexpr Rep from_double(double value) {
+        constexpr double end = -static_cast<double>(limits::min());
+        const double scaled = value * static_cast<double>(std::int64_t{1} << FractionBits);
+        // Next to the ends of a 64-bit representation doubles are whole, so there is no half to round.
+        const bool inside =
+            sizeof(Rep) == 4 ? scaled > -end - 0.5 && scaled < end - 0.5 : scaled >= -end && scaled < end;
+        if (!inside) return value != value ? (detail::note_overflow(true), Rep{0}) : detail::saturated<Rep>(value < 0);
+        const std::int64_t whole = static_cast<std::int64_t>(scaled);
+        const double rest = scaled - static_cast<double>(whole);
+        return static_cast<Rep>(whole + (rest >= 0.5 ? 1 : 0) - (rest <= -0.5 ? 1 : 0));
+    }
+    static constexpr Rep from_fixed(std::int64_t raw, int bits) {
+        if (bits >= FractionBits) {
+            const std::int64_t rounded =
+                bits == FractionBits ? raw : detail::shift_nearest(detail::int128(raw), bits - FractionBits).low();
+            return detail::fits<Rep>(rounded) ? static_cast<Rep>(rounded) : detail::saturated<Rep>(raw < 0);
+        }
+        return detail::signed_saturating<Rep>(raw < 0, detail::magnitude128(raw) << (FractionBits - bits));
+    }
+
+    Rep raw_ = 0;
+};
+
+/// Q32.32, the default fixed point: range +-2.1e9, step 2.3e-10.
+using fixed32 = fixed<std::int64_t, 32>;
+/// Q48.16, for huge worlds: range +-1.4e14, step 1.5e-5.
+using fixed48 = fixed<std::int64_t, 16>;
+/// Q16.16, for particles and toys: range +-32,768, step 1.5e-5. A contact solver's impulses leave its range
+/// in all but small scenes.
+using fixed16 = fixed<std::int32_t, 16>;
+
+template <class A, int FA, class B, int FB>
+constexpr auto product(fixed<A, FA> a, fixed<B, FB> b) {
+    using integer = detail::product_integer<A, B>;
+    if constexpr (std::is_same_v<integer, std::int64_t>) {
+        return wide_fixed<integer, FA + FB>{std::int64_t{a.raw()} * b.raw()};
+    } else {
+        return wide_fixed<integer, FA + FB>{detail::product128(std::int64_t{a.raw()}, std::int64_t{b.raw()})};
+    }
+}
+
+namespace detail {
+template <class Rep, int FractionBits>
+constexpr std::int64_t raw_of(fixed<Rep, FractionBits> a) {
+    return a.raw();
+}
+template <class Int, int FractionBits>
+constexpr Int raw_of(wide_fixed<Int, FractionBits> a) {
+    return a.raw;
+}
+}  // namespace detail
+
+/// The wide number in format R, to nearest; wraps.
+template <class R, class Int, int FractionBits>
+constexpr R narrow(wide_fixed<Int, FractionBits> a) {
+    constexpr int shift = FractionBits - R::fraction_bits;
+    static_assert(shift > 0, "physics::narrow: the result must have fewer fraction bits than the product");
+    return R::from_raw(detail::wrap<typename R::rep>(detail::shift_nearest(a.raw, shift)));
+}
+
+/// numerator / denominator in format R, to nearest; saturates. Operands are fixed or wide.
+template <class R, template <class, int> class N, class RepN, int FN, template <class, int> class D, class RepD, int FD>
+constexpr R quotient(N<RepN, FN> numerator, D<RepD, FD> denominator) {
+    const auto n = detail::raw_of(numerator);
+    const auto d = detail::raw_of(denominator);
+    const bool negative = (n < decltype(n)(std::int64_t{0})) != (d < decltype(d)(std::int64_t{0}));
+    return R::from_raw(detail::scaled_quotient<typename R::rep>(negative, detail::magnitude128(n),
+                                                                R::fraction_bits + FD - FN, detail::magnitude128(d)));
+}
+
+/// The square root of a wide number in format R, to nearest; 0 for negative numbers (counted by the audit).
+template <class R, class Int, int FractionBits>
+constexpr R root(wide_fixed<Int, FractionBits> a) {
+    constexpr int shift = 2 * R::fraction_bits - FractionBits;
+    static_assert(shift <= 0 && shift % 2 == 0,
+                  "physics::root: the operand must have at least twice the result's fraction bits");
+    if (a < wide_fixed<Int, FractionBits>{}) return detail::note_overflow(true), R{};
+    const detail::integer_root found = detail::root_of(detail::magnitude128(a.raw));
+    if constexpr (shift == 0)
+        return R::from_raw(detail::signed_saturating<typename R::rep>(false, found.nearest()));
+    else
+        return R::from_raw(
+            detail::signed_saturating<typename R::rep>(false, ((found.root >> (-shift / 2 - 1)) + 1) >> 1));
+}
+
+inline std::uint64_t overflow_count() noexcept {
+#ifdef PHYSICS_HPP_AUDIT
+    return detail::overflow_counter;
+#else
+    return 0;
+#endif
+}
+inline void reset_overflow_count() noexcept {
+#ifdef PHYSICS_HPP_AUDIT
+    detail::overflow_counter = 0;
+#endif
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/base/handle.hpp
+// =================================================================================================
+// Names of things in a world that know when the thing is gone.
+
+PHYSICS_HPP_BEGIN
+
+/// A small value that names a body, a shape... of one world. It stays unique when its slot is used again,
+/// and a world recognises handles of another. The default one is null.
+template <class Tag>
+struct handle {
+    std::uint32_t index = 0xffffffffu;
+    std::uint16_t generation = 0;
+    std::uint16_t world = 0;
+
+    /// False for the null handle; true says nothing about whether the thing still lives.
+    constexpr explicit operator bool() const { return index != 0xffffffffu; }
+    friend bool operator==(handle, handle) = default;
+};
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/base/math_reduce.hpp
+// =================================================================================================
+// Angles modulo a quarter turn, exactly enough for any finite number.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// The unevaluated sum of two doubles, the second far below the first: ~106 bits.
+struct double_pair {
+    double high = 0;
+    double low = 0;
+};
+
+/// a + b without error (Knuth, The Art of Computer Programming 2, 4.2.2).
+constexpr double_pair two_sum(double a, double b) {
+    const double sum = a + b;
+    const double part = sum - a;
+    return {sum, (a - (sum - part)) + (b - part)};
+}
+/// a + b without error where |a| >= |b| (Dekker 1971).
+constexpr double_pair fast_two_sum(double a, double b) {
+    const double sum = a + b;
+    return {sum, b - (sum - a)};
+}
+/// a * b without error, for magnitudes from 2^-450 to 2^450 (Veltkamp's split, Dekker 1971). A fused
+/// multiply-add would be shorter, but where the processor has none it is a slow call.
+constexpr double_pair two_product(double a, double b) {
+    constexpr double splitter = 134217729;  // 2^27 + 1
+    const double a_scaled = a * splitter, b_scaled = b * splitter;
+    const double a_high = a_scaled - (a_scaled - a), b_high = b_scaled - (b_scaled - b);
+    const double a_low = a - a_high, b_low = b - b_high;
+    const double product = a * b;
+    return {product, ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low};
+}
+
+/// 2^n as a double; n from -1022 to 1023.
+constexpr double power_of_two(int n) { return std::bit_cast<double>(static_cast<std::uint64_t>(n + 1023) << 52); }
+
+/// The integer nearest to x; ties away from zero. |x| < 2^31.
+constexpr int nearest_int(double x) { return static_cast<int>(x < 0 ? x - 0.5 : x + 0.5); }
+
+/// 2 / pi, 1,216 bits after the binary point; the word of zeros before it serves small arguments.
+inline constexpr std::uint64_t two_over_pi[] = {
+    0x0000000000000000, 0xa2f9836e4e441529, 0xfc2757d1f534ddc0, 0xdb6295993c439041, 0xfe5163abdebbc561,
+    0xb7246e3a424dd2e0, 0x06492eea09d1921c, 0xfe1deb1cb129a73e, 0xe88235f52ebb4484, 0xe99c7026b45f7e41,
+    0x3991d639835339f4, 0x9c845f8bbdf9283b, 0x1ff897ffde05980f, 0xef2f118b5a0a6d1f, 0x6d367ecf27cb09b7,
+    0x4f463f669e5fea2d, 0x7527bac7ebe5f17b, 0x3d0739f78a5292ea, 0x6bfb5fb11f8d5d08, 0x56033046fc7b6bab};
+/// pi / 2 in units of 2^-63.
+inline constexpr std::uint64_t half_pi_word = 0xc90fdaa22168c235;
+
+/// An angle as a number of quarter turns (only the last two bits count) and a rest of at most pi / 4.
+struct reduced_angle {
+    unsigned quadrant = 0;
+    double high = 0;
+    double low = 0;
+};
+
+/// For |x| >= 1. The method of Payne & Hanek (1983), in integers: x = m * 2^e, and of 2/pi only the 192 bits
+/// count that are neither multiples of 4 after the product nor below 2^-137. No double comes closer than
+/// 2^-62 to a multiple of pi/2 (relative to pi/2), so 64 good bits remain. ~15 ns.
+PHYSICS_HPP_COLD constexpr reduced_angle reduce_huge(double x) {
+    const std::uint64_t word = std::bit_cast<std::uint64_t>(x);
+    const std::uint64_t m = (word & 0xfffffffffffffu) | 0x10000000000000u;
+    const int e = static_cast<int>((word >> 52) & 0x7ff) - 1075;
+    const int first = e - 2 + 64;
+    const std::uint64_t* words = two_over_pi + first / 64;
+    const int shift = first % 64;
+    std::uint64_t window[3] = {};
+    for (int i = 0; i < 3; ++i)
+        window[i] = shift == 0 ? words[i] : (words[i] << shift) | (words[i + 1] >> (64 - shift));
+
+    const uint128 low = product128(m, window[2]);
+    const uint128 middle = product128(m, window[1]) + uint128(high_half(low));
+    const std::uint64_t top = m * window[0] + high_half(middle);
+    // The binary point is below the top two bits, which hold the quarter turns.
+    unsigned quadrant = static_cast<unsigned>(top >> 62);
+    uint128 turn = (uint128(top) << 66) | (uint128(low_half(middle)) << 2) | uint128(low_half(low) >> 62);
+    bool negative = high_half(turn) >> 63 != 0;
+    if (negative) {
+        ++quadrant;
+        turn = -turn;
+    }
+    const int zeros = 128 - bit_width(turn);
+    const std::uint64_t angle = mul_high(high_half(turn << zeros), half_pi_word);
+    const double scale = power_of_two(-63 - zeros);
+    double_pair rest = fast_two_sum(static_cast<double>(static_cast<std::int64_t>(angle >> 11)) * 2048,
+                                    static_cast<double>(static_cast<std::int64_t>(angle & 2047)));
+    if (x < 0) {
+        quadrant = 0u - quadrant;
+        negative = !negative;
+    }
+    const double unit = negative ? -scale : scale;
+    return {quadrant, rest.high * unit, rest.low * unit};
+}
+
+/// For every finite x. Cody & Waite (1980): pi/2 in parts of 33, 33 and 53 bits, so that the first two
+/// products are exact up to 2^20 quarter turns; where the rest nearly vanishes, integers take over.
+/// Relative error of high + low < 2^-62, or < 2^-30 where not precise.
+template <bool Precise>
+constexpr reduced_angle reduce(double x) {
+    const double size = x < 0 ? -x : x;
+    if (size <= 0x1.921fb54442d18p-1) return {0, x, 0};
+    if (size < 0x1p20) {
+        const int turns = nearest_int(x * 0x1.45f306dc9c883p-1);
+        const double n = static_cast<double>(turns);
+        const double first = x - n * 0x1.921fb544p+0;
+        if constexpr (!Precise) {
+            return {static_cast<unsigned>(turns), first - n * 0x1.0b4611a626331p-34, 0};
+        } else {
+            const double_pair second = two_sum(first, -(n * 0x1.0b4611a6p-34));
+            const double_pair rest = fast_two_sum(second.high, second.low - n * 0x1.3198a2e037073p-69);
+            if (rest.high > 0x1p-30 || rest.high < -0x1p-30) return {static_cast<unsigned>(turns), rest.high, rest.low};
+        }
+    }
+    // Field by field, so that compilers keep the common case in registers.
+    const reduced_angle huge = reduce_huge(x);
+    return {huge.quadrant, huge.high, huge.low};
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/base/math_fixed.hpp
+// =================================================================================================
+// Elementary functions of fixed point: 64-bit integers, every format from one set of series.
+
+PHYSICS_HPP_BEGIN
+
+// Inside, numbers from 0 to 1 are counts of 2^-64, so that a product is the upper half of an integer product.
+// The series are Taylor's, on ranges so short that a minimax fit would save one term; each format takes the
+// terms that it can see. What is odd or symmetric is computed from magnitudes, hence f(-x) == -f(x) exactly.
+
+namespace detail {
+
+/// (pi/4)^(2k+1) / (2k+1)!: the sine of z^(1/2) eighths of a turn, over z^(1/2), with alternating signs.
+inline constexpr std::uint64_t fixed_sine_series[] = {
+    0xc90fdaa22168c235, 0x14abbce625be52bf, 0x00a335e33bad570f, 0x000265a599cc57b1, 0x00000541e0d21fba,
+    0x000000078c1d3f7a, 0x0000000007a3d0d3, 0x000000000005beb7, 0x0000000000000356, 0x0000000000000002};
+/// (pi/4)^(2k) / (2k)!, k from 1: one minus that cosine, over z, with alternating signs.
+inline constexpr std::uint64_t fixed_cosine_series[] = {0x4ef4f326f9177969, 0x040f07c206d6b0ed, 0x00155d3c7e3cbffa,
+                                                        0x00003c3ea0d12375, 0x00000069b47ca881, 0x000000007e74e28e,
+                                                        0x00000000006db894, 0x0000000000004832, 0x0000000000000025};
+/// 16 (log(2)/16)^k / k!, k from 1: 16 (2^(g/16) - 1), over g; the factor keeps four more bits.
+inline constexpr std::uint64_t fixed_exp_series[] = {
+    0xb17217f7d1cf79ac, 0x03d7f7bff058b1d5, 0x000e35846b825060, 0x0000276556df749d, 0x0000005761ff9e2a,
+    0x00000000a184897c, 0x0000000000ffe5fe, 0x00000000000162c0, 0x00000000000001b5, 0x0000000000000002};
+/// 2^(i/16) - 1.
+inline constexpr std::uint64_t fixed_powers[] = {
+    0x0000000000000000, 0x0b5586cf9890f62a, 0x172b83c7d517adce, 0x2387a6e75623866c,
+    0x306fe0a31b7152df, 0x3dea64c12342235b, 0x4bfdad5362a271d4, 0x5ab07dd48542958d,
+    0x6a09e667f3bcc909, 0x7a11473eb0186d7d, 0x8ace5422aa0db5ba, 0x9c49182a3f0901c8,
+    0xae89f995ad3ad5e8, 0xc199bdd85529c222, 0xd5818dcfba48725e, 0xea4afa2a490d9859};
+
+/// How many coefficients of a series on [0, 1] reach 2^-(bits + 6).
+template <int N>
+constexpr int terms_above(int bits, const std::uint64_t (&c)[N]) {
+    int n = 1;
+    while (n < N && (bits >= 58 || c[n] >> (58 - bits) != 0)) ++n;
+    return n;
+}
+/// c[0] - z (c[1] - z (c[2] - ...)), or with sums instead.
+template <int Terms, bool Alternating, int I = 0, int N>
+constexpr std::uint64_t series(std::uint64_t z, const std::uint64_t (&c)[N]) {
+    if constexpr (I + 1 >= Terms) {
+        return c[I];
+    } else {
+        const std::uint64_t rest = mul_high(z, series<Terms, Alternating, I + 1>(z, c));
+        return Alternating ? c[I] - rest : c[I] + rest;
+    }
+}
+/// z (1/3 - z (1/5 - z (1/7 - ...))), or with sums instead: what atan u = u (1 - ...) and atanh u = u (1 + ...)
+/// have beyond u, z = u^2. Enough terms for |u| < 0.172.
+template <int FractionBits, bool Alternating, int I = 1>
+constexpr std::uint64_t reciprocal_series(std::uint64_t z) {
+    constexpr std::uint64_t c = ~std::uint64_t{0} / (2 * I + 1);
+    if constexpr (I > FractionBits / 6) {
+        return mul_high(z, c);
+    } else {
+        const std::uint64_t rest = reciprocal_series<FractionBits, Alternating, I + 1>(z);
+        return mul_high(z, Alternating ? c - rest : c + rest);
+    }
+}
+
+/// A count of 2^-64 as one of 2^-FractionBits, to nearest.
+template <int FractionBits>
+constexpr std::uint64_t rounded(std::uint64_t a) {
+    return ((a >> (63 - FractionBits)) + 1) >> 1;
+}
+/// A count of 2^-Bits as one of 2^-FractionBits, to nearest.
+template <int FractionBits, int Bits>
+constexpr uint128 rounded(uint128 a) {
+    return ((a >> (Bits - 1 - FractionBits)) + uint128(std::uint64_t{1})) >> 1;
+}
+constexpr uint128 words128(std::uint64_t high, std::uint64_t low) { return (uint128(high) << 64) | uint128(low); }
+
+/// An angle in eighths of a turn from the nearest axis, as a count of 2^-128, below 1.
+struct fixed_angle {
+    bool swapped;        // the nearest axis is the vertical one: sine and cosine change places
+    bool sine_negative;  // for positive angles
+    bool cosine_negative;
+    uint128 eighths;
+};
+
+/// Multiplies by 2/pi. One word of it for 32-bit numbers and two for 64-bit ones leave an error below 2^-32 of the
+/// format's step; with one more, the angle is right to 64 bits wherever its tangent is in range.
+template <class Rep, int FractionBits, bool Fine = false>
+constexpr fixed_angle reduce(Rep raw) {
+    const std::uint64_t m = magnitude64(raw);
+    constexpr int words = (sizeof(Rep) == 4 ? 1 : 2) + Fine;
+    uint128 turns = product128(m, two_over_pi[1]), low{};
+    if constexpr (words > 1) {
+        low = product128(m, two_over_pi[2]);
+        if constexpr (words > 2) low = low + uint128(mul_high(m, two_over_pi[3]));
+        turns = turns + uint128(high_half(low));
+    }
+    const uint128 fraction = (turns << (64 - FractionBits)) | uint128(low_half(low) >> FractionBits);
+    const unsigned quadrant = static_cast<unsigned>(low_half(turns >> (64 + FractionBits)) & 3);
+    const bool upper = high_half(fraction) >> 63 != 0;
+    // ~ for -: an exact half stays below 1.
+    return {upper != ((quadrant & 1) != 0), (quadrant & 2) != 0, ((quadrant + 1) & 2) != 0,
+            (upper ? ~fraction : fraction) << 1};
+}
+
+/// The sine of p eighths of a turn over p, z = p^2.
+template <int Bits>
+constexpr std::uint64_t fixed_sine_ratio(std::uint64_t z) {
+    return series<terms_above(Bits, fixed_sine_series), true>(z, fixed_sine_series);
+}
+/// One minus the cosine of p eighths of a turn.
+template <int Bits>
+constexpr std::uint64_t fixed_versine(std::uint64_t z) {
+    return mul_high(z, series<terms_above(Bits, fixed_cosine_series), true>(z, fixed_cosine_series));
+}
+
+template <class Rep>
+constexpr Rep with_sign(bool negative, std::uint64_t magnitude) {
+    const Rep value = static_cast<Rep>(magnitude);
+    return negative ? static_cast<Rep>(-value) : value;
+}
+
+/// Sine of a reduced angle, or its cosine where swapped.
+template <int FractionBits>
+constexpr std::uint64_t fixed_wave(uint128 eighths, bool swapped) {
+    const std::uint64_t p = high_half(eighths), z = mul_high(p, p);
+    if (swapped) return (std::uint64_t{1} << FractionBits) - rounded<FractionBits>(fixed_versine<FractionBits>(z));
+    return rounded<FractionBits>(mul_high(p, fixed_sine_ratio<FractionBits>(z)));
+}
+template <class Rep, int FractionBits>
+constexpr Rep fixed_sine(Rep raw) {
+    const fixed_angle a = reduce<Rep, FractionBits>(raw);
+    return with_sign<Rep>(a.sine_negative != (raw < 0), fixed_wave<FractionBits>(a.eighths, a.swapped));
+}
+template <class Rep, int FractionBits>
+constexpr Rep fixed_cosine(Rep raw) {
+    const fixed_angle a = reduce<Rep, FractionBits>(raw);
+    return with_sign<Rep>(a.cosine_negative, fixed_wave<FractionBits>(a.eighths, !a.swapped));
+}
+template <class Rep, int FractionBits>
+constexpr void fixed_sine_and_cosine(Rep raw, Rep& sine, Rep& cosine) {
+    const fixed_angle a = reduce<Rep, FractionBits>(raw);
+    sine = with_sign<Rep>(a.sine_negative != (raw < 0), fixed_wave<FractionBits>(a.eighths, a.swapped));
+    cosine = with_sign<Rep>(a.cosine_negative, fixed_wave<FractionBits>(a.eighths, !a.swapped));
+}
+
+/// Near a pole the result has all the bits of Rep, so the sine is normalised before its last digits are dropped.
+template <class Rep, int FractionBits>
+constexpr Rep fixed_tangent(Rep raw) {
+    constexpr int bits = std::numeric_limits<Rep>::digits;
+    const fixed_angle a = reduce<Rep, FractionBits, true>(raw);
+    const bool negative = (a.sine_negative != a.cosine_negative) != (raw < 0);
+    const std::uint64_t p = high_half(a.eighths), z = mul_high(p, p);
+    const std::uint64_t ratio = fixed_sine_ratio<bits>(z), versine = fixed_versine<bits>(z);
+    const std::uint64_t cosine = versine == 0 ? ~versine : std::uint64_t{0} - versine;
+    if (!a.swapped) return scaled_quotient<Rep>(negative, mul_high(p, ratio), FractionBits, cosine);
+    const int zeros = 128 - bit_width(a.eighths);
+    if (zeros + FractionBits > 63) return saturated<Rep>(negative);
+    const std::uint64_t sine =
+        high_half(product128(high_half(a.eighths << zeros), ratio) + (uint128(std::uint64_t{1}) << 63));
+    return scaled_quotient<Rep>(negative, cosine, zeros + FractionBits, sine);
+}
+
+/// atan(n / d) as a count of 2^-126, for n <= d. Subtracts the nearest of atan(0, 1/4, 1/2, 1), since
+/// atan(n/d) - atan(c) = atan((n - c d) / (d + c n)); |u| <= 0.164 remains.
+template <int FractionBits>
+constexpr uint128 fixed_arctangent(std::uint64_t n, std::uint64_t d) {
+    if (n == 0) return uint128(std::uint64_t{0});
+    const int zeros = std::countl_zero(d);
+    n <<= zeros;
+    d <<= zeros;
+    uint128 known{}, top = uint128(n) << 2, bottom = uint128(d) << 2;
+    bool below = false;
+    if (n > d / 8) {
+        const int shift = n > d / 32 * 23 ? 2 : n > d / 8 * 3 ? 1 : 0;
+        known = shift == 2   ? words128(0x3243f6a8885a308d, 0x313198a2e0370734)
+                : shift == 1 ? words128(0x1dac670561bb4f68, 0xadfc88bd978751a0)
+                             : words128(0x0fadbafc96406eb1, 0x56dc79ef5f7a217e);
+        const uint128 subtracted = uint128(d) << shift;
+        below = top < subtracted;
+        top = below ? subtracted - top : top - subtracted;
+        bottom = bottom + (uint128(n) << shift);
+    }
+    const uint128 dividend = top << 63;
+    std::uint64_t unused = 0;
+    const std::uint64_t u4 = divide128(high_half(dividend), low_half(dividend), low_half(bottom >> 3), unused);
+    const std::uint64_t z = mul_high(u4, u4) >> 4;
+    const uint128 rest = uint128(u4 - mul_high(u4, reciprocal_series<FractionBits, true>(z))) << 60;
+    return below ? known - rest : known + rest;
+}
+/// The angle of (x, y), 0 to pi, y upwards, as a count of 2^-126.
+template <int FractionBits>
+constexpr uint128 fixed_direction(std::uint64_t y, bool x_negative, std::uint64_t x) {
+    const bool steep = y > x;
+    const uint128 angle = fixed_arctangent<FractionBits>(steep ? x : y, steep ? y : x);
+    if (!steep && !x_negative) return angle;
+    const uint128 pi = words128(0xc90fdaa22168c234, 0xc4c6628b80dc1cd1);
+    const uint128 base = steep ? pi >> 1 : pi;
+    return steep && x_negative ? base + angle : base - angle;
+}
+template <class Rep, int FractionBits>
+constexpr Rep fixed_arctangent2(Rep y, Rep x) {
+    const uint128 angle = fixed_direction<FractionBits>(magnitude64(y), x < 0, magnitude64(x));
+    return signed_saturating<Rep>(y < 0, rounded<FractionBits, 126>(angle));
+}
+
+/// sqrt(1 - x^2) as a count of 2^-62; clamps |x| > 1 to 1.
+template <int FractionBits>
+constexpr std::uint64_t fixed_complement(std::uint64_t& x) {
+    constexpr std::uint64_t one = std::uint64_t{1} << FractionBits;
+    note_overflow(x > one);
+    if (x > one) x = one;
+    const uint128 square = product128(one - x, one + x) << (124 - 2 * FractionBits);
+    x <<= 62 - FractionBits;
+    return root_of(square).nearest();
+}
+template <class Rep, int FractionBits>
+constexpr Rep fixed_arccosine(Rep raw) {
+    std::uint64_t x = magnitude64(raw);
+    const std::uint64_t y = fixed_complement<FractionBits>(x);
+    return signed_saturating<Rep>(false, rounded<FractionBits, 126>(fixed_direction<FractionBits>(y, raw < 0, x)));
+}
+template <class Rep, int FractionBits>
+constexpr Rep fixed_arcsine(Rep raw) {
+    std::uint64_t y = magnitude64(raw);
+    const std::uint64_t x = fixed_complement<FractionBits>(y);
+    return signed_saturating<Rep>(raw < 0, rounded<FractionBits, 126>(fixed_direction<FractionBits>(y, false, x)));
+}
+
+/// x log2(e) = k + i/16 + g/16, k and i integers, 0 <= g < 1; exp x = 2^k 2^(i/16) 2^(g/16).
+template <class Rep, int FractionBits>
+constexpr Rep fixed_exponential(Rep raw) {
+    constexpr int digits = std::numeric_limits<Rep>::digits;
+    const std::uint64_t m = magnitude64(raw);
+    // log2(e) / 2 to 128 bits makes this a count of 2^-(63 + FractionBits).
+    const uint128 scaled = product128(m, 0xb8aa3b295c17f0bb) + uint128(mul_high(m, 0xbe87fed0691d3e88));
+    const int128 exponent = raw < 0 ? -int128(scaled) : int128(scaled);
+    const std::int64_t k = (exponent >> (63 + FractionBits)).low();
+    if (k >= digits - FractionBits) return saturated<Rep>(false);
+    if (k < -FractionBits - 1) return 0;
+    const std::uint64_t fraction = low_half((exponent >> (FractionBits - 1)).bits);
+    const std::uint64_t g = fraction << 4, power = fixed_powers[fraction >> 60];
+    const std::uint64_t rest = mul_high(g, series<terms_above(digits, fixed_exp_series), false>(g, fixed_exp_series));
+    const uint128 value = words128(1, power) + ((uint128(rest) + uint128(mul_high(power, rest))) >> 4);
+    const int shift = 64 - FractionBits - static_cast<int>(k);
+    return signed_saturating<Rep>(false, ((value >> (shift - 1)) + uint128(std::uint64_t{1})) >> 1);
+}
+
+/// log(2^k m) = k log 2 + 2 atanh((m - 1) / (m + 1)), sqrt(1/2) <= m < sqrt(2).
+template <class Rep, int FractionBits>
+constexpr Rep fixed_logarithm(Rep raw) {
+    if (raw == 0) return saturated<Rep>(true);
+    if (raw < 0) {
+        note_overflow(true);
+        return 0;
+    }
+    const std::uint64_t one = std::uint64_t{1} << 63;
+    const int zeros = std::countl_zero(magnitude64(raw));
+    const std::uint64_t m = magnitude64(raw) << zeros;
+    const bool below = m > 0xb504f333f9de6484;  // sqrt(2): compare with 2 instead of 1
+    const int k = 63 - zeros - FractionBits + below;
+    const std::uint64_t top = below ? std::uint64_t{0} - m : m - one;
+    std::uint64_t unused = 0;
+    const std::uint64_t s4 = divide128(top << 1, 0, (m >> 1) + (below ? one : one >> 1), unused);
+    const std::uint64_t z = mul_high(s4, s4) >> 4;
+    // From here counts of 2^-65.
+    const int128 rest{uint128(s4) + uint128(mul_high(s4, reciprocal_series<FractionBits, false>(z)))};
+    const std::uint64_t doublings = magnitude64(k);
+    const int128 whole{(product128(doublings, 0xb17217f7d1cf79ab) << 1) +
+                       uint128(mul_high(doublings << 1, 0xc9e3b39803f2f6af))};
+    const int128 value = (k < 0 ? -whole : whole) + (below ? -rest : rest);
+    const int128 nearest = shift_nearest(value, 65 - FractionBits);
+    return signed_saturating<Rep>(nearest.negative(), nearest.magnitude());
+}
+
+template <class Rep, int FractionBits>
+constexpr Rep fixed_root(Rep raw) {
+    if (raw < 0) {
+        note_overflow(true);
+        return 0;
+    }
+    return static_cast<Rep>(root_of(uint128(magnitude64(raw)) << FractionBits).nearest());
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/base/math_real.hpp
+// =================================================================================================
+// Elementary functions of float and double: the same bits everywhere, from + - * / and sqrt alone.
+
+PHYSICS_HPP_BEGIN
+
+// All kernels take and return double. Precise ones keep the parts of a result that do not fit in a double
+// until the last addition, for errors below 1 ulp of double; the others stop their series at 2^-31 and serve
+// float, whose only visible rounding is then the last one. The polynomials are relative minimax fits (Remez'
+// exchange in 200-bit arithmetic) to what follows the leading terms of each Taylor series; their first terms
+// are so close to Taylor's that float takes a beginning of the same table.
+
+namespace detail {
+
+inline constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+inline constexpr double infinite = std::numeric_limits<double>::infinity();
+inline constexpr double_pair pi_pair{0x1.921fb54442d18p+1, 0x1.1a62633145c07p-53};
+inline constexpr double_pair half_pi_pair{0x1.921fb54442d18p+0, 0x1.1a62633145c07p-54};
+
+/// (sin x - x) / x^3 in x^2, |x| <= pi/4; error of the sine 2^-58.
+inline constexpr double sine_series[] = {-0x1.5555555555549p-3, 0x1.111111110f8a6p-7,   -0x1.a01a019c1619ep-13,
+                                         0x1.71de357b1c021p-19, -0x1.ae5e689f1914fp-26, 0x1.5d93a47bc7c21p-33};
+/// (cos x - 1 + x^2/2) / x^4 in x^2, |x| <= pi/4; error of the cosine 2^-64.
+inline constexpr double cosine_series[] = {0x1.555555555554cp-5,   -0x1.6c16c16c1521fp-10, 0x1.a01a019cbf634p-16,
+                                           -0x1.27e4f812b76b4p-22, 0x1.1ee9f153733fap-29,  -0x1.8fb13176f7930p-37};
+/// (exp x - 1 - x) / x^2 in x, |x| <= log(2)/2; error of the exponential 2^-56.
+inline constexpr double exp_series[] = {
+    0x1.000000000000bp-1,  0x1.5555555555561p-3,  0x1.555555555001cp-5,  0x1.111111110d612p-7,  0x1.6c16c185ac392p-10,
+    0x1.a01a01baf110cp-13, 0x1.a01996850cf70p-16, 0x1.71dddfa9da093p-19, 0x1.28b057f105d9bp-22, 0x1.af85bd3f177a1p-26};
+/// (2 atanh s - 2 s) / s^3 in s^2, |s| <= (sqrt(2) - 1) / (sqrt(2) + 1); error of the logarithm 2^-59.
+inline constexpr double log_series[] = {0x1.5555555555592p-1, 0x1.999999997ff18p-2, 0x1.24924941e16d9p-2,
+                                        0x1.c71c52143773cp-3, 0x1.74663cf3c5182p-3, 0x1.39a1e80a6e733p-3,
+                                        0x1.2f03c2b77e2b3p-3};
+/// (atan u - u) / u^3 in u^2, |u| <= 0.1638; error of the arctangent 2^-60.
+inline constexpr double arctangent_series[] = {-0x1.555555555553cp-2, 0x1.999999998dbdbp-3,  -0x1.2492491594086p-3,
+                                               0x1.c71c5fce129e2p-4,  -0x1.7457528af2ff3p-4, 0x1.3a0e5503996aap-4,
+                                               -0x1.f1be9b5d729d9p-5};
+/// (asin x - x) / x^3 in x^2, |x| <= 1/2; error of the arcsine 2^-59.
+inline constexpr double arcsine_series[] = {
+    0x1.5555555555578p-3, 0x1.333333332df1fp-4,  0x1.6db6db722abbdp-5, 0x1.f1c71a8bebd1ap-6, 0x1.6e8bdfdc83fc0p-6,
+    0x1.1c49decb2c3f1p-6, 0x1.ca212fb7b03dap-7,  0x1.7578420cf7d3cp-7, 0x1.6186833457bc3p-7, 0x1.e19e9ca2d18a3p-9,
+    0x1.64ec74b91c73ap-6, -0x1.59d68e3a47e11p-6, 0x1.0bd9f58ddc882p-5};
+
+template <int I, int Terms, int N>
+constexpr double every_second_term(double xx, const double (&c)[N]) {
+    if constexpr (I + 2 >= Terms)
+        return c[I];
+    else
+        return c[I] + xx * every_second_term<I + 2, Terms>(xx, c);
+}
+/// The first Terms terms of a polynomial; even and odd terms side by side, which halves the latency.
+template <int Terms, int N>
+constexpr double polynomial(double x, const double (&c)[N]) {
+    static_assert(Terms >= 2 && Terms <= N);
+    const double xx = x * x;
+    return every_second_term<0, Terms>(xx, c) + x * every_second_term<1, Terms>(xx, c);
+}
+
+/// The sine of a reduced angle, as a head and a tail of at most a ninth of it.
+template <bool Precise>
+constexpr double_pair sine_of(const reduced_angle& a) {
+    const double z = a.high * a.high;
+    const double cubic = a.high * z * polynomial < Precise ? 6 : 5 > (z, sine_series);
+    return {a.high, Precise ? cubic + a.low * (1 - 0.5 * z) : cubic};
+}
+template <bool Precise>
+constexpr double_pair cosine_of(const reduced_angle& a) {
+    const double z = a.high * a.high;
+    const double half = 0.5 * z;
+    const double quartic = z * z * polynomial < Precise ? 6 : 5 > (z, cosine_series);
+    const double head = 1 - half;
+    return {head, Precise ? ((1 - head) - half) + (quartic - a.high * a.low) : quartic};
+}
+constexpr double sum(double_pair a) { return a.high + a.low; }
+
+/// Below 2^-27 sine, tangent and arcsine are their argument, sign of zero included.
+constexpr bool tiny(double x) { return x > -0x1p-27 && x < 0x1p-27; }
+
+template <bool Precise>
+constexpr double sine(double x) {
+    if (x - x != 0) return not_a_number;
+    if (tiny(x)) return x;
+    const reduced_angle a = reduce<Precise>(x);
+    const double value = a.quadrant & 1 ? sum(cosine_of<Precise>(a)) : sum(sine_of<Precise>(a));
+    return a.quadrant & 2 ? -value : value;
+}
+template <bool Precise>
+constexpr double cosine(double x) {
+    if (x - x != 0) return not_a_number;
+    const reduced_angle a = reduce<Precise>(x);
+    const double value = a.quadrant & 1 ? sum(sine_of<Precise>(a)) : sum(cosine_of<Precise>(a));
+    return (a.quadrant + 1) & 2 ? -value : value;
+}
+/// Sine (high) and cosine (low) from one reduction.
+template <bool Precise>
+constexpr double_pair sine_and_cosine(double x) {
+    if (x - x != 0) return {not_a_number, not_a_number};
+    if (tiny(x)) return {x, 1};
+    const reduced_angle a = reduce<Precise>(x);
+    const double s = sum(sine_of<Precise>(a)), c = sum(cosine_of<Precise>(a));
+    const double first = a.quadrant & 1 ? c : s, second = a.quadrant & 1 ? s : c;
+    return {a.quadrant & 2 ? -first : first, (a.quadrant + 1) & 2 ? -second : second};
+}
+template <bool Precise>
+constexpr double tangent(double x) {
+    if (x - x != 0) return not_a_number;
+    if (tiny(x)) return x;
+    const reduced_angle a = reduce<Precise>(x);
+    const double_pair s = sine_of<Precise>(a);
+    double_pair c = cosine_of<Precise>(a);
+    if constexpr (Precise) c.low -= 0.5 * two_product(a.high, a.high).low;  // the rounding of x^2 in cosine_of
+    const bool odd = a.quadrant & 1;
+    const double_pair n = odd ? fast_two_sum(-c.high, -c.low) : fast_two_sum(s.high, s.low);
+    const double_pair d = odd ? fast_two_sum(s.high, s.low) : fast_two_sum(c.high, c.low);
+    const double quotient = n.high / d.high;
+    if constexpr (!Precise) return quotient;
+    const double_pair back = two_product(quotient, d.high);
+    return quotient + (((n.high - back.high) - back.low) + (n.low - quotient * d.low)) / d.high;
+}
+
+/// atan(n / d) for 0 <= n <= d, n not below d / 2^60. Subtracts the nearest of atan(0, 1/4, 1/2, 1), since
+/// atan(n/d) - atan(c) = atan((n - c d) / (d + c n)): those products are exact, and |u| <= 0.1638 remains.
+template <bool Precise>
+constexpr double_pair arctangent(double n, double d) {
+    constexpr double_pair known[] = {{0, 0},
+                                     {0x1.f5b75f92c80ddp-3, 0x1.8ab6e3cf7afbdp-57},
+                                     {0x1.dac670561bb4fp-2, 0x1.a2b7f222f65e2p-56},
+                                     {0x1.921fb54442d18p-1, 0x1.1a62633145c07p-55}};
+    constexpr double tangents[] = {0, 0.25, 0.5, 1};
+    const int i = (8 * n > d) + (8 * n > 3 * d) + (32 * n > 23 * d);
+    const double c = tangents[i];
+    if constexpr (!Precise) {
+        const double u = (n - c * d) / (d + c * n);
+        const double z = u * u;
+        return {known[i].high, u + u * z * polynomial<6>(z, arctangent_series)};
+    } else {
+        const double_pair top = two_sum(n, -c * d), bottom = two_sum(d, c * n);
+        const double inverse = 1 / bottom.high;
+        const double u = top.high * inverse;
+        const double_pair back = two_product(u, bottom.high);
+        const double rest = (((top.high - back.high) - back.low) + (top.low - u * bottom.low)) * inverse;
+        const double z = u * u;
+        const double_pair whole = two_sum(known[i].high, u);
+        return {whole.high, whole.low + (known[i].low + (rest + u * z * polynomial<7>(z, arctangent_series)))};
+    }
+}
+
+template <bool Precise>
+constexpr double arctangent2(double y, double x) {
+    if (x != x || y != y) return not_a_number;
+    const bool y_negative = std::bit_cast<std::uint64_t>(y) >> 63 != 0;
+    const bool x_negative = std::bit_cast<std::uint64_t>(x) >> 63 != 0;
+    double height = y_negative ? -y : y, width = x_negative ? -x : x;
+    if (height == infinite || width == infinite) {
+        const bool both = height == width;
+        height = both || height == infinite ? 1 : 0;
+        width = both || height == 0 ? 1 : 0;
+    }
+    const bool steep = height > width;
+    double shorter = steep ? width : height, longer = steep ? height : width;
+    const double_pair base = steep ? half_pi_pair : pi_pair;
+    const double sign = y_negative ? -1 : 1;
+    if (shorter <= longer * 0x1p-60) {
+        if (steep || x_negative) return sign * base.high;
+        return height == 0 ? sign * 0.0 : sign * (height / width);
+    }
+    if constexpr (Precise) {
+        const double scale = longer > 0x1p400 ? 0x1p-600 : longer < 0x1p-400 ? 0x1p600 : 1;
+        shorter *= scale;
+        longer *= scale;
+    }
+    const double_pair angle = arctangent<Precise>(shorter, longer);
+    if (!steep && !x_negative) return sign * sum(angle);
+    const double turn = steep && x_negative ? 1 : -1;
+    const double_pair total = two_sum(base.high, turn * angle.high);
+    return sign * (total.high + (total.low + (base.low + turn * angle.low)));
+}
+
+/// asin(root) - root for root = sqrt(z) <= 1/2.
+constexpr double arcsine_tail(double root, double z) { return root * z * polynomial<13>(z, arcsine_series); }
+/// asin(sqrt(z)) for 0 < z <= 1/4, with the part of the root that a double can't hold.
+template <bool Precise>
+inline double_pair arcsine_of_root(double z) {
+    const double root = hardware_root(z);
+    double tail = arcsine_tail(root, z);
+    if constexpr (Precise) {
+        const double_pair square = two_product(root, root);
+        tail += ((z - square.high) - square.low) / (2 * root);
+    }
+    return {root, tail};
+}
+/// Near the ends acos x = 2 asin(sqrt((1 - x) / 2)), whose argument is exact under the root.
+template <bool Precise>
+inline double arccosine(double x) {
+    const double size = x < 0 ? -x : x;
+    if (!(size <= 1)) return not_a_number;
+    if (size <= 0.5) return half_pi_pair.high - (x - (half_pi_pair.low - arcsine_tail(x, x * x)));
+    if (size == 1) return x < 0 ? pi_pair.high : 0;
+    const double_pair half = arcsine_of_root<Precise>(0.5 * (1 - size));
+    if (x > 0) return 2 * sum(half);
+    return pi_pair.high - 2 * (half.high + (half.low - 0.5 * pi_pair.low));
+}
+template <bool Precise>
+inline double arcsine(double x) {
+    const double size = x < 0 ? -x : x;
+    if (!(size <= 1)) return not_a_number;
+    if (tiny(x)) return x;
+    if (size <= 0.5) return x + arcsine_tail(x, x * x);
+    if (size == 1) return x < 0 ? -half_pi_pair.high : half_pi_pair.high;
+    const double_pair half = arcsine_of_root<Precise>(0.5 * (1 - size));
+    const double_pair rest = two_sum(half_pi_pair.high, -2 * half.high);
+    const double value = rest.high + (rest.low + (half_pi_pair.low - 2 * half.low));
+    return x < 0 ? -value : value;
+}
+
+/// exp(n log 2 + r) = 2^n exp(r), |r| <= log(2)/2 (Cody & Waite 1980).
+template <bool Precise>
+constexpr double exponential(double x) {
+    if (x != x) return not_a_number;
+    if (x > 709.8) return infinite;
+    if (x < -745.2) return 0;
+    const int n = nearest_int(x * 0x1.71547652b82fep+0);
+    const double turns = static_cast<double>(n);
+    double_pair r{x - turns * 0x1.62e42fefa39efp-1, 0};
+    if constexpr (Precise) r = two_sum(x - turns * 0x1.62e42fefa38p-1, -(turns * 0x1.ef35793c7673p-45));
+    const double square = r.high * r.high * polynomial < Precise ? 10 : 8 > (r.high, exp_series);
+    const double_pair head = fast_two_sum(1, r.high);
+    const double value = head.high + (head.low + (r.low + square));
+    // In two steps, since 2^n alone may leave the range of double; the second step rounds subnormal results.
+    return value * power_of_two(n / 2) * power_of_two(n - n / 2);
+}
+
+/// log(2^n m) = n log 2 + log(1 + f), sqrt(1/2) <= m < sqrt(2). With s = f / (2 + f), log(1 + f) = 2 atanh(s)
+/// = 2 s + s R(s^2) and 2 s = f - s f, hence = f - s (f - R) = f - f^2/2 + s (f^2/2 + R): the large terms
+/// are exact or nearly so.
+template <bool Precise>
+constexpr double logarithm(double x) {
+    if (!(x > 0)) return x == 0 ? -infinite : not_a_number;
+    if (x == infinite) return infinite;
+    int n = -1023;
+    if (x < 0x1p-1022) {
+        x *= 0x1p54;
+        n -= 54;
+    }
+    constexpr std::uint64_t root_half = 0x3fe6a09e667f3bcd, one = 0x3ff0000000000000;
+    const std::uint64_t word = std::bit_cast<std::uint64_t>(x) - root_half + one;
+    n += static_cast<int>(word >> 52);
+    const double m = std::bit_cast<double>((word & 0xfffffffffffff) + root_half);
+    const double turns = static_cast<double>(n);
+    const double f = m - 1;
+    const double s = f / (2 + f);
+    const double z = s * s;
+    const double tail = z * polynomial < Precise ? 7 : 6 > (z, log_series);
+    if constexpr (!Precise) return turns * 0x1.62e42fefa39efp-1 + (f - s * (f - tail));
+    const double half = 0.5 * f * f;
+    const double_pair head = two_sum(turns * 0x1.62e42fefa38p-1, f);
+    return head.high + (head.low - (half - (s * (half + tail) + turns * 0x1.ef35793c7673p-45)));
+}
+
+/// The largest integer not above x.
+template <class Real>
+constexpr Real floor_of(Real x) {
+    using Integer = std::conditional_t<sizeof(Real) == 4, std::int32_t, std::int64_t>;
+    constexpr Real whole = Real(1) / std::numeric_limits<Real>::epsilon();
+    if (!(x < whole && x > -whole) || x == 0) return x;
+    const Real cut = static_cast<Real>(static_cast<Integer>(x));
+    return cut > x ? cut - 1 : cut;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/base/scalar.hpp
+// =================================================================================================
+// What a number type must offer to run the engine, and the few operations in which number types differ.
+
+PHYSICS_HPP_BEGIN
+
+/// Facts about a scalar type. Specialise it for your own:
+///   wide       holds products and sums of products without rounding, where the type can; else the scalar itself
+///   inverse    holds inverse masses and inertias: finer than the scalar where that is fixed point
+///   name()     for tables and cell names
+///   epsilon()  the spacing of numbers next to 1
+///   max()      the largest number
+///   is_finite(x)
+///   bits(x)    equal numbers give equal bits, for hashing; both zeros give 0
+///   sqrt, floor, sin, cos, tan, exp, log, acos (x) and atan2(y, x), needed only of types the library does not
+///   know (see math.hpp)
+template <class S>
+struct scalar_traits;
+
+template <std::floating_point S>
+    requires(!std::same_as<S, long double>)
+struct scalar_traits<S> {
+    using wide = S;
+    using inverse = S;
+    static constexpr const char* name() { return sizeof(S) == 4 ? "float" : "double"; }
+    static constexpr S epsilon() { return std::numeric_limits<S>::epsilon(); }
+    static constexpr S max() { return std::numeric_limits<S>::max(); }
+    static constexpr bool is_finite(S x) { return x - x == S(0); }
+    static std::uint64_t bits(S x) {
+        if (x == S(0)) return 0;
+        std::uint64_t result = 0;
+        if constexpr (sizeof(S) == 4) {
+            std::uint32_t word = 0;
+            std::memcpy(&word, &x, sizeof x);
+            result = word;
+        } else {
+            std::memcpy(&result, &x, sizeof x);
+        }
+        return result;
+    }
+};
+
+template <class Rep, int FractionBits>
+struct scalar_traits<fixed<Rep, FractionBits>> {
+    using scalar = fixed<Rep, FractionBits>;
+    using wide = wide_fixed<detail::product_integer<Rep, Rep>, 2 * FractionBits>;
+    /// Q24.40 for every format: inverse masses from 1e-12 to 8e6.
+    using inverse = fixed<std::int64_t, 40>;
+    static constexpr const char* name() {
+        if constexpr (std::is_same_v<scalar, fixed32>) return "fixed32";
+        else if constexpr (std::is_same_v<scalar, fixed16>) return "fixed16";
+        else if constexpr (std::is_same_v<scalar, fixed48>) return "fixed48";
+        else return "fixed";
+    }
+    static constexpr scalar epsilon() { return scalar::from_raw(1); }
+    static constexpr scalar max() { return scalar::from_raw(std::numeric_limits<Rep>::max()); }
+    static constexpr bool is_finite(scalar) { return true; }
+    static constexpr std::uint64_t bits(scalar x) { return static_cast<std::uint64_t>(static_cast<std::int64_t>(x.raw())); }
+};
+
+/// A number type that the engine can run on. It asks only what fixed point can give: explicit construction
+/// from int and double, conversion to double for messages, order, + - * /, and scalar_traits. No implicit
+/// conversion, no infinity, no NaN.
+template <class S>
+concept scalar_type = std::regular<S> && std::totally_ordered<S> && requires(S a, const S b) {
+    S(1);
+    S(0.5);
+    { static_cast<double>(b) } -> std::same_as<double>;
+    { a + b } -> std::same_as<S>;
+    { a - b } -> std::same_as<S>;
+    { a * b } -> std::same_as<S>;
+    { a / b } -> std::same_as<S>;
+    { -b } -> std::same_as<S>;
+    a += b;
+    a -= b;
+    a *= b;
+    a /= b;
+    typename scalar_traits<S>::wide;
+    typename scalar_traits<S>::inverse;
+    { scalar_traits<S>::epsilon() } -> std::same_as<S>;
+    { scalar_traits<S>::max() } -> std::same_as<S>;
+    { scalar_traits<S>::is_finite(b) } -> std::same_as<bool>;
+    { scalar_traits<S>::bits(b) } -> std::same_as<std::uint64_t>;
+} && !std::integral<S>;
+
+/// The type of exact products of S.
+template <class S>
+using wide_of = typename scalar_traits<S>::wide;
+/// The type of inverse masses and inertias of S.
+template <class S>
+using inverse_of = typename scalar_traits<S>::inverse;
+
+namespace detail {
+/// Scalars whose products have the scalar's own type.
+template <class S>
+concept self_wide = std::same_as<wide_of<S>, S>;
+}  // namespace detail
+
+/// a * b without rounding where S can.
+template <detail::self_wide S>
+constexpr S product(S a, S b) {
+    return a * b;
+}
+/// A wide number as R, rounded once.
+template <class R>
+    requires detail::self_wide<R>
+constexpr R narrow(R a) {
+    return a;
+}
+/// numerator / denominator as R, rounded once; each may be wide.
+template <class R>
+    requires detail::self_wide<R>
+constexpr R quotient(R numerator, R denominator) {
+    return numerator / denominator;
+}
+/// a * b rounded once to R; the operands may be a scalar and its inverse type.
+template <class R, class A, class B>
+constexpr R mul(A a, B b) {
+    return narrow<R>(product(a, b));
+}
+/// 1 / a rounded once to R.
+template <class R, class A>
+constexpr R reciprocal(A a) {
+    return quotient<R>(A(1), a);
+}
+/// a as a wide number, to compare with products.
+template <scalar_type S>
+constexpr wide_of<S> widen(S a) {
+    return product(a, S(1));
+}
+
+template <scalar_type S>
+constexpr S min(S a, S b) {
+    return b < a ? b : a;
+}
+template <scalar_type S>
+constexpr S max(S a, S b) {
+    return a < b ? b : a;
+}
+template <scalar_type S>
+constexpr S clamp(S x, S low, S high) {
+    return x < low ? low : (high < x ? high : x);
+}
+template <scalar_type S>
+constexpr S abs(S x) {
+    return x < S(0) ? -x : x;
+}
+template <scalar_type S>
+constexpr bool is_finite(S x) {
+    return scalar_traits<S>::is_finite(x);
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/base/math.hpp
+// =================================================================================================
+// Elementary functions and constants for every scalar: the same bits on every compiler and processor.
+
+PHYSICS_HPP_BEGIN
+
+// Errors are in units in the last place of the result and hold over the whole range, huge arguments included.
+//   float   computed in double, rounded once: <= 0.501 ulp
+//   double  <= 1 ulp; sqrt <= 0.5
+//   fixed   sqrt <= 0.5 ulp; the others <= 0.51 where the format has up to 48 fraction bits and the result at
+//           most 56 bits, <= 2 at the limits of the representation. A result out of range saturates, and the
+//           audit counts it.
+// Cost, on one core of 2022: float 3-10 ns, double 4-19, Q32.32 7-33; two to four times that for fixed point where
+// there is no __int128.
+// Float and double take and return infinities, NaN, signed zeros and subnormal numbers as IEEE 754 has it.
+// Fixed point has no NaN: an argument outside the domain gives what is said below, and the audit counts it.
+// Scalars of your own go to scalar_traits<S>.
+
+namespace detail {
+template <class S>
+inline constexpr bool is_fixed = false;
+template <class Rep, int FractionBits>
+inline constexpr bool is_fixed<fixed<Rep, FractionBits>> = true;
+/// Double keeps the tails of its results, float needs none.
+template <class S>
+inline constexpr bool is_precise = sizeof(S) > sizeof(float);
+
+/// pi * 2^shift in S, to nearest; saturates.
+template <class S>
+constexpr S pi_times(int shift) {
+    const double factor = shift == 0 ? 1 : shift < 0 ? 0.5 : 2;
+    if constexpr (is_fixed<S>) {
+        const uint128 twice = words128(0x6487ed5110b4611a, 0x62633145c06e0e68);  // 2 pi as a count of 2^-124
+        return S::from_raw(
+            signed_saturating<typename S::rep>(false, rounded<S::fraction_bits, 124>(twice >> (1 - shift))));
+    } else {
+        return S(3.14159265358979323846 * factor);
+    }
+}
+}  // namespace detail
+
+/// The circle constant, correctly rounded. A format too small for it gets its largest number.
+template <class S>
+inline const S pi = detail::pi_times<S>(0);
+template <std::floating_point S>
+inline constexpr S pi<S> = detail::pi_times<S>(0);
+template <class Rep, int FractionBits>
+inline constexpr fixed<Rep, FractionBits> pi<fixed<Rep, FractionBits>> = detail::pi_times<fixed<Rep, FractionBits>>(0);
+
+/// A quarter turn in radians, correctly rounded.
+template <class S>
+inline const S half_pi = detail::pi_times<S>(-1);
+template <std::floating_point S>
+inline constexpr S half_pi<S> = detail::pi_times<S>(-1);
+template <class Rep, int FractionBits>
+inline constexpr fixed<Rep, FractionBits> half_pi<fixed<Rep, FractionBits>> =
+    detail::pi_times<fixed<Rep, FractionBits>>(-1);
+
+/// A full turn in radians, correctly rounded. A format too small for it gets its largest number.
+template <class S>
+inline const S two_pi = detail::pi_times<S>(1);
+template <std::floating_point S>
+inline constexpr S two_pi<S> = detail::pi_times<S>(1);
+template <class Rep, int FractionBits>
+inline constexpr fixed<Rep, FractionBits> two_pi<fixed<Rep, FractionBits>> =
+    detail::pi_times<fixed<Rep, FractionBits>>(1);
+
+/// The square root, correctly rounded. Negative numbers: NaN, in fixed point 0.
+template <scalar_type S>
+constexpr S sqrt(S x) {
+    if constexpr (std::floating_point<S>)
+        return detail::hardware_root(x);
+    else if constexpr (detail::is_fixed<S>)
+        return S::from_raw(detail::fixed_root<typename S::rep, S::fraction_bits>(x.raw()));
+    else
+        return scalar_traits<S>::sqrt(x);
+}
+/// The square root of a wide number, for scalars that are their own wide type.
+template <class R>
+    requires detail::self_wide<R>
+constexpr R root(R a) { return sqrt(a); }
+
+/// The largest whole number not above x.
+template <scalar_type S>
+constexpr S floor(S x) {
+    if constexpr (std::floating_point<S>)
+        return detail::floor_of(x);
+    else if constexpr (detail::is_fixed<S>)
+        return S::from_raw(x.raw() >> S::fraction_bits << S::fraction_bits);
+    else
+        return scalar_traits<S>::floor(x);
+}
+
+/// The sine of x radians. Cody & Waite (1980) reduction, Payne & Hanek (1983) for huge arguments.
+template <scalar_type S>
+constexpr S sin(S x) {
+    if constexpr (std::floating_point<S>)
+        return static_cast<S>(detail::sine<detail::is_precise<S>>(x));
+    else if constexpr (detail::is_fixed<S>)
+        return S::from_raw(detail::fixed_sine<typename S::rep, S::fraction_bits>(x.raw()));
+    else
+        return scalar_traits<S>::sin(x);
+}
+/// The cosine of x radians.
+template <scalar_type S>
+constexpr S cos(S x) {
+    if constexpr (std::floating_point<S>)
+        return static_cast<S>(detail::cosine<detail::is_precise<S>>(x));
+    else if constexpr (detail::is_fixed<S>)
+        return S::from_raw(detail::fixed_cosine<typename S::rep, S::fraction_bits>(x.raw()));
+    else
+        return scalar_traits<S>::cos(x);
+}
+
+/// A sine and the cosine of the same angle.
+template <class S>
+struct sine_cosine_of {
+    S sine;
+    S cosine;
+};
+/// Both at once, the same numbers as sin and cos, for less than the price of two calls.
+template <scalar_type S>
+constexpr sine_cosine_of<S> sine_cosine(S x) {
+    if constexpr (std::floating_point<S>) {
+        const detail::double_pair both = detail::sine_and_cosine<detail::is_precise<S>>(x);
+        return {static_cast<S>(both.high), static_cast<S>(both.low)};
+    } else if constexpr (detail::is_fixed<S>) {
+        typename S::rep sine = 0, cosine = 0;
+        detail::fixed_sine_and_cosine<typename S::rep, S::fraction_bits>(x.raw(), sine, cosine);
+        return {S::from_raw(sine), S::from_raw(cosine)};
+    } else {
+        return {scalar_traits<S>::sin(x), scalar_traits<S>::cos(x)};
+    }
+}
+
+/// The tangent of x radians.
+template <scalar_type S>
+constexpr S tan(S x) {
+    if constexpr (std::floating_point<S>)
+        return static_cast<S>(detail::tangent<detail::is_precise<S>>(x));
+    else if constexpr (detail::is_fixed<S>)
+        return S::from_raw(detail::fixed_tangent<typename S::rep, S::fraction_bits>(x.raw()));
+    else
+        return scalar_traits<S>::tan(x);
+}
+
+/// The angle of the vector (x, y) in radians, -pi to pi; 0 for the zero vector of fixed point, by the signs of
+/// the zeros for float and double.
+template <scalar_type S>
+constexpr S atan2(S y, S x) {
+    if constexpr (std::floating_point<S>)
+        return static_cast<S>(detail::arctangent2<detail::is_precise<S>>(y, x));
+    else if constexpr (detail::is_fixed<S>)
+        return S::from_raw(detail::fixed_arctangent2<typename S::rep, S::fraction_bits>(y.raw(), x.raw()));
+    else
+        return scalar_traits<S>::atan2(y, x);
+}
+
+/// The angle from 0 to pi with cosine x. |x| > 1: NaN, in fixed point as 1 or -1.
+template <scalar_type S>
+constexpr S acos(S x) {
+    if constexpr (std::floating_point<S>)
+        return static_cast<S>(detail::arccosine<detail::is_precise<S>>(x));
+    else if constexpr (detail::is_fixed<S>)
+        return S::from_raw(detail::fixed_arccosine<typename S::rep, S::fraction_bits>(x.raw()));
+    else
+        return scalar_traits<S>::acos(x);
+}
+/// The angle from -pi/2 to pi/2 with sine x. |x| > 1: NaN, in fixed point as 1 or -1.
+template <scalar_type S>
+constexpr S asin(S x) {
+    if constexpr (std::floating_point<S>)
+        return static_cast<S>(detail::arcsine<detail::is_precise<S>>(x));
+    else if constexpr (detail::is_fixed<S>)
+        return S::from_raw(detail::fixed_arcsine<typename S::rep, S::fraction_bits>(x.raw()));
+    else
+        return scalar_traits<S>::atan2(x, scalar_traits<S>::sqrt((S(1) - x) * (S(1) + x)));
+}
+
+/// e^x. Overflow: infinity, in fixed point the largest number.
+template <scalar_type S>
+constexpr S exp(S x) {
+    if constexpr (std::floating_point<S>)
+        return static_cast<S>(detail::exponential<detail::is_precise<S>>(x));
+    else if constexpr (detail::is_fixed<S>)
+        return S::from_raw(detail::fixed_exponential<typename S::rep, S::fraction_bits>(x.raw()));
+    else
+        return scalar_traits<S>::exp(x);
+}
+/// The natural logarithm. Of 0: -infinity, in fixed point the smallest number; of negative numbers: NaN, in
+/// fixed point 0.
+template <scalar_type S>
+constexpr S log(S x) {
+    if constexpr (std::floating_point<S>)
+        return static_cast<S>(detail::logarithm<detail::is_precise<S>>(x));
+    else if constexpr (detail::is_fixed<S>)
+        return S::from_raw(detail::fixed_logarithm<typename S::rep, S::fraction_bits>(x.raw()));
+    else
+        return scalar_traits<S>::log(x);
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/base/pack.hpp
+// =================================================================================================
+// Lanes: W scalars that go through the same arithmetic, in vector registers where the target has them.
+
+// The widest vector register that this unit may use, in bytes; 0 where there is none that keeps IEEE 754 (32-bit
+// ARM flushes subnormals) or where the compiler has no vector types: lanes are then plain scalars.
+#if !defined(__GNUC__) && !defined(__clang__)
+#define PHYSICS_HPP_VECTOR_BYTES 0
+#elif defined(__AVX2__)
+#define PHYSICS_HPP_VECTOR_BYTES 32
+#elif defined(__SSE2__) || defined(__aarch64__) || defined(__wasm_simd128__) || defined(__VSX__)
+#define PHYSICS_HPP_VECTOR_BYTES 16
+#else
+#define PHYSICS_HPP_VECTOR_BYTES 0
+#endif
+
+// For lanes and the kernels made of them, never for what users call: gcc contracts a * b + c again where an
+// always_inline function lands in code outside the determinism region. Within it, forced inlining keeps packs in
+// registers at every optimisation level, and makes calls between functions of different targets harmless.
+#if defined(__GNUC__) || defined(__clang__)
+#define PHYSICS_HPP_ALWAYS_INLINE inline __attribute__((always_inline))
+#elif defined(_MSC_VER)
+#define PHYSICS_HPP_ALWAYS_INLINE __forceinline
+#else
+#define PHYSICS_HPP_ALWAYS_INLINE inline
+#endif
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+inline constexpr int vector_bytes = PHYSICS_HPP_VECTOR_BYTES;
+
+/// The number of lanes that fill one vector register of that many bytes: 4 or 8 for float, 2 or 4 for double, 1 for
+/// all other scalars.
+template <class S, int Bytes = vector_bytes>
+inline constexpr int native_width =
+    (std::is_same_v<S, float> || std::is_same_v<S, double>) && Bytes >= 16 ? Bytes / static_cast<int>(sizeof(S)) : 1;
+
+/// Whether W lanes are one vector; one lane is a scalar, and all other packs are made of two halves.
+template <class S, int W, int Bytes>
+inline constexpr bool is_vector = W > 1 && W <= native_width<S, Bytes> && W * sizeof(S) >= 16;
+
+template <class S, int W>
+struct lane_storage {
+#if PHYSICS_HPP_VECTOR_BYTES > 0
+    typedef S type __attribute__((vector_size(W * sizeof(S))));
+    typedef S unaligned __attribute__((vector_size(W * sizeof(S)), aligned(alignof(S)), may_alias));
+    typedef S aligned __attribute__((vector_size(W * sizeof(S)), may_alias));
+#endif
+};
+template <class S>
+struct lane_storage<S, 1> {
+    using type = S;
+};
+
+/// W scalars, a power of two, that go through the same arithmetic: lane i of a result is what the scalar operation
+/// gives for lane i of the operands, bit for bit, at any width and any Bytes (only the sign and the payload of a NaN
+/// are left open). In memory it is an array of W scalars; trivially copyable where S is. Operands are references since
+/// by value unoptimised builds copy them (1.5 to 4 times slower) and gcc warns of vectors wider than the unit's.
+///
+/// Internal machinery of kernels: use it only between PHYSICS_HPP_BEGIN and PHYSICS_HPP_END (see
+/// PHYSICS_HPP_ALWAYS_INLINE). A kernel for wider registers than the unit's is a noinline function with, say,
+/// target("avx2"), without fma, that takes pointers only and works on pack<S, W, 32>.
+template <class S, int W, int Bytes = vector_bytes>
+struct pack {
+    static_assert(W > 1 && (W & (W - 1)) == 0, "physics::detail::pack: the width must be a power of two");
+    using scalar = S;
+    using half = pack<S, W / 2, Bytes>;
+    static constexpr int width = W;
+
+    half low, high;
+
+    /// x in every lane.
+    PHYSICS_HPP_ALWAYS_INLINE static pack broadcast(S x) { return {half::broadcast(x), half::broadcast(x)}; }
+    /// W scalars in a row, at any address.
+    PHYSICS_HPP_ALWAYS_INLINE static pack load(const S* from) { return {half::load(from), half::load(from + W / 2)}; }
+    /// W scalars in a row, at a multiple of alignof(pack).
+    PHYSICS_HPP_ALWAYS_INLINE static pack load_aligned(const S* from) {
+        return {half::load_aligned(from), half::load_aligned(from + W / 2)};
+    }
+    PHYSICS_HPP_ALWAYS_INLINE void store(S* to) const {
+        low.store(to);
+        high.store(to + W / 2);
+    }
+    PHYSICS_HPP_ALWAYS_INLINE void store_aligned(S* to) const {
+        low.store_aligned(to);
+        high.store_aligned(to + W / 2);
+    }
+    /// For messages, tests and rare paths: a kernel that picks lanes is slower than one without packs.
+    PHYSICS_HPP_ALWAYS_INLINE S lane(int i) const { return i < W / 2 ? low.lane(i) : high.lane(i - W / 2); }
+    /// Writes one scalar, to fill the lanes of a block in memory one by one.
+    PHYSICS_HPP_ALWAYS_INLINE void set_lane(int i, S x) { (i < W / 2 ? low : high).set_lane(i & (W / 2 - 1), x); }
+
+    PHYSICS_HPP_ALWAYS_INLINE friend pack operator+(const pack& a, const pack& b) {
+        return {a.low + b.low, a.high + b.high};
+    }
+    PHYSICS_HPP_ALWAYS_INLINE friend pack operator-(const pack& a, const pack& b) {
+        return {a.low - b.low, a.high - b.high};
+    }
+    PHYSICS_HPP_ALWAYS_INLINE friend pack operator*(const pack& a, const pack& b) {
+        return {a.low * b.low, a.high * b.high};
+    }
+    PHYSICS_HPP_ALWAYS_INLINE friend pack operator/(const pack& a, const pack& b) {
+        return {a.low / b.low, a.high / b.high};
+    }
+    PHYSICS_HPP_ALWAYS_INLINE friend pack operator-(const pack& a) { return {-a.low, -a.high}; }
+    PHYSICS_HPP_ALWAYS_INLINE pack& operator+=(const pack& b) { return *this = *this + b; }
+    PHYSICS_HPP_ALWAYS_INLINE pack& operator-=(const pack& b) { return *this = *this - b; }
+    PHYSICS_HPP_ALWAYS_INLINE pack& operator*=(const pack& b) { return *this = *this * b; }
+    PHYSICS_HPP_ALWAYS_INLINE pack& operator/=(const pack& b) { return *this = *this / b; }
+
+    PHYSICS_HPP_ALWAYS_INLINE friend pack min(const pack& a, const pack& b) {
+        return {min(a.low, b.low), min(a.high, b.high)};
+    }
+    PHYSICS_HPP_ALWAYS_INLINE friend pack max(const pack& a, const pack& b) {
+        return {max(a.low, b.low), max(a.high, b.high)};
+    }
+    PHYSICS_HPP_ALWAYS_INLINE friend pack sqrt(const pack& a) { return {sqrt(a.low), sqrt(a.high)}; }
+    /// a > b ? x : y in each lane; y where a or b is NaN.
+    template <class T>
+    PHYSICS_HPP_ALWAYS_INLINE friend pack<T, W, Bytes> select_greater(const pack& a, const pack& b,
+                                                                     const pack<T, W, Bytes>& x,
+                                                                     const pack<T, W, Bytes>& y) {
+        return {select_greater(a.low, b.low, x.low, y.low), select_greater(a.high, b.high, x.high, y.high)};
+    }
+    /// The lanes' products without rounding where S can: the twin of product(S, S).
+    template <class T>
+    PHYSICS_HPP_ALWAYS_INLINE friend auto product(const pack& a, const pack<T, W, Bytes>& b) {
+        using result = typename decltype(product(a.low, b.low))::scalar;
+        return pack<result, W, Bytes>{product(a.low, b.low), product(a.high, b.high)};
+    }
+    /// The lanes of products, and sums of such, rounded once to R: the twin of narrow<R>(wide).
+    template <class R>
+    PHYSICS_HPP_ALWAYS_INLINE friend pack<R, W, Bytes> narrow(const pack& a) {
+        return {narrow<R>(a.low), narrow<R>(a.high)};
+    }
+    /// a * b rounded once to R; the operands may be a scalar and its inverse type.
+    template <class R, class T>
+    PHYSICS_HPP_ALWAYS_INLINE friend pack<R, W, Bytes> mul(const pack& a, const pack<T, W, Bytes>& b) {
+        return narrow<R>(product(a, b));
+    }
+};
+
+/// One scalar, or one vector: compilers give both the same operators, and turn the ternaries into min, max and blend.
+template <class S, int W, int Bytes>
+    requires(W == 1 || is_vector<S, W, Bytes>)
+struct pack<S, W, Bytes> {
+    using scalar = S;
+    using storage = typename lane_storage<S, W>::type;
+    static constexpr int width = W;
+
+    storage value;
+
+    PHYSICS_HPP_ALWAYS_INLINE static pack broadcast(S x) {
+        if constexpr (W == 1) return {x};
+        else if constexpr (W == 2) return {storage{x, x}};
+        else if constexpr (W == 4) return {storage{x, x, x, x}};
+        else return {storage{x, x, x, x, x, x, x, x}};
+    }
+    PHYSICS_HPP_ALWAYS_INLINE static pack load(const S* from) {
+        if constexpr (W == 1) return {*from};
+        else return {*reinterpret_cast<const typename lane_storage<S, W>::unaligned*>(from)};
+    }
+    PHYSICS_HPP_ALWAYS_INLINE static pack load_aligned(const S* from) {
+        if constexpr (W == 1) return {*from};
+        else return {*reinterpret_cast<const typename lane_storage<S, W>::aligned*>(from)};
+    }
+    PHYSICS_HPP_ALWAYS_INLINE void store(S* to) const {
+        if constexpr (W == 1) *to = value;
+        else *reinterpret_cast<typename lane_storage<S, W>::unaligned*>(to) = value;
+    }
+    PHYSICS_HPP_ALWAYS_INLINE void store_aligned(S* to) const {
+        if constexpr (W == 1) *to = value;
+        else *reinterpret_cast<typename lane_storage<S, W>::aligned*>(to) = value;
+    }
+    PHYSICS_HPP_ALWAYS_INLINE S lane([[maybe_unused]] int i) const {
+        if constexpr (W == 1) return value;
+        else return value[i];
+    }
+    PHYSICS_HPP_ALWAYS_INLINE void set_lane([[maybe_unused]] int i, S x) {
+        // Not value[i] = x, which clang makes a load, an insertion and a store of the whole vector.
+        if constexpr (W == 1) value = x;
+        else std::memcpy(reinterpret_cast<char*>(&value) + i * static_cast<int>(sizeof x), &x, sizeof x);
+    }
+
+    PHYSICS_HPP_ALWAYS_INLINE friend pack operator+(const pack& a, const pack& b) { return {a.value + b.value}; }
+    PHYSICS_HPP_ALWAYS_INLINE friend pack operator-(const pack& a, const pack& b) { return {a.value - b.value}; }
+    PHYSICS_HPP_ALWAYS_INLINE friend pack operator*(const pack& a, const pack& b) { return {a.value * b.value}; }
+    PHYSICS_HPP_ALWAYS_INLINE friend pack operator/(const pack& a, const pack& b) { return {a.value / b.value}; }
+    PHYSICS_HPP_ALWAYS_INLINE friend pack operator-(const pack& a) { return {-a.value}; }
+    PHYSICS_HPP_ALWAYS_INLINE pack& operator+=(const pack& b) { return *this = *this + b; }
+    PHYSICS_HPP_ALWAYS_INLINE pack& operator-=(const pack& b) { return *this = *this - b; }
+    PHYSICS_HPP_ALWAYS_INLINE pack& operator*=(const pack& b) { return *this = *this * b; }
+    PHYSICS_HPP_ALWAYS_INLINE pack& operator/=(const pack& b) { return *this = *this / b; }
+
+    PHYSICS_HPP_ALWAYS_INLINE friend pack min(const pack& a, const pack& b) {
+        return {b.value < a.value ? b.value : a.value};
+    }
+    PHYSICS_HPP_ALWAYS_INLINE friend pack max(const pack& a, const pack& b) {
+        return {a.value < b.value ? b.value : a.value};
+    }
+    PHYSICS_HPP_ALWAYS_INLINE friend pack sqrt(const pack& a) {
+        if constexpr (W == 1) return {physics::sqrt(a.value)};
+        else return {vector_sqrt(a)};
+    }
+    template <class T>
+    PHYSICS_HPP_ALWAYS_INLINE friend pack<T, W, Bytes> select_greater(const pack& a, const pack& b,
+                                                                     const pack<T, W, Bytes>& x,
+                                                                     const pack<T, W, Bytes>& y) {
+        return {a.value > b.value ? x.value : y.value};
+    }
+    template <class T>
+    PHYSICS_HPP_ALWAYS_INLINE friend auto product(const pack& a, const pack<T, W, Bytes>& b) {
+        using physics::product;
+        if constexpr (W > 1) return a * b;
+        else return pack<decltype(product(a.value, b.value)), W, Bytes>{product(a.value, b.value)};
+    }
+    template <class R>
+    PHYSICS_HPP_ALWAYS_INLINE friend pack<R, W, Bytes> narrow(const pack& a) {
+        using physics::narrow;
+        if constexpr (W > 1) return a;
+        else return {narrow<R>(a.value)};
+    }
+    template <class R, class T>
+    PHYSICS_HPP_ALWAYS_INLINE friend pack<R, W, Bytes> mul(const pack& a, const pack<T, W, Bytes>& b) {
+        return narrow<R>(product(a, b));
+    }
+};
+
+#if PHYSICS_HPP_VECTOR_BYTES > 0
+
+#if defined(__has_builtin)
+#if __has_builtin(__builtin_shufflevector)
+#define PHYSICS_HPP_SHUFFLE(a, b, ...) __builtin_shufflevector(a, b, __VA_ARGS__)
+#endif
+#if __has_builtin(__builtin_elementwise_sqrt)
+#define PHYSICS_HPP_ELEMENTWISE_SQRT
+#endif
+#endif
+#ifndef PHYSICS_HPP_SHUFFLE  // gcc before 12
+#define PHYSICS_HPP_SHUFFLE(a, b, ...) __builtin_shuffle(a, b, decltype((a) < (b)){__VA_ARGS__})
+#define PHYSICS_HPP_NO_SHUFFLEVECTOR
+#endif
+
+/// One vector from two of half its size.
+template <class P, class S = typename P::scalar>
+PHYSICS_HPP_ALWAYS_INLINE P join(const pack<S, P::width / 2, 16>& low, const pack<S, P::width / 2, 16>& high) {
+#ifdef PHYSICS_HPP_NO_SHUFFLEVECTOR
+    const pack<S, P::width / 2, 16> halves[2] = {low, high};
+    return P::load(reinterpret_cast<const S*>(halves));
+#else
+    if constexpr (P::width == 4) return {PHYSICS_HPP_SHUFFLE(low.value, high.value, 0, 1, 2, 3)};
+    else return {PHYSICS_HPP_SHUFFLE(low.value, high.value, 0, 1, 2, 3, 4, 5, 6, 7)};
+#endif
+}
+
+/// The lower or upper half of a vector.
+template <bool Upper, class S, int W, int Bytes>
+PHYSICS_HPP_ALWAYS_INLINE pack<S, W / 2, 16> half_of(const pack<S, W, Bytes>& a) {
+#ifdef PHYSICS_HPP_NO_SHUFFLEVECTOR
+    S lanes[W];
+    a.store(lanes);
+    return pack<S, W / 2, 16>::load(lanes + (Upper ? W / 2 : 0));
+#else
+    constexpr int first = Upper ? W / 2 : 0;
+    if constexpr (W == 4) return {PHYSICS_HPP_SHUFFLE(a.value, a.value, first, first + 1)};
+    else return {PHYSICS_HPP_SHUFFLE(a.value, a.value, first, first + 1, first + 2, first + 3)};
+#endif
+}
+
+/// The root of each lane by the target's own instruction: a loop over scalar roots stays scalar, with calls of libm.
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE P vector_sqrt(const P& a) {
+    using S = typename P::scalar;
+    if constexpr (P::width * sizeof(S) == 32) {
+        // Two steps here as well: the 32-byte instruction can't be named in code for targets without it.
+        return join<P>(vector_sqrt(half_of<false>(a)), vector_sqrt(half_of<true>(a)));
+    } else {
+#ifdef PHYSICS_HPP_ELEMENTWISE_SQRT
+        return {__builtin_elementwise_sqrt(a.value)};
+#elif defined(__SSE2__)
+        if constexpr (sizeof(S) == 4) return {__builtin_ia32_sqrtps(a.value)};
+        else return {__builtin_ia32_sqrtpd(a.value)};
+#elif defined(__aarch64__)
+        P root;
+        if constexpr (sizeof(S) == 4) __asm__("fsqrt %0.4s, %1.4s" : "=w"(root.value) : "w"(a.value));
+        else __asm__("fsqrt %0.2d, %1.2d" : "=w"(root.value) : "w"(a.value));
+        return root;
+#elif defined(__wasm_simd128__)
+        if constexpr (sizeof(S) == 4) return {__builtin_wasm_sqrt_f32x4(a.value)};
+        else return {__builtin_wasm_sqrt_f64x2(a.value)};
+#else
+        P root = a;
+        for (int i = 0; i < P::width; ++i) root.value[i] = physics::sqrt(a.value[i]);
+        return root;
+#endif
+    }
+}
+
+#endif
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/base/pack_rows.hpp
+// =================================================================================================
+// Rows of four scalars into lanes and back: how kernels read and write bodies.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Four packs that come from, or go to, W rows of four scalars: x holds the rows' first scalars.
+template <class P>
+struct quad {
+    P x, y, z, w;
+};
+
+/// Rows of Stride scalars one after the other; lane i stands for the first four of row index[i]. Add 4 to base for the
+/// next four. S is const where the rows are only read. (The stride is known here, since from one at run time clang
+/// computes addresses in vectors and takes them apart again: 1.4 times slower.)
+template <class S, int Stride>
+struct indexed_rows {
+    S* base;
+    const std::uint32_t* index;
+
+    using row = S[Stride];
+    PHYSICS_HPP_ALWAYS_INLINE S* operator[](int lane) const { return reinterpret_cast<row*>(base)[index[lane]]; }
+    PHYSICS_HPP_ALWAYS_INLINE indexed_rows from(int lane) const { return {base, index + lane}; }
+};
+
+/// Rows of Stride scalars one after the other; lane i stands for the first four of row i.
+template <class S, int Stride>
+struct consecutive_rows {
+    S* base;
+
+    PHYSICS_HPP_ALWAYS_INLINE S* operator[](int lane) const { return base + Stride * lane; }
+    PHYSICS_HPP_ALWAYS_INLINE consecutive_rows from(int lane) const { return {base + Stride * lane}; }
+};
+
+#if PHYSICS_HPP_VECTOR_BYTES > 0
+
+/// The transpose of four rows of four scalars; eight floats are two such rows side by side. Its own inverse. The order
+/// of the shuffles is the one that stays within 16 bytes as long as possible.
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE quad<P> transposed(const P& r0, const P& r1, const P& r2, const P& r3) {
+    if constexpr (P::width == 8) {
+        const P a{PHYSICS_HPP_SHUFFLE(r0.value, r1.value, 0, 8, 1, 9, 4, 12, 5, 13)};
+        const P b{PHYSICS_HPP_SHUFFLE(r2.value, r3.value, 0, 8, 1, 9, 4, 12, 5, 13)};
+        const P c{PHYSICS_HPP_SHUFFLE(r0.value, r1.value, 2, 10, 3, 11, 6, 14, 7, 15)};
+        const P d{PHYSICS_HPP_SHUFFLE(r2.value, r3.value, 2, 10, 3, 11, 6, 14, 7, 15)};
+        return {{PHYSICS_HPP_SHUFFLE(a.value, b.value, 0, 1, 8, 9, 4, 5, 12, 13)},
+                {PHYSICS_HPP_SHUFFLE(a.value, b.value, 2, 3, 10, 11, 6, 7, 14, 15)},
+                {PHYSICS_HPP_SHUFFLE(c.value, d.value, 0, 1, 8, 9, 4, 5, 12, 13)},
+                {PHYSICS_HPP_SHUFFLE(c.value, d.value, 2, 3, 10, 11, 6, 7, 14, 15)}};
+    } else if constexpr (sizeof(P) == 16) {
+        const P a{PHYSICS_HPP_SHUFFLE(r0.value, r1.value, 0, 4, 1, 5)};
+        const P b{PHYSICS_HPP_SHUFFLE(r2.value, r3.value, 0, 4, 1, 5)};
+        const P c{PHYSICS_HPP_SHUFFLE(r0.value, r1.value, 2, 6, 3, 7)};
+        const P d{PHYSICS_HPP_SHUFFLE(r2.value, r3.value, 2, 6, 3, 7)};
+        return {{PHYSICS_HPP_SHUFFLE(a.value, b.value, 0, 1, 4, 5)},
+                {PHYSICS_HPP_SHUFFLE(a.value, b.value, 2, 3, 6, 7)},
+                {PHYSICS_HPP_SHUFFLE(c.value, d.value, 0, 1, 4, 5)},
+                {PHYSICS_HPP_SHUFFLE(c.value, d.value, 2, 3, 6, 7)}};
+    } else {
+        const P a{PHYSICS_HPP_SHUFFLE(r0.value, r1.value, 0, 4, 2, 6)};
+        const P b{PHYSICS_HPP_SHUFFLE(r0.value, r1.value, 1, 5, 3, 7)};
+        const P c{PHYSICS_HPP_SHUFFLE(r2.value, r3.value, 0, 4, 2, 6)};
+        const P d{PHYSICS_HPP_SHUFFLE(r2.value, r3.value, 1, 5, 3, 7)};
+        return {{PHYSICS_HPP_SHUFFLE(a.value, c.value, 0, 1, 4, 5)},
+                {PHYSICS_HPP_SHUFFLE(b.value, d.value, 0, 1, 4, 5)},
+                {PHYSICS_HPP_SHUFFLE(a.value, c.value, 2, 3, 6, 7)},
+                {PHYSICS_HPP_SHUFFLE(b.value, d.value, 2, 3, 6, 7)}};
+    }
+}
+
+#endif
+
+/// Reads a row of four scalars for each lane: load4<P>(indexed_rows<const S, 8>{base, index}). Vectors transpose,
+/// which takes half the time of picking scalars.
+template <class P, class Rows>
+PHYSICS_HPP_ALWAYS_INLINE quad<P> load4(Rows rows) {
+    using S = typename P::scalar;
+    if constexpr (P::width == 1) {
+        const S* row = rows[0];
+        return {{row[0]}, {row[1]}, {row[2]}, {row[3]}};
+    } else if constexpr (requires { typename P::half; }) {
+        const auto low = load4<typename P::half>(rows);
+        const auto high = load4<typename P::half>(rows.from(P::width / 2));
+        return {{low.x, high.x}, {low.y, high.y}, {low.z, high.z}, {low.w, high.w}};
+#if PHYSICS_HPP_VECTOR_BYTES > 0
+    } else if constexpr (P::width == 8) {
+        using row = pack<S, 4, 16>;
+        return transposed(join<P>(row::load(rows[0]), row::load(rows[4])),
+                          join<P>(row::load(rows[1]), row::load(rows[5])),
+                          join<P>(row::load(rows[2]), row::load(rows[6])),
+                          join<P>(row::load(rows[3]), row::load(rows[7])));
+    } else if constexpr (P::width == 4) {
+        return transposed(P::load(rows[0]), P::load(rows[1]), P::load(rows[2]), P::load(rows[3]));
+    } else {
+        const P a = P::load(rows[0]), b = P::load(rows[1]), c = P::load(rows[0] + 2), d = P::load(rows[1] + 2);
+        return {{PHYSICS_HPP_SHUFFLE(a.value, b.value, 0, 2)},
+                {PHYSICS_HPP_SHUFFLE(a.value, b.value, 1, 3)},
+                {PHYSICS_HPP_SHUFFLE(c.value, d.value, 0, 2)},
+                {PHYSICS_HPP_SHUFFLE(c.value, d.value, 1, 3)}};
+#endif
+    }
+}
+
+/// Writes a row of four scalars for each lane, in the order of the lanes: where two lanes stand for one row, the later
+/// one stays.
+template <class P, class Rows>
+PHYSICS_HPP_ALWAYS_INLINE void store4(Rows rows, const quad<P>& columns) {
+    if constexpr (P::width == 1) {
+        auto* row = rows[0];
+        row[0] = columns.x.value;
+        row[1] = columns.y.value;
+        row[2] = columns.z.value;
+        row[3] = columns.w.value;
+    } else if constexpr (requires { typename P::half; }) {
+        using half = typename P::half;
+        store4(rows, quad<half>{columns.x.low, columns.y.low, columns.z.low, columns.w.low});
+        store4(rows.from(P::width / 2), quad<half>{columns.x.high, columns.y.high, columns.z.high, columns.w.high});
+#if PHYSICS_HPP_VECTOR_BYTES > 0
+    } else if constexpr (P::width == 2) {
+        const auto x = columns.x.value, y = columns.y.value, z = columns.z.value, w = columns.w.value;
+        P{PHYSICS_HPP_SHUFFLE(x, y, 0, 2)}.store(rows[0]);
+        P{PHYSICS_HPP_SHUFFLE(z, w, 0, 2)}.store(rows[0] + 2);
+        P{PHYSICS_HPP_SHUFFLE(x, y, 1, 3)}.store(rows[1]);
+        P{PHYSICS_HPP_SHUFFLE(z, w, 1, 3)}.store(rows[1] + 2);
+    } else {
+        const quad<P> r = transposed(columns.x, columns.y, columns.z, columns.w);
+        if constexpr (P::width == 4) {
+            r.x.store(rows[0]);
+            r.y.store(rows[1]);
+            r.z.store(rows[2]);
+            r.w.store(rows[3]);
+        } else {
+            half_of<false>(r.x).store(rows[0]);
+            half_of<false>(r.y).store(rows[1]);
+            half_of<false>(r.z).store(rows[2]);
+            half_of<false>(r.w).store(rows[3]);
+            half_of<true>(r.x).store(rows[4]);
+            half_of<true>(r.y).store(rows[5]);
+            half_of<true>(r.z).store(rows[6]);
+            half_of<true>(r.w).store(rows[7]);
+        }
+#endif
+    }
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/base/pool.hpp
+// =================================================================================================
+// Slots with stable numbers: things come and go, handles go stale and know it.
+
+PHYSICS_HPP_BEGIN
+
+/// Items in numbered slots. A freed slot is used again, last freed first, under a new generation; a slot
+/// whose generations are used up is retired, so a stale handle can never come alive. The order of slots
+/// depends on the calls alone, never on memory. Moving from a pool empties it. Insert, erase, look-up: O(1).
+template <class T>
+class pool {
+public:
+    /// What a slot looks like from outside.
+    struct place {
+        std::uint32_t index;
+        std::uint16_t generation;
+    };
+
+    pool() = default;
+    pool(const pool&) = default;
+    pool(pool&& other) noexcept { swap(other); }
+    pool& operator=(const pool&) = default;
+    pool& operator=(pool&& other) noexcept {
+        pool taken(std::move(other));
+        swap(taken);
+        return *this;
+    }
+    ~pool() = default;
+    void swap(pool& other) noexcept {
+        items_.swap(other.items_);
+        slots_.swap(other.slots_);
+        std::swap(free_, other.free_);
+        std::swap(count_, other.count_);
+    }
+
+    place insert(const T& item) {
+        std::uint32_t index = free_;
+        if (index == none) {
+            index = items_.size();
+            items_.push(item);
+            slots_.push({occupied, 1});
+        } else {
+            free_ = slots_[index].next;
+            slots_[index].next = occupied;
+            items_[index] = item;
+        }
+        ++count_;
+        return {index, slots_[index].generation};
+    }
+    void erase(std::uint32_t index) {
+        slot& s = slots_[index];
+        --count_;
+        if (s.generation == 0xffff) {
+            s.next = retired;
+            return;
+        }
+        ++s.generation;
+        s.next = free_;
+        free_ = index;
+    }
+    [[nodiscard]] bool contains(std::uint32_t index, std::uint16_t generation) const {
+        return alive(index) && slots_[index].generation == generation;
+    }
+    [[nodiscard]] bool alive(std::uint32_t index) const {
+        return index < slots_.size() && slots_[index].next == occupied;
+    }
+    [[nodiscard]] std::uint16_t generation(std::uint32_t index) const { return slots_[index].generation; }
+    T& operator[](std::uint32_t index) { return items_[index]; }
+    const T& operator[](std::uint32_t index) const { return items_[index]; }
+
+    /// Number of items.
+    [[nodiscard]] std::uint32_t count() const { return count_; }
+    /// Number of slots, free ones included: every index is below it.
+    [[nodiscard]] std::uint32_t slots() const { return slots_.size(); }
+    /// The first occupied slot from index on, or slots() where there is none.
+    [[nodiscard]] std::uint32_t next(std::uint32_t index) const {
+        while (index < slots_.size() && slots_[index].next != occupied) ++index;
+        return index;
+    }
+    /// Calls f(index, item) for every item in the order of slots.
+    template <class F>
+    void each(F&& f) {
+        for (std::uint32_t i = next(0); i < slots(); i = next(i + 1)) f(i, items_[i]);
+    }
+    template <class F>
+    void each(F&& f) const {
+        for (std::uint32_t i = next(0); i < slots(); i = next(i + 1)) f(i, items_[i]);
+    }
+
+private:
+    static constexpr std::uint32_t none = 0xffffffffu, occupied = 0xfffffffeu, retired = 0xfffffffdu;
+    struct slot {
+        std::uint32_t next;  // the next free slot, or what the slot is
+        std::uint16_t generation;
+    };
+
+    buffer<T> items_;
+    buffer<slot> slots_;
+    std::uint32_t free_ = none;
+    std::uint32_t count_ = 0;
+};
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/base/probe.hpp
+// =================================================================================================
+// The floating-point environment: a proof at run time that arithmetic rounds as it should, and a guard that sees to it.
+
+// What the probe looks at: arithmetic that is compiled where the macro stands, by the rules that hold there. Hence
+// no function may be inlined. Define one in your own code to learn about that: float_environment<Name>().
+#if defined(__GNUC__) || defined(__clang__)
+#define PHYSICS_HPP_NOINLINE __attribute__((noinline))
+#define PHYSICS_HPP_WRITTEN_ROOT(F, x) (sizeof(F) == 4 ? F(__builtin_sqrtf(float(x))) : F(__builtin_sqrt(double(x))))
+#else
+#define PHYSICS_HPP_NOINLINE __declspec(noinline)
+#define PHYSICS_HPP_WRITTEN_ROOT(F, x) ::physics::detail::hardware_root(x)
+#endif
+#define PHYSICS_HPP_DEFINE_PROBED_ARITHMETIC(Name, Attributes)          \
+    struct Name {                                                       \
+        template <class F>                                              \
+        Attributes static F sum(F a, F b) {                             \
+            return a + b;                                               \
+        }                                                               \
+        template <class F>                                              \
+        Attributes static F product(F a, F b) {                         \
+            return a * b;                                               \
+        }                                                               \
+        template <class F>                                              \
+        Attributes static bool product_differs(F a, F b, F expected) {  \
+            return a * b != expected;                                   \
+        }                                                               \
+        template <class F>                                              \
+        Attributes static F product_sum(F a, F b, F c) {                \
+            return a * b + c;                                           \
+        }                                                               \
+        template <class F>                                              \
+        Attributes static F sum_difference(F a, F b) {                  \
+            return (a + b) - a;                                         \
+        }                                                               \
+        template <class F>                                              \
+        Attributes static F sum_with_zero(F a) {                        \
+            return a + F(0);                                            \
+        }                                                               \
+        template <class F>                                              \
+        Attributes static void quotients(const F* a, F b, F* results) { \
+            for (int i = 0; i < 3; ++i) results[i] = a[i] / b;          \
+            results[3] = a[0] / F(49);                                  \
+        }                                                               \
+        template <class F>                                              \
+        Attributes static F root(F a) {                                 \
+            return F(PHYSICS_HPP_WRITTEN_ROOT(F, a));                   \
+        }                                                               \
+    };
+
+PHYSICS_HPP_BEGIN
+
+/// What may be wrong with floating-point arithmetic; float_environment() returns a sum of these bits. The values are
+/// written into recordings and never change their meaning.
+enum class float_fault : std::uint32_t {
+    contraction = 1,           ///< a * b + c is rounded once instead of twice (a compiler's fused multiply-add)
+    extended_precision = 2,    ///< intermediate results are wider than their type (x87)
+    reassociation = 4,         ///< sums are regrouped
+    signed_zeros = 8,          ///< the sign of zero is not kept
+    division = 16,             ///< quotients are products with a reciprocal, or estimates
+    square_root = 32,          ///< roots are estimates
+    rounding_mode = 64,        ///< rounding is not to nearest
+    flush_to_zero = 128,       ///< results below the normal range become zero
+    denormals_are_zero = 256,  ///< operands below the normal range count as zero
+};
+
+/// The fault in words, such as `flush to zero`.
+constexpr const char* to_text(float_fault fault) noexcept {
+    switch (fault) {
+        case float_fault::contraction: return "contraction of a * b + c";
+        case float_fault::extended_precision: return "extended precision";
+        case float_fault::reassociation: return "reassociation";
+        case float_fault::signed_zeros: return "lost signs of zeros";
+        case float_fault::division: return "inexact division";
+        case float_fault::square_root: return "inexact square roots";
+        case float_fault::rounding_mode: return "rounding not to nearest";
+        case float_fault::flush_to_zero: return "flush to zero";
+        case float_fault::denormals_are_zero: return "denormals are zero";
+    }
+    return "unknown";
+}
+
+/// All faults of a mask in words, for messages: `contraction of a * b + c, flush to zero`; `none` for 0.
+class float_fault_names {
+public:
+    explicit float_fault_names(std::uint32_t mask) noexcept {
+        std::size_t used = 0;
+        const auto append = [&](const char* word) noexcept {
+            const std::size_t length = std::strlen(word);
+            std::memcpy(text_ + used, word, length);
+            used += length;
+        };
+        for (std::uint32_t bit = 1; bit <= 256; bit *= 2) {
+            if ((mask & bit) == 0) continue;
+            if (used > 0) append(", ");
+            append(to_text(static_cast<float_fault>(bit)));
+        }
+        if (used == 0) append("none");
+    }
+    [[nodiscard]] const char* c_str() const noexcept { return text_; }
+
+private:
+    char text_[256] = {};
+};
+
+namespace detail {
+
+// The control word of this thread's floating-point unit, and the one that the library runs under: round to nearest,
+// subnormals kept. Traps, NaN handling and the flags of past exceptions stay as the user has them.
+#if (defined(__GNUC__) || defined(__clang__)) && defined(__SSE__)
+using float_control = unsigned;
+inline float_control read_float_control() noexcept { return __builtin_ia32_stmxcsr(); }
+inline void write_float_control(float_control word) noexcept {
+    __asm__ volatile("" : : : "memory");
+    __builtin_ia32_ldmxcsr(word);
+    __asm__ volatile("" : : : "memory");
+}
+inline float_control exact_float_control(float_control word) noexcept {
+    return word & ~0xe040u;  // rounding control, flush to zero, denormals are zero
+}
+#elif (defined(__GNUC__) || defined(__clang__)) && defined(__aarch64__)
+using float_control = std::uint64_t;
+inline float_control read_float_control() noexcept {
+    float_control word;
+    __asm__ volatile("mrs %0, fpcr" : "=r"(word));
+    return word;
+}
+inline void write_float_control(float_control word) noexcept {
+    __asm__ volatile("msr fpcr, %0" : : "r"(word) : "memory");
+}
+inline float_control exact_float_control(float_control word) noexcept {
+    return word & ~float_control{0x1c80003};  // RMode, FZ, FZ16, and FIZ, AH of newer processors
+}
+#else
+using float_control = unsigned;
+inline float_control read_float_control() noexcept { return 0; }
+inline void write_float_control(float_control) noexcept {}
+inline float_control exact_float_control(float_control word) noexcept { return word; }
+#endif
+
+}  // namespace detail
+
+/// While it lives, this thread's arithmetic rounds to nearest and keeps subnormal numbers, whatever the program or a
+/// shared library that was linked with -ffast-math has switched on; then the control word is as it was. A step opens
+/// one on every thread that it uses. ~10 ns, ~15 ns where there is something to repair. Does nothing on processors
+/// other than x86 with SSE and 64-bit ARM.
+/// Compilers may move arithmetic on values in registers across it: do the work in a function that is not inlined.
+class float_control_scope {
+public:
+    float_control_scope() noexcept
+        : saved_(detail::read_float_control()), exact_(detail::exact_float_control(saved_)) {
+        if (exact_ != saved_) detail::write_float_control(exact_);
+    }
+    ~float_control_scope() {
+        if (exact_ != saved_) detail::write_float_control(saved_);
+    }
+    float_control_scope(const float_control_scope&) = delete;
+    float_control_scope& operator=(const float_control_scope&) = delete;
+
+private:
+    detail::float_control saved_, exact_;
+};
+
+namespace detail {
+
+PHYSICS_HPP_DEFINE_PROBED_ARITHMETIC(region_arithmetic, PHYSICS_HPP_NOINLINE)
+
+template <class F>
+struct probe_numbers;
+template <>
+struct probe_numbers<float> {
+    using word = std::uint32_t;
+    static constexpr float small = 0x1p-14f, huge = 0x1p80f, lift = 0x1p120f;
+    static constexpr float quotients[3] = {0x1.a1f58ep-4f, 0x1.e0a73p-2f, 0x1.6db6dcp-1f};
+    static constexpr float roots[3] = {0x1.a8872ap+1f, 0x1.deeea2p+1f, 0x1.16f834p+2f};
+};
+template <>
+struct probe_numbers<double> {
+    using word = std::uint64_t;
+    static constexpr double small = 0x1p-30, huge = 0x1p80, lift = 0x1p1000;
+    static constexpr double quotients[3] = {0x1.a1f58d0fac688p-4, 0x1.e0a72f0539783p-2, 0x1.6db6db6db6db7p-1};
+    static constexpr double roots[3] = {0x1.a887293fd6f34p+1, 0x1.deeea11683f49p+1, 0x1.16f8334644df9p+2};
+};
+
+/// x, of which the optimiser knows nothing; rounded to F where registers are wider.
+template <class F>
+F hidden(F x) noexcept {
+    volatile F value = x;
+    return value;
+}
+/// Comparing numbers would take a subnormal for zero where that is the fault.
+template <class F>
+bool is_positive_zero(F x) noexcept {
+    typename probe_numbers<F>::word word;
+    std::memcpy(&word, &x, sizeof x);
+    return word == 0;
+}
+
+constexpr std::uint32_t fault(bool found, float_fault which) noexcept {
+    return found ? static_cast<std::uint32_t>(which) : 0;
+}
+
+/// The faults of the processor's control word.
+template <class A, class F>
+std::uint32_t control_faults() noexcept {
+    using limits = std::numeric_limits<F>;
+    constexpr F one = 1, step = limits::epsilon();
+    const bool up = hidden(A::sum(hidden(one), hidden(step / 4))) != one;
+    const bool down = hidden(A::sum(hidden(one), hidden(step / 4 * 3))) != one + step;
+    const F subnormal = hidden(A::product(hidden(limits::min()), hidden(F(0.5))));
+    const F lifted = hidden(A::product(hidden(limits::denorm_min()), hidden(probe_numbers<F>::lift)));
+    return fault(up || down, float_fault::rounding_mode) |
+           fault(is_positive_zero(subnormal), float_fault::flush_to_zero) |
+           fault(is_positive_zero(lifted), float_fault::denormals_are_zero);
+}
+
+/// The faults of compiled code, under a good control word.
+template <class A, class F>
+std::uint32_t code_faults() noexcept {
+    using numbers = probe_numbers<F>;
+    // The square of 1 + h is 1 + 2h and a rest that F has no bits for.
+    const F factor = hidden(F(1) + numbers::small), square = hidden(F(1) + 2 * numbers::small);
+    const bool extended = A::product_differs(factor, factor, square);
+    const bool contracted = !extended && hidden(A::product_sum(factor, factor, hidden(-square))) != F(0);
+    const bool regrouped = hidden(A::sum_difference(hidden(numbers::huge), hidden(F(1)))) != F(0);
+    const bool signs = !is_positive_zero(hidden(A::sum_with_zero(hidden(-F(0)))));
+    // Numbers whose products with the rounded reciprocal of 49 are off by a unit, and those whose roots by estimate
+    // and Newton step are.
+    const F numerators[3] = {hidden(F(5)), hidden(F(23)), hidden(F(35))};
+    const F radicands[3] = {hidden(F(11)), hidden(F(14)), hidden(F(19))};
+    F quotients[4];
+    A::quotients(numerators, hidden(F(49)), quotients);
+    bool inexact = hidden(quotients[3]) != numbers::quotients[0], estimated = false;
+    for (int i = 0; i < 3; ++i) {
+        inexact = inexact || hidden(quotients[i]) != numbers::quotients[i];
+        estimated = estimated || hidden(A::root(radicands[i])) != numbers::roots[i];
+    }
+    return fault(contracted, float_fault::contraction) | fault(extended, float_fault::extended_precision) |
+           fault(regrouped, float_fault::reassociation) | fault(signs, float_fault::signed_zeros) |
+           fault(inexact, float_fault::division) | fault(estimated, float_fault::square_root);
+}
+
+}  // namespace detail
+
+/// What is wrong with float and double arithmetic in this unit and on this thread, as a sum of float_fault bits; 0 is
+/// well. Looks at the library's own code, or with an argument at the code where that was defined by
+/// PHYSICS_HPP_DEFINE_PROBED_ARITHMETIC. Within a float_control_scope only what that can't repair is left. Where
+/// rounding is off for good, faults of code are not looked for. ~0.1 us.
+template <class Arithmetic = detail::region_arithmetic>
+PHYSICS_HPP_NOINLINE std::uint32_t float_environment() noexcept {
+    const std::uint32_t control =
+        detail::control_faults<Arithmetic, float>() | detail::control_faults<Arithmetic, double>();
+    const float_control_scope scope;
+    const std::uint32_t rest =
+        detail::control_faults<Arithmetic, float>() | detail::control_faults<Arithmetic, double>();
+    if ((rest & static_cast<std::uint32_t>(float_fault::rounding_mode)) != 0) return control;
+    return control | detail::code_faults<Arithmetic, float>() | detail::code_faults<Arithmetic, double>();
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/base/stage.hpp
+// =================================================================================================
+// The stages of a step. Policies name theirs, so that a recipe can list them in any order.
+
+PHYSICS_HPP_BEGIN
+
+namespace stage {
+/// Which shapes a world knows: shapes<...>.
+struct shapes {};
+/// From boxes to pairs: all_pairs.
+struct broadphase {};
+/// From pairs to manifolds: best_per_pair.
+struct narrowphase {};
+/// From contacts to velocities: sequential_impulse.
+struct solver {};
+/// How velocities and poses advance: semi_implicit_euler.
+struct integrator {};
+/// Which features are left out: without<...>.
+struct features {};
+}  // namespace stage
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/space/vec.hpp
+// =================================================================================================
+// Vectors of two and three components, and their products.
+
+PHYSICS_HPP_BEGIN
+
+/// A vector of D scalars with the members x, y (and z).
+template <class S, int D>
+struct vec;
+
+namespace detail {
+/// Plain numbers that may fill a vector of S, so that `{0, -10}` serves every scalar.
+template <class T, class S>
+concept literal_for = std::is_arithmetic_v<T> && !std::same_as<T, S>;
+/// Such a number as S, through double where S takes nothing nearer.
+template <class S, class T>
+constexpr S from_literal(T x) {
+    if constexpr (std::constructible_from<S, T>) return static_cast<S>(x);
+    else return static_cast<S>(static_cast<double>(x));
+}
+}  // namespace detail
+
+template <class S>
+struct vec<S, 2> {
+    S x{}, y{};
+
+    constexpr vec() = default;
+    constexpr vec(S x_, S y_) : x(x_), y(y_) {}
+    template <class A, class B>
+        requires detail::literal_for<A, S> || detail::literal_for<B, S>
+    constexpr vec(A x_, B y_) : x(detail::from_literal<S>(x_)), y(detail::from_literal<S>(y_)) {}
+
+    static constexpr int size = 2;
+    constexpr S& operator[](int i) { return i == 0 ? x : y; }
+    constexpr const S& operator[](int i) const { return i == 0 ? x : y; }
+    static constexpr vec filled(S value) { return {value, value}; }
+
+    friend constexpr vec operator+(vec a, vec b) { return {a.x + b.x, a.y + b.y}; }
+    friend constexpr vec operator-(vec a, vec b) { return {a.x - b.x, a.y - b.y}; }
+    friend constexpr vec operator-(vec a) { return {-a.x, -a.y}; }
+    friend constexpr vec operator*(vec a, S s) { return {a.x * s, a.y * s}; }
+    friend constexpr vec operator*(S s, vec a) { return a * s; }
+    friend constexpr vec operator/(vec a, S s) { return {a.x / s, a.y / s}; }
+    constexpr vec& operator+=(vec b) { return *this = *this + b; }
+    constexpr vec& operator-=(vec b) { return *this = *this - b; }
+    constexpr vec& operator*=(S s) { return *this = *this * s; }
+    friend bool operator==(vec, vec) = default;
+};
+
+template <class S>
+struct vec<S, 3> {
+    S x{}, y{}, z{};
+
+    constexpr vec() = default;
+    constexpr vec(S x_, S y_, S z_) : x(x_), y(y_), z(z_) {}
+    template <class A, class B, class C>
+        requires detail::literal_for<A, S> || detail::literal_for<B, S> || detail::literal_for<C, S>
+    constexpr vec(A x_, B y_, C z_)
+        : x(detail::from_literal<S>(x_)), y(detail::from_literal<S>(y_)), z(detail::from_literal<S>(z_)) {}
+
+    static constexpr int size = 3;
+    constexpr S& operator[](int i) { return i == 0 ? x : i == 1 ? y : z; }
+    constexpr const S& operator[](int i) const { return i == 0 ? x : i == 1 ? y : z; }
+    static constexpr vec filled(S value) { return {value, value, value}; }
+
+    friend constexpr vec operator+(vec a, vec b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+    friend constexpr vec operator-(vec a, vec b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+    friend constexpr vec operator-(vec a) { return {-a.x, -a.y, -a.z}; }
+    friend constexpr vec operator*(vec a, S s) { return {a.x * s, a.y * s, a.z * s}; }
+    friend constexpr vec operator*(S s, vec a) { return a * s; }
+    friend constexpr vec operator/(vec a, S s) { return {a.x / s, a.y / s, a.z / s}; }
+    constexpr vec& operator+=(vec b) { return *this = *this + b; }
+    constexpr vec& operator-=(vec b) { return *this = *this - b; }
+    constexpr vec& operator*=(S s) { return *this = *this * s; }
+    friend bool operator==(vec, vec) = default;
+};
+
+/// Angular quantities (velocity, impulse, torque): a scalar in 2D, counter-clockwise; a vector in 3D.
+template <class S, int D>
+using angular = std::conditional_t<D == 2, S, vec<S, 3>>;
+
+/// a * b + c * d, rounded once where S can.
+template <class S>
+constexpr S sum_of_products(S a, S b, S c, S d) {
+    return narrow<S>(product(a, b) + product(c, d));
+}
+/// a * b - c * d, rounded once where S can.
+template <class S>
+constexpr S difference_of_products(S a, S b, S c, S d) {
+    return narrow<S>(product(a, b) - product(c, d));
+}
+
+/// The dot product, not rounded where S can.
+template <class S>
+constexpr wide_of<S> wide_dot(vec<S, 2> a, vec<S, 2> b) {
+    return product(a.x, b.x) + product(a.y, b.y);
+}
+template <class S>
+constexpr wide_of<S> wide_dot(vec<S, 3> a, vec<S, 3> b) {
+    return product(a.x, b.x) + product(a.y, b.y) + product(a.z, b.z);
+}
+/// The dot product.
+template <class S, int D>
+constexpr S dot(vec<S, D> a, vec<S, D> b) {
+    return narrow<S>(wide_dot(a, b));
+}
+
+/// The cross product: in 2D its one component, positive where b lies counter-clockwise of a.
+template <class S>
+constexpr S cross(vec<S, 2> a, vec<S, 2> b) {
+    return difference_of_products(a.x, b.y, a.y, b.x);
+}
+template <class S>
+constexpr vec<S, 3> cross(vec<S, 3> a, vec<S, 3> b) {
+    return {difference_of_products(a.y, b.z, a.z, b.y), difference_of_products(a.z, b.x, a.x, b.z),
+            difference_of_products(a.x, b.y, a.y, b.x)};
+}
+/// The velocity at lever r of a body that turns with w; in 3D it is cross(w, r).
+template <class S>
+constexpr vec<S, 2> cross(S w, vec<S, 2> r) {
+    return {-(w * r.y), w * r.x};
+}
+
+/// The squared length, not rounded where S can: compare it with other wide numbers.
+template <class S, int D>
+constexpr wide_of<S> length_squared(vec<S, D> v) {
+    return wide_dot(v, v);
+}
+/// The length.
+template <class S, int D>
+constexpr S length(vec<S, D> v) {
+    return root<S>(length_squared(v));
+}
+
+/// The largest component by magnitude.
+template <class S>
+constexpr S largest(vec<S, 2> v) {
+    return max(abs(v.x), abs(v.y));
+}
+template <class S>
+constexpr S largest(vec<S, 3> v) {
+    return max(abs(v.x), max(abs(v.y), abs(v.z)));
+}
+
+/// A vector as unit direction and length.
+template <class S, int D>
+struct direction_and_length {
+    vec<S, D> direction;
+    S length{};
+};
+
+/// Splits a vector into direction and length; a null vector gives a null direction. Scales by the largest
+/// component first, so that neither tiny nor huge vectors lose their direction to underflow or overflow.
+template <class S, int D>
+constexpr direction_and_length<S, D> split(vec<S, D> v) {
+    const S scale = largest(v);
+    if (!(scale > S(0))) return {};
+    const vec<S, D> scaled = v / scale;
+    const S scaled_length = length(scaled);
+    return {scaled / scaled_length, scaled_length * scale};
+}
+
+/// The unit vector along v; the null vector for the null vector.
+template <class S, int D>
+constexpr vec<S, D> normalized(vec<S, D> v) {
+    return split(v).direction;
+}
+
+/// A unit vector across the unit vector n; in 2D n turned clockwise by a quarter.
+template <class S>
+constexpr vec<S, 2> perpendicular(vec<S, 2> n) {
+    return {n.y, -n.x};
+}
+template <class S>
+constexpr vec<S, 3> perpendicular(vec<S, 3> n) {
+    // The branch keeps the longer of two candidates, so that its length is at least sqrt(1/2).
+    return abs(n.x) > abs(n.z) ? normalized(vec<S, 3>{-n.y, n.x, S(0)}) : normalized(vec<S, 3>{S(0), -n.z, n.y});
+}
+
+template <class S>
+constexpr vec<S, 2> min(vec<S, 2> a, vec<S, 2> b) {
+    return {min(a.x, b.x), min(a.y, b.y)};
+}
+template <class S>
+constexpr vec<S, 3> min(vec<S, 3> a, vec<S, 3> b) {
+    return {min(a.x, b.x), min(a.y, b.y), min(a.z, b.z)};
+}
+template <class S>
+constexpr vec<S, 2> max(vec<S, 2> a, vec<S, 2> b) {
+    return {max(a.x, b.x), max(a.y, b.y)};
+}
+template <class S>
+constexpr vec<S, 3> max(vec<S, 3> a, vec<S, 3> b) {
+    return {max(a.x, b.x), max(a.y, b.y), max(a.z, b.z)};
+}
+template <class S>
+constexpr vec<S, 2> abs(vec<S, 2> v) {
+    return {abs(v.x), abs(v.y)};
+}
+template <class S>
+constexpr vec<S, 3> abs(vec<S, 3> v) {
+    return {abs(v.x), abs(v.y), abs(v.z)};
+}
+template <class S>
+constexpr bool is_finite(vec<S, 2> v) {
+    return is_finite(v.x) && is_finite(v.y);
+}
+template <class S>
+constexpr bool is_finite(vec<S, 3> v) {
+    return is_finite(v.x) && is_finite(v.y) && is_finite(v.z);
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/space/aabb.hpp
+// =================================================================================================
+// Axis-aligned bounding boxes.
+
+PHYSICS_HPP_BEGIN
+
+/// An axis-aligned box from its lower to its upper corner; both belong to it.
+template <class S, int D>
+struct aabb {
+    vec<S, D> lower;
+    vec<S, D> upper;
+
+    friend bool operator==(const aabb&, const aabb&) = default;
+};
+
+/// True if the boxes share a point.
+template <class S, int D>
+constexpr bool overlap(const aabb<S, D>& a, const aabb<S, D>& b) {
+    for (int i = 0; i < D; ++i)
+        if (a.lower[i] > b.upper[i] || b.lower[i] > a.upper[i]) return false;
+    return true;
+}
+/// True if a contains all of b.
+template <class S, int D>
+constexpr bool contains(const aabb<S, D>& a, const aabb<S, D>& b) {
+    for (int i = 0; i < D; ++i)
+        if (b.lower[i] < a.lower[i] || b.upper[i] > a.upper[i]) return false;
+    return true;
+}
+/// The smallest box around both.
+template <class S, int D>
+constexpr aabb<S, D> merged(const aabb<S, D>& a, const aabb<S, D>& b) {
+    return {min(a.lower, b.lower), max(a.upper, b.upper)};
+}
+/// The box, grown by a margin on every side.
+template <class S, int D>
+constexpr aabb<S, D> grown(const aabb<S, D>& a, S margin) {
+    const vec<S, D> m = vec<S, D>::filled(margin);
+    return {a.lower - m, a.upper + m};
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/space/check.hpp
+// =================================================================================================
+// Checks of the user's numbers: each refuses a bad one by name and value, and says whether it was good.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+template <class S>
+bool check_finite(const char* function, const char* field, S value) {
+    return is_finite(value) || refuse(function, field, static_cast<double>(value), "it must be finite");
+}
+template <class S, int D>
+bool check_finite(const char* function, const char* field, vec<S, D> value) {
+    for (int i = 0; i < D; ++i) {
+        if (is_finite(value[i])) continue;
+        const char component[] = {'.', "xyz"[i], '\0'};
+        return refuse(function, field, component, static_cast<double>(value[i]), "it must be finite");
+    }
+    return true;
+}
+template <class S>
+bool check_positive(const char* function, const char* field, S value) {
+    return check_finite(function, field, value) &&
+           (value > S(0) || refuse(function, field, static_cast<double>(value), "it must be greater than 0"));
+}
+template <class S>
+bool check_not_negative(const char* function, const char* field, S value) {
+    return check_finite(function, field, value) &&
+           (!(value < S(0)) || refuse(function, field, static_cast<double>(value), "it must not be negative"));
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/space/mat.hpp
+// =================================================================================================
+// Square matrices, by columns, and symmetric 3x3 matrices.
+
+PHYSICS_HPP_BEGIN
+
+/// A D x D matrix, stored by columns.
+template <class S, int D>
+struct mat {
+    vec<S, D> column[D];
+
+    static constexpr mat identity() {
+        mat m{};
+        for (int i = 0; i < D; ++i) m.column[i][i] = S(1);
+        return m;
+    }
+    friend constexpr vec<S, D> operator*(const mat& m, vec<S, D> v) {
+        vec<S, D> result;
+        for (int i = 0; i < D; ++i) {
+            wide_of<S> sum = product(m.column[0][i], v[0]) + product(m.column[1][i], v[1]);
+            if constexpr (D == 3) sum = sum + product(m.column[2][i], v[2]);
+            result[i] = narrow<S>(sum);
+        }
+        return result;
+    }
+    friend constexpr mat operator*(const mat& a, const mat& b) {
+        mat m{};
+        for (int i = 0; i < D; ++i) m.column[i] = a * b.column[i];
+        return m;
+    }
+    friend constexpr bool operator==(const mat& a, const mat& b) {
+        for (int i = 0; i < D; ++i)
+            if (!(a.column[i] == b.column[i])) return false;
+        return true;
+    }
+};
+
+/// The transposed matrix times v: the dot products of the columns with v.
+template <class S>
+constexpr vec<S, 2> transposed_times(const mat<S, 2>& m, vec<S, 2> v) {
+    return {dot(m.column[0], v), dot(m.column[1], v)};
+}
+template <class S>
+constexpr vec<S, 3> transposed_times(const mat<S, 3>& m, vec<S, 3> v) {
+    return {dot(m.column[0], v), dot(m.column[1], v), dot(m.column[2], v)};
+}
+template <class S, int D>
+constexpr mat<S, D> transposed(const mat<S, D>& m) {
+    mat<S, D> t{};
+    for (int i = 0; i < D; ++i)
+        for (int j = 0; j < D; ++j) t.column[i][j] = m.column[j][i];
+    return t;
+}
+
+/// A symmetric 3x3 matrix by its six entries.
+template <class S>
+struct symmetric {
+    S xx{}, yy{}, zz{}, xy{}, xz{}, yz{};
+
+    static constexpr symmetric diagonal(S x, S y, S z) { return {x, y, z, S(0), S(0), S(0)}; }
+    friend constexpr symmetric operator+(const symmetric& a, const symmetric& b) {
+        return {a.xx + b.xx, a.yy + b.yy, a.zz + b.zz, a.xy + b.xy, a.xz + b.xz, a.yz + b.yz};
+    }
+    friend constexpr symmetric operator*(const symmetric& a, S s) {
+        return {a.xx * s, a.yy * s, a.zz * s, a.xy * s, a.xz * s, a.yz * s};
+    }
+    friend bool operator==(const symmetric&, const symmetric&) = default;
+};
+
+/// Matrix times vector; the matrix may be of a finer format than the vector.
+template <class I, class S>
+constexpr vec<S, 3> times(const symmetric<I>& m, vec<S, 3> v) {
+    return {narrow<S>(product(m.xx, v.x) + product(m.xy, v.y) + product(m.xz, v.z)),
+            narrow<S>(product(m.xy, v.x) + product(m.yy, v.y) + product(m.yz, v.z)),
+            narrow<S>(product(m.xz, v.x) + product(m.yz, v.y) + product(m.zz, v.z))};
+}
+
+/// r * m * r^T for a rotation matrix r: m as seen from the frame that r leads to.
+template <class I, class S>
+constexpr symmetric<I> rotated(const symmetric<I>& m, const mat<S, 3>& r) {
+    const auto row = [&](int i) {
+        const S x = r.column[0][i], y = r.column[1][i], z = r.column[2][i];
+        struct { I x, y, z; } result{narrow<I>(product(m.xx, x) + product(m.xy, y) + product(m.xz, z)),
+                                     narrow<I>(product(m.xy, x) + product(m.yy, y) + product(m.yz, z)),
+                                     narrow<I>(product(m.xz, x) + product(m.yz, y) + product(m.zz, z))};
+        return result;
+    };
+    const auto entry = [&](const auto& a, int j) {
+        return narrow<I>(product(a.x, r.column[0][j]) + product(a.y, r.column[1][j]) + product(a.z, r.column[2][j]));
+    };
+    const auto x = row(0), y = row(1), z = row(2);
+    return {entry(x, 0), entry(y, 1), entry(z, 2), entry(x, 1), entry(x, 2), entry(y, 2)};
+}
+
+/// The inverse of a positive definite matrix in the finer format I; all zero if it is not positive
+/// definite. By L D L^T, which needs no determinant: that would leave a fixed-point range.
+template <class I, class S>
+constexpr symmetric<I> inverse(const symmetric<S>& m) {
+    const S d1 = m.xx;
+    if (!(d1 > S(0))) return {};
+    const S l21 = m.xy / d1, l31 = m.xz / d1;
+    const S d2 = m.yy - l21 * m.xy;
+    if (!(d2 > S(0))) return {};
+    const S l32 = (m.yz - l21 * m.xz) / d2;
+    const S d3 = m.zz - l31 * m.xz - l32 * (l32 * d2);
+    if (!(d3 > S(0))) return {};
+    const I e1 = reciprocal<I>(d1), e2 = reciprocal<I>(d2), e3 = reciprocal<I>(d3);
+    const S m31 = l21 * l32 - l31;
+    const I xy2 = -mul<I>(e2, l21), yz3 = -mul<I>(e3, l32), xz3 = mul<I>(e3, m31);
+    return {e1 - mul<I>(xy2, l21) + mul<I>(xz3, m31), e2 - mul<I>(yz3, l32), e3, xy2 - mul<I>(xz3, l32), xz3, yz3};
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/space/rotation2.hpp
+// =================================================================================================
+// Rotation in the plane: a unit complex number.
+
+PHYSICS_HPP_BEGIN
+
+/// A rotation in D dimensions. Both kinds offer: identity (the default), a * b (b first), a * v, inverse(a),
+/// matrix(a), normalized(a), turned(a, angle) and is_finite(a).
+template <class S, int D>
+struct rotation;
+
+/// A rotation in the plane, counter-clockwise, by its cosine and sine.
+template <class S>
+struct rotation<S, 2> {
+    S cosine = S(1);
+    S sine = S(0);
+
+    constexpr rotation() = default;
+    constexpr rotation(S cosine_, S sine_) : cosine(cosine_), sine(sine_) {}
+    /// From an angle in radians; any scalar angle or plain number.
+    static rotation from_angle(S radians) {
+        const auto [s, c] = sine_cosine(radians);
+        return {c, s};
+    }
+    /// The angle in radians, in [-pi, pi].
+    [[nodiscard]] S angle() const { return atan2(sine, cosine); }
+
+    friend constexpr rotation operator*(rotation a, rotation b) {
+        return {difference_of_products(a.cosine, b.cosine, a.sine, b.sine),
+                sum_of_products(a.sine, b.cosine, a.cosine, b.sine)};
+    }
+    friend constexpr vec<S, 2> operator*(rotation a, vec<S, 2> v) {
+        return {difference_of_products(a.cosine, v.x, a.sine, v.y), sum_of_products(a.sine, v.x, a.cosine, v.y)};
+    }
+    friend bool operator==(rotation, rotation) = default;
+};
+
+template <class S>
+constexpr rotation<S, 2> inverse(rotation<S, 2> a) {
+    return {a.cosine, -a.sine};
+}
+/// The rotation that undoes a, times v.
+template <class S>
+constexpr vec<S, 2> inverse_rotate(rotation<S, 2> a, vec<S, 2> v) {
+    return {sum_of_products(a.cosine, v.x, a.sine, v.y), difference_of_products(a.cosine, v.y, a.sine, v.x)};
+}
+template <class S>
+constexpr mat<S, 2> matrix(rotation<S, 2> a) {
+    return {{{a.cosine, a.sine}, {-a.sine, a.cosine}}};
+}
+template <class S>
+constexpr bool is_finite(rotation<S, 2> a) {
+    return is_finite(a.cosine) && is_finite(a.sine);
+}
+/// | |a|^2 - 1 |: how far a is from a rotation.
+template <class S>
+constexpr S norm_error(rotation<S, 2> a) {
+    return abs(sum_of_products(a.cosine, a.cosine, a.sine, a.sine) - S(1));
+}
+/// a with length 1; the identity if a is null.
+template <class S>
+constexpr rotation<S, 2> normalized(rotation<S, 2> a) {
+    const auto [unit, length] = split(vec<S, 2>{a.cosine, a.sine});
+    if (!(length > S(0))) return {};
+    return {unit.x, unit.y};
+}
+
+/// The angle of a in radians, in [-pi, pi]; in space the rotation vector, axis times angle.
+template <class S>
+S rotation_vector(rotation<S, 2> a) {
+    return a.angle();
+}
+
+namespace detail {
+/// tan(x) / x by its series for x^2 = xx <= 1/16, relative error < 9e-9 there and 9e-16 at x = 1/20. A
+/// rotation built from the tangent has length 1 whatever its error, so a cut series costs angle, never scale.
+template <class S>
+constexpr S tangent_ratio(S xx) {
+    return S(1) + xx * (S(1.0 / 3) + xx * (S(2.0 / 15) + xx * (S(17.0 / 315) + xx * S(62.0 / 2835))));
+}
+/// The factor of one Newton step towards length 1: enough for the rounding of one product.
+template <class S>
+constexpr S length_repair(S squared_length) {
+    return S(1.5) - S(0.5) * squared_length;
+}
+}  // namespace detail
+
+/// a, turned further by an angle in radians; keeps length 1. Half a radian at most goes without trigonometry
+/// (relative error of the angle < 9e-9), more through sine and cosine. Source: the Cayley map.
+template <class S>
+constexpr rotation<S, 2> turned(rotation<S, 2> a, S angle) {
+    const S half = angle * S(0.5);
+    if (abs(half) > S(0.25)) return normalized(rotation<S, 2>::from_angle(angle) * a);
+    const S t = half * detail::tangent_ratio(half * half);
+    const S scale = S(1) / (S(1) + t * t);
+    const rotation<S, 2> r = rotation<S, 2>{(S(1) - t * t) * scale, (t + t) * scale} * a;
+    const S repair = detail::length_repair(sum_of_products(r.cosine, r.cosine, r.sine, r.sine));
+    return {r.cosine * repair, r.sine * repair};
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/space/rotation3.hpp
+// =================================================================================================
+// Rotation in space: a unit quaternion.
+
+PHYSICS_HPP_BEGIN
+
+/// A rotation in space as a unit quaternion x i + y j + z k + w.
+template <class S>
+struct rotation<S, 3> {
+    S x{}, y{}, z{};
+    S w = S(1);
+
+    constexpr rotation() = default;
+    constexpr rotation(S x_, S y_, S z_, S w_) : x(x_), y(y_), z(z_), w(w_) {}
+    /// By an angle in radians about a unit axis, counter-clockwise as seen from its tip.
+    static rotation from_axis_angle(vec<S, 3> axis, S radians) {
+        const auto [s, c] = sine_cosine(radians * S(0.5));
+        return {axis.x * s, axis.y * s, axis.z * s, c};
+    }
+    [[nodiscard]] constexpr vec<S, 3> imaginary() const { return {x, y, z}; }
+
+    friend constexpr rotation operator*(rotation a, rotation b) {
+        const auto sum = [](auto p, auto q, auto r, auto s) { return narrow<S>(p + q + r + s); };
+        return {sum(product(a.w, b.x), product(a.x, b.w), product(a.y, b.z), -product(a.z, b.y)),
+                sum(product(a.w, b.y), product(a.y, b.w), product(a.z, b.x), -product(a.x, b.z)),
+                sum(product(a.w, b.z), product(a.z, b.w), product(a.x, b.y), -product(a.y, b.x)),
+                sum(product(a.w, b.w), -product(a.x, b.x), -product(a.y, b.y), -product(a.z, b.z))};
+    }
+    friend constexpr vec<S, 3> operator*(rotation a, vec<S, 3> v) {
+        const vec<S, 3> t = cross(a.imaginary(), v) * S(2);
+        return v + t * a.w + cross(a.imaginary(), t);
+    }
+    friend bool operator==(rotation, rotation) = default;
+};
+
+template <class S>
+constexpr rotation<S, 3> inverse(rotation<S, 3> a) {
+    return {-a.x, -a.y, -a.z, a.w};
+}
+/// The rotation that undoes a, times v.
+template <class S>
+constexpr vec<S, 3> inverse_rotate(rotation<S, 3> a, vec<S, 3> v) {
+    return inverse(a) * v;
+}
+template <class S>
+constexpr mat<S, 3> matrix(rotation<S, 3> a) {
+    const S x2 = a.x + a.x, y2 = a.y + a.y, z2 = a.z + a.z;
+    return {{{S(1) - sum_of_products(a.y, y2, a.z, z2), sum_of_products(a.x, y2, a.w, z2), difference_of_products(a.x, z2, a.w, y2)},
+             {difference_of_products(a.x, y2, a.w, z2), S(1) - sum_of_products(a.x, x2, a.z, z2), sum_of_products(a.y, z2, a.w, x2)},
+             {sum_of_products(a.x, z2, a.w, y2), difference_of_products(a.y, z2, a.w, x2), S(1) - sum_of_products(a.x, x2, a.y, y2)}}};
+}
+template <class S>
+constexpr bool is_finite(rotation<S, 3> a) {
+    return is_finite(a.imaginary()) && is_finite(a.w);
+}
+
+namespace detail {
+template <class S>
+constexpr S squared_norm(rotation<S, 3> a) {
+    return narrow<S>(wide_dot(a.imaginary(), a.imaginary()) + product(a.w, a.w));
+}
+}  // namespace detail
+
+/// | |a|^2 - 1 |: how far a is from a rotation.
+template <class S>
+constexpr S norm_error(rotation<S, 3> a) {
+    return abs(detail::squared_norm(a) - S(1));
+}
+/// a with length 1; the identity if a is null.
+template <class S>
+constexpr rotation<S, 3> normalized(rotation<S, 3> a) {
+    const S scale = max(largest(a.imaginary()), abs(a.w));
+    if (!(scale > S(0))) return {};
+    const rotation<S, 3> b{a.x / scale, a.y / scale, a.z / scale, a.w / scale};
+    const S norm = sqrt(detail::squared_norm(b));
+    return {b.x / norm, b.y / norm, b.z / norm, b.w / norm};
+}
+
+/// Axis times angle of a (radians, at most pi), so that turned({}, rotation_vector(a)) is a again.
+template <class S>
+vec<S, 3> rotation_vector(rotation<S, 3> a) {
+    const auto [axis, sine] = split(a.w < S(0) ? -a.imaginary() : a.imaginary());
+    return axis * (atan2(sine, abs(a.w)) * S(2));
+}
+
+/// a, turned further by a rotation vector (axis times angle, radians, in the outer frame); keeps length 1.
+/// One radian at most goes without trigonometry, as in the plane.
+template <class S>
+constexpr rotation<S, 3> turned(rotation<S, 3> a, vec<S, 3> angle) {
+    const vec<S, 3> quarter = angle * S(0.25);
+    const S xx = dot(quarter, quarter);
+    if (largest(quarter) > S(0.25) || xx > S(0.0625)) {
+        const auto [axis, radians] = split(angle);
+        return normalized(rotation<S, 3>::from_axis_angle(axis, radians) * a);
+    }
+    const vec<S, 3> t = quarter * detail::tangent_ratio(xx);
+    const S tt = dot(t, t);
+    const S scale = S(1) / (S(1) + tt);
+    const vec<S, 3> v = t * (scale + scale);
+    const rotation<S, 3> r = rotation<S, 3>{v.x, v.y, v.z, (S(1) - tt) * scale} * a;
+    const S repair = detail::length_repair(detail::squared_norm(r));
+    return {r.x * repair, r.y * repair, r.z * repair, r.w * repair};
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/space/transform.hpp
+// =================================================================================================
+// Rigid transforms, twists and boxes.
+
+PHYSICS_HPP_BEGIN
+
+/// A rigid transform: first the rotation, then the translation to position (metres).
+template <class S, int D>
+struct transform {
+    vec<S, D> position;
+    physics::rotation<S, D> rotation;
+
+    /// The point p, given in the inner frame, in the outer one.
+    friend constexpr vec<S, D> operator*(const transform& t, vec<S, D> p) { return t.rotation * p + t.position; }
+    /// b first, then a.
+    friend constexpr transform operator*(const transform& a, const transform& b) {
+        return {a * b.position, a.rotation * b.rotation};
+    }
+    friend bool operator==(const transform&, const transform&) = default;
+};
+
+/// The transform that undoes t.
+template <class S, int D>
+constexpr transform<S, D> inverse(const transform<S, D>& t) {
+    return {-inverse_rotate(t.rotation, t.position), inverse(t.rotation)};
+}
+/// The point p, given in the outer frame, in the inner one.
+template <class S, int D>
+constexpr vec<S, D> inverse_transform(const transform<S, D>& t, vec<S, D> p) {
+    return inverse_rotate(t.rotation, p - t.position);
+}
+/// The frame b as seen from a: a * relative(a, b) == b. Subtracts positions first, so that two bodies far
+/// from the origin keep the precision of their distance.
+template <class S, int D>
+constexpr transform<S, D> relative(const transform<S, D>& a, const transform<S, D>& b) {
+    return {inverse_rotate(a.rotation, b.position - a.position), inverse(a.rotation) * b.rotation};
+}
+template <class S, int D>
+constexpr bool is_finite(const transform<S, D>& t) {
+    return is_finite(t.position) && is_finite(t.rotation);
+}
+
+/// Linear velocity (m/s) and angular velocity (rad/s) of a body, or an impulse and its moment.
+template <class S, int D>
+struct twist {
+    vec<S, D> linear;
+    physics::angular<S, D> angular{};
+
+    friend constexpr twist operator+(const twist& a, const twist& b) {
+        return {a.linear + b.linear, a.angular + b.angular};
+    }
+    friend bool operator==(const twist&, const twist&) = default;
+};
+
+/// The velocity of the point at lever r from the centre of mass.
+template <class S, int D>
+constexpr vec<S, D> velocity_at(const twist<S, D>& v, vec<S, D> r) {
+    return v.linear + cross(v.angular, r);
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/space/inertia.hpp
+// =================================================================================================
+// Mass, centre and rotational inertia: a scalar in 2D, a symmetric tensor in 3D.
+
+PHYSICS_HPP_BEGIN
+
+/// Rotational inertia: kg m^2 about the axis out of the plane in 2D, a symmetric tensor in 3D.
+template <class S, int D>
+using inertia = std::conditional_t<D == 2, S, symmetric<S>>;
+/// The inverse of an inertia, in the scalar's inverse format.
+template <class S, int D>
+using inverse_inertia = std::conditional_t<D == 2, inverse_of<S>, symmetric<inverse_of<S>>>;
+
+/// Mass (kg), centre of mass (m) and inertia about that centre (kg m^2).
+template <class S, int D>
+struct mass_properties {
+    S mass{};
+    vec<S, D> center;
+    physics::inertia<S, D> inertia{};
+};
+
+/// The inertia of a point mass at r: what the parallel-axis theorem adds.
+template <class S>
+constexpr S point_inertia(S mass, vec<S, 2> r) {
+    return mass * dot(r, r);
+}
+template <class S>
+constexpr symmetric<S> point_inertia(S mass, vec<S, 3> r) {
+    const S xx = r.x * r.x, yy = r.y * r.y, zz = r.z * r.z;
+    return symmetric<S>{yy + zz, xx + zz, xx + yy, -(r.x * r.y), -(r.x * r.z), -(r.y * r.z)} * mass;
+}
+
+/// The mass properties as seen from the frame that t leads to.
+template <class S>
+constexpr mass_properties<S, 2> transformed(const mass_properties<S, 2>& m, const transform<S, 2>& t) {
+    return {m.mass, t * m.center, m.inertia};
+}
+template <class S>
+constexpr mass_properties<S, 3> transformed(const mass_properties<S, 3>& m, const transform<S, 3>& t) {
+    return {m.mass, t * m.center, rotated(m.inertia, matrix(t.rotation))};
+}
+
+/// Two rigidly joined masses as one. Source: the parallel-axis (Huygens-Steiner) theorem.
+template <class S, int D>
+constexpr mass_properties<S, D> combined(const mass_properties<S, D>& a, const mass_properties<S, D>& b) {
+    const S mass = a.mass + b.mass;
+    if (!(mass > S(0))) return a;
+    const vec<S, D> center = a.center + (b.center - a.center) * (b.mass / mass);
+    return {mass, center,
+            a.inertia + point_inertia(a.mass, a.center - center) + b.inertia + point_inertia(b.mass, b.center - center)};
+}
+
+/// The inverse inertia; zero if the inertia is not positive (definite).
+template <class S>
+constexpr inverse_of<S> inverted_inertia(S inertia) {
+    return inertia > S(0) ? reciprocal<inverse_of<S>>(inertia) : inverse_of<S>(0);
+}
+template <class S>
+constexpr symmetric<inverse_of<S>> inverted_inertia(const symmetric<S>& inertia) {
+    return inverse<inverse_of<S>>(inertia);
+}
+
+/// True if the inertia is the same about every axis.
+template <class S>
+constexpr bool is_isotropic(S) {
+    return true;
+}
+template <class S>
+constexpr bool is_isotropic(const symmetric<S>& m) {
+    return m.xx == m.yy && m.yy == m.zz && m.xy == S(0) && m.xz == S(0) && m.yz == S(0);
+}
+
+/// The inverse inertia of a body with the given rotation, in world axes.
+template <class S>
+constexpr inverse_of<S> in_world(inverse_of<S> local, const rotation<S, 2>&) {
+    return local;
+}
+template <class S>
+constexpr symmetric<inverse_of<S>> in_world(const symmetric<inverse_of<S>>& local, const rotation<S, 3>& r) {
+    return rotated(local, matrix(r));
+}
+
+/// Inverse inertia times an angular impulse: the change of angular velocity.
+template <class I, class S>
+    requires std::same_as<I, inverse_of<S>>
+constexpr S times(I inverse_inertia, S moment) {
+    return mul<S>(inverse_inertia, moment);
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/space/space.hpp
+// =================================================================================================
+// One name for all types of a world's space.
+
+PHYSICS_HPP_BEGIN
+
+/// The types of a world with scalar S in D dimensions; policies rebind themselves to one of these.
+template <class S, int D>
+struct space {
+    using scalar = S;
+    static constexpr int dimension = D;
+    using vec = physics::vec<S, D>;
+    using angular = physics::angular<S, D>;
+    using rotation = physics::rotation<S, D>;
+    using transform = physics::transform<S, D>;
+    using twist = physics::twist<S, D>;
+    using aabb = physics::aabb<S, D>;
+    using inertia = physics::inertia<S, D>;
+    using inverse = inverse_of<S>;
+    using inverse_inertia = physics::inverse_inertia<S, D>;
+    using mass_properties = physics::mass_properties<S, D>;
+};
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/shape/concept.hpp
+// =================================================================================================
+// What a shape must offer.
+
+PHYSICS_HPP_BEGIN
+
+/// A shape for the scalar S in D dimensions: a trivially copyable value with free functions
+///   check(shape, function)       refuses bad numbers (see error.hpp) and says whether all are good
+///   bounds(shape, transform)     the axis-aligned box around the shape at that transform
+///   as<T>()                      a member: the same shape with the scalar T
+/// and, where dynamic bodies may carry it,
+///   mass_of(shape, density)      mass properties; density in kg/m^3 (kg/m^2 in 2D)
+///   support(shape, direction)    the farthest point of the shape along a direction, in its own frame
+template <class Shape, class S, int D>
+concept shape_for = std::is_trivially_copyable_v<Shape> && requires(const Shape shape, const transform<S, D> at) {
+    { check(shape, "function") } -> std::same_as<bool>;
+    { bounds(shape, at) } -> std::same_as<aabb<S, D>>;
+    shape.template as<double>();
+};
+
+/// A shape that has a mass.
+template <class Shape, class S, int D>
+concept solid_shape_for = shape_for<Shape, S, D> && requires(const Shape shape, S density, vec<S, D> direction) {
+    { mass_of(shape, density) } -> std::same_as<mass_properties<S, D>>;
+    { support(shape, direction) } -> std::same_as<vec<S, D>>;
+};
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/shape/ball.hpp
+// =================================================================================================
+// The ball: a circle in 2D, a sphere in 3D.
+
+PHYSICS_HPP_BEGIN
+
+/// All points within radius (m) of the centre, which is the origin of the shape's frame.
+template <class S, int D>
+struct ball {
+    using scalar = S;
+    S radius = S(0.5);
+
+    /// The same shape with another scalar.
+    template <class T>
+    [[nodiscard]] constexpr ball<T, D> as() const {
+        return {static_cast<T>(radius)};
+    }
+};
+/// A ball, by its name in 2D.
+template <class S, int D = 2>
+using circle = ball<S, D>;
+/// A ball, by its name in 3D.
+template <class S, int D = 3>
+using sphere = ball<S, D>;
+
+template <class S, int D>
+bool check(const ball<S, D>& b, const char* function) {
+    return detail::check_positive(function, "radius", b.radius);
+}
+template <class S, int D>
+constexpr aabb<S, D> bounds(const ball<S, D>& b, const transform<S, D>& at) {
+    return grown(aabb<S, D>{at.position, at.position}, b.radius);
+}
+template <class S, int D>
+constexpr vec<S, D> support(const ball<S, D>& b, vec<S, D> direction) {
+    return normalized(direction) * b.radius;
+}
+template <class S>
+constexpr mass_properties<S, 2> mass_of(const ball<S, 2>& b, S density) {
+    const S rr = b.radius * b.radius;
+    const S mass = density * pi<S> * rr;
+    return {mass, {}, mass * rr * S(0.5)};
+}
+template <class S>
+constexpr mass_properties<S, 3> mass_of(const ball<S, 3>& b, S density) {
+    const S rr = b.radius * b.radius;
+    const S mass = density * (S(4) * pi<S> / S(3)) * rr * b.radius;
+    const S i = mass * rr * S(0.4);
+    return {mass, {}, symmetric<S>::diagonal(i, i, i)};
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/shape/box.hpp
+// =================================================================================================
+// The box: a rectangle in 2D, a cuboid in 3D.
+
+PHYSICS_HPP_BEGIN
+
+/// All points p with |p_i| <= half_extents_i (m) in the shape's frame.
+template <class S, int D>
+struct box {
+    using scalar = S;
+    vec<S, D> half_extents = vec<S, D>::filled(S(0.5));
+
+    template <class T>
+    [[nodiscard]] constexpr box<T, D> as() const {
+        box<T, D> result;
+        for (int i = 0; i < D; ++i) result.half_extents[i] = static_cast<T>(half_extents[i]);
+        return result;
+    }
+};
+
+template <class S, int D>
+bool check(const box<S, D>& b, const char* function) {
+    constexpr const char* names[] = {"half_extents.x", "half_extents.y", "half_extents.z"};
+    for (int i = 0; i < D; ++i)
+        if (!detail::check_positive(function, names[i], b.half_extents[i])) return false;
+    return true;
+}
+template <class S, int D>
+constexpr aabb<S, D> bounds(const box<S, D>& b, const transform<S, D>& at) {
+    const mat<S, D> m = matrix(at.rotation);
+    vec<S, D> reach;
+    for (int i = 0; i < D; ++i) reach += abs(m.column[i] * b.half_extents[i]);
+    return {at.position - reach, at.position + reach};
+}
+template <class S, int D>
+constexpr vec<S, D> support(const box<S, D>& b, vec<S, D> direction) {
+    vec<S, D> corner = b.half_extents;
+    for (int i = 0; i < D; ++i)
+        if (direction[i] < S(0)) corner[i] = -corner[i];
+    return corner;
+}
+template <class S>
+constexpr mass_properties<S, 2> mass_of(const box<S, 2>& b, S density) {
+    const vec<S, 2> h = b.half_extents;
+    const S mass = density * S(4) * h.x * h.y;
+    return {mass, {}, mass * (dot(h, h) / S(3))};
+}
+template <class S>
+constexpr mass_properties<S, 3> mass_of(const box<S, 3>& b, S density) {
+    const vec<S, 3> h = b.half_extents;
+    const S mass = density * S(8) * h.x * h.y * h.z;
+    const S xx = h.x * h.x, yy = h.y * h.y, zz = h.z * h.z;
+    return {mass, {}, symmetric<S>::diagonal(mass * ((yy + zz) / S(3)), mass * ((xx + zz) / S(3)), mass * ((xx + yy) / S(3)))};
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/shape/capsule.hpp
+// =================================================================================================
+// The capsule: all points near a segment.
+
+PHYSICS_HPP_BEGIN
+
+/// All points within radius (m) of the segment from (-half_length, 0) to (half_length, 0) on the x axis of
+/// the shape's frame.
+template <class S, int D>
+struct capsule {
+    using scalar = S;
+    S half_length = S(0.5);
+    S radius = S(0.25);
+
+    template <class T>
+    [[nodiscard]] constexpr capsule<T, D> as() const {
+        return {static_cast<T>(half_length), static_cast<T>(radius)};
+    }
+};
+
+template <class S, int D>
+bool check(const capsule<S, D>& c, const char* function) {
+    return detail::check_positive(function, "half_length", c.half_length) &&
+           detail::check_positive(function, "radius", c.radius);
+}
+namespace detail {
+template <class S, int D>
+constexpr vec<S, D> along_x(S x) {
+    vec<S, D> v;
+    v.x = x;
+    return v;
+}
+}  // namespace detail
+template <class S, int D>
+constexpr aabb<S, D> bounds(const capsule<S, D>& c, const transform<S, D>& at) {
+    const vec<S, D> reach = abs(at.rotation * detail::along_x<S, D>(c.half_length)) + vec<S, D>::filled(c.radius);
+    return {at.position - reach, at.position + reach};
+}
+template <class S, int D>
+constexpr vec<S, D> support(const capsule<S, D>& c, vec<S, D> direction) {
+    return detail::along_x<S, D>(direction.x < S(0) ? -c.half_length : c.half_length) + normalized(direction) * c.radius;
+}
+/// Rectangle and two half discs, whose centroids lie 4 r / (3 pi) outwards of their flat sides.
+template <class S>
+constexpr mass_properties<S, 2> mass_of(const capsule<S, 2>& c, S density) {
+    const S l = c.half_length, r = c.radius, rr = r * r, ll = l * l;
+    const S middle = density * S(4) * l * r;
+    const S ends = density * pi<S> * rr;
+    const S offset = r * (S(4.0 / 3) / pi<S>);
+    return {middle + ends, {}, middle * ((ll + rr) / S(3)) + ends * (rr * S(0.5) + ll + S(2) * l * offset)};
+}
+/// Cylinder and two half balls, whose centroids lie 3 r / 8 outwards of their flat sides.
+template <class S>
+constexpr mass_properties<S, 3> mass_of(const capsule<S, 3>& c, S density) {
+    const S l = c.half_length, r = c.radius, rr = r * r, ll = l * l;
+    const S middle = density * pi<S> * rr * (l + l);
+    const S ends = density * (S(4) * pi<S> / S(3)) * rr * r;
+    const S along = middle * (rr * S(0.5)) + ends * (rr * S(0.4));
+    const S across = middle * (rr * S(0.25) + ll / S(3)) + ends * (rr * S(0.4) + ll + l * r * S(0.75));
+    return {middle + ends, {}, symmetric<S>::diagonal(along, across, across)};
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/shape/halfspace.hpp
+// =================================================================================================
+// The halfspace: endless ground or wall.
+
+PHYSICS_HPP_BEGIN
+
+/// All points p with dot(normal, p) <= offset (m) in the shape's frame; normal is a unit vector, four digits
+/// of it suffice. It has no mass, so it serves static and kinematic bodies.
+template <class S, int D>
+struct halfspace {
+    using scalar = S;
+    vec<S, D> normal = upward();
+    S offset = S(0);
+
+    template <class T>
+    [[nodiscard]] constexpr halfspace<T, D> as() const {
+        halfspace<T, D> result;
+        for (int i = 0; i < D; ++i) result.normal[i] = static_cast<T>(normal[i]);
+        result.offset = static_cast<T>(offset);
+        return result;
+    }
+
+private:
+    static constexpr vec<S, D> upward() {
+        vec<S, D> up;
+        up.y = S(1);
+        return up;
+    }
+};
+
+template <class S, int D>
+bool check(const halfspace<S, D>& h, const char* function) {
+    if (!detail::check_finite(function, "normal", h.normal) || !detail::check_finite(function, "offset", h.offset))
+        return false;
+    const S l = length(h.normal);
+    if (abs(l - S(1)) > S(64) * scalar_traits<S>::epsilon() + S(1e-4))
+        return detail::refuse(function, "length of normal", static_cast<double>(l), "it must be 1");
+    return true;
+}
+namespace detail {
+/// The normal with length 1: two Newton steps bring the error that check() admits below rounding.
+template <class S, int D>
+constexpr vec<S, D> unit_normal(const halfspace<S, D>& h) {
+    const vec<S, D> n = h.normal * length_repair(dot(h.normal, h.normal));
+    return n * length_repair(dot(n, n));
+}
+}  // namespace detail
+/// Endless in most directions: a quarter of the scalar's range stands for infinity, so that margins do not
+/// overflow.
+template <class S, int D>
+constexpr aabb<S, D> bounds(const halfspace<S, D>& h, const transform<S, D>& at) {
+    const S far = scalar_traits<S>::max() * S(0.25);
+    aabb<S, D> box{vec<S, D>::filled(-far), vec<S, D>::filled(far)};
+    const vec<S, D> n = at.rotation * detail::unit_normal(h);
+    const S height = h.offset + dot(n, at.position);
+    for (int i = 0; i < D; ++i) {
+        bool aligned = true;
+        for (int j = 0; j < D; ++j) aligned = aligned && (i == j || n[j] == S(0));
+        if (aligned && n[i] > S(0)) box.upper[i] = height;
+        if (aligned && n[i] < S(0)) box.lower[i] = -height;
+    }
+    return box;
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/shape/shapes.hpp
+// =================================================================================================
+// The closed set of shapes that a recipe uses: one value that holds any of them, no virtual calls.
+
+PHYSICS_HPP_BEGIN
+
+/// A value that holds one shape of a closed set. Size: the largest shape and its number.
+template <class S, int D, template <class, int> class... Shapes>
+class any_shape {
+public:
+    static constexpr int kinds = sizeof...(Shapes);
+    /// The number of a shape within the set, -1 if it is not of the set.
+    template <class Shape>
+    static constexpr int kind_of() {
+        constexpr bool same[] = {std::is_same_v<Shape, Shapes<S, D>>...};
+        for (int i = 0; i < kinds; ++i)
+            if (same[i]) return i;
+        return -1;
+    }
+
+    any_shape() : any_shape(first{}) {}
+    template <class Shape>
+        requires(kind_of<Shape>() >= 0)
+    any_shape(const Shape& shape) : kind_(kind_of<Shape>()) {
+        new (static_cast<void*>(bytes_)) Shape(shape);
+    }
+
+    [[nodiscard]] int kind() const { return kind_; }
+    /// The shape, which must be of that type.
+    template <class Shape>
+    [[nodiscard]] const Shape& get() const {
+        return *std::launder(reinterpret_cast<const Shape*>(bytes_));
+    }
+    /// Calls f with the shape in its own type.
+    template <class F>
+    decltype(auto) visit(F&& f) const {
+        return visit_from<0, F, Shapes<S, D>...>(f);
+    }
+
+private:
+    template <int I, class F, class First, class... Rest>
+    decltype(auto) visit_from(F& f) const {
+        if constexpr (sizeof...(Rest) == 0) return f(get<First>());
+        else return kind_ == I ? f(get<First>()) : visit_from<I + 1, F, Rest...>(f);
+    }
+    template <class First, class...>
+    struct head {
+        using type = First;
+    };
+    using first = typename head<Shapes<S, D>...>::type;
+    static constexpr std::size_t bytes = [] {
+        std::size_t most = 0;
+        ((most = sizeof(Shapes<S, D>) > most ? sizeof(Shapes<S, D>) : most), ...);
+        return most;
+    }();
+
+    alignas(Shapes<S, D>...) unsigned char bytes_[bytes] = {};
+    std::int32_t kind_ = 0;
+};
+
+template <class S, int D, template <class, int> class... Shapes>
+aabb<S, D> bounds(const any_shape<S, D, Shapes...>& shape, const transform<S, D>& at) {
+    return shape.visit([&](const auto& s) { return bounds(s, at); });
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/collide/manifold.hpp
+// =================================================================================================
+// What the narrowphase says of a pair of shapes.
+
+PHYSICS_HPP_BEGIN
+
+/// One point of contact, in the frame of shape A.
+template <class S, int D>
+struct manifold_point {
+    /// Halfway between the two surfaces (m).
+    vec<S, D> position;
+    /// Distance of the surfaces along the normal (m); negative where they overlap.
+    S separation{};
+    /// Names the features that touch: equal in the next step if the same ones still do.
+    std::uint32_t feature = 0;
+};
+
+/// The points in which two shapes touch or nearly touch: at most 2 in the plane and 4 in space.
+template <class S, int D>
+struct manifold {
+    static constexpr int capacity = D == 2 ? 2 : 4;
+
+    /// Unit normal from A to B, in the frame of shape A.
+    vec<S, D> normal;
+    manifold_point<S, D> points[capacity];
+    int count = 0;
+
+    constexpr void add(vec<S, D> position, S separation, std::uint32_t feature) {
+        points[count++] = {position, separation, feature};
+    }
+};
+
+/// Adds the point between the surfaces of two rounded features: their cores lie at a and b, the distance of
+/// the cores along the normal is gap.
+template <class S, int D>
+constexpr void add_rounded(manifold<S, D>& m, vec<S, D> a, S radius_a, vec<S, D> b, S radius_b, S gap, std::uint32_t feature) {
+    const vec<S, D> on_a = a + m.normal * radius_a;
+    const vec<S, D> on_b = b - m.normal * radius_b;
+    m.add((on_a + on_b) * S(0.5), gap - radius_a - radius_b, feature);
+}
+
+/// Two round cores (points with radius): one point, if they are within margin. Coincident centres get the
+/// fallback normal.
+template <class S, int D>
+constexpr void collide_round(vec<S, D> a, S radius_a, vec<S, D> b, S radius_b, vec<S, D> fallback, S margin,
+                             std::uint32_t feature, manifold<S, D>& out) {
+    const vec<S, D> offset = b - a;
+    const S reach = radius_a + radius_b + margin;
+    if (largest(offset) > reach) return;
+    const auto [direction, gap] = split(offset);
+    if (gap > reach) return;
+    out.normal = gap > S(0) ? direction : fallback;
+    add_rounded(out, a, radius_a, b, radius_b, gap, feature);
+}
+
+namespace detail {
+/// What a few roundings of numbers as large as `size` may come to.
+template <class S>
+constexpr S rounding_of(S size) {
+    return S(16) * scalar_traits<S>::epsilon() * (is_fixed<S> ? max(size, S(1)) : size);
+}
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/collide/reduce3.hpp
+// =================================================================================================
+// Four of many contact points that span what all of them hold.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Adds up to four of the candidates to the manifold: the deepest, the farthest beside it, then the points
+/// that open the widest triangles on either side. Depth counts before distance, so that no overlap is left
+/// without a point near it. Among candidates that are alike, depths within `slack` and distances within a
+/// few percent, the first wins: rounding would choose others in each step.
+template <class S>
+constexpr void reduce(const manifold_point<S, 3>* candidates, int count, vec<S, 3> normal, S slack, manifold<S, 3>& out) {
+    if (count <= manifold<S, 3>::capacity) {
+        for (int i = 0; i < count; ++i) out.points[out.count++] = candidates[i];
+        return;
+    }
+    bool taken[8] = {};
+    const auto take_best = [&](auto&& score, auto&& clearly) {
+        int best = -1;
+        S highest{};
+        for (int i = 0; i < count; ++i) {
+            if (taken[i]) continue;
+            const S s = score(candidates[i]);
+            if (best < 0 || clearly(s, highest)) best = i, highest = s;
+        }
+        taken[best] = true;
+        out.points[out.count++] = candidates[best];
+        return candidates[best].position;
+    };
+    const auto deeper = [&](S s, S highest) { return s > highest + slack; };
+    const auto wider = [](S s, S highest) { return s > highest + abs(highest) * S(1.0 / 32); };
+    const vec<S, 3> a = take_best([](const auto& p) { return -p.separation; }, deeper);
+    const vec<S, 3> b = take_best([&](const auto& p) { return length(cross(normal, p.position - a)); }, wider);
+    const vec<S, 3> across = normalized(cross(normal, b - a));
+    const vec<S, 3> c = take_best([&](const auto& p) { return abs(dot(p.position - a, across)); }, wider);
+    const bool left = dot(c - a, across) > S(0);
+    take_best(
+        [&](const auto& p) {
+            const S beyond = dot(p.position - a, across);
+            return left ? -beyond : beyond;
+        },
+        wider);
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/collide/segment.hpp
+// =================================================================================================
+// Closest points on segments, and segments cut by planes.
+
+PHYSICS_HPP_BEGIN
+
+/// Where the point of the segment a-b closest to p lies: 0 at a, 1 at b. Source: Ericson, Real-Time
+/// Collision Detection, 5.1.2.
+template <class S, int D>
+constexpr S closest_parameter(vec<S, D> a, vec<S, D> b, vec<S, D> p) {
+    const vec<S, D> d = b - a;
+    const wide_of<S> along = wide_dot(p - a, d);
+    const wide_of<S> whole = length_squared(d);
+    if (!(along > wide_of<S>{})) return S(0);
+    if (!(along < whole)) return S(1);
+    return quotient<S>(along, whole);
+}
+
+/// Where on two segments the points lie that are closest to each other, as distances from their middles.
+template <class S>
+struct segment_parameters {
+    S on_a{};
+    S on_b{};
+};
+
+/// The closest points of the segment |x| <= half_a of the coordinate axis a, and of the segment
+/// center + t * b, |t| <= half_b, of unit direction b. For parallel segments one of the pairs that are closest.
+/// Seen along the axis this is a point and a line, which keeps its precision where the two are nearly parallel.
+template <class S>
+constexpr segment_parameters<S> closest_to_axis(int a, S half_a, vec<S, 3> center, vec<S, 3> b, S half_b) {
+    vec<S, 3> beside = center, across = b;
+    beside[a] = across[a] = S(0);
+    const auto [direction, sine] = split(across);
+    const S along = -dot(beside, direction), most = half_b * sine;
+    S t = !(along < most) ? half_b : !(along > -most) ? -half_b : along / sine;
+    S s = clamp(center[a] + b[a] * t, -half_a, half_a);
+    t = clamp(b[a] * s - dot(b, center), -half_b, half_b);
+    s = clamp(center[a] + b[a] * t, -half_a, half_a);
+    return {s, t};
+}
+
+/// Cuts a segment middle + t * direction, start <= t <= stop, seen along one coordinate, down to what lies
+/// within |p| <= limit; false if nothing does.
+template <class S>
+constexpr bool clip_segment(S middle, S direction, S limit, S& start, S& stop) {
+    const S sides[2] = {S(-1), S(1)};
+    for (const S side : sides) {
+        const S at_start = side * (middle + direction * start) - limit, at_stop = side * (middle + direction * stop) - limit;
+        if (at_start > S(0) && at_stop > S(0)) return false;
+        if (at_start > S(0)) start += (stop - start) * (at_start / (at_start - at_stop));
+        else if (at_stop > S(0)) stop -= (stop - start) * (at_stop / (at_stop - at_start));
+    }
+    return true;
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/collide/box3.hpp
+// =================================================================================================
+// Contact of two boxes in space: separating axes, then clipping, a pair of edges, or the nearest corner.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// A box by its centre, unit axes and half extents.
+template <class S>
+struct oriented_box {
+    vec<S, 3> center;
+    mat<S, 3> axes;
+    vec<S, 3> half;
+
+    constexpr vec<S, 3> axis(int i) const { return axes.column[i]; }
+    /// Half of the box's extent along a direction.
+    constexpr S reach(vec<S, 3> n) const { return dot(abs(transposed_times(axes, n)), half); }
+};
+
+/// Corners of a face being clipped; each remembers the two planes that it lies between.
+template <class S>
+struct clip_polygon {
+    struct corner {
+        vec<S, 3> position;
+        std::uint32_t before, after;
+    };
+    corner corners[8];
+    int count = 0;
+};
+
+/// Cuts off what lies beyond the plane. Source: Sutherland, Hodgman, Reentrant polygon clipping (1974).
+template <class S>
+constexpr clip_polygon<S> clipped(const clip_polygon<S>& in, vec<S, 3> normal, S offset, std::uint32_t plane) {
+    clip_polygon<S> out;
+    for (int i = 0; i < in.count; ++i) {
+        const auto& a = in.corners[i];
+        const auto& b = in.corners[i + 1 < in.count ? i + 1 : 0];
+        const S da = dot(normal, a.position) - offset, db = dot(normal, b.position) - offset;
+        const bool keep_a = !(da > S(0)), keep_b = !(db > S(0));
+        if (keep_a && out.count < 8) out.corners[out.count++] = a;
+        if (keep_a != keep_b && out.count < 8) {
+            const vec<S, 3> cut = a.position + (b.position - a.position) * (da / (da - db));
+            out.corners[out.count++] = keep_a ? typename clip_polygon<S>::corner{cut, a.after, plane}
+                                              : typename clip_polygon<S>::corner{cut, plane, b.before};
+        }
+    }
+    return out;
+}
+
+/// Clips the face of `incident` that faces the reference face to the reference face's sides, and adds what is
+/// left within the margin. All in one frame; sign tells which of the two faces across the axis is meant, gap is
+/// how far it parts the boxes. False, with nothing added, if the point in which it finds `incident` closest was
+/// cut off: then its normal is not the direction of least distance.
+template <class S>
+constexpr bool clip_faces(const oriented_box<S>& reference, int axis, S sign, S gap, const oriented_box<S>& incident,
+                          bool flip, S slack, S margin, manifold<S, 3>& out) {
+    const vec<S, 3> n = reference.axis(axis) * sign;
+    const vec<S, 3> facing = transposed_times(incident.axes, n);
+    int across = 0;
+    // A lower number wins unless another face is clearly better, so that rounding does not choose.
+    for (int i = 1; i < 3; ++i)
+        if (abs(facing[i]) > abs(facing[across]) + S(1.0 / 1024)) across = i;
+    const S side = facing[across] > S(0) ? S(-1) : S(1);
+    const int u = across == 2 ? 0 : across + 1, v = across == 0 ? 2 : across - 1;
+    const vec<S, 3> middle = incident.center - reference.center + incident.axis(across) * (incident.half[across] * side);
+    const vec<S, 3> du = incident.axis(u) * incident.half[u], dv = incident.axis(v) * incident.half[v];
+
+    clip_polygon<S> face;
+    face.count = 4;
+    face.corners[0] = {middle + du + dv, 3, 0};
+    face.corners[1] = {middle - du + dv, 0, 1};
+    face.corners[2] = {middle - du - dv, 1, 2};
+    face.corners[3] = {middle + du - dv, 2, 3};
+    std::uint32_t plane = 4;
+    for (int i = 0; i < 3; ++i) {
+        if (i == axis) continue;
+        const vec<S, 3> a = reference.axis(i);
+        // A little beyond the face, so that rounding does not decide whether the corners of equal boxes are
+        // cut, and named anew, in each step.
+        const S edge = reference.half[i] + slack;
+        face = clipped(face, a, edge, plane++);
+        face = clipped(face, -a, edge, plane++);
+    }
+
+    const S top = reference.half[axis];
+    const std::uint32_t faces = static_cast<std::uint32_t>(axis << 1 | int{sign > S(0)}) << 12 |
+                                static_cast<std::uint32_t>(across << 1 | int{side > S(0)}) << 8 |
+                                static_cast<std::uint32_t>(flip) << 16;
+    manifold_point<S, 3> candidates[8];
+    int count = 0;
+    S deepest = gap + slack + slack;
+    for (int i = 0; i < face.count; ++i) {
+        const auto& corner = face.corners[i];
+        const S separation = dot(n, corner.position) - top;
+        deepest = min(deepest, separation);
+        if (separation > margin) continue;
+        candidates[count++] = {reference.center + corner.position - n * (separation * S(0.5)), separation,
+                               faces | corner.before << 4 | corner.after};
+    }
+    if (deepest > gap + slack) return false;
+    out.normal = flip ? -n : n;
+    reduce(candidates, count, n, slack, out);
+    return true;
+}
+
+/// The middle of the edge of a box that lies farthest along n, among the edges along one axis.
+template <class S>
+constexpr vec<S, 3> supporting_edge(const oriented_box<S>& b, int along, vec<S, 3> n, std::uint32_t& name) {
+    vec<S, 3> p = b.center;
+    name = static_cast<std::uint32_t>(along);
+    for (int i = 0; i < 3; ++i) {
+        if (i == along) continue;
+        const bool positive = dot(b.axis(i), n) > S(0);
+        p += b.axis(i) * (positive ? b.half[i] : -b.half[i]);
+        name = name << 1 | std::uint32_t{positive};
+    }
+    return p;
+}
+
+/// Adds the closest points of an edge of a, which lies at the origin along the coordinate axes, and an edge of b.
+/// False, with nothing added, if they are not what the normal found closest.
+template <class S>
+constexpr bool touch_edges(const oriented_box<S>& a, int edge_a, const oriented_box<S>& b, int edge_b, vec<S, 3> n, S gap,
+                           S slack, S margin, manifold<S, 3>& out) {
+    std::uint32_t name_a = 0, name_b = 0;
+    vec<S, 3> on_a = supporting_edge(a, edge_a, n, name_a), on_b = supporting_edge(b, edge_b, -n, name_b);
+    const auto at = closest_to_axis(edge_a, a.half[edge_a], on_b - on_a, b.axis(edge_b), b.half[edge_b]);
+    on_a[edge_a] += at.on_a;
+    on_b += b.axis(edge_b) * at.on_b;
+    if (largest(on_b - on_a - n * gap) > slack) return false;
+    out.normal = n;
+    if (!(gap > margin)) out.add((on_a + on_b) * S(0.5), gap, 0x20000u | name_a << 4 | name_b);
+    return true;
+}
+
+/// Adds the closest pair of a corner of one box and a point of the other, for boxes that do not overlap. `n` is
+/// the best separating axis, from a to b, and `parted` how far it parts them.
+template <class S>
+constexpr void touch_corner(const oriented_box<S>& a, const oriented_box<S>& b, vec<S, 3> n, S parted, S margin,
+                            manifold<S, 3>& out) {
+    vec<S, 3> best, corner;
+    wide_of<S> least{};
+    std::uint32_t feature = 0;
+    for (std::uint32_t flip = 0; flip < 2; ++flip) {
+        const oriented_box<S>& whole = flip ? b : a;
+        const oriented_box<S>& pointed = flip ? a : b;
+        for (std::uint32_t i = 0; i < 8; ++i) {
+            vec<S, 3> p = pointed.center - whole.center;
+            for (int k = 0; k < 3; ++k) p += pointed.axis(k) * (i >> k & 1u ? pointed.half[k] : -pointed.half[k]);
+            const vec<S, 3> local = transposed_times(whole.axes, p);
+            const vec<S, 3> beyond = local - max(-whole.half, min(whole.half, local));
+            const wide_of<S> distance = length_squared(beyond);
+            if (feature != 0 && !(distance < least)) continue;
+            least = distance;
+            best = whole.axes * (flip ? -beyond : beyond);
+            corner = p + whole.center;
+            // Two corners have one name, whichever was found first.
+            std::uint32_t region = 0, other = 0;
+            for (int k = 0; k < 3; ++k) {
+                region = region * 3 + (beyond[k] > S(0) ? 2u : beyond[k] < S(0) ? 1u : 0u);
+                other |= std::uint32_t{beyond[k] > S(0)} << k;
+            }
+            const bool corners = beyond.x != S(0) && beyond.y != S(0) && beyond.z != S(0);
+            feature = corners ? 0x40000u | (flip ? i << 4 | other : other << 4 | i) : 0x80000u | flip << 12 | region << 4 | i;
+        }
+    }
+    const auto [direction, distance] = split(best);
+    const auto parts = [&](vec<S, 3> m) { return dot(m, b.center - a.center) - a.reach(m) - b.reach(m); };
+    // Of points that all but coincide the direction is chance.
+    const bool clear = distance > S(0) && !(parts(direction) < parted);
+    out.normal = clear ? direction : n;
+    const S gap = clear ? distance : parted;
+    if (gap > margin) return;
+    const bool corner_of_b = (feature & 0x40000u) != 0 || (feature >> 12 & 1u) == 0;
+    out.add(corner + out.normal * (corner_of_b ? -gap : gap) * S(0.5), gap, feature);
+}
+
+}  // namespace detail
+
+/// Contact of two boxes: 15 separating axes, then face clipping with reduction to four points, one point between
+/// two edges, or the nearest corner. To keep the features of bodies at rest, contacts may deviate by 1/256 of the
+/// smallest half extent, never more. Source: Gottschalk, Lin, Manocha, OBBTree (1996), section 5.
+template <class S>
+constexpr void collide(const box<S, 3>& shape_a, const box<S, 3>& shape_b, const transform<S, 3>& b_in_a, S margin,
+                       manifold<S, 3>& out) {
+    const detail::oriented_box<S> a{{}, mat<S, 3>::identity(), shape_a.half_extents};
+    const detail::oriented_box<S> b{b_in_a.position, matrix(b_in_a.rotation), shape_b.half_extents};
+    const vec<S, 3> offset = b.center, offset_in_b = transposed_times(b.axes, offset);
+    const S smallest = min(min(a.half.x, min(a.half.y, a.half.z)), min(b.half.x, min(b.half.y, b.half.z)));
+    const S slack = smallest * S(1.0 / 512);
+
+    S best_a = S(0), best_b = S(0), best_edge = S(0);
+    int axis_a = 0, axis_b = 0, edge_a = -1, edge_b = 0;
+    for (int i = 0; i < 3; ++i) {
+        const S gap = abs(offset[i]) - a.half[i] - b.reach(a.axis(i));
+        if (gap > margin) return;
+        if (i == 0 || gap > best_a) best_a = gap, axis_a = i;
+    }
+    for (int i = 0; i < 3; ++i) {
+        const S gap = abs(offset_in_b[i]) - b.half[i] - dot(abs(b.axis(i)), a.half);
+        if (gap > margin) return;
+        if (i == 0 || gap > best_b) best_b = gap, axis_b = i;
+    }
+    vec<S, 3> edge_normal;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            const auto [n, sine] = split(cross(a.axis(i), b.axis(j)));
+            // Edges so nearly parallel that a face says the same.
+            if (sine * (a.half[i] + b.half[j]) < slack) continue;
+            const S along = dot(n, offset);
+            const S gap = abs(along) - dot(abs(n), a.half) - b.reach(n);
+            if (gap > margin) return;
+            if (edge_a >= 0 && !(gap > best_edge)) continue;
+            best_edge = gap;
+            edge_a = i;
+            edge_b = j;
+            edge_normal = along < S(0) ? -n : n;
+        }
+
+    const S sign_a = offset[axis_a] < S(0) ? S(-1) : S(1), sign_b = offset_in_b[axis_b] > S(0) ? S(-1) : S(1);
+    const auto face_of_a = [&] { return clip_faces(a, axis_a, sign_a, best_a, b, false, slack, margin, out); };
+    const auto face_of_b = [&] { return clip_faces(b, axis_b, sign_b, best_b, a, true, slack, margin, out); };
+    const auto edges = [&] { return touch_edges(a, edge_a, b, edge_b, edge_normal, best_edge, slack, margin, out); };
+
+    // Faces before edges and a before b where they are alike, so that the choice does not flicker.
+    const bool use_b = best_b > best_a + slack, edge_leads = edge_a >= 0 && best_edge > max(best_a, best_b);
+    if (!(edge_leads && best_edge > (use_b ? best_b : best_a) + slack) && (use_b ? face_of_b() : face_of_a())) return;
+    if (edge_leads ? edges() : best_b > best_a ? face_of_b() : face_of_a()) return;
+    const S best_face = max(best_a, best_b);
+    const vec<S, 3> face_normal = best_b > best_a ? b.axis(axis_b) * -sign_b : a.axis(axis_a) * sign_a;
+    touch_corner(a, b, edge_leads ? edge_normal : face_normal, edge_leads ? best_edge : best_face, margin, out);
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/collide/capsule3.hpp
+// =================================================================================================
+// Contact of capsules with capsules and boxes in space.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// A capsule's axis: middle, unit direction and half length.
+template <class S>
+struct axis_segment {
+    vec<S, 3> middle;
+    vec<S, 3> direction;
+    S half;
+
+    constexpr vec<S, 3> at(S t) const { return middle + direction * t; }
+    /// Half of its extent along a direction.
+    constexpr S reach(vec<S, 3> n) const { return abs(dot(n, direction)) * half; }
+};
+
+/// Where on a segment the point lies that is closest to the box |p_i| <= half_i. The squared distance is convex
+/// and its slope piecewise linear, with a knee where a coordinate meets a face: the root lies between two
+/// neighbouring knees and is found there exactly. Within a flat stretch, its middle.
+template <class S>
+constexpr S closest_to_box(const axis_segment<S>& s, vec<S, 3> half) {
+    S knees[8] = {-s.half, s.half};
+    int count = 2;
+    for (int i = 0; i < 3; ++i) {
+        const S reach = abs(s.direction[i]) * s.half;
+        const S ends[2] = {-half[i] - s.middle[i], half[i] - s.middle[i]};
+        for (const S end : ends)
+            if (abs(end) < reach) knees[count++] = end / s.direction[i];
+    }
+    for (int i = 1; i < count; ++i)
+        for (int j = i; j > 0 && knees[j] < knees[j - 1]; --j) std::swap(knees[j], knees[j - 1]);
+    const auto slope = [&](S t) {
+        const vec<S, 3> p = s.at(t);
+        return wide_dot(p - max(-half, min(half, p)), s.direction);
+    };
+    const wide_of<S> zero{};
+    S before = knees[0];
+    wide_of<S> slope_before = slope(before);
+    for (int i = 0; i < count; ++i) {
+        const wide_of<S> here = i == 0 ? slope_before : slope(knees[i]);
+        if (here > zero) {
+            if (i == 0) return knees[0];
+            return before + (knees[i] - before) * quotient<S>(slope_before, slope_before - here);
+        }
+        if (here == zero) {
+            S end = knees[i];
+            for (int j = i + 1; j < count && slope(knees[j]) == zero; ++j) end = knees[j];
+            return (knees[i] + end) * S(0.5);
+        }
+        before = knees[i];
+        slope_before = here;
+    }
+    return s.half;
+}
+
+/// The direction in which a segment is to be moved out of a box, and what it then leads past.
+template <class S>
+struct parting {
+    vec<S, 3> normal;
+    S gap{};
+    /// Where on the segment the box is nearest.
+    S at{};
+};
+/// The best separating axis of a segment and the box |p_i| <= half_i, from the box to the segment: the faces,
+/// then the edges across the segment, which have to be better by `slack`.
+template <class S>
+constexpr parting<S> part_from_box(const axis_segment<S>& s, vec<S, 3> half, S slack) {
+    parting<S> best;
+    for (int i = 0; i < 3; ++i) {
+        const S gap = abs(s.middle[i]) - half[i] - abs(s.direction[i]) * s.half;
+        if (i > 0 && !(gap > best.gap)) continue;
+        best.gap = gap;
+        best.normal = {};
+        best.normal[i] = s.middle[i] < S(0) ? S(-1) : S(1);
+        best.at = dot(best.normal, s.direction) > S(0) ? -s.half : s.half;
+    }
+    const S best_face = best.gap;
+    for (int i = 0; i < 3; ++i) {
+        vec<S, 3> e;
+        e[i] = S(1);
+        const auto [n, sine] = split(cross(e, s.direction));
+        // An edge so nearly parallel to the segment that a face says the same.
+        if (sine * (half[i] + s.half) < slack) continue;
+        const S along = dot(n, s.middle);
+        const S gap = abs(along) - dot(abs(n), half);
+        if (!(gap > best.gap) || !(gap > best_face + slack)) continue;
+        best.gap = gap;
+        best.normal = along < S(0) ? -n : n;
+        vec<S, 3> edge;
+        for (int k = 0; k < 3; ++k)
+            if (k != i) edge[k] = best.normal[k] > S(0) ? half[k] : -half[k];
+        best.at = closest_to_axis(i, half[i], s.middle - edge, s.direction, s.half).on_b;
+    }
+    return best;
+}
+
+}  // namespace detail
+
+/// Two capsules: one point between the axes, or two where the axes lie side by side.
+template <class S>
+constexpr void collide(const capsule<S, 3>& a, const capsule<S, 3>& b, const transform<S, 3>& b_in_a, S margin,
+                       manifold<S, 3>& out) {
+    const detail::axis_segment<S> s{b_in_a.position, b_in_a.rotation * vec<S, 3>{S(1), S(0), S(0)}, b.half_length};
+    const auto closest = closest_to_axis(0, a.half_length, s.middle, s.direction, s.half);
+    const vec<S, 3> on_a{closest.on_a, S(0), S(0)}, on_b = s.at(closest.on_b);
+    auto [n, gap] = split(on_b - on_a);
+    const S reach = a.radius + b.radius, thinner = min(a.radius, b.radius);
+    if (gap > reach + margin) return;
+
+    // Of points that all but coincide the direction is chance; across both axes is right if they cross there.
+    const auto parted = [&](vec<S, 3> m) { return abs(dot(m, s.middle)) - abs(m.x) * a.half_length - s.reach(m); };
+    if (!(gap > S(0)) || parted(n) < gap - detail::rounding_of(a.half_length + b.half_length)) {
+        vec<S, 3> across = normalized(vec<S, 3>{S(0), -s.direction.z, s.direction.y});
+        if (across == vec<S, 3>{}) across.y = S(1);
+        if (!(gap > S(0)) || parted(across) > parted(n)) {
+            n = dot(across, s.middle) < S(0) ? -across : across;
+            gap = parted(across);
+        }
+    }
+    out.normal = n;
+
+    // Side by side: both ends of what they share, if the axes stay within three degrees of each other there and
+    // the surfaces meet along the normal.
+    const vec<S, 3> d = s.direction;
+    if (abs(n.x) < S(0.05) && max(abs(d.y), abs(d.z)) < S(0.05)) {
+        S ends[2] = {-s.half, s.half};
+        if (clip_segment(s.middle.x, d.x, a.half_length, ends[0], ends[1]) && ends[1] > ends[0]) {
+            vec<S, 3> from_a[2];
+            S gaps[2];
+            bool beside = true;
+            for (int k = 0; k < 2; ++k) {
+                from_a[k] = s.at(ends[k]);
+                from_a[k].x = S(0);
+                gaps[k] = dot(n, from_a[k]);
+                beside = beside && largest(from_a[k] - n * gaps[k]) < thinner * S(0.1);
+            }
+            if (beside && !(min(gaps[0], gaps[1]) > gap + thinner * S(1.0 / 512))) {
+                for (int k = 0; k < 2; ++k) {
+                    if (gaps[k] - reach > margin) continue;
+                    const vec<S, 3> p = s.at(ends[k]);
+                    add_rounded(out, p - from_a[k], a.radius, p, b.radius, gaps[k], static_cast<std::uint32_t>(1 + k));
+                }
+                return;
+            }
+        }
+    }
+    if (!(gap - reach > margin)) add_rounded(out, on_a, a.radius, on_b, b.radius, gap, 0u);
+}
+
+/// A capsule and a box: the closest points where the axis is outside of the box, the axis of least overlap where
+/// it is not; two points where the capsule lies on a face. To keep the features of bodies at rest, contacts may
+/// deviate by 1/256 of the smallest size, never more.
+template <class S>
+constexpr void collide(const capsule<S, 3>& a, const box<S, 3>& b, const transform<S, 3>& b_in_a, S margin,
+                       manifold<S, 3>& out) {
+    // In the box's frame, with the normal from the box to the capsule until the end.
+    const vec<S, 3> h = b.half_extents;
+    const detail::axis_segment<S> s{inverse_transform(b_in_a, vec<S, 3>{}),
+                                    inverse_rotate(b_in_a.rotation, vec<S, 3>{S(1), S(0), S(0)}), a.half_length};
+    const S slack = min(a.radius, min(h.x, min(h.y, h.z))) * S(1.0 / 512);
+    S at = closest_to_box(s, h);
+    const vec<S, 3> nearest = s.at(at);
+    auto [n, gap] = split(nearest - max(-h, min(h, nearest)));
+    if (gap > a.radius + margin) return;
+    // Of points that all but coincide the direction is chance.
+    const S parted = dot(n, s.middle) - dot(abs(n), h) - s.reach(n);
+    if (!(gap > S(0)) || parted < gap - detail::rounding_of(s.half + largest(h))) {
+        const auto best = detail::part_from_box(s, h, slack);
+        if (!(gap > S(0)) || best.gap > parted) {
+            n = best.normal;
+            gap = best.gap;
+            at = best.at;
+        }
+    }
+
+    int face = 0;
+    for (int i = 1; i < 3; ++i)
+        if (abs(n[i]) > abs(n[face])) face = i;
+    const bool upper = n[face] > S(0);
+    const std::uint32_t name = static_cast<std::uint32_t>(face << 3 | int{upper} << 2);
+    out.normal = -(b_in_a.rotation * n);
+    const auto add = [&](S t, S local, std::uint32_t feature) {
+        if (local - a.radius > margin) return;
+        out.add(b_in_a * (s.at(t) - n * ((local + a.radius) * S(0.5))), local - a.radius, feature);
+    };
+    // On a face, within three degrees: both ends of the part that the normal leads to the face.
+    if (abs(n[face]) > S(0.9986) && abs(dot(n, s.direction)) < S(0.05)) {
+        const S height = s.middle[face] - (upper ? h[face] : -h[face]), rise = s.direction[face];
+        S ends[2] = {-s.half, s.half};
+        bool above = true;
+        for (int i = 0; i < 3 && above; ++i) {
+            if (i == face) continue;
+            const S lean = n[i] / n[face];
+            above = clip_segment(s.middle[i] - lean * height, s.direction[i] - lean * rise, h[i] + slack, ends[0], ends[1]);
+        }
+        if (above && ends[1] > ends[0]) {
+            const S gaps[2] = {(height + rise * ends[0]) / n[face], (height + rise * ends[1]) / n[face]};
+            if (!(min(gaps[0], gaps[1]) > gap + slack)) {
+                for (std::uint32_t k = 0; k < 2; ++k) add(ends[k], gaps[k], name | 2u | k);
+                return;
+            }
+        }
+    }
+    add(at, gap, name);
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/collide/polygon2.hpp
+// =================================================================================================
+// Contact of rounded polygons in the plane: boxes and capsules.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// A convex polygon, counter-clockwise, grown by a radius; edge i leads from vertex i to the next. Two
+/// vertices make a segment with two opposite edges.
+template <class S>
+struct rounded_polygon {
+    vec<S, 2> vertex[4];
+    vec<S, 2> normal[4];
+    int count = 0;
+    S radius{};
+    S size{};
+
+    constexpr int next(int i) const { return i + 1 < count ? i + 1 : 0; }
+};
+
+template <class S>
+constexpr rounded_polygon<S> polygon_of(const box<S, 2>& b, const transform<S, 2>& at) {
+    const mat<S, 2> m = matrix(at.rotation);
+    const vec<S, 2> x = m.column[0] * b.half_extents.x, y = m.column[1] * b.half_extents.y, p = at.position;
+    return {{p - x - y, p + x - y, p + x + y, p - x + y},
+            {-m.column[1], m.column[0], m.column[1], -m.column[0]},
+            4, S(0), min(b.half_extents.x, b.half_extents.y)};
+}
+template <class S>
+constexpr rounded_polygon<S> polygon_of(const capsule<S, 2>& c, const transform<S, 2>& at) {
+    const mat<S, 2> m = matrix(at.rotation);
+    const vec<S, 2> x = m.column[0] * c.half_length;
+    return {{at.position - x, at.position + x}, {-m.column[1], m.column[1]}, 2, c.radius, c.radius};
+}
+
+/// The edge of a from which b lies farthest, and how far.
+template <class S>
+struct edge_distance {
+    int edge = 0;
+    S distance{};
+};
+template <class S>
+constexpr edge_distance<S> farthest_edge(const rounded_polygon<S>& a, const rounded_polygon<S>& b) {
+    edge_distance<S> best;
+    for (int i = 0; i < a.count; ++i) {
+        S nearest = dot(a.normal[i], b.vertex[0] - a.vertex[i]);
+        for (int j = 1; j < b.count; ++j) nearest = min(nearest, dot(a.normal[i], b.vertex[j] - a.vertex[i]));
+        if (i == 0 || nearest > best.distance) best = {i, nearest};
+    }
+    return best;
+}
+/// How far apart the cores are along a unit vector from a to b.
+template <class S>
+constexpr S distance_along(const rounded_polygon<S>& a, const rounded_polygon<S>& b, vec<S, 2> n) {
+    S last = dot(n, a.vertex[0]), first = dot(n, b.vertex[0]);
+    for (int i = 1; i < a.count; ++i) last = max(last, dot(n, a.vertex[i]));
+    for (int i = 1; i < b.count; ++i) first = min(first, dot(n, b.vertex[i]));
+    return first - last;
+}
+
+/// Clips the edge of `incident` that faces the reference edge to the length of the latter, and adds the ends
+/// that are left. False, with nothing added, if the point in which the edge finds `incident` closest was cut
+/// off: then the edge's normal is not the direction of least distance.
+template <class S>
+constexpr bool clip_edges(const rounded_polygon<S>& reference, edge_distance<S> found, const rounded_polygon<S>& incident,
+                          bool flip, S slack, S margin, manifold<S, 2>& out) {
+    const int edge = found.edge;
+    const vec<S, 2> n = reference.normal[edge], t{-n.y, n.x}, from = reference.vertex[edge];
+    int facing = 0;
+    // A lower number wins unless another edge is clearly better, so that rounding does not choose.
+    for (int i = 1; i < incident.count; ++i)
+        if (dot(incident.normal[i], n) < dot(incident.normal[facing], n) - S(1.0 / 1024)) facing = i;
+
+    // Along the reference edge the incident edge runs backwards: its end comes first.
+    const vec<S, 2> first = incident.vertex[incident.next(facing)] - from, last = incident.vertex[facing] - from;
+    const S at_first = dot(first, t), at_last = dot(last, t), span = at_last - at_first;
+    // Reference ends are a little farther out, so that rounding does not cut the corners of equal boxes.
+    const S low = -slack, high = dot(reference.vertex[reference.next(edge)] - from, t) + slack;
+    if (at_first > high || at_last < low) return false;
+    const auto point_at = [&](S at) {
+        return span > S(0) ? first + (last - first) * clamp((at - at_first) / span, S(0), S(1)) : first;
+    };
+    const vec<S, 2> ends[2] = {at_first < low ? point_at(low) : first, at_last > high ? point_at(high) : last};
+    const S gaps[2] = {dot(n, ends[0]), dot(n, ends[1])};
+    const int deeper = gaps[1] < gaps[0] ? 1 : 0;
+    if (gaps[deeper] > found.distance + slack) return false;
+    // A round edge leads its surface along its own normal: beyond five degrees of tilt only the deeper end touches.
+    const bool flat = !(incident.radius > S(0)) || dot(incident.normal[facing], n) < S(-1 + 1.0 / 256);
+
+    out.normal = flip ? -n : n;
+    for (int k = 0; k < 2; ++k) {
+        if (gaps[k] - reference.radius - incident.radius > margin || (k != deeper && !flat)) continue;
+        const vec<S, 2> on_incident = from + ends[k], on_reference = on_incident - n * gaps[k];
+        // Whether the end is a corner or a cut stays out of the name: of equal boxes it changes with rounding.
+        const std::uint32_t feature = static_cast<std::uint32_t>(edge << 12 | facing << 8 | k << 4 | int{flip});
+        if (flip) add_rounded(out, on_incident, incident.radius, on_reference, reference.radius, gaps[k], feature);
+        else add_rounded(out, on_reference, reference.radius, on_incident, incident.radius, gaps[k], feature);
+    }
+    return true;
+}
+
+/// Adds the closest pair of a vertex of one polygon and an edge or vertex of the other, for cores that do not
+/// overlap. `parting` is the best of the edges' normals, from a to b, and `parted` how far it parts the cores.
+template <class S>
+constexpr void collide_nearest(const rounded_polygon<S>& a, const rounded_polygon<S>& b, vec<S, 2> parting, S parted,
+                               S margin, manifold<S, 2>& out) {
+    vec<S, 2> on_a, on_b;
+    wide_of<S> best{};
+    std::uint32_t feature = 0;
+    for (int flip = 0; flip < 2; ++flip) {
+        const rounded_polygon<S>& edges = flip ? b : a;
+        const rounded_polygon<S>& vertices = flip ? a : b;
+        for (int i = 0; i < edges.count; ++i) {
+            const vec<S, 2> from = edges.vertex[i], to = edges.vertex[edges.next(i)];
+            for (int j = 0; j < vertices.count; ++j) {
+                const vec<S, 2> v = vertices.vertex[j];
+                const S t = closest_parameter(from, to, v);
+                const vec<S, 2> p = t < S(1) ? from + (to - from) * t : to;
+                const wide_of<S> distance = length_squared(v - p);
+                if (feature != 0 && !(distance < best)) continue;
+                best = distance;
+                on_a = flip ? v : p;
+                on_b = flip ? p : v;
+                // Two vertices have one name, whichever edge found them.
+                const bool inside = t > S(0) && t < S(1);
+                const int vertex = t > S(0) ? edges.next(i) : i;
+                feature = static_cast<std::uint32_t>(inside ? 0x20000 | i << 8 | j << 4 | flip
+                                                            : 0x10000 | (flip ? j << 4 | vertex : vertex << 4 | j));
+            }
+        }
+    }
+    auto [n, gap] = split(on_b - on_a);
+    // Of points that all but coincide the direction is chance.
+    if (!(gap > S(0)) || distance_along(a, b, n) < parted) {
+        n = parting;
+        gap = parted;
+    }
+    if (gap - a.radius - b.radius > margin) return;
+    out.normal = n;
+    add_rounded(out, on_a, a.radius, on_b, b.radius, gap, feature);
+}
+
+}  // namespace detail
+
+/// Contact of two rounded convex polygons: separating axes over the edges and clipping, or the nearest features
+/// where a corner meets a corner. The result lies in the frame of a and b's vertices. To keep the features of
+/// bodies at rest, contacts may deviate by 1/512 of the smaller size, never more.
+template <class S>
+constexpr void collide_polygons(const detail::rounded_polygon<S>& a, const detail::rounded_polygon<S>& b, S margin,
+                                manifold<S, 2>& out) {
+    const S reach = a.radius + b.radius + margin;
+    const auto from_a = detail::farthest_edge(a, b);
+    if (from_a.distance > reach) return;
+    const auto from_b = detail::farthest_edge(b, a);
+    if (from_b.distance > reach) return;
+
+    // A preference for a's edge keeps the reference from flipping between two that are alike.
+    const S slack = min(a.size, b.size) * S(1.0 / 1024);
+    const bool better_b = from_b.distance > from_a.distance;
+    if (!(from_b.distance > from_a.distance + slack) && detail::clip_edges(a, from_a, b, false, slack, margin, out)) return;
+    if (better_b && detail::clip_edges(b, from_b, a, true, slack, margin, out)) return;
+    detail::collide_nearest(a, b, better_b ? -b.normal[from_b.edge] : a.normal[from_a.edge],
+                            better_b ? from_b.distance : from_a.distance, margin, out);
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/collide/round.hpp
+// =================================================================================================
+// Contact of the pairs that read alike in the plane and in space: balls, and round shapes on a halfspace.
+
+PHYSICS_HPP_BEGIN
+
+// collide(a, b, b_in_a, margin, out) fills `out`, which must be empty, with the contact of a and b, in a's
+// frame, if the shapes are within `margin` (m) of each other. Pairs come in the order ball, capsule, box,
+// halfspace. No shape is refused here: the world has checked them.
+
+template <class S, int D>
+constexpr void collide(const ball<S, D>& a, const ball<S, D>& b, const transform<S, D>& b_in_a, S margin, manifold<S, D>& out) {
+    vec<S, D> up;
+    up.y = S(1);
+    collide_round(vec<S, D>{}, a.radius, b_in_a.position, b.radius, up, margin, 0u, out);
+}
+
+namespace detail {
+/// A ball against a box that may be flat and rounded: all points within radius_b of |p_i| <= half_i.
+template <class S, int D>
+constexpr void collide_ball(S radius_a, vec<S, D> half, S radius_b, const transform<S, D>& b_in_a, S margin, manifold<S, D>& out) {
+    // In the box's frame, where the components of the normal along a face are exactly zero.
+    const vec<S, D> center = inverse_transform(b_in_a, vec<S, D>{});
+    const vec<S, D> nearest = max(-half, min(half, center));
+    auto [direction, gap] = split(nearest - center);
+    if (gap > radius_a + radius_b + margin) return;
+    std::uint32_t feature = 0;
+    if (!(gap > S(0))) {
+        int axis = 0;
+        for (int i = 1; i < D; ++i)
+            if (half[i] - abs(center[i]) < half[axis] - abs(center[axis])) axis = i;
+        const bool below = center[axis] < S(0);
+        direction[axis] = S(below ? 1 : -1);
+        gap = abs(center[axis]) - half[axis];
+        feature = static_cast<std::uint32_t>(1 + 2 * axis + int{below});
+    }
+    out.normal = b_in_a.rotation * direction;
+    add_rounded(out, vec<S, D>{}, radius_a, out.normal * gap, radius_b, gap, feature);
+}
+}  // namespace detail
+
+template <class S, int D>
+constexpr void collide(const ball<S, D>& a, const capsule<S, D>& b, const transform<S, D>& b_in_a, S margin, manifold<S, D>& out) {
+    detail::collide_ball(a.radius, detail::along_x<S, D>(b.half_length), b.radius, b_in_a, margin, out);
+}
+
+template <class S, int D>
+constexpr void collide(const ball<S, D>& a, const box<S, D>& b, const transform<S, D>& b_in_a, S margin, manifold<S, D>& out) {
+    detail::collide_ball(a.radius, b.half_extents, S(0), b_in_a, margin, out);
+}
+
+namespace detail {
+/// Adds the contact of a core point p of A (with radius) and the halfspace B, both in A's frame.
+template <class S, int D>
+constexpr void touch_plane(vec<S, D> p, S radius, vec<S, D> normal, S offset, S margin, std::uint32_t feature, manifold<S, D>& out) {
+    const S gap = dot(normal, p) - offset;
+    if (gap - radius > margin) return;
+    out.normal = -normal;
+    add_rounded(out, p, radius, p - normal * gap, S(0), gap, feature);
+}
+/// The plane of a halfspace in A's frame: its normal and offset.
+template <class S, int D>
+struct plane {
+    vec<S, D> normal;
+    S offset;
+};
+template <class S, int D>
+constexpr plane<S, D> plane_of(const halfspace<S, D>& h, const transform<S, D>& at) {
+    const vec<S, D> n = at.rotation * unit_normal(h);
+    return {n, h.offset + dot(n, at.position)};
+}
+}  // namespace detail
+
+template <class S, int D>
+constexpr void collide(const ball<S, D>& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a, S margin, manifold<S, D>& out) {
+    const auto plane = detail::plane_of(b, b_in_a);
+    detail::touch_plane(vec<S, D>{}, a.radius, plane.normal, plane.offset, margin, 0u, out);
+}
+
+template <class S, int D>
+constexpr void collide(const capsule<S, D>& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a, S margin, manifold<S, D>& out) {
+    const auto plane = detail::plane_of(b, b_in_a);
+    const vec<S, D> x = detail::along_x<S, D>(a.half_length);
+    detail::touch_plane(-x, a.radius, plane.normal, plane.offset, margin, 0u, out);
+    detail::touch_plane(x, a.radius, plane.normal, plane.offset, margin, 1u, out);
+}
+
+/// Halfspaces carry no mass, so two of them never push each other.
+template <class S, int D>
+constexpr void collide(const halfspace<S, D>&, const halfspace<S, D>&, const transform<S, D>&, S, manifold<S, D>&) {}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/collide/pairs2.hpp
+// =================================================================================================
+// Contact of the pairs that are particular to the plane.
+
+PHYSICS_HPP_BEGIN
+
+template <class S>
+constexpr void collide(const box<S, 2>& a, const halfspace<S, 2>& b, const transform<S, 2>& b_in_a, S margin, manifold<S, 2>& out) {
+    const auto plane = detail::plane_of(b, b_in_a);
+    // The corners of the edge that faces the plane most; one of them is the lowest of all.
+    const vec<S, 2> n = plane.normal;
+    const int across = abs(n.x) > abs(n.y) ? 0 : 1;
+    for (std::uint32_t k = 0; k < 2; ++k) {
+        vec<S, 2> corner = a.half_extents;
+        if (n[across] > S(0)) corner[across] = -corner[across];
+        if (k == 0) corner[1 - across] = -corner[1 - across];
+        const std::uint32_t name = std::uint32_t{corner.x > S(0)} | std::uint32_t{corner.y > S(0)} << 1;
+        detail::touch_plane(corner, S(0), n, plane.offset, margin, name, out);
+    }
+}
+
+template <class S>
+constexpr void collide(const capsule<S, 2>& a, const capsule<S, 2>& b, const transform<S, 2>& b_in_a, S margin, manifold<S, 2>& out) {
+    collide_polygons(detail::polygon_of(a, {}), detail::polygon_of(b, b_in_a), margin, out);
+}
+template <class S>
+constexpr void collide(const capsule<S, 2>& a, const box<S, 2>& b, const transform<S, 2>& b_in_a, S margin, manifold<S, 2>& out) {
+    collide_polygons(detail::polygon_of(a, {}), detail::polygon_of(b, b_in_a), margin, out);
+}
+template <class S>
+constexpr void collide(const box<S, 2>& a, const box<S, 2>& b, const transform<S, 2>& b_in_a, S margin, manifold<S, 2>& out) {
+    collide_polygons(detail::polygon_of(a, {}), detail::polygon_of(b, b_in_a), margin, out);
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/collide/pairs3.hpp
+// =================================================================================================
+// Contact of the pairs that are particular to space.
+
+PHYSICS_HPP_BEGIN
+
+template <class S>
+constexpr void collide(const box<S, 3>& a, const halfspace<S, 3>& b, const transform<S, 3>& b_in_a, S margin, manifold<S, 3>& out) {
+    const auto plane = detail::plane_of(b, b_in_a);
+    // The corners of the face that faces the plane most; one of them is the lowest of all.
+    const vec<S, 3> n = plane.normal;
+    int across = 0;
+    for (int i = 1; i < 3; ++i)
+        if (abs(n[i]) > abs(n[across])) across = i;
+    for (std::uint32_t name = 0; name < 8; ++name) {
+        if ((name >> across & 1u) == std::uint32_t{n[across] > S(0)}) continue;
+        vec<S, 3> corner = a.half_extents;
+        for (int i = 0; i < 3; ++i)
+            if ((name >> i & 1u) == 0) corner[i] = -corner[i];
+        detail::touch_plane(corner, S(0), n, plane.offset, margin, name, out);
+    }
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/collide/narrowphase.hpp
+// =================================================================================================
+// The narrowphase policy: from pairs of shapes to manifolds.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Functions for every ordered pair of a closed set of shapes, by their numbers within it.
+template <class S, int D, template <class, int> class... Shapes>
+struct pair_table {
+    using any = any_shape<S, D, Shapes...>;
+    using function = void (*)(const any&, const any&, const transform<S, D>&, S, manifold<S, D>&);
+
+    template <class A, class B>
+    static void run(const any& a, const any& b, const transform<S, D>& b_in_a, S margin, manifold<S, D>& out) {
+        const A& shape_a = a.template get<A>();
+        const B& shape_b = b.template get<B>();
+        if constexpr (requires { collide(shape_a, shape_b, b_in_a, margin, out); }) {
+            collide(shape_a, shape_b, b_in_a, margin, out);
+        } else {
+            collide(shape_b, shape_a, inverse(b_in_a), margin, out);
+            out.normal = -(b_in_a.rotation * out.normal);
+            for (int i = 0; i < out.count; ++i) out.points[i].position = b_in_a * out.points[i].position;
+        }
+    }
+    template <class A>
+    static constexpr void fill_row(function* row) {
+        int i = 0;
+        ((row[i++] = run<A, Shapes<S, D>>), ...);
+    }
+    struct rows {
+        function entry[sizeof...(Shapes)][sizeof...(Shapes)];
+    };
+    static constexpr rows make() {
+        rows t{};
+        int i = 0;
+        (fill_row<Shapes<S, D>>(t.entry[i++]), ...);
+        return t;
+    }
+    static constexpr rows table = make();
+};
+
+}  // namespace detail
+
+/// One pair of shapes to test.
+template <class S, int D, template <class, int> class... Shapes>
+struct narrowphase_query {
+    const any_shape<S, D, Shapes...>* a;
+    const any_shape<S, D, Shapes...>* b;
+    transform<S, D> b_in_a;
+};
+
+/// True if a function collide(a, b, ...) exists for the pair in either order.
+template <class A, class B, class S, int D>
+concept collidable = requires(const A a, const B b, const transform<S, D> t, S margin, manifold<S, D> out) {
+    collide(a, b, t, margin, out);
+} || requires(const A a, const B b, const transform<S, D> t, S margin, manifold<S, D> out) {
+    collide(b, a, t, margin, out);
+};
+
+/// A narrowphase policy: turns a batch of pairs into manifolds. Its in<S, D, Shapes...> has
+///   collide(queries, count, margin, manifolds)   fills one manifold a query, empty where the shapes are
+///                                                farther apart than margin (m)
+template <class Policy, class S, int D, template <class, int> class... Shapes>
+concept narrowphase_for = requires(const narrowphase_query<S, D, Shapes...>* queries, manifold<S, D>* out) {
+    Policy::template in<S, D, Shapes...>::collide(queries, std::uint32_t{}, S(0), out);
+};
+
+/// The default narrowphase: for each pair of kinds the method that suits it best; today closed forms and
+/// separating axes with clipping. Cost: 20-400 ns a pair.
+struct best_per_pair {
+    using stage = physics::stage::narrowphase;
+
+    template <class S, int D, template <class, int> class... Shapes>
+    struct in {
+        static void collide(const narrowphase_query<S, D, Shapes...>* queries, std::uint32_t count, S margin,
+                            manifold<S, D>* out) {
+            for (std::uint32_t i = 0; i < count; ++i) {
+                const auto& q = queries[i];
+                out[i] = {};
+                detail::pair_table<S, D, Shapes...>::table.entry[q.a->kind()][q.b->kind()](*q.a, *q.b, q.b_in_a, margin, out[i]);
+            }
+        }
+    };
+};
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/broadphase/concept.hpp
+// =================================================================================================
+// What a broadphase must offer.
+
+PHYSICS_HPP_BEGIN
+
+/// Two proxies whose boxes overlap; a < b.
+struct proxy_pair {
+    std::uint32_t a;
+    std::uint32_t b;
+
+    friend bool operator==(proxy_pair, proxy_pair) = default;
+    friend constexpr bool operator<(proxy_pair x, proxy_pair y) { return x.a != y.a ? x.a < y.a : x.b < y.b; }
+};
+
+/// A broadphase bound to a space: a copyable set of boxes by number, with
+///   insert(id, box), move(id, box), erase(id)   numbers are small and may come again after erase
+///   pairs(accept, out)   clears out and fills it with every pair of overlapping boxes for which
+///                        accept(a, b) is true, each once, in ascending order
+/// A policy is a type with `using stage = physics::stage::broadphase` and such a class as `in<Space>`.
+template <class B, class Space>
+concept broadphase_for = std::copyable<B> && std::default_initializable<B> &&
+    requires(B b, std::uint32_t id, const typename Space::aabb box, bool (*accept)(std::uint32_t, std::uint32_t),
+             buffer<proxy_pair> out) {
+        b.insert(id, box);
+        b.move(id, box);
+        b.erase(id);
+        b.pairs(accept, out);
+    };
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/broadphase/all_pairs.hpp
+// =================================================================================================
+// The slow, obviously right broadphase: every box against every other.
+
+PHYSICS_HPP_BEGIN
+
+/// Tests every pair of boxes: the oracle of the other broadphases, and the fastest for a few dozen boxes.
+/// Cost: insert, move and erase O(1), pairs O(n^2), about 1 ns a test.
+struct all_pairs {
+    using stage = physics::stage::broadphase;
+
+    template <class Space>
+    class in {
+    public:
+        using aabb = typename Space::aabb;
+
+        void insert(std::uint32_t id, const aabb& box) {
+            if (id >= entries_.size()) entries_.resize(id + 1);
+            entries_[id] = {box, true};
+        }
+        void move(std::uint32_t id, const aabb& box) { entries_[id].box = box; }
+        void erase(std::uint32_t id) { entries_[id].used = false; }
+
+        template <class Accept>
+        void pairs(Accept&& accept, buffer<proxy_pair>& out) const {
+            out.clear();
+            for (std::uint32_t a = 0; a < entries_.size(); ++a) {
+                if (!entries_[a].used) continue;
+                for (std::uint32_t b = a + 1; b < entries_.size(); ++b)
+                    if (entries_[b].used && overlap(entries_[a].box, entries_[b].box) && accept(a, b)) out.push({a, b});
+            }
+        }
+
+    private:
+        struct entry {
+            aabb box;
+            bool used = false;
+        };
+        buffer<entry> entries_;
+    };
+};
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/dynamics/body.hpp
+// =================================================================================================
+// The state of a body.
+
+PHYSICS_HPP_BEGIN
+
+/// How a body moves.
+enum class body_type : std::uint8_t {
+    /// Never moves; infinite mass.
+    static_body,
+    /// Moves as told, by velocities or poses; pushes dynamic bodies and is not pushed.
+    kinematic_body,
+    /// Moved by forces, impulses and contacts.
+    dynamic_body,
+};
+
+/// Everything that a world keeps of one body.
+template <class S, int D>
+struct body {
+    // Moves every step. The centre of mass is the integrated position; the body's origin follows from it.
+    vec<S, D> center;
+    physics::rotation<S, D> rotation;
+    twist<S, D> velocity;
+    vec<S, D> force;
+    angular<S, D> torque{};
+
+    // Changes when shapes, masses or settings do.
+    mass_properties<S, D> mass;
+    inverse_of<S> inverse_mass{};
+    physics::inverse_inertia<S, D> inverse_inertia{};
+    S linear_damping{};
+    S angular_damping{};
+    S gravity_scale = S(1);
+    transform<S, D> target;
+    std::uint64_t user_data = 0;
+    std::uint32_t first_shape = 0xffffffffu;
+    body_type type = body_type::dynamic_body;
+    bool rotation_locked = false;
+    /// True if the inertia depends on the axis: then the spin changes even without torque.
+    bool is_gyroscopic = false;
+    bool mass_is_set = false;
+    bool has_target = false;
+
+    /// The pose of the body's own frame, in which its shapes lie.
+    [[nodiscard]] constexpr transform<S, D> pose() const { return {center - rotation * mass.center, rotation}; }
+    constexpr void set_pose(const transform<S, D>& pose) {
+        rotation = pose.rotation;
+        center = pose * mass.center;
+    }
+    [[nodiscard]] constexpr bool is_dynamic() const { return type == body_type::dynamic_body; }
+};
+
+/// What a solver sees of a body: velocity and how it answers to impulses. Bodies that nothing pushes have
+/// the inverse mass 0.
+template <class S, int D>
+struct solver_body {
+    twist<S, D> velocity;
+    inverse_of<S> inverse_mass{};
+    physics::inverse_inertia<S, D> inverse_inertia{};
+
+    /// The impulse p (kg m/s) acts at lever r from the centre of mass.
+    constexpr void apply(vec<S, D> p, vec<S, D> r) {
+        for (int i = 0; i < D; ++i) velocity.linear[i] += mul<S>(inverse_mass, p[i]);
+        velocity.angular += times(inverse_inertia, cross(r, p));
+    }
+};
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/dynamics/contact.hpp
+// =================================================================================================
+// Contacts: manifolds in the world, with what is remembered of them from step to step.
+
+PHYSICS_HPP_BEGIN
+
+/// How a shape's surface answers to contact.
+template <class S>
+struct material {
+    /// Coulomb friction coefficient; two surfaces meet with the square root of their product.
+    S friction = S(0.6);
+    /// Share of the approach speed that a bounce gives back, 0 to 1; two surfaces meet with the larger one.
+    S restitution = S(0);
+};
+
+/// Friction impulses along the tangents of a contact: one in the plane, two in space.
+template <class S, int D>
+using tangential = std::conditional_t<D == 2, S, vec<S, 2>>;
+
+/// One point of a contact.
+template <class S, int D>
+struct contact_point {
+    /// Lever from the centre of mass of either body to the point, in world axes (m).
+    vec<S, D> lever_a;
+    vec<S, D> lever_b;
+    /// Distance of the surfaces along the normal (m); negative where they overlap.
+    S separation{};
+    /// Sum of the impulses of the last step along the normal, at least 0, and along the tangents (N s).
+    S normal_impulse{};
+    physics::tangential<S, D> friction_impulse{};
+    std::uint32_t feature = 0;
+    /// True if the same features touched in the step before.
+    bool persisted = false;
+};
+
+/// Two shapes of different bodies that touch or are about to.
+template <class S, int D>
+struct contact {
+    /// Numbers of the shapes and bodies; the normal points from A to B.
+    std::uint32_t shape_a, shape_b;
+    std::uint32_t body_a, body_b;
+    vec<S, D> normal;
+    contact_point<S, D> points[manifold<S, D>::capacity];
+    int count = 0;
+    /// Of both surfaces together.
+    S friction{};
+    S restitution{};
+
+    [[nodiscard]] constexpr proxy_pair key() const {
+        return shape_a < shape_b ? proxy_pair{shape_a, shape_b} : proxy_pair{shape_b, shape_a};
+    }
+};
+
+/// The tangents of a contact normal: in the plane one, in space two.
+template <class S>
+struct tangents2 {
+    vec<S, 2> t;
+
+    constexpr explicit tangents2(vec<S, 2> normal) : t(perpendicular(normal)) {}
+    [[nodiscard]] constexpr S components(vec<S, 2> v) const { return dot(t, v); }
+    [[nodiscard]] constexpr vec<S, 2> combine(S along) const { return t * along; }
+};
+template <class S>
+struct tangents3 {
+    vec<S, 3> t, u;
+
+    constexpr explicit tangents3(vec<S, 3> normal) : t(perpendicular(normal)), u(cross(normal, t)) {}
+    [[nodiscard]] constexpr vec<S, 2> components(vec<S, 3> v) const { return {dot(t, v), dot(u, v)}; }
+    [[nodiscard]] constexpr vec<S, 3> combine(vec<S, 2> along) const { return t * along.x + u * along.y; }
+};
+template <class S, int D>
+using tangents = std::conditional_t<D == 2, tangents2<S>, tangents3<S>>;
+
+/// Hands the impulses of last step's contacts to the same features of this step's. Both lists are in
+/// ascending order of their pairs, so one walk along both finds the matches: O(n), no hashing. Points that
+/// are new start from zero: only what outlives a step is warm.
+template <class S, int D>
+void inherit_impulses(const buffer<contact<S, D>>& before, buffer<contact<S, D>>& now) {
+    std::uint32_t i = 0;
+    for (contact<S, D>& c : now) {
+        while (i < before.size() && before[i].key() < c.key()) ++i;
+        if (i == before.size()) return;
+        const contact<S, D>& old = before[i];
+        if (!(old.key() == c.key())) continue;
+        const tangents<S, D> old_frame(old.normal), frame(c.normal);
+        for (int k = 0; k < c.count; ++k)
+            for (int j = 0; j < old.count; ++j) {
+                if (old.points[j].feature != c.points[k].feature) continue;
+                c.points[k].normal_impulse = old.points[j].normal_impulse;
+                c.points[k].friction_impulse = frame.components(old_frame.combine(old.points[j].friction_impulse));
+                c.points[k].persisted = true;
+                break;
+            }
+    }
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/dynamics/friction.hpp
+// =================================================================================================
+// Coulomb friction at one point: an interval in the plane, a circular cone in space.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// How much a unit impulse along n at lever r changes the velocity along m at the same point, by rotation
+/// alone, in the inverse format.
+template <class S>
+constexpr inverse_of<S> angular_answer(inverse_of<S> inverse_inertia, vec<S, 2> r, vec<S, 2> n, vec<S, 2> m) {
+    using I = inverse_of<S>;
+    return mul<I>(mul<I>(inverse_inertia, cross(r, n)), cross(r, m));
+}
+template <class S>
+constexpr inverse_of<S> angular_answer(const symmetric<inverse_of<S>>& inverse_inertia, vec<S, 3> r, vec<S, 3> n, vec<S, 3> m) {
+    using I = inverse_of<S>;
+    const vec<S, 3> a = cross(r, n), b = cross(r, m);
+    const auto& k = inverse_inertia;
+    const I x = narrow<I>(product(k.xx, a.x) + product(k.xy, a.y) + product(k.xz, a.z));
+    const I y = narrow<I>(product(k.xy, a.x) + product(k.yy, a.y) + product(k.yz, a.z));
+    const I z = narrow<I>(product(k.xz, a.x) + product(k.yz, a.y) + product(k.zz, a.z));
+    return narrow<I>(product(x, b.x) + product(y, b.y) + product(z, b.z));
+}
+
+/// Both bodies' answer along m to a unit impulse along n at a contact point.
+template <class S, int D>
+constexpr inverse_of<S> answer(const solver_body<S, D>& a, const solver_body<S, D>& b, const contact_point<S, D>& p,
+                               vec<S, D> n, vec<S, D> m) {
+    return angular_answer<S>(a.inverse_inertia, p.lever_a, n, m) + angular_answer<S>(b.inverse_inertia, p.lever_b, n, m);
+}
+
+/// The effective mass along n: the impulse that changes the relative velocity along n by 1.
+template <class S, int D>
+constexpr S effective_mass(const solver_body<S, D>& a, const solver_body<S, D>& b, const contact_point<S, D>& p, vec<S, D> n) {
+    const inverse_of<S> k = a.inverse_mass + b.inverse_mass + answer(a, b, p, n, n);
+    return k > inverse_of<S>(0) ? reciprocal<S>(k) : S(0);
+}
+
+}  // namespace detail
+
+/// Friction of a point in the plane.
+template <class S>
+struct friction2 {
+    S mass{};
+
+    constexpr friction2() = default;
+    constexpr friction2(const solver_body<S, 2>& a, const solver_body<S, 2>& b, const contact_point<S, 2>& p, const tangents2<S>& frame)
+        : mass(detail::effective_mass(a, b, p, frame.t)) {}
+
+    /// The accumulated impulse that stops the slip v, or the largest that friction can give.
+    [[nodiscard]] constexpr S next(S impulse, S v, S limit) const { return clamp(impulse - mass * v, -limit, limit); }
+};
+
+/// Friction of a point in space. Sticking is solved exactly, by the inverse of the 2 x 2 answer of both
+/// tangents. Slipping takes a gradient step, scaled by the largest eigenvalue, onto the circular cone: its
+/// fixed point opposes the slip in any direction, which per-tangent limits do not.
+template <class S>
+struct friction3 {
+    S xx{}, xy{}, yy{};
+    S slip{};
+
+    constexpr friction3() = default;
+    constexpr friction3(const solver_body<S, 3>& a, const solver_body<S, 3>& b, const contact_point<S, 3>& p, const tangents3<S>& frame) {
+        using I = inverse_of<S>;
+        const I m = a.inverse_mass + b.inverse_mass;
+        const I kxx = m + detail::answer(a, b, p, frame.t, frame.t);
+        const I kyy = m + detail::answer(a, b, p, frame.u, frame.u);
+        const I kxy = detail::answer(a, b, p, frame.t, frame.u);
+        const auto determinant = product(kxx, kyy) - product(kxy, kxy);
+        if (!(determinant > wide_of<I>{})) return;
+        xx = quotient<S>(kyy, determinant);
+        yy = quotient<S>(kxx, determinant);
+        xy = -quotient<S>(kxy, determinant);
+        const I half = mul<I>(kxx - kyy, S(0.5));
+        slip = reciprocal<S>(mul<I>(kxx + kyy, S(0.5)) + root<I>(product(half, half) + product(kxy, kxy)));
+    }
+
+    [[nodiscard]] constexpr vec<S, 2> next(vec<S, 2> impulse, vec<S, 2> v, S limit) const {
+        const vec<S, 2> stick = impulse - vec<S, 2>{sum_of_products(xx, v.x, xy, v.y), sum_of_products(xy, v.x, yy, v.y)};
+        const wide_of<S> most = product(limit, limit);
+        if (!(length_squared(stick) > most)) return stick;
+        const vec<S, 2> slide = impulse - v * slip;
+        if (!(length_squared(slide) > most)) return slide;
+        return normalized(slide) * limit;
+    }
+};
+
+/// Friction of a point in D dimensions.
+template <class S, int D>
+using point_friction = std::conditional_t<D == 2, friction2<S>, friction3<S>>;
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/dynamics/integrator.hpp
+// =================================================================================================
+// How velocities and poses advance by a step.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Turns a body on which no torque acts for a time h, by the midpoint rule on a constant angular momentum:
+/// that is kept to rounding, whatever the spin; the energy errs with the third power of h.
+template <class S>
+constexpr void turn_freely(body<S, 3>& b, vec<S, 3>& angular_velocity, S h) {
+    const rotation<S, 3> start = b.rotation;
+    const vec<S, 3> momentum = start * times(b.mass.inertia, inverse_rotate(start, angular_velocity));
+    const auto spin = [&](const rotation<S, 3>& r) { return r * times(b.inverse_inertia, inverse_rotate(r, momentum)); };
+    const rotation<S, 3> half_way = turned(start, angular_velocity * (h * S(0.5)));
+    b.rotation = turned(start, spin(half_way) * h);
+    angular_velocity = spin(b.rotation);
+}
+/// In the plane nothing precesses.
+template <class S>
+constexpr void turn_freely(body<S, 2>&, S, S) {}
+
+}  // namespace detail
+
+/// Semi-implicit (symplectic) Euler: velocities from forces first, then poses from the new velocities. Bodies
+/// in space whose inertia depends on the axis keep their angular momentum as they turn (gyroscopic motion).
+/// Error of order h, energy of an oscillator bounded while w h < 2; in free fall the position is short of
+/// the exact one by g t h / 2. Damping is implicit, v / (1 + c h), and stays stable for any c h.
+/// Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, I.1.2.
+struct semi_implicit_euler {
+    using stage = physics::stage::integrator;
+
+    template <class Space>
+    struct in {
+        using S = typename Space::scalar;
+        static constexpr int D = Space::dimension;
+
+        /// Advances the velocity of a dynamic body by gravity (m/s^2), force, torque and damping.
+        static constexpr void advance_velocity(solver_body<S, D>& v, const body<S, D>& b, vec<S, D> gravity, S h) {
+            vec<S, D> acceleration = gravity * b.gravity_scale;
+            for (int i = 0; i < D; ++i) acceleration[i] += mul<S>(v.inverse_mass, b.force[i]);
+            v.velocity.linear = (v.velocity.linear + acceleration * h) * damped(b.linear_damping, h);
+            v.velocity.angular = (v.velocity.angular + times(v.inverse_inertia, b.torque) * h) * damped(b.angular_damping, h);
+        }
+        /// Advances the pose of a body by its velocity, and the angular velocity of a free top with it.
+        static constexpr void advance_pose(body<S, D>& b, twist<S, D>& v, S h) {
+            b.center += v.linear * h;
+            if (b.is_gyroscopic) detail::turn_freely(b, v.angular, h);
+            else b.rotation = turned(b.rotation, v.angular * h);
+        }
+
+    private:
+        static constexpr S damped(S damping, S h) {
+            return damping == S(0) ? S(1) : S(1) / (S(1) + damping * h);
+        }
+    };
+};
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/dynamics/sequential_impulse.hpp
+// =================================================================================================
+// The sequential impulse solver: one constraint at a time, impulses accumulated and clamped.
+
+PHYSICS_HPP_BEGIN
+
+/// Numbers of the sequential impulse solver; lengths in metres, speeds in m/s.
+template <class S>
+struct sequential_impulse_settings {
+    /// Rounds over all contacts; more make tall stacks and heavy loads stiffer. At least 1.
+    int iterations = 12;
+    /// Share of an overlap that one step takes back (the factor beta of Baumgarte), 0 to 1.
+    S baumgarte = S(0.2);
+    /// Overlap that is left alone, so that resting contacts persist.
+    S penetration_slop = S(0.005);
+    /// Speed at which overlaps are pushed apart, at most.
+    S max_push_speed = S(3);
+    /// Approaches slower than this do not bounce.
+    S restitution_slop = S(0.5);
+};
+
+template <class S>
+bool check(const sequential_impulse_settings<S>& with, const char* function) {
+    if (with.iterations < 1) return detail::refuse(function, "solver.iterations", with.iterations, "it must be at least 1");
+    if (with.baumgarte > S(1))
+        return detail::refuse(function, "solver.baumgarte", static_cast<double>(with.baumgarte), "it must be at most 1");
+    return detail::check_not_negative(function, "solver.baumgarte", with.baumgarte) &&
+           detail::check_not_negative(function, "solver.penetration_slop", with.penetration_slop) &&
+           detail::check_not_negative(function, "solver.max_push_speed", with.max_push_speed) &&
+           detail::check_not_negative(function, "solver.restitution_slop", with.restitution_slop);
+}
+
+/// Sequential impulses (projected Gauss-Seidel on velocities): accumulated impulses clamped to what contact
+/// can give, warm starting of points that outlive a step, Baumgarte's term with a penetration slop,
+/// restitution with its slop, Coulomb friction on a circular cone. Error: of order h; stacks settle into
+/// the slop, mass ratios beyond 1:10 need more iterations. Cost: iterations x points.
+/// Source: Catto, Iterative Dynamics with Temporal Coherence (2005); Catto, Modeling and Solving
+/// Constraints (2009); Baumgarte (1972).
+struct sequential_impulse {
+    using stage = physics::stage::solver;
+
+    template <class Space, class Features>
+    class in {
+    public:
+        using S = typename Space::scalar;
+        static constexpr int D = Space::dimension;
+        using settings = sequential_impulse_settings<S>;
+
+        /// Advances velocities and poses by h: `motion` offers advance_velocities(h) and advance_poses(h).
+        template <class Motion>
+        static void solve(solver_body<S, D>* bodies, buffer<contact<S, D>>& contacts, const settings& with, S h, arena& scratch,
+                          Motion&& motion) {
+            block* blocks = scratch.template take<block>(contacts.size());
+            for (std::uint32_t i = 0; i < contacts.size(); ++i) new (blocks + i) block(contacts[i], bodies, with, h);
+            motion.advance_velocities(h);
+            for (std::uint32_t i = 0; i < contacts.size(); ++i) warm_start(contacts[i], blocks[i], bodies);
+            // Forth and back in turns: loads and corrections travel as far one way as the other.
+            for (int round = 0; round < with.iterations; ++round) {
+                const bool back = round % 2 != 0;
+                for (std::uint32_t i = 0; i < contacts.size(); ++i) {
+                    const std::uint32_t at = back ? contacts.size() - 1 - i : i;
+                    solve_contact(contacts[at], blocks[at], bodies, back);
+                }
+            }
+            motion.advance_poses(h);
+        }
+
+    private:
+        struct no_friction {
+            constexpr no_friction() = default;
+            constexpr no_friction(const solver_body<S, D>&, const solver_body<S, D>&, const contact_point<S, D>&, const tangents<S, D>&) {}
+        };
+        /// What one point needs while iterating; target_speed is the speed along the normal with which the
+        /// surfaces must part, at least.
+        struct row {
+            [[no_unique_address]] std::conditional_t<Features::friction, point_friction<S, D>, no_friction> friction;
+            S normal_mass;
+            S target_speed;
+        };
+        struct block {
+            tangents<S, D> frame;
+            row rows[manifold<S, D>::capacity];
+
+            block(const contact<S, D>& c, const solver_body<S, D>* bodies, const settings& with, S h) : frame(c.normal) {
+                const solver_body<S, D>& a = bodies[c.body_a];
+                const solver_body<S, D>& b = bodies[c.body_b];
+                for (int k = 0; k < c.count; ++k) {
+                    const contact_point<S, D>& p = c.points[k];
+                    rows[k] = {{a, b, p, frame}, detail::effective_mass(a, b, p, c.normal), target_speed(c, p, a, b, with, h)};
+                }
+            }
+        };
+
+        /// Apart, the surfaces may close the gap; overlapping, they part slowly; a bounce parts them with its
+        /// share of the approach.
+        static S target_speed(const contact<S, D>& c, const contact_point<S, D>& p, const solver_body<S, D>& a,
+                              const solver_body<S, D>& b, const settings& with, S h) {
+            S target = -p.separation / h;
+            if (p.separation < S(0)) {
+                const S overlap = max(-p.separation - with.penetration_slop, S(0));
+                target = min(overlap * with.baumgarte / h, with.max_push_speed);
+            }
+            if constexpr (Features::restitution) {
+                const S speed = dot(c.normal, velocity_at(b.velocity, p.lever_b) - velocity_at(a.velocity, p.lever_a));
+                const bool meets = p.separation + speed * h < S(0);
+                if (meets && -speed > with.restitution_slop) target = max(target, -(c.restitution * speed));
+            }
+            return target;
+        }
+
+        static void warm_start(const contact<S, D>& c, const block& with, solver_body<S, D>* bodies) {
+            for (int k = 0; k < c.count; ++k) {
+                const contact_point<S, D>& p = c.points[k];
+                if (!p.persisted) continue;
+                vec<S, D> impulse = c.normal * p.normal_impulse;
+                if constexpr (Features::friction) impulse += with.frame.combine(p.friction_impulse);
+                bodies[c.body_a].apply(-impulse, p.lever_a);
+                bodies[c.body_b].apply(impulse, p.lever_b);
+            }
+        }
+
+        static void solve_contact(contact<S, D>& c, const block& with, solver_body<S, D>* bodies, bool back) {
+            solver_body<S, D>& a = bodies[c.body_a];
+            solver_body<S, D>& b = bodies[c.body_b];
+            if constexpr (Features::friction) {
+                const auto& frame = with.frame;
+                for (int i = 0; i < c.count; ++i) {
+                    const int k = back ? c.count - 1 - i : i;
+                    contact_point<S, D>& p = c.points[k];
+                    const vec<S, D> v = velocity_at(b.velocity, p.lever_b) - velocity_at(a.velocity, p.lever_a);
+                    const auto impulse = with.rows[k].friction.next(p.friction_impulse, frame.components(v), c.friction * p.normal_impulse);
+                    const vec<S, D> change = frame.combine(impulse - p.friction_impulse);
+                    p.friction_impulse = impulse;
+                    a.apply(-change, p.lever_a);
+                    b.apply(change, p.lever_b);
+                }
+            }
+            // Normals last: not sinking in matters more than not sliding.
+            for (int i = 0; i < c.count; ++i) {
+                const int k = back ? c.count - 1 - i : i;
+                contact_point<S, D>& p = c.points[k];
+                const vec<S, D> v = velocity_at(b.velocity, p.lever_b) - velocity_at(a.velocity, p.lever_a);
+                const S impulse = max(p.normal_impulse + with.rows[k].normal_mass * (with.rows[k].target_speed - dot(c.normal, v)), S(0));
+                const vec<S, D> change = c.normal * (impulse - p.normal_impulse);
+                p.normal_impulse = impulse;
+                a.apply(-change, p.lever_a);
+                b.apply(change, p.lever_b);
+            }
+        }
+    };
+};
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/world/settings.hpp
+// =================================================================================================
+// Plain structs that users fill in: of a world, a body, a shape.
+
+PHYSICS_HPP_BEGIN
+
+/// Numbers of a world. Lengths in metres, times in seconds, masses in kilograms; a world in other units
+/// scales the lengths and speeds here with them.
+template <class S, int D, class SolverSettings>
+struct world_settings {
+    /// Acceleration of every body, times its gravity scale (m/s^2).
+    vec<S, D> gravity = downward();
+    /// Surfaces closer than this are contacts already, so that the solver can stop them at the surface (m).
+    S contact_margin = S(0.02);
+    /// How far a body may move before its broadphase box is renewed (m).
+    S box_margin = S(0.05);
+    /// Numbers of the solver that the recipe names.
+    SolverSettings solver = {};
+
+private:
+    static constexpr vec<S, D> downward() {
+        vec<S, D> g;
+        g.y = S(-9.81);
+        return g;
+    }
+};
+
+/// A body to be.
+template <class S, int D>
+struct body_def {
+    body_type type = body_type::dynamic_body;
+    /// Where the origin of the body's frame is (m), and how the frame is turned.
+    vec<S, D> position = {};
+    physics::rotation<S, D> rotation = {};
+    /// Velocity of the centre of mass (m/s) and angular velocity (rad/s).
+    vec<S, D> linear_velocity = {};
+    physics::angular<S, D> angular_velocity = {};
+    /// Rates at which velocities decay without force (1/s), at least 0.
+    S linear_damping = S(0);
+    S angular_damping = S(0);
+    /// Factor of the world's gravity for this body.
+    S gravity_scale = S(1);
+    /// True if nothing turns the body.
+    bool rotation_locked = false;
+    /// Anything of the user's; the library never looks at it.
+    std::uint64_t user_data = 0;
+};
+
+/// How a shape sits on its body, and what it is made of.
+template <class S, int D>
+struct shape_def {
+    /// Pose of the shape's frame in the body's frame.
+    vec<S, D> position = {};
+    physics::rotation<S, D> rotation = {};
+    /// kg/m^3 in space, kg/m^2 in the plane; at least 0. Only ratios matter until forces act.
+    S density = S(1);
+    physics::material<S> material = {};
+    std::uint64_t user_data = 0;
+};
+
+struct body_tag;
+struct shape_tag;
+/// Names a body of a world.
+using body_id = handle<body_tag>;
+/// Names a shape of a world.
+using shape_id = handle<shape_tag>;
+
+/// One contact as it is reported: both sides, and up to 2 (plane) or 4 (space) points.
+template <class S, int D>
+struct contact_view {
+    struct point {
+        /// Halfway between the surfaces at the step's start, carried along with body A since (m).
+        vec<S, D> position;
+        /// The same point in the frames of both bodies, in which it stays.
+        vec<S, D> local_a, local_b;
+        /// Distance of the surfaces at the step's start (m); negative is the depth of their overlap.
+        S separation;
+        /// Sums of the last step's impulses (N s): along the normal, and along the tangents.
+        S normal_impulse;
+        physics::tangential<S, D> friction_impulse;
+        /// True if the point had been in contact in the step before.
+        bool persisted;
+    };
+
+    shape_id shape_a, shape_b;
+    body_id body_a, body_b;
+    /// Unit normal from A to B, and unit tangents (one in the plane, two in space), in world axes.
+    vec<S, D> normal;
+    physics::tangents<S, D> tangents;
+    point points[manifold<S, D>::capacity];
+    int count;
+    /// Coefficients of the two surfaces together.
+    S friction, restitution;
+};
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/world/recipe.hpp
+// =================================================================================================
+// Recipes: which types make up a world.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+template <class... Policies>
+struct policy_list {};
+}  // namespace detail
+
+/// What a world is made of: a scalar, a dimension (2 or 3) and policies in any order. Derive a struct from
+/// it, so that the world has a short name:
+///
+///     struct crates : physics::recipe<float, 2> {};
+///     struct lockstep : physics::recipe<physics::fixed32, 3, physics::shapes<physics::sphere, physics::box>> {};
+///     physics::world<lockstep> arena;
+///
+/// A policy is a type that names its stage (`using stage = physics::stage::solver`) and rebinds itself to
+/// the recipe's space, so changing the scalar changes everything. Stages without a policy get the default.
+template <class Scalar, int Dimension, class... Policies>
+struct recipe {
+    using scalar = Scalar;
+    static constexpr int dimension = Dimension;
+    using policies = detail::policy_list<Policies...>;
+};
+
+/// The shapes that a world knows: ball (or circle, sphere), capsule, box, halfspace, or the user's own.
+/// Default: all four. A world's shapes are as large as the largest of the set.
+template <template <class, int> class... Shapes>
+struct shapes {
+    using stage = physics::stage::shapes;
+};
+
+/// Features that a recipe can leave out; what is left out costs nothing.
+namespace feature {
+/// Coulomb friction of contacts.
+struct friction {};
+/// Bouncing.
+struct restitution {};
+}  // namespace feature
+
+/// Leaves features out: without<feature::friction, feature::restitution>.
+template <class... Features>
+struct without {
+    using stage = physics::stage::features;
+    static constexpr bool friction = !(std::same_as<Features, feature::friction> || ...);
+    static constexpr bool restitution = !(std::same_as<Features, feature::restitution> || ...);
+    static constexpr bool known = ((std::same_as<Features, feature::friction> || std::same_as<Features, feature::restitution>) && ...);
+};
+
+namespace detail {
+
+/// The stage of a policy; void for a type that names none.
+template <class Policy>
+struct stage_of {
+    using type = void;
+};
+template <class Policy>
+    requires requires { typename Policy::stage; }
+struct stage_of<Policy> {
+    using type = typename Policy::stage;
+};
+
+/// The first policy of a list that serves a stage, or the default.
+template <class Stage, class Default, class... Policies>
+struct policy_for {
+    using type = Default;
+};
+template <class Stage, class Default, class First, class... Rest>
+struct policy_for<Stage, Default, First, Rest...> {
+    using type = typename std::conditional_t<std::same_as<typename stage_of<First>::type, Stage>, policy_for<Stage, First>,
+                                             policy_for<Stage, Default, Rest...>>::type;
+};
+
+/// The names of shapes inside a world: physics::world<recipe>::box.
+template <class S, int D>
+struct shape_names {
+    using ball = physics::ball<S, D>;
+    using capsule = physics::capsule<S, D>;
+    using box = physics::box<S, D>;
+    using halfspace = physics::halfspace<S, D>;
+};
+template <class S, int D>
+struct shape_aliases;
+template <class S>
+struct shape_aliases<S, 2> : shape_names<S, 2> {
+    using circle = physics::ball<S, 2>;
+};
+template <class S>
+struct shape_aliases<S, 3> : shape_names<S, 3> {
+    using sphere = physics::ball<S, 3>;
+};
+
+/// A recipe's choices, resolved: every stage with its type in the recipe's space.
+template <class S, int D, class ShapeSet, class... Policies>
+struct plan;
+template <class S, int D, template <class, int> class... Shapes, class... Policies>
+struct plan<S, D, shapes<Shapes...>, Policies...> {
+    using scalar = S;
+    static constexpr int dimension = D;
+    using space = physics::space<S, D>;
+    using features = typename policy_for<stage::features, without<>, Policies...>::type;
+    using shape = any_shape<S, D, Shapes...>;
+    using query = narrowphase_query<S, D, Shapes...>;
+    using broadphase = typename policy_for<stage::broadphase, all_pairs, Policies...>::type::template in<space>;
+    using narrowphase = typename policy_for<stage::narrowphase, best_per_pair, Policies...>::type::template in<S, D, Shapes...>;
+    using integrator = typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type::template in<space>;
+    using solver = typename policy_for<stage::solver, sequential_impulse, Policies...>::type::template in<space, features>;
+    using settings = world_settings<S, D, typename solver::settings>;
+};
+
+template <class... Policies>
+using shape_set_for = typename policy_for<stage::shapes, shapes<ball, capsule, box, halfspace>, Policies...>::type;
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/world/audit.hpp
+// =================================================================================================
+// Every way to misuse a recipe, each with its one sentence.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+enum class recipe_problem {
+    none,
+    not_a_recipe,
+    bad_scalar,
+    bad_dimension,
+    policy_without_stage,
+    unknown_stage,
+    not_shapes_or_without,
+    two_policies_for_a_stage,
+    no_shapes,
+    same_shape_twice,
+    not_a_shape,
+    pair_without_contact,
+    unknown_feature,
+    bad_broadphase,
+    bad_narrowphase,
+    bad_integrator,
+    bad_solver,
+};
+
+template <class T>
+constexpr bool is_policy_list = false;
+template <class... Policies>
+constexpr bool is_policy_list<policy_list<Policies...>> = true;
+
+template <class Recipe>
+concept recipe_like = requires {
+    typename Recipe::scalar;
+    typename std::integral_constant<int, Recipe::dimension>;
+    typename Recipe::policies;
+} && is_policy_list<typename Recipe::policies>;
+
+template <class Stage>
+constexpr bool known_stage = std::same_as<Stage, stage::shapes> || std::same_as<Stage, stage::broadphase> ||
+                             std::same_as<Stage, stage::narrowphase> || std::same_as<Stage, stage::solver> ||
+                             std::same_as<Stage, stage::integrator> || std::same_as<Stage, stage::features>;
+
+/// False for a policy that claims a stage of the library's own.
+template <class Policy, class Stage = typename stage_of<Policy>::type>
+constexpr bool may_serve = !std::same_as<Stage, stage::shapes> && !std::same_as<Stage, stage::features>;
+template <template <class, int> class... Shapes>
+constexpr bool may_serve<shapes<Shapes...>, stage::shapes> = true;
+template <class... Features>
+constexpr bool may_serve<without<Features...>, stage::features> = true;
+
+/// How many of the policies serve the stage.
+template <class Stage, class... Policies>
+constexpr int policies_for = (0 + ... + int{std::same_as<typename stage_of<Policies>::type, Stage>});
+
+template <class A, class S, int D, template <class, int> class... Shapes>
+constexpr bool meets_all = (collidable<A, Shapes<S, D>, S, D> && ...);
+template <class A, class S, int D, template <class, int> class... Shapes>
+constexpr int times_among = (0 + ... + int{std::same_as<A, Shapes<S, D>>});
+
+template <class T>
+concept complete = requires { sizeof(T); };
+template <class Shape, class S, int D>
+concept usable_shape = complete<Shape> && shape_for<Shape, S, D>;
+template <class S, int D, template <class, int> class... Shapes>
+constexpr recipe_problem problem_of_shapes(const shapes<Shapes...>*) {
+    if constexpr (sizeof...(Shapes) == 0) return recipe_problem::no_shapes;
+    else if constexpr (((times_among<Shapes<S, D>, S, D, Shapes...> > 1) || ...)) return recipe_problem::same_shape_twice;
+    else if constexpr (!(usable_shape<Shapes<S, D>, S, D> && ...)) return recipe_problem::not_a_shape;
+    else if constexpr (!(meets_all<Shapes<S, D>, S, D, Shapes...> && ...)) return recipe_problem::pair_without_contact;
+    else return recipe_problem::none;
+}
+
+template <class Policy, class Space>
+concept broadphase_policy = requires { typename Policy::template in<Space>; } && broadphase_for<typename Policy::template in<Space>, Space>;
+
+template <class Policy, class S, int D, template <class, int> class... Shapes>
+constexpr bool narrowphase_serves(const shapes<Shapes...>*) {
+    return narrowphase_for<Policy, S, D, Shapes...>;
+}
+
+/// What an integrator must offer: advance_velocity(velocity, body, gravity, h), advance_pose(body, velocity, h).
+template <class Policy, class S, int D>
+concept integrator_policy = requires(solver_body<S, D> v, body<S, D> b, twist<S, D> t) {
+    Policy::template in<space<S, D>>::advance_velocity(v, b, vec<S, D>{}, S(1));
+    Policy::template in<space<S, D>>::advance_pose(b, t, S(1));
+};
+
+/// What a solver asks of the world that it advances.
+template <class S>
+struct any_motion {
+    void advance_velocities(S) {}
+    void advance_poses(S) {}
+};
+/// What a solver must offer: settings with a function check(settings, function) like that of shapes, and
+/// solve(bodies, contacts, settings, h, scratch, motion).
+template <class Policy, class S, int D, class Features>
+concept solver_policy = requires(solver_body<S, D>* bodies, buffer<contact<S, D>> contacts, arena scratch, any_motion<S> motion,
+                                 const typename Policy::template in<space<S, D>, Features>::settings settings) {
+    { check(settings, "function") } -> std::same_as<bool>;
+    Policy::template in<space<S, D>, Features>::solve(bodies, contacts, settings, S(1), scratch, motion);
+};
+
+template <class S, int D, class... Policies>
+constexpr recipe_problem problem_of_policies(const policy_list<Policies...>*) {
+    if constexpr ((std::is_void_v<typename stage_of<Policies>::type> || ...)) {
+        return recipe_problem::policy_without_stage;
+    } else if constexpr (!(known_stage<typename stage_of<Policies>::type> && ...)) {
+        return recipe_problem::unknown_stage;
+    } else if constexpr (!(may_serve<Policies> && ...)) {
+        return recipe_problem::not_shapes_or_without;
+    } else if constexpr (((policies_for<typename stage_of<Policies>::type, Policies...> > 1) || ...)) {
+        return recipe_problem::two_policies_for_a_stage;
+    } else {
+        using set = shape_set_for<Policies...>;
+        using features = typename policy_for<stage::features, without<>, Policies...>::type;
+        constexpr recipe_problem of_shapes = problem_of_shapes<S, D>(static_cast<const set*>(nullptr));
+        if constexpr (of_shapes != recipe_problem::none) return of_shapes;
+        else if constexpr (!features::known) return recipe_problem::unknown_feature;
+        else if constexpr (!broadphase_policy<typename policy_for<stage::broadphase, all_pairs, Policies...>::type, space<S, D>>)
+            return recipe_problem::bad_broadphase;
+        else if constexpr (!narrowphase_serves<typename policy_for<stage::narrowphase, best_per_pair, Policies...>::type, S, D>(
+                               static_cast<const set*>(nullptr)))
+            return recipe_problem::bad_narrowphase;
+        else if constexpr (!integrator_policy<typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type, S, D>)
+            return recipe_problem::bad_integrator;
+        else if constexpr (!solver_policy<typename policy_for<stage::solver, sequential_impulse, Policies...>::type, S, D, features>)
+            return recipe_problem::bad_solver;
+        else return recipe_problem::none;
+    }
+}
+
+template <class Recipe>
+constexpr recipe_problem problem_of() {
+    if constexpr (!recipe_like<Recipe>) return recipe_problem::not_a_recipe;
+    else if constexpr (!scalar_type<typename Recipe::scalar>) return recipe_problem::bad_scalar;
+    else if constexpr (Recipe::dimension != 2 && Recipe::dimension != 3) return recipe_problem::bad_dimension;
+    else return problem_of_policies<typename Recipe::scalar, Recipe::dimension>(static_cast<const typename Recipe::policies*>(nullptr));
+}
+
+template <class S, int D, class... Policies>
+plan<S, D, shape_set_for<Policies...>, Policies...> planned(const policy_list<Policies...>*);
+
+/// The plan of a recipe. A recipe that fails its audit gets the default plan, so that its one sentence is
+/// the only error.
+template <class Recipe, bool Good = problem_of<Recipe>() == recipe_problem::none>
+struct plan_of {
+    using type = decltype(planned<typename Recipe::scalar, Recipe::dimension>(static_cast<const typename Recipe::policies*>(nullptr)));
+};
+template <class Recipe>
+struct plan_of<Recipe, false> : plan_of<recipe<float, 2>> {};
+
+/// Says in one sentence what is wrong with a recipe.
+template <class Recipe>
+struct audit {
+    static constexpr recipe_problem problem = problem_of<Recipe>();
+    static_assert(problem != recipe_problem::not_a_recipe,
+                  "physics::world: the argument is not a recipe; write struct mine : physics::recipe<float, 2> {} and physics::world<mine>");
+    static_assert(problem != recipe_problem::bad_scalar,
+                  "physics::recipe: the scalar is not a physics::scalar_type; use float, double, physics::fixed32, or specialise physics::scalar_traits");
+    static_assert(problem != recipe_problem::bad_dimension, "physics::recipe: the dimension must be 2 or 3");
+    static_assert(problem != recipe_problem::policy_without_stage,
+                  "physics::recipe: a policy names no stage; give it `using stage = physics::stage::...`");
+    static_assert(problem != recipe_problem::unknown_stage,
+                  "physics::recipe: a policy names a stage that does not exist; the stages are those of namespace physics::stage");
+    static_assert(problem != recipe_problem::not_shapes_or_without,
+                  "physics::recipe: a policy names a stage that only physics::shapes<...> or physics::without<...> may serve");
+    static_assert(problem != recipe_problem::two_policies_for_a_stage,
+                  "physics::recipe: two policies serve the same stage; keep one of them");
+    static_assert(problem != recipe_problem::no_shapes, "physics::shapes: the set is empty; name at least one shape");
+    static_assert(problem != recipe_problem::same_shape_twice, "physics::shapes: a shape stands in the set twice");
+    static_assert(problem != recipe_problem::not_a_shape,
+                  "physics::shapes: a type of the set does not model physics::shape_for; it needs check, bounds and as<T>()");
+    static_assert(problem != recipe_problem::pair_without_contact,
+                  "physics::shapes: two shapes of the set have no function collide(a, b, b_in_a, margin, manifold)");
+    static_assert(problem != recipe_problem::unknown_feature,
+                  "physics::without: an argument is not a feature; the features are those of namespace physics::feature");
+    static_assert(problem != recipe_problem::bad_broadphase,
+                  "physics::recipe: the broadphase does not model physics::broadphase_for; its in<Space> needs insert, move, erase and pairs");
+    static_assert(problem != recipe_problem::bad_narrowphase,
+                  "physics::recipe: the narrowphase does not model physics::narrowphase_for; its in<S, D, Shapes...> needs collide");
+    static_assert(problem != recipe_problem::bad_integrator,
+                  "physics::recipe: the integrator's in<Space> needs advance_velocity and advance_pose");
+    static_assert(problem != recipe_problem::bad_solver,
+                  "physics::recipe: the solver's in<Space, Features> needs a struct settings with a function check, and a function solve");
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/world/state.hpp
+// =================================================================================================
+// Everything that a world holds, as plain arrays.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Everything that a world keeps of one shape.
+template <class Plan>
+struct shape_record {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+
+    typename Plan::shape shape;
+    transform<S, D> local;
+    physics::material<S> material;
+    S density{};
+    std::uint32_t body = 0;
+    /// The next shape of the same body.
+    std::uint32_t next = 0xffffffffu;
+    /// The box that the broadphase knows: larger than the shape, so that small moves leave it alone.
+    aabb<S, D> fat_box;
+    std::uint64_t user_data = 0;
+};
+
+/// The state of a world. Copying it copies the world.
+template <class Plan>
+struct state {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+
+    typename Plan::settings settings;
+    pool<body<S, D>> bodies;
+    pool<shape_record<Plan>> shapes;
+    typename Plan::broadphase broadphase;
+    /// Contacts of the last step, in ascending order of their pairs.
+    buffer<contact<S, D>> contacts;
+    /// Where the centres of bodies were, and how bodies were turned, when these contacts were found.
+    buffer<transform<S, D>> contact_starts;
+    std::uint64_t steps = 0;
+    std::uint16_t tag = 0;
+
+    // Scratch of the step: nothing in it outlives one.
+    buffer<proxy_pair> pairs;
+    buffer<contact<S, D>> found;
+    buffer<transform<S, D>> starts;
+    arena scratch;
+};
+
+/// The pose of a shape in the world.
+template <class Plan>
+auto world_pose(const state<Plan>& s, const shape_record<Plan>& shape) {
+    return s.bodies[shape.body].pose() * shape.local;
+}
+
+/// The box that the narrowphase needs the broadphase to know: all within half the contact margin.
+template <class Plan>
+auto needed_box(const state<Plan>& s, const shape_record<Plan>& shape) {
+    return grown(bounds(shape.shape, world_pose(s, shape)), s.settings.contact_margin / typename Plan::scalar(2));
+}
+template <class Plan>
+auto fat_box(const state<Plan>& s, const shape_record<Plan>& shape) {
+    return grown(needed_box(s, shape), s.settings.box_margin);
+}
+
+/// Calls f(index, shape) for every shape of a body.
+template <class State, class F>
+void each_shape(State& s, std::uint32_t body, F&& f) {
+    for (std::uint32_t i = s.bodies[body].first_shape; i != 0xffffffffu;) {
+        const std::uint32_t next = s.shapes[i].next;
+        f(i, s.shapes[i]);
+        i = next;
+    }
+}
+
+/// A number for each world of the program, to recognise foreign handles. It never enters any result.
+inline std::uint16_t next_world_tag() noexcept {
+    static std::uint32_t count = 0;
+#if defined(__GNUC__)
+    return static_cast<std::uint16_t>(__atomic_add_fetch(&count, 1u, __ATOMIC_RELAXED));
+#else
+    return static_cast<std::uint16_t>(++count);
+#endif
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/world/mass.hpp
+// =================================================================================================
+// What bodies weigh: from their shapes, or as they are told.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+template <class T, class S>
+rotation<T, 2> converted(const rotation<S, 2>& r) {
+    return {static_cast<T>(r.cosine), static_cast<T>(r.sine)};
+}
+template <class T, class S>
+rotation<T, 3> converted(const rotation<S, 3>& r) {
+    return {static_cast<T>(r.x), static_cast<T>(r.y), static_cast<T>(r.z), static_cast<T>(r.w)};
+}
+template <class T, class S, int D>
+vec<T, D> converted(vec<S, D> v) {
+    vec<T, D> result;
+    for (int i = 0; i < D; ++i) result[i] = static_cast<T>(v[i]);
+    return result;
+}
+template <class T, class S, int D>
+transform<T, D> converted(const transform<S, D>& t) {
+    return {converted<T>(t.position), converted<T>(t.rotation)};
+}
+template <class T, scalar_type S>
+T converted(S x) {
+    return static_cast<T>(x);
+}
+template <class T, class S>
+symmetric<T> converted(const symmetric<S>& m) {
+    return {static_cast<T>(m.xx), static_cast<T>(m.yy), static_cast<T>(m.zz), static_cast<T>(m.xy), static_cast<T>(m.xz), static_cast<T>(m.yz)};
+}
+template <class T, class S, int D>
+mass_properties<T, D> converted(const mass_properties<S, D>& m) {
+    return {static_cast<T>(m.mass), converted<T>(m.center), converted<T>(m.inertia)};
+}
+
+/// The mass of one shape in its body's frame, computed with the scalar T; none for shapes without mass.
+template <class T, class Plan>
+auto mass_of_shape(const shape_record<Plan>& record) {
+    return record.shape.visit([&](const auto& shape) -> mass_properties<T, Plan::dimension> {
+        if constexpr (solid_shape_for<std::remove_cvref_t<decltype(shape)>, typename Plan::scalar, Plan::dimension>)
+            return transformed(mass_of(shape.template as<T>(), static_cast<T>(record.density)), converted<T>(record.local));
+        else return {};
+    });
+}
+/// The mass of all shapes of a body but one, computed with the scalar T.
+template <class T, class Plan>
+auto mass_of_shapes(const state<Plan>& s, std::uint32_t body, std::uint32_t but = 0xffffffffu) {
+    mass_properties<T, Plan::dimension> sum;
+    each_shape(s, body, [&](std::uint32_t i, const shape_record<Plan>& shape) {
+        if (i != but) sum = combined(sum, mass_of_shape<T>(shape));
+    });
+    return sum;
+}
+
+/// Gives a body its mass, its centre and what follows from them. The frame stays where it is, and the
+/// velocity of the body's material points and the points of its contacts with it.
+template <class Plan>
+void set_mass_properties(state<Plan>& s, std::uint32_t index, const mass_properties<typename Plan::scalar, Plan::dimension>& mass) {
+    using S = typename Plan::scalar;
+    auto& b = s.bodies[index];
+    if (!(mass.center == b.mass.center)) {
+        const vec<S, Plan::dimension> center = b.pose() * mass.center, shift = mass.center - b.mass.center;
+        b.velocity.linear += cross(b.velocity.angular, center - b.center);
+        b.center = center;
+        for (auto& c : s.contacts)
+            for (int k = 0; k < c.count; ++k) {
+                if (c.body_a == index) c.points[k].lever_a -= s.contact_starts[index].rotation * shift;
+                if (c.body_b == index) c.points[k].lever_b -= s.contact_starts[index].rotation * shift;
+            }
+    }
+    b.mass = mass;
+    b.inverse_mass = {};
+    b.inverse_inertia = {};
+    b.is_gyroscopic = b.is_dynamic() && !b.rotation_locked && !is_isotropic(mass.inertia);
+    if (!b.is_dynamic()) return;
+    b.inverse_mass = reciprocal<inverse_of<S>>(mass.mass);
+    if (!b.rotation_locked) b.inverse_inertia = inverted_inertia(mass.inertia);
+}
+/// Mass from shapes, unless the user has set it. A dynamic body without any mass is a point of 1 kg at its
+/// origin; static and kinematic bodies take no mass from shapes.
+template <class Plan>
+void refresh_mass(state<Plan>& s, std::uint32_t index) {
+    using S = typename Plan::scalar;
+    const auto& b = s.bodies[index];
+    mass_properties<S, Plan::dimension> mass;
+    if (b.mass_is_set) mass = b.mass;
+    else if (b.is_dynamic()) mass = mass_of_shapes<S>(s, index);
+    if (b.is_dynamic() && !(mass.mass > S(0))) mass = {S(1), {}, {}};
+    set_mass_properties(s, index, mass);
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/world/check.hpp
+// =================================================================================================
+// Every check of the user's handles and numbers: each refuses what is bad by name, and says whether all was good.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// What a handle names: its number, where ok.
+struct found {
+    std::uint32_t index;
+    bool ok;
+    explicit operator bool() const { return ok; }
+};
+template <class Plan, class Pool, class Tag>
+found find(const state<Plan>& s, const Pool& pool, handle<Tag> id, const char* function, const char* what) {
+    if (!id) return {0, refuse(function, what, "null", "it must name something that this world has created")};
+    char name[32];
+    std::snprintf(name, sizeof name, "#%u", static_cast<unsigned>(id.index));
+    if (id.world != s.tag) return {0, refuse(function, what, name, "it belongs to another world")};
+    if (!pool.contains(id.index, id.generation)) return {0, refuse(function, what, name, "it has been destroyed")};
+    return {id.index, true};
+}
+template <class Plan>
+found find_body(const state<Plan>& s, body_id id, const char* function) {
+    return find(s, s.bodies, id, function, "body");
+}
+template <class Plan>
+found find_shape(const state<Plan>& s, shape_id id, const char* function) {
+    return find(s, s.shapes, id, function, "shape");
+}
+inline const char* name_of(body_type type) {
+    return type == body_type::static_body ? "static" : type == body_type::kinematic_body ? "kinematic" : "dynamic";
+}
+/// The same for calls that only dynamic bodies take,
+template <class Plan>
+found find_dynamic(const state<Plan>& s, body_id id, const char* function) {
+    const found f = find_body(s, id, function);
+    if (f && !s.bodies[f.index].is_dynamic()) return {0, refuse(function, "body", name_of(s.bodies[f.index].type), "it must be dynamic")};
+    return f;
+}
+/// only kinematic ones,
+template <class Plan>
+found find_kinematic(const state<Plan>& s, body_id id, const char* function) {
+    const found f = find_body(s, id, function);
+    if (f && s.bodies[f.index].type != body_type::kinematic_body)
+        return {0, refuse(function, "body", name_of(s.bodies[f.index].type), "it must be kinematic")};
+    return f;
+}
+/// and only those that have a velocity.
+template <class Plan>
+found find_moving(const state<Plan>& s, body_id id, const char* function) {
+    const found f = find_body(s, id, function);
+    if (f && s.bodies[f.index].type == body_type::static_body)
+        return {0, refuse(function, "body", "static", "it must be dynamic or kinematic")};
+    return f;
+}
+
+/// The largest part of a number or vector, for messages.
+template <scalar_type S>
+double size_of(S x) {
+    return static_cast<double>(abs(x));
+}
+template <class S, int D>
+double size_of(vec<S, D> v) {
+    return static_cast<double>(largest(v));
+}
+
+template <class S, int D>
+bool check_pose(const char* function, vec<S, D> position, const rotation<S, D>& r) {
+    if (!check_finite(function, "position", position)) return false;
+    // In double, where the squares of no format overflow.
+    const double error = norm_error(converted<double>(r));
+    return error < 1e-3 || refuse(function, "error of rotation", error, "its squared length must be 1, to less than 0.001");
+}
+template <class Angular>
+bool check_angular_velocity(const char* function, const char* field, Angular w, bool rotation_locked) {
+    if (!check_finite(function, field, w)) return false;
+    return !rotation_locked || w == Angular{} || refuse(function, field, size_of(w), "it must be 0, since the body's rotation is locked");
+}
+inline bool check_type(const char* function, body_type type) {
+    return type <= body_type::dynamic_body || refuse(function, "type", static_cast<double>(type), "it must be a body_type");
+}
+template <class S, int D>
+bool check_body(const body_def<S, D>& def) {
+    const char* f = "create_body";
+    return check_type(f, def.type) && check_pose(f, def.position, def.rotation) &&
+           check_finite(f, "linear_velocity", def.linear_velocity) &&
+           check_angular_velocity(f, "angular_velocity", def.angular_velocity, def.rotation_locked) &&
+           check_not_negative(f, "linear_damping", def.linear_damping) &&
+           check_not_negative(f, "angular_damping", def.angular_damping) && check_finite(f, "gravity_scale", def.gravity_scale);
+}
+template <class S>
+bool check_material(const char* function, const material<S>& m) {
+    if (!check_not_negative(function, "friction", m.friction) || !check_not_negative(function, "restitution", m.restitution)) return false;
+    return !(m.restitution > S(1)) || refuse(function, "restitution", static_cast<double>(m.restitution), "it must be at most 1");
+}
+template <class Settings>
+bool check_settings(const Settings& with, const char* function) {
+    return check_finite(function, "gravity", with.gravity) && check_not_negative(function, "contact_margin", with.contact_margin) &&
+           check_not_negative(function, "box_margin", with.box_margin) && check(with.solver, function);
+}
+
+/// Refuses to make a world of floating-point numbers where arithmetic would not give the same bits as
+/// everywhere. What the step itself repairs, rounding modes and flushing to zero, is no reason to refuse.
+template <class S>
+bool check_environment([[maybe_unused]] const char* function) {
+#ifndef PHYSICS_HPP_NONDETERMINISTIC
+    if constexpr (std::floating_point<S>) {
+        const float_control_scope control;
+        const auto faults = float_environment();
+        if (faults != 0)
+            return refuse(function, "arithmetic", float_fault_names(faults).c_str(),
+                          "compile without the flags that allow it, or define PHYSICS_HPP_NONDETERMINISTIC");
+    }
+#endif
+    return true;
+}
+
+/// True if the type can hold the value to one percent: neither rounded away nor out of range.
+template <class S>
+bool representable(double value) {
+    const double back = static_cast<double>(static_cast<S>(value));
+    const double error = back < value ? value - back : back - value;
+    return error <= 0.01 * (value < 0 ? -value : value);
+}
+template <class S>
+bool check_mass_value(const char* function, const char* field, double value, double inverse_value) {
+    if (!(value > 0)) return refuse(function, field, value, "it must be greater than 0");
+    if (!representable<S>(value) || !representable<inverse_of<S>>(inverse_value))
+        return refuse(function, field, value, "it or its inverse is beyond the scalar's range; use other units of length or mass");
+    return true;
+}
+template <class S>
+bool check_inertia(const char* function, double inertia) {
+    return check_mass_value<S>(function, "inertia", inertia, 1 / inertia);
+}
+template <class S>
+bool check_inertia(const char* function, const symmetric<double>& i) {
+    if (!check_finite(function, "inertia.xy", i.xy) || !check_finite(function, "inertia.xz", i.xz) || !check_finite(function, "inertia.yz", i.yz))
+        return false;
+    const symmetric<double> inverted = inverse<double>(i);
+    const double diagonal[] = {i.xx, i.yy, i.zz}, of_inverse[] = {inverted.xx, inverted.yy, inverted.zz};
+    constexpr const char* names[] = {"inertia.xx", "inertia.yy", "inertia.zz"};
+    for (int k = 0; k < 3; ++k)
+        if (!check_mass_value<S>(function, names[k], diagonal[k], inverted.xx > 0 ? of_inverse[k] : 1 / diagonal[k])) return false;
+    const bool definite = inverted.xx > 0 && inverted_inertia(converted<S>(i)).xx > inverse_of<S>(0);
+    return definite || refuse(function, "inertia.xx", i.xx, "the tensor that it begins must be positive definite");
+}
+/// Whether a dynamic body can have these mass properties, given in double, where it is now.
+template <class S, int D>
+bool check_mass(const char* function, const body<S, D>& b, const mass_properties<double, D>& m, bool without_inertia = false) {
+    if (!check_mass_value<S>(function, "mass", m.mass, 1 / m.mass)) return false;
+    if (!without_inertia && !check_inertia<S>(function, m.inertia)) return false;
+    const vec<S, D> center = converted<S>(m.center), moved = b.pose() * center;
+    return (is_finite(center) && is_finite(moved) && is_finite(velocity_at(b.velocity, moved - b.center))) ||
+           refuse(function, "center", size_of(m.center), "the body's centre of mass or its velocity would be beyond the scalar's range");
+}
+/// Whether a dynamic body can take its mass from its shapes, but one.
+template <class Plan>
+bool check_shapes_mass(const state<Plan>& s, std::uint32_t body, const char* function, std::uint32_t but = 0xffffffffu) {
+    const auto mass = mass_of_shapes<double>(s, body, but);
+    return !(mass.mass > 0) || check_mass(function, s.bodies[body], mass);
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/world/edit.hpp
+// =================================================================================================
+// How bodies and shapes come, go and change between steps.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Tells the broadphase where the shapes of a body are now.
+template <class Plan>
+void refresh_boxes(state<Plan>& s, std::uint32_t body) {
+    each_shape(s, body, [&](std::uint32_t i, shape_record<Plan>& shape) {
+        shape.fat_box = fat_box(s, shape);
+        s.broadphase.move(i, shape.fat_box);
+    });
+}
+
+/// Forgets the contacts for which gone(contact) is true; the others keep their order.
+template <class Plan, class Gone>
+void drop_contacts(state<Plan>& s, Gone&& gone) {
+    std::uint32_t kept = 0;
+    for (std::uint32_t i = 0; i < s.contacts.size(); ++i)
+        if (!gone(s.contacts[i])) s.contacts[kept++] = s.contacts[i];
+    while (s.contacts.size() > kept) s.contacts.pop();
+}
+
+template <class Plan>
+body_id create_body(state<Plan>& s, const body_def<typename Plan::scalar, Plan::dimension>& def) {
+    if (!check_body(def)) return {};
+    body<typename Plan::scalar, Plan::dimension> b;
+    b.type = def.type;
+    b.rotation = normalized(def.rotation);
+    b.center = def.position;
+    if (def.type != body_type::static_body) b.velocity = {def.linear_velocity, def.angular_velocity};
+    b.linear_damping = def.linear_damping;
+    b.angular_damping = def.angular_damping;
+    b.gravity_scale = def.gravity_scale;
+    b.rotation_locked = def.rotation_locked;
+    b.user_data = def.user_data;
+    const auto place = s.bodies.insert(b);
+    refresh_mass(s, place.index);
+    return {place.index, place.generation, s.tag};
+}
+
+template <class Plan>
+void destroy_body(state<Plan>& s, std::uint32_t index) {
+    drop_contacts(s, [&](const auto& c) { return c.body_a == index || c.body_b == index; });
+    each_shape(s, index, [&](std::uint32_t i, const shape_record<Plan>&) {
+        s.broadphase.erase(i);
+        s.shapes.erase(i);
+    });
+    s.bodies.erase(index);
+}
+
+template <class Plan, class Shape>
+shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape, const shape_def<typename Plan::scalar, Plan::dimension>& def) {
+    using S = typename Plan::scalar;
+    const char* f = "create_shape";
+    const found at = find_body(s, body, f);
+    if (!at || !check(shape, f) || !check_pose(f, def.position, def.rotation) || !check_not_negative(f, "density", def.density) ||
+        !check_material(f, def.material))
+        return {};
+    const auto& owner = s.bodies[at.index];
+    if (!solid_shape_for<Shape, S, Plan::dimension> && owner.is_dynamic()) {
+        refuse(f, "shape", "without mass", "a dynamic body needs shapes that have a mass");
+        return {};
+    }
+    shape_record<Plan> record;
+    record.shape = shape;
+    record.local = {def.position, normalized(def.rotation)};
+    record.material = def.material;
+    record.density = def.density;
+    record.body = at.index;
+    record.next = owner.first_shape;
+    record.user_data = def.user_data;
+    record.fat_box = fat_box(s, record);
+    if (!check_finite(f, "lower end of the box", record.fat_box.lower) || !check_finite(f, "upper end of the box", record.fat_box.upper))
+        return {};
+    if (def.density > S(0) && owner.is_dynamic() && !owner.mass_is_set &&
+        !check_mass(f, owner, combined(mass_of_shapes<double>(s, at.index), mass_of_shape<double>(record))))
+        return {};
+    const auto place = s.shapes.insert(record);
+    s.bodies[at.index].first_shape = place.index;
+    s.broadphase.insert(place.index, record.fat_box);
+    refresh_mass(s, at.index);
+    return {place.index, place.generation, s.tag};
+}
+
+template <class Plan>
+void destroy_shape(state<Plan>& s, std::uint32_t index) {
+    const std::uint32_t body = s.shapes[index].body;
+    const auto& owner = s.bodies[body];
+    if (owner.is_dynamic() && !owner.mass_is_set && !check_shapes_mass(s, body, "destroy_shape", index)) return;
+    drop_contacts(s, [&](const auto& c) { return c.shape_a == index || c.shape_b == index; });
+    std::uint32_t* link = &s.bodies[body].first_shape;
+    while (*link != index) link = &s.shapes[*link].next;
+    *link = s.shapes[index].next;
+    s.broadphase.erase(index);
+    s.shapes.erase(index);
+    refresh_mass(s, body);
+}
+
+template <class Plan>
+void set_pose(state<Plan>& s, std::uint32_t index, const transform<typename Plan::scalar, Plan::dimension>& pose) {
+    auto& b = s.bodies[index];
+    if (!check_finite("set_pose", "centre of mass", pose * b.mass.center)) return;
+    b.set_pose(pose);
+    refresh_boxes(s, index);
+}
+
+template <class Plan>
+void set_type(state<Plan>& s, std::uint32_t index, body_type type) {
+    using S = typename Plan::scalar;
+    constexpr int D = Plan::dimension;
+    const char* f = "set_type";
+    auto& b = s.bodies[index];
+    if (!check_type(f, type) || type == b.type) return;
+    if (type == body_type::dynamic_body) {
+        bool solid = true;
+        each_shape(s, index, [&](std::uint32_t, const auto& record) {
+            record.shape.visit([&](const auto& shape) { solid = solid && solid_shape_for<std::remove_cvref_t<decltype(shape)>, S, D>; });
+        });
+        if (!solid) {
+            refuse(f, "shape", "without mass", "a dynamic body needs shapes that have a mass");
+            return;
+        }
+        if (!b.mass_is_set && !check_shapes_mass(s, index, f)) return;
+    }
+    if (type == body_type::static_body) b.velocity = {};
+    if (type != body_type::dynamic_body) {
+        b.force = {};
+        b.torque = {};
+    }
+    b.has_target = false;
+    b.type = type;
+    refresh_mass(s, index);
+    refresh_boxes(s, index);
+    drop_contacts(s, [&](const auto& c) {
+        return (c.body_a == index || c.body_b == index) && !s.bodies[c.body_a].is_dynamic() && !s.bodies[c.body_b].is_dynamic();
+    });
+}
+
+template <class Plan>
+void set_mass(state<Plan>& s, std::uint32_t index, const mass_properties<typename Plan::scalar, Plan::dimension>& mass) {
+    const char* f = "set_mass";
+    const bool nothing_turns_it = mass.inertia == decltype(mass.inertia){};
+    if (!check_finite(f, "center", mass.center) || !check_mass(f, s.bodies[index], converted<double>(mass), nothing_turns_it)) return;
+    s.bodies[index].mass_is_set = true;
+    set_mass_properties(s, index, mass);
+}
+template <class Plan>
+void reset_mass(state<Plan>& s, std::uint32_t index) {
+    if (!check_shapes_mass(s, index, "reset_mass")) return;
+    s.bodies[index].mass_is_set = false;
+    refresh_mass(s, index);
+}
+
+template <class Plan>
+void set_rotation_locked(state<Plan>& s, std::uint32_t index, bool locked) {
+    auto& b = s.bodies[index];
+    b.rotation_locked = locked;
+    if (locked) b.velocity.angular = {};
+    refresh_mass(s, index);
+}
+
+template <class Plan>
+void change_settings(state<Plan>& s, const typename Plan::settings& settings) {
+    s.settings = settings;
+    s.bodies.each([&](std::uint32_t i, const auto&) { refresh_boxes(s, i); });
+}
+
+/// Stores a quantity that an action has changed, unless it left the scalar's range: false then.
+template <class Quantity>
+bool assign(Quantity& to, const Quantity& value) {
+    if (!is_finite(value)) return false;
+    to = value;
+    return true;
+}
+inline bool refuse_action(const char* function, const char* field, double size) {
+    return refuse(function, field, size, "with it a force or velocity of the body would be beyond the scalar's range");
+}
+
+/// Calls f(body, force, lever) with a force or impulse and its lever from the centre of mass, in world axes;
+/// f says whether the body can take it.
+template <class Plan, class F>
+void act(state<Plan>& s, body_id id, const char* function, const char* field, vec<typename Plan::scalar, Plan::dimension> force,
+         bool local, const vec<typename Plan::scalar, Plan::dimension>* point, F&& f) {
+    const found at = find_dynamic(s, id, function);
+    if (!at || !check_finite(function, field, force) || (point && !check_finite(function, "point", *point))) return;
+    auto& b = s.bodies[at.index];
+    vec<typename Plan::scalar, Plan::dimension> lever;
+    if (point) lever = local ? b.rotation * (*point - b.mass.center) : *point - b.center;
+    if (!f(b, local ? b.rotation * force : force, lever)) refuse_action(function, field, size_of(force));
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/world/hash.hpp
+// =================================================================================================
+// A number that worlds in the same state share.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Mixes words into 64 bits, by value: neither byte order nor padding enters. Source: the finaliser of
+/// Steele, Lea, Flood, Fast splittable pseudorandom number generators (2014).
+class hasher {
+public:
+    void add(std::uint64_t word) {
+        hash_ = (hash_ ^ word) * 0xff51afd7ed558ccdu;
+        hash_ ^= hash_ >> 32;
+        hash_ *= 0xc4ceb9fe1a85ec53u;
+        hash_ ^= hash_ >> 29;
+    }
+    template <scalar_type S>
+    void add(S x) {
+        add(scalar_traits<S>::bits(x));
+    }
+    template <class S, int D>
+    void add(vec<S, D> v) {
+        for (int i = 0; i < D; ++i) add(v[i]);
+    }
+    template <class S>
+    void add(rotation<S, 2> r) {
+        add(r.cosine);
+        add(r.sine);
+    }
+    template <class S>
+    void add(rotation<S, 3> r) {
+        add(r.imaginary());
+        add(r.w);
+    }
+    template <class S>
+    void add(const symmetric<S>& m) {
+        add(vec<S, 3>{m.xx, m.yy, m.zz});
+        add(vec<S, 3>{m.xy, m.xz, m.yz});
+    }
+    template <class S, int D>
+    void add(const transform<S, D>& t) {
+        add(t.position);
+        add(t.rotation);
+    }
+    template <class S, int D>
+    void add(const body<S, D>& b) {
+        add(static_cast<std::uint64_t>(b.type) | std::uint64_t{b.rotation_locked} << 8 | std::uint64_t{b.mass_is_set} << 9 |
+            std::uint64_t{b.has_target} << 10);
+        add(b.center);
+        add(b.rotation);
+        add(b.velocity.linear);
+        add(b.velocity.angular);
+        add(b.force);
+        add(b.torque);
+        add(b.mass.mass);
+        add(b.mass.center);
+        add(b.mass.inertia);
+        add(b.linear_damping);
+        add(b.angular_damping);
+        add(b.gravity_scale);
+        if (b.has_target) add(b.target);
+    }
+    template <class Plan>
+    void add(const shape_record<Plan>& s) {
+        add(static_cast<std::uint64_t>(s.shape.kind()) << 32 | s.body);
+        add(s.local);
+        add(s.material.friction);
+        add(s.material.restitution);
+        add(s.density);
+        const auto box = bounds(s.shape, s.local);
+        add(box.lower);
+        add(box.upper);
+    }
+    template <class S, int D>
+    void add(const contact<S, D>& c) {
+        add(c.normal);
+        add(static_cast<std::uint64_t>(c.count));
+        for (int k = 0; k < c.count; ++k) {
+            add(std::uint64_t{c.points[k].feature});
+            add(c.points[k].normal_impulse);
+            add(c.points[k].friction_impulse);
+        }
+    }
+    [[nodiscard]] std::uint64_t value() const { return hash_; }
+
+private:
+    std::uint64_t hash_ = 0x9e3779b97f4a7c15u;
+};
+
+/// One number for one thing: processors work on several at a time, and a difference can be traced to its thing.
+template <class Item>
+std::uint64_t hash_of(std::uint64_t name, const Item& item) {
+    hasher h;
+    h.add(name);
+    h.add(item);
+    return h.value();
+}
+
+/// Of everything in a world that bears on its future, but for the settings: neither user data nor what only
+/// saves work, like the boxes of the broadphase. The dimensions of a shape enter by its bounds.
+template <class Plan>
+std::uint64_t state_hash(const state<Plan>& s) {
+    hasher h;
+    const auto add_all = [&](const auto& pool) {
+        h.add(std::uint64_t{pool.count()});
+        pool.each([&](std::uint32_t i, const auto& item) { h.add(hash_of(std::uint64_t{i} << 32 | pool.generation(i), item)); });
+    };
+    h.add(s.steps);
+    add_all(s.bodies);
+    add_all(s.shapes);
+    h.add(std::uint64_t{s.contacts.size()});
+    for (const auto& c : s.contacts) h.add(hash_of(std::uint64_t{c.shape_a} << 32 | c.shape_b, c));
+    return h.value();
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/world/ranges.hpp
+// =================================================================================================
+// What a loop over a world's bodies and contacts walks along.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Where a loop ends.
+struct range_end {};
+
+/// The bodies of a world, in the order of their numbers.
+template <class Plan>
+class body_range {
+public:
+    explicit body_range(const state<Plan>& s) : state_(&s) {}
+    class iterator {
+    public:
+        iterator(const state<Plan>& s, std::uint32_t at) : state_(&s), at_(s.bodies.next(at)) {}
+        body_id operator*() const { return {at_, state_->bodies.generation(at_), state_->tag}; }
+        iterator& operator++() {
+            at_ = state_->bodies.next(at_ + 1);
+            return *this;
+        }
+        bool operator==(range_end) const { return at_ == state_->bodies.slots(); }
+
+    private:
+        const state<Plan>* state_;
+        std::uint32_t at_;
+    };
+    iterator begin() const { return {*state_, 0}; }
+    range_end end() const { return {}; }
+
+private:
+    const state<Plan>* state_;
+};
+
+/// The shapes of one body, the latest first.
+template <class Plan>
+class shape_range {
+public:
+    shape_range(const state<Plan>& s, std::uint32_t first) : state_(&s), first_(first) {}
+    class iterator {
+    public:
+        iterator(const state<Plan>& s, std::uint32_t at) : state_(&s), at_(at) {}
+        shape_id operator*() const { return {at_, state_->shapes.generation(at_), state_->tag}; }
+        iterator& operator++() {
+            at_ = state_->shapes[at_].next;
+            return *this;
+        }
+        bool operator==(range_end) const { return at_ == 0xffffffffu; }
+
+    private:
+        const state<Plan>* state_;
+        std::uint32_t at_;
+    };
+    iterator begin() const { return {*state_, first_}; }
+    range_end end() const { return {}; }
+
+private:
+    const state<Plan>* state_;
+    std::uint32_t first_;
+};
+
+template <class Plan>
+auto view_of(const state<Plan>& s, const contact<typename Plan::scalar, Plan::dimension>& c) {
+    using S = typename Plan::scalar;
+    constexpr int D = Plan::dimension;
+    const body<S, D>& a = s.bodies[c.body_a];
+    const body<S, D>& b = s.bodies[c.body_b];
+    contact_view<S, D> view{
+        {c.shape_a, s.shapes.generation(c.shape_a), s.tag}, {c.shape_b, s.shapes.generation(c.shape_b), s.tag},
+        {c.body_a, s.bodies.generation(c.body_a), s.tag},   {c.body_b, s.bodies.generation(c.body_b), s.tag},
+        c.normal, tangents<S, D>(c.normal), {}, c.count, c.friction, c.restitution};
+    for (int k = 0; k < c.count; ++k) {
+        const contact_point<S, D>& p = c.points[k];
+        const vec<S, D> local_a = inverse_rotate(s.contact_starts[c.body_a].rotation, p.lever_a) + a.mass.center;
+        const vec<S, D> local_b = inverse_rotate(s.contact_starts[c.body_b].rotation, p.lever_b) + b.mass.center;
+        view.points[k] = {a.pose() * local_a, local_a, local_b, p.separation, p.normal_impulse, p.friction_impulse, p.persisted};
+    }
+    return view;
+}
+
+/// The contacts of a world's last step, in ascending order of their shapes' numbers.
+template <class Plan>
+class contact_range {
+public:
+    explicit contact_range(const state<Plan>& s) : state_(&s) {}
+    class iterator {
+    public:
+        iterator(const state<Plan>& s, std::uint32_t at) : state_(&s), at_(at) {}
+        auto operator*() const { return view_of(*state_, state_->contacts[at_]); }
+        iterator& operator++() {
+            ++at_;
+            return *this;
+        }
+        bool operator==(range_end) const { return at_ == state_->contacts.size(); }
+
+    private:
+        const state<Plan>* state_;
+        std::uint32_t at_;
+    };
+    iterator begin() const { return {*state_, 0}; }
+    range_end end() const { return {}; }
+    /// Number of contacts.
+    [[nodiscard]] std::uint32_t size() const { return state_->contacts.size(); }
+
+private:
+    const state<Plan>* state_;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/world/step.hpp
+// =================================================================================================
+// One step of a world: the page to read first.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Bounds: shapes that left their fat box get a new one, and the broadphase hears of it.
+template <class Plan>
+void update_boxes(state<Plan>& s) {
+    s.bodies.each([&](std::uint32_t, const auto& b) {
+        if (b.type == body_type::static_body) return;
+        for (std::uint32_t i = b.first_shape; i != 0xffffffffu; i = s.shapes[i].next) {
+            shape_record<Plan>& shape = s.shapes[i];
+            if (contains(shape.fat_box, needed_box(s, shape))) continue;
+            shape.fat_box = fat_box(s, shape);
+            s.broadphase.move(i, shape.fat_box);
+        }
+    });
+}
+
+/// Broadphase: pairs of shapes whose boxes overlap, where one body at least can be pushed.
+template <class Plan>
+void find_pairs(state<Plan>& s) {
+    s.broadphase.pairs(
+        [&](std::uint32_t a, std::uint32_t b) {
+            const std::uint32_t body_a = s.shapes[a].body, body_b = s.shapes[b].body;
+            return body_a != body_b && (s.bodies[body_a].is_dynamic() || s.bodies[body_b].is_dynamic());
+        },
+        s.pairs);
+}
+
+/// Narrowphase: contacts of the pairs that touch or nearly do, in the order of the pairs.
+template <class Plan>
+void find_contacts(state<Plan>& s) {
+    using S = typename Plan::scalar;
+    constexpr int D = Plan::dimension;
+    const std::uint32_t count = s.pairs.size();
+    auto* queries = s.scratch.template take<typename Plan::query>(count);
+    auto* manifolds = s.scratch.template take<manifold<S, D>>(count);
+    for (std::uint32_t i = 0; i < count; ++i) {
+        proxy_pair& p = s.pairs[i];
+        if (s.shapes[p.a].shape.kind() > s.shapes[p.b].shape.kind()) std::swap(p.a, p.b);
+        const auto& a = s.shapes[p.a];
+        const auto& b = s.shapes[p.b];
+        new (queries + i) typename Plan::query{&a.shape, &b.shape, relative(world_pose(s, a), world_pose(s, b))};
+    }
+    Plan::narrowphase::collide(queries, count, s.settings.contact_margin, manifolds);
+
+    s.found.clear();
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const manifold<S, D>& m = manifolds[i];
+        if (m.count == 0) continue;
+        const auto& a = s.shapes[s.pairs[i].a];
+        const auto& b = s.shapes[s.pairs[i].b];
+        const transform<S, D> pose = world_pose(s, a);
+        const vec<S, D> from_a = pose.position - s.bodies[a.body].center;
+        const vec<S, D> from_b = pose.position - s.bodies[b.body].center;
+        contact<S, D> c{s.pairs[i].a, s.pairs[i].b, a.body, b.body, pose.rotation * m.normal, {}, m.count, S(0), S(0)};
+        for (int k = 0; k < m.count; ++k) {
+            const vec<S, D> p = pose.rotation * m.points[k].position;
+            c.points[k].lever_a = from_a + p;
+            c.points[k].lever_b = from_b + p;
+            c.points[k].separation = m.points[k].separation;
+            c.points[k].feature = m.points[k].feature;
+        }
+        c.friction = root<S>(product(a.material.friction, b.material.friction));
+        c.restitution = max(a.material.restitution, b.material.restitution);
+        s.found.push(c);
+    }
+}
+
+/// Where bodies are as the step begins: what contacts refer to, and what a refused step goes back to.
+template <class Plan>
+void remember_poses(state<Plan>& s) {
+    s.starts.resize(s.bodies.slots());
+    s.bodies.each([&](std::uint32_t i, const auto& b) { s.starts[i] = {b.center, b.rotation}; });
+}
+template <class Plan>
+void restore_poses(state<Plan>& s) {
+    s.bodies.each([&](std::uint32_t i, auto& b) {
+        b.center = s.starts[i].position;
+        b.rotation = s.starts[i].rotation;
+    });
+}
+
+/// What the solver sees of the bodies; bodies with a target pose get the velocity that reaches it.
+template <class Plan>
+auto* gather_bodies(state<Plan>& s, typename Plan::scalar h) {
+    using S = typename Plan::scalar;
+    constexpr int D = Plan::dimension;
+    auto* bodies = s.scratch.template take<solver_body<S, D>>(s.bodies.slots());
+    s.bodies.each([&](std::uint32_t i, const body<S, D>& b) {
+        new (bodies + i) solver_body<S, D>{b.velocity, b.inverse_mass, in_world(b.inverse_inertia, b.rotation)};
+        if (!b.has_target) return;
+        bodies[i].velocity.linear = (b.target * b.mass.center - b.center) / h;
+        bodies[i].velocity.angular = rotation_vector(b.target.rotation * inverse(b.rotation)) / h;
+    });
+    return bodies;
+}
+
+/// How the solver moves the world: it asks for velocities and poses to advance, once or in substeps.
+template <class Plan>
+struct motion {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+
+    state<Plan>& s;
+    solver_body<S, D>* bodies;
+    bool finite = true;
+
+    void advance_velocities(S h) {
+        s.bodies.each([&](std::uint32_t i, const body<S, D>& b) {
+            if (b.is_dynamic()) Plan::integrator::advance_velocity(bodies[i], b, s.settings.gravity, h);
+        });
+    }
+    void advance_poses(S h) {
+        s.bodies.each([&](std::uint32_t i, body<S, D>& b) {
+            twist<S, D>& v = bodies[i].velocity;
+            if (b.type != body_type::static_body) Plan::integrator::advance_pose(b, v, h);
+            finite = finite && is_finite(b.center) && is_finite(b.rotation) && is_finite(v.linear) && is_finite(v.angular);
+        });
+    }
+};
+
+/// Stores what the step found: velocities, contacts with their impulses. Forces act for one step, and bodies
+/// that had a target stand there.
+template <class Plan>
+void finish(state<Plan>& s, const solver_body<typename Plan::scalar, Plan::dimension>* bodies) {
+    s.bodies.each([&](std::uint32_t i, auto& b) {
+        b.velocity = bodies[i].velocity;
+        b.force = {};
+        b.torque = {};
+        if (!b.has_target) return;
+        b.set_pose(b.target);
+        b.velocity = {};
+        b.has_target = false;
+    });
+    s.contacts.swap(s.found);
+    s.contact_starts.swap(s.starts);
+    ++s.steps;
+}
+
+/// Advances a world by h seconds. Each stage reads and writes plain arrays; only this function knows their
+/// order. False, and the world as it was, if a velocity or a position would leave the range of numbers.
+/// Not inlined, so that no arithmetic moves out of the caller's float_control_scope.
+template <class Plan>
+PHYSICS_HPP_NOINLINE bool step(state<Plan>& s, typename Plan::scalar h) {
+    s.scratch.reset();
+    update_boxes(s);                             // poses and shapes  -> boxes of what has moved
+    find_pairs(s);                               // boxes             -> pairs, in order
+    find_contacts(s);                            // pairs and poses   -> contacts with feature ids
+    inherit_impulses(s.contacts, s.found);       // last step's       -> warm impulses of what persists
+    remember_poses(s);                           // poses             -> where the step began
+    auto* bodies = gather_bodies(s, h);          // bodies            -> what the solver sees of them
+    motion<Plan> moving{s, bodies};
+    Plan::solver::solve(bodies, s.found, s.settings.solver, h, s.scratch, moving);  // -> velocities, poses
+    if (!moving.finite) return restore_poses(s), false;
+    finish(s, bodies);                           // results           -> bodies and contacts
+    return true;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/world/world.hpp
+// =================================================================================================
+// The world: what users hold.
+
+PHYSICS_HPP_BEGIN
+
+/// A world of rigid bodies, made of what a recipe names.
+///
+/// SI units; x to the right, y up. Vectors, points and rotations are in world axes unless a name says
+/// "local", which means the body's own frame. Change a world between steps only. Every function refuses bad
+/// numbers and null, foreign or stale handles with physics::error (see there for builds without exceptions)
+/// and then leaves the world as it was. A copy of a world is a world in the same state, and handles serve both.
+/// Two worlds may be used on two threads. Functions cost O(1) unless they say otherwise.
+template <class Recipe>
+class world : public detail::shape_aliases<typename detail::plan_of<Recipe>::type::scalar, detail::plan_of<Recipe>::type::dimension> {
+    using plan = typename detail::plan_of<Recipe>::type;
+    static_assert(sizeof(detail::audit<Recipe>) > 0);
+
+public:
+    using scalar = typename plan::scalar;
+    static constexpr int dimension = plan::dimension;
+    using vec = physics::vec<scalar, dimension>;
+    /// Angular velocity, torque...: a scalar in the plane, a vector in space.
+    using angular = physics::angular<scalar, dimension>;
+    using rotation = physics::rotation<scalar, dimension>;
+    using transform = physics::transform<scalar, dimension>;
+    using mass_properties = physics::mass_properties<scalar, dimension>;
+    using settings_type = typename plan::settings;
+    using body_def = physics::body_def<scalar, dimension>;
+    using shape_def = physics::shape_def<scalar, dimension>;
+    using contact_view = physics::contact_view<scalar, dimension>;
+    using material = physics::material<scalar>;
+    using any_shape = typename plan::shape;
+
+    /// An empty world. Refuses settings out of range, and a build whose arithmetic would not give the same
+    /// bits as every other (see float_environment).
+    explicit world(const settings_type& settings = {}) {
+        if (detail::check_settings(settings, "world") && detail::check_environment<scalar>("world")) state_.settings = settings;
+        state_.tag = detail::next_world_tag();
+    }
+
+    /// Advances time by dt seconds (greater than 0). Forces and torques act for this step and are then
+    /// forgotten. Cost: see the policies. Refused, with nothing changed, if a number would leave its range.
+    void step(scalar dt) {
+        if (!detail::check_positive("step", "dt", dt)) return;
+        const float_control_scope control;
+        if (!detail::step(state_, dt))
+            detail::refuse("step", "a velocity", "not finite", "a force, a speed or a mass is beyond the scalar's range");
+    }
+    /// Number of steps taken.
+    [[nodiscard]] std::uint64_t steps() const { return state_.steps; }
+    /// A number that worlds in the same state share, on any machine. User data and settings do not enter.
+    /// O(bodies + shapes + contacts).
+    [[nodiscard]] std::uint64_t state_hash() const { return detail::state_hash(state_); }
+    [[nodiscard]] const settings_type& settings() const { return state_.settings; }
+    /// Changes the settings from the next step on.
+    void set_settings(const settings_type& settings) {
+        if (detail::check_settings(settings, "set_settings")) detail::change_settings(state_, settings);
+    }
+
+    /// Adds a body; shapes give it extent and, if it is dynamic, mass. Without mass from shapes it is a point of
+    /// 1 kg that nothing turns.
+    body_id create_body(const body_def& def = {}) { return detail::create_body(state_, def); }
+    /// Removes a body with its shapes and contacts. O(shapes + contacts).
+    void destroy_body(body_id id) {
+        if (const auto b = find(id, "destroy_body")) detail::destroy_body(state_, b.index);
+    }
+    /// Adds a shape of the recipe's set to a body; unless the body's mass is set, it changes with it. Refuses a mass
+    /// that the scalar cannot hold. O(shapes of the body), and O(contacts) where the centre of mass moves.
+    template <class Shape>
+    shape_id create_shape(body_id body, const Shape& shape, const shape_def& def = {}) {
+        constexpr bool known = any_shape::template kind_of<Shape>() >= 0;
+        static_assert(known, "physics::world::create_shape: the recipe's set of shapes lacks this one; name it in physics::shapes<...>");
+        if constexpr (known) return detail::create_shape(state_, body, shape, def);
+        else return {};
+    }
+    /// Removes a shape and its contacts. Refused where the rest's mass is one that the scalar cannot hold. O(contacts).
+    void destroy_shape(shape_id id) {
+        if (const auto s = detail::find_shape(state_, id, "destroy_shape")) detail::destroy_shape(state_, s.index);
+    }
+    /// True if the handle names a living thing of this world; never an error.
+    [[nodiscard]] bool contains(body_id id) const { return id.world == state_.tag && state_.bodies.contains(id.index, id.generation); }
+    [[nodiscard]] bool contains(shape_id id) const { return id.world == state_.tag && state_.shapes.contains(id.index, id.generation); }
+    [[nodiscard]] std::uint32_t body_count() const { return state_.bodies.count(); }
+    [[nodiscard]] std::uint32_t shape_count() const { return state_.shapes.count(); }
+
+    /// All bodies: `for (physics::body_id b : world.bodies())`.
+    [[nodiscard]] auto bodies() const { return detail::body_range<plan>(state_); }
+    /// All shapes of a body.
+    [[nodiscard]] auto shapes(body_id id) const {
+        const auto b = find(id, "shapes");
+        return detail::shape_range<plan>(state_, b ? state_.bodies[b.index].first_shape : 0xffffffffu);
+    }
+    /// All contacts of the last step, each as a contact_view.
+    [[nodiscard]] auto contacts() const { return detail::contact_range<plan>(state_); }
+
+    /// Where the body's frame is: origin, rotation, both; and where its centre of mass is.
+    [[nodiscard]] vec position(body_id id) const { return get(id, "position", [](const auto& b) { return b.pose().position; }); }
+    [[nodiscard]] rotation orientation(body_id id) const { return get(id, "orientation", [](const auto& b) { return b.rotation; }); }
+    [[nodiscard]] transform pose(body_id id) const { return get(id, "pose", [](const auto& b) { return b.pose(); }); }
+    [[nodiscard]] vec center_of_mass(body_id id) const { return get(id, "center_of_mass", [](const auto& b) { return b.center; }); }
+    /// Moves a body at once, without a path in between. Velocities stay.
+    void set_pose(body_id id, vec position, const rotation& orientation) {
+        const auto b = find(id, "set_pose");
+        if (b && detail::check_pose("set_pose", position, orientation)) detail::set_pose(state_, b.index, {position, normalized(orientation)});
+    }
+    void set_pose(body_id id, const transform& pose) { set_pose(id, pose.position, pose.rotation); }
+    /// Lets a kinematic body reach a pose by the end of the next step, pushing what is in its way; then it stands.
+    void move_to(body_id id, vec position, const rotation& orientation) {
+        const auto b = detail::find_kinematic(state_, id, "move_to");
+        if (!b || !detail::check_pose("move_to", position, orientation)) return;
+        state_.bodies[b.index].target = {position, normalized(orientation)};
+        state_.bodies[b.index].has_target = true;
+    }
+    void move_to(body_id id, const transform& pose) { move_to(id, pose.position, pose.rotation); }
+
+    /// Velocity of the centre of mass (m/s), angular velocity (rad/s), velocity of the body at a point.
+    [[nodiscard]] vec linear_velocity(body_id id) const { return get(id, "linear_velocity", [](const auto& b) { return b.velocity.linear; }); }
+    [[nodiscard]] angular angular_velocity(body_id id) const { return get(id, "angular_velocity", [](const auto& b) { return b.velocity.angular; }); }
+    [[nodiscard]] vec velocity_at(body_id id, vec point) const {
+        const auto b = find(id, "velocity_at");
+        if (!b || !detail::check_finite("velocity_at", "point", point)) return {};
+        return physics::velocity_at(state_.bodies[b.index].velocity, point - state_.bodies[b.index].center);
+    }
+    /// Velocities of dynamic and kinematic bodies; static ones have none, and locked rotations stay at 0.
+    void set_linear_velocity(body_id id, vec v) {
+        const auto b = find_moving(id, "set_linear_velocity");
+        if (b && detail::check_finite("set_linear_velocity", "v", v)) state_.bodies[b.index].velocity.linear = v;
+    }
+    void set_angular_velocity(body_id id, angular w) {
+        const auto b = find_moving(id, "set_angular_velocity");
+        if (b && detail::check_angular_velocity("set_angular_velocity", "w", w, state_.bodies[b.index].rotation_locked))
+            state_.bodies[b.index].velocity.angular = w;
+    }
+
+    /// A force (N) on a dynamic body during the next step, at its centre of mass or at a point; "local"
+    /// takes force and point in the body's frame. Forces add up; refused where the sum would leave the scalar's range.
+    void apply_force(body_id id, vec force) { push(id, "apply_force", force, false, nullptr); }
+    void apply_force_at(body_id id, vec force, vec point) { push(id, "apply_force_at", force, false, &point); }
+    void apply_local_force(body_id id, vec force) { push(id, "apply_local_force", force, true, nullptr); }
+    void apply_local_force_at(body_id id, vec force, vec point) { push(id, "apply_local_force_at", force, true, &point); }
+    /// A torque (N m) during the next step.
+    void apply_torque(body_id id, angular torque) {
+        const auto b = dynamic(id, "apply_torque");
+        if (!b || !detail::check_finite("apply_torque", "torque", torque)) return;
+        auto& sum = state_.bodies[b.index].torque;
+        if (!detail::assign(sum, sum + torque)) detail::refuse_action("apply_torque", "torque", detail::size_of(torque));
+    }
+    /// Forgets the forces and torques that wait for the next step.
+    void clear_forces(body_id id) {
+        const auto b = dynamic(id, "clear_forces");
+        if (!b) return;
+        state_.bodies[b.index].force = {};
+        state_.bodies[b.index].torque = {};
+    }
+    /// An impulse (N s): changes velocities at once.
+    void apply_impulse(body_id id, vec impulse) { kick(id, "apply_impulse", impulse, false, nullptr); }
+    void apply_impulse_at(body_id id, vec impulse, vec point) { kick(id, "apply_impulse_at", impulse, false, &point); }
+    void apply_local_impulse(body_id id, vec impulse) { kick(id, "apply_local_impulse", impulse, true, nullptr); }
+    void apply_local_impulse_at(body_id id, vec impulse, vec point) { kick(id, "apply_local_impulse_at", impulse, true, &point); }
+    /// An angular impulse (N m s).
+    void apply_angular_impulse(body_id id, angular impulse) {
+        const auto at = dynamic(id, "apply_angular_impulse");
+        if (!at || !detail::check_finite("apply_angular_impulse", "impulse", impulse)) return;
+        auto& b = state_.bodies[at.index];
+        if (!detail::assign(b.velocity.angular, b.velocity.angular + times(in_world(b.inverse_inertia, b.rotation), impulse)))
+            detail::refuse_action("apply_angular_impulse", "impulse", detail::size_of(impulse));
+    }
+
+    [[nodiscard]] body_type type(body_id id) const {
+        const auto b = find(id, "type");
+        return b ? state_.bodies[b.index].type : body_type::static_body;
+    }
+    /// Changes how a body moves; a static body loses its velocity. O(shapes + contacts).
+    void set_type(body_id id, body_type type) {
+        if (const auto b = find(id, "set_type")) detail::set_type(state_, b.index, type);
+    }
+    /// Mass (kg), centre (m) and inertia about it (kg m^2) in the body's frame. Static and kinematic bodies take none
+    /// from their shapes: they have mass 0 and their centre at the origin.
+    [[nodiscard]] mass_properties mass(body_id id) const { return get(id, "mass", [](const auto& b) { return b.mass; }); }
+    /// Sets them for a dynamic body, until reset_mass, whatever its shapes are; with an inertia of 0 nothing turns it.
+    /// Refuses what the scalar cannot hold, and tensors that are not positive definite.
+    void set_mass(body_id id, const mass_properties& mass) {
+        if (const auto b = dynamic(id, "set_mass")) detail::set_mass(state_, b.index, mass);
+    }
+    /// Takes the mass from the shapes again. O(shapes).
+    void reset_mass(body_id id) {
+        if (const auto b = dynamic(id, "reset_mass")) detail::reset_mass(state_, b.index);
+    }
+    [[nodiscard]] scalar linear_damping(body_id id) const { return get(id, "linear_damping", [](const auto& b) { return b.linear_damping; }); }
+    [[nodiscard]] scalar angular_damping(body_id id) const { return get(id, "angular_damping", [](const auto& b) { return b.angular_damping; }); }
+    /// Rates (1/s), at least 0, at which the velocities of a dynamic body decay without force.
+    void set_damping(body_id id, scalar linear_rate, scalar angular_rate) {
+        const auto b = find(id, "set_damping");
+        if (!b || !detail::check_not_negative("set_damping", "linear_rate", linear_rate) ||
+            !detail::check_not_negative("set_damping", "angular_rate", angular_rate))
+            return;
+        state_.bodies[b.index].linear_damping = linear_rate;
+        state_.bodies[b.index].angular_damping = angular_rate;
+    }
+    [[nodiscard]] scalar gravity_scale(body_id id) const { return get(id, "gravity_scale", [](const auto& b) { return b.gravity_scale; }); }
+    void set_gravity_scale(body_id id, scalar factor) {
+        const auto b = find(id, "set_gravity_scale");
+        if (b && detail::check_finite("set_gravity_scale", "factor", factor)) state_.bodies[b.index].gravity_scale = factor;
+    }
+    [[nodiscard]] bool rotation_locked(body_id id) const { return get(id, "rotation_locked", [](const auto& b) { return b.rotation_locked; }); }
+    /// Locks or frees rotation; locking stops it.
+    void set_rotation_locked(body_id id, bool locked) {
+        if (const auto b = find(id, "set_rotation_locked")) detail::set_rotation_locked(state_, b.index, locked);
+    }
+    [[nodiscard]] std::uint64_t user_data(body_id id) const { return get(id, "user_data", [](const auto& b) { return b.user_data; }); }
+    void set_user_data(body_id id, std::uint64_t data) {
+        if (const auto b = find(id, "set_user_data")) state_.bodies[b.index].user_data = data;
+    }
+
+    [[nodiscard]] body_id body(shape_id id) const {
+        const auto s = detail::find_shape(state_, id, "body");
+        if (!s) return {};
+        const std::uint32_t b = state_.shapes[s.index].body;
+        return {b, state_.bodies.generation(b), state_.tag};
+    }
+    /// The shape itself, and its pose in the body's frame: visit it to learn its kind.
+    [[nodiscard]] any_shape shape(shape_id id) const { return get(id, "shape", [](const auto& s) { return s.shape; }); }
+    [[nodiscard]] transform local_pose(shape_id id) const { return get(id, "local_pose", [](const auto& s) { return s.local; }); }
+    [[nodiscard]] material surface(shape_id id) const { return get(id, "surface", [](const auto& s) { return s.material; }); }
+    /// Changes a shape's material from the next step on.
+    void set_surface(shape_id id, const material& m) {
+        const auto s = detail::find_shape(state_, id, "set_surface");
+        if (s && detail::check_material("set_surface", m)) state_.shapes[s.index].material = m;
+    }
+    [[nodiscard]] std::uint64_t user_data(shape_id id) const { return get(id, "user_data", [](const auto& s) { return s.user_data; }); }
+    void set_user_data(shape_id id, std::uint64_t data) {
+        if (const auto s = detail::find_shape(state_, id, "set_user_data")) state_.shapes[s.index].user_data = data;
+    }
+
+private:
+    detail::found find(body_id id, const char* function) const { return detail::find_body(state_, id, function); }
+    detail::found dynamic(body_id id, const char* function) const { return detail::find_dynamic(state_, id, function); }
+    detail::found find_moving(body_id id, const char* function) const { return detail::find_moving(state_, id, function); }
+
+    /// f of the thing that the handle names, or a default value after refusing the handle.
+    template <class F>
+    auto get(body_id id, const char* function, F&& f) const -> decltype(f(std::declval<const physics::body<scalar, dimension>&>())) {
+        const auto b = find(id, function);
+        return b ? f(state_.bodies[b.index]) : decltype(f(state_.bodies[0])){};
+    }
+    template <class F>
+    auto get(shape_id id, const char* function, F&& f) const -> decltype(f(std::declval<const detail::shape_record<plan>&>())) {
+        const auto s = detail::find_shape(state_, id, function);
+        return s ? f(state_.shapes[s.index]) : decltype(f(state_.shapes[0])){};
+    }
+    void push(body_id id, const char* function, vec force, bool local, const vec* point) {
+        detail::act(state_, id, function, "force", force, local, point, [](auto& b, vec f, vec lever) {
+            const angular torque = b.torque + cross(lever, f);
+            return is_finite(torque) && detail::assign(b.force, b.force + f) && detail::assign(b.torque, torque);
+        });
+    }
+    void kick(body_id id, const char* function, vec impulse, bool local, const vec* point) {
+        detail::act(state_, id, function, "impulse", impulse, local, point, [](auto& b, vec p, vec lever) {
+            solver_body<scalar, dimension> v{b.velocity, b.inverse_mass, in_world(b.inverse_inertia, b.rotation)};
+            v.apply(p, lever);
+            return is_finite(v.velocity.linear) && detail::assign(b.velocity.angular, v.velocity.angular) &&
+                   detail::assign(b.velocity.linear, v.velocity.linear);
+        });
+    }
+
+    detail::state<plan> state_;
+};
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/loop/accumulator.hpp
+// =================================================================================================
+// From the time of a frame to fixed steps: the accumulator.
+
+PHYSICS_HPP_BEGIN
+
+/// Numbers of an accumulator, in seconds.
+template <class S>
+struct accumulator_settings {
+    /// Length of one step.
+    S step = S(1.0 / 60);
+    /// Time that one call may consume at most, 1 to 65536 steps; what a longer frame brings beyond it is dropped and
+    /// reported.
+    S longest_frame = S(0.25);
+};
+
+/// What one call of accumulator::advance did.
+template <class S>
+struct advance_report {
+    /// Fixed steps taken.
+    int steps = 0;
+    /// Time that was dropped because the frame was too long or a step was refused (s); 0 in a healthy game.
+    S dropped{};
+};
+
+namespace detail {
+template <class World>
+concept world_like = requires {
+    typename World::scalar;
+    typename World::transform;
+};
+}  // namespace detail
+
+/// Does nothing: the default of the hooks around a step.
+struct no_hook {
+    template <class World>
+    void operator()(World&) const {}
+};
+
+/// Advances a world in fixed steps by whatever time has really passed, so that the motion does not depend
+/// on the frame rate. Time that does not fill a step is carried over; interpolated() shows the world in
+/// between. It remembers the poses before the last step: 24 to 64 bytes a body.
+/// Source: Fiedler, Fix Your Timestep! (2004).
+template <class World>
+class accumulator {
+    static constexpr bool of_world = detail::world_like<World>;
+    static_assert(of_world, "physics::accumulator: the argument is not a world; write physics::accumulator<physics::world<mine>>");
+    // Any world does after the sentence above, so that it stays the only error.
+    using world_type = std::conditional_t<of_world, World, world<recipe<float, 2>>>;
+
+public:
+    using scalar = typename world_type::scalar;
+    using transform = typename world_type::transform;
+    using settings_type = accumulator_settings<scalar>;
+
+    /// Refuses a step that is not positive and a longest frame that is not 1 to 65536 steps.
+    explicit accumulator(const settings_type& settings = {}) {
+        if (!detail::check_positive("accumulator", "step", settings.step) ||
+            !detail::check_finite("accumulator", "longest_frame", settings.longest_frame))
+            return;
+        if (settings.longest_frame < settings.step || settings.longest_frame / S(65536) > settings.step) {
+            detail::refuse("accumulator", "longest_frame", static_cast<double>(settings.longest_frame), "it must be 1 to 65536 steps");
+            return;
+        }
+        settings_ = settings;
+    }
+
+    /// Consumes `elapsed` seconds (at least 0) of real time: calls before(world), world.step and
+    /// after(world) for every whole step, and keeps the rest for the next call. A step that is refused, or a hook that
+    /// throws, ends the call, and the time of the steps that were due is dropped: they are not tried again.
+    template <class Before = no_hook, class After = no_hook>
+    advance_report<scalar> advance(World& world, scalar elapsed, Before&& before = {}, After&& after = {}) {
+        if (!detail::check_not_negative("advance", "elapsed", elapsed)) return {};
+        advance_report<scalar> report;
+        if (elapsed > settings_.longest_frame) {
+            report.dropped = elapsed - settings_.longest_frame;
+            elapsed = settings_.longest_frame;
+        }
+        int due = 0;
+        for (rest_ += elapsed; !(rest_ < settings_.step); rest_ -= settings_.step) ++due;
+        for (; report.steps < due; ++report.steps) {
+            before(world);
+            remember(world);
+            const std::uint64_t steps = world.steps();
+            world.step(settings_.step);
+            if (world.steps() == steps) {  // refused, in a build without exceptions
+                report.dropped += settings_.step * S(due - report.steps);
+                break;
+            }
+            after(world);
+        }
+        return report;
+    }
+
+    /// How far real time is ahead of the last step, as a share of a step: 0 up to 1.
+    [[nodiscard]] scalar factor() const { return rest_ / settings_.step; }
+    /// Real time that waits for the next step (s).
+    [[nodiscard]] scalar rest() const { return rest_; }
+    [[nodiscard]] const settings_type& settings() const { return settings_; }
+
+    /// The pose to draw: between the poses before and after the last step, by factor(). Bodies that are newer
+    /// than the last step stand where they are. Turns by the shorter way, at constant speed.
+    [[nodiscard]] transform interpolated(const World& world, body_id id) const {
+        const transform now = world.pose(id);
+        if (!(id.index < before_.size()) || !(before_[id.index].id == id) || !world.contains(id)) return now;
+        const transform& then = before_[id.index].pose;
+        const auto turn = rotation_vector(now.rotation * inverse(then.rotation));
+        return {then.position + (now.position - then.position) * factor(), turned(then.rotation, turn * factor())};
+    }
+
+private:
+    using S = scalar;
+    struct memory {
+        body_id id;
+        transform pose;
+    };
+
+    void remember(const World& world) {
+        before_.clear();
+        for (const body_id id : world.bodies()) {
+            before_.resize(id.index + 1);
+            before_[id.index] = {id, world.pose(id)};
+        }
+    }
+
+    settings_type settings_;
+    scalar rest_{};
+    buffer<memory> before_;
+};
+
+PHYSICS_HPP_END
+
+#endif  // PHYSICS_HPP

@@ -1,0 +1,110 @@
+#!/usr/bin/env python3
+"""One hash for each scene of hash.cpp, whatever compiled it: both compilers, each optimisation level, this machine's
+own instructions, both 128-bit paths, the parts and the single header, and no flag that asks for it.
+
+    python3 tests/determinism/check.py [--quick]    --quick: half of the builds
+
+The program prints `NAME HASH` lines. As a control, a build that gives up the determinism region has to differ where
+the processor can fuse a product into a sum: else the scenes could not see the fusing that the region prevents.
+Last line: `N passed, M failed`, counted in scenes and the control.
+"""
+import concurrent.futures
+import os
+import pathlib
+import subprocess
+import sys
+import time
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+OUT = ROOT / "build/determinism"
+JOBS = 2 if (os.cpu_count() or 1) >= 2 else 1
+MOST_SECONDS = 60  # for one run of the program
+PARTS = "-Iinclude"
+SINGLE = "-I."
+
+BUILDS = [
+    ("g++", "-O3", "-march=native", PARTS),
+    ("clang++", "-O3", "-march=native", PARTS),
+    ("g++", "-O0", PARTS),
+    ("clang++", "-O2", PARTS),
+    ("g++", "-O2", SINGLE, "-DPHYSICS_HPP_NO_INT128"),
+    ("g++", "-O2", PARTS),
+    ("clang++", "-O0", PARTS),
+    ("g++", "-O3", PARTS),
+    ("clang++", "-O3", PARTS),
+    ("clang++", "-O2", SINGLE, "-DPHYSICS_HPP_NO_INT128"),
+]
+CONTROL = ("g++", "-O2", "-march=native", PARTS, "-DPHYSICS_HPP_NONDETERMINISTIC")
+
+
+def label(build):
+    return " ".join(flag for flag in build if not flag.startswith("-I") or flag == SINGLE)
+
+
+def scenes_of(build):
+    """The scenes and their hashes as this build computes them, or what went wrong."""
+    program = OUT / label(build).replace(" ", "_").replace("++", "xx")
+    done = subprocess.run([build[0], "-std=c++20", *build[1:], HERE / "hash.cpp", "-o", program], cwd=ROOT, text=True,
+                          errors="replace", stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    if done.returncode == 0:
+        try:
+            done = subprocess.run([program], cwd=ROOT, text=True, errors="replace", timeout=MOST_SECONDS,
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        except subprocess.TimeoutExpired:
+            return {}, f"stopped after {MOST_SECONDS} s"
+    if done.returncode:
+        return {}, "\n".join(done.stdout.splitlines()[:20]) or f"exit code {done.returncode}"
+    return dict(line.rsplit(" ", 1) for line in done.stdout.splitlines() if line.strip()), ""
+
+
+def fuses(compiler):
+    macros = subprocess.run([compiler, "-march=native", "-dM", "-E", "-x", "c++", "/dev/null"], text=True,
+                            stdout=subprocess.PIPE).stdout
+    return "__FP_FAST_FMAF " in macros or "__FMA__ " in macros
+
+
+def main():
+    quick = "--quick" in sys.argv[1:]
+    builds = BUILDS[:len(BUILDS) // 2] if quick else BUILDS
+    control = [CONTROL] if fuses(CONTROL[0]) else []
+    OUT.mkdir(parents=True, exist_ok=True)
+    passed = failed = 0
+    hashes = {}
+    started = time.monotonic()
+    with concurrent.futures.ThreadPoolExecutor(JOBS) as pool:
+        results = dict(zip(builds + control, pool.map(scenes_of, builds + control)))
+    for build, (scenes, wrong) in results.items():
+        if wrong:
+            failed += 1
+            print(f"{label(build)}: {wrong}")
+        elif build != CONTROL:
+            for scene, value in scenes.items():
+                hashes.setdefault(scene, {}).setdefault(value, []).append(label(build))
+    ran = sum(not wrong for build, (_, wrong) in results.items() if build != CONTROL)
+    for scene, values in hashes.items():
+        same = len(values) == 1 and sum(map(len, values.values())) == ran
+        passed += same
+        failed += not same
+        if same:
+            print(f"{scene}: {next(iter(values))} in {ran} builds")
+        else:
+            print(f"{scene}: {len(values)} hashes")
+            for value, where in values.items():
+                print(f"    {value}  " + ", ".join(where))
+    for build in control:
+        scenes, wrong = results[build]
+        seen = [scene for scene, value in scenes.items() if value not in hashes.get(scene, {})]
+        if not wrong:
+            passed += bool(seen)
+            failed += not seen
+            print(f"control without the region: {len(seen)} of {len(scenes)} scenes differ")
+    if not control:
+        print("control without the region: left out, this processor does not fuse")
+    print(f"{time.monotonic() - started:.0f} s")
+    print(f"{passed} passed, {failed} failed")
+    return failed > 0 or passed == 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,156 @@
+// Scenes whose every bit has to be the same in all builds; prints one `NAME HASH` line each (see check.py).
+// This file is a user's: outside the determinism region. Its own arithmetic is exact, so that all that can differ
+// is the library's.
+#include <physics.hpp>
+
+#include <cinttypes>
+#include <cstdint>
+#include <cstdio>
+
+#include "../../samples/scenes.hpp"
+
+namespace {
+
+/// FNV-1a over 64-bit words, byte by byte from the low end, so that byte order does not matter.
+class digest {
+public:
+    void word(std::uint64_t value) {
+        for (int i = 0; i < 64; i += 8) state_ = (state_ ^ ((value >> i) & 0xff)) * 0x100000001b3u;
+    }
+    template <physics::scalar_type S>
+    void add(S x) {
+        word(physics::scalar_traits<S>::bits(x));
+    }
+    template <class S, int D>
+    void add(const physics::vec<S, D>& v) {
+        for (int i = 0; i < D; ++i) add(v[i]);
+    }
+    template <class S>
+    void add(const physics::rotation<S, 2>& r) {
+        add(r.cosine);
+        add(r.sine);
+    }
+    template <class S>
+    void add(const physics::rotation<S, 3>& r) {
+        add(r.imaginary());
+        add(r.w);
+    }
+    void print(const char* scene, const char* cell) const { std::printf("%s-%s %016" PRIx64 "\n", scene, cell, state_); }
+
+private:
+    std::uint64_t state_ = 0xcbf29ce484222325u;
+};
+
+/// The elementary functions over an even net of arguments; i / 64 is exact in every scalar.
+template <class S>
+void functions() {
+    digest sum;
+    for (int i = -4096; i <= 4096; ++i) {
+        const S x = S(i) / S(64);
+        sum.add(physics::sin(x));
+        sum.add(physics::cos(x));
+        sum.add(physics::tan(x));
+        sum.add(physics::atan2(x, S(3)));
+        sum.add(physics::atan2(S(-5), x));
+        sum.add(physics::exp(x / S(8)));
+        if (x > S(0)) sum.add(physics::log(x));
+        if (x >= S(0)) sum.add(physics::sqrt(x));
+        if (physics::abs(x) <= S(1)) sum.add(physics::acos(x));
+    }
+    sum.print("functions", physics::scalar_traits<S>::name());
+}
+
+template <class S>
+physics::rotation<S, 2> turned_once(physics::rotation<S, 2> r, const physics::vec<S, 2>& by) {
+    return physics::turned(r, by.x);
+}
+template <class S>
+physics::rotation<S, 3> turned_once(physics::rotation<S, 3> r, const physics::vec<S, 3>& by) {
+    return physics::turned(r, by);
+}
+
+/// A frame that tumbles through space: each turn depends on the last position, so that one wrong bit grows.
+template <class S, int D>
+void tumble(const char* cell) {
+    digest sum;
+    const physics::vec<S, D> one = physics::vec<S, D>::filled(S(1));
+    physics::transform<S, D> frame;
+    physics::vec<S, D> lever = one;
+    for (int i = 0; i < 4096; ++i) {
+        frame.rotation = turned_once(frame.rotation, lever / (physics::length(lever) + S(1)));
+        lever = frame * one - frame.position / S(4);
+        frame.position = physics::inverse_transform(frame, lever);
+        sum.add(frame.rotation);
+        sum.add(frame.position);
+        sum.add(physics::dot(lever, frame.position));
+    }
+    sum.print("tumble", cell);
+}
+
+/// Balls, capsules and boxes fall into a heap on tilted ground; the hash of every 16th state of 4 seconds.
+template <class S, int D>
+void heap(const char* cell) {
+    struct falling : physics::recipe<S, D> {};
+    using world = physics::world<falling>;
+    world w;
+    typename world::halfspace slope;
+    slope.normal.x = S(0.28);
+    slope.normal.y = S(0.96);
+    w.create_shape(w.create_body({.type = physics::body_type::static_body}), slope);
+    for (int i = 0; i < 30; ++i) {
+        typename world::body_def def;
+        def.position.x = S(i % 5) - S(2);
+        def.position.y = S(i / 5) + S(i % 3) / S(4) + S(2);
+        def.position[D - 1] += S(i % 2) / S(8);
+        const auto body = w.create_body(def);
+        if (i % 3 == 0) w.create_shape(body, typename world::ball{S(0.5)});
+        if (i % 3 == 1) w.create_shape(body, typename world::capsule{S(0.25), S(0.25)});
+        if (i % 3 == 2) w.create_shape(body, typename world::box{physics::vec<S, D>::filled(S(0.375))});
+    }
+    digest sum;
+    for (int i = 1; i <= 256; ++i) {
+        w.step(S(1.0 / 64));
+        if (i % 16 == 0) sum.word(w.state_hash());
+    }
+    sum.print("heap", cell);
+}
+
+/// The scenes of the flagship sample: a structure that stands, then is hit; the hash of every 30th state.
+template <class S, int D, class Build>
+void flagship(const char* scene, const char* cell, Build&& build) {
+    struct crates : physics::recipe<S, D> {};
+    digest sum;
+    scenes::flagship<physics::world<crates>>(build, 600, [&](const auto& world, int step) {
+        if (step % 30 == 0) sum.word(world.state_hash());
+    });
+    sum.print(scene, cell);
+}
+template <class S>
+void flagships(const char* in_plane, const char* in_space) {
+    flagship<S, 2>("pyramid", in_plane, [](auto& w) { scenes::pyramid(w, 10); });
+    flagship<S, 3>("tower", in_space, [](auto& w) { scenes::tower(w, 10); });
+}
+
+}  // namespace
+
+int main() {
+    functions<float>();
+    functions<double>();
+    functions<physics::fixed32>();
+    functions<physics::fixed16>();
+    tumble<float, 2>("float/2D");
+    tumble<float, 3>("float/3D");
+    tumble<double, 2>("double/2D");
+    tumble<double, 3>("double/3D");
+    tumble<physics::fixed32, 2>("fixed32/2D");
+    tumble<physics::fixed32, 3>("fixed32/3D");
+    heap<float, 2>("float/2D");
+    heap<float, 3>("float/3D");
+    heap<double, 2>("double/2D");
+    heap<double, 3>("double/3D");
+    heap<physics::fixed32, 2>("fixed32/2D");
+    heap<physics::fixed32, 3>("fixed32/3D");
+    flagships<float>("float/2D", "float/3D");
+    flagships<double>("double/2D", "double/3D");
+    flagships<physics::fixed32>("fixed32/2D", "fixed32/3D");
+}

@@ -1,0 +1,11 @@
+// expect: physics::recipe: a policy names a stage that only physics::shapes<...> or physics::without<...> may serve
+#include <physics.hpp>
+
+struct bare {
+    using stage = physics::stage::features;
+    static constexpr bool friction = false;
+    static constexpr bool restitution = false;
+};
+struct mine : physics::recipe<float, 2, bare> {};
+
+physics::world<mine> world;

@@ -1,0 +1,9 @@
+// expect: physics::recipe: a policy names a stage that only physics::shapes<...> or physics::without<...> may serve
+#include <physics.hpp>
+
+struct balls {
+    using stage = physics::stage::shapes;
+};
+struct mine : physics::recipe<float, 2, balls> {};
+
+physics::world<mine> world;

@@ -1,0 +1,315 @@
+#!/usr/bin/env python3
+"""The groups of tests, in the order in which they run: cheap checks first, heavy builds after. tests/run calls this.
+
+Counts doctest's test cases over all builds, the checks of each script, and one failure for each unit that does not
+compile. The last line is `N passed, M failed`; the exit code is 0 only where something passed and nothing failed.
+"""
+import concurrent.futures
+import json
+import os
+import pathlib
+import re
+import resource
+import shlex
+import shutil
+import subprocess
+import sys
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+BUILD = ROOT / "build"
+JOBS = os.cpu_count() or 1
+TERMINAL = sys.stdout.isatty()
+MOST_LINES = 20      # of what a failing unit or program says
+MOST_SECONDS = 600   # for one test program
+
+COUNTED = re.compile(r"^(\d+) passed, (\d+) failed$", re.MULTILINE)
+DOCTEST = re.compile(r"^\[doctest\] test cases: +\d+ \| +(\d+) passed \| +(\d+) failed", re.MULTILINE)
+STEP = re.compile(r"^\[(\d+)/(\d+)\] ")
+
+
+class Tally:
+    def __init__(self):
+        self.passed = 0
+        self.failed = 0
+
+    def add(self, passed, failed):
+        self.passed += passed
+        self.failed += failed
+
+
+def clock():
+    """Seconds since an arbitrary moment, and CPU seconds of all that has been run: what the budget is made of."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return time.monotonic(), used.ru_utime + used.ru_stime
+
+
+def since(start):
+    """How long ago that was, as text."""
+    now = clock()
+    return f"{now[0] - start[0]:.0f} s, {now[1] - start[1]:.0f} CPU s"
+
+
+def show(text):
+    """One line that the next one replaces; only on a terminal."""
+    if TERMINAL:
+        width = shutil.get_terminal_size().columns - 1
+        print(f"\r\033[K{text[:width]}", end="", flush=True)
+
+
+def say(text):
+    show("")
+    print(text, flush=True)
+
+
+def excerpt(text):
+    lines = text.rstrip().splitlines()
+    if len(lines) > MOST_LINES:
+        lines = lines[:MOST_LINES] + [f"... and {len(lines) - MOST_LINES} more lines"]
+    return "\n".join("    " + line for line in lines)
+
+
+def script(tally, *command):
+    """A check that prints `N passed, M failed` last; or one that says nothing but by its exit code."""
+    label = pathlib.Path(command[0]).relative_to(ROOT)
+    show(f"{label} ...")
+    done = subprocess.run([sys.executable, *map(str, command)], cwd=ROOT, text=True, errors="replace",
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    counts = COUNTED.findall(done.stdout)
+    passed, failed = map(int, counts[-1]) if counts else (int(done.returncode == 0), int(done.returncode != 0))
+    if done.returncode != 0 and failed == 0 or passed + failed == 0:
+        failed += 1
+    tally.add(passed, failed)
+    say(f"  {label}: {passed} passed, {failed} failed")
+    if failed:
+        print(excerpt(done.stdout))
+
+
+def setup(name, compiler, options):
+    """Configures build/NAME, or brings it up to date: the lists of files may have grown."""
+    directory = BUILD / name
+    environment = dict(os.environ)
+    environment["CXX"] = f"ccache {compiler}" if shutil.which("ccache") else compiler
+    command = ["meson", "setup", directory, ROOT, "-Dwarning_level=3", *options]
+    if (directory / "build.ninja").exists():
+        command.append("--reconfigure")
+    elif directory.exists():
+        command.append("--wipe")
+    show(f"{name}: meson setup ...")
+    done = subprocess.run(command, cwd=ROOT, env=environment, text=True, errors="replace",
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    if done.returncode:
+        say(f"  {name}: meson setup failed")
+        print(excerpt(done.stdout))
+    return done.returncode == 0
+
+
+def compile_units(name, target):
+    """Builds the target with ninja, as far as it goes; returns how many steps failed, and of how many."""
+    process = subprocess.Popen(["ninja", "-C", BUILD / name, "-k", "0", "-j", str(JOBS), target], text=True,
+                               errors="replace", stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    failures = 0
+    message = []
+    steps = 0
+    said = set()
+    for line in process.stdout:
+        step = STEP.match(line)
+        if not step:
+            message.append(line)
+            continue
+        failures += report(name, message, said)
+        message = []
+        done, steps = map(int, step.groups())
+        if TERMINAL:
+            bar = "#" * (24 * done // steps)
+            show(f"  {name} [{bar:24}] {done}/{steps} {line[step.end():].split(' ')[-1].strip()}")
+        elif 4 * done // steps > 4 * (done - 1) // steps and done < steps:
+            say(f"  {name}: {done}/{steps}")
+    failures += report(name, message, said)
+    process.wait()
+    return max(failures, int(process.returncode != 0)), steps
+
+
+def report(name, message, said):
+    """Prints what a build step said, unless another said the same; returns how many steps failed."""
+    failed = [i for i, line in enumerate(message) if line.startswith("FAILED: ")]
+    # The line after FAILED repeats the command; of ninja's own lines only errors say something.
+    lines = [line for i, line in enumerate(message) if i not in failed and i - 1 not in failed
+             and not re.match(r"ninja: (?!error)", line)]
+    errors = tuple(re.sub(r"^\S*/", "", line) for line in lines if "error: " in line)
+    repeated = errors and errors in said
+    for i in failed:
+        unit = pathlib.PurePath(message[i].split()[1]).name.removeprefix("meson-generated_.._").removesuffix(".o")
+        say(f"  {name}: FAILED: {unit}{' (the same errors as above)' if repeated else ''}")
+    if lines and not repeated:
+        say(excerpt("".join(lines)))
+    said.add(errors)
+    return len(failed)
+
+
+def telling(output):
+    """The blocks of doctest's output that hold an error; all of it where none does."""
+    blocks = re.split(r"^={60,}\n", output, flags=re.MULTILINE)
+    errors = [re.sub(r"^\S+ MESSAGE: .*\n\n?", "", block, flags=re.MULTILINE) for block in blocks
+              if re.search(r"\b(ERROR|FATAL ERROR):", block)]
+    return "".join(errors) or output
+
+
+def run_one(name, test):
+    """Runs one program from its build folder, to which the paths that the compiler saw are relative."""
+    environment = dict(os.environ, UBSAN_OPTIONS="halt_on_error=1:print_stacktrace=1")
+    started = time.monotonic()
+    try:
+        done = subprocess.run(test["cmd"], cwd=BUILD / name, env=environment, text=True, errors="replace",
+                              timeout=MOST_SECONDS, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        output, code = done.stdout, done.returncode
+    except subprocess.TimeoutExpired as late:
+        output, code = f"{late.stdout or ''}\nstopped after {MOST_SECONDS} s", 1
+    counts = DOCTEST.findall(output)
+    passed, failed = map(int, counts[-1]) if counts else (0, 0)
+    if not counts:
+        output += f"\nended without a summary, exit code {code}"
+    elif passed + failed == 0:
+        output += "\nno test case ran"
+    if failed == 0 and (code != 0 or passed == 0):
+        failed = 1
+    return test, passed, failed, telling(output), time.monotonic() - started
+
+
+def build(tally, name, compiler, suite, *options):
+    """Configures and builds build/NAME, then runs the programs of one of the suites that tests/meson.build declares."""
+    if not setup(name, compiler, options):
+        tally.add(0, 1)
+        return
+    started = clock()
+    broken, steps = compile_units(name, suite)
+    tally.add(0, broken)
+    say(f"  {name}: {suite}: {steps} build steps, {broken} failed ({since(started)})")
+    listed = subprocess.run(["meson", "introspect", "--tests", BUILD / name], cwd=ROOT, text=True, check=True,
+                            stdout=subprocess.PIPE)
+    tests = [test for test in json.loads(listed.stdout) if any(s.split(":")[-1] == suite for s in test["suite"])]
+    there = [test for test in tests if os.access(test["cmd"][0], os.X_OK)]
+    if not there:
+        tally.add(0, 1)
+        say(f"  {name}: {suite}: nothing to run")
+    totals = {}
+    with concurrent.futures.ThreadPoolExecutor(JOBS) as pool:
+        for test, passed, failed, output, seconds in pool.map(lambda one: run_one(name, one), there):
+            tally.add(passed, failed)
+            total = totals.setdefault(test["name"].split(" ")[0], [0, 0, 0.0])
+            for i, value in enumerate((passed, failed, seconds)):
+                total[i] += value
+            show(f"  {name}: {test['name']}: {passed} passed, {failed} failed")
+            if failed:
+                program, *arguments = test["cmd"]
+                command = shlex.join([os.path.relpath(program, BUILD / name), *arguments])
+                say(f"  {name}: {test['name']}: {passed} passed, {failed} failed (in build/{name}: {command})")
+                print(excerpt(output))
+    for program, (passed, failed, seconds) in totals.items():
+        say(f"  {name}: {program}: {passed} passed, {failed} failed ({seconds:.1f} s)")
+
+
+def cheap(tally):
+    """the order of the house, the single header is fresh, every part compiles alone"""
+    script(tally, ROOT / "tests/layers.py")
+    script(tally, ROOT / "include/amalgamate.py", "--check")
+    script(tally, ROOT / "tests/alone.py")
+
+
+def misuse(tally):
+    """each misuse is refused by both compilers with one sentence, and so is each flag that would change the bits"""
+    script(tally, ROOT / "tests/misuse/check.py")
+    script(tally, ROOT / "tests/refusals/check.py")
+
+
+def gcc(tally):
+    """the whole matrix, from the parts, with g++ -O2"""
+    build(tally, "gcc", "g++", "parts", "-Doptimization=2", "-Dwerror=true")
+
+
+def clang(tally):
+    """the whole matrix, from the parts, with clang++ -O1"""
+    build(tally, "clang", "clang++", "parts", "-Doptimization=1", "-Dwerror=true")
+
+
+def single(tally):
+    """a part of the matrix, from the single header, with both compilers; and the installed package"""
+    build(tally, "gcc", "g++", "single", "-Doptimization=2", "-Dwerror=true")
+    build(tally, "clang", "clang++", "single", "-Doptimization=1", "-Dwerror=true")
+    package(tally)
+
+
+def determinism(tally):
+    """one hash for each scene, over compilers and optimisation levels"""
+    script(tally, ROOT / "tests/determinism/check.py")
+
+
+def sanitize(tally):
+    """a part of the matrix under the address and undefined-behaviour sanitizers, with g++"""
+    build(tally, "sanitize", "g++", "small", "-Doptimization=1", "-Ddebug=true", "-Db_sanitize=address,undefined")
+
+
+def package(tally):
+    """Installs into a folder and compiles a unit against it, with what the .pc file says."""
+    target = BUILD / "package"
+    shutil.rmtree(target, ignore_errors=True)
+    show("package ...")
+    done = subprocess.run(["meson", "install", "-C", BUILD / "gcc", "--no-rebuild", "--destdir", target], text=True,
+                          errors="replace", stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    message = done.stdout if done.returncode else ""
+    described = list(target.rglob("physics.pc"))
+    headers = list(target.rglob("physics.hpp"))
+    if not message and (len(described) != 1 or len(headers) != 1):
+        message = f"expected one physics.pc and one physics.hpp, found {described + headers}"
+    if not message:
+        fields = dict(re.findall(r"^(\w+)[=:] *(.*)$", described[0].read_text(), re.MULTILINE))
+        version = subprocess.run([sys.executable, ROOT / "include/amalgamate.py", "--version"], text=True,
+                                 stdout=subprocess.PIPE).stdout.strip()
+        flags = re.sub(r"\$\{(\w+)\}", lambda name: fields[name.group(1)], fields["Cflags"])
+        flags = re.sub(r"\$\{(\w+)\}", lambda name: fields[name.group(1)], flags).replace("-I/", f"-I{target}/")
+        if fields["Version"] != version:
+            message = f"physics.pc says version {fields['Version']}, config.hpp {version}"
+        else:
+            done = subprocess.run(["g++", "-std=c++20", "-fsyntax-only", *flags.split(), "-x", "c++", "-"], text=True,
+                                  input="#include <physics.hpp>\n", cwd=target, stdout=subprocess.PIPE,
+                                  stderr=subprocess.STDOUT)
+            message = done.stdout if done.returncode else ""
+    tally.add(int(not message), int(bool(message)))
+    say(f"  package: {int(not message)} passed, {int(bool(message))} failed")
+    if message:
+        print(excerpt(message))
+
+
+GROUPS = [cheap, misuse, gcc, clang, single, determinism, sanitize]
+
+
+def main():
+    names = sys.argv[1:]
+    if names == ["--list"]:
+        for group in GROUPS:
+            print(f"{group.__name__:12} {group.__doc__}")
+        return 0
+    unknown = set(names) - {group.__name__ for group in GROUPS}
+    if unknown:
+        print(f"no such group: {', '.join(sorted(unknown))}; bash tests/run --list names them", file=sys.stderr)
+        return 2
+    os.environ["LC_ALL"] = "C"
+    BUILD.mkdir(exist_ok=True)
+    tally = Tally()
+    started = clock()
+    for group in GROUPS:
+        if names and group.__name__ not in names:
+            continue
+        say(f"{group.__name__}: {group.__doc__}")
+        began = clock()
+        group(tally)
+        say(f"  {since(began)}")
+    say(f"all in {since(started)}")
+    if tally.passed == 0:
+        tally.add(0, 1)
+    print(f"{tally.passed} passed, {tally.failed} failed", flush=True)
+    return tally.failed > 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
