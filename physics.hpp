@@ -68,12 +68,15 @@
 
 #ifndef PHYSICS_HPP_NONDETERMINISTIC
 #if defined(__FAST_MATH__) || defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__ != 0 || defined(_M_FP_FAST)
-#error "physics.hpp promises the same bits everywhere, which -ffast-math breaks: drop that flag for this file, or define PHYSICS_HPP_NONDETERMINISTIC"
+#error \
+    "physics.hpp promises the same bits everywhere, which -ffast-math breaks: drop that flag for this file, or define PHYSICS_HPP_NONDETERMINISTIC"
 #elif defined(__GCC_IEC_559) && __GCC_IEC_559 == 0
-#error "physics.hpp promises the same bits everywhere, which flags such as -fassociative-math break: drop them for this file, or define PHYSICS_HPP_NONDETERMINISTIC"
+#error \
+    "physics.hpp promises the same bits everywhere, which flags such as -fassociative-math break: drop them for this file, or define PHYSICS_HPP_NONDETERMINISTIC"
 #elif defined(__FLT_EVAL_METHOD__) && __FLT_EVAL_METHOD__ != 0 && __FLT_EVAL_METHOD__ != 16
 // 16 is what gcc says where _Float16 has arithmetic of its own; float and double then have too.
-#error "physics.hpp promises the same bits everywhere, which x87 arithmetic breaks: add -msse2 -mfpmath=sse, or define PHYSICS_HPP_NONDETERMINISTIC"
+#error \
+    "physics.hpp promises the same bits everywhere, which x87 arithmetic breaks: add -msse2 -mfpmath=sse, or define PHYSICS_HPP_NONDETERMINISTIC"
 #endif
 #endif
 
@@ -216,6 +219,10 @@ PHYSICS_HPP_COLD inline bool refuse(const char* function, const char* field, con
 
 }  // namespace detail
 
+/// For the checks of your own shapes and policies: refuse(function, field, value, rule) throws the error, or calls the
+/// handler and returns false; the value is text or a number.
+using detail::refuse;
+
 PHYSICS_HPP_END
 
 // =================================================================================================
@@ -292,10 +299,13 @@ private:
         std::uint64_t capacity = capacity_ < 8 ? 16 : std::uint64_t{capacity_} * 2;
         if (capacity < needed) capacity = needed;
         if (capacity > most && needed <= most) capacity = most;
-        void* grown = capacity > most ? nullptr : std::realloc(static_cast<void*>(data_), static_cast<std::size_t>(capacity) * sizeof(T));
+        void* grown = capacity > most
+                          ? nullptr
+                          : std::realloc(static_cast<void*>(data_), static_cast<std::size_t>(capacity) * sizeof(T));
         if (grown == nullptr) {
             // Nobody can go on without the memory, so a handler that returns must not reach the caller.
-            detail::refuse("buffer", "memory", static_cast<double>(capacity) * sizeof(T), "the bytes are not available");
+            detail::refuse("buffer", "memory", static_cast<double>(capacity) * sizeof(T),
+                           "the bytes are not available");
             std::abort();
         }
         data_ = static_cast<T*>(grown);
@@ -1227,11 +1237,11 @@ inline constexpr std::uint64_t fixed_powers[] = {
     0x6a09e667f3bcc909, 0x7a11473eb0186d7d, 0x8ace5422aa0db5ba, 0x9c49182a3f0901c8,
     0xae89f995ad3ad5e8, 0xc199bdd85529c222, 0xd5818dcfba48725e, 0xea4afa2a490d9859};
 
-/// How many coefficients of a series on [0, 1] reach 2^-(bits + 6).
+/// How many coefficients of a series on [0, 1] reach 2^-(bits + 7).
 template <int N>
 constexpr int terms_above(int bits, const std::uint64_t (&c)[N]) {
     int n = 1;
-    while (n < N && (bits >= 58 || c[n] >> (58 - bits) != 0)) ++n;
+    while (n < N && (bits >= 57 || c[n] >> (57 - bits) != 0)) ++n;
     return n;
 }
 /// c[0] - z (c[1] - z (c[2] - ...)), or with sums instead.
@@ -1249,7 +1259,7 @@ constexpr std::uint64_t series(std::uint64_t z, const std::uint64_t (&c)[N]) {
 template <int FractionBits, bool Alternating, int I = 1>
 constexpr std::uint64_t reciprocal_series(std::uint64_t z) {
     constexpr std::uint64_t c = ~std::uint64_t{0} / (2 * I + 1);
-    if constexpr (I > FractionBits / 6) {
+    if constexpr (I > (FractionBits + 4) / 6) {
         return mul_high(z, c);
     } else {
         const std::uint64_t rest = reciprocal_series<FractionBits, Alternating, I + 1>(z);
@@ -1812,7 +1822,9 @@ struct scalar_traits<fixed<Rep, FractionBits>> {
     static constexpr scalar epsilon() { return scalar::from_raw(1); }
     static constexpr scalar max() { return scalar::from_raw(std::numeric_limits<Rep>::max()); }
     static constexpr bool is_finite(scalar) { return true; }
-    static constexpr std::uint64_t bits(scalar x) { return static_cast<std::uint64_t>(static_cast<std::int64_t>(x.raw())); }
+    static constexpr std::uint64_t bits(scalar x) {
+        return static_cast<std::uint64_t>(static_cast<std::int64_t>(x.raw()));
+    }
 };
 
 /// A number type that the engine can run on. It asks only what fixed point can give: explicit construction
@@ -3525,9 +3537,12 @@ constexpr vec<S, 3> inverse_rotate(rotation<S, 3> a, vec<S, 3> v) {
 template <class S>
 constexpr mat<S, 3> matrix(rotation<S, 3> a) {
     const S x2 = a.x + a.x, y2 = a.y + a.y, z2 = a.z + a.z;
-    return {{{S(1) - sum_of_products(a.y, y2, a.z, z2), sum_of_products(a.x, y2, a.w, z2), difference_of_products(a.x, z2, a.w, y2)},
-             {difference_of_products(a.x, y2, a.w, z2), S(1) - sum_of_products(a.x, x2, a.z, z2), sum_of_products(a.y, z2, a.w, x2)},
-             {sum_of_products(a.x, z2, a.w, y2), difference_of_products(a.y, z2, a.w, x2), S(1) - sum_of_products(a.x, x2, a.y, y2)}}};
+    return {{{S(1) - sum_of_products(a.y, y2, a.z, z2), sum_of_products(a.x, y2, a.w, z2),
+              difference_of_products(a.x, z2, a.w, y2)},
+             {difference_of_products(a.x, y2, a.w, z2), S(1) - sum_of_products(a.x, x2, a.z, z2),
+              sum_of_products(a.y, z2, a.w, x2)},
+             {sum_of_products(a.x, z2, a.w, y2), difference_of_products(a.y, z2, a.w, x2),
+              S(1) - sum_of_products(a.x, x2, a.y, y2)}}};
 }
 template <class S>
 constexpr bool is_finite(rotation<S, 3> a) {
@@ -3696,8 +3711,9 @@ constexpr mass_properties<S, D> combined(const mass_properties<S, D>& a, const m
     const S mass = a.mass + b.mass;
     if (!(mass > S(0))) return a;
     const vec<S, D> center = a.center + (b.center - a.center) * (b.mass / mass);
-    return {mass, center,
-            a.inertia + point_inertia(a.mass, a.center - center) + b.inertia + point_inertia(b.mass, b.center - center)};
+    return {
+        mass, center,
+        a.inertia + point_inertia(a.mass, a.center - center) + b.inertia + point_inertia(b.mass, b.center - center)};
 }
 
 /// The inverse inertia; zero if the inertia is not positive (definite).
@@ -3902,7 +3918,9 @@ constexpr mass_properties<S, 3> mass_of(const box<S, 3>& b, S density) {
     const vec<S, 3> h = b.half_extents;
     const S mass = density * S(8) * h.x * h.y * h.z;
     const S xx = h.x * h.x, yy = h.y * h.y, zz = h.z * h.z;
-    return {mass, {}, symmetric<S>::diagonal(mass * ((yy + zz) / S(3)), mass * ((xx + zz) / S(3)), mass * ((xx + yy) / S(3)))};
+    return {mass,
+            {},
+            symmetric<S>::diagonal(mass * ((yy + zz) / S(3)), mass * ((xx + zz) / S(3)), mass * ((xx + yy) / S(3)))};
 }
 
 PHYSICS_HPP_END
@@ -3948,7 +3966,8 @@ constexpr aabb<S, D> bounds(const capsule<S, D>& c, const transform<S, D>& at) {
 }
 template <class S, int D>
 constexpr vec<S, D> support(const capsule<S, D>& c, vec<S, D> direction) {
-    return detail::along_x<S, D>(direction.x < S(0) ? -c.half_length : c.half_length) + normalized(direction) * c.radius;
+    return detail::along_x<S, D>(direction.x < S(0) ? -c.half_length : c.half_length) +
+           normalized(direction) * c.radius;
 }
 /// Rectangle and two half discs, whose centroids lie 4 r / (3 pi) outwards of their flat sides.
 template <class S>
@@ -4143,7 +4162,8 @@ struct manifold {
 /// Adds the point between the surfaces of two rounded features: their cores lie at a and b, the distance of
 /// the cores along the normal is gap.
 template <class S, int D>
-constexpr void add_rounded(manifold<S, D>& m, vec<S, D> a, S radius_a, vec<S, D> b, S radius_b, S gap, std::uint32_t feature) {
+constexpr void add_rounded(manifold<S, D>& m, vec<S, D> a, S radius_a, vec<S, D> b, S radius_b, S gap,
+                           std::uint32_t feature) {
     const vec<S, D> on_a = a + m.normal * radius_a;
     const vec<S, D> on_b = b - m.normal * radius_b;
     m.add((on_a + on_b) * S(0.5), gap - radius_a - radius_b, feature);
@@ -4187,7 +4207,8 @@ namespace detail {
 /// without a point near it. Among candidates that are alike, depths within `slack` and distances within a
 /// few percent, the first wins: rounding would choose others in each step.
 template <class S>
-constexpr void reduce(const manifold_point<S, 3>* candidates, int count, vec<S, 3> normal, S slack, manifold<S, 3>& out) {
+constexpr void reduce(const manifold_point<S, 3>* candidates, int count, vec<S, 3> normal, S slack,
+                      manifold<S, 3>& out) {
     if (count <= manifold<S, 3>::capacity) {
         for (int i = 0; i < count; ++i) out.points[out.count++] = candidates[i];
         return;
@@ -4272,7 +4293,8 @@ template <class S>
 constexpr bool clip_segment(S middle, S direction, S limit, S& start, S& stop) {
     const S sides[2] = {S(-1), S(1)};
     for (const S side : sides) {
-        const S at_start = side * (middle + direction * start) - limit, at_stop = side * (middle + direction * stop) - limit;
+        const S at_start = side * (middle + direction * start) - limit,
+                at_stop = side * (middle + direction * stop) - limit;
         if (at_start > S(0) && at_stop > S(0)) return false;
         if (at_start > S(0)) start += (stop - start) * (at_start / (at_start - at_stop));
         else if (at_stop > S(0)) stop -= (stop - start) * (at_stop / (at_stop - at_start));
@@ -4348,7 +4370,8 @@ constexpr bool clip_faces(const oriented_box<S>& reference, int axis, S sign, S 
         if (abs(facing[i]) > abs(facing[across]) + S(1.0 / 1024)) across = i;
     const S side = facing[across] > S(0) ? S(-1) : S(1);
     const int u = across == 2 ? 0 : across + 1, v = across == 0 ? 2 : across - 1;
-    const vec<S, 3> middle = incident.center - reference.center + incident.axis(across) * (incident.half[across] * side);
+    const vec<S, 3> middle =
+        incident.center - reference.center + incident.axis(across) * (incident.half[across] * side);
     const vec<S, 3> du = incident.axis(u) * incident.half[u], dv = incident.axis(v) * incident.half[v];
 
     clip_polygon<S> face;
@@ -4406,8 +4429,8 @@ constexpr vec<S, 3> supporting_edge(const oriented_box<S>& b, int along, vec<S, 
 /// Adds the closest points of an edge of a, which lies at the origin along the coordinate axes, and an edge of b.
 /// False, with nothing added, if they are not what the normal found closest.
 template <class S>
-constexpr bool touch_edges(const oriented_box<S>& a, int edge_a, const oriented_box<S>& b, int edge_b, vec<S, 3> n, S gap,
-                           S slack, S margin, manifold<S, 3>& out) {
+constexpr bool touch_edges(const oriented_box<S>& a, int edge_a, const oriented_box<S>& b, int edge_b, vec<S, 3> n,
+                           S gap, S slack, S margin, manifold<S, 3>& out) {
     std::uint32_t name_a = 0, name_b = 0;
     vec<S, 3> on_a = supporting_edge(a, edge_a, n, name_a), on_b = supporting_edge(b, edge_b, -n, name_b);
     const auto at = closest_to_axis(edge_a, a.half[edge_a], on_b - on_a, b.axis(edge_b), b.half[edge_b]);
@@ -4422,11 +4445,12 @@ constexpr bool touch_edges(const oriented_box<S>& a, int edge_a, const oriented_
 /// Adds the closest pair of a corner of one box and a point of the other, for boxes that do not overlap. `n` is
 /// the best separating axis, from a to b, and `parted` how far it parts them.
 template <class S>
-constexpr void touch_corner(const oriented_box<S>& a, const oriented_box<S>& b, vec<S, 3> n, S parted, S margin,
-                            manifold<S, 3>& out) {
+constexpr void touch_corner(const oriented_box<S>& a, const oriented_box<S>& b, vec<S, 3> n, S parted, S rounding,
+                            S margin, manifold<S, 3>& out) {
     vec<S, 3> best, corner;
     wide_of<S> least{};
     std::uint32_t feature = 0;
+    bool of_a = false;
     for (std::uint32_t flip = 0; flip < 2; ++flip) {
         const oriented_box<S>& whole = flip ? b : a;
         const oriented_box<S>& pointed = flip ? a : b;
@@ -4440,6 +4464,7 @@ constexpr void touch_corner(const oriented_box<S>& a, const oriented_box<S>& b, 
             least = distance;
             best = whole.axes * (flip ? -beyond : beyond);
             corner = p + whole.center;
+            of_a = flip != 0;
             // Two corners have one name, whichever was found first.
             std::uint32_t region = 0, other = 0;
             for (int k = 0; k < 3; ++k) {
@@ -4447,18 +4472,18 @@ constexpr void touch_corner(const oriented_box<S>& a, const oriented_box<S>& b, 
                 other |= std::uint32_t{beyond[k] > S(0)} << k;
             }
             const bool corners = beyond.x != S(0) && beyond.y != S(0) && beyond.z != S(0);
-            feature = corners ? 0x40000u | (flip ? i << 4 | other : other << 4 | i) : 0x80000u | flip << 12 | region << 4 | i;
+            feature =
+                corners ? 0x40000u | (flip ? i << 4 | other : other << 4 | i) : 0x80000u | flip << 12 | region << 4 | i;
         }
     }
     const auto [direction, distance] = split(best);
     const auto parts = [&](vec<S, 3> m) { return dot(m, b.center - a.center) - a.reach(m) - b.reach(m); };
     // Of points that all but coincide the direction is chance.
-    const bool clear = distance > S(0) && !(parts(direction) < parted);
+    const bool clear = distance > S(0) && !(parts(direction) < parted - rounding);
     out.normal = clear ? direction : n;
     const S gap = clear ? distance : parted;
     if (gap > margin) return;
-    const bool corner_of_b = (feature & 0x40000u) != 0 || (feature >> 12 & 1u) == 0;
-    out.add(corner + out.normal * (corner_of_b ? -gap : gap) * S(0.5), gap, feature);
+    out.add(corner + out.normal * ((of_a ? gap : -gap) * S(0.5)), gap, feature);
 }
 
 }  // namespace detail
@@ -4473,7 +4498,8 @@ constexpr void collide(const box<S, 3>& shape_a, const box<S, 3>& shape_b, const
     const detail::oriented_box<S> b{b_in_a.position, matrix(b_in_a.rotation), shape_b.half_extents};
     const vec<S, 3> offset = b.center, offset_in_b = transposed_times(b.axes, offset);
     const S smallest = min(min(a.half.x, min(a.half.y, a.half.z)), min(b.half.x, min(b.half.y, b.half.z)));
-    const S slack = smallest * S(1.0 / 512);
+    const S rounding = detail::rounding_of(largest(a.half) + largest(b.half) + largest(offset));
+    const S slack = max(smallest * S(1.0 / 512), rounding);
 
     S best_a = S(0), best_b = S(0), best_edge = S(0);
     int axis_a = 0, axis_b = 0, edge_a = -1, edge_b = 0;
@@ -4514,7 +4540,8 @@ constexpr void collide(const box<S, 3>& shape_a, const box<S, 3>& shape_b, const
     if (edge_leads ? edges() : best_b > best_a ? face_of_b() : face_of_a()) return;
     const S best_face = max(best_a, best_b);
     const vec<S, 3> face_normal = best_b > best_a ? b.axis(axis_b) * -sign_b : a.axis(axis_a) * sign_a;
-    touch_corner(a, b, edge_leads ? edge_normal : face_normal, edge_leads ? best_edge : best_face, margin, out);
+    touch_corner(a, b, edge_leads ? edge_normal : face_normal, edge_leads ? best_edge : best_face, rounding, margin,
+                 out);
 }
 
 PHYSICS_HPP_END
@@ -4566,7 +4593,10 @@ constexpr S closest_to_box(const axis_segment<S>& s, vec<S, 3> half) {
         const wide_of<S> here = i == 0 ? slope_before : slope(knees[i]);
         if (here > zero) {
             if (i == 0) return knees[0];
-            return before + (knees[i] - before) * quotient<S>(slope_before, slope_before - here);
+            // From the knee where the slope is less, since the other may be far away.
+            const wide_of<S> rise = here - slope_before;
+            return here + slope_before > zero ? before - (knees[i] - before) * quotient<S>(slope_before, rise)
+                                              : knees[i] - (knees[i] - before) * quotient<S>(here, rise);
         }
         if (here == zero) {
             S end = knees[i];
@@ -4633,14 +4663,24 @@ constexpr void collide(const capsule<S, 3>& a, const capsule<S, 3>& b, const tra
     const S reach = a.radius + b.radius, thinner = min(a.radius, b.radius);
     if (gap > reach + margin) return;
 
-    // Of points that all but coincide the direction is chance; across both axes is right if they cross there.
-    const auto parted = [&](vec<S, 3> m) { return abs(dot(m, s.middle)) - abs(m.x) * a.half_length - s.reach(m); };
-    if (!(gap > S(0)) || parted(n) < gap - detail::rounding_of(a.half_length + b.half_length)) {
-        vec<S, 3> across = normalized(vec<S, 3>{S(0), -s.direction.z, s.direction.y});
+    // Of points that all but coincide the direction is chance: try what is across one axis or both.
+    const auto parted = [&](vec<S, 3> m) { return dot(m, s.middle) - abs(m.x) * a.half_length - s.reach(m); };
+    const S rounding = detail::rounding_of(a.half_length + b.half_length);
+    if (!(gap > S(0)) || parted(n) < gap - rounding) {
+        const vec<S, 3> d = s.direction, offset = on_b - on_a;
+        vec<S, 3> across{S(0), -d.z, d.y};
         if (across == vec<S, 3>{}) across.y = S(1);
-        if (!(gap > S(0)) || parted(across) > parted(n)) {
-            n = dot(across, s.middle) < S(0) ? -across : across;
-            gap = parted(across);
+        if (dot(across, s.middle) < S(0)) across = -across;
+        const vec<S, 3> candidates[3] = {across, {S(0), offset.y, offset.z}, offset - d * dot(d, offset)};
+        bool found = gap > S(0);
+        gap = parted(n);
+        for (const vec<S, 3>& candidate : candidates) {
+            const vec<S, 3> m = normalized(candidate);
+            const S by = parted(m);
+            if (m == vec<S, 3>{} || (found && !(by > gap))) continue;
+            found = true;
+            n = m;
+            gap = by;
         }
     }
     out.normal = n;
@@ -4660,7 +4700,7 @@ constexpr void collide(const capsule<S, 3>& a, const capsule<S, 3>& b, const tra
                 gaps[k] = dot(n, from_a[k]);
                 beside = beside && largest(from_a[k] - n * gaps[k]) < thinner * S(0.1);
             }
-            if (beside && !(min(gaps[0], gaps[1]) > gap + thinner * S(1.0 / 512))) {
+            if (beside && !(min(gaps[0], gaps[1]) > gap + max(thinner * S(1.0 / 512), rounding))) {
                 for (int k = 0; k < 2; ++k) {
                     if (gaps[k] - reach > margin) continue;
                     const vec<S, 3> p = s.at(ends[k]);
@@ -4683,14 +4723,21 @@ constexpr void collide(const capsule<S, 3>& a, const box<S, 3>& b, const transfo
     const vec<S, 3> h = b.half_extents;
     const detail::axis_segment<S> s{inverse_transform(b_in_a, vec<S, 3>{}),
                                     inverse_rotate(b_in_a.rotation, vec<S, 3>{S(1), S(0), S(0)}), a.half_length};
-    const S slack = min(a.radius, min(h.x, min(h.y, h.z))) * S(1.0 / 512);
+    const S rounding = detail::rounding_of(s.half + largest(h) + largest(s.middle));
+    const S slack = max(min(a.radius, min(h.x, min(h.y, h.z))) * S(1.0 / 512), rounding);
     S at = closest_to_box(s, h);
     const vec<S, 3> nearest = s.at(at);
-    auto [n, gap] = split(nearest - max(-h, min(h, nearest)));
+    vec<S, 3> offset = nearest - max(-h, min(h, nearest));
+    // A corner of the box beside the axis: rounding must not tilt the normal along the axis.
+    if (abs(at) < s.half && offset.x != S(0) && offset.y != S(0) && offset.z != S(0))
+        offset += s.direction * -dot(s.direction, offset);
+    const auto parting = split(offset);
+    vec<S, 3> n = parting.direction;
+    S gap = parting.length;
     if (gap > a.radius + margin) return;
     // Of points that all but coincide the direction is chance.
     const S parted = dot(n, s.middle) - dot(abs(n), h) - s.reach(n);
-    if (!(gap > S(0)) || parted < gap - detail::rounding_of(s.half + largest(h))) {
+    if (!(gap > S(0)) || parted < gap - rounding) {
         const auto best = detail::part_from_box(s, h, slack);
         if (!(gap > S(0)) || best.gap > parted) {
             n = best.normal;
@@ -4717,7 +4764,8 @@ constexpr void collide(const capsule<S, 3>& a, const box<S, 3>& b, const transfo
         for (int i = 0; i < 3 && above; ++i) {
             if (i == face) continue;
             const S lean = n[i] / n[face];
-            above = clip_segment(s.middle[i] - lean * height, s.direction[i] - lean * rise, h[i] + slack, ends[0], ends[1]);
+            above =
+                clip_segment(s.middle[i] - lean * height, s.direction[i] - lean * rise, h[i] + slack, ends[0], ends[1]);
         }
         if (above && ends[1] > ends[0]) {
             const S gaps[2] = {(height + rise * ends[0]) / n[face], (height + rise * ends[1]) / n[face]};
@@ -4798,8 +4846,8 @@ constexpr S distance_along(const rounded_polygon<S>& a, const rounded_polygon<S>
 /// that are left. False, with nothing added, if the point in which the edge finds `incident` closest was cut
 /// off: then the edge's normal is not the direction of least distance.
 template <class S>
-constexpr bool clip_edges(const rounded_polygon<S>& reference, edge_distance<S> found, const rounded_polygon<S>& incident,
-                          bool flip, S slack, S margin, manifold<S, 2>& out) {
+constexpr bool clip_edges(const rounded_polygon<S>& reference, edge_distance<S> found,
+                          const rounded_polygon<S>& incident, bool flip, S slack, S margin, manifold<S, 2>& out) {
     const int edge = found.edge;
     const vec<S, 2> n = reference.normal[edge], t{-n.y, n.x}, from = reference.vertex[edge];
     int facing = 0;
@@ -4839,7 +4887,7 @@ constexpr bool clip_edges(const rounded_polygon<S>& reference, edge_distance<S> 
 /// overlap. `parting` is the best of the edges' normals, from a to b, and `parted` how far it parts the cores.
 template <class S>
 constexpr void collide_nearest(const rounded_polygon<S>& a, const rounded_polygon<S>& b, vec<S, 2> parting, S parted,
-                               S margin, manifold<S, 2>& out) {
+                               S rounding, S margin, manifold<S, 2>& out) {
     vec<S, 2> on_a, on_b;
     wide_of<S> best{};
     std::uint32_t feature = 0;
@@ -4867,7 +4915,7 @@ constexpr void collide_nearest(const rounded_polygon<S>& a, const rounded_polygo
     }
     auto [n, gap] = split(on_b - on_a);
     // Of points that all but coincide the direction is chance.
-    if (!(gap > S(0)) || distance_along(a, b, n) < parted) {
+    if (!(gap > S(0)) || distance_along(a, b, n) < parted - rounding) {
         n = parting;
         gap = parted;
     }
@@ -4891,12 +4939,14 @@ constexpr void collide_polygons(const detail::rounded_polygon<S>& a, const detai
     if (from_b.distance > reach) return;
 
     // A preference for a's edge keeps the reference from flipping between two that are alike.
-    const S slack = min(a.size, b.size) * S(1.0 / 1024);
+    const S rounding = detail::rounding_of(largest(a.vertex[0]) + largest(b.vertex[0]));
+    const S slack = max(min(a.size, b.size) * S(1.0 / 1024), rounding);
     const bool better_b = from_b.distance > from_a.distance;
-    if (!(from_b.distance > from_a.distance + slack) && detail::clip_edges(a, from_a, b, false, slack, margin, out)) return;
+    if (!(from_b.distance > from_a.distance + slack) && detail::clip_edges(a, from_a, b, false, slack, margin, out))
+        return;
     if (better_b && detail::clip_edges(b, from_b, a, true, slack, margin, out)) return;
     detail::collide_nearest(a, b, better_b ? -b.normal[from_b.edge] : a.normal[from_a.edge],
-                            better_b ? from_b.distance : from_a.distance, margin, out);
+                            better_b ? from_b.distance : from_a.distance, rounding, margin, out);
 }
 
 PHYSICS_HPP_END
@@ -4913,7 +4963,8 @@ PHYSICS_HPP_BEGIN
 // halfspace. No shape is refused here: the world has checked them.
 
 template <class S, int D>
-constexpr void collide(const ball<S, D>& a, const ball<S, D>& b, const transform<S, D>& b_in_a, S margin, manifold<S, D>& out) {
+constexpr void collide(const ball<S, D>& a, const ball<S, D>& b, const transform<S, D>& b_in_a, S margin,
+                       manifold<S, D>& out) {
     vec<S, D> up;
     up.y = S(1);
     collide_round(vec<S, D>{}, a.radius, b_in_a.position, b.radius, up, margin, 0u, out);
@@ -4922,7 +4973,8 @@ constexpr void collide(const ball<S, D>& a, const ball<S, D>& b, const transform
 namespace detail {
 /// A ball against a box that may be flat and rounded: all points within radius_b of |p_i| <= half_i.
 template <class S, int D>
-constexpr void collide_ball(S radius_a, vec<S, D> half, S radius_b, const transform<S, D>& b_in_a, S margin, manifold<S, D>& out) {
+constexpr void collide_ball(S radius_a, vec<S, D> half, S radius_b, const transform<S, D>& b_in_a, S margin,
+                            manifold<S, D>& out) {
     // In the box's frame, where the components of the normal along a face are exactly zero.
     const vec<S, D> center = inverse_transform(b_in_a, vec<S, D>{});
     const vec<S, D> nearest = max(-half, min(half, center));
@@ -4944,19 +4996,22 @@ constexpr void collide_ball(S radius_a, vec<S, D> half, S radius_b, const transf
 }  // namespace detail
 
 template <class S, int D>
-constexpr void collide(const ball<S, D>& a, const capsule<S, D>& b, const transform<S, D>& b_in_a, S margin, manifold<S, D>& out) {
+constexpr void collide(const ball<S, D>& a, const capsule<S, D>& b, const transform<S, D>& b_in_a, S margin,
+                       manifold<S, D>& out) {
     detail::collide_ball(a.radius, detail::along_x<S, D>(b.half_length), b.radius, b_in_a, margin, out);
 }
 
 template <class S, int D>
-constexpr void collide(const ball<S, D>& a, const box<S, D>& b, const transform<S, D>& b_in_a, S margin, manifold<S, D>& out) {
+constexpr void collide(const ball<S, D>& a, const box<S, D>& b, const transform<S, D>& b_in_a, S margin,
+                       manifold<S, D>& out) {
     detail::collide_ball(a.radius, b.half_extents, S(0), b_in_a, margin, out);
 }
 
 namespace detail {
 /// Adds the contact of a core point p of A (with radius) and the halfspace B, both in A's frame.
 template <class S, int D>
-constexpr void touch_plane(vec<S, D> p, S radius, vec<S, D> normal, S offset, S margin, std::uint32_t feature, manifold<S, D>& out) {
+constexpr void touch_plane(vec<S, D> p, S radius, vec<S, D> normal, S offset, S margin, std::uint32_t feature,
+                           manifold<S, D>& out) {
     const S gap = dot(normal, p) - offset;
     if (gap - radius > margin) return;
     out.normal = -normal;
@@ -4976,13 +5031,15 @@ constexpr plane<S, D> plane_of(const halfspace<S, D>& h, const transform<S, D>& 
 }  // namespace detail
 
 template <class S, int D>
-constexpr void collide(const ball<S, D>& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a, S margin, manifold<S, D>& out) {
+constexpr void collide(const ball<S, D>& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a, S margin,
+                       manifold<S, D>& out) {
     const auto plane = detail::plane_of(b, b_in_a);
     detail::touch_plane(vec<S, D>{}, a.radius, plane.normal, plane.offset, margin, 0u, out);
 }
 
 template <class S, int D>
-constexpr void collide(const capsule<S, D>& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a, S margin, manifold<S, D>& out) {
+constexpr void collide(const capsule<S, D>& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a, S margin,
+                       manifold<S, D>& out) {
     const auto plane = detail::plane_of(b, b_in_a);
     const vec<S, D> x = detail::along_x<S, D>(a.half_length);
     detail::touch_plane(-x, a.radius, plane.normal, plane.offset, margin, 0u, out);
@@ -5003,7 +5060,8 @@ PHYSICS_HPP_END
 PHYSICS_HPP_BEGIN
 
 template <class S>
-constexpr void collide(const box<S, 2>& a, const halfspace<S, 2>& b, const transform<S, 2>& b_in_a, S margin, manifold<S, 2>& out) {
+constexpr void collide(const box<S, 2>& a, const halfspace<S, 2>& b, const transform<S, 2>& b_in_a, S margin,
+                       manifold<S, 2>& out) {
     const auto plane = detail::plane_of(b, b_in_a);
     // The corners of the edge that faces the plane most; one of them is the lowest of all.
     const vec<S, 2> n = plane.normal;
@@ -5018,15 +5076,18 @@ constexpr void collide(const box<S, 2>& a, const halfspace<S, 2>& b, const trans
 }
 
 template <class S>
-constexpr void collide(const capsule<S, 2>& a, const capsule<S, 2>& b, const transform<S, 2>& b_in_a, S margin, manifold<S, 2>& out) {
+constexpr void collide(const capsule<S, 2>& a, const capsule<S, 2>& b, const transform<S, 2>& b_in_a, S margin,
+                       manifold<S, 2>& out) {
     collide_polygons(detail::polygon_of(a, {}), detail::polygon_of(b, b_in_a), margin, out);
 }
 template <class S>
-constexpr void collide(const capsule<S, 2>& a, const box<S, 2>& b, const transform<S, 2>& b_in_a, S margin, manifold<S, 2>& out) {
+constexpr void collide(const capsule<S, 2>& a, const box<S, 2>& b, const transform<S, 2>& b_in_a, S margin,
+                       manifold<S, 2>& out) {
     collide_polygons(detail::polygon_of(a, {}), detail::polygon_of(b, b_in_a), margin, out);
 }
 template <class S>
-constexpr void collide(const box<S, 2>& a, const box<S, 2>& b, const transform<S, 2>& b_in_a, S margin, manifold<S, 2>& out) {
+constexpr void collide(const box<S, 2>& a, const box<S, 2>& b, const transform<S, 2>& b_in_a, S margin,
+                       manifold<S, 2>& out) {
     collide_polygons(detail::polygon_of(a, {}), detail::polygon_of(b, b_in_a), margin, out);
 }
 
@@ -5040,7 +5101,8 @@ PHYSICS_HPP_END
 PHYSICS_HPP_BEGIN
 
 template <class S>
-constexpr void collide(const box<S, 3>& a, const halfspace<S, 3>& b, const transform<S, 3>& b_in_a, S margin, manifold<S, 3>& out) {
+constexpr void collide(const box<S, 3>& a, const halfspace<S, 3>& b, const transform<S, 3>& b_in_a, S margin,
+                       manifold<S, 3>& out) {
     const auto plane = detail::plane_of(b, b_in_a);
     // The corners of the face that faces the plane most; one of them is the lowest of all.
     const vec<S, 3> n = plane.normal;
@@ -5140,7 +5202,8 @@ struct best_per_pair {
             for (std::uint32_t i = 0; i < count; ++i) {
                 const auto& q = queries[i];
                 out[i] = {};
-                detail::pair_table<S, D, Shapes...>::table.entry[q.a->kind()][q.b->kind()](*q.a, *q.b, q.b_in_a, margin, out[i]);
+                detail::pair_table<S, D, Shapes...>::table.entry[q.a->kind()][q.b->kind()](*q.a, *q.b, q.b_in_a, margin,
+                                                                                           out[i]);
             }
         }
     };
@@ -5350,7 +5413,7 @@ struct contact {
     }
 };
 
-/// The tangents of a contact normal: in the plane one, in space two.
+/// The tangent of a contact normal in the plane.
 template <class S>
 struct tangents2 {
     vec<S, 2> t;
@@ -5359,6 +5422,7 @@ struct tangents2 {
     [[nodiscard]] constexpr S components(vec<S, 2> v) const { return dot(t, v); }
     [[nodiscard]] constexpr vec<S, 2> combine(S along) const { return t * along; }
 };
+/// The same in space.
 template <class S>
 struct tangents3 {
     vec<S, 3> t, u;
@@ -5367,6 +5431,7 @@ struct tangents3 {
     [[nodiscard]] constexpr vec<S, 2> components(vec<S, 3> v) const { return {dot(t, v), dot(u, v)}; }
     [[nodiscard]] constexpr vec<S, 3> combine(vec<S, 2> along) const { return t * along.x + u * along.y; }
 };
+/// The tangents of a contact normal in D dimensions.
 template <class S, int D>
 using tangents = std::conditional_t<D == 2, tangents2<S>, tangents3<S>>;
 
@@ -5412,7 +5477,8 @@ constexpr inverse_of<S> angular_answer(inverse_of<S> inverse_inertia, vec<S, 2> 
     return mul<I>(mul<I>(inverse_inertia, cross(r, n)), cross(r, m));
 }
 template <class S>
-constexpr inverse_of<S> angular_answer(const symmetric<inverse_of<S>>& inverse_inertia, vec<S, 3> r, vec<S, 3> n, vec<S, 3> m) {
+constexpr inverse_of<S> angular_answer(const symmetric<inverse_of<S>>& inverse_inertia, vec<S, 3> r, vec<S, 3> n,
+                                       vec<S, 3> m) {
     using I = inverse_of<S>;
     const vec<S, 3> a = cross(r, n), b = cross(r, m);
     const auto& k = inverse_inertia;
@@ -5426,12 +5492,14 @@ constexpr inverse_of<S> angular_answer(const symmetric<inverse_of<S>>& inverse_i
 template <class S, int D>
 constexpr inverse_of<S> answer(const solver_body<S, D>& a, const solver_body<S, D>& b, const contact_point<S, D>& p,
                                vec<S, D> n, vec<S, D> m) {
-    return angular_answer<S>(a.inverse_inertia, p.lever_a, n, m) + angular_answer<S>(b.inverse_inertia, p.lever_b, n, m);
+    return angular_answer<S>(a.inverse_inertia, p.lever_a, n, m) +
+           angular_answer<S>(b.inverse_inertia, p.lever_b, n, m);
 }
 
 /// The effective mass along n: the impulse that changes the relative velocity along n by 1.
 template <class S, int D>
-constexpr S effective_mass(const solver_body<S, D>& a, const solver_body<S, D>& b, const contact_point<S, D>& p, vec<S, D> n) {
+constexpr S effective_mass(const solver_body<S, D>& a, const solver_body<S, D>& b, const contact_point<S, D>& p,
+                           vec<S, D> n) {
     const inverse_of<S> k = a.inverse_mass + b.inverse_mass + answer(a, b, p, n, n);
     return k > inverse_of<S>(0) ? reciprocal<S>(k) : S(0);
 }
@@ -5444,7 +5512,8 @@ struct friction2 {
     S mass{};
 
     constexpr friction2() = default;
-    constexpr friction2(const solver_body<S, 2>& a, const solver_body<S, 2>& b, const contact_point<S, 2>& p, const tangents2<S>& frame)
+    constexpr friction2(const solver_body<S, 2>& a, const solver_body<S, 2>& b, const contact_point<S, 2>& p,
+                        const tangents2<S>& frame)
         : mass(detail::effective_mass(a, b, p, frame.t)) {}
 
     /// The accumulated impulse that stops the slip v, or the largest that friction can give.
@@ -5460,7 +5529,8 @@ struct friction3 {
     S slip{};
 
     constexpr friction3() = default;
-    constexpr friction3(const solver_body<S, 3>& a, const solver_body<S, 3>& b, const contact_point<S, 3>& p, const tangents3<S>& frame) {
+    constexpr friction3(const solver_body<S, 3>& a, const solver_body<S, 3>& b, const contact_point<S, 3>& p,
+                        const tangents3<S>& frame) {
         using I = inverse_of<S>;
         const I m = a.inverse_mass + b.inverse_mass;
         const I kxx = m + detail::answer(a, b, p, frame.t, frame.t);
@@ -5476,7 +5546,8 @@ struct friction3 {
     }
 
     [[nodiscard]] constexpr vec<S, 2> next(vec<S, 2> impulse, vec<S, 2> v, S limit) const {
-        const vec<S, 2> stick = impulse - vec<S, 2>{sum_of_products(xx, v.x, xy, v.y), sum_of_products(xy, v.x, yy, v.y)};
+        const vec<S, 2> stick =
+            impulse - vec<S, 2>{sum_of_products(xx, v.x, xy, v.y), sum_of_products(xy, v.x, yy, v.y)};
         const wide_of<S> most = product(limit, limit);
         if (!(length_squared(stick) > most)) return stick;
         const vec<S, 2> slide = impulse - v * slip;
@@ -5506,7 +5577,9 @@ template <class S>
 constexpr void turn_freely(body<S, 3>& b, vec<S, 3>& angular_velocity, S h) {
     const rotation<S, 3> start = b.rotation;
     const vec<S, 3> momentum = start * times(b.mass.inertia, inverse_rotate(start, angular_velocity));
-    const auto spin = [&](const rotation<S, 3>& r) { return r * times(b.inverse_inertia, inverse_rotate(r, momentum)); };
+    const auto spin = [&](const rotation<S, 3>& r) {
+        return r * times(b.inverse_inertia, inverse_rotate(r, momentum));
+    };
     const rotation<S, 3> half_way = turned(start, angular_velocity * (h * S(0.5)));
     b.rotation = turned(start, spin(half_way) * h);
     angular_velocity = spin(b.rotation);
@@ -5535,7 +5608,8 @@ struct semi_implicit_euler {
             vec<S, D> acceleration = gravity * b.gravity_scale;
             for (int i = 0; i < D; ++i) acceleration[i] += mul<S>(v.inverse_mass, b.force[i]);
             v.velocity.linear = (v.velocity.linear + acceleration * h) * damped(b.linear_damping, h);
-            v.velocity.angular = (v.velocity.angular + times(v.inverse_inertia, b.torque) * h) * damped(b.angular_damping, h);
+            v.velocity.angular =
+                (v.velocity.angular + times(v.inverse_inertia, b.torque) * h) * damped(b.angular_damping, h);
         }
         /// Advances the pose of a body by its velocity, and the angular velocity of a free top with it.
         static constexpr void advance_pose(body<S, D>& b, twist<S, D>& v, S h) {
@@ -5577,9 +5651,11 @@ struct sequential_impulse_settings {
 
 template <class S>
 bool check(const sequential_impulse_settings<S>& with, const char* function) {
-    if (with.iterations < 1) return detail::refuse(function, "solver.iterations", with.iterations, "it must be at least 1");
+    if (with.iterations < 1)
+        return detail::refuse(function, "solver.iterations", with.iterations, "it must be at least 1");
     if (with.baumgarte > S(1))
-        return detail::refuse(function, "solver.baumgarte", static_cast<double>(with.baumgarte), "it must be at most 1");
+        return detail::refuse(function, "solver.baumgarte", static_cast<double>(with.baumgarte),
+                              "it must be at most 1");
     return detail::check_not_negative(function, "solver.baumgarte", with.baumgarte) &&
            detail::check_not_negative(function, "solver.penetration_slop", with.penetration_slop) &&
            detail::check_not_negative(function, "solver.max_push_speed", with.max_push_speed) &&
@@ -5604,8 +5680,8 @@ struct sequential_impulse {
 
         /// Advances velocities and poses by h: `motion` offers advance_velocities(h) and advance_poses(h).
         template <class Motion>
-        static void solve(solver_body<S, D>* bodies, buffer<contact<S, D>>& contacts, const settings& with, S h, arena& scratch,
-                          Motion&& motion) {
+        static void solve(solver_body<S, D>* bodies, buffer<contact<S, D>>& contacts, const settings& with, S h,
+                          arena& scratch, Motion&& motion) {
             block* blocks = scratch.template take<block>(contacts.size());
             for (std::uint32_t i = 0; i < contacts.size(); ++i) new (blocks + i) block(contacts[i], bodies, with, h);
             motion.advance_velocities(h);
@@ -5624,7 +5700,8 @@ struct sequential_impulse {
     private:
         struct no_friction {
             constexpr no_friction() = default;
-            constexpr no_friction(const solver_body<S, D>&, const solver_body<S, D>&, const contact_point<S, D>&, const tangents<S, D>&) {}
+            constexpr no_friction(const solver_body<S, D>&, const solver_body<S, D>&, const contact_point<S, D>&,
+                                  const tangents<S, D>&) {}
         };
         /// What one point needs while iterating; target_speed is the speed along the normal with which the
         /// surfaces must part, at least.
@@ -5637,12 +5714,14 @@ struct sequential_impulse {
             tangents<S, D> frame;
             row rows[manifold<S, D>::capacity];
 
-            block(const contact<S, D>& c, const solver_body<S, D>* bodies, const settings& with, S h) : frame(c.normal) {
+            block(const contact<S, D>& c, const solver_body<S, D>* bodies, const settings& with, S h)
+                : frame(c.normal) {
                 const solver_body<S, D>& a = bodies[c.body_a];
                 const solver_body<S, D>& b = bodies[c.body_b];
                 for (int k = 0; k < c.count; ++k) {
                     const contact_point<S, D>& p = c.points[k];
-                    rows[k] = {{a, b, p, frame}, detail::effective_mass(a, b, p, c.normal), target_speed(c, p, a, b, with, h)};
+                    rows[k] = {
+                        {a, b, p, frame}, detail::effective_mass(a, b, p, c.normal), target_speed(c, p, a, b, with, h)};
                 }
             }
         };
@@ -5684,7 +5763,8 @@ struct sequential_impulse {
                     const int k = back ? c.count - 1 - i : i;
                     contact_point<S, D>& p = c.points[k];
                     const vec<S, D> v = velocity_at(b.velocity, p.lever_b) - velocity_at(a.velocity, p.lever_a);
-                    const auto impulse = with.rows[k].friction.next(p.friction_impulse, frame.components(v), c.friction * p.normal_impulse);
+                    const auto impulse = with.rows[k].friction.next(p.friction_impulse, frame.components(v),
+                                                                    c.friction * p.normal_impulse);
                     const vec<S, D> change = frame.combine(impulse - p.friction_impulse);
                     p.friction_impulse = impulse;
                     a.apply(-change, p.lever_a);
@@ -5696,7 +5776,8 @@ struct sequential_impulse {
                 const int k = back ? c.count - 1 - i : i;
                 contact_point<S, D>& p = c.points[k];
                 const vec<S, D> v = velocity_at(b.velocity, p.lever_b) - velocity_at(a.velocity, p.lever_a);
-                const S impulse = max(p.normal_impulse + with.rows[k].normal_mass * (with.rows[k].target_speed - dot(c.normal, v)), S(0));
+                const S impulse = max(
+                    p.normal_impulse + with.rows[k].normal_mass * (with.rows[k].target_speed - dot(c.normal, v)), S(0));
                 const vec<S, D> change = c.normal * (impulse - p.normal_impulse);
                 p.normal_impulse = impulse;
                 a.apply(-change, p.lever_a);
@@ -5855,7 +5936,8 @@ struct without {
     using stage = physics::stage::features;
     static constexpr bool friction = !(std::same_as<Features, feature::friction> || ...);
     static constexpr bool restitution = !(std::same_as<Features, feature::restitution> || ...);
-    static constexpr bool known = ((std::same_as<Features, feature::friction> || std::same_as<Features, feature::restitution>) && ...);
+    static constexpr bool known =
+        ((std::same_as<Features, feature::friction> || std::same_as<Features, feature::restitution>)&&...);
 };
 
 namespace detail {
@@ -5878,8 +5960,8 @@ struct policy_for {
 };
 template <class Stage, class Default, class First, class... Rest>
 struct policy_for<Stage, Default, First, Rest...> {
-    using type = typename std::conditional_t<std::same_as<typename stage_of<First>::type, Stage>, policy_for<Stage, First>,
-                                             policy_for<Stage, Default, Rest...>>::type;
+    using type = typename std::conditional_t<std::same_as<typename stage_of<First>::type, Stage>,
+                                             policy_for<Stage, First>, policy_for<Stage, Default, Rest...>>::type;
 };
 
 /// The names of shapes inside a world: physics::world<recipe>::box.
@@ -5913,9 +5995,12 @@ struct plan<S, D, shapes<Shapes...>, Policies...> {
     using shape = any_shape<S, D, Shapes...>;
     using query = narrowphase_query<S, D, Shapes...>;
     using broadphase = typename policy_for<stage::broadphase, all_pairs, Policies...>::type::template in<space>;
-    using narrowphase = typename policy_for<stage::narrowphase, best_per_pair, Policies...>::type::template in<S, D, Shapes...>;
-    using integrator = typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type::template in<space>;
-    using solver = typename policy_for<stage::solver, sequential_impulse, Policies...>::type::template in<space, features>;
+    using narrowphase =
+        typename policy_for<stage::narrowphase, best_per_pair, Policies...>::type::template in<S, D, Shapes...>;
+    using integrator =
+        typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type::template in<space>;
+    using solver =
+        typename policy_for<stage::solver, sequential_impulse, Policies...>::type::template in<space, features>;
     using settings = world_settings<S, D, typename solver::settings>;
 };
 
@@ -5996,14 +6081,18 @@ concept usable_shape = complete<Shape> && shape_for<Shape, S, D>;
 template <class S, int D, template <class, int> class... Shapes>
 constexpr recipe_problem problem_of_shapes(const shapes<Shapes...>*) {
     if constexpr (sizeof...(Shapes) == 0) return recipe_problem::no_shapes;
-    else if constexpr (((times_among<Shapes<S, D>, S, D, Shapes...> > 1) || ...)) return recipe_problem::same_shape_twice;
+    else if constexpr (((times_among<Shapes<S, D>, S, D, Shapes...> > 1) || ...))
+        return recipe_problem::same_shape_twice;
     else if constexpr (!(usable_shape<Shapes<S, D>, S, D> && ...)) return recipe_problem::not_a_shape;
     else if constexpr (!(meets_all<Shapes<S, D>, S, D, Shapes...> && ...)) return recipe_problem::pair_without_contact;
     else return recipe_problem::none;
 }
 
 template <class Policy, class Space>
-concept broadphase_policy = requires { typename Policy::template in<Space>; } && broadphase_for<typename Policy::template in<Space>, Space>;
+concept broadphase_policy = requires {
+    typename Policy::template in<Space>;
+}
+&&broadphase_for<typename Policy::template in<Space>, Space>;
 
 template <class Policy, class S, int D, template <class, int> class... Shapes>
 constexpr bool narrowphase_serves(const shapes<Shapes...>*) {
@@ -6026,7 +6115,8 @@ struct any_motion {
 /// What a solver must offer: settings with a function check(settings, function) like that of shapes, and
 /// solve(bodies, contacts, settings, h, scratch, motion).
 template <class Policy, class S, int D, class Features>
-concept solver_policy = requires(solver_body<S, D>* bodies, buffer<contact<S, D>> contacts, arena scratch, any_motion<S> motion,
+concept solver_policy = requires(solver_body<S, D>* bodies, buffer<contact<S, D>> contacts, arena scratch,
+                                 any_motion<S> motion,
                                  const typename Policy::template in<space<S, D>, Features>::settings settings) {
     { check(settings, "function") } -> std::same_as<bool>;
     Policy::template in<space<S, D>, Features>::solve(bodies, contacts, settings, S(1), scratch, motion);
@@ -6048,14 +6138,18 @@ constexpr recipe_problem problem_of_policies(const policy_list<Policies...>*) {
         constexpr recipe_problem of_shapes = problem_of_shapes<S, D>(static_cast<const set*>(nullptr));
         if constexpr (of_shapes != recipe_problem::none) return of_shapes;
         else if constexpr (!features::known) return recipe_problem::unknown_feature;
-        else if constexpr (!broadphase_policy<typename policy_for<stage::broadphase, all_pairs, Policies...>::type, space<S, D>>)
+        else if constexpr (!broadphase_policy<typename policy_for<stage::broadphase, all_pairs, Policies...>::type,
+                                              space<S, D>>)
             return recipe_problem::bad_broadphase;
-        else if constexpr (!narrowphase_serves<typename policy_for<stage::narrowphase, best_per_pair, Policies...>::type, S, D>(
+        else if constexpr (!narrowphase_serves<
+                               typename policy_for<stage::narrowphase, best_per_pair, Policies...>::type, S, D>(
                                static_cast<const set*>(nullptr)))
             return recipe_problem::bad_narrowphase;
-        else if constexpr (!integrator_policy<typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type, S, D>)
+        else if constexpr (!integrator_policy<
+                               typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type, S, D>)
             return recipe_problem::bad_integrator;
-        else if constexpr (!solver_policy<typename policy_for<stage::solver, sequential_impulse, Policies...>::type, S, D, features>)
+        else if constexpr (!solver_policy<typename policy_for<stage::solver, sequential_impulse, Policies...>::type, S,
+                                          D, features>)
             return recipe_problem::bad_solver;
         else return recipe_problem::none;
     }
@@ -6066,7 +6160,9 @@ constexpr recipe_problem problem_of() {
     if constexpr (!recipe_like<Recipe>) return recipe_problem::not_a_recipe;
     else if constexpr (!scalar_type<typename Recipe::scalar>) return recipe_problem::bad_scalar;
     else if constexpr (Recipe::dimension != 2 && Recipe::dimension != 3) return recipe_problem::bad_dimension;
-    else return problem_of_policies<typename Recipe::scalar, Recipe::dimension>(static_cast<const typename Recipe::policies*>(nullptr));
+    else
+        return problem_of_policies<typename Recipe::scalar, Recipe::dimension>(
+            static_cast<const typename Recipe::policies*>(nullptr));
 }
 
 template <class S, int D, class... Policies>
@@ -6076,7 +6172,8 @@ plan<S, D, shape_set_for<Policies...>, Policies...> planned(const policy_list<Po
 /// the only error.
 template <class Recipe, bool Good = problem_of<Recipe>() == recipe_problem::none>
 struct plan_of {
-    using type = decltype(planned<typename Recipe::scalar, Recipe::dimension>(static_cast<const typename Recipe::policies*>(nullptr)));
+    using type = decltype(planned<typename Recipe::scalar, Recipe::dimension>(
+        static_cast<const typename Recipe::policies*>(nullptr)));
 };
 template <class Recipe>
 struct plan_of<Recipe, false> : plan_of<recipe<float, 2>> {};
@@ -6086,34 +6183,43 @@ template <class Recipe>
 struct audit {
     static constexpr recipe_problem problem = problem_of<Recipe>();
     static_assert(problem != recipe_problem::not_a_recipe,
-                  "physics::world: the argument is not a recipe; write struct mine : physics::recipe<float, 2> {} and physics::world<mine>");
+                  "physics::world: the argument is not a recipe; write struct mine : physics::recipe<float, 2> {} and "
+                  "physics::world<mine>");
     static_assert(problem != recipe_problem::bad_scalar,
-                  "physics::recipe: the scalar is not a physics::scalar_type; use float, double, physics::fixed32, or specialise physics::scalar_traits");
+                  "physics::recipe: the scalar is not a physics::scalar_type; use float, double, physics::fixed32, or "
+                  "specialise physics::scalar_traits");
     static_assert(problem != recipe_problem::bad_dimension, "physics::recipe: the dimension must be 2 or 3");
     static_assert(problem != recipe_problem::policy_without_stage,
                   "physics::recipe: a policy names no stage; give it `using stage = physics::stage::...`");
     static_assert(problem != recipe_problem::unknown_stage,
-                  "physics::recipe: a policy names a stage that does not exist; the stages are those of namespace physics::stage");
-    static_assert(problem != recipe_problem::not_shapes_or_without,
-                  "physics::recipe: a policy names a stage that only physics::shapes<...> or physics::without<...> may serve");
+                  "physics::recipe: a policy names a stage that does not exist; the stages are those of namespace "
+                  "physics::stage");
+    static_assert(
+        problem != recipe_problem::not_shapes_or_without,
+        "physics::recipe: a policy names a stage that only physics::shapes<...> or physics::without<...> may serve");
     static_assert(problem != recipe_problem::two_policies_for_a_stage,
                   "physics::recipe: two policies serve the same stage; keep one of them");
     static_assert(problem != recipe_problem::no_shapes, "physics::shapes: the set is empty; name at least one shape");
     static_assert(problem != recipe_problem::same_shape_twice, "physics::shapes: a shape stands in the set twice");
-    static_assert(problem != recipe_problem::not_a_shape,
-                  "physics::shapes: a type of the set does not model physics::shape_for; it needs check, bounds and as<T>()");
+    static_assert(
+        problem != recipe_problem::not_a_shape,
+        "physics::shapes: a type of the set does not model physics::shape_for; it needs check, bounds and as<T>()");
     static_assert(problem != recipe_problem::pair_without_contact,
                   "physics::shapes: two shapes of the set have no function collide(a, b, b_in_a, margin, manifold)");
-    static_assert(problem != recipe_problem::unknown_feature,
-                  "physics::without: an argument is not a feature; the features are those of namespace physics::feature");
+    static_assert(
+        problem != recipe_problem::unknown_feature,
+        "physics::without: an argument is not a feature; the features are those of namespace physics::feature");
     static_assert(problem != recipe_problem::bad_broadphase,
-                  "physics::recipe: the broadphase does not model physics::broadphase_for; its in<Space> needs insert, move, erase and pairs");
+                  "physics::recipe: the broadphase does not model physics::broadphase_for; its in<Space> needs insert, "
+                  "move, erase and pairs");
     static_assert(problem != recipe_problem::bad_narrowphase,
-                  "physics::recipe: the narrowphase does not model physics::narrowphase_for; its in<S, D, Shapes...> needs collide");
+                  "physics::recipe: the narrowphase does not model physics::narrowphase_for; its in<S, D, Shapes...> "
+                  "needs collide");
     static_assert(problem != recipe_problem::bad_integrator,
                   "physics::recipe: the integrator's in<Space> needs advance_velocity and advance_pose");
     static_assert(problem != recipe_problem::bad_solver,
-                  "physics::recipe: the solver's in<Space, Features> needs a struct settings with a function check, and a function solve");
+                  "physics::recipe: the solver's in<Space, Features> needs a struct settings with a function check, "
+                  "and a function solve");
 };
 
 }  // namespace detail
@@ -6244,7 +6350,8 @@ T converted(S x) {
 }
 template <class T, class S>
 symmetric<T> converted(const symmetric<S>& m) {
-    return {static_cast<T>(m.xx), static_cast<T>(m.yy), static_cast<T>(m.zz), static_cast<T>(m.xy), static_cast<T>(m.xz), static_cast<T>(m.yz)};
+    return {static_cast<T>(m.xx), static_cast<T>(m.yy), static_cast<T>(m.zz),
+            static_cast<T>(m.xy), static_cast<T>(m.xz), static_cast<T>(m.yz)};
 }
 template <class T, class S, int D>
 mass_properties<T, D> converted(const mass_properties<S, D>& m) {
@@ -6256,7 +6363,8 @@ template <class T, class Plan>
 auto mass_of_shape(const shape_record<Plan>& record) {
     return record.shape.visit([&](const auto& shape) -> mass_properties<T, Plan::dimension> {
         if constexpr (solid_shape_for<std::remove_cvref_t<decltype(shape)>, typename Plan::scalar, Plan::dimension>)
-            return transformed(mass_of(shape.template as<T>(), static_cast<T>(record.density)), converted<T>(record.local));
+            return transformed(mass_of(shape.template as<T>(), static_cast<T>(record.density)),
+                               converted<T>(record.local));
         else return {};
     });
 }
@@ -6273,7 +6381,8 @@ auto mass_of_shapes(const state<Plan>& s, std::uint32_t body, std::uint32_t but 
 /// Gives a body its mass, its centre and what follows from them. The frame stays where it is, and the
 /// velocity of the body's material points and the points of its contacts with it.
 template <class Plan>
-void set_mass_properties(state<Plan>& s, std::uint32_t index, const mass_properties<typename Plan::scalar, Plan::dimension>& mass) {
+void set_mass_properties(state<Plan>& s, std::uint32_t index,
+                         const mass_properties<typename Plan::scalar, Plan::dimension>& mass) {
     using S = typename Plan::scalar;
     auto& b = s.bodies[index];
     if (!(mass.center == b.mass.center)) {
@@ -6350,7 +6459,8 @@ inline const char* name_of(body_type type) {
 template <class Plan>
 found find_dynamic(const state<Plan>& s, body_id id, const char* function) {
     const found f = find_body(s, id, function);
-    if (f && !s.bodies[f.index].is_dynamic()) return {0, refuse(function, "body", name_of(s.bodies[f.index].type), "it must be dynamic")};
+    if (f && !s.bodies[f.index].is_dynamic())
+        return {0, refuse(function, "body", name_of(s.bodies[f.index].type), "it must be dynamic")};
     return f;
 }
 /// only kinematic ones,
@@ -6385,15 +6495,18 @@ bool check_pose(const char* function, vec<S, D> position, const rotation<S, D>& 
     if (!check_finite(function, "position", position)) return false;
     // In double, where the squares of no format overflow.
     const double error = norm_error(converted<double>(r));
-    return error < 1e-3 || refuse(function, "error of rotation", error, "its squared length must be 1, to less than 0.001");
+    return error < 1e-3 ||
+           refuse(function, "error of rotation", error, "its squared length must be 1, to less than 0.001");
 }
 template <class Angular>
 bool check_angular_velocity(const char* function, const char* field, Angular w, bool rotation_locked) {
     if (!check_finite(function, field, w)) return false;
-    return !rotation_locked || w == Angular{} || refuse(function, field, size_of(w), "it must be 0, since the body's rotation is locked");
+    return !rotation_locked || w == Angular{} ||
+           refuse(function, field, size_of(w), "it must be 0, since the body's rotation is locked");
 }
 inline bool check_type(const char* function, body_type type) {
-    return type <= body_type::dynamic_body || refuse(function, "type", static_cast<double>(type), "it must be a body_type");
+    return type <= body_type::dynamic_body ||
+           refuse(function, "type", static_cast<double>(type), "it must be a body_type");
 }
 template <class S, int D>
 bool check_body(const body_def<S, D>& def) {
@@ -6402,16 +6515,21 @@ bool check_body(const body_def<S, D>& def) {
            check_finite(f, "linear_velocity", def.linear_velocity) &&
            check_angular_velocity(f, "angular_velocity", def.angular_velocity, def.rotation_locked) &&
            check_not_negative(f, "linear_damping", def.linear_damping) &&
-           check_not_negative(f, "angular_damping", def.angular_damping) && check_finite(f, "gravity_scale", def.gravity_scale);
+           check_not_negative(f, "angular_damping", def.angular_damping) &&
+           check_finite(f, "gravity_scale", def.gravity_scale);
 }
 template <class S>
 bool check_material(const char* function, const material<S>& m) {
-    if (!check_not_negative(function, "friction", m.friction) || !check_not_negative(function, "restitution", m.restitution)) return false;
-    return !(m.restitution > S(1)) || refuse(function, "restitution", static_cast<double>(m.restitution), "it must be at most 1");
+    if (!check_not_negative(function, "friction", m.friction) ||
+        !check_not_negative(function, "restitution", m.restitution))
+        return false;
+    return !(m.restitution > S(1)) ||
+           refuse(function, "restitution", static_cast<double>(m.restitution), "it must be at most 1");
 }
 template <class Settings>
 bool check_settings(const Settings& with, const char* function) {
-    return check_finite(function, "gravity", with.gravity) && check_not_negative(function, "contact_margin", with.contact_margin) &&
+    return check_finite(function, "gravity", with.gravity) &&
+           check_not_negative(function, "contact_margin", with.contact_margin) &&
            check_not_negative(function, "box_margin", with.box_margin) && check(with.solver, function);
 }
 
@@ -6442,7 +6560,8 @@ template <class S>
 bool check_mass_value(const char* function, const char* field, double value, double inverse_value) {
     if (!(value > 0)) return refuse(function, field, value, "it must be greater than 0");
     if (!representable<S>(value) || !representable<inverse_of<S>>(inverse_value))
-        return refuse(function, field, value, "it or its inverse is beyond the scalar's range; use other units of length or mass");
+        return refuse(function, field, value,
+                      "it or its inverse is beyond the scalar's range; use other units of length or mass");
     return true;
 }
 template <class S>
@@ -6451,28 +6570,33 @@ bool check_inertia(const char* function, double inertia) {
 }
 template <class S>
 bool check_inertia(const char* function, const symmetric<double>& i) {
-    if (!check_finite(function, "inertia.xy", i.xy) || !check_finite(function, "inertia.xz", i.xz) || !check_finite(function, "inertia.yz", i.yz))
+    if (!check_finite(function, "inertia.xy", i.xy) || !check_finite(function, "inertia.xz", i.xz) ||
+        !check_finite(function, "inertia.yz", i.yz))
         return false;
     const symmetric<double> inverted = inverse<double>(i);
     const double diagonal[] = {i.xx, i.yy, i.zz}, of_inverse[] = {inverted.xx, inverted.yy, inverted.zz};
     constexpr const char* names[] = {"inertia.xx", "inertia.yy", "inertia.zz"};
     for (int k = 0; k < 3; ++k)
-        if (!check_mass_value<S>(function, names[k], diagonal[k], inverted.xx > 0 ? of_inverse[k] : 1 / diagonal[k])) return false;
+        if (!check_mass_value<S>(function, names[k], diagonal[k], inverted.xx > 0 ? of_inverse[k] : 1 / diagonal[k]))
+            return false;
     const bool definite = inverted.xx > 0 && inverted_inertia(converted<S>(i)).xx > inverse_of<S>(0);
     return definite || refuse(function, "inertia.xx", i.xx, "the tensor that it begins must be positive definite");
 }
 /// Whether a dynamic body can have these mass properties, given in double, where it is now.
 template <class S, int D>
-bool check_mass(const char* function, const body<S, D>& b, const mass_properties<double, D>& m, bool without_inertia = false) {
+bool check_mass(const char* function, const body<S, D>& b, const mass_properties<double, D>& m,
+                bool without_inertia = false) {
     if (!check_mass_value<S>(function, "mass", m.mass, 1 / m.mass)) return false;
     if (!without_inertia && !check_inertia<S>(function, m.inertia)) return false;
     const vec<S, D> center = converted<S>(m.center), moved = b.pose() * center;
     return (is_finite(center) && is_finite(moved) && is_finite(velocity_at(b.velocity, moved - b.center))) ||
-           refuse(function, "center", size_of(m.center), "the body's centre of mass or its velocity would be beyond the scalar's range");
+           refuse(function, "center", size_of(m.center),
+                  "the body's centre of mass or its velocity would be beyond the scalar's range");
 }
 /// Whether a dynamic body can take its mass from its shapes, but one.
 template <class Plan>
-bool check_shapes_mass(const state<Plan>& s, std::uint32_t body, const char* function, std::uint32_t but = 0xffffffffu) {
+bool check_shapes_mass(const state<Plan>& s, std::uint32_t body, const char* function,
+                       std::uint32_t but = 0xffffffffu) {
     const auto mass = mass_of_shapes<double>(s, body, but);
     return !(mass.mass > 0) || check_mass(function, s.bodies[body], mass);
 }
@@ -6537,12 +6661,13 @@ void destroy_body(state<Plan>& s, std::uint32_t index) {
 }
 
 template <class Plan, class Shape>
-shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape, const shape_def<typename Plan::scalar, Plan::dimension>& def) {
+shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape,
+                      const shape_def<typename Plan::scalar, Plan::dimension>& def) {
     using S = typename Plan::scalar;
     const char* f = "create_shape";
     const found at = find_body(s, body, f);
-    if (!at || !check(shape, f) || !check_pose(f, def.position, def.rotation) || !check_not_negative(f, "density", def.density) ||
-        !check_material(f, def.material))
+    if (!at || !check(shape, f) || !check_pose(f, def.position, def.rotation) ||
+        !check_not_negative(f, "density", def.density) || !check_material(f, def.material))
         return {};
     const auto& owner = s.bodies[at.index];
     if (!solid_shape_for<Shape, S, Plan::dimension> && owner.is_dynamic()) {
@@ -6558,7 +6683,8 @@ shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape, const sh
     record.next = owner.first_shape;
     record.user_data = def.user_data;
     record.fat_box = fat_box(s, record);
-    if (!check_finite(f, "lower end of the box", record.fat_box.lower) || !check_finite(f, "upper end of the box", record.fat_box.upper))
+    if (!check_finite(f, "lower end of the box", record.fat_box.lower) ||
+        !check_finite(f, "upper end of the box", record.fat_box.upper))
         return {};
     if (def.density > S(0) && owner.is_dynamic() && !owner.mass_is_set &&
         !check_mass(f, owner, combined(mass_of_shapes<double>(s, at.index), mass_of_shape<double>(record))))
@@ -6602,7 +6728,9 @@ void set_type(state<Plan>& s, std::uint32_t index, body_type type) {
     if (type == body_type::dynamic_body) {
         bool solid = true;
         each_shape(s, index, [&](std::uint32_t, const auto& record) {
-            record.shape.visit([&](const auto& shape) { solid = solid && solid_shape_for<std::remove_cvref_t<decltype(shape)>, S, D>; });
+            record.shape.visit([&](const auto& shape) {
+                solid = solid && solid_shape_for<std::remove_cvref_t<decltype(shape)>, S, D>;
+            });
         });
         if (!solid) {
             refuse(f, "shape", "without mass", "a dynamic body needs shapes that have a mass");
@@ -6620,15 +6748,19 @@ void set_type(state<Plan>& s, std::uint32_t index, body_type type) {
     refresh_mass(s, index);
     refresh_boxes(s, index);
     drop_contacts(s, [&](const auto& c) {
-        return (c.body_a == index || c.body_b == index) && !s.bodies[c.body_a].is_dynamic() && !s.bodies[c.body_b].is_dynamic();
+        return (c.body_a == index || c.body_b == index) && !s.bodies[c.body_a].is_dynamic() &&
+               !s.bodies[c.body_b].is_dynamic();
     });
 }
 
 template <class Plan>
-void set_mass(state<Plan>& s, std::uint32_t index, const mass_properties<typename Plan::scalar, Plan::dimension>& mass) {
+void set_mass(state<Plan>& s, std::uint32_t index,
+              const mass_properties<typename Plan::scalar, Plan::dimension>& mass) {
     const char* f = "set_mass";
     const bool nothing_turns_it = mass.inertia == decltype(mass.inertia){};
-    if (!check_finite(f, "center", mass.center) || !check_mass(f, s.bodies[index], converted<double>(mass), nothing_turns_it)) return;
+    if (!check_finite(f, "center", mass.center) ||
+        !check_mass(f, s.bodies[index], converted<double>(mass), nothing_turns_it))
+        return;
     s.bodies[index].mass_is_set = true;
     set_mass_properties(s, index, mass);
 }
@@ -6667,8 +6799,9 @@ inline bool refuse_action(const char* function, const char* field, double size) 
 /// Calls f(body, force, lever) with a force or impulse and its lever from the centre of mass, in world axes;
 /// f says whether the body can take it.
 template <class Plan, class F>
-void act(state<Plan>& s, body_id id, const char* function, const char* field, vec<typename Plan::scalar, Plan::dimension> force,
-         bool local, const vec<typename Plan::scalar, Plan::dimension>* point, F&& f) {
+void act(state<Plan>& s, body_id id, const char* function, const char* field,
+         vec<typename Plan::scalar, Plan::dimension> force, bool local,
+         const vec<typename Plan::scalar, Plan::dimension>* point, F&& f) {
     const found at = find_dynamic(s, id, function);
     if (!at || !check_finite(function, field, force) || (point && !check_finite(function, "point", *point))) return;
     auto& b = s.bodies[at.index];
@@ -6730,8 +6863,8 @@ public:
     }
     template <class S, int D>
     void add(const body<S, D>& b) {
-        add(static_cast<std::uint64_t>(b.type) | std::uint64_t{b.rotation_locked} << 8 | std::uint64_t{b.mass_is_set} << 9 |
-            std::uint64_t{b.has_target} << 10);
+        add(static_cast<std::uint64_t>(b.type) | std::uint64_t{b.rotation_locked} << 8 |
+            std::uint64_t{b.mass_is_set} << 9 | std::uint64_t{b.has_target} << 10);
         add(b.center);
         add(b.rotation);
         add(b.velocity.linear);
@@ -6789,7 +6922,9 @@ std::uint64_t state_hash(const state<Plan>& s) {
     hasher h;
     const auto add_all = [&](const auto& pool) {
         h.add(std::uint64_t{pool.count()});
-        pool.each([&](std::uint32_t i, const auto& item) { h.add(hash_of(std::uint64_t{i} << 32 | pool.generation(i), item)); });
+        pool.each([&](std::uint32_t i, const auto& item) {
+            h.add(hash_of(std::uint64_t{i} << 32 | pool.generation(i), item));
+        });
     };
     h.add(s.steps);
     add_all(s.bodies);
@@ -6882,7 +7017,8 @@ auto view_of(const state<Plan>& s, const contact<typename Plan::scalar, Plan::di
         const contact_point<S, D>& p = c.points[k];
         const vec<S, D> local_a = inverse_rotate(s.contact_starts[c.body_a].rotation, p.lever_a) + a.mass.center;
         const vec<S, D> local_b = inverse_rotate(s.contact_starts[c.body_b].rotation, p.lever_b) + b.mass.center;
-        view.points[k] = {a.pose() * local_a, local_a, local_b, p.separation, p.normal_impulse, p.friction_impulse, p.persisted};
+        view.points[k] = {a.pose() * local_a, local_a,    local_b, p.separation, p.normal_impulse,
+                          p.friction_impulse, p.persisted};
     }
     return view;
 }
@@ -7041,7 +7177,8 @@ struct motion {
         s.bodies.each([&](std::uint32_t i, body<S, D>& b) {
             twist<S, D>& v = bodies[i].velocity;
             if (b.type != body_type::static_body) Plan::integrator::advance_pose(b, v, h);
-            finite = finite && is_finite(b.center) && is_finite(b.rotation) && is_finite(v.linear) && is_finite(v.angular);
+            finite =
+                finite && is_finite(b.center) && is_finite(b.rotation) && is_finite(v.linear) && is_finite(v.angular);
         });
     }
 };
@@ -7102,7 +7239,8 @@ PHYSICS_HPP_BEGIN
 /// and then leaves the world as it was. A copy of a world is a world in the same state, and handles serve both.
 /// Two worlds may be used on two threads. Functions cost O(1) unless they say otherwise.
 template <class Recipe>
-class world : public detail::shape_aliases<typename detail::plan_of<Recipe>::type::scalar, detail::plan_of<Recipe>::type::dimension> {
+class world : public detail::shape_aliases<typename detail::plan_of<Recipe>::type::scalar,
+                                           detail::plan_of<Recipe>::type::dimension> {
     using plan = typename detail::plan_of<Recipe>::type;
     static_assert(sizeof(detail::audit<Recipe>) > 0);
 
@@ -7125,7 +7263,8 @@ public:
     /// An empty world. Refuses settings out of range, and a build whose arithmetic would not give the same
     /// bits as every other (see float_environment).
     explicit world(const settings_type& settings = {}) {
-        if (detail::check_settings(settings, "world") && detail::check_environment<scalar>("world")) state_.settings = settings;
+        if (detail::check_settings(settings, "world") && detail::check_environment<scalar>("world"))
+            state_.settings = settings;
         state_.tag = detail::next_world_tag();
     }
 
@@ -7135,7 +7274,8 @@ public:
         if (!detail::check_positive("step", "dt", dt)) return;
         const float_control_scope control;
         if (!detail::step(state_, dt))
-            detail::refuse("step", "a velocity", "not finite", "a force, a speed or a mass is beyond the scalar's range");
+            detail::refuse("step", "a velocity", "not finite",
+                           "a force, a speed or a mass is beyond the scalar's range");
     }
     /// Number of steps taken.
     [[nodiscard]] std::uint64_t steps() const { return state_.steps; }
@@ -7160,7 +7300,9 @@ public:
     template <class Shape>
     shape_id create_shape(body_id body, const Shape& shape, const shape_def& def = {}) {
         constexpr bool known = any_shape::template kind_of<Shape>() >= 0;
-        static_assert(known, "physics::world::create_shape: the recipe's set of shapes lacks this one; name it in physics::shapes<...>");
+        static_assert(
+            known,
+            "physics::world::create_shape: the recipe's set of shapes lacks this one; name it in physics::shapes<...>");
         if constexpr (known) return detail::create_shape(state_, body, shape, def);
         else return {};
     }
@@ -7169,8 +7311,12 @@ public:
         if (const auto s = detail::find_shape(state_, id, "destroy_shape")) detail::destroy_shape(state_, s.index);
     }
     /// True if the handle names a living thing of this world; never an error.
-    [[nodiscard]] bool contains(body_id id) const { return id.world == state_.tag && state_.bodies.contains(id.index, id.generation); }
-    [[nodiscard]] bool contains(shape_id id) const { return id.world == state_.tag && state_.shapes.contains(id.index, id.generation); }
+    [[nodiscard]] bool contains(body_id id) const {
+        return id.world == state_.tag && state_.bodies.contains(id.index, id.generation);
+    }
+    [[nodiscard]] bool contains(shape_id id) const {
+        return id.world == state_.tag && state_.shapes.contains(id.index, id.generation);
+    }
     [[nodiscard]] std::uint32_t body_count() const { return state_.bodies.count(); }
     [[nodiscard]] std::uint32_t shape_count() const { return state_.shapes.count(); }
 
@@ -7185,14 +7331,21 @@ public:
     [[nodiscard]] auto contacts() const { return detail::contact_range<plan>(state_); }
 
     /// Where the body's frame is: origin, rotation, both; and where its centre of mass is.
-    [[nodiscard]] vec position(body_id id) const { return get(id, "position", [](const auto& b) { return b.pose().position; }); }
-    [[nodiscard]] rotation orientation(body_id id) const { return get(id, "orientation", [](const auto& b) { return b.rotation; }); }
+    [[nodiscard]] vec position(body_id id) const {
+        return get(id, "position", [](const auto& b) { return b.pose().position; });
+    }
+    [[nodiscard]] rotation orientation(body_id id) const {
+        return get(id, "orientation", [](const auto& b) { return b.rotation; });
+    }
     [[nodiscard]] transform pose(body_id id) const { return get(id, "pose", [](const auto& b) { return b.pose(); }); }
-    [[nodiscard]] vec center_of_mass(body_id id) const { return get(id, "center_of_mass", [](const auto& b) { return b.center; }); }
+    [[nodiscard]] vec center_of_mass(body_id id) const {
+        return get(id, "center_of_mass", [](const auto& b) { return b.center; });
+    }
     /// Moves a body at once, without a path in between. Velocities stay.
     void set_pose(body_id id, vec position, const rotation& orientation) {
         const auto b = find(id, "set_pose");
-        if (b && detail::check_pose("set_pose", position, orientation)) detail::set_pose(state_, b.index, {position, normalized(orientation)});
+        if (b && detail::check_pose("set_pose", position, orientation))
+            detail::set_pose(state_, b.index, {position, normalized(orientation)});
     }
     void set_pose(body_id id, const transform& pose) { set_pose(id, pose.position, pose.rotation); }
     /// Lets a kinematic body reach a pose by the end of the next step, pushing what is in its way; then it stands.
@@ -7205,8 +7358,12 @@ public:
     void move_to(body_id id, const transform& pose) { move_to(id, pose.position, pose.rotation); }
 
     /// Velocity of the centre of mass (m/s), angular velocity (rad/s), velocity of the body at a point.
-    [[nodiscard]] vec linear_velocity(body_id id) const { return get(id, "linear_velocity", [](const auto& b) { return b.velocity.linear; }); }
-    [[nodiscard]] angular angular_velocity(body_id id) const { return get(id, "angular_velocity", [](const auto& b) { return b.velocity.angular; }); }
+    [[nodiscard]] vec linear_velocity(body_id id) const {
+        return get(id, "linear_velocity", [](const auto& b) { return b.velocity.linear; });
+    }
+    [[nodiscard]] angular angular_velocity(body_id id) const {
+        return get(id, "angular_velocity", [](const auto& b) { return b.velocity.angular; });
+    }
     [[nodiscard]] vec velocity_at(body_id id, vec point) const {
         const auto b = find(id, "velocity_at");
         if (!b || !detail::check_finite("velocity_at", "point", point)) return {};
@@ -7228,13 +7385,16 @@ public:
     void apply_force(body_id id, vec force) { push(id, "apply_force", force, false, nullptr); }
     void apply_force_at(body_id id, vec force, vec point) { push(id, "apply_force_at", force, false, &point); }
     void apply_local_force(body_id id, vec force) { push(id, "apply_local_force", force, true, nullptr); }
-    void apply_local_force_at(body_id id, vec force, vec point) { push(id, "apply_local_force_at", force, true, &point); }
+    void apply_local_force_at(body_id id, vec force, vec point) {
+        push(id, "apply_local_force_at", force, true, &point);
+    }
     /// A torque (N m) during the next step.
     void apply_torque(body_id id, angular torque) {
         const auto b = dynamic(id, "apply_torque");
         if (!b || !detail::check_finite("apply_torque", "torque", torque)) return;
         auto& sum = state_.bodies[b.index].torque;
-        if (!detail::assign(sum, sum + torque)) detail::refuse_action("apply_torque", "torque", detail::size_of(torque));
+        if (!detail::assign(sum, sum + torque))
+            detail::refuse_action("apply_torque", "torque", detail::size_of(torque));
     }
     /// Forgets the forces and torques that wait for the next step.
     void clear_forces(body_id id) {
@@ -7247,13 +7407,16 @@ public:
     void apply_impulse(body_id id, vec impulse) { kick(id, "apply_impulse", impulse, false, nullptr); }
     void apply_impulse_at(body_id id, vec impulse, vec point) { kick(id, "apply_impulse_at", impulse, false, &point); }
     void apply_local_impulse(body_id id, vec impulse) { kick(id, "apply_local_impulse", impulse, true, nullptr); }
-    void apply_local_impulse_at(body_id id, vec impulse, vec point) { kick(id, "apply_local_impulse_at", impulse, true, &point); }
+    void apply_local_impulse_at(body_id id, vec impulse, vec point) {
+        kick(id, "apply_local_impulse_at", impulse, true, &point);
+    }
     /// An angular impulse (N m s).
     void apply_angular_impulse(body_id id, angular impulse) {
         const auto at = dynamic(id, "apply_angular_impulse");
         if (!at || !detail::check_finite("apply_angular_impulse", "impulse", impulse)) return;
         auto& b = state_.bodies[at.index];
-        if (!detail::assign(b.velocity.angular, b.velocity.angular + times(in_world(b.inverse_inertia, b.rotation), impulse)))
+        if (!detail::assign(b.velocity.angular,
+                            b.velocity.angular + times(in_world(b.inverse_inertia, b.rotation), impulse)))
             detail::refuse_action("apply_angular_impulse", "impulse", detail::size_of(impulse));
     }
 
@@ -7267,7 +7430,9 @@ public:
     }
     /// Mass (kg), centre (m) and inertia about it (kg m^2) in the body's frame. Static and kinematic bodies take none
     /// from their shapes: they have mass 0 and their centre at the origin.
-    [[nodiscard]] mass_properties mass(body_id id) const { return get(id, "mass", [](const auto& b) { return b.mass; }); }
+    [[nodiscard]] mass_properties mass(body_id id) const {
+        return get(id, "mass", [](const auto& b) { return b.mass; });
+    }
     /// Sets them for a dynamic body, until reset_mass, whatever its shapes are; with an inertia of 0 nothing turns it.
     /// Refuses what the scalar cannot hold, and tensors that are not positive definite.
     void set_mass(body_id id, const mass_properties& mass) {
@@ -7277,8 +7442,12 @@ public:
     void reset_mass(body_id id) {
         if (const auto b = dynamic(id, "reset_mass")) detail::reset_mass(state_, b.index);
     }
-    [[nodiscard]] scalar linear_damping(body_id id) const { return get(id, "linear_damping", [](const auto& b) { return b.linear_damping; }); }
-    [[nodiscard]] scalar angular_damping(body_id id) const { return get(id, "angular_damping", [](const auto& b) { return b.angular_damping; }); }
+    [[nodiscard]] scalar linear_damping(body_id id) const {
+        return get(id, "linear_damping", [](const auto& b) { return b.linear_damping; });
+    }
+    [[nodiscard]] scalar angular_damping(body_id id) const {
+        return get(id, "angular_damping", [](const auto& b) { return b.angular_damping; });
+    }
     /// Rates (1/s), at least 0, at which the velocities of a dynamic body decay without force.
     void set_damping(body_id id, scalar linear_rate, scalar angular_rate) {
         const auto b = find(id, "set_damping");
@@ -7288,17 +7457,24 @@ public:
         state_.bodies[b.index].linear_damping = linear_rate;
         state_.bodies[b.index].angular_damping = angular_rate;
     }
-    [[nodiscard]] scalar gravity_scale(body_id id) const { return get(id, "gravity_scale", [](const auto& b) { return b.gravity_scale; }); }
+    [[nodiscard]] scalar gravity_scale(body_id id) const {
+        return get(id, "gravity_scale", [](const auto& b) { return b.gravity_scale; });
+    }
     void set_gravity_scale(body_id id, scalar factor) {
         const auto b = find(id, "set_gravity_scale");
-        if (b && detail::check_finite("set_gravity_scale", "factor", factor)) state_.bodies[b.index].gravity_scale = factor;
+        if (b && detail::check_finite("set_gravity_scale", "factor", factor))
+            state_.bodies[b.index].gravity_scale = factor;
     }
-    [[nodiscard]] bool rotation_locked(body_id id) const { return get(id, "rotation_locked", [](const auto& b) { return b.rotation_locked; }); }
+    [[nodiscard]] bool rotation_locked(body_id id) const {
+        return get(id, "rotation_locked", [](const auto& b) { return b.rotation_locked; });
+    }
     /// Locks or frees rotation; locking stops it.
     void set_rotation_locked(body_id id, bool locked) {
         if (const auto b = find(id, "set_rotation_locked")) detail::set_rotation_locked(state_, b.index, locked);
     }
-    [[nodiscard]] std::uint64_t user_data(body_id id) const { return get(id, "user_data", [](const auto& b) { return b.user_data; }); }
+    [[nodiscard]] std::uint64_t user_data(body_id id) const {
+        return get(id, "user_data", [](const auto& b) { return b.user_data; });
+    }
     void set_user_data(body_id id, std::uint64_t data) {
         if (const auto b = find(id, "set_user_data")) state_.bodies[b.index].user_data = data;
     }
@@ -7311,14 +7487,20 @@ public:
     }
     /// The shape itself, and its pose in the body's frame: visit it to learn its kind.
     [[nodiscard]] any_shape shape(shape_id id) const { return get(id, "shape", [](const auto& s) { return s.shape; }); }
-    [[nodiscard]] transform local_pose(shape_id id) const { return get(id, "local_pose", [](const auto& s) { return s.local; }); }
-    [[nodiscard]] material surface(shape_id id) const { return get(id, "surface", [](const auto& s) { return s.material; }); }
+    [[nodiscard]] transform local_pose(shape_id id) const {
+        return get(id, "local_pose", [](const auto& s) { return s.local; });
+    }
+    [[nodiscard]] material surface(shape_id id) const {
+        return get(id, "surface", [](const auto& s) { return s.material; });
+    }
     /// Changes a shape's material from the next step on.
     void set_surface(shape_id id, const material& m) {
         const auto s = detail::find_shape(state_, id, "set_surface");
         if (s && detail::check_material("set_surface", m)) state_.shapes[s.index].material = m;
     }
-    [[nodiscard]] std::uint64_t user_data(shape_id id) const { return get(id, "user_data", [](const auto& s) { return s.user_data; }); }
+    [[nodiscard]] std::uint64_t user_data(shape_id id) const {
+        return get(id, "user_data", [](const auto& s) { return s.user_data; });
+    }
     void set_user_data(shape_id id, std::uint64_t data) {
         if (const auto s = detail::find_shape(state_, id, "set_user_data")) state_.shapes[s.index].user_data = data;
     }
@@ -7326,16 +7508,20 @@ public:
 private:
     detail::found find(body_id id, const char* function) const { return detail::find_body(state_, id, function); }
     detail::found dynamic(body_id id, const char* function) const { return detail::find_dynamic(state_, id, function); }
-    detail::found find_moving(body_id id, const char* function) const { return detail::find_moving(state_, id, function); }
+    detail::found find_moving(body_id id, const char* function) const {
+        return detail::find_moving(state_, id, function);
+    }
 
     /// f of the thing that the handle names, or a default value after refusing the handle.
     template <class F>
-    auto get(body_id id, const char* function, F&& f) const -> decltype(f(std::declval<const physics::body<scalar, dimension>&>())) {
+    auto get(body_id id, const char* function, F&& f) const
+        -> decltype(f(std::declval<const physics::body<scalar, dimension>&>())) {
         const auto b = find(id, function);
         return b ? f(state_.bodies[b.index]) : decltype(f(state_.bodies[0])){};
     }
     template <class F>
-    auto get(shape_id id, const char* function, F&& f) const -> decltype(f(std::declval<const detail::shape_record<plan>&>())) {
+    auto get(shape_id id, const char* function, F&& f) const
+        -> decltype(f(std::declval<const detail::shape_record<plan>&>())) {
         const auto s = detail::find_shape(state_, id, function);
         return s ? f(state_.shapes[s.index]) : decltype(f(state_.shapes[0])){};
     }
@@ -7406,7 +7592,9 @@ struct no_hook {
 template <class World>
 class accumulator {
     static constexpr bool of_world = detail::world_like<World>;
-    static_assert(of_world, "physics::accumulator: the argument is not a world; write physics::accumulator<physics::world<mine>>");
+    static_assert(
+        of_world,
+        "physics::accumulator: the argument is not a world; write physics::accumulator<physics::world<mine>>");
     // Any world does after the sentence above, so that it stays the only error.
     using world_type = std::conditional_t<of_world, World, world<recipe<float, 2>>>;
 
@@ -7421,7 +7609,8 @@ public:
             !detail::check_finite("accumulator", "longest_frame", settings.longest_frame))
             return;
         if (settings.longest_frame < settings.step || settings.longest_frame / S(65536) > settings.step) {
-            detail::refuse("accumulator", "longest_frame", static_cast<double>(settings.longest_frame), "it must be 1 to 65536 steps");
+            detail::refuse("accumulator", "longest_frame", static_cast<double>(settings.longest_frame),
+                           "it must be 1 to 65536 steps");
             return;
         }
         settings_ = settings;

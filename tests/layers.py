@@ -172,7 +172,7 @@ def private_laws(house):
             continue
         code = re.sub(r"^\s*(//|#).*$", "", parts[0] + parts[2], flags=re.MULTILINE)
         for statement in code.split(";"):
-            if not re.match(r"template (?!<)|$", statement.strip()):
+            if not re.match(r"template (?!<)|using |$", statement.strip()):
                 yield f"{name}: outside the unnamed namespace: {statement.strip().splitlines()[0]}"
         if re.search(r"\bTEST_CASE", text):
             yield f"{name}: TEST_CASE; write CELL_CASE"

@@ -34,7 +34,9 @@ struct facts {
     std::uint32_t bodies, shapes, contacts;
     bool operator==(const facts&) const = default;
 };
-inline facts facts_of(const world& w) { return {w.state_hash(), w.steps(), w.body_count(), w.shape_count(), w.contacts().size()}; }
+inline facts facts_of(const world& w) {
+    return {w.state_hash(), w.steps(), w.body_count(), w.shape_count(), w.contacts().size()};
+}
 
 /// A call with arguments that are still to come. It refers to the function, so that no check is a template:
 /// the many checks of this file would take minutes to compile.
@@ -42,7 +44,9 @@ template <class... Arguments>
 class call {
 public:
     template <class F>
-    call(const F& f) : object_(&f), run_([](const void* object, Arguments... arguments) { (*static_cast<const F*>(object))(arguments...); }) {}
+    call(const F& f)
+        : object_(&f),
+          run_([](const void* object, Arguments... arguments) { (*static_cast<const F*>(object))(arguments...); }) {}
     void operator()(Arguments... arguments) const { run_(object_, arguments...); }
 
 private:
@@ -59,9 +63,11 @@ inline std::string refusal(call<> call) {
     return "not refused";
 }
 /// Checks that the call is refused by `function` because `field` is `value` (any, if that is empty).
-inline void refuses(const world& w, const std::string& function, const std::string& field, const std::string& value, call<> call) {
+inline void refuses(const world& w, const std::string& function, const std::string& field, const std::string& value,
+                    call<> call) {
     const facts before = facts_of(w);
-    const std::string said = refusal(call), expected = "physics: " + function + ": " + field + " is " + value + (value.empty() ? "" : ";");
+    const std::string said = refusal(call),
+                      expected = "physics: " + function + ": " + field + " is " + value + (value.empty() ? "" : ";");
     CAPTURE(said);
     CHECK(said.substr(0, expected.size()) == expected);
     CHECK((facts_of(w) == before));
@@ -84,10 +90,12 @@ inline std::vector<bad_value> bad_values(rule rule) {
     if (rule == rule::positive) bad.push_back({S(0), "0"});
     return bad;
 }
-inline void refuses_number(const world& w, const std::string& function, const std::string& field, rule rule, call<S> call) {
+inline void refuses_number(const world& w, const std::string& function, const std::string& field, rule rule,
+                           call<S> call) {
     for (const bad_value& bad : bad_values(rule)) refuses(w, function, field, bad.text, [&] { call(bad.value); });
 }
-inline void refuses_vec(const world& w, const std::string& function, const std::string& field, rule rule, call<vec> call) {
+inline void refuses_vec(const world& w, const std::string& function, const std::string& field, rule rule,
+                        call<vec> call) {
     for (int i = 0; i < cell::dimension; ++i)
         refuses_number(w, function, field + "." + "xyz"[i], rule, [&](S bad) {
             vec v = vec::filled(S(1));
@@ -96,7 +104,8 @@ inline void refuses_vec(const world& w, const std::string& function, const std::
         });
 }
 template <class Angular = angular>
-void refuses_angular(const world& w, const std::string& function, const std::string& field, std::type_identity_t<call<Angular>> call) {
+void refuses_angular(const world& w, const std::string& function, const std::string& field,
+                     std::type_identity_t<call<Angular>> call) {
     if constexpr (cell::is_2d) refuses_number(w, function, field, rule::finite, call);
     else refuses_vec(w, function, field, rule::finite, call);
 }
@@ -107,12 +116,17 @@ std::vector<Rotation> bad_rotations() {
     for (const bad_value& value : bad_values(rule::finite)) parts.push_back(value.value);
     for (const S part : parts) {
         if constexpr (cell::is_2d) bad.insert(bad.end(), {{part, S(0)}, {S(0), part}});
-        else bad.insert(bad.end(), {{part, S(0), S(0), S(0)}, {S(0), part, S(0), S(0)}, {S(0), S(0), part, S(0)}, {S(0), S(0), S(0), part}});
+        else
+            bad.insert(bad.end(), {{part, S(0), S(0), S(0)},
+                                   {S(0), part, S(0), S(0)},
+                                   {S(0), S(0), part, S(0)},
+                                   {S(0), S(0), S(0), part}});
     }
     return bad;
 }
 inline void refuses_rotation(const world& w, const std::string& function, call<const world::rotation&> call) {
-    for (const auto& r : bad_rotations<world::rotation>()) refuses(w, function, "error of rotation", "", [&] { call(r); });
+    for (const auto& r : bad_rotations<world::rotation>())
+        refuses(w, function, "error of rotation", "", [&] { call(r); });
 }
 
 }  // namespace

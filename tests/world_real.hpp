@@ -13,7 +13,9 @@ using real_mass = physics::mass_properties<double, cell::dimension>;
 inline double real(S x) { return number(x); }
 inline physics::vec<double, 2> real(physics::vec<S, 2> v) { return {number(v.x), number(v.y)}; }
 inline physics::vec<double, 3> real(physics::vec<S, 3> v) { return {number(v.x), number(v.y), number(v.z)}; }
-inline physics::rotation<double, 2> real(const physics::rotation<S, 2>& r) { return {number(r.cosine), number(r.sine)}; }
+inline physics::rotation<double, 2> real(const physics::rotation<S, 2>& r) {
+    return {number(r.cosine), number(r.sine)};
+}
 inline physics::rotation<double, 3> real(const physics::rotation<S, 3>& r) {
     return {number(r.x), number(r.y), number(r.z), number(r.w)};
 }
@@ -28,7 +30,8 @@ double spread(physics::vec<double, D> a, physics::vec<double, D> b) {
     return physics::length(a - b);
 }
 inline double spread(const physics::symmetric<double>& a, const physics::symmetric<double>& b) {
-    return std::abs(a.xx - b.xx) + std::abs(a.yy - b.yy) + std::abs(a.zz - b.zz) + std::abs(a.xy - b.xy) + std::abs(a.xz - b.xz) + std::abs(a.yz - b.yz);
+    return std::abs(a.xx - b.xx) + std::abs(a.yy - b.yy) + std::abs(a.zz - b.zz) + std::abs(a.xy - b.xy) +
+           std::abs(a.xz - b.xz) + std::abs(a.yz - b.yz);
 }
 inline double spin(double inertia, const physics::rotation<double, 2>&, double w) { return inertia * w; }
 inline physics::vec<double, 3> spin(const physics::symmetric<double>& inertia, const physics::rotation<double, 3>& r,

@@ -13,7 +13,7 @@ namespace {
 template <class... Arguments>
 std::string sentence(Arguments... arguments) {
     try {
-        physics::detail::refuse(arguments...);
+        physics::refuse(arguments...);
     } catch (const std::exception& failure) {
         return failure.what();
     }
@@ -29,8 +29,10 @@ void count(const physics::error&) {
 
 TEST_CASE("error: one sentence names function, field, value and rule") {
     CHECK(sentence("step", "dt", "null", "it must be there") == "physics: step: dt is null; it must be there");
-    CHECK(sentence("step", "dt", -0.25, "it must be greater than 0") == "physics: step: dt is -0.25; it must be greater than 0");
-    CHECK(sentence("create_body", "position", ".x", 2.0, "it must be 1") == "physics: create_body: position.x is 2; it must be 1");
+    CHECK(sentence("step", "dt", -0.25, "it must be greater than 0") ==
+          "physics: step: dt is -0.25; it must be greater than 0");
+    CHECK(sentence("create_body", "position", ".x", 2.0, "it must be 1") ==
+          "physics: create_body: position.x is 2; it must be 1");
 }
 
 TEST_CASE("error: values read the same on every system") {

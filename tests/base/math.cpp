@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cmath>
+#include <compare>
 
 #include "reference.hpp"
 
@@ -33,6 +34,72 @@ bool negative(S x) {
 }
 
 }  // namespace
+
+// Named, since compilers would point out which of an unnamed type's operators stay unused.
+namespace math_tests {
+
+/// A user's number type.
+struct user {
+    double value = 0;
+    user() = default;
+    explicit user(double x) : value(x) {}
+    explicit user(int x) : value(x) {}
+    explicit operator double() const { return value; }
+    friend user operator+(user a, user b) { return user(a.value + b.value); }
+    friend user operator-(user a, user b) { return user(a.value - b.value); }
+    friend user operator*(user a, user b) { return user(a.value * b.value); }
+    friend user operator/(user a, user b) { return user(a.value / b.value); }
+    friend user operator-(user a) { return user(-a.value); }
+    user& operator+=(user b) { return *this = *this + b; }
+    user& operator-=(user b) { return *this = *this - b; }
+    user& operator*=(user b) { return *this = *this * b; }
+    user& operator/=(user b) { return *this = *this / b; }
+    friend auto operator<=>(user, user) = default;
+};
+
+}  // namespace math_tests
+
+using math_tests::user;
+
+/// Each function answers with its own number, to show who was asked.
+template <>
+struct physics::scalar_traits<user> {
+    using wide = user;
+    using inverse = user;
+    static user epsilon() { return user(0x1p-52); }
+    static user max() { return user(0x1p1000); }
+    static bool is_finite(user x) { return x.value - x.value == 0; }
+    static std::uint64_t bits(user x) { return scalar_traits<double>::bits(x.value); }
+    static user sqrt(user x) { return x + user(1); }
+    static user floor(user x) { return x + user(2); }
+    static user sin(user x) { return x + user(3); }
+    static user cos(user x) { return x + user(4); }
+    static user tan(user x) { return x + user(5); }
+    static user exp(user x) { return x + user(6); }
+    static user log(user x) { return x + user(7); }
+    static user acos(user x) { return x + user(8); }
+    static user atan2(user y, user x) { return y - x; }
+};
+
+TEST_CASE("scalars of a user's own answer through their traits") {
+    const user x(0.5);
+    CHECK(physics::sqrt(x).value == 1.5);
+    CHECK(physics::root<user>(x).value == 1.5);
+    CHECK(physics::floor(x).value == 2.5);
+    CHECK(physics::sin(x).value == 3.5);
+    CHECK(physics::cos(x).value == 4.5);
+    CHECK(physics::sine_cosine(x).sine.value == 3.5);
+    CHECK(physics::sine_cosine(x).cosine.value == 4.5);
+    CHECK(physics::tan(x).value == 5.5);
+    CHECK(physics::exp(x).value == 6.5);
+    CHECK(physics::log(x).value == 7.5);
+    CHECK(physics::acos(x).value == 8.5);
+    CHECK(physics::atan2(x, user(2)).value == -1.5);
+    CHECK(physics::asin(x).value == 0.5 - (0.5 * 1.5 + 1));
+    CHECK(physics::pi<user>.value == physics::pi<double>);
+    CHECK(physics::half_pi<user>.value == physics::half_pi<double>);
+    CHECK(physics::two_pi<user>.value == physics::two_pi<double>);
+}
 
 TEST_CASE_TEMPLATE("sine, cosine and tangent are right to the last place at every argument", S, float, double) {
     auto hard = reference::hard_arguments<S>();

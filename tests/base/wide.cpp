@@ -102,8 +102,8 @@ TEST_CASE("the portable twin computes what the compiler's 128-bit integers do") 
         wrong += to_portable(x << n) != a << n || to_portable(x >> n) != a >> n || to_portable(x | y) != (a | b);
         wrong += (x < y) != (a < b) || (x == y) != (a == b) || (x >= y) != (a >= b);
         wrong += to_portable(static_cast<native>(a.low) * b.low) != portable_product(a.low, b.low);
-        wrong += bit_width(a) < 128 && a >> bit_width(a) != portable(0);
-        wrong += bit_width(a) > 0 && a >> (bit_width(a) - 1) != portable(1);
+        wrong += bit_width(a) < 128 && (a >> bit_width(a)) != portable(0);
+        wrong += bit_width(a) > 0 && (a >> (bit_width(a) - 1)) != portable(1);
         if (b == portable(0)) continue;
         portable rest;
         wrong += portable_divide(a, b, rest) != to_portable(x / y) || rest != to_portable(x % y);

@@ -131,7 +131,9 @@ CELL_CASE("loop: what is drawn lies between the last two poses, turns the shorte
 CELL_CASE("loop: bodies that come, go and change places between steps are drawn where they are") {
     world w(weightless());
     accumulator clock = clock_of(16, 256);
-    const auto mover = [](double x) { return world::body_def{.position = along(0, x), .linear_velocity = along(0, 64)}; };
+    const auto mover = [](double x) {
+        return world::body_def{.position = along(0, x), .linear_velocity = along(0, 64)};
+    };
     const body_id first = w.create_body(mover(0));
     CHECK(clock.interpolated(w, first).position == vec{});
     clock.advance(w, S(24.0 / 1024));
@@ -174,7 +176,8 @@ CELL_CASE("loop: settings and times out of range are refused, and the clock stan
     refuses_number(w, "advance", "elapsed", rule::not_negative, [&](S bad) { clock.advance(w, bad); });
     CHECK(clock.rest() == S(4.0 / 1024));
     refuses_number(w, "accumulator", "step", rule::positive, [&](S bad) { accumulator refused({.step = bad}); });
-    refuses_number(w, "accumulator", "longest_frame", rule::positive, [&](S bad) { accumulator refused({.longest_frame = bad}); });
+    refuses_number(w, "accumulator", "longest_frame", rule::positive,
+                   [&](S bad) { accumulator refused({.longest_frame = bad}); });
     refuses(w, "accumulator", "longest_frame", "0.25", [&] { accumulator refused({.step = S(0.5)}); });
     refuses(w, "accumulator", "longest_frame", "0.25", [&] { accumulator refused({.step = S(1.0 / 1048576)}); });
     accumulator finest({.step = S(1.0 / 262144)});

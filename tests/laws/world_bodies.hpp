@@ -21,7 +21,8 @@ part add_part(world& w, body_id body, cell::dice& dice, double density) {
     def.density = S(density);
     const physics::transform<double, D> frame{real(def.position), real(def.rotation)};
     const auto add = [&](const auto& shape, const auto& in_double) {
-        return part{w.create_shape(body, shape, def), physics::transformed(mass_of(in_double, number(def.density)), frame)};
+        return part{w.create_shape(body, shape, def),
+                    physics::transformed(mass_of(in_double, number(def.density)), frame)};
     };
     const S a = dice.real(0.5, 1.5), b = dice.real(0.5, 1.5);
     switch (dice.below(3)) {
@@ -36,7 +37,8 @@ part add_part(world& w, body_id body, cell::dice& dice, double density) {
 }
 bool weighs(const world& w, body_id id, const real_mass& expected) {
     const real_mass m = real(w.mass(id));
-    return spread(m.mass, expected.mass) <= rounding(100, expected.mass) && spread(m.center, expected.center) <= rounding(100, 2) &&
+    return spread(m.mass, expected.mass) <= rounding(100, expected.mass) &&
+           spread(m.center, expected.center) <= rounding(100, 2) &&
            spread(m.inertia, expected.inertia) <= rounding(1000, 10 * expected.mass);
 }
 real_mass together(const std::vector<part>& parts) {

@@ -47,7 +47,8 @@ CELL_CASE("contacts: collisions conserve momentum and angular momentum, whatever
 /// The impulse of a contact on its body B.
 vec impulse_of(const world::contact_view& c) {
     vec sum;
-    for (int k = 0; k < c.count; ++k) sum += c.normal * c.points[k].normal_impulse + c.tangents.combine(c.points[k].friction_impulse);
+    for (int k = 0; k < c.count; ++k)
+        sum += c.normal * c.points[k].normal_impulse + c.tangents.combine(c.points[k].friction_impulse);
     return sum;
 }
 
@@ -131,7 +132,8 @@ CELL_CASE("contacts: each tells its bodies, a unit normal from A to B, and point
 CELL_CASE("contacts: surfaces mix, friction by the mean of their squares, bounce by the larger, and may change") {
     world w;
     const body_id ground = w.create_body({.type = body_type::static_body});
-    const shape_id floor = w.create_shape(ground, world::halfspace{}, {.material = {.friction = S(0.25), .restitution = S(0.5)}});
+    const shape_id floor =
+        w.create_shape(ground, world::halfspace{}, {.material = {.friction = S(0.25), .restitution = S(0.5)}});
     const body_id box = w.create_body({.position = at(0, 0.5), .linear_velocity = at(4, 0)});
     const shape_id block = w.create_shape(box, world::box{}, {.material = {.friction = S(1), .restitution = S(0)}});
     run(w, 1);

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "refusal.hpp"
+#include "world_limits.hpp"
 
 namespace {
 
@@ -88,7 +89,8 @@ CELL_CASE("errors: every entry refuses null, foreign and stale handles") {
     check(shape_entries, "shape", other.face, dead_shape);
     // Of two mistakes the first is told, on every compiler.
     if constexpr (!cell::is_fixed)
-        refuses(w, "set_gravity_scale", "body", "null", [&] { w.set_gravity_scale({}, bad_values(rule::finite)[0].value); });
+        refuses(w, "set_gravity_scale", "body", "null",
+                [&] { w.set_gravity_scale({}, bad_values(rule::finite)[0].value); });
 }
 
 CELL_CASE("errors: what only some types of bodies can do, the others refuse") {
@@ -96,9 +98,13 @@ CELL_CASE("errors: what only some types of bodies can do, the others refuse") {
     world& w = s.w;
     for (const auto& [name, call] : body_entries) {
         const auto& function = name;
-        const auto refuses_body = [&, run = call](body_id id, const char* type) { refuses(w, function, "body", type, [&] { run(w, id); }); };
-        const bool acts = name.rfind("apply_", 0) == 0 || name == "clear_forces" || name == "set_mass" || name == "reset_mass";
-        if (acts || name == "move_to" || name == "set_linear_velocity" || name == "set_angular_velocity") refuses_body(s.ground, "static");
+        const auto refuses_body = [&, run = call](body_id id, const char* type) {
+            refuses(w, function, "body", type, [&] { run(w, id); });
+        };
+        const bool acts =
+            name.rfind("apply_", 0) == 0 || name == "clear_forces" || name == "set_mass" || name == "reset_mass";
+        if (acts || name == "move_to" || name == "set_linear_velocity" || name == "set_angular_velocity")
+            refuses_body(s.ground, "static");
         if (acts) refuses_body(s.platform, "kinematic");
         if (name == "move_to") refuses_body(s.ball, "dynamic");
     }
@@ -108,7 +114,8 @@ CELL_CASE("errors: what only some types of bodies can do, the others refuse") {
     refuses(w, "create_shape", "shape", "without mass", [&] { w.create_shape(s.ball, world::halfspace{}); });
     const body_id locked = w.create_body({.rotation_locked = true});
     refuses(w, "set_angular_velocity", "w", "2", [&] { w.set_angular_velocity(locked, about_z(-2)); });
-    refuses(w, "create_body", "angular_velocity", "2", [&] { w.create_body({.angular_velocity = about_z(2), .rotation_locked = true}); });
+    refuses(w, "create_body", "angular_velocity", "2",
+            [&] { w.create_body({.angular_velocity = about_z(2), .rotation_locked = true}); });
 }
 
 CELL_CASE("errors: worlds and their settings refuse numbers out of range") {
@@ -125,13 +132,18 @@ CELL_CASE("errors: worlds and their settings refuse numbers out of range") {
             s.w.set_settings(settings);
         });
     };
-    for (int i = 0; i < cell::dimension; ++i) both(std::string("gravity.") + "xyz"[i], rule::finite, [&](world::settings_type& x, S bad) { x.gravity[i] = bad; });
+    for (int i = 0; i < cell::dimension; ++i)
+        both(std::string("gravity.") + "xyz"[i], rule::finite,
+             [&](world::settings_type& x, S bad) { x.gravity[i] = bad; });
     both("contact_margin", rule::not_negative, [](world::settings_type& x, S bad) { x.contact_margin = bad; });
     both("box_margin", rule::not_negative, [](world::settings_type& x, S bad) { x.box_margin = bad; });
     both("solver.baumgarte", rule::not_negative, [](world::settings_type& x, S bad) { x.solver.baumgarte = bad; });
-    both("solver.penetration_slop", rule::not_negative, [](world::settings_type& x, S bad) { x.solver.penetration_slop = bad; });
-    both("solver.max_push_speed", rule::not_negative, [](world::settings_type& x, S bad) { x.solver.max_push_speed = bad; });
-    both("solver.restitution_slop", rule::not_negative, [](world::settings_type& x, S bad) { x.solver.restitution_slop = bad; });
+    both("solver.penetration_slop", rule::not_negative,
+         [](world::settings_type& x, S bad) { x.solver.penetration_slop = bad; });
+    both("solver.max_push_speed", rule::not_negative,
+         [](world::settings_type& x, S bad) { x.solver.max_push_speed = bad; });
+    both("solver.restitution_slop", rule::not_negative,
+         [](world::settings_type& x, S bad) { x.solver.restitution_slop = bad; });
     world::settings_type settings;
     settings.solver.iterations = 0;
     refuses(s.w, "set_settings", "solver.iterations", "0", [&] { s.w.set_settings(settings); });
@@ -147,27 +159,42 @@ CELL_CASE("errors: bodies and shapes refuse numbers out of range") {
     world& w = s.w;
     refuses_vec(w, "create_body", "position", rule::finite, [&](vec bad) { w.create_body({.position = bad}); });
     refuses_rotation(w, "create_body", [&](const world::rotation& bad) { w.create_body({.rotation = bad}); });
-    refuses_vec(w, "create_body", "linear_velocity", rule::finite, [&](vec bad) { w.create_body({.linear_velocity = bad}); });
-    refuses_angular(w, "create_body", "angular_velocity", [&](angular bad) { w.create_body({.angular_velocity = bad}); });
-    refuses_number(w, "create_body", "linear_damping", rule::not_negative, [&](S bad) { w.create_body({.linear_damping = bad}); });
-    refuses_number(w, "create_body", "angular_damping", rule::not_negative, [&](S bad) { w.create_body({.angular_damping = bad}); });
-    refuses_number(w, "create_body", "gravity_scale", rule::finite, [&](S bad) { w.create_body({.gravity_scale = bad}); });
+    refuses_vec(w, "create_body", "linear_velocity", rule::finite,
+                [&](vec bad) { w.create_body({.linear_velocity = bad}); });
+    refuses_angular(w, "create_body", "angular_velocity",
+                    [&](angular bad) { w.create_body({.angular_velocity = bad}); });
+    refuses_number(w, "create_body", "linear_damping", rule::not_negative,
+                   [&](S bad) { w.create_body({.linear_damping = bad}); });
+    refuses_number(w, "create_body", "angular_damping", rule::not_negative,
+                   [&](S bad) { w.create_body({.angular_damping = bad}); });
+    refuses_number(w, "create_body", "gravity_scale", rule::finite,
+                   [&](S bad) { w.create_body({.gravity_scale = bad}); });
 
     const auto add = [&](const world::shape_def& def) { w.create_shape(s.box, world::box{}, def); };
     refuses_vec(w, "create_shape", "position", rule::finite, [&](vec bad) { add({.position = bad}); });
     refuses_rotation(w, "create_shape", [&](const world::rotation& bad) { add({.rotation = bad}); });
     refuses_number(w, "create_shape", "density", rule::not_negative, [&](S bad) { add({.density = bad}); });
-    refuses_number(w, "create_shape", "friction", rule::not_negative, [&](S bad) { add({.material = {.friction = bad}}); });
-    refuses_number(w, "create_shape", "restitution", rule::not_negative, [&](S bad) { add({.material = {.restitution = bad}}); });
+    refuses_number(w, "create_shape", "friction", rule::not_negative,
+                   [&](S bad) { add({.material = {.friction = bad}}); });
+    refuses_number(w, "create_shape", "restitution", rule::not_negative,
+                   [&](S bad) { add({.material = {.restitution = bad}}); });
     refuses(w, "create_shape", "restitution", "1.5", [&] { add({.material = {.restitution = S(1.5)}}); });
     refuses(w, "set_surface", "restitution", "2", [&] { w.set_surface(s.face, {.restitution = S(2)}); });
-    refuses_number(w, "set_surface", "friction", rule::not_negative, [&](S bad) { w.set_surface(s.face, {.friction = bad}); });
-    refuses_number(w, "set_surface", "restitution", rule::not_negative, [&](S bad) { w.set_surface(s.face, {.restitution = bad}); });
+    refuses_number(w, "set_surface", "friction", rule::not_negative,
+                   [&](S bad) { w.set_surface(s.face, {.friction = bad}); });
+    refuses_number(w, "set_surface", "restitution", rule::not_negative,
+                   [&](S bad) { w.set_surface(s.face, {.restitution = bad}); });
 
-    refuses_number(w, "create_shape", "radius", rule::positive, [&](S bad) { w.create_shape(s.box, world::ball{bad}); });
-    refuses_number(w, "create_shape", "half_length", rule::positive, [&](S bad) { w.create_shape(s.box, world::capsule{bad, S(1)}); });
-    refuses_number(w, "create_shape", "radius", rule::positive, [&](S bad) { w.create_shape(s.box, world::capsule{S(1), bad}); });
-    refuses_vec(w, "create_shape", "half_extents", rule::positive, [&](vec bad) { w.create_shape(s.box, world::box{bad}); });
+    refuses_number(w, "create_shape", "radius", rule::positive,
+                   [&](S bad) { w.create_shape(s.box, world::ball{bad}); });
+    refuses_number(w, "create_shape", "half_length", rule::positive, [&](S bad) {
+        w.create_shape(s.box, world::capsule{bad, S(1)});
+    });
+    refuses_number(w, "create_shape", "radius", rule::positive, [&](S bad) {
+        w.create_shape(s.box, world::capsule{S(1), bad});
+    });
+    refuses_vec(w, "create_shape", "half_extents", rule::positive,
+                [&](vec bad) { w.create_shape(s.box, world::box{bad}); });
     const auto plane = [&](vec normal, S offset) {
         world::halfspace h;
         h.normal = normal;
@@ -195,18 +222,24 @@ CELL_CASE("errors: setters, forces and queries refuse numbers out of range") {
     refuses_vec(w, "apply_local_force", "force", rule::finite, [&](vec bad) { w.apply_local_force(s.box, bad); });
     refuses_vec(w, "apply_force_at", "force", rule::finite, [&](vec bad) { w.apply_force_at(s.box, bad, {}); });
     refuses_vec(w, "apply_force_at", "point", rule::finite, [&](vec bad) { w.apply_force_at(s.box, {}, bad); });
-    refuses_vec(w, "apply_local_force_at", "force", rule::finite, [&](vec bad) { w.apply_local_force_at(s.box, bad, {}); });
-    refuses_vec(w, "apply_local_force_at", "point", rule::finite, [&](vec bad) { w.apply_local_force_at(s.box, {}, bad); });
+    refuses_vec(w, "apply_local_force_at", "force", rule::finite,
+                [&](vec bad) { w.apply_local_force_at(s.box, bad, {}); });
+    refuses_vec(w, "apply_local_force_at", "point", rule::finite,
+                [&](vec bad) { w.apply_local_force_at(s.box, {}, bad); });
     refuses_vec(w, "apply_impulse", "impulse", rule::finite, [&](vec bad) { w.apply_impulse(s.box, bad); });
     refuses_vec(w, "apply_local_impulse", "impulse", rule::finite, [&](vec bad) { w.apply_local_impulse(s.box, bad); });
     refuses_vec(w, "apply_impulse_at", "impulse", rule::finite, [&](vec bad) { w.apply_impulse_at(s.box, bad, {}); });
     refuses_vec(w, "apply_impulse_at", "point", rule::finite, [&](vec bad) { w.apply_impulse_at(s.box, {}, bad); });
-    refuses_vec(w, "apply_local_impulse_at", "impulse", rule::finite, [&](vec bad) { w.apply_local_impulse_at(s.box, bad, {}); });
-    refuses_vec(w, "apply_local_impulse_at", "point", rule::finite, [&](vec bad) { w.apply_local_impulse_at(s.box, {}, bad); });
+    refuses_vec(w, "apply_local_impulse_at", "impulse", rule::finite,
+                [&](vec bad) { w.apply_local_impulse_at(s.box, bad, {}); });
+    refuses_vec(w, "apply_local_impulse_at", "point", rule::finite,
+                [&](vec bad) { w.apply_local_impulse_at(s.box, {}, bad); });
     refuses_angular(w, "apply_torque", "torque", [&](angular bad) { w.apply_torque(s.box, bad); });
     refuses_angular(w, "apply_angular_impulse", "impulse", [&](angular bad) { w.apply_angular_impulse(s.box, bad); });
-    refuses_number(w, "set_damping", "linear_rate", rule::not_negative, [&](S bad) { w.set_damping(s.box, bad, S(0)); });
-    refuses_number(w, "set_damping", "angular_rate", rule::not_negative, [&](S bad) { w.set_damping(s.box, S(0), bad); });
+    refuses_number(w, "set_damping", "linear_rate", rule::not_negative,
+                   [&](S bad) { w.set_damping(s.box, bad, S(0)); });
+    refuses_number(w, "set_damping", "angular_rate", rule::not_negative,
+                   [&](S bad) { w.set_damping(s.box, S(0), bad); });
     refuses_number(w, "set_gravity_scale", "factor", rule::finite, [&](S bad) { w.set_gravity_scale(s.box, bad); });
 }
 

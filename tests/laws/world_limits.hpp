@@ -11,7 +11,12 @@ namespace {
 /// The entry of an inertia, which in the plane is the only one.
 [[maybe_unused]] S& entry_of(S& inertia, const std::string&) { return inertia; }
 [[maybe_unused]] S& entry_of(physics::symmetric<S>& i, const std::string& name) {
-    return name == "xx" ? i.xx : name == "yy" ? i.yy : name == "zz" ? i.zz : name == "xy" ? i.xy : name == "xz" ? i.xz : i.yz;
+    return name == "xx"   ? i.xx
+           : name == "yy" ? i.yy
+           : name == "zz" ? i.zz
+           : name == "xy" ? i.xy
+           : name == "xz" ? i.xz
+                          : i.yz;
 }
 
 CELL_CASE("limits: masses that the scalar cannot hold are refused, wherever they come from") {
@@ -22,19 +27,25 @@ CELL_CASE("limits: masses that the scalar cannot hold are refused, wherever they
         change(mass);
         return mass;
     };
-    refuses_vec(w, "set_mass", "center", rule::finite, [&](vec bad) { w.set_mass(s.box, with([&](auto& m) { m.center = bad; })); });
-    refuses_number(w, "set_mass", "mass", rule::positive, [&](S bad) { w.set_mass(s.box, with([&](auto& m) { m.mass = bad; })); });
+    refuses_vec(w, "set_mass", "center", rule::finite,
+                [&](vec bad) { w.set_mass(s.box, with([&](auto& m) { m.center = bad; })); });
+    refuses_number(w, "set_mass", "mass", rule::positive,
+                   [&](S bad) { w.set_mass(s.box, with([&](auto& m) { m.mass = bad; })); });
     const auto refuses_inertia = [&](const std::string& entry, const std::string& field, const bad_value& bad) {
-        refuses(w, "set_mass", field, bad.text, [&] { w.set_mass(s.box, with([&](auto& m) { entry_of(m.inertia, entry) = bad.value; })); });
+        refuses(w, "set_mass", field, bad.text,
+                [&] { w.set_mass(s.box, with([&](auto& m) { entry_of(m.inertia, entry) = bad.value; })); });
     };
     for (const bad_value& bad : bad_values(rule::not_negative))
-        for (const std::string entry : {"xx", "yy", "zz"}) refuses_inertia(entry, cell::is_2d ? "inertia" : "inertia." + entry, bad);
+        for (const std::string entry : {"xx", "yy", "zz"})
+            refuses_inertia(entry, cell::is_2d ? "inertia" : "inertia." + entry, bad);
     if constexpr (cell::is_3d) {
         for (const bad_value& bad : bad_values(rule::finite))
             for (const std::string entry : {"xy", "xz", "yz"}) refuses_inertia(entry, "inertia." + entry, bad);
         // More off the diagonal than a body of any shape has.
         for (const std::string entry : {"xy", "xz", "yz"}) refuses_inertia(entry, "inertia.xx", {S(1), ""});
-        CHECK(refusal([&] { w.set_mass(s.box, with([](auto& m) { entry_of(m.inertia, "yz") = S(1); })); }).find("positive definite") != std::string::npos);
+        CHECK(refusal([&] {
+                  w.set_mass(s.box, with([](auto& m) { entry_of(m.inertia, "yz") = S(1); }));
+              }).find("positive definite") != std::string::npos);
     }
 
     // Too light and too heavy; where squares and cubes of lengths enter, long before the lengths are.
@@ -91,12 +102,21 @@ std::vector<S> picture(const world& w) {
 }
 
 CELL_CASE("limits: a step that leaves the range of numbers is refused, changes nothing, and the next one works") {
-    if (cell::is_fixed) return;  // Nothing is out of range there: it wraps, and the audit counts it (tests/base/overflow.cpp).
+    if (cell::is_fixed)
+        return;  // Nothing is out of range there: it wraps, and the audit counts it (tests/base/overflow.cpp).
     const S most = cell::traits::max();
     const call<scenery&> sudden[] = {
-        [&](scenery& s) { s.w.apply_force(s.box, along(0, number(most) * 0.5)), s.w.set_mass(s.box, {S(0.001), {}, s.w.mass(s.box).inertia}); },
-        [&](scenery& s) { s.w.apply_torque(s.ball, about_z(number(most) * 0.5)), s.w.set_mass(s.ball, s.w.mass(s.box)), s.w.set_gravity_scale(s.ball, most); },
-        [&](scenery& s) { s.w.set_linear_velocity(s.ball, along(1, number(most))), s.w.set_pose(s.ball, along(1, number(most)), {}); },
+        [&](scenery& s) {
+            s.w.apply_force(s.box, along(0, number(most) * 0.5)),
+                s.w.set_mass(s.box, {S(0.001), {}, s.w.mass(s.box).inertia});
+        },
+        [&](scenery& s) {
+            s.w.apply_torque(s.ball, about_z(number(most) * 0.5)), s.w.set_mass(s.ball, s.w.mass(s.box)),
+                s.w.set_gravity_scale(s.ball, most);
+        },
+        [&](scenery& s) {
+            s.w.set_linear_velocity(s.ball, along(1, number(most))), s.w.set_pose(s.ball, along(1, number(most)), {});
+        },
         [&](scenery& s) { s.w.move_to(s.platform, along(0, number(most)), {}); },
     };
     for (const auto& change : sudden) {
@@ -145,7 +165,8 @@ CELL_CASE("limits: forces, impulses and poses that would leave the range of numb
     refuses(w, "set_pose", "centre of mass.x", "", [&] { w.set_pose(s.ball, far, {}); });
     refuses(w, "set_mass", "center", "", [&] { w.set_mass(s.box, {S(1), arm, {}}); });
     const world::ball globe{S(number(most) * 0.5)};
-    refuses(w, "create_shape", "upper end of the box.x", "", [&] { w.create_shape(s.ground, globe, {.position = along(0, number(most) * 0.75)}); });
+    refuses(w, "create_shape", "upper end of the box.x", "",
+            [&] { w.create_shape(s.ground, globe, {.position = along(0, number(most) * 0.75)}); });
 }
 
 }  // namespace

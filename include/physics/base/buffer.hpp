@@ -78,10 +78,13 @@ private:
         std::uint64_t capacity = capacity_ < 8 ? 16 : std::uint64_t{capacity_} * 2;
         if (capacity < needed) capacity = needed;
         if (capacity > most && needed <= most) capacity = most;
-        void* grown = capacity > most ? nullptr : std::realloc(static_cast<void*>(data_), static_cast<std::size_t>(capacity) * sizeof(T));
+        void* grown = capacity > most
+                          ? nullptr
+                          : std::realloc(static_cast<void*>(data_), static_cast<std::size_t>(capacity) * sizeof(T));
         if (grown == nullptr) {
             // Nobody can go on without the memory, so a handler that returns must not reach the caller.
-            detail::refuse("buffer", "memory", static_cast<double>(capacity) * sizeof(T), "the bytes are not available");
+            detail::refuse("buffer", "memory", static_cast<double>(capacity) * sizeof(T),
+                           "the bytes are not available");
             std::abort();
         }
         data_ = static_cast<T*>(grown);

@@ -38,12 +38,15 @@
 
 #ifndef PHYSICS_HPP_NONDETERMINISTIC
 #if defined(__FAST_MATH__) || defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__ != 0 || defined(_M_FP_FAST)
-#error "physics.hpp promises the same bits everywhere, which -ffast-math breaks: drop that flag for this file, or define PHYSICS_HPP_NONDETERMINISTIC"
+#error \
+    "physics.hpp promises the same bits everywhere, which -ffast-math breaks: drop that flag for this file, or define PHYSICS_HPP_NONDETERMINISTIC"
 #elif defined(__GCC_IEC_559) && __GCC_IEC_559 == 0
-#error "physics.hpp promises the same bits everywhere, which flags such as -fassociative-math break: drop them for this file, or define PHYSICS_HPP_NONDETERMINISTIC"
+#error \
+    "physics.hpp promises the same bits everywhere, which flags such as -fassociative-math break: drop them for this file, or define PHYSICS_HPP_NONDETERMINISTIC"
 #elif defined(__FLT_EVAL_METHOD__) && __FLT_EVAL_METHOD__ != 0 && __FLT_EVAL_METHOD__ != 16
 // 16 is what gcc says where _Float16 has arithmetic of its own; float and double then have too.
-#error "physics.hpp promises the same bits everywhere, which x87 arithmetic breaks: add -msse2 -mfpmath=sse, or define PHYSICS_HPP_NONDETERMINISTIC"
+#error \
+    "physics.hpp promises the same bits everywhere, which x87 arithmetic breaks: add -msse2 -mfpmath=sse, or define PHYSICS_HPP_NONDETERMINISTIC"
 #endif
 #endif
 

@@ -76,4 +76,8 @@ PHYSICS_HPP_COLD inline bool refuse(const char* function, const char* field, con
 
 }  // namespace detail
 
+/// For the checks of your own shapes and policies: refuse(function, field, value, rule) throws the error, or calls the
+/// handler and returns false; the value is text or a number.
+using detail::refuse;
+
 PHYSICS_HPP_END

@@ -33,11 +33,11 @@ inline constexpr std::uint64_t fixed_powers[] = {
     0x6a09e667f3bcc909, 0x7a11473eb0186d7d, 0x8ace5422aa0db5ba, 0x9c49182a3f0901c8,
     0xae89f995ad3ad5e8, 0xc199bdd85529c222, 0xd5818dcfba48725e, 0xea4afa2a490d9859};
 
-/// How many coefficients of a series on [0, 1] reach 2^-(bits + 6).
+/// How many coefficients of a series on [0, 1] reach 2^-(bits + 7).
 template <int N>
 constexpr int terms_above(int bits, const std::uint64_t (&c)[N]) {
     int n = 1;
-    while (n < N && (bits >= 58 || c[n] >> (58 - bits) != 0)) ++n;
+    while (n < N && (bits >= 57 || c[n] >> (57 - bits) != 0)) ++n;
     return n;
 }
 /// c[0] - z (c[1] - z (c[2] - ...)), or with sums instead.
@@ -55,7 +55,7 @@ constexpr std::uint64_t series(std::uint64_t z, const std::uint64_t (&c)[N]) {
 template <int FractionBits, bool Alternating, int I = 1>
 constexpr std::uint64_t reciprocal_series(std::uint64_t z) {
     constexpr std::uint64_t c = ~std::uint64_t{0} / (2 * I + 1);
-    if constexpr (I > FractionBits / 6) {
+    if constexpr (I > (FractionBits + 4) / 6) {
         return mul_high(z, c);
     } else {
         const std::uint64_t rest = reciprocal_series<FractionBits, Alternating, I + 1>(z);

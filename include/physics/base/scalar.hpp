@@ -60,7 +60,9 @@ struct scalar_traits<fixed<Rep, FractionBits>> {
     static constexpr scalar epsilon() { return scalar::from_raw(1); }
     static constexpr scalar max() { return scalar::from_raw(std::numeric_limits<Rep>::max()); }
     static constexpr bool is_finite(scalar) { return true; }
-    static constexpr std::uint64_t bits(scalar x) { return static_cast<std::uint64_t>(static_cast<std::int64_t>(x.raw())); }
+    static constexpr std::uint64_t bits(scalar x) {
+        return static_cast<std::uint64_t>(static_cast<std::int64_t>(x.raw()));
+    }
 };
 
 /// A number type that the engine can run on. It asks only what fixed point can give: explicit construction

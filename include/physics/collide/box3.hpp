@@ -67,7 +67,8 @@ constexpr bool clip_faces(const oriented_box<S>& reference, int axis, S sign, S 
         if (abs(facing[i]) > abs(facing[across]) + S(1.0 / 1024)) across = i;
     const S side = facing[across] > S(0) ? S(-1) : S(1);
     const int u = across == 2 ? 0 : across + 1, v = across == 0 ? 2 : across - 1;
-    const vec<S, 3> middle = incident.center - reference.center + incident.axis(across) * (incident.half[across] * side);
+    const vec<S, 3> middle =
+        incident.center - reference.center + incident.axis(across) * (incident.half[across] * side);
     const vec<S, 3> du = incident.axis(u) * incident.half[u], dv = incident.axis(v) * incident.half[v];
 
     clip_polygon<S> face;
@@ -125,8 +126,8 @@ constexpr vec<S, 3> supporting_edge(const oriented_box<S>& b, int along, vec<S, 
 /// Adds the closest points of an edge of a, which lies at the origin along the coordinate axes, and an edge of b.
 /// False, with nothing added, if they are not what the normal found closest.
 template <class S>
-constexpr bool touch_edges(const oriented_box<S>& a, int edge_a, const oriented_box<S>& b, int edge_b, vec<S, 3> n, S gap,
-                           S slack, S margin, manifold<S, 3>& out) {
+constexpr bool touch_edges(const oriented_box<S>& a, int edge_a, const oriented_box<S>& b, int edge_b, vec<S, 3> n,
+                           S gap, S slack, S margin, manifold<S, 3>& out) {
     std::uint32_t name_a = 0, name_b = 0;
     vec<S, 3> on_a = supporting_edge(a, edge_a, n, name_a), on_b = supporting_edge(b, edge_b, -n, name_b);
     const auto at = closest_to_axis(edge_a, a.half[edge_a], on_b - on_a, b.axis(edge_b), b.half[edge_b]);
@@ -141,11 +142,12 @@ constexpr bool touch_edges(const oriented_box<S>& a, int edge_a, const oriented_
 /// Adds the closest pair of a corner of one box and a point of the other, for boxes that do not overlap. `n` is
 /// the best separating axis, from a to b, and `parted` how far it parts them.
 template <class S>
-constexpr void touch_corner(const oriented_box<S>& a, const oriented_box<S>& b, vec<S, 3> n, S parted, S margin,
-                            manifold<S, 3>& out) {
+constexpr void touch_corner(const oriented_box<S>& a, const oriented_box<S>& b, vec<S, 3> n, S parted, S rounding,
+                            S margin, manifold<S, 3>& out) {
     vec<S, 3> best, corner;
     wide_of<S> least{};
     std::uint32_t feature = 0;
+    bool of_a = false;
     for (std::uint32_t flip = 0; flip < 2; ++flip) {
         const oriented_box<S>& whole = flip ? b : a;
         const oriented_box<S>& pointed = flip ? a : b;
@@ -159,6 +161,7 @@ constexpr void touch_corner(const oriented_box<S>& a, const oriented_box<S>& b, 
             least = distance;
             best = whole.axes * (flip ? -beyond : beyond);
             corner = p + whole.center;
+            of_a = flip != 0;
             // Two corners have one name, whichever was found first.
             std::uint32_t region = 0, other = 0;
             for (int k = 0; k < 3; ++k) {
@@ -166,18 +169,18 @@ constexpr void touch_corner(const oriented_box<S>& a, const oriented_box<S>& b, 
                 other |= std::uint32_t{beyond[k] > S(0)} << k;
             }
             const bool corners = beyond.x != S(0) && beyond.y != S(0) && beyond.z != S(0);
-            feature = corners ? 0x40000u | (flip ? i << 4 | other : other << 4 | i) : 0x80000u | flip << 12 | region << 4 | i;
+            feature =
+                corners ? 0x40000u | (flip ? i << 4 | other : other << 4 | i) : 0x80000u | flip << 12 | region << 4 | i;
         }
     }
     const auto [direction, distance] = split(best);
     const auto parts = [&](vec<S, 3> m) { return dot(m, b.center - a.center) - a.reach(m) - b.reach(m); };
     // Of points that all but coincide the direction is chance.
-    const bool clear = distance > S(0) && !(parts(direction) < parted);
+    const bool clear = distance > S(0) && !(parts(direction) < parted - rounding);
     out.normal = clear ? direction : n;
     const S gap = clear ? distance : parted;
     if (gap > margin) return;
-    const bool corner_of_b = (feature & 0x40000u) != 0 || (feature >> 12 & 1u) == 0;
-    out.add(corner + out.normal * (corner_of_b ? -gap : gap) * S(0.5), gap, feature);
+    out.add(corner + out.normal * ((of_a ? gap : -gap) * S(0.5)), gap, feature);
 }
 
 }  // namespace detail
@@ -192,7 +195,8 @@ constexpr void collide(const box<S, 3>& shape_a, const box<S, 3>& shape_b, const
     const detail::oriented_box<S> b{b_in_a.position, matrix(b_in_a.rotation), shape_b.half_extents};
     const vec<S, 3> offset = b.center, offset_in_b = transposed_times(b.axes, offset);
     const S smallest = min(min(a.half.x, min(a.half.y, a.half.z)), min(b.half.x, min(b.half.y, b.half.z)));
-    const S slack = smallest * S(1.0 / 512);
+    const S rounding = detail::rounding_of(largest(a.half) + largest(b.half) + largest(offset));
+    const S slack = max(smallest * S(1.0 / 512), rounding);
 
     S best_a = S(0), best_b = S(0), best_edge = S(0);
     int axis_a = 0, axis_b = 0, edge_a = -1, edge_b = 0;
@@ -233,7 +237,8 @@ constexpr void collide(const box<S, 3>& shape_a, const box<S, 3>& shape_b, const
     if (edge_leads ? edges() : best_b > best_a ? face_of_b() : face_of_a()) return;
     const S best_face = max(best_a, best_b);
     const vec<S, 3> face_normal = best_b > best_a ? b.axis(axis_b) * -sign_b : a.axis(axis_a) * sign_a;
-    touch_corner(a, b, edge_leads ? edge_normal : face_normal, edge_leads ? best_edge : best_face, margin, out);
+    touch_corner(a, b, edge_leads ? edge_normal : face_normal, edge_leads ? best_edge : best_face, rounding, margin,
+                 out);
 }
 
 PHYSICS_HPP_END

@@ -45,7 +45,10 @@ constexpr S closest_to_box(const axis_segment<S>& s, vec<S, 3> half) {
         const wide_of<S> here = i == 0 ? slope_before : slope(knees[i]);
         if (here > zero) {
             if (i == 0) return knees[0];
-            return before + (knees[i] - before) * quotient<S>(slope_before, slope_before - here);
+            // From the knee where the slope is less, since the other may be far away.
+            const wide_of<S> rise = here - slope_before;
+            return here + slope_before > zero ? before - (knees[i] - before) * quotient<S>(slope_before, rise)
+                                              : knees[i] - (knees[i] - before) * quotient<S>(here, rise);
         }
         if (here == zero) {
             S end = knees[i];
@@ -112,14 +115,24 @@ constexpr void collide(const capsule<S, 3>& a, const capsule<S, 3>& b, const tra
     const S reach = a.radius + b.radius, thinner = min(a.radius, b.radius);
     if (gap > reach + margin) return;
 
-    // Of points that all but coincide the direction is chance; across both axes is right if they cross there.
-    const auto parted = [&](vec<S, 3> m) { return abs(dot(m, s.middle)) - abs(m.x) * a.half_length - s.reach(m); };
-    if (!(gap > S(0)) || parted(n) < gap - detail::rounding_of(a.half_length + b.half_length)) {
-        vec<S, 3> across = normalized(vec<S, 3>{S(0), -s.direction.z, s.direction.y});
+    // Of points that all but coincide the direction is chance: try what is across one axis or both.
+    const auto parted = [&](vec<S, 3> m) { return dot(m, s.middle) - abs(m.x) * a.half_length - s.reach(m); };
+    const S rounding = detail::rounding_of(a.half_length + b.half_length);
+    if (!(gap > S(0)) || parted(n) < gap - rounding) {
+        const vec<S, 3> d = s.direction, offset = on_b - on_a;
+        vec<S, 3> across{S(0), -d.z, d.y};
         if (across == vec<S, 3>{}) across.y = S(1);
-        if (!(gap > S(0)) || parted(across) > parted(n)) {
-            n = dot(across, s.middle) < S(0) ? -across : across;
-            gap = parted(across);
+        if (dot(across, s.middle) < S(0)) across = -across;
+        const vec<S, 3> candidates[3] = {across, {S(0), offset.y, offset.z}, offset - d * dot(d, offset)};
+        bool found = gap > S(0);
+        gap = parted(n);
+        for (const vec<S, 3>& candidate : candidates) {
+            const vec<S, 3> m = normalized(candidate);
+            const S by = parted(m);
+            if (m == vec<S, 3>{} || (found && !(by > gap))) continue;
+            found = true;
+            n = m;
+            gap = by;
         }
     }
     out.normal = n;
@@ -139,7 +152,7 @@ constexpr void collide(const capsule<S, 3>& a, const capsule<S, 3>& b, const tra
                 gaps[k] = dot(n, from_a[k]);
                 beside = beside && largest(from_a[k] - n * gaps[k]) < thinner * S(0.1);
             }
-            if (beside && !(min(gaps[0], gaps[1]) > gap + thinner * S(1.0 / 512))) {
+            if (beside && !(min(gaps[0], gaps[1]) > gap + max(thinner * S(1.0 / 512), rounding))) {
                 for (int k = 0; k < 2; ++k) {
                     if (gaps[k] - reach > margin) continue;
                     const vec<S, 3> p = s.at(ends[k]);
@@ -162,14 +175,21 @@ constexpr void collide(const capsule<S, 3>& a, const box<S, 3>& b, const transfo
     const vec<S, 3> h = b.half_extents;
     const detail::axis_segment<S> s{inverse_transform(b_in_a, vec<S, 3>{}),
                                     inverse_rotate(b_in_a.rotation, vec<S, 3>{S(1), S(0), S(0)}), a.half_length};
-    const S slack = min(a.radius, min(h.x, min(h.y, h.z))) * S(1.0 / 512);
+    const S rounding = detail::rounding_of(s.half + largest(h) + largest(s.middle));
+    const S slack = max(min(a.radius, min(h.x, min(h.y, h.z))) * S(1.0 / 512), rounding);
     S at = closest_to_box(s, h);
     const vec<S, 3> nearest = s.at(at);
-    auto [n, gap] = split(nearest - max(-h, min(h, nearest)));
+    vec<S, 3> offset = nearest - max(-h, min(h, nearest));
+    // A corner of the box beside the axis: rounding must not tilt the normal along the axis.
+    if (abs(at) < s.half && offset.x != S(0) && offset.y != S(0) && offset.z != S(0))
+        offset += s.direction * -dot(s.direction, offset);
+    const auto parting = split(offset);
+    vec<S, 3> n = parting.direction;
+    S gap = parting.length;
     if (gap > a.radius + margin) return;
     // Of points that all but coincide the direction is chance.
     const S parted = dot(n, s.middle) - dot(abs(n), h) - s.reach(n);
-    if (!(gap > S(0)) || parted < gap - detail::rounding_of(s.half + largest(h))) {
+    if (!(gap > S(0)) || parted < gap - rounding) {
         const auto best = detail::part_from_box(s, h, slack);
         if (!(gap > S(0)) || best.gap > parted) {
             n = best.normal;
@@ -196,7 +216,8 @@ constexpr void collide(const capsule<S, 3>& a, const box<S, 3>& b, const transfo
         for (int i = 0; i < 3 && above; ++i) {
             if (i == face) continue;
             const S lean = n[i] / n[face];
-            above = clip_segment(s.middle[i] - lean * height, s.direction[i] - lean * rise, h[i] + slack, ends[0], ends[1]);
+            above =
+                clip_segment(s.middle[i] - lean * height, s.direction[i] - lean * rise, h[i] + slack, ends[0], ends[1]);
         }
         if (above && ends[1] > ends[0]) {
             const S gaps[2] = {(height + rise * ends[0]) / n[face], (height + rise * ends[1]) / n[face]};

@@ -34,7 +34,8 @@ struct manifold {
 /// Adds the point between the surfaces of two rounded features: their cores lie at a and b, the distance of
 /// the cores along the normal is gap.
 template <class S, int D>
-constexpr void add_rounded(manifold<S, D>& m, vec<S, D> a, S radius_a, vec<S, D> b, S radius_b, S gap, std::uint32_t feature) {
+constexpr void add_rounded(manifold<S, D>& m, vec<S, D> a, S radius_a, vec<S, D> b, S radius_b, S gap,
+                           std::uint32_t feature) {
     const vec<S, D> on_a = a + m.normal * radius_a;
     const vec<S, D> on_b = b - m.normal * radius_b;
     m.add((on_a + on_b) * S(0.5), gap - radius_a - radius_b, feature);

@@ -82,7 +82,8 @@ struct best_per_pair {
             for (std::uint32_t i = 0; i < count; ++i) {
                 const auto& q = queries[i];
                 out[i] = {};
-                detail::pair_table<S, D, Shapes...>::table.entry[q.a->kind()][q.b->kind()](*q.a, *q.b, q.b_in_a, margin, out[i]);
+                detail::pair_table<S, D, Shapes...>::table.entry[q.a->kind()][q.b->kind()](*q.a, *q.b, q.b_in_a, margin,
+                                                                                           out[i]);
             }
         }
     };

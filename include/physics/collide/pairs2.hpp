@@ -7,7 +7,8 @@
 PHYSICS_HPP_BEGIN
 
 template <class S>
-constexpr void collide(const box<S, 2>& a, const halfspace<S, 2>& b, const transform<S, 2>& b_in_a, S margin, manifold<S, 2>& out) {
+constexpr void collide(const box<S, 2>& a, const halfspace<S, 2>& b, const transform<S, 2>& b_in_a, S margin,
+                       manifold<S, 2>& out) {
     const auto plane = detail::plane_of(b, b_in_a);
     // The corners of the edge that faces the plane most; one of them is the lowest of all.
     const vec<S, 2> n = plane.normal;
@@ -22,15 +23,18 @@ constexpr void collide(const box<S, 2>& a, const halfspace<S, 2>& b, const trans
 }
 
 template <class S>
-constexpr void collide(const capsule<S, 2>& a, const capsule<S, 2>& b, const transform<S, 2>& b_in_a, S margin, manifold<S, 2>& out) {
+constexpr void collide(const capsule<S, 2>& a, const capsule<S, 2>& b, const transform<S, 2>& b_in_a, S margin,
+                       manifold<S, 2>& out) {
     collide_polygons(detail::polygon_of(a, {}), detail::polygon_of(b, b_in_a), margin, out);
 }
 template <class S>
-constexpr void collide(const capsule<S, 2>& a, const box<S, 2>& b, const transform<S, 2>& b_in_a, S margin, manifold<S, 2>& out) {
+constexpr void collide(const capsule<S, 2>& a, const box<S, 2>& b, const transform<S, 2>& b_in_a, S margin,
+                       manifold<S, 2>& out) {
     collide_polygons(detail::polygon_of(a, {}), detail::polygon_of(b, b_in_a), margin, out);
 }
 template <class S>
-constexpr void collide(const box<S, 2>& a, const box<S, 2>& b, const transform<S, 2>& b_in_a, S margin, manifold<S, 2>& out) {
+constexpr void collide(const box<S, 2>& a, const box<S, 2>& b, const transform<S, 2>& b_in_a, S margin,
+                       manifold<S, 2>& out) {
     collide_polygons(detail::polygon_of(a, {}), detail::polygon_of(b, b_in_a), margin, out);
 }
 

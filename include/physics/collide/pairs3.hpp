@@ -7,7 +7,8 @@
 PHYSICS_HPP_BEGIN
 
 template <class S>
-constexpr void collide(const box<S, 3>& a, const halfspace<S, 3>& b, const transform<S, 3>& b_in_a, S margin, manifold<S, 3>& out) {
+constexpr void collide(const box<S, 3>& a, const halfspace<S, 3>& b, const transform<S, 3>& b_in_a, S margin,
+                       manifold<S, 3>& out) {
     const auto plane = detail::plane_of(b, b_in_a);
     // The corners of the face that faces the plane most; one of them is the lowest of all.
     const vec<S, 3> n = plane.normal;

@@ -66,8 +66,8 @@ constexpr S distance_along(const rounded_polygon<S>& a, const rounded_polygon<S>
 /// that are left. False, with nothing added, if the point in which the edge finds `incident` closest was cut
 /// off: then the edge's normal is not the direction of least distance.
 template <class S>
-constexpr bool clip_edges(const rounded_polygon<S>& reference, edge_distance<S> found, const rounded_polygon<S>& incident,
-                          bool flip, S slack, S margin, manifold<S, 2>& out) {
+constexpr bool clip_edges(const rounded_polygon<S>& reference, edge_distance<S> found,
+                          const rounded_polygon<S>& incident, bool flip, S slack, S margin, manifold<S, 2>& out) {
     const int edge = found.edge;
     const vec<S, 2> n = reference.normal[edge], t{-n.y, n.x}, from = reference.vertex[edge];
     int facing = 0;
@@ -107,7 +107,7 @@ constexpr bool clip_edges(const rounded_polygon<S>& reference, edge_distance<S> 
 /// overlap. `parting` is the best of the edges' normals, from a to b, and `parted` how far it parts the cores.
 template <class S>
 constexpr void collide_nearest(const rounded_polygon<S>& a, const rounded_polygon<S>& b, vec<S, 2> parting, S parted,
-                               S margin, manifold<S, 2>& out) {
+                               S rounding, S margin, manifold<S, 2>& out) {
     vec<S, 2> on_a, on_b;
     wide_of<S> best{};
     std::uint32_t feature = 0;
@@ -135,7 +135,7 @@ constexpr void collide_nearest(const rounded_polygon<S>& a, const rounded_polygo
     }
     auto [n, gap] = split(on_b - on_a);
     // Of points that all but coincide the direction is chance.
-    if (!(gap > S(0)) || distance_along(a, b, n) < parted) {
+    if (!(gap > S(0)) || distance_along(a, b, n) < parted - rounding) {
         n = parting;
         gap = parted;
     }
@@ -159,12 +159,14 @@ constexpr void collide_polygons(const detail::rounded_polygon<S>& a, const detai
     if (from_b.distance > reach) return;
 
     // A preference for a's edge keeps the reference from flipping between two that are alike.
-    const S slack = min(a.size, b.size) * S(1.0 / 1024);
+    const S rounding = detail::rounding_of(largest(a.vertex[0]) + largest(b.vertex[0]));
+    const S slack = max(min(a.size, b.size) * S(1.0 / 1024), rounding);
     const bool better_b = from_b.distance > from_a.distance;
-    if (!(from_b.distance > from_a.distance + slack) && detail::clip_edges(a, from_a, b, false, slack, margin, out)) return;
+    if (!(from_b.distance > from_a.distance + slack) && detail::clip_edges(a, from_a, b, false, slack, margin, out))
+        return;
     if (better_b && detail::clip_edges(b, from_b, a, true, slack, margin, out)) return;
     detail::collide_nearest(a, b, better_b ? -b.normal[from_b.edge] : a.normal[from_a.edge],
-                            better_b ? from_b.distance : from_a.distance, margin, out);
+                            better_b ? from_b.distance : from_a.distance, rounding, margin, out);
 }
 
 PHYSICS_HPP_END

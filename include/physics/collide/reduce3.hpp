@@ -12,7 +12,8 @@ namespace detail {
 /// without a point near it. Among candidates that are alike, depths within `slack` and distances within a
 /// few percent, the first wins: rounding would choose others in each step.
 template <class S>
-constexpr void reduce(const manifold_point<S, 3>* candidates, int count, vec<S, 3> normal, S slack, manifold<S, 3>& out) {
+constexpr void reduce(const manifold_point<S, 3>* candidates, int count, vec<S, 3> normal, S slack,
+                      manifold<S, 3>& out) {
     if (count <= manifold<S, 3>::capacity) {
         for (int i = 0; i < count; ++i) out.points[out.count++] = candidates[i];
         return;

@@ -11,7 +11,8 @@ PHYSICS_HPP_BEGIN
 // halfspace. No shape is refused here: the world has checked them.
 
 template <class S, int D>
-constexpr void collide(const ball<S, D>& a, const ball<S, D>& b, const transform<S, D>& b_in_a, S margin, manifold<S, D>& out) {
+constexpr void collide(const ball<S, D>& a, const ball<S, D>& b, const transform<S, D>& b_in_a, S margin,
+                       manifold<S, D>& out) {
     vec<S, D> up;
     up.y = S(1);
     collide_round(vec<S, D>{}, a.radius, b_in_a.position, b.radius, up, margin, 0u, out);
@@ -20,7 +21,8 @@ constexpr void collide(const ball<S, D>& a, const ball<S, D>& b, const transform
 namespace detail {
 /// A ball against a box that may be flat and rounded: all points within radius_b of |p_i| <= half_i.
 template <class S, int D>
-constexpr void collide_ball(S radius_a, vec<S, D> half, S radius_b, const transform<S, D>& b_in_a, S margin, manifold<S, D>& out) {
+constexpr void collide_ball(S radius_a, vec<S, D> half, S radius_b, const transform<S, D>& b_in_a, S margin,
+                            manifold<S, D>& out) {
     // In the box's frame, where the components of the normal along a face are exactly zero.
     const vec<S, D> center = inverse_transform(b_in_a, vec<S, D>{});
     const vec<S, D> nearest = max(-half, min(half, center));
@@ -42,19 +44,22 @@ constexpr void collide_ball(S radius_a, vec<S, D> half, S radius_b, const transf
 }  // namespace detail
 
 template <class S, int D>
-constexpr void collide(const ball<S, D>& a, const capsule<S, D>& b, const transform<S, D>& b_in_a, S margin, manifold<S, D>& out) {
+constexpr void collide(const ball<S, D>& a, const capsule<S, D>& b, const transform<S, D>& b_in_a, S margin,
+                       manifold<S, D>& out) {
     detail::collide_ball(a.radius, detail::along_x<S, D>(b.half_length), b.radius, b_in_a, margin, out);
 }
 
 template <class S, int D>
-constexpr void collide(const ball<S, D>& a, const box<S, D>& b, const transform<S, D>& b_in_a, S margin, manifold<S, D>& out) {
+constexpr void collide(const ball<S, D>& a, const box<S, D>& b, const transform<S, D>& b_in_a, S margin,
+                       manifold<S, D>& out) {
     detail::collide_ball(a.radius, b.half_extents, S(0), b_in_a, margin, out);
 }
 
 namespace detail {
 /// Adds the contact of a core point p of A (with radius) and the halfspace B, both in A's frame.
 template <class S, int D>
-constexpr void touch_plane(vec<S, D> p, S radius, vec<S, D> normal, S offset, S margin, std::uint32_t feature, manifold<S, D>& out) {
+constexpr void touch_plane(vec<S, D> p, S radius, vec<S, D> normal, S offset, S margin, std::uint32_t feature,
+                           manifold<S, D>& out) {
     const S gap = dot(normal, p) - offset;
     if (gap - radius > margin) return;
     out.normal = -normal;
@@ -74,13 +79,15 @@ constexpr plane<S, D> plane_of(const halfspace<S, D>& h, const transform<S, D>& 
 }  // namespace detail
 
 template <class S, int D>
-constexpr void collide(const ball<S, D>& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a, S margin, manifold<S, D>& out) {
+constexpr void collide(const ball<S, D>& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a, S margin,
+                       manifold<S, D>& out) {
     const auto plane = detail::plane_of(b, b_in_a);
     detail::touch_plane(vec<S, D>{}, a.radius, plane.normal, plane.offset, margin, 0u, out);
 }
 
 template <class S, int D>
-constexpr void collide(const capsule<S, D>& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a, S margin, manifold<S, D>& out) {
+constexpr void collide(const capsule<S, D>& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a, S margin,
+                       manifold<S, D>& out) {
     const auto plane = detail::plane_of(b, b_in_a);
     const vec<S, D> x = detail::along_x<S, D>(a.half_length);
     detail::touch_plane(-x, a.radius, plane.normal, plane.offset, margin, 0u, out);

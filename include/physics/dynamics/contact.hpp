@@ -54,7 +54,7 @@ struct contact {
     }
 };
 
-/// The tangents of a contact normal: in the plane one, in space two.
+/// The tangent of a contact normal in the plane.
 template <class S>
 struct tangents2 {
     vec<S, 2> t;
@@ -63,6 +63,7 @@ struct tangents2 {
     [[nodiscard]] constexpr S components(vec<S, 2> v) const { return dot(t, v); }
     [[nodiscard]] constexpr vec<S, 2> combine(S along) const { return t * along; }
 };
+/// The same in space.
 template <class S>
 struct tangents3 {
     vec<S, 3> t, u;
@@ -71,6 +72,7 @@ struct tangents3 {
     [[nodiscard]] constexpr vec<S, 2> components(vec<S, 3> v) const { return {dot(t, v), dot(u, v)}; }
     [[nodiscard]] constexpr vec<S, 3> combine(vec<S, 2> along) const { return t * along.x + u * along.y; }
 };
+/// The tangents of a contact normal in D dimensions.
 template <class S, int D>
 using tangents = std::conditional_t<D == 2, tangents2<S>, tangents3<S>>;
 

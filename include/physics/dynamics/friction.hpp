@@ -16,7 +16,8 @@ constexpr inverse_of<S> angular_answer(inverse_of<S> inverse_inertia, vec<S, 2> 
     return mul<I>(mul<I>(inverse_inertia, cross(r, n)), cross(r, m));
 }
 template <class S>
-constexpr inverse_of<S> angular_answer(const symmetric<inverse_of<S>>& inverse_inertia, vec<S, 3> r, vec<S, 3> n, vec<S, 3> m) {
+constexpr inverse_of<S> angular_answer(const symmetric<inverse_of<S>>& inverse_inertia, vec<S, 3> r, vec<S, 3> n,
+                                       vec<S, 3> m) {
     using I = inverse_of<S>;
     const vec<S, 3> a = cross(r, n), b = cross(r, m);
     const auto& k = inverse_inertia;
@@ -30,12 +31,14 @@ constexpr inverse_of<S> angular_answer(const symmetric<inverse_of<S>>& inverse_i
 template <class S, int D>
 constexpr inverse_of<S> answer(const solver_body<S, D>& a, const solver_body<S, D>& b, const contact_point<S, D>& p,
                                vec<S, D> n, vec<S, D> m) {
-    return angular_answer<S>(a.inverse_inertia, p.lever_a, n, m) + angular_answer<S>(b.inverse_inertia, p.lever_b, n, m);
+    return angular_answer<S>(a.inverse_inertia, p.lever_a, n, m) +
+           angular_answer<S>(b.inverse_inertia, p.lever_b, n, m);
 }
 
 /// The effective mass along n: the impulse that changes the relative velocity along n by 1.
 template <class S, int D>
-constexpr S effective_mass(const solver_body<S, D>& a, const solver_body<S, D>& b, const contact_point<S, D>& p, vec<S, D> n) {
+constexpr S effective_mass(const solver_body<S, D>& a, const solver_body<S, D>& b, const contact_point<S, D>& p,
+                           vec<S, D> n) {
     const inverse_of<S> k = a.inverse_mass + b.inverse_mass + answer(a, b, p, n, n);
     return k > inverse_of<S>(0) ? reciprocal<S>(k) : S(0);
 }
@@ -48,7 +51,8 @@ struct friction2 {
     S mass{};
 
     constexpr friction2() = default;
-    constexpr friction2(const solver_body<S, 2>& a, const solver_body<S, 2>& b, const contact_point<S, 2>& p, const tangents2<S>& frame)
+    constexpr friction2(const solver_body<S, 2>& a, const solver_body<S, 2>& b, const contact_point<S, 2>& p,
+                        const tangents2<S>& frame)
         : mass(detail::effective_mass(a, b, p, frame.t)) {}
 
     /// The accumulated impulse that stops the slip v, or the largest that friction can give.
@@ -64,7 +68,8 @@ struct friction3 {
     S slip{};
 
     constexpr friction3() = default;
-    constexpr friction3(const solver_body<S, 3>& a, const solver_body<S, 3>& b, const contact_point<S, 3>& p, const tangents3<S>& frame) {
+    constexpr friction3(const solver_body<S, 3>& a, const solver_body<S, 3>& b, const contact_point<S, 3>& p,
+                        const tangents3<S>& frame) {
         using I = inverse_of<S>;
         const I m = a.inverse_mass + b.inverse_mass;
         const I kxx = m + detail::answer(a, b, p, frame.t, frame.t);
@@ -80,7 +85,8 @@ struct friction3 {
     }
 
     [[nodiscard]] constexpr vec<S, 2> next(vec<S, 2> impulse, vec<S, 2> v, S limit) const {
-        const vec<S, 2> stick = impulse - vec<S, 2>{sum_of_products(xx, v.x, xy, v.y), sum_of_products(xy, v.x, yy, v.y)};
+        const vec<S, 2> stick =
+            impulse - vec<S, 2>{sum_of_products(xx, v.x, xy, v.y), sum_of_products(xy, v.x, yy, v.y)};
         const wide_of<S> most = product(limit, limit);
         if (!(length_squared(stick) > most)) return stick;
         const vec<S, 2> slide = impulse - v * slip;

@@ -14,7 +14,9 @@ template <class S>
 constexpr void turn_freely(body<S, 3>& b, vec<S, 3>& angular_velocity, S h) {
     const rotation<S, 3> start = b.rotation;
     const vec<S, 3> momentum = start * times(b.mass.inertia, inverse_rotate(start, angular_velocity));
-    const auto spin = [&](const rotation<S, 3>& r) { return r * times(b.inverse_inertia, inverse_rotate(r, momentum)); };
+    const auto spin = [&](const rotation<S, 3>& r) {
+        return r * times(b.inverse_inertia, inverse_rotate(r, momentum));
+    };
     const rotation<S, 3> half_way = turned(start, angular_velocity * (h * S(0.5)));
     b.rotation = turned(start, spin(half_way) * h);
     angular_velocity = spin(b.rotation);
@@ -43,7 +45,8 @@ struct semi_implicit_euler {
             vec<S, D> acceleration = gravity * b.gravity_scale;
             for (int i = 0; i < D; ++i) acceleration[i] += mul<S>(v.inverse_mass, b.force[i]);
             v.velocity.linear = (v.velocity.linear + acceleration * h) * damped(b.linear_damping, h);
-            v.velocity.angular = (v.velocity.angular + times(v.inverse_inertia, b.torque) * h) * damped(b.angular_damping, h);
+            v.velocity.angular =
+                (v.velocity.angular + times(v.inverse_inertia, b.torque) * h) * damped(b.angular_damping, h);
         }
         /// Advances the pose of a body by its velocity, and the angular velocity of a free top with it.
         static constexpr void advance_pose(body<S, D>& b, twist<S, D>& v, S h) {

@@ -25,9 +25,11 @@ struct sequential_impulse_settings {
 
 template <class S>
 bool check(const sequential_impulse_settings<S>& with, const char* function) {
-    if (with.iterations < 1) return detail::refuse(function, "solver.iterations", with.iterations, "it must be at least 1");
+    if (with.iterations < 1)
+        return detail::refuse(function, "solver.iterations", with.iterations, "it must be at least 1");
     if (with.baumgarte > S(1))
-        return detail::refuse(function, "solver.baumgarte", static_cast<double>(with.baumgarte), "it must be at most 1");
+        return detail::refuse(function, "solver.baumgarte", static_cast<double>(with.baumgarte),
+                              "it must be at most 1");
     return detail::check_not_negative(function, "solver.baumgarte", with.baumgarte) &&
            detail::check_not_negative(function, "solver.penetration_slop", with.penetration_slop) &&
            detail::check_not_negative(function, "solver.max_push_speed", with.max_push_speed) &&
@@ -52,8 +54,8 @@ struct sequential_impulse {
 
         /// Advances velocities and poses by h: `motion` offers advance_velocities(h) and advance_poses(h).
         template <class Motion>
-        static void solve(solver_body<S, D>* bodies, buffer<contact<S, D>>& contacts, const settings& with, S h, arena& scratch,
-                          Motion&& motion) {
+        static void solve(solver_body<S, D>* bodies, buffer<contact<S, D>>& contacts, const settings& with, S h,
+                          arena& scratch, Motion&& motion) {
             block* blocks = scratch.template take<block>(contacts.size());
             for (std::uint32_t i = 0; i < contacts.size(); ++i) new (blocks + i) block(contacts[i], bodies, with, h);
             motion.advance_velocities(h);
@@ -72,7 +74,8 @@ struct sequential_impulse {
     private:
         struct no_friction {
             constexpr no_friction() = default;
-            constexpr no_friction(const solver_body<S, D>&, const solver_body<S, D>&, const contact_point<S, D>&, const tangents<S, D>&) {}
+            constexpr no_friction(const solver_body<S, D>&, const solver_body<S, D>&, const contact_point<S, D>&,
+                                  const tangents<S, D>&) {}
         };
         /// What one point needs while iterating; target_speed is the speed along the normal with which the
         /// surfaces must part, at least.
@@ -85,12 +88,14 @@ struct sequential_impulse {
             tangents<S, D> frame;
             row rows[manifold<S, D>::capacity];
 
-            block(const contact<S, D>& c, const solver_body<S, D>* bodies, const settings& with, S h) : frame(c.normal) {
+            block(const contact<S, D>& c, const solver_body<S, D>* bodies, const settings& with, S h)
+                : frame(c.normal) {
                 const solver_body<S, D>& a = bodies[c.body_a];
                 const solver_body<S, D>& b = bodies[c.body_b];
                 for (int k = 0; k < c.count; ++k) {
                     const contact_point<S, D>& p = c.points[k];
-                    rows[k] = {{a, b, p, frame}, detail::effective_mass(a, b, p, c.normal), target_speed(c, p, a, b, with, h)};
+                    rows[k] = {
+                        {a, b, p, frame}, detail::effective_mass(a, b, p, c.normal), target_speed(c, p, a, b, with, h)};
                 }
             }
         };
@@ -132,7 +137,8 @@ struct sequential_impulse {
                     const int k = back ? c.count - 1 - i : i;
                     contact_point<S, D>& p = c.points[k];
                     const vec<S, D> v = velocity_at(b.velocity, p.lever_b) - velocity_at(a.velocity, p.lever_a);
-                    const auto impulse = with.rows[k].friction.next(p.friction_impulse, frame.components(v), c.friction * p.normal_impulse);
+                    const auto impulse = with.rows[k].friction.next(p.friction_impulse, frame.components(v),
+                                                                    c.friction * p.normal_impulse);
                     const vec<S, D> change = frame.combine(impulse - p.friction_impulse);
                     p.friction_impulse = impulse;
                     a.apply(-change, p.lever_a);
@@ -144,7 +150,8 @@ struct sequential_impulse {
                 const int k = back ? c.count - 1 - i : i;
                 contact_point<S, D>& p = c.points[k];
                 const vec<S, D> v = velocity_at(b.velocity, p.lever_b) - velocity_at(a.velocity, p.lever_a);
-                const S impulse = max(p.normal_impulse + with.rows[k].normal_mass * (with.rows[k].target_speed - dot(c.normal, v)), S(0));
+                const S impulse = max(
+                    p.normal_impulse + with.rows[k].normal_mass * (with.rows[k].target_speed - dot(c.normal, v)), S(0));
                 const vec<S, D> change = c.normal * (impulse - p.normal_impulse);
                 p.normal_impulse = impulse;
                 a.apply(-change, p.lever_a);

@@ -45,7 +45,9 @@ struct no_hook {
 template <class World>
 class accumulator {
     static constexpr bool of_world = detail::world_like<World>;
-    static_assert(of_world, "physics::accumulator: the argument is not a world; write physics::accumulator<physics::world<mine>>");
+    static_assert(
+        of_world,
+        "physics::accumulator: the argument is not a world; write physics::accumulator<physics::world<mine>>");
     // Any world does after the sentence above, so that it stays the only error.
     using world_type = std::conditional_t<of_world, World, world<recipe<float, 2>>>;
 
@@ -60,7 +62,8 @@ public:
             !detail::check_finite("accumulator", "longest_frame", settings.longest_frame))
             return;
         if (settings.longest_frame < settings.step || settings.longest_frame / S(65536) > settings.step) {
-            detail::refuse("accumulator", "longest_frame", static_cast<double>(settings.longest_frame), "it must be 1 to 65536 steps");
+            detail::refuse("accumulator", "longest_frame", static_cast<double>(settings.longest_frame),
+                           "it must be 1 to 65536 steps");
             return;
         }
         settings_ = settings;

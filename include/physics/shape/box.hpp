@@ -51,7 +51,9 @@ constexpr mass_properties<S, 3> mass_of(const box<S, 3>& b, S density) {
     const vec<S, 3> h = b.half_extents;
     const S mass = density * S(8) * h.x * h.y * h.z;
     const S xx = h.x * h.x, yy = h.y * h.y, zz = h.z * h.z;
-    return {mass, {}, symmetric<S>::diagonal(mass * ((yy + zz) / S(3)), mass * ((xx + zz) / S(3)), mass * ((xx + yy) / S(3)))};
+    return {mass,
+            {},
+            symmetric<S>::diagonal(mass * ((yy + zz) / S(3)), mass * ((xx + zz) / S(3)), mass * ((xx + yy) / S(3)))};
 }
 
 PHYSICS_HPP_END

@@ -39,7 +39,8 @@ constexpr aabb<S, D> bounds(const capsule<S, D>& c, const transform<S, D>& at) {
 }
 template <class S, int D>
 constexpr vec<S, D> support(const capsule<S, D>& c, vec<S, D> direction) {
-    return detail::along_x<S, D>(direction.x < S(0) ? -c.half_length : c.half_length) + normalized(direction) * c.radius;
+    return detail::along_x<S, D>(direction.x < S(0) ? -c.half_length : c.half_length) +
+           normalized(direction) * c.radius;
 }
 /// Rectangle and two half discs, whose centroids lie 4 r / (3 pi) outwards of their flat sides.
 template <class S>

@@ -47,8 +47,9 @@ constexpr mass_properties<S, D> combined(const mass_properties<S, D>& a, const m
     const S mass = a.mass + b.mass;
     if (!(mass > S(0))) return a;
     const vec<S, D> center = a.center + (b.center - a.center) * (b.mass / mass);
-    return {mass, center,
-            a.inertia + point_inertia(a.mass, a.center - center) + b.inertia + point_inertia(b.mass, b.center - center)};
+    return {
+        mass, center,
+        a.inertia + point_inertia(a.mass, a.center - center) + b.inertia + point_inertia(b.mass, b.center - center)};
 }
 
 /// The inverse inertia; zero if the inertia is not positive (definite).

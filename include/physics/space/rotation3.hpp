@@ -46,9 +46,12 @@ constexpr vec<S, 3> inverse_rotate(rotation<S, 3> a, vec<S, 3> v) {
 template <class S>
 constexpr mat<S, 3> matrix(rotation<S, 3> a) {
     const S x2 = a.x + a.x, y2 = a.y + a.y, z2 = a.z + a.z;
-    return {{{S(1) - sum_of_products(a.y, y2, a.z, z2), sum_of_products(a.x, y2, a.w, z2), difference_of_products(a.x, z2, a.w, y2)},
-             {difference_of_products(a.x, y2, a.w, z2), S(1) - sum_of_products(a.x, x2, a.z, z2), sum_of_products(a.y, z2, a.w, x2)},
-             {sum_of_products(a.x, z2, a.w, y2), difference_of_products(a.y, z2, a.w, x2), S(1) - sum_of_products(a.x, x2, a.y, y2)}}};
+    return {{{S(1) - sum_of_products(a.y, y2, a.z, z2), sum_of_products(a.x, y2, a.w, z2),
+              difference_of_products(a.x, z2, a.w, y2)},
+             {difference_of_products(a.x, y2, a.w, z2), S(1) - sum_of_products(a.x, x2, a.z, z2),
+              sum_of_products(a.y, z2, a.w, x2)},
+             {sum_of_products(a.x, z2, a.w, y2), difference_of_products(a.y, z2, a.w, x2),
+              S(1) - sum_of_products(a.x, x2, a.y, y2)}}};
 }
 template <class S>
 constexpr bool is_finite(rotation<S, 3> a) {

@@ -68,14 +68,18 @@ concept usable_shape = complete<Shape> && shape_for<Shape, S, D>;
 template <class S, int D, template <class, int> class... Shapes>
 constexpr recipe_problem problem_of_shapes(const shapes<Shapes...>*) {
     if constexpr (sizeof...(Shapes) == 0) return recipe_problem::no_shapes;
-    else if constexpr (((times_among<Shapes<S, D>, S, D, Shapes...> > 1) || ...)) return recipe_problem::same_shape_twice;
+    else if constexpr (((times_among<Shapes<S, D>, S, D, Shapes...> > 1) || ...))
+        return recipe_problem::same_shape_twice;
     else if constexpr (!(usable_shape<Shapes<S, D>, S, D> && ...)) return recipe_problem::not_a_shape;
     else if constexpr (!(meets_all<Shapes<S, D>, S, D, Shapes...> && ...)) return recipe_problem::pair_without_contact;
     else return recipe_problem::none;
 }
 
 template <class Policy, class Space>
-concept broadphase_policy = requires { typename Policy::template in<Space>; } && broadphase_for<typename Policy::template in<Space>, Space>;
+concept broadphase_policy = requires {
+    typename Policy::template in<Space>;
+}
+&&broadphase_for<typename Policy::template in<Space>, Space>;
 
 template <class Policy, class S, int D, template <class, int> class... Shapes>
 constexpr bool narrowphase_serves(const shapes<Shapes...>*) {
@@ -98,7 +102,8 @@ struct any_motion {
 /// What a solver must offer: settings with a function check(settings, function) like that of shapes, and
 /// solve(bodies, contacts, settings, h, scratch, motion).
 template <class Policy, class S, int D, class Features>
-concept solver_policy = requires(solver_body<S, D>* bodies, buffer<contact<S, D>> contacts, arena scratch, any_motion<S> motion,
+concept solver_policy = requires(solver_body<S, D>* bodies, buffer<contact<S, D>> contacts, arena scratch,
+                                 any_motion<S> motion,
                                  const typename Policy::template in<space<S, D>, Features>::settings settings) {
     { check(settings, "function") } -> std::same_as<bool>;
     Policy::template in<space<S, D>, Features>::solve(bodies, contacts, settings, S(1), scratch, motion);
@@ -120,14 +125,18 @@ constexpr recipe_problem problem_of_policies(const policy_list<Policies...>*) {
         constexpr recipe_problem of_shapes = problem_of_shapes<S, D>(static_cast<const set*>(nullptr));
         if constexpr (of_shapes != recipe_problem::none) return of_shapes;
         else if constexpr (!features::known) return recipe_problem::unknown_feature;
-        else if constexpr (!broadphase_policy<typename policy_for<stage::broadphase, all_pairs, Policies...>::type, space<S, D>>)
+        else if constexpr (!broadphase_policy<typename policy_for<stage::broadphase, all_pairs, Policies...>::type,
+                                              space<S, D>>)
             return recipe_problem::bad_broadphase;
-        else if constexpr (!narrowphase_serves<typename policy_for<stage::narrowphase, best_per_pair, Policies...>::type, S, D>(
+        else if constexpr (!narrowphase_serves<
+                               typename policy_for<stage::narrowphase, best_per_pair, Policies...>::type, S, D>(
                                static_cast<const set*>(nullptr)))
             return recipe_problem::bad_narrowphase;
-        else if constexpr (!integrator_policy<typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type, S, D>)
+        else if constexpr (!integrator_policy<
+                               typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type, S, D>)
             return recipe_problem::bad_integrator;
-        else if constexpr (!solver_policy<typename policy_for<stage::solver, sequential_impulse, Policies...>::type, S, D, features>)
+        else if constexpr (!solver_policy<typename policy_for<stage::solver, sequential_impulse, Policies...>::type, S,
+                                          D, features>)
             return recipe_problem::bad_solver;
         else return recipe_problem::none;
     }
@@ -138,7 +147,9 @@ constexpr recipe_problem problem_of() {
     if constexpr (!recipe_like<Recipe>) return recipe_problem::not_a_recipe;
     else if constexpr (!scalar_type<typename Recipe::scalar>) return recipe_problem::bad_scalar;
     else if constexpr (Recipe::dimension != 2 && Recipe::dimension != 3) return recipe_problem::bad_dimension;
-    else return problem_of_policies<typename Recipe::scalar, Recipe::dimension>(static_cast<const typename Recipe::policies*>(nullptr));
+    else
+        return problem_of_policies<typename Recipe::scalar, Recipe::dimension>(
+            static_cast<const typename Recipe::policies*>(nullptr));
 }
 
 template <class S, int D, class... Policies>
@@ -148,7 +159,8 @@ plan<S, D, shape_set_for<Policies...>, Policies...> planned(const policy_list<Po
 /// the only error.
 template <class Recipe, bool Good = problem_of<Recipe>() == recipe_problem::none>
 struct plan_of {
-    using type = decltype(planned<typename Recipe::scalar, Recipe::dimension>(static_cast<const typename Recipe::policies*>(nullptr)));
+    using type = decltype(planned<typename Recipe::scalar, Recipe::dimension>(
+        static_cast<const typename Recipe::policies*>(nullptr)));
 };
 template <class Recipe>
 struct plan_of<Recipe, false> : plan_of<recipe<float, 2>> {};
@@ -158,34 +170,43 @@ template <class Recipe>
 struct audit {
     static constexpr recipe_problem problem = problem_of<Recipe>();
     static_assert(problem != recipe_problem::not_a_recipe,
-                  "physics::world: the argument is not a recipe; write struct mine : physics::recipe<float, 2> {} and physics::world<mine>");
+                  "physics::world: the argument is not a recipe; write struct mine : physics::recipe<float, 2> {} and "
+                  "physics::world<mine>");
     static_assert(problem != recipe_problem::bad_scalar,
-                  "physics::recipe: the scalar is not a physics::scalar_type; use float, double, physics::fixed32, or specialise physics::scalar_traits");
+                  "physics::recipe: the scalar is not a physics::scalar_type; use float, double, physics::fixed32, or "
+                  "specialise physics::scalar_traits");
     static_assert(problem != recipe_problem::bad_dimension, "physics::recipe: the dimension must be 2 or 3");
     static_assert(problem != recipe_problem::policy_without_stage,
                   "physics::recipe: a policy names no stage; give it `using stage = physics::stage::...`");
     static_assert(problem != recipe_problem::unknown_stage,
-                  "physics::recipe: a policy names a stage that does not exist; the stages are those of namespace physics::stage");
-    static_assert(problem != recipe_problem::not_shapes_or_without,
-                  "physics::recipe: a policy names a stage that only physics::shapes<...> or physics::without<...> may serve");
+                  "physics::recipe: a policy names a stage that does not exist; the stages are those of namespace "
+                  "physics::stage");
+    static_assert(
+        problem != recipe_problem::not_shapes_or_without,
+        "physics::recipe: a policy names a stage that only physics::shapes<...> or physics::without<...> may serve");
     static_assert(problem != recipe_problem::two_policies_for_a_stage,
                   "physics::recipe: two policies serve the same stage; keep one of them");
     static_assert(problem != recipe_problem::no_shapes, "physics::shapes: the set is empty; name at least one shape");
     static_assert(problem != recipe_problem::same_shape_twice, "physics::shapes: a shape stands in the set twice");
-    static_assert(problem != recipe_problem::not_a_shape,
-                  "physics::shapes: a type of the set does not model physics::shape_for; it needs check, bounds and as<T>()");
+    static_assert(
+        problem != recipe_problem::not_a_shape,
+        "physics::shapes: a type of the set does not model physics::shape_for; it needs check, bounds and as<T>()");
     static_assert(problem != recipe_problem::pair_without_contact,
                   "physics::shapes: two shapes of the set have no function collide(a, b, b_in_a, margin, manifold)");
-    static_assert(problem != recipe_problem::unknown_feature,
-                  "physics::without: an argument is not a feature; the features are those of namespace physics::feature");
+    static_assert(
+        problem != recipe_problem::unknown_feature,
+        "physics::without: an argument is not a feature; the features are those of namespace physics::feature");
     static_assert(problem != recipe_problem::bad_broadphase,
-                  "physics::recipe: the broadphase does not model physics::broadphase_for; its in<Space> needs insert, move, erase and pairs");
+                  "physics::recipe: the broadphase does not model physics::broadphase_for; its in<Space> needs insert, "
+                  "move, erase and pairs");
     static_assert(problem != recipe_problem::bad_narrowphase,
-                  "physics::recipe: the narrowphase does not model physics::narrowphase_for; its in<S, D, Shapes...> needs collide");
+                  "physics::recipe: the narrowphase does not model physics::narrowphase_for; its in<S, D, Shapes...> "
+                  "needs collide");
     static_assert(problem != recipe_problem::bad_integrator,
                   "physics::recipe: the integrator's in<Space> needs advance_velocity and advance_pose");
     static_assert(problem != recipe_problem::bad_solver,
-                  "physics::recipe: the solver's in<Space, Features> needs a struct settings with a function check, and a function solve");
+                  "physics::recipe: the solver's in<Space, Features> needs a struct settings with a function check, "
+                  "and a function solve");
 };
 
 }  // namespace detail

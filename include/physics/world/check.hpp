@@ -38,7 +38,8 @@ inline const char* name_of(body_type type) {
 template <class Plan>
 found find_dynamic(const state<Plan>& s, body_id id, const char* function) {
     const found f = find_body(s, id, function);
-    if (f && !s.bodies[f.index].is_dynamic()) return {0, refuse(function, "body", name_of(s.bodies[f.index].type), "it must be dynamic")};
+    if (f && !s.bodies[f.index].is_dynamic())
+        return {0, refuse(function, "body", name_of(s.bodies[f.index].type), "it must be dynamic")};
     return f;
 }
 /// only kinematic ones,
@@ -73,15 +74,18 @@ bool check_pose(const char* function, vec<S, D> position, const rotation<S, D>& 
     if (!check_finite(function, "position", position)) return false;
     // In double, where the squares of no format overflow.
     const double error = norm_error(converted<double>(r));
-    return error < 1e-3 || refuse(function, "error of rotation", error, "its squared length must be 1, to less than 0.001");
+    return error < 1e-3 ||
+           refuse(function, "error of rotation", error, "its squared length must be 1, to less than 0.001");
 }
 template <class Angular>
 bool check_angular_velocity(const char* function, const char* field, Angular w, bool rotation_locked) {
     if (!check_finite(function, field, w)) return false;
-    return !rotation_locked || w == Angular{} || refuse(function, field, size_of(w), "it must be 0, since the body's rotation is locked");
+    return !rotation_locked || w == Angular{} ||
+           refuse(function, field, size_of(w), "it must be 0, since the body's rotation is locked");
 }
 inline bool check_type(const char* function, body_type type) {
-    return type <= body_type::dynamic_body || refuse(function, "type", static_cast<double>(type), "it must be a body_type");
+    return type <= body_type::dynamic_body ||
+           refuse(function, "type", static_cast<double>(type), "it must be a body_type");
 }
 template <class S, int D>
 bool check_body(const body_def<S, D>& def) {
@@ -90,16 +94,21 @@ bool check_body(const body_def<S, D>& def) {
            check_finite(f, "linear_velocity", def.linear_velocity) &&
            check_angular_velocity(f, "angular_velocity", def.angular_velocity, def.rotation_locked) &&
            check_not_negative(f, "linear_damping", def.linear_damping) &&
-           check_not_negative(f, "angular_damping", def.angular_damping) && check_finite(f, "gravity_scale", def.gravity_scale);
+           check_not_negative(f, "angular_damping", def.angular_damping) &&
+           check_finite(f, "gravity_scale", def.gravity_scale);
 }
 template <class S>
 bool check_material(const char* function, const material<S>& m) {
-    if (!check_not_negative(function, "friction", m.friction) || !check_not_negative(function, "restitution", m.restitution)) return false;
-    return !(m.restitution > S(1)) || refuse(function, "restitution", static_cast<double>(m.restitution), "it must be at most 1");
+    if (!check_not_negative(function, "friction", m.friction) ||
+        !check_not_negative(function, "restitution", m.restitution))
+        return false;
+    return !(m.restitution > S(1)) ||
+           refuse(function, "restitution", static_cast<double>(m.restitution), "it must be at most 1");
 }
 template <class Settings>
 bool check_settings(const Settings& with, const char* function) {
-    return check_finite(function, "gravity", with.gravity) && check_not_negative(function, "contact_margin", with.contact_margin) &&
+    return check_finite(function, "gravity", with.gravity) &&
+           check_not_negative(function, "contact_margin", with.contact_margin) &&
            check_not_negative(function, "box_margin", with.box_margin) && check(with.solver, function);
 }
 
@@ -130,7 +139,8 @@ template <class S>
 bool check_mass_value(const char* function, const char* field, double value, double inverse_value) {
     if (!(value > 0)) return refuse(function, field, value, "it must be greater than 0");
     if (!representable<S>(value) || !representable<inverse_of<S>>(inverse_value))
-        return refuse(function, field, value, "it or its inverse is beyond the scalar's range; use other units of length or mass");
+        return refuse(function, field, value,
+                      "it or its inverse is beyond the scalar's range; use other units of length or mass");
     return true;
 }
 template <class S>
@@ -139,28 +149,33 @@ bool check_inertia(const char* function, double inertia) {
 }
 template <class S>
 bool check_inertia(const char* function, const symmetric<double>& i) {
-    if (!check_finite(function, "inertia.xy", i.xy) || !check_finite(function, "inertia.xz", i.xz) || !check_finite(function, "inertia.yz", i.yz))
+    if (!check_finite(function, "inertia.xy", i.xy) || !check_finite(function, "inertia.xz", i.xz) ||
+        !check_finite(function, "inertia.yz", i.yz))
         return false;
     const symmetric<double> inverted = inverse<double>(i);
     const double diagonal[] = {i.xx, i.yy, i.zz}, of_inverse[] = {inverted.xx, inverted.yy, inverted.zz};
     constexpr const char* names[] = {"inertia.xx", "inertia.yy", "inertia.zz"};
     for (int k = 0; k < 3; ++k)
-        if (!check_mass_value<S>(function, names[k], diagonal[k], inverted.xx > 0 ? of_inverse[k] : 1 / diagonal[k])) return false;
+        if (!check_mass_value<S>(function, names[k], diagonal[k], inverted.xx > 0 ? of_inverse[k] : 1 / diagonal[k]))
+            return false;
     const bool definite = inverted.xx > 0 && inverted_inertia(converted<S>(i)).xx > inverse_of<S>(0);
     return definite || refuse(function, "inertia.xx", i.xx, "the tensor that it begins must be positive definite");
 }
 /// Whether a dynamic body can have these mass properties, given in double, where it is now.
 template <class S, int D>
-bool check_mass(const char* function, const body<S, D>& b, const mass_properties<double, D>& m, bool without_inertia = false) {
+bool check_mass(const char* function, const body<S, D>& b, const mass_properties<double, D>& m,
+                bool without_inertia = false) {
     if (!check_mass_value<S>(function, "mass", m.mass, 1 / m.mass)) return false;
     if (!without_inertia && !check_inertia<S>(function, m.inertia)) return false;
     const vec<S, D> center = converted<S>(m.center), moved = b.pose() * center;
     return (is_finite(center) && is_finite(moved) && is_finite(velocity_at(b.velocity, moved - b.center))) ||
-           refuse(function, "center", size_of(m.center), "the body's centre of mass or its velocity would be beyond the scalar's range");
+           refuse(function, "center", size_of(m.center),
+                  "the body's centre of mass or its velocity would be beyond the scalar's range");
 }
 /// Whether a dynamic body can take its mass from its shapes, but one.
 template <class Plan>
-bool check_shapes_mass(const state<Plan>& s, std::uint32_t body, const char* function, std::uint32_t but = 0xffffffffu) {
+bool check_shapes_mass(const state<Plan>& s, std::uint32_t body, const char* function,
+                       std::uint32_t but = 0xffffffffu) {
     const auto mass = mass_of_shapes<double>(s, body, but);
     return !(mass.mass > 0) || check_mass(function, s.bodies[body], mass);
 }

@@ -54,12 +54,13 @@ void destroy_body(state<Plan>& s, std::uint32_t index) {
 }
 
 template <class Plan, class Shape>
-shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape, const shape_def<typename Plan::scalar, Plan::dimension>& def) {
+shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape,
+                      const shape_def<typename Plan::scalar, Plan::dimension>& def) {
     using S = typename Plan::scalar;
     const char* f = "create_shape";
     const found at = find_body(s, body, f);
-    if (!at || !check(shape, f) || !check_pose(f, def.position, def.rotation) || !check_not_negative(f, "density", def.density) ||
-        !check_material(f, def.material))
+    if (!at || !check(shape, f) || !check_pose(f, def.position, def.rotation) ||
+        !check_not_negative(f, "density", def.density) || !check_material(f, def.material))
         return {};
     const auto& owner = s.bodies[at.index];
     if (!solid_shape_for<Shape, S, Plan::dimension> && owner.is_dynamic()) {
@@ -75,7 +76,8 @@ shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape, const sh
     record.next = owner.first_shape;
     record.user_data = def.user_data;
     record.fat_box = fat_box(s, record);
-    if (!check_finite(f, "lower end of the box", record.fat_box.lower) || !check_finite(f, "upper end of the box", record.fat_box.upper))
+    if (!check_finite(f, "lower end of the box", record.fat_box.lower) ||
+        !check_finite(f, "upper end of the box", record.fat_box.upper))
         return {};
     if (def.density > S(0) && owner.is_dynamic() && !owner.mass_is_set &&
         !check_mass(f, owner, combined(mass_of_shapes<double>(s, at.index), mass_of_shape<double>(record))))
@@ -119,7 +121,9 @@ void set_type(state<Plan>& s, std::uint32_t index, body_type type) {
     if (type == body_type::dynamic_body) {
         bool solid = true;
         each_shape(s, index, [&](std::uint32_t, const auto& record) {
-            record.shape.visit([&](const auto& shape) { solid = solid && solid_shape_for<std::remove_cvref_t<decltype(shape)>, S, D>; });
+            record.shape.visit([&](const auto& shape) {
+                solid = solid && solid_shape_for<std::remove_cvref_t<decltype(shape)>, S, D>;
+            });
         });
         if (!solid) {
             refuse(f, "shape", "without mass", "a dynamic body needs shapes that have a mass");
@@ -137,15 +141,19 @@ void set_type(state<Plan>& s, std::uint32_t index, body_type type) {
     refresh_mass(s, index);
     refresh_boxes(s, index);
     drop_contacts(s, [&](const auto& c) {
-        return (c.body_a == index || c.body_b == index) && !s.bodies[c.body_a].is_dynamic() && !s.bodies[c.body_b].is_dynamic();
+        return (c.body_a == index || c.body_b == index) && !s.bodies[c.body_a].is_dynamic() &&
+               !s.bodies[c.body_b].is_dynamic();
     });
 }
 
 template <class Plan>
-void set_mass(state<Plan>& s, std::uint32_t index, const mass_properties<typename Plan::scalar, Plan::dimension>& mass) {
+void set_mass(state<Plan>& s, std::uint32_t index,
+              const mass_properties<typename Plan::scalar, Plan::dimension>& mass) {
     const char* f = "set_mass";
     const bool nothing_turns_it = mass.inertia == decltype(mass.inertia){};
-    if (!check_finite(f, "center", mass.center) || !check_mass(f, s.bodies[index], converted<double>(mass), nothing_turns_it)) return;
+    if (!check_finite(f, "center", mass.center) ||
+        !check_mass(f, s.bodies[index], converted<double>(mass), nothing_turns_it))
+        return;
     s.bodies[index].mass_is_set = true;
     set_mass_properties(s, index, mass);
 }
@@ -184,8 +192,9 @@ inline bool refuse_action(const char* function, const char* field, double size) 
 /// Calls f(body, force, lever) with a force or impulse and its lever from the centre of mass, in world axes;
 /// f says whether the body can take it.
 template <class Plan, class F>
-void act(state<Plan>& s, body_id id, const char* function, const char* field, vec<typename Plan::scalar, Plan::dimension> force,
-         bool local, const vec<typename Plan::scalar, Plan::dimension>* point, F&& f) {
+void act(state<Plan>& s, body_id id, const char* function, const char* field,
+         vec<typename Plan::scalar, Plan::dimension> force, bool local,
+         const vec<typename Plan::scalar, Plan::dimension>* point, F&& f) {
     const found at = find_dynamic(s, id, function);
     if (!at || !check_finite(function, field, force) || (point && !check_finite(function, "point", *point))) return;
     auto& b = s.bodies[at.index];

@@ -47,8 +47,8 @@ public:
     }
     template <class S, int D>
     void add(const body<S, D>& b) {
-        add(static_cast<std::uint64_t>(b.type) | std::uint64_t{b.rotation_locked} << 8 | std::uint64_t{b.mass_is_set} << 9 |
-            std::uint64_t{b.has_target} << 10);
+        add(static_cast<std::uint64_t>(b.type) | std::uint64_t{b.rotation_locked} << 8 |
+            std::uint64_t{b.mass_is_set} << 9 | std::uint64_t{b.has_target} << 10);
         add(b.center);
         add(b.rotation);
         add(b.velocity.linear);
@@ -106,7 +106,9 @@ std::uint64_t state_hash(const state<Plan>& s) {
     hasher h;
     const auto add_all = [&](const auto& pool) {
         h.add(std::uint64_t{pool.count()});
-        pool.each([&](std::uint32_t i, const auto& item) { h.add(hash_of(std::uint64_t{i} << 32 | pool.generation(i), item)); });
+        pool.each([&](std::uint32_t i, const auto& item) {
+            h.add(hash_of(std::uint64_t{i} << 32 | pool.generation(i), item));
+        });
     };
     h.add(s.steps);
     add_all(s.bodies);

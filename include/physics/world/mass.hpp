@@ -31,7 +31,8 @@ T converted(S x) {
 }
 template <class T, class S>
 symmetric<T> converted(const symmetric<S>& m) {
-    return {static_cast<T>(m.xx), static_cast<T>(m.yy), static_cast<T>(m.zz), static_cast<T>(m.xy), static_cast<T>(m.xz), static_cast<T>(m.yz)};
+    return {static_cast<T>(m.xx), static_cast<T>(m.yy), static_cast<T>(m.zz),
+            static_cast<T>(m.xy), static_cast<T>(m.xz), static_cast<T>(m.yz)};
 }
 template <class T, class S, int D>
 mass_properties<T, D> converted(const mass_properties<S, D>& m) {
@@ -43,7 +44,8 @@ template <class T, class Plan>
 auto mass_of_shape(const shape_record<Plan>& record) {
     return record.shape.visit([&](const auto& shape) -> mass_properties<T, Plan::dimension> {
         if constexpr (solid_shape_for<std::remove_cvref_t<decltype(shape)>, typename Plan::scalar, Plan::dimension>)
-            return transformed(mass_of(shape.template as<T>(), static_cast<T>(record.density)), converted<T>(record.local));
+            return transformed(mass_of(shape.template as<T>(), static_cast<T>(record.density)),
+                               converted<T>(record.local));
         else return {};
     });
 }
@@ -60,7 +62,8 @@ auto mass_of_shapes(const state<Plan>& s, std::uint32_t body, std::uint32_t but 
 /// Gives a body its mass, its centre and what follows from them. The frame stays where it is, and the
 /// velocity of the body's material points and the points of its contacts with it.
 template <class Plan>
-void set_mass_properties(state<Plan>& s, std::uint32_t index, const mass_properties<typename Plan::scalar, Plan::dimension>& mass) {
+void set_mass_properties(state<Plan>& s, std::uint32_t index,
+                         const mass_properties<typename Plan::scalar, Plan::dimension>& mass) {
     using S = typename Plan::scalar;
     auto& b = s.bodies[index];
     if (!(mass.center == b.mass.center)) {

@@ -77,7 +77,8 @@ auto view_of(const state<Plan>& s, const contact<typename Plan::scalar, Plan::di
         const contact_point<S, D>& p = c.points[k];
         const vec<S, D> local_a = inverse_rotate(s.contact_starts[c.body_a].rotation, p.lever_a) + a.mass.center;
         const vec<S, D> local_b = inverse_rotate(s.contact_starts[c.body_b].rotation, p.lever_b) + b.mass.center;
-        view.points[k] = {a.pose() * local_a, local_a, local_b, p.separation, p.normal_impulse, p.friction_impulse, p.persisted};
+        view.points[k] = {a.pose() * local_a, local_a,    local_b, p.separation, p.normal_impulse,
+                          p.friction_impulse, p.persisted};
     }
     return view;
 }

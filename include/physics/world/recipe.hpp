@@ -50,7 +50,8 @@ struct without {
     using stage = physics::stage::features;
     static constexpr bool friction = !(std::same_as<Features, feature::friction> || ...);
     static constexpr bool restitution = !(std::same_as<Features, feature::restitution> || ...);
-    static constexpr bool known = ((std::same_as<Features, feature::friction> || std::same_as<Features, feature::restitution>) && ...);
+    static constexpr bool known =
+        ((std::same_as<Features, feature::friction> || std::same_as<Features, feature::restitution>)&&...);
 };
 
 namespace detail {
@@ -73,8 +74,8 @@ struct policy_for {
 };
 template <class Stage, class Default, class First, class... Rest>
 struct policy_for<Stage, Default, First, Rest...> {
-    using type = typename std::conditional_t<std::same_as<typename stage_of<First>::type, Stage>, policy_for<Stage, First>,
-                                             policy_for<Stage, Default, Rest...>>::type;
+    using type = typename std::conditional_t<std::same_as<typename stage_of<First>::type, Stage>,
+                                             policy_for<Stage, First>, policy_for<Stage, Default, Rest...>>::type;
 };
 
 /// The names of shapes inside a world: physics::world<recipe>::box.
@@ -108,9 +109,12 @@ struct plan<S, D, shapes<Shapes...>, Policies...> {
     using shape = any_shape<S, D, Shapes...>;
     using query = narrowphase_query<S, D, Shapes...>;
     using broadphase = typename policy_for<stage::broadphase, all_pairs, Policies...>::type::template in<space>;
-    using narrowphase = typename policy_for<stage::narrowphase, best_per_pair, Policies...>::type::template in<S, D, Shapes...>;
-    using integrator = typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type::template in<space>;
-    using solver = typename policy_for<stage::solver, sequential_impulse, Policies...>::type::template in<space, features>;
+    using narrowphase =
+        typename policy_for<stage::narrowphase, best_per_pair, Policies...>::type::template in<S, D, Shapes...>;
+    using integrator =
+        typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type::template in<space>;
+    using solver =
+        typename policy_for<stage::solver, sequential_impulse, Policies...>::type::template in<space, features>;
     using settings = world_settings<S, D, typename solver::settings>;
 };
 

@@ -120,7 +120,8 @@ struct motion {
         s.bodies.each([&](std::uint32_t i, body<S, D>& b) {
             twist<S, D>& v = bodies[i].velocity;
             if (b.type != body_type::static_body) Plan::integrator::advance_pose(b, v, h);
-            finite = finite && is_finite(b.center) && is_finite(b.rotation) && is_finite(v.linear) && is_finite(v.angular);
+            finite =
+                finite && is_finite(b.center) && is_finite(b.rotation) && is_finite(v.linear) && is_finite(v.angular);
         });
     }
 };

@@ -15,7 +15,8 @@ PHYSICS_HPP_BEGIN
 /// and then leaves the world as it was. A copy of a world is a world in the same state, and handles serve both.
 /// Two worlds may be used on two threads. Functions cost O(1) unless they say otherwise.
 template <class Recipe>
-class world : public detail::shape_aliases<typename detail::plan_of<Recipe>::type::scalar, detail::plan_of<Recipe>::type::dimension> {
+class world : public detail::shape_aliases<typename detail::plan_of<Recipe>::type::scalar,
+                                           detail::plan_of<Recipe>::type::dimension> {
     using plan = typename detail::plan_of<Recipe>::type;
     static_assert(sizeof(detail::audit<Recipe>) > 0);
 
@@ -38,7 +39,8 @@ public:
     /// An empty world. Refuses settings out of range, and a build whose arithmetic would not give the same
     /// bits as every other (see float_environment).
     explicit world(const settings_type& settings = {}) {
-        if (detail::check_settings(settings, "world") && detail::check_environment<scalar>("world")) state_.settings = settings;
+        if (detail::check_settings(settings, "world") && detail::check_environment<scalar>("world"))
+            state_.settings = settings;
         state_.tag = detail::next_world_tag();
     }
 
@@ -48,7 +50,8 @@ public:
         if (!detail::check_positive("step", "dt", dt)) return;
         const float_control_scope control;
         if (!detail::step(state_, dt))
-            detail::refuse("step", "a velocity", "not finite", "a force, a speed or a mass is beyond the scalar's range");
+            detail::refuse("step", "a velocity", "not finite",
+                           "a force, a speed or a mass is beyond the scalar's range");
     }
     /// Number of steps taken.
     [[nodiscard]] std::uint64_t steps() const { return state_.steps; }
@@ -73,7 +76,9 @@ public:
     template <class Shape>
     shape_id create_shape(body_id body, const Shape& shape, const shape_def& def = {}) {
         constexpr bool known = any_shape::template kind_of<Shape>() >= 0;
-        static_assert(known, "physics::world::create_shape: the recipe's set of shapes lacks this one; name it in physics::shapes<...>");
+        static_assert(
+            known,
+            "physics::world::create_shape: the recipe's set of shapes lacks this one; name it in physics::shapes<...>");
         if constexpr (known) return detail::create_shape(state_, body, shape, def);
         else return {};
     }
@@ -82,8 +87,12 @@ public:
         if (const auto s = detail::find_shape(state_, id, "destroy_shape")) detail::destroy_shape(state_, s.index);
     }
     /// True if the handle names a living thing of this world; never an error.
-    [[nodiscard]] bool contains(body_id id) const { return id.world == state_.tag && state_.bodies.contains(id.index, id.generation); }
-    [[nodiscard]] bool contains(shape_id id) const { return id.world == state_.tag && state_.shapes.contains(id.index, id.generation); }
+    [[nodiscard]] bool contains(body_id id) const {
+        return id.world == state_.tag && state_.bodies.contains(id.index, id.generation);
+    }
+    [[nodiscard]] bool contains(shape_id id) const {
+        return id.world == state_.tag && state_.shapes.contains(id.index, id.generation);
+    }
     [[nodiscard]] std::uint32_t body_count() const { return state_.bodies.count(); }
     [[nodiscard]] std::uint32_t shape_count() const { return state_.shapes.count(); }
 
@@ -98,14 +107,21 @@ public:
     [[nodiscard]] auto contacts() const { return detail::contact_range<plan>(state_); }
 
     /// Where the body's frame is: origin, rotation, both; and where its centre of mass is.
-    [[nodiscard]] vec position(body_id id) const { return get(id, "position", [](const auto& b) { return b.pose().position; }); }
-    [[nodiscard]] rotation orientation(body_id id) const { return get(id, "orientation", [](const auto& b) { return b.rotation; }); }
+    [[nodiscard]] vec position(body_id id) const {
+        return get(id, "position", [](const auto& b) { return b.pose().position; });
+    }
+    [[nodiscard]] rotation orientation(body_id id) const {
+        return get(id, "orientation", [](const auto& b) { return b.rotation; });
+    }
     [[nodiscard]] transform pose(body_id id) const { return get(id, "pose", [](const auto& b) { return b.pose(); }); }
-    [[nodiscard]] vec center_of_mass(body_id id) const { return get(id, "center_of_mass", [](const auto& b) { return b.center; }); }
+    [[nodiscard]] vec center_of_mass(body_id id) const {
+        return get(id, "center_of_mass", [](const auto& b) { return b.center; });
+    }
     /// Moves a body at once, without a path in between. Velocities stay.
     void set_pose(body_id id, vec position, const rotation& orientation) {
         const auto b = find(id, "set_pose");
-        if (b && detail::check_pose("set_pose", position, orientation)) detail::set_pose(state_, b.index, {position, normalized(orientation)});
+        if (b && detail::check_pose("set_pose", position, orientation))
+            detail::set_pose(state_, b.index, {position, normalized(orientation)});
     }
     void set_pose(body_id id, const transform& pose) { set_pose(id, pose.position, pose.rotation); }
     /// Lets a kinematic body reach a pose by the end of the next step, pushing what is in its way; then it stands.
@@ -118,8 +134,12 @@ public:
     void move_to(body_id id, const transform& pose) { move_to(id, pose.position, pose.rotation); }
 
     /// Velocity of the centre of mass (m/s), angular velocity (rad/s), velocity of the body at a point.
-    [[nodiscard]] vec linear_velocity(body_id id) const { return get(id, "linear_velocity", [](const auto& b) { return b.velocity.linear; }); }
-    [[nodiscard]] angular angular_velocity(body_id id) const { return get(id, "angular_velocity", [](const auto& b) { return b.velocity.angular; }); }
+    [[nodiscard]] vec linear_velocity(body_id id) const {
+        return get(id, "linear_velocity", [](const auto& b) { return b.velocity.linear; });
+    }
+    [[nodiscard]] angular angular_velocity(body_id id) const {
+        return get(id, "angular_velocity", [](const auto& b) { return b.velocity.angular; });
+    }
     [[nodiscard]] vec velocity_at(body_id id, vec point) const {
         const auto b = find(id, "velocity_at");
         if (!b || !detail::check_finite("velocity_at", "point", point)) return {};
@@ -141,13 +161,16 @@ public:
     void apply_force(body_id id, vec force) { push(id, "apply_force", force, false, nullptr); }
     void apply_force_at(body_id id, vec force, vec point) { push(id, "apply_force_at", force, false, &point); }
     void apply_local_force(body_id id, vec force) { push(id, "apply_local_force", force, true, nullptr); }
-    void apply_local_force_at(body_id id, vec force, vec point) { push(id, "apply_local_force_at", force, true, &point); }
+    void apply_local_force_at(body_id id, vec force, vec point) {
+        push(id, "apply_local_force_at", force, true, &point);
+    }
     /// A torque (N m) during the next step.
     void apply_torque(body_id id, angular torque) {
         const auto b = dynamic(id, "apply_torque");
         if (!b || !detail::check_finite("apply_torque", "torque", torque)) return;
         auto& sum = state_.bodies[b.index].torque;
-        if (!detail::assign(sum, sum + torque)) detail::refuse_action("apply_torque", "torque", detail::size_of(torque));
+        if (!detail::assign(sum, sum + torque))
+            detail::refuse_action("apply_torque", "torque", detail::size_of(torque));
     }
     /// Forgets the forces and torques that wait for the next step.
     void clear_forces(body_id id) {
@@ -160,13 +183,16 @@ public:
     void apply_impulse(body_id id, vec impulse) { kick(id, "apply_impulse", impulse, false, nullptr); }
     void apply_impulse_at(body_id id, vec impulse, vec point) { kick(id, "apply_impulse_at", impulse, false, &point); }
     void apply_local_impulse(body_id id, vec impulse) { kick(id, "apply_local_impulse", impulse, true, nullptr); }
-    void apply_local_impulse_at(body_id id, vec impulse, vec point) { kick(id, "apply_local_impulse_at", impulse, true, &point); }
+    void apply_local_impulse_at(body_id id, vec impulse, vec point) {
+        kick(id, "apply_local_impulse_at", impulse, true, &point);
+    }
     /// An angular impulse (N m s).
     void apply_angular_impulse(body_id id, angular impulse) {
         const auto at = dynamic(id, "apply_angular_impulse");
         if (!at || !detail::check_finite("apply_angular_impulse", "impulse", impulse)) return;
         auto& b = state_.bodies[at.index];
-        if (!detail::assign(b.velocity.angular, b.velocity.angular + times(in_world(b.inverse_inertia, b.rotation), impulse)))
+        if (!detail::assign(b.velocity.angular,
+                            b.velocity.angular + times(in_world(b.inverse_inertia, b.rotation), impulse)))
             detail::refuse_action("apply_angular_impulse", "impulse", detail::size_of(impulse));
     }
 
@@ -180,7 +206,9 @@ public:
     }
     /// Mass (kg), centre (m) and inertia about it (kg m^2) in the body's frame. Static and kinematic bodies take none
     /// from their shapes: they have mass 0 and their centre at the origin.
-    [[nodiscard]] mass_properties mass(body_id id) const { return get(id, "mass", [](const auto& b) { return b.mass; }); }
+    [[nodiscard]] mass_properties mass(body_id id) const {
+        return get(id, "mass", [](const auto& b) { return b.mass; });
+    }
     /// Sets them for a dynamic body, until reset_mass, whatever its shapes are; with an inertia of 0 nothing turns it.
     /// Refuses what the scalar cannot hold, and tensors that are not positive definite.
     void set_mass(body_id id, const mass_properties& mass) {
@@ -190,8 +218,12 @@ public:
     void reset_mass(body_id id) {
         if (const auto b = dynamic(id, "reset_mass")) detail::reset_mass(state_, b.index);
     }
-    [[nodiscard]] scalar linear_damping(body_id id) const { return get(id, "linear_damping", [](const auto& b) { return b.linear_damping; }); }
-    [[nodiscard]] scalar angular_damping(body_id id) const { return get(id, "angular_damping", [](const auto& b) { return b.angular_damping; }); }
+    [[nodiscard]] scalar linear_damping(body_id id) const {
+        return get(id, "linear_damping", [](const auto& b) { return b.linear_damping; });
+    }
+    [[nodiscard]] scalar angular_damping(body_id id) const {
+        return get(id, "angular_damping", [](const auto& b) { return b.angular_damping; });
+    }
     /// Rates (1/s), at least 0, at which the velocities of a dynamic body decay without force.
     void set_damping(body_id id, scalar linear_rate, scalar angular_rate) {
         const auto b = find(id, "set_damping");
@@ -201,17 +233,24 @@ public:
         state_.bodies[b.index].linear_damping = linear_rate;
         state_.bodies[b.index].angular_damping = angular_rate;
     }
-    [[nodiscard]] scalar gravity_scale(body_id id) const { return get(id, "gravity_scale", [](const auto& b) { return b.gravity_scale; }); }
+    [[nodiscard]] scalar gravity_scale(body_id id) const {
+        return get(id, "gravity_scale", [](const auto& b) { return b.gravity_scale; });
+    }
     void set_gravity_scale(body_id id, scalar factor) {
         const auto b = find(id, "set_gravity_scale");
-        if (b && detail::check_finite("set_gravity_scale", "factor", factor)) state_.bodies[b.index].gravity_scale = factor;
+        if (b && detail::check_finite("set_gravity_scale", "factor", factor))
+            state_.bodies[b.index].gravity_scale = factor;
     }
-    [[nodiscard]] bool rotation_locked(body_id id) const { return get(id, "rotation_locked", [](const auto& b) { return b.rotation_locked; }); }
+    [[nodiscard]] bool rotation_locked(body_id id) const {
+        return get(id, "rotation_locked", [](const auto& b) { return b.rotation_locked; });
+    }
     /// Locks or frees rotation; locking stops it.
     void set_rotation_locked(body_id id, bool locked) {
         if (const auto b = find(id, "set_rotation_locked")) detail::set_rotation_locked(state_, b.index, locked);
     }
-    [[nodiscard]] std::uint64_t user_data(body_id id) const { return get(id, "user_data", [](const auto& b) { return b.user_data; }); }
+    [[nodiscard]] std::uint64_t user_data(body_id id) const {
+        return get(id, "user_data", [](const auto& b) { return b.user_data; });
+    }
     void set_user_data(body_id id, std::uint64_t data) {
         if (const auto b = find(id, "set_user_data")) state_.bodies[b.index].user_data = data;
     }
@@ -224,14 +263,20 @@ public:
     }
     /// The shape itself, and its pose in the body's frame: visit it to learn its kind.
     [[nodiscard]] any_shape shape(shape_id id) const { return get(id, "shape", [](const auto& s) { return s.shape; }); }
-    [[nodiscard]] transform local_pose(shape_id id) const { return get(id, "local_pose", [](const auto& s) { return s.local; }); }
-    [[nodiscard]] material surface(shape_id id) const { return get(id, "surface", [](const auto& s) { return s.material; }); }
+    [[nodiscard]] transform local_pose(shape_id id) const {
+        return get(id, "local_pose", [](const auto& s) { return s.local; });
+    }
+    [[nodiscard]] material surface(shape_id id) const {
+        return get(id, "surface", [](const auto& s) { return s.material; });
+    }
     /// Changes a shape's material from the next step on.
     void set_surface(shape_id id, const material& m) {
         const auto s = detail::find_shape(state_, id, "set_surface");
         if (s && detail::check_material("set_surface", m)) state_.shapes[s.index].material = m;
     }
-    [[nodiscard]] std::uint64_t user_data(shape_id id) const { return get(id, "user_data", [](const auto& s) { return s.user_data; }); }
+    [[nodiscard]] std::uint64_t user_data(shape_id id) const {
+        return get(id, "user_data", [](const auto& s) { return s.user_data; });
+    }
     void set_user_data(shape_id id, std::uint64_t data) {
         if (const auto s = detail::find_shape(state_, id, "set_user_data")) state_.shapes[s.index].user_data = data;
     }
@@ -239,16 +284,20 @@ public:
 private:
     detail::found find(body_id id, const char* function) const { return detail::find_body(state_, id, function); }
     detail::found dynamic(body_id id, const char* function) const { return detail::find_dynamic(state_, id, function); }
-    detail::found find_moving(body_id id, const char* function) const { return detail::find_moving(state_, id, function); }
+    detail::found find_moving(body_id id, const char* function) const {
+        return detail::find_moving(state_, id, function);
+    }
 
     /// f of the thing that the handle names, or a default value after refusing the handle.
     template <class F>
-    auto get(body_id id, const char* function, F&& f) const -> decltype(f(std::declval<const physics::body<scalar, dimension>&>())) {
+    auto get(body_id id, const char* function, F&& f) const
+        -> decltype(f(std::declval<const physics::body<scalar, dimension>&>())) {
         const auto b = find(id, function);
         return b ? f(state_.bodies[b.index]) : decltype(f(state_.bodies[0])){};
     }
     template <class F>
-    auto get(shape_id id, const char* function, F&& f) const -> decltype(f(std::declval<const detail::shape_record<plan>&>())) {
+    auto get(shape_id id, const char* function, F&& f) const
+        -> decltype(f(std::declval<const detail::shape_record<plan>&>())) {
         const auto s = detail::find_shape(state_, id, function);
         return s ? f(state_.shapes[s.index]) : decltype(f(state_.shapes[0])){};
     }
