@@ -11,6 +11,8 @@
 
 #include "world_cell.hpp"
 
+namespace {
+
 // What a user writes stands in a namespace of the user's; the library finds the functions by their arguments.
 namespace user {
 
@@ -136,8 +138,6 @@ void collide(const physics::halfspace<T, D>& a, const bubble<T, D>& b, const phy
 
 }  // namespace user
 
-namespace {
-
 template <class... Policies>
 struct of : physics::recipe<S, cell::dimension, Policies...> {};
 template <class... Policies>
@@ -147,13 +147,6 @@ using physics::feature::friction;
 using physics::feature::restitution;
 using all_own = of<user::glue, physics::shapes<user::bubble, physics::halfspace>, user::upside_down, user::address_book,
                    user::blind>;
-
-}  // namespace
-
-template class physics::world<all_own>;
-template class physics::world<of<physics::without<friction, restitution>>>;
-
-namespace {
 
 /// Balls thrown onto the ground beside a slope; the hash of every step.
 template <class World, class Ball = typename World::ball>
@@ -309,3 +302,7 @@ CELL_CASE("recipes: a refused step is undone in a solver of many substeps too") 
 }
 
 }  // namespace
+
+// Compiles every member.
+template class physics::world<all_own>;
+template class physics::world<of<physics::without<friction, restitution>>>;

@@ -61,7 +61,9 @@ struct shape_def {
     std::uint64_t user_data = 0;
 };
 
+/// Tells handles of bodies from others.
 struct body_tag;
+/// Tells handles of shapes from others.
 struct shape_tag;
 /// Names a body of a world.
 using body_id = handle<body_tag>;
