@@ -214,6 +214,7 @@ def cheap(tally):
     script(tally, ROOT / "tests/layers.py")
     script(tally, ROOT / "include/amalgamate.py", "--check")
     script(tally, ROOT / "tests/alone.py")
+    script(tally, ROOT / "tests/readme.py")
 
 
 def misuse(tally):
