@@ -2993,8 +2993,10 @@ concept literal_for = std::is_arithmetic_v<T> && !std::same_as<T, S>;
 /// Such a number as S, through double where S takes nothing nearer.
 template <class S, class T>
 constexpr S from_literal(T x) {
-    if constexpr (std::constructible_from<S, T>) return static_cast<S>(x);
-    else return static_cast<S>(static_cast<double>(x));
+    if constexpr (std::constructible_from<S, T>)
+        return static_cast<S>(x);
+    else
+        return static_cast<S>(static_cast<double>(x));
 }
 }  // namespace detail
 
@@ -3354,9 +3356,11 @@ template <class I, class S>
 constexpr symmetric<I> rotated(const symmetric<I>& m, const mat<S, 3>& r) {
     const auto row = [&](int i) {
         const S x = r.column[0][i], y = r.column[1][i], z = r.column[2][i];
-        struct { I x, y, z; } result{narrow<I>(product(m.xx, x) + product(m.xy, y) + product(m.xz, z)),
-                                     narrow<I>(product(m.xy, x) + product(m.yy, y) + product(m.yz, z)),
-                                     narrow<I>(product(m.xz, x) + product(m.yz, y) + product(m.zz, z))};
+        struct {
+            I x, y, z;
+        } result{narrow<I>(product(m.xx, x) + product(m.xy, y) + product(m.xz, z)),
+                 narrow<I>(product(m.xy, x) + product(m.yy, y) + product(m.yz, z)),
+                 narrow<I>(product(m.xz, x) + product(m.yz, y) + product(m.zz, z))};
         return result;
     };
     const auto entry = [&](const auto& a, int j) {
@@ -3749,9 +3753,7 @@ constexpr symmetric<inverse_of<S>> in_world(const symmetric<inverse_of<S>>& loca
 /// Inverse inertia times an angular impulse: the change of angular velocity.
 template <class I, class S>
     requires std::same_as<I, inverse_of<S>>
-constexpr S times(I inverse_inertia, S moment) {
-    return mul<S>(inverse_inertia, moment);
-}
+constexpr S times(I inverse_inertia, S moment) { return mul<S>(inverse_inertia, moment); }
 
 PHYSICS_HPP_END
 
@@ -3853,13 +3855,13 @@ template <class S>
 constexpr mass_properties<S, 2> mass_of(const ball<S, 2>& b, S density) {
     const S rr = b.radius * b.radius;
     const S mass = density * pi<S> * rr;
-    return {mass, {}, mass * rr * S(0.5)};
+    return {mass, {}, mass * (rr * S(0.5))};
 }
 template <class S>
 constexpr mass_properties<S, 3> mass_of(const ball<S, 3>& b, S density) {
     const S rr = b.radius * b.radius;
     const S mass = density * (S(4) * pi<S> / S(3)) * rr * b.radius;
-    const S i = mass * rr * S(0.4);
+    const S i = mass * (rr * S(0.4));
     return {mass, {}, symmetric<S>::diagonal(i, i, i)};
 }
 
@@ -4082,9 +4084,7 @@ public:
     any_shape() : any_shape(first{}) {}
     template <class Shape>
         requires(kind_of<Shape>() >= 0)
-    any_shape(const Shape& shape) : kind_(kind_of<Shape>()) {
-        new (static_cast<void*>(bytes_)) Shape(shape);
-    }
+    any_shape(const Shape& shape) : kind_(kind_of<Shape>()) { new (static_cast<void*>(bytes_)) Shape(shape); }
 
     [[nodiscard]] int kind() const { return kind_; }
     /// The shape, which must be of that type.
@@ -4101,8 +4101,10 @@ public:
 private:
     template <int I, class F, class First, class... Rest>
     decltype(auto) visit_from(F& f) const {
-        if constexpr (sizeof...(Rest) == 0) return f(get<First>());
-        else return kind_ == I ? f(get<First>()) : visit_from<I + 1, F, Rest...>(f);
+        if constexpr (sizeof...(Rest) == 0)
+            return f(get<First>());
+        else
+            return kind_ == I ? f(get<First>()) : visit_from<I + 1, F, Rest...>(f);
     }
     template <class First, class...>
     struct head {
@@ -4296,8 +4298,10 @@ constexpr bool clip_segment(S middle, S direction, S limit, S& start, S& stop) {
         const S at_start = side * (middle + direction * start) - limit,
                 at_stop = side * (middle + direction * stop) - limit;
         if (at_start > S(0) && at_stop > S(0)) return false;
-        if (at_start > S(0)) start += (stop - start) * (at_start / (at_start - at_stop));
-        else if (at_stop > S(0)) stop -= (stop - start) * (at_stop / (at_stop - at_start));
+        if (at_start > S(0))
+            start += (stop - start) * (at_start / (at_start - at_stop));
+        else if (at_stop > S(0))
+            stop -= (stop - start) * (at_stop / (at_stop - at_start));
     }
     return true;
 }
@@ -4397,7 +4401,8 @@ constexpr bool clip_faces(const oriented_box<S>& reference, int axis, S sign, S 
                                 static_cast<std::uint32_t>(flip) << 16;
     manifold_point<S, 3> candidates[8];
     int count = 0;
-    S deepest = gap + slack + slack;
+    const S most = gap + slack + slack;
+    S deepest = most + slack;
     for (int i = 0; i < face.count; ++i) {
         const auto& corner = face.corners[i];
         const S separation = dot(n, corner.position) - top;
@@ -4406,7 +4411,7 @@ constexpr bool clip_faces(const oriented_box<S>& reference, int axis, S sign, S 
         candidates[count++] = {reference.center + corner.position - n * (separation * S(0.5)), separation,
                                faces | corner.before << 4 | corner.after};
     }
-    if (deepest > gap + slack) return false;
+    if (deepest > most) return false;
     out.normal = flip ? -n : n;
     reduce(candidates, count, n, slack, out);
     return true;
@@ -4442,48 +4447,64 @@ constexpr bool touch_edges(const oriented_box<S>& a, int edge_a, const oriented_
     return true;
 }
 
+/// A corner of one box and the point of another box that is closest to it.
+template <class S>
+struct corner_distance {
+    vec<S, 3> corner;
+    /// From the other box to the corner.
+    vec<S, 3> direction;
+    S gap{};
+    std::uint32_t number = 0;
+    /// Where the other box is closest: for each axis inside (0), at its lower end (1) or at its upper (2).
+    std::uint32_t region[3] = {};
+};
+template <class S>
+constexpr corner_distance<S> closest_corner(const oriented_box<S>& whole, const oriented_box<S>& pointed) {
+    corner_distance<S> best;
+    vec<S, 3> offset;
+    wide_of<S> least{};
+    for (std::uint32_t i = 0; i < 8; ++i) {
+        vec<S, 3> p = pointed.center - whole.center;
+        for (int k = 0; k < 3; ++k) p += pointed.axis(k) * (i >> k & 1u ? pointed.half[k] : -pointed.half[k]);
+        const vec<S, 3> local = transposed_times(whole.axes, p);
+        const vec<S, 3> beyond = local - max(-whole.half, min(whole.half, local));
+        const wide_of<S> distance = length_squared(beyond);
+        if (i > 0 && !(distance < least)) continue;
+        least = distance;
+        offset = beyond;
+        best.corner = whole.center + p;
+        best.number = i;
+    }
+    const auto [direction, gap] = split(offset);
+    best.direction = whole.axes * direction;
+    best.gap = gap;
+    for (int k = 0; k < 3; ++k) best.region[k] = offset[k] > S(0) ? 2u : offset[k] < S(0) ? 1u : 0u;
+    return best;
+}
+
 /// Adds the closest pair of a corner of one box and a point of the other, for boxes that do not overlap. `n` is
 /// the best separating axis, from a to b, and `parted` how far it parts them.
 template <class S>
 constexpr void touch_corner(const oriented_box<S>& a, const oriented_box<S>& b, vec<S, 3> n, S parted, S rounding,
                             S margin, manifold<S, 3>& out) {
-    vec<S, 3> best, corner;
-    wide_of<S> least{};
-    std::uint32_t feature = 0;
-    bool of_a = false;
-    for (std::uint32_t flip = 0; flip < 2; ++flip) {
-        const oriented_box<S>& whole = flip ? b : a;
-        const oriented_box<S>& pointed = flip ? a : b;
-        for (std::uint32_t i = 0; i < 8; ++i) {
-            vec<S, 3> p = pointed.center - whole.center;
-            for (int k = 0; k < 3; ++k) p += pointed.axis(k) * (i >> k & 1u ? pointed.half[k] : -pointed.half[k]);
-            const vec<S, 3> local = transposed_times(whole.axes, p);
-            const vec<S, 3> beyond = local - max(-whole.half, min(whole.half, local));
-            const wide_of<S> distance = length_squared(beyond);
-            if (feature != 0 && !(distance < least)) continue;
-            least = distance;
-            best = whole.axes * (flip ? -beyond : beyond);
-            corner = p + whole.center;
-            of_a = flip != 0;
-            // Two corners have one name, whichever was found first.
-            std::uint32_t region = 0, other = 0;
-            for (int k = 0; k < 3; ++k) {
-                region = region * 3 + (beyond[k] > S(0) ? 2u : beyond[k] < S(0) ? 1u : 0u);
-                other |= std::uint32_t{beyond[k] > S(0)} << k;
-            }
-            const bool corners = beyond.x != S(0) && beyond.y != S(0) && beyond.z != S(0);
-            feature =
-                corners ? 0x40000u | (flip ? i << 4 | other : other << 4 | i) : 0x80000u | flip << 12 | region << 4 | i;
-        }
-    }
-    const auto [direction, distance] = split(best);
+    const corner_distance<S> of_a = closest_corner(b, a), of_b = closest_corner(a, b);
     const auto parts = [&](vec<S, 3> m) { return dot(m, b.center - a.center) - a.reach(m) - b.reach(m); };
-    // Of points that all but coincide the direction is chance.
-    const bool clear = distance > S(0) && !(parts(direction) < parted - rounding);
-    out.normal = clear ? direction : n;
-    const S gap = clear ? distance : parted;
+    // Where both are as close, one of the normals may be chance; and so may both where all but coincides.
+    const S by_a = parts(-of_a.direction), by_b = parts(of_b.direction);
+    const bool use_a = by_a > by_b;
+    const corner_distance<S>& best = use_a ? of_a : of_b;
+    const bool clear = best.gap > S(0) && !(max(by_a, by_b) < parted - rounding);
+    out.normal = !clear ? n : use_a ? -best.direction : best.direction;
+    const S gap = clear ? best.gap : parted;
     if (gap > margin) return;
-    out.add(corner + out.normal * ((of_a ? gap : -gap) * S(0.5)), gap, feature);
+    // Two corners have one name, whichever was found.
+    const auto& r = best.region;
+    std::uint32_t feature = 0x80000u | std::uint32_t{use_a} << 12 | (r[0] * 9 + r[1] * 3 + r[2]) << 4 | best.number;
+    if (r[0] != 0 && r[1] != 0 && r[2] != 0) {
+        const std::uint32_t other = (r[0] - 1) | (r[1] - 1) << 1 | (r[2] - 1) << 2;
+        feature = 0x40000u | (use_a ? best.number << 4 | other : other << 4 | best.number);
+    }
+    out.add(best.corner + out.normal * ((use_a ? gap : -gap) * S(0.5)), gap, feature);
 }
 
 }  // namespace detail
@@ -4667,11 +4688,12 @@ constexpr void collide(const capsule<S, 3>& a, const capsule<S, 3>& b, const tra
     const auto parted = [&](vec<S, 3> m) { return dot(m, s.middle) - abs(m.x) * a.half_length - s.reach(m); };
     const S rounding = detail::rounding_of(a.half_length + b.half_length);
     if (!(gap > S(0)) || parted(n) < gap - rounding) {
-        const vec<S, 3> d = s.direction, offset = on_b - on_a;
+        const vec<S, 3> d = s.direction;
         vec<S, 3> across{S(0), -d.z, d.y};
         if (across == vec<S, 3>{}) across.y = S(1);
         if (dot(across, s.middle) < S(0)) across = -across;
-        const vec<S, 3> candidates[3] = {across, {S(0), offset.y, offset.z}, offset - d * dot(d, offset)};
+        const vec<S, 3> along = n - d * dot(d, n),
+                        candidates[3] = {across, {S(0), n.y, n.z}, along - d * dot(d, along)};
         bool found = gap > S(0);
         gap = parted(n);
         for (const vec<S, 3>& candidate : candidates) {
@@ -4727,14 +4749,14 @@ constexpr void collide(const capsule<S, 3>& a, const box<S, 3>& b, const transfo
     const S slack = max(min(a.radius, min(h.x, min(h.y, h.z))) * S(1.0 / 512), rounding);
     S at = closest_to_box(s, h);
     const vec<S, 3> nearest = s.at(at);
-    vec<S, 3> offset = nearest - max(-h, min(h, nearest));
-    // A corner of the box beside the axis: rounding must not tilt the normal along the axis.
-    if (abs(at) < s.half && offset.x != S(0) && offset.y != S(0) && offset.z != S(0))
-        offset += s.direction * -dot(s.direction, offset);
+    const vec<S, 3> offset = nearest - max(-h, min(h, nearest));
     const auto parting = split(offset);
     vec<S, 3> n = parting.direction;
     S gap = parting.length;
     if (gap > a.radius + margin) return;
+    // A corner of the box beside the axis: rounding must not tilt the normal along the axis.
+    if (abs(at) < s.half && offset.x != S(0) && offset.y != S(0) && offset.z != S(0))
+        n = normalized(n - s.direction * dot(s.direction, n));
     // Of points that all but coincide the direction is chance.
     const S parted = dot(n, s.middle) - dot(abs(n), h) - s.reach(n);
     if (!(gap > S(0)) || parted < gap - rounding) {
@@ -4769,7 +4791,7 @@ constexpr void collide(const capsule<S, 3>& a, const box<S, 3>& b, const transfo
         }
         if (above && ends[1] > ends[0]) {
             const S gaps[2] = {(height + rise * ends[0]) / n[face], (height + rise * ends[1]) / n[face]};
-            if (!(min(gaps[0], gaps[1]) > gap + slack)) {
+            if (!(min(gaps[0], gaps[1]) > gap + slack + slack)) {
                 for (std::uint32_t k = 0; k < 2; ++k) add(ends[k], gaps[k], name | 2u | k);
                 return;
             }
@@ -4808,7 +4830,9 @@ constexpr rounded_polygon<S> polygon_of(const box<S, 2>& b, const transform<S, 2
     const vec<S, 2> x = m.column[0] * b.half_extents.x, y = m.column[1] * b.half_extents.y, p = at.position;
     return {{p - x - y, p + x - y, p + x + y, p - x + y},
             {-m.column[1], m.column[0], m.column[1], -m.column[0]},
-            4, S(0), min(b.half_extents.x, b.half_extents.y)};
+            4,
+            S(0),
+            min(b.half_extents.x, b.half_extents.y)};
 }
 template <class S>
 constexpr rounded_polygon<S> polygon_of(const capsule<S, 2>& c, const transform<S, 2>& at) {
@@ -4867,7 +4891,7 @@ constexpr bool clip_edges(const rounded_polygon<S>& reference, edge_distance<S> 
     const vec<S, 2> ends[2] = {at_first < low ? point_at(low) : first, at_last > high ? point_at(high) : last};
     const S gaps[2] = {dot(n, ends[0]), dot(n, ends[1])};
     const int deeper = gaps[1] < gaps[0] ? 1 : 0;
-    if (gaps[deeper] > found.distance + slack) return false;
+    if (gaps[deeper] > found.distance + slack + slack) return false;
     // A round edge leads its surface along its own normal: beyond five degrees of tilt only the deeper end touches.
     const bool flat = !(incident.radius > S(0)) || dot(incident.normal[facing], n) < S(-1 + 1.0 / 256);
 
@@ -4877,8 +4901,10 @@ constexpr bool clip_edges(const rounded_polygon<S>& reference, edge_distance<S> 
         const vec<S, 2> on_incident = from + ends[k], on_reference = on_incident - n * gaps[k];
         // Whether the end is a corner or a cut stays out of the name: of equal boxes it changes with rounding.
         const std::uint32_t feature = static_cast<std::uint32_t>(edge << 12 | facing << 8 | k << 4 | int{flip});
-        if (flip) add_rounded(out, on_incident, incident.radius, on_reference, reference.radius, gaps[k], feature);
-        else add_rounded(out, on_reference, reference.radius, on_incident, incident.radius, gaps[k], feature);
+        if (flip)
+            add_rounded(out, on_incident, incident.radius, on_reference, reference.radius, gaps[k], feature);
+        else
+            add_rounded(out, on_reference, reference.radius, on_incident, incident.radius, gaps[k], feature);
     }
     return true;
 }
@@ -5178,7 +5204,8 @@ struct narrowphase_query {
 template <class A, class B, class S, int D>
 concept collidable = requires(const A a, const B b, const transform<S, D> t, S margin, manifold<S, D> out) {
     collide(a, b, t, margin, out);
-} || requires(const A a, const B b, const transform<S, D> t, S margin, manifold<S, D> out) {
+}
+|| requires(const A a, const B b, const transform<S, D> t, S margin, manifold<S, D> out) {
     collide(b, a, t, margin, out);
 };
 
@@ -5236,11 +5263,11 @@ template <class B, class Space>
 concept broadphase_for = std::copyable<B> && std::default_initializable<B> &&
     requires(B b, std::uint32_t id, const typename Space::aabb box, bool (*accept)(std::uint32_t, std::uint32_t),
              buffer<proxy_pair> out) {
-        b.insert(id, box);
-        b.move(id, box);
-        b.erase(id);
-        b.pairs(accept, out);
-    };
+    b.insert(id, box);
+    b.move(id, box);
+    b.erase(id);
+    b.pairs(accept, out);
+};
 
 PHYSICS_HPP_END
 
@@ -6554,12 +6581,13 @@ bool check_environment([[maybe_unused]] const char* function) {
     return true;
 }
 
-/// True if the type can hold the value to one percent: neither rounded away nor out of range.
+/// True if the type can hold the positive value to one percent: it is not rounded away, and leaves room for the
+/// rounding of other ways to compute it below the end of the range.
 template <class S>
 bool representable(double value) {
-    const double back = static_cast<double>(static_cast<S>(value));
-    const double error = back < value ? value - back : back - value;
-    return error <= 0.01 * (value < 0 ? -value : value);
+    if (!(value < 0.9375 * static_cast<double>(scalar_traits<S>::max()))) return false;
+    const double error = static_cast<double>(static_cast<S>(value)) / value - 1;
+    return error <= 0.01 && error >= -0.01;
 }
 template <class S>
 bool check_mass_value(const char* function, const char* field, double value, double inverse_value) {

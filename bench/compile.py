@@ -45,8 +45,8 @@ def progress(done, total, what):
 
 def units(quick):
     """What is measured: name, source text or file, include folder, budget (None: no budget), whether over an empty unit."""
-    single = (ROOT / "physics.hpp").read_text(encoding="utf-8")
-    standard = re.findall(r"^#include <.*>$", single, re.MULTILINE)
+    top = (ROOT / "physics.hpp").read_text(encoding="utf-8").split("\n// ===")[0]
+    standard = re.findall(r"^#include <.*>$", top, re.MULTILINE)
     yield EMPTY, "", ".", None, False
     yield "its standard headers", "\n".join(standard), ".", None, True
     if not quick:

@@ -22,7 +22,8 @@ struct encounters {
             half[dice.below(D)] = dice.real(size / 1000, size / 100);
             return box{half};
         }
-        if (kind == 1 && dice.below(4) == 0) return capsule{dice.real(0.5 * size, size), dice.real(size / 1000, size / 20)};
+        if (kind == 1 && dice.below(4) == 0)
+            return capsule{dice.real(0.5 * size, size), dice.real(size / 1000, size / 20)};
         return random_shape(kind, dice, 0.1 * size, size);
     }
     /// In line with the axes, nearly so, by simple angles, or any.
@@ -53,11 +54,16 @@ struct encounters {
     }
     double gap() {
         switch (dice.below(6)) {
-            case 0: return 0;
-            case 1: return (dice.below(2) ? 1 : -1) * small() * size;
-            case 2: return dice.number(-0.1, 0.1) * size;
-            case 3: return dice.number(-1, 0) * size;
-            default: return dice.number(-0.02, 0.06) * size;
+            case 0:
+                return 0;
+            case 1:
+                return (dice.below(2) ? 1 : -1) * small() * size;
+            case 2:
+                return dice.number(-0.1, 0.1) * size;
+            case 3:
+                return dice.number(-1, 0) * size;
+            default:
+                return dice.number(-0.02, 0.06) * size;
         }
     }
     encounter draw(int kind_a, int kind_b, double larger = 1) {

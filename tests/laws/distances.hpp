@@ -30,8 +30,11 @@ inline manifold collide(const encounter& e) {
 /// How far apart A and B are along a unit vector from A to B; negative where they overlap. The signed
 /// distance is the largest of these over all directions.
 inline double separation_along(const figure& a, const figure& b, const pose& at, reals n) {
-    if (b.endless) return dot(at.rotate(b.normal), n) < -1 + 1e-6 ? -dot(at.origin, at.rotate(b.normal)) - b.offset - a.reach(n) : -HUGE_VAL;
-    if (a.endless) return dot(a.normal, n) > 1 - 1e-6 ? dot(at.origin, a.normal) - a.offset - b.reach(at.unrotate(n)) : -HUGE_VAL;
+    if (b.endless)
+        return dot(at.rotate(b.normal), n) < -1 + 1e-6 ? -dot(at.origin, at.rotate(b.normal)) - b.offset - a.reach(n)
+                                                       : -HUGE_VAL;
+    if (a.endless)
+        return dot(a.normal, n) > 1 - 1e-6 ? dot(at.origin, a.normal) - a.offset - b.reach(at.unrotate(n)) : -HUGE_VAL;
     return dot(at.origin, n) - a.reach(n) - b.reach(at.unrotate(n));
 }
 
@@ -138,8 +141,8 @@ inline std::string text_of(const char* what, double x, double y) {
 }
 inline std::string text_of(const char* name, const figure& f) {
     char text[200];
-    std::snprintf(text, sizeof text, "%s: half (%.9g, %.9g, %.9g), radius %.9g, normal (%.9g, %.9g, %.9g), offset %.9g", name,
-                  f.half.x, f.half.y, f.half.z, f.radius, f.normal.x, f.normal.y, f.normal.z, f.offset);
+    std::snprintf(text, sizeof text, "%s: half (%.9g, %.9g, %.9g), radius %.9g, normal (%.9g, %.9g, %.9g), offset %.9g",
+                  name, f.half.x, f.half.y, f.half.z, f.radius, f.normal.x, f.normal.y, f.normal.z, f.offset);
     return text;
 }
 inline std::string text_of(const encounter& e) {
@@ -170,7 +173,8 @@ inline std::string broken_law(const encounter& e, const manifold& m) {
     const reals n = to_reals(m.normal);
     if (!(std::abs(size(n) - 1) <= 16 * epsilon)) return text_of("the normal is no unit vector", size(n), 0);
     const double along = separation_along(a, b, at, unit(n));
-    if (!(std::abs(along - exact) <= allowed)) return text_of("the normal parts them worse than it could", along, exact);
+    if (!(std::abs(along - exact) <= allowed))
+        return text_of("the normal parts them worse than it could", along, exact);
     double deepest = HUGE_VAL;
     // A round side that lies nearly flat is taken for flat.
     const bool lies = deliberate(e, a, b) > 0;
@@ -184,12 +188,15 @@ inline std::string broken_law(const encounter& e, const manifold& m) {
         // On a halfspace it is the balls at a capsule's ends that touch.
         if (b.endless) from_a = ball_distance(a, p - n * (gap / 2));
         if (a.endless) from_b = ball_distance(b, at.undo(p + n * (gap / 2)));
-        if (!(std::abs(from_a) <= allowed + round_a)) return text_of("half the gap from a point is not the surface of A", from_a, gap);
-        if (!(std::abs(from_b) <= allowed + round_b)) return text_of("half the gap from a point is not the surface of B", from_b, gap);
+        if (!(std::abs(from_a) <= allowed + round_a))
+            return text_of("half the gap from a point is not the surface of A", from_a, gap);
+        if (!(std::abs(from_b) <= allowed + round_b))
+            return text_of("half the gap from a point is not the surface of B", from_b, gap);
         for (int k = 0; k < i; ++k)
             if (m.points[k].feature == m.points[i].feature) return text_of("two points of one feature", k, i);
     }
-    if (!(std::abs(deepest - exact) <= allowed)) return text_of("the deepest point is not the signed distance", deepest, exact);
+    if (!(std::abs(deepest - exact) <= allowed))
+        return text_of("the deepest point is not the signed distance", deepest, exact);
     return "";
 }
 /// The same, with the pair; for messages.

@@ -57,7 +57,9 @@ inline figure grown_box(reals half, double radius) {
     return f;
 }
 inline figure to_figure(const ball& b) { return grown_box({}, cell::number(b.radius)); }
-inline figure to_figure(const capsule& c) { return grown_box({cell::number(c.half_length), 0, 0}, cell::number(c.radius)); }
+inline figure to_figure(const capsule& c) {
+    return grown_box({cell::number(c.half_length), 0, 0}, cell::number(c.radius));
+}
 inline figure to_figure(const box& b) { return grown_box(to_reals(b.half_extents), 0); }
 inline figure to_figure(const halfspace& h) { return {{}, 0, true, unit(to_reals(h.normal)), cell::number(h.offset)}; }
 inline figure to_figure(const any_shape& s) {
@@ -68,20 +70,28 @@ constexpr int kinds = 4;
 /// A shape of one kind, with sizes between the two.
 inline any_shape random_shape(int kind, cell::dice& dice, double least, double most) {
     switch (kind) {
-        case 0: return ball{dice.real(least, most)};
-        case 1: return capsule{dice.real(least, most), dice.real(least, most)};
-        case 2: return box{dice.vec<vec>(least, most)};
-        default: return halfspace{from_reals(random_direction(dice)), dice.real(-most, most)};
+        case 0:
+            return ball{dice.real(least, most)};
+        case 1:
+            return capsule{dice.real(least, most), dice.real(least, most)};
+        case 2:
+            return box{dice.vec<vec>(least, most)};
+        default:
+            return halfspace{from_reals(random_direction(dice)), dice.real(-most, most)};
     }
 }
 /// The same shape, larger by a factor.
 inline any_shape scaled(const any_shape& shape, double factor) {
     const S f = cell::real(factor);
     switch (shape.kind()) {
-        case 0: return ball{shape.get<ball>().radius * f};
-        case 1: return capsule{shape.get<capsule>().half_length * f, shape.get<capsule>().radius * f};
-        case 2: return box{shape.get<box>().half_extents * f};
-        default: return halfspace{shape.get<halfspace>().normal, shape.get<halfspace>().offset * f};
+        case 0:
+            return ball{shape.get<ball>().radius * f};
+        case 1:
+            return capsule{shape.get<capsule>().half_length * f, shape.get<capsule>().radius * f};
+        case 2:
+            return box{shape.get<box>().half_extents * f};
+        default:
+            return halfspace{shape.get<halfspace>().normal, shape.get<halfspace>().offset * f};
     }
 }
 

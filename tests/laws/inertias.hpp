@@ -148,7 +148,8 @@ CELL_CASE("inertia: the inverse undoes it, in the body's axes and in the world's
         const auto turned_inverse = physics::in_world<S>(inverse, t.rotation);
         REQUIRE(size(times(turned_inverse, times(transformed(m, t).inertia, w)) - w) <= 1024 * epsilon);
         const cell::space::angular moment = to_angular(w);
-        REQUIRE(size(to_reals(times(turned_inverse, moment)) - times(turned_inverse, to_reals(moment))) <= 16 * epsilon);
+        REQUIRE(size(to_reals(times(turned_inverse, moment)) - times(turned_inverse, to_reals(moment))) <=
+                16 * epsilon);
     }
     CHECK(physics::inverted_inertia(S(4)) == cell::space::inverse(0.25));
     CHECK(physics::inverted_inertia(S(0)) == cell::space::inverse(0));

@@ -44,8 +44,10 @@ inline vec from_reals(reals p) {
 inline reals to_reals(S w) { return {0, 0, cell::number(w)}; }
 template <class Angular = cell::space::angular>
 Angular to_angular(reals w) {
-    if constexpr (cell::is_2d) return S(w.z);
-    else return from_reals(w);
+    if constexpr (cell::is_2d)
+        return S(w.z);
+    else
+        return from_reals(w);
 }
 
 /// v, turned by an angle about a unit axis (Rodrigues' formula).
@@ -74,7 +76,8 @@ inline pose to_pose(physics::transform<S, 3> t) {
     const double length = size(v);
     const reals axis = length > 0 ? v * (1 / length) : reals{1, 0, 0};
     const double angle = 2 * std::atan2(length, cell::number(t.rotation.w));
-    return {{turn({1, 0, 0}, axis, angle), turn({0, 1, 0}, axis, angle), turn({0, 0, 1}, axis, angle)}, to_reals(t.position)};
+    return {{turn({1, 0, 0}, axis, angle), turn({0, 1, 0}, axis, angle), turn({0, 0, 1}, axis, angle)},
+            to_reals(t.position)};
 }
 
 /// A direction evenly spread over the circle or the sphere.
@@ -93,17 +96,23 @@ inline std::vector<S> parts_of(const physics::rotation<S, 2>& r) { return {r.cos
 inline std::vector<S> parts_of(const physics::rotation<S, 3>& r) { return {r.x, r.y, r.z, r.w}; }
 template <int N = D>
 physics::rotation<S, N> rotation_of(const std::vector<S>& parts) {
-    if constexpr (N == 2) return {parts[0], parts[1]};
-    else return {parts[0], parts[1], parts[2], parts[3]};
+    if constexpr (N == 2)
+        return {parts[0], parts[1]};
+    else
+        return {parts[0], parts[1], parts[2], parts[3]};
 }
 template <int N = D>
 physics::rotation<S, N> random_rotation(cell::dice& dice) {
     return normalized(rotation_of<N>({dice.real(-1, 1), dice.real(-1, 1), dice.real(-1, 1), dice.real(-1, 1)}));
 }
-inline transform random_transform(cell::dice& dice, double far) { return {dice.vec<vec>(-far, far), random_rotation(dice)}; }
+inline transform random_transform(cell::dice& dice, double far) {
+    return {dice.vec<vec>(-far, far), random_rotation(dice)};
+}
 
 /// Whether a and b are at most n spacings apart, of numbers next to 1 or next to the longer of them.
-inline bool near(reals a, reals b, double n) { return size(a - b) <= n * epsilon * std::fmax(1, std::fmax(size(a), size(b))); }
+inline bool near(reals a, reals b, double n) {
+    return size(a - b) <= n * epsilon * std::fmax(1, std::fmax(size(a), size(b)));
+}
 inline bool near(vec a, reals b, double n) { return near(to_reals(a), b, n); }
 inline bool near(double a, double b, double n) {
     return std::abs(a - b) <= n * epsilon * std::fmax(1, std::fmax(std::abs(a), std::abs(b)));

@@ -30,9 +30,12 @@ void each_solid(std::uint64_t seed, int times, double least, double most, F&& f)
         for (int kind = 0; kind < 3; ++kind) {
             CAPTURE(kind);
             const any_shape shape = random_shape(kind, dice, least, most);
-            if (kind == 0) f(shape.get<ball>(), dice);
-            else if (kind == 1) f(shape.get<capsule>(), dice);
-            else f(shape.get<box>(), dice);
+            if (kind == 0)
+                f(shape.get<ball>(), dice);
+            else if (kind == 1)
+                f(shape.get<capsule>(), dice);
+            else
+                f(shape.get<box>(), dice);
         }
 }
 
@@ -174,7 +177,9 @@ private:
 };
 /// Principal inertias; in the plane only the one about z.
 inline reals principal(S inertia) { return {0, 0, cell::number(inertia)}; }
-inline reals principal(const physics::symmetric<S>& i) { return {cell::number(i.xx), cell::number(i.yy), cell::number(i.zz)}; }
+inline reals principal(const physics::symmetric<S>& i) {
+    return {cell::number(i.xx), cell::number(i.yy), cell::number(i.zz)};
+}
 inline bool is_diagonal(S) { return true; }
 inline bool is_diagonal(const physics::symmetric<S>& i) { return i.xy == S(0) && i.xz == S(0) && i.yz == S(0); }
 
@@ -188,7 +193,8 @@ CELL_CASE("shape: masses agree with an integral over slices") {
             const mass_oracle exact(f, cell::number(density));
             // A spacing's error of a size of this shape, or of its square.
             const double spread = 1 + f.largest() * f.largest();
-            const double allowed = 12 * epsilon * (cell::is_fixed ? 1 + cell::number(density) * spread * spread : exact.mass);
+            const double allowed =
+                12 * epsilon * (cell::is_fixed ? 1 + cell::number(density) * spread * spread : exact.mass);
             REQUIRE(std::abs(cell::number(m.mass) - exact.mass) <= allowed + 1e-9 * exact.mass);
             REQUIRE(m.center == vec{});
             REQUIRE(is_diagonal(m.inertia));
@@ -298,7 +304,8 @@ CELL_CASE("shape: a value of the closed set is the shape that went in") {
             any = ball{S(9)};
             REQUIRE(copy.kind() == kind);
             REQUIRE(bounds(copy, at) == bounds(shape, at));
-            const bool same = copy.visit([](const auto& s) { return std::same_as<std::remove_cvref_t<decltype(s)>, shape_type>; });
+            const bool same =
+                copy.visit([](const auto& s) { return std::same_as<std::remove_cvref_t<decltype(s)>, shape_type>; });
             REQUIRE(same);
             // The same shape with other scalars; doubles and these floats lose nothing.
             const auto wide = shape.template as<double>();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cfenv>
 #include <cstdint>
 #include <map>
 #include <utility>
@@ -321,6 +322,21 @@ CELL_CASE("world: worlds that step in turns go the way that each goes alone") {
     CHECK(b.w.state_hash() == alone_on_moon.w.state_hash());
     CHECK(a.w.steps() == 50);
 }
+
+#if defined(__SSE__) || defined(__aarch64__)
+CELL_CASE("world: the caller's rounding mode does not enter a step, and stays the caller's") {
+    crowd plain, upward;
+    run(plain.w, 50);
+    for (int i = 0; i < 50; ++i) {
+        std::fesetround(FE_UPWARD);
+        run(upward.w, 1);
+        const int mode = std::fegetround();
+        std::fesetround(FE_TONEAREST);
+        REQUIRE(mode == FE_UPWARD);
+    }
+    CHECK(upward.w.state_hash() == plain.w.state_hash());
+}
+#endif
 
 CELL_CASE("world: settings hold from the next step on") {
     world w(weightless());

@@ -25,10 +25,10 @@ template <class B, class Space>
 concept broadphase_for = std::copyable<B> && std::default_initializable<B> &&
     requires(B b, std::uint32_t id, const typename Space::aabb box, bool (*accept)(std::uint32_t, std::uint32_t),
              buffer<proxy_pair> out) {
-        b.insert(id, box);
-        b.move(id, box);
-        b.erase(id);
-        b.pairs(accept, out);
-    };
+    b.insert(id, box);
+    b.move(id, box);
+    b.erase(id);
+    b.pairs(accept, out);
+};
 
 PHYSICS_HPP_END

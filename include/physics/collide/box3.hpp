@@ -94,7 +94,8 @@ constexpr bool clip_faces(const oriented_box<S>& reference, int axis, S sign, S 
                                 static_cast<std::uint32_t>(flip) << 16;
     manifold_point<S, 3> candidates[8];
     int count = 0;
-    S deepest = gap + slack + slack;
+    const S most = gap + slack + slack;
+    S deepest = most + slack;
     for (int i = 0; i < face.count; ++i) {
         const auto& corner = face.corners[i];
         const S separation = dot(n, corner.position) - top;
@@ -103,7 +104,7 @@ constexpr bool clip_faces(const oriented_box<S>& reference, int axis, S sign, S 
         candidates[count++] = {reference.center + corner.position - n * (separation * S(0.5)), separation,
                                faces | corner.before << 4 | corner.after};
     }
-    if (deepest > gap + slack) return false;
+    if (deepest > most) return false;
     out.normal = flip ? -n : n;
     reduce(candidates, count, n, slack, out);
     return true;
@@ -139,48 +140,64 @@ constexpr bool touch_edges(const oriented_box<S>& a, int edge_a, const oriented_
     return true;
 }
 
+/// A corner of one box and the point of another box that is closest to it.
+template <class S>
+struct corner_distance {
+    vec<S, 3> corner;
+    /// From the other box to the corner.
+    vec<S, 3> direction;
+    S gap{};
+    std::uint32_t number = 0;
+    /// Where the other box is closest: for each axis inside (0), at its lower end (1) or at its upper (2).
+    std::uint32_t region[3] = {};
+};
+template <class S>
+constexpr corner_distance<S> closest_corner(const oriented_box<S>& whole, const oriented_box<S>& pointed) {
+    corner_distance<S> best;
+    vec<S, 3> offset;
+    wide_of<S> least{};
+    for (std::uint32_t i = 0; i < 8; ++i) {
+        vec<S, 3> p = pointed.center - whole.center;
+        for (int k = 0; k < 3; ++k) p += pointed.axis(k) * (i >> k & 1u ? pointed.half[k] : -pointed.half[k]);
+        const vec<S, 3> local = transposed_times(whole.axes, p);
+        const vec<S, 3> beyond = local - max(-whole.half, min(whole.half, local));
+        const wide_of<S> distance = length_squared(beyond);
+        if (i > 0 && !(distance < least)) continue;
+        least = distance;
+        offset = beyond;
+        best.corner = whole.center + p;
+        best.number = i;
+    }
+    const auto [direction, gap] = split(offset);
+    best.direction = whole.axes * direction;
+    best.gap = gap;
+    for (int k = 0; k < 3; ++k) best.region[k] = offset[k] > S(0) ? 2u : offset[k] < S(0) ? 1u : 0u;
+    return best;
+}
+
 /// Adds the closest pair of a corner of one box and a point of the other, for boxes that do not overlap. `n` is
 /// the best separating axis, from a to b, and `parted` how far it parts them.
 template <class S>
 constexpr void touch_corner(const oriented_box<S>& a, const oriented_box<S>& b, vec<S, 3> n, S parted, S rounding,
                             S margin, manifold<S, 3>& out) {
-    vec<S, 3> best, corner;
-    wide_of<S> least{};
-    std::uint32_t feature = 0;
-    bool of_a = false;
-    for (std::uint32_t flip = 0; flip < 2; ++flip) {
-        const oriented_box<S>& whole = flip ? b : a;
-        const oriented_box<S>& pointed = flip ? a : b;
-        for (std::uint32_t i = 0; i < 8; ++i) {
-            vec<S, 3> p = pointed.center - whole.center;
-            for (int k = 0; k < 3; ++k) p += pointed.axis(k) * (i >> k & 1u ? pointed.half[k] : -pointed.half[k]);
-            const vec<S, 3> local = transposed_times(whole.axes, p);
-            const vec<S, 3> beyond = local - max(-whole.half, min(whole.half, local));
-            const wide_of<S> distance = length_squared(beyond);
-            if (feature != 0 && !(distance < least)) continue;
-            least = distance;
-            best = whole.axes * (flip ? -beyond : beyond);
-            corner = p + whole.center;
-            of_a = flip != 0;
-            // Two corners have one name, whichever was found first.
-            std::uint32_t region = 0, other = 0;
-            for (int k = 0; k < 3; ++k) {
-                region = region * 3 + (beyond[k] > S(0) ? 2u : beyond[k] < S(0) ? 1u : 0u);
-                other |= std::uint32_t{beyond[k] > S(0)} << k;
-            }
-            const bool corners = beyond.x != S(0) && beyond.y != S(0) && beyond.z != S(0);
-            feature =
-                corners ? 0x40000u | (flip ? i << 4 | other : other << 4 | i) : 0x80000u | flip << 12 | region << 4 | i;
-        }
-    }
-    const auto [direction, distance] = split(best);
+    const corner_distance<S> of_a = closest_corner(b, a), of_b = closest_corner(a, b);
     const auto parts = [&](vec<S, 3> m) { return dot(m, b.center - a.center) - a.reach(m) - b.reach(m); };
-    // Of points that all but coincide the direction is chance.
-    const bool clear = distance > S(0) && !(parts(direction) < parted - rounding);
-    out.normal = clear ? direction : n;
-    const S gap = clear ? distance : parted;
+    // Where both are as close, one of the normals may be chance; and so may both where all but coincides.
+    const S by_a = parts(-of_a.direction), by_b = parts(of_b.direction);
+    const bool use_a = by_a > by_b;
+    const corner_distance<S>& best = use_a ? of_a : of_b;
+    const bool clear = best.gap > S(0) && !(max(by_a, by_b) < parted - rounding);
+    out.normal = !clear ? n : use_a ? -best.direction : best.direction;
+    const S gap = clear ? best.gap : parted;
     if (gap > margin) return;
-    out.add(corner + out.normal * ((of_a ? gap : -gap) * S(0.5)), gap, feature);
+    // Two corners have one name, whichever was found.
+    const auto& r = best.region;
+    std::uint32_t feature = 0x80000u | std::uint32_t{use_a} << 12 | (r[0] * 9 + r[1] * 3 + r[2]) << 4 | best.number;
+    if (r[0] != 0 && r[1] != 0 && r[2] != 0) {
+        const std::uint32_t other = (r[0] - 1) | (r[1] - 1) << 1 | (r[2] - 1) << 2;
+        feature = 0x40000u | (use_a ? best.number << 4 | other : other << 4 | best.number);
+    }
+    out.add(best.corner + out.normal * ((use_a ? gap : -gap) * S(0.5)), gap, feature);
 }
 
 }  // namespace detail

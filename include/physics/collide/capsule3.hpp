@@ -119,11 +119,12 @@ constexpr void collide(const capsule<S, 3>& a, const capsule<S, 3>& b, const tra
     const auto parted = [&](vec<S, 3> m) { return dot(m, s.middle) - abs(m.x) * a.half_length - s.reach(m); };
     const S rounding = detail::rounding_of(a.half_length + b.half_length);
     if (!(gap > S(0)) || parted(n) < gap - rounding) {
-        const vec<S, 3> d = s.direction, offset = on_b - on_a;
+        const vec<S, 3> d = s.direction;
         vec<S, 3> across{S(0), -d.z, d.y};
         if (across == vec<S, 3>{}) across.y = S(1);
         if (dot(across, s.middle) < S(0)) across = -across;
-        const vec<S, 3> candidates[3] = {across, {S(0), offset.y, offset.z}, offset - d * dot(d, offset)};
+        const vec<S, 3> along = n - d * dot(d, n),
+                        candidates[3] = {across, {S(0), n.y, n.z}, along - d * dot(d, along)};
         bool found = gap > S(0);
         gap = parted(n);
         for (const vec<S, 3>& candidate : candidates) {
@@ -179,14 +180,14 @@ constexpr void collide(const capsule<S, 3>& a, const box<S, 3>& b, const transfo
     const S slack = max(min(a.radius, min(h.x, min(h.y, h.z))) * S(1.0 / 512), rounding);
     S at = closest_to_box(s, h);
     const vec<S, 3> nearest = s.at(at);
-    vec<S, 3> offset = nearest - max(-h, min(h, nearest));
-    // A corner of the box beside the axis: rounding must not tilt the normal along the axis.
-    if (abs(at) < s.half && offset.x != S(0) && offset.y != S(0) && offset.z != S(0))
-        offset += s.direction * -dot(s.direction, offset);
+    const vec<S, 3> offset = nearest - max(-h, min(h, nearest));
     const auto parting = split(offset);
     vec<S, 3> n = parting.direction;
     S gap = parting.length;
     if (gap > a.radius + margin) return;
+    // A corner of the box beside the axis: rounding must not tilt the normal along the axis.
+    if (abs(at) < s.half && offset.x != S(0) && offset.y != S(0) && offset.z != S(0))
+        n = normalized(n - s.direction * dot(s.direction, n));
     // Of points that all but coincide the direction is chance.
     const S parted = dot(n, s.middle) - dot(abs(n), h) - s.reach(n);
     if (!(gap > S(0)) || parted < gap - rounding) {
@@ -221,7 +222,7 @@ constexpr void collide(const capsule<S, 3>& a, const box<S, 3>& b, const transfo
         }
         if (above && ends[1] > ends[0]) {
             const S gaps[2] = {(height + rise * ends[0]) / n[face], (height + rise * ends[1]) / n[face]};
-            if (!(min(gaps[0], gaps[1]) > gap + slack)) {
+            if (!(min(gaps[0], gaps[1]) > gap + slack + slack)) {
                 for (std::uint32_t k = 0; k < 2; ++k) add(ends[k], gaps[k], name | 2u | k);
                 return;
             }

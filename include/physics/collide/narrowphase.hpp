@@ -58,7 +58,8 @@ struct narrowphase_query {
 template <class A, class B, class S, int D>
 concept collidable = requires(const A a, const B b, const transform<S, D> t, S margin, manifold<S, D> out) {
     collide(a, b, t, margin, out);
-} || requires(const A a, const B b, const transform<S, D> t, S margin, manifold<S, D> out) {
+}
+|| requires(const A a, const B b, const transform<S, D> t, S margin, manifold<S, D> out) {
     collide(b, a, t, margin, out);
 };
 

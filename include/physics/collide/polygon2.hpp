@@ -28,7 +28,9 @@ constexpr rounded_polygon<S> polygon_of(const box<S, 2>& b, const transform<S, 2
     const vec<S, 2> x = m.column[0] * b.half_extents.x, y = m.column[1] * b.half_extents.y, p = at.position;
     return {{p - x - y, p + x - y, p + x + y, p - x + y},
             {-m.column[1], m.column[0], m.column[1], -m.column[0]},
-            4, S(0), min(b.half_extents.x, b.half_extents.y)};
+            4,
+            S(0),
+            min(b.half_extents.x, b.half_extents.y)};
 }
 template <class S>
 constexpr rounded_polygon<S> polygon_of(const capsule<S, 2>& c, const transform<S, 2>& at) {
@@ -87,7 +89,7 @@ constexpr bool clip_edges(const rounded_polygon<S>& reference, edge_distance<S> 
     const vec<S, 2> ends[2] = {at_first < low ? point_at(low) : first, at_last > high ? point_at(high) : last};
     const S gaps[2] = {dot(n, ends[0]), dot(n, ends[1])};
     const int deeper = gaps[1] < gaps[0] ? 1 : 0;
-    if (gaps[deeper] > found.distance + slack) return false;
+    if (gaps[deeper] > found.distance + slack + slack) return false;
     // A round edge leads its surface along its own normal: beyond five degrees of tilt only the deeper end touches.
     const bool flat = !(incident.radius > S(0)) || dot(incident.normal[facing], n) < S(-1 + 1.0 / 256);
 
@@ -97,8 +99,10 @@ constexpr bool clip_edges(const rounded_polygon<S>& reference, edge_distance<S> 
         const vec<S, 2> on_incident = from + ends[k], on_reference = on_incident - n * gaps[k];
         // Whether the end is a corner or a cut stays out of the name: of equal boxes it changes with rounding.
         const std::uint32_t feature = static_cast<std::uint32_t>(edge << 12 | facing << 8 | k << 4 | int{flip});
-        if (flip) add_rounded(out, on_incident, incident.radius, on_reference, reference.radius, gaps[k], feature);
-        else add_rounded(out, on_reference, reference.radius, on_incident, incident.radius, gaps[k], feature);
+        if (flip)
+            add_rounded(out, on_incident, incident.radius, on_reference, reference.radius, gaps[k], feature);
+        else
+            add_rounded(out, on_reference, reference.radius, on_incident, incident.radius, gaps[k], feature);
     }
     return true;
 }

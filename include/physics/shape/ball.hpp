@@ -40,13 +40,13 @@ template <class S>
 constexpr mass_properties<S, 2> mass_of(const ball<S, 2>& b, S density) {
     const S rr = b.radius * b.radius;
     const S mass = density * pi<S> * rr;
-    return {mass, {}, mass * rr * S(0.5)};
+    return {mass, {}, mass * (rr * S(0.5))};
 }
 template <class S>
 constexpr mass_properties<S, 3> mass_of(const ball<S, 3>& b, S density) {
     const S rr = b.radius * b.radius;
     const S mass = density * (S(4) * pi<S> / S(3)) * rr * b.radius;
-    const S i = mass * rr * S(0.4);
+    const S i = mass * (rr * S(0.4));
     return {mass, {}, symmetric<S>::diagonal(i, i, i)};
 }
 

@@ -25,9 +25,7 @@ public:
     any_shape() : any_shape(first{}) {}
     template <class Shape>
         requires(kind_of<Shape>() >= 0)
-    any_shape(const Shape& shape) : kind_(kind_of<Shape>()) {
-        new (static_cast<void*>(bytes_)) Shape(shape);
-    }
+    any_shape(const Shape& shape) : kind_(kind_of<Shape>()) { new (static_cast<void*>(bytes_)) Shape(shape); }
 
     [[nodiscard]] int kind() const { return kind_; }
     /// The shape, which must be of that type.
@@ -44,8 +42,10 @@ public:
 private:
     template <int I, class F, class First, class... Rest>
     decltype(auto) visit_from(F& f) const {
-        if constexpr (sizeof...(Rest) == 0) return f(get<First>());
-        else return kind_ == I ? f(get<First>()) : visit_from<I + 1, F, Rest...>(f);
+        if constexpr (sizeof...(Rest) == 0)
+            return f(get<First>());
+        else
+            return kind_ == I ? f(get<First>()) : visit_from<I + 1, F, Rest...>(f);
     }
     template <class First, class...>
     struct head {

@@ -85,8 +85,6 @@ constexpr symmetric<inverse_of<S>> in_world(const symmetric<inverse_of<S>>& loca
 /// Inverse inertia times an angular impulse: the change of angular velocity.
 template <class I, class S>
     requires std::same_as<I, inverse_of<S>>
-constexpr S times(I inverse_inertia, S moment) {
-    return mul<S>(inverse_inertia, moment);
-}
+constexpr S times(I inverse_inertia, S moment) { return mul<S>(inverse_inertia, moment); }
 
 PHYSICS_HPP_END

@@ -81,9 +81,11 @@ template <class I, class S>
 constexpr symmetric<I> rotated(const symmetric<I>& m, const mat<S, 3>& r) {
     const auto row = [&](int i) {
         const S x = r.column[0][i], y = r.column[1][i], z = r.column[2][i];
-        struct { I x, y, z; } result{narrow<I>(product(m.xx, x) + product(m.xy, y) + product(m.xz, z)),
-                                     narrow<I>(product(m.xy, x) + product(m.yy, y) + product(m.yz, z)),
-                                     narrow<I>(product(m.xz, x) + product(m.yz, y) + product(m.zz, z))};
+        struct {
+            I x, y, z;
+        } result{narrow<I>(product(m.xx, x) + product(m.xy, y) + product(m.xz, z)),
+                 narrow<I>(product(m.xy, x) + product(m.yy, y) + product(m.yz, z)),
+                 narrow<I>(product(m.xz, x) + product(m.yz, y) + product(m.zz, z))};
         return result;
     };
     const auto entry = [&](const auto& a, int j) {

@@ -128,12 +128,13 @@ bool check_environment([[maybe_unused]] const char* function) {
     return true;
 }
 
-/// True if the type can hold the value to one percent: neither rounded away nor out of range.
+/// True if the type can hold the positive value to one percent: it is not rounded away, and leaves room for the
+/// rounding of other ways to compute it below the end of the range.
 template <class S>
 bool representable(double value) {
-    const double back = static_cast<double>(static_cast<S>(value));
-    const double error = back < value ? value - back : back - value;
-    return error <= 0.01 * (value < 0 ? -value : value);
+    if (!(value < 0.9375 * static_cast<double>(scalar_traits<S>::max()))) return false;
+    const double error = static_cast<double>(static_cast<S>(value)) / value - 1;
+    return error <= 0.01 && error >= -0.01;
 }
 template <class S>
 bool check_mass_value(const char* function, const char* field, double value, double inverse_value) {
