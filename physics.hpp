@@ -118,7 +118,10 @@
 #define PHYSICS_HPP_REGION_PUSH _Pragma("float_control(precise, on, push)") _Pragma("clang fp contract(off)")
 #define PHYSICS_HPP_REGION_POP _Pragma("float_control(pop)")
 #elif defined(__GNUC__) && (defined(__FP_FAST_FMA) || defined(__FP_FAST_FMAF))
-#define PHYSICS_HPP_REGION_PUSH _Pragma("GCC push_options") _Pragma("GCC optimize(\"fp-contract=off\")")
+// gcc's vectoriser forms fused multiply-addsub from paired products even so, hence it stays out; packs are explicit.
+#define PHYSICS_HPP_REGION_PUSH   \
+    _Pragma("GCC push_options")   \
+    _Pragma("GCC optimize(\"fp-contract=off\", \"no-tree-slp-vectorize\", \"no-tree-loop-vectorize\")")
 #define PHYSICS_HPP_REGION_POP _Pragma("GCC pop_options")
 #elif defined(_MSC_VER)
 #define PHYSICS_HPP_REGION_PUSH __pragma(float_control(precise, on, push)) __pragma(fp_contract(off))
