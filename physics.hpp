@@ -6338,7 +6338,8 @@ void each_shape(State& s, std::uint32_t body, F&& f) {
     }
 }
 
-/// A number for each world of the program, to recognise foreign handles. It never enters any result.
+/// A number for each world of the program, to recognise foreign handles; after 65535 worlds numbers come again. It
+/// never enters any result.
 inline std::uint16_t next_world_tag() noexcept {
     static std::uint32_t count = 0;
 #if defined(__GNUC__)
@@ -7272,7 +7273,8 @@ PHYSICS_HPP_BEGIN
 /// SI units; x to the right, y up. Vectors, points and rotations are in world axes unless a name says
 /// "local", which means the body's own frame. Change a world between steps only. Every function refuses bad
 /// numbers and null, foreign or stale handles with physics::error (see there for builds without exceptions)
-/// and then leaves the world as it was. A copy of a world is a world in the same state, and handles serve both.
+/// and then leaves the world as it was. A copy of a world is a world in the same state, and handles serve both; a
+/// world that was moved from is empty.
 /// Two worlds may be used on two threads. Functions cost O(1) unless they say otherwise.
 template <class Recipe>
 class world : public detail::shape_aliases<typename detail::plan_of<Recipe>::type::scalar,

@@ -249,11 +249,19 @@ CELL_CASE("world: every change of a bit that matters changes the hash; user data
         c.w.destroy_shape(c.w.create_shape(c.ground, world::ball{})), c.w.create_shape(c.ground, world::ball{});
     });
 
+    crowd other = start;
+    start.w.move_to(start.platform, at(1, 2), {});
+    other.w.move_to(other.platform, at(1, 3), {});
+    CHECK(start.w.state_hash() != other.w.state_hash());
+    other.w.move_to(other.platform, at(1, 2), {});
+    CHECK(start.w.state_hash() == other.w.state_hash());
+
+    const std::uint64_t with_target = start.w.state_hash();
     start.w.set_user_data(start.box, 5);
     start.w.set_user_data(start.face, 6);
     CHECK(start.w.user_data(start.box) == 5);
     CHECK(start.w.user_data(start.face) == 6);
-    CHECK(start.w.state_hash() == before);
+    CHECK(start.w.state_hash() == with_target);
 }
 
 CELL_CASE("world: a copy serves the same handles, goes the same way, and is separate") {

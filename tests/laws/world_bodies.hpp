@@ -131,15 +131,18 @@ CELL_CASE("bodies: a new mass leaves the pose, the velocity of each point, and c
         CHECK(gap(w.position(id), pose.position) <= rounding(300, 8));
     }
     world w;
-    add_ground(w);
-    const body_id box = add_box(w, at(0, 0.5));
+    const body_id pair[] = {add_box(w, at(0, 0.5)), add_box(w, at(0, 1.5))};
+    w.set_angular_velocity(pair[0], about_z(1));
     run(w, 1);
     REQUIRE(w.contacts().size() == 1);
     const auto before = *w.contacts().begin();
-    world::mass_properties mass = w.mass(box);
-    mass.center = at(0.25, 0.25);
-    w.set_mass(box, mass);
+    for (const body_id box : pair) {
+        world::mass_properties mass = w.mass(box);
+        mass.center = at(0.25, box == pair[0] ? 0.25 : -0.125);
+        w.set_mass(box, mass);
+    }
     const auto after = *w.contacts().begin();
+    REQUIRE(after.count == before.count);
     for (int k = 0; k < after.count; ++k) {
         CHECK(gap(after.points[k].position, before.points[k].position) <= rounding(10));
         CHECK(gap(after.points[k].local_a, before.points[k].local_a) <= rounding(10));
@@ -335,9 +338,9 @@ CELL_CASE("bodies: a target that a step reaches pushes as the velocity would") {
 CELL_CASE("bodies: types change between steps, with shapes, velocities, boxes and contacts in order") {
     world w;
     add_ground(w);
-    const body_id stage = add_box(w, at(0, 4)), dropped = add_ball(w, at(0.1, 8), 0.25);
-    w.set_linear_velocity(stage, along(0, 0.5));
-    // It falls out of the box that the broadphase knows, turns static, and is where it is all the same.
+    const body_id stage = add_box(w, at(0, 4)), dropped = add_ball(w, at(0.1, 14), 0.25);
+    w.set_linear_velocity(stage, at(0.5, 20));
+    // It flies out of the box that the broadphase knows, turns static, and is where it is all the same.
     run(w, 20);
     w.apply_force(stage, along(0, 1000));
     w.set_type(stage, body_type::static_body);
@@ -351,7 +354,7 @@ CELL_CASE("bodies: types change between steps, with shapes, velocities, boxes an
     w.set_type(stage, body_type::dynamic_body);
     run(w, 1);
     CHECK(number(w.linear_velocity(stage).x) <= 0.01);
-    run(w, 150);
+    run(w, 200);
     CHECK(std::abs(number(w.position(stage).y) - 0.5) <= 0.02);
     std::uint32_t with_stage = 0;
     for (const auto& c : w.contacts()) with_stage += c.body_a == stage || c.body_b == stage;
@@ -360,8 +363,28 @@ CELL_CASE("bodies: types change between steps, with shapes, velocities, boxes an
     for (const auto& c : w.contacts()) CHECK((c.body_a == dropped || c.body_b == dropped));
     w.set_linear_velocity(stage, along(0, 3));
     run(w, 1);
+    w.move_to(stage, at(50, 50), {});
     w.set_type(stage, body_type::dynamic_body);
     CHECK(w.linear_velocity(stage) == along(0, 3));
+    // The target was the kinematic body's.
+    run(w, 1);
+    CHECK(number(w.position(stage).y) < 1);
+}
+
+CELL_CASE("bodies: a static body that is set elsewhere is met there") {
+    world w(weightless());
+    const body_id wall = w.create_body({.type = body_type::static_body, .position = at(20, 0)});
+    w.create_shape(wall, world::box{});
+    const body_id ball = add_ball(w, at(0, 0.9));
+    run(w, 1);
+    CHECK(w.contacts().size() == 0);
+    w.set_pose(wall, {}, {});
+    run(w, 1);
+    CHECK(w.contacts().size() == 1);
+    w.set_pose(wall, at(-20, 0), turned_about_z(1));
+    run(w, 1);
+    CHECK(w.contacts().size() == 0);
+    CHECK(w.contains(ball));
 }
 
 }  // namespace

@@ -76,7 +76,8 @@ void each_shape(State& s, std::uint32_t body, F&& f) {
     }
 }
 
-/// A number for each world of the program, to recognise foreign handles. It never enters any result.
+/// A number for each world of the program, to recognise foreign handles; after 65535 worlds numbers come again. It
+/// never enters any result.
 inline std::uint16_t next_world_tag() noexcept {
     static std::uint32_t count = 0;
 #if defined(__GNUC__)

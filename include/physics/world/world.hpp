@@ -12,7 +12,8 @@ PHYSICS_HPP_BEGIN
 /// SI units; x to the right, y up. Vectors, points and rotations are in world axes unless a name says
 /// "local", which means the body's own frame. Change a world between steps only. Every function refuses bad
 /// numbers and null, foreign or stale handles with physics::error (see there for builds without exceptions)
-/// and then leaves the world as it was. A copy of a world is a world in the same state, and handles serve both.
+/// and then leaves the world as it was. A copy of a world is a world in the same state, and handles serve both; a
+/// world that was moved from is empty.
 /// Two worlds may be used on two threads. Functions cost O(1) unless they say otherwise.
 template <class Recipe>
 class world : public detail::shape_aliases<typename detail::plan_of<Recipe>::type::scalar,
