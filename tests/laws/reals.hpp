@@ -105,6 +105,14 @@ template <int N = D>
 physics::rotation<S, N> random_rotation(cell::dice& dice) {
     return normalized(rotation_of<N>({dice.real(-1, 1), dice.real(-1, 1), dice.real(-1, 1), dice.real(-1, 1)}));
 }
+/// The rotation by an angle about a unit axis, through sine and cosine.
+template <class Rotation = rotation>
+Rotation rotation_about(reals axis, double angle) {
+    if constexpr (cell::is_2d)
+        return Rotation::from_angle(S(axis.z < 0 ? -angle : angle));
+    else
+        return Rotation::from_axis_angle(from_reals(axis), S(angle));
+}
 inline transform random_transform(cell::dice& dice, double far) {
     return {dice.vec<vec>(-far, far), random_rotation(dice)};
 }

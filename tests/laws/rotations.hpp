@@ -7,14 +7,6 @@ template struct physics::rotation<cell::scalar, cell::dimension>;
 
 namespace {
 
-/// The rotation by an angle about a unit axis, through sine and cosine.
-template <class Rotation = rotation>
-Rotation rotation_about(reals axis, double angle) {
-    if constexpr (cell::is_2d)
-        return Rotation::from_angle(S(axis.z < 0 ? -angle : angle));
-    else
-        return Rotation::from_axis_angle(from_reals(axis), S(angle));
-}
 CELL_CASE("rotation: a group of isometries") {
     cell::dice dice(20);
     for (int i = 0; i < 2000; ++i) {

@@ -207,7 +207,8 @@ CELL_CASE("twist: the velocity at a point is that of the turning frame") {
     cell::dice dice(9);
     using twist = cell::space::twist;
     for (int i = 0; i < 200; ++i) {
-        const reals w = random_axis(dice) * dice.number(0, 2);
+        const double speed = dice.number(0, 2);
+        const reals w = random_axis(dice) * speed;
         const twist v{dice.vec<vec>(-2, 2), to_angular(w)};
         const vec r = dice.vec<vec>(-2, 2);
         REQUIRE(near(velocity_at(v, r), to_reals(v.linear) + cross(to_reals(v.angular), to_reals(r)), 16));

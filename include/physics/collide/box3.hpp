@@ -1,114 +1,13 @@
 // Contact of two boxes in space: separating axes, then clipping, a pair of edges, or the nearest corner.
 #pragma once
 
-#include "physics/collide/manifold.hpp"
-#include "physics/collide/reduce3.hpp"
+#include "physics/collide/clip3.hpp"
 #include "physics/collide/segment.hpp"
 #include "physics/shape/shapes.hpp"
 
 PHYSICS_HPP_BEGIN
 
 namespace detail {
-
-/// A box by its centre, unit axes and half extents.
-template <class S>
-struct oriented_box {
-    vec<S, 3> center;
-    mat<S, 3> axes;
-    vec<S, 3> half;
-
-    constexpr vec<S, 3> axis(int i) const { return axes.column[i]; }
-    /// Half of the box's extent along a direction.
-    constexpr S reach(vec<S, 3> n) const { return dot(abs(transposed_times(axes, n)), half); }
-};
-
-/// Corners of a face being clipped; each remembers the two planes that it lies between.
-template <class S>
-struct clip_polygon {
-    struct corner {
-        vec<S, 3> position;
-        std::uint32_t before, after;
-    };
-    corner corners[8];
-    int count = 0;
-};
-
-/// Cuts off what lies beyond the plane. Source: Sutherland, Hodgman, Reentrant polygon clipping (1974).
-template <class S>
-constexpr clip_polygon<S> clipped(const clip_polygon<S>& in, vec<S, 3> normal, S offset, std::uint32_t plane) {
-    clip_polygon<S> out;
-    for (int i = 0; i < in.count; ++i) {
-        const auto& a = in.corners[i];
-        const auto& b = in.corners[i + 1 < in.count ? i + 1 : 0];
-        const S da = dot(normal, a.position) - offset, db = dot(normal, b.position) - offset;
-        const bool keep_a = !(da > S(0)), keep_b = !(db > S(0));
-        if (keep_a && out.count < 8) out.corners[out.count++] = a;
-        if (keep_a != keep_b && out.count < 8) {
-            const vec<S, 3> cut = a.position + (b.position - a.position) * (da / (da - db));
-            out.corners[out.count++] = keep_a ? typename clip_polygon<S>::corner{cut, a.after, plane}
-                                              : typename clip_polygon<S>::corner{cut, plane, b.before};
-        }
-    }
-    return out;
-}
-
-/// Clips the face of `incident` that faces the reference face to the reference face's sides, and adds what is
-/// left within the margin. All in one frame; sign tells which of the two faces across the axis is meant, gap is
-/// how far it parts the boxes. False, with nothing added, if the point in which it finds `incident` closest was
-/// cut off: then its normal is not the direction of least distance.
-template <class S>
-constexpr bool clip_faces(const oriented_box<S>& reference, int axis, S sign, S gap, const oriented_box<S>& incident,
-                          bool flip, S slack, S margin, manifold<S, 3>& out) {
-    const vec<S, 3> n = reference.axis(axis) * sign;
-    const vec<S, 3> facing = transposed_times(incident.axes, n);
-    int across = 0;
-    // A lower number wins unless another face is clearly better, so that rounding does not choose.
-    for (int i = 1; i < 3; ++i)
-        if (abs(facing[i]) > abs(facing[across]) + S(1.0 / 1024)) across = i;
-    const S side = facing[across] > S(0) ? S(-1) : S(1);
-    const int u = across == 2 ? 0 : across + 1, v = across == 0 ? 2 : across - 1;
-    const vec<S, 3> middle =
-        incident.center - reference.center + incident.axis(across) * (incident.half[across] * side);
-    const vec<S, 3> du = incident.axis(u) * incident.half[u], dv = incident.axis(v) * incident.half[v];
-
-    clip_polygon<S> face;
-    face.count = 4;
-    face.corners[0] = {middle + du + dv, 3, 0};
-    face.corners[1] = {middle - du + dv, 0, 1};
-    face.corners[2] = {middle - du - dv, 1, 2};
-    face.corners[3] = {middle + du - dv, 2, 3};
-    std::uint32_t plane = 4;
-    for (int i = 0; i < 3; ++i) {
-        if (i == axis) continue;
-        const vec<S, 3> a = reference.axis(i);
-        // A little beyond the face, so that rounding does not decide whether the corners of equal boxes are
-        // cut, and named anew, in each step.
-        const S edge = reference.half[i] + slack;
-        face = clipped(face, a, edge, plane++);
-        face = clipped(face, -a, edge, plane++);
-    }
-
-    const S top = reference.half[axis];
-    const std::uint32_t faces = static_cast<std::uint32_t>(axis << 1 | int{sign > S(0)}) << 12 |
-                                static_cast<std::uint32_t>(across << 1 | int{side > S(0)}) << 8 |
-                                static_cast<std::uint32_t>(flip) << 16;
-    manifold_point<S, 3> candidates[8];
-    int count = 0;
-    const S most = gap + slack + slack;
-    S deepest = most + slack;
-    for (int i = 0; i < face.count; ++i) {
-        const auto& corner = face.corners[i];
-        const S separation = dot(n, corner.position) - top;
-        deepest = min(deepest, separation);
-        if (separation > margin) continue;
-        candidates[count++] = {reference.center + corner.position - n * (separation * S(0.5)), separation,
-                               faces | corner.before << 4 | corner.after};
-    }
-    if (deepest > most) return false;
-    out.normal = flip ? -n : n;
-    reduce(candidates, count, n, slack, out);
-    return true;
-}
 
 /// The middle of the edge of a box that lies farthest along n, among the edges along one axis.
 template <class S>
@@ -230,11 +129,18 @@ constexpr void collide(const box<S, 3>& shape_a, const box<S, 3>& shape_b, const
     vec<S, 3> edge_normal;
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) {
-            const auto [n, sine] = split(cross(a.axis(i), b.axis(j)));
+            const vec<S, 3> across = cross(a.axis(i), b.axis(j));
+            const S sine = length(across);
             // Edges so nearly parallel that a face says the same.
-            if (sine * (a.half[i] + b.half[j]) < slack) continue;
+            if (!(sine * (a.half[i] + b.half[j]) > slack)) continue;
+            const S scale = S(1) / sine;
+            const vec<S, 3> n = across * scale;
             const S along = dot(n, offset);
-            const S gap = abs(along) - dot(abs(n), a.half) - b.reach(n);
+            // Across two axes of b that n is made of; where it is short, rounding asks for n itself.
+            const int k = j < 2 ? j + 1 : 0, l = j > 0 ? j - 1 : 2;
+            const S reach =
+                sine < S(0.25) ? b.reach(n) : (b.half[k] * abs(b.axis(l)[i]) + b.half[l] * abs(b.axis(k)[i])) * scale;
+            const S gap = abs(along) - dot(abs(n), a.half) - reach;
             if (gap > margin) return;
             if (edge_a >= 0 && !(gap > best_edge)) continue;
             best_edge = gap;
@@ -244,13 +150,24 @@ constexpr void collide(const box<S, 3>& shape_a, const box<S, 3>& shape_b, const
         }
 
     const S sign_a = offset[axis_a] < S(0) ? S(-1) : S(1), sign_b = offset_in_b[axis_b] > S(0) ? S(-1) : S(1);
-    const auto face_of_a = [&] { return clip_faces(a, axis_a, sign_a, best_a, b, false, slack, margin, out); };
-    const auto face_of_b = [&] { return clip_faces(b, axis_b, sign_b, best_b, a, true, slack, margin, out); };
-    const auto edges = [&] { return touch_edges(a, edge_a, b, edge_b, edge_normal, best_edge, slack, margin, out); };
+    const auto face_of_a = [&] {
+        return clip_faces(a, axis_a, sign_a, a.axis(axis_a) * sign_a, best_a, b, false, slack, margin, out);
+    };
+    const auto face_of_b = [&] {
+        return clip_faces(b, axis_b, sign_b, b.axis(axis_b) * sign_b, best_b, a, true, slack, margin, out);
+    };
+    // Faces that all but face each other keep their points where an edge gives the normal.
+    const auto edges = [&] {
+        if (abs(edge_normal[axis_a]) > S(0.9986) && edge_normal[axis_a] * sign_a > S(0) &&
+            clip_faces(a, axis_a, sign_a, edge_normal, best_edge, b, false, slack, margin, out))
+            return true;
+        return touch_edges(a, edge_a, b, edge_b, edge_normal, best_edge, slack, margin, out);
+    };
 
     // Faces before edges and a before b where they are alike, so that the choice does not flicker.
-    const bool use_b = best_b > best_a + slack, edge_leads = edge_a >= 0 && best_edge > max(best_a, best_b);
-    if (!(edge_leads && best_edge > (use_b ? best_b : best_a) + slack) && (use_b ? face_of_b() : face_of_a())) return;
+    const bool use_b = best_b > best_a + slack + slack, edge_leads = edge_a >= 0 && best_edge > max(best_a, best_b);
+    const S preferred = (use_b ? best_b : best_a) + slack + slack;
+    if (!(edge_leads && best_edge > preferred) && (use_b ? face_of_b() : face_of_a())) return;
     if (edge_leads ? edges() : best_b > best_a ? face_of_b() : face_of_a()) return;
     const S best_face = max(best_a, best_b);
     const vec<S, 3> face_normal = best_b > best_a ? b.axis(axis_b) * -sign_b : a.axis(axis_a) * sign_a;

@@ -209,8 +209,8 @@ constexpr void collide(const capsule<S, 3>& a, const box<S, 3>& b, const transfo
         if (local - a.radius > margin) return;
         out.add(b_in_a * (s.at(t) - n * ((local + a.radius) * S(0.5))), local - a.radius, feature);
     };
-    // On a face, within three degrees: both ends of the part that the normal leads to the face.
-    if (abs(n[face]) > S(0.9986) && abs(dot(n, s.direction)) < S(0.05)) {
+    // On a face: the part of the axis that the normal leads to the face, both ends of it within three degrees.
+    if (abs(n[face]) > S(0.9986)) {
         const S height = s.middle[face] - (upper ? h[face] : -h[face]), rise = s.direction[face];
         S ends[2] = {-s.half, s.half};
         bool above = true;
@@ -220,12 +220,13 @@ constexpr void collide(const capsule<S, 3>& a, const box<S, 3>& b, const transfo
             above =
                 clip_segment(s.middle[i] - lean * height, s.direction[i] - lean * rise, h[i] + slack, ends[0], ends[1]);
         }
-        if (above && ends[1] > ends[0]) {
-            const S gaps[2] = {(height + rise * ends[0]) / n[face], (height + rise * ends[1]) / n[face]};
-            if (!(min(gaps[0], gaps[1]) > gap + slack + slack)) {
-                for (std::uint32_t k = 0; k < 2; ++k) add(ends[k], gaps[k], name | 2u | k);
-                return;
-            }
+        const S gaps[2] = {(height + rise * ends[0]) / n[face], (height + rise * ends[1]) / n[face]};
+        const std::uint32_t deeper = gaps[1] < gaps[0] ? 1 : 0;
+        if (above && !(gaps[deeper] > gap + slack + slack)) {
+            const bool lies = abs(dot(n, s.direction)) < S(0.05) && ends[1] > ends[0];
+            for (std::uint32_t k = 0; k < 2; ++k)
+                if (lies || k == deeper) add(ends[k], gaps[k], name | 2u | k);
+            return;
         }
     }
     add(at, gap, name);

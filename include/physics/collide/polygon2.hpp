@@ -166,7 +166,8 @@ constexpr void collide_polygons(const detail::rounded_polygon<S>& a, const detai
     const S rounding = detail::rounding_of(largest(a.vertex[0]) + largest(b.vertex[0]));
     const S slack = max(min(a.size, b.size) * S(1.0 / 1024), rounding);
     const bool better_b = from_b.distance > from_a.distance;
-    if (!(from_b.distance > from_a.distance + slack) && detail::clip_edges(a, from_a, b, false, slack, margin, out))
+    if (!(from_b.distance > from_a.distance + slack + slack) &&
+        detail::clip_edges(a, from_a, b, false, slack, margin, out))
         return;
     if (better_b && detail::clip_edges(b, from_b, a, true, slack, margin, out)) return;
     detail::collide_nearest(a, b, better_b ? -b.normal[from_b.edge] : a.normal[from_a.edge],

@@ -19,31 +19,48 @@ constexpr void reduce(const manifold_point<S, 3>* candidates, int count, vec<S, 
         return;
     }
     bool taken[8] = {};
-    const auto take_best = [&](auto&& score, auto&& clearly) {
+    const auto take = [&](int i) {
+        taken[i] = true;
+        out.points[out.count++] = candidates[i];
+        return candidates[i].position;
+    };
+    const auto widest = [&](auto&& score, auto&& allowed) {
         int best = -1;
         S highest{};
         for (int i = 0; i < count; ++i) {
-            if (taken[i]) continue;
+            if (taken[i] || !allowed(candidates[i])) continue;
             const S s = score(candidates[i]);
-            if (best < 0 || clearly(s, highest)) best = i, highest = s;
+            if (best < 0 || s > highest + abs(highest) * S(1.0 / 32)) best = i, highest = s;
         }
-        taken[best] = true;
-        out.points[out.count++] = candidates[best];
-        return candidates[best].position;
+        return best;
     };
-    const auto deeper = [&](S s, S highest) { return s > highest + slack; };
-    const auto wider = [](S s, S highest) { return s > highest + abs(highest) * S(1.0 / 32); };
-    const vec<S, 3> a = take_best([](const auto& p) { return -p.separation; }, deeper);
-    const vec<S, 3> b = take_best([&](const auto& p) { return length(cross(normal, p.position - a)); }, wider);
-    const vec<S, 3> across = normalized(cross(normal, b - a));
-    const vec<S, 3> c = take_best([&](const auto& p) { return abs(dot(p.position - a, across)); }, wider);
+    const auto any = [](const auto&) { return true; };
+    const auto distance_from = [&](vec<S, 3> from) {
+        return [&normal, from](const auto& p) {
+            const vec<S, 3> beside = cross(normal, p.position - from);
+            return dot(beside, beside);
+        };
+    };
+    // The first is one of the deepest; of those that are alike the one farthest out.
+    int deepest = 0;
+    vec<S, 3> sum = candidates[0].position;
+    for (int i = 1; i < count; ++i) {
+        sum += candidates[i].position;
+        if (candidates[i].separation < candidates[deepest].separation - slack) deepest = i;
+    }
+    const S most = candidates[deepest].separation + slack;
+    const auto deep = [&](const auto& p) { return !(p.separation > most); };
+    const vec<S, 3> a = take(widest(distance_from(sum / S(count)), deep));
+    const vec<S, 3> b = take(widest(distance_from(a), any));
+    const vec<S, 3> across = cross(normal, b - a);
+    const vec<S, 3> c = take(widest([&](const auto& p) { return abs(dot(p.position - a, across)); }, any));
     const bool left = dot(c - a, across) > S(0);
-    take_best(
+    take(widest(
         [&](const auto& p) {
             const S beyond = dot(p.position - a, across);
             return left ? -beyond : beyond;
         },
-        wider);
+        any));
 }
 
 }  // namespace detail
