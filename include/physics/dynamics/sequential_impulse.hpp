@@ -110,6 +110,8 @@ struct sequential_impulse {
                 target = min(overlap * with.baumgarte / h, with.max_push_speed);
             }
             if constexpr (Features::restitution) {
+                // A bounce starts where the gap is: the speed that closes it first would be lost.
+                if (!(c.restitution > S(0))) return target;
                 const S speed = dot(c.normal, velocity_at(b.velocity, p.lever_b) - velocity_at(a.velocity, p.lever_a));
                 const bool meets = p.separation + speed * h < S(0);
                 if (meets && -speed > with.restitution_slop) target = max(target, -(c.restitution * speed));

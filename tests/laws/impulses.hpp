@@ -1,0 +1,165 @@
+// Random bodies in contact, and what acts between them in double: what the solver's laws are stated over.
+#pragma once
+
+#include "reals.hpp"
+
+namespace {
+
+using contact = physics::contact<S, D>;
+using complete = physics::without<>;
+using frictionless = physics::without<physics::feature::friction>;
+template <class Features>
+using solver = physics::sequential_impulse::in<cell::space, Features>;
+using solver_settings = physics::sequential_impulse_settings<S>;
+
+/// Bodies and contacts as a solver gets them; the first body may be fixed.
+struct problem {
+    std::vector<physics::solver_body<S, D>> bodies;
+    physics::buffer<contact> contacts;
+    solver_settings settings;
+    /// Of the bodies, for those who weigh them: centres of mass, and inertias in world axes.
+    std::vector<reals> places;
+    std::vector<physics::inertia<S, D>> inertias;
+};
+
+template <class Features>
+void solve(problem& p, int rounds) {
+    struct still {
+        void advance_velocities(S) {}
+        void advance_poses(S) {}
+    };
+    physics::arena scratch;
+    p.settings.iterations = rounds;
+    solver<Features>::solve(p.bodies.data(), p.contacts, p.settings, S(1.0 / 64), scratch, still{});
+}
+
+/// The part of a contact point that acts on one of its bodies, in double.
+struct side_of {
+    std::size_t body;
+    double sign;
+    reals lever;
+    double inverse_mass;
+    reals answers[3];
+
+    side_of(const std::vector<physics::solver_body<S, D>>& bodies, std::size_t number, vec r, double direction)
+        : body(number), sign(direction), lever(to_reals(r)) {
+        const auto& b = bodies[number];
+        inverse_mass = static_cast<double>(b.inverse_mass);
+        for (int i = 0; i < 3; ++i) {
+            if (cell::is_2d && i < 2) continue;
+            reals axis;
+            axis[i] = 1;
+            answers[i] = to_reals(physics::times(b.inverse_inertia, to_angular(axis)));
+        }
+    }
+    /// The change of angular velocity by an angular impulse.
+    reals turn(reals moment) const { return answers[0] * moment.x + answers[1] * moment.y + answers[2] * moment.z; }
+};
+
+/// A contact point in double: the speed `target` along the normal with which its sides have to part.
+struct point_of {
+    std::vector<side_of> sides;
+    reals normal, friction;
+    double target, impulse, coefficient;
+};
+
+inline reals friction_of(const contact& c, const physics::contact_point<S, D>& p) {
+    return to_reals(physics::tangents<S, D>(c.normal).combine(p.friction_impulse));
+}
+
+inline std::vector<point_of> points_of(const problem& p) {
+    std::vector<point_of> all;
+    for (const contact& c : p.contacts)
+        for (int k = 0; k < c.count; ++k) {
+            const auto& q = c.points[k];
+            // Only gaps: how overlaps and bounces set the target has a law of its own.
+            const double target = -cell::number(q.separation) * 64;
+            all.push_back({{{p.bodies, c.body_a, q.lever_a, -1}, {p.bodies, c.body_b, q.lever_b, 1}},
+                           to_reals(c.normal),
+                           friction_of(c, q),
+                           target,
+                           cell::number(q.normal_impulse),
+                           cell::number(c.friction)});
+        }
+    return all;
+}
+
+/// The velocity of the second body at the point, seen from the first.
+inline reals slip_of(const std::vector<physics::solver_body<S, D>>& bodies, const point_of& p) {
+    reals sum;
+    for (const side_of& s : p.sides) {
+        const auto& v = bodies[s.body].velocity;
+        sum = sum + (to_reals(v.linear) + cross(to_reals(v.angular), s.lever)) * s.sign;
+    }
+    return sum;
+}
+
+inline void draw(cell::dice& dice, S& friction) { friction = dice.real(-2, 2); }
+inline void draw(cell::dice& dice, physics::vec<S, 2>& friction) { friction = dice.vec<physics::vec<S, 2>>(-2, 2); }
+
+/// As heavy to turn as a body of about a kilogram, in any orientation.
+inline void draw_inertia(cell::dice& dice, S& inertia) { inertia = dice.real(0.2, 1); }
+inline void draw_inertia(cell::dice& dice, physics::symmetric<S>& inertia) {
+    const auto axes = dice.vec<physics::vec<S, 3>>(0.5, 1);
+    const auto turned = matrix(random_rotation<3>(dice));
+    inertia = rotated(physics::symmetric<S>{axes.x, axes.y, axes.z, S(0), S(0), S(0)}, turned);
+}
+inline reals times_inertia(S inertia, reals w) { return w * cell::number(inertia); }
+inline reals times_inertia(const physics::symmetric<S>& inertia, reals w) {
+    return to_reals(times(inertia, physics::vec<S, 3>{S(w.x), S(w.y), S(w.z)}));
+}
+
+/// Four bodies of 0.5 to 2 kg at random places, the first of them fixed if asked for, and points where two meet.
+inline problem random_problem(cell::dice& dice, int points, double friction, bool fixed = true) {
+    problem p;
+    for (int i = 0; i < 4; ++i) {
+        physics::solver_body<S, D> b;
+        physics::inertia<S, D> inertia{};
+        if (i > 0 || !fixed) {
+            b.inverse_mass = physics::inverse_of<S>(dice.number(0.5, 2));
+            draw_inertia(dice, inertia);
+            b.inverse_inertia = physics::inverted_inertia(inertia);
+            b.velocity.linear = dice.vec<vec>(-2, 2);
+            const double spin = dice.number(-2, 2);
+            b.velocity.angular = to_angular(random_axis(dice) * spin);
+        }
+        p.bodies.push_back(b);
+        p.inertias.push_back(inertia);
+        const double far = dice.number(0.5, 1.5);
+        p.places.push_back(random_direction(dice) * far);
+    }
+    for (int i = 0; i < points; ++i) {
+        contact c{};
+        c.body_a = static_cast<std::uint32_t>(dice.below(3));
+        c.body_b = c.body_a + 1 + static_cast<std::uint32_t>(dice.below(3 - static_cast<int>(c.body_a)));
+        c.normal = normalized(from_reals(random_direction(dice)));
+        c.count = 1;
+        const reals at = random_direction(dice);
+        c.points[0].lever_a = from_reals(at - p.places[c.body_a]);
+        c.points[0].lever_b = from_reals(at - p.places[c.body_b]);
+        c.points[0].separation = dice.real(0, 0.02);
+        c.friction = S(friction);
+        p.contacts.push(c);
+    }
+    return p;
+}
+
+struct momenta {
+    reals linear, angular;
+};
+/// Of all bodies, about the origin.
+inline momenta momenta_of(const problem& p) {
+    momenta sum;
+    for (std::size_t i = 0; i < p.bodies.size(); ++i) {
+        const auto& b = p.bodies[i];
+        const double inverse_mass = static_cast<double>(b.inverse_mass);
+        if (inverse_mass == 0) continue;
+        const reals linear = to_reals(b.velocity.linear) * (1 / inverse_mass);
+        sum.linear = sum.linear + linear;
+        sum.angular = sum.angular + cross(p.places[i], linear);
+        sum.angular = sum.angular + times_inertia(p.inertias[i], to_reals(b.velocity.angular));
+    }
+    return sum;
+}
+
+}  // namespace
