@@ -20,11 +20,13 @@
 #include "physics/base/math_real.hpp"
 #include "physics/base/math_reduce.hpp"
 #include "physics/base/pack.hpp"
+#include "physics/base/pack_mask.hpp"
 #include "physics/base/pack_rows.hpp"
 #include "physics/base/pool.hpp"
 #include "physics/base/probe.hpp"
 #include "physics/base/root.hpp"
 #include "physics/base/scalar.hpp"
+#include "physics/base/sort.hpp"
 #include "physics/base/stage.hpp"
 #include "physics/base/wide.hpp"
 
@@ -50,6 +52,7 @@
 // From two shapes to a contact.
 #include "physics/collide/box3.hpp"
 #include "physics/collide/capsule3.hpp"
+#include "physics/collide/clip3.hpp"
 #include "physics/collide/manifold.hpp"
 #include "physics/collide/narrowphase.hpp"
 #include "physics/collide/pairs2.hpp"
@@ -61,7 +64,18 @@
 
 // From all boxes to the pairs that may touch.
 #include "physics/broadphase/all_pairs.hpp"
+#include "physics/broadphase/box_block.hpp"
+#include "physics/broadphase/box_tests.hpp"
 #include "physics/broadphase/concept.hpp"
+#include "physics/broadphase/dynamic_tree.hpp"
+#include "physics/broadphase/guard.hpp"
+#include "physics/broadphase/indexed.hpp"
+#include "physics/broadphase/morton.hpp"
+#include "physics/broadphase/packed_tree.hpp"
+#include "physics/broadphase/pair_set.hpp"
+#include "physics/broadphase/proxies.hpp"
+#include "physics/broadphase/queries.hpp"
+#include "physics/broadphase/tree_index.hpp"
 
 // Bodies, contacts, and the solver that moves them.
 #include "physics/dynamics/body.hpp"

@@ -1,134 +1,279 @@
 // Laws of broadphases: every pair of boxes that overlap, once, in order, whatever came before.
 #pragma once
 
-#include <map>
-#include <utility>
-#include <vector>
+#include <set>
 
-#include "reals.hpp"
-
-template class physics::all_pairs::in<cell::space>;
+#include "crowds.hpp"
 
 namespace {
 
-using aabb = cell::space::aabb;
-using broadphase = physics::all_pairs::in<cell::space>;
 using pair_list = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
-static_assert(physics::broadphase_for<broadphase, cell::space>);
-
-/// What a broadphase should know: the boxes by number, compared one by one.
-struct plain_broadphase {
-    std::map<std::uint32_t, aabb> boxes;
-
-    template <class Accept>
-    pair_list pairs(Accept&& accept) const {
-        pair_list result;
-        for (auto a = boxes.begin(); a != boxes.end(); ++a)
-            for (auto b = std::next(a); b != boxes.end(); ++b) {
-                bool apart = false;
-                for (int i = 0; i < D; ++i)
-                    apart = apart || a->second.upper[i] < b->second.lower[i] || b->second.upper[i] < a->second.lower[i];
-                if (!apart && accept(a->first, b->first)) result.emplace_back(a->first, b->first);
-            }
-        return result;
-    }
-};
-
-template <class Accept>
-pair_list pairs_of(const broadphase& b, Accept&& accept) {
-    physics::buffer<physics::proxy_pair> found;
-    found.push({7, 7});  // what was there before goes
-    b.pairs(accept, found);
+inline pair_list listed(const physics::buffer<physics::proxy_pair>& found) {
     pair_list result;
     for (const physics::proxy_pair& p : found) result.emplace_back(p.a, p.b);
     return result;
 }
 inline bool anything(std::uint32_t, std::uint32_t) { return true; }
 
-/// Corners on a coarse lattice, so that boxes often just touch; some are flat, some endless.
-inline aabb random_box(cell::dice& dice) {
-    aabb box;
-    for (int i = 0; i < D; ++i) {
-        box.lower[i] = S(dice.below(12) * 0.5);
-        box.upper[i] = box.lower[i] + S(dice.below(4) * 0.5);
-    }
-    if (dice.below(16) == 0) box.lower[dice.below(D)] = -(cell::traits::max() * S(0.25));
-    return box;
+/// Every pair by comparison of all boxes, margins included.
+template <class Accept>
+pair_list all_pairs_of(const crowd& c, Accept&& accept) {
+    pair_list result;
+    for (auto a = c.members.begin(); a != c.members.end(); ++a)
+        for (auto b = std::next(a); b != c.members.end(); ++b)
+            if (share_a_point(a->second.wide, b->second.wide) && allowed(a->second.filter, b->second.filter) &&
+                accept(a->first, b->first))
+                result.emplace_back(a->first, b->first);
+    return result;
 }
 
-CELL_CASE("broadphase: agrees with a comparison of all boxes through any history") {
-    std::size_t met = 0;
-    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-        cell::dice dice(seed);
-        broadphase tested;
-        plain_broadphase plain;
-        for (int round = 0; round < 60; ++round) {
-            for (int i = 0; i < 12; ++i) {
-                // Few numbers, so that they are used again.
-                const auto id = static_cast<std::uint32_t>(dice.below(40));
-                const aabb box = random_box(dice);
-                if (plain.boxes.count(id) == 0) {
-                    tested.insert(id, box);
-                    plain.boxes[id] = box;
-                } else if (dice.below(3) > 0) {
-                    tested.move(id, box);
-                    plain.boxes[id] = box;
-                } else {
-                    tested.erase(id);
-                    plain.boxes.erase(id);
+/// What has to be true after a step of a crowd.
+template <class Broadphase>
+void check_step(Broadphase& tested, const crowd& c, pair_list& before, const std::set<std::uint32_t>& given_up) {
+    const pair_list now = all_pairs_of(c, anything);
+    REQUIRE(listed(tested.pairs(anything)) == now);
+    // What is given up in between ends, even where the same number pairs anew.
+    const auto is_given_up = [&](const auto& p) { return given_up.count(p.first) + given_up.count(p.second) > 0; };
+    const auto has = [](const pair_list& list, const auto& p) { return std::binary_search(list.begin(), list.end(), p); };
+    pair_list begun, ended;
+    for (const auto& p : now)
+        if (!has(before, p) || is_given_up(p)) begun.push_back(p);
+    for (const auto& p : before)
+        if (!has(now, p) || is_given_up(p)) ended.push_back(p);
+    REQUIRE(listed(tested.begun()) == begun);
+    REQUIRE(listed(tested.ended()) == ended);
+    REQUIRE(tested.count() == c.members.size());
+    before = now;
+}
+
+CELL_CASE("broadphase: the pairs are those that a comparison of all boxes finds, on every kind of crowd") {
+    each_broadphase([](auto policy, const char* name) {
+        using broadphase = typename decltype(policy)::template in<cell::space>;
+        CAPTURE(name);
+        for (const layout kind : layouts) {
+            CAPTURE(static_cast<int>(kind));
+            for (const double share : {1.0, 0.2, 0.02}) {
+                CAPTURE(share);
+                cell::dice dice(60);
+                crowd c(kind, 120, dice);
+                broadphase tested;
+                for (const auto& [id, m] : c.members) tested.insert(id, m.box, m.filter);
+                pair_list before;
+                check_step(tested, c, before, {});
+                for (int step = 0; step < 25; ++step) {
+                    c.move(share, dice, [&](std::uint32_t id, const aabb& box, const vec& way) {
+                        tested.move(id, box, way);
+                        // Queries may see it at once, which changes nothing.
+                        if (step % 5 == 0) tested.update();
+                    });
+                    check_step(tested, c, before, {});
                 }
             }
-            REQUIRE(pairs_of(tested, anything) == plain.pairs(anything));
-            const auto few = [](std::uint32_t a, std::uint32_t b) { return (a + b) % 3 == 0; };
-            REQUIRE(pairs_of(tested, few) == plain.pairs(few));
-            // A copy stands alone.
-            broadphase copy = tested;
-            REQUIRE(pairs_of(copy, anything) == plain.pairs(anything));
-            if (!plain.boxes.empty()) copy.erase(plain.boxes.begin()->first);
-            REQUIRE(pairs_of(tested, anything) == plain.pairs(anything));
         }
-        met += plain.pairs(anything).size();
-    }
-    CHECK(met > 100);
+    });
 }
 
-CELL_CASE("broadphase: pairs ascend, each once, and the filter sees no others") {
-    cell::dice dice(50);
-    broadphase tested;
-    // Many boxes in one place, entered backwards.
-    for (std::uint32_t id = 60; id-- > 0;) tested.insert(id, aabb{vec::filled(S(id % 2 ? 0 : -1)), vec::filled(S(1))});
-    pair_list asked;
-    const pair_list found = pairs_of(tested, [&](std::uint32_t a, std::uint32_t b) {
-        asked.emplace_back(a, b);
-        return a % 2 == b % 2;
-    });
-    CHECK(asked.size() == 60 * 59 / 2);
-    CHECK(found.size() == 2 * (30 * 29 / 2));
-    for (const pair_list& list : {asked, found})
-        for (std::size_t i = 0; i < list.size(); ++i) {
-            REQUIRE(list[i].first < list[i].second);
-            if (i > 0) REQUIRE(list[i - 1] < list[i]);
+CELL_CASE("broadphase: through any history of coming, going and moving, with numbers that come again") {
+    each_broadphase([](auto policy, const char* name) {
+        using broadphase = typename decltype(policy)::template in<cell::space>;
+        CAPTURE(name);
+        for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+            cell::dice dice(seed);
+            crowd c(layout::uniform, 0, dice);
+            broadphase tested;
+            pair_list before;
+            for (int round = 0; round < 60; ++round) {
+                std::set<std::uint32_t> given_up;
+                for (int i = 0, n = dice.below(round % 20 == 0 ? 200 : 12); i < n; ++i) {
+                    const auto id = static_cast<std::uint32_t>(dice.below(160));
+                    if (c.members.count(id) == 0) {
+                        c.add(id, dice);
+                        tested.insert(id, c.members[id].box, c.members[id].filter);
+                    } else if (dice.below(3) > 0) {
+                        c.move_one(id, dice,
+                                   [&](std::uint32_t k, const aabb& box, const vec& way) { tested.move(k, box, way); });
+                    } else {
+                        tested.erase(id);
+                        c.members.erase(id);
+                        given_up.insert(id);
+                    }
+                    if (dice.below(20) == 0) tested.update();
+                }
+                check_step(tested, c, before, given_up);
+                // A copy stands alone, and so does what it was copied from.
+                if (round % 8 == 0) {
+                    broadphase copy = tested;
+                    if (!c.members.empty()) copy.erase(c.members.begin()->first);
+                    copy.pairs(anything);
+                    REQUIRE(listed(tested.pairs(anything)) == before);
+                }
+            }
         }
+    });
+}
+
+CELL_CASE("broadphase: the caller is asked for pairs that the filters let through, and takes some") {
+    each_broadphase([](auto policy, const char* name) {
+        using broadphase = typename decltype(policy)::template in<cell::space>;
+        CAPTURE(name);
+        broadphase tested;
+        // Many boxes in one place, entered backwards; the even ones of one owner, the last three without mass.
+        crowd c;
+        for (std::uint32_t id = 60; id-- > 0;) {
+            member& m = c.members[id];
+            m.box = {vec::filled(S(id % 2 ? 0 : -1)), vec::filled(S(1))};
+            m.filter.owner = id % 2 ? id : 1000;
+            m.filter.movable = id < 57;
+            c.widen(m, {});
+            tested.insert(id, m.box, m.filter);
+        }
+        pair_list asked;
+        const pair_list found = listed(tested.pairs([&](std::uint32_t a, std::uint32_t b) {
+            asked.emplace_back(a, b);
+            return (a + b) % 3 == 0;
+        }));
+        std::sort(asked.begin(), asked.end());
+        CHECK(asked == all_pairs_of(c, anything));
+        CHECK(found == all_pairs_of(c, [](std::uint32_t a, std::uint32_t b) { return (a + b) % 3 == 0; }));
+        CHECK(found.size() > 300);
+        // Nothing moves, nothing is asked.
+        asked.clear();
+        CHECK(listed(tested.pairs([&](std::uint32_t a, std::uint32_t b) {
+            asked.emplace_back(a, b);
+            return true;
+        })) == found);
+        CHECK(asked.empty());
+        CHECK(tested.begun().empty());
+        CHECK(tested.ended().empty());
+    });
 }
 
 CELL_CASE("broadphase: empty, alone, and boxes that share only a face, an edge or a corner") {
-    broadphase tested;
-    CHECK(pairs_of(tested, anything).empty());
-    tested.insert(3, aabb{vec{}, vec::filled(S(1))});
-    CHECK(pairs_of(tested, anything).empty());
-    for (int n = 1; n < (cell::is_2d ? 4 : 8); ++n) {
-        vec at;
-        for (int i = 0; i < D; ++i) at[i] = S(n >> i & 1);
-        tested.insert(5, aabb{at, at + vec::filled(S(1))});
-        CHECK(pairs_of(tested, anything) == pair_list{{3, 5}});
-        for (int i = 0; i < D; ++i)
-            if (n >> i & 1) at[i] += cell::traits::epsilon() * S(2);
-        tested.move(5, aabb{at, at + vec::filled(S(1))});
-        CHECK(pairs_of(tested, anything).empty());
-        tested.erase(5);
-        CHECK(pairs_of(tested, anything).empty());
-    }
+    each_broadphase([](auto policy, const char* name) {
+        using broadphase = typename decltype(policy)::template in<cell::space>;
+        CAPTURE(name);
+        broadphase tested;
+        tested.configure({S(0), S(0)});
+        CHECK(listed(tested.pairs(anything)).empty());
+        tested.insert(3, aabb{vec{}, vec::filled(S(1))});
+        CHECK(listed(tested.pairs(anything)).empty());
+        for (int n = 1; n < (cell::is_2d ? 4 : 8); ++n) {
+            vec at;
+            for (int i = 0; i < D; ++i) at[i] = S(n >> i & 1);
+            tested.insert(5, aabb{at, at + vec::filled(S(1))});
+            CHECK(listed(tested.pairs(anything)) == pair_list{{3, 5}});
+            for (int i = 0; i < D; ++i)
+                if (n >> i & 1) at[i] += cell::traits::epsilon() * S(2);
+            tested.move(5, aabb{at, at + vec::filled(S(1))});
+            CHECK(listed(tested.pairs(anything)).empty());
+            tested.erase(5);
+            CHECK(listed(tested.pairs(anything)).empty());
+        }
+    });
+}
+
+CELL_CASE("broadphase: within its margins a proxy is left alone") {
+    each_broadphase([](auto policy, const char* name) {
+        using broadphase = typename decltype(policy)::template in<cell::space>;
+        CAPTURE(name);
+        broadphase tested;
+        tested.configure({S(0.25), S(2)});
+        const aabb unit{vec{}, vec::filled(S(1))};
+        tested.insert(0, unit);
+        CHECK(tested.box(0) == grown(unit, S(0.25)));
+        const auto moved = [](aabb box, double by) {
+            box.lower.x += S(by);
+            box.upper.x += S(by);
+            return box;
+        };
+        vec way;
+        way.x = S(0.125);
+        tested.move(0, moved(unit, 0.25), way);
+        CHECK(tested.box(0) == grown(unit, S(0.25)));
+        // Out of them, it gets new ones, and twice the last move ahead.
+        tested.move(0, moved(unit, 0.375), way);
+        aabb expected = grown(moved(unit, 0.375), S(0.25));
+        expected.upper.x += S(0.25);
+        CHECK(tested.box(0) == expected);
+        // A teleport is no velocity: no farther ahead than the box is wide, and its margin.
+        way.x = S(-100);
+        tested.move(0, moved(unit, -100), way);
+        expected = grown(moved(unit, -100), S(0.25));
+        expected.lower.x -= S(1.25);
+        CHECK(tested.box(0) == expected);
+    });
+}
+
+CELL_CASE("broadphase: bad calls are refused by name, and change nothing") {
+    each_broadphase([](auto policy, const char* name) {
+        using broadphase = typename decltype(policy)::template in<cell::space>;
+        CAPTURE(name);
+        broadphase tested;
+        const aabb unit{vec{}, vec::filled(S(1))};
+        tested.insert(0, unit);
+        tested.insert(1, unit);
+        aabb inverted = unit;
+        inverted.lower.y = S(2);
+        const char* wrong_way = "lower.y is 2; it must not be greater than upper";
+        CHECK_THROWS_WITH(tested.insert(2, inverted), (std::string("physics: insert: ") + wrong_way).c_str());
+        CHECK_THROWS_WITH(tested.move(1, inverted), (std::string("physics: move: ") + wrong_way).c_str());
+        CHECK_THROWS_WITH(tested.insert(1, unit), "physics: insert: id is 1; it must not be in use");
+        CHECK_THROWS_WITH(tested.move(2, unit), "physics: move: id is 2; it must have been inserted");
+        CHECK_THROWS_WITH(tested.erase(7), "physics: erase: id is 7; it must have been inserted");
+        CHECK_THROWS_WITH(tested.configure({S(-1), S(0)}),
+                          "physics: configure: broadphase.margin is -1; it must not be negative");
+        if constexpr (!cell::is_fixed) {
+            for (const double bad : {std::nan(""), HUGE_VAL}) {
+                aabb box = unit;
+                box.upper.x = cell::real(bad);
+                CHECK_THROWS(tested.insert(2, box));
+                CHECK_THROWS(tested.move(1, box));
+            }
+        }
+        CHECK(tested.count() == 2);
+        CHECK(listed(tested.pairs(anything)) == pair_list{{0, 1}});
+        // While a query runs, nothing may change; afterwards it may.
+        for (int call = 0; call < 4; ++call)
+            tested.each_overlapping(unit, {}, [&](std::uint32_t) {
+                const char* while_queried = "broadphase is being queried; it must not change until the query has ended";
+                const auto is = [&](const char* f) { return std::string("physics: ") + f + ": " + while_queried; };
+                if (call == 0) CHECK_THROWS_WITH(tested.erase(0), is("erase").c_str());
+                if (call == 1) CHECK_THROWS_WITH(tested.insert(9, unit), is("insert").c_str());
+                if (call == 2) CHECK_THROWS_WITH(tested.update(), is("update").c_str());
+                if (call == 3) CHECK_THROWS_WITH(tested.pairs(anything), is("pairs").c_str());
+                broadphase other;
+                other.insert(0, unit);
+            });
+        tested.erase(0);
+        CHECK(listed(tested.pairs(anything)).empty());
+    });
+}
+
+CELL_CASE("broadphase: a thousand boxes in one place, in a line in order, and through each other") {
+    each_broadphase([](auto policy, const char* name) {
+        using broadphase = typename decltype(policy)::template in<cell::space>;
+        CAPTURE(name);
+        const auto few = [](std::uint32_t a, std::uint32_t b) { return a + 1 == b; };
+        broadphase heap, line;
+        for (std::uint32_t id = 0; id < 1000; ++id) {
+            heap.insert(id, aabb{vec{}, vec::filled(S(1))});
+            vec at;
+            at.x = S(static_cast<int>(id));
+            line.insert(id, aabb{at, at + vec::filled(S(1))});
+        }
+        CHECK(heap.pairs(few).size() == 999);
+        CHECK(line.pairs(anything).size() == 999 + 0);
+        for (std::uint32_t id = 0; id < 1000; id += 2) heap.erase(id);
+        CHECK(heap.pairs(few).empty());
+        // Every one moves to the other end of the line.
+        for (std::uint32_t id = 0; id < 1000; ++id) {
+            vec at;
+            at.x = S(static_cast<int>(2000 - id));
+            line.move(id, aabb{at, at + vec::filled(S(1))});
+        }
+        CHECK(line.pairs(anything).size() == 999);
+    });
 }
 
 }  // namespace

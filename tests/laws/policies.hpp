@@ -19,8 +19,10 @@ struct sweep_along_x {
     template <class Space>
     class in {
     public:
-        void insert(std::uint32_t id, const typename Space::aabb& box) { boxes_.push_back({id, box}); }
-        void move(std::uint32_t id, const typename Space::aabb& box) {
+        using aabb = typename Space::aabb;
+
+        void insert(std::uint32_t id, const aabb& box, const physics::proxy_filter&) { boxes_.push_back({id, box}); }
+        void move(std::uint32_t id, const aabb& box, const typename Space::vec&) {
             for (auto& b : boxes_)
                 if (b.id == id) b.box = box;
         }
@@ -28,25 +30,27 @@ struct sweep_along_x {
             std::erase_if(boxes_, [&](const entry& b) { return b.id == id; });
         }
         template <class Accept>
-        void pairs(Accept&& accept, physics::buffer<physics::proxy_pair>& out) {
-            std::stable_sort(boxes_.begin(), boxes_.end(), [](const entry& a, const entry& b) { return a.box.lower.x < b.box.lower.x; });
-            std::vector<physics::proxy_pair> found;
+        const physics::buffer<physics::proxy_pair>& pairs(Accept&& accept) {
+            std::stable_sort(boxes_.begin(), boxes_.end(),
+                             [](const entry& a, const entry& b) { return a.box.lower.x < b.box.lower.x; });
+            pairs_.clear();
             for (std::size_t i = 0; i < boxes_.size(); ++i)
                 for (std::size_t k = i + 1; k < boxes_.size() && !(boxes_[k].box.lower.x > boxes_[i].box.upper.x); ++k) {
-                    const std::uint32_t a = std::min(boxes_[i].id, boxes_[k].id), b = std::max(boxes_[i].id, boxes_[k].id);
-                    if (overlap(boxes_[i].box, boxes_[k].box) && accept(a, b)) found.push_back({a, b});
+                    const std::uint32_t a = std::min(boxes_[i].id, boxes_[k].id);
+                    const std::uint32_t b = std::max(boxes_[i].id, boxes_[k].id);
+                    if (overlap(boxes_[i].box, boxes_[k].box) && accept(a, b)) pairs_.push({a, b});
                 }
-            std::sort(found.begin(), found.end());
-            out.clear();
-            for (const auto& p : found) out.push(p);
+            std::sort(pairs_.begin(), pairs_.end());
+            return pairs_;
         }
 
     private:
         struct entry {
             std::uint32_t id;
-            typename Space::aabb box;
+            aabb box;
         };
         std::vector<entry> boxes_;
+        physics::buffer<physics::proxy_pair> pairs_;
     };
 };
 

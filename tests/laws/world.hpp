@@ -368,7 +368,7 @@ CELL_CASE("world: settings hold from the next step on") {
     run(w, 1);
     CHECK(w.contacts().size() == 0);
     settings.contact_margin = S(0.75);
-    settings.box_margin = S(0);
+    settings.broadphase.margin = S(0);
     w.set_settings(settings);
     run(w, 1);
     CHECK(w.contacts().size() == 1);

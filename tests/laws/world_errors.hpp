@@ -136,7 +136,9 @@ CELL_CASE("errors: worlds and their settings refuse numbers out of range") {
         both(std::string("gravity.") + "xyz"[i], rule::finite,
              [&](world::settings_type& x, S bad) { x.gravity[i] = bad; });
     both("contact_margin", rule::not_negative, [](world::settings_type& x, S bad) { x.contact_margin = bad; });
-    both("box_margin", rule::not_negative, [](world::settings_type& x, S bad) { x.box_margin = bad; });
+    both("broadphase.margin", rule::not_negative, [](world::settings_type& x, S bad) { x.broadphase.margin = bad; });
+    both("broadphase.prediction", rule::not_negative,
+         [](world::settings_type& x, S bad) { x.broadphase.prediction = bad; });
     both("solver.baumgarte", rule::not_negative, [](world::settings_type& x, S bad) { x.solver.baumgarte = bad; });
     both("solver.penetration_slop", rule::not_negative,
          [](world::settings_type& x, S bad) { x.solver.penetration_slop = bad; });

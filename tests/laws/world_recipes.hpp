@@ -23,20 +23,24 @@ struct address_book {
     template <class Space>
     class in {
     public:
-        void insert(std::uint32_t id, const typename Space::aabb& box) { boxes_.emplace(id, box); }
-        void move(std::uint32_t id, const typename Space::aabb& box) { boxes_.at(id) = box; }
+        using aabb = typename Space::aabb;
+
+        void insert(std::uint32_t id, const aabb& box, const physics::proxy_filter&) { boxes_.emplace(id, box); }
+        void move(std::uint32_t id, const aabb& box, const typename Space::vec&) { boxes_.at(id) = box; }
         void erase(std::uint32_t id) { boxes_.erase(id); }
         template <class Accept>
-        void pairs(Accept&& accept, physics::buffer<physics::proxy_pair>& out) const {
-            out.clear();
+        const physics::buffer<physics::proxy_pair>& pairs(Accept&& accept) {
+            pairs_.clear();
             for (auto a = boxes_.begin(); a != boxes_.end(); ++a)
                 for (auto b = std::next(a); b != boxes_.end(); ++b)
                     if (physics::overlap(a->second, b->second) && accept(a->first, b->first))
-                        out.push({a->first, b->first});
+                        pairs_.push({a->first, b->first});
+            return pairs_;
         }
 
     private:
-        std::map<std::uint32_t, typename Space::aabb> boxes_;
+        std::map<std::uint32_t, aabb> boxes_;
+        physics::buffer<physics::proxy_pair> pairs_;
     };
 };
 

@@ -5,10 +5,10 @@ struct grid {
     using stage = physics::stage::broadphase;
     template <class Space>
     struct in {
-        void insert(std::uint32_t, const typename Space::aabb&);
+        void insert(std::uint32_t, const typename Space::aabb&, const physics::proxy_filter&);
         void erase(std::uint32_t);
         template <class Accept>
-        void pairs(Accept&&, physics::buffer<physics::proxy_pair>&);
+        const physics::buffer<physics::proxy_pair>& pairs(Accept&&);
     };
 };
 struct mine : physics::recipe<float, 2, grid> {};

@@ -50,6 +50,7 @@ public:
     T& operator[](std::uint32_t i) { return data_[i]; }
     const T& operator[](std::uint32_t i) const { return data_[i]; }
     T& back() { return data_[size_ - 1]; }
+    const T& back() const { return data_[size_ - 1]; }
 
     void clear() { size_ = 0; }
     void reserve(std::uint32_t capacity) {
@@ -95,5 +96,30 @@ private:
     std::uint32_t size_ = 0;
     std::uint32_t capacity_ = 0;
 };
+
+namespace detail {
+
+/// A number beside buffers: 0 once it was moved from, as they are empty.
+template <class T>
+class reset_on_move {
+public:
+    reset_on_move() = default;
+    reset_on_move(T value) : value_(value) {}
+    reset_on_move(const reset_on_move&) = default;
+    reset_on_move(reset_on_move&& other) noexcept : value_(std::exchange(other.value_, T{})) {}
+    reset_on_move& operator=(const reset_on_move&) = default;
+    reset_on_move& operator=(reset_on_move&& other) noexcept {
+        value_ = std::exchange(other.value_, T{});
+        return *this;
+    }
+    operator T() const { return value_; }
+    T operator++() { return ++value_; }
+    T operator--() { return --value_; }
+
+private:
+    T value_{};
+};
+
+}  // namespace detail
 
 PHYSICS_HPP_END

@@ -3,7 +3,7 @@
 
 #include "physics/base/buffer.hpp"
 #include "physics/base/stage.hpp"
-#include "physics/space/space.hpp"
+#include "physics/broadphase/proxies.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -17,18 +17,22 @@ struct proxy_pair {
 };
 
 /// A broadphase bound to a space: a copyable set of boxes by number, with
-///   insert(id, box), move(id, box), erase(id)   numbers are small and may come again after erase
-///   pairs(accept, out)   clears out and fills it with every pair of overlapping boxes for which
-///                        accept(a, b) is true, each once, in ascending order
-/// A policy is a type with `using stage = physics::stage::broadphase` and such a class as `in<Space>`.
+///   insert(id, box, filter), erase(id)   numbers are small and may come again after erase
+///   move(id, box, way)   the proxy is in this box now, and moves that way (m a step)
+///   pairs(accept)        a buffer of all pairs of overlapping boxes for which may_meet(filter, filter) and
+///                        accept(a, b) are true, each once, in ascending order; pairs of boxes that are close may be
+///                        among them
+/// and, if it likes, configure(broadphase_settings) and update(), which is called when boxes have moved, so that
+/// queries see them. A policy is a type with `using stage = physics::stage::broadphase` and such a class as
+/// `in<Space>`: of your own, or an indexed_broadphase around an index of your own.
 template <class B, class Space>
 concept broadphase_for = std::copyable<B> && std::default_initializable<B> &&
-    requires(B b, std::uint32_t id, const typename Space::aabb box, bool (*accept)(std::uint32_t, std::uint32_t),
-             buffer<proxy_pair> out) {
-    b.insert(id, box);
-    b.move(id, box);
+    requires(B b, std::uint32_t id, const typename Space::aabb box, const typename Space::vec way,
+             const proxy_filter filter, bool (*accept)(std::uint32_t, std::uint32_t)) {
+    b.insert(id, box, filter);
+    b.move(id, box, way);
     b.erase(id);
-    b.pairs(accept, out);
+    { b.pairs(accept) } -> std::convertible_to<const buffer<proxy_pair>&>;
 };
 
 PHYSICS_HPP_END

@@ -14,6 +14,13 @@ struct aabb {
     friend bool operator==(const aabb&, const aabb&) = default;
 };
 
+/// True if both corners are finite and none is on the wrong side of the other.
+template <class S, int D>
+constexpr bool is_box(const aabb<S, D>& a) {
+    for (int i = 0; i < D; ++i)
+        if (!(a.lower[i] <= a.upper[i])) return false;
+    return is_finite(a.lower) && is_finite(a.upper);
+}
 /// True if the boxes share a point.
 template <class S, int D>
 constexpr bool overlap(const aabb<S, D>& a, const aabb<S, D>& b) {

@@ -125,7 +125,7 @@ constexpr recipe_problem problem_of_policies(const policy_list<Policies...>*) {
         constexpr recipe_problem of_shapes = problem_of_shapes<S, D>(static_cast<const set*>(nullptr));
         if constexpr (of_shapes != recipe_problem::none) return of_shapes;
         else if constexpr (!features::known) return recipe_problem::unknown_feature;
-        else if constexpr (!broadphase_policy<typename policy_for<stage::broadphase, all_pairs, Policies...>::type,
+        else if constexpr (!broadphase_policy<typename policy_for<stage::broadphase, dynamic_tree, Policies...>::type,
                                               space<S, D>>)
             return recipe_problem::bad_broadphase;
         else if constexpr (!narrowphase_serves<

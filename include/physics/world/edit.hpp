@@ -10,9 +10,17 @@ namespace detail {
 /// Tells the broadphase where the shapes of a body are now.
 template <class Plan>
 void refresh_boxes(state<Plan>& s, std::uint32_t body) {
-    each_shape(s, body, [&](std::uint32_t i, shape_record<Plan>& shape) {
-        shape.fat_box = fat_box(s, shape);
-        s.broadphase.move(i, shape.fat_box);
+    each_shape(s, body, [&](std::uint32_t i, const shape_record<Plan>& shape) {
+        s.broadphase.move(i, needed_box(s, shape), {});
+    });
+    update_broadphase(s);
+}
+/// The same where it has become another kind of proxy.
+template <class Plan>
+void renew_proxies(state<Plan>& s, std::uint32_t body) {
+    each_shape(s, body, [&](std::uint32_t i, const shape_record<Plan>& shape) {
+        s.broadphase.erase(i);
+        s.broadphase.insert(i, needed_box(s, shape), filter_of(s, shape));
     });
 }
 
@@ -75,16 +83,15 @@ shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape,
     record.body = at.index;
     record.next = owner.first_shape;
     record.user_data = def.user_data;
-    record.fat_box = fat_box(s, record);
-    if (!check_finite(f, "lower end of the box", record.fat_box.lower) ||
-        !check_finite(f, "upper end of the box", record.fat_box.upper))
+    const auto box = needed_box(s, record);
+    if (!check_finite(f, "lower end of the box", box.lower) || !check_finite(f, "upper end of the box", box.upper))
         return {};
     if (def.density > S(0) && owner.is_dynamic() && !owner.mass_is_set &&
         !check_mass(f, owner, combined(mass_of_shapes<double>(s, at.index), mass_of_shape<double>(record))))
         return {};
     const auto place = s.shapes.insert(record);
     s.bodies[at.index].first_shape = place.index;
-    s.broadphase.insert(place.index, record.fat_box);
+    s.broadphase.insert(place.index, box, filter_of(s, record));
     refresh_mass(s, at.index);
     return {place.index, place.generation, s.tag};
 }
@@ -139,7 +146,7 @@ void set_type(state<Plan>& s, std::uint32_t index, body_type type) {
     b.has_target = false;
     b.type = type;
     refresh_mass(s, index);
-    refresh_boxes(s, index);
+    renew_proxies(s, index);
     drop_contacts(s, [&](const auto& c) {
         return (c.body_a == index || c.body_b == index) && !s.bodies[c.body_a].is_dynamic() &&
                !s.bodies[c.body_b].is_dynamic();
@@ -175,6 +182,7 @@ void set_rotation_locked(state<Plan>& s, std::uint32_t index, bool locked) {
 template <class Plan>
 void change_settings(state<Plan>& s, const typename Plan::settings& settings) {
     s.settings = settings;
+    configure_broadphase(s);
     s.bodies.each([&](std::uint32_t i, const auto&) { refresh_boxes(s, i); });
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "physics/broadphase/all_pairs.hpp"
+#include "physics/broadphase/dynamic_tree.hpp"
 #include "physics/collide/narrowphase.hpp"
 #include "physics/dynamics/sequential_impulse.hpp"
 #include "physics/world/settings.hpp"
@@ -108,7 +109,7 @@ struct plan<S, D, shapes<Shapes...>, Policies...> {
     using features = typename policy_for<stage::features, without<>, Policies...>::type;
     using shape = any_shape<S, D, Shapes...>;
     using query = narrowphase_query<S, D, Shapes...>;
-    using broadphase = typename policy_for<stage::broadphase, all_pairs, Policies...>::type::template in<space>;
+    using broadphase = typename policy_for<stage::broadphase, dynamic_tree, Policies...>::type::template in<space>;
     using narrowphase =
         typename policy_for<stage::narrowphase, best_per_pair, Policies...>::type::template in<S, D, Shapes...>;
     using integrator =

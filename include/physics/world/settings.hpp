@@ -2,6 +2,7 @@
 #pragma once
 
 #include "physics/base/handle.hpp"
+#include "physics/broadphase/proxies.hpp"
 #include "physics/dynamics/body.hpp"
 #include "physics/dynamics/contact.hpp"
 
@@ -15,8 +16,8 @@ struct world_settings {
     vec<S, D> gravity = downward();
     /// Surfaces closer than this are contacts already, so that the solver can stop them at the surface (m).
     S contact_margin = S(0.02);
-    /// How far a body may move before its broadphase box is renewed (m).
-    S box_margin = S(0.05);
+    /// Margins of the boxes in the broadphase.
+    broadphase_settings<S> broadphase = {};
     /// Numbers of the solver that the recipe names.
     SolverSettings solver = {};
 

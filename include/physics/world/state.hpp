@@ -21,8 +21,6 @@ struct shape_record {
     std::uint32_t body = 0;
     /// The next shape of the same body.
     std::uint32_t next = 0xffffffffu;
-    /// The box that the broadphase knows: larger than the shape, so that small moves leave it alone.
-    aabb<S, D> fat_box;
     std::uint64_t user_data = 0;
 };
 
@@ -44,7 +42,6 @@ struct state {
     std::uint16_t tag = 0;
 
     // Scratch of the step: nothing in it outlives one.
-    buffer<proxy_pair> pairs;
     buffer<contact<S, D>> found;
     buffer<transform<S, D>> starts;
     arena scratch;
@@ -61,9 +58,20 @@ template <class Plan>
 auto needed_box(const state<Plan>& s, const shape_record<Plan>& shape) {
     return grown(bounds(shape.shape, world_pose(s, shape)), s.settings.contact_margin / typename Plan::scalar(2));
 }
+/// What the broadphase knows of a shape besides.
 template <class Plan>
-auto fat_box(const state<Plan>& s, const shape_record<Plan>& shape) {
-    return grown(needed_box(s, shape), s.settings.box_margin);
+proxy_filter filter_of(const state<Plan>& s, const shape_record<Plan>& shape) {
+    return {.owner = shape.body, .movable = s.bodies[shape.body].is_dynamic()};
+}
+template <class Plan>
+void configure_broadphase(state<Plan>& s) {
+    if constexpr (requires { s.broadphase.configure(s.settings.broadphase); })
+        s.broadphase.configure(s.settings.broadphase);
+}
+/// Lets queries see where shapes are, if the broadphase wants to be told.
+template <class Plan>
+void update_broadphase(state<Plan>& s) {
+    if constexpr (requires { s.broadphase.update(); }) s.broadphase.update();
 }
 
 /// Calls f(index, shape) for every shape of a body.

@@ -7,42 +7,31 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// Bounds: shapes that left their fat box get a new one, and the broadphase hears of it.
+/// Broadphase: pairs of shapes whose boxes overlap, where one body at least can be pushed.
 template <class Plan>
-void update_boxes(state<Plan>& s) {
-    s.bodies.each([&](std::uint32_t, const auto& b) {
-        if (b.type == body_type::static_body) return;
-        for (std::uint32_t i = b.first_shape; i != 0xffffffffu; i = s.shapes[i].next) {
-            shape_record<Plan>& shape = s.shapes[i];
-            if (contains(shape.fat_box, needed_box(s, shape))) continue;
-            shape.fat_box = fat_box(s, shape);
-            s.broadphase.move(i, shape.fat_box);
-        }
+const buffer<proxy_pair>& find_pairs(state<Plan>& s) {
+    return s.broadphase.pairs([&](std::uint32_t a, std::uint32_t b) {
+        const std::uint32_t body_a = s.shapes[a].body, body_b = s.shapes[b].body;
+        return body_a != body_b && (s.bodies[body_a].is_dynamic() || s.bodies[body_b].is_dynamic());
     });
 }
 
-/// Broadphase: pairs of shapes whose boxes overlap, where one body at least can be pushed.
+/// The narrowphase wants the shape of the lower kind first.
 template <class Plan>
-void find_pairs(state<Plan>& s) {
-    s.broadphase.pairs(
-        [&](std::uint32_t a, std::uint32_t b) {
-            const std::uint32_t body_a = s.shapes[a].body, body_b = s.shapes[b].body;
-            return body_a != body_b && (s.bodies[body_a].is_dynamic() || s.bodies[body_b].is_dynamic());
-        },
-        s.pairs);
+proxy_pair in_order_of_kinds(const state<Plan>& s, proxy_pair p) {
+    return s.shapes[p.a].shape.kind() > s.shapes[p.b].shape.kind() ? proxy_pair{p.b, p.a} : p;
 }
 
 /// Narrowphase: contacts of the pairs that touch or nearly do, in the order of the pairs.
 template <class Plan>
-void find_contacts(state<Plan>& s) {
+void find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs) {
     using S = typename Plan::scalar;
     constexpr int D = Plan::dimension;
-    const std::uint32_t count = s.pairs.size();
+    const std::uint32_t count = pairs.size();
     auto* queries = s.scratch.template take<typename Plan::query>(count);
     auto* manifolds = s.scratch.template take<manifold<S, D>>(count);
     for (std::uint32_t i = 0; i < count; ++i) {
-        proxy_pair& p = s.pairs[i];
-        if (s.shapes[p.a].shape.kind() > s.shapes[p.b].shape.kind()) std::swap(p.a, p.b);
+        const proxy_pair p = in_order_of_kinds(s, pairs[i]);
         const auto& a = s.shapes[p.a];
         const auto& b = s.shapes[p.b];
         new (queries + i) typename Plan::query{&a.shape, &b.shape, relative(world_pose(s, a), world_pose(s, b))};
@@ -53,16 +42,17 @@ void find_contacts(state<Plan>& s) {
     for (std::uint32_t i = 0; i < count; ++i) {
         const manifold<S, D>& m = manifolds[i];
         if (m.count == 0) continue;
-        const auto& a = s.shapes[s.pairs[i].a];
-        const auto& b = s.shapes[s.pairs[i].b];
+        const proxy_pair p = in_order_of_kinds(s, pairs[i]);
+        const auto& a = s.shapes[p.a];
+        const auto& b = s.shapes[p.b];
         const transform<S, D> pose = world_pose(s, a);
         const vec<S, D> from_a = pose.position - s.bodies[a.body].center;
         const vec<S, D> from_b = pose.position - s.bodies[b.body].center;
-        contact<S, D> c{s.pairs[i].a, s.pairs[i].b, a.body, b.body, pose.rotation * m.normal, {}, m.count, S(0), S(0)};
+        contact<S, D> c{p.a, p.b, a.body, b.body, pose.rotation * m.normal, {}, m.count, S(0), S(0)};
         for (int k = 0; k < m.count; ++k) {
-            const vec<S, D> p = pose.rotation * m.points[k].position;
-            c.points[k].lever_a = from_a + p;
-            c.points[k].lever_b = from_b + p;
+            const vec<S, D> at = pose.rotation * m.points[k].position;
+            c.points[k].lever_a = from_a + at;
+            c.points[k].lever_b = from_b + at;
             c.points[k].separation = m.points[k].separation;
             c.points[k].feature = m.points[k].feature;
         }
@@ -83,6 +73,7 @@ void restore_poses(state<Plan>& s) {
     s.bodies.each([&](std::uint32_t i, auto& b) {
         b.center = s.starts[i].position;
         b.rotation = s.starts[i].rotation;
+        refresh_boxes(s, i);
     });
 }
 
@@ -127,7 +118,7 @@ struct motion {
 };
 
 /// Stores what the step found: velocities, contacts with their impulses. Forces act for one step, and bodies
-/// that had a target stand there.
+/// that had a target stand still.
 template <class Plan>
 void finish(state<Plan>& s, const solver_body<typename Plan::scalar, Plan::dimension>* bodies) {
     s.bodies.each([&](std::uint32_t i, auto& b) {
@@ -135,7 +126,6 @@ void finish(state<Plan>& s, const solver_body<typename Plan::scalar, Plan::dimen
         b.force = {};
         b.torque = {};
         if (!b.has_target) return;
-        b.set_pose(b.target);
         b.velocity = {};
         b.has_target = false;
     });
@@ -144,21 +134,39 @@ void finish(state<Plan>& s, const solver_body<typename Plan::scalar, Plan::dimen
     ++s.steps;
 }
 
+/// Bounds: tells the broadphase where shapes are and where they are heading; bodies with a target are there, to the
+/// bit. False if a box is beyond the scalar's range.
+template <class Plan>
+bool update_boxes(state<Plan>& s, const solver_body<typename Plan::scalar, Plan::dimension>* bodies,
+                  typename Plan::scalar h) {
+    bool fit = true;
+    s.bodies.each([&](std::uint32_t i, auto& b) {
+        if (b.type == body_type::static_body) return;
+        if (b.has_target) b.set_pose(b.target);
+        each_shape(s, i, [&](std::uint32_t k, const auto& shape) {
+            const auto box = needed_box(s, shape);
+            if (fit = fit && is_box(box); fit) s.broadphase.move(k, box, bodies[i].velocity.linear * h);
+        });
+    });
+    update_broadphase(s);
+    return fit;
+}
+
 /// Advances a world by h seconds. Each stage reads and writes plain arrays; only this function knows their
 /// order. False, and the world as it was, if a velocity or a position would leave the range of numbers.
 /// Not inlined, so that no arithmetic moves out of the caller's float_control_scope.
 template <class Plan>
 PHYSICS_HPP_NOINLINE bool step(state<Plan>& s, typename Plan::scalar h) {
     s.scratch.reset();
-    update_boxes(s);                             // poses and shapes  -> boxes of what has moved
-    find_pairs(s);                               // boxes             -> pairs, in order
-    find_contacts(s);                            // pairs and poses   -> contacts with feature ids
+    const auto& pairs = find_pairs(s);           // boxes             -> pairs, in order
+    find_contacts(s, pairs);                     // pairs and poses   -> contacts with feature ids
     inherit_impulses(s.contacts, s.found);       // last step's       -> warm impulses of what persists
     remember_poses(s);                           // poses             -> where the step began
     auto* bodies = gather_bodies(s, h);          // bodies            -> what the solver sees of them
     motion<Plan> moving{s, bodies};
     Plan::solver::solve(bodies, s.found, s.settings.solver, h, s.scratch, moving);  // -> velocities, poses
     if (!moving.finite) return restore_poses(s), false;
+    if (!update_boxes(s, bodies, h)) return restore_poses(s), false;  // poses -> boxes of what has moved
     finish(s, bodies);                           // results           -> bodies and contacts
     return true;
 }

@@ -41,7 +41,7 @@ public:
     /// bits as every other (see float_environment).
     explicit world(const settings_type& settings = {}) {
         if (detail::check_settings(settings, "world") && detail::check_environment<scalar>("world"))
-            state_.settings = settings;
+            detail::change_settings(state_, settings);
         state_.tag = detail::next_world_tag();
     }
 

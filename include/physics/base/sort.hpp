@@ -1,0 +1,53 @@
+// Sorting numbers in linear time.
+#pragma once
+
+#include <cstring>
+
+#include "physics/base/config.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Sorts keys by their bits from `low` to below `high`, those that are alike in the order in which they came. Returns
+/// where the sorted keys are: in `keys`, or in `spare`, which has room for as many. Cost: 2 ns a key for every 8 to 11
+/// bits in which keys differ. Source: radix sort from the least digit (Seward 1954).
+inline std::uint64_t* radix_sort(std::uint64_t* keys, std::uint64_t* spare, std::uint32_t count, int low, int high) {
+    if (count <= 48) {
+        const std::uint64_t mask =
+            high - low >= 64 ? ~std::uint64_t{0} : ((std::uint64_t{1} << (high - low)) - 1) << low;
+        for (std::uint32_t i = 1; i < count; ++i) {
+            const std::uint64_t key = keys[i];
+            std::uint32_t k = i;
+            for (; k > 0 && (keys[k - 1] & mask) > (key & mask); --k) keys[k] = keys[k - 1];
+            keys[k] = key;
+        }
+        return keys;
+    }
+    const int most = count < 4096 ? 8 : 11;
+    const int passes = (high - low + most - 1) / most;
+    for (int pass = 0; pass < passes; ++pass) {
+        // Digits of even width: a last one of few bits would cost as much as a full one.
+        const int from = low + (high - low) * pass / passes, to = low + (high - low) * (pass + 1) / passes;
+        const std::uint32_t buckets = 1u << (to - from);
+        std::uint32_t starts[2048];
+        std::memset(starts, 0, buckets * sizeof *starts);
+        for (std::uint32_t i = 0; i < count; ++i) ++starts[keys[i] >> from & (buckets - 1)];
+        if (starts[keys[0] >> from & (buckets - 1)] == count) continue;
+        std::uint32_t sum = 0;
+        for (std::uint32_t b = 0; b < buckets; ++b) {
+            const std::uint32_t here = starts[b];
+            starts[b] = sum;
+            sum += here;
+        }
+        for (std::uint32_t i = 0; i < count; ++i) spare[starts[keys[i] >> from & (buckets - 1)]++] = keys[i];
+        std::uint64_t* sorted = spare;
+        spare = keys;
+        keys = sorted;
+    }
+    return keys;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END

@@ -1,0 +1,145 @@
+// Searches in float for queries of any scalar: they miss nothing that the exact answer holds.
+#pragma once
+
+#include "physics/broadphase/box_block.hpp"
+#include "physics/broadphase/queries.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// A float at least as large as x; infinity where no number is.
+template <class T>
+float above(T x) {
+    constexpr float most = std::numeric_limits<float>::max();
+    const float f = stepped(to_float(static_cast<double>(x)), true);
+    return f < most ? f : std::numeric_limits<float>::infinity();
+}
+
+/// The same of a square that may be beyond the scalar.
+template <class S>
+float above_square(wide_of<S> square) {
+    // The root may be off by a rounding.
+    const double root_of =
+        static_cast<double>(root<S>(square)) * (1 + 0x1p-20) + static_cast<double>(scalar_traits<S>::epsilon());
+    return above(root_of * root_of);
+}
+
+/// How far a coordinate may be off after its way to float, a few roundings included.
+inline float doubt(float x) { return (x < 0 ? -x : x) * 0x1p-21f; }
+
+/// A ray among boxes in float.
+template <int D>
+struct float_ray {
+    static constexpr float tiny = 1e-30f, slack = 0x1p-20f;
+
+    // From where distances to lower and to upper sides are measured; the extent is in them.
+    float from_lower[D], from_upper[D], inverse[D];
+    bool moves[D];
+
+    template <class S>
+    float_ray(const ray<S, D>& r, const vec<S, D>& origin) {
+        for (int i = 0; i < D; ++i) {
+            const double o = static_cast<double>(r.origin[i]) - static_cast<double>(origin[i]);
+            const double way = static_cast<double>(r.translation[i]), e = static_cast<double>(r.extent[i]);
+            const float f = to_float(way);
+            moves[i] = f > tiny || f < -tiny;
+            inverse[i] = moves[i] ? 1 / f : 0;
+            float pad = 0;
+            // A ray in float is what it is.
+            if (!std::is_same_v<S, float> || e != 0) pad = doubt(to_float(o)) + doubt(to_float(e));
+            if (!moves[i] && way != 0) pad += 2 * tiny;
+            from_lower[i] = to_float(o + e) + pad;
+            from_upper[i] = to_float(o - e) - pad;
+        }
+    }
+    /// Which of eight boxes the ray meets within the limit, and about where.
+    std::uint32_t meets(const box_block<D>& boxes, float limit, float (&near)[8]) const {
+        using lanes = typename box_block<D>::lanes;
+        lanes first = lanes::broadcast(0), last = lanes::broadcast(limit);
+        auto apart = greater(first, last);
+        for (int i = 0; i < D; ++i) {
+            const lanes lower = lanes::load(boxes.lower[i]), upper = lanes::load(boxes.upper[i]);
+            const lanes a = lanes::broadcast(from_lower[i]), b = lanes::broadcast(from_upper[i]);
+            if (!moves[i]) {
+                apart = apart | greater(lower, a) | greater(b, upper);
+                continue;
+            }
+            const lanes t = lanes::broadcast(inverse[i]);
+            const lanes to_lower = (lower - a) * t, to_upper = (upper - b) * t;
+            first = max(first, inverse[i] > 0 ? to_lower : to_upper);
+            last = min(last, inverse[i] > 0 ? to_upper : to_lower);
+        }
+        first = first * lanes::broadcast(1 - slack);
+        apart = apart | greater(first, last * lanes::broadcast(1 + slack));
+        first.store(near);
+        return ~apart.bits() & 0xffu;
+    }
+};
+
+/// A point among boxes in float.
+template <int D>
+struct float_point {
+    float lower[D], upper[D];
+
+    template <class S>
+    float_point(const vec<S, D>& p, const vec<S, D>& origin) {
+        for (int i = 0; i < D; ++i) {
+            const float f = to_float(static_cast<double>(p[i]) - static_cast<double>(origin[i]));
+            const float pad = std::is_same_v<S, float> ? 0 : doubt(f);
+            lower[i] = f - pad;
+            upper[i] = f + pad;
+        }
+    }
+    /// Which of eight boxes are within the square of a distance, and about at which.
+    std::uint32_t within(const box_block<D>& boxes, float limit, float (&squares)[8]) const {
+        using lanes = typename box_block<D>::lanes;
+        const lanes zero = lanes::broadcast(0);
+        lanes sum = zero;
+        for (int i = 0; i < D; ++i) {
+            const lanes below = lanes::load(boxes.lower[i]) - lanes::broadcast(upper[i]);
+            const lanes above = lanes::broadcast(lower[i]) - lanes::load(boxes.upper[i]);
+            const lanes apart = max(max(below, above), zero);
+            sum += apart * apart;
+        }
+        sum = sum * lanes::broadcast(1 - 0x1p-20f);
+        sum.store(squares);
+        const auto outside = greater(sum, lanes::broadcast(limit)) | boxes.empty();
+        return ~outside.bits() & 0xffu;
+    }
+};
+
+/// A bounding plane among boxes in float.
+template <int D>
+struct float_plane {
+    float normal[D];
+    float offset;
+
+    template <class S>
+    float_plane(const bounding_plane<S, D>& plane, const vec<S, D>& origin) {
+        double sum = static_cast<double>(plane.offset);
+        for (int i = 0; i < D; ++i) {
+            normal[i] = to_float(static_cast<double>(plane.normal[i]));
+            sum -= static_cast<double>(plane.normal[i]) * static_cast<double>(origin[i]);
+        }
+        offset = to_float(sum);
+        offset += doubt(offset);
+    }
+    /// Which of eight boxes are not wholly beyond.
+    std::uint32_t reaches(const box_block<D>& boxes) const {
+        using lanes = typename box_block<D>::lanes;
+        lanes sum = lanes::broadcast(-offset), error = lanes::broadcast(0);
+        for (int i = 0; i < D; ++i) {
+            const lanes corner = lanes::load(normal[i] > 0 ? boxes.lower[i] : boxes.upper[i]);
+            const lanes along = corner * lanes::broadcast(normal[i]);
+            sum += along;
+            error += max(along, -along);
+        }
+        const auto outside = greater(sum, error * lanes::broadcast(0x1p-20f)) | boxes.empty();
+        return ~outside.bits() & 0xffu;
+    }
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END

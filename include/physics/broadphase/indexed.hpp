@@ -1,0 +1,243 @@
+// A broadphase made of an index of boxes: what all that the library ships have in common.
+#pragma once
+
+#include "physics/broadphase/guard.hpp"
+#include "physics/broadphase/pair_set.hpp"
+#include "physics/broadphase/queries.hpp"
+
+PHYSICS_HPP_BEGIN
+
+/// A broadphase: boxes by number, with margins, filters and what persists of their pairs; queries with exact answers,
+/// the same whatever the index, in which boxes have their margins. Only speed depends on the index, and its class
+/// says what it costs. Numbers are small and may come again after erase. Functions that change anything refuse to do
+/// so from within a visitor, where the query has not ended.
+/// An index has, each with the table of proxies first (`all.box(id)`, `all.has(id)`, ...):
+///   insert(all, id), erase(all, id)   at once; erase is called while the table still knows the proxy
+///   update(all, ids, count)           these have another box than before
+///   find(all, emit)                   emit(a, b) once for each two proxies, one of which is all.stale(), whose boxes
+///                                     may overlap; true if those were all pairs there are
+///   each_near(all, box, visit)        visit(id) where the box may overlap, until it returns false
+/// and, where it knows a better way than to search boxes, each_along, each_around, each_inside (see tree_index).
+template <class Space, class Index>
+class indexed_broadphase {
+public:
+    using S = typename Space::scalar;
+    using vec = typename Space::vec;
+    using aabb = typename Space::aabb;
+    static constexpr int D = Space::dimension;
+
+    /// From now on; boxes stay as they are until they are left.
+    void configure(const broadphase_settings<S>& settings) {
+        if (check(settings, "configure")) all_.settings = settings;
+    }
+    [[nodiscard]] std::uint32_t count() const { return all_.count(); }
+    /// The box of a proxy, with its margins.
+    [[nodiscard]] const aabb& box(std::uint32_t id) const { return all_.box(id); }
+
+    /// Adds a proxy under a number that is free. False where a call was refused and errors do not throw.
+    bool insert(std::uint32_t id, const aabb& box, const proxy_filter& filter = {}) {
+        const char* f = "insert";
+        if (!query_scope_allows(f) || !check_box(f, box)) return false;
+        if (id == detail::no_proxy || all_.has(id)) return refuse(f, "id", id, "it must not be in use");
+        all_.insert(id, box, filter);
+        index_.insert(all_, id);
+        return true;
+    }
+    bool erase(std::uint32_t id) {
+        const char* f = "erase";
+        if (!query_scope_allows(f) || !check_id(f, id)) return false;
+        index_.erase(all_, id);
+        all_.erase(id);
+        return true;
+    }
+    /// The proxy is in this box now, and on the way (m a step); nothing happens as long as it keeps within its
+    /// margins. Queries see it after update() or pairs(). Cost: 3 to 5 ns.
+    bool move(std::uint32_t id, const aabb& box, const vec& way = {}) {
+        const char* f = "move";
+        if (!check_id(f, id)) return false;
+        if (all_.holds(id, box)) return true;
+        if (!query_scope_allows(f) || !check_box(f, box)) return false;
+        all_.move(id, box, way);
+        return true;
+    }
+    /// Shows what has moved to queries.
+    void update() {
+        if (!query_scope_allows("update")) return;
+        index_.update(all_, all_.unseen().begin(), all_.unseen().size());
+        all_.show();
+    }
+
+    /// All pairs of proxies that may meet, whose boxes overlap and that accept(a, b) takes, in ascending order. It is
+    /// asked when a pair is found, and again when one of the two has left its box.
+    template <class Accept>
+    const buffer<proxy_pair>& pairs(Accept&& accept) {
+        if (!query_scope_allows("pairs")) return pairs_.pairs();
+        update();
+        pairs_.start(all_.size());
+        const bool everything = index_.find(all_, [&](std::uint32_t a, std::uint32_t b) {
+            if (all_.may_meet(a, b) && overlap(all_.box(a), all_.box(b)) && accept(a < b ? a : b, a < b ? b : a))
+                pairs_.add(a, b);
+        });
+        pairs_.finish(all_, everything);
+        all_.settle();
+        return pairs_.pairs();
+    }
+    /// What the last call of pairs() had and the one before it had not, in ascending order; and the reverse. A number
+    /// that was given to another proxy in between ends its pairs and begins them.
+    [[nodiscard]] const buffer<proxy_pair>& begun() const { return pairs_.begun(); }
+    [[nodiscard]] const buffer<proxy_pair>& ended() const { return pairs_.ended(); }
+
+    /// Calls visit(id) for every proxy whose box shares a point with this one, in any order. Where visit returns a
+    /// bool, false ends the query.
+    template <class Visit>
+    void each_overlapping(const aabb& box, const query_filter& filter, Visit&& visit) const {
+        if (!check_box("each_overlapping", box)) return;
+        const detail::query_scope scope(this);
+        index_.each_near(all_, box, [&](std::uint32_t id) {
+            return !filter.sees(all_.filter(id)) || !overlap(all_.box(id), box) || go_on(visit, id);
+        });
+    }
+    /// The same for a point.
+    template <class Visit>
+    void each_at(const vec& point, const query_filter& filter, Visit&& visit) const {
+        if (detail::check_finite("each_at", "point", point)) each_overlapping({point, point}, filter, visit);
+    }
+    /// Calls visit(id) for every proxy whose box does not lie wholly beyond one of the planes: boxes in a convex
+    /// region, and a few beside its edges.
+    template <class Visit>
+    void each_inside(const bounding_plane<S, D>* planes, std::uint32_t count, const query_filter& filter,
+                     Visit&& visit) const {
+        for (std::uint32_t i = 0; i < count; ++i)
+            if (!detail::check_finite("each_inside", "normal", planes[i].normal) ||
+                !detail::check_finite("each_inside", "offset", planes[i].offset))
+                return;
+        const detail::query_scope scope(this);
+        const auto see = [&](std::uint32_t id) {
+            if (!filter.sees(all_.filter(id))) return true;
+            for (std::uint32_t i = 0; i < count; ++i)
+                if (detail::beyond(planes[i], all_.box(id))) return true;
+            return go_on(visit, id);
+        };
+        if constexpr (requires { index_.each_inside(all_, planes, count, see); })
+            index_.each_inside(all_, planes, count, see);
+        else index_.each_near(all_, everywhere(), see);
+    }
+    /// Calls visit(hit) for proxies whose boxes the ray meets, the first ones early. visit returns the fraction of the
+    /// translation up to which the ray goes on: hit.fraction for the closest, 1 for all, -1 to stop.
+    template <class Visit>
+    void each_along(const ray<S, D>& r, const query_filter& filter, Visit&& visit) const {
+        if (!check_ray("each_along", r)) return;
+        const detail::query_scope scope(this);
+        S limit = S(1);
+        const auto see = [&](std::uint32_t id) {
+            proxy_hit<S> hit{id};
+            if (limit >= S(0) && filter.sees(all_.filter(id)) && detail::meets(r, all_.box(id), limit, hit.fraction))
+                limit = min(limit, visit(hit));
+            return limit;
+        };
+        if constexpr (requires { index_.each_along(all_, r, limit, see); }) {
+            index_.each_along(all_, r, limit, see);
+        } else {
+            index_.each_near(all_, detail::around(r), [&](std::uint32_t id) { return see(id) >= S(0); });
+        }
+    }
+    /// The first proxy on the ray, that of the least number among equals; one with no proxy where there is none.
+    [[nodiscard]] proxy_hit<S> closest(const ray<S, D>& r, const query_filter& filter = {}) const {
+        proxy_hit<S> best;
+        each_along(r, filter, [&](const proxy_hit<S>& hit) {
+            if (hit.fraction < best.fraction || (hit.fraction == best.fraction && hit.id < best.id)) best = hit;
+            return best.fraction;
+        });
+        return best;
+    }
+    /// Whether there is any. Stops at the first found.
+    [[nodiscard]] bool any(const ray<S, D>& r, const query_filter& filter = {}) const {
+        bool found = false;
+        each_along(r, filter, [&](const proxy_hit<S>&) {
+            found = true;
+            return S(-1);
+        });
+        return found;
+    }
+    /// Writes up to `most` proxies to `out`, the nearest to the point first, of equals that of the least number, none
+    /// farther than `reach`; returns how many.
+    std::uint32_t nearest(const vec& point, S reach, const query_filter& filter, std::uint32_t* out,
+                          std::uint32_t most) const {
+        const char* f = "nearest";
+        if (!detail::check_finite(f, "point", point) || !detail::check_not_negative(f, "reach", reach) || most == 0)
+            return 0;
+        const detail::query_scope scope(this);
+        std::uint32_t count = 0;
+        const wide_of<S> farthest = product(reach, reach);
+        const auto square = [&](std::uint32_t id) { return detail::distance_squared(all_.box(id), point); };
+        const auto see = [&](std::uint32_t id) {
+            const wide_of<S> here = square(id);
+            if (filter.sees(all_.filter(id)) && !(here > farthest)) {
+                std::uint32_t at = count;
+                const auto after = [&](std::uint32_t other) {
+                    return square(other) > here || (square(other) == here && other > id);
+                };
+                while (at > 0 && after(out[at - 1])) --at;
+                if (at < most) {
+                    if (count < most) ++count;
+                    for (std::uint32_t i = count - 1; i > at; --i) out[i] = out[i - 1];
+                    out[at] = id;
+                }
+            }
+            return count < most ? farthest : square(out[count - 1]);
+        };
+        if constexpr (requires { index_.each_around(all_, point, farthest, see); })
+            index_.each_around(all_, point, farthest, see);
+        else
+            index_.each_near(all_, everywhere(), [&](std::uint32_t id) {
+                see(id);
+                return true;
+            });
+        return count;
+    }
+
+private:
+    bool query_scope_allows(const char* function) const { return detail::query_scope::allows_change(this, function); }
+    bool check_id(const char* function, std::uint32_t id) const {
+        return all_.has(id) || refuse(function, "id", id, "it must have been inserted");
+    }
+    static bool check_box(const char* function, const aabb& box) {
+        if (!detail::check_finite(function, "lower", box.lower) || !detail::check_finite(function, "upper", box.upper))
+            return false;
+        for (int i = 0; i < D; ++i) {
+            const char component[] = {'.', "xyz"[i], '\0'};
+            if (box.lower[i] > box.upper[i])
+                return detail::refuse(function, "lower", component, static_cast<double>(box.lower[i]),
+                                      "it must not be greater than upper");
+        }
+        return true;
+    }
+    static bool check_ray(const char* function, const ray<S, D>& r) {
+        if (!detail::check_finite(function, "origin", r.origin) ||
+            !detail::check_finite(function, "translation", r.translation))
+            return false;
+        for (int i = 0; i < D; ++i) {
+            if (!detail::check_not_negative(function, "extent", r.extent[i])) return false;
+            const S end = r.origin[i] + r.translation[i];
+            if (!is_finite(end) || (end > r.origin[i]) != (r.translation[i] > S(0)))
+                return detail::refuse(function, "translation", static_cast<double>(r.translation[i]),
+                                      "it must end within the scalar's range");
+        }
+        return true;
+    }
+    static aabb everywhere() {
+        const vec far = vec::filled(scalar_traits<S>::max());
+        return {-far, far};
+    }
+    template <class Visit>
+    static bool go_on(Visit& visit, std::uint32_t id) {
+        if constexpr (std::is_void_v<decltype(visit(id))>) return visit(id), true;
+        else return visit(id);
+    }
+
+    detail::proxies<Space> all_;
+    Index index_;
+    detail::pair_set pairs_;
+};
+
+PHYSICS_HPP_END

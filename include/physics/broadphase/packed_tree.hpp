@@ -1,0 +1,212 @@
+// A tree of boxes without pointers: eight children a node, every level full but its last node.
+#pragma once
+
+#include "physics/base/buffer.hpp"
+#include "physics/broadphase/box_block.hpp"
+#include "physics/broadphase/proxies.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Boxes in eights, eights of these in eights, and so on, in the order in which they were built: neighbours in the
+/// order should be neighbours in space. Node n of a level holds the boxes of the nodes 8 n to 8 n + 7 below; the
+/// lowest level, 0, holds the boxes of proxies, slot by slot. Boxes may change where they are: `mark` them, and
+/// `refit` brings the levels above up to date.
+template <int D>
+class packed_tree {
+public:
+    using block = box_block<D>;
+    using box = float_box<D>;
+    static constexpr int most_levels = 11;
+
+    /// Holds the proxies in the given order; get(id) gives the box of one.
+    template <class Order, class Get>
+    void build(std::uint32_t count, Order&& order, Get&& get) {
+        clear();
+        const std::uint32_t leaves = (count + 7) / 8;
+        ids_.resize(leaves * 8, no_proxy);
+        marks_.resize(leaves, 0);
+        live_ = count;
+        if (leaves == 0) return;
+        std::uint32_t total = 0;
+        for (std::uint32_t n = leaves;; n = (n + 7) / 8) {
+            starts_[levels_] = total;
+            ++levels_;
+            total += n;
+            if (n == 1) break;
+        }
+        nodes_.reserve(total);
+        for (std::uint32_t i = 0; i < count; ++i) ids_[i] = order(i);
+        block empty;
+        for (std::uint32_t i = 0; i < 8; ++i) empty.clear(i);
+        nodes_.resize(total, empty);
+        for (std::uint32_t i = 0; i < count; ++i) nodes_[i / 8].set(i % 8, get(ids_[i]));
+        for (int level = 1; level < levels_; ++level)
+            for (std::uint32_t n = 0; n < nodes_at(level - 1); ++n) lift(level - 1, n);
+    }
+    void clear() {
+        nodes_.clear();
+        ids_.clear();
+        marks_.clear();
+        levels_ = 0;
+        live_ = 0;
+    }
+
+    /// The box around everything; of an empty tree none.
+    [[nodiscard]] box around() const { return nodes_.back().all(); }
+    [[nodiscard]] std::uint32_t live() const { return live_; }
+    [[nodiscard]] std::uint32_t leaves() const { return marks_.size(); }
+    [[nodiscard]] int levels() const { return levels_; }
+    [[nodiscard]] std::uint32_t nodes_at(int level) const {
+        return (level + 1 < levels_ ? starts_[level + 1] : nodes_.size()) - starts_[level];
+    }
+    [[nodiscard]] const block& node(int level, std::uint32_t n) const { return nodes_[starts_[level] + n]; }
+    [[nodiscard]] const block& leaf(std::uint32_t n) const { return nodes_[n]; }
+    /// The box around a leaf.
+    [[nodiscard]] box around(std::uint32_t leaf) const {
+        return levels_ > 1 ? node(1, leaf / 8).get(leaf % 8) : nodes_[leaf].all();
+    }
+    /// The box around some of a leaf's boxes.
+    [[nodiscard]] box around(std::uint32_t leaf, std::uint32_t lanes) const {
+        box all;
+        for (int i = 0; i < D; ++i) {
+            all.lower[i] = std::numeric_limits<float>::infinity();
+            all.upper[i] = -all.lower[i];
+        }
+        each_bit(lanes, [&](std::uint32_t lane) {
+            for (int i = 0; i < D; ++i) {
+                const float l = nodes_[leaf].lower[i][lane], u = nodes_[leaf].upper[i][lane];
+                all.lower[i] = l < all.lower[i] ? l : all.lower[i];
+                all.upper[i] = u > all.upper[i] ? u : all.upper[i];
+            }
+        });
+        return all;
+    }
+    [[nodiscard]] std::uint32_t id(std::uint32_t slot) const { return ids_[slot]; }
+    [[nodiscard]] bool all_marked() const {
+        std::uint32_t count = 0;
+        for (const std::uint8_t m : marks_) count += static_cast<std::uint32_t>(std::popcount(m));
+        return count == live_;
+    }
+    /// The slots of a leaf that have been marked.
+    [[nodiscard]] std::uint32_t marked(std::uint32_t leaf) const { return marks_[leaf]; }
+
+    void set(std::uint32_t slot, const box& b) { nodes_[slot / 8].set(slot % 8, b); }
+    void mark(std::uint32_t slot) { marks_[slot / 8] = static_cast<std::uint8_t>(marks_[slot / 8] | 1u << slot % 8); }
+    void clear_marks() {
+        for (std::uint8_t& m : marks_) m = 0;
+    }
+    void remove(std::uint32_t slot) {
+        nodes_[slot / 8].clear(slot % 8);
+        marks_[slot / 8] = static_cast<std::uint8_t>(marks_[slot / 8] & ~(1u << slot % 8));
+        ids_[slot] = no_proxy;
+        --live_;
+    }
+    /// Makes the boxes above these leaves, in ascending order, fit; uses the list up. Returns by how much the leaves
+    /// have grown.
+    double refit(buffer<std::uint32_t>& touched) {
+        double grown = 0;
+        for (int level = 0; level + 1 < levels_; ++level) {
+            std::uint32_t kept = 0;
+            for (std::uint32_t i = 0; i < touched.size(); ++i) {
+                const std::uint32_t n = touched[i];
+                if (level == 0) grown -= size_of(around(n));
+                lift(level, n);
+                if (level == 0) grown += size_of(around(n));
+                if (kept == 0 || touched[kept - 1] != n / 8) touched[kept++] = n / 8;
+            }
+            while (touched.size() > kept) touched.pop();
+        }
+        return grown;
+    }
+    /// The sides of the boxes around all leaves.
+    [[nodiscard]] double size() const {
+        double sum = 0;
+        for (std::uint32_t n = 0; n < leaves(); ++n) sum += size_of(around(n));
+        return sum;
+    }
+
+    /// Calls visit(leaf, lanes) for each leaf from `first` on that has boxes within reach of the test: test(block)
+    /// says which of eight boxes are, and must say so of a box around any that is.
+    template <class Test, class Visit>
+    void search(std::uint32_t first, Test&& test, Visit&& visit) const {
+        if (levels_ == 0) return;
+        struct {
+            std::uint32_t node, lanes;
+        } path[most_levels];
+        int level = levels_ - 1;
+        path[level] = {0, test(node(level, 0))};
+        for (;;) {
+            if (level == 0) {
+                if (path[0].lanes != 0) visit(path[0].node, path[0].lanes);
+                path[0].lanes = 0;
+            }
+            while (path[level].lanes == 0)
+                if (++level == levels_) return;
+            const auto lane = static_cast<std::uint32_t>(std::countr_zero(path[level].lanes));
+            path[level].lanes &= path[level].lanes - 1;
+            const std::uint32_t child = path[level].node * 8 + lane;
+            --level;
+            // Ends before the first leaf: all of it was visited from there.
+            if ((std::uint64_t{child} + 1) << 3 * level <= first) {
+                ++level;
+                continue;
+            }
+            path[level] = {child, test(node(level, child))};
+        }
+    }
+
+    /// Calls visit(slot) for boxes in about the order of their keys: test(block, keys) says which of eight boxes are
+    /// within reach, and writes a key for each, no less than that of a box around it; what has come out of reach
+    /// by then, by outside(key), is left out.
+    template <class Test, class Outside, class Visit>
+    void search_in_order(Test&& test, Outside&& outside, Visit&& visit) const {
+        struct entry {
+            float key;
+            std::uint32_t node;
+            int level;
+        };
+        if (levels_ == 0) return;
+        entry stack[7 * most_levels + 2];
+        int top = 0;
+        stack[top++] = {0, 0, levels_ - 1};
+        while (top > 0) {
+            const entry next = stack[--top];
+            // Below the leaves, a node is a slot.
+            if (outside(next.key)) continue;
+            if (next.level < 0) {
+                visit(next.node);
+                continue;
+            }
+            float keys[8];
+            const int first = top;
+            each_bit(test(node(next.level, next.node), keys), [&](std::uint32_t lane) {
+                int place = top++;
+                for (; place > first && stack[place - 1].key < keys[lane]; --place) stack[place] = stack[place - 1];
+                stack[place] = {keys[lane], next.node * 8 + lane, next.level - 1};
+            });
+        }
+    }
+
+private:
+    static double size_of(const box& b) {
+        double sum = 0;
+        if (b.lower[0] > b.upper[0]) return sum;
+        for (int i = 0; i < D; ++i) sum += static_cast<double>(b.upper[i]) - static_cast<double>(b.lower[i]);
+        return sum;
+    }
+    /// Writes the box around a node into the level above.
+    void lift(int level, std::uint32_t n) { nodes_[starts_[level + 1] + n / 8].set(n % 8, node(level, n).all()); }
+
+    buffer<block> nodes_;
+    buffer<std::uint32_t> ids_;
+    buffer<std::uint8_t> marks_;
+    std::uint32_t starts_[most_levels]{};
+    reset_on_move<int> levels_;
+    reset_on_move<std::uint32_t> live_;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END

@@ -1,0 +1,155 @@
+// What a broadphase knows of its proxies: a box for each, who may meet whom, and which have moved.
+#pragma once
+
+#include "physics/base/buffer.hpp"
+#include "physics/space/check.hpp"
+#include "physics/space/space.hpp"
+
+PHYSICS_HPP_BEGIN
+
+/// Who may meet whom: each side's category must be in the other's mask, the owners must differ, and one side at least
+/// must be movable.
+struct proxy_filter {
+    std::uint32_t category = 1;
+    std::uint32_t mask = 0xffffffffu;
+    /// Proxies of one owner, say shapes of one body, never meet; none by default.
+    std::uint32_t owner = 0xffffffffu;
+    /// False for what nothing pushes: static and kinematic geometry. Such proxies never meet each other, and cost
+    /// nothing while they rest.
+    bool movable = true;
+
+    friend bool operator==(const proxy_filter&, const proxy_filter&) = default;
+};
+
+/// True if the two may meet.
+constexpr bool may_meet(const proxy_filter& a, const proxy_filter& b) {
+    return (a.category & b.mask) != 0 && (b.category & a.mask) != 0 && (a.owner != b.owner || a.owner == 0xffffffffu) &&
+           (a.movable || b.movable);
+}
+
+/// How much larger than their proxies boxes are kept, so that small moves leave them alone.
+template <class S>
+struct broadphase_settings {
+    /// By how much on every side (m).
+    S margin = S(0.05);
+    /// How many times the last move ahead.
+    S prediction = S(2);
+};
+
+template <class S>
+bool check(const broadphase_settings<S>& with, const char* function) {
+    return detail::check_not_negative(function, "broadphase.margin", with.margin) &&
+           detail::check_not_negative(function, "broadphase.prediction", with.prediction);
+}
+
+namespace detail {
+
+/// No proxy has this number.
+inline constexpr std::uint32_t no_proxy = 0xffffffffu;
+
+/// The proxies of a broadphase by number.
+template <class Space>
+class proxies {
+public:
+    using S = typename Space::scalar;
+    using vec = typename Space::vec;
+    using aabb = typename Space::aabb;
+    static constexpr int D = Space::dimension;
+
+    broadphase_settings<S> settings;
+
+    [[nodiscard]] std::uint32_t size() const { return entries_.size(); }
+    [[nodiscard]] std::uint32_t count() const { return count_; }
+    [[nodiscard]] bool has(std::uint32_t id) const { return id < entries_.size() && entries_[id].used; }
+    /// The box, with its margins.
+    [[nodiscard]] const aabb& box(std::uint32_t id) const { return boxes_[id]; }
+    [[nodiscard]] const proxy_filter& filter(std::uint32_t id) const { return entries_[id].filter; }
+    [[nodiscard]] bool is_movable(std::uint32_t id) const { return entries_[id].filter.movable; }
+    /// Whether the proxy came or left its box since the last search for pairs.
+    [[nodiscard]] bool moved(std::uint32_t id) const { return entries_[id].moved; }
+    /// Whether the pairs of the last search that bear this number are to end: its proxy moved or is gone.
+    [[nodiscard]] bool stale(std::uint32_t id) const { return entries_[id].stale; }
+    /// Whether the number was given up since then, and perhaps given to another proxy.
+    [[nodiscard]] bool given_up(std::uint32_t id) const { return entries_[id].given_up; }
+    [[nodiscard]] bool may_meet(std::uint32_t a, std::uint32_t b) const {
+        return physics::may_meet(entries_[a].filter, entries_[b].filter);
+    }
+    /// Those that came, went or left their box since then, once each.
+    [[nodiscard]] const buffer<std::uint32_t>& changed() const { return changed_; }
+    /// Those that left their box since the index last heard of it, once each.
+    [[nodiscard]] const buffer<std::uint32_t>& unseen() const { return unseen_; }
+    void show() {
+        for (const std::uint32_t id : unseen_) entries_[id].unseen = false;
+        unseen_.clear();
+    }
+
+    void insert(std::uint32_t id, const aabb& box, const proxy_filter& filter) {
+        if (id >= entries_.size()) {
+            entries_.resize(id + 1);
+            boxes_.resize(id + 1);
+        }
+        entries_[id].filter = filter;
+        entries_[id].used = true;
+        boxes_[id] = grown(box, settings.margin);
+        ++count_;
+        note(id);
+    }
+    void erase(std::uint32_t id) {
+        entries_[id].used = false;
+        entries_[id].given_up = true;
+        --count_;
+        note(id);
+    }
+    /// Whether a proxy in this box keeps within its margins; false for no box at all.
+    [[nodiscard]] bool holds(std::uint32_t id, const aabb& box) const {
+        const aabb& own = boxes_[id];
+        for (int i = 0; i < D; ++i)
+            if (!(own.lower[i] <= box.lower[i] && box.lower[i] <= box.upper[i] && box.upper[i] <= own.upper[i]))
+                return false;
+        return true;
+    }
+    /// Gives a proxy a new box around this one, wider on the way ahead.
+    void move(std::uint32_t id, const aabb& box, const vec& way) {
+        boxes_[id] = grown(box, settings.margin);
+        for (int i = 0; i < D; ++i) {
+            // No farther than the box is wide: a teleport is no velocity.
+            const S most = box.upper[i] - box.lower[i] + settings.margin;
+            const S ahead = clamp(way[i] * settings.prediction, -most, most);
+            if (ahead > S(0)) boxes_[id].upper[i] += ahead;
+            else boxes_[id].lower[i] += ahead;
+        }
+        note(id);
+        if (!entries_[id].unseen) unseen_.push(id);
+        entries_[id].unseen = true;
+    }
+    /// Forgets which have changed.
+    void settle() {
+        for (const std::uint32_t id : changed_) {
+            entry& e = entries_[id];
+            e.moved = e.stale = e.given_up = false;
+        }
+        changed_.clear();
+    }
+
+private:
+    struct entry {
+        proxy_filter filter;
+        bool used = false, moved = false, stale = false, given_up = false, unseen = false;
+    };
+
+    void note(std::uint32_t id) {
+        entry& e = entries_[id];
+        if (!e.stale) changed_.push(id);
+        e.stale = true;
+        e.moved = e.used;
+    }
+
+    buffer<aabb> boxes_;
+    buffer<entry> entries_;
+    buffer<std::uint32_t> changed_, unseen_;
+    reset_on_move<std::uint32_t> count_;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END

@@ -1,0 +1,105 @@
+// What can be asked of boxes: exact answers, the same from every broadphase.
+#pragma once
+
+#include "physics/broadphase/proxies.hpp"
+
+PHYSICS_HPP_BEGIN
+
+/// Which proxies a query sees: those whose category is in its mask and whose mask holds its category.
+struct query_filter {
+    std::uint32_t category = 1;
+    std::uint32_t mask = 0xffffffffu;
+
+    [[nodiscard]] constexpr bool sees(const proxy_filter& p) const {
+        return (p.category & mask) != 0 && (category & p.mask) != 0;
+    }
+};
+
+/// A way through space: from an origin along a translation (m). A box of half size `extent` may be swept along it.
+template <class S, int D>
+struct ray {
+    vec<S, D> origin;
+    vec<S, D> translation;
+    vec<S, D> extent = {};
+};
+
+/// The half of space where dot(normal, p) <= offset; the normal need not have length 1.
+template <class S, int D>
+struct bounding_plane {
+    vec<S, D> normal;
+    S offset;
+};
+
+/// Where a ray enters the box of a proxy: at `fraction` of its translation, 0 if it begins within.
+template <class S>
+struct proxy_hit {
+    std::uint32_t id = 0xffffffffu;
+    S fraction = S(1);
+
+    explicit operator bool() const { return id != 0xffffffffu; }
+};
+
+namespace detail {
+
+/// Whether a ray meets a closed box within `limit` of its translation, and where it enters. Along an axis in which it
+/// does not move, it meets what it is within, faces included. Source: Kay, Kajiya, Ray tracing complex scenes (1986).
+template <class S, int D>
+constexpr bool meets(const ray<S, D>& r, const aabb<S, D>& box, S limit, S& fraction) {
+    S near = S(0), far = limit;
+    for (int i = 0; i < D; ++i) {
+        // Wide, since boxes may be as large as the range.
+        const wide_of<S> way = widen(r.translation[i]), extent = widen(r.extent[i]), origin = widen(r.origin[i]);
+        const wide_of<S> to_lower = widen(box.lower[i]) - extent - origin;
+        const wide_of<S> to_upper = widen(box.upper[i]) + extent - origin;
+        if (r.translation[i] == S(0)) {
+            if (to_lower > wide_of<S>{} || to_upper < wide_of<S>{}) return false;
+            continue;
+        }
+        const bool forward = r.translation[i] > S(0);
+        near = max(near, quotient<S>(forward ? to_lower : to_upper, way));
+        far = min(far, quotient<S>(forward ? to_upper : to_lower, way));
+        if (near > far) return false;
+    }
+    fraction = near;
+    return true;
+}
+
+/// The box around a whole ray, no larger than the range.
+template <class S, int D>
+constexpr aabb<S, D> around(const ray<S, D>& r) {
+    const S most = scalar_traits<S>::max();
+    aabb<S, D> box;
+    for (int i = 0; i < D; ++i) {
+        const S end = r.origin[i] + r.translation[i], low = min(r.origin[i], end), high = max(r.origin[i], end);
+        box.lower[i] = low < r.extent[i] - most ? -most : low - r.extent[i];
+        box.upper[i] = high > most - r.extent[i] ? most : high + r.extent[i];
+    }
+    return box;
+}
+
+/// The square of the distance from a point to a box, without rounding where the scalar can; 0 within.
+template <class S, int D>
+constexpr wide_of<S> distance_squared(const aabb<S, D>& box, const vec<S, D>& point) {
+    vec<S, D> apart;
+    for (int i = 0; i < D; ++i) {
+        const bool below = point[i] < box.lower[i];
+        if (!below && !(point[i] > box.upper[i])) continue;
+        apart[i] = below ? box.lower[i] - point[i] : point[i] - box.upper[i];
+        // Farther than the range.
+        if (apart[i] < S(0)) apart[i] = scalar_traits<S>::max();
+    }
+    return length_squared(apart);
+}
+
+/// Whether a box lies wholly beyond a plane.
+template <class S, int D>
+constexpr bool beyond(const bounding_plane<S, D>& plane, const aabb<S, D>& box) {
+    wide_of<S> least{};
+    for (int i = 0; i < D; ++i)
+        least = least + product(plane.normal[i], plane.normal[i] > S(0) ? box.lower[i] : box.upper[i]);
+    return least > widen(plane.offset);
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
