@@ -36,9 +36,12 @@ struct float_ray {
     // From where distances to lower and to upper sides are measured; the extent is in them.
     float from_lower[D], from_upper[D], inverse[D];
     bool moves[D];
+    /// How far the scalar may have rounded a fraction.
+    float step;
 
     template <class S>
-    float_ray(const ray<S, D>& r, const vec<S, D>& origin) {
+    float_ray(const ray<S, D>& r, const vec<S, D>& origin)
+        : step(above(static_cast<double>(scalar_traits<S>::epsilon()))) {
         for (int i = 0; i < D; ++i) {
             const double o = static_cast<double>(r.origin[i]) - static_cast<double>(origin[i]);
             const double way = static_cast<double>(r.translation[i]), e = static_cast<double>(r.extent[i]);
@@ -70,8 +73,8 @@ struct float_ray {
             first = max(first, inverse[i] > 0 ? to_lower : to_upper);
             last = min(last, inverse[i] > 0 ? to_upper : to_lower);
         }
-        first = first * lanes::broadcast(1 - slack);
-        apart = apart | greater(first, last * lanes::broadcast(1 + slack));
+        first = first * lanes::broadcast(1 - slack) - lanes::broadcast(step);
+        apart = apart | greater(first, last * lanes::broadcast(1 + slack) + lanes::broadcast(step));
         first.store(near);
         return ~apart.bits() & 0xffu;
     }

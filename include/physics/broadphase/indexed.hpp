@@ -97,6 +97,16 @@ public:
             return !filter.sees(all_.filter(id)) || !overlap(all_.box(id), box) || go_on(visit, id);
         });
     }
+    /// Writes up to `most` of them to `out` instead; returns how many there are.
+    std::uint32_t overlapping(const aabb& box, const query_filter& filter, std::uint32_t* out,
+                              std::uint32_t most) const {
+        std::uint32_t count = 0;
+        each_overlapping(box, filter, [&](std::uint32_t id) {
+            if (count < most) out[count] = id;
+            ++count;
+        });
+        return count;
+    }
     /// The same for a point.
     template <class Visit>
     void each_at(const vec& point, const query_filter& filter, Visit&& visit) const {
@@ -150,6 +160,19 @@ public:
         });
         return best;
     }
+    /// Writes up to `most` hits to `out`, the first ones, in order; of equal fractions that of the least number first.
+    /// Returns how many.
+    std::uint32_t along(const ray<S, D>& r, const query_filter& filter, proxy_hit<S>* out, std::uint32_t most) const {
+        std::uint32_t count = 0;
+        each_along(r, filter, [&](const proxy_hit<S>& hit) {
+            const auto after = [&](const proxy_hit<S>& other) {
+                return other.fraction > hit.fraction || (other.fraction == hit.fraction && other.id > hit.id);
+            };
+            detail::insert_sorted(out, count, most, hit, after);
+            return count < most ? S(1) : most == 0 ? S(-1) : out[most - 1].fraction;
+        });
+        return count;
+    }
     /// Whether there is any. Stops at the first found.
     [[nodiscard]] bool any(const ray<S, D>& r, const query_filter& filter = {}) const {
         bool found = false;
@@ -173,16 +196,10 @@ public:
         const auto see = [&](std::uint32_t id) {
             const wide_of<S> here = square(id);
             if (filter.sees(all_.filter(id)) && !(here > farthest)) {
-                std::uint32_t at = count;
                 const auto after = [&](std::uint32_t other) {
                     return square(other) > here || (square(other) == here && other > id);
                 };
-                while (at > 0 && after(out[at - 1])) --at;
-                if (at < most) {
-                    if (count < most) ++count;
-                    for (std::uint32_t i = count - 1; i > at; --i) out[i] = out[i - 1];
-                    out[at] = id;
-                }
+                detail::insert_sorted(out, count, most, id, after);
             }
             return count < most ? farthest : square(out[count - 1]);
         };

@@ -100,6 +100,18 @@ constexpr bool beyond(const bounding_plane<S, D>& plane, const aabb<S, D>& box) 
     return least > widen(plane.offset);
 }
 
+/// Puts an item into a sorted list of at most `most`, before all that come after it by after(other); the last one is
+/// lost where the list is full.
+template <class T, class After>
+constexpr void insert_sorted(T* list, std::uint32_t& count, std::uint32_t most, const T& item, After&& after) {
+    std::uint32_t at = count;
+    while (at > 0 && after(list[at - 1])) --at;
+    if (at == most) return;
+    if (count < most) ++count;
+    for (std::uint32_t i = count - 1; i > at; --i) list[i] = list[i - 1];
+    list[at] = item;
+}
+
 }  // namespace detail
 
 PHYSICS_HPP_END
