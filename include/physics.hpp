@@ -70,7 +70,7 @@
 #include "physics/broadphase/dynamic_tree.hpp"
 #include "physics/broadphase/guard.hpp"
 #include "physics/broadphase/indexed.hpp"
-#include "physics/broadphase/morton.hpp"
+#include "physics/broadphase/arrange.hpp"
 #include "physics/broadphase/packed_tree.hpp"
 #include "physics/broadphase/pair_set.hpp"
 #include "physics/broadphase/proxies.hpp"

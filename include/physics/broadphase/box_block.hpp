@@ -63,6 +63,8 @@ struct box_block {
 
     float lower[D][size], upper[D][size];
 
+    /// The lower sides by axis, then the upper ones.
+    const float* row(int i) const { return i < D ? lower[i] : upper[i - D]; }
     void set(std::uint32_t lane, const float_box<D>& box) {
         for (int i = 0; i < D; ++i) {
             lower[i][lane] = box.lower[i];

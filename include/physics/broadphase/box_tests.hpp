@@ -33,49 +33,68 @@ template <int D>
 struct float_ray {
     static constexpr float tiny = 1e-30f, slack = 0x1p-20f;
 
-    // From where distances to lower and to upper sides are measured; the extent is in them.
-    float from_lower[D], from_upper[D], inverse[D];
+    /// Along one axis: which sides the ray enters and leaves by, as rows of a block, and from where the distances to
+    /// them are measured; the extent is in these. The inverse translation, for entries a little less than it is, for
+    /// exits a little more.
+    struct along {
+        int in, out;
+        float from_in, from_out, to_in, to_out;
+    };
+    along axes[D];
     bool moves[D];
+    bool moves_along_all = true;
     /// How far the scalar may have rounded a fraction.
-    float step;
+    float step = 0;
 
     template <class S>
-    float_ray(const ray<S, D>& r, const vec<S, D>& origin)
-        : step(above(static_cast<double>(scalar_traits<S>::epsilon()))) {
+    float_ray(const ray<S, D>& r, const vec<S, D>& origin) {
+        if constexpr (!std::is_floating_point_v<S>) step = 2 * above(static_cast<double>(scalar_traits<S>::epsilon()));
         for (int i = 0; i < D; ++i) {
             const double o = static_cast<double>(r.origin[i]) - static_cast<double>(origin[i]);
             const double way = static_cast<double>(r.translation[i]), e = static_cast<double>(r.extent[i]);
             const float f = to_float(way);
             moves[i] = f > tiny || f < -tiny;
-            inverse[i] = moves[i] ? 1 / f : 0;
+            moves_along_all = moves_along_all && moves[i];
             float pad = 0;
             // A ray in float is what it is.
             if (!std::is_same_v<S, float> || e != 0) pad = doubt(to_float(o)) + doubt(to_float(e));
             if (!moves[i] && way != 0) pad += 2 * tiny;
-            from_lower[i] = to_float(o + e) + pad;
-            from_upper[i] = to_float(o - e) - pad;
+            const float inverse = moves[i] ? 1 / f : 0, from_lower = to_float(o + e) + pad,
+                        from_upper = to_float(o - e) - pad;
+            const bool forward = !(f < 0);
+            axes[i] = {forward ? i : D + i,
+                       forward ? D + i : i,
+                       forward ? from_lower : from_upper,
+                       forward ? from_upper : from_lower,
+                       inverse * (1 - slack),
+                       inverse * (1 + slack)};
+            if (!moves[i]) axes[i] = {i, D + i, from_lower, from_upper, 0, 0};
         }
     }
     /// Which of eight boxes the ray meets within the limit, and about where.
-    std::uint32_t meets(const box_block<D>& boxes, float limit, float (&near)[8]) const {
+    PHYSICS_HPP_ALWAYS_INLINE std::uint32_t meets(const box_block<D>& boxes, float limit, float (&near)[8]) const {
+        return moves_along_all ? find<true>(boxes, limit, near) : find<false>(boxes, limit, near);
+    }
+
+private:
+    template <bool MovesAlongAll>
+    PHYSICS_HPP_ALWAYS_INLINE std::uint32_t find(const box_block<D>& boxes, float limit, float (&near)[8]) const {
         using lanes = typename box_block<D>::lanes;
         lanes first = lanes::broadcast(0), last = lanes::broadcast(limit);
         auto apart = greater(first, last);
         for (int i = 0; i < D; ++i) {
-            const lanes lower = lanes::load(boxes.lower[i]), upper = lanes::load(boxes.upper[i]);
-            const lanes a = lanes::broadcast(from_lower[i]), b = lanes::broadcast(from_upper[i]);
-            if (!moves[i]) {
-                apart = apart | greater(lower, a) | greater(b, upper);
+            const along& a = axes[i];
+            const lanes in = lanes::load(boxes.row(a.in)) - lanes::broadcast(a.from_in);
+            const lanes out = lanes::load(boxes.row(a.out)) - lanes::broadcast(a.from_out);
+            if (!MovesAlongAll && !moves[i]) {
+                apart = apart | greater(in, lanes::broadcast(0)) | greater(lanes::broadcast(0), out);
                 continue;
             }
-            const lanes t = lanes::broadcast(inverse[i]);
-            const lanes to_lower = (lower - a) * t, to_upper = (upper - b) * t;
-            first = max(first, inverse[i] > 0 ? to_lower : to_upper);
-            last = min(last, inverse[i] > 0 ? to_upper : to_lower);
+            first = max(first, in * lanes::broadcast(a.to_in));
+            last = min(last, out * lanes::broadcast(a.to_out));
         }
-        first = first * lanes::broadcast(1 - slack) - lanes::broadcast(step);
-        apart = apart | greater(first, last * lanes::broadcast(1 + slack) + lanes::broadcast(step));
         first.store(near);
+        apart = apart | greater(first, last + lanes::broadcast(step));
         return ~apart.bits() & 0xffu;
     }
 };

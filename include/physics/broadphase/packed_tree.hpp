@@ -51,6 +51,7 @@ public:
         marks_.clear();
         levels_ = 0;
         live_ = 0;
+        marked_ = 0;
     }
 
     /// The box around everything; of an empty tree none.
@@ -84,22 +85,28 @@ public:
         return all;
     }
     [[nodiscard]] std::uint32_t id(std::uint32_t slot) const { return ids_[slot]; }
-    [[nodiscard]] bool all_marked() const {
-        std::uint32_t count = 0;
-        for (const std::uint8_t m : marks_) count += static_cast<std::uint32_t>(std::popcount(m));
-        return count == live_;
-    }
+    [[nodiscard]] bool all_marked() const { return marked_ == live_; }
     /// The slots of a leaf that have been marked.
     [[nodiscard]] std::uint32_t marked(std::uint32_t leaf) const { return marks_[leaf]; }
 
     void set(std::uint32_t slot, const box& b) { nodes_[slot / 8].set(slot % 8, b); }
-    void mark(std::uint32_t slot) { marks_[slot / 8] = static_cast<std::uint8_t>(marks_[slot / 8] | 1u << slot % 8); }
+    [[nodiscard]] bool any_marked() const { return marked_ > 0; }
+    void mark(std::uint32_t slot) {
+        const std::uint32_t bit = 1u << slot % 8;
+        if (marks_[slot / 8] & bit) return;
+        marks_[slot / 8] = static_cast<std::uint8_t>(marks_[slot / 8] | bit);
+        ++marked_;
+    }
     void clear_marks() {
+        if (marked_ == 0) return;
         for (std::uint8_t& m : marks_) m = 0;
+        marked_ = 0;
     }
     void remove(std::uint32_t slot) {
+        const std::uint32_t bit = 1u << slot % 8;
         nodes_[slot / 8].clear(slot % 8);
-        marks_[slot / 8] = static_cast<std::uint8_t>(marks_[slot / 8] & ~(1u << slot % 8));
+        if (marks_[slot / 8] & bit) --marked_;
+        marks_[slot / 8] = static_cast<std::uint8_t>(marks_[slot / 8] & ~bit);
         ids_[slot] = no_proxy;
         --live_;
     }
@@ -157,9 +164,9 @@ public:
         }
     }
 
-    /// Calls visit(slot) for boxes in about the order of their keys: test(block, keys) says which of eight boxes are
-    /// within reach, and writes a key for each, no less than that of a box around it; what has come out of reach
-    /// by then, by outside(key), is left out.
+    /// Calls visit(slot) for boxes, the ones with small keys early: test(block, keys) says which of eight boxes are
+    /// within reach, and writes a key for each, no less than that of a box around it; what has come out of reach by
+    /// then, by outside(key), is left out.
     template <class Test, class Outside, class Visit>
     void search_in_order(Test&& test, Outside&& outside, Visit&& visit) const {
         struct entry {
@@ -168,24 +175,34 @@ public:
             int level;
         };
         if (levels_ == 0) return;
-        entry stack[7 * most_levels + 2];
+        entry stack[7 * most_levels];
+        entry next{0, 0, levels_ - 1};
         int top = 0;
-        stack[top++] = {0, 0, levels_ - 1};
-        while (top > 0) {
-            const entry next = stack[--top];
-            // Below the leaves, a node is a slot.
-            if (outside(next.key)) continue;
-            if (next.level < 0) {
-                visit(next.node);
+        for (;;) {
+            float keys[8];
+            std::uint32_t lanes = test(node(next.level, next.node), keys);
+            if (next.level == 0) {
+                each_bit(lanes, [&](std::uint32_t lane) {
+                    if (!outside(keys[lane])) visit(next.node * 8 + lane);
+                });
+            } else if (lanes != 0) {
+                // On into the first one, the others later.
+                const auto child = [&](std::uint32_t lane) {
+                    return entry{keys[lane], next.node * 8 + lane, next.level - 1};
+                };
+                auto nearest = static_cast<std::uint32_t>(std::countr_zero(lanes));
+                each_bit(lanes & (lanes - 1), [&](std::uint32_t lane) {
+                    const bool nearer = keys[lane] < keys[nearest];
+                    stack[top++] = child(nearer ? nearest : lane);
+                    nearest = nearer ? lane : nearest;
+                });
+                next = child(nearest);
                 continue;
             }
-            float keys[8];
-            const int first = top;
-            each_bit(test(node(next.level, next.node), keys), [&](std::uint32_t lane) {
-                int place = top++;
-                for (; place > first && stack[place - 1].key < keys[lane]; --place) stack[place] = stack[place - 1];
-                stack[place] = {keys[lane], next.node * 8 + lane, next.level - 1};
-            });
+            do {
+                if (top == 0) return;
+                next = stack[--top];
+            } while (outside(next.key));
         }
     }
 
@@ -204,7 +221,7 @@ private:
     buffer<std::uint8_t> marks_;
     std::uint32_t starts_[most_levels]{};
     reset_on_move<int> levels_;
-    reset_on_move<std::uint32_t> live_;
+    reset_on_move<std::uint32_t> live_, marked_;
 };
 
 }  // namespace detail

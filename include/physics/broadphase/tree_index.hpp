@@ -1,8 +1,9 @@
 // The index behind dynamic_tree: where boxes are, in trees that are packed anew as the boxes move.
 #pragma once
 
+#include "physics/base/sort.hpp"
+#include "physics/broadphase/arrange.hpp"
 #include "physics/broadphase/box_tests.hpp"
-#include "physics/broadphase/morton.hpp"
 #include "physics/broadphase/packed_tree.hpp"
 #include "physics/broadphase/proxies.hpp"
 
@@ -27,7 +28,7 @@ public:
         kind& k = kinds_[all.is_movable(id)];
         places_[id] = tail_place | k.tail.size();
         k.tail.push(id);
-        if (k.tail.size() > 64 + k.young.live() / 4) pack_young(all, k);
+        if (k.tail.size() > 64 + k.young.live()) pack_young(all, k);
     }
     void erase(const table& all, std::uint32_t id) { take_out(kinds_[all.is_movable(id)], id); }
 
@@ -36,22 +37,29 @@ public:
         for (int m = 0; m < 2; ++m) {
             kind& k = kinds_[m];
             keys_.clear();
-            for (std::uint32_t i = 0; i < count; ++i)
-                if (all.has(ids[i]) && all.is_movable(ids[i]) == (m == 1))
-                    keys_.push(std::uint64_t{places_[ids[i]]} << 32 | ids[i]);
-            const std::uint32_t live = k.main.live() + k.young.live() + k.tail.size();
-            const std::uint32_t moved = keys_.size() + k.young.live() + k.tail.size();
-            if (moved > live / 4 || k.size > 1.5 * k.packed_size) {
-                if (moved > 0) {
-                    pack_all(all, k);
-                    if (m == 1) follow(all);
-                }
+            for (std::uint32_t i = 0; i < count; ++i) {
+                const std::uint32_t id = ids[i];
+                if (!all.has(id) || all.is_movable(id) != (m == 1)) continue;
+                if (places_[id] & young_place) send_to_tail(k, id);
+                else if (!(places_[id] & tail_place)) keys_.push(std::uint64_t{places_[id]} << 32 | id);
+            }
+            const std::uint32_t young = k.young.live() + k.tail.size(), live = k.main.live() + young;
+            if (young > live / 4 || (k.size > most_growth * k.packed_size && !keys_.empty())) {
+                pack_all(all, k);
+                if (m == 1) follow(all);
                 continue;
             }
-            spare_.resize(keys_.size());
-            std::uint64_t* sorted = radix_sort(keys_.begin(), spare_.begin(), keys_.size(), 32, 64);
             touched_.clear();
-            for (std::uint32_t i = 0; i < keys_.size(); ++i) place(all, k, static_cast<std::uint32_t>(sorted[i]));
+            if (keys_.size() > live / 8) {
+                for (std::uint32_t slot = 0; slot < k.main.leaves() * 8; ++slot) {
+                    const std::uint32_t id = k.main.id(slot);
+                    if (id != no_proxy && all.moved(id)) place(all, k, id);
+                }
+            } else {
+                spare_.resize(keys_.size());
+                const std::uint64_t* sorted = radix_sort(keys_.begin(), spare_.begin(), keys_.size(), 32, 64);
+                for (std::uint32_t i = 0; i < keys_.size(); ++i) place(all, k, static_cast<std::uint32_t>(sorted[i]));
+            }
             k.size += k.main.refit(touched_);
             if (k.tail.size() > 0) pack_young(all, k);
         }
@@ -103,10 +111,10 @@ public:
     template <class Visit>
     void each_along(const table& all, const ray<S, D>& r, S limit, Visit&& visit) const {
         const float_ray<D> way(r, origin_);
-        float reach = above(limit);
+        float reach = above(limit) + way.step;
         each_in_order(
             all, [&](const auto& block, auto& keys) { return way.meets(block, reach, keys); },
-            [&](float key) { return key > reach; }, [&](std::uint32_t id) { reach = above(visit(id)); });
+            [&](float key) { return key > reach; }, [&](std::uint32_t id) { reach = above(visit(id)) + way.step; });
     }
     /// Calls visit(id) for proxies near a point, the nearest ones early. It returns the square of the distance up to
     /// which the search is to go on.
@@ -144,6 +152,8 @@ private:
 
     enum : std::uint32_t { young_place = 1u << 30, tail_place = 2u << 30, slot_mask = (1u << 30) - 1 };
     enum order { before, same, after };
+    /// How much larger leaves may get by moving before the tree is packed anew.
+    static constexpr double most_growth = 1.2;
 
     struct kind {
         tree main, young;
@@ -166,14 +176,9 @@ private:
         }
     }
 
-    /// Writes a box where its proxy is, or sends the proxy to the tail if that is far from its neighbours.
+    /// Writes a box where its proxy is in the main tree, or sends the proxy to the tail if that is far from its neighbours.
     void place(const table& all, kind& k, std::uint32_t id) {
         const std::uint32_t p = places_[id];
-        if (p & (tail_place | young_place)) {
-            // Packed anew in a moment.
-            if (p & young_place) send_to_tail(k, id);
-            return;
-        }
         const float_box<D> box = box_of(all, id);
         const float_box<D> around = k.main.around(p / 8);
         float apart = 0, size = 0;
@@ -197,32 +202,38 @@ private:
         k.tail.push(id);
     }
 
-    void gather(const tree& from) {
+    void gather(const table& all, const tree& from) {
         for (std::uint32_t slot = 0; slot < from.leaves() * 8; ++slot)
-            if (from.id(slot) != no_proxy) keys_.push(from.id(slot));
+            if (from.id(slot) != no_proxy) add_item(all, from.id(slot));
+    }
+    void add_item(const table& all, std::uint32_t id) {
+        const float_box<D> box = box_of(all, id);
+        packed_item item{{}, id};
+        // A quarter of the sum of both ends: differences stay within the range.
+        for (int i = 0; i < D; ++i) item.middle[i] = box.lower[i] * 0.25f + box.upper[i] * 0.25f;
+        items_.push(item);
     }
     void pack(const table& all, kind& k, tree& to, std::uint32_t tag) {
-        for (const std::uint32_t id : k.tail) keys_.push(id);
+        for (const std::uint32_t id : k.tail) add_item(all, id);
         k.tail.clear();
-        spare_.resize(keys_.size());
-        const auto get = [&](std::uint32_t id) { return box_of(all, id); };
-        morton_sort<D>(keys_.begin(), spare_.begin(), keys_.size(), get);
-        to.build(keys_.size(), [&](std::uint32_t i) { return static_cast<std::uint32_t>(keys_[i]); }, get);
-        for (std::uint32_t i = 0; i < keys_.size(); ++i) {
-            const auto id = static_cast<std::uint32_t>(keys_[i]);
+        spare_items_.resize(items_.size());
+        arrange<D>(items_.begin(), spare_items_.begin(), items_.size());
+        to.build(items_.size(), [&](std::uint32_t i) { return items_[i].id; },
+                 [&](std::uint32_t id) { return box_of(all, id); });
+        for (std::uint32_t i = 0; i < items_.size(); ++i) {
+            const std::uint32_t id = items_[i].id;
             places_[id] = tag | i;
             if (all.moved(id)) to.mark(i);
         }
+        items_.clear();
     }
     void pack_young(const table& all, kind& k) {
-        keys_.clear();
-        gather(k.young);
+        gather(all, k.young);
         pack(all, k, k.young, young_place);
     }
     void pack_all(const table& all, kind& k) {
-        keys_.clear();
-        gather(k.main);
-        gather(k.young);
+        gather(all, k.main);
+        gather(all, k.young);
         k.young.clear();
         pack(all, k, k.main, 0);
         k.size = k.packed_size = k.main.size();
@@ -248,6 +259,7 @@ private:
     /// The pairs of a marked box of x with a box of y; where y's is marked as well, from the side of the earlier leaf.
     template <class Emit>
     void find_pairs(const tree& x, const tree& y, order y_is, bool all_marked, Emit&& emit) {
+        if (!x.any_marked()) return;
         for (std::uint32_t l = 0; l < x.leaves(); ++l) {
             const std::uint32_t moved = x.marked(l);
             if (moved == 0) continue;
@@ -260,12 +272,20 @@ private:
                     const bool itself = y_is == same && m == l;
                     const std::uint32_t twice =
                         y_is == after || (y_is == same && m > l) ? 0 : y.marked(m);
-                    near &= ~(itself ? 0 : twice);
+                    if (itself) {
+                        each_bit(moved, [&](std::uint32_t i) {
+                            const std::uint32_t earlier = (moved & ((1u << i) - 1)) | 1u << i;
+                            each_bit(leaf.overlapping(leaf.get(i)) & ~earlier,
+                                     [&](std::uint32_t k) { emit(x.id(l * 8 + i), x.id(l * 8 + k)); });
+                        });
+                        return;
+                    }
+                    near &= ~twice;
                     if (near == 0) return;
-                    each_bit(moved & leaf.overlapping(y.around(m)), [&](std::uint32_t i) {
-                        std::uint32_t met = near & other.overlapping(leaf.get(i));
-                        if (itself) met &= ~(moved & ((2u << i) - 1)) & ~(1u << i);
-                        each_bit(met, [&](std::uint32_t k) { emit(x.id(l * 8 + i), y.id(m * 8 + k)); });
+                    const std::uint32_t mine = moved & leaf.overlapping(y.around(m));
+                    each_bit(mine, [&](std::uint32_t i) {
+                        each_bit(near & other.overlapping(leaf.get(i)),
+                                 [&](std::uint32_t k) { emit(x.id(l * 8 + i), y.id(m * 8 + k)); });
                     });
                 });
         }
@@ -276,6 +296,7 @@ private:
     buffer<std::uint32_t> places_;
     typename Space::vec origin_{};
     buffer<std::uint64_t> keys_, spare_;
+    buffer<packed_item> items_, spare_items_;
     buffer<std::uint32_t> touched_;
 };
 
