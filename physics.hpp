@@ -148,6 +148,13 @@
 #define PHYSICS_HPP_COLD
 #endif
 
+// A hint that the memory at an address is wanted soon.
+#if defined(__GNUC__)
+#define PHYSICS_HPP_PREFETCH(address) __builtin_prefetch(address)
+#else
+#define PHYSICS_HPP_PREFETCH(address) static_cast<void>(address)
+#endif
+
 // =================================================================================================
 // physics/base/error.hpp
 // =================================================================================================
@@ -433,6 +440,34 @@ private:
     buffer<block> blocks_;
     std::size_t used_ = 0;
 };
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/base/bit_array.hpp
+// =================================================================================================
+// Bits by number.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// A growable array of bits: a flag for each of many things in little memory, so that looking up any is cheap.
+class bit_array {
+public:
+    /// Makes room for bits below `size`, new ones clear.
+    void grow(std::uint32_t size) {
+        if ((size + 63) / 64 > words_.size()) words_.resize((size + 63) / 64, 0);
+    }
+    bool operator[](std::uint32_t i) const { return (words_[i / 64] >> i % 64 & 1) != 0; }
+    void set(std::uint32_t i) { words_[i / 64] |= std::uint64_t{1} << i % 64; }
+    void clear(std::uint32_t i) { words_[i / 64] &= ~(std::uint64_t{1} << i % 64); }
+
+private:
+    buffer<std::uint64_t> words_;
+};
+
+}  // namespace detail
 
 PHYSICS_HPP_END
 
@@ -5562,12 +5597,15 @@ public:
     [[nodiscard]] const aabb& box(std::uint32_t id) const { return boxes_[id]; }
     [[nodiscard]] const proxy_filter& filter(std::uint32_t id) const { return entries_[id].filter; }
     [[nodiscard]] bool is_movable(std::uint32_t id) const { return entries_[id].filter.movable; }
-    /// Whether the proxy came or left its box since the last search for pairs.
-    [[nodiscard]] bool moved(std::uint32_t id) const { return entries_[id].moved; }
-    /// Whether the pairs of the last search that bear this number are to end: its proxy moved or is gone.
-    [[nodiscard]] bool stale(std::uint32_t id) const { return entries_[id].stale; }
+    /// Asks the memory for a proxy that is going to be looked at.
+    void fetch(std::uint32_t id) const {
+        PHYSICS_HPP_PREFETCH(&boxes_[id]);
+        PHYSICS_HPP_PREFETCH(&entries_[id]);
+    }
+    /// Whether the proxy came, went or left its box since the last search for pairs.
+    [[nodiscard]] bool stale(std::uint32_t id) const { return stale_[id]; }
     /// Whether the number was given up since then, and perhaps given to another proxy.
-    [[nodiscard]] bool given_up(std::uint32_t id) const { return entries_[id].given_up; }
+    [[nodiscard]] bool given_up(std::uint32_t id) const { return any_given_up_ && entries_[id].given_up; }
     [[nodiscard]] bool may_meet(std::uint32_t a, std::uint32_t b) const {
         return physics::may_meet(entries_[a].filter, entries_[b].filter);
     }
@@ -5584,6 +5622,7 @@ public:
         if (id >= entries_.size()) {
             entries_.resize(id + 1);
             boxes_.resize(id + 1);
+            stale_.grow(id + 1);
         }
         entries_[id].filter = filter;
         entries_[id].used = true;
@@ -5593,7 +5632,7 @@ public:
     }
     void erase(std::uint32_t id) {
         entries_[id].used = false;
-        entries_[id].given_up = true;
+        entries_[id].given_up = any_given_up_ = true;
         --count_;
         note(id);
     }
@@ -5622,29 +5661,31 @@ public:
     /// Forgets which have changed.
     void settle() {
         for (const std::uint32_t id : changed_) {
-            entry& e = entries_[id];
-            e.moved = e.stale = e.given_up = false;
+            stale_.clear(id);
+            if (any_given_up_) entries_[id].given_up = false;
         }
         changed_.clear();
+        any_given_up_ = false;
     }
 
 private:
     struct entry {
         proxy_filter filter;
-        bool used = false, moved = false, stale = false, given_up = false, unseen = false;
+        bool used = false, given_up = false, unseen = false;
     };
 
     void note(std::uint32_t id) {
-        entry& e = entries_[id];
-        if (!e.stale) changed_.push(id);
-        e.stale = true;
-        e.moved = e.used;
+        if (stale_[id]) return;
+        stale_.set(id);
+        changed_.push(id);
     }
 
     buffer<aabb> boxes_;
     buffer<entry> entries_;
     buffer<std::uint32_t> changed_, unseen_;
+    bit_array stale_;
     reset_on_move<std::uint32_t> count_;
+    bool any_given_up_ = false;
 };
 
 }  // namespace detail
@@ -5893,7 +5934,9 @@ PHYSICS_HPP_BEGIN
 ///   insert(all, id), erase(all, id)   at once; erase is called while the table still knows the proxy
 ///   update(all, ids, count)           these have another box than before
 ///   find(all, emit)                   emit(a, b) once for each two proxies, one of which is all.stale(), whose boxes
-///                                     may overlap; true if those were all pairs there are
+///                                     may overlap; true if those were all pairs there are. An index with
+///                                     `static constexpr bool exact = true` emits just those that do overlap and that
+///                                     all.may_meet(a, b)
 ///   each_near(all, box, visit)        visit(id) where the box may overlap, until it returns false
 /// and, where it knows a better way than to search boxes, each_along, each_around, each_inside (see tree_index).
 template <class Space, class Index>
@@ -5953,8 +5996,9 @@ public:
         update();
         pairs_.start(all_.size());
         const bool everything = index_.find(all_, [&](std::uint32_t a, std::uint32_t b) {
-            if (all_.may_meet(a, b) && overlap(all_.box(a), all_.box(b)) && accept(a < b ? a : b, a < b ? b : a))
-                pairs_.add(a, b);
+            if constexpr (!requires { requires Index::exact; })
+                if (!all_.may_meet(a, b) || !overlap(all_.box(a), all_.box(b))) return;
+            if (accept(a < b ? a : b, a < b ? b : a)) pairs_.add(a, b);
         });
         pairs_.finish(all_, everything);
         all_.settle();
@@ -6598,9 +6642,9 @@ public:
     using box = float_box<D>;
     static constexpr int most_levels = 11;
 
-    /// Holds the proxies in the given order; get(id) gives the box of one.
-    template <class Order, class Get>
-    void build(std::uint32_t count, Order&& order, Get&& get) {
+    /// Holds the proxies of these items, in their order; box_at(i) gives the box of item i, filter_of(id) a filter.
+    template <class Box, class Filter>
+    void build(const packed_item* items, std::uint32_t count, Box&& box_at, Filter&& filter_of) {
         clear();
         const std::uint32_t leaves = (count + 7) / 8;
         ids_.resize(leaves * 8, no_proxy);
@@ -6615,17 +6659,22 @@ public:
             if (n == 1) break;
         }
         nodes_.reserve(total);
-        for (std::uint32_t i = 0; i < count; ++i) ids_[i] = order(i);
+        filters_.resize(leaves * 8);
         block empty;
         for (std::uint32_t i = 0; i < 8; ++i) empty.clear(i);
         nodes_.resize(total, empty);
-        for (std::uint32_t i = 0; i < count; ++i) nodes_[i / 8].set(i % 8, get(ids_[i]));
+        for (std::uint32_t i = 0; i < count; ++i) {
+            nodes_[i / 8].set(i % 8, box_at(i));
+            ids_[i] = items[i].id;
+            filters_[i] = filter_of(items[i].id);
+        }
         for (int level = 1; level < levels_; ++level)
             for (std::uint32_t n = 0; n < nodes_at(level - 1); ++n) lift(level - 1, n);
     }
     void clear() {
         nodes_.clear();
         ids_.clear();
+        filters_.clear();
         marks_.clear();
         levels_ = 0;
         live_ = 0;
@@ -6663,6 +6712,7 @@ public:
         return all;
     }
     [[nodiscard]] std::uint32_t id(std::uint32_t slot) const { return ids_[slot]; }
+    [[nodiscard]] const proxy_filter& filter(std::uint32_t slot) const { return filters_[slot]; }
     [[nodiscard]] bool all_marked() const { return marked_ == live_; }
     /// The slots of a leaf that have been marked.
     [[nodiscard]] std::uint32_t marked(std::uint32_t leaf) const { return marks_[leaf]; }
@@ -6796,6 +6846,8 @@ private:
 
     buffer<block> nodes_;
     buffer<std::uint32_t> ids_;
+    /// Copies, so that pairs are filtered without a look at proxies far away in memory.
+    buffer<proxy_filter> filters_;
     buffer<std::uint8_t> marks_;
     std::uint32_t starts_[most_levels]{};
     reset_on_move<int> levels_;
@@ -6826,6 +6878,7 @@ public:
     static constexpr int D = Space::dimension;
     using table = proxies<Space>;
     using tree = packed_tree<D>;
+    static constexpr bool exact = true;
 
     void insert(const table& all, std::uint32_t id) {
         if (id >= places_.size()) places_.resize(id + 1);
@@ -6844,8 +6897,10 @@ public:
             for (std::uint32_t i = 0; i < count; ++i) {
                 const std::uint32_t id = ids[i];
                 if (!all.has(id) || all.is_movable(id) != (m == 1)) continue;
-                if (places_[id] & young_place) send_to_tail(k, id);
-                else if (!(places_[id] & tail_place)) keys_.push(std::uint64_t{places_[id]} << 32 | id);
+                if (places_[id] & young_place)
+                    send_to_tail(k, id);
+                else if (!(places_[id] & tail_place))
+                    keys_.push(std::uint64_t{places_[id]} << 32 | id);
             }
             const std::uint32_t young = k.young.live() + k.tail.size(), live = k.main.live() + young;
             if (young > live / 4 || (k.size > most_growth * k.packed_size && !keys_.empty())) {
@@ -6856,8 +6911,9 @@ public:
             touched_.clear();
             if (keys_.size() > live / 8) {
                 for (std::uint32_t slot = 0; slot < k.main.leaves() * 8; ++slot) {
+                    fetch_ahead(all, k.main, slot);
                     const std::uint32_t id = k.main.id(slot);
-                    if (id != no_proxy && all.moved(id)) place(all, k, id);
+                    if (id != no_proxy && all.stale(id)) place(all, k, id);
                 }
             } else {
                 spare_.resize(keys_.size());
@@ -6869,11 +6925,18 @@ public:
         }
     }
 
-    /// Calls emit(a, b) for each two proxies of which one at least has moved, whose boxes overlap in float; once for
-    /// each two. Returns true if these were all pairs that there are. To be called after an update with everything
-    /// that has changed.
+    /// Calls emit(a, b) for each two proxies of which one at least is stale, that may meet and whose boxes overlap;
+    /// once for each two. Returns true if these were all pairs that there are. To be called after an update with
+    /// everything that has changed.
     template <class Emit>
-    bool find(const table&, Emit&& emit) {
+    bool find(const table& all, Emit&& emit_pair) {
+        const auto emit = [&](const tree& x, std::uint32_t i, const tree& y, std::uint32_t k) {
+            if (!may_meet(x.filter(i), y.filter(k))) return;
+            const std::uint32_t a = x.id(i), b = y.id(k);
+            if constexpr (!std::is_same_v<S, float>)
+                if (!overlap(all.box(a), all.box(b))) return;
+            emit_pair(a, b);
+        };
         kind &fixed = kinds_[0], &movable = kinds_[1];
         bool everything = true;
         for (tree* x : {&movable.main, &movable.young}) everything = everything && x->all_marked();
@@ -6897,7 +6960,8 @@ public:
     template <class Visit>
     void each_near(const table& all, const typename Space::aabb& box, Visit&& visit) const {
         const float_box<D> reach = enclosing(box, origin_);
-        each_where(all, [&](const auto& block) { return block.overlapping(reach); }, visit);
+        each_where(
+            all, [&](const auto& block) { return block.overlapping(reach); }, visit);
     }
     /// The same for every proxy that may not lie wholly beyond a plane.
     template <class Visit>
@@ -6932,16 +6996,16 @@ public:
     }
 
 private:
-
     template <class Test, class Visit>
     void each_where(const table&, Test&& test, Visit&& visit) const {
         bool on = true;
         for (const kind& k : kinds_) {
             for (const tree* t : {&k.main, &k.young})
-                t->search(0, [&](const auto& block) { return on ? test(block) : 0u; },
-                          [&](std::uint32_t leaf, std::uint32_t lanes) {
-                              each_bit(lanes, [&](std::uint32_t i) { on = on && visit(t->id(leaf * 8 + i)); });
-                          });
+                t->search(
+                    0, [&](const auto& block) { return on ? test(block) : 0u; },
+                    [&](std::uint32_t leaf, std::uint32_t lanes) {
+                        each_bit(lanes, [&](std::uint32_t i) { on = on && visit(t->id(leaf * 8 + i)); });
+                    });
             for (std::uint32_t i = 0; i < k.tail.size() && on; ++i) on = visit(k.tail[i]);
         }
     }
@@ -6980,7 +7044,7 @@ private:
         }
     }
 
-    /// Writes a box where its proxy is in the main tree, or sends the proxy to the tail if that is far from its neighbours.
+    /// Writes a box where its proxy is in the main tree, or sends the proxy to the tail if that is far from there.
     void place(const table& all, kind& k, std::uint32_t id) {
         const std::uint32_t p = places_[id];
         const float_box<D> box = box_of(all, id);
@@ -7007,8 +7071,15 @@ private:
     }
 
     void gather(const table& all, const tree& from) {
-        for (std::uint32_t slot = 0; slot < from.leaves() * 8; ++slot)
+        for (std::uint32_t slot = 0; slot < from.leaves() * 8; ++slot) {
+            fetch_ahead(all, from, slot);
             if (from.id(slot) != no_proxy) add_item(all, from.id(slot));
+        }
+    }
+    /// Numbers are in no order in memory, so what a loop over slots will look up is asked for in time.
+    static void fetch_ahead(const table& all, const tree& t, std::uint32_t slot) {
+        constexpr std::uint32_t ahead = 16;
+        if (slot + ahead < t.leaves() * 8 && t.id(slot + ahead) != no_proxy) all.fetch(t.id(slot + ahead));
     }
     void add_item(const table& all, std::uint32_t id) {
         const float_box<D> box = box_of(all, id);
@@ -7022,12 +7093,18 @@ private:
         k.tail.clear();
         spare_items_.resize(items_.size());
         arrange<D>(items_.begin(), spare_items_.begin(), items_.size());
-        to.build(items_.size(), [&](std::uint32_t i) { return items_[i].id; },
-                 [&](std::uint32_t id) { return box_of(all, id); });
+        to.build(
+            items_.begin(), items_.size(),
+            [&](std::uint32_t i) {
+                constexpr std::uint32_t ahead = 16;
+                if (i + ahead < items_.size()) all.fetch(items_[i + ahead].id);
+                return box_of(all, items_[i].id);
+            },
+            [&](std::uint32_t id) -> const proxy_filter& { return all.filter(id); });
         for (std::uint32_t i = 0; i < items_.size(); ++i) {
             const std::uint32_t id = items_[i].id;
             places_[id] = tag | i;
-            if (all.moved(id)) to.mark(i);
+            if (all.stale(id)) to.mark(i);
         }
         items_.clear();
     }
@@ -7054,8 +7131,7 @@ private:
                 wide = size > wide ? size : wide;
             }
             if (!(far > 8 * wide)) return;
-            for (int i = 0; i < D; ++i)
-                origin_[i] += S(static_cast<double>(box.lower[i] * 0.5f + box.upper[i] * 0.5f));
+            for (int i = 0; i < D; ++i) origin_[i] += S(static_cast<double>(box.lower[i] * 0.5f + box.upper[i] * 0.5f));
             for (kind& k : kinds_) pack_all(all, k);
         }
     }
@@ -7074,13 +7150,12 @@ private:
                 [&](std::uint32_t m, std::uint32_t near) {
                     const auto& other = y.leaf(m);
                     const bool itself = y_is == same && m == l;
-                    const std::uint32_t twice =
-                        y_is == after || (y_is == same && m > l) ? 0 : y.marked(m);
+                    const std::uint32_t twice = y_is == after || (y_is == same && m > l) ? 0 : y.marked(m);
                     if (itself) {
                         each_bit(moved, [&](std::uint32_t i) {
                             const std::uint32_t earlier = (moved & ((1u << i) - 1)) | 1u << i;
                             each_bit(leaf.overlapping(leaf.get(i)) & ~earlier,
-                                     [&](std::uint32_t k) { emit(x.id(l * 8 + i), x.id(l * 8 + k)); });
+                                     [&](std::uint32_t k) { emit(x, l * 8 + i, x, l * 8 + k); });
                         });
                         return;
                     }
@@ -7089,7 +7164,7 @@ private:
                     const std::uint32_t mine = moved & leaf.overlapping(y.around(m));
                     each_bit(mine, [&](std::uint32_t i) {
                         each_bit(near & other.overlapping(leaf.get(i)),
-                                 [&](std::uint32_t k) { emit(x.id(l * 8 + i), y.id(m * 8 + k)); });
+                                 [&](std::uint32_t k) { emit(x, l * 8 + i, y, m * 8 + k); });
                     });
                 });
         }

@@ -10,6 +10,7 @@
 
 // Numbers, memory, errors, facts about the compiler.
 #include "physics/base/arena.hpp"
+#include "physics/base/bit_array.hpp"
 #include "physics/base/buffer.hpp"
 #include "physics/base/config.hpp"
 #include "physics/base/error.hpp"

@@ -117,3 +117,10 @@
 #else
 #define PHYSICS_HPP_COLD
 #endif
+
+// A hint that the memory at an address is wanted soon.
+#if defined(__GNUC__)
+#define PHYSICS_HPP_PREFETCH(address) __builtin_prefetch(address)
+#else
+#define PHYSICS_HPP_PREFETCH(address) static_cast<void>(address)
+#endif

@@ -15,7 +15,9 @@ PHYSICS_HPP_BEGIN
 ///   insert(all, id), erase(all, id)   at once; erase is called while the table still knows the proxy
 ///   update(all, ids, count)           these have another box than before
 ///   find(all, emit)                   emit(a, b) once for each two proxies, one of which is all.stale(), whose boxes
-///                                     may overlap; true if those were all pairs there are
+///                                     may overlap; true if those were all pairs there are. An index with
+///                                     `static constexpr bool exact = true` emits just those that do overlap and that
+///                                     all.may_meet(a, b)
 ///   each_near(all, box, visit)        visit(id) where the box may overlap, until it returns false
 /// and, where it knows a better way than to search boxes, each_along, each_around, each_inside (see tree_index).
 template <class Space, class Index>
@@ -75,8 +77,9 @@ public:
         update();
         pairs_.start(all_.size());
         const bool everything = index_.find(all_, [&](std::uint32_t a, std::uint32_t b) {
-            if (all_.may_meet(a, b) && overlap(all_.box(a), all_.box(b)) && accept(a < b ? a : b, a < b ? b : a))
-                pairs_.add(a, b);
+            if constexpr (!requires { requires Index::exact; })
+                if (!all_.may_meet(a, b) || !overlap(all_.box(a), all_.box(b))) return;
+            if (accept(a < b ? a : b, a < b ? b : a)) pairs_.add(a, b);
         });
         pairs_.finish(all_, everything);
         all_.settle();

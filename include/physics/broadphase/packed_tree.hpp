@@ -2,7 +2,7 @@
 #pragma once
 
 #include "physics/base/buffer.hpp"
-#include "physics/broadphase/box_block.hpp"
+#include "physics/broadphase/arrange.hpp"
 #include "physics/broadphase/proxies.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -20,9 +20,9 @@ public:
     using box = float_box<D>;
     static constexpr int most_levels = 11;
 
-    /// Holds the proxies in the given order; get(id) gives the box of one.
-    template <class Order, class Get>
-    void build(std::uint32_t count, Order&& order, Get&& get) {
+    /// Holds the proxies of these items, in their order; box_at(i) gives the box of item i, filter_of(id) a filter.
+    template <class Box, class Filter>
+    void build(const packed_item* items, std::uint32_t count, Box&& box_at, Filter&& filter_of) {
         clear();
         const std::uint32_t leaves = (count + 7) / 8;
         ids_.resize(leaves * 8, no_proxy);
@@ -37,17 +37,22 @@ public:
             if (n == 1) break;
         }
         nodes_.reserve(total);
-        for (std::uint32_t i = 0; i < count; ++i) ids_[i] = order(i);
+        filters_.resize(leaves * 8);
         block empty;
         for (std::uint32_t i = 0; i < 8; ++i) empty.clear(i);
         nodes_.resize(total, empty);
-        for (std::uint32_t i = 0; i < count; ++i) nodes_[i / 8].set(i % 8, get(ids_[i]));
+        for (std::uint32_t i = 0; i < count; ++i) {
+            nodes_[i / 8].set(i % 8, box_at(i));
+            ids_[i] = items[i].id;
+            filters_[i] = filter_of(items[i].id);
+        }
         for (int level = 1; level < levels_; ++level)
             for (std::uint32_t n = 0; n < nodes_at(level - 1); ++n) lift(level - 1, n);
     }
     void clear() {
         nodes_.clear();
         ids_.clear();
+        filters_.clear();
         marks_.clear();
         levels_ = 0;
         live_ = 0;
@@ -85,6 +90,7 @@ public:
         return all;
     }
     [[nodiscard]] std::uint32_t id(std::uint32_t slot) const { return ids_[slot]; }
+    [[nodiscard]] const proxy_filter& filter(std::uint32_t slot) const { return filters_[slot]; }
     [[nodiscard]] bool all_marked() const { return marked_ == live_; }
     /// The slots of a leaf that have been marked.
     [[nodiscard]] std::uint32_t marked(std::uint32_t leaf) const { return marks_[leaf]; }
@@ -218,6 +224,8 @@ private:
 
     buffer<block> nodes_;
     buffer<std::uint32_t> ids_;
+    /// Copies, so that pairs are filtered without a look at proxies far away in memory.
+    buffer<proxy_filter> filters_;
     buffer<std::uint8_t> marks_;
     std::uint32_t starts_[most_levels]{};
     reset_on_move<int> levels_;

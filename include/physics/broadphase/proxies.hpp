@@ -1,7 +1,7 @@
 // What a broadphase knows of its proxies: a box for each, who may meet whom, and which have moved.
 #pragma once
 
-#include "physics/base/buffer.hpp"
+#include "physics/base/bit_array.hpp"
 #include "physics/space/check.hpp"
 #include "physics/space/space.hpp"
 
@@ -65,12 +65,15 @@ public:
     [[nodiscard]] const aabb& box(std::uint32_t id) const { return boxes_[id]; }
     [[nodiscard]] const proxy_filter& filter(std::uint32_t id) const { return entries_[id].filter; }
     [[nodiscard]] bool is_movable(std::uint32_t id) const { return entries_[id].filter.movable; }
-    /// Whether the proxy came or left its box since the last search for pairs.
-    [[nodiscard]] bool moved(std::uint32_t id) const { return entries_[id].moved; }
-    /// Whether the pairs of the last search that bear this number are to end: its proxy moved or is gone.
-    [[nodiscard]] bool stale(std::uint32_t id) const { return entries_[id].stale; }
+    /// Asks the memory for a proxy that is going to be looked at.
+    void fetch(std::uint32_t id) const {
+        PHYSICS_HPP_PREFETCH(&boxes_[id]);
+        PHYSICS_HPP_PREFETCH(&entries_[id]);
+    }
+    /// Whether the proxy came, went or left its box since the last search for pairs.
+    [[nodiscard]] bool stale(std::uint32_t id) const { return stale_[id]; }
     /// Whether the number was given up since then, and perhaps given to another proxy.
-    [[nodiscard]] bool given_up(std::uint32_t id) const { return entries_[id].given_up; }
+    [[nodiscard]] bool given_up(std::uint32_t id) const { return any_given_up_ && entries_[id].given_up; }
     [[nodiscard]] bool may_meet(std::uint32_t a, std::uint32_t b) const {
         return physics::may_meet(entries_[a].filter, entries_[b].filter);
     }
@@ -87,6 +90,7 @@ public:
         if (id >= entries_.size()) {
             entries_.resize(id + 1);
             boxes_.resize(id + 1);
+            stale_.grow(id + 1);
         }
         entries_[id].filter = filter;
         entries_[id].used = true;
@@ -96,7 +100,7 @@ public:
     }
     void erase(std::uint32_t id) {
         entries_[id].used = false;
-        entries_[id].given_up = true;
+        entries_[id].given_up = any_given_up_ = true;
         --count_;
         note(id);
     }
@@ -125,29 +129,31 @@ public:
     /// Forgets which have changed.
     void settle() {
         for (const std::uint32_t id : changed_) {
-            entry& e = entries_[id];
-            e.moved = e.stale = e.given_up = false;
+            stale_.clear(id);
+            if (any_given_up_) entries_[id].given_up = false;
         }
         changed_.clear();
+        any_given_up_ = false;
     }
 
 private:
     struct entry {
         proxy_filter filter;
-        bool used = false, moved = false, stale = false, given_up = false, unseen = false;
+        bool used = false, given_up = false, unseen = false;
     };
 
     void note(std::uint32_t id) {
-        entry& e = entries_[id];
-        if (!e.stale) changed_.push(id);
-        e.stale = true;
-        e.moved = e.used;
+        if (stale_[id]) return;
+        stale_.set(id);
+        changed_.push(id);
     }
 
     buffer<aabb> boxes_;
     buffer<entry> entries_;
     buffer<std::uint32_t> changed_, unseen_;
+    bit_array stale_;
     reset_on_move<std::uint32_t> count_;
+    bool any_given_up_ = false;
 };
 
 }  // namespace detail

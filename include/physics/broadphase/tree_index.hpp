@@ -22,6 +22,7 @@ public:
     static constexpr int D = Space::dimension;
     using table = proxies<Space>;
     using tree = packed_tree<D>;
+    static constexpr bool exact = true;
 
     void insert(const table& all, std::uint32_t id) {
         if (id >= places_.size()) places_.resize(id + 1);
@@ -40,8 +41,10 @@ public:
             for (std::uint32_t i = 0; i < count; ++i) {
                 const std::uint32_t id = ids[i];
                 if (!all.has(id) || all.is_movable(id) != (m == 1)) continue;
-                if (places_[id] & young_place) send_to_tail(k, id);
-                else if (!(places_[id] & tail_place)) keys_.push(std::uint64_t{places_[id]} << 32 | id);
+                if (places_[id] & young_place)
+                    send_to_tail(k, id);
+                else if (!(places_[id] & tail_place))
+                    keys_.push(std::uint64_t{places_[id]} << 32 | id);
             }
             const std::uint32_t young = k.young.live() + k.tail.size(), live = k.main.live() + young;
             if (young > live / 4 || (k.size > most_growth * k.packed_size && !keys_.empty())) {
@@ -52,8 +55,9 @@ public:
             touched_.clear();
             if (keys_.size() > live / 8) {
                 for (std::uint32_t slot = 0; slot < k.main.leaves() * 8; ++slot) {
+                    fetch_ahead(all, k.main, slot);
                     const std::uint32_t id = k.main.id(slot);
-                    if (id != no_proxy && all.moved(id)) place(all, k, id);
+                    if (id != no_proxy && all.stale(id)) place(all, k, id);
                 }
             } else {
                 spare_.resize(keys_.size());
@@ -65,11 +69,18 @@ public:
         }
     }
 
-    /// Calls emit(a, b) for each two proxies of which one at least has moved, whose boxes overlap in float; once for
-    /// each two. Returns true if these were all pairs that there are. To be called after an update with everything
-    /// that has changed.
+    /// Calls emit(a, b) for each two proxies of which one at least is stale, that may meet and whose boxes overlap;
+    /// once for each two. Returns true if these were all pairs that there are. To be called after an update with
+    /// everything that has changed.
     template <class Emit>
-    bool find(const table&, Emit&& emit) {
+    bool find(const table& all, Emit&& emit_pair) {
+        const auto emit = [&](const tree& x, std::uint32_t i, const tree& y, std::uint32_t k) {
+            if (!may_meet(x.filter(i), y.filter(k))) return;
+            const std::uint32_t a = x.id(i), b = y.id(k);
+            if constexpr (!std::is_same_v<S, float>)
+                if (!overlap(all.box(a), all.box(b))) return;
+            emit_pair(a, b);
+        };
         kind &fixed = kinds_[0], &movable = kinds_[1];
         bool everything = true;
         for (tree* x : {&movable.main, &movable.young}) everything = everything && x->all_marked();
@@ -93,7 +104,8 @@ public:
     template <class Visit>
     void each_near(const table& all, const typename Space::aabb& box, Visit&& visit) const {
         const float_box<D> reach = enclosing(box, origin_);
-        each_where(all, [&](const auto& block) { return block.overlapping(reach); }, visit);
+        each_where(
+            all, [&](const auto& block) { return block.overlapping(reach); }, visit);
     }
     /// The same for every proxy that may not lie wholly beyond a plane.
     template <class Visit>
@@ -128,16 +140,16 @@ public:
     }
 
 private:
-
     template <class Test, class Visit>
     void each_where(const table&, Test&& test, Visit&& visit) const {
         bool on = true;
         for (const kind& k : kinds_) {
             for (const tree* t : {&k.main, &k.young})
-                t->search(0, [&](const auto& block) { return on ? test(block) : 0u; },
-                          [&](std::uint32_t leaf, std::uint32_t lanes) {
-                              each_bit(lanes, [&](std::uint32_t i) { on = on && visit(t->id(leaf * 8 + i)); });
-                          });
+                t->search(
+                    0, [&](const auto& block) { return on ? test(block) : 0u; },
+                    [&](std::uint32_t leaf, std::uint32_t lanes) {
+                        each_bit(lanes, [&](std::uint32_t i) { on = on && visit(t->id(leaf * 8 + i)); });
+                    });
             for (std::uint32_t i = 0; i < k.tail.size() && on; ++i) on = visit(k.tail[i]);
         }
     }
@@ -176,7 +188,7 @@ private:
         }
     }
 
-    /// Writes a box where its proxy is in the main tree, or sends the proxy to the tail if that is far from its neighbours.
+    /// Writes a box where its proxy is in the main tree, or sends the proxy to the tail if that is far from there.
     void place(const table& all, kind& k, std::uint32_t id) {
         const std::uint32_t p = places_[id];
         const float_box<D> box = box_of(all, id);
@@ -203,8 +215,15 @@ private:
     }
 
     void gather(const table& all, const tree& from) {
-        for (std::uint32_t slot = 0; slot < from.leaves() * 8; ++slot)
+        for (std::uint32_t slot = 0; slot < from.leaves() * 8; ++slot) {
+            fetch_ahead(all, from, slot);
             if (from.id(slot) != no_proxy) add_item(all, from.id(slot));
+        }
+    }
+    /// Numbers are in no order in memory, so what a loop over slots will look up is asked for in time.
+    static void fetch_ahead(const table& all, const tree& t, std::uint32_t slot) {
+        constexpr std::uint32_t ahead = 16;
+        if (slot + ahead < t.leaves() * 8 && t.id(slot + ahead) != no_proxy) all.fetch(t.id(slot + ahead));
     }
     void add_item(const table& all, std::uint32_t id) {
         const float_box<D> box = box_of(all, id);
@@ -218,12 +237,18 @@ private:
         k.tail.clear();
         spare_items_.resize(items_.size());
         arrange<D>(items_.begin(), spare_items_.begin(), items_.size());
-        to.build(items_.size(), [&](std::uint32_t i) { return items_[i].id; },
-                 [&](std::uint32_t id) { return box_of(all, id); });
+        to.build(
+            items_.begin(), items_.size(),
+            [&](std::uint32_t i) {
+                constexpr std::uint32_t ahead = 16;
+                if (i + ahead < items_.size()) all.fetch(items_[i + ahead].id);
+                return box_of(all, items_[i].id);
+            },
+            [&](std::uint32_t id) -> const proxy_filter& { return all.filter(id); });
         for (std::uint32_t i = 0; i < items_.size(); ++i) {
             const std::uint32_t id = items_[i].id;
             places_[id] = tag | i;
-            if (all.moved(id)) to.mark(i);
+            if (all.stale(id)) to.mark(i);
         }
         items_.clear();
     }
@@ -250,8 +275,7 @@ private:
                 wide = size > wide ? size : wide;
             }
             if (!(far > 8 * wide)) return;
-            for (int i = 0; i < D; ++i)
-                origin_[i] += S(static_cast<double>(box.lower[i] * 0.5f + box.upper[i] * 0.5f));
+            for (int i = 0; i < D; ++i) origin_[i] += S(static_cast<double>(box.lower[i] * 0.5f + box.upper[i] * 0.5f));
             for (kind& k : kinds_) pack_all(all, k);
         }
     }
@@ -270,13 +294,12 @@ private:
                 [&](std::uint32_t m, std::uint32_t near) {
                     const auto& other = y.leaf(m);
                     const bool itself = y_is == same && m == l;
-                    const std::uint32_t twice =
-                        y_is == after || (y_is == same && m > l) ? 0 : y.marked(m);
+                    const std::uint32_t twice = y_is == after || (y_is == same && m > l) ? 0 : y.marked(m);
                     if (itself) {
                         each_bit(moved, [&](std::uint32_t i) {
                             const std::uint32_t earlier = (moved & ((1u << i) - 1)) | 1u << i;
                             each_bit(leaf.overlapping(leaf.get(i)) & ~earlier,
-                                     [&](std::uint32_t k) { emit(x.id(l * 8 + i), x.id(l * 8 + k)); });
+                                     [&](std::uint32_t k) { emit(x, l * 8 + i, x, l * 8 + k); });
                         });
                         return;
                     }
@@ -285,7 +308,7 @@ private:
                     const std::uint32_t mine = moved & leaf.overlapping(y.around(m));
                     each_bit(mine, [&](std::uint32_t i) {
                         each_bit(near & other.overlapping(leaf.get(i)),
-                                 [&](std::uint32_t k) { emit(x.id(l * 8 + i), y.id(m * 8 + k)); });
+                                 [&](std::uint32_t k) { emit(x, l * 8 + i, y, m * 8 + k); });
                     });
                 });
         }
