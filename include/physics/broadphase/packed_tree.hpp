@@ -116,27 +116,28 @@ public:
         ids_[slot] = no_proxy;
         --live_;
     }
-    /// Makes the boxes above these leaves, in ascending order, fit; uses the list up. Returns by how much the leaves
-    /// have grown.
+    /// Makes the boxes above these leaves, in ascending order, fit; uses the list up. Returns by how much they have
+    /// grown.
     double refit(buffer<std::uint32_t>& touched) {
         double grown = 0;
         for (int level = 0; level + 1 < levels_; ++level) {
             std::uint32_t kept = 0;
             for (std::uint32_t i = 0; i < touched.size(); ++i) {
                 const std::uint32_t n = touched[i];
-                if (level == 0) grown -= size_of(around(n));
-                lift(level, n);
-                if (level == 0) grown += size_of(around(n));
+                const box before = node(level + 1, n / 8).get(n % 8), after = node(level, n).all();
+                grown += size_of(after) - size_of(before);
+                nodes_[starts_[level + 1] + n / 8].set(n % 8, after);
                 if (kept == 0 || touched[kept - 1] != n / 8) touched[kept++] = n / 8;
             }
             while (touched.size() > kept) touched.pop();
         }
         return grown;
     }
-    /// The sides of the boxes around all leaves.
+    /// The sides of the boxes around leaves and whatever is above, but for the top.
     [[nodiscard]] double size() const {
         double sum = 0;
-        for (std::uint32_t n = 0; n < leaves(); ++n) sum += size_of(around(n));
+        for (int level = 0; level + 1 < levels_; ++level)
+            for (std::uint32_t n = 0; n < nodes_at(level); ++n) sum += size_of(node(level + 1, n / 8).get(n % 8));
         return sum;
     }
 

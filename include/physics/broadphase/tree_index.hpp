@@ -47,7 +47,7 @@ public:
                     keys_.push(std::uint64_t{places_[id]} << 32 | id);
             }
             const std::uint32_t young = k.young.live() + k.tail.size(), live = k.main.live() + young;
-            if (young > live / 4 || (k.size > most_growth * k.packed_size && !keys_.empty())) {
+            if (young > live / 8 || (k.size > most_growth * k.packed_size && !keys_.empty())) {
                 pack_all(all, k);
                 if (m == 1) follow(all);
                 continue;
@@ -100,6 +100,16 @@ public:
         return everything;
     }
 
+    /// How many blocks of eight boxes a search for this box looks at: what a query costs.
+    [[nodiscard]] std::uint32_t blocks_tested(const typename Space::aabb& box) const {
+        const float_box<D> reach = enclosing(box, origin_);
+        std::uint32_t count = 0;
+        for (const kind& k : kinds_)
+            for (const tree* t : {&k.main, &k.young})
+                t->search(0, [&](const auto& block) { return ++count, block.overlapping(reach); },
+                          [](std::uint32_t, std::uint32_t) {});
+        return count;
+    }
     /// Calls visit(id) for every proxy whose box may overlap this one, until it returns false.
     template <class Visit>
     void each_near(const table& all, const typename Space::aabb& box, Visit&& visit) const {
@@ -170,7 +180,7 @@ private:
     struct kind {
         tree main, young;
         buffer<std::uint32_t> tail;
-        /// The leaves of the main tree by the sum of their sides: as it is, and as it was packed.
+        /// The boxes around leaves of the main tree, and above, by the sum of their sides: as it is, and as it was packed.
         double size = 0, packed_size = 0;
     };
 
@@ -193,14 +203,13 @@ private:
         const std::uint32_t p = places_[id];
         const float_box<D> box = box_of(all, id);
         const float_box<D> around = k.main.around(p / 8);
-        float apart = 0, size = 0;
+        float growth = 0, size = 0;
         for (int i = 0; i < D; ++i) {
-            const float low = box.lower[i] < around.lower[i] ? box.lower[i] : around.lower[i];
-            const float high = box.upper[i] > around.upper[i] ? box.upper[i] : around.upper[i];
-            apart += high - low;
-            size += around.upper[i] - around.lower[i] + (box.upper[i] - box.lower[i]);
+            const float below = around.lower[i] - box.lower[i], above_it = box.upper[i] - around.upper[i];
+            growth += (below > 0 ? below : 0) + (above_it > 0 ? above_it : 0);
+            size += box.upper[i] - box.lower[i];
         }
-        if (apart > 2 * size) {
+        if (growth > 0.5f * size) {
             send_to_tail(k, id);
             return;
         }
