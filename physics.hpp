@@ -6369,6 +6369,7 @@ namespace detail {
 /// A float at least as large as x; infinity where no number is.
 template <class T>
 float above(T x) {
+    if constexpr (std::is_same_v<T, float>) return x;
     constexpr float most = std::numeric_limits<float>::max();
     const float f = stepped(to_float(static_cast<double>(x)), true);
     return f < most ? f : std::numeric_limits<float>::infinity();
@@ -6408,17 +6409,27 @@ struct float_ray {
     float_ray(const ray<S, D>& r, const vec<S, D>& origin) {
         if constexpr (!std::is_floating_point_v<S>) step = 2 * above(static_cast<double>(scalar_traits<S>::epsilon()));
         for (int i = 0; i < D; ++i) {
-            const double o = static_cast<double>(r.origin[i]) - static_cast<double>(origin[i]);
-            const double way = static_cast<double>(r.translation[i]), e = static_cast<double>(r.extent[i]);
-            const float f = to_float(way);
+            float f, from_lower, from_upper, pad = 0;
+            if constexpr (std::is_same_v<S, float>) {
+                f = r.translation[i];
+                from_lower = r.origin[i] + r.extent[i];
+                from_upper = r.origin[i] - r.extent[i];
+                // A ray in float is what it is, a box may be rounded.
+                if (r.extent[i] != 0) pad = doubt(r.origin[i]) + doubt(r.extent[i]);
+            } else {
+                const double o = static_cast<double>(r.origin[i]) - static_cast<double>(origin[i]);
+                const double e = static_cast<double>(r.extent[i]);
+                f = to_float(static_cast<double>(r.translation[i]));
+                from_lower = to_float(o + e);
+                from_upper = to_float(o - e);
+                pad = doubt(to_float(o)) + doubt(to_float(e));
+            }
             moves[i] = f > tiny || f < -tiny;
             moves_along_all = moves_along_all && moves[i];
-            float pad = 0;
-            // A ray in float is what it is.
-            if (!std::is_same_v<S, float> || e != 0) pad = doubt(to_float(o)) + doubt(to_float(e));
-            if (!moves[i] && way != 0) pad += 2 * tiny;
-            const float inverse = moves[i] ? 1 / f : 0, from_lower = to_float(o + e) + pad,
-                        from_upper = to_float(o - e) - pad;
+            if (!moves[i] && !(r.translation[i] == S(0))) pad += 2 * tiny;
+            from_lower += pad;
+            from_upper -= pad;
+            const float inverse = moves[i] ? 1 / f : 0;
             const bool forward = !(f < 0);
             axes[i] = {forward ? i : D + i,
                        forward ? D + i : i,
@@ -6822,7 +6833,9 @@ public:
                 auto nearest = static_cast<std::uint32_t>(std::countr_zero(lanes));
                 each_bit(lanes & (lanes - 1), [&](std::uint32_t lane) {
                     const bool nearer = keys[lane] < keys[nearest];
-                    stack[top++] = child(nearer ? nearest : lane);
+                    stack[top] = child(nearer ? nearest : lane);
+                    fetch(stack[top].level, stack[top].node);
+                    ++top;
                     nearest = nearer ? lane : nearest;
                 });
                 next = child(nearest);
@@ -6836,6 +6849,10 @@ public:
     }
 
 private:
+    void fetch(int level, std::uint32_t n) const {
+        const char* from = reinterpret_cast<const char*>(&node(level, n));
+        for (std::size_t line = 0; line < sizeof(block); line += 64) PHYSICS_HPP_PREFETCH(from + line);
+    }
     static double size_of(const box& b) {
         double sum = 0;
         if (b.lower[0] > b.upper[0]) return sum;
@@ -7037,7 +7054,7 @@ private:
     struct kind {
         tree main, young;
         buffer<std::uint32_t> tail;
-        /// The boxes around leaves of the main tree, and above, by the sum of their sides: as it is, and as it was packed.
+        /// The sides of the boxes around leaves of the main tree, and above: as they are, and as they were packed.
         double size = 0, packed_size = 0;
     };
 

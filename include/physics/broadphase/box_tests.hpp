@@ -11,6 +11,7 @@ namespace detail {
 /// A float at least as large as x; infinity where no number is.
 template <class T>
 float above(T x) {
+    if constexpr (std::is_same_v<T, float>) return x;
     constexpr float most = std::numeric_limits<float>::max();
     const float f = stepped(to_float(static_cast<double>(x)), true);
     return f < most ? f : std::numeric_limits<float>::infinity();
@@ -50,17 +51,27 @@ struct float_ray {
     float_ray(const ray<S, D>& r, const vec<S, D>& origin) {
         if constexpr (!std::is_floating_point_v<S>) step = 2 * above(static_cast<double>(scalar_traits<S>::epsilon()));
         for (int i = 0; i < D; ++i) {
-            const double o = static_cast<double>(r.origin[i]) - static_cast<double>(origin[i]);
-            const double way = static_cast<double>(r.translation[i]), e = static_cast<double>(r.extent[i]);
-            const float f = to_float(way);
+            float f, from_lower, from_upper, pad = 0;
+            if constexpr (std::is_same_v<S, float>) {
+                f = r.translation[i];
+                from_lower = r.origin[i] + r.extent[i];
+                from_upper = r.origin[i] - r.extent[i];
+                // A ray in float is what it is, a box may be rounded.
+                if (r.extent[i] != 0) pad = doubt(r.origin[i]) + doubt(r.extent[i]);
+            } else {
+                const double o = static_cast<double>(r.origin[i]) - static_cast<double>(origin[i]);
+                const double e = static_cast<double>(r.extent[i]);
+                f = to_float(static_cast<double>(r.translation[i]));
+                from_lower = to_float(o + e);
+                from_upper = to_float(o - e);
+                pad = doubt(to_float(o)) + doubt(to_float(e));
+            }
             moves[i] = f > tiny || f < -tiny;
             moves_along_all = moves_along_all && moves[i];
-            float pad = 0;
-            // A ray in float is what it is.
-            if (!std::is_same_v<S, float> || e != 0) pad = doubt(to_float(o)) + doubt(to_float(e));
-            if (!moves[i] && way != 0) pad += 2 * tiny;
-            const float inverse = moves[i] ? 1 / f : 0, from_lower = to_float(o + e) + pad,
-                        from_upper = to_float(o - e) - pad;
+            if (!moves[i] && !(r.translation[i] == S(0))) pad += 2 * tiny;
+            from_lower += pad;
+            from_upper -= pad;
+            const float inverse = moves[i] ? 1 / f : 0;
             const bool forward = !(f < 0);
             axes[i] = {forward ? i : D + i,
                        forward ? D + i : i,

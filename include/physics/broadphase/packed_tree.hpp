@@ -200,7 +200,9 @@ public:
                 auto nearest = static_cast<std::uint32_t>(std::countr_zero(lanes));
                 each_bit(lanes & (lanes - 1), [&](std::uint32_t lane) {
                     const bool nearer = keys[lane] < keys[nearest];
-                    stack[top++] = child(nearer ? nearest : lane);
+                    stack[top] = child(nearer ? nearest : lane);
+                    fetch(stack[top].level, stack[top].node);
+                    ++top;
                     nearest = nearer ? lane : nearest;
                 });
                 next = child(nearest);
@@ -214,6 +216,10 @@ public:
     }
 
 private:
+    void fetch(int level, std::uint32_t n) const {
+        const char* from = reinterpret_cast<const char*>(&node(level, n));
+        for (std::size_t line = 0; line < sizeof(block); line += 64) PHYSICS_HPP_PREFETCH(from + line);
+    }
     static double size_of(const box& b) {
         double sum = 0;
         if (b.lower[0] > b.upper[0]) return sum;

@@ -180,7 +180,7 @@ private:
     struct kind {
         tree main, young;
         buffer<std::uint32_t> tail;
-        /// The boxes around leaves of the main tree, and above, by the sum of their sides: as it is, and as it was packed.
+        /// The sides of the boxes around leaves of the main tree, and above: as they are, and as they were packed.
         double size = 0, packed_size = 0;
     };
 
