@@ -491,34 +491,35 @@ struct portable_uint128 {
     constexpr portable_uint128(std::uint64_t high_half, std::uint64_t low_half) : low(low_half), high(high_half) {}
     constexpr explicit operator std::uint64_t() const { return low; }
 
-    friend constexpr portable_uint128 operator+(portable_uint128 a, portable_uint128 b) {
-        const std::uint64_t sum = a.low + b.low;
-        return {a.high + b.high + (sum < a.low), sum};
-    }
-    friend constexpr portable_uint128 operator~(portable_uint128 a) { return {~a.high, ~a.low}; }
-    friend constexpr portable_uint128 operator-(portable_uint128 a) { return ~a + portable_uint128(1); }
-    friend constexpr portable_uint128 operator-(portable_uint128 a, portable_uint128 b) { return a + -b; }
-    friend constexpr portable_uint128 operator<<(portable_uint128 a, int n) {
-        if (n == 0) return a;
-        if (n >= 64) return {a.low << (n - 64), 0};
-        return {(a.high << n) | (a.low >> (64 - n)), a.low << n};
-    }
-    friend constexpr portable_uint128 operator>>(portable_uint128 a, int n) {
-        if (n == 0) return a;
-        if (n >= 64) return {0, a.high >> (n - 64)};
-        return {a.high >> n, (a.low >> n) | (a.high << (64 - n))};
-    }
-    friend constexpr portable_uint128 operator|(portable_uint128 a, portable_uint128 b) {
-        return {a.high | b.high, a.low | b.low};
-    }
     friend bool operator==(portable_uint128 a, portable_uint128 b) = default;
-    friend constexpr bool operator<(portable_uint128 a, portable_uint128 b) {
-        return a.high != b.high ? a.high < b.high : a.low < b.low;
-    }
-    friend constexpr bool operator>=(portable_uint128 a, portable_uint128 b) { return !(a < b); }
-    friend constexpr bool operator>(portable_uint128 a, portable_uint128 b) { return b < a; }
-    friend constexpr bool operator<=(portable_uint128 a, portable_uint128 b) { return !(b < a); }
 };
+
+constexpr portable_uint128 operator+(portable_uint128 a, portable_uint128 b) {
+    const std::uint64_t sum = a.low + b.low;
+    return {a.high + b.high + (sum < a.low), sum};
+}
+constexpr portable_uint128 operator~(portable_uint128 a) { return {~a.high, ~a.low}; }
+constexpr portable_uint128 operator-(portable_uint128 a) { return ~a + portable_uint128(1); }
+constexpr portable_uint128 operator-(portable_uint128 a, portable_uint128 b) { return a + -b; }
+constexpr portable_uint128 operator<<(portable_uint128 a, int n) {
+    if (n == 0) return a;
+    if (n >= 64) return {a.low << (n - 64), 0};
+    return {(a.high << n) | (a.low >> (64 - n)), a.low << n};
+}
+constexpr portable_uint128 operator>>(portable_uint128 a, int n) {
+    if (n == 0) return a;
+    if (n >= 64) return {0, a.high >> (n - 64)};
+    return {a.high >> n, (a.low >> n) | (a.high << (64 - n))};
+}
+constexpr portable_uint128 operator|(portable_uint128 a, portable_uint128 b) {
+    return {a.high | b.high, a.low | b.low};
+}
+constexpr bool operator<(portable_uint128 a, portable_uint128 b) {
+    return a.high != b.high ? a.high < b.high : a.low < b.low;
+}
+constexpr bool operator>=(portable_uint128 a, portable_uint128 b) { return !(a < b); }
+constexpr bool operator>(portable_uint128 a, portable_uint128 b) { return b < a; }
+constexpr bool operator<=(portable_uint128 a, portable_uint128 b) { return !(b < a); }
 
 /// The exact product of two 64-bit integers, by four 32-bit products.
 constexpr portable_uint128 portable_product(std::uint64_t a, std::uint64_t b) {
@@ -639,21 +640,43 @@ struct basic_int128 {
     constexpr bool negative() const { return static_cast<std::uint64_t>(bits >> 127) != 0; }
     constexpr Unsigned magnitude() const { return negative() ? -bits : bits; }
     constexpr std::int64_t low() const { return static_cast<std::int64_t>(static_cast<std::uint64_t>(bits)); }
-
-    friend constexpr basic_int128 operator+(basic_int128 a, basic_int128 b) { return basic_int128(a.bits + b.bits); }
-    friend constexpr basic_int128 operator-(basic_int128 a, basic_int128 b) { return basic_int128(a.bits - b.bits); }
-    friend constexpr basic_int128 operator-(basic_int128 a) { return basic_int128(-a.bits); }
-    friend constexpr basic_int128 operator<<(basic_int128 a, int n) { return basic_int128(a.bits << n); }
-    /// Arithmetic shift: rounds towards minus infinity.
-    friend constexpr basic_int128 operator>>(basic_int128 a, int n) { return basic_int128(shift_signed(a.bits, n)); }
-    friend constexpr bool operator==(basic_int128 a, basic_int128 b) { return a.bits == b.bits; }
-    friend constexpr bool operator<(basic_int128 a, basic_int128 b) {
-        return a.negative() != b.negative() ? a.negative() : a.bits < b.bits;
-    }
-    friend constexpr bool operator>(basic_int128 a, basic_int128 b) { return b < a; }
-    friend constexpr bool operator<=(basic_int128 a, basic_int128 b) { return !(b < a); }
-    friend constexpr bool operator>=(basic_int128 a, basic_int128 b) { return !(a < b); }
 };
+
+template <class Unsigned>
+constexpr basic_int128<Unsigned> operator+(basic_int128<Unsigned> a, basic_int128<Unsigned> b) {
+    return basic_int128<Unsigned>(a.bits + b.bits);
+}
+template <class Unsigned>
+constexpr basic_int128<Unsigned> operator-(basic_int128<Unsigned> a, basic_int128<Unsigned> b) {
+    return basic_int128<Unsigned>(a.bits - b.bits);
+}
+template <class Unsigned>
+constexpr basic_int128<Unsigned> operator-(basic_int128<Unsigned> a) {
+    return basic_int128<Unsigned>(-a.bits);
+}
+template <class Unsigned>
+constexpr basic_int128<Unsigned> operator<<(basic_int128<Unsigned> a, int n) {
+    return basic_int128<Unsigned>(a.bits << n);
+}
+/// Arithmetic shift: rounds towards minus infinity.
+template <class Unsigned>
+constexpr basic_int128<Unsigned> operator>>(basic_int128<Unsigned> a, int n) {
+    return basic_int128<Unsigned>(shift_signed(a.bits, n));
+}
+template <class Unsigned>
+constexpr bool operator==(basic_int128<Unsigned> a, basic_int128<Unsigned> b) {
+    return a.bits == b.bits;
+}
+template <class Unsigned>
+constexpr bool operator<(basic_int128<Unsigned> a, basic_int128<Unsigned> b) {
+    return a.negative() != b.negative() ? a.negative() : a.bits < b.bits;
+}
+template <class Unsigned>
+constexpr bool operator>(basic_int128<Unsigned> a, basic_int128<Unsigned> b) { return b < a; }
+template <class Unsigned>
+constexpr bool operator<=(basic_int128<Unsigned> a, basic_int128<Unsigned> b) { return !(b < a); }
+template <class Unsigned>
+constexpr bool operator>=(basic_int128<Unsigned> a, basic_int128<Unsigned> b) { return !(a < b); }
 
 using int128 = basic_int128<uint128>;
 
@@ -910,26 +933,37 @@ constexpr Rep scaled_quotient(bool negative, uint128 a, int shift, uint128 b) {
 template <class Int, int FractionBits>
 struct wide_fixed {
     Int raw{};
-
-    friend constexpr wide_fixed operator+(wide_fixed a, wide_fixed b) { return {sum(a.raw, b.raw)}; }
-    friend constexpr wide_fixed operator-(wide_fixed a, wide_fixed b) { return a + -b; }
-    friend constexpr wide_fixed operator-(wide_fixed a) { return {negated(a.raw)}; }
-    friend constexpr bool operator==(wide_fixed a, wide_fixed b) { return a.raw == b.raw; }
-    friend constexpr bool operator<(wide_fixed a, wide_fixed b) { return a.raw < b.raw; }
-    friend constexpr bool operator>(wide_fixed a, wide_fixed b) { return b.raw < a.raw; }
-    friend constexpr bool operator<=(wide_fixed a, wide_fixed b) { return !(b.raw < a.raw); }
-    friend constexpr bool operator>=(wide_fixed a, wide_fixed b) { return !(a.raw < b.raw); }
-
-private:
-    static constexpr detail::int128 sum(detail::int128 a, detail::int128 b) { return a + b; }
-    static constexpr std::int64_t sum(std::int64_t a, std::int64_t b) {
-        return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
-    }
-    static constexpr detail::int128 negated(detail::int128 a) { return -a; }
-    static constexpr std::int64_t negated(std::int64_t a) {
-        return static_cast<std::int64_t>(std::uint64_t{0} - static_cast<std::uint64_t>(a));
-    }
 };
+
+namespace detail {
+constexpr int128 wide_sum(int128 a, int128 b) { return a + b; }
+constexpr std::int64_t wide_sum(std::int64_t a, std::int64_t b) {
+    return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
+}
+constexpr int128 wide_negated(int128 a) { return -a; }
+constexpr std::int64_t wide_negated(std::int64_t a) {
+    return static_cast<std::int64_t>(std::uint64_t{0} - static_cast<std::uint64_t>(a));
+}
+}  // namespace detail
+
+template <class Int, int F>
+constexpr wide_fixed<Int, F> operator+(wide_fixed<Int, F> a, wide_fixed<Int, F> b) {
+    return {detail::wide_sum(a.raw, b.raw)};
+}
+template <class Int, int F>
+constexpr wide_fixed<Int, F> operator-(wide_fixed<Int, F> a, wide_fixed<Int, F> b) { return a + -b; }
+template <class Int, int F>
+constexpr wide_fixed<Int, F> operator-(wide_fixed<Int, F> a) { return {detail::wide_negated(a.raw)}; }
+template <class Int, int F>
+constexpr bool operator==(wide_fixed<Int, F> a, wide_fixed<Int, F> b) { return a.raw == b.raw; }
+template <class Int, int F>
+constexpr bool operator<(wide_fixed<Int, F> a, wide_fixed<Int, F> b) { return a.raw < b.raw; }
+template <class Int, int F>
+constexpr bool operator>(wide_fixed<Int, F> a, wide_fixed<Int, F> b) { return b.raw < a.raw; }
+template <class Int, int F>
+constexpr bool operator<=(wide_fixed<Int, F> a, wide_fixed<Int, F> b) { return !(b.raw < a.raw); }
+template <class Int, int F>
+constexpr bool operator>=(wide_fixed<Int, F> a, wide_fixed<Int, F> b) { return !(a.raw < b.raw); }
 
 /// A fixed-point number: an integer of type Rep that counts units of 2^-FractionBits.
 /// Sums and products wrap, quotients, roots and conversions saturate, all rounding is to nearest with ties
@@ -977,27 +1011,16 @@ public:
         return detail::fits<int>(std::int64_t{whole}) ? static_cast<int>(whole) : detail::saturated<int>(raw_ < 0);
     }
 
-    friend constexpr fixed operator+(fixed a, fixed b) { return add(a.raw_, b.raw_); }
-    friend constexpr fixed operator-(fixed a, fixed b) { return subtract(a.raw_, b.raw_); }
-    friend constexpr fixed operator-(fixed a) { return subtract(Rep{0}, a.raw_); }
-    friend constexpr fixed operator+(fixed a) { return a; }
-    friend constexpr fixed operator*(fixed a, fixed b) {
-        return from_raw(detail::wrap<Rep>(detail::shift_nearest(raw_product(a.raw_, b.raw_), FractionBits)));
+    constexpr fixed& operator+=(fixed other) { return *this = add(raw_, other.raw_); }
+    constexpr fixed& operator-=(fixed other) { return *this = subtract(raw_, other.raw_); }
+    constexpr fixed& operator*=(fixed other) {
+        return *this = from_raw(
+                   detail::wrap<Rep>(detail::shift_nearest(raw_product(raw_, other.raw_), FractionBits)));
     }
-    friend constexpr fixed operator/(fixed a, fixed b) {
-        return from_raw(detail::scaled_quotient<Rep>((a.raw_ < 0) != (b.raw_ < 0), detail::magnitude64(a.raw_),
-                                                     FractionBits, detail::magnitude64(b.raw_)));
+    constexpr fixed& operator/=(fixed other) {
+        return *this = from_raw(detail::scaled_quotient<Rep>((raw_ < 0) != (other.raw_ < 0), detail::magnitude64(raw_),
+                                                             FractionBits, detail::magnitude64(other.raw_)));
     }
-    constexpr fixed& operator+=(fixed other) { return *this = *this + other; }
-    constexpr fixed& operator-=(fixed other) { return *this = *this - other; }
-    constexpr fixed& operator*=(fixed other) { return *this = *this * other; }
-    constexpr fixed& operator/=(fixed other) { return *this = *this / other; }
-    friend constexpr bool operator==(fixed a, fixed b) { return a.raw_ == b.raw_; }
-    friend constexpr bool operator!=(fixed a, fixed b) { return a.raw_ != b.raw_; }
-    friend constexpr bool operator<(fixed a, fixed b) { return a.raw_ < b.raw_; }
-    friend constexpr bool operator>(fixed a, fixed b) { return a.raw_ > b.raw_; }
-    friend constexpr bool operator<=(fixed a, fixed b) { return a.raw_ <= b.raw_; }
-    friend constexpr bool operator>=(fixed a, fixed b) { return a.raw_ >= b.raw_; }
 
 private:
     using limits = std::numeric_limits<Rep>;
@@ -1044,6 +1067,33 @@ private:
 
     Rep raw_ = 0;
 };
+
+// Operators stand outside of their classes, here and wherever they compute: gcc takes friends that are defined within
+// a class template out of the determinism region, and then neither keeps products apart in them nor inlines into them.
+template <class Rep, int F>
+constexpr fixed<Rep, F> operator+(fixed<Rep, F> a, fixed<Rep, F> b) { return a += b; }
+template <class Rep, int F>
+constexpr fixed<Rep, F> operator-(fixed<Rep, F> a, fixed<Rep, F> b) { return a -= b; }
+template <class Rep, int F>
+constexpr fixed<Rep, F> operator*(fixed<Rep, F> a, fixed<Rep, F> b) { return a *= b; }
+template <class Rep, int F>
+constexpr fixed<Rep, F> operator/(fixed<Rep, F> a, fixed<Rep, F> b) { return a /= b; }
+template <class Rep, int F>
+constexpr fixed<Rep, F> operator-(fixed<Rep, F> a) { return fixed<Rep, F>() -= a; }
+template <class Rep, int F>
+constexpr fixed<Rep, F> operator+(fixed<Rep, F> a) { return a; }
+template <class Rep, int F>
+constexpr bool operator==(fixed<Rep, F> a, fixed<Rep, F> b) { return a.raw() == b.raw(); }
+template <class Rep, int F>
+constexpr bool operator!=(fixed<Rep, F> a, fixed<Rep, F> b) { return a.raw() != b.raw(); }
+template <class Rep, int F>
+constexpr bool operator<(fixed<Rep, F> a, fixed<Rep, F> b) { return a.raw() < b.raw(); }
+template <class Rep, int F>
+constexpr bool operator>(fixed<Rep, F> a, fixed<Rep, F> b) { return a.raw() > b.raw(); }
+template <class Rep, int F>
+constexpr bool operator<=(fixed<Rep, F> a, fixed<Rep, F> b) { return a.raw() <= b.raw(); }
+template <class Rep, int F>
+constexpr bool operator>=(fixed<Rep, F> a, fixed<Rep, F> b) { return a.raw() >= b.raw(); }
 
 /// Q32.32, the default fixed point: range +-2.1e9, step 2.3e-10.
 using fixed32 = fixed<std::int64_t, 32>;
@@ -3210,17 +3260,44 @@ struct vec<S, 2> {
     constexpr const S& operator[](int i) const { return i == 0 ? x : y; }
     static constexpr vec filled(S value) { return {value, value}; }
 
-    friend constexpr vec operator+(vec a, vec b) { return {a.x + b.x, a.y + b.y}; }
-    friend constexpr vec operator-(vec a, vec b) { return {a.x - b.x, a.y - b.y}; }
-    friend constexpr vec operator-(vec a) { return {-a.x, -a.y}; }
-    friend constexpr vec operator*(vec a, S s) { return {a.x * s, a.y * s}; }
-    friend constexpr vec operator*(S s, vec a) { return a * s; }
-    friend constexpr vec operator/(vec a, S s) { return {a.x / s, a.y / s}; }
-    constexpr vec& operator+=(vec b) { return *this = *this + b; }
-    constexpr vec& operator-=(vec b) { return *this = *this - b; }
-    constexpr vec& operator*=(S s) { return *this = *this * s; }
+    constexpr vec& operator+=(vec b) {
+        x += b.x;
+        y += b.y;
+        return *this;
+    }
+    constexpr vec& operator-=(vec b) {
+        x -= b.x;
+        y -= b.y;
+        return *this;
+    }
+    constexpr vec& operator*=(S s) {
+        x *= s;
+        y *= s;
+        return *this;
+    }
     friend bool operator==(vec, vec) = default;
 };
+
+template <class S>
+constexpr vec<S, 2> operator+(vec<S, 2> a, vec<S, 2> b) {
+    return {a.x + b.x, a.y + b.y};
+}
+template <class S>
+constexpr vec<S, 2> operator-(vec<S, 2> a, vec<S, 2> b) {
+    return {a.x - b.x, a.y - b.y};
+}
+template <class S>
+constexpr vec<S, 2> operator-(vec<S, 2> a) {
+    return {-a.x, -a.y};
+}
+template <class S>
+constexpr vec<S, 2> operator*(vec<S, 2> a, std::type_identity_t<S> s) {
+    return {a.x * s, a.y * s};
+}
+template <class S>
+constexpr vec<S, 2> operator/(vec<S, 2> a, std::type_identity_t<S> s) {
+    return {a.x / s, a.y / s};
+}
 
 template <class S>
 struct vec<S, 3> {
@@ -3238,17 +3315,51 @@ struct vec<S, 3> {
     constexpr const S& operator[](int i) const { return i == 0 ? x : i == 1 ? y : z; }
     static constexpr vec filled(S value) { return {value, value, value}; }
 
-    friend constexpr vec operator+(vec a, vec b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-    friend constexpr vec operator-(vec a, vec b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-    friend constexpr vec operator-(vec a) { return {-a.x, -a.y, -a.z}; }
-    friend constexpr vec operator*(vec a, S s) { return {a.x * s, a.y * s, a.z * s}; }
-    friend constexpr vec operator*(S s, vec a) { return a * s; }
-    friend constexpr vec operator/(vec a, S s) { return {a.x / s, a.y / s, a.z / s}; }
-    constexpr vec& operator+=(vec b) { return *this = *this + b; }
-    constexpr vec& operator-=(vec b) { return *this = *this - b; }
-    constexpr vec& operator*=(S s) { return *this = *this * s; }
+    constexpr vec& operator+=(vec b) {
+        x += b.x;
+        y += b.y;
+        z += b.z;
+        return *this;
+    }
+    constexpr vec& operator-=(vec b) {
+        x -= b.x;
+        y -= b.y;
+        z -= b.z;
+        return *this;
+    }
+    constexpr vec& operator*=(S s) {
+        x *= s;
+        y *= s;
+        z *= s;
+        return *this;
+    }
     friend bool operator==(vec, vec) = default;
 };
+
+template <class S>
+constexpr vec<S, 3> operator+(vec<S, 3> a, vec<S, 3> b) {
+    return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+template <class S>
+constexpr vec<S, 3> operator-(vec<S, 3> a, vec<S, 3> b) {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+template <class S>
+constexpr vec<S, 3> operator-(vec<S, 3> a) {
+    return {-a.x, -a.y, -a.z};
+}
+template <class S>
+constexpr vec<S, 3> operator*(vec<S, 3> a, std::type_identity_t<S> s) {
+    return {a.x * s, a.y * s, a.z * s};
+}
+template <class S>
+constexpr vec<S, 3> operator/(vec<S, 3> a, std::type_identity_t<S> s) {
+    return {a.x / s, a.y / s, a.z / s};
+}
+template <class S, int D>
+constexpr vec<S, D> operator*(std::type_identity_t<S> s, vec<S, D> a) {
+    return a * s;
+}
 
 /// Angular quantities (velocity, impulse, torque): a scalar in 2D, counter-clockwise; a vector in 3D.
 template <class S, int D>
@@ -3492,26 +3603,30 @@ struct mat {
         for (int i = 0; i < D; ++i) m.column[i][i] = S(1);
         return m;
     }
-    friend constexpr vec<S, D> operator*(const mat& m, vec<S, D> v) {
-        vec<S, D> result;
-        for (int i = 0; i < D; ++i) {
-            wide_of<S> sum = product(m.column[0][i], v[0]) + product(m.column[1][i], v[1]);
-            if constexpr (D == 3) sum = sum + product(m.column[2][i], v[2]);
-            result[i] = narrow<S>(sum);
-        }
-        return result;
-    }
-    friend constexpr mat operator*(const mat& a, const mat& b) {
-        mat m{};
-        for (int i = 0; i < D; ++i) m.column[i] = a * b.column[i];
-        return m;
-    }
-    friend constexpr bool operator==(const mat& a, const mat& b) {
-        for (int i = 0; i < D; ++i)
-            if (!(a.column[i] == b.column[i])) return false;
-        return true;
-    }
 };
+
+template <class S, int D>
+constexpr vec<S, D> operator*(const mat<S, D>& m, vec<S, D> v) {
+    vec<S, D> result;
+    for (int i = 0; i < D; ++i) {
+        wide_of<S> sum = product(m.column[0][i], v[0]) + product(m.column[1][i], v[1]);
+        if constexpr (D == 3) sum = sum + product(m.column[2][i], v[2]);
+        result[i] = narrow<S>(sum);
+    }
+    return result;
+}
+template <class S, int D>
+constexpr mat<S, D> operator*(const mat<S, D>& a, const mat<S, D>& b) {
+    mat<S, D> m{};
+    for (int i = 0; i < D; ++i) m.column[i] = a * b.column[i];
+    return m;
+}
+template <class S, int D>
+constexpr bool operator==(const mat<S, D>& a, const mat<S, D>& b) {
+    for (int i = 0; i < D; ++i)
+        if (!(a.column[i] == b.column[i])) return false;
+    return true;
+}
 
 /// The transposed matrix times v: the dot products of the columns with v.
 template <class S>
@@ -3536,14 +3651,17 @@ struct symmetric {
     S xx{}, yy{}, zz{}, xy{}, xz{}, yz{};
 
     static constexpr symmetric diagonal(S x, S y, S z) { return {x, y, z, S(0), S(0), S(0)}; }
-    friend constexpr symmetric operator+(const symmetric& a, const symmetric& b) {
-        return {a.xx + b.xx, a.yy + b.yy, a.zz + b.zz, a.xy + b.xy, a.xz + b.xz, a.yz + b.yz};
-    }
-    friend constexpr symmetric operator*(const symmetric& a, S s) {
-        return {a.xx * s, a.yy * s, a.zz * s, a.xy * s, a.xz * s, a.yz * s};
-    }
     friend bool operator==(const symmetric&, const symmetric&) = default;
 };
+
+template <class S>
+constexpr symmetric<S> operator+(const symmetric<S>& a, const symmetric<S>& b) {
+    return {a.xx + b.xx, a.yy + b.yy, a.zz + b.zz, a.xy + b.xy, a.xz + b.xz, a.yz + b.yz};
+}
+template <class S>
+constexpr symmetric<S> operator*(const symmetric<S>& a, std::type_identity_t<S> s) {
+    return {a.xx * s, a.yy * s, a.zz * s, a.xy * s, a.xz * s, a.yz * s};
+}
 
 /// Matrix times vector; the matrix may be of a finer format than the vector.
 template <class I, class S>
@@ -3620,15 +3738,18 @@ struct rotation<S, 2> {
     /// The angle in radians, in [-pi, pi].
     [[nodiscard]] S angle() const { return atan2(sine, cosine); }
 
-    friend constexpr rotation operator*(rotation a, rotation b) {
-        return {difference_of_products(a.cosine, b.cosine, a.sine, b.sine),
-                sum_of_products(a.sine, b.cosine, a.cosine, b.sine)};
-    }
-    friend constexpr vec<S, 2> operator*(rotation a, vec<S, 2> v) {
-        return {difference_of_products(a.cosine, v.x, a.sine, v.y), sum_of_products(a.sine, v.x, a.cosine, v.y)};
-    }
     friend bool operator==(rotation, rotation) = default;
 };
+
+template <class S>
+constexpr rotation<S, 2> operator*(rotation<S, 2> a, rotation<S, 2> b) {
+    return {difference_of_products(a.cosine, b.cosine, a.sine, b.sine),
+            sum_of_products(a.sine, b.cosine, a.cosine, b.sine)};
+}
+template <class S>
+constexpr vec<S, 2> operator*(rotation<S, 2> a, vec<S, 2> v) {
+    return {difference_of_products(a.cosine, v.x, a.sine, v.y), sum_of_products(a.sine, v.x, a.cosine, v.y)};
+}
 
 template <class S>
 constexpr rotation<S, 2> inverse(rotation<S, 2> a) {
@@ -3717,19 +3838,22 @@ struct rotation<S, 3> {
     }
     [[nodiscard]] constexpr vec<S, 3> imaginary() const { return {x, y, z}; }
 
-    friend constexpr rotation operator*(rotation a, rotation b) {
-        const auto sum = [](auto p, auto q, auto r, auto s) { return narrow<S>(p + q + r + s); };
-        return {sum(product(a.w, b.x), product(a.x, b.w), product(a.y, b.z), -product(a.z, b.y)),
-                sum(product(a.w, b.y), product(a.y, b.w), product(a.z, b.x), -product(a.x, b.z)),
-                sum(product(a.w, b.z), product(a.z, b.w), product(a.x, b.y), -product(a.y, b.x)),
-                sum(product(a.w, b.w), -product(a.x, b.x), -product(a.y, b.y), -product(a.z, b.z))};
-    }
-    friend constexpr vec<S, 3> operator*(rotation a, vec<S, 3> v) {
-        const vec<S, 3> t = cross(a.imaginary(), v) * S(2);
-        return v + t * a.w + cross(a.imaginary(), t);
-    }
     friend bool operator==(rotation, rotation) = default;
 };
+
+template <class S>
+constexpr rotation<S, 3> operator*(rotation<S, 3> a, rotation<S, 3> b) {
+    const auto sum = [](auto p, auto q, auto r, auto s) { return narrow<S>(p + q + r + s); };
+    return {sum(product(a.w, b.x), product(a.x, b.w), product(a.y, b.z), -product(a.z, b.y)),
+            sum(product(a.w, b.y), product(a.y, b.w), product(a.z, b.x), -product(a.x, b.z)),
+            sum(product(a.w, b.z), product(a.z, b.w), product(a.x, b.y), -product(a.y, b.x)),
+            sum(product(a.w, b.w), -product(a.x, b.x), -product(a.y, b.y), -product(a.z, b.z))};
+}
+template <class S>
+constexpr vec<S, 3> operator*(rotation<S, 3> a, vec<S, 3> v) {
+    const vec<S, 3> t = cross(a.imaginary(), v) * S(2);
+    return v + t * a.w + cross(a.imaginary(), t);
+}
 
 template <class S>
 constexpr rotation<S, 3> inverse(rotation<S, 3> a) {
@@ -3818,14 +3942,17 @@ struct transform {
     vec<S, D> position;
     physics::rotation<S, D> rotation;
 
-    /// The point p, given in the inner frame, in the outer one.
-    friend constexpr vec<S, D> operator*(const transform& t, vec<S, D> p) { return t.rotation * p + t.position; }
-    /// b first, then a.
-    friend constexpr transform operator*(const transform& a, const transform& b) {
-        return {a * b.position, a.rotation * b.rotation};
-    }
     friend bool operator==(const transform&, const transform&) = default;
 };
+
+/// The point p, given in the inner frame, in the outer one.
+template <class S, int D>
+constexpr vec<S, D> operator*(const transform<S, D>& t, vec<S, D> p) { return t.rotation * p + t.position; }
+/// b first, then a.
+template <class S, int D>
+constexpr transform<S, D> operator*(const transform<S, D>& a, const transform<S, D>& b) {
+    return {a * b.position, a.rotation * b.rotation};
+}
 
 /// The transform that undoes t.
 template <class S, int D>
@@ -3854,11 +3981,13 @@ struct twist {
     vec<S, D> linear;
     physics::angular<S, D> angular{};
 
-    friend constexpr twist operator+(const twist& a, const twist& b) {
-        return {a.linear + b.linear, a.angular + b.angular};
-    }
     friend bool operator==(const twist&, const twist&) = default;
 };
+
+template <class S, int D>
+constexpr twist<S, D> operator+(const twist<S, D>& a, const twist<S, D>& b) {
+    return {a.linear + b.linear, a.angular + b.angular};
+}
 
 /// The velocity of the point at lever r from the centre of mass.
 template <class S, int D>
@@ -5705,8 +5834,10 @@ struct proxy_pair {
     std::uint32_t b;
 
     friend bool operator==(proxy_pair, proxy_pair) = default;
-    friend constexpr bool operator<(proxy_pair x, proxy_pair y) { return x.a != y.a ? x.a < y.a : x.b < y.b; }
 };
+constexpr bool operator<(proxy_pair x, proxy_pair y) {
+    return x.a != y.a ? x.a < y.a : x.b < y.b;
+}
 
 /// A broadphase bound to a space: a copyable set of boxes by number, with
 ///   insert(id, box, filter), erase(id)   numbers are small and may come again after erase

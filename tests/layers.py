@@ -55,6 +55,18 @@ def floors_only_downwards(house):
                 yield f"{name}: includes physics/{other} from a floor above"
 
 
+def operators_outside(house):
+    """Friends are not defined in classes: gcc takes those of templates out of the determinism region, so that products
+    fuse in them where users call them, and inlines nothing into them. Packs, always inlined, are an exception."""
+    for name, text in house.parts.items():
+        if name.startswith("base/pack"):
+            continue
+        for match in re.finditer(r"^.*\bfriend\b.*$", text, re.MULTILINE):
+            line = match.group().strip()
+            if line.endswith("{") or line.endswith("}"):
+                yield f"{name}:{text[:match.start()].count(chr(10)) + 1}: {line}"
+
+
 def no_circles(house):
     """Includes have no circle: with #pragma once, one would compile or not depending on what came first."""
     state = {}
@@ -213,8 +225,8 @@ def tidy(house):
                 yield f"{name}:{i}: {line.strip()}"
 
 
-RULES = [floors_only_downwards, no_circles, opening, region, cheap_standard_headers, small_files, documented, own_macros,
-         no_libm, private_laws, every_law_runs, tidy]
+RULES = [floors_only_downwards, no_circles, operators_outside, opening, region, cheap_standard_headers, small_files, documented,
+         own_macros, no_libm, private_laws, every_law_runs, tidy]
 
 
 def main():

@@ -83,6 +83,12 @@ void tumble(const char* cell) {
         sum.add(frame.rotation);
         sum.add(frame.position);
         sum.add(physics::dot(lever, frame.position));
+        // What the compiler is free to inline here, outside of the region.
+        sum.add(frame.rotation * lever);
+        sum.add(frame.rotation * frame.rotation);
+        sum.add((frame * frame).position);
+        sum.add(matrix(frame.rotation) * lever);
+        sum.add(physics::velocity_at(physics::twist<S, D>{lever, {}}, frame.position));
     }
     sum.print("tumble", cell);
 }

@@ -118,26 +118,37 @@ constexpr Rep scaled_quotient(bool negative, uint128 a, int shift, uint128 b) {
 template <class Int, int FractionBits>
 struct wide_fixed {
     Int raw{};
-
-    friend constexpr wide_fixed operator+(wide_fixed a, wide_fixed b) { return {sum(a.raw, b.raw)}; }
-    friend constexpr wide_fixed operator-(wide_fixed a, wide_fixed b) { return a + -b; }
-    friend constexpr wide_fixed operator-(wide_fixed a) { return {negated(a.raw)}; }
-    friend constexpr bool operator==(wide_fixed a, wide_fixed b) { return a.raw == b.raw; }
-    friend constexpr bool operator<(wide_fixed a, wide_fixed b) { return a.raw < b.raw; }
-    friend constexpr bool operator>(wide_fixed a, wide_fixed b) { return b.raw < a.raw; }
-    friend constexpr bool operator<=(wide_fixed a, wide_fixed b) { return !(b.raw < a.raw); }
-    friend constexpr bool operator>=(wide_fixed a, wide_fixed b) { return !(a.raw < b.raw); }
-
-private:
-    static constexpr detail::int128 sum(detail::int128 a, detail::int128 b) { return a + b; }
-    static constexpr std::int64_t sum(std::int64_t a, std::int64_t b) {
-        return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
-    }
-    static constexpr detail::int128 negated(detail::int128 a) { return -a; }
-    static constexpr std::int64_t negated(std::int64_t a) {
-        return static_cast<std::int64_t>(std::uint64_t{0} - static_cast<std::uint64_t>(a));
-    }
 };
+
+namespace detail {
+constexpr int128 wide_sum(int128 a, int128 b) { return a + b; }
+constexpr std::int64_t wide_sum(std::int64_t a, std::int64_t b) {
+    return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
+}
+constexpr int128 wide_negated(int128 a) { return -a; }
+constexpr std::int64_t wide_negated(std::int64_t a) {
+    return static_cast<std::int64_t>(std::uint64_t{0} - static_cast<std::uint64_t>(a));
+}
+}  // namespace detail
+
+template <class Int, int F>
+constexpr wide_fixed<Int, F> operator+(wide_fixed<Int, F> a, wide_fixed<Int, F> b) {
+    return {detail::wide_sum(a.raw, b.raw)};
+}
+template <class Int, int F>
+constexpr wide_fixed<Int, F> operator-(wide_fixed<Int, F> a, wide_fixed<Int, F> b) { return a + -b; }
+template <class Int, int F>
+constexpr wide_fixed<Int, F> operator-(wide_fixed<Int, F> a) { return {detail::wide_negated(a.raw)}; }
+template <class Int, int F>
+constexpr bool operator==(wide_fixed<Int, F> a, wide_fixed<Int, F> b) { return a.raw == b.raw; }
+template <class Int, int F>
+constexpr bool operator<(wide_fixed<Int, F> a, wide_fixed<Int, F> b) { return a.raw < b.raw; }
+template <class Int, int F>
+constexpr bool operator>(wide_fixed<Int, F> a, wide_fixed<Int, F> b) { return b.raw < a.raw; }
+template <class Int, int F>
+constexpr bool operator<=(wide_fixed<Int, F> a, wide_fixed<Int, F> b) { return !(b.raw < a.raw); }
+template <class Int, int F>
+constexpr bool operator>=(wide_fixed<Int, F> a, wide_fixed<Int, F> b) { return !(a.raw < b.raw); }
 
 /// A fixed-point number: an integer of type Rep that counts units of 2^-FractionBits.
 /// Sums and products wrap, quotients, roots and conversions saturate, all rounding is to nearest with ties
@@ -185,27 +196,16 @@ public:
         return detail::fits<int>(std::int64_t{whole}) ? static_cast<int>(whole) : detail::saturated<int>(raw_ < 0);
     }
 
-    friend constexpr fixed operator+(fixed a, fixed b) { return add(a.raw_, b.raw_); }
-    friend constexpr fixed operator-(fixed a, fixed b) { return subtract(a.raw_, b.raw_); }
-    friend constexpr fixed operator-(fixed a) { return subtract(Rep{0}, a.raw_); }
-    friend constexpr fixed operator+(fixed a) { return a; }
-    friend constexpr fixed operator*(fixed a, fixed b) {
-        return from_raw(detail::wrap<Rep>(detail::shift_nearest(raw_product(a.raw_, b.raw_), FractionBits)));
+    constexpr fixed& operator+=(fixed other) { return *this = add(raw_, other.raw_); }
+    constexpr fixed& operator-=(fixed other) { return *this = subtract(raw_, other.raw_); }
+    constexpr fixed& operator*=(fixed other) {
+        return *this = from_raw(
+                   detail::wrap<Rep>(detail::shift_nearest(raw_product(raw_, other.raw_), FractionBits)));
     }
-    friend constexpr fixed operator/(fixed a, fixed b) {
-        return from_raw(detail::scaled_quotient<Rep>((a.raw_ < 0) != (b.raw_ < 0), detail::magnitude64(a.raw_),
-                                                     FractionBits, detail::magnitude64(b.raw_)));
+    constexpr fixed& operator/=(fixed other) {
+        return *this = from_raw(detail::scaled_quotient<Rep>((raw_ < 0) != (other.raw_ < 0), detail::magnitude64(raw_),
+                                                             FractionBits, detail::magnitude64(other.raw_)));
     }
-    constexpr fixed& operator+=(fixed other) { return *this = *this + other; }
-    constexpr fixed& operator-=(fixed other) { return *this = *this - other; }
-    constexpr fixed& operator*=(fixed other) { return *this = *this * other; }
-    constexpr fixed& operator/=(fixed other) { return *this = *this / other; }
-    friend constexpr bool operator==(fixed a, fixed b) { return a.raw_ == b.raw_; }
-    friend constexpr bool operator!=(fixed a, fixed b) { return a.raw_ != b.raw_; }
-    friend constexpr bool operator<(fixed a, fixed b) { return a.raw_ < b.raw_; }
-    friend constexpr bool operator>(fixed a, fixed b) { return a.raw_ > b.raw_; }
-    friend constexpr bool operator<=(fixed a, fixed b) { return a.raw_ <= b.raw_; }
-    friend constexpr bool operator>=(fixed a, fixed b) { return a.raw_ >= b.raw_; }
 
 private:
     using limits = std::numeric_limits<Rep>;
@@ -252,6 +252,33 @@ private:
 
     Rep raw_ = 0;
 };
+
+// Operators stand outside of their classes, here and wherever they compute: gcc takes friends that are defined within
+// a class template out of the determinism region, and then neither keeps products apart in them nor inlines into them.
+template <class Rep, int F>
+constexpr fixed<Rep, F> operator+(fixed<Rep, F> a, fixed<Rep, F> b) { return a += b; }
+template <class Rep, int F>
+constexpr fixed<Rep, F> operator-(fixed<Rep, F> a, fixed<Rep, F> b) { return a -= b; }
+template <class Rep, int F>
+constexpr fixed<Rep, F> operator*(fixed<Rep, F> a, fixed<Rep, F> b) { return a *= b; }
+template <class Rep, int F>
+constexpr fixed<Rep, F> operator/(fixed<Rep, F> a, fixed<Rep, F> b) { return a /= b; }
+template <class Rep, int F>
+constexpr fixed<Rep, F> operator-(fixed<Rep, F> a) { return fixed<Rep, F>() -= a; }
+template <class Rep, int F>
+constexpr fixed<Rep, F> operator+(fixed<Rep, F> a) { return a; }
+template <class Rep, int F>
+constexpr bool operator==(fixed<Rep, F> a, fixed<Rep, F> b) { return a.raw() == b.raw(); }
+template <class Rep, int F>
+constexpr bool operator!=(fixed<Rep, F> a, fixed<Rep, F> b) { return a.raw() != b.raw(); }
+template <class Rep, int F>
+constexpr bool operator<(fixed<Rep, F> a, fixed<Rep, F> b) { return a.raw() < b.raw(); }
+template <class Rep, int F>
+constexpr bool operator>(fixed<Rep, F> a, fixed<Rep, F> b) { return a.raw() > b.raw(); }
+template <class Rep, int F>
+constexpr bool operator<=(fixed<Rep, F> a, fixed<Rep, F> b) { return a.raw() <= b.raw(); }
+template <class Rep, int F>
+constexpr bool operator>=(fixed<Rep, F> a, fixed<Rep, F> b) { return a.raw() >= b.raw(); }
 
 /// Q32.32, the default fixed point: range +-2.1e9, step 2.3e-10.
 using fixed32 = fixed<std::int64_t, 32>;

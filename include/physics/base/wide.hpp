@@ -20,34 +20,35 @@ struct portable_uint128 {
     constexpr portable_uint128(std::uint64_t high_half, std::uint64_t low_half) : low(low_half), high(high_half) {}
     constexpr explicit operator std::uint64_t() const { return low; }
 
-    friend constexpr portable_uint128 operator+(portable_uint128 a, portable_uint128 b) {
-        const std::uint64_t sum = a.low + b.low;
-        return {a.high + b.high + (sum < a.low), sum};
-    }
-    friend constexpr portable_uint128 operator~(portable_uint128 a) { return {~a.high, ~a.low}; }
-    friend constexpr portable_uint128 operator-(portable_uint128 a) { return ~a + portable_uint128(1); }
-    friend constexpr portable_uint128 operator-(portable_uint128 a, portable_uint128 b) { return a + -b; }
-    friend constexpr portable_uint128 operator<<(portable_uint128 a, int n) {
-        if (n == 0) return a;
-        if (n >= 64) return {a.low << (n - 64), 0};
-        return {(a.high << n) | (a.low >> (64 - n)), a.low << n};
-    }
-    friend constexpr portable_uint128 operator>>(portable_uint128 a, int n) {
-        if (n == 0) return a;
-        if (n >= 64) return {0, a.high >> (n - 64)};
-        return {a.high >> n, (a.low >> n) | (a.high << (64 - n))};
-    }
-    friend constexpr portable_uint128 operator|(portable_uint128 a, portable_uint128 b) {
-        return {a.high | b.high, a.low | b.low};
-    }
     friend bool operator==(portable_uint128 a, portable_uint128 b) = default;
-    friend constexpr bool operator<(portable_uint128 a, portable_uint128 b) {
-        return a.high != b.high ? a.high < b.high : a.low < b.low;
-    }
-    friend constexpr bool operator>=(portable_uint128 a, portable_uint128 b) { return !(a < b); }
-    friend constexpr bool operator>(portable_uint128 a, portable_uint128 b) { return b < a; }
-    friend constexpr bool operator<=(portable_uint128 a, portable_uint128 b) { return !(b < a); }
 };
+
+constexpr portable_uint128 operator+(portable_uint128 a, portable_uint128 b) {
+    const std::uint64_t sum = a.low + b.low;
+    return {a.high + b.high + (sum < a.low), sum};
+}
+constexpr portable_uint128 operator~(portable_uint128 a) { return {~a.high, ~a.low}; }
+constexpr portable_uint128 operator-(portable_uint128 a) { return ~a + portable_uint128(1); }
+constexpr portable_uint128 operator-(portable_uint128 a, portable_uint128 b) { return a + -b; }
+constexpr portable_uint128 operator<<(portable_uint128 a, int n) {
+    if (n == 0) return a;
+    if (n >= 64) return {a.low << (n - 64), 0};
+    return {(a.high << n) | (a.low >> (64 - n)), a.low << n};
+}
+constexpr portable_uint128 operator>>(portable_uint128 a, int n) {
+    if (n == 0) return a;
+    if (n >= 64) return {0, a.high >> (n - 64)};
+    return {a.high >> n, (a.low >> n) | (a.high << (64 - n))};
+}
+constexpr portable_uint128 operator|(portable_uint128 a, portable_uint128 b) {
+    return {a.high | b.high, a.low | b.low};
+}
+constexpr bool operator<(portable_uint128 a, portable_uint128 b) {
+    return a.high != b.high ? a.high < b.high : a.low < b.low;
+}
+constexpr bool operator>=(portable_uint128 a, portable_uint128 b) { return !(a < b); }
+constexpr bool operator>(portable_uint128 a, portable_uint128 b) { return b < a; }
+constexpr bool operator<=(portable_uint128 a, portable_uint128 b) { return !(b < a); }
 
 /// The exact product of two 64-bit integers, by four 32-bit products.
 constexpr portable_uint128 portable_product(std::uint64_t a, std::uint64_t b) {
@@ -168,21 +169,43 @@ struct basic_int128 {
     constexpr bool negative() const { return static_cast<std::uint64_t>(bits >> 127) != 0; }
     constexpr Unsigned magnitude() const { return negative() ? -bits : bits; }
     constexpr std::int64_t low() const { return static_cast<std::int64_t>(static_cast<std::uint64_t>(bits)); }
-
-    friend constexpr basic_int128 operator+(basic_int128 a, basic_int128 b) { return basic_int128(a.bits + b.bits); }
-    friend constexpr basic_int128 operator-(basic_int128 a, basic_int128 b) { return basic_int128(a.bits - b.bits); }
-    friend constexpr basic_int128 operator-(basic_int128 a) { return basic_int128(-a.bits); }
-    friend constexpr basic_int128 operator<<(basic_int128 a, int n) { return basic_int128(a.bits << n); }
-    /// Arithmetic shift: rounds towards minus infinity.
-    friend constexpr basic_int128 operator>>(basic_int128 a, int n) { return basic_int128(shift_signed(a.bits, n)); }
-    friend constexpr bool operator==(basic_int128 a, basic_int128 b) { return a.bits == b.bits; }
-    friend constexpr bool operator<(basic_int128 a, basic_int128 b) {
-        return a.negative() != b.negative() ? a.negative() : a.bits < b.bits;
-    }
-    friend constexpr bool operator>(basic_int128 a, basic_int128 b) { return b < a; }
-    friend constexpr bool operator<=(basic_int128 a, basic_int128 b) { return !(b < a); }
-    friend constexpr bool operator>=(basic_int128 a, basic_int128 b) { return !(a < b); }
 };
+
+template <class Unsigned>
+constexpr basic_int128<Unsigned> operator+(basic_int128<Unsigned> a, basic_int128<Unsigned> b) {
+    return basic_int128<Unsigned>(a.bits + b.bits);
+}
+template <class Unsigned>
+constexpr basic_int128<Unsigned> operator-(basic_int128<Unsigned> a, basic_int128<Unsigned> b) {
+    return basic_int128<Unsigned>(a.bits - b.bits);
+}
+template <class Unsigned>
+constexpr basic_int128<Unsigned> operator-(basic_int128<Unsigned> a) {
+    return basic_int128<Unsigned>(-a.bits);
+}
+template <class Unsigned>
+constexpr basic_int128<Unsigned> operator<<(basic_int128<Unsigned> a, int n) {
+    return basic_int128<Unsigned>(a.bits << n);
+}
+/// Arithmetic shift: rounds towards minus infinity.
+template <class Unsigned>
+constexpr basic_int128<Unsigned> operator>>(basic_int128<Unsigned> a, int n) {
+    return basic_int128<Unsigned>(shift_signed(a.bits, n));
+}
+template <class Unsigned>
+constexpr bool operator==(basic_int128<Unsigned> a, basic_int128<Unsigned> b) {
+    return a.bits == b.bits;
+}
+template <class Unsigned>
+constexpr bool operator<(basic_int128<Unsigned> a, basic_int128<Unsigned> b) {
+    return a.negative() != b.negative() ? a.negative() : a.bits < b.bits;
+}
+template <class Unsigned>
+constexpr bool operator>(basic_int128<Unsigned> a, basic_int128<Unsigned> b) { return b < a; }
+template <class Unsigned>
+constexpr bool operator<=(basic_int128<Unsigned> a, basic_int128<Unsigned> b) { return !(b < a); }
+template <class Unsigned>
+constexpr bool operator>=(basic_int128<Unsigned> a, basic_int128<Unsigned> b) { return !(a < b); }
 
 using int128 = basic_int128<uint128>;
 

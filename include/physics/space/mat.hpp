@@ -15,26 +15,30 @@ struct mat {
         for (int i = 0; i < D; ++i) m.column[i][i] = S(1);
         return m;
     }
-    friend constexpr vec<S, D> operator*(const mat& m, vec<S, D> v) {
-        vec<S, D> result;
-        for (int i = 0; i < D; ++i) {
-            wide_of<S> sum = product(m.column[0][i], v[0]) + product(m.column[1][i], v[1]);
-            if constexpr (D == 3) sum = sum + product(m.column[2][i], v[2]);
-            result[i] = narrow<S>(sum);
-        }
-        return result;
-    }
-    friend constexpr mat operator*(const mat& a, const mat& b) {
-        mat m{};
-        for (int i = 0; i < D; ++i) m.column[i] = a * b.column[i];
-        return m;
-    }
-    friend constexpr bool operator==(const mat& a, const mat& b) {
-        for (int i = 0; i < D; ++i)
-            if (!(a.column[i] == b.column[i])) return false;
-        return true;
-    }
 };
+
+template <class S, int D>
+constexpr vec<S, D> operator*(const mat<S, D>& m, vec<S, D> v) {
+    vec<S, D> result;
+    for (int i = 0; i < D; ++i) {
+        wide_of<S> sum = product(m.column[0][i], v[0]) + product(m.column[1][i], v[1]);
+        if constexpr (D == 3) sum = sum + product(m.column[2][i], v[2]);
+        result[i] = narrow<S>(sum);
+    }
+    return result;
+}
+template <class S, int D>
+constexpr mat<S, D> operator*(const mat<S, D>& a, const mat<S, D>& b) {
+    mat<S, D> m{};
+    for (int i = 0; i < D; ++i) m.column[i] = a * b.column[i];
+    return m;
+}
+template <class S, int D>
+constexpr bool operator==(const mat<S, D>& a, const mat<S, D>& b) {
+    for (int i = 0; i < D; ++i)
+        if (!(a.column[i] == b.column[i])) return false;
+    return true;
+}
 
 /// The transposed matrix times v: the dot products of the columns with v.
 template <class S>
@@ -59,14 +63,17 @@ struct symmetric {
     S xx{}, yy{}, zz{}, xy{}, xz{}, yz{};
 
     static constexpr symmetric diagonal(S x, S y, S z) { return {x, y, z, S(0), S(0), S(0)}; }
-    friend constexpr symmetric operator+(const symmetric& a, const symmetric& b) {
-        return {a.xx + b.xx, a.yy + b.yy, a.zz + b.zz, a.xy + b.xy, a.xz + b.xz, a.yz + b.yz};
-    }
-    friend constexpr symmetric operator*(const symmetric& a, S s) {
-        return {a.xx * s, a.yy * s, a.zz * s, a.xy * s, a.xz * s, a.yz * s};
-    }
     friend bool operator==(const symmetric&, const symmetric&) = default;
 };
+
+template <class S>
+constexpr symmetric<S> operator+(const symmetric<S>& a, const symmetric<S>& b) {
+    return {a.xx + b.xx, a.yy + b.yy, a.zz + b.zz, a.xy + b.xy, a.xz + b.xz, a.yz + b.yz};
+}
+template <class S>
+constexpr symmetric<S> operator*(const symmetric<S>& a, std::type_identity_t<S> s) {
+    return {a.xx * s, a.yy * s, a.zz * s, a.xy * s, a.xz * s, a.yz * s};
+}
 
 /// Matrix times vector; the matrix may be of a finer format than the vector.
 template <class I, class S>

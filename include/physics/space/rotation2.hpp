@@ -26,15 +26,18 @@ struct rotation<S, 2> {
     /// The angle in radians, in [-pi, pi].
     [[nodiscard]] S angle() const { return atan2(sine, cosine); }
 
-    friend constexpr rotation operator*(rotation a, rotation b) {
-        return {difference_of_products(a.cosine, b.cosine, a.sine, b.sine),
-                sum_of_products(a.sine, b.cosine, a.cosine, b.sine)};
-    }
-    friend constexpr vec<S, 2> operator*(rotation a, vec<S, 2> v) {
-        return {difference_of_products(a.cosine, v.x, a.sine, v.y), sum_of_products(a.sine, v.x, a.cosine, v.y)};
-    }
     friend bool operator==(rotation, rotation) = default;
 };
+
+template <class S>
+constexpr rotation<S, 2> operator*(rotation<S, 2> a, rotation<S, 2> b) {
+    return {difference_of_products(a.cosine, b.cosine, a.sine, b.sine),
+            sum_of_products(a.sine, b.cosine, a.cosine, b.sine)};
+}
+template <class S>
+constexpr vec<S, 2> operator*(rotation<S, 2> a, vec<S, 2> v) {
+    return {difference_of_products(a.cosine, v.x, a.sine, v.y), sum_of_products(a.sine, v.x, a.cosine, v.y)};
+}
 
 template <class S>
 constexpr rotation<S, 2> inverse(rotation<S, 2> a) {

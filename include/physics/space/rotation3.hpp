@@ -20,19 +20,22 @@ struct rotation<S, 3> {
     }
     [[nodiscard]] constexpr vec<S, 3> imaginary() const { return {x, y, z}; }
 
-    friend constexpr rotation operator*(rotation a, rotation b) {
-        const auto sum = [](auto p, auto q, auto r, auto s) { return narrow<S>(p + q + r + s); };
-        return {sum(product(a.w, b.x), product(a.x, b.w), product(a.y, b.z), -product(a.z, b.y)),
-                sum(product(a.w, b.y), product(a.y, b.w), product(a.z, b.x), -product(a.x, b.z)),
-                sum(product(a.w, b.z), product(a.z, b.w), product(a.x, b.y), -product(a.y, b.x)),
-                sum(product(a.w, b.w), -product(a.x, b.x), -product(a.y, b.y), -product(a.z, b.z))};
-    }
-    friend constexpr vec<S, 3> operator*(rotation a, vec<S, 3> v) {
-        const vec<S, 3> t = cross(a.imaginary(), v) * S(2);
-        return v + t * a.w + cross(a.imaginary(), t);
-    }
     friend bool operator==(rotation, rotation) = default;
 };
+
+template <class S>
+constexpr rotation<S, 3> operator*(rotation<S, 3> a, rotation<S, 3> b) {
+    const auto sum = [](auto p, auto q, auto r, auto s) { return narrow<S>(p + q + r + s); };
+    return {sum(product(a.w, b.x), product(a.x, b.w), product(a.y, b.z), -product(a.z, b.y)),
+            sum(product(a.w, b.y), product(a.y, b.w), product(a.z, b.x), -product(a.x, b.z)),
+            sum(product(a.w, b.z), product(a.z, b.w), product(a.x, b.y), -product(a.y, b.x)),
+            sum(product(a.w, b.w), -product(a.x, b.x), -product(a.y, b.y), -product(a.z, b.z))};
+}
+template <class S>
+constexpr vec<S, 3> operator*(rotation<S, 3> a, vec<S, 3> v) {
+    const vec<S, 3> t = cross(a.imaginary(), v) * S(2);
+    return v + t * a.w + cross(a.imaginary(), t);
+}
 
 template <class S>
 constexpr rotation<S, 3> inverse(rotation<S, 3> a) {

@@ -11,14 +11,17 @@ struct transform {
     vec<S, D> position;
     physics::rotation<S, D> rotation;
 
-    /// The point p, given in the inner frame, in the outer one.
-    friend constexpr vec<S, D> operator*(const transform& t, vec<S, D> p) { return t.rotation * p + t.position; }
-    /// b first, then a.
-    friend constexpr transform operator*(const transform& a, const transform& b) {
-        return {a * b.position, a.rotation * b.rotation};
-    }
     friend bool operator==(const transform&, const transform&) = default;
 };
+
+/// The point p, given in the inner frame, in the outer one.
+template <class S, int D>
+constexpr vec<S, D> operator*(const transform<S, D>& t, vec<S, D> p) { return t.rotation * p + t.position; }
+/// b first, then a.
+template <class S, int D>
+constexpr transform<S, D> operator*(const transform<S, D>& a, const transform<S, D>& b) {
+    return {a * b.position, a.rotation * b.rotation};
+}
 
 /// The transform that undoes t.
 template <class S, int D>
@@ -47,11 +50,13 @@ struct twist {
     vec<S, D> linear;
     physics::angular<S, D> angular{};
 
-    friend constexpr twist operator+(const twist& a, const twist& b) {
-        return {a.linear + b.linear, a.angular + b.angular};
-    }
     friend bool operator==(const twist&, const twist&) = default;
 };
+
+template <class S, int D>
+constexpr twist<S, D> operator+(const twist<S, D>& a, const twist<S, D>& b) {
+    return {a.linear + b.linear, a.angular + b.angular};
+}
 
 /// The velocity of the point at lever r from the centre of mass.
 template <class S, int D>

@@ -39,17 +39,44 @@ struct vec<S, 2> {
     constexpr const S& operator[](int i) const { return i == 0 ? x : y; }
     static constexpr vec filled(S value) { return {value, value}; }
 
-    friend constexpr vec operator+(vec a, vec b) { return {a.x + b.x, a.y + b.y}; }
-    friend constexpr vec operator-(vec a, vec b) { return {a.x - b.x, a.y - b.y}; }
-    friend constexpr vec operator-(vec a) { return {-a.x, -a.y}; }
-    friend constexpr vec operator*(vec a, S s) { return {a.x * s, a.y * s}; }
-    friend constexpr vec operator*(S s, vec a) { return a * s; }
-    friend constexpr vec operator/(vec a, S s) { return {a.x / s, a.y / s}; }
-    constexpr vec& operator+=(vec b) { return *this = *this + b; }
-    constexpr vec& operator-=(vec b) { return *this = *this - b; }
-    constexpr vec& operator*=(S s) { return *this = *this * s; }
+    constexpr vec& operator+=(vec b) {
+        x += b.x;
+        y += b.y;
+        return *this;
+    }
+    constexpr vec& operator-=(vec b) {
+        x -= b.x;
+        y -= b.y;
+        return *this;
+    }
+    constexpr vec& operator*=(S s) {
+        x *= s;
+        y *= s;
+        return *this;
+    }
     friend bool operator==(vec, vec) = default;
 };
+
+template <class S>
+constexpr vec<S, 2> operator+(vec<S, 2> a, vec<S, 2> b) {
+    return {a.x + b.x, a.y + b.y};
+}
+template <class S>
+constexpr vec<S, 2> operator-(vec<S, 2> a, vec<S, 2> b) {
+    return {a.x - b.x, a.y - b.y};
+}
+template <class S>
+constexpr vec<S, 2> operator-(vec<S, 2> a) {
+    return {-a.x, -a.y};
+}
+template <class S>
+constexpr vec<S, 2> operator*(vec<S, 2> a, std::type_identity_t<S> s) {
+    return {a.x * s, a.y * s};
+}
+template <class S>
+constexpr vec<S, 2> operator/(vec<S, 2> a, std::type_identity_t<S> s) {
+    return {a.x / s, a.y / s};
+}
 
 template <class S>
 struct vec<S, 3> {
@@ -67,17 +94,51 @@ struct vec<S, 3> {
     constexpr const S& operator[](int i) const { return i == 0 ? x : i == 1 ? y : z; }
     static constexpr vec filled(S value) { return {value, value, value}; }
 
-    friend constexpr vec operator+(vec a, vec b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-    friend constexpr vec operator-(vec a, vec b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-    friend constexpr vec operator-(vec a) { return {-a.x, -a.y, -a.z}; }
-    friend constexpr vec operator*(vec a, S s) { return {a.x * s, a.y * s, a.z * s}; }
-    friend constexpr vec operator*(S s, vec a) { return a * s; }
-    friend constexpr vec operator/(vec a, S s) { return {a.x / s, a.y / s, a.z / s}; }
-    constexpr vec& operator+=(vec b) { return *this = *this + b; }
-    constexpr vec& operator-=(vec b) { return *this = *this - b; }
-    constexpr vec& operator*=(S s) { return *this = *this * s; }
+    constexpr vec& operator+=(vec b) {
+        x += b.x;
+        y += b.y;
+        z += b.z;
+        return *this;
+    }
+    constexpr vec& operator-=(vec b) {
+        x -= b.x;
+        y -= b.y;
+        z -= b.z;
+        return *this;
+    }
+    constexpr vec& operator*=(S s) {
+        x *= s;
+        y *= s;
+        z *= s;
+        return *this;
+    }
     friend bool operator==(vec, vec) = default;
 };
+
+template <class S>
+constexpr vec<S, 3> operator+(vec<S, 3> a, vec<S, 3> b) {
+    return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+template <class S>
+constexpr vec<S, 3> operator-(vec<S, 3> a, vec<S, 3> b) {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+template <class S>
+constexpr vec<S, 3> operator-(vec<S, 3> a) {
+    return {-a.x, -a.y, -a.z};
+}
+template <class S>
+constexpr vec<S, 3> operator*(vec<S, 3> a, std::type_identity_t<S> s) {
+    return {a.x * s, a.y * s, a.z * s};
+}
+template <class S>
+constexpr vec<S, 3> operator/(vec<S, 3> a, std::type_identity_t<S> s) {
+    return {a.x / s, a.y / s, a.z / s};
+}
+template <class S, int D>
+constexpr vec<S, D> operator*(std::type_identity_t<S> s, vec<S, D> a) {
+    return a * s;
+}
 
 /// Angular quantities (velocity, impulse, torque): a scalar in 2D, counter-clockwise; a vector in 3D.
 template <class S, int D>
