@@ -5705,6 +5705,14 @@ bool check(const broadphase_settings<S>& with, const char* function) {
 
 namespace detail {
 
+/// What a query may look at: a proxy, with what an index has at hand of it.
+template <class Space>
+struct candidate {
+    std::uint32_t id;
+    proxy_filter filter;
+    typename Space::aabb box;
+};
+
 /// No proxy has this number.
 inline constexpr std::uint32_t no_proxy = 0xffffffffu;
 
@@ -5735,6 +5743,8 @@ public:
     [[nodiscard]] bool stale(std::uint32_t id) const { return stale_[id]; }
     /// Whether the number was given up since then, and perhaps given to another proxy.
     [[nodiscard]] bool given_up(std::uint32_t id) const { return any_given_up_ && entries_[id].given_up; }
+    [[nodiscard]] candidate<Space> candidate_at(std::uint32_t id) const { return {id, filter(id), box(id)}; }
+    [[nodiscard]] const candidate<Space>& candidate_at(const candidate<Space>& c) const { return c; }
     [[nodiscard]] bool may_meet(std::uint32_t a, std::uint32_t b) const {
         return physics::may_meet(entries_[a].filter, entries_[b].filter);
     }
@@ -6068,7 +6078,8 @@ PHYSICS_HPP_BEGIN
 ///                                     may overlap; true if those were all pairs there are. An index with
 ///                                     `static constexpr bool exact = true` emits just those that do overlap and that
 ///                                     all.may_meet(a, b)
-///   each_near(all, box, visit)        visit(id) where the box may overlap, until it returns false
+///   each_near(all, box, visit)        visit(id) where the box may overlap, until it returns false; or, of an index
+///                                     that keeps them itself, visit(candidate) with filter and box
 /// and, where it knows a better way than to search boxes, each_along, each_around, each_inside (see tree_index).
 template <class Space, class Index>
 class indexed_broadphase {
@@ -6146,8 +6157,9 @@ public:
     void each_overlapping(const aabb& box, const query_filter& filter, Visit&& visit) const {
         if (!check_box("each_overlapping", box)) return;
         const detail::query_scope scope(this);
-        index_.each_near(all_, box, [&](std::uint32_t id) {
-            return !filter.sees(all_.filter(id)) || !overlap(all_.box(id), box) || go_on(visit, id);
+        index_.each_near(all_, box, [&](const auto& at) {
+            const auto& c = all_.candidate_at(at);
+            return !filter.sees(c.filter) || !overlap(c.box, box) || go_on(visit, c.id);
         });
     }
     /// Writes up to `most` of them to `out` instead; returns how many there are.
@@ -6175,11 +6187,12 @@ public:
                 !detail::check_finite("each_inside", "offset", planes[i].offset))
                 return;
         const detail::query_scope scope(this);
-        const auto see = [&](std::uint32_t id) {
-            if (!filter.sees(all_.filter(id))) return true;
+        const auto see = [&](const auto& at) {
+            const auto& c = all_.candidate_at(at);
+            if (!filter.sees(c.filter)) return true;
             for (std::uint32_t i = 0; i < count; ++i)
-                if (detail::beyond(planes[i], all_.box(id))) return true;
-            return go_on(visit, id);
+                if (detail::beyond(planes[i], c.box)) return true;
+            return go_on(visit, c.id);
         };
         if constexpr (requires { index_.each_inside(all_, planes, count, see); })
             index_.each_inside(all_, planes, count, see);
@@ -6192,16 +6205,17 @@ public:
         if (!check_ray("each_along", r)) return;
         const detail::query_scope scope(this);
         S limit = S(1);
-        const auto see = [&](std::uint32_t id) {
-            proxy_hit<S> hit{id};
-            if (limit >= S(0) && filter.sees(all_.filter(id)) && detail::meets(r, all_.box(id), limit, hit.fraction))
+        const auto see = [&](const auto& at) {
+            const auto& c = all_.candidate_at(at);
+            proxy_hit<S> hit{c.id};
+            if (limit >= S(0) && filter.sees(c.filter) && detail::meets(r, c.box, limit, hit.fraction))
                 limit = min(limit, visit(hit));
             return limit;
         };
         if constexpr (requires { index_.each_along(all_, r, limit, see); }) {
             index_.each_along(all_, r, limit, see);
         } else {
-            index_.each_near(all_, detail::around(r), [&](std::uint32_t id) { return see(id) >= S(0); });
+            index_.each_near(all_, detail::around(r), [&](const auto& at) { return see(at) >= S(0); });
         }
     }
     /// The first proxy on the ray, that of the least number among equals; one with no proxy where there is none.
@@ -6246,9 +6260,11 @@ public:
         std::uint32_t count = 0;
         const wide_of<S> farthest = product(reach, reach);
         const auto square = [&](std::uint32_t id) { return detail::distance_squared(all_.box(id), point); };
-        const auto see = [&](std::uint32_t id) {
-            const wide_of<S> here = square(id);
-            if (filter.sees(all_.filter(id)) && !(here > farthest)) {
+        const auto see = [&](const auto& at) {
+            const auto& c = all_.candidate_at(at);
+            const std::uint32_t id = c.id;
+            const wide_of<S> here = detail::distance_squared(c.box, point);
+            if (filter.sees(c.filter) && !(here > farthest)) {
                 const auto after = [&](std::uint32_t other) {
                     return square(other) > here || (square(other) == here && other > id);
                 };
@@ -6259,8 +6275,8 @@ public:
         if constexpr (requires { index_.each_around(all_, point, farthest, see); })
             index_.each_around(all_, point, farthest, see);
         else
-            index_.each_near(all_, everywhere(), [&](std::uint32_t id) {
-                see(id);
+            index_.each_near(all_, everywhere(), [&](const auto& at) {
+                see(at);
                 return true;
             });
         return count;
@@ -7141,7 +7157,7 @@ public:
         float reach = above(limit) + way.step;
         each_in_order(
             all, [&](const auto& block, auto& keys) { return way.meets(block, reach, keys); },
-            [&](float key) { return key > reach; }, [&](std::uint32_t id) { reach = above(visit(id)) + way.step; });
+            [&](float key) { return key > reach; }, [&](const auto& c) { reach = above(visit(c)) + way.step; });
     }
     /// Calls visit(id) for proxies near a point, the nearest ones early. It returns the square of the distance up to
     /// which the search is to go on.
@@ -7151,29 +7167,41 @@ public:
         float reach = above_square<S>(limit);
         each_in_order(
             all, [&](const auto& block, auto& keys) { return at.within(block, reach, keys); },
-            [&](float key) { return key > reach; }, [&](std::uint32_t id) { reach = above_square<S>(visit(id)); });
+            [&](float key) { return key > reach; }, [&](const auto& c) { reach = above_square<S>(visit(c)); });
     }
 
 private:
+    /// What is in a slot; of float the box in the lane is the exact one, and near in memory.
+    static candidate<Space> candidate_in(const table& all, const tree& t, std::uint32_t slot) {
+        const std::uint32_t id = t.id(slot);
+        if constexpr (!std::is_same_v<S, float>) return {id, t.filter(slot), all.box(id)};
+        candidate<Space> c{id, t.filter(slot), {}};
+        for (int i = 0; i < D; ++i) {
+            c.box.lower[i] = S(t.leaf(slot / 8).lower[i][slot % 8]);
+            c.box.upper[i] = S(t.leaf(slot / 8).upper[i][slot % 8]);
+        }
+        return c;
+    }
     template <class Test, class Visit>
-    void each_where(const table&, Test&& test, Visit&& visit) const {
+    void each_where(const table& all, Test&& test, Visit&& visit) const {
         bool on = true;
         for (const kind& k : kinds_) {
             for (const tree* t : {&k.main, &k.young})
                 t->search(
                     0, [&](const auto& block) { return on ? test(block) : 0u; },
                     [&](std::uint32_t leaf, std::uint32_t lanes) {
-                        each_bit(lanes, [&](std::uint32_t i) { on = on && visit(t->id(leaf * 8 + i)); });
+                        each_bit(lanes,
+                                 [&](std::uint32_t i) { on = on && visit(candidate_in(all, *t, leaf * 8 + i)); });
                     });
-            for (std::uint32_t i = 0; i < k.tail.size() && on; ++i) on = visit(k.tail[i]);
+            for (std::uint32_t i = 0; i < k.tail.size() && on; ++i) on = visit(all.candidate_at(k.tail[i]));
         }
     }
     template <class Test, class Outside, class Visit>
-    void each_in_order(const table&, Test&& test, Outside&& outside, Visit&& visit) const {
+    void each_in_order(const table& all, Test&& test, Outside&& outside, Visit&& visit) const {
         for (const kind& k : kinds_) {
             for (const tree* t : {&k.main, &k.young})
-                t->search_in_order(test, outside, [&](std::uint32_t slot) { visit(t->id(slot)); });
-            for (const std::uint32_t id : k.tail) visit(id);
+                t->search_in_order(test, outside, [&](std::uint32_t slot) { visit(candidate_in(all, *t, slot)); });
+            for (const std::uint32_t id : k.tail) visit(all.candidate_at(id));
         }
     }
 

@@ -18,7 +18,8 @@ PHYSICS_HPP_BEGIN
 ///                                     may overlap; true if those were all pairs there are. An index with
 ///                                     `static constexpr bool exact = true` emits just those that do overlap and that
 ///                                     all.may_meet(a, b)
-///   each_near(all, box, visit)        visit(id) where the box may overlap, until it returns false
+///   each_near(all, box, visit)        visit(id) where the box may overlap, until it returns false; or, of an index
+///                                     that keeps them itself, visit(candidate) with filter and box
 /// and, where it knows a better way than to search boxes, each_along, each_around, each_inside (see tree_index).
 template <class Space, class Index>
 class indexed_broadphase {
@@ -96,8 +97,9 @@ public:
     void each_overlapping(const aabb& box, const query_filter& filter, Visit&& visit) const {
         if (!check_box("each_overlapping", box)) return;
         const detail::query_scope scope(this);
-        index_.each_near(all_, box, [&](std::uint32_t id) {
-            return !filter.sees(all_.filter(id)) || !overlap(all_.box(id), box) || go_on(visit, id);
+        index_.each_near(all_, box, [&](const auto& at) {
+            const auto& c = all_.candidate_at(at);
+            return !filter.sees(c.filter) || !overlap(c.box, box) || go_on(visit, c.id);
         });
     }
     /// Writes up to `most` of them to `out` instead; returns how many there are.
@@ -125,11 +127,12 @@ public:
                 !detail::check_finite("each_inside", "offset", planes[i].offset))
                 return;
         const detail::query_scope scope(this);
-        const auto see = [&](std::uint32_t id) {
-            if (!filter.sees(all_.filter(id))) return true;
+        const auto see = [&](const auto& at) {
+            const auto& c = all_.candidate_at(at);
+            if (!filter.sees(c.filter)) return true;
             for (std::uint32_t i = 0; i < count; ++i)
-                if (detail::beyond(planes[i], all_.box(id))) return true;
-            return go_on(visit, id);
+                if (detail::beyond(planes[i], c.box)) return true;
+            return go_on(visit, c.id);
         };
         if constexpr (requires { index_.each_inside(all_, planes, count, see); })
             index_.each_inside(all_, planes, count, see);
@@ -142,16 +145,17 @@ public:
         if (!check_ray("each_along", r)) return;
         const detail::query_scope scope(this);
         S limit = S(1);
-        const auto see = [&](std::uint32_t id) {
-            proxy_hit<S> hit{id};
-            if (limit >= S(0) && filter.sees(all_.filter(id)) && detail::meets(r, all_.box(id), limit, hit.fraction))
+        const auto see = [&](const auto& at) {
+            const auto& c = all_.candidate_at(at);
+            proxy_hit<S> hit{c.id};
+            if (limit >= S(0) && filter.sees(c.filter) && detail::meets(r, c.box, limit, hit.fraction))
                 limit = min(limit, visit(hit));
             return limit;
         };
         if constexpr (requires { index_.each_along(all_, r, limit, see); }) {
             index_.each_along(all_, r, limit, see);
         } else {
-            index_.each_near(all_, detail::around(r), [&](std::uint32_t id) { return see(id) >= S(0); });
+            index_.each_near(all_, detail::around(r), [&](const auto& at) { return see(at) >= S(0); });
         }
     }
     /// The first proxy on the ray, that of the least number among equals; one with no proxy where there is none.
@@ -196,9 +200,11 @@ public:
         std::uint32_t count = 0;
         const wide_of<S> farthest = product(reach, reach);
         const auto square = [&](std::uint32_t id) { return detail::distance_squared(all_.box(id), point); };
-        const auto see = [&](std::uint32_t id) {
-            const wide_of<S> here = square(id);
-            if (filter.sees(all_.filter(id)) && !(here > farthest)) {
+        const auto see = [&](const auto& at) {
+            const auto& c = all_.candidate_at(at);
+            const std::uint32_t id = c.id;
+            const wide_of<S> here = detail::distance_squared(c.box, point);
+            if (filter.sees(c.filter) && !(here > farthest)) {
                 const auto after = [&](std::uint32_t other) {
                     return square(other) > here || (square(other) == here && other > id);
                 };
@@ -209,8 +215,8 @@ public:
         if constexpr (requires { index_.each_around(all_, point, farthest, see); })
             index_.each_around(all_, point, farthest, see);
         else
-            index_.each_near(all_, everywhere(), [&](std::uint32_t id) {
-                see(id);
+            index_.each_near(all_, everywhere(), [&](const auto& at) {
+                see(at);
                 return true;
             });
         return count;

@@ -44,6 +44,14 @@ bool check(const broadphase_settings<S>& with, const char* function) {
 
 namespace detail {
 
+/// What a query may look at: a proxy, with what an index has at hand of it.
+template <class Space>
+struct candidate {
+    std::uint32_t id;
+    proxy_filter filter;
+    typename Space::aabb box;
+};
+
 /// No proxy has this number.
 inline constexpr std::uint32_t no_proxy = 0xffffffffu;
 
@@ -74,6 +82,8 @@ public:
     [[nodiscard]] bool stale(std::uint32_t id) const { return stale_[id]; }
     /// Whether the number was given up since then, and perhaps given to another proxy.
     [[nodiscard]] bool given_up(std::uint32_t id) const { return any_given_up_ && entries_[id].given_up; }
+    [[nodiscard]] candidate<Space> candidate_at(std::uint32_t id) const { return {id, filter(id), box(id)}; }
+    [[nodiscard]] const candidate<Space>& candidate_at(const candidate<Space>& c) const { return c; }
     [[nodiscard]] bool may_meet(std::uint32_t a, std::uint32_t b) const {
         return physics::may_meet(entries_[a].filter, entries_[b].filter);
     }

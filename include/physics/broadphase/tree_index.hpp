@@ -136,7 +136,7 @@ public:
         float reach = above(limit) + way.step;
         each_in_order(
             all, [&](const auto& block, auto& keys) { return way.meets(block, reach, keys); },
-            [&](float key) { return key > reach; }, [&](std::uint32_t id) { reach = above(visit(id)) + way.step; });
+            [&](float key) { return key > reach; }, [&](const auto& c) { reach = above(visit(c)) + way.step; });
     }
     /// Calls visit(id) for proxies near a point, the nearest ones early. It returns the square of the distance up to
     /// which the search is to go on.
@@ -146,29 +146,41 @@ public:
         float reach = above_square<S>(limit);
         each_in_order(
             all, [&](const auto& block, auto& keys) { return at.within(block, reach, keys); },
-            [&](float key) { return key > reach; }, [&](std::uint32_t id) { reach = above_square<S>(visit(id)); });
+            [&](float key) { return key > reach; }, [&](const auto& c) { reach = above_square<S>(visit(c)); });
     }
 
 private:
+    /// What is in a slot; of float the box in the lane is the exact one, and near in memory.
+    static candidate<Space> candidate_in(const table& all, const tree& t, std::uint32_t slot) {
+        const std::uint32_t id = t.id(slot);
+        if constexpr (!std::is_same_v<S, float>) return {id, t.filter(slot), all.box(id)};
+        candidate<Space> c{id, t.filter(slot), {}};
+        for (int i = 0; i < D; ++i) {
+            c.box.lower[i] = S(t.leaf(slot / 8).lower[i][slot % 8]);
+            c.box.upper[i] = S(t.leaf(slot / 8).upper[i][slot % 8]);
+        }
+        return c;
+    }
     template <class Test, class Visit>
-    void each_where(const table&, Test&& test, Visit&& visit) const {
+    void each_where(const table& all, Test&& test, Visit&& visit) const {
         bool on = true;
         for (const kind& k : kinds_) {
             for (const tree* t : {&k.main, &k.young})
                 t->search(
                     0, [&](const auto& block) { return on ? test(block) : 0u; },
                     [&](std::uint32_t leaf, std::uint32_t lanes) {
-                        each_bit(lanes, [&](std::uint32_t i) { on = on && visit(t->id(leaf * 8 + i)); });
+                        each_bit(lanes,
+                                 [&](std::uint32_t i) { on = on && visit(candidate_in(all, *t, leaf * 8 + i)); });
                     });
-            for (std::uint32_t i = 0; i < k.tail.size() && on; ++i) on = visit(k.tail[i]);
+            for (std::uint32_t i = 0; i < k.tail.size() && on; ++i) on = visit(all.candidate_at(k.tail[i]));
         }
     }
     template <class Test, class Outside, class Visit>
-    void each_in_order(const table&, Test&& test, Outside&& outside, Visit&& visit) const {
+    void each_in_order(const table& all, Test&& test, Outside&& outside, Visit&& visit) const {
         for (const kind& k : kinds_) {
             for (const tree* t : {&k.main, &k.young})
-                t->search_in_order(test, outside, [&](std::uint32_t slot) { visit(t->id(slot)); });
-            for (const std::uint32_t id : k.tail) visit(id);
+                t->search_in_order(test, outside, [&](std::uint32_t slot) { visit(candidate_in(all, *t, slot)); });
+            for (const std::uint32_t id : k.tail) visit(all.candidate_at(id));
         }
     }
 
