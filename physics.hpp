@@ -5729,7 +5729,7 @@ public:
 
     [[nodiscard]] std::uint32_t size() const { return entries_.size(); }
     [[nodiscard]] std::uint32_t count() const { return count_; }
-    [[nodiscard]] bool has(std::uint32_t id) const { return id < entries_.size() && entries_[id].used; }
+    [[nodiscard]] bool has(std::uint32_t id) const { return id < entries_.size() && used_[id]; }
     /// The box, with its margins.
     [[nodiscard]] const aabb& box(std::uint32_t id) const { return boxes_[id]; }
     [[nodiscard]] const proxy_filter& filter(std::uint32_t id) const { return entries_[id].filter; }
@@ -5761,16 +5761,17 @@ public:
         if (id >= entries_.size()) {
             entries_.resize(id + 1);
             boxes_.resize(id + 1);
+            used_.grow(id + 1);
             stale_.grow(id + 1);
         }
         entries_[id].filter = filter;
-        entries_[id].used = true;
+        used_.set(id);
         boxes_[id] = grown(box, settings.margin);
         ++count_;
         note(id);
     }
     void erase(std::uint32_t id) {
-        entries_[id].used = false;
+        used_.clear(id);
         entries_[id].given_up = any_given_up_ = true;
         --count_;
         note(id);
@@ -5810,7 +5811,7 @@ public:
 private:
     struct entry {
         proxy_filter filter;
-        bool used = false, given_up = false, unseen = false;
+        bool given_up = false, unseen = false;
     };
 
     void note(std::uint32_t id) {
@@ -5822,7 +5823,7 @@ private:
     buffer<aabb> boxes_;
     buffer<entry> entries_;
     buffer<std::uint32_t> changed_, unseen_;
-    bit_array stale_;
+    bit_array used_, stale_;
     reset_on_move<std::uint32_t> count_;
     bool any_given_up_ = false;
 };
@@ -6008,15 +6009,17 @@ constexpr bool meets(const ray<S, D>& r, const aabb<S, D>& box, S limit, S& frac
     return true;
 }
 
-/// The box around a whole ray, no larger than the range.
+/// The box around a whole ray, no larger than the range, with room for what meets() rounds.
 template <class S, int D>
 constexpr aabb<S, D> around(const ray<S, D>& r) {
-    const S most = scalar_traits<S>::max();
+    const S most = scalar_traits<S>::max(), step = scalar_traits<S>::epsilon() * S(4);
     aabb<S, D> box;
     for (int i = 0; i < D; ++i) {
         const S end = r.origin[i] + r.translation[i], low = min(r.origin[i], end), high = max(r.origin[i], end);
-        box.lower[i] = low < r.extent[i] - most ? -most : low - r.extent[i];
-        box.upper[i] = high > most - r.extent[i] ? most : high + r.extent[i];
+        const S rounded = abs(r.translation[i]) * step + (abs(low) * step + abs(high) * step) + step;
+        const S reach = r.extent[i] > most - rounded ? most : r.extent[i] + rounded;
+        box.lower[i] = low < reach - most ? -most : low - reach;
+        box.upper[i] = high > most - reach ? most : high + reach;
     }
     return box;
 }
@@ -6505,6 +6508,403 @@ void each_bit(std::uint32_t bits, F&& f) {
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/broadphase/arrange.hpp
+// =================================================================================================
+// The order in which a tree is packed: neighbours in space next to each other.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// A box by its middle, for sorting.
+struct packed_item {
+    float middle[3];
+    std::uint32_t id;
+};
+
+/// Numbers enclosed: empty, until some come.
+struct float_range {
+    float low = std::numeric_limits<float>::max(), high = -std::numeric_limits<float>::max();
+
+    void add(float x) {
+        low = x < low ? x : low;
+        high = x > high ? x : high;
+    }
+    /// Bins to put numbers into; 0 where they are too close to tell apart.
+    float scale(int bins) const {
+        const float width = high - low;
+        return width > 1e-30f ? static_cast<float>(bins) / width : 0;
+    }
+};
+
+/// Orders items so that the first `count_left` have the smallest middles along an axis. Each round counts items in bins
+/// and goes on in the one that holds the border, so that no input takes more than a few rounds. `spare` has room for
+/// as many. Cost: 4 ns an item.
+inline void split_items(packed_item* items, packed_item* spare, std::uint32_t count, std::uint32_t count_left, int axis,
+                        float_range range) {
+    while (count > 24) {
+        constexpr int most_bins = 256;
+        const int bins = count < 512 ? 32 : most_bins;
+        const float scale = range.scale(bins);
+        if (!(scale > 0)) return;
+        const auto bin_of = [&](const packed_item& item) {
+            const int bin = static_cast<int>((item.middle[axis] - range.low) * scale);
+            return bin < bins ? bin : bins - 1;
+        };
+        std::uint32_t sizes[most_bins] = {};
+        for (std::uint32_t i = 0; i < count; ++i) ++sizes[bin_of(items[i])];
+        std::uint32_t before = 0;
+        int border = 0;
+        while (before + sizes[border] <= count_left) before += sizes[border++];
+        // Left of the border bin, in it, and right of it; each in the order as it was.
+        const std::uint32_t within = sizes[border];
+        std::uint32_t places[3] = {0, before, before + within};
+        for (std::uint32_t i = 0; i < count; ++i) {
+            const int bin = bin_of(items[i]);
+            spare[places[int{bin >= border} + int{bin > border}]++] = items[i];
+        }
+        std::memcpy(items, spare, count * sizeof *items);
+        items += before;
+        count = within;
+        count_left -= before;
+        if (count_left == 0) return;
+        range = {};
+        for (std::uint32_t i = 0; i < count; ++i) range.add(items[i].middle[axis]);
+    }
+    for (std::uint32_t i = 1; i < count; ++i) {
+        const packed_item item = items[i];
+        std::uint32_t k = i;
+        for (; k > 0 && items[k - 1].middle[axis] > item.middle[axis]; --k) items[k] = items[k - 1];
+        items[k] = item;
+    }
+}
+
+/// Orders items for a tree of eights: halves them along their longest side, at the border of a full subtree, again and
+/// again, so that eights of items, eights of eights and so on are compact. Distant strays and clusters do not spoil
+/// it. Cost: 4 ns an item for each halving, 50 to 80 ns in all.
+template <int D>
+void arrange(packed_item* items, packed_item* spare, std::uint32_t count) {
+    while (count > 8) {
+        float_range ranges[D];
+        for (std::uint32_t i = 0; i < count; ++i)
+            for (int k = 0; k < D; ++k) ranges[k].add(items[i].middle[k]);
+        int longest = 0;
+        for (int k = 1; k < D; ++k)
+            if (ranges[k].high - ranges[k].low > ranges[longest].high - ranges[longest].low) longest = k;
+        std::uint32_t subtree = 8;
+        while (std::uint64_t{subtree} * 8 < count) subtree *= 8;
+        const std::uint32_t left = (count + subtree - 1) / subtree / 2 * subtree;
+        split_items(items, spare, count, left, longest, ranges[longest]);
+        arrange<D>(items, spare, left);
+        items += left;
+        count -= left;
+    }
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/broadphase/float_order.hpp
+// =================================================================================================
+// Floats as integers that sort alike.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Greater for greater floats; both zeros are alike.
+inline std::uint32_t to_ordered(float x) {
+    std::uint32_t bits = 0;
+    x += 0.0f;
+    std::memcpy(&bits, &x, sizeof bits);
+    return bits >> 31 ? ~bits : bits | 0x80000000u;
+}
+inline float from_ordered(std::uint32_t key) {
+    const std::uint32_t bits = key >> 31 ? key & 0x7fffffffu : ~key;
+    float x = 0;
+    std::memcpy(&x, &bits, sizeof x);
+    return x;
+}
+
+/// A few numbers of many, to learn how they are spread without being misled by the outermost.
+class float_sample {
+public:
+    static constexpr std::uint32_t most = 512;
+
+    void add(float x) { keys_[count_++] = std::uint64_t{to_ordered(x)} << 32; }
+    void sort() {
+        std::uint64_t spare[most];
+        const std::uint64_t* sorted = radix_sort(keys_, spare, count_, 32, 64);
+        if (sorted != keys_) std::memcpy(keys_, sorted, count_ * sizeof *keys_);
+    }
+    [[nodiscard]] std::uint32_t size() const { return count_; }
+    /// After sort(): the number that a share of all is below; 0 where there is none.
+    [[nodiscard]] float at(float share) const {
+        if (count_ == 0) return 0;
+        const auto i = static_cast<std::uint32_t>(share * static_cast<float>(count_));
+        return from_ordered(static_cast<std::uint32_t>(keys_[i < count_ ? i : count_ - 1] >> 32));
+    }
+
+private:
+    std::uint64_t keys_[most];
+    std::uint32_t count_ = 0;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/broadphase/axis_order.hpp
+// =================================================================================================
+// Boxes in the order in which they begin along an axis.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Boxes sorted by their lower sides along one axis, eight to a block. Above the blocks lies how far any of 8, 64, ...
+/// boxes reaches, so that a search finds what began long before without looking at all. What was erased leaves an
+/// empty lane with its key until the order is sorted anew.
+template <int D>
+class axis_order {
+public:
+    using box = float_box<D>;
+    using block = box_block<D>;
+
+    [[nodiscard]] std::uint32_t size() const { return keys_.size(); }
+    [[nodiscard]] std::uint32_t live() const { return live_; }
+    [[nodiscard]] std::uint32_t blocks() const { return blocks_.size(); }
+    [[nodiscard]] const block& operator[](std::uint32_t b) const { return blocks_[b]; }
+    [[nodiscard]] std::uint32_t id(std::uint32_t slot) const { return static_cast<std::uint32_t>(keys_[slot]); }
+    [[nodiscard]] int axis() const { return axis_; }
+    /// About how large boxes are.
+    [[nodiscard]] float usual_size() const { return usual_size_; }
+    /// Where the middle half of them is when they are sorted: its middle along any axis, its width along the best one.
+    [[nodiscard]] float middle(int axis) const { return middle_[axis]; }
+    [[nodiscard]] float width() const { return width_; }
+
+    /// Adds a proxy, in no order: to be followed by sort().
+    void add(std::uint32_t id) { keys_.push(id); }
+    void remove(std::uint32_t slot) {
+        clear(slot);
+        keys_[slot] |= no_proxy;
+        --live_;
+    }
+    /// Sorts everything, along the axis that suits it best; get(id) gives a box, and at(id, slot) is told where it is.
+    template <class Get, class At>
+    void sort(Get&& get, At&& at) {
+        ids_.clear();
+        for (const std::uint64_t key : keys_)
+            if (static_cast<std::uint32_t>(key) != no_proxy) ids_.push(static_cast<std::uint32_t>(key));
+        const std::uint32_t count = ids_.size();
+        boxes_.clear();
+        boxes_.reserve(count);
+        for (const std::uint32_t id : ids_) boxes_.push(get(id));
+        live_ = used_ = count;
+        choose_axis();
+        keys_.resize(count);
+        for (std::uint32_t k = 0; k < count; ++k) keys_[k] = key_of(boxes_[k], k);
+        spare_.resize(count);
+        if (radix_sort(keys_.begin(), spare_.begin(), count, 32, 64) != keys_.begin()) keys_.swap(spare_);
+        // Behind the last one, room for some that come.
+        const std::uint32_t blocks = count == 0 ? 0 : (count + count / 16 + 32) / 8;
+        keys_.resize(blocks * 8, ~std::uint64_t{0});
+        block empty;
+        for (std::uint32_t lane = 0; lane < 8; ++lane) empty.clear(lane);
+        blocks_.clear();
+        blocks_.resize(blocks, empty);
+        for (std::uint32_t slot = 0; slot < count; ++slot) {
+            const auto k = static_cast<std::uint32_t>(keys_[slot]);
+            keys_[slot] = keys_[slot] >> 32 << 32 | ids_[k];
+            blocks_[slot / 8].set(slot % 8, boxes_[k]);
+            at(ids_[k], slot);
+        }
+        starts_.clear();
+        reaches_.clear();
+        for (std::uint32_t n = blocks_.size(); n > 0; n = n > 1 ? (n + 7) / 8 : 0) {
+            starts_.push(reaches_.size());
+            // Whole eights, the last ones reaching nowhere.
+            reaches_.resize(reaches_.size() + (n + 7) / 8 * 8, -std::numeric_limits<float>::infinity());
+        }
+        for (std::uint32_t b = 0; b < blocks_.size(); ++b) lift(b);
+        settle();
+    }
+    /// Whether there is room for one more without sorting everything.
+    [[nodiscard]] bool has_room() const { return used_ < size(); }
+    /// Puts a proxy that has come where it belongs; the rest is as with move().
+    template <class At>
+    std::uint32_t insert(std::uint32_t id, const box& to, std::uint32_t most, At&& at) {
+        keys_[used_] = keys_[used_] >> 32 << 32 | id;
+        ++live_;
+        const std::uint32_t slot = used_;
+        used_ = slot + 1;
+        return move(slot, to, most, at);
+    }
+    /// Puts a proxy with another box where it belongs, and tells where the others are now. Returns past how many it
+    /// went, or stops after `most`; then the order is to be sorted.
+    template <class At>
+    std::uint32_t move(std::uint32_t slot, const box& to, std::uint32_t most, At&& at) {
+        const std::uint64_t key = key_of(to, id(slot));
+        const std::uint32_t from = slot, front = static_cast<std::uint32_t>(key >> 32);
+        const auto shift = [&](std::uint32_t other) {
+            keys_[slot] = keys_[other];
+            blocks_[slot / 8].set(slot % 8, blocks_[other / 8].get(other % 8));
+            if (id(slot) != no_proxy) at(id(slot), slot);
+            slot = other;
+            return --most > 0;
+        };
+        bool on = most > 0;
+        while (on && slot > 0 && keys_[slot - 1] >> 32 > front) on = shift(slot - 1);
+        while (on && slot + 1 < size() && keys_[slot + 1] >> 32 < front) on = shift(slot + 1);
+        keys_[slot] = key;
+        blocks_[slot / 8].set(slot % 8, to);
+        at(id(slot), slot);
+        const std::uint32_t first = slot < from ? slot : from, last = slot < from ? from : slot;
+        for (std::uint32_t b = first / 8; b <= last / 8; ++b) lift(b);
+        return last - first;
+    }
+
+    /// To be called after moves, before searches.
+    void settle() {
+        float reach = -std::numeric_limits<float>::infinity();
+        before_.resize(blocks_.size());
+        for (std::uint32_t b = 0; b < blocks_.size(); ++b) before_[b] = reach = max(reach, reaches_[b]);
+    }
+
+    /// How many blocks begin no later than there; best found from a number nearby.
+    [[nodiscard]] std::uint32_t begun(float end, std::uint32_t guess) const {
+        std::uint32_t low = 0, high = blocks_.size();
+        for (std::uint32_t step = 2; guess > low && guess < high; step *= 4) {
+            if (begins(guess) > end) {
+                high = guess;
+                guess -= step < guess ? step : guess;
+            } else {
+                low = guess + 1;
+                guess += step;
+            }
+        }
+        while (low < high) {
+            const std::uint32_t middle = low + (high - low) / 2;
+            if (begins(middle) > end) high = middle;
+            else low = middle + 1;
+        }
+        return low;
+    }
+    /// Calls visit(b) for blocks with boxes that reach as far as this one, from the one before `last` downwards, until
+    /// it returns false.
+    template <class Visit>
+    void search(const box& near, std::uint32_t last, Visit&& visit) const {
+        const float from = near.lower[axis_];
+        for (std::uint32_t b = last; b > 0 && !(before_[b - 1] < from);) {
+            // Past long ones far away by leaps.
+            int level = std::countr_zero(b) / 3;
+            level = level < levels() ? level : levels() - 1;
+            while (level >= 0 && !(reaches_[starts_[static_cast<std::uint32_t>(level)] + (b >> 3 * level) - 1] < from))
+                --level;
+            if (level >= 0) b -= 1u << 3 * level;
+            else if (!visit(--b)) return;
+        }
+    }
+    /// Calls visit(b, lanes) for boxes behind a slot that meet its box.
+    template <class Visit>
+    void sweep(std::uint32_t slot, const box& own, Visit&& visit) const {
+        using lanes = typename block::lanes;
+        const std::uint32_t blocks = blocks_.size();
+        const float end = own.upper[axis_];
+        // Along the axis only those of the last block can be apart.
+        const int u = (axis_ + 1) % D, v = (axis_ + 2) % D;
+        const lanes u_lower = lanes::broadcast(own.lower[u]), u_upper = lanes::broadcast(own.upper[u]);
+        const lanes v_lower = lanes::broadcast(own.lower[v]), v_upper = lanes::broadcast(own.upper[v]);
+        std::uint32_t mask = 0xfeu << slot % 8 & 0xffu;
+        for (std::uint32_t b = slot / 8; b < blocks; ++b, mask = 0xffu) {
+            const block& other = blocks_[b];
+            if (other.lower[axis_][0] > end) return;
+            auto apart = greater(lanes::load(other.lower[u]), u_upper) | greater(u_lower, lanes::load(other.upper[u]));
+            if constexpr (D == 3)
+                apart = apart | greater(lanes::load(other.lower[v]), v_upper) |
+                        greater(v_lower, lanes::load(other.upper[v]));
+            const std::uint32_t near = ~apart.bits() & mask;
+            if (near != 0) visit(b, near & other.overlapping(own));
+        }
+    }
+
+private:
+    [[nodiscard]] int levels() const { return static_cast<int>(starts_.size()); }
+    [[nodiscard]] float begins(std::uint32_t b) const { return blocks_[b].lower[axis_][0]; }
+    std::uint64_t key_of(const box& b, std::uint64_t id) const {
+        return std::uint64_t{to_ordered(b.lower[axis_])} << 32 | id;
+    }
+    /// An empty lane that still says where it is.
+    void clear(std::uint32_t slot) {
+        block& b = blocks_[slot / 8];
+        const float at = b.lower[axis_][slot % 8];
+        b.clear(slot % 8);
+        b.lower[axis_][slot % 8] = at;
+    }
+    /// Brings up to date how far blocks reach above this one.
+    void lift(std::uint32_t b) {
+        float reach = blocks_[b].upper[axis_][0];
+        for (int lane = 1; lane < 8; ++lane) reach = max(reach, blocks_[b].upper[axis_][lane]);
+        for (std::uint32_t level = 0; level < starts_.size(); ++level, b /= 8) {
+            float* all = &reaches_[starts_[level]];
+            if (all[b] == reach) return;
+            all[b] = reach;
+            all += b / 8 * 8;
+            for (int i = 0; i < 8; ++i) reach = max(reach, all[i]);
+        }
+    }
+    /// The axis along which the middle half of the boxes is spread widest, unless the present one is about as good.
+    void choose_axis() {
+        const std::uint32_t stride = boxes_.size() / float_sample::most + 1;
+        float best = 0;
+        int best_axis = axis_;
+        float_sample sizes;
+        for (std::uint32_t k = 0; k < boxes_.size(); k += stride)
+            sizes.add(boxes_[k].upper[axis_] - boxes_[k].lower[axis_]);
+        if (sizes.size() == 0) return;
+        sizes.sort();
+        usual_size_ = max(sizes.at(0.5f), 1e-10f);
+        for (int i = 0; i < D; ++i) {
+            const int axis = (axis_ + i) % D;
+            float_sample sample;
+            for (std::uint32_t k = 0; k < boxes_.size(); k += stride) sample.add(boxes_[k].lower[axis]);
+            sample.sort();
+            const float wide = sample.at(0.75f) - sample.at(0.25f);
+            middle_[axis] = sample.at(0.5f);
+            width_ = i == 0 || wide > width_ ? wide : width_;
+            if (i == 0 || wide > best) {
+                best = i == 0 ? wide * 1.25f : wide;
+                best_axis = axis;
+            }
+        }
+        axis_ = best_axis;
+    }
+
+    /// Where boxes begin, as integers that sort alike, above their proxies.
+    buffer<std::uint64_t> keys_, spare_;
+    buffer<block> blocks_;
+    /// While everything is sorted.
+    buffer<std::uint32_t> ids_;
+    buffer<box> boxes_;
+    /// How far blocks reach, level by level.
+    buffer<float> reaches_;
+    /// How far any block up to this one reaches.
+    buffer<float> before_;
+    buffer<std::uint32_t> starts_;
+    /// How many there are, and how many lanes before those that were never used.
+    reset_on_move<std::uint32_t> live_, used_;
+    int axis_ = 0;
+    float usual_size_ = 1, width_ = 0, middle_[D]{};
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/broadphase/box_tests.hpp
 // =================================================================================================
 // Searches in float for queries of any scalar: they miss nothing that the exact answer holds.
@@ -6655,12 +7055,21 @@ struct float_plane {
 
     template <class S>
     float_plane(const bounding_plane<S, D>& plane, const vec<S, D>& origin) {
-        double sum = static_cast<double>(plane.offset);
+        // Scaled to a normal of about 1; how far the offset may be off depends on what it is a sum of.
+        double largest = 0;
         for (int i = 0; i < D; ++i) {
-            normal[i] = to_float(static_cast<double>(plane.normal[i]));
-            sum -= static_cast<double>(plane.normal[i]) * static_cast<double>(origin[i]);
+            const double n = static_cast<double>(plane.normal[i]);
+            largest = n > largest ? n : -n > largest ? -n : largest;
         }
-        offset = to_float(sum);
+        const double scale = largest > 0 ? 1 / largest : 1;
+        double sum = static_cast<double>(plane.offset) * scale, parts = sum < 0 ? -sum : sum;
+        for (int i = 0; i < D; ++i) {
+            const double n = static_cast<double>(plane.normal[i]) * scale, o = n * static_cast<double>(origin[i]);
+            normal[i] = to_float(n);
+            sum -= o;
+            parts += o < 0 ? -o : o;
+        }
+        offset = above(sum + parts * 0x1p-40);
         offset += doubt(offset);
     }
     /// Which of eight boxes are not wholly beyond.
@@ -6669,7 +7078,9 @@ struct float_plane {
         lanes sum = lanes::broadcast(-offset), error = lanes::broadcast(0);
         for (int i = 0; i < D; ++i) {
             const lanes corner = lanes::load(normal[i] > 0 ? boxes.lower[i] : boxes.upper[i]);
-            const lanes along = corner * lanes::broadcast(normal[i]);
+            // The ends of float stand for whatever is beyond them.
+            const lanes product_of = corner * lanes::broadcast(normal[i]), away = max(corner, -corner);
+            const lanes along = select_greater(away, lanes::broadcast(3.4e38f), -away, product_of);
             sum += along;
             error += max(along, -along);
         }
@@ -6683,98 +7094,678 @@ struct float_plane {
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/broadphase/arrange.hpp
+// physics/broadphase/block_scan.hpp
 // =================================================================================================
-// The order in which a tree is packed: neighbours in space next to each other.
+// Queries that indices of blocks of boxes have in common.
 
 PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// A box by its middle, for sorting.
-struct packed_item {
-    float middle[3];
-    std::uint32_t id;
-};
+/// Queries for an index whose boxes lie in blocks:
+///   each_eight(f)        f(block, id_of) for each, where id_of(lane) is a proxy, until it returns false
+///   each_eight(box, f)   the same for those with boxes that may meet a box
+///   each_loose(visit)    visit(id) for what is in no block
+///   usual_size()         how far to look for neighbours at first
+/// Costs: each_inside 0.3 to 0.5 ns a proxy, wherever it is.
+template <class Index, class Space>
+class block_scan {
+public:
+    using S = typename Space::scalar;
+    static constexpr int D = Space::dimension;
 
-/// Numbers enclosed: empty, until some come.
-struct float_range {
-    float low = std::numeric_limits<float>::max(), high = -std::numeric_limits<float>::max();
-
-    void add(float x) {
-        low = x < low ? x : low;
-        high = x > high ? x : high;
+    template <class Table, class Visit>
+    void each_inside(const Table&, const bounding_plane<S, D>* planes, std::uint32_t count, Visit&& visit) const {
+        bool on = true;
+        self().each_loose([&](std::uint32_t id) { on = on && visit(id); });
+        self().each_eight([&](const box_block<D>& block, auto&& id_of) {
+            std::uint32_t lanes = ~block.empty().bits() & 0xffu;
+            for (std::uint32_t i = 0; i < count && lanes != 0; ++i)
+                lanes &= float_plane<D>(planes[i], self().origin()).reaches(block);
+            each_bit(lanes, [&](std::uint32_t lane) { on = on && visit(id_of(lane)); });
+            return on;
+        });
     }
-    /// Bins to put numbers into; 0 where they are too close to tell apart.
-    float scale(int bins) const {
-        const float width = high - low;
-        return width > 1e-30f ? static_cast<float>(bins) / width : 0;
-    }
-};
-
-/// Orders items so that the first `count_left` have the smallest middles along an axis. Each round counts items in bins
-/// and goes on in the one that holds the border, so that no input takes more than a few rounds. `spare` has room for
-/// as many. Cost: 4 ns an item.
-inline void split_items(packed_item* items, packed_item* spare, std::uint32_t count, std::uint32_t count_left, int axis,
-                        float_range range) {
-    while (count > 24) {
-        constexpr int most_bins = 256;
-        const int bins = count < 512 ? 32 : most_bins;
-        const float scale = range.scale(bins);
-        if (!(scale > 0)) return;
-        const auto bin_of = [&](const packed_item& item) {
-            const int bin = static_cast<int>((item.middle[axis] - range.low) * scale);
-            return bin < bins ? bin : bins - 1;
+    /// In boxes around the point, each twice as wide as the one before; the rest at once.
+    template <class Table, class Visit>
+    void each_around(const Table&, const typename Space::vec& point, wide_of<S> limit, Visit&& visit) const {
+        const float_point<D> at(point, self().origin());
+        float reach = above_square<S>(limit), squares[8], done = -1;
+        const auto see = [&](std::uint32_t id) { reach = above_square<S>(visit(id)); };
+        const auto scan = [&](float most, const box_block<D>& block, auto&& id_of) {
+            each_bit(at.within(block, min(most, reach), squares), [&](std::uint32_t lane) {
+                if (squares[lane] > done && !(squares[lane] > reach)) see(id_of(lane));
+            });
+            return true;
         };
-        std::uint32_t sizes[most_bins] = {};
-        for (std::uint32_t i = 0; i < count; ++i) ++sizes[bin_of(items[i])];
-        std::uint32_t before = 0;
-        int border = 0;
-        while (before + sizes[border] <= count_left) before += sizes[border++];
-        // Left of the border bin, in it, and right of it; each in the order as it was.
-        const std::uint32_t within = sizes[border];
-        std::uint32_t places[3] = {0, before, before + within};
-        for (std::uint32_t i = 0; i < count; ++i) {
-            const int bin = bin_of(items[i]);
-            spare[places[int{bin >= border} + int{bin > border}]++] = items[i];
+        self().each_loose(see);
+        float radius = self().usual_size();
+        for (int round = 0; round < 6 && done < reach; ++round, radius *= 2) {
+            float_box<D> near;
+            for (int i = 0; i < D; ++i) {
+                near.lower[i] = at.lower[i] - radius * 1.00001f;
+                near.upper[i] = at.upper[i] + radius * 1.00001f;
+            }
+            const float most = radius * radius;
+            self().each_eight(near, [&](const auto& block, auto&& id_of) { return scan(most, block, id_of); });
+            done = most;
         }
-        std::memcpy(items, spare, count * sizeof *items);
-        items += before;
-        count = within;
-        count_left -= before;
-        if (count_left == 0) return;
-        range = {};
-        for (std::uint32_t i = 0; i < count; ++i) range.add(items[i].middle[axis]);
+        if (done < reach) self().each_eight([&](const auto& block, auto&& id_of) { return scan(reach, block, id_of); });
     }
-    for (std::uint32_t i = 1; i < count; ++i) {
-        const packed_item item = items[i];
-        std::uint32_t k = i;
-        for (; k > 0 && items[k - 1].middle[axis] > item.middle[axis]; --k) items[k] = items[k - 1];
-        items[k] = item;
-    }
-}
 
-/// Orders items for a tree of eights: halves them along their longest side, at the border of a full subtree, again and
-/// again, so that eights of items, eights of eights and so on are compact. Distant strays and clusters do not spoil
-/// it. Cost: 4 ns an item for each halving, 50 to 80 ns in all.
+private:
+    const Index& self() const { return static_cast<const Index&>(*this); }
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/broadphase/cell_blocks.hpp
+// =================================================================================================
+// Boxes in cells, eight to a block.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+inline constexpr std::uint32_t no_block = 0xffffffffu;
+
+/// Up to eight boxes of one cell. Lanes from 0 to count - 1 are in use, the others empty.
 template <int D>
-void arrange(packed_item* items, packed_item* spare, std::uint32_t count) {
-    while (count > 8) {
-        float_range ranges[D];
-        for (std::uint32_t i = 0; i < count; ++i)
-            for (int k = 0; k < D; ++k) ranges[k].add(items[i].middle[k]);
-        int longest = 0;
-        for (int k = 1; k < D; ++k)
-            if (ranges[k].high - ranges[k].low > ranges[longest].high - ranges[longest].low) longest = k;
-        std::uint32_t subtree = 8;
-        while (std::uint64_t{subtree} * 8 < count) subtree *= 8;
-        const std::uint32_t left = (count + subtree - 1) / subtree / 2 * subtree;
-        split_items(items, spare, count, left, longest, ranges[longest]);
-        arrange<D>(items, spare, left);
-        items += left;
-        count -= left;
+struct cell_block {
+    box_block<D> boxes;
+    std::uint64_t key;
+    std::uint32_t ids[8];
+    /// The next block of the same cell.
+    std::uint32_t next;
+    std::uint8_t count;
+    std::uint8_t level;
+    /// By lane: whether the proxy is movable, and whether it has moved (only while pairs are searched).
+    std::uint8_t movable, moved;
+};
+
+/// Blocks in chains, one chain a cell. All blocks of a chain but its first are full, so that adding and removing cost
+/// the same however many share a cell.
+template <int D>
+class cell_blocks {
+public:
+    using block = cell_block<D>;
+
+    [[nodiscard]] std::uint32_t size() const { return blocks_.size(); }
+    [[nodiscard]] const block& operator[](std::uint32_t b) const { return blocks_[b]; }
+    block& operator[](std::uint32_t b) { return blocks_[b]; }
+
+    void clear() {
+        blocks_.clear();
+        free_.clear();
     }
-}
+    /// Adds a box to the chain that begins at `head`; returns its slot, eight a block.
+    std::uint32_t add(std::uint32_t& head, std::uint64_t key, std::uint32_t level, const float_box<D>& box,
+                      std::uint32_t id, bool movable) {
+        if (head == no_block || blocks_[head].count == 8) {
+            const std::uint32_t fresh = take();
+            blocks_[fresh].key = key;
+            blocks_[fresh].level = static_cast<std::uint8_t>(level);
+            blocks_[fresh].next = head;
+            head = fresh;
+        }
+        block& b = blocks_[head];
+        const std::uint32_t lane = b.count++;
+        b.boxes.set(lane, box);
+        b.ids[lane] = id;
+        set_bit(b.movable, lane, movable);
+        return head * 8 + lane;
+    }
+    /// Takes a box out of its chain. The last one of the first block goes to its place: no_proxy, or the proxy that
+    /// is in `slot` now.
+    std::uint32_t remove(std::uint32_t& head, std::uint32_t slot) {
+        block &to = blocks_[slot / 8], &from = blocks_[head];
+        const std::uint32_t hole = slot % 8, last = --from.count;
+        std::uint32_t moved = no_proxy;
+        if (head != slot / 8 || hole != last) {
+            moved = to.ids[hole] = from.ids[last];
+            to.boxes.set(hole, from.boxes.get(last));
+            set_bit(to.movable, hole, from.movable >> last & 1);
+        }
+        from.boxes.clear(last);
+        set_bit(from.movable, last, false);
+        if (last == 0) {
+            free_.push(head);
+            head = from.next;
+        }
+        return moved;
+    }
+
+private:
+    static void set_bit(std::uint8_t& bits, std::uint32_t bit, bool value) {
+        bits = static_cast<std::uint8_t>((bits & ~(1u << bit)) | (value ? 1u << bit : 0u));
+    }
+    std::uint32_t take() {
+        if (!free_.empty()) {
+            const std::uint32_t b = free_.back();
+            free_.pop();
+            return b;
+        }
+        block empty{};
+        for (std::uint32_t lane = 0; lane < 8; ++lane) empty.boxes.clear(lane);
+        blocks_.push(empty);
+        return blocks_.size() - 1;
+    }
+
+    buffer<block> blocks_;
+    buffer<std::uint32_t> free_;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/broadphase/cell_level.hpp
+// =================================================================================================
+// Cells of one size.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Cells for boxes up to some side, each in the cell of its lower corner. A box that meets another begins no farther
+/// below it than its own side: all that may meet it are in a few cells in a row. What lies outside of the region is in
+/// the cells at its border. Coordinates rise with the position, whatever is rounded, so that nothing is missed.
+template <int D>
+struct cell_level {
+    /// The longest side of a box, and the same with room for rounding.
+    float side, reach;
+    float cell, inverse;
+    float low[D];
+    /// The last coordinate.
+    float most[D];
+    /// The key of a cell is base + the sum of coordinate * stride.
+    std::uint64_t base, stride[D];
+    /// How many boxes there are, and how many cells have any.
+    std::uint32_t count, cells;
+
+    [[nodiscard]] std::uint32_t at(int axis, float x) const {
+        const float t = (x - low[axis]) * inverse;
+        return t > 0 ? static_cast<std::uint32_t>(t < most[axis] ? t : most[axis]) : 0;
+    }
+    [[nodiscard]] bool outside(int axis, float x) const {
+        const float t = (x - low[axis]) * inverse;
+        return t < 0 || t > most[axis] + 1;
+    }
+    void set_cell(float size) {
+        cell = size;
+        inverse = 1 / size;
+    }
+};
+
+/// A block of cells, as coordinates; both corners belong to it.
+template <int D>
+struct cell_range {
+    std::uint32_t first[D], last[D];
+
+    /// All cells with boxes that may meet this one.
+    cell_range(const cell_level<D>& level, const float_box<D>& box) {
+        for (int i = 0; i < D; ++i) {
+            first[i] = level.at(i, box.lower[i] - level.reach);
+            last[i] = level.at(i, box.upper[i]);
+        }
+    }
+    [[nodiscard]] double size() const {
+        double product = 1;
+        for (int i = 0; i < D; ++i) product *= static_cast<double>(last[i] - first[i]) + 1;
+        return product;
+    }
+    /// Calls visit(key) for each until it returns false.
+    template <class Visit>
+    bool each(const cell_level<D>& level, Visit&& visit) const {
+        const std::uint32_t from = D == 3 ? first[D - 1] : 0, to = D == 3 ? last[D - 1] : 0;
+        for (std::uint32_t z = from; z <= to; ++z)
+            for (std::uint32_t y = first[1]; y <= last[1]; ++y) {
+                std::uint64_t key = level.base + first[0] + y * level.stride[1];
+                if constexpr (D == 3) key += z * level.stride[2];
+                for (std::uint32_t x = first[0]; x <= last[0]; ++x, ++key)
+                    if (!visit(key)) return false;
+            }
+        return true;
+    }
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/broadphase/cell_walk.hpp
+// =================================================================================================
+// Rays through cells.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// A ray that walks through layers of cells across the axis along which it moves most: boxes that it meets begin in
+/// the layer or in the few cells before, and each cell is in one layer. Source: after Amanatides, Woo, A fast voxel
+/// traversal algorithm (1987), in blocks of cells for boxes that are not points.
+template <class S, int D>
+class cell_walk {
+public:
+    cell_walk(const ray<S, D>& r, const vec<S, D>& origin, float step) : step_(static_cast<double>(step)) {
+        for (int i = 0; i < D; ++i) {
+            from_[i] = static_cast<double>(r.origin[i]) - static_cast<double>(origin[i]);
+            way_[i] = static_cast<double>(r.translation[i]);
+            extent_[i] = static_cast<double>(r.extent[i]);
+            const double size = (from_[i] < 0 ? -from_[i] : from_[i]) + (way_[i] < 0 ? -way_[i] : way_[i]) + extent_[i];
+            largest_ = size > largest_ ? size : largest_;
+            main_ = way_[i] * way_[i] > way_[main_] * way_[main_] ? i : main_;
+        }
+    }
+
+    /// Calls visit(range) for blocks of cells of a level in which there may be boxes that the ray meets, in the order
+    /// of the ray, until it returns false or `reach`, a fraction of the translation that visit may lower, is passed.
+    /// False, and nothing is visited, where that would be more than so many cells.
+    template <class Visit>
+    bool each_layer(const cell_level<D>& level, const float& reach, std::uint32_t most_cells, Visit&& visit) const {
+        const int m = main_;
+        const double side = static_cast<double>(level.reach), cell = static_cast<double>(level.cell);
+        // As exact as coordinates of cells, and as numbers of the exact test.
+        const double pad = cell / 4 + largest_ * (1e-6 + step_), limit = static_cast<double>(reach);
+        if (!(largest_ < 1e18) || !(side < 1e30) || way_[m] == 0) return false;
+        const bool forward = way_[m] > 0;
+        const double end = from_[m] + way_[m] * limit;
+        const double low_end = (forward ? from_[m] : end) - extent_[m] - side - pad;
+        const double high_end = (forward ? end : from_[m]) + extent_[m] + pad;
+        const std::uint32_t lowest = level.at(m, to_float(low_end)), highest = level.at(m, to_float(high_end));
+        const std::uint32_t layers = highest - lowest + 1;
+        double cells = layers;
+        for (int i = 0; i < D; ++i)
+            if (i != m) cells *= (2 * extent_[i] + side) / cell + 2;
+        if (cells > most_cells) return false;
+        for (std::uint32_t n = 0; n < layers; ++n) {
+            const std::uint32_t at = forward ? lowest + n : highest - n;
+            const double low = static_cast<double>(level.low[m]) + at * cell - pad - extent_[m];
+            const double high = low + cell + side + 2 * (pad + extent_[m]);
+            double enter = ((forward ? low : high) - from_[m]) / way_[m];
+            double leave = ((forward ? high : low) - from_[m]) / way_[m];
+            // Those at the border have no end.
+            if (at == 0) (forward ? enter : leave) = forward ? 0 : limit;
+            if (at == static_cast<std::uint32_t>(level.most[m])) (forward ? leave : enter) = forward ? limit : 0;
+            enter = enter > step_ ? enter - step_ : -step_;
+            leave = leave < limit ? leave + step_ : limit;
+            if (enter > static_cast<double>(reach)) break;
+            if (leave < enter) continue;
+            float_box<D> part;
+            for (int i = 0; i < D; ++i) {
+                const double a = from_[i] + way_[i] * enter, b = from_[i] + way_[i] * leave;
+                part.lower[i] = to_float((a < b ? a : b) - extent_[i] - pad);
+                part.upper[i] = to_float((a < b ? b : a) + extent_[i] + pad);
+            }
+            cell_range<D> range(level, part);
+            range.first[m] = range.last[m] = at;
+            if (!visit(range)) break;
+        }
+        return true;
+    }
+
+private:
+    double from_[D], way_[D], extent_[D], largest_ = 0, step_;
+    int main_ = 0;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/broadphase/cell_index.hpp
+// =================================================================================================
+// The index behind grid and hash_grid: boxes in cells of their size.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Levels of cells, each four times as wide as the one before; a box is in the level of its longest side. Cells, a
+/// dense array or a hash table, says where the chain of a cell begins:
+///   arrange(levels, count, usual, region, population)   how large cells are, and where; forgets all chains
+///   adapt(levels, count)   after everything was put in: whether other cells would be better
+///   head(key), at(key)     the first block of a cell
+/// A box that moves within its cell is only written; one that leaves it costs the same wherever it goes.
+template <class Space, class Cells>
+class cell_index : public block_scan<cell_index<Space, Cells>, Space> {
+public:
+    using S = typename Space::scalar;
+    static constexpr int D = Space::dimension;
+    using table = proxies<Space>;
+    using box = float_box<D>;
+
+    void insert(const table& all, std::uint32_t id) {
+        if (id >= places_.size()) places_.resize(id + 1);
+        // Early ones of many: an update will see to how cells suit them all.
+        if (levels_.empty() || all.count() > 4 * packed_ + 64) pack(all);
+        else put(all, id, box_of(all, id));
+    }
+    void erase(const table&, std::uint32_t id) {
+        take_out(id);
+        wear_ = wear_ + 8;
+    }
+    void update(const table& all, const std::uint32_t* ids, std::uint32_t count) {
+        for (std::uint32_t i = 0; i < count; ++i) {
+            const std::uint32_t id = ids[i];
+            if (!all.has(id)) continue;
+            const box b = box_of(all, id);
+            auto& block = blocks_[places_[id] / 8];
+            if (block.key == key_of(level_of(b), b)) {
+                block.boxes.set(places_[id] % 8, b);
+            } else {
+                take_out(id);
+                put(all, id, b);
+            }
+        }
+        if (worn(all)) pack(all);
+    }
+
+    /// See tree_index: the pairs of which one at least has moved.
+    template <class Emit>
+    bool find(const table& all, Emit&& emit) {
+        // Some are left where the caller threw out of the last search.
+        for (const std::uint32_t b : touched_) blocks_[b].moved = 0;
+        touched_.clear();
+        std::uint32_t movable = 0, moved[level_count]{};
+        for (const std::uint32_t id : all.changed()) {
+            if (!all.has(id)) continue;
+            auto& block = blocks_[places_[id] / 8];
+            ++moved[block.level];
+            if (block.moved == 0) touched_.push(places_[id] / 8);
+            block.moved = static_cast<std::uint8_t>(block.moved | 1u << places_[id] % 8);
+            movable += all.is_movable(id);
+        }
+        // Where all of a level have moved, they find what is on coarser ones.
+        std::uint32_t partly = 0;
+        for (std::uint32_t l = 0; l < levels_.size(); ++l) partly |= (moved[l] < levels_[l].count ? 1u : 0u) << l;
+        // In the order in which blocks lie in memory, where that is worth a look at each.
+        if (touched_.size() > blocks_.size() / 16) {
+            for (std::uint32_t b = 0; b < blocks_.size(); ++b)
+                if (blocks_[b].moved != 0) find_from(b, partly, emit);
+        } else {
+            for (const std::uint32_t b : touched_) find_from(b, partly, emit);
+        }
+        for (const std::uint32_t b : touched_) blocks_[b].moved = 0;
+        touched_.clear();
+        return movable == movable_;
+    }
+
+    template <class Visit>
+    void each_near(const table&, const typename Space::aabb& near, Visit&& visit) const {
+        const box reach = enclosing(near, origin_);
+        each_block(all_levels, reach, [&](std::uint32_t b) {
+            bool on = true;
+            each_bit(blocks_[b].boxes.overlapping(reach),
+                     [&](std::uint32_t lane) { on = on && visit(blocks_[b].ids[lane]); });
+            return on;
+        });
+    }
+    /// Along the cells that the ray goes through, layer by layer.
+    template <class Visit>
+    void each_along(const table&, const ray<S, D>& r, S limit, Visit&& visit) const {
+        const float_ray<D> way(r, origin_);
+        float reach = above(limit) + way.step, near[8];
+        const auto meet = [&](std::uint32_t b) {
+            each_bit(way.meets(blocks_[b].boxes, reach, near),
+                     [&](std::uint32_t lane) { reach = above(visit(blocks_[b].ids[lane])) + way.step; });
+            return !(reach < 0);
+        };
+        const cell_walk<S, D> cells(r, origin_, way.step);
+        std::uint32_t wide = 0;
+        // Large ones first: they are few, and likely to end it.
+        for (std::uint32_t l = levels_.size(); l-- > 0 && !(reach < 0);) {
+            const cell_level<D>& level = levels_[l];
+            const auto visit_range = [&](const cell_range<D>& range) { return each_in(level, range, meet); };
+            if (level.count > 0 && !cells.each_layer(level, reach, blocks_.size(), visit_range)) wide |= 1u << l;
+        }
+        if (!(reach < 0)) each_of(wide, meet);
+    }
+
+    // For block_scan.
+    template <class F>
+    void each_eight(F&& f) const {
+        for (std::uint32_t b = 0; b < blocks_.size(); ++b)
+            if (blocks_[b].count > 0 && !f(blocks_[b].boxes, [&](std::uint32_t lane) { return blocks_[b].ids[lane]; }))
+                return;
+    }
+    template <class F>
+    void each_eight(const box& near, F&& f) const {
+        each_block(all_levels, near, [&](std::uint32_t b) {
+            return f(blocks_[b].boxes, [&](std::uint32_t lane) { return blocks_[b].ids[lane]; });
+        });
+    }
+    [[nodiscard]] float usual_size() const { return levels_.empty() ? 1 : levels_[usual].cell; }
+    template <class F>
+    void each_loose(F&&) const {}
+    [[nodiscard]] const typename Space::vec& origin() const { return origin_; }
+
+private:
+    /// Below and above the level that most boxes are in; the last one has no bounds, and one cell.
+    static constexpr std::uint32_t finer = 4, coarser = 4, level_count = finer + coarser + 2, usual = finer;
+    static constexpr std::uint32_t all_levels = ~0u;
+
+    box box_of(const table& all, std::uint32_t id) const { return enclosing(all.box(id), origin_); }
+    static float side_of(const box& b) {
+        float side = 0;
+        for (int i = 0; i < D; ++i) side = b.upper[i] - b.lower[i] > side ? b.upper[i] - b.lower[i] : side;
+        return side;
+    }
+    std::uint32_t level_of(const box& b) const {
+        const float side = side_of(b);
+        std::uint32_t l = usual;
+        while (l + 1 < level_count && side > levels_[l].side) ++l;
+        while (l > 0 && !(side > levels_[l - 1].side)) --l;
+        return l;
+    }
+    std::uint64_t key_of(std::uint32_t l, const box& b) const {
+        const cell_level<D>& level = levels_[l];
+        std::uint64_t key = level.base;
+        for (int i = 0; i < D; ++i) key += level.at(i, b.lower[i]) * level.stride[i];
+        return key;
+    }
+    void put(const table& all, std::uint32_t id, const box& b) {
+        const std::uint32_t l = level_of(b);
+        cell_level<D>& level = levels_[l];
+        const std::uint64_t key = key_of(l, b);
+        std::uint32_t& head = cells_.at(key);
+        level.cells += head == no_block;
+        ++level.count;
+        movable_ = movable_ + all.is_movable(id);
+        places_[id] = blocks_.add(head, key, l, b, id, all.is_movable(id));
+        // Far from all cells, where each more makes the others slower.
+        for (int i = 0; i < D; ++i) wear_ = wear_ + (l + 1 < level_count && level.outside(i, b.lower[i]) ? 16 : 0);
+        ++wear_;
+    }
+    void take_out(std::uint32_t id) {
+        const std::uint32_t slot = places_[id];
+        auto& block = blocks_[slot / 8];
+        cell_level<D>& level = levels_[block.level];
+        std::uint32_t& head = cells_.at(block.key);
+        movable_ = movable_ - (block.movable >> slot % 8 & 1);
+        const std::uint32_t moved = blocks_.remove(head, slot);
+        if (moved != no_proxy) places_[moved] = slot;
+        level.cells -= head == no_block;
+        --level.count;
+    }
+
+    /// So much has come, gone or wandered off that other cells, or another order in memory, are likely to be better.
+    bool worn(const table& all) const {
+        return wear_ > 8 * std::uint64_t{all.count()} + 512 || all.count() > packed_ + packed_ / 2 + 64;
+    }
+
+    /// Looks at what there is, arranges cells for it and puts everything in anew.
+    void pack(const table& all) {
+        float_sample sides, lows[D];
+        const std::uint32_t stride = all.count() / float_sample::most + 1;
+        const auto sample = [&](auto&& use) {
+            std::uint32_t seen = 0;
+            for (std::uint32_t id = 0; id < all.size(); ++id)
+                if (all.has(id) && seen++ % stride == 0) use(box_of(all, id));
+        };
+        const auto middle = [&] {
+            for (float_sample& s : lows) s = {};
+            sample([&](const box& b) {
+                for (int i = 0; i < D; ++i) lows[i].add(b.lower[i]);
+            });
+            for (float_sample& s : lows) s.sort();
+        };
+        middle();
+        if constexpr (!std::is_same_v<S, float>) {
+            // Floats are finest near their origin.
+            for (int i = 0; i < D; ++i) origin_[i] += S(static_cast<double>(lows[i].at(0.5f)));
+            middle();
+        }
+        sample([&](const box& b) { sides.add(side_of(b)); });
+        sides.sort();
+        box region;
+        for (int i = 0; i < D; ++i) {
+            // What is beyond by more than that is a stray.
+            const float low = lows[i].at(0.02f), high = lows[i].at(0.98f), more = (high - low) * 0.25f;
+            region.lower[i] = lows[i].at(0) > low - more ? lows[i].at(0) : low - more;
+            region.upper[i] = lows[i].at(1) < high + more ? lows[i].at(1) : high + more;
+        }
+        std::uint32_t population[level_count]{};
+        levels_.resize(level_count);
+        const float infinity = std::numeric_limits<float>::infinity();
+        const float typical = sides.at(0.9f) * 1.25f;
+        float side = (typical > 1e-20f ? typical < 1e20f ? typical : 1e20f : 1e-20f) / (1 << 2 * finer);
+        for (std::uint32_t l = 0; l < level_count; ++l, side *= 4) {
+            levels_[l] = {};
+            levels_[l].side = l + 1 < level_count ? side : infinity;
+            levels_[l].reach = levels_[l].side * 1.000001f;
+        }
+        sample([&](const box& b) { population[level_of(b)] += stride; });
+        keys_.clear();
+        for (std::uint32_t id = 0; id < all.size(); ++id)
+            if (all.has(id)) keys_.push(std::uint64_t{place_of(box_of(all, id), region)} << 32 | id);
+        const std::uint32_t count = keys_.size();
+        spare_.resize(count);
+        const std::uint64_t* order = radix_sort(keys_.begin(), spare_.begin(), count, 32, 62);
+        for (int attempt = 0;; ++attempt) {
+            cells_.arrange(levels_.begin(), level_count, usual, region, population);
+            blocks_.clear();
+            touched_.clear();
+            movable_ = 0;
+            for (cell_level<D>& level : levels_) level.count = level.cells = 0;
+            for (std::uint32_t i = 0; i < count; ++i) {
+                const auto id = static_cast<std::uint32_t>(order[i]);
+                put(all, id, box_of(all, id));
+            }
+            if (attempt == 6 || !cells_.adapt(levels_.begin(), level_count)) break;
+        }
+        wear_ = 0;
+        packed_ = count;
+    }
+
+    /// Where a box is on a curve through a region that keeps neighbours together in memory.
+    /// Source: Morton, A computer oriented geodetic data base (1966).
+    static std::uint32_t place_of(const box& b, const box& region) {
+        constexpr int bits = 30 / D;
+        std::uint32_t place = 0;
+        for (int i = 0; i < D; ++i) {
+            const float part = (b.lower[i] - region.lower[i]) / (region.upper[i] - region.lower[i]);
+            // Not a number where the region is flat.
+            const auto cell = static_cast<std::uint32_t>(part > 0 ? (part < 1 ? part : 1) * ((1 << bits) - 1) : 0);
+            for (int bit = 0; bit < bits; ++bit) place |= (cell >> bit & 1u) << (bit * D + i);
+        }
+        return place;
+    }
+
+    /// Calls visit(b) for the blocks of some levels with boxes that may meet this one, until it returns false.
+    template <class Visit>
+    void each_block(std::uint32_t levels, const box& reach, Visit&& visit) const {
+        std::uint32_t wide = 0;
+        for (std::uint32_t l = 0; l < levels_.size(); ++l) {
+            if (levels_[l].count == 0 || !(levels >> l & 1)) continue;
+            const cell_range<D> range(levels_[l], reach);
+            if (range.size() > blocks_.size()) wide |= 1u << l;
+            else if (!each_in(levels_[l], range, visit)) return;
+        }
+        each_of(wide, visit);
+    }
+    template <class Visit>
+    bool each_in(const cell_level<D>& level, const cell_range<D>& range, Visit&& visit) const {
+        return range.each(level, [&](std::uint64_t key) {
+            for (std::uint32_t b = cells_.head(key); b != no_block; b = blocks_[b].next)
+                if (!visit(b)) return false;
+            return true;
+        });
+    }
+    /// The same for all blocks of some levels: where there are more cells than blocks.
+    template <class Visit>
+    void each_of(std::uint32_t levels, Visit&& visit) const {
+        if (levels == 0) return;
+        for (std::uint32_t b = 0; b < blocks_.size(); ++b)
+            if (blocks_[b].count > 0 && levels >> blocks_[b].level & 1 && !visit(b)) return;
+    }
+
+    /// The pairs of the boxes of a block that have moved.
+    template <class Emit>
+    void find_from(std::uint32_t b, std::uint32_t partly, Emit&& emit) {
+        const auto& block = blocks_[b];
+        const float room = levels_[block.level].cell * 2;
+        const std::uint32_t levels = partly | all_levels << block.level;
+        box around{};
+        std::uint32_t lanes = 0;
+        each_bit(block.moved, [&](std::uint32_t lane) {
+            const box own = block.boxes.get(lane);
+            if (lanes == 0) around = own;
+            box both = around;
+            for (int i = 0; i < D; ++i) {
+                both.lower[i] = own.lower[i] < both.lower[i] ? own.lower[i] : both.lower[i];
+                both.upper[i] = own.upper[i] > both.upper[i] ? own.upper[i] : both.upper[i];
+            }
+            // Strays may share a cell at the border and yet be far from each other.
+            if (lanes != 0 && side_of(both) > room) {
+                find_lanes(b, lanes, around, levels, emit);
+                lanes = 0;
+                both = own;
+            }
+            around = both;
+            lanes |= 1u << lane;
+        });
+        find_lanes(b, lanes, around, levels, emit);
+    }
+    template <class Emit>
+    void find_lanes(std::uint32_t b, std::uint32_t lanes, const box& around, std::uint32_t levels, Emit&& emit) {
+        const auto& block = blocks_[b];
+        const std::uint32_t movable = lanes & block.movable;
+        const bool alone = (lanes & (lanes - 1)) == 0;
+        each_block(levels, around, [&](std::uint32_t o) {
+            const auto& other = blocks_[o];
+            // Of two that have moved, the one on the finer level finds the other, or that in the earlier block.
+            std::uint32_t wanted = movable != 0 ? 0xffu : other.movable;
+            const bool finds = block.level != other.level ? block.level < other.level : b < o;
+            if (!finds && b != o) wanted &= ~std::uint32_t{other.moved};
+            if (wanted == 0) return true;
+            each_bit(wanted & other.boxes.overlapping(around), [&](std::uint32_t k) {
+                std::uint32_t met = other.movable >> k & 1 ? lanes : movable;
+                if (!alone || b == o) met &= block.boxes.overlapping(other.boxes.get(k));
+                if (b == o && other.moved >> k & 1) met &= ~((2u << k) - 1);
+                each_bit(met, [&](std::uint32_t i) { emit(block.ids[i], other.ids[k]); });
+            });
+            return true;
+        });
+    }
+
+    Cells cells_;
+    cell_blocks<D> blocks_;
+    buffer<cell_level<D>> levels_;
+    /// By proxy: its slot, eight a block.
+    buffer<std::uint32_t> places_, touched_;
+    buffer<std::uint64_t> keys_, spare_;
+    typename Space::vec origin_{};
+    /// How many there were when cells were arranged, and how many are movable.
+    reset_on_move<std::uint32_t> packed_, movable_;
+    reset_on_move<std::uint64_t> wear_;
+};
 
 }  // namespace detail
 
@@ -7174,13 +8165,17 @@ private:
     /// What is in a slot; of float the box in the lane is the exact one, and near in memory.
     static candidate<Space> candidate_in(const table& all, const tree& t, std::uint32_t slot) {
         const std::uint32_t id = t.id(slot);
-        if constexpr (!std::is_same_v<S, float>) return {id, t.filter(slot), all.box(id)};
-        candidate<Space> c{id, t.filter(slot), {}};
-        for (int i = 0; i < D; ++i) {
-            c.box.lower[i] = S(t.leaf(slot / 8).lower[i][slot % 8]);
-            c.box.upper[i] = S(t.leaf(slot / 8).upper[i][slot % 8]);
+        if constexpr (!std::is_same_v<S, float>) {
+            return {id, t.filter(slot), all.box(id)};
+        } else {
+            const float_box<D> box = t.leaf(slot / 8).get(slot % 8);
+            candidate<Space> c{id, t.filter(slot), {}};
+            for (int i = 0; i < D; ++i) {
+                c.box.lower[i] = box.lower[i];
+                c.box.upper[i] = box.upper[i];
+            }
+            return c;
         }
-        return c;
     }
     template <class Test, class Visit>
     void each_where(const table& all, Test&& test, Visit&& visit) const {
@@ -7386,6 +8381,457 @@ struct dynamic_tree {
 
     template <class Space>
     using in = indexed_broadphase<Space, detail::tree_index<Space>>;
+};
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/broadphase/grid.hpp
+// =================================================================================================
+// A dense grid of cells.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Cells in an array: as many as fill the region.
+template <int D>
+class dense_cells {
+public:
+    void arrange(cell_level<D>* levels, std::uint32_t count, std::uint32_t, const float_box<D>& region,
+                 const std::uint32_t* population) {
+        std::uint32_t total = 0;
+        for (std::uint32_t l = 0; l < count; ++l) {
+            cell_level<D>& level = levels[l];
+            const auto dimension = [&](int i, float cell) {
+                const double wide = static_cast<double>(region.upper[i]) - static_cast<double>(region.lower[i]);
+                const double cells = wide / static_cast<double>(cell);
+                return cells < 1e6 ? static_cast<double>(static_cast<std::uint32_t>(cells)) + 1 : 1e6;
+            };
+            const auto number = [&](float cell) {
+                double product = 1;
+                for (int i = 0; i < D; ++i) product *= dimension(i, cell);
+                return product;
+            };
+            float cell = l + 1 < count ? level.side : std::numeric_limits<float>::max();
+            const double most = population[l] / 4 + 1;
+            while (number(cell) > most) cell *= 1.1f;
+            level.set_cell(cell);
+            level.base = total;
+            std::uint32_t stride = 1;
+            for (int i = 0; i < D; ++i) {
+                level.low[i] = region.lower[i];
+                level.most[i] = static_cast<float>(dimension(i, cell) - 1);
+                level.stride[i] = stride;
+                stride *= static_cast<std::uint32_t>(dimension(i, cell));
+            }
+            total += stride;
+        }
+        heads_.clear();
+        heads_.resize(total, no_block);
+    }
+    bool adapt(const cell_level<D>*, std::uint32_t) { return false; }
+    [[nodiscard]] std::uint32_t head(std::uint64_t key) const { return heads_[static_cast<std::uint32_t>(key)]; }
+    std::uint32_t& at(std::uint64_t key) { return heads_[static_cast<std::uint32_t>(key)]; }
+
+private:
+    buffer<std::uint32_t> heads_;
+};
+
+}  // namespace detail
+
+/// A dense grid: an array of cells over the region where things are. For worlds that are filled about evenly, above
+/// all in 2D: up to a third faster there than dynamic_tree, and with cheaper box queries; in 3D about as fast. A move
+/// within a cell is one write, and one into another cell costs the same wherever that is.
+/// It measures by itself how large boxes are, how many and where, and arranges its cells anew when that has changed
+/// much; each box is in cells of about its size, so that sizes may differ. The region is no wall: what lies outside
+/// (the ends of the world, a few strays) is in the cells at the border and found like the rest; many there make each
+/// other slow until the region follows them.
+/// Choose another where things are in clusters far apart, or sizes differ a hundredfold (dynamic_tree takes half the
+/// time): all cells of a level are of one size, so that clusters fill but few.
+/// Cost of a step, for each proxy that left its box: 70 to 110 ns in 2D, 150 to 350 ns in 3D; resting ones cost
+/// nothing. Arranging cells anew: 100 to 200 ns a proxy, in one step. Memory: 35 to 100 bytes a proxy. Queries:
+/// O(cells in reach + found); each_inside looks at all.
+/// Source: Ericson, Real-time collision detection (2005), 7.1 and 7.2.
+struct grid {
+    using stage = physics::stage::broadphase;
+
+    template <class Space>
+    using in = indexed_broadphase<Space, detail::cell_index<Space, detail::dense_cells<Space::dimension>>>;
+};
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/broadphase/hash_grid.hpp
+// =================================================================================================
+// A grid without bounds, of which only cells with something in them exist.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Cells in a hash table with open addressing. Nothing walks through the table in its order.
+template <int D>
+class hashed_cells {
+public:
+    void arrange(cell_level<D>* levels, std::uint32_t count, std::uint32_t usual,
+                 const float_box<D>& region, const std::uint32_t*) {
+        // Cells of small ones not much smaller than of most: large ones look through them.
+        for (std::uint32_t l = stretch_.size(); l < count; ++l)
+            stretch_.push(l + 1 < usual ? static_cast<float>(1 << 2 * (usual - l - 1)) : 1.0f);
+        for (std::uint32_t l = 0; l < count; ++l) {
+            cell_level<D>& level = levels[l];
+            const bool endless = l + 1 == count;
+            level.set_cell(endless ? std::numeric_limits<float>::max() : level.side * stretch_[l]);
+            level.base = std::uint64_t{l} << 60;
+            for (int i = 0; i < D; ++i) {
+                // A million cells along each axis, what there is in their middle.
+                const float middle = region.lower[i] * 0.5f + region.upper[i] * 0.5f;
+                level.low[i] = endless ? 0 : middle - level.cell * (1 << (bits - 1));
+                level.most[i] = endless ? 0.0f : static_cast<float>((1 << bits) - 1);
+                level.stride[i] = std::uint64_t{1} << i * bits;
+            }
+        }
+        entries_.clear();
+        used_ = 0;
+    }
+    /// Wider cells, where most would have but one or two boxes.
+    bool adapt(const cell_level<D>* levels, std::uint32_t count) {
+        bool better = false;
+        for (std::uint32_t l = 0; l + 1 < count; ++l) {
+            if (levels[l].count < 64) continue;
+            const bool sparse = levels[l].count < 3 * levels[l].cells && stretch_[l] < 256;
+            const bool dense = levels[l].count > 32 * levels[l].cells && stretch_[l] > 1.01f;
+            if (sparse || dense) stretch_[l] *= sparse ? 1.5f : 1 / 1.5f;
+            better = better || sparse || dense;
+        }
+        return better;
+    }
+    [[nodiscard]] std::uint32_t head(std::uint64_t key) const {
+        if (entries_.empty()) return no_block;
+        for (std::uint32_t i = first(key);; i = i + 1 == entries_.size() ? 0 : i + 1)
+            if (entries_[i].key == key || entries_[i].key == no_key) return entries_[i].head;
+    }
+    std::uint32_t& at(std::uint64_t key) {
+        if (2 * (used_ + 1) > entries_.size()) grow();
+        std::uint32_t i = first(key);
+        while (entries_[i].key != key && entries_[i].key != no_key) i = i + 1 == entries_.size() ? 0 : i + 1;
+        if (entries_[i].key == no_key) ++used_;
+        entries_[i].key = key;
+        return entries_[i].head;
+    }
+
+private:
+    static constexpr int bits = 20;
+    static constexpr std::uint64_t no_key = ~std::uint64_t{0};
+    struct entry {
+        std::uint64_t key;
+        std::uint32_t head;
+    };
+
+    [[nodiscard]] std::uint32_t first(std::uint64_t key) const {
+        const std::uint64_t mixed = (key ^ key >> 29) * 0x9e3779b97f4a7c15u;
+        return static_cast<std::uint32_t>(mixed >> 32) & (entries_.size() - 1);
+    }
+    /// Makes room; entries of cells that are empty by now go.
+    void grow() {
+        std::uint32_t live = 0;
+        for (const entry& e : entries_) live += e.head != no_block;
+        std::uint32_t size = 64;
+        while (size < 4 * (live + 1)) size *= 2;
+        spare_.clear();
+        spare_.resize(size, entry{no_key, no_block});
+        entries_.swap(spare_);
+        used_ = 0;
+        for (const entry& e : spare_)
+            if (e.head != no_block) at(e.key) = e.head;
+    }
+
+    buffer<entry> entries_, spare_;
+    /// By level, how much wider a cell is than its boxes may be.
+    buffer<float> stretch_;
+    reset_on_move<std::uint32_t> used_;
+};
+
+}  // namespace detail
+
+/// A hashed grid: the cells of grid, without its region. Only cells with something in them exist, found by a hash of
+/// their coordinates, a million along each axis about where most things are; beyond, those at the border serve. For
+/// open worlds in which things are scattered unevenly over a large area, and come and go everywhere: its memory and
+/// time depend on them alone.
+/// Choose grid where the world is filled evenly, which spares a tenth to a quarter, and dynamic_tree where sizes
+/// differ tenfold and more or queries matter: each size of cells in use adds to every search.
+/// Cost of a step, for each proxy that left its box: 80 to 120 ns in 2D, 200 to 400 ns in 3D; resting ones cost
+/// nothing. Arranging cells anew: 100 to 300 ns a proxy, in one step. Memory: 50 to 150 bytes a proxy. Queries:
+/// O(cells in reach + found), but never much worse than a look at all boxes; each_inside looks at all.
+/// Source: Teschner, Heidelberger, Mueller, Pomeranets, Gross, Optimized spatial hashing for collision detection of
+/// deformable objects (2003); levels: Ericson, Real-time collision detection (2005), 7.2.1.
+struct hash_grid {
+    using stage = physics::stage::broadphase;
+
+    template <class Space>
+    using in = indexed_broadphase<Space, detail::cell_index<Space, detail::hashed_cells<Space::dimension>>>;
+};
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/broadphase/sweep_and_prune.hpp
+// =================================================================================================
+// Sweep and prune: boxes in order along one axis.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Movable proxies and the others in an order each. What has just come waits in a tail, searched one by one, until
+/// the next update.
+template <class Space>
+class sweep_index : public block_scan<sweep_index<Space>, Space> {
+public:
+    using S = typename Space::scalar;
+    static constexpr int D = Space::dimension;
+    using table = proxies<Space>;
+    using box = float_box<D>;
+    using order = axis_order<D>;
+
+    void insert(const table& all, std::uint32_t id) {
+        if (id >= places_.size()) places_.resize(id + 1);
+        kind& k = kinds_[all.is_movable(id)];
+        places_[id] = tail_place | k.tail.size();
+        k.tail.push(id);
+        if (k.tail.size() > 64 + k.order.live() / 4) sort(all, k);
+    }
+    void erase(const table& all, std::uint32_t id) {
+        kind& k = kinds_[all.is_movable(id)];
+        const std::uint32_t slot = places_[id] & ~tail_place;
+        if (places_[id] == slot) {
+            k.order.remove(slot);
+        } else {
+            k.tail[slot] = k.tail.back();
+            places_[k.tail[slot]] = tail_place | slot;
+            k.tail.pop();
+        }
+    }
+    void update(const table& all, const std::uint32_t* ids, std::uint32_t count) {
+        for (int m = 0; m < 2; ++m) {
+            kind& k = kinds_[m];
+            const auto ours = [&](std::uint32_t id) { return all.has(id) && all.is_movable(id) == (m == 1); };
+            std::uint32_t moves = k.tail.size();
+            for (std::uint32_t i = 0; i < count; ++i) moves += ours(ids[i]);
+            bool sorted = moves < k.too_many && k.order.live() + k.order.live() / 4 + 64 > k.order.size() &&
+                          k.since_sorted < 32 * (std::uint64_t{k.order.live()} + 64);
+            k.since_sorted += moves;
+            // So much work in small steps costs as much as to sort everything.
+            std::uint32_t left = 4 * k.order.size() + 64;
+            const auto spend = [&](std::uint32_t steps) {
+                left = left > steps + 1 ? left - steps - 1 : 0;
+                if (left == 0) k.too_many = moves;
+                return left > 0;
+            };
+            while (!k.tail.empty() && (sorted = sorted && k.order.has_room())) {
+                const std::uint32_t id = k.tail.back();
+                k.tail.pop();
+                sorted = spend(k.order.insert(id, box_of(all, id), left, at()));
+            }
+            for (std::uint32_t i = 0; i < count && sorted; ++i)
+                if (ours(ids[i])) sorted = spend(k.order.move(places_[ids[i]], box_of(all, ids[i]), left, at()));
+            // Now and then it is worth another try.
+            if (!sorted && k.too_many < 1u << 30) k.too_many += k.too_many / 16 + 1;
+            if (sorted) k.order.settle();
+            else if (moves > 0 || k.order.size() > 0) sort(all, k);
+        }
+    }
+
+    /// See tree_index: the pairs of which one at least has moved.
+    template <class Emit>
+    bool find(const table& all, Emit&& emit) {
+        std::uint32_t moved[2] = {0, 0};
+        for (kind& k : kinds_) {
+            // Some are left where the caller threw out of the last search.
+            if (searching_) k.moved.clear();
+            k.moved.resize(k.order.blocks());
+        }
+        searching_ = true;
+        for (const std::uint32_t id : all.changed()) {
+            if (!all.has(id)) continue;
+            mark(all, id, true);
+            ++moved[all.is_movable(id)];
+        }
+        kind &fixed = kinds_[0], &movable = kinds_[1];
+        const bool everything = moved[1] == movable.order.live();
+        std::uint32_t guess = 0;
+        if (moved[1] > 0)
+            each_moved(movable, [&](std::uint32_t slot) {
+                const box own = movable.order[slot / 8].get(slot % 8);
+                const auto meet = [&](const order& other, std::uint32_t b, std::uint32_t lanes) {
+                    each_bit(lanes, [&](std::uint32_t lane) { emit(movable.order.id(slot), other.id(b * 8 + lane)); });
+                };
+                movable.order.sweep(slot, own,
+                                    [&](std::uint32_t b, std::uint32_t lanes) { meet(movable.order, b, lanes); });
+                // Those before it that have moved have swept over it.
+                if (!everything)
+                    movable.order.search(own, slot / 8 + 1, [&](std::uint32_t b) {
+                        std::uint32_t wanted = ~std::uint32_t{movable.moved[b]} & 0xffu;
+                        if (b == slot / 8) wanted &= (1u << slot % 8) - 1;
+                        if (wanted != 0) meet(movable.order, b, wanted & movable.order[b].overlapping(own));
+                        return true;
+                    });
+                guess = fixed.order.begun(own.upper[fixed.order.axis()], guess);
+                fixed.order.search(own, guess, [&](std::uint32_t b) {
+                    meet(fixed.order, b, fixed.order[b].overlapping(own));
+                    return true;
+                });
+            });
+        if (moved[0] > 0)
+            each_moved(fixed, [&](std::uint32_t slot) {
+                const box own = fixed.order[slot / 8].get(slot % 8);
+                guess = movable.order.begun(own.upper[movable.order.axis()], guess);
+                movable.order.search(own, guess, [&](std::uint32_t b) {
+                    each_bit(movable.order[b].overlapping(own) & ~std::uint32_t{movable.moved[b]},
+                             [&](std::uint32_t lane) { emit(fixed.order.id(slot), movable.order.id(b * 8 + lane)); });
+                    return true;
+                });
+            });
+        for (const std::uint32_t id : all.changed())
+            if (all.has(id)) mark(all, id, false);
+        searching_ = false;
+        return everything;
+    }
+
+    template <class Visit>
+    void each_near(const table&, const typename Space::aabb& near, Visit&& visit) const {
+        const box reach = enclosing(near, origin_);
+        bool on = true;
+        each_loose([&](std::uint32_t id) { on = on && visit(id); });
+        each_eight(reach, [&](const auto& block, auto&& id_of) {
+            each_bit(on ? block.overlapping(reach) : 0, [&](std::uint32_t lane) { on = on && visit(id_of(lane)); });
+            return on;
+        });
+    }
+    template <class Visit>
+    void each_along(const table&, const ray<S, D>& r, S limit, Visit&& visit) const {
+        const float_ray<D> way(r, origin_);
+        float reach = above(limit) + way.step, near[8];
+        const auto see = [&](std::uint32_t id) { reach = above(visit(id)) + way.step; };
+        each_loose(see);
+        box near_way;
+        for (int i = 0; i < D; ++i) {
+            const double from = static_cast<double>(r.origin[i]) - static_cast<double>(origin_[i]);
+            const double to = from + static_cast<double>(r.translation[i]);
+            const double low = from < to ? from : to, high = from < to ? to : from;
+            // The exact test may round a fraction, and take what is a little beside the way.
+            const double room = (high - low) * static_cast<double>(way.step) + static_cast<double>(r.extent[i]) +
+                                ((low < 0 ? -low : low) + (high < 0 ? -high : high)) * 1e-6;
+            near_way.lower[i] = to_float(low - room);
+            near_way.upper[i] = to_float(high + room);
+        }
+        each_eight(near_way, [&](const auto& block, auto&& id_of) {
+            each_bit(way.meets(block, reach, near), [&](std::uint32_t lane) { see(id_of(lane)); });
+            return !(reach < 0);
+        });
+    }
+
+    // For block_scan.
+    template <class F>
+    void each_eight(F&& f) const {
+        for (const kind& k : kinds_)
+            for (std::uint32_t b = 0; b < k.order.blocks(); ++b)
+                if (!f(k.order[b], [&](std::uint32_t lane) { return k.order.id(b * 8 + lane); })) return;
+    }
+    template <class F>
+    void each_eight(const box& near, F&& f) const {
+        for (const kind& k : kinds_)
+            k.order.search(near, k.order.begun(near.upper[k.order.axis()], 0), [&](std::uint32_t b) {
+                return f(k.order[b], [&](std::uint32_t lane) { return k.order.id(b * 8 + lane); });
+            });
+    }
+    [[nodiscard]] float usual_size() const { return kinds_[1].order.usual_size(); }
+    template <class F>
+    void each_loose(F&& f) const {
+        for (const kind& k : kinds_)
+            for (const std::uint32_t id : k.tail) f(id);
+    }
+    [[nodiscard]] const typename Space::vec& origin() const { return origin_; }
+
+private:
+    static constexpr std::uint32_t tail_place = 1u << 31;
+
+    struct kind {
+        detail::axis_order<D> order;
+        buffer<std::uint32_t> tail;
+        /// By block, a bit for each box that has moved; all 0 but while pairs are searched.
+        buffer<std::uint8_t> moved;
+        /// So many moves at once have been too many for small steps.
+        std::uint32_t too_many = 1u << 31;
+        /// Moves in small steps: after many, another axis may be better.
+        std::uint64_t since_sorted = 0;
+    };
+
+    box box_of(const table& all, std::uint32_t id) const { return enclosing(all.box(id), origin_); }
+    auto at() {
+        return [&](std::uint32_t id, std::uint32_t slot) { places_[id] = slot; };
+    }
+    void sort(const table& all, kind& k) {
+        for (const std::uint32_t id : k.tail) k.order.add(id);
+        k.tail.clear();
+        k.since_sorted = 0;
+        k.order.sort([&](std::uint32_t id) { return box_of(all, id); }, at());
+        if (&k == &kinds_[1]) follow(all);
+    }
+    /// Moves the origin to where the movable proxies are, once that is far away for a float.
+    void follow(const table& all) {
+        if constexpr (!std::is_same_v<S, float>) {
+            const order& movable = kinds_[1].order;
+            if (movable.live() == 0) return;
+            bool far = false;
+            for (int i = 0; i < D; ++i) {
+                const float middle = movable.middle(i);
+                far = far || max(middle, -middle) > 64 * max(movable.usual_size(), movable.width());
+            }
+            if (!far) return;
+            for (int i = 0; i < D; ++i) origin_[i] += S(static_cast<double>(movable.middle(i)));
+            for (kind& k : kinds_) k.order.sort([&](std::uint32_t id) { return box_of(all, id); }, at());
+        }
+    }
+    void mark(const table& all, std::uint32_t id, bool value) {
+        std::uint8_t& bits = kinds_[all.is_movable(id)].moved[places_[id] / 8];
+        bits = static_cast<std::uint8_t>(value ? bits | 1u << places_[id] % 8 : 0u);
+    }
+    template <class F>
+    static void each_moved(const kind& k, F&& f) {
+        for (std::uint32_t b = 0; b < k.moved.size(); ++b)
+            each_bit(k.moved[b], [&](std::uint32_t lane) { f(b * 8 + lane); });
+    }
+
+    kind kinds_[2];
+    /// By proxy: its slot in the order of its kind, or in the tail.
+    buffer<std::uint32_t> places_;
+    typename Space::vec origin_{};
+    bool searching_ = false;
+};
+
+}  // namespace detail
+
+/// Boxes in order along the axis on which they are spread widest, swept eight at a time in float lanes: for worlds
+/// that are long and narrow, such as side-scrollers, roads and corridors. Where a tenth moves there, it takes a
+/// quarter less time than dynamic_tree; where all moves, the same. What moves a little stays near its place in the
+/// order (insertion sort), what jumps costs no more than sorting everything (radix sort). Movable proxies and the
+/// others have orders of their own; resting ones cost nothing.
+/// Choose another where a world of thousands is as wide as it is long: what is passed over in a sweep grows with the
+/// root of their number, in a cube with its power of 2/3.
+/// Cost of a step, for each proxy that left its box: in a corridor 80 to 150 ns, however long; in a square of 10,000
+/// or 100,000 100 or 200 ns, in a cube 0.4 or 1.7 us (dynamic_tree: 80 or 100 ns, 0.2 or 0.3 us). What comes costs up
+/// to 3 ns a proxy in the world. Rays and boxes: all boxes beside them along the axis, 3 to 10 times a tree's;
+/// each_inside looks at all.
+/// Source: Baraff, Dynamic simulation of non-penetrating rigid bodies (1992); Cohen, Lin, Manocha, Ponamgi, I-COLLIDE
+/// (1995); Ericson, Real-time collision detection (2005), 7.5.
+struct sweep_and_prune {
+    using stage = physics::stage::broadphase;
+
+    template <class Space>
+    using in = indexed_broadphase<Space, detail::sweep_index<Space>>;
 };
 
 PHYSICS_HPP_END

@@ -65,17 +65,27 @@
 
 // From all boxes to the pairs that may touch.
 #include "physics/broadphase/all_pairs.hpp"
+#include "physics/broadphase/arrange.hpp"
+#include "physics/broadphase/axis_order.hpp"
+#include "physics/broadphase/block_scan.hpp"
 #include "physics/broadphase/box_block.hpp"
 #include "physics/broadphase/box_tests.hpp"
+#include "physics/broadphase/cell_blocks.hpp"
+#include "physics/broadphase/cell_index.hpp"
+#include "physics/broadphase/cell_level.hpp"
+#include "physics/broadphase/cell_walk.hpp"
 #include "physics/broadphase/concept.hpp"
 #include "physics/broadphase/dynamic_tree.hpp"
+#include "physics/broadphase/float_order.hpp"
+#include "physics/broadphase/grid.hpp"
 #include "physics/broadphase/guard.hpp"
+#include "physics/broadphase/hash_grid.hpp"
 #include "physics/broadphase/indexed.hpp"
-#include "physics/broadphase/arrange.hpp"
 #include "physics/broadphase/packed_tree.hpp"
 #include "physics/broadphase/pair_set.hpp"
 #include "physics/broadphase/proxies.hpp"
 #include "physics/broadphase/queries.hpp"
+#include "physics/broadphase/sweep_and_prune.hpp"
 #include "physics/broadphase/tree_index.hpp"
 
 // Bodies, contacts, and the solver that moves them.

@@ -17,6 +17,9 @@ template <class Check>
 void each_broadphase(Check&& check) {
     check(physics::all_pairs{}, "all_pairs");
     check(physics::dynamic_tree{}, "dynamic_tree");
+    check(physics::sweep_and_prune{}, "sweep_and_prune");
+    check(physics::grid{}, "grid");
+    check(physics::hash_grid{}, "hash_grid");
 }
 
 enum class layout { uniform, clusters, line, grid, huge_and_tiny, far_away, teleporting, flat };

@@ -150,12 +150,21 @@ struct float_plane {
 
     template <class S>
     float_plane(const bounding_plane<S, D>& plane, const vec<S, D>& origin) {
-        double sum = static_cast<double>(plane.offset);
+        // Scaled to a normal of about 1; how far the offset may be off depends on what it is a sum of.
+        double largest = 0;
         for (int i = 0; i < D; ++i) {
-            normal[i] = to_float(static_cast<double>(plane.normal[i]));
-            sum -= static_cast<double>(plane.normal[i]) * static_cast<double>(origin[i]);
+            const double n = static_cast<double>(plane.normal[i]);
+            largest = n > largest ? n : -n > largest ? -n : largest;
         }
-        offset = to_float(sum);
+        const double scale = largest > 0 ? 1 / largest : 1;
+        double sum = static_cast<double>(plane.offset) * scale, parts = sum < 0 ? -sum : sum;
+        for (int i = 0; i < D; ++i) {
+            const double n = static_cast<double>(plane.normal[i]) * scale, o = n * static_cast<double>(origin[i]);
+            normal[i] = to_float(n);
+            sum -= o;
+            parts += o < 0 ? -o : o;
+        }
+        offset = above(sum + parts * 0x1p-40);
         offset += doubt(offset);
     }
     /// Which of eight boxes are not wholly beyond.
@@ -164,7 +173,9 @@ struct float_plane {
         lanes sum = lanes::broadcast(-offset), error = lanes::broadcast(0);
         for (int i = 0; i < D; ++i) {
             const lanes corner = lanes::load(normal[i] > 0 ? boxes.lower[i] : boxes.upper[i]);
-            const lanes along = corner * lanes::broadcast(normal[i]);
+            // The ends of float stand for whatever is beyond them.
+            const lanes product_of = corner * lanes::broadcast(normal[i]), away = max(corner, -corner);
+            const lanes along = select_greater(away, lanes::broadcast(3.4e38f), -away, product_of);
             sum += along;
             error += max(along, -along);
         }

@@ -68,7 +68,7 @@ public:
 
     [[nodiscard]] std::uint32_t size() const { return entries_.size(); }
     [[nodiscard]] std::uint32_t count() const { return count_; }
-    [[nodiscard]] bool has(std::uint32_t id) const { return id < entries_.size() && entries_[id].used; }
+    [[nodiscard]] bool has(std::uint32_t id) const { return id < entries_.size() && used_[id]; }
     /// The box, with its margins.
     [[nodiscard]] const aabb& box(std::uint32_t id) const { return boxes_[id]; }
     [[nodiscard]] const proxy_filter& filter(std::uint32_t id) const { return entries_[id].filter; }
@@ -100,16 +100,17 @@ public:
         if (id >= entries_.size()) {
             entries_.resize(id + 1);
             boxes_.resize(id + 1);
+            used_.grow(id + 1);
             stale_.grow(id + 1);
         }
         entries_[id].filter = filter;
-        entries_[id].used = true;
+        used_.set(id);
         boxes_[id] = grown(box, settings.margin);
         ++count_;
         note(id);
     }
     void erase(std::uint32_t id) {
-        entries_[id].used = false;
+        used_.clear(id);
         entries_[id].given_up = any_given_up_ = true;
         --count_;
         note(id);
@@ -149,7 +150,7 @@ public:
 private:
     struct entry {
         proxy_filter filter;
-        bool used = false, given_up = false, unseen = false;
+        bool given_up = false, unseen = false;
     };
 
     void note(std::uint32_t id) {
@@ -161,7 +162,7 @@ private:
     buffer<aabb> boxes_;
     buffer<entry> entries_;
     buffer<std::uint32_t> changed_, unseen_;
-    bit_array stale_;
+    bit_array used_, stale_;
     reset_on_move<std::uint32_t> count_;
     bool any_given_up_ = false;
 };

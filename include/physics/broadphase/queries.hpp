@@ -64,15 +64,17 @@ constexpr bool meets(const ray<S, D>& r, const aabb<S, D>& box, S limit, S& frac
     return true;
 }
 
-/// The box around a whole ray, no larger than the range.
+/// The box around a whole ray, no larger than the range, with room for what meets() rounds.
 template <class S, int D>
 constexpr aabb<S, D> around(const ray<S, D>& r) {
-    const S most = scalar_traits<S>::max();
+    const S most = scalar_traits<S>::max(), step = scalar_traits<S>::epsilon() * S(4);
     aabb<S, D> box;
     for (int i = 0; i < D; ++i) {
         const S end = r.origin[i] + r.translation[i], low = min(r.origin[i], end), high = max(r.origin[i], end);
-        box.lower[i] = low < r.extent[i] - most ? -most : low - r.extent[i];
-        box.upper[i] = high > most - r.extent[i] ? most : high + r.extent[i];
+        const S rounded = abs(r.translation[i]) * step + (abs(low) * step + abs(high) * step) + step;
+        const S reach = r.extent[i] > most - rounded ? most : r.extent[i] + rounded;
+        box.lower[i] = low < reach - most ? -most : low - reach;
+        box.upper[i] = high > most - reach ? most : high + reach;
     }
     return box;
 }

@@ -153,13 +153,17 @@ private:
     /// What is in a slot; of float the box in the lane is the exact one, and near in memory.
     static candidate<Space> candidate_in(const table& all, const tree& t, std::uint32_t slot) {
         const std::uint32_t id = t.id(slot);
-        if constexpr (!std::is_same_v<S, float>) return {id, t.filter(slot), all.box(id)};
-        candidate<Space> c{id, t.filter(slot), {}};
-        for (int i = 0; i < D; ++i) {
-            c.box.lower[i] = S(t.leaf(slot / 8).lower[i][slot % 8]);
-            c.box.upper[i] = S(t.leaf(slot / 8).upper[i][slot % 8]);
+        if constexpr (!std::is_same_v<S, float>) {
+            return {id, t.filter(slot), all.box(id)};
+        } else {
+            const float_box<D> box = t.leaf(slot / 8).get(slot % 8);
+            candidate<Space> c{id, t.filter(slot), {}};
+            for (int i = 0; i < D; ++i) {
+                c.box.lower[i] = box.lower[i];
+                c.box.upper[i] = box.upper[i];
+            }
+            return c;
         }
-        return c;
     }
     template <class Test, class Visit>
     void each_where(const table& all, Test&& test, Visit&& visit) const {
