@@ -18,6 +18,8 @@ COMPILER = sys.argv[1] if len(sys.argv) > 1 else os.environ.get("CXX", "g++")
 # What the text around a block that is not a whole program has introduced.
 BEFORE = {
     "struct ": "#include <physics.hpp>\n{block}",
+    "physics::dynamic_tree": "#include <physics.hpp>\nvoid meet(std::uint32_t, std::uint32_t);\n"
+    "void use() {{\n{block}\n(void)hit;\n}}\n",
     "physics::accumulator": "#include <physics.hpp>\n"
     "struct crates : physics::recipe<float, 2> {{}};\n"
     "using world = physics::world<crates>;\n"
@@ -50,7 +52,7 @@ def main():
     text = (ROOT / "README.md").read_text()
     with tempfile.TemporaryDirectory() as folder:
         results = [compiles(block, folder) for block in re.findall(r"^```cpp\n(.*?)^```$", text, re.M | re.S)]
-    for link in re.findall(r"\]\(([^)#]+)\)", text):
+    for link in re.findall(r"\]\(([^)#]+)\)", re.sub(r"^```.*?^```$", "", text, flags=re.M | re.S)):
         results.append((ROOT / link).exists())
         if not results[-1]:
             print(f"README.md: a link leads nowhere: {link}")

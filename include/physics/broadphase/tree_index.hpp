@@ -12,9 +12,9 @@ PHYSICS_HPP_BEGIN
 namespace detail {
 
 /// Movable proxies and those that are not live in trees of their own, and each kind in two: a main tree, in which
-/// boxes that move a little stay where they are, and a young one for what came or strayed, packed anew with every
-/// change; where much has moved, all goes into a new main tree. What has just come waits in a tail, searched one by
-/// one, until the next update.
+/// boxes that move keep their places, and a young one for what came or strayed from its neighbours, packed anew with
+/// every change. Once the main tree has grown by a fifth, or an eighth of all is young, everything goes into a new
+/// main tree. What has just come waits in a tail, searched one by one, until the next update.
 template <class Space>
 class tree_index {
 public:
