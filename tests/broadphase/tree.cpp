@@ -211,7 +211,7 @@ TEST_CASE("tree: a million boxes in one place, of which few move") {
     CHECK(step() == count);
     CHECK(step() == 0);
     std::uint32_t seen = 0;
-    trees.each_near(all, {{0, 0, 0}, {0, 0, 0}}, [&](std::uint32_t) { return ++seen < 10; });
+    trees.each_near(all, {{0, 0, 0}, {0, 0, 0}}, [&](const auto&) { return ++seen < 10; });
     CHECK(seen == 10);
 }
 
