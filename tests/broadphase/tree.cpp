@@ -89,8 +89,8 @@ TEST_CASE("arrange: strays, clusters, lines and equal places do not spoil it") {
     const auto in_order = arranged(series);
     for (std::size_t i = 0; i + 8 < 90; i += 8) {
         const auto larger = [](const packed_item& a, const packed_item& b) { return a.middle[0] < b.middle[0]; };
-        const auto most = *std::max_element(in_order.begin() + i, in_order.begin() + i + 8, larger);
-        const auto least = *std::min_element(in_order.begin() + i + 8, in_order.begin() + i + 16, larger);
+        const auto most = *std::max_element(in_order.data() + i, in_order.data() + i + 8, larger);
+        const auto least = *std::min_element(in_order.data() + i + 8, in_order.data() + i + 16, larger);
         CHECK(most.middle[0] <= std::max(least.middle[0], 1e-28f));
     }
     // All in one place: any order will do, and it ends.
