@@ -6365,8 +6365,8 @@ public:
 
 }  // namespace detail
 
-/// Tests what has left its box against all others: the oracle of the other broadphases, and the fastest for a few dozen
-/// boxes. Cost: 2 ns a test; insert, move and erase O(1), queries O(n).
+/// Tests what has left its box against all others: the oracle of the other broadphases. No memory but the boxes; from a
+/// few dozen boxes on the others are faster. Cost: 2 to 4 ns a test; insert, move and erase O(1), queries O(n).
 struct all_pairs {
     using stage = physics::stage::broadphase;
 
@@ -6532,8 +6532,8 @@ struct float_range {
     }
     /// Bins to put numbers into; 0 where they are too close to tell apart.
     float scale(int bins) const {
-        const float width = high - low;
-        return width > 1e-30f ? static_cast<float>(bins) / width : 0;
+        const float width = high - low, most = std::numeric_limits<float>::max();
+        return width > static_cast<float>(bins) / most ? static_cast<float>(bins) / width : 0;
     }
 };
 
@@ -6922,12 +6922,16 @@ float above(T x) {
     return f < most ? f : std::numeric_limits<float>::infinity();
 }
 
-/// The same of a square that may be beyond the scalar.
+/// How far apart neighbouring numbers of a scalar are, wherever they are; 0 for floats, whose steps shrink with them.
+template <class S>
+constexpr double step_of() {
+    return std::is_floating_point_v<S> ? 0 : static_cast<double>(scalar_traits<S>::epsilon());
+}
+/// The same as above() of a square that may be beyond the scalar.
 template <class S>
 float above_square(wide_of<S> square) {
     // The root may be off by a rounding.
-    const double root_of =
-        static_cast<double>(root<S>(square)) * (1 + 0x1p-20) + static_cast<double>(scalar_traits<S>::epsilon());
+    const double root_of = static_cast<double>(root<S>(square)) * (1 + 0x1p-20) + step_of<S>();
     return above(root_of * root_of);
 }
 
@@ -6954,7 +6958,7 @@ struct float_ray {
 
     template <class S>
     float_ray(const ray<S, D>& r, const vec<S, D>& origin) {
-        if constexpr (!std::is_floating_point_v<S>) step = 2 * above(static_cast<double>(scalar_traits<S>::epsilon()));
+        step = to_float(2 * step_of<S>());
         for (int i = 0; i < D; ++i) {
             float f, from_lower, from_upper, pad = 0;
             if constexpr (std::is_same_v<S, float>) {
@@ -6977,14 +6981,13 @@ struct float_ray {
             from_lower += pad;
             from_upper -= pad;
             const float inverse = moves[i] ? 1 / f : 0;
-            const bool forward = !(f < 0);
+            const bool forward = !moves[i] || f > 0;
             axes[i] = {forward ? i : D + i,
                        forward ? D + i : i,
                        forward ? from_lower : from_upper,
                        forward ? from_upper : from_lower,
                        inverse * (1 - slack),
                        inverse * (1 + slack)};
-            if (!moves[i]) axes[i] = {i, D + i, from_lower, from_upper, 0, 0};
         }
     }
     /// Which of eight boxes the ray meets within the limit, and about where.
@@ -7053,6 +7056,7 @@ struct float_plane {
     float normal[D];
     float offset;
 
+    float_plane() = default;
     template <class S>
     float_plane(const bounding_plane<S, D>& plane, const vec<S, D>& origin) {
         // Scaled to a normal of about 1; how far the offset may be off depends on what it is a sum of.
@@ -7084,9 +7088,31 @@ struct float_plane {
             sum += along;
             error += max(along, -along);
         }
-        const auto outside = greater(sum, error * lanes::broadcast(0x1p-20f)) | boxes.empty();
-        return ~outside.bits() & 0xffu;
+        return ~greater(sum, error * lanes::broadcast(0x1p-20f)).bits() & 0xffu;
     }
+};
+
+/// A convex region among boxes in float: its first planes, which exclude most; the exact test knows the others.
+template <int D>
+class float_region {
+public:
+    template <class S>
+    float_region(const bounding_plane<S, D>* planes, std::uint32_t count, const vec<S, D>& origin)
+        : count_(count < most ? count : most) {
+        for (std::uint32_t i = 0; i < count_; ++i) planes_[i] = {planes[i], origin};
+    }
+    /// Which of eight boxes are not wholly beyond any of them.
+    std::uint32_t reaches(const box_block<D>& boxes) const {
+        std::uint32_t lanes = ~boxes.empty().bits() & 0xffu;
+        for (std::uint32_t i = 0; i < count_ && lanes != 0; ++i) lanes &= planes_[i].reaches(boxes);
+        return lanes;
+    }
+
+private:
+    static constexpr std::uint32_t most = 16;
+
+    std::uint32_t count_;
+    float_plane<D> planes_[most];
 };
 
 }  // namespace detail
@@ -7116,13 +7142,11 @@ public:
 
     template <class Table, class Visit>
     void each_inside(const Table&, const bounding_plane<S, D>* planes, std::uint32_t count, Visit&& visit) const {
+        const float_region<D> region(planes, count, self().origin());
         bool on = true;
         self().each_loose([&](std::uint32_t id) { on = on && visit(id); });
         self().each_eight([&](const box_block<D>& block, auto&& id_of) {
-            std::uint32_t lanes = ~block.empty().bits() & 0xffu;
-            for (std::uint32_t i = 0; i < count && lanes != 0; ++i)
-                lanes &= float_plane<D>(planes[i], self().origin()).reaches(block);
-            each_bit(lanes, [&](std::uint32_t lane) { on = on && visit(id_of(lane)); });
+            each_bit(region.reaches(block), [&](std::uint32_t lane) { on = on && visit(id_of(lane)); });
             return on;
         });
     }
@@ -7807,7 +7831,6 @@ public:
             total += n;
             if (n == 1) break;
         }
-        nodes_.reserve(total);
         filters_.resize(leaves * 8);
         block empty;
         for (std::uint32_t i = 0; i < 8; ++i) empty.clear(i);
@@ -7834,7 +7857,6 @@ public:
     [[nodiscard]] box around() const { return nodes_.back().all(); }
     [[nodiscard]] std::uint32_t live() const { return live_; }
     [[nodiscard]] std::uint32_t leaves() const { return marks_.size(); }
-    [[nodiscard]] int levels() const { return levels_; }
     [[nodiscard]] std::uint32_t nodes_at(int level) const {
         return (level + 1 < levels_ ? starts_[level + 1] : nodes_.size()) - starts_[level];
     }
@@ -8026,7 +8048,7 @@ namespace detail {
 /// Movable proxies and those that are not live in trees of their own, and each kind in two: a main tree, in which
 /// boxes that move keep their places, and a young one for what came or strayed from its neighbours, packed anew with
 /// every change. Once the main tree has grown by a fifth, or an eighth of all is young, everything goes into a new
-/// main tree. What has just come waits in a tail, searched one by one, until the next update.
+/// main tree. What has just come or strayed waits in a short tail, searched one by one.
 template <class Space>
 class tree_index {
 public:
@@ -8041,7 +8063,7 @@ public:
         kind& k = kinds_[all.is_movable(id)];
         places_[id] = tail_place | k.tail.size();
         k.tail.push(id);
-        if (k.tail.size() > 64 + k.young.live()) pack_young(all, k);
+        shorten_tail(all, k);
     }
     void erase(const table& all, std::uint32_t id) { take_out(kinds_[all.is_movable(id)], id); }
 
@@ -8077,7 +8099,7 @@ public:
                 for (std::uint32_t i = 0; i < keys_.size(); ++i) place(all, k, static_cast<std::uint32_t>(sorted[i]));
             }
             k.size += k.main.refit(touched_);
-            if (k.tail.size() > 0) pack_young(all, k);
+            shorten_tail(all, k);
         }
     }
 
@@ -8093,6 +8115,8 @@ public:
                 if (!overlap(all.box(a), all.box(b))) return;
             emit_pair(a, b);
         };
+        for (kind& k : kinds_)
+            if (!k.tail.empty()) pack_young(all, k);
         kind &fixed = kinds_[0], &movable = kinds_[1];
         bool everything = true;
         for (tree* x : {&movable.main, &movable.young}) everything = everything && x->all_marked();
@@ -8132,13 +8156,9 @@ public:
     /// The same for every proxy that may not lie wholly beyond a plane.
     template <class Visit>
     void each_inside(const table& all, const bounding_plane<S, D>* planes, std::uint32_t count, Visit&& visit) const {
-        const auto test = [&](const auto& block) {
-            std::uint32_t lanes = 0xffu;
-            for (std::uint32_t i = 0; i < count && lanes != 0; ++i)
-                lanes &= float_plane<D>(planes[i], origin_).reaches(block);
-            return count > 0 ? lanes : ~block.empty().bits() & 0xffu;
-        };
-        each_where(all, test, visit);
+        const float_region<D> region(planes, count, origin_);
+        each_where(
+            all, [&](const auto& block) { return region.reaches(block); }, visit);
     }
     /// Calls visit(id) for proxies that the ray may meet, the first ones early. It returns how far along the
     /// translation the search is to go on.
@@ -8288,6 +8308,10 @@ private:
             if (all.stale(id)) to.mark(i);
         }
         items_.clear();
+    }
+    /// Packs what waits in the tail once it is long for a search one by one; a search for pairs does so in any case.
+    void shorten_tail(const table& all, kind& k) {
+        if (k.tail.size() > 64 + k.young.live()) pack_young(all, k);
     }
     void pack_young(const table& all, kind& k) {
         gather(all, k.young);
@@ -8443,9 +8467,9 @@ private:
 
 }  // namespace detail
 
-/// A dense grid: an array of cells over the region where things are. For worlds that are filled about evenly, above
-/// all in 2D: up to a third faster there than dynamic_tree, and with cheaper box queries; in 3D about as fast. A move
-/// within a cell is one write, and one into another cell costs the same wherever that is.
+/// A dense grid: an array of cells over the region where things are. For worlds that are filled about evenly: there it
+/// is as fast as dynamic_tree, within a tenth or so either way, and takes less memory. A move within a cell is one
+/// write, and one into another cell costs the same wherever that is.
 /// It measures by itself how large boxes are, how many and where, and arranges its cells anew when that has changed
 /// much; each box is in cells of about its size, so that sizes may differ. The region is no wall: what lies outside
 /// (the ends of the world, a few strays) is in the cells at the border and found like the rest; many there make each
@@ -8453,8 +8477,8 @@ private:
 /// Choose another where things are in clusters far apart, or sizes differ a hundredfold (dynamic_tree takes half the
 /// time): all cells of a level are of one size, so that clusters fill but few.
 /// Cost of a step, for each proxy that left its box: 70 to 110 ns in 2D, 150 to 350 ns in 3D; resting ones cost
-/// nothing. Arranging cells anew: 100 to 200 ns a proxy, in one step. Memory: 35 to 100 bytes a proxy. Queries:
-/// O(cells in reach + found); each_inside looks at all.
+/// nothing. Arranging cells anew: 100 to 200 ns a proxy, in one step. Queries: O(cells in reach +
+/// found); each_inside looks at all.
 /// Source: Ericson, Real-time collision detection (2005), 7.1 and 7.2.
 struct grid {
     using stage = physics::stage::broadphase;
@@ -8566,7 +8590,7 @@ private:
 /// Choose grid where the world is filled evenly, which spares a tenth to a quarter, and dynamic_tree where sizes
 /// differ tenfold and more or queries matter: each size of cells in use adds to every search.
 /// Cost of a step, for each proxy that left its box: 80 to 120 ns in 2D, 200 to 400 ns in 3D; resting ones cost
-/// nothing. Arranging cells anew: 100 to 300 ns a proxy, in one step. Memory: 50 to 150 bytes a proxy. Queries:
+/// nothing. Arranging cells anew: 100 to 300 ns a proxy, in one step. Queries:
 /// O(cells in reach + found), but never much worse than a look at all boxes; each_inside looks at all.
 /// Source: Teschner, Heidelberger, Mueller, Pomeranets, Gross, Optimized spatial hashing for collision detection of
 /// deformable objects (2003); levels: Ericson, Real-time collision detection (2005), 7.2.1.
@@ -8818,8 +8842,8 @@ private:
 }  // namespace detail
 
 /// Boxes in order along the axis on which they are spread widest, swept eight at a time in float lanes: for worlds
-/// that are long and narrow, such as side-scrollers, roads and corridors. Where a tenth moves there, it takes a
-/// quarter less time than dynamic_tree; where all moves, the same. What moves a little stays near its place in the
+/// that are long and narrow, such as side-scrollers, roads and corridors: there it takes up to a sixth less time than
+/// dynamic_tree, above all where few move. What moves a little stays near its place in the
 /// order (insertion sort), what jumps costs no more than sorting everything (radix sort). Movable proxies and the
 /// others have orders of their own; resting ones cost nothing.
 /// Choose another where a world of thousands is as wide as it is long: what is passed over in a sweep grows with the
@@ -10639,13 +10663,11 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// Broadphase: pairs of shapes whose boxes overlap, where one body at least can be pushed.
+/// Broadphase: pairs of shapes whose boxes overlap, of two bodies of which one at least can be pushed: the filters that
+/// shapes were inserted with say so.
 template <class Plan>
 const buffer<proxy_pair>& find_pairs(state<Plan>& s) {
-    return s.broadphase.pairs([&](std::uint32_t a, std::uint32_t b) {
-        const std::uint32_t body_a = s.shapes[a].body, body_b = s.shapes[b].body;
-        return body_a != body_b && (s.bodies[body_a].is_dynamic() || s.bodies[body_b].is_dynamic());
-    });
+    return s.broadphase.pairs([](std::uint32_t, std::uint32_t) { return true; });
 }
 
 /// The narrowphase wants the shape of the lower kind first.

@@ -205,10 +205,10 @@ private:
 template <int D>
 int run(const plan& p, std::vector<std::uint32_t> sizes, progress& bar, report* out) {
     int steps = 0;
-    for (const layout kind : {layout::uniform, layout::mixed})
+    for (const layout kind : {layout::uniform, layout::mixed, layout::corridor})
         for (const std::uint32_t n : sizes) {
-            // The mixed world is there for its shape: two sizes say enough.
-            if (kind == layout::mixed && n != 10'000 && n != 100'000) continue;
+            // The others are there for their shapes: two sizes say enough.
+            if (kind != layout::uniform && n != 10'000 && n != 100'000) continue;
             steps += match<D>::steps();
             if (out) match<D>(kind, n, p, bar).run(*out);
         }
@@ -230,8 +230,10 @@ int main(int count, char** arguments) {
         else return std::fprintf(stderr, "what is %s?\n", a.c_str()), 2;
     }
     if (!flat && !space) flat = space = true;
-    if (sizes.empty()) sizes = {1'000, 10'000};
-    if (sizes.size() == 2 && !plan.quick) sizes.insert(sizes.end(), {100'000, 1'000'000});
+    if (sizes.empty()) {
+        sizes = {1'000, 10'000};
+        if (!plan.quick) sizes.insert(sizes.end(), {100'000, 1'000'000});
+    }
     bench::progress bar;
     bench::report out("bench/out/broadphase.csv");
     if (space) bar.total += bench::run<3>(plan, sizes, bar, nullptr);

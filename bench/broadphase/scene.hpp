@@ -42,12 +42,14 @@ private:
     std::uint64_t state_;
 };
 
-enum class layout { uniform, mixed };
-inline const char* name_of(layout kind) { return kind == layout::uniform ? "uniform" : "mixed"; }
+enum class layout { uniform, mixed, corridor };
+inline const char* name_of(layout kind) {
+    return kind == layout::uniform ? "uniform" : kind == layout::mixed ? "mixed" : "corridor";
+}
 
 /// Uniform: half extents of 0.25 to 0.5 m, so dense that a box with margins of 5 cm meets about 2 others. Mixed: 90 %
 /// of the half extents are 4 to 10 cm, 0.5 % 2 to 6 m, the rest between, in 64 clusters on one proxy a square metre;
-/// in 3D, 4 m high.
+/// in 3D, 4 m high. Corridor: boxes as in the uniform world, and as dense, in a strip 8 m wide and high.
 struct scene {
     layout kind;
     int dimension;
@@ -62,7 +64,7 @@ struct scene {
             for (float& x : c) x = chance_.number(0, side);
         for (std::uint32_t i = 0; i < n; ++i) {
             order_.push_back(i);
-            boxes.push_back(kind == layout::uniform ? uniform() : mixed(clusters[chance_.below(64)]));
+            boxes.push_back(kind == layout::mixed ? mixed(clusters[chance_.below(64)]) : uniform());
         }
     }
     /// Moves a part of all, chosen anew, by up to 5 cm along each axis.
@@ -84,15 +86,20 @@ struct scene {
             m.ways.push_back(way);
         }
     }
-    float anywhere(dice& chance, int axis) const {
-        return kind == layout::mixed && dimension == 3 && axis == 1 ? chance.number(0, 4) : chance.number(0, side);
+    float anywhere(dice& chance, int axis) const { return chance.number(0, extent(axis)); }
+    /// How far the world reaches along an axis.
+    float extent(int axis) const {
+        if (kind == layout::mixed) return dimension == 3 && axis == 1 ? 4 : side;
+        if (kind == layout::uniform) return side;
+        const float wide = 8;
+        return axis > 0 ? wide : wide * std::pow(side / wide, static_cast<float>(dimension));
     }
 
 private:
     box uniform() {
         box b{};
         for (int i = 0; i < dimension; ++i) {
-            const float half = chance_.number(0.25f, 0.5f), at = chance_.number(0, side);
+            const float half = chance_.number(0.25f, 0.5f), at = anywhere(chance_, i);
             b.lower[i] = at - half;
             b.upper[i] = at + half;
         }

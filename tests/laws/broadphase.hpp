@@ -61,7 +61,7 @@ CELL_CASE("broadphase: the pairs are those that a comparison of all boxes finds,
                 for (const auto& [id, m] : c.members) tested.insert(id, m.box, m.filter);
                 pair_list before;
                 check_step(tested, c, before, {});
-                for (int step = 0; step < 25; ++step) {
+                for (int step = 0; step < 80; ++step) {
                     c.move(share, dice, [&](std::uint32_t id, const aabb& box, const vec& way) {
                         tested.move(id, box, way);
                         // Queries may see it at once, which changes nothing.

@@ -21,7 +21,9 @@ struct sweep_along_x {
     public:
         using aabb = typename Space::aabb;
 
-        void insert(std::uint32_t id, const aabb& box, const physics::proxy_filter&) { boxes_.push_back({id, box}); }
+        void insert(std::uint32_t id, const aabb& box, const physics::proxy_filter& filter) {
+            boxes_.push_back({id, box, filter});
+        }
         void move(std::uint32_t id, const aabb& box, const typename Space::vec&) {
             for (auto& b : boxes_)
                 if (b.id == id) b.box = box;
@@ -38,7 +40,9 @@ struct sweep_along_x {
                 for (std::size_t k = i + 1; k < boxes_.size() && !(boxes_[k].box.lower.x > boxes_[i].box.upper.x); ++k) {
                     const std::uint32_t a = std::min(boxes_[i].id, boxes_[k].id);
                     const std::uint32_t b = std::max(boxes_[i].id, boxes_[k].id);
-                    if (overlap(boxes_[i].box, boxes_[k].box) && accept(a, b)) pairs_.push({a, b});
+                    if (overlap(boxes_[i].box, boxes_[k].box) && may_meet(boxes_[i].filter, boxes_[k].filter) &&
+                        accept(a, b))
+                        pairs_.push({a, b});
                 }
             std::sort(pairs_.begin(), pairs_.end());
             return pairs_;
@@ -48,6 +52,7 @@ struct sweep_along_x {
         struct entry {
             std::uint32_t id;
             aabb box;
+            physics::proxy_filter filter;
         };
         std::vector<entry> boxes_;
         physics::buffer<physics::proxy_pair> pairs_;

@@ -25,21 +25,28 @@ struct address_book {
     public:
         using aabb = typename Space::aabb;
 
-        void insert(std::uint32_t id, const aabb& box, const physics::proxy_filter&) { boxes_.emplace(id, box); }
-        void move(std::uint32_t id, const aabb& box, const typename Space::vec&) { boxes_.at(id) = box; }
+        void insert(std::uint32_t id, const aabb& box, const physics::proxy_filter& filter) {
+            boxes_.insert_or_assign(id, entry{box, filter});
+        }
+        void move(std::uint32_t id, const aabb& box, const typename Space::vec&) { boxes_.at(id).box = box; }
         void erase(std::uint32_t id) { boxes_.erase(id); }
         template <class Accept>
         const physics::buffer<physics::proxy_pair>& pairs(Accept&& accept) {
             pairs_.clear();
             for (auto a = boxes_.begin(); a != boxes_.end(); ++a)
                 for (auto b = std::next(a); b != boxes_.end(); ++b)
-                    if (physics::overlap(a->second, b->second) && accept(a->first, b->first))
+                    if (physics::overlap(a->second.box, b->second.box) &&
+                        physics::may_meet(a->second.filter, b->second.filter) && accept(a->first, b->first))
                         pairs_.push({a->first, b->first});
             return pairs_;
         }
 
     private:
-        std::map<std::uint32_t, aabb> boxes_;
+        struct entry {
+            aabb box;
+            physics::proxy_filter filter;
+        };
+        std::map<std::uint32_t, entry> boxes_;
         physics::buffer<physics::proxy_pair> pairs_;
     };
 };

@@ -25,8 +25,8 @@ struct float_range {
     }
     /// Bins to put numbers into; 0 where they are too close to tell apart.
     float scale(int bins) const {
-        const float width = high - low;
-        return width > 1e-30f ? static_cast<float>(bins) / width : 0;
+        const float width = high - low, most = std::numeric_limits<float>::max();
+        return width > static_cast<float>(bins) / most ? static_cast<float>(bins) / width : 0;
     }
 };
 

@@ -21,13 +21,11 @@ public:
 
     template <class Table, class Visit>
     void each_inside(const Table&, const bounding_plane<S, D>* planes, std::uint32_t count, Visit&& visit) const {
+        const float_region<D> region(planes, count, self().origin());
         bool on = true;
         self().each_loose([&](std::uint32_t id) { on = on && visit(id); });
         self().each_eight([&](const box_block<D>& block, auto&& id_of) {
-            std::uint32_t lanes = ~block.empty().bits() & 0xffu;
-            for (std::uint32_t i = 0; i < count && lanes != 0; ++i)
-                lanes &= float_plane<D>(planes[i], self().origin()).reaches(block);
-            each_bit(lanes, [&](std::uint32_t lane) { on = on && visit(id_of(lane)); });
+            each_bit(region.reaches(block), [&](std::uint32_t lane) { on = on && visit(id_of(lane)); });
             return on;
         });
     }

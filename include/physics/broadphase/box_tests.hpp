@@ -17,12 +17,16 @@ float above(T x) {
     return f < most ? f : std::numeric_limits<float>::infinity();
 }
 
-/// The same of a square that may be beyond the scalar.
+/// How far apart neighbouring numbers of a scalar are, wherever they are; 0 for floats, whose steps shrink with them.
+template <class S>
+constexpr double step_of() {
+    return std::is_floating_point_v<S> ? 0 : static_cast<double>(scalar_traits<S>::epsilon());
+}
+/// The same as above() of a square that may be beyond the scalar.
 template <class S>
 float above_square(wide_of<S> square) {
     // The root may be off by a rounding.
-    const double root_of =
-        static_cast<double>(root<S>(square)) * (1 + 0x1p-20) + static_cast<double>(scalar_traits<S>::epsilon());
+    const double root_of = static_cast<double>(root<S>(square)) * (1 + 0x1p-20) + step_of<S>();
     return above(root_of * root_of);
 }
 
@@ -49,7 +53,7 @@ struct float_ray {
 
     template <class S>
     float_ray(const ray<S, D>& r, const vec<S, D>& origin) {
-        if constexpr (!std::is_floating_point_v<S>) step = 2 * above(static_cast<double>(scalar_traits<S>::epsilon()));
+        step = to_float(2 * step_of<S>());
         for (int i = 0; i < D; ++i) {
             float f, from_lower, from_upper, pad = 0;
             if constexpr (std::is_same_v<S, float>) {
@@ -72,14 +76,13 @@ struct float_ray {
             from_lower += pad;
             from_upper -= pad;
             const float inverse = moves[i] ? 1 / f : 0;
-            const bool forward = !(f < 0);
+            const bool forward = !moves[i] || f > 0;
             axes[i] = {forward ? i : D + i,
                        forward ? D + i : i,
                        forward ? from_lower : from_upper,
                        forward ? from_upper : from_lower,
                        inverse * (1 - slack),
                        inverse * (1 + slack)};
-            if (!moves[i]) axes[i] = {i, D + i, from_lower, from_upper, 0, 0};
         }
     }
     /// Which of eight boxes the ray meets within the limit, and about where.
@@ -148,6 +151,7 @@ struct float_plane {
     float normal[D];
     float offset;
 
+    float_plane() = default;
     template <class S>
     float_plane(const bounding_plane<S, D>& plane, const vec<S, D>& origin) {
         // Scaled to a normal of about 1; how far the offset may be off depends on what it is a sum of.
@@ -179,9 +183,31 @@ struct float_plane {
             sum += along;
             error += max(along, -along);
         }
-        const auto outside = greater(sum, error * lanes::broadcast(0x1p-20f)) | boxes.empty();
-        return ~outside.bits() & 0xffu;
+        return ~greater(sum, error * lanes::broadcast(0x1p-20f)).bits() & 0xffu;
     }
+};
+
+/// A convex region among boxes in float: its first planes, which exclude most; the exact test knows the others.
+template <int D>
+class float_region {
+public:
+    template <class S>
+    float_region(const bounding_plane<S, D>* planes, std::uint32_t count, const vec<S, D>& origin)
+        : count_(count < most ? count : most) {
+        for (std::uint32_t i = 0; i < count_; ++i) planes_[i] = {planes[i], origin};
+    }
+    /// Which of eight boxes are not wholly beyond any of them.
+    std::uint32_t reaches(const box_block<D>& boxes) const {
+        std::uint32_t lanes = ~boxes.empty().bits() & 0xffu;
+        for (std::uint32_t i = 0; i < count_ && lanes != 0; ++i) lanes &= planes_[i].reaches(boxes);
+        return lanes;
+    }
+
+private:
+    static constexpr std::uint32_t most = 16;
+
+    std::uint32_t count_;
+    float_plane<D> planes_[most];
 };
 
 }  // namespace detail

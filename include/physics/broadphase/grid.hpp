@@ -54,9 +54,9 @@ private:
 
 }  // namespace detail
 
-/// A dense grid: an array of cells over the region where things are. For worlds that are filled about evenly, above
-/// all in 2D: up to a third faster there than dynamic_tree, and with cheaper box queries; in 3D about as fast. A move
-/// within a cell is one write, and one into another cell costs the same wherever that is.
+/// A dense grid: an array of cells over the region where things are. For worlds that are filled about evenly: there it
+/// is as fast as dynamic_tree, within a tenth or so either way, and takes less memory. A move within a cell is one
+/// write, and one into another cell costs the same wherever that is.
 /// It measures by itself how large boxes are, how many and where, and arranges its cells anew when that has changed
 /// much; each box is in cells of about its size, so that sizes may differ. The region is no wall: what lies outside
 /// (the ends of the world, a few strays) is in the cells at the border and found like the rest; many there make each
@@ -64,8 +64,8 @@ private:
 /// Choose another where things are in clusters far apart, or sizes differ a hundredfold (dynamic_tree takes half the
 /// time): all cells of a level are of one size, so that clusters fill but few.
 /// Cost of a step, for each proxy that left its box: 70 to 110 ns in 2D, 150 to 350 ns in 3D; resting ones cost
-/// nothing. Arranging cells anew: 100 to 200 ns a proxy, in one step. Memory: 35 to 100 bytes a proxy. Queries:
-/// O(cells in reach + found); each_inside looks at all.
+/// nothing. Arranging cells anew: 100 to 200 ns a proxy, in one step. Queries: O(cells in reach +
+/// found); each_inside looks at all.
 /// Source: Ericson, Real-time collision detection (2005), 7.1 and 7.2.
 struct grid {
     using stage = physics::stage::broadphase;

@@ -100,7 +100,7 @@ private:
 /// Choose grid where the world is filled evenly, which spares a tenth to a quarter, and dynamic_tree where sizes
 /// differ tenfold and more or queries matter: each size of cells in use adds to every search.
 /// Cost of a step, for each proxy that left its box: 80 to 120 ns in 2D, 200 to 400 ns in 3D; resting ones cost
-/// nothing. Arranging cells anew: 100 to 300 ns a proxy, in one step. Memory: 50 to 150 bytes a proxy. Queries:
+/// nothing. Arranging cells anew: 100 to 300 ns a proxy, in one step. Queries:
 /// O(cells in reach + found), but never much worse than a look at all boxes; each_inside looks at all.
 /// Source: Teschner, Heidelberger, Mueller, Pomeranets, Gross, Optimized spatial hashing for collision detection of
 /// deformable objects (2003); levels: Ericson, Real-time collision detection (2005), 7.2.1.

@@ -36,7 +36,6 @@ public:
             total += n;
             if (n == 1) break;
         }
-        nodes_.reserve(total);
         filters_.resize(leaves * 8);
         block empty;
         for (std::uint32_t i = 0; i < 8; ++i) empty.clear(i);
@@ -63,7 +62,6 @@ public:
     [[nodiscard]] box around() const { return nodes_.back().all(); }
     [[nodiscard]] std::uint32_t live() const { return live_; }
     [[nodiscard]] std::uint32_t leaves() const { return marks_.size(); }
-    [[nodiscard]] int levels() const { return levels_; }
     [[nodiscard]] std::uint32_t nodes_at(int level) const {
         return (level + 1 < levels_ ? starts_[level + 1] : nodes_.size()) - starts_[level];
     }

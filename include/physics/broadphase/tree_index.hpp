@@ -14,7 +14,7 @@ namespace detail {
 /// Movable proxies and those that are not live in trees of their own, and each kind in two: a main tree, in which
 /// boxes that move keep their places, and a young one for what came or strayed from its neighbours, packed anew with
 /// every change. Once the main tree has grown by a fifth, or an eighth of all is young, everything goes into a new
-/// main tree. What has just come waits in a tail, searched one by one, until the next update.
+/// main tree. What has just come or strayed waits in a short tail, searched one by one.
 template <class Space>
 class tree_index {
 public:
@@ -29,7 +29,7 @@ public:
         kind& k = kinds_[all.is_movable(id)];
         places_[id] = tail_place | k.tail.size();
         k.tail.push(id);
-        if (k.tail.size() > 64 + k.young.live()) pack_young(all, k);
+        shorten_tail(all, k);
     }
     void erase(const table& all, std::uint32_t id) { take_out(kinds_[all.is_movable(id)], id); }
 
@@ -65,7 +65,7 @@ public:
                 for (std::uint32_t i = 0; i < keys_.size(); ++i) place(all, k, static_cast<std::uint32_t>(sorted[i]));
             }
             k.size += k.main.refit(touched_);
-            if (k.tail.size() > 0) pack_young(all, k);
+            shorten_tail(all, k);
         }
     }
 
@@ -81,6 +81,8 @@ public:
                 if (!overlap(all.box(a), all.box(b))) return;
             emit_pair(a, b);
         };
+        for (kind& k : kinds_)
+            if (!k.tail.empty()) pack_young(all, k);
         kind &fixed = kinds_[0], &movable = kinds_[1];
         bool everything = true;
         for (tree* x : {&movable.main, &movable.young}) everything = everything && x->all_marked();
@@ -120,13 +122,9 @@ public:
     /// The same for every proxy that may not lie wholly beyond a plane.
     template <class Visit>
     void each_inside(const table& all, const bounding_plane<S, D>* planes, std::uint32_t count, Visit&& visit) const {
-        const auto test = [&](const auto& block) {
-            std::uint32_t lanes = 0xffu;
-            for (std::uint32_t i = 0; i < count && lanes != 0; ++i)
-                lanes &= float_plane<D>(planes[i], origin_).reaches(block);
-            return count > 0 ? lanes : ~block.empty().bits() & 0xffu;
-        };
-        each_where(all, test, visit);
+        const float_region<D> region(planes, count, origin_);
+        each_where(
+            all, [&](const auto& block) { return region.reaches(block); }, visit);
     }
     /// Calls visit(id) for proxies that the ray may meet, the first ones early. It returns how far along the
     /// translation the search is to go on.
@@ -276,6 +274,10 @@ private:
             if (all.stale(id)) to.mark(i);
         }
         items_.clear();
+    }
+    /// Packs what waits in the tail once it is long for a search one by one; a search for pairs does so in any case.
+    void shorten_tail(const table& all, kind& k) {
+        if (k.tail.size() > 64 + k.young.live()) pack_young(all, k);
     }
     void pack_young(const table& all, kind& k) {
         gather(all, k.young);

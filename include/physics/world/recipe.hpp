@@ -1,7 +1,6 @@
 // Recipes: which types make up a world.
 #pragma once
 
-#include "physics/broadphase/all_pairs.hpp"
 #include "physics/broadphase/dynamic_tree.hpp"
 #include "physics/collide/narrowphase.hpp"
 #include "physics/dynamics/sequential_impulse.hpp"

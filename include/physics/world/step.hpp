@@ -7,13 +7,11 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// Broadphase: pairs of shapes whose boxes overlap, where one body at least can be pushed.
+/// Broadphase: pairs of shapes whose boxes overlap, of two bodies of which one at least can be pushed: the filters that
+/// shapes were inserted with say so.
 template <class Plan>
 const buffer<proxy_pair>& find_pairs(state<Plan>& s) {
-    return s.broadphase.pairs([&](std::uint32_t a, std::uint32_t b) {
-        const std::uint32_t body_a = s.shapes[a].body, body_b = s.shapes[b].body;
-        return body_a != body_b && (s.bodies[body_a].is_dynamic() || s.bodies[body_b].is_dynamic());
-    });
+    return s.broadphase.pairs([](std::uint32_t, std::uint32_t) { return true; });
 }
 
 /// The narrowphase wants the shape of the lower kind first.
