@@ -24,7 +24,7 @@ GUARD = "PHYSICS_HPP"
 RULE = "// " + "=" * 97
 
 OWN = re.compile(r'\s*#\s*include\s+"(physics/[^"]+)"')
-STANDARD = re.compile(r"\s*#\s*include\s+<(\w+)>")
+STANDARD = re.compile(r"\s*#\s*include\s+<(\w+(?:\.h)?)>")
 ANY_INCLUDE = re.compile(r"\s*#\s*include\b")
 ONCE = re.compile(r"\s*#\s*pragma\s+once\b")
 OPENS = re.compile(r"\s*#\s*if")

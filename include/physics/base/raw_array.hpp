@@ -1,0 +1,28 @@
+// An array that nobody fills until it is used.
+#pragma once
+
+#include <type_traits>
+
+#include "physics/base/config.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// N values without a value: scratch on the stack, of which little is used. Write a place before you read it.
+template <class T, int N>
+struct raw_array {
+    static_assert(std::is_trivially_copyable_v<T>);
+
+    raw_array() {}
+    T& operator[](int i) { return items[i]; }
+    const T& operator[](int i) const { return items[i]; }
+
+    union {
+        T items[N];
+    };
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
