@@ -2013,6 +2013,27 @@ constexpr wide_of<S> widen(S a) {
     return product(a, S(1));
 }
 
+namespace detail {
+/// x as a double. Through an opaque step for floats: the vectoriser of gcc 12 forgets the rounding of floats that are
+/// made of doubles and become doubles again in the same function.
+template <scalar_type S>
+constexpr double to_double(S x) {
+#if defined(__GNUC__) && !defined(__clang__)
+    if constexpr (std::is_same_v<S, float>)
+        if (!std::is_constant_evaluated()) {
+#if defined(__SSE2__)
+            __asm__("" : "+x"(x));
+#elif defined(__aarch64__)
+            __asm__("" : "+w"(x));
+#else
+            __asm__("" : "+m"(x));
+#endif
+        }
+#endif
+    return static_cast<double>(x);
+}
+}  // namespace detail
+
 template <scalar_type S>
 constexpr S min(S a, S b) {
     return b < a ? b : a;
@@ -2188,7 +2209,7 @@ constexpr S tan(S x) {
 template <scalar_type S>
 constexpr S atan2(S y, S x) {
     if constexpr (std::floating_point<S>)
-        return static_cast<S>(detail::arctangent2<detail::is_precise<S>>(y, x));
+        return static_cast<S>(detail::arctangent2<detail::is_precise<S>>(detail::to_double(y), detail::to_double(x)));
     else if constexpr (detail::is_fixed<S>)
         return S::from_raw(detail::fixed_arctangent2<typename S::rep, S::fraction_bits>(y.raw(), x.raw()));
     else
@@ -4342,6 +4363,155 @@ constexpr mass_properties<S, 3> mass_of(const ball<S, 3>& b, S density) {
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/shape/geometry.hpp
+// =================================================================================================
+// Blocks of immutable geometry, such as the vertices of a hull, that many shapes share; and who owns them.
+
+#if !defined(__GNUC__) && !defined(__clang__)
+#include <intrin.h>
+#endif
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// The head of a block of memory that is filled once and never changes: how many own it. Arrays follow at offsets.
+/// Blocks have no destructors; the last release() frees the memory.
+struct geometry_block {
+    /// What malloc gave; the block begins at the next multiple of `alignment`.
+    void* memory = nullptr;
+    mutable long owners = 1;
+    /// Called, unless null, before the memory goes: with it goes what the block owns.
+    void (*gone)(const geometry_block*) = nullptr;
+
+    static constexpr std::size_t alignment = 32;
+};
+
+/// A block of so many bytes, owned once, its head constructed and the rest zero.
+template <class Block>
+Block* new_geometry(std::size_t bytes) {
+    static_assert(std::is_base_of_v<geometry_block, Block> && std::is_trivially_destructible_v<Block> &&
+                  alignof(Block) <= geometry_block::alignment);
+    void* memory = std::calloc(bytes + geometry_block::alignment, 1);
+    if (memory == nullptr) {
+        // As for buffers: nobody can go on without the memory.
+        refuse("geometry", "memory", static_cast<double>(bytes), "the bytes are not available");
+        std::abort();
+    }
+    const std::uintptr_t place = reinterpret_cast<std::uintptr_t>(memory);
+    const std::uintptr_t ahead = geometry_block::alignment - place % geometry_block::alignment;
+    Block* block = new (static_cast<void*>(static_cast<unsigned char*>(memory) + ahead)) Block;
+    block->memory = memory;
+    return block;
+}
+
+/// One owner more; any thread, null does nothing.
+inline void retain(const geometry_block* block) {
+    if (block == nullptr) return;
+#if defined(__GNUC__) || defined(__clang__)
+    __atomic_fetch_add(&block->owners, 1, __ATOMIC_RELAXED);
+#else
+    _InterlockedIncrement(&block->owners);
+#endif
+}
+/// One owner less; the last one frees the block. Any thread, null does nothing.
+inline void release(const geometry_block* block) {
+    if (block == nullptr) return;
+#if defined(__GNUC__) || defined(__clang__)
+    const long left = __atomic_sub_fetch(&block->owners, 1, __ATOMIC_ACQ_REL);
+#else
+    const long left = _InterlockedDecrement(&block->owners);
+#endif
+    if (left != 0) return;
+    if (block->gone != nullptr) block->gone(block);
+    std::free(block->memory);
+}
+
+/// One of the owners of a block, or of none: copies share it.
+template <class Block>
+class geometry_owner {
+public:
+    geometry_owner() = default;
+    /// Takes over the ownership that the caller has.
+    explicit geometry_owner(const Block* owned) : block_(owned) {}
+    geometry_owner(const geometry_owner& other) : block_(other.block_) { retain(block_); }
+    geometry_owner(geometry_owner&& other) noexcept : block_(std::exchange(other.block_, nullptr)) {}
+    geometry_owner& operator=(geometry_owner other) noexcept {
+        std::swap(block_, other.block_);
+        return *this;
+    }
+    ~geometry_owner() { release(block_); }
+
+    [[nodiscard]] const Block* get() const { return block_; }
+
+private:
+    const Block* block_ = nullptr;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/shape/block_array.hpp
+// =================================================================================================
+// Arrays inside of a block of geometry.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Adds up how large a block gets, and where in it arrays begin: each at a multiple of 32 bytes.
+class block_layout {
+public:
+    explicit block_layout(std::size_t head) : end_(head) {}
+    template <class T>
+    std::size_t place(std::size_t count) {
+        const std::size_t begin = (end_ + 31) & ~std::size_t{31};
+        end_ = begin + count * sizeof(T);
+        return begin;
+    }
+    [[nodiscard]] std::size_t bytes() const { return end_; }
+
+private:
+    std::size_t end_;
+};
+
+/// An array that lies further on in the block of which this is a member. It knows how far, so that it holds no pointer
+/// and cannot be copied.
+template <class T>
+class block_array {
+    static_assert(std::is_trivially_copyable_v<T>);
+
+public:
+    block_array() = default;
+    block_array(const block_array&) = delete;
+    block_array& operator=(const block_array&) = delete;
+
+    /// Lets the array begin so many bytes into the block, whose memory is zero.
+    void attach(const geometry_block* block, std::size_t offset, std::uint32_t count) {
+        distance_ = reinterpret_cast<std::uintptr_t>(block) + offset - reinterpret_cast<std::uintptr_t>(this);
+        size_ = count;
+    }
+    [[nodiscard]] std::uint32_t size() const { return size_; }
+    [[nodiscard]] const T* begin() const {
+        return reinterpret_cast<const T*>(reinterpret_cast<const unsigned char*>(this) + distance_);
+    }
+    [[nodiscard]] const T* end() const { return begin() + size_; }
+    [[nodiscard]] T* begin() { return reinterpret_cast<T*>(reinterpret_cast<unsigned char*>(this) + distance_); }
+    [[nodiscard]] const T& operator[](std::uint32_t i) const { return begin()[i]; }
+    [[nodiscard]] T& operator[](std::uint32_t i) { return begin()[i]; }
+
+private:
+    std::size_t distance_ = 0;
+    std::uint32_t size_ = 0;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/shape/box.hpp
 // =================================================================================================
 // The box: a rectangle in 2D, a cuboid in 3D.
@@ -4463,163 +4633,6 @@ constexpr mass_properties<S, 3> mass_of(const capsule<S, 3>& c, S density) {
     const S along = middle * (rr * S(0.5)) + ends * (rr * S(0.4));
     const S across = middle * (rr * S(0.25) + ll / S(3)) + ends * (rr * S(0.4) + ll + l * r * S(0.75));
     return {middle + ends, {}, symmetric<S>::diagonal(along, across, across)};
-}
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/shape/geometry.hpp
-// =================================================================================================
-// Blocks of immutable geometry, such as the vertices of a hull, that many shapes share; and who owns them.
-
-#if !defined(__GNUC__) && !defined(__clang__)
-#include <intrin.h>
-#endif
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// The head of a block of memory that is filled once and never changes: how many own it. Arrays follow at offsets.
-/// Blocks have no destructors; the last release() frees the memory.
-struct geometry_block {
-    /// What malloc gave; the block begins at the next multiple of `alignment`.
-    void* memory = nullptr;
-    mutable long owners = 1;
-    /// Called, unless null, before the memory goes: with it goes what the block owns.
-    void (*gone)(const geometry_block*) = nullptr;
-
-    static constexpr std::size_t alignment = 32;
-};
-
-/// A block of so many bytes, owned once, its head constructed and the rest zero.
-template <class Block>
-Block* new_geometry(std::size_t bytes) {
-    static_assert(std::is_base_of_v<geometry_block, Block> && std::is_trivially_destructible_v<Block> &&
-                  alignof(Block) <= geometry_block::alignment);
-    void* memory = std::calloc(bytes + geometry_block::alignment, 1);
-    if (memory == nullptr) {
-        // As for buffers: nobody can go on without the memory.
-        refuse("geometry", "memory", static_cast<double>(bytes), "the bytes are not available");
-        std::abort();
-    }
-    const std::uintptr_t place = reinterpret_cast<std::uintptr_t>(memory);
-    const std::uintptr_t ahead = geometry_block::alignment - place % geometry_block::alignment;
-    Block* block = new (static_cast<void*>(static_cast<unsigned char*>(memory) + ahead)) Block;
-    block->memory = memory;
-    return block;
-}
-
-/// One owner more; any thread, null does nothing.
-inline void retain(const geometry_block* block) {
-    if (block == nullptr) return;
-#if defined(__GNUC__) || defined(__clang__)
-    __atomic_fetch_add(&block->owners, 1, __ATOMIC_RELAXED);
-#else
-    _InterlockedIncrement(&block->owners);
-#endif
-}
-/// One owner less; the last one frees the block. Any thread, null does nothing.
-inline void release(const geometry_block* block) {
-    if (block == nullptr) return;
-#if defined(__GNUC__) || defined(__clang__)
-    const long left = __atomic_sub_fetch(&block->owners, 1, __ATOMIC_ACQ_REL);
-#else
-    const long left = _InterlockedDecrement(&block->owners);
-#endif
-    if (left != 0) return;
-    if (block->gone != nullptr) block->gone(block);
-    std::free(block->memory);
-}
-
-/// One of the owners of a block, or of none: copies share it.
-template <class Block>
-class geometry_owner {
-public:
-    geometry_owner() = default;
-    /// Takes over the ownership that the caller has.
-    explicit geometry_owner(const Block* owned) : block_(owned) {}
-    geometry_owner(const geometry_owner& other) : block_(other.block_) { retain(block_); }
-    geometry_owner(geometry_owner&& other) noexcept : block_(std::exchange(other.block_, nullptr)) {}
-    geometry_owner& operator=(geometry_owner other) noexcept {
-        std::swap(block_, other.block_);
-        return *this;
-    }
-    ~geometry_owner() { release(block_); }
-
-    [[nodiscard]] const Block* get() const { return block_; }
-
-private:
-    const Block* block_ = nullptr;
-};
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/shape/halfspace.hpp
-// =================================================================================================
-// The halfspace: endless ground or wall.
-
-PHYSICS_HPP_BEGIN
-
-/// All points p with dot(normal, p) <= offset (m) in the shape's frame; normal is a unit vector, four digits
-/// of it suffice. It has no mass, so it serves static and kinematic bodies.
-template <class S, int D>
-struct halfspace {
-    using scalar = S;
-    vec<S, D> normal = upward();
-    S offset = S(0);
-
-    template <class T>
-    [[nodiscard]] constexpr halfspace<T, D> as() const {
-        halfspace<T, D> result;
-        for (int i = 0; i < D; ++i) result.normal[i] = static_cast<T>(normal[i]);
-        result.offset = static_cast<T>(offset);
-        return result;
-    }
-
-private:
-    static constexpr vec<S, D> upward() {
-        vec<S, D> up;
-        up.y = S(1);
-        return up;
-    }
-};
-
-template <class S, int D>
-bool check(const halfspace<S, D>& h, const char* function) {
-    if (!detail::check_finite(function, "normal", h.normal) || !detail::check_finite(function, "offset", h.offset))
-        return false;
-    const S l = length(h.normal);
-    if (abs(l - S(1)) > S(64) * scalar_traits<S>::epsilon() + S(1e-4))
-        return detail::refuse(function, "length of normal", static_cast<double>(l), "it must be 1");
-    return true;
-}
-namespace detail {
-/// The normal with length 1: two Newton steps bring the error that check() admits below rounding.
-template <class S, int D>
-constexpr vec<S, D> unit_normal(const halfspace<S, D>& h) {
-    const vec<S, D> n = h.normal * length_repair(dot(h.normal, h.normal));
-    return n * length_repair(dot(n, n));
-}
-}  // namespace detail
-/// Endless in most directions: a quarter of the scalar's range stands for infinity, so that margins do not
-/// overflow.
-template <class S, int D>
-constexpr aabb<S, D> bounds(const halfspace<S, D>& h, const transform<S, D>& at) {
-    const S far = scalar_traits<S>::max() * S(0.25);
-    aabb<S, D> box{vec<S, D>::filled(-far), vec<S, D>::filled(far)};
-    const vec<S, D> n = at.rotation * detail::unit_normal(h);
-    const S height = h.offset + dot(n, at.position);
-    for (int i = 0; i < D; ++i) {
-        bool aligned = true;
-        for (int j = 0; j < D; ++j) aligned = aligned && (i == j || n[j] == S(0));
-        if (aligned && n[i] > S(0)) box.upper[i] = height;
-        if (aligned && n[i] < S(0)) box.lower[i] = -height;
-    }
-    return box;
 }
 
 PHYSICS_HPP_END
@@ -6385,11 +6398,86 @@ private:
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/shape/halfspace.hpp
+// =================================================================================================
+// The halfspace: endless ground or wall.
+
+PHYSICS_HPP_BEGIN
+
+/// All points p with dot(normal, p) <= offset (m) in the shape's frame; normal is a unit vector, four digits
+/// of it suffice. It has no mass, so it serves static and kinematic bodies.
+template <class S, int D>
+struct halfspace {
+    using scalar = S;
+    vec<S, D> normal = upward();
+    S offset = S(0);
+
+    template <class T>
+    [[nodiscard]] constexpr halfspace<T, D> as() const {
+        halfspace<T, D> result;
+        for (int i = 0; i < D; ++i) result.normal[i] = static_cast<T>(normal[i]);
+        result.offset = static_cast<T>(offset);
+        return result;
+    }
+
+private:
+    static constexpr vec<S, D> upward() {
+        vec<S, D> up;
+        up.y = S(1);
+        return up;
+    }
+};
+
+template <class S, int D>
+bool check(const halfspace<S, D>& h, const char* function) {
+    if (!detail::check_finite(function, "normal", h.normal) || !detail::check_finite(function, "offset", h.offset))
+        return false;
+    const S l = length(h.normal);
+    if (abs(l - S(1)) > S(64) * scalar_traits<S>::epsilon() + S(1e-4))
+        return detail::refuse(function, "length of normal", static_cast<double>(l), "it must be 1");
+    return true;
+}
+namespace detail {
+/// The normal with length 1: two Newton steps bring the error that check() admits below rounding.
+template <class S, int D>
+constexpr vec<S, D> unit_normal(const halfspace<S, D>& h) {
+    const vec<S, D> n = h.normal * length_repair(dot(h.normal, h.normal));
+    return n * length_repair(dot(n, n));
+}
+}  // namespace detail
+/// Endless in most directions: a quarter of the scalar's range stands for infinity, so that margins do not
+/// overflow.
+template <class S, int D>
+constexpr aabb<S, D> bounds(const halfspace<S, D>& h, const transform<S, D>& at) {
+    const S far = scalar_traits<S>::max() * S(0.25);
+    aabb<S, D> box{vec<S, D>::filled(-far), vec<S, D>::filled(far)};
+    const vec<S, D> n = at.rotation * detail::unit_normal(h);
+    const S height = h.offset + dot(n, at.position);
+    for (int i = 0; i < D; ++i) {
+        bool aligned = true;
+        for (int j = 0; j < D; ++j) aligned = aligned && (i == j || n[j] == S(0));
+        if (aligned && n[i] > S(0)) box.upper[i] = height;
+        if (aligned && n[i] < S(0)) box.lower[i] = -height;
+    }
+    return box;
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/shape/shapes.hpp
 // =================================================================================================
 // The closed set of shapes that a recipe uses: one value that holds any of them, no virtual calls.
 
 PHYSICS_HPP_BEGIN
+
+namespace detail {
+/// A shape that refers to a block of geometry.
+template <class Shape>
+concept refers_to_geometry = requires(const Shape s) {
+    { s.geometry } -> std::convertible_to<const geometry_block*>;
+};
+}  // namespace detail
 
 /// A value that holds one shape of a closed set. Size: the largest shape and its number.
 template <class S, int D, template <class, int> class... Shapes>
@@ -6415,6 +6503,16 @@ public:
     template <class Shape>
     [[nodiscard]] const Shape& get() const {
         return *std::launder(reinterpret_cast<const Shape*>(bytes_));
+    }
+    /// Whether any shape of the set refers to geometry, and the block that this one refers to; null if to none.
+    static constexpr bool has_geometry = (detail::refers_to_geometry<Shapes<S, D>> || ...);
+    [[nodiscard]] const detail::geometry_block* geometry() const {
+        if constexpr (has_geometry)
+            return visit([](const auto& shape) -> const detail::geometry_block* {
+                if constexpr (detail::refers_to_geometry<std::remove_cvref_t<decltype(shape)>>) return shape.geometry;
+                else return nullptr;
+            });
+        else return nullptr;
     }
     /// Calls f with the shape in its own type.
     template <class F>
@@ -6448,6 +6546,2638 @@ private:
 template <class S, int D, template <class, int> class... Shapes>
 aabb<S, D> bounds(const any_shape<S, D, Shapes...>& shape, const transform<S, D>& at) {
     return shape.visit([&](const auto& s) { return bounds(s, at); });
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/shape/core.hpp
+// =================================================================================================
+// Convex shapes as the general kernels see them: a core with support points, and a radius around it.
+
+PHYSICS_HPP_BEGIN
+
+// The general kernels (GJK, EPA, MPR, patches) compute in double for every scalar: it holds floats and Q32.32 numbers
+// exactly, its products of floats too, and one copy of the code serves all. Results are rounded once to the scalar.
+
+namespace detail {
+
+/// A point or vector of the general kernels.
+template <int D>
+using point = vec<double, D>;
+
+template <int D, class S>
+constexpr point<D> to_point(const vec<S, D>& v) {
+    point<D> p;
+    for (int i = 0; i < D; ++i) p[i] = detail::to_double(v[i]);
+    return p;
+}
+template <class S, int D>
+constexpr vec<S, D> from_point(const point<D>& p) {
+    vec<S, D> v;
+    for (int i = 0; i < D; ++i) v[i] = static_cast<S>(p[i]);
+    return v;
+}
+
+/// The rotation matrix in double; of a rotation whose length rounding has changed, that of the unit one.
+template <class S>
+mat<double, 2> to_matrix(const rotation<S, 2>& r) {
+    const double c = detail::to_double(r.cosine), s = detail::to_double(r.sine);
+    // One step of Newton from 1: what is left of an error e of the length is e^2.
+    const double scale = 1.5 - 0.5 * (c * c + s * s);
+    return {{{c * scale, s * scale}, {-s * scale, c * scale}}};
+}
+template <class S>
+mat<double, 3> to_matrix(const rotation<S, 3>& r) {
+    const double x = detail::to_double(r.x), y = detail::to_double(r.y), z = detail::to_double(r.z),
+                 w = detail::to_double(r.w), s = 2 / ((x * x + y * y) + (z * z + w * w));
+    return {{{1 - s * (y * y + z * z), s * (x * y + w * z), s * (x * z - w * y)},
+             {s * (x * y - w * z), 1 - s * (x * x + z * z), s * (y * z + w * x)},
+             {s * (x * z + w * y), s * (y * z - w * x), 1 - s * (x * x + y * y)}}};
+}
+
+/// A support point and the number of the vertex that it is; 0 where the core has no vertices.
+template <int D>
+struct support_point {
+    point<D> at;
+    std::uint32_t vertex = 0;
+};
+
+/// The number of the first of n vertices that lies farthest along d; n is a multiple of 8. The coordinates come one
+/// array an axis.
+template <class R, int D>
+std::uint32_t farthest_vertex(const R* const (&coordinate)[D], std::uint32_t n, const point<D>& d) {
+    constexpr int width = 8 / static_cast<int>(sizeof(R) / 4);
+    using lanes = pack<R, width>;
+    static constexpr R first_numbers[8] = {0, 1, 2, 3, 4, 5, 6, 7};
+    lanes along[D];
+    for (int k = 0; k < D; ++k) along[k] = lanes::broadcast(static_cast<R>(d[k]));
+    const auto reach = [&](std::uint32_t i) {
+        lanes sum = lanes::load(coordinate[0] + i) * along[0] + lanes::load(coordinate[1] + i) * along[1];
+        if constexpr (D == 3) sum = sum + lanes::load(coordinate[2] + i) * along[2];
+        return sum;
+    };
+    lanes best = reach(0), number = lanes::load(first_numbers), best_number = number;
+    const lanes step = lanes::broadcast(R(width));
+    for (std::uint32_t i = width; i < n; i += width) {
+        const lanes here = reach(i);
+        number = number + step;
+        best_number = select_greater(here, best, number, best_number);
+        best = max(best, here);
+    }
+    R values[width], numbers[width];
+    best.store(values);
+    best_number.store(numbers);
+    int k = 0;
+    for (int i = 1; i < width; ++i)
+        if (values[i] > values[k] || (values[i] == values[k] && numbers[i] < numbers[k])) k = i;
+    return static_cast<std::uint32_t>(numbers[k]);
+}
+
+enum class core_kind : std::uint8_t { point, segment, triangle, box, hull_of_floats, hull_of_doubles, disc, custom };
+
+/// A convex set in its own frame, to which a radius may be added on all sides.
+template <int D>
+struct core {
+    core_kind kind = core_kind::point;
+    /// Vertices of a hull, a multiple of 8.
+    std::uint32_t count = 0;
+    /// Beyond the core (m).
+    double radius = 0;
+    /// No point of the core is farther from the frame's origin along any direction.
+    double extent = 0;
+    /// Half of the smallest width, which says what deviation is small; 0 for points, segments and triangles.
+    double thickness = 0;
+    /// The vertices of point, segment or triangle; in corner[0] the half extents of a box, or the half length, radius
+    /// at the lower and at the upper end of discs.
+    point<D> corner[3];
+    /// A point inside.
+    point<D> center;
+    /// What a hull or a custom core is made of.
+    const void* data = nullptr;
+    const void* coordinate[D] = {};
+    point<D> (*custom)(const void*, const point<D>&) = nullptr;
+
+    /// The farthest point along d, which need not be a unit vector, nor be other than null.
+    [[nodiscard]] support_point<D> support(const point<D>& d) const {
+        switch (kind) {
+        case core_kind::point: return {corner[0], 0};
+        case core_kind::segment: return nearer(d, 0, 1);
+        case core_kind::triangle: {
+            const support_point<D> best = nearer(d, 0, 1);
+            return dot(d, corner[2] - best.at) > 0 ? support_point<D>{corner[2], 2} : best;
+        }
+        case core_kind::box: {
+            support_point<D> result{corner[0], 0};
+            for (int i = 0; i < D; ++i)
+                if (d[i] < 0) result.at[i] = -result.at[i], result.vertex |= 1u << i;
+            return result;
+        }
+        case core_kind::hull_of_floats: return from_hull<float>(d);
+        case core_kind::hull_of_doubles: return from_hull<double>(d);
+        case core_kind::disc: return {from_disc(d), 0};
+        case core_kind::custom: return {custom(data, d), 0};
+        }
+        return {};
+    }
+    /// The vertex of that number; the number may be a wrong one, from another shape.
+    [[nodiscard]] support_point<D> vertex(std::uint32_t i) const {
+        switch (kind) {
+        case core_kind::point: return {corner[0], 0};
+        case core_kind::segment: i &= 1u; return {corner[i], i};
+        case core_kind::triangle: i = i < 3 ? i : 0; return {corner[i], i};
+        case core_kind::box: {
+            i &= (1u << D) - 1;
+            support_point<D> result{corner[0], i};
+            for (int k = 0; k < D; ++k)
+                if (i >> k & 1u) result.at[k] = -result.at[k];
+            return result;
+        }
+        case core_kind::hull_of_floats: return vertex_of_hull<float>(i < count ? i : 0);
+        case core_kind::hull_of_doubles: return vertex_of_hull<double>(i < count ? i : 0);
+        default: return {};
+        }
+    }
+    /// Whether a vertex's number names it, so that a simplex can be found again.
+    [[nodiscard]] bool has_vertices() const { return kind < core_kind::disc; }
+
+private:
+    [[nodiscard]] support_point<D> nearer(const point<D>& d, std::uint32_t i, std::uint32_t j) const {
+        return dot(d, corner[j] - corner[i]) > 0 ? support_point<D>{corner[j], j} : support_point<D>{corner[i], i};
+    }
+    template <class R>
+    [[nodiscard]] support_point<D> vertex_of_hull(std::uint32_t i) const {
+        support_point<D> result{{}, i};
+        for (int k = 0; k < D; ++k) result.at[k] = static_cast<double>(static_cast<const R*>(coordinate[k])[i]);
+        return result;
+    }
+    template <class R>
+    [[nodiscard]] support_point<D> from_hull(const point<D>& d) const {
+        const R* rows[D];
+        for (int k = 0; k < D; ++k) rows[k] = static_cast<const R*>(coordinate[k]);
+        return vertex_of_hull<R>(farthest_vertex<R, D>(rows, count, d));
+    }
+    /// Of two coaxial discs and all between them; the axis is x.
+    [[nodiscard]] point<D> from_disc(const point<D>& d) const {
+        if constexpr (D == 3) {
+            const double across = physics::sqrt(d.y * d.y + d.z * d.z), half = corner[0].x, low = corner[0].y,
+                         high = corner[0].z;
+            const bool upper = d.x * half + across * high > across * low - d.x * half;
+            const double r = upper ? high : low, scale = across > 0 ? r / across : 0;
+            return {upper ? half : -half, across > 0 ? d.y * scale : r, d.z * scale};
+        } else {
+            return {};
+        }
+    }
+};
+
+/// A core where it stands.
+template <int D>
+struct placed_core {
+    const core<D>* shape;
+    mat<double, D> axes;
+    point<D> at;
+
+    [[nodiscard]] PHYSICS_HPP_ALWAYS_INLINE support_point<D> support(const point<D>& d) const {
+        support_point<D> s = shape->support(transposed_times(axes, d));
+        s.at = axes * s.at + at;
+        return s;
+    }
+    [[nodiscard]] support_point<D> vertex(std::uint32_t i) const {
+        support_point<D> s = shape->vertex(i);
+        s.at = axes * s.at + at;
+        return s;
+    }
+};
+
+}  // namespace detail
+
+// core_of(shape) gives the core of a shape, which must outlive it. Shapes of your own have one too if they have a
+// function support(shape, direction).
+
+template <class S, int D>
+detail::core<D> core_of(const ball<S, D>& b) {
+    detail::core<D> c;
+    c.radius = detail::to_double(b.radius);
+    return c;
+}
+template <class S, int D>
+detail::core<D> core_of(const capsule<S, D>& b) {
+    detail::core<D> c;
+    c.kind = detail::core_kind::segment;
+    c.extent = detail::to_double(b.half_length);
+    c.corner[0].x = -c.extent;
+    c.corner[1].x = c.extent;
+    c.radius = detail::to_double(b.radius);
+    return c;
+}
+template <class S, int D>
+detail::core<D> core_of(const box<S, D>& b) {
+    detail::core<D> c;
+    c.kind = detail::core_kind::box;
+    c.corner[0] = detail::to_point(b.half_extents);
+    c.thickness = c.corner[0].x;
+    for (int i = 0; i < D; ++i) {
+        c.extent += c.corner[0][i];
+        c.thickness = min(c.thickness, c.corner[0][i]);
+    }
+    return c;
+}
+template <class S, int D>
+detail::core<D> core_of(const hull<S, D>& b) {
+    const auto& h = *b.geometry;
+    detail::core<D> c;
+    c.kind = std::is_same_v<detail::hull_real<S>, float> ? detail::core_kind::hull_of_floats
+                                                         : detail::core_kind::hull_of_doubles;
+    c.count = h.padded_vertices;
+    c.radius = detail::to_double(b.radius);
+    c.data = &h;
+    for (int i = 0; i < D; ++i) {
+        c.coordinate[i] = h.coordinate(i);
+        c.extent += max(-h.lower[i], h.upper[i]);
+    }
+    c.center = h.centroid;
+    c.thickness = h.inradius;
+    return c;
+}
+/// Of a shape that is known by its support function alone.
+template <template <class, int> class Shape, class S, int D>
+    requires requires(const Shape<S, D>& s, vec<S, D> direction) {
+        { support(s, direction) } -> std::same_as<vec<S, D>>;
+    }
+detail::core<D> core_of(const Shape<S, D>& shape) {
+    detail::core<D> c;
+    c.kind = detail::core_kind::custom;
+    c.data = &shape;
+    c.custom = [](const void* data, const detail::point<D>& d) {
+        const vec<S, D> along = detail::from_point<S>(normalized(d));
+        return detail::to_point(support(*static_cast<const Shape<S, D>*>(data), along));
+    };
+    const aabb<S, D> box = bounds(shape, transform<S, D>{});
+    for (int i = 0; i < D; ++i)
+        c.extent += detail::to_double(max(abs(box.lower[i]), abs(box.upper[i])));
+    return c;
+}
+
+namespace detail {
+
+/// A shape that the general kernels take.
+template <class Shape>
+concept has_core = requires(const Shape& s) { core_of(s); };
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/shape/part_tree.hpp
+// =================================================================================================
+// A tree of boxes over the parts of a shape, built once.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// The nearest float below x, or one a little lower; 3e38 is endless.
+inline float float_below(double x) {
+    const double lower = x - abs(x) * 0x1p-23 - 0x1p-120;
+    return static_cast<float>(lower > 3e38 ? 3e38 : lower < -3e38 ? -3e38 : lower);
+}
+/// A box in float that contains the box in double.
+template <int D>
+aabb<float, D> outward_floats(const aabb<double, D>& box) {
+    aabb<float, D> result;
+    for (int i = 0; i < D; ++i) {
+        result.lower[i] = float_below(box.lower[i]);
+        result.upper[i] = -float_below(-box.upper[i]);
+    }
+    return result;
+}
+
+/// A tree of boxes over numbered parts: nodes in the order of a walk that goes down first, each with the number of the
+/// node that follows what is below it. Parts are halved by their middles along the axis on which these spread most,
+/// down to four, so that no input makes it deeper than log2(n). Memory: 20 bytes a part in space, 16 in the plane.
+/// Source: stackless walks are those of Smits, Efficiency issues for ray tracing (1998).
+template <int D>
+class part_tree {
+public:
+    static constexpr std::uint32_t parts_of_leaf = 4;
+    static constexpr std::uint32_t nodes_for(std::uint32_t parts) {
+        return parts == 0 ? 0 : 2 * ((parts - 1) / parts_of_leaf + 1) - 1;
+    }
+
+    /// The places that it needs in a block.
+    struct places {
+        std::size_t nodes, parts;
+    };
+    static places place(block_layout& layout, std::uint32_t parts) {
+        const std::size_t nodes = layout.place<node>(nodes_for(parts));
+        return {nodes, layout.place<std::uint32_t>(parts)};
+    }
+    /// Builds the tree over parts by their boxes. Cost: 0.3 us a part, and 16 bytes of scratch.
+    void build(const geometry_block* block, places at, const aabb<float, D>* boxes, std::uint32_t count);
+
+    [[nodiscard]] std::uint32_t size() const { return parts_.size(); }
+    /// Calls f(number) for the parts in leaves whose boxes overlap the box: for all that do, and a few more. Neither
+    /// recursion nor allocation. Cost: O(log n) and 5 ns a node.
+    template <class F>
+    void visit(const aabb<double, D>& box, F&& f) const {
+        const aabb<float, D> wanted = outward_floats(box);
+        const node* const nodes = nodes_.begin();
+        const std::uint32_t end = nodes_.size();
+        for (std::uint32_t i = 0; i < end;) {
+            const node& n = nodes[i];
+            if (!overlap(n.box, wanted)) {
+                i = n.next;
+                continue;
+            }
+            if (n.first != none) {
+                const std::uint32_t last = min(n.first + parts_of_leaf, parts_.size());
+                for (std::uint32_t k = n.first; k < last; ++k) f(parts_[k]);
+            }
+            ++i;
+        }
+    }
+    /// Calls f(box) for 32 to 64 boxes that contain all parts; for fewer where there are few.
+    template <class F>
+    void cover(F&& f) const {
+        const std::uint32_t most = nodes_.size() / 32;
+        for (std::uint32_t i = 0; i < nodes_.size();) {
+            const node& n = nodes_[i];
+            if (n.first != none || n.next - i <= most) {
+                f(n.box);
+                i = n.next;
+            } else {
+                ++i;
+            }
+        }
+    }
+
+private:
+    static constexpr std::uint32_t none = 0xffffffffu;
+    struct node {
+        aabb<float, D> box;
+        std::uint32_t next;
+        /// Of leaves where their parts begin, a multiple of 4.
+        std::uint32_t first;
+    };
+    static std::uint32_t min(std::uint32_t a, std::uint32_t b) { return a < b ? a : b; }
+    static void halve(std::uint64_t* keys, std::uint64_t* spare, std::uint32_t count, const aabb<float, D>* boxes);
+
+    block_array<node> nodes_;
+    block_array<std::uint32_t> parts_;
+};
+
+/// Brings keys, whose lower halves number parts, into the order of their middles along the axis on which they differ
+/// most.
+template <int D>
+void part_tree<D>::halve(std::uint64_t* keys, std::uint64_t* spare, std::uint32_t count, const aabb<float, D>* boxes) {
+    // Half of the sums, so that none overflows.
+    const auto middle = [&](std::uint64_t key) {
+        const aabb<float, D>& box = boxes[static_cast<std::uint32_t>(key)];
+        return box.lower * 0.5f + box.upper * 0.5f;
+    };
+    vec<float, D> low = middle(keys[0]), high = low;
+    for (std::uint32_t i = 1; i < count; ++i) {
+        const vec<float, D> m = middle(keys[i]);
+        low = physics::min(low, m);
+        high = physics::max(high, m);
+    }
+    int axis = 0;
+    for (int i = 1; i < D; ++i)
+        if (high[i] - low[i] > high[axis] - low[axis]) axis = i;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        // Zero without a sign; then numbers ascend with their bits, negative ones descend.
+        const auto bits = static_cast<std::uint32_t>(scalar_traits<float>::bits(middle(keys[i])[axis] + 0.0f));
+        const std::uint32_t rank = bits >> 31 ? ~bits : bits | 0x80000000u;
+        keys[i] = std::uint64_t{rank} << 32 | (keys[i] & 0xffffffffu);
+    }
+    const std::uint64_t* sorted = radix_sort(keys, spare, count, 32, 64);
+    if (sorted != keys) std::memcpy(keys, sorted, count * sizeof *keys);
+}
+
+template <int D>
+void part_tree<D>::build(const geometry_block* block, places at, const aabb<float, D>* boxes, std::uint32_t count) {
+    nodes_.attach(block, at.nodes, nodes_for(count));
+    parts_.attach(block, at.parts, count);
+    if (count == 0) return;
+    buffer<std::uint64_t> keys, spare;
+    keys.resize(count);
+    spare.resize(count);
+    for (std::uint32_t i = 0; i < count; ++i) keys[i] = i;
+    struct range {
+        std::uint32_t first, count;
+    } todo[40];
+    int waiting = 0;
+    todo[waiting++] = {0, count};
+    // What waits longest is what lies to the right: nodes come in the order of the walk.
+    for (std::uint32_t i = 0; waiting > 0; ++i) {
+        const range r = todo[--waiting];
+        nodes_[i].next = i + nodes_for(r.count);
+        nodes_[i].first = none;
+        if (r.count <= parts_of_leaf) {
+            nodes_[i].first = r.first;
+            continue;
+        }
+        halve(keys.begin() + r.first, spare.begin() + r.first, r.count, boxes);
+        const std::uint32_t left = (r.count / 2 + parts_of_leaf - 1) / parts_of_leaf * parts_of_leaf;
+        todo[waiting++] = {r.first + left, r.count - left};
+        todo[waiting++] = {r.first, left};
+    }
+    for (std::uint32_t i = 0; i < count; ++i) parts_[i] = static_cast<std::uint32_t>(keys[i]);
+    for (std::uint32_t i = nodes_.size(); i-- > 0;) {
+        node& n = nodes_[i];
+        if (n.first == none) {
+            n.box = merged(nodes_[i + 1].box, nodes_[nodes_[i + 1].next].box);
+            continue;
+        }
+        n.box = boxes[parts_[n.first]];
+        for (std::uint32_t k = n.first + 1; k < min(n.first + parts_of_leaf, count); ++k)
+            n.box = merged(n.box, boxes[parts_[k]]);
+    }
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/shape/surface_part.hpp
+// =================================================================================================
+// What surfaces such as meshes and chains are made of.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// One flat part of a surface, in the surface's frame: a segment in the plane, a triangle in space.
+template <int D>
+struct surface_part {
+    /// In the plane the ends, the solid being to the left on the way from the first to the second; in space
+    /// counter-clockwise as seen from outside.
+    vec<double, D> corner[D];
+    /// Unit normal outwards.
+    vec<double, D> normal;
+    /// Unit normals of the parts that follow beyond the ends or, in space, beyond edge i from corner i to the next.
+    vec<double, D> beyond[D];
+    /// Whether anything follows there.
+    bool continues[D] = {};
+    /// Whether it stops bodies on its back too.
+    bool two_sided = false;
+    std::uint32_t number = 0;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/shape/surface_shape.hpp
+// =================================================================================================
+// What shapes made of parts share: how their geometry is stored, checked and bounded.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// A shape for calculations with the scalar T where that stores geometry in other numbers: it goes back.
+template <class T, class Shape>
+struct foreign_shape {
+    using scalar = T;
+    Shape shape;
+
+    template <class U>
+    [[nodiscard]] constexpr auto as() const {
+        return shape.template as<U>();
+    }
+};
+/// Whether shapes for S and T can refer to the same geometry.
+template <class S, class T>
+constexpr bool same_storage = std::is_same_v<hull_real<S>, hull_real<T>>;
+
+/// Mixes a word into a number that geometries of the same content share on every system.
+inline void mix_digest(std::uint64_t& digest, std::uint64_t word) {
+    digest = (digest ^ word) * 0xff51afd7ed558ccdu;
+    digest ^= digest >> 32;
+}
+template <int D>
+void mix_digest(std::uint64_t& digest, const vec<double, D>& p) {
+    for (int i = 0; i < D; ++i) mix_digest(digest, scalar_traits<double>::bits(p[i]));
+}
+
+/// Coordinates that S can hold with room to spare, floats can bound and doubles can multiply.
+template <class S>
+bool check_reach(const char* function, double reach) {
+    const double most = min(1e30, static_cast<double>(scalar_traits<S>::max()) * 0.25);
+    return reach <= most || refuse(function, "largest coordinate", reach,
+                                   "it must be at most 1e30, and a quarter of the scalar's range");
+}
+/// A distance between parts whose square is a number too.
+template <class S>
+bool check_spacing(const char* function, const char* field, S spacing) {
+    if (!check_positive(function, field, spacing)) return false;
+    const double exact = static_cast<double>(spacing);
+    return exact >= 1e-30 || refuse(function, field, exact, "it must be at least 1e-30");
+}
+/// Refuses a number or a point of an array by its place where it is not finite.
+template <class T>
+bool check_item(const char* function, const char* name, std::uint32_t i, const T& item) {
+    if (is_finite(item)) return true;
+    char field[40];
+    std::snprintf(field, sizeof field, "%s[%u]", name, static_cast<unsigned>(i));
+    return check_finite(function, field, item);
+}
+/// Points in double; false after a refusal.
+template <class S, int D>
+bool take_points(const char* function, const char* name, const vec<S, D>* points, std::uint32_t count,
+                 buffer<vec<double, D>>& taken) {
+    taken.reserve(count);
+    double reach = 0;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        if (!check_item(function, name, i, points[i])) return false;
+        reach = max(reach, largest(taken.push(to_point(points[i]))));
+    }
+    return check_reach<S>(function, reach);
+}
+
+/// The box around points, at least one.
+template <int D>
+aabb<double, D> box_around(const buffer<vec<double, D>>& points) {
+    aabb<double, D> box{points[0], points[0]};
+    for (const vec<double, D>& p : points) box = {min(box.lower, p), max(box.upper, p)};
+    return box;
+}
+/// The largest coordinate of a box by magnitude.
+template <int D>
+double reach_of(const aabb<double, D>& box) {
+    return max(largest(box.lower), largest(box.upper));
+}
+
+/// Whether a shape's geometry was built, and its radius is one.
+template <class Shape>
+bool check_surface(const Shape& shape, const char* owner, const char* function) {
+    if (shape.geometry == nullptr) return refuse(function, "geometry", "null", owner);
+    return check_not_negative(function, "radius", shape.radius);
+}
+
+/// Collects points and boxes of a frame, and gives the box around them where the frame stands.
+template <class S, int D>
+class turned_bounds {
+public:
+    explicit turned_bounds(const transform<S, D>& at) : at_(at), axes_(to_matrix(at.rotation)) {
+        for (int i = 0; i < D; ++i) low_[i] = 1e300, high_[i] = -1e300;
+    }
+    void add(const vec<double, D>& p) {
+        const vec<double, D> q = axes_ * p;
+        low_ = min(low_, q);
+        high_ = max(high_, q);
+    }
+    template <class R>
+    void add(const aabb<R, D>& box) {
+        vec<double, D> middle, reach;
+        for (int i = 0; i < D; ++i) {
+            const double lower = static_cast<double>(box.lower[i]), upper = static_cast<double>(box.upper[i]);
+            middle += axes_.column[i] * ((lower + upper) * 0.5);
+            reach += abs(axes_.column[i]) * ((upper - lower) * 0.5);
+        }
+        low_ = min(low_, middle - reach);
+        high_ = max(high_, middle + reach);
+    }
+    /// Grown by a radius and by what rounding to S does to coordinates as large as those of `around`.
+    [[nodiscard]] aabb<S, D> box(S radius, const aabb<double, D>& around) const {
+        S slack = S(4 * static_cast<double>(scalar_traits<S>::epsilon()) * reach_of(around));
+        if (!(slack > S(0))) slack = scalar_traits<S>::epsilon();
+        aabb<S, D> result;
+        for (int i = 0; i < D; ++i) {
+            result.lower[i] = S(low_[i]) - (radius + slack);
+            result.upper[i] = S(high_[i]) + (radius + slack);
+        }
+        return {at_.position + result.lower, at_.position + result.upper};
+    }
+
+private:
+    const transform<S, D>& at_;
+    mat<double, D> axes_;
+    vec<double, D> low_, high_;
+};
+/// From how many points on the boxes of the tree stand for them.
+inline constexpr std::uint32_t points_to_bound = 64;
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/shape/chain_data.hpp
+// =================================================================================================
+// What chains and tile grids are in memory: points, what follows what, and a tree over the segments.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// The segments before and after one; itself where nothing follows.
+struct chain_links {
+    std::uint32_t before, after;
+};
+
+/// Segments with coordinates in R. Segment i leads from point i to the point at which the segment after it begins; the
+/// last of an open chain to the point after it. Without links segments follow one another as they are numbered.
+template <class R>
+struct chain_data : geometry_block {
+    bool loop, two_sided;
+    std::uint64_t digest;
+    aabb<double, 2> box;
+    block_array<vec<R, 2>> points;
+    block_array<chain_links> links;
+    part_tree<2> tree;
+
+    [[nodiscard]] std::uint32_t segment_count() const { return tree.size(); }
+    [[nodiscard]] vec<double, 2> point(std::uint32_t i) const { return to_point(points[i]); }
+    [[nodiscard]] chain_links links_of(std::uint32_t i) const {
+        if (links.size() > 0) return links[i];
+        const std::uint32_t last = segment_count() - 1;
+        return {i > 0 ? i - 1 : loop ? last : i, i < last ? i + 1 : loop ? 0 : i};
+    }
+    [[nodiscard]] vec<double, 2> end_of(std::uint32_t i) const {
+        const std::uint32_t after = links_of(i).after;
+        return point(after == i ? i + 1 : after);
+    }
+    [[nodiscard]] vec<double, 2> normal_of(std::uint32_t i) const {
+        return normalized(perpendicular(end_of(i) - point(i)));
+    }
+    [[nodiscard]] surface_part<2> part(std::uint32_t i) const {
+        const chain_links l = links_of(i);
+        surface_part<2> p;
+        p.corner[0] = point(i);
+        p.corner[1] = point(l.after == i ? i + 1 : l.after);
+        p.normal = normalized(perpendicular(p.corner[1] - p.corner[0]));
+        p.continues[0] = l.before != i;
+        p.continues[1] = l.after != i;
+        if (p.continues[0]) p.beyond[0] = normal_of(l.before);
+        if (p.continues[1]) p.beyond[1] = normal_of(l.after);
+        p.two_sided = two_sided;
+        p.number = i;
+        return p;
+    }
+
+    /// A block with one owner: the caller. Links are null or one for each segment.
+    static const chain_data* make(const buffer<vec<double, 2>>& points, const buffer<chain_links>& links, bool loop,
+                                  bool two_sided);
+};
+
+/// The parts of a surface whose boxes reach into a box.
+template <class R, class F>
+void each_segment(const chain_data<R>& c, const aabb<double, 2>& box, F&& f) {
+    c.tree.visit(box, [&](std::uint32_t i) {
+        const vec<double, 2> a = c.point(i), b = c.end_of(i);
+        if (overlap(aabb<double, 2>{min(a, b), max(a, b)}, box)) f(c.part(i));
+    });
+}
+
+template <class R>
+const chain_data<R>* chain_data<R>::make(const buffer<vec<double, 2>>& points, const buffer<chain_links>& links,
+                                         bool loop, bool two_sided) {
+    const bool linked = links.size() > 0;
+    const std::uint32_t segments = points.size() - (loop || linked ? 0 : 1);
+    block_layout layout(sizeof(chain_data));
+    const std::size_t at_points = layout.place<vec<R, 2>>(points.size());
+    const std::size_t at_links = layout.place<chain_links>(links.size());
+    const auto at_tree = part_tree<2>::place(layout, segments);
+    auto* c = new_geometry<chain_data>(layout.bytes());
+    c->loop = loop;
+    c->two_sided = two_sided;
+    c->box = box_around(points);
+    c->digest = points.size() * 4ull + std::uint64_t{loop} * 2 + std::uint64_t{two_sided};
+    c->points.attach(c, at_points, points.size());
+    c->links.attach(c, at_links, links.size());
+    for (std::uint32_t i = 0; i < points.size(); ++i) {
+        c->points[i] = from_point<R>(points[i]);
+        mix_digest(c->digest, points[i]);
+    }
+    for (std::uint32_t i = 0; i < links.size(); ++i) {
+        c->links[i] = links[i];
+        mix_digest(c->digest, std::uint64_t{links[i].before} << 32 | links[i].after);
+    }
+    buffer<aabb<float, 2>> boxes;
+    boxes.reserve(segments);
+    for (std::uint32_t i = 0; i < segments; ++i) {
+        const vec<double, 2> a = points[i], b = points[linked ? links[i].after : i + 1 < points.size() ? i + 1 : 0];
+        boxes.push(outward_floats(aabb<double, 2>{min(a, b), max(a, b)}));
+    }
+    c->tree.build(c, at_tree, boxes.begin(), segments);
+    return c;
+}
+
+template <class R, class S>
+aabb<S, 2> bounds_of_chain(const chain_data<R>& c, S radius, const transform<S, 2>& at) {
+    turned_bounds<S, 2> around(at);
+    if (c.points.size() <= points_to_bound)
+        for (std::uint32_t i = 0; i < c.points.size(); ++i) around.add(c.point(i));
+    else c.tree.cover([&](const aabb<float, 2>& box) { around.add(box); });
+    return around.box(radius, c.box);
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/shape/chain.hpp
+// =================================================================================================
+// The chain: a line of segments in the plane, such as the ground of a level.
+
+PHYSICS_HPP_BEGIN
+
+/// All points within radius (m, 0 or more) of a line of segments in the shape's frame; it exists in the plane. It has
+/// no mass, so it serves static and kinematic bodies. A chain_geometry or a world keeps the points: as long as one of
+/// them does, the shape is good.
+template <class S, int D>
+struct chain;
+template <class S>
+struct chain<S, 2> {
+    using scalar = S;
+    const detail::chain_data<detail::hull_real<S>>* geometry = nullptr;
+    S radius{};
+
+    template <class T>
+    [[nodiscard]] constexpr auto as() const {
+        if constexpr (detail::same_storage<S, T>) return chain<T, 2>{geometry, static_cast<T>(radius)};
+        else return detail::foreign_shape<T, chain>{*this};
+    }
+};
+
+template <class S>
+bool check(const chain<S, 2>& c, const char* function) {
+    return detail::check_surface(c, "it must be the shape of a chain_geometry that was built", function);
+}
+/// Tight up to 64 points; around 32 to 64 boxes of the tree where there are more.
+template <class S>
+aabb<S, 2> bounds(const chain<S, 2>& c, const transform<S, 2>& at) {
+    return detail::bounds_of_chain(*c.geometry, c.radius, at);
+}
+/// For the narrowphase: calls f with the segments that may reach into a box of the shape's frame.
+template <class S, class F>
+void each_part(const chain<S, 2>& c, const aabb<double, 2>& box, F&& f) {
+    detail::each_segment(*c.geometry, box, f);
+}
+
+/// How the points of a chain are joined.
+struct chain_settings {
+    /// The last point is joined to the first.
+    bool loop = false;
+    /// Bodies are stopped on the back too.
+    bool two_sided = false;
+};
+
+/// The line of segments from each point to the next, built once and shared by all chains made of it, and by worlds that
+/// hold such. Bodies glide from segment to segment without a bump. The solid is to the left on the way, the front to
+/// the right: the ground leads from right to left, a ceiling from left to right, and the outline of an island, as of a
+/// polygon, counter-clockwise.
+/// Walk along a chain with your left hand on the solid: what comes from the right is stopped.
+///
+/// A body whose centre is behind a segment passes through it, unless the chain is two-sided. An open chain ends in
+/// corners that bodies can hit from the side.
+template <class S, int D>
+class chain_geometry;
+template <class S>
+class chain_geometry<S, 2> {
+public:
+    /// No chain: what build() gives in builds without exceptions when it has refused.
+    chain_geometry() = default;
+
+    /// Refuses NaN and infinity, coordinates beyond 1e30 or a quarter of the range of S, fewer than 2 points (3 for a
+    /// loop), and equal points next to each other. Cost: O(n log n), 0.5 us a point.
+    [[nodiscard]] static chain_geometry build(const vec<S, 2>* points, std::uint32_t count,
+                                              const chain_settings& settings = {}) {
+        return chain_geometry(built(points, count, settings));
+    }
+    template <std::size_t N>
+    [[nodiscard]] static chain_geometry build(const vec<S, 2> (&points)[N], const chain_settings& settings = {}) {
+        return build(points, static_cast<std::uint32_t>(N), settings);
+    }
+    [[nodiscard]] static chain_geometry build(std::initializer_list<vec<S, 2>> points,
+                                              const chain_settings& settings = {}) {
+        return build(points.begin(), static_cast<std::uint32_t>(points.size()), settings);
+    }
+
+    explicit operator bool() const { return data() != nullptr; }
+    /// The shape, grown by a radius (m). It is good as long as this geometry, a copy of it or a world keeps it.
+    [[nodiscard]] chain<S, 2> shape(S radius = S(0)) const { return {data(), radius}; }
+    /// Segment i leads from point i to the next; contacts name it as their part.
+    [[nodiscard]] std::uint32_t segment_count() const { return data()->segment_count(); }
+
+    /// The block itself; null if there is none.
+    [[nodiscard]] const detail::chain_data<detail::hull_real<S>>* data() const { return owner_.get(); }
+
+private:
+    using block = detail::chain_data<detail::hull_real<S>>;
+
+    explicit chain_geometry(const block* built) : owner_(built) {}
+    static const block* built(const vec<S, 2>* points, std::uint32_t count, const chain_settings& settings) {
+        constexpr const char* f = "chain_geometry::build";
+        buffer<vec<double, 2>> exact;
+        if (!detail::take_points(f, "points", points, count, exact)) return nullptr;
+        if (count < (settings.loop ? 3u : 2u)) {
+            detail::refuse(f, "number of points", static_cast<double>(count),
+                           settings.loop ? "a loop needs at least 3" : "a chain needs at least 2");
+            return nullptr;
+        }
+        for (std::uint32_t i = 0; i < (settings.loop ? count : count - 1); ++i) {
+            const std::uint32_t next = i + 1 < count ? i + 1 : 0;
+            const vec<double, 2> way = exact[next] - exact[i];
+            // Points so close that this underflows have no direction either.
+            if (dot(way, way) > 0) continue;
+            char field[40];
+            std::snprintf(field, sizeof field, "points[%u].x", static_cast<unsigned>(next));
+            detail::refuse(f, field, exact[next].x, "it must not be the same point as the one before");
+            return nullptr;
+        }
+        return block::make(exact, {}, settings.loop, settings.two_sided);
+    }
+
+    detail::geometry_owner<block> owner_;
+};
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/shape/compound_data.hpp
+// =================================================================================================
+// What a compound is in memory: children with their cores and places, and a tree over them.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// What a compound needs to know of a shape whose type is forgotten.
+template <int D>
+struct solid_functions {
+    bool (*check)(const void*, const char* function);
+    detail::core<D> (*core)(const void*);
+    /// With density 1.
+    mass_properties<double, D> (*mass)(const void*);
+    const geometry_block* (*geometry)(const void*);
+    std::uint64_t (*digest)(const void*);
+};
+template <class Shape, int D>
+inline constexpr solid_functions<D> solid_functions_of = {
+    [](const void* s, const char* function) { return check(*static_cast<const Shape*>(s), function); },
+    [](const void* s) { return core_of(*static_cast<const Shape*>(s)); },
+    [](const void* s) -> mass_properties<double, D> {
+        const auto exact = static_cast<const Shape*>(s)->template as<double>();
+        if constexpr (requires { mass_of(exact, 1.0); }) return mass_of(exact, 1.0);
+        else return {};
+    },
+    [](const void* s) -> const geometry_block* {
+        if constexpr (refers_to_geometry<Shape>) return static_cast<const Shape*>(s)->geometry;
+        else return static_cast<void>(s), nullptr;
+    },
+    [](const void* s) -> std::uint64_t {
+        if constexpr (refers_to_geometry<Shape>) return static_cast<const Shape*>(s)->geometry->digest;
+        else return static_cast<void>(s), 0;
+    }};
+
+/// The bytes of any shape.
+struct solid_bytes {
+    static constexpr std::size_t most = 64;
+    alignas(8) unsigned char bytes[most] = {};
+};
+/// A shape and its place, before they become a child.
+template <int D>
+struct loose_solid {
+    const solid_functions<D>* functions;
+    solid_bytes shape;
+    mat<double, D> axes;
+    vec<double, D> at;
+};
+
+/// A child of a compound, as each_child() gives it.
+template <int D>
+struct placed_child {
+    detail::core<D> shape;
+    mat<double, D> axes;
+    vec<double, D> at;
+    std::uint32_t number;
+};
+
+/// Children in double for every scalar. It owns the geometry that they refer to.
+template <int D>
+struct compound_data : geometry_block {
+    std::uint64_t digest;
+    aabb<double, D> box;
+    /// With density 1.
+    mass_properties<double, D> mass;
+    block_array<placed_child<D>> children;
+    block_array<aabb<float, D>> boxes;
+    block_array<solid_bytes> shapes;
+    block_array<const geometry_block*> owned;
+    part_tree<D> tree;
+
+    /// The farthest point of child i along a direction of any length, radius included.
+    [[nodiscard]] vec<double, D> farthest(std::uint32_t i, const vec<double, D>& d) const {
+        const placed_child<D>& c = children[i];
+        return c.axes * c.shape.support(transposed_times(c.axes, d)).at + c.at + normalized(d) * c.shape.radius;
+    }
+    /// A block with one owner: the caller.
+    static const compound_data* make(const buffer<loose_solid<D>>& solids);
+};
+
+/// A mass as seen from where the frame of its shape stands.
+inline mass_properties<double, 2> placed_mass(const mass_properties<double, 2>& m, const mat<double, 2>& axes,
+                                              const vec<double, 2>& at) {
+    return {m.mass, axes * m.center + at, m.inertia};
+}
+inline mass_properties<double, 3> placed_mass(const mass_properties<double, 3>& m, const mat<double, 3>& axes,
+                                              const vec<double, 3>& at) {
+    return {m.mass, axes * m.center + at, rotated(m.inertia, axes)};
+}
+
+template <int D>
+const compound_data<D>* compound_data<D>::make(const buffer<loose_solid<D>>& solids) {
+    const std::uint32_t count = solids.size();
+    block_layout layout(sizeof(compound_data));
+    const std::size_t at_children = layout.place<placed_child<D>>(count);
+    const std::size_t at_boxes = layout.place<aabb<float, D>>(count);
+    const std::size_t at_shapes = layout.place<solid_bytes>(count);
+    const std::size_t at_owned = layout.place<const geometry_block*>(count);
+    const auto at_tree = part_tree<D>::place(layout, count);
+    auto* c = new_geometry<compound_data>(layout.bytes());
+    c->gone = [](const geometry_block* block) {
+        for (const geometry_block* held : static_cast<const compound_data*>(block)->owned) release(held);
+    };
+    c->digest = count;
+    c->mass = {};
+    c->children.attach(c, at_children, count);
+    c->boxes.attach(c, at_boxes, count);
+    c->shapes.attach(c, at_shapes, count);
+    c->owned.attach(c, at_owned, count);
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const loose_solid<D>& s = solids[i];
+        // Cores may refer to their shape.
+        const void* const shape = new (&c->shapes[i]) solid_bytes(s.shape);
+        const placed_child<D>& child =
+            *new (&c->children[i]) placed_child<D>{s.functions->core(shape), s.axes, s.at, i};
+        c->owned[i] = s.functions->geometry(shape);
+        retain(c->owned[i]);
+        c->mass = combined(c->mass, placed_mass(s.functions->mass(shape), s.axes, s.at));
+        aabb<double, D> around;
+        for (int k = 0; k < D; ++k) {
+            vec<double, D> along;
+            along[k] = 1;
+            around.upper[k] = c->farthest(i, along)[k];
+            around.lower[k] = c->farthest(i, -along)[k];
+        }
+        c->box = i == 0 ? around : merged(c->box, around);
+        c->boxes[i] = outward_floats(around);
+        mix_digest(c->digest, static_cast<std::uint64_t>(child.shape.kind));
+        mix_digest(c->digest, s.functions->digest(shape));
+        mix_digest(c->digest, scalar_traits<double>::bits(child.shape.radius));
+        for (const vec<double, D>& p : child.shape.corner) mix_digest(c->digest, p);
+        for (const vec<double, D>& p : s.axes.column) mix_digest(c->digest, p);
+        for (const vec<double, D>& p : {s.at, around.lower, around.upper}) mix_digest(c->digest, p);
+    }
+    c->tree.build(c, at_tree, c->boxes.begin(), count);
+    return c;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/shape/compound.hpp
+// =================================================================================================
+// The compound: several convex shapes as one, such as a table.
+
+PHYSICS_HPP_BEGIN
+
+/// Convex shapes, the children, each at a place of its own in the shape's frame. A compound_geometry or a world keeps
+/// them: as long as one of them does, the shape is good.
+template <class S, int D>
+struct compound {
+    using scalar = S;
+    const detail::compound_data<D>* geometry = nullptr;
+
+    template <class T>
+    [[nodiscard]] constexpr compound<T, D> as() const {
+        return {geometry};
+    }
+};
+
+/// It meets other shapes child by child: there is no convex core for all.
+template <class S, int D>
+detail::core<D> core_of(const compound<S, D>&) = delete;
+
+template <class S, int D>
+bool check(const compound<S, D>& c, const char* function) {
+    return c.geometry != nullptr ||
+           detail::refuse(function, "geometry", "null", "it must be the shape of a compound_geometry that was built");
+}
+/// Tight up to 64 children; around 32 to 64 boxes of the tree where there are more.
+template <class S, int D>
+aabb<S, D> bounds(const compound<S, D>& c, const transform<S, D>& at) {
+    const auto& g = *c.geometry;
+    detail::turned_bounds<S, D> around(at);
+    if (g.children.size() > detail::points_to_bound) {
+        g.tree.cover([&](const aabb<float, D>& box) { around.add(box); });
+        return around.box(S(0), g.box);
+    }
+    const mat<double, D> rows = transposed(detail::to_matrix(at.rotation));
+    for (std::uint32_t i = 0; i < g.children.size(); ++i)
+        for (int k = 0; k < D; ++k) {
+            around.add(g.farthest(i, rows.column[k]));
+            around.add(g.farthest(i, -rows.column[k]));
+        }
+    return around.box(S(0), g.box);
+}
+/// The farthest point of all children; of those at the same distance the first one's. Cost: O(children).
+template <class S, int D>
+vec<S, D> support(const compound<S, D>& c, vec<S, D> direction) {
+    const vec<double, D> d = detail::to_point(direction);
+    vec<double, D> best = c.geometry->farthest(0, d);
+    for (std::uint32_t i = 1; i < c.geometry->children.size(); ++i) {
+        const vec<double, D> p = c.geometry->farthest(i, d);
+        if (dot(d, p) > dot(d, best)) best = p;
+    }
+    return detail::from_point<S>(best);
+}
+/// The sum over all children, each of that density: what they share counts as often as they share it. Calculated in
+/// double when the geometry is built.
+template <class S, int D>
+mass_properties<S, D> mass_of(const compound<S, D>& c, std::type_identity_t<S> density) {
+    const double d = static_cast<double>(density);
+    const mass_properties<double, D>& m = c.geometry->mass;
+    mass_properties<S, D> result{S(m.mass * d), detail::from_point<S>(m.center), {}};
+    if constexpr (D == 2) {
+        result.inertia = S(m.inertia * d);
+    } else {
+        const symmetric<double> i = m.inertia * d;
+        result.inertia = {S(i.xx), S(i.yy), S(i.zz), S(i.xy), S(i.xz), S(i.yz)};
+    }
+    return result;
+}
+/// For the narrowphase: calls f with the children that may reach into a box of the shape's frame.
+template <class S, int D, class F>
+void each_child(const compound<S, D>& c, const aabb<double, D>& box, F&& f) {
+    const auto& g = *c.geometry;
+    const aabb<float, D> wanted = detail::outward_floats(box);
+    g.tree.visit(box, [&](std::uint32_t i) {
+        if (overlap(g.boxes[i], wanted)) f(g.children[i]);
+    });
+}
+
+/// A child of a compound to be: any convex shape of up to 64 bytes, where its frame stands in the compound's (m), and
+/// how it is turned. The rotation must be one, as for bodies.
+template <class S, int D>
+class compound_child {
+public:
+    template <class Shape>
+        requires detail::has_core<Shape>
+    compound_child(const Shape& shape, vec<S, D> position = {}, const rotation<S, D>& turned = {})
+        : position_(position), rotation_(turned) {
+        static_assert(sizeof(Shape) <= detail::solid_bytes::most && alignof(Shape) <= alignof(detail::solid_bytes),
+                      "physics::compound_child: the shape is larger than 64 bytes");
+        solid_.functions = &detail::solid_functions_of<Shape, D>;
+        new (static_cast<void*>(solid_.shape.bytes)) Shape(shape);
+    }
+
+private:
+    template <class, int>
+    friend class compound_geometry;
+
+    detail::loose_solid<D> solid_{};
+    vec<S, D> position_;
+    rotation<S, D> rotation_;
+};
+
+/// Convex shapes as one, built once and shared by all compounds made of it, and by worlds that hold such.
+///
+///     const auto hammer = physics::compound_geometry<float, 2>::build({
+///         {physics::box<float, 2>{{0.05f, 0.5f}}}, {physics::box<float, 2>{{0.3f, 0.1f}}, {0, 0.6f}}});
+///     world.create_shape(body, hammer.shape());
+///
+/// Bodies with few shapes need no compound: each may have its own material there. A compound is one shape for the
+/// broadphase, and finds its children by a tree. It keeps the hulls of its children.
+template <class S, int D>
+class compound_geometry {
+public:
+    /// No compound: what build() gives in builds without exceptions when it has refused.
+    compound_geometry() = default;
+
+    /// Refuses what the shapes themselves do, naming the child, places that are not finite or too far out for S, and no
+    /// children at all. Contacts name children by their order. Cost: O(n log n), 1 us a child, 0.3 KB each.
+    [[nodiscard]] static compound_geometry build(const compound_child<S, D>* children, std::uint32_t count) {
+        return compound_geometry(built(children, count));
+    }
+    [[nodiscard]] static compound_geometry build(std::initializer_list<compound_child<S, D>> children) {
+        return build(children.begin(), static_cast<std::uint32_t>(children.size()));
+    }
+
+    explicit operator bool() const { return data() != nullptr; }
+    /// The shape. It is good as long as this geometry, a copy of it or a world keeps it.
+    [[nodiscard]] compound<S, D> shape() const { return {data()}; }
+    [[nodiscard]] std::uint32_t child_count() const { return data()->children.size(); }
+
+    /// The block itself; null if there is none.
+    [[nodiscard]] const detail::compound_data<D>* data() const { return owner_.get(); }
+
+private:
+    explicit compound_geometry(const detail::compound_data<D>* built) : owner_(built) {}
+    static const detail::compound_data<D>* built(const compound_child<S, D>* children, std::uint32_t count) {
+        constexpr const char* f = "compound_geometry::build";
+        if (count == 0) {
+            detail::refuse(f, "number of children", 0.0, "a compound needs at least 1");
+            return nullptr;
+        }
+        buffer<detail::loose_solid<D>> solids;
+        solids.reserve(count);
+        for (std::uint32_t i = 0; i < count; ++i) {
+            const compound_child<S, D>& child = children[i];
+            char name[64];
+            std::snprintf(name, sizeof name, "%s: child %u", f, static_cast<unsigned>(i));
+            if (!child.solid_.functions->check(child.solid_.shape.bytes, name) ||
+                !detail::check_finite(name, "position", child.position_) || !check_rotation(name, child.rotation_))
+                return nullptr;
+            detail::loose_solid<D>& s = solids.push(child.solid_);
+            s.axes = detail::to_matrix(child.rotation_);
+            s.at = detail::to_point(child.position_);
+            if (!detail::check_reach<S>(name, largest(s.at))) return nullptr;
+        }
+        return detail::compound_data<D>::make(solids);
+    }
+    static bool check_rotation(const char* function, const rotation<S, 2>& r) {
+        const double c = static_cast<double>(r.cosine), s = static_cast<double>(r.sine);
+        return check_length(function, c * c + s * s);
+    }
+    static bool check_rotation(const char* function, const rotation<S, 3>& r) {
+        const double x = static_cast<double>(r.x), y = static_cast<double>(r.y), z = static_cast<double>(r.z),
+                     w = static_cast<double>(r.w);
+        return check_length(function, (x * x + y * y) + (z * z + w * w));
+    }
+    static bool check_length(const char* function, double squared) {
+        return abs(squared - 1) < 1e-3 || detail::refuse(function, "squared length of rotation", squared,
+                                                         "it must be 1, to less than 0.001");
+    }
+
+    detail::geometry_owner<detail::compound_data<D>> owner_;
+};
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/shape/solid_moments.hpp
+// =================================================================================================
+// Volume, centroid and second moments of solids that are put together of pieces.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// The integrals of 1, p and p p^T over a solid, with p from a place near it, summed in double over its pieces. In the
+/// plane z is 0, and integrals are over the plane.
+struct solid_moments {
+    double volume = 0;
+    vec<double, 3> first;
+    symmetric<double> second;
+
+    /// Adds a piece of so much volume at a place, whose p and p p^T from that place sum up to `sum` and `squares`.
+    void add(double size, const vec<double, 3>& at, const vec<double, 3>& sum, const symmetric<double>& squares) {
+        volume += size;
+        first += at * size + sum;
+        second = second + square_of(at) * size + both_products(at, sum) + squares;
+    }
+    /// By density; `origin` is where p begins. None if there is no volume.
+    template <class T, int D>
+    [[nodiscard]] mass_properties<T, D> mass(const vec<double, 3>& origin, T density) const {
+        if (!(volume > 0)) return {};
+        const double d = static_cast<double>(density);
+        const vec<double, 3> shift = first / volume, c = origin + shift;
+        const symmetric<double> m = (second + square_of(shift) * -volume) * d;
+        if constexpr (D == 2)
+            return {T(d * volume), {T(c.x), T(c.y)}, T(m.xx + m.yy)};
+        else
+            return {T(d * volume),
+                    {T(c.x), T(c.y), T(c.z)},
+                    {T(m.yy + m.zz), T(m.xx + m.zz), T(m.xx + m.yy), T(-m.xy), T(-m.xz), T(-m.yz)}};
+    }
+};
+
+/// A point of a shape in double, in space.
+template <class S, int D>
+vec<double, 3> exact_in_space(const vec<S, D>& v) {
+    vec<double, 3> p;
+    for (int i = 0; i < D; ++i) p[i] = static_cast<double>(v[i]);
+    return p;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/shape/discs.hpp
+// =================================================================================================
+// Two coaxial discs and all between them, rounded or not: what cylinders and cones are.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Discs of the radii low and high at -half and half on the x axis, and all within `rounding` of what is between.
+template <class S>
+struct discs {
+    S half, low, high, rounding;
+};
+
+template <class S>
+constexpr aabb<S, 3> bounds_of(const discs<S>& d, const transform<S, 3>& at) {
+    const mat<S, 3> m = matrix(at.rotation);
+    aabb<S, 3> box;
+    for (int i = 0; i < 3; ++i) {
+        // How far a disc of radius 1 reaches. Of the axis alone, 1 - x * x would lose half of the digits.
+        const S across = length(vec<S, 2>{m.column[1][i], m.column[2][i]}), along = m.column[0][i] * d.half;
+        const S at_low = across * d.low, at_high = across * d.high;
+        box.lower[i] = min(-along - at_low, along - at_high) - d.rounding;
+        box.upper[i] = max(-along + at_low, along + at_high) + d.rounding;
+    }
+    return {at.position + box.lower, at.position + box.upper};
+}
+template <class S>
+constexpr vec<S, 3> support_of(const discs<S>& d, vec<S, 3> direction) {
+    const vec<S, 3> n = normalized(direction);
+    const auto [aside, across] = split(vec<S, 2>{n.y, n.z});
+    const bool upper = !(n.x * (d.half + d.half) < across * (d.low - d.high));
+    const S r = upper ? d.high : d.low;
+    return vec<S, 3>{upper ? d.half : -d.half, aside.x * r, aside.y * r} + n * d.rounding;
+}
+/// Exact; calculated in double. Slices across the axis, whose radius is a line between two arcs.
+template <class S>
+mass_properties<S, 3> mass_of_discs(const discs<S>& d, S density) {
+    const double half = static_cast<double>(d.half), low = static_cast<double>(d.low),
+                 high = static_cast<double>(d.high), r = static_cast<double>(d.rounding);
+    // Integrals over x of R^2, x R^2, x^2 R^2 and R^4 for the radius R of the slice at x.
+    double area = 0, first = 0, along = 0, fourth = 0;
+    const double slope = low - high, side = sqrt(4 * half * half + slope * slope);
+    const double sine = slope / side, cosine = 2 * half / side;
+    {
+        // The side: polynomials up to the fourth degree, exact by three points of Gauss.
+        const double begin = low + r * cosine, end = high + r * cosine;
+        constexpr double gauss[3][2] = {{-0.77459666924148338, 5.0 / 9}, {0, 8.0 / 9}, {0.77459666924148338, 5.0 / 9}};
+        for (const auto& g : gauss) {
+            const double x = r * sine + half * g[0], radius = 0.5 * (begin + end) + 0.5 * (end - begin) * g[0];
+            const double rr = radius * radius, weight = half * g[1];
+            area += weight * rr;
+            first += weight * x * rr;
+            along += weight * x * x * rr;
+            fourth += weight * rr * rr;
+        }
+    }
+    // An arc about (x, q): slices at x + r * sin, of the radius q + r * cos, between two angles that differ by `angle`.
+    const auto arc = [&](double x, double q, double angle, double s0, double c0, double s1, double c1) {
+        // The integrals of cos^k, and of sin cos^k and sin^2 cos^k.
+        double powers[8] = {angle, s1 - s0}, odd[5] = {0, 0.5 * (c0 * c0 - c1 * c1)}, p0 = c0, p1 = c1;
+        for (int k = 2; k < 8; ++k) {
+            powers[k] = (p1 * s1 - p0 * s0) / k + powers[k - 2] * (k - 1) / k;
+            p0 *= c0;
+            p1 *= c1;
+            if (k < 5) odd[k] = (p0 * c0 - p1 * c1) / (k + 1);
+        }
+        const double square[3] = {q * q * r, 2 * q * r * r, r * r * r};
+        for (int k = 0; k < 3; ++k) {
+            const double even = powers[k + 1] - powers[k + 3];
+            area += square[k] * powers[k + 1];
+            first += square[k] * (x * powers[k + 1] + r * odd[k + 1]);
+            along += square[k] * (x * x * powers[k + 1] + 2 * x * r * odd[k + 1] + r * r * even);
+        }
+        const double qq = q * q, rr = r * r;
+        const double quartic[5] = {qq * qq, 4 * qq * q * r, 6 * qq * rr, 4 * q * r * rr, rr * rr};
+        for (int k = 0; k < 5; ++k) fourth += r * quartic[k] * powers[k + 1];
+    };
+    if (r > 0) {
+        const double angle = atan2(slope, 2 * half), quarter = 0.5 * pi<double>;
+        arc(-half, low, angle + quarter, -1, 0, sine, cosine);
+        arc(half, high, quarter - angle, sine, cosine, 1, 0);
+    }
+    const double across = 0.25 * pi<double> * fourth;
+    solid_moments m;
+    m.add(pi<double> * area, {}, vec<double, 3>{pi<double> * first, 0.0, 0.0},
+          symmetric<double>::diagonal(pi<double> * along, across, across));
+    return m.template mass<S, 3>({}, density);
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/shape/cone.hpp
+// =================================================================================================
+// The cone, pointed or cut off: two discs of different radii on an axis and all between them.
+
+PHYSICS_HPP_BEGIN
+
+/// All points within rounding (m, 0 or more) of the cone about the x axis of the shape's frame, with the lower radius
+/// (m) at -half_length (m) and the upper one at half_length: a frustum, or a pointed cone where one of the radii is 0.
+/// The frame's origin is the middle of the axis, not the centre of mass: a pointed cone's lies a quarter of the height
+/// from its base. In 3D only: in 2D it is a polygon.
+template <class S, int D>
+struct cone;
+
+template <class S>
+struct cone<S, 3> {
+    using scalar = S;
+    S half_length = S(0.5);
+    S lower_radius = S(0.5);
+    S upper_radius{};
+    S rounding{};
+
+    template <class T>
+    [[nodiscard]] constexpr cone<T, 3> as() const {
+        return {static_cast<T>(half_length), static_cast<T>(lower_radius), static_cast<T>(upper_radius),
+                static_cast<T>(rounding)};
+    }
+};
+
+namespace detail {
+template <class S>
+constexpr discs<S> discs_of(const cone<S, 3>& c) {
+    return {c.half_length, c.lower_radius, c.upper_radius, c.rounding};
+}
+}  // namespace detail
+
+template <class S>
+bool check(const cone<S, 3>& c, const char* function) {
+    if (!detail::check_positive(function, "half_length", c.half_length) ||
+        !detail::check_not_negative(function, "lower_radius", c.lower_radius) ||
+        !detail::check_not_negative(function, "upper_radius", c.upper_radius) ||
+        !detail::check_not_negative(function, "rounding", c.rounding))
+        return false;
+    return c.lower_radius > S(0) || c.upper_radius > S(0) ||
+           detail::refuse(function, "upper_radius", 0.0, "one of the radii must be greater than 0");
+}
+template <class S>
+constexpr aabb<S, 3> bounds(const cone<S, 3>& c, const transform<S, 3>& at) {
+    return detail::bounds_of(detail::discs_of(c), at);
+}
+template <class S>
+constexpr vec<S, 3> support(const cone<S, 3>& c, vec<S, 3> direction) {
+    return detail::support_of(detail::discs_of(c), direction);
+}
+/// Exact, rounding included; calculated in double.
+template <class S>
+mass_properties<S, 3> mass_of(const cone<S, 3>& c, std::type_identity_t<S> density) {
+    return detail::mass_of_discs(detail::discs_of(c), density);
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/shape/cylinder.hpp
+// =================================================================================================
+// The cylinder: two discs on an axis and all between them.
+
+PHYSICS_HPP_BEGIN
+
+/// All points within rounding (m, 0 or more) of the cylinder about the x axis of the shape's frame, from -half_length
+/// to half_length (m), with that radius (m). With rounding it reaches beyond both by as much. In 3D only: in 2D it is
+/// a box.
+template <class S, int D>
+struct cylinder;
+
+template <class S>
+struct cylinder<S, 3> {
+    using scalar = S;
+    S half_length = S(0.5);
+    S radius = S(0.5);
+    S rounding{};
+
+    template <class T>
+    [[nodiscard]] constexpr cylinder<T, 3> as() const {
+        return {static_cast<T>(half_length), static_cast<T>(radius), static_cast<T>(rounding)};
+    }
+};
+
+namespace detail {
+template <class S>
+constexpr discs<S> discs_of(const cylinder<S, 3>& c) {
+    return {c.half_length, c.radius, c.radius, c.rounding};
+}
+}  // namespace detail
+
+template <class S>
+bool check(const cylinder<S, 3>& c, const char* function) {
+    return detail::check_positive(function, "half_length", c.half_length) &&
+           detail::check_positive(function, "radius", c.radius) &&
+           detail::check_not_negative(function, "rounding", c.rounding);
+}
+template <class S>
+constexpr aabb<S, 3> bounds(const cylinder<S, 3>& c, const transform<S, 3>& at) {
+    return detail::bounds_of(detail::discs_of(c), at);
+}
+template <class S>
+constexpr vec<S, 3> support(const cylinder<S, 3>& c, vec<S, 3> direction) {
+    return detail::support_of(detail::discs_of(c), direction);
+}
+/// Exact, rounding included; calculated in double.
+template <class S>
+mass_properties<S, 3> mass_of(const cylinder<S, 3>& c, std::type_identity_t<S> density) {
+    return detail::mass_of_discs(detail::discs_of(c), density);
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/shape/heightfield_data.hpp
+// =================================================================================================
+// What a heightfield is in memory: its heights, row by row; parts and their neighbours follow by arithmetic.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Heights in R above a regular grid; in the plane it has one row.
+template <class R, int D>
+struct heightfield_data : geometry_block {
+    std::uint32_t columns, rows;
+    bool alternating, two_sided;
+    /// The distance of columns and of rows (m).
+    double step_x, step_z;
+    std::uint64_t digest;
+    aabb<double, D> box;
+    block_array<R> heights;
+    /// A bit for each cell; none where no cell is a hole.
+    block_array<std::uint32_t> holes;
+    /// At most 64 boxes around all.
+    block_array<aabb<float, D>> cover;
+
+    [[nodiscard]] std::uint32_t cells_x() const { return columns - 1; }
+    [[nodiscard]] std::uint32_t cells_z() const { return D == 2 ? 1 : rows - 1; }
+    /// Whether there is a surface in a cell; numbers that have wrapped below 0 are beyond the edge.
+    [[nodiscard]] bool solid(std::uint32_t x, std::uint32_t z) const {
+        if (x >= cells_x() || z >= cells_z()) return false;
+        const std::uint32_t i = z * cells_x() + x;
+        return holes.size() == 0 || (holes[i >> 5] >> (i & 31) & 1u) == 0;
+    }
+    [[nodiscard]] double height(std::uint32_t x, std::uint32_t z) const {
+        return static_cast<double>(heights[z * columns + x]);
+    }
+    [[nodiscard]] vec<double, D> sample(std::uint32_t x, std::uint32_t z) const {
+        vec<double, D> p;
+        p.x = x * step_x;
+        p.y = height(x, z);
+        if constexpr (D == 3) p.z = z * step_z;
+        return p;
+    }
+
+    /// A block with one owner: the caller. Holes are null or a byte for each cell, other than 0 where there is one.
+    static const heightfield_data* make(const R* heights, std::uint32_t columns, std::uint32_t rows, double step_x,
+                                        double step_z, const std::uint8_t* holes, bool alternating, bool two_sided);
+};
+
+/// The normal of cell x.
+template <class R>
+vec<double, 2> cell_normal(const heightfield_data<R, 2>& h, std::uint32_t x) {
+    return normalized(vec<double, 2>{h.height(x, 0) - h.height(x + 1, 0), h.step_x});
+}
+/// Calls f with part x, which leads from sample x + 1 back to sample x: the solid is below.
+template <class R, class F>
+void cell_parts(const heightfield_data<R, 2>& h, std::uint32_t x, std::uint32_t, F&& f) {
+    surface_part<2> p;
+    p.corner[0] = h.sample(x + 1, 0);
+    p.corner[1] = h.sample(x, 0);
+    p.normal = cell_normal(h, x);
+    for (int i = 0; i < 2; ++i) {
+        const std::uint32_t other = i == 0 ? x + 1 : x - 1;
+        p.continues[i] = h.solid(other, 0);
+        if (p.continues[i]) p.beyond[i] = cell_normal(h, other);
+    }
+    p.two_sided = h.two_sided;
+    p.number = x;
+    f(p);
+}
+
+/// The normal of triangle k of a cell. The first triangle holds the cell's side at the lower x, the second the opposite
+/// one; by the diagonal from the first corner to the last, or by the other.
+template <class R>
+vec<double, 3> cell_normal(const heightfield_data<R, 3>& h, std::uint32_t x, std::uint32_t z, int k) {
+    const bool other = h.alternating && ((x + z) & 1u) != 0;
+    // The side along x that the triangle holds, and the one along z.
+    const std::uint32_t far_z = (k == 0) != other ? z + 1 : z, far_x = k == 0 ? x : x + 1;
+    const double rise_x = h.height(x + 1, far_z) - h.height(x, far_z);
+    const double rise_z = h.height(far_x, z + 1) - h.height(far_x, z);
+    return normalized(vec<double, 3>{-rise_x * h.step_z, h.step_x * h.step_z, -rise_z * h.step_x});
+}
+template <class R, class F>
+void cell_parts(const heightfield_data<R, 3>& h, std::uint32_t x, std::uint32_t z, F&& f) {
+    const bool other = h.alternating && ((x + z) & 1u) != 0;
+    // Corners count along x, then along z; sides are those at the lower x, upper z, upper x, lower z; 4 the diagonal.
+    static constexpr std::uint8_t corners[2][2][3] = {{{0, 2, 3}, {0, 3, 1}}, {{0, 2, 1}, {1, 2, 3}}};
+    static constexpr std::uint8_t sides[2][2][3] = {{{0, 1, 4}, {4, 2, 3}}, {{0, 4, 3}, {4, 1, 2}}};
+    for (int k = 0; k < 2; ++k) {
+        surface_part<3> p;
+        p.normal = cell_normal(h, x, z, k);
+        for (int i = 0; i < 3; ++i) {
+            const std::uint32_t corner = corners[other][k][i];
+            p.corner[i] = h.sample(x + (corner & 1), z + (corner >> 1));
+            const int side = sides[other][k][i];
+            const std::uint32_t u = side == 0 ? x - 1 : side == 2 ? x + 1 : x;
+            const std::uint32_t v = side == 1 ? z + 1 : side == 3 ? z - 1 : z;
+            p.continues[i] = h.solid(u, v);
+            if (!p.continues[i]) continue;
+            const bool other_there = h.alternating && ((u + v) & 1u) != 0;
+            // Of the cell there the triangle that holds the opposite side.
+            const int there = side == 4 ? 1 - k
+                              : side == 0 ? 1
+                              : side == 2 ? 0
+                              : (side == 1) != other_there ? 1 : 0;
+            p.beyond[i] = cell_normal(h, u, v, there);
+        }
+        p.two_sided = h.two_sided;
+        p.number = 2 * (z * h.cells_x() + x) + static_cast<std::uint32_t>(k);
+        f(p);
+    }
+}
+
+/// The cells from `first` to before `last` that an interval may touch.
+struct cells_between {
+    std::uint32_t first, last;
+
+    cells_between(double low, double high, double step, std::uint32_t cells) {
+        const double from = low / step - 1e-9, to = high / step + 1e-9;
+        first = from < 0 ? 0 : from < cells ? static_cast<std::uint32_t>(from) : cells;
+        last = to < 0 ? 0 : to < cells ? static_cast<std::uint32_t>(to) + 1 : cells;
+    }
+};
+
+template <class R, int D>
+const heightfield_data<R, D>* heightfield_data<R, D>::make(const R* heights, std::uint32_t columns, std::uint32_t rows,
+                                                           double step_x, double step_z, const std::uint8_t* holes,
+                                                           bool alternating, bool two_sided) {
+    const std::uint32_t cells = (columns - 1) * (D == 2 ? 1 : rows - 1);
+    const auto groups = [](std::uint32_t n) { return n < 8 ? n : 8u; };
+    const std::uint32_t along_x = D == 2 ? (columns - 1 < 64 ? columns - 1 : 64) : groups(columns - 1);
+    const std::uint32_t along_z = D == 2 ? 1 : groups(rows - 1);
+    block_layout layout(sizeof(heightfield_data));
+    const std::size_t at_heights = layout.place<R>(std::size_t{columns} * rows);
+    const std::uint32_t words = holes == nullptr ? 0 : (cells + 31) / 32;
+    const std::size_t at_holes = layout.place<std::uint32_t>(words);
+    const std::size_t at_cover = layout.place<aabb<float, D>>(along_x * along_z);
+    auto* h = new_geometry<heightfield_data>(layout.bytes());
+    h->columns = columns;
+    h->rows = rows;
+    h->alternating = alternating;
+    h->two_sided = two_sided;
+    h->step_x = step_x;
+    h->step_z = step_z;
+    h->heights.attach(h, at_heights, columns * rows);
+    h->holes.attach(h, at_holes, words);
+    h->cover.attach(h, at_cover, along_x * along_z);
+    h->digest = std::uint64_t{columns} << 32 | rows;
+    mix_digest(h->digest, std::uint64_t{alternating} << 1 | std::uint64_t{two_sided});
+    mix_digest(h->digest, scalar_traits<double>::bits(step_x));
+    mix_digest(h->digest, scalar_traits<double>::bits(step_z));
+    for (std::uint32_t i = 0; i < columns * rows; ++i) {
+        h->heights[i] = heights[i];
+        mix_digest(h->digest, scalar_traits<double>::bits(static_cast<double>(heights[i])));
+    }
+    for (std::uint32_t i = 0; i < (words > 0 ? cells : 0); ++i)
+        if (holes[i] != 0) h->holes[i >> 5] |= 1u << (i & 31);
+    for (const std::uint32_t word : h->holes) mix_digest(h->digest, word);
+    for (std::uint32_t v = 0; v < along_z; ++v)
+        for (std::uint32_t u = 0; u < along_x; ++u) {
+            const auto part = [](std::uint32_t i, std::uint32_t n, std::uint32_t of) {
+                return static_cast<std::uint32_t>(std::uint64_t{i} * n / of);
+            };
+            const std::uint32_t x = part(u, columns - 1, along_x), z = part(v, rows - 1, along_z);
+            aabb<double, D> around{h->sample(x, z), h->sample(x, z)};
+            for (std::uint32_t j = z; j <= part(v + 1, rows - 1, along_z); ++j)
+                for (std::uint32_t i = x; i <= part(u + 1, columns - 1, along_x); ++i)
+                    around = {min(around.lower, h->sample(i, j)), max(around.upper, h->sample(i, j))};
+            h->cover[v * along_x + u] = outward_floats(around);
+            h->box = u + v == 0 ? around : merged(h->box, around);
+        }
+    return h;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/shape/heightfield.hpp
+// =================================================================================================
+// The heightfield: a surface by its heights above a regular grid, such as a landscape.
+
+PHYSICS_HPP_BEGIN
+
+/// All points within radius (m, 0 or more) of a surface that has one height y for each x (and z) of the shape's frame.
+/// It has no mass, so it serves static and kinematic bodies. A heightfield_geometry or a world keeps the heights: as
+/// long as one of them does, the shape is good.
+template <class S, int D>
+struct heightfield {
+    using scalar = S;
+    const detail::heightfield_data<detail::hull_real<S>, D>* geometry = nullptr;
+    S radius{};
+
+    template <class T>
+    [[nodiscard]] constexpr auto as() const {
+        if constexpr (detail::same_storage<S, T>) return heightfield<T, D>{geometry, static_cast<T>(radius)};
+        else return detail::foreign_shape<T, heightfield>{*this};
+    }
+};
+
+template <class S, int D>
+bool check(const heightfield<S, D>& h, const char* function) {
+    return detail::check_surface(h, "it must be the shape of a heightfield_geometry that was built", function);
+}
+/// Tight up to 64 samples; around at most 64 boxes where there are more. Holes count.
+template <class S, int D>
+aabb<S, D> bounds(const heightfield<S, D>& h, const transform<S, D>& at) {
+    const auto& g = *h.geometry;
+    detail::turned_bounds<S, D> around(at);
+    if (g.heights.size() <= detail::points_to_bound) {
+        for (std::uint32_t z = 0; z < g.rows; ++z)
+            for (std::uint32_t x = 0; x < g.columns; ++x) around.add(g.sample(x, z));
+    } else {
+        for (const aabb<float, D>& box : g.cover) around.add(box);
+    }
+    return around.box(h.radius, g.box);
+}
+/// For the narrowphase: calls f with the segments or triangles that may reach into a box of the shape's frame. Cost:
+/// O(cells above or below the box).
+template <class S, int D, class F>
+void each_part(const heightfield<S, D>& h, const aabb<double, D>& box, F&& f) {
+    const auto& g = *h.geometry;
+    if (!overlap(g.box, box)) return;
+    const detail::cells_between along_x(box.lower.x, box.upper.x, g.step_x, g.cells_x());
+    detail::cells_between along_z(0, 0, 1, 1);
+    if constexpr (D == 3) along_z = detail::cells_between(box.lower.z, box.upper.z, g.step_z, g.cells_z());
+    for (std::uint32_t z = along_z.first; z < along_z.last; ++z)
+        for (std::uint32_t x = along_x.first; x < along_x.last; ++x) {
+            double low = min(g.height(x, z), g.height(x + 1, z)), high = max(g.height(x, z), g.height(x + 1, z));
+            if constexpr (D == 3) {
+                low = min(low, min(g.height(x, z + 1), g.height(x + 1, z + 1)));
+                high = max(high, max(g.height(x, z + 1), g.height(x + 1, z + 1)));
+            }
+            if (low > box.upper.y || high < box.lower.y || !g.solid(x, z)) continue;
+            detail::cell_parts(g, x, z, f);
+        }
+}
+
+/// What a heightfield is like besides its heights.
+struct heightfield_settings {
+    /// Null, or one byte for each cell between samples, row by row: cells with a byte other than 0 are holes.
+    const std::uint8_t* holes = nullptr;
+    /// In space cells are cut along the diagonal from the sample with the lowest x and z to that with the highest; if
+    /// this is true, every second one along the other, as on a chessboard.
+    bool alternating = false;
+    /// Bodies are stopped from below too.
+    bool two_sided = false;
+};
+
+/// Heights above a regular grid, built once and shared by all heightfields made of it, and by worlds that hold such:
+/// one number a sample, found by arithmetic. Bodies glide from cell to cell without a bump. The first sample is at
+/// x = 0 (and z = 0) of the shape's frame; y is up. Contacts name cells by their number, of triangles twice that and 1
+/// more for the one at the higher x.
+///
+/// A body whose centre is below the surface passes through it, unless it is two-sided: a surface is no volume.
+template <class S, int D>
+class heightfield_geometry {
+public:
+    /// No heightfield: what build() gives in builds without exceptions when it has refused.
+    heightfield_geometry() = default;
+
+    /// In the plane: heights (m) from left to right, spacing (m) apart. Refuses NaN and infinity, fewer than 2 samples,
+    /// a spacing that is not greater than 0, and coordinates beyond 1e30 or a quarter of the range of S. O(n).
+    [[nodiscard]] static heightfield_geometry build(const S* heights, std::uint32_t count, S spacing,
+                                                    const heightfield_settings& settings = {})
+        requires(D == 2)
+    {
+        return heightfield_geometry(built(heights, count, 1, spacing, S(1), settings));
+    }
+    [[nodiscard]] static heightfield_geometry build(std::initializer_list<S> heights, S spacing,
+                                                    const heightfield_settings& settings = {})
+        requires(D == 2)
+    {
+        return heightfield_geometry(
+            built(heights.begin(), static_cast<std::uint32_t>(heights.size()), 1, spacing, S(1), settings));
+    }
+    /// In space: heights[row * columns + column] (m), columns spacing_x apart along x, rows spacing_z along z. Refuses
+    /// what the other does, fewer than 2 columns or rows, and more than 2^31 samples. O(n).
+    [[nodiscard]] static heightfield_geometry build(const S* heights, std::uint32_t columns, std::uint32_t rows,
+                                                    S spacing_x, S spacing_z, const heightfield_settings& settings = {})
+        requires(D == 3)
+    {
+        return heightfield_geometry(built(heights, columns, rows, spacing_x, spacing_z, settings));
+    }
+
+    explicit operator bool() const { return data() != nullptr; }
+    /// The shape, grown by a radius (m). It is good as long as this geometry, a copy of it or a world keeps it.
+    [[nodiscard]] heightfield<S, D> shape(S radius = S(0)) const { return {data(), radius}; }
+
+    /// The block itself; null if there is none.
+    [[nodiscard]] const detail::heightfield_data<detail::hull_real<S>, D>* data() const { return owner_.get(); }
+
+private:
+    using real = detail::hull_real<S>;
+    using block = detail::heightfield_data<real, D>;
+
+    explicit heightfield_geometry(const block* built) : owner_(built) {}
+    static const block* built(const S* heights, std::uint32_t columns, std::uint32_t rows, S spacing_x, S spacing_z,
+                              const heightfield_settings& settings) {
+        constexpr const char* f = "heightfield_geometry::build";
+        const std::uint64_t samples = std::uint64_t{columns} * rows;
+        if (!at_least_2(f, D == 2 ? "number of samples" : "columns", columns) ||
+            (D == 3 && !at_least_2(f, "rows", rows)) ||
+            !detail::check_spacing(f, D == 2 ? "spacing" : "spacing_x", spacing_x) ||
+            !detail::check_spacing(f, "spacing_z", spacing_z))
+            return nullptr;
+        if (samples > 0x80000000u) {
+            detail::refuse(f, "number of samples", static_cast<double>(samples), "it must be at most 2^31");
+            return nullptr;
+        }
+        const auto n = static_cast<std::uint32_t>(samples);
+        double reach = max(static_cast<double>(spacing_x) * (columns - 1), static_cast<double>(spacing_z) * (rows - 1));
+        buffer<real> taken;
+        taken.reserve(n);
+        for (std::uint32_t i = 0; i < n; ++i) {
+            if (!detail::check_item(f, "heights", i, heights[i])) return nullptr;
+            const double height = static_cast<double>(heights[i]);
+            taken.push(static_cast<real>(height));
+            reach = max(reach, abs(height));
+        }
+        if (!detail::check_reach<S>(f, reach)) return nullptr;
+        return block::make(taken.begin(), columns, rows, static_cast<double>(spacing_x), static_cast<double>(spacing_z),
+                           settings.holes, settings.alternating, settings.two_sided);
+    }
+    static bool at_least_2(const char* function, const char* field, std::uint32_t n) {
+        return n >= 2 || detail::refuse(function, field, static_cast<double>(n), "it must be at least 2");
+    }
+
+    detail::geometry_owner<block> owner_;
+};
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/shape/mesh_links.hpp
+// =================================================================================================
+// From loose triangles to a mesh: equal vertices made one, slivers dropped, neighbours found.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Numbers that are found again by what they stand for, in expected constant time; the hash decides nothing but speed.
+class number_table {
+public:
+    explicit number_table(std::uint32_t most) {
+        std::uint32_t slots = 16;
+        while (slots < most * std::uint64_t{2} && slots < 0x80000000u) slots *= 2;
+        slots_.resize(slots, none);
+    }
+    static constexpr std::uint32_t none = 0xffffffffu;
+    /// The place of the number for which same(number), or an empty one.
+    template <class Same>
+    std::uint32_t& find(std::uint64_t hash, Same&& same) {
+        hash *= 0x9e3779b97f4a7c15u;
+        const std::uint32_t mask = slots_.size() - 1;
+        std::uint32_t i = static_cast<std::uint32_t>(hash >> 32) & mask;
+        while (slots_[i] != none && !same(slots_[i])) i = (i + 1) & mask;
+        return slots_[i];
+    }
+
+private:
+    buffer<std::uint32_t> slots_;
+};
+
+/// A mesh in the making.
+struct mesh_outline {
+    struct triangle {
+        std::uint32_t vertex[3];
+        /// The triangles beyond the edges from vertex i to the next; none where there is none.
+        std::uint32_t beyond[3];
+        vec<double, 3> normal;
+    };
+    static constexpr std::uint32_t none = 0xffffffffu;
+
+    buffer<vec<double, 3>> vertices;
+    buffer<triangle> triangles;
+    /// The numbers that triangles had as they were given.
+    buffer<std::uint32_t> numbers;
+
+    /// Gives each vertex the number of the first at its place, and keeps only those.
+    void weld(buffer<std::uint32_t>& new_numbers) {
+        number_table table(vertices.size());
+        std::uint32_t kept = 0;
+        for (std::uint32_t i = 0; i < vertices.size(); ++i) {
+            std::uint64_t hash = 0;
+            mix_digest(hash, vertices[i]);
+            std::uint32_t& place = table.find(hash, [&](std::uint32_t k) { return vertices[k] == vertices[i]; });
+            if (place == number_table::none) vertices[place = kept++] = vertices[i];
+            new_numbers.push(place);
+        }
+        vertices.resize(kept);
+    }
+
+    /// Twice the area along the normal, null for slivers: those less high than `spacing` (relative to their largest
+    /// coordinate, or as it is for fixed point) has their corners rounded.
+    [[nodiscard]] vec<double, 3> area(const triangle& t, double spacing, bool relative) const {
+        const vec<double, 3>&a = vertices[t.vertex[0]], &b = vertices[t.vertex[1]], &c = vertices[t.vertex[2]];
+        const vec<double, 3> n = cross(b - a, c - a);
+        const double longest = sqrt(max(dot(b - a, b - a), max(dot(c - b, c - b), dot(a - c, a - c))));
+        const double reach = max(largest(a), max(largest(b), largest(c)));
+        const double least = max(relative ? spacing * reach : spacing, 1e-12 * longest);
+        return length(n) > least * longest ? n : vec<double, 3>{};
+    }
+
+    /// Finds what lies beyond each edge: the one triangle that runs along it the other way. Where several do, or one
+    /// runs along it the same way, the edge is a free one.
+    void link();
+    /// Drops the triangles without a normal; what they lay between become neighbours.
+    void drop_slivers();
+
+private:
+    /// Where one comes out who enters a sliver over edge e: over its longest edge, or if that is e, the longer one of
+    /// the others.
+    [[nodiscard]] std::uint32_t way_out(const triangle& t, int e) const {
+        double longest = -1;
+        int best = e;
+        for (int i = 0; i < 3; ++i) {
+            const vec<double, 3> edge = vertices[t.vertex[i < 2 ? i + 1 : 0]] - vertices[t.vertex[i]];
+            if (i != e && dot(edge, edge) > longest) longest = dot(edge, edge), best = i;
+        }
+        return t.beyond[best];
+    }
+};
+
+inline void mesh_outline::link() {
+    const std::uint32_t edges = triangles.size() * 3;
+    const auto from = [&](std::uint32_t e) { return triangles[e / 3].vertex[e % 3]; };
+    const auto to = [&](std::uint32_t e) { return triangles[e / 3].vertex[(e + 1) % 3]; };
+    const auto hash = [](std::uint32_t a, std::uint32_t b) {
+        std::uint64_t h = 0;
+        mix_digest(h, std::uint64_t{a} << 32 | b);
+        return h;
+    };
+    number_table table(edges);
+    const auto along = [&](std::uint32_t a, std::uint32_t b) -> std::uint32_t& {
+        return table.find(hash(a, b), [&](std::uint32_t e) { return from(e) == a && to(e) == b; });
+    };
+    // The first edge of each direction stands for all of them.
+    buffer<bool> shared;
+    shared.resize(edges, false);
+    for (std::uint32_t e = 0; e < edges; ++e) {
+        std::uint32_t& first = along(from(e), to(e));
+        if (first == number_table::none) first = e;
+        else shared[first] = shared[e] = true;
+    }
+    for (std::uint32_t e = 0; e < edges; ++e) {
+        const std::uint32_t other = along(to(e), from(e));
+        const bool alone = !shared[e] && other != number_table::none && !shared[other];
+        triangles[e / 3].beyond[e % 3] = alone ? other / 3 : none;
+    }
+}
+
+inline void mesh_outline::drop_slivers() {
+    const auto is_sliver = [&](std::uint32_t t) { return triangles[t].normal == vec<double, 3>{}; };
+    buffer<std::uint32_t> new_numbers;
+    std::uint32_t kept = 0;
+    for (std::uint32_t t = 0; t < triangles.size(); ++t) new_numbers.push(is_sliver(t) ? none : kept++);
+    if (kept == triangles.size()) return;
+    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+        if (is_sliver(t)) continue;
+        for (std::uint32_t& beyond : triangles[t].beyond) {
+            std::uint32_t here = t, next = beyond;
+            for (int i = 0; i < 16 && next != none && is_sliver(next); ++i) {
+                const triangle& s = triangles[next];
+                int e = 0;
+                while (e < 2 && s.beyond[e] != here) ++e;
+                here = next;
+                next = way_out(s, e);
+            }
+            beyond = next == none || is_sliver(next) || next == t ? none : next;
+        }
+    }
+    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+        if (is_sliver(t)) continue;
+        triangle moved = triangles[t];
+        for (std::uint32_t& beyond : moved.beyond) beyond = beyond == none ? none : new_numbers[beyond];
+        numbers[new_numbers[t]] = numbers[t];
+        triangles[new_numbers[t]] = moved;
+    }
+    triangles.resize(kept);
+    numbers.resize(kept);
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/shape/mesh_data.hpp
+// =================================================================================================
+// What a mesh is in memory: vertices, triangles with their neighbours, and a tree over them.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Triangles with coordinates in R.
+template <class R>
+struct mesh_data : geometry_block {
+    struct triangle {
+        std::uint32_t vertex[3];
+        std::uint32_t beyond[3];
+        /// The number that it was given with.
+        std::uint32_t number;
+        vec<R, 3> normal;
+    };
+    static constexpr std::uint32_t none = mesh_outline::none;
+
+    bool two_sided;
+    std::uint32_t dropped;
+    std::uint64_t digest;
+    aabb<double, 3> box;
+    block_array<vec<R, 3>> vertices;
+    block_array<triangle> triangles;
+    part_tree<3> tree;
+
+    [[nodiscard]] vec<double, 3> vertex(std::uint32_t i) const { return to_point(vertices[i]); }
+    [[nodiscard]] aabb<double, 3> box_of(const triangle& t) const {
+        const vec<double, 3> a = vertex(t.vertex[0]), b = vertex(t.vertex[1]), c = vertex(t.vertex[2]);
+        return {min(a, min(b, c)), max(a, max(b, c))};
+    }
+    [[nodiscard]] surface_part<3> part(const triangle& t) const {
+        surface_part<3> p;
+        p.normal = to_point(t.normal);
+        for (int i = 0; i < 3; ++i) {
+            p.corner[i] = vertex(t.vertex[i]);
+            p.continues[i] = t.beyond[i] != none;
+            if (p.continues[i]) p.beyond[i] = to_point(triangles[t.beyond[i]].normal);
+        }
+        p.two_sided = two_sided;
+        p.number = t.number;
+        return p;
+    }
+
+    /// A block with one owner: the caller.
+    static const mesh_data* make(const mesh_outline& outline, bool two_sided, std::uint32_t dropped);
+};
+
+template <class R>
+const mesh_data<R>* mesh_data<R>::make(const mesh_outline& outline, bool two_sided, std::uint32_t dropped) {
+    const std::uint32_t vertices = outline.vertices.size(), triangles = outline.triangles.size();
+    block_layout layout(sizeof(mesh_data));
+    const std::size_t at_vertices = layout.place<vec<R, 3>>(vertices);
+    const std::size_t at_triangles = layout.place<triangle>(triangles);
+    const auto at_tree = part_tree<3>::place(layout, triangles);
+    auto* m = new_geometry<mesh_data>(layout.bytes());
+    m->two_sided = two_sided;
+    m->dropped = dropped;
+    m->box = box_around(outline.vertices);
+    m->digest = triangles * 2ull + std::uint64_t{two_sided};
+    m->vertices.attach(m, at_vertices, vertices);
+    m->triangles.attach(m, at_triangles, triangles);
+    for (std::uint32_t i = 0; i < vertices; ++i) {
+        m->vertices[i] = from_point<R>(outline.vertices[i]);
+        mix_digest(m->digest, outline.vertices[i]);
+    }
+    buffer<aabb<float, 3>> boxes;
+    boxes.reserve(triangles);
+    for (std::uint32_t i = 0; i < triangles; ++i) {
+        const auto& given = outline.triangles[i];
+        triangle& t = m->triangles[i];
+        for (int k = 0; k < 3; ++k) {
+            t.vertex[k] = given.vertex[k];
+            t.beyond[k] = given.beyond[k];
+            mix_digest(m->digest, given.vertex[k]);
+        }
+        t.number = outline.numbers[i];
+        mix_digest(m->digest, t.number);
+        t.normal = from_point<R>(given.normal);
+        boxes.push(outward_floats(m->box_of(t)));
+    }
+    m->tree.build(m, at_tree, boxes.begin(), triangles);
+    return m;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/shape/mesh.hpp
+// =================================================================================================
+// The mesh: a surface of triangles in space, such as the ground of a level.
+
+PHYSICS_HPP_BEGIN
+
+/// All points within radius (m, 0 or more) of triangles in the shape's frame; it exists in space. It has no mass, so it
+/// serves static and kinematic bodies. A mesh_geometry or a world keeps the triangles: as long as one of them does, the
+/// shape is good.
+template <class S, int D>
+struct mesh;
+template <class S>
+struct mesh<S, 3> {
+    using scalar = S;
+    const detail::mesh_data<detail::hull_real<S>>* geometry = nullptr;
+    S radius{};
+
+    template <class T>
+    [[nodiscard]] constexpr auto as() const {
+        if constexpr (detail::same_storage<S, T>) return mesh<T, 3>{geometry, static_cast<T>(radius)};
+        else return detail::foreign_shape<T, mesh>{*this};
+    }
+};
+
+template <class S>
+bool check(const mesh<S, 3>& m, const char* function) {
+    return detail::check_surface(m, "it must be the shape of a mesh_geometry that was built", function);
+}
+/// Tight up to 64 vertices; around 32 to 64 boxes of the tree where there are more.
+template <class S>
+aabb<S, 3> bounds(const mesh<S, 3>& m, const transform<S, 3>& at) {
+    const auto& g = *m.geometry;
+    detail::turned_bounds<S, 3> around(at);
+    if (g.vertices.size() <= detail::points_to_bound)
+        for (std::uint32_t i = 0; i < g.vertices.size(); ++i) around.add(g.vertex(i));
+    else g.tree.cover([&](const aabb<float, 3>& box) { around.add(box); });
+    return around.box(m.radius, g.box);
+}
+/// For the narrowphase: calls f with the triangles that may reach into a box of the shape's frame.
+template <class S, class F>
+void each_part(const mesh<S, 3>& m, const aabb<double, 3>& box, F&& f) {
+    const auto& g = *m.geometry;
+    g.tree.visit(box, [&](std::uint32_t i) {
+        const auto& t = g.triangles[i];
+        if (overlap(g.box_of(t), box)) f(g.part(t));
+    });
+}
+
+/// How triangles stop bodies.
+struct mesh_settings {
+    /// On the back too.
+    bool two_sided = false;
+};
+
+/// A surface of triangles, built once and shared by all meshes made of it, and by worlds that hold such. Bodies glide
+/// over the edges between triangles without a bump: vertices at the same place are one, and of the triangles that share
+/// an edge each knows the other.
+///
+/// A body whose centre is behind a triangle passes through it, unless the mesh is two-sided. Where no triangle follows
+/// beyond an edge, or more than one, or one of the other orientation, or one whose edge begins or ends elsewhere, the
+/// edge is a free one: it can be hit from the side.
+template <class S, int D>
+class mesh_geometry;
+template <class S>
+class mesh_geometry<S, 3> {
+public:
+    /// No mesh: what build() gives in builds without exceptions when it has refused.
+    mesh_geometry() = default;
+
+    /// Triangles by three numbers of vertices each, counter-clockwise as seen from outside: triangle_count times 3
+    /// indices. Triangles without area, as far as S can tell, are dropped and counted; what they lay between become
+    /// neighbours. Refuses NaN and infinity, coordinates beyond 1e30 or a quarter of the range of S, numbers of
+    /// vertices that do not exist, and meshes without any triangle. Cost: O(n log n), 1 us a triangle.
+    [[nodiscard]] static mesh_geometry build(const vec<S, 3>* vertices, std::uint32_t vertex_count,
+                                             const std::uint32_t* triangles, std::uint32_t triangle_count,
+                                             const mesh_settings& settings = {}) {
+        return mesh_geometry(built(vertices, vertex_count, triangles, triangle_count, settings));
+    }
+
+    explicit operator bool() const { return data() != nullptr; }
+    /// The shape, grown by a radius (m). It is good as long as this geometry, a copy of it or a world keeps it.
+    [[nodiscard]] mesh<S, 3> shape(S radius = S(0)) const { return {data(), radius}; }
+    /// Contacts name triangles by the numbers that they were given with; the dropped ones count.
+    [[nodiscard]] std::uint32_t triangle_count() const { return data()->triangles.size(); }
+    [[nodiscard]] std::uint32_t dropped_triangles() const { return data()->dropped; }
+
+    /// The block itself; null if there is none.
+    [[nodiscard]] const detail::mesh_data<detail::hull_real<S>>* data() const { return owner_.get(); }
+
+private:
+    using block = detail::mesh_data<detail::hull_real<S>>;
+
+    explicit mesh_geometry(const block* built) : owner_(built) {}
+    static const block* built(const vec<S, 3>* vertices, std::uint32_t vertex_count, const std::uint32_t* triangles,
+                              std::uint32_t triangle_count, const mesh_settings& settings);
+
+    detail::geometry_owner<block> owner_;
+};
+
+template <class S>
+const detail::mesh_data<detail::hull_real<S>>* mesh_geometry<S, 3>::built(const vec<S, 3>* vertices,
+                                                                          std::uint32_t vertex_count,
+                                                                          const std::uint32_t* triangles,
+                                                                          std::uint32_t triangle_count,
+                                                                          const mesh_settings& settings) {
+    constexpr const char* f = "mesh_geometry::build";
+    if (triangle_count > 0xffffffffu / 3) {
+        detail::refuse(f, "triangle_count", triangle_count, "it must be at most 1431655765");
+        return nullptr;
+    }
+    detail::mesh_outline outline;
+    if (!detail::take_points(f, "vertices", vertices, vertex_count, outline.vertices)) return nullptr;
+    for (std::uint32_t i = 0; i < triangle_count * 3; ++i) {
+        if (triangles[i] < vertex_count) continue;
+        char field[40];
+        std::snprintf(field, sizeof field, "triangles[%u]", static_cast<unsigned>(i));
+        detail::refuse(f, field, triangles[i], "it must be less than the number of vertices");
+        return nullptr;
+    }
+    buffer<std::uint32_t> welded;
+    outline.weld(welded);
+    const double spacing = 2 * static_cast<double>(scalar_traits<S>::epsilon());
+    outline.triangles.reserve(triangle_count);
+    for (std::uint32_t i = 0; i < triangle_count; ++i) {
+        const std::uint32_t* v = triangles + std::size_t{i} * 3;
+        detail::mesh_outline::triangle t{{welded[v[0]], welded[v[1]], welded[v[2]]}, {}, {}};
+        if (t.vertex[0] == t.vertex[1] || t.vertex[1] == t.vertex[2] || t.vertex[2] == t.vertex[0]) continue;
+        t.normal = normalized(outline.area(t, spacing, detail::self_wide<S>));
+        outline.triangles.push(t);
+        outline.numbers.push(i);
+    }
+    outline.link();
+    outline.drop_slivers();
+    const std::uint32_t kept = outline.triangles.size();
+    if (kept == 0) {
+        detail::refuse(f, "number of triangles with an area", 0.0, "a mesh needs at least 1");
+        return nullptr;
+    }
+    return block::make(outline, settings.two_sided, triangle_count - kept);
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/shape/rounded_box.hpp
+// =================================================================================================
+// The rounded box: a box whose edges and corners are round.
+
+PHYSICS_HPP_BEGIN
+
+/// All points within radius (m) of the box |p_i| <= half_extents_i (m) in the shape's frame: it reaches
+/// half_extents_i + radius along each axis.
+template <class S, int D>
+struct rounded_box {
+    using scalar = S;
+    vec<S, D> half_extents = vec<S, D>::filled(S(0.375));
+    S radius = S(0.125);
+
+    template <class T>
+    [[nodiscard]] constexpr rounded_box<T, D> as() const {
+        rounded_box<T, D> result;
+        for (int i = 0; i < D; ++i) result.half_extents[i] = static_cast<T>(half_extents[i]);
+        result.radius = static_cast<T>(radius);
+        return result;
+    }
+};
+
+template <class S, int D>
+bool check(const rounded_box<S, D>& b, const char* function) {
+    return check(box<S, D>{b.half_extents}, function) && detail::check_positive(function, "radius", b.radius);
+}
+template <class S, int D>
+constexpr aabb<S, D> bounds(const rounded_box<S, D>& b, const transform<S, D>& at) {
+    return grown(bounds(box<S, D>{b.half_extents}, at), b.radius);
+}
+template <class S, int D>
+constexpr vec<S, D> support(const rounded_box<S, D>& b, vec<S, D> direction) {
+    return support(box<S, D>{b.half_extents}, direction) + normalized(direction) * b.radius;
+}
+/// Exact; calculated in double. The box, slabs on its sides, quarters of discs or cylinders at its edges, and in 3D
+/// eighths of a ball at its corners.
+template <class S, int D>
+mass_properties<S, D> mass_of(const rounded_box<S, D>& b, std::type_identity_t<S> density) {
+    const vec<double, 3> h = detail::exact_in_space(b.half_extents);
+    const double r = static_cast<double>(b.radius), rr = r * r;
+    double volume = 0, squares[3] = {};
+    for (int i = 0; i < D; ++i) {
+        const int j = i + 1 < D ? i + 1 : 0, k = D == 2 ? j : i > 0 ? i - 1 : 2;
+        const double a = h[i], aa = a * a;
+        // What lies between this axis' sides, and beyond them. Together the same volume for each axis.
+        const double within = D == 2 ? 4 * a * (h[j] + r)
+                                     : 8 * a * (h[j] * h[k] + r * (h[j] + h[k])) + 2 * pi<double> * rr * a;
+        const double slabs = r * (D == 2 ? 4 * h[j] : 8 * h[j] * h[k]);
+        const double quarters = pi<double> * rr * (D == 2 ? 1 : 2 * (h[j] + h[k]));
+        const double balls = D == 2 ? 0 : pi<double> * (4.0 / 3) * rr * r;
+        volume = within + slabs + quarters + balls;
+        squares[i] = within * (aa / 3) + slabs * (aa + a * r + rr / 3) +
+                     quarters * (aa + a * r * (8.0 / 3) / pi<double> + rr / 4) +
+                     balls * (aa + a * r * 0.75 + rr / 5);
+    }
+    detail::solid_moments m;
+    m.add(volume, {}, {}, symmetric<double>::diagonal(squares[0], squares[1], squares[2]));
+    return m.template mass<S, D>({}, density);
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/shape/segment.hpp
+// =================================================================================================
+// The segment: a line between two points, thick or not.
+
+PHYSICS_HPP_BEGIN
+
+/// All points within radius (m, 0 or more) of the line from a to b (m) in the shape's frame: a capsule anywhere, or
+/// with radius 0 an edge of a level, which has no mass. a and b must differ.
+template <class S, int D>
+struct segment {
+    using scalar = S;
+    vec<S, D> a = at_x(S(-0.5));
+    vec<S, D> b = at_x(S(0.5));
+    S radius{};
+
+    template <class T>
+    [[nodiscard]] constexpr segment<T, D> as() const {
+        segment<T, D> result;
+        for (int i = 0; i < D; ++i) {
+            result.a[i] = static_cast<T>(a[i]);
+            result.b[i] = static_cast<T>(b[i]);
+        }
+        result.radius = static_cast<T>(radius);
+        return result;
+    }
+
+private:
+    static constexpr vec<S, D> at_x(S x) {
+        vec<S, D> v;
+        v.x = x;
+        return v;
+    }
+};
+
+template <class S, int D>
+bool check(const segment<S, D>& s, const char* function) {
+    if (!detail::check_finite(function, "a", s.a) || !detail::check_finite(function, "b", s.b) ||
+        !detail::check_not_negative(function, "radius", s.radius))
+        return false;
+    return !(s.a == s.b) || detail::refuse(function, "length", 0.0, "the ends must differ; a point is a ball");
+}
+template <class S, int D>
+constexpr aabb<S, D> bounds(const segment<S, D>& s, const transform<S, D>& at) {
+    const vec<S, D> a = at.rotation * s.a, b = at.rotation * s.b;
+    const aabb<S, D> box = grown(aabb<S, D>{min(a, b), max(a, b)}, s.radius);
+    return {at.position + box.lower, at.position + box.upper};
+}
+template <class S, int D>
+constexpr vec<S, D> support(const segment<S, D>& s, vec<S, D> direction) {
+    const vec<S, D> end = wide_dot(direction, s.b) > wide_dot(direction, s.a) ? s.b : s.a;
+    return s.radius > S(0) ? end + normalized(direction) * s.radius : end;
+}
+/// Exact; calculated in double. A rectangle or cylinder and two half balls; none where radius is 0.
+template <class S, int D>
+mass_properties<S, D> mass_of(const segment<S, D>& s, std::type_identity_t<S> density) {
+    const vec<double, 3> a = detail::exact_in_space(s.a), b = detail::exact_in_space(s.b);
+    const auto [u, whole] = split(b - a);
+    const double l = 0.5 * whole, r = static_cast<double>(s.radius), rr = r * r;
+    // Sizes of middle and ends, and the means of squares along and across.
+    const double middle = D == 2 ? 4 * l * r : 2 * pi<double> * rr * l;
+    const double ends = D == 2 ? pi<double> * rr : pi<double> * (4.0 / 3) * rr * r;
+    const double outwards = D == 2 ? r * (4.0 / 3) / pi<double> : r * (3.0 / 8);
+    const double along = middle * (l * l / 3) + ends * (l * l + 2 * l * outwards + rr / (D + 2));
+    const double across = middle * (rr / (D == 2 ? 3 : 4)) + ends * (rr / (D + 2));
+    const symmetric<double> space = symmetric<double>::diagonal(1, 1, D == 2 ? 0 : 1);
+    detail::solid_moments m;
+    m.add(middle + ends, {}, {}, space * across + detail::square_of(u) * (along - across));
+    return m.template mass<S, D>(a + (b - a) * 0.5, density);
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/shape/tile_outline.hpp
+// =================================================================================================
+// The outline of solid cells in a grid, by its straight runs.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Finds the closed lines around the solid cells of a grid, the solid on the left, as segments from corner to corner.
+/// Cells that touch in one corner only count as joined there: floor meets wall on either side of that corner, since no
+/// body passes between. Cost: 2 to 5 ns a cell and 20 ns a side.
+class tile_outline {
+public:
+    tile_outline(const std::uint8_t* cells, std::uint32_t columns, std::uint32_t rows)
+        : cells_(cells), columns_(columns), rows_(rows) {}
+
+    /// Where segments begin, in corners of cells, and what follows what.
+    buffer<vec<double, 2>> points;
+    buffer<chain_links> links;
+
+    void trace() {
+        first_.reserve((columns_ + 1) * (rows_ + 1));
+        for (std::uint32_t y = 0; y <= rows_; ++y)
+            for (std::uint32_t x = 0; x <= columns_; ++x) {
+                first_.push(starts_.size());
+                for (int d = 0; d < 4; ++d)
+                    if (side(x, y, d) && !arrives(x, y, d)) starts_.push({x, y, d});
+            }
+        links.resize(starts_.size());
+        for (std::uint32_t i = 0; i < starts_.size(); ++i) {
+            corner c = starts_[i];
+            points.push({static_cast<double>(c.x), static_cast<double>(c.y)});
+            do walk(c);
+            while (side(c.x, c.y, c.direction));
+            // Where both turns are open two cells touch: the right one keeps to the same air.
+            const int right = (c.direction + 3) & 3;
+            const std::uint32_t next = number(c.x, c.y, side(c.x, c.y, right) ? right : (c.direction + 1) & 3);
+            links[i].after = next;
+            links[next].before = i;
+        }
+    }
+
+private:
+    struct corner {
+        std::uint32_t x, y;
+        /// 0 to the right, then counter-clockwise.
+        int direction;
+    };
+    /// Cells beyond the grid are empty; x = 0 is the one to the left of it.
+    [[nodiscard]] bool solid(std::uint32_t x, std::uint32_t y) const {
+        return x > 0 && y > 0 && x <= columns_ && y <= rows_ &&
+               cells_[std::size_t{y - 1} * columns_ + (x - 1)] != 0;
+    }
+    /// Whether a side of the outline leads from a corner in a direction.
+    [[nodiscard]] bool side(std::uint32_t x, std::uint32_t y, int direction) const {
+        // The cells around a corner are (x, y) to (x + 1, y + 1) as solid() counts.
+        static constexpr std::uint8_t left[4][2] = {{1, 1}, {0, 1}, {0, 0}, {1, 0}};
+        static constexpr std::uint8_t right[4][2] = {{1, 0}, {1, 1}, {0, 1}, {0, 0}};
+        return solid(x + left[direction][0], y + left[direction][1]) &&
+               !solid(x + right[direction][0], y + right[direction][1]);
+    }
+    /// Whether a side arrives at a corner in a direction.
+    [[nodiscard]] bool arrives(std::uint32_t x, std::uint32_t y, int direction) const {
+        if ((direction == 0 && x == 0) || (direction == 2 && x == columns_) || (direction == 1 && y == 0) ||
+            (direction == 3 && y == rows_))
+            return false;
+        corner before{x, y, (direction + 2) & 3};
+        walk(before);
+        return side(before.x, before.y, direction);
+    }
+    static void walk(corner& c) {
+        if (c.direction == 0) ++c.x;
+        if (c.direction == 1) ++c.y;
+        if (c.direction == 2) --c.x;
+        if (c.direction == 3) --c.y;
+    }
+    [[nodiscard]] std::uint32_t number(std::uint32_t x, std::uint32_t y, int direction) const {
+        std::uint32_t i = first_[y * (columns_ + 1) + x];
+        while (starts_[i].direction != direction) ++i;
+        return i;
+    }
+
+    const std::uint8_t* cells_;
+    std::uint32_t columns_, rows_;
+    buffer<corner> starts_;
+    /// For each corner the first segment that begins there or later.
+    buffer<std::uint32_t> first_;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/shape/tile_grid.hpp
+// =================================================================================================
+// The tile grid: solid and empty cells in the plane, such as the level of a platformer.
+
+PHYSICS_HPP_BEGIN
+
+/// All points within radius (m, 0 or more) of the outline of solid cells; it exists in the plane. It has no mass, so it
+/// serves static and kinematic bodies. A tile_grid_geometry or a world keeps the outline: as long as one of them does,
+/// the shape is good.
+template <class S, int D>
+struct tile_grid;
+template <class S>
+struct tile_grid<S, 2> {
+    using scalar = S;
+    const detail::chain_data<detail::hull_real<S>>* geometry = nullptr;
+    S radius{};
+
+    template <class T>
+    [[nodiscard]] constexpr auto as() const {
+        if constexpr (detail::same_storage<S, T>) return tile_grid<T, 2>{geometry, static_cast<T>(radius)};
+        else return detail::foreign_shape<T, tile_grid>{*this};
+    }
+};
+
+template <class S>
+bool check(const tile_grid<S, 2>& g, const char* function) {
+    return detail::check_surface(g, "it must be the shape of a tile_grid_geometry that was built", function);
+}
+/// Tight up to 64 corners; around 32 to 64 boxes of the tree where there are more.
+template <class S>
+aabb<S, 2> bounds(const tile_grid<S, 2>& g, const transform<S, 2>& at) {
+    return detail::bounds_of_chain(*g.geometry, g.radius, at);
+}
+/// For the narrowphase: calls f with the straight runs that may reach into a box of the shape's frame.
+template <class S, class F>
+void each_part(const tile_grid<S, 2>& g, const aabb<double, 2>& box, F&& f) {
+    detail::each_segment(*g.geometry, box, f);
+}
+
+/// The outline of solid cells, built once and shared by all tile grids made of it, and by worlds that hold such. Sides
+/// in a row are one segment, however many cells it runs along, so that nothing can stumble over the joints between
+/// cells. Cells that touch in one corner only count as joined there: nothing falls through, and what slides into such a
+/// corner meets floor and wall.
+///
+/// A body whose centre is inside of a solid cell passes through the sides from within, as it does with chains.
+template <class S, int D>
+class tile_grid_geometry;
+template <class S>
+class tile_grid_geometry<S, 2> {
+public:
+    /// No grid: what build() gives in builds without exceptions when it has refused.
+    tile_grid_geometry() = default;
+
+    /// A grid of columns times rows square cells with sides of cell_size (m), whose lower left corner is the origin of
+    /// the shape's frame: cells[row * columns + column] is 0 where the cell is empty, rows counted upwards. Refuses a
+    /// size that is not greater than 0, grids too large for S or of 2^31 cells and more, and grids without any solid
+    /// cell. Cost: 2 to 5 ns a cell, 0.3 us a corner; memory for corners only.
+    [[nodiscard]] static tile_grid_geometry build(const std::uint8_t* cells, std::uint32_t columns, std::uint32_t rows,
+                                                  S cell_size) {
+        return tile_grid_geometry(built(cells, columns, rows, cell_size));
+    }
+
+    explicit operator bool() const { return data() != nullptr; }
+    /// The shape, grown by a radius (m). It is good as long as this geometry, a copy of it or a world keeps it.
+    [[nodiscard]] tile_grid<S, 2> shape(S radius = S(0)) const { return {data(), radius}; }
+    /// The straight runs of the outline; contacts name them as their part.
+    [[nodiscard]] std::uint32_t segment_count() const { return data()->segment_count(); }
+
+    /// The block itself; null if there is none.
+    [[nodiscard]] const detail::chain_data<detail::hull_real<S>>* data() const { return owner_.get(); }
+
+private:
+    using block = detail::chain_data<detail::hull_real<S>>;
+
+    explicit tile_grid_geometry(const block* built) : owner_(built) {}
+    static const block* built(const std::uint8_t* cells, std::uint32_t columns, std::uint32_t rows, S cell_size) {
+        constexpr const char* f = "tile_grid_geometry::build";
+        if (!detail::check_spacing(f, "cell_size", cell_size)) return nullptr;
+        const std::uint64_t corners = (std::uint64_t{columns} + 1) * (std::uint64_t{rows} + 1);
+        if (corners > 0x7fffffffu) {
+            detail::refuse(f, "number of corners", static_cast<double>(corners), "it must be less than 2^31");
+            return nullptr;
+        }
+        const double size = static_cast<double>(cell_size);
+        if (!detail::check_reach<S>(f, size * (columns > rows ? columns : rows))) return nullptr;
+        detail::tile_outline outline(cells, columns, rows);
+        outline.trace();
+        if (outline.points.empty()) {
+            detail::refuse(f, "number of solid cells", 0.0, "a tile grid needs at least 1");
+            return nullptr;
+        }
+        for (vec<double, 2>& p : outline.points) p = p * size;
+        return block::make(outline.points, outline.links, true, false);
+    }
+
+    detail::geometry_owner<block> owner_;
+};
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/shape/triangle.hpp
+// =================================================================================================
+// The triangle: solid in 2D; in 3D a sheet, thick or not.
+
+PHYSICS_HPP_BEGIN
+
+/// All points within radius (m, 0 or more) of the triangle with the corners a, b, c (m) in the shape's frame, which may
+/// go round either way and must not lie on one line. In 3D it has two sides, and a mass only if radius is not 0.
+template <class S, int D>
+struct triangle {
+    using scalar = S;
+    vec<S, D> a = corner(-0.5, -0.5);
+    vec<S, D> b = corner(0.5, -0.5);
+    vec<S, D> c = corner(0, 0.5);
+    S radius{};
+
+    template <class T>
+    [[nodiscard]] constexpr triangle<T, D> as() const {
+        triangle<T, D> result;
+        for (int i = 0; i < D; ++i) {
+            result.a[i] = static_cast<T>(a[i]);
+            result.b[i] = static_cast<T>(b[i]);
+            result.c[i] = static_cast<T>(c[i]);
+        }
+        result.radius = static_cast<T>(radius);
+        return result;
+    }
+
+private:
+    static constexpr vec<S, D> corner(double x, double y) {
+        vec<S, D> v;
+        v.x = S(x);
+        v.y = S(y);
+        return v;
+    }
+};
+
+namespace detail {
+
+/// The longest edge of a triangle, the height over it, and the largest coordinate.
+struct triangle_sizes {
+    double longest, height, reach;
+};
+template <class S, int D>
+triangle_sizes sizes_of(const triangle<S, D>& t) {
+    const vec<double, 3> corner[3] = {exact_in_space(t.a), exact_in_space(t.b), exact_in_space(t.c)};
+    triangle_sizes s{};
+    int from = 0;
+    for (int i = 0; i < 3; ++i) {
+        s.reach = max(s.reach, largest(corner[i]));
+        const double l = length(corner[i < 2 ? i + 1 : 0] - corner[i]);
+        if (l > s.longest) s.longest = l, from = i;
+    }
+    // Both ends give the same height, but for rounding: it is less from the nearer one.
+    const vec<double, 3>& p = corner[from];
+    const vec<double, 3>& q = corner[from < 2 ? from + 1 : 0];
+    const vec<double, 3>& top = corner[from > 0 ? from - 1 : 2];
+    const vec<double, 3> e = normalized(q - p);
+    s.height = min(length(cross(e, top - p)), length(cross(e, top - q)));
+    return s;
+}
+
+}  // namespace detail
+
+template <class S, int D>
+bool check(const triangle<S, D>& t, const char* function) {
+    if (!detail::check_finite(function, "a", t.a) || !detail::check_finite(function, "b", t.b) ||
+        !detail::check_finite(function, "c", t.c) || !detail::check_not_negative(function, "radius", t.radius))
+        return false;
+    const detail::triangle_sizes s = detail::sizes_of(t);
+    // What rounding of the corners to S may make of three points on a line: 4 spacings.
+    const double spacing = static_cast<double>(scalar_traits<S>::epsilon());
+    const double least = 4 * max(detail::is_fixed<S> ? spacing : spacing * s.reach, 0x1p-52 * s.reach);
+    return s.height > least ||
+           detail::refuse(function, "area", 0.5 * s.longest * s.height, "the corners must not lie on one line");
+}
+template <class S, int D>
+constexpr aabb<S, D> bounds(const triangle<S, D>& t, const transform<S, D>& at) {
+    const vec<S, D> a = at.rotation * t.a, b = at.rotation * t.b, c = at.rotation * t.c;
+    const aabb<S, D> box = grown(aabb<S, D>{min(a, min(b, c)), max(a, max(b, c))}, t.radius);
+    return {at.position + box.lower, at.position + box.upper};
+}
+/// Of corners at the same distance the first.
+template <class S, int D>
+constexpr vec<S, D> support(const triangle<S, D>& t, vec<S, D> direction) {
+    const wide_of<S> a = wide_dot(direction, t.a), b = wide_dot(direction, t.b), c = wide_dot(direction, t.c);
+    const vec<S, D> corner = c > a && c > b ? t.c : b > a ? t.b : t.a;
+    return t.radius > S(0) ? corner + normalized(direction) * t.radius : corner;
+}
+/// Exact; calculated in double. In 2D the triangle, a strip along each edge and a sector at each corner; in 3D a slab,
+/// half a cylinder along each edge and a wedge of a ball at each corner: none where radius is 0.
+template <class S, int D>
+mass_properties<S, D> mass_of(const triangle<S, D>& t, std::type_identity_t<S> density) {
+    using detail::square_of;
+    const vec<double, 3> first = detail::exact_in_space(t.a), origin =
+        first + (detail::exact_in_space(t.b) - first + (detail::exact_in_space(t.c) - first)) * (1.0 / 3);
+    vec<double, 3> corner[3] = {first - origin, detail::exact_in_space(t.b) - origin,
+                                detail::exact_in_space(t.c) - origin};
+    vec<double, 3> n{0.0, 0.0, 1.0}, edge[3];
+    if (D == 3) n = detail::triangle_normal(corner[0], corner[1], corner[2]);
+    // Counter-clockwise as seen from where n points.
+    if (dot(cross(corner[1] - corner[0], corner[2] - corner[0]), n) < 0) std::swap(corner[1], corner[2]);
+    const double r = static_cast<double>(t.radius), rr = r * r, rrr = rr * r;
+    const symmetric<double> nn = square_of(n) * (D == 2 ? 0 : 1);
+
+    detail::solid_moments m;
+    const double area = 0.5 * dot(n, cross(corner[1] - corner[0], corner[2] - corner[0]));
+    const double slab = D == 2 ? area : 2 * r * area;
+    const detail::simplex_sums mean = detail::over_triangle(corner[0], corner[1], corner[2]);
+    m.add(slab, {}, mean.first * slab, mean.second * slab + nn * (slab * rr / 3));
+    for (int i = 0; i < 3; ++i) {
+        const auto [u, l] = split(corner[i < 2 ? i + 1 : 0] - corner[i]);
+        edge[i] = u;
+        const vec<double, 3> out = cross(u, n);
+        const double strip = l * (D == 2 ? r : 0.5 * pi<double> * rr);
+        const double outwards = l * (D == 2 ? 0.5 * rr : rrr * (2.0 / 3));
+        const double squares = l * (D == 2 ? rrr / 3 : pi<double> / 8 * rr * rr);
+        m.add(strip, corner[i] + u * (0.5 * l), out * outwards,
+              square_of(u) * (strip * l * l / 12) + (square_of(out) + nn) * squares);
+    }
+    for (int i = 0; i < 3; ++i) {
+        const vec<double, 3>& before = edge[i > 0 ? i - 1 : 2];
+        const vec<double, 3>& after = edge[i];
+        // By which the direction turns here; twice the sine of half of it is the length of the difference.
+        const double sine = dot(cross(before, after), n), angle = atan2(sine, dot(before, after));
+        const vec<double, 3> difference = before - after, out = normalized(difference), aside = cross(n, out);
+        const double wedge = angle * (D == 2 ? 0.5 * rr : rrr * (2.0 / 3));
+        const double outwards = 0.5 * (D == 2 ? rrr * (2.0 / 3) : 0.25 * pi<double> * rr * rr);
+        const double squares = D == 2 ? rr * rr / 8 : rrr * rr * (2.0 / 15);
+        m.add(wedge, corner[i], difference * outwards,
+              square_of(out) * (squares * (angle + sine)) + square_of(aside) * (squares * (angle - sine)) +
+                  nn * (squares * angle));
+    }
+    return m.template mass<S, D>(origin, density);
 }
 
 PHYSICS_HPP_END
@@ -6528,6 +9258,9 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
+/// The most points that reduce() chooses from.
+inline constexpr int most_candidates = 72;
+
 /// Adds up to four of the candidates to the manifold: the deepest, the farthest beside it, then the points
 /// that open the widest triangles on either side. Depth counts before distance, so that no overlap is left
 /// without a point near it. Among candidates that are alike, depths within `slack` and distances within a
@@ -6539,7 +9272,7 @@ constexpr void reduce(const manifold_point<S, 3>* candidates, int count, vec<S, 
         for (int i = 0; i < count; ++i) out.points[out.count++] = candidates[i];
         return;
     }
-    bool taken[8] = {};
+    bool taken[most_candidates] = {};
     const auto take = [&](int i) {
         taken[i] = true;
         out.points[out.count++] = candidates[i];
@@ -7178,6 +9911,1385 @@ constexpr void collide(const capsule<S, 3>& a, const box<S, 3>& b, const transfo
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/collide/core_shapes.hpp
+// =================================================================================================
+// The cores of segments, triangles, rounded boxes, cylinders and cones.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// How far a core with these corners reaches along any direction, or more.
+template <int D>
+double extent_of_corners(const core<D>& c, int count) {
+    double most = 0;
+    for (int i = 0; i < count; ++i) {
+        double sum = 0;
+        for (int k = 0; k < D; ++k) sum += abs(c.corner[i][k]);
+        most = max(most, sum);
+    }
+    return most;
+}
+inline core<3> core_of_discs(const discs<double>& d) {
+    core<3> c;
+    c.kind = core_kind::disc;
+    c.corner[0] = {d.half, d.low, d.high};
+    c.radius = d.rounding;
+    c.extent = d.half + max(d.low, d.high);
+    // Across the side, or along the axis.
+    const double slope = d.low - d.high, side = sqrt(4 * d.half * d.half + slope * slope);
+    c.thickness = min(d.half, max(d.low, d.high) * (2 * d.half / side));
+    return c;
+}
+
+}  // namespace detail
+
+template <class S, int D>
+detail::core<D> core_of(const segment<S, D>& s) {
+    detail::core<D> c;
+    c.kind = detail::core_kind::segment;
+    c.corner[0] = detail::to_point(s.a);
+    c.corner[1] = detail::to_point(s.b);
+    c.center = (c.corner[0] + c.corner[1]) * 0.5;
+    c.extent = detail::extent_of_corners(c, 2);
+    c.radius = detail::to_double(s.radius);
+    return c;
+}
+template <class S, int D>
+detail::core<D> core_of(const triangle<S, D>& t) {
+    detail::core<D> c;
+    c.kind = detail::core_kind::triangle;
+    c.corner[0] = detail::to_point(t.a);
+    c.corner[1] = detail::to_point(t.b);
+    c.corner[2] = detail::to_point(t.c);
+    c.center = c.corner[0] + (c.corner[1] - c.corner[0] + (c.corner[2] - c.corner[0])) * (1.0 / 3);
+    c.extent = detail::extent_of_corners(c, 3);
+    if (D == 2) c.thickness = 0.5 * detail::sizes_of(t).height;
+    c.radius = detail::to_double(t.radius);
+    return c;
+}
+template <class S, int D>
+detail::core<D> core_of(const rounded_box<S, D>& b) {
+    detail::core<D> c = core_of(box<S, D>{b.half_extents});
+    c.radius = detail::to_double(b.radius);
+    return c;
+}
+template <class S>
+detail::core<3> core_of(const cylinder<S, 3>& c) {
+    return detail::core_of_discs(detail::discs_of(c.template as<double>()));
+}
+template <class S>
+detail::core<3> core_of(const cone<S, 3>& c) {
+    return detail::core_of_discs(detail::discs_of(c.template as<double>()));
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/collide/simplex.hpp
+// =================================================================================================
+// The point of a simplex that is closest to the origin.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// v / |v| for vectors whose squared length double holds; null for the null vector.
+template <int D>
+point<D> unit(const point<D>& v) {
+    const double squared = dot(v, v);
+    return squared > 0 ? v * (1 / physics::sqrt(squared)) : point<D>{};
+}
+
+/// A vertex of the configuration space obstacle B - A: a point of B as seen from a point of A.
+template <int D>
+struct cso_vertex {
+    point<D> w;
+    point<D> on_a;
+    /// The vertices of A and B, 16 bits each.
+    std::uint32_t name = 0;
+};
+
+/// What lies closest to the origin of a simplex: the point, and the vertices that it needs, with their weights.
+template <int D>
+struct closest_of {
+    point<D> at;
+    double weight[3] = {};
+    int vertex[3] = {0, 1, 2};
+    int count = 1;
+};
+
+/// Up to D + 1 vertices, and the weights that make of them the point closest to the origin.
+template <int D>
+struct simplex {
+    raw_array<cso_vertex<D>, D + 1> vertex;
+    double weight[3] = {};
+    int count = 0;
+
+    /// Drops the vertices that the closest point does not need.
+    void keep(const closest_of<D>& c) {
+        count = c.count;
+        for (int i = 0; i < c.count; ++i) {
+            if (c.vertex[i] != i) vertex[i] = vertex[c.vertex[i]];
+            weight[i] = c.weight[i];
+        }
+    }
+    [[nodiscard]] point<D> on_a() const {
+        point<D> p = vertex[0].on_a * weight[0];
+        for (int i = 1; i < count && i < 3; ++i) p += vertex[i].on_a * weight[i];
+        return p;
+    }
+};
+
+template <int D>
+closest_of<D> closest_on_edge(const point<D>& a, const point<D>& b, int i = 0, int j = 1) {
+    const point<D> e = b - a;
+    const double along = -dot(a, e), whole = dot(e, e);
+    if (!(along > 0)) return {a, {1}, {i}, 1};
+    if (!(along < whole)) return {b, {1}, {j}, 1};
+    const double t = along / whole;
+    // Across the edge to the last digit: where the point is near, the direction of a sum would be rounding.
+    point<D> at;
+    if constexpr (D == 2) {
+        const point<2> n = perpendicular(e);
+        at = n * (dot(n, t < 0.5 ? a : b) / whole);
+    } else {
+        at = t < 0.5 ? a + e * t : b - e * (1 - t);
+        at -= e * (dot(at, e) / whole);
+    }
+    return {at, {1 - t, t}, {i, j}, 2};
+}
+
+inline closest_of<3> nearer(const closest_of<3>& a, const closest_of<3>& b) {
+    return dot(b.at, b.at) < dot(a.at, a.at) ? b : a;
+}
+
+/// Source: Ericson, Real-Time Collision Detection (2005), 5.1.5, with the areas taken from the normal, which keeps
+/// their signs where the triangle is small and far away.
+inline closest_of<3> closest_on_triangle(const point<3>& a, const point<3>& b, const point<3>& c, int i = 0, int j = 1,
+                                         int k = 2) {
+    const point<3> ab = b - a, ac = c - a;
+    const double a1 = -dot(ab, a), a2 = -dot(ac, a);
+    if (a1 <= 0 && a2 <= 0) return {a, {1}, {i}, 1};
+    const double b1 = -dot(ab, b), b2 = -dot(ac, b);
+    if (b1 >= 0 && b2 <= b1) return {b, {1}, {j}, 1};
+    const double c1 = -dot(ab, c), c2 = -dot(ac, c);
+    if (c2 >= 0 && c1 <= c2) return {c, {1}, {k}, 1};
+    const point<3> n = cross(ab, ac);
+    const double of_c = dot(n, cross(a, ab)), of_b = dot(n, cross(ac, a)), of_a = dot(n, cross(b, c - b));
+    if (of_c <= 0 && a1 >= 0 && b1 <= 0) return closest_on_edge(a, b, i, j);
+    if (of_b <= 0 && a2 >= 0 && c2 <= 0) return closest_on_edge(a, c, i, k);
+    if (of_a <= 0 && b2 - b1 >= 0 && c1 - c2 >= 0) return closest_on_edge(b, c, j, k);
+    const double sum = of_a + of_b + of_c;
+    // Without area one of the edges has it all.
+    if (!(sum > 0))
+        return nearer(nearer(closest_on_edge(a, b, i, j), closest_on_edge(b, c, j, k)), closest_on_edge(a, c, i, k));
+    const double scale = 1 / sum;
+    return {n * (dot(n, a) / dot(n, n)), {of_a * scale, of_b * scale, of_c * scale}, {i, j, k}, 3};
+}
+
+/// The same; quicker where the origin lies beyond the last corner or one of its edges, since GJK has just added it.
+PHYSICS_HPP_ALWAYS_INLINE closest_of<3> closest_on_grown_triangle(const point<3>& a, const point<3>& b,
+                                                                  const point<3>& c, int i, int j, int k) {
+    const point<3> e = a - c, f = b - c;
+    const double along_e = -dot(c, e), along_f = -dot(c, f);
+    if (along_e <= 0 && along_f <= 0) return {c, {1}, {k}, 1};
+    const double ee = dot(e, e), ff = dot(f, f), ef = dot(e, f);
+    const double whole = ee * ff - ef * ef;
+    // Of thin triangles these differences are rounding.
+    if (!(whole > 0x1p-20 * ee * ff)) return closest_on_triangle(a, b, c, i, j, k);
+    const double of_a = along_e * ff - along_f * ef, of_b = along_f * ee - along_e * ef;
+    if (of_b <= 0 && along_e > 0 && along_e < ee) return closest_on_edge(a, c, i, k);
+    if (of_a <= 0 && along_f > 0 && along_f < ff) return closest_on_edge(b, c, j, k);
+    const double of_c = whole - of_a - of_b;
+    if (!(of_a > 0 && of_b > 0 && of_c > 0)) return closest_on_triangle(a, b, c, i, j, k);
+    const point<3> n = cross(e, f);
+    const double scale = 1 / whole;
+    return {n * (dot(n, c) / dot(n, n)), {of_a * scale, of_b * scale, of_c * scale}, {i, j, k}, 3};
+}
+
+/// The point of a simplex that is closest to the origin; of count D + 1, and the origin itself, if that lies within.
+/// `grown` says that the last vertex has just been added beyond the closest point of the others.
+inline closest_of<2> closest_of_simplex(const simplex<2>& s, bool) {
+    if (s.count == 1) return {s.vertex[0].w, {1}, {0}, 1};
+    if (s.count == 2) return closest_on_edge(s.vertex[0].w, s.vertex[1].w);
+    const point<2> p[3] = {s.vertex[0].w, s.vertex[1].w, s.vertex[2].w};
+    const double area = cross(p[1] - p[0], p[2] - p[0]);
+    closest_of<2> best;
+    best.count = 3;
+    double least = 0;
+    for (int i = 0; i < 3; ++i) {
+        const int j = i < 2 ? i + 1 : 0, k = i > 0 ? i - 1 : 2;
+        const point<2> e = p[j] - p[i];
+        // Where the triangle has no area to speak of, every edge is outside.
+        const bool flat = !(abs(area) > 0x1p-50 * largest(e) * largest(p[k] - p[i]));
+        if (!flat && (cross(p[i], e) < 0) == (area < 0)) continue;
+        const closest_of<2> c = closest_on_edge(p[i], p[j], i, j);
+        const double distance = dot(c.at, c.at);
+        if (best.count < 3 && !(distance < least)) continue;
+        least = distance;
+        best = c;
+    }
+    // In ascending order, so that none is overwritten before it has moved.
+    if (best.count == 2 && best.vertex[1] < best.vertex[0]) {
+        std::swap(best.vertex[0], best.vertex[1]);
+        std::swap(best.weight[0], best.weight[1]);
+    }
+    return best;
+}
+
+inline closest_of<3> closest_of_simplex(const simplex<3>& s, bool grown) {
+    if (s.count == 1) return {s.vertex[0].w, {1}, {0}, 1};
+    if (s.count == 2) return closest_on_edge(s.vertex[0].w, s.vertex[1].w);
+    if (s.count == 3) return closest_on_grown_triangle(s.vertex[0].w, s.vertex[1].w, s.vertex[2].w, 0, 1, 2);
+    // The faces at the last vertex, and their normals; the one opposite lies behind if the simplex has grown.
+    const point<3>& d = s.vertex[3].w;
+    const point<3> e[3] = {s.vertex[0].w - d, s.vertex[1].w - d, s.vertex[2].w - d};
+    const point<3> n[3] = {cross(e[0], e[1]), cross(e[1], e[2]), cross(e[2], e[0])};
+    const double volume = dot(n[0], e[2]);
+    // Where the tetrahedron has no volume to speak of, every face is outside.
+    const bool flat = !(abs(volume) > 0x1p-48 * largest(e[0]) * largest(e[1]) * largest(e[2]));
+    closest_of<3> best;
+    best.count = 4;
+    double least = 0;
+    const auto consider = [&](int i, int j, int k) {
+        const closest_of<3> c = closest_on_grown_triangle(s.vertex[i].w, s.vertex[j].w, s.vertex[k].w, i, j, k);
+        const double distance = dot(c.at, c.at);
+        if (best.count < 4 && !(distance < least)) return;
+        least = distance;
+        best = c;
+    };
+    for (int i = 0; i < 3; ++i) {
+        if (!flat && (dot(n[i], d) > 0) != (volume > 0)) continue;
+        if (i < 2) consider(i, i + 1, 3);
+        else consider(0, 2, 3);
+    }
+    if (!grown || flat) {
+        const point<3> behind = cross(e[1] - e[0], e[2] - e[0]);
+        if (flat || (dot(behind, s.vertex[0].w) < 0) == (volume > 0)) consider(0, 1, 2);
+    }
+    return best;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/collide/gjk.hpp
+// =================================================================================================
+// The distance of two convex sets: GJK.
+
+PHYSICS_HPP_BEGIN
+
+/// How a query ended.
+enum class query_status : std::uint8_t {
+    /// The answer is as exact as the numbers allow.
+    converged,
+    /// The limit of iterations was reached: the answer is the best one found, and its distance too long by an
+    /// unknown part.
+    iteration_limit,
+};
+
+/// What a query of two shapes leaves for the next one of the same pair: the simplex by vertices, and an axis. Start
+/// with an empty one. Any content is safe, also that of another pair: it costs time, never a wrong answer.
+struct gjk_cache {
+    std::uint32_t vertex[4] = {};
+    float axis[3] = {};
+    std::uint8_t count = 0;
+};
+
+namespace detail {
+
+/// Where GJK ended.
+template <int D>
+struct gjk_result {
+    /// The simplex; of D + 1 vertices around the origin where the cores overlap.
+    simplex<D> at;
+    /// From A to B, of unit length where the cores are apart; else null.
+    point<D> normal;
+    /// Of the cores; 0 where they overlap. A lower bound where they are `beyond`.
+    double distance = 0;
+    /// The cores overlap, or touch within rounding.
+    bool overlapping = false;
+    /// The search ended since the distance exceeds what was asked for.
+    bool beyond = false;
+    query_status status = query_status::converged;
+};
+
+/// Above the largest coordinate that any vertex of B - A can have.
+template <int D>
+double extent_of(const core<D>& a, const placed_core<D>& b) {
+    return a.extent + b.shape->extent + largest(b.at);
+}
+
+template <int D>
+PHYSICS_HPP_ALWAYS_INLINE cso_vertex<D> support_along(const core<D>& a, const placed_core<D>& b, const point<D>& v) {
+    const support_point<D> on_a = a.support(v), on_b = b.support(-v);
+    return {on_b.at - on_a.at, on_a.at, on_a.vertex << 16 | on_b.vertex};
+}
+
+template <int D>
+void start_from(const gjk_cache& cache, const core<D>& a, const placed_core<D>& b, simplex<D>& s) {
+    for (int i = 0; i < cache.count && s.count <= D; ++i) {
+        const support_point<D> on_a = a.vertex(cache.vertex[i] >> 16), on_b = b.vertex(cache.vertex[i] & 0xffffu);
+        s.vertex[s.count++] = {on_b.at - on_a.at, on_a.at, on_a.vertex << 16 | on_b.vertex};
+    }
+}
+
+/// The normal and the distance that a simplex of fewer than D + 1 vertices gives, from the directions of its edges:
+/// more exact than those of the closest point where that is near. Where the two disagree the cores touch, and the
+/// closest point is what rounding left.
+template <int D>
+void measure(gjk_result<D>& r, point<D> v) {
+    const auto& vertex = r.at.vertex;
+    const double vv = dot(v, v);
+    if (r.at.count == D) {
+        const point<D> e = vertex[1].w - vertex[0].w;
+        point<D> n;
+        if constexpr (D == 2) n = perpendicular(e);
+        else n = cross(e, vertex[2].w - vertex[0].w);
+        const double along = dot(n, v);
+        r.overlapping = !(along * along > 0.9 * dot(n, n) * vv);
+        v = along < 0 ? -n : n;
+    } else if (r.at.count == 2) {
+        const point<D> e = vertex[1].w - vertex[0].w;
+        const double along = dot(v, e), ee = dot(e, e);
+        r.overlapping = !(along * along < 0.1 * vv * ee);
+        v -= e * (along / ee);
+    }
+    r.normal = unit(v);
+    r.distance = dot(r.normal, vertex[0].w);
+    for (int i = 1; i < r.at.count; ++i) r.distance = min(r.distance, dot(r.normal, vertex[i].w));
+    r.overlapping = r.overlapping || !(r.distance > 0);
+    if (r.overlapping) r.normal = {}, r.distance = 0;
+}
+
+/// The distance of two cores, in A's frame; gives up as soon as it is known to exceed `most`, and ends where it is
+/// known within the part `tolerance`. Source: Gilbert, Johnson, Keerthi (1988); van den Bergen, Collision detection in
+/// interactive 3D environments (2003), 4.3. Cost: 4 to 10 supports of both, 1 or 2 with a cache.
+template <int D>
+gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double tolerance, gjk_cache* cache) {
+    constexpr int most_iterations = 128, most_stalls = 4;
+    gjk_result<D> r;
+    int stalls = 0;
+    // What rounding may do to a coordinate of the vertices.
+    const double noise = 0x1p-51 * extent_of(a, b), squared_noise = noise * noise;
+    const bool smooth = !a.has_vertices() || !b.shape->has_vertices();
+    point<D> v = b.at;
+    if (cache != nullptr && cache->count > 0) {
+        for (int i = 0; i < D; ++i) v[i] = detail::to_double(cache->axis[i]);
+        if (!smooth) {
+            start_from(*cache, a, b, r.at);
+            const closest_of<D> c = closest_of_simplex(r.at, false);
+            if (c.count <= D) r.at.keep(c);
+            v = c.at;
+        }
+    }
+    if (!(dot(v, v) > 0) && r.at.count == 0) v = {}, v[0] = 1;
+
+    const auto finish = [&] {
+        if (cache == nullptr) return;
+        cache->count = static_cast<std::uint8_t>(r.at.count);
+        for (int i = 0; i < r.at.count; ++i) cache->vertex[i] = r.at.vertex[i].name;
+        const point<D> axis = r.overlapping ? v : r.normal;
+        for (int i = 0; i < D; ++i) cache->axis[i] = static_cast<float>(axis[i]);
+    };
+    for (int iteration = 0;; ++iteration) {
+        const double vv = dot(v, v);
+        if (r.at.count > 0 && (r.at.count == D + 1 || vv <= squared_noise)) {
+            r.overlapping = true;
+            break;
+        }
+        cso_vertex<D>& next = r.at.vertex[r.at.count];
+        next = support_along(a, b, v);
+        const double vw = dot(v, next.w);
+        if (vw > 0 && vw * vw > most * most * vv) {
+            r.beyond = true;
+            r.normal = unit(v);
+            r.distance = dot(r.normal, next.w);
+            if (r.at.count == 0) r.at.count = 1;
+            break;
+        }
+        if (r.at.count > 0) {
+            const double gap = vv - vw;
+            bool known = gap <= tolerance * vv || gap * gap <= squared_noise * vv;
+            for (int i = 0; i < r.at.count && !known; ++i)
+                known = smooth ? r.at.vertex[i].w == next.w : r.at.vertex[i].name == next.name;
+            if (known || iteration >= most_iterations) {
+                measure(r, v);
+                if (!known) r.status = query_status::iteration_limit;
+                break;
+            }
+        }
+        ++r.at.count;
+        const closest_of<D> closest = closest_of_simplex(r.at, r.at.count > 1);
+        if (r.at.count > 1 && closest.count <= D && !(dot(closest.at, closest.at) < vv)) {
+            // Rounding lets it come no closer. The normal may still gain: the distance is flat where that is best.
+            const bool taken = closest.vertex[closest.count - 1] == r.at.count - 1;
+            if (!taken || ++stalls > most_stalls) {
+                --r.at.count;
+                measure(r, v);
+                break;
+            }
+        }
+        if (closest.count <= D) r.at.keep(closest);
+        v = closest.at;
+    }
+    finish();
+    return r;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/collide/epa3.hpp
+// =================================================================================================
+// How deep two convex sets in space overlap: EPA.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// How deep two cores overlap: the least translation of B along `normal` that parts them.
+template <int D>
+struct penetration {
+    /// Of unit length, from A to B.
+    point<D> normal;
+    /// Negative where rounding has parted the cores.
+    double depth = 0;
+    /// The points that touch once B has been moved by depth along the normal; A's.
+    point<D> on_a;
+    /// The vertices between which that point lies, as in cso_vertex.
+    std::uint32_t names[3] = {};
+    query_status status = query_status::converged;
+};
+
+/// A growing convex polyhedron of vertices of B - A. Its faces are found by exact orientation, so that it stays closed
+/// and convex whatever rounding does: each new vertex lies beyond at least one face, and no face is ever without area.
+class cso_hull {
+public:
+    static constexpr int most_vertices = 160, most_faces = 2 * most_vertices;
+    using index = std::uint16_t;
+
+    struct face {
+        index vertex[3];
+        /// Across the edges 0-1, 1-2, 2-0.
+        index neighbour[3];
+        /// Outwards, of twice the triangle's area.
+        point<3> normal;
+        double squared_normal;
+        /// dot(normal, p) of its points, and what rounding and the grid may change in such a product.
+        double height, error;
+    };
+
+    /// Begins with a tetrahedron, of points that do not lie in one plane.
+    cso_hull(const orientation& grid, double size, const cso_vertex<3> (&v)[4]) : grid_(grid), size_(size) {
+        const bool outwards = grid.of(v[0].w, v[1].w, v[2].w, v[3].w) < 0;
+        vertices_[0] = v[0];
+        vertices_[1] = v[outwards ? 1 : 2];
+        vertices_[2] = v[outwards ? 2 : 1];
+        vertices_[3] = v[3];
+        vertex_count_ = 4;
+        set(0, 0, 1, 2, 1, 2, 3);
+        set(1, 0, 3, 1, 3, 2, 0);
+        set(2, 1, 3, 2, 1, 3, 0);
+        set(3, 2, 3, 0, 2, 1, 0);
+        face_count_ = 4;
+    }
+
+    [[nodiscard]] const cso_vertex<3>& vertex(int i) const { return vertices_[i]; }
+    [[nodiscard]] const face& at(int i) const { return faces_[i]; }
+    [[nodiscard]] bool full() const { return vertex_count_ == most_vertices; }
+    /// The face that is closest to the origin, seen from within; its distance is negative if the origin is outside.
+    [[nodiscard]] int closest() const {
+        int best = 0;
+        for (int i = 1; i < face_count_; ++i)
+            if (key_[i] < key_[best]) best = i;
+        return best;
+    }
+    [[nodiscard]] point<3> unit_normal(int f) const { return unit(faces_[f].normal); }
+    [[nodiscard]] double distance(int f) const { return key_[f] < 0 ? -sqrt(-key_[f]) : sqrt(key_[f]); }
+    /// Corrects the distance of a face whose normal is not what its corners say exactly, since it is thin.
+    void set_distance(int f, double distance) { key_[f] = distance * abs(distance); }
+    /// On which side of a face a point lies: 1 where it sees it.
+    [[nodiscard]] int side(int f, const point<3>& p) const {
+        const face& it = faces_[f];
+        const double det = dot(it.normal, p) - it.height;
+        if (det > it.error) return 1;
+        if (det < -it.error) return -1;
+        return grid_.exact_side(w(it.vertex[0]), w(it.vertex[1]), w(it.vertex[2]), p);
+    }
+
+    /// Adds a vertex that lies beyond the face `seen`. The hull must not be full.
+    void add(const cso_vertex<3>& v, int seen) {
+        const index apex = static_cast<index>(vertex_count_);
+        vertices_[vertex_count_++] = v;
+        // All faces that see the vertex, and the edges between them and the others.
+        int open = 0;
+        visible_count_ = 0;
+        horizon_count_ = 0;
+        mark_visible(seen);
+        while (open < visible_count_) {
+            const index f = visible_[open++];
+            for (int e = 0; e < 3; ++e) {
+                const index other = faces_[f].neighbour[e];
+                if (is_visible(other)) continue;
+                if (side(other, v.w) > 0) mark_visible(other);
+                else horizon_[horizon_count_++] = {faces_[f].vertex[e], faces_[f].vertex[e < 2 ? e + 1 : 0], f, other};
+            }
+        }
+        for (int i = 0; i < visible_count_; ++i) spare_[spare_count_++] = visible_[i];
+        for (int i = 0; i < horizon_count_; ++i) {
+            edge& h = horizon_[i];
+            h.face = spare_count_ > 0 ? spare_[--spare_count_] : static_cast<index>(face_count_++);
+            face_from_[h.from] = h.face;
+        }
+        for (int i = 0; i < horizon_count_; ++i) {
+            const edge& h = horizon_[i];
+            replace_neighbour(h.beyond, h.to, h.from, h.face);
+            set(h.face, h.from, h.to, apex, h.beyond, face_from_[h.to], 0);
+        }
+        for (int i = 0; i < horizon_count_; ++i) faces_[face_from_[horizon_[i].to]].neighbour[2] = horizon_[i].face;
+    }
+
+private:
+    struct edge {
+        index from, to;
+        index face, beyond;
+    };
+
+    [[nodiscard]] const point<3>& w(int i) const { return vertices_[i].w; }
+    void set(int f, int a, int b, int c, int ab, int bc, int ca) {
+        face& it = faces_[f];
+        it.vertex[0] = static_cast<index>(a);
+        it.vertex[1] = static_cast<index>(b);
+        it.vertex[2] = static_cast<index>(c);
+        it.neighbour[0] = static_cast<index>(ab);
+        it.neighbour[1] = static_cast<index>(bc);
+        it.neighbour[2] = static_cast<index>(ca);
+        const point<3> e = w(b) - w(a), g = w(c) - w(a);
+        const double ee = dot(e, e), gg = dot(g, g);
+        it.normal = cross(e, g);
+        it.squared_normal = dot(it.normal, it.normal);
+        // Of thin triangles the shorter edges give the better normal.
+        if (!(it.squared_normal > 0x1p-8 * ee * gg)) {
+            it.normal = normal_of_thin(a, b, c);
+            it.squared_normal = dot(it.normal, it.normal);
+        }
+        it.height = dot(it.normal, w(a));
+        // Products of coordinates below size, and differences that the grid moves by 2 steps of size * 2^-59.
+        it.error = size_ * ((ee + gg) * 0x1p-44 + size_ * size_ * 0x1p-53);
+        // Faces so thin that rounding leaves no normal take no part: beside them are others in the same plane.
+        key_[f] = it.squared_normal > 0 ? it.height * abs(it.height) / it.squared_normal : never;
+    }
+    [[nodiscard]] point<3> normal_of_thin(int a, int b, int c) const {
+        const point<3> sides[3] = {w(b) - w(a), w(c) - w(b), w(a) - w(c)};
+        int longest = 0;
+        for (int i = 1; i < 3; ++i)
+            if (dot(sides[i], sides[i]) > dot(sides[longest], sides[longest])) longest = i;
+        return cross(sides[longest < 2 ? longest + 1 : 0], sides[longest > 0 ? longest - 1 : 2]);
+    }
+    void mark_visible(int f) {
+        visible_[visible_count_++] = static_cast<index>(f);
+        key_[f] = gone;
+    }
+    [[nodiscard]] bool is_visible(index f) const { return key_[f] == gone; }
+    void replace_neighbour(index f, index from, index to, index by) {
+        face& it = faces_[f];
+        for (int e = 0; e < 3; ++e)
+            if (it.vertex[e] == from && it.vertex[e < 2 ? e + 1 : 0] == to) it.neighbour[e] = by;
+    }
+
+    /// In place of a face's key: it is none to be chosen; no face is here, but for one that is about to go.
+    static constexpr double never = 1e300, gone = 1.7976931348623157e308;
+
+    orientation grid_;
+    double size_;
+    int vertex_count_ = 0, face_count_ = 0, visible_count_ = 0, horizon_count_ = 0, spare_count_ = 0;
+    raw_array<cso_vertex<3>, most_vertices> vertices_;
+    raw_array<face, most_faces> faces_;
+    /// The squares of the faces' distances from the origin, with the distances' signs.
+    raw_array<double, most_faces> key_;
+    raw_array<index, most_faces> visible_, spare_;
+    raw_array<edge, most_faces> horizon_;
+    raw_array<index, most_vertices> face_from_;
+};
+
+/// Completes a simplex to a tetrahedron with the farthest points beside it; false if B - A is flat. Of that, `normal`
+/// is then a unit vector across it.
+inline bool make_tetrahedron(const core<3>& a, const placed_core<3>& b, const simplex<3>& s, double noise,
+                             const orientation& grid, cso_vertex<3> (&v)[4], point<3>& normal) {
+    int count = s.count;
+    for (int i = 0; i < count; ++i) v[i] = s.vertex[i];
+    if (count == 4 && grid.of(v[0].w, v[1].w, v[2].w, v[3].w) != 0) return true;
+    // The farthest of the supports along n and -n from what measure() takes for the simplex so far.
+    double farthest = 0;
+    const auto look = [&](const point<3>& n, int into, auto&& measure) {
+        for (const double sign : {1.0, -1.0}) {
+            const cso_vertex<3> p = support_along(a, b, n * sign);
+            const double far = measure(p.w - v[0].w);
+            if (!(far > farthest)) continue;
+            farthest = far;
+            v[into] = p;
+        }
+    };
+    if (count < 2 || !(largest(v[1].w - v[0].w) > noise)) {
+        for (int i = 0; i < 3; ++i) {
+            point<3> n;
+            n[i] = 1;
+            look(n, 1, [](const point<3>& e) { return dot(e, e); });
+        }
+        normal = {1, 0, 0};
+        if (!(farthest > noise * noise)) return false;
+        count = 2;
+    }
+    const point<3> e = unit(v[1].w - v[0].w);
+    const auto beside_line = [&](const point<3>& p) {
+        const point<3> c = cross(e, p);
+        return dot(c, c);
+    };
+    if (count < 3 || !(beside_line(v[2].w - v[0].w) > noise * noise)) {
+        farthest = 0;
+        normal = perpendicular(e);
+        look(normal, 2, beside_line);
+        look(cross(e, normal), 2, beside_line);
+        if (!(farthest > noise * noise)) return false;
+    }
+    normal = unit(cross(e, v[2].w - v[0].w));
+    farthest = 0;
+    look(normal, 3, [&](const point<3>& p) { return abs(dot(normal, p)); });
+    return farthest > 0 && grid.of(v[0].w, v[1].w, v[2].w, v[3].w) != 0;
+}
+
+/// Finds where two cores touch once `p` has parted them: for faces of B - A of which only some vertices were found.
+template <int D>
+void find_touching_point(const core<D>& a, const placed_core<D>& b, double size, penetration<D>& p) {
+    placed_core<D> apart = b;
+    apart.at += p.normal * (p.depth + 0x1p-30 * size);
+    const gjk_result<D> r = gjk(a, apart, size, 0x1p-30, nullptr);
+    if (r.overlapping || r.beyond) return;
+    p.on_a = r.at.on_a();
+    for (int i = 0; i < D; ++i) p.names[i] = r.at.vertex[i < r.at.count ? i : 0].name;
+}
+
+/// Takes the normal of a face of B - A from the edges of A and B that it is made of: where one shape is much larger
+/// than the other, the vertices of B - A have lost digits that these still have.
+inline void sharpen(const core<3>& a, const placed_core<3>& b, const point<3>& farthest, penetration<3>& p) {
+    if (!a.has_vertices() || !b.shape->has_vertices()) return;
+    point<3> of_a[3], of_b[3];
+    for (int i = 0; i < 3; ++i) {
+        of_a[i] = a.vertex(p.names[i] >> 16).at;
+        of_b[i] = b.shape->vertex(p.names[i] & 0xffffu).at;
+    }
+    point<3> edge[3];
+    int longest = 0;
+    for (int i = 0; i < 3; ++i) {
+        const int j = i < 2 ? i + 1 : 0;
+        edge[i] = b.axes * (of_b[j] - of_b[i]) - (of_a[j] - of_a[i]);
+        if (dot(edge[i], edge[i]) > dot(edge[longest], edge[longest])) longest = i;
+    }
+    const point<3> n = unit(cross(edge[longest < 2 ? longest + 1 : 0], edge[longest > 0 ? longest - 1 : 2]));
+    const point<3> m = dot(n, p.normal) < 0 ? -n : n;
+    const double depth = -dot(m, farthest);
+    if (!(dot(m, p.normal) > 0.999999) || !(abs(depth - p.depth) < 1e-6 * a.extent + 1e-6 * b.shape->extent)) return;
+    p.normal = m;
+    p.depth = depth;
+}
+
+/// Improves a way out on round shapes: parted along it, where they are closest shows a shorter one. Ends at a way that
+/// is shorter than all others near it.
+inline void shorten(const core<3>& a, const placed_core<3>& b, double size, double tolerance, penetration<3>& p) {
+    constexpr int most_iterations = 32;
+    for (int i = 0; i < most_iterations; ++i) {
+        placed_core<3> apart = b;
+        apart.at += p.normal * (p.depth + 0x1p-10 * size);
+        const gjk_result<3> r = gjk(a, apart, size, 0x1p-50, nullptr);
+        if (r.overlapping || r.beyond) return;
+        const double depth = -dot(r.normal, support_along(a, b, r.normal).w);
+        if (!(depth < p.depth)) return;
+        const bool last = p.depth - depth <= tolerance;
+        p.normal = r.normal;
+        p.depth = depth;
+        if (last) return;
+    }
+}
+
+/// The penetration of two cores that GJK found to overlap; `from` is where it ended, `tolerance` (m) ends the search
+/// of round ones. Source: van den Bergen, Proximity queries and penetration depth computation on 3D game objects
+/// (2001), with the hull of Barber, Dobkin, Huhdanpaa, The quickhull algorithm (1996). Cost: 5 to 60 supports.
+inline penetration<3> epa(const core<3>& a, const placed_core<3>& b, const simplex<3>& from, double tolerance) {
+    const double size = power_above(extent_of(a, b)), noise = 0x1p-48 * size;
+    penetration<3> best;
+    const orientation grid(size);
+    cso_vertex<3> first[4];
+    point<3> flat;
+    if (!make_tetrahedron(a, b, from, noise, grid, first, flat)) {
+        best.normal = dot(flat, b.at) < 0 ? -flat : flat;
+        best.on_a = from.count < 4 ? from.on_a() : from.vertex[0].on_a;
+        for (int i = 0; i < 3; ++i) best.names[i] = from.vertex[i < from.count ? i : 0].name;
+        return best;
+    }
+    cso_hull hull(grid, size, first);
+    for (;;) {
+        const int f = hull.closest();
+        const auto& face = hull.at(f);
+        const point<3> n = hull.unit_normal(f);
+        const cso_vertex<3> next = support_along(a, b, -n);
+        const double h = dot(n, next.w);
+        const bool converged = h - hull.distance(f) <= tolerance;
+        if (!converged && hull.side(f, next.w) <= 0) {
+            hull.set_distance(f, h);
+            continue;
+        }
+        if (converged || hull.full()) {
+            if (!converged) best.status = query_status::iteration_limit;
+            best.normal = -n;
+            best.depth = h;
+            point<3> w[3];
+            for (int i = 0; i < 3; ++i) w[i] = hull.vertex(face.vertex[i]).w;
+            const closest_of<3> at = closest_on_triangle(w[0], w[1], w[2]);
+            for (int i = 0; i < 3; ++i) best.names[i] = hull.vertex(face.vertex[i]).name;
+            for (int i = 0; i < at.count; ++i)
+                best.on_a += hull.vertex(face.vertex[at.vertex[i]]).on_a * at.weight[i];
+            sharpen(a, b, next.w, best);
+            if (!converged) shorten(a, b, size, tolerance, best);
+            if (at.count < 3 || !converged) find_touching_point(a, b, size, best);
+            return best;
+        }
+        hull.add(next, f);
+    }
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/collide/epa2.hpp
+// =================================================================================================
+// How deep two convex sets in the plane overlap: EPA.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// A growing convex polygon of vertices of B - A, counter-clockwise; edge i leads from vertex i to the next.
+class cso_polygon {
+public:
+    static constexpr int most_vertices = 128;
+
+    cso_polygon(const cso_vertex<2>& a, const cso_vertex<2>& b, const cso_vertex<2>& c) {
+        put(a, b);
+        put(b, c);
+        put(c, a);
+    }
+    [[nodiscard]] const cso_vertex<2>& vertex(int i) const { return at(i).vertex; }
+    [[nodiscard]] const point<2>& normal(int i) const { return at(i).normal; }
+    [[nodiscard]] double distance(int i) const { return at(i).distance; }
+    [[nodiscard]] int after(int i) const { return i + 1 < count_ ? i + 1 : 0; }
+    [[nodiscard]] bool full() const { return count_ == most_vertices; }
+    /// The edge that is closest to the origin, seen from within; its distance is negative if the origin is outside.
+    [[nodiscard]] int closest() const {
+        int best = 0;
+        for (int i = 1; i < count_; ++i)
+            if (distance(i) < distance(best)) best = i;
+        return best;
+    }
+    /// Adds a vertex that lies beyond the edge `seen`; what it sees besides goes too.
+    void add(const cso_vertex<2>& v, int seen, const orientation& grid) {
+        const auto before = [&](int i) { return i > 0 ? i - 1 : count_ - 1; };
+        const auto sees = [&](int i) { return grid.of(vertex(i).w, vertex(after(i)).w, v.w) < 0; };
+        int first = seen, last = after(seen);
+        while (sees(before(first)) && before(first) != last) first = before(first);
+        while (sees(last) && after(last) != first) last = after(last);
+        const auto& old = rings_[now_];
+        auto& grown = rings_[1 - now_];
+        int kept = 0;
+        for (int i = last; i != first; i = after(i)) grown[kept++] = old[i];
+        now_ = 1 - now_;
+        count_ = kept;
+        put(old[first].vertex, v);
+        put(v, old[last].vertex);
+    }
+
+private:
+    struct corner {
+        cso_vertex<2> vertex;
+        point<2> normal;
+        double distance;
+    };
+    [[nodiscard]] const corner& at(int i) const { return rings_[now_][i]; }
+    void put(const cso_vertex<2>& from, const cso_vertex<2>& to) {
+        const point<2> n = unit(perpendicular(to.w - from.w));
+        rings_[now_][count_++] = {from, n, dot(n, from.w)};
+    }
+
+    raw_array<corner, most_vertices> rings_[2];
+    int now_ = 0, count_ = 0;
+};
+
+/// Completes a simplex to a triangle; false if B - A is flat. Of that, `normal` is then a unit vector across it.
+inline bool make_triangle(const core<2>& a, const placed_core<2>& b, const simplex<2>& s, double noise,
+                          const orientation& grid, cso_vertex<2> (&v)[3], point<2>& normal) {
+    int count = s.count;
+    for (int i = 0; i < count; ++i) v[i] = s.vertex[i];
+    if (count < 2 || !(largest(v[1].w - v[0].w) > noise)) {
+        double farthest = 0;
+        for (int i = 0; i < 4; ++i) {
+            point<2> n;
+            n[i & 1] = i < 2 ? 1 : -1;
+            const cso_vertex<2> p = support_along(a, b, n);
+            if (!(largest(p.w - v[0].w) > farthest)) continue;
+            farthest = largest(p.w - v[0].w);
+            v[1] = p;
+        }
+        normal = {1, 0};
+        if (!(farthest > noise)) return false;
+        count = 2;
+    }
+    normal = perpendicular(unit(v[1].w - v[0].w));
+    if (count < 3 || !(abs(dot(normal, v[2].w - v[0].w)) > noise)) {
+        const cso_vertex<2> p = support_along(a, b, normal), q = support_along(a, b, -normal);
+        v[2] = abs(dot(normal, p.w - v[0].w)) > abs(dot(normal, q.w - v[0].w)) ? p : q;
+    }
+    const int side = grid.of(v[0].w, v[1].w, v[2].w);
+    if (side < 0) std::swap(v[1], v[2]);
+    return side != 0;
+}
+
+/// The penetration of two cores in the plane that GJK found to overlap; see the one in space.
+inline penetration<2> epa(const core<2>& a, const placed_core<2>& b, const simplex<2>& from, double tolerance) {
+    const double size = power_above(extent_of(a, b)), noise = 0x1p-48 * size;
+    const orientation grid(size);
+    penetration<2> best;
+    cso_vertex<2> first[3];
+    point<2> flat;
+    if (!make_triangle(a, b, from, noise, grid, first, flat)) {
+        best.normal = dot(flat, b.at) < 0 ? -flat : flat;
+        best.on_a = from.count < 3 ? from.on_a() : from.vertex[0].on_a;
+        for (int i = 0; i < 3; ++i) best.names[i] = from.vertex[i < from.count ? i : 0].name;
+        return best;
+    }
+    cso_polygon hull(first[0], first[1], first[2]);
+    for (;;) {
+        const int f = hull.closest();
+        const point<2> n = hull.normal(f);
+        const cso_vertex<2> next = support_along(a, b, -n);
+        const double h = dot(n, next.w);
+        const cso_vertex<2> p = hull.vertex(f);
+        const cso_vertex<2> q = hull.vertex(hull.after(f));
+        const bool converged = h - hull.distance(f) <= tolerance || grid.of(p.w, q.w, next.w) >= 0;
+        if (converged || hull.full()) {
+            if (!converged) best.status = query_status::iteration_limit;
+            best.normal = -n;
+            best.depth = h;
+            const closest_of<2> at = closest_on_edge(p.w, q.w);
+            for (int i = 0; i < at.count; ++i) best.on_a += (at.vertex[i] == 0 ? p : q).on_a * at.weight[i];
+            best.names[0] = p.name;
+            best.names[1] = best.names[2] = q.name;
+            if (at.count < 2) find_touching_point(a, b, size, best);
+            return best;
+        }
+        hull.add(next, f, grid);
+    }
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/collide/mpr.hpp
+// =================================================================================================
+// A way to part two convex sets that overlap, found fast, not always the shortest: MPR.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// The point of B - A that is farthest along n.
+template <int D>
+cso_vertex<D> farthest_along(const core<D>& a, const placed_core<D>& b, const point<D>& n) {
+    return support_along(a, b, -n);
+}
+
+inline penetration<3> portal_penetration(const cso_vertex<3> (&v)[3], const point<3>& n, double depth) {
+    penetration<3> p;
+    p.normal = -n;
+    p.depth = depth;
+    const closest_of<3> at = closest_on_triangle(v[0].w, v[1].w, v[2].w);
+    for (int i = 0; i < 3; ++i) p.names[i] = v[i].name;
+    for (int i = 0; i < at.count; ++i) p.on_a += v[at.vertex[i]].on_a * at.weight[i];
+    return p;
+}
+
+/// A translation that parts two cores that overlap: along the normal of that part of the surface of B - A which the
+/// ray from its inside through the origin leaves it by. Never shorter than what EPA finds, for deep overlaps often
+/// longer. It starts at the difference of the cores' centres. Source: Snethen,
+/// XenoCollide: complex collision made simple, Game Programming Gems 7 (2008). Cost: about half of EPA's.
+inline penetration<3> mpr(const core<3>& a, const placed_core<3>& b, const simplex<3>& from, double tolerance) {
+    constexpr int most_iterations = 64;
+    const double noise = 0x1p-48 * extent_of(a, b);
+    point<3> inside = b.axes * b.shape->center + b.at - a.center;
+    if (!(largest(inside) > noise)) inside = {4 * noise, 0, 0};
+    cso_vertex<3> v[3];
+    point<3> n = -inside;
+    v[0] = farthest_along(a, b, n);
+    n = cross(v[0].w, inside);
+    if (!(largest(n) > noise * largest(inside))) n = perpendicular(normalized(inside));
+    v[1] = farthest_along(a, b, n);
+    n = cross(v[0].w - inside, v[1].w - inside);
+    if (dot(n, inside) > 0) std::swap(v[0], v[1]), n = -n;
+    // The portal: a triangle that the ray passes.
+    for (int i = 0;; ++i) {
+        v[2] = farthest_along(a, b, n);
+        if (dot(cross(v[0].w, v[2].w), inside) < 0) v[1] = v[2];
+        else if (dot(cross(v[2].w, v[1].w), inside) < 0) v[0] = v[2];
+        else break;
+        // Flat sets have no portal.
+        if (i == most_iterations) return epa(a, b, from, tolerance);
+        n = cross(v[0].w - inside, v[1].w - inside);
+    }
+    for (int i = 0; i < most_iterations; ++i) {
+        n = unit(cross(v[1].w - v[0].w, v[2].w - v[0].w));
+        if (dot(n, v[0].w - inside) < 0) n = -n;
+        if (n == point<3>{}) break;
+        const cso_vertex<3> next = farthest_along(a, b, n);
+        const double h = dot(n, next.w);
+        if (!(h - dot(n, v[0].w) > max(tolerance, noise))) return portal_penetration(v, n, h);
+        const point<3> c = cross(next.w, inside);
+        const int replaced = dot(v[0].w, c) > 0 ? (dot(v[1].w, c) > 0 ? 0 : 2) : (dot(v[2].w, c) > 0 ? 1 : 0);
+        v[replaced] = next;
+    }
+    return epa(a, b, from, tolerance);
+}
+
+/// The same in the plane.
+inline penetration<2> mpr(const core<2>& a, const placed_core<2>& b, const simplex<2>& from, double tolerance) {
+    constexpr int most_iterations = 64;
+    const double noise = 0x1p-48 * extent_of(a, b);
+    point<2> inside = b.axes * b.shape->center + b.at - a.center;
+    if (!(largest(inside) > noise)) inside = {4 * noise, 0};
+    cso_vertex<2> v[2];
+    v[0] = farthest_along(a, b, -inside);
+    // The farthest on that side of the first vertex where the ray passes.
+    const double side = cross(v[0].w - inside, -inside);
+    point<2> n = perpendicular(v[0].w - inside);
+    v[1] = farthest_along(a, b, side > 0 ? -n : n);
+    for (int i = 0; i < most_iterations; ++i) {
+        n = unit(perpendicular(v[1].w - v[0].w));
+        if (dot(n, v[0].w - inside) < 0) n = -n;
+        if (n == point<2>{}) break;
+        const cso_vertex<2> next = farthest_along(a, b, n);
+        const double h = dot(n, next.w);
+        if (!(h - dot(n, v[0].w) > max(tolerance, noise))) {
+            penetration<2> p;
+            p.normal = -n;
+            p.depth = h;
+            const closest_of<2> at = closest_on_edge(v[0].w, v[1].w);
+            for (int k = 0; k < at.count; ++k) p.on_a += v[at.vertex[k]].on_a * at.weight[k];
+            p.names[0] = v[0].name;
+            p.names[1] = p.names[2] = v[1].name;
+            return p;
+        }
+        // Which of the two stays, so that the ray still passes between.
+        const bool beyond = (cross(next.w - inside, -inside) > 0) == (cross(v[0].w - inside, -inside) > 0);
+        v[beyond ? 0 : 1] = next;
+    }
+    return epa(a, b, from, tolerance);
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/collide/convex.hpp
+// =================================================================================================
+// Distance, overlap and penetration of any two convex shapes.
+
+PHYSICS_HPP_BEGIN
+
+/// Where two shapes are closest to each other, or how to part them; all in the frame of shape A.
+template <class S, int D>
+struct closest_points {
+    /// Unit vector from A to B. Where points, lines or flat shapes lie in one another one of those that part them.
+    vec<S, D> normal;
+    /// Between the surfaces (m). Negative where they overlap: moving B along the normal by as much parts them.
+    S distance{};
+    vec<S, D> on_a;
+    vec<S, D> on_b;
+    query_status status = query_status::converged;
+};
+
+namespace detail {
+
+/// How exactly the general kernels need to know a distance: what the scalar resolves. Polytopes they know to the last
+/// digit of double.
+template <class S>
+constexpr double relative_tolerance() {
+    return is_fixed<S> ? 0x1p-50 : static_cast<double>(scalar_traits<S>::epsilon()) * 0.25;
+}
+/// The same for a depth of overlap between shapes of that size (m).
+template <class S>
+constexpr double depth_tolerance(double size) {
+    const double epsilon = static_cast<double>(scalar_traits<S>::epsilon());
+    return is_fixed<S> ? max(epsilon * 0.25, size * 0x1p-51) : size * epsilon * 0.25;
+}
+
+inline constexpr double no_limit = 1e300;
+
+/// Two shapes as the general kernels take them, in A's frame.
+template <int D>
+struct core_pair {
+    core<D> a, b;
+    placed_core<D> placed;
+
+    template <class A, class B, class S>
+    core_pair(const A& shape_a, const B& shape_b, const transform<S, D>& b_in_a)
+        : a(core_of(shape_a)), b(core_of(shape_b)),
+          placed{&b, to_matrix(b_in_a.rotation), to_point(b_in_a.position)} {}
+    core_pair(const core<D>& core_a, const core<D>& core_b, const mat<double, D>& axes, const point<D>& at)
+        : a(core_a), b(core_b), placed{&b, axes, at} {}
+    core_pair(const core_pair&) = delete;
+    core_pair& operator=(const core_pair&) = delete;
+};
+
+/// Where the cores of two shapes are closest: the point on A's and what lies between, negative where they overlap.
+template <int D>
+struct core_separation {
+    point<D> normal;
+    double gap = 0;
+    point<D> on_a;
+    std::uint32_t names[3] = {};
+    int name_count = 0;
+    bool beyond = false;
+    query_status status = query_status::converged;
+};
+
+/// What finds the way out of an overlap.
+enum class overlap_method { epa, mpr };
+
+template <class S, int D>
+core_separation<D> separate(const core_pair<D>& pair, double most, gjk_cache* cache,
+                            overlap_method method = overlap_method::epa) {
+    const gjk_result<D> r = gjk(pair.a, pair.placed, most, relative_tolerance<S>(), cache);
+    core_separation<D> result;
+    result.status = r.status;
+    if (!r.overlapping) {
+        result.normal = r.normal;
+        result.gap = r.distance;
+        result.beyond = r.beyond;
+        if (!r.beyond) result.on_a = r.at.on_a();
+        result.name_count = r.at.count;
+        for (int i = 0; i < r.at.count; ++i) result.names[i] = r.at.vertex[i].name;
+        return result;
+    }
+    const double tolerance = depth_tolerance<S>(extent_of(pair.a, pair.placed));
+    const penetration<D> p = method == overlap_method::mpr ? mpr(pair.a, pair.placed, r.at, tolerance)
+                                                           : epa(pair.a, pair.placed, r.at, tolerance);
+    result.normal = p.normal;
+    result.gap = -p.depth;
+    result.on_a = p.on_a;
+    result.name_count = D;
+    for (int i = 0; i < D; ++i) result.names[i] = p.names[i];
+    result.status = p.status;
+    return result;
+}
+
+template <class S, int D>
+closest_points<S, D> rounded(const core_pair<D>& pair, const core_separation<D>& s) {
+    const point<D> on_b = s.on_a + s.normal * (s.gap - pair.b.radius);
+    return {from_point<S>(s.normal), static_cast<S>(s.gap - pair.a.radius - pair.b.radius),
+            from_point<S>(s.on_a + s.normal * pair.a.radius), from_point<S>(on_b), s.status};
+}
+
+}  // namespace detail
+
+/// How far apart two convex shapes are, and where they are closest; or how deep they overlap, and how to part them.
+/// Exact to a few roundings of the shapes' sizes: those of double for polytopes, of S for round shapes. Source: GJK
+/// and, where cores overlap, EPA (see gjk.hpp, epa3.hpp). Cost: 0.1-0.5 us apart, 0.5-3 us where they overlap; hulls
+/// of many vertices more. `cache` makes the next call for the same pair cheaper where the two have moved little.
+template <class A, class B, class S, int D>
+    requires detail::has_core<A> && detail::has_core<B>
+closest_points<S, D> separation(const A& a, const B& b, const transform<S, D>& b_in_a, gjk_cache& cache) {
+    const detail::core_pair<D> pair(a, b, b_in_a);
+    return detail::rounded<S>(pair, detail::separate<S>(pair, detail::no_limit, &cache));
+}
+template <class A, class B, class S, int D>
+    requires detail::has_core<A> && detail::has_core<B>
+closest_points<S, D> separation(const A& a, const B& b, const transform<S, D>& b_in_a) {
+    const detail::core_pair<D> pair(a, b, b_in_a);
+    return detail::rounded<S>(pair, detail::separate<S>(pair, detail::no_limit, nullptr));
+}
+
+/// How far apart two convex shapes are, 0 where they touch or overlap; normal and points are then those of the cores
+/// where only the rounded parts overlap, else null. Cost: GJK alone.
+template <class A, class B, class S, int D>
+    requires detail::has_core<A> && detail::has_core<B>
+closest_points<S, D> distance(const A& a, const B& b, const transform<S, D>& b_in_a, gjk_cache& cache) {
+    const detail::core_pair<D> pair(a, b, b_in_a);
+    const detail::gjk_result<D> r =
+        detail::gjk(pair.a, pair.placed, detail::no_limit, detail::relative_tolerance<S>(), &cache);
+    if (r.overlapping) return {{}, S(0), {}, {}, r.status};
+    closest_points<S, D> result = detail::rounded<S>(
+        pair, detail::core_separation<D>{r.normal, r.distance, r.at.on_a(), {}, 0, false, r.status});
+    result.distance = max(result.distance, S(0));
+    return result;
+}
+template <class A, class B, class S, int D>
+    requires detail::has_core<A> && detail::has_core<B>
+closest_points<S, D> distance(const A& a, const B& b, const transform<S, D>& b_in_a) {
+    gjk_cache cache;
+    return distance(a, b, b_in_a, cache);
+}
+
+/// Whether two convex shapes share a point. Cost: GJK until an axis parts them.
+template <class A, class B, class S, int D>
+    requires detail::has_core<A> && detail::has_core<B>
+bool overlap(const A& a, const B& b, const transform<S, D>& b_in_a, gjk_cache& cache) {
+    const detail::core_pair<D> pair(a, b, b_in_a);
+    const double reach = pair.a.radius + pair.b.radius;
+    const detail::gjk_result<D> r =
+        detail::gjk(pair.a, pair.placed, reach, detail::relative_tolerance<S>(), &cache);
+    return r.overlapping || (!r.beyond && r.distance <= reach);
+}
+template <class A, class B, class S, int D>
+    requires detail::has_core<A> && detail::has_core<B>
+bool overlap(const A& a, const B& b, const transform<S, D>& b_in_a) {
+    gjk_cache cache;
+    return overlap(a, b, b_in_a, cache);
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/collide/facet.hpp
+// =================================================================================================
+// The face, edge or corner of a convex shape that touches what lies along a direction.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// A face of a core, or what there is in place of one: an edge, a corner. Hulls' faces of more vertices are thinned
+/// out.
+template <int D>
+struct facet {
+    static constexpr int most = D == 2 ? 2 : 32;
+    /// Counter-clockwise as seen from outside; in the plane the right end first.
+    point<D> corner[most];
+    int count = 0;
+    /// Unit vector outwards, of a face.
+    point<D> normal;
+    bool flat = false;
+    /// The number of the face, to name contacts.
+    std::uint32_t number = 0;
+};
+
+inline void add_corner(facet<3>& f, double x, double y, double z) { f.corner[f.count++] = {x, y, z}; }
+
+template <class R>
+facet<3> hull_facet(const hull_data<R, 3>& h, const point<3>& n) {
+    const R* const rows[3] = {h.face_normal(0), h.face_normal(1), h.face_normal(2)};
+    facet<3> f;
+    f.number = farthest_vertex<R, 3>(rows, h.padded_faces, n);
+    f.normal = h.normal(f.number);
+    f.flat = true;
+    const std::uint32_t begin = h.face_begin(f.number), count = h.face_end(f.number) - begin;
+    const std::uint32_t kept = count < std::uint32_t{facet<3>::most} ? count : std::uint32_t{facet<3>::most};
+    for (std::uint32_t i = 0; i < kept; ++i) {
+        const std::uint32_t v = h.face_vertices()[begin + i * count / kept];
+        add_corner(f, static_cast<double>(h.coordinate(0)[v]), static_cast<double>(h.coordinate(1)[v]),
+                   static_cast<double>(h.coordinate(2)[v]));
+    }
+    return f;
+}
+template <class R>
+facet<2> hull_facet(const hull_data<R, 2>& h, const point<2>& n) {
+    const R* const rows[2] = {h.face_normal(0), h.face_normal(1)};
+    facet<2> f;
+    f.number = farthest_vertex<R, 2>(rows, h.padded_faces, n);
+    f.normal = h.normal(f.number);
+    f.flat = true;
+    f.count = 2;
+    const std::uint32_t ends[2] = {f.number, f.number + 1 < h.vertex_count ? f.number + 1 : 0};
+    for (int k = 0; k < 2; ++k)
+        f.corner[k] = {static_cast<double>(h.coordinate(0)[ends[k]]), static_cast<double>(h.coordinate(1)[ends[k]])};
+    return f;
+}
+
+/// The face of discs, or what there is in place of it that a unit vector points out of most: a point of the rim, or the
+/// line on the side.
+inline facet<3> disc_facet(const core<3>& c, const point<3>& n) {
+    // The tilt (rad) above which nothing lies on a face any more, so that its rim touches in one point.
+    constexpr double tilted = 0.1;
+    facet<3> f;
+    const double half = c.corner[0].x, low = c.corner[0].y, high = c.corner[0].z;
+    const double across = physics::sqrt(n.y * n.y + n.z * n.z);
+    // The outward normal of the side, in the plane of the axis and n.
+    const double slope = low - high, side = physics::sqrt(4 * half * half + slope * slope);
+    const double of_side = (n.x * slope + across * (2 * half)) / side;
+    const bool upper = n.x > 0;
+    const double r = upper ? high : low, x = upper ? half : -half;
+    if (abs(n.x) > of_side && r > 0) {
+        f.number = upper ? 2 : 1;
+        if (across > tilted) {
+            add_corner(f, x, r * (n.y / across), r * (n.z / across));
+            return f;
+        }
+        // Corners that stay where they are on the disc as n changes.
+        static constexpr double c1 = 0.92387953251128674, s1 = 0.38268343236508977, d = 0.70710678118654752;
+        static constexpr double around[8][2] = {{1, 0},   {c1, s1},  {d, d},  {s1, c1},
+                                                {0, 1}, {-s1, c1}, {-d, d}, {-c1, s1}};
+        int lowest = 0;
+        double most = 0;
+        for (int i = 0; i < 16; ++i) {
+            const int k = upper ? i : 15 - i;
+            const double sign = k < 8 ? r : -r;
+            add_corner(f, x, sign * around[k & 7][0], sign * around[k & 7][1]);
+            const double out = n.y * f.corner[i].y + n.z * f.corner[i].z;
+            if (out > most) most = out, lowest = i;
+        }
+        // But where the farthest point of the rim lies clearly beyond them, the nearest of them goes there.
+        if (r * across - most > c.thickness * (1.0 / 1024))
+            f.corner[lowest] = {x, r * (n.y / across), r * (n.z / across)};
+        f.normal.x = upper ? 1 : -1;
+        f.flat = true;
+        return f;
+    }
+    const double y = across > 0 ? n.y / across : 1, z = across > 0 ? n.z / across : 0;
+    add_corner(f, -half, low * y, low * z);
+    add_corner(f, half, high * y, high * z);
+    return f;
+}
+
+inline facet<3> triangle_facet(const core<3>& c, const point<3>& n) {
+    facet<3> f;
+    const point<3> e = c.corner[1] - c.corner[0], g = c.corner[2] - c.corner[0], h = g - e;
+    const auto [up, doubled_area] = split(cross(e, g));
+    const double facing = dot(up, n);
+    const bool back = facing < 0;
+    f.number = std::uint32_t{back};
+    // Of a needle there is no more than an edge.
+    const bool needle = doubled_area * 256 < max(max(dot(e, e), dot(g, g)), dot(h, h));
+    // Where it leans more, only an edge of it touches: by that it may lie on another one or on a side.
+    if (abs(facing) > 0.9 && !needle) {
+        f.count = 3;
+        f.flat = true;
+        f.normal = back ? -up : up;
+        for (int i = 0; i < 3; ++i) f.corner[i] = c.corner[back ? 2 - i : i];
+        return f;
+    }
+    // The edge that lies farthest out.
+    int out = 0;
+    const double reach[3] = {dot(n, c.corner[0]), dot(n, c.corner[1]), dot(n, c.corner[2])};
+    for (int i = 1; i < 3; ++i)
+        if (reach[i] + reach[i < 2 ? i + 1 : 0] > reach[out] + reach[out < 2 ? out + 1 : 0]) out = i;
+    f.count = 2;
+    f.number = 2 + static_cast<std::uint32_t>(out);
+    f.corner[0] = c.corner[out];
+    f.corner[1] = c.corner[out < 2 ? out + 1 : 0];
+    return f;
+}
+
+/// What a core turns towards the unit vector n, in the core's frame.
+inline facet<3> facet_of(const core<3>& c, const point<3>& n) {
+    facet<3> f;
+    switch (c.kind) {
+    case core_kind::segment:
+        f.count = 2;
+        f.corner[0] = c.corner[0];
+        f.corner[1] = c.corner[1];
+        break;
+    case core_kind::triangle: return triangle_facet(c, n);
+    case core_kind::box: {
+        int axis = 0;
+        // A lower number wins unless another face is clearly better, so that rounding does not choose.
+        for (int i = 1; i < 3; ++i)
+            if (abs(n[i]) > abs(n[axis]) + 1.0 / 1024) axis = i;
+        const int u = axis < 2 ? axis + 1 : 0, v = axis > 0 ? axis - 1 : 2;
+        const double sign = n[axis] < 0 ? -1 : 1;
+        static constexpr double around[4][2] = {{1, 1}, {-1, 1}, {-1, -1}, {1, -1}};
+        f.count = 4;
+        f.flat = true;
+        f.normal[axis] = sign;
+        f.number = static_cast<std::uint32_t>(axis) << 1 | std::uint32_t{sign > 0};
+        for (int i = 0; i < 4; ++i) {
+            f.corner[i][axis] = sign * c.corner[0][axis];
+            f.corner[i][u] = sign * around[i][0] * c.corner[0][u];
+            f.corner[i][v] = around[i][1] * c.corner[0][v];
+        }
+        break;
+    }
+    case core_kind::hull_of_floats: return hull_facet(*static_cast<const hull_data<float, 3>*>(c.data), n);
+    case core_kind::hull_of_doubles: return hull_facet(*static_cast<const hull_data<double, 3>*>(c.data), n);
+    case core_kind::disc: return disc_facet(c, n);
+    case core_kind::point:
+    case core_kind::custom: break;
+    }
+    return f;
+}
+inline facet<2> facet_of(const core<2>& c, const point<2>& n) {
+    facet<2> f;
+    switch (c.kind) {
+    case core_kind::segment: {
+        // Flat on both sides.
+        const bool back = dot(perpendicular(c.corner[1] - c.corner[0]), n) < 0;
+        f.corner[0] = c.corner[back ? 1 : 0];
+        f.corner[1] = c.corner[back ? 0 : 1];
+        f.number = std::uint32_t{back};
+        break;
+    }
+    case core_kind::triangle: {
+        int out = 0;
+        double best = -2;
+        const bool clockwise = cross(c.corner[1] - c.corner[0], c.corner[2] - c.corner[0]) < 0;
+        for (int i = 0; i < 3; ++i) {
+            const point<2> e = c.corner[i < 2 ? i + 1 : 0] - c.corner[i];
+            const double facing = dot(normalized(perpendicular(clockwise ? -e : e)), n);
+            if (facing > best) best = facing, out = i;
+        }
+        f.corner[clockwise ? 1 : 0] = c.corner[out];
+        f.corner[clockwise ? 0 : 1] = c.corner[out < 2 ? out + 1 : 0];
+        f.number = static_cast<std::uint32_t>(out);
+        break;
+    }
+    case core_kind::box: {
+        const int axis = abs(n.y) > abs(n.x) + 1.0 / 1024 ? 1 : 0;
+        const double sign = n[axis] < 0 ? -1 : 1, across = axis == 0 ? sign : -sign;
+        f.corner[0][axis] = f.corner[1][axis] = sign * c.corner[0][axis];
+        f.corner[0][1 - axis] = -across * c.corner[0][1 - axis];
+        f.corner[1][1 - axis] = across * c.corner[0][1 - axis];
+        f.number = static_cast<std::uint32_t>(axis) << 1 | std::uint32_t{sign > 0};
+        break;
+    }
+    case core_kind::hull_of_floats: return hull_facet(*static_cast<const hull_data<float, 2>*>(c.data), n);
+    case core_kind::hull_of_doubles: return hull_facet(*static_cast<const hull_data<double, 2>*>(c.data), n);
+    default: return f;
+    }
+    f.count = 2;
+    f.flat = true;
+    f.normal = normalized(perpendicular(f.corner[1] - f.corner[0]));
+    return f;
+}
+
+template <int D>
+facet<D> facet_of(const placed_core<D>& c, const point<D>& n) {
+    facet<D> f = facet_of(*c.shape, transposed_times(c.axes, n));
+    f.normal = c.axes * f.normal;
+    for (int i = 0; i < f.count; ++i) f.corner[i] = c.axes * f.corner[i] + c.at;
+    return f;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/collide/polygon2.hpp
 // =================================================================================================
 // Contact of rounded polygons in the plane: boxes and capsules.
@@ -7523,31 +11635,860 @@ constexpr void collide(const box<S, 3>& a, const halfspace<S, 3>& b, const trans
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/collide/reduce2.hpp
+// =================================================================================================
+// Two of many contact points that span what all of them hold.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Adds up to two of the candidates to the manifold: the deepest, and the farthest beside it. Among candidates that
+/// are alike, within `slack`, the first wins: rounding would choose others in each step.
+template <class S>
+constexpr void reduce(const manifold_point<S, 2>* candidates, int count, vec<S, 2> normal, S slack,
+                      manifold<S, 2>& out) {
+    if (count == 0) return;
+    int deepest = 0, farthest = 0;
+    for (int i = 1; i < count; ++i)
+        if (candidates[i].separation < candidates[deepest].separation - slack) deepest = i;
+    const vec<S, 2> along = perpendicular(normal);
+    const auto apart = [&](int i) { return abs(dot(along, candidates[i].position - candidates[deepest].position)); };
+    for (int i = 0; i < count; ++i)
+        if (apart(i) > apart(farthest) + slack) farthest = i;
+    out.points[out.count++] = candidates[deepest];
+    if (farthest != deepest && apart(farthest) > slack) out.points[out.count++] = candidates[farthest];
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/collide/patch.hpp
+// =================================================================================================
+// Contact of any two convex shapes: the patch that their faces share, or the points where they are closest.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// What limits a patch: the roundings of the two shapes, how far apart their surfaces may be, and what deviation of
+/// the cores is small (m).
+struct patch_limits {
+    double reference_radius, incident_radius, margin, slack;
+};
+
+inline std::uint32_t mixed(std::uint32_t a, std::uint32_t b) { return (a ^ b * 0x9e3779b1u) * 0x85ebca6bu ^ a >> 15; }
+
+/// Adds the contact of a core point of the incident shape that lies `gap` beyond the reference's core, seen along n
+/// from the reference.
+template <int D>
+manifold_point<double, D> touching(const point<D>& on_incident, const point<D>& n, double gap, const patch_limits& by,
+                                   std::uint32_t feature) {
+    const double surfaces = gap - by.reference_radius - by.incident_radius;
+    return {on_incident - n * (by.incident_radius + surfaces * 0.5), surfaces, feature};
+}
+
+/// Whether a facet lies within five degrees of the plane across n. A round edge leads its surface along its own normal:
+/// where it tilts more, only its deepest point touches.
+template <int D>
+bool lies_flat(const facet<D>& f, const point<D>& n) {
+    if (f.flat) return dot(f.normal, n) < -1 + 1.0 / 256;
+    const point<D> edge = f.corner[1] - f.corner[0];
+    const double tilt = dot(edge, n);
+    return tilt * tilt < dot(edge, edge) * (1.0 / 128);
+}
+
+/// Keeps what the incident facet has within the sides of the reference facet, seen along n, and adds it to `out` where
+/// it is within the margin; `gap` is how far n parts the cores. False, with nothing added, if what n finds closest was
+/// cut off: then the two do not touch face to face. Seen in a frame of the caller's; `flip` says that the reference is
+/// shape B. Source: Sutherland, Hodgman, Reentrant polygon clipping (1974).
+inline bool clip_facets(const facet<3>& reference, const point<3>& n, double gap, const facet<3>& incident, bool flip,
+                        const patch_limits& by, manifold<double, 3>& out) {
+    struct corner {
+        point<3> at;
+        std::uint8_t before, after;
+    };
+    static_assert(2 * facet<3>::most + 2 <= most_candidates);
+    raw_array<corner, most_candidates> rings[2];
+    int count = incident.count, ring = 0;
+    for (int i = 0; i < count; ++i)
+        rings[0][i] = {incident.corner[i], static_cast<std::uint8_t>(i > 0 ? i - 1 : count - 1),
+                       static_cast<std::uint8_t>(i)};
+    // The corners of a face may lie below it by rounding; and where equal boxes meet, rounding must not decide
+    // whether corners are cut and named anew.
+    const point<3>& base = reference.corner[0];
+    for (int e = 0; e < reference.count && count > 0; ++e) {
+        const point<3>& from = reference.corner[e];
+        const point<3> edge = reference.corner[e + 1 < reference.count ? e + 1 : 0] - from;
+        // Of a line only the ends limit; a face is limited by its edges.
+        const point<3> m = reference.count == 2 ? n * dot(edge, n) - edge : cross(edge, n);
+        const double limit = by.slack * length(m);
+        const auto name = static_cast<std::uint8_t>(facet<3>::most + e);
+        const auto& in = rings[ring];
+        auto& kept = rings[1 - ring];
+        int left = 0;
+        double beyond = dot(m, in[count - 1].at - from) - limit;
+        for (int i = 0; i < count; ++i) {
+            const corner& a = in[i > 0 ? i - 1 : count - 1];
+            const corner& b = in[i];
+            const double next = dot(m, b.at - from) - limit;
+            if ((beyond > 0) != (next > 0) && (count > 2 || i > 0)) {
+                const point<3> cut = a.at + (b.at - a.at) * (beyond / (beyond - next));
+                kept[left++] = next > 0 ? corner{cut, a.after, name} : corner{cut, name, b.before};
+            }
+            if (!(next > 0)) kept[left++] = b;
+            beyond = next;
+        }
+        count = left;
+        ring = 1 - ring;
+    }
+    point<3> up = reference.normal, aside;
+    if (!reference.flat) {
+        const point<3> edge = reference.corner[1] - base;
+        up = normalized(n - edge * (dot(n, edge) / dot(edge, edge)));
+        aside = normalized(cross(edge, up));
+    }
+    const double steep = 1 / dot(up, n);
+    manifold_point<double, 3> found[most_candidates];
+    int candidates = 0;
+    double deepest = gap + 3 * by.slack;
+    const std::uint32_t faces = mixed(reference.number << 1 | std::uint32_t{flip}, incident.number);
+    for (int i = 0; i < count; ++i) {
+        const corner& c = rings[ring][i];
+        const double here = dot(up, c.at - base) * steep;
+        deepest = min(deepest, here);
+        // Two lines touch side by side only where one lies above the other.
+        if (!reference.flat && abs(dot(aside, c.at - base)) > by.slack) return false;
+        const std::uint32_t feature = mixed(faces, static_cast<std::uint32_t>(c.before << 8 | c.after));
+        const manifold_point<double, 3> p = touching(c.at, n, here, by, feature);
+        if (!(p.separation > by.margin)) found[candidates++] = p;
+    }
+    if (deepest > gap + 2 * by.slack) return false;
+    out.normal = flip ? -n : n;
+    if (by.incident_radius > 0 && !lies_flat(incident, n)) {
+        for (int i = 1; i < candidates; ++i)
+            if (found[i].separation < found[0].separation) found[0] = found[i];
+        candidates = candidates > 1 ? 1 : candidates;
+    }
+    reduce(found, candidates, n, by.slack, out);
+    return true;
+}
+
+inline bool clip_facets(const facet<2>& reference, const point<2>& n, double gap, const facet<2>& incident, bool flip,
+                        const patch_limits& by, manifold<double, 2>& out) {
+    const point<2> from = reference.corner[0], edge = reference.corner[1] - from;
+    const point<2> up = reference.normal;
+    const double whole = dot(edge, edge), limit = by.slack * sqrt(whole), steep = 1 / dot(up, n);
+    // Seen along n: along the edge, less what leans.
+    const point<2> along = edge - up * (dot(edge, n) * steep);
+    const double at[2] = {dot(along, incident.corner[0] - from), dot(along, incident.corner[1] - from)};
+    const double low = -limit, high = whole + limit;
+    if ((at[0] < low && at[1] < low) || (at[0] > high && at[1] > high)) return false;
+    manifold_point<double, 2> found[2];
+    double gaps[2];
+    for (int k = 0; k < 2; ++k) {
+        point<2> p = incident.corner[k];
+        const double stop = at[k] < low ? low : at[k] > high ? high : at[k];
+        if (stop != at[k]) p += (incident.corner[1 - k] - p) * ((stop - at[k]) / (at[1 - k] - at[k]));
+        gaps[k] = dot(up, p - from) * steep;
+        // Whether the end is a corner or a cut stays out of the name: of equal boxes it changes with rounding.
+        const std::uint32_t feature =
+            mixed(mixed(reference.number << 1 | std::uint32_t{flip}, incident.number), static_cast<std::uint32_t>(k));
+        found[k] = touching(p, n, gaps[k], by, feature);
+    }
+    if (min(gaps[0], gaps[1]) > gap + 2 * by.slack) return false;
+    const int deeper = gaps[1] < gaps[0] ? 1 : 0;
+    const bool whole_edge = !(by.incident_radius > 0) || lies_flat(incident, n);
+    out.normal = flip ? -n : n;
+    for (int k = 0; k < 2; ++k)
+        if (!(found[k].separation > by.margin) && (k == deeper || whole_edge)) out.points[out.count++] = found[k];
+    return true;
+}
+
+/// What deviation of two cores is small (m): 1/512 of the smaller one's smallest half extent, or rounding.
+template <class S, int D>
+double slack_of(const core_pair<D>& pair) {
+    const double size = extent_of(pair.a, pair.placed);
+    // The extents add up all coordinates.
+    const double rounding = static_cast<double>(rounding_of(S(1))) * (is_fixed<S> ? max(size, 1.0) : size * 0.5);
+    const double smallest = min(pair.a.thickness + pair.a.radius, pair.b.thickness + pair.b.radius);
+    return max(smallest * (1.0 / 512), rounding);
+}
+
+/// Contact of two cores with their roundings, in A's frame, once it is known how to part them: faces that all but face
+/// each other share a patch, which is found by clipping; all others touch in the points that GJK or EPA found. To keep
+/// the features of bodies at rest, contacts may deviate by two slacks, never more.
+template <int D>
+void touch_parted(const core_pair<D>& pair, const core_separation<D>& s, double margin, double slack,
+                  manifold<double, D>& out) {
+    const facet<D> of_a = facet_of(pair.a, s.normal), of_b = facet_of(pair.placed, -s.normal);
+    const patch_limits from_a{pair.a.radius, pair.b.radius, margin, slack};
+    const patch_limits from_b{pair.b.radius, pair.a.radius, margin, slack};
+    const auto by_face_of_a = [&](const point<D>& n, double gap) {
+        return of_b.count > 1 && clip_facets(of_a, n, gap, of_b, false, from_a, out);
+    };
+    const auto by_face_of_b = [&](const point<D>& n, double gap) {
+        return of_a.count > 1 && clip_facets(of_b, n, gap, of_a, true, from_b, out);
+    };
+    // Faces before edges and a's before b's where they are alike, so that the choice does not flicker.
+    const double gap_a =
+        of_a.flat ? dot(of_a.normal, pair.placed.support(-of_a.normal).at - of_a.corner[0]) : -no_limit;
+    const double gap_b = of_b.flat ? dot(of_b.normal, pair.a.support(-of_b.normal).at - of_b.corner[0]) : -no_limit;
+    const bool use_b = gap_b > gap_a + 2 * slack;
+    const bool facing = s.gap <= (use_b ? gap_b : gap_a) + 2 * slack;
+    if (facing && !use_b && by_face_of_a(of_a.normal, gap_a)) return;
+    if (facing && (use_b || gap_b > s.gap - 2 * slack) && by_face_of_b(of_b.normal, gap_b)) return;
+    // Faces that all but face each other keep their points where an edge gives the normal; so do edges side by side.
+    constexpr double nearly = 0.9986;
+    if (of_a.flat && dot(of_a.normal, s.normal) > nearly && by_face_of_a(s.normal, s.gap)) return;
+    if (of_b.flat && dot(of_b.normal, s.normal) < -nearly && by_face_of_b(-s.normal, s.gap)) return;
+    if (!of_a.flat && !of_b.flat && of_a.count == 2 && lies_flat(of_a, s.normal) && by_face_of_a(s.normal, s.gap))
+        return;
+
+    std::uint32_t feature = 0x80000000u;
+    for (int i = 0; i < s.name_count; ++i) feature += mixed(s.names[i], 0x51u);
+    out.normal = s.normal;
+    out.points[out.count++] = touching<D>(s.on_a + s.normal * s.gap, s.normal, s.gap, from_a, feature);
+}
+
+/// Contact of two cores; what pairs without a function of their own get.
+template <class S, int D>
+void touch_cores(const core_pair<D>& pair, double margin, gjk_cache* cache, overlap_method method,
+                 manifold<double, D>& out) {
+    const double reach = pair.a.radius + pair.b.radius + margin;
+    const core_separation<D> s = separate<S>(pair, reach, cache, method);
+    if (!s.beyond && !(s.gap > reach)) touch_parted(pair, s, margin, slack_of<S>(pair), out);
+}
+
+template <class S, int D>
+void add_rounded_once(const manifold<double, D>& m, manifold<S, D>& out) {
+    out.normal = from_point<S>(m.normal);
+    for (int i = 0; i < m.count; ++i)
+        out.add(from_point<S>(m.points[i].position), static_cast<S>(m.points[i].separation), m.points[i].feature);
+}
+
+/// The same for any two shapes that have cores.
+template <class A, class B, class S, int D>
+void collide_cores(const A& a, const B& b, const transform<S, D>& b_in_a, S margin, gjk_cache* cache,
+                   overlap_method method, manifold<S, D>& out) {
+    const core_pair<D> pair(a, b, b_in_a);
+    manifold<double, D> m;
+    touch_cores<S>(pair, detail::to_double(margin), cache, method, m);
+    add_rounded_once(m, out);
+}
+
+/// Contact of a core with the plane dot(n, p) = offset, n pointing out of what it bounds: the corners of what the core
+/// turns towards it.
+template <class S, int D>
+void touch_plane(const placed_core<D>& c, const point<D>& n, double offset, double margin, manifold<double, D>& out) {
+    const facet<D> f = facet_of(c, -n);
+    manifold_point<double, D> found[facet<D>::most + 1];
+    const patch_limits by{0, c.shape->radius, margin, 0};
+    int count = 0;
+    const auto touch = [&](const point<D>& p, std::uint32_t feature) {
+        const manifold_point<double, D> at = touching(p, n, dot(n, p) - offset, by, feature);
+        if (!(at.separation > by.margin)) found[count++] = at;
+    };
+    double deepest = no_limit;
+    for (int i = 0; i < f.count; ++i) {
+        deepest = min(deepest, dot(n, f.corner[i]));
+        touch(f.corner[i], mixed(f.number, static_cast<std::uint32_t>(i)));
+    }
+    // The lowest point may be none of the corners, of round shapes and of faces that were thinned out.
+    const support_point<D> lowest = c.support(-n);
+    const double slack =
+        max(c.shape->thickness * (1.0 / 512), static_cast<double>(rounding_of(S(1))) * c.shape->extent);
+    if (dot(n, lowest.at) < deepest - slack) touch(lowest.at, mixed(0x80000000u, lowest.vertex));
+    out.normal = -n;
+    reduce(found, count, n, slack, out);
+}
+/// The plane of a halfspace, as seen from the frame in which it stands.
+template <class S, int D>
+point<D> plane_normal(const halfspace<S, D>& h, const transform<S, D>& at) {
+    return normalized(to_matrix(at.rotation) * to_point(h.normal));
+}
+template <class S, int D>
+double plane_offset(const halfspace<S, D>& h, const transform<S, D>& at) {
+    return detail::to_double(h.offset) + dot(plane_normal(h, at), to_point(at.position));
+}
+/// Contact of any shape that has a core with a halfspace.
+template <class A, class S, int D>
+void collide_with_plane(const A& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a, S margin,
+                        manifold<S, D>& out) {
+    const core<D> c = core_of(a);
+    manifold<double, D> m;
+    touch_plane<S>(placed_core<D>{&c, mat<double, D>::identity(), {}}, plane_normal(b, b_in_a), plane_offset(b, b_in_a),
+                   detail::to_double(margin), m);
+    add_rounded_once(m, out);
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/collide/surface.hpp
+// =================================================================================================
+// Contact with surfaces made of flat parts, such as meshes and chains, without bumps where parts meet.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// The direction in the part's plane that leads out over end or edge i, of any length.
+inline point<2> outwards(const surface_part<2>& p, int i) {
+    const point<2> e = p.corner[1] - p.corner[0];
+    return i == 0 ? -e : e;
+}
+inline point<3> outwards(const surface_part<3>& p, int i) {
+    return cross(p.corner[i < 2 ? i + 1 : 0] - p.corner[i], p.normal);
+}
+
+/// A vector of some length, as parts have, scaled to 1.
+template <int D>
+point<D> scaled_to_1(const point<D>& v) {
+    return v * (1 / sqrt(dot(v, v)));
+}
+
+inline void turn_round(surface_part<2>& p) {
+    std::swap(p.corner[0], p.corner[1]);
+    std::swap(p.beyond[0], p.beyond[1]);
+    std::swap(p.continues[0], p.continues[1]);
+}
+inline void turn_round(surface_part<3>& p) {
+    std::swap(p.corner[0], p.corner[1]);
+    std::swap(p.beyond[1], p.beyond[2]);
+    std::swap(p.continues[1], p.continues[2]);
+}
+
+/// Unit vectors may deviate by as much and count as the same.
+inline constexpr double same_direction = 1e-4;
+
+/// Whether a body that touches the part along the unit vector m touches the part itself: m leads out over no end or
+/// edge beyond which the surface goes on, unless that bends away and m lies before its normal. Source: the idea is that
+/// of ghost vertices, Catto, Box2D (2010).
+template <int D>
+bool owns(const surface_part<D>& p, const point<D>& m) {
+    constexpr double blur = same_direction;
+    const double up = dot(m, p.normal);
+    bool around_edge = false;
+    for (int i = 0; i < D; ++i) {
+        const point<D> out = scaled_to_1(outwards(p, i));
+        const double lean = dot(m, out);
+        if (!(lean > blur)) continue;
+        around_edge = true;
+        if (!p.continues[i]) continue;
+        const double bend = dot(p.beyond[i], out), beyond_up = dot(p.beyond[i], p.normal);
+        if (!(bend > blur) || lean * beyond_up - up * bend > blur) return false;
+    }
+    return around_edge || up > 0;
+}
+
+template <int D>
+core<D> core_of_part(const surface_part<D>& p, double radius) {
+    core<D> c;
+    c.kind = D == 2 ? core_kind::segment : core_kind::triangle;
+    c.radius = radius;
+    for (int i = 0; i < D; ++i) {
+        c.corner[i] = p.corner[i];
+        c.center += p.corner[i] * (1.0 / D);
+        for (int k = 0; k < D; ++k) c.extent = max(c.extent, abs(p.corner[i][k]) * D);
+    }
+    // A surface has no thickness that would be small beside the body's.
+    c.thickness = no_limit;
+    return c;
+}
+
+/// What deviation is small where a body touches a part (m): that of slack_of(), since parts have no thickness.
+template <class S, int D>
+double slack_beside(const surface_part<D>& part, const placed_core<D>& body) {
+    double size = body.shape->extent + largest(body.at);
+    for (int i = 0; i < D; ++i) size = max(size, largest(part.corner[i]) * D);
+    const double rounding = static_cast<double>(rounding_of(S(1))) * (is_fixed<S> ? max(size, 1.0) : size);
+    return max((body.shape->thickness + body.shape->radius) * (1.0 / 512), rounding);
+}
+
+/// Adds the body's lowest point where it stands above the part and lies deeper than the points that were found: of
+/// round shapes, of faces that were thinned out, and of hulls that turn another face to the part.
+template <int D>
+void touch_lowest(const surface_part<D>& p, const point<D>& lowest, const patch_limits& by, manifold<double, D>& out) {
+    const manifold_point<double, D> found =
+        touching(lowest, p.normal, dot(p.normal, lowest - p.corner[0]), by, 0x80000000u);
+    double deepest = by.margin + by.slack;
+    int shallowest = 0;
+    for (int i = 0; i < out.count; ++i) {
+        deepest = min(deepest, out.points[i].separation);
+        if (out.points[i].separation > out.points[shallowest].separation) shallowest = i;
+    }
+    if (!(found.separation < deepest - by.slack)) return;
+    for (int i = 0; i < D; ++i) {
+        const point<D> over = outwards(p, i);
+        const double beyond = dot(over, lowest - p.corner[i]);
+        if (beyond > 0 && beyond * beyond > by.slack * by.slack * dot(over, over)) return;
+    }
+    out.normal = p.normal;
+    out.points[out.count < manifold<double, D>::capacity ? out.count++ : shallowest] = found;
+}
+
+/// What a body turns towards parts, kept from part to part: most lie in few planes.
+template <int D>
+struct turned_facet {
+    facet<D> ground, above;
+    /// The normal of the parts that `above` is for; null at first.
+    point<D> normal;
+
+    const facet<D>& of(const placed_core<D>& body, const point<D>& n) {
+        if (n == normal) return above;
+        normal = n;
+        above = facet_of(body, -n);
+        return above;
+    }
+};
+
+/// What stands above a part, and how far.
+template <int D>
+void touch_above(const surface_part<D>& part, const placed_core<D>& body, const point<D>& lowest,
+                 const patch_limits& by, turned_facet<D>& facets, manifold<double, D>& out) {
+    const facet<D>& above = facets.of(body, part.normal);
+    if (above.count == 0) {
+        touch_lowest(part, lowest, by, out);
+        return;
+    }
+    facet<D>& ground = facets.ground;
+    ground.count = D;
+    ground.flat = true;
+    ground.normal = part.normal;
+    for (int i = 0; i < D; ++i) ground.corner[i] = part.corner[i];
+    clip_facets(ground, part.normal, no_limit, above, false, by, out);
+    if constexpr (D == 3) touch_lowest(part, lowest, by, out);
+}
+
+/// Contact of one part of a surface, rounded by `radius`, with a core that stands in the surface's frame. The normal is
+/// the part's own but where the core touches an end or an edge that stands out. False if the contact is in doubt: there
+/// is a shorter way to part the two, over an edge that the surface goes on beyond, so that the body may as well stand
+/// beside the part and touch a neighbour of it. Where the two overlap and nothing is found, `last_resort` becomes the
+/// way to part them, if it holds no deeper one.
+template <class S, int D>
+bool touch_part(surface_part<D> part, double radius, const placed_core<D>& body, double margin, overlap_method method,
+                turned_facet<D>& facets, manifold<double, D>& out, manifold<double, D>& last_resort) {
+    const point<D> center = body.axes * body.shape->center + body.at;
+    if (dot(part.normal, center - part.corner[0]) < 0) {
+        if (!part.two_sided) return true;
+        turn_round(part);
+        part.normal = -part.normal;
+        for (point<D>& n : part.beyond) n = -n;
+    }
+    const point<D> n = part.normal, lowest = body.support(-n).at;
+    const double radii = radius + body.shape->radius, reach = radii + margin;
+    const double height = dot(n, lowest - part.corner[0]);
+    if (height > reach) return true;
+    // The ways out over ends or edges, and whether the surface goes on there as it is or rises.
+    double aside = -no_limit;
+    bool closed = true;
+    for (int i = 0; i < D; ++i) {
+        const point<D> over = scaled_to_1(outwards(part, i));
+        aside = max(aside, dot(over, body.support(-over).at - part.corner[i]));
+        closed = closed && part.continues[i] && !(dot(part.beyond[i], over) > same_direction);
+    }
+    if (aside > reach) return true;
+
+    const double slack = slack_beside<S>(part, body);
+    const patch_limits by{radius, body.shape->radius, margin, slack};
+    touch_above(part, body, lowest, by, facets, out);
+    double deepest = no_limit;
+    for (int i = 0; i < out.count; ++i) deepest = min(deepest, out.points[i].separation);
+    // Neighbours that rise leave a body no way out over an edge; and where its lowest point stands above the part, none
+    // can be much shorter than a short way up.
+    const bool upwards = height >= 0 || aside <= height + 2 * slack;
+    const bool above = height >= -8 * slack && deepest <= height - radii + slack;
+    if (closed || (upwards && above)) return upwards;
+
+    const core_pair<D> pair(core_of_part(part, radius), *body.shape, body.axes, body.at);
+    const core_separation<D> s = separate<S>(pair, reach, nullptr, method);
+    if (s.beyond || s.gap > reach) {
+        out = {};
+        return true;
+    }
+    const bool flat = height >= s.gap - 2 * slack, own = owns(part, s.normal);
+    const auto touch_once = [&](manifold<double, D>& m) {
+        m = {};
+        m.normal = s.normal;
+        m.points[m.count++] = touching<D>(s.on_a + s.normal * s.gap, s.normal, s.gap, by, 0x80000000u);
+    };
+    if (!own) {
+        const double depth = radii - s.gap;
+        if (out.count == 0 && depth > 0 && (last_resort.count == 0 || depth > -last_resort.points[0].separation))
+            touch_once(last_resort);
+        return flat;
+    }
+    if (flat && deepest < s.gap - radii + 2 * slack) return true;
+    out = {};
+    touch_parted(pair, s, margin, slack, out);
+    if (out.count > 0 && owns(part, out.normal)) return true;
+    touch_once(out);
+    return true;
+}
+
+/// Whether a part and a core that has moved are parted, or all but.
+template <class S, int D>
+bool parted(const surface_part<D>& part, double radius, const placed_core<D>& body, const point<D>& moved) {
+    const core_pair<D> pair(core_of_part(part, radius), *body.shape, body.axes, body.at + moved);
+    const double reach = radius + body.shape->radius;
+    const gjk_result<D> r = gjk(pair.a, pair.placed, reach, relative_tolerance<S>(), nullptr);
+    return r.beyond || (!r.overlapping && r.distance >= reach);
+}
+
+/// The parts of a surface that a body touches and that are in doubt; where there are more, the rest counts as certain.
+template <int D>
+struct doubtful_parts {
+    static constexpr int most = 16;
+    raw_array<surface_part<D>, most> part;
+    std::uint32_t place[most];
+    int count = 0;
+
+    void add(const surface_part<D>& p, std::uint32_t in_list) {
+        if (count == most) return;
+        part[count] = p;
+        place[count++] = in_list;
+    }
+    [[nodiscard]] bool holds(std::uint32_t in_list) const {
+        for (int k = 0; k < count; ++k)
+            if (place[k] == in_list) return true;
+        return false;
+    }
+    void remove(int k) {
+        part[k] = part[--count];
+        place[k] = place[count];
+    }
+};
+
+template <class S, int D>
+double depth_of(const manifold<S, D>& m) {
+    double depth = 0;
+    for (int i = 0; i < m.count; ++i) depth = max(depth, -static_cast<double>(m.points[i].separation));
+    return depth;
+}
+
+/// Drops the doubtful ones among the contacts of a body, from `first` on, that another contact undoes: with the body
+/// moved out of that, it does not touch the part any more. The least deep ones are believed first.
+template <class S, int D, class List>
+void drop_doubtful(List& list, std::uint32_t first, doubtful_parts<D>& doubtful, double radius,
+                   const placed_core<D>& body, double slack) {
+    const auto other_way = [&](std::uint32_t i, std::uint32_t j) {
+        return !(dot(list[i].contact.normal, list[j].contact.normal) > S(0.875));
+    };
+    bool one_way = true;
+    for (std::uint32_t i = first; i < list.size(); ++i) one_way = one_way && !other_way(first, i);
+    while (!one_way && doubtful.count > 0) {
+        int least = 0;
+        for (int k = 1; k < doubtful.count; ++k)
+            if (depth_of(list[doubtful.place[k]].contact) < depth_of(list[doubtful.place[least]].contact)) least = k;
+        const std::uint32_t here = doubtful.place[least];
+        auto& contact = list[here].contact;
+        for (std::uint32_t i = first; i < list.size() && contact.count > 0; ++i) {
+            const auto& other = list[i].contact;
+            const double depth = depth_of(other);
+            if (depth > 0 && other_way(i, here) && !doubtful.holds(i) &&
+                parted<S>(doubtful.part[least], radius, body, to_point(other.normal) * (depth + 2 * slack)))
+                contact.count = 0;
+        }
+        doubtful.remove(least);
+    }
+}
+
+/// Joins the manifolds from `first` on whose normals are alike, and reduces the points of each.
+template <class S, int D, class List>
+void join_alike(List& list, std::uint32_t first, S slack) {
+    const S alike = S(0.9995);
+    std::uint32_t kept = first;
+    for (std::uint32_t i = first; i < list.size(); ++i) {
+        if (list[i].contact.count == 0) continue;
+        auto joined = list[i];
+        manifold_point<S, D> points[most_candidates];
+        int count = 0;
+        const auto thin_out = [&] {
+            manifold<S, D> fewer;
+            fewer.normal = joined.contact.normal;
+            reduce(points, count, joined.contact.normal, slack, fewer);
+            count = fewer.count;
+            for (int k = 0; k < count; ++k) points[k] = fewer.points[k];
+        };
+        for (std::uint32_t j = i; j < list.size(); ++j) {
+            auto& other = list[j].contact;
+            if (other.count == 0 || !(dot(other.normal, joined.contact.normal) > alike)) continue;
+            if (count + other.count > most_candidates) thin_out();
+            for (int k = 0; k < other.count; ++k) points[count++] = other.points[k];
+            joined.part = list[j].part < joined.part ? list[j].part : joined.part;
+            other.count = 0;
+        }
+        if (count > manifold<S, D>::capacity) thin_out();
+        joined.contact.count = count;
+        for (int k = 0; k < count; ++k) joined.contact.points[k] = points[k];
+        list[kept++] = joined;
+    }
+    while (list.size() > kept) list.pop();
+}
+
+/// The box around a core that stands somewhere, grown by a margin.
+template <int D>
+aabb<double, D> bounds_of(const placed_core<D>& c, double margin) {
+    aabb<double, D> box;
+    for (int i = 0; i < D; ++i) {
+        point<D> n;
+        n[i] = 1;
+        box.upper[i] = c.support(n).at[i] + c.shape->radius + margin;
+        box.lower[i] = c.support(-n).at[i] - c.shape->radius - margin;
+    }
+    return box;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/collide/parts.hpp
+// =================================================================================================
+// Contact of shapes that are made of parts: surfaces and compounds.
+
+PHYSICS_HPP_BEGIN
+
+/// What a narrowphase found: a manifold, the number of the query that it answers, and of which part of concave shapes.
+template <class S, int D>
+struct found_manifold {
+    std::uint32_t query;
+    std::uint32_t part;
+    manifold<S, D> contact;
+};
+/// Manifolds in ascending order of queries; none for shapes that are too far apart, several for concave shapes.
+template <class S, int D>
+using manifold_list = buffer<found_manifold<S, D>>;
+
+namespace detail {
+
+struct nobody {
+    template <class T>
+    void operator()(const T&) const {}
+};
+/// A shape made of flat parts: each_part(shape, box, f) calls f(surface_part) for those that may reach into the box, in
+/// the shape's frame; it has a `radius`.
+template <class Shape, int D>
+concept is_surface = requires(const Shape s, const aabb<double, D> box) { each_part(s, box, nobody{}); };
+/// A shape made of convex shapes: each_child(shape, box, f) calls f(compound_child) likewise.
+template <class Shape, int D>
+concept is_compound = requires(const Shape s, const aabb<double, D> box) { each_child(s, box, nobody{}); };
+
+/// Calls f(core where it stands, number) for the convex shapes that a solid consists of and that may reach into the
+/// box, which is given in the frame that `axes` and `at` lead to.
+template <class Shape, int D, class F>
+void each_solid(const Shape& shape, const mat<double, D>& axes, const point<D>& at, const aabb<double, D>& box, F&& f) {
+    if constexpr (has_core<Shape>) {
+        const core<D> c = core_of(shape);
+        f(placed_core<D>{&c, axes, at}, 0u);
+    } else {
+        // The box as seen from the compound, by its middle and half extents.
+        const point<D> middle = transposed_times(axes, (box.lower + box.upper) * 0.5 - at);
+        const point<D> half = (box.upper - box.lower) * 0.5;
+        point<D> reach;
+        for (int i = 0; i < D; ++i)
+            for (int k = 0; k < D; ++k) reach[i] += abs(axes.column[i][k]) * half[k];
+        each_child(shape, aabb<double, D>{middle - reach, middle + reach}, [&](const auto& child) {
+            f(placed_core<D>{&child.shape, axes * child.axes, axes * child.at + at}, child.number);
+        });
+    }
+}
+template <class S>
+aabb<double, 2> everywhere(const rotation<S, 2>&) {
+    return {{-no_limit, -no_limit}, {no_limit, no_limit}};
+}
+template <class S>
+aabb<double, 3> everywhere(const rotation<S, 3>&) {
+    return {{-no_limit, -no_limit, -no_limit}, {no_limit, no_limit, no_limit}};
+}
+/// Where a shape made of parts can be touched; everywhere unless its geometry says what box it fills.
+template <class A, class S, int D>
+aabb<double, D> box_of_parts(const A& a, const transform<S, D>& b_in_a, double reach) {
+    if constexpr (requires { { a.geometry->box } -> std::convertible_to<aabb<double, D>>; })
+        return grown(a.geometry->box, reach);
+    else
+        return everywhere(b_in_a.rotation);
+}
+
+/// Adds the contacts of A, a compound, with a halfspace.
+template <class A, class S, int D>
+void collide_children_with_plane(const A& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a, S margin,
+                                 std::uint32_t query, manifold_list<S, D>& out) {
+    const point<D> n = plane_normal(b, b_in_a);
+    const double offset = plane_offset(b, b_in_a);
+    each_child(a, everywhere(b_in_a.rotation), [&](const auto& child) {
+        manifold<double, D> m;
+        touch_plane<S>(placed_core<D>{&child.shape, child.axes, child.at}, n, offset, detail::to_double(margin), m);
+        if (m.count == 0) return;
+        add_rounded_once(m, out.push({query, child.number, {}}).contact);
+        for (int i = 0; i < m.count; ++i) out.back().contact.points[i].feature += mixed(child.number, 0);
+    });
+}
+
+/// Adds the contacts of A, a surface or a compound, with B, a compound or any shape that has a core.
+template <class A, class B, class S, int D>
+void collide_parts(const A& a, const B& b, const transform<S, D>& b_in_a, S margin, overlap_method method,
+                   std::uint32_t query, manifold_list<S, D>& out) {
+    const mat<double, D> axes = to_matrix(b_in_a.rotation);
+    const point<D> at = to_point(b_in_a.position);
+    const double reach = detail::to_double(margin);
+    const std::uint32_t first = out.size();
+    double slack = 0;
+    const auto add = [&](const manifold<double, D>& m, std::uint32_t of_a, std::uint32_t of_b) {
+        if (m.count == 0) return;
+        auto& found = out.push({query, of_a, {}});
+        add_rounded_once(m, found.contact);
+        for (int i = 0; i < m.count; ++i) found.contact.points[i].feature += mixed(of_a, of_b);
+    };
+    if constexpr (is_surface<A, D>) {
+        const double radius = detail::to_double(a.radius);
+        each_solid(b, axes, at, box_of_parts(a, b_in_a, radius + reach), [&](const auto& body, std::uint32_t of_b) {
+            const double slack_of_body = (body.shape->thickness + body.shape->radius) * (1.0 / 512);
+            const std::uint32_t first_of_body = out.size();
+            doubtful_parts<D> doubtful;
+            manifold<double, D> last_resort;
+            turned_facet<D> facets;
+            std::uint32_t last_part = 0xffffffffu;
+            slack = max(slack, slack_of_body);
+            each_part(a, bounds_of(body, radius + reach), [&](const surface_part<D>& part) {
+                manifold<double, D> m;
+                const bool certain = touch_part<S>(part, radius, body, reach, method, facets, m, last_resort);
+                add(m, part.number, of_b);
+                if (!certain && m.count > 0) doubtful.add(part, out.size() - 1);
+                last_part = part.number < last_part ? part.number : last_part;
+            });
+            if (out.size() == first_of_body) add(last_resort, last_part, of_b);
+            drop_doubtful<S, D>(out, first_of_body, doubtful, radius, body, slack_of_body);
+        });
+        join_alike<S, D>(out, first, static_cast<S>(slack));
+    } else {
+        each_solid(b, axes, at, box_of_parts(a, b_in_a, reach), [&](const placed_core<D>& body, std::uint32_t of_b) {
+            each_child(a, bounds_of(body, reach), [&](const auto& child) {
+                const mat<double, D> back = transposed(child.axes);
+                const core_pair<D> pair(child.shape, *body.shape, back * body.axes, back * (body.at - child.at));
+                manifold<double, D> m;
+                touch_cores<S>(pair, reach, nullptr, method, m);
+                m.normal = child.axes * m.normal;
+                for (int i = 0; i < m.count; ++i) m.points[i].position = child.axes * m.points[i].position + child.at;
+                add(m, child.number, of_b);
+            });
+        });
+    }
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/collide/narrowphase.hpp
 // =================================================================================================
 // The narrowphase policy: from pairs of shapes to manifolds.
 
 PHYSICS_HPP_BEGIN
 
+/// True if the pair has a function of its own, in this order.
+template <class A, class B, class S, int D>
+concept collides_by_itself = requires(const A a, const B b, const transform<S, D> t, S margin, manifold<S, D> out) {
+    collide(a, b, t, margin, out);
+};
+
+/// One pair of shapes to test.
+template <class S, int D, template <class, int> class... Shapes>
+struct narrowphase_query {
+    const any_shape<S, D, Shapes...>* a;
+    const any_shape<S, D, Shapes...>* b;
+    transform<S, D> b_in_a;
+};
+
 namespace detail {
 
+template <class Shape>
+constexpr bool is_halfspace = false;
+template <class S, int D>
+constexpr bool is_halfspace<halfspace<S, D>> = true;
+
+/// True if the general kernels serve a pair, in this order.
+template <class A, class B>
+concept collides_by_cores = has_core<A> && (has_core<B> || is_halfspace<B>);
+
+/// True if a pair meets part by part, in this order. Surfaces and halfspaces carry no mass and never meet.
+template <class A, class B, int D>
+concept collides_by_parts =
+    (is_surface<A, D> && (has_core<B> || is_compound<B, D> || is_surface<B, D> || is_halfspace<B>)) ||
+    (is_compound<A, D> && (has_core<B> || is_compound<B, D> || is_halfspace<B>));
+
+/// How a narrowphase treats the pairs that both a closed form and the general kernels could.
+struct pair_methods {
+    bool closed_forms = true;
+    overlap_method overlaps = overlap_method::epa;
+};
+
 /// Functions for every ordered pair of a closed set of shapes, by their numbers within it.
-template <class S, int D, template <class, int> class... Shapes>
+template <pair_methods Methods, class S, int D, template <class, int> class... Shapes>
 struct pair_table {
     using any = any_shape<S, D, Shapes...>;
-    using function = void (*)(const any&, const any&, const transform<S, D>&, S, manifold<S, D>&);
+    using query = narrowphase_query<S, D, Shapes...>;
+    using function = void (*)(const query&, std::uint32_t, S, manifold_list<S, D>&);
 
+    /// Adds what query q, of that number, finds.
     template <class A, class B>
-    static void run(const any& a, const any& b, const transform<S, D>& b_in_a, S margin, manifold<S, D>& out) {
-        const A& shape_a = a.template get<A>();
-        const B& shape_b = b.template get<B>();
-        if constexpr (requires { collide(shape_a, shape_b, b_in_a, margin, out); }) {
-            collide(shape_a, shape_b, b_in_a, margin, out);
+    static void run(const query& q, std::uint32_t number, S margin, manifold_list<S, D>& out) {
+        const A& a = q.a->template get<A>();
+        const B& b = q.b->template get<B>();
+        if constexpr (collides_by_parts<A, B, D>) {
+            run_parts(a, b, q.b_in_a, number, margin, out);
+        } else if constexpr (collides_by_parts<B, A, D>) {
+            const std::uint32_t first = out.size();
+            run_parts(b, a, inverse(q.b_in_a), number, margin, out);
+            for (std::uint32_t i = first; i < out.size(); ++i) turn_round(out[i].contact, q.b_in_a);
         } else {
-            collide(shape_b, shape_a, inverse(b_in_a), margin, out);
-            out.normal = -(b_in_a.rotation * out.normal);
-            for (int i = 0; i < out.count; ++i) out.points[i].position = b_in_a * out.points[i].position;
+            found_manifold<S, D>& found = out.push({number, 0, {}});
+            run(a, b, q.b_in_a, margin, found.contact);
+            if (found.contact.count == 0) out.pop();
         }
+    }
+    template <class A, class B>
+    static void run_parts(const A& a, const B& b, const transform<S, D>& b_in_a, std::uint32_t number, S margin,
+                          manifold_list<S, D>& out) {
+        if constexpr (has_core<B> || is_compound<B, D>)
+            collide_parts(a, b, b_in_a, margin, Methods.overlaps, number, out);
+        else if constexpr (is_compound<A, D> && is_halfspace<B>)
+            collide_children_with_plane(a, b, b_in_a, margin, number, out);
+    }
+    static void turn_round(manifold<S, D>& m, const transform<S, D>& b_in_a) {
+        m.normal = -(b_in_a.rotation * m.normal);
+        for (int i = 0; i < m.count; ++i) m.points[i].position = b_in_a * m.points[i].position;
+    }
+    template <class A, class B>
+    static void run(const A& a, const B& b, const transform<S, D>& b_in_a, S margin, manifold<S, D>& out) {
+        constexpr bool general = has_core<A> && has_core<B>;
+        constexpr bool closed = Methods.closed_forms || !(collides_by_cores<A, B> || collides_by_cores<B, A>);
+        if constexpr (closed && collides_by_itself<A, B, S, D>) {
+            collide(a, b, b_in_a, margin, out);
+        } else if constexpr (closed && collides_by_itself<B, A, S, D>) {
+            run_swapped(a, b, b_in_a, margin, out);
+        } else if constexpr (general && any::template kind_of<A>() > any::template kind_of<B>()) {
+            // One order is made of the other, so that both say the same.
+            run_swapped(a, b, b_in_a, margin, out);
+        } else if constexpr (has_core<A> && has_core<B>) {
+            collide_cores(a, b, b_in_a, margin, nullptr, Methods.overlaps, out);
+        } else if constexpr (has_core<A> && is_halfspace<B>) {
+            collide_with_plane(a, b, b_in_a, margin, out);
+        } else {
+            run_swapped(a, b, b_in_a, margin, out);
+        }
+    }
+    template <class A, class B>
+    static void run_swapped(const A& a, const B& b, const transform<S, D>& b_in_a, S margin, manifold<S, D>& out) {
+        run(b, a, inverse(b_in_a), margin, out);
+        turn_round(out, b_in_a);
     }
     template <class A>
     static constexpr void fill_row(function* row) {
@@ -7568,49 +12509,1111 @@ struct pair_table {
 
 }  // namespace detail
 
-/// One pair of shapes to test.
-template <class S, int D, template <class, int> class... Shapes>
-struct narrowphase_query {
-    const any_shape<S, D, Shapes...>* a;
-    const any_shape<S, D, Shapes...>* b;
-    transform<S, D> b_in_a;
-};
-
-/// True if a function collide(a, b, ...) exists for the pair in either order.
+/// True if the pair can meet: a function collide(a, b, ...) exists in either order, or the general kernels serve it, as
+/// both have a core (see core.hpp) or consist of parts (see parts.hpp).
 template <class A, class B, class S, int D>
-concept collidable = requires(const A a, const B b, const transform<S, D> t, S margin, manifold<S, D> out) {
-    collide(a, b, t, margin, out);
-}
-|| requires(const A a, const B b, const transform<S, D> t, S margin, manifold<S, D> out) {
-    collide(b, a, t, margin, out);
-};
+concept collidable = collides_by_itself<A, B, S, D> || collides_by_itself<B, A, S, D> ||
+                     detail::collides_by_cores<A, B> || detail::collides_by_cores<B, A> ||
+                     detail::collides_by_parts<A, B, D> || detail::collides_by_parts<B, A, D>;
 
 /// A narrowphase policy: turns a batch of pairs into manifolds. Its in<S, D, Shapes...> has
-///   collide(queries, count, margin, manifolds)   fills one manifold a query, empty where the shapes are
-///                                                farther apart than margin (m)
+///   collide(queries, count, margin, list)   adds to a manifold_list where shapes touch that are within margin (m)
+///                                           of each other
 template <class Policy, class S, int D, template <class, int> class... Shapes>
-concept narrowphase_for = requires(const narrowphase_query<S, D, Shapes...>* queries, manifold<S, D>* out) {
-    Policy::template in<S, D, Shapes...>::collide(queries, std::uint32_t{}, S(0), out);
-};
+concept narrowphase_for =
+    requires(const narrowphase_query<S, D, Shapes...>* queries, manifold_list<S, D> found) {
+        Policy::template in<S, D, Shapes...>::collide(queries, std::uint32_t{}, S(0), found);
+    };
 
-/// The default narrowphase: for each pair of kinds the method that suits it best; today closed forms and
-/// separating axes with clipping. Cost: 20-400 ns a pair.
-struct best_per_pair {
+namespace detail {
+/// A narrowphase that treats each pair with the function that its table has for it.
+template <pair_methods Methods>
+struct pairwise_narrowphase {
     using stage = physics::stage::narrowphase;
 
     template <class S, int D, template <class, int> class... Shapes>
     struct in {
         static void collide(const narrowphase_query<S, D, Shapes...>* queries, std::uint32_t count, S margin,
-                            manifold<S, D>* out) {
+                            manifold_list<S, D>& found) {
             for (std::uint32_t i = 0; i < count; ++i) {
                 const auto& q = queries[i];
-                out[i] = {};
-                detail::pair_table<S, D, Shapes...>::table.entry[q.a->kind()][q.b->kind()](*q.a, *q.b, q.b_in_a, margin,
-                                                                                           out[i]);
+                pair_table<Methods, S, D, Shapes...>::table.entry[q.a->kind()][q.b->kind()](q, i, margin, found);
             }
         }
     };
 };
+}  // namespace detail
+
+/// The default narrowphase: for each pair of kinds the method that suits it best: closed forms, separating axes with
+/// clipping, and for all others GJK, EPA and clipping. Cost: 20-400 ns a pair; 0.3-3 us by GJK and EPA.
+struct best_per_pair : detail::pairwise_narrowphase<detail::pair_methods{}> {};
+/// GJK and EPA for all pairs of convex shapes, also where a closed form is faster.
+struct gjk_epa : detail::pairwise_narrowphase<detail::pair_methods{.closed_forms = false}> {};
+/// GJK while shapes are apart, MPR where they overlap: faster than EPA, and deep overlaps may be parted by a longer way
+/// than the shortest.
+struct gjk_mpr : detail::pairwise_narrowphase<detail::pair_methods{.closed_forms = false,
+                                                                    .overlaps = detail::overlap_method::mpr}> {};
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/collide/plane_queries.hpp
+// =================================================================================================
+// Distance, overlap and penetration of any shape that has a core and a halfspace.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// The point of a core that lies lowest above a plane, both in A's frame.
+template <int D>
+struct lowest_point {
+    /// Of the plane, of unit length.
+    point<D> normal;
+    point<D> at;
+    double radius, gap;
+
+    /// Where the plane is shape B.
+    template <class A, class S>
+    lowest_point(const A& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a)
+        : normal(normalized(to_matrix(b_in_a.rotation) * to_point(b.normal))) {
+        const core<D> c = core_of(a);
+        at = c.support(-normal).at;
+        radius = c.radius;
+        gap = dot(normal, at - to_point(b_in_a.position)) - detail::to_double(b.offset);
+    }
+    /// Where it is shape A.
+    template <class B, class S>
+    lowest_point(const halfspace<S, D>& a, const B& b, const transform<S, D>& b_in_a)
+        : normal(normalized(to_point(a.normal))) {
+        const core<D> c = core_of(b);
+        const placed_core<D> placed{&c, to_matrix(b_in_a.rotation), to_point(b_in_a.position)};
+        at = placed.support(-normal).at;
+        radius = c.radius;
+        gap = dot(normal, at) - detail::to_double(a.offset);
+    }
+    /// The plane is shape A if `up` is 1, B if it is -1.
+    template <class S>
+    [[nodiscard]] closest_points<S, D> found(int up) const {
+        const vec<S, D> on_shape = from_point<S>(at - normal * radius), on_plane = from_point<S>(at - normal * gap);
+        return {from_point<S>(normal * up), static_cast<S>(gap - radius), up > 0 ? on_plane : on_shape,
+                up > 0 ? on_shape : on_plane, query_status::converged};
+    }
+    /// The same, without overlaps.
+    template <class S>
+    [[nodiscard]] closest_points<S, D> found_apart(int up) const {
+        if (!(gap > 0)) return {};
+        closest_points<S, D> result = found<S>(up);
+        result.distance = max(result.distance, S(0));
+        return result;
+    }
+};
+
+}  // namespace detail
+
+/// How far a convex shape and a halfspace are apart, or how deep they overlap, and where: as of two convex shapes (see
+/// convex.hpp), in either order. Exact, with or without a cache, which stays as it is. Cost: one support, 20 ns.
+template <class A, class S, int D>
+    requires detail::has_core<A>
+closest_points<S, D> separation(const A& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a) {
+    return detail::lowest_point<D>(a, b, b_in_a).template found<S>(-1);
+}
+template <class B, class S, int D>
+    requires detail::has_core<B>
+closest_points<S, D> separation(const halfspace<S, D>& a, const B& b, const transform<S, D>& b_in_a) {
+    return detail::lowest_point<D>(a, b, b_in_a).template found<S>(1);
+}
+
+/// How far apart they are, 0 where they touch or overlap; normal and points are null where the core enters the
+/// halfspace.
+template <class A, class S, int D>
+    requires detail::has_core<A>
+closest_points<S, D> distance(const A& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a) {
+    return detail::lowest_point<D>(a, b, b_in_a).template found_apart<S>(-1);
+}
+template <class B, class S, int D>
+    requires detail::has_core<B>
+closest_points<S, D> distance(const halfspace<S, D>& a, const B& b, const transform<S, D>& b_in_a) {
+    return detail::lowest_point<D>(a, b, b_in_a).template found_apart<S>(1);
+}
+
+/// Whether they share a point.
+template <class A, class S, int D>
+    requires detail::has_core<A>
+bool overlap(const A& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a) {
+    const detail::lowest_point<D> p(a, b, b_in_a);
+    return p.gap <= p.radius;
+}
+template <class B, class S, int D>
+    requires detail::has_core<B>
+bool overlap(const halfspace<S, D>& a, const B& b, const transform<S, D>& b_in_a) {
+    const detail::lowest_point<D> p(a, b, b_in_a);
+    return p.gap <= p.radius;
+}
+
+namespace detail {
+
+template <class Shape>
+constexpr bool is_plane = false;
+template <class S, int D>
+constexpr bool is_plane<halfspace<S, D>> = true;
+template <class A, class B>
+concept plane_pair = (is_plane<A> && has_core<B>) || (has_core<A> && is_plane<B>);
+
+}  // namespace detail
+
+template <class A, class B, class S, int D>
+    requires detail::plane_pair<A, B>
+closest_points<S, D> separation(const A& a, const B& b, const transform<S, D>& b_in_a, gjk_cache&) {
+    return separation(a, b, b_in_a);
+}
+template <class A, class B, class S, int D>
+    requires detail::plane_pair<A, B>
+closest_points<S, D> distance(const A& a, const B& b, const transform<S, D>& b_in_a, gjk_cache&) {
+    return distance(a, b, b_in_a);
+}
+template <class A, class B, class S, int D>
+    requires detail::plane_pair<A, B>
+bool overlap(const A& a, const B& b, const transform<S, D>& b_in_a, gjk_cache&) {
+    return overlap(a, b, b_in_a);
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/collide/shape_cast.hpp
+// =================================================================================================
+// When a convex shape that moves in a straight line first touches another: shape casts.
+
+PHYSICS_HPP_BEGIN
+
+/// Where shape B, moved along a translation, first touches shape A; all in A's frame.
+template <class S, int D>
+struct cast_hit {
+    bool hit = false;
+    /// The part of the translation that B has made, 0 where the shapes overlap from the start.
+    S fraction = S(1);
+    /// Unit vector from A to B.
+    vec<S, D> normal;
+    /// On the surface of A, where they touch.
+    vec<S, D> point;
+    /// At the limit of iterations a hit is reported, never too late.
+    query_status status = query_status::converged;
+
+    explicit operator bool() const { return hit; }
+};
+
+namespace detail {
+
+/// What a cast of cores has to know of the scalar.
+struct cast_precision {
+    /// Of GJK: the part of a distance.
+    double relative;
+    /// How far supports may be off (m): of cores that calculate in S, and of hulls that look for vertices in float.
+    double error;
+
+    template <class S, int D>
+    static cast_precision of(const core<D>& a, const core<D>& b) {
+        const double epsilon = static_cast<double>(scalar_traits<S>::epsilon()), whole = is_fixed<S> ? 1 : 0;
+        cast_precision p{0x1p-50, 0};
+        for (const core<D>* c : {&a, &b}) {
+            if (c->kind == core_kind::hull_of_floats) p.error += 0x1p-21 * c->extent;
+            if (c->kind != core_kind::custom) continue;
+            p.relative = max(relative_tolerance<S>(), 0x1p-50);
+            p.error += 4 * epsilon * (c->extent + whole);
+        }
+        return p;
+    }
+};
+
+/// Where the cast of a core ended.
+template <int D>
+struct core_cast {
+    enum class outcome : std::uint8_t { missed, began_in_touch, hit };
+    outcome ended = outcome::missed;
+    query_status status = query_status::converged;
+    double fraction = 0;
+    /// A plane with this normal, from A to B, parts the shapes until they touch.
+    point<D> normal;
+    /// The cores at that fraction.
+    gjk_result<D> at;
+};
+
+/// When B, moving by `most` times `way` in A's frame, comes as close as the radii of both. Their distance is a convex
+/// function of the time, and a plane that parts them says until when at least they can't meet: this is Newton's method,
+/// which never passes the first root. Any plane will do for that, so that no error of GJK is one of the answer's.
+/// Source: van den Bergen, Ray casting against general convex objects (2004); Mirtich, Impulse-based dynamic simulation
+/// of rigid body systems (1996), 2.3. Cost: one GJK, then 1 to 5 that begin with the last one's features; where the
+/// shapes graze each other up to 25.
+template <int D>
+core_cast<D> cast(const core<D>& a, placed_core<D> b, const point<D>& way, double most,
+                  const cast_precision& precision) {
+    constexpr int most_iterations = 100;
+    const double reach = a.radius + b.shape->radius, length = physics::length(way);
+    const point<D> start = b.at;
+    gjk_cache cache;
+    core_cast<D> c;
+    for (int i = 0;; ++i) {
+        b.at = start + way * c.fraction;
+        const double noise = 0x1p-49 * (extent_of(a, b) + largest(start) + reach) + precision.error;
+        const double rest = (most - c.fraction) * length;
+        c.at = gjk(a, b, rest + 0x1p-40 * rest + reach + 2 * noise, precision.relative, &cache);
+        if (c.at.beyond) return c;
+        const double distance = c.at.overlapping ? 0 : c.at.distance;
+        if (distance <= reach + noise + 2 * precision.relative * distance) {
+            // Across a gap no wider than rounding the direction of the last plane is the better one.
+            const bool clear = distance > 0x1p20 * noise && dot(c.at.normal, way) < 0;
+            if (clear || c.fraction == 0) c.normal = c.at.normal;
+            c.ended = c.fraction > 0 ? core_cast<D>::outcome::hit : core_cast<D>::outcome::began_in_touch;
+            return c;
+        }
+        const double gap = dot(c.at.normal, support_along(a, b, c.at.normal).w) - reach;
+        const double speed = -dot(c.at.normal, way);
+        if (gap > 0 && (!(speed > 0) || gap > speed * (most - c.fraction) + noise)) return c;
+        const double step = gap > 0 ? min(gap / speed, most - c.fraction) : 0;
+        if (step > 0 || c.fraction == 0) c.normal = c.at.normal;
+        if (!(c.fraction + step > c.fraction) || i == most_iterations) {
+            if (!(gap > 0) || i == most_iterations) c.status = query_status::iteration_limit;
+            c.ended = core_cast<D>::outcome::hit;
+            return c;
+        }
+        c.fraction += step;
+        // Often the features that were closest are those that touch: then GJK need not look again.
+        for (int k = 0; k < c.at.at.count; ++k) c.at.at.vertex[k].w += way * step;
+        const closest_of<D> near = closest_of_simplex(c.at.at, false);
+        if (near.count <= D && dot(near.at, near.at) <= (reach + noise) * (reach + noise)) {
+            c.at.at.keep(near);
+            c.ended = core_cast<D>::outcome::hit;
+            return c;
+        }
+    }
+}
+
+/// The point of A's core that touches B's, where a cast has ended.
+template <int D>
+point<D> touching_point(const core<D>& a, const placed_core<D>& b, const core_cast<D>& c) {
+    if (c.at.at.count <= D) return c.at.at.on_a();
+    penetration<D> p;
+    p.normal = c.normal;
+    p.on_a = c.at.at.vertex[0].on_a;
+    find_touching_point(a, b, extent_of(a, b), p);
+    return p.on_a;
+}
+
+/// How deep shapes may overlap that touch, by the rounding of the numbers that place them.
+template <class S>
+double touch_tolerance(double size) {
+    return 8 * static_cast<double>(scalar_traits<S>::epsilon()) * (size + (is_fixed<S> ? 1 : 0));
+}
+
+/// Whether two cores that touch, or overlap by no more than `touch`, never get deeper on the way; there may be several
+/// planes between them, so that one is sought a little later. `normal` and `gap` are those of the start.
+template <int D>
+bool parts(const core<D>& a, placed_core<D> b, const point<D>& way, const point<D>& normal, double gap, double touch) {
+    const auto stays_out = [&](const point<D>& n, double height) {
+        return height >= -touch && height + min(dot(n, way), 0.0) >= -touch;
+    };
+    if (stays_out(normal, gap)) return true;
+    const double reach = a.radius + b.shape->radius;
+    if (gap < -touch || reach > 0x1p-20 * extent_of(a, b)) return false;
+    const point<D> start = b.at;
+    const double little = 0x1p-20 * (a.extent + b.shape->extent), length = physics::length(way);
+    b.at += length > little ? way * (little / length) : way;
+    const gjk_result<D> r = gjk(a, b, no_limit, 0x1p-50, nullptr);
+    const point<D> n = r.distance > 0x1p-10 * little ? r.normal : epa(a, b, r.at, 0x1p-10 * little).normal;
+    b.at = start;
+    return stays_out(n, dot(n, support_along(a, b, n).w) - reach);
+}
+
+template <class S, int D>
+cast_hit<S, D> rounded_hit(double fraction, const point<D>& normal, const point<D>& at, query_status status) {
+    return {true, static_cast<S>(fraction), from_point<S>(normal), from_point<S>(at), status};
+}
+
+template <class S, int D>
+cast_hit<S, D> cast_shapes(const core_pair<D>& pair, const point<D>& way, double most) {
+    const core<D>&a = pair.a, &b = pair.b;
+    core_cast<D> c = cast(a, pair.placed, way, most, cast_precision::of<S>(a, b));
+    if (c.ended == core_cast<D>::outcome::missed) return {};
+    placed_core<D> there = pair.placed;
+    there.at += way * c.fraction;
+    if (c.ended == core_cast<D>::outcome::hit)
+        return rounded_hit<S>(c.fraction, c.normal, touching_point(a, there, c) + c.normal * a.radius, c.status);
+    const double size = extent_of(a, there), reach = a.radius + b.radius, touch = touch_tolerance<S>(size + reach);
+    double gap = c.at.distance - reach;
+    point<D> on_a = c.at.at.on_a();
+    if (c.at.overlapping || c.at.distance <= 0x1p-40 * size) {
+        const penetration<D> p = epa(a, there, c.at.at, depth_tolerance<S>(size));
+        c.normal = p.normal;
+        c.status = p.status;
+        gap = -p.depth - reach;
+        on_a = p.on_a;
+    }
+    if (parts(a, there, way * most, c.normal, gap, touch)) return {};
+    return rounded_hit<S>(0, c.normal, on_a + c.normal * a.radius, c.status);
+}
+
+/// The halfspace that shape casts see: dot(normal, p) <= offset.
+template <int D>
+struct bounding_half {
+    point<D> normal;
+    double offset;
+
+    template <class S>
+    explicit bounding_half(const halfspace<S, D>& h)
+        : normal(normalized(to_point(h.normal))), offset(detail::to_double(h.offset)) {}
+};
+
+/// When a core that moves meets a halfspace, and which of its points; all in the halfspace's frame.
+template <int D>
+struct half_cast {
+    bool hit;
+    double fraction;
+    point<D> at;
+};
+template <int D>
+half_cast<D> cast_on_half(const bounding_half<D>& h, const placed_core<D>& b, const point<D>& way, double most,
+                          double touch) {
+    const point<D> lowest = b.support(-h.normal).at - h.normal * b.shape->radius;
+    const double height = dot(h.normal, lowest) - h.offset, speed = -dot(h.normal, way);
+    const double fraction = height > 0 && speed > 0 ? height / speed : 0;
+    const bool in_touch = height <= 0 && height >= -touch && height - max(speed, 0.0) * most >= -touch;
+    const bool hit = height > 0 ? speed > 0 && fraction <= most : !in_touch;
+    return {hit, fraction, lowest + way * fraction};
+}
+
+}  // namespace detail
+
+/// The first time at which shape B, moving by `translation` (m) in A's frame without turning, touches shape A, if it
+/// has made at most the part `most` of its way by then. Shapes that overlap from the start hit at 0, with the normal
+/// along which they part soonest. Shapes that touch within rounding (8 spacings of S, of their sizes) and move apart or
+/// along each other don't hit. Exact to a few roundings of double, of the sizes and of the way: only ways that graze A
+/// by less may be judged either way. Cost: 0.3 us in the plane, 1 us in space;
+/// hulls of many vertices 1 to 3 us.
+template <class A, class B, class S, int D>
+    requires detail::has_core<A> && detail::has_core<B>
+cast_hit<S, D> shape_cast(const A& a, const B& b, const transform<S, D>& b_in_a,
+                          std::type_identity_t<vec<S, D>> translation, std::type_identity_t<S> most = S(1)) {
+    const detail::core_pair<D> pair(a, b, b_in_a);
+    return detail::cast_shapes<S>(pair, detail::to_point(translation), detail::to_double(most));
+}
+/// The same where A is a halfspace. Cost: 50 ns.
+template <class B, class S, int D>
+    requires detail::has_core<B>
+cast_hit<S, D> shape_cast(const halfspace<S, D>& a, const B& b, const transform<S, D>& b_in_a,
+                          std::type_identity_t<vec<S, D>> translation, std::type_identity_t<S> most = S(1)) {
+    const detail::bounding_half<D> half(a);
+    const detail::core<D> shape = core_of(b);
+    const detail::placed_core<D> placed{&shape, detail::to_matrix(b_in_a.rotation), detail::to_point(b_in_a.position)};
+    const double touch = detail::touch_tolerance<S>(shape.extent + shape.radius + largest(placed.at));
+    const detail::half_cast<D> c =
+        detail::cast_on_half(half, placed, detail::to_point(translation), detail::to_double(most), touch);
+    if (!c.hit) return {};
+    const detail::point<D> onto = half.normal * (half.offset - dot(half.normal, c.at));
+    return detail::rounded_hit<S>(c.fraction, half.normal, c.at + onto, query_status::converged);
+}
+/// The same where B is a halfspace.
+template <class A, class S, int D>
+    requires detail::has_core<A>
+cast_hit<S, D> shape_cast(const A& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a,
+                          std::type_identity_t<vec<S, D>> translation, std::type_identity_t<S> most = S(1)) {
+    detail::bounding_half<D> half(b);
+    half.normal = detail::to_matrix(b_in_a.rotation) * half.normal;
+    half.offset += dot(half.normal, detail::to_point(b_in_a.position));
+    const detail::core<D> shape = core_of(a);
+    const detail::placed_core<D> placed{&shape, mat<double, D>::identity(), {}};
+    const detail::point<D> way = detail::to_point(translation);
+    const double touch = detail::touch_tolerance<S>(shape.extent + shape.radius + abs(half.offset));
+    const detail::half_cast<D> c = detail::cast_on_half(half, placed, -way, detail::to_double(most), touch);
+    if (!c.hit) return {};
+    return detail::rounded_hit<S>(c.fraction, -half.normal, c.at + way * c.fraction, query_status::converged);
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/collide/ray_cast.hpp
+// =================================================================================================
+// Where a ray meets a shape.
+
+PHYSICS_HPP_BEGIN
+
+/// Where a ray enters a shape, in the frame that both are given in.
+template <class S, int D>
+struct ray_hit {
+    bool hit = false;
+    /// The part of the ray's translation up to there; 0 if it begins within, or on the surface.
+    S fraction = S(1);
+    /// Unit vector outwards; null if the ray begins within.
+    vec<S, D> normal;
+    vec<S, D> point;
+
+    explicit operator bool() const { return hit; }
+};
+
+namespace detail {
+
+/// A ray in a shape's frame, and where it meets the shape; the normal stays null where it begins within.
+template <int D>
+struct local_ray {
+    point<D> origin, way;
+};
+template <int D>
+struct local_hit {
+    bool hit = false;
+    double fraction = 0;
+    point<D> normal;
+};
+
+/// The times at which a ray that moves is within r of the frame's origin, ends included; those may lie before its
+/// start. Source: Haines et al., Precision improvements for ray/sphere intersection, Ray Tracing Gems (2019), 7.
+template <int D>
+bool ball_span(const local_ray<D>& ray, double r, double& near, double& far) {
+    const auto [direction, length] = split(ray.way);
+    const double along = -dot(ray.origin, direction), from = physics::length(ray.origin);
+    const double aside = physics::length(ray.origin + direction * along);
+    if (!(length > 0) || aside > r) return false;
+    const double half = physics::sqrt((r - aside) * (r + aside)), c = (from - r) * (from + r);
+    // Of each pair of roots the one that does not cancel gives the other.
+    near = (along > 0 ? c / (along + half) : along - half) / length;
+    far = (along > 0 ? along + half : along - half < 0 ? c / (along - half) : 0) / length;
+    return true;
+}
+
+template <int D>
+local_hit<D> cast_on_ball(const local_ray<D>& ray, double r) {
+    if (dot(ray.origin, ray.origin) <= r * r) return {true, 0, {}};
+    double near = 0, far = 0;
+    if (!ball_span(ray, r, near, far) || near < 0 || near > 1) return {};
+    return {true, near, normalized(ray.origin + ray.way * near)};
+}
+
+/// First the endless cylinder around the axis, then the side or the ball at the end where the ray enters that.
+template <int D>
+local_hit<D> cast_on_capsule(const local_ray<D>& ray, double half_length, double r) {
+    local_ray<D> across = ray;
+    across.origin.x = across.way.x = 0;
+    double near = 0, far = 0;
+    const bool begins_beside = dot(across.origin, across.origin) <= r * r;
+    if (!begins_beside && (!ball_span(across, r, near, far) || near < 0 || near > 1)) return {};
+    const double x = ray.origin.x + ray.way.x * near;
+    if (abs(x) <= half_length) {
+        if (begins_beside) return {true, 0, {}};
+        return {true, near, normalized(across.origin + across.way * near)};
+    }
+    local_ray<D> to_end = ray;
+    to_end.origin.x -= x < 0 ? -half_length : half_length;
+    return cast_on_ball(to_end, r);
+}
+
+/// The part of a ray that is left after clipping by halfspaces.
+template <int D>
+struct clipped_ray {
+    double near = 0, far = 1;
+    point<D> normal;
+
+    /// Keeps what lies on the inner side of a plane: `height` is how far outside the ray begins, `climb` how fast it
+    /// moves outwards. False if nothing is left.
+    bool keep(double height, double climb, const point<D>& n) {
+        if (climb < 0) {
+            if (height > -climb * near) near = height / -climb, normal = n;
+        } else if (climb > 0) {
+            if (-height < climb * far) far = -height / climb;
+        } else if (height > 0) {
+            return false;
+        }
+        return near <= far;
+    }
+    [[nodiscard]] local_hit<D> hit() const { return {true, near, normal}; }
+};
+
+template <int D>
+local_hit<D> cast_on_box(const local_ray<D>& ray, const point<D>& half) {
+    clipped_ray<D> left;
+    for (int i = 0; i < D; ++i)
+        for (const double side : {1.0, -1.0}) {
+            point<D> n;
+            n[i] = side;
+            if (!left.keep(side * ray.origin[i] - half[i], side * ray.way[i], n)) return {};
+        }
+    return left.hit();
+}
+
+template <class R, int D>
+local_hit<D> cast_on_hull(const local_ray<D>& ray, const hull_data<R, D>& h) {
+    clipped_ray<D> left;
+    for (std::uint32_t i = 0; i < h.face_count; ++i) {
+        const point<D>& n = h.normal(i);
+        if (!left.keep(dot(n, ray.origin) - h.offset(i), dot(n, ray.way), n)) return {};
+    }
+    return left.hit();
+}
+
+template <class S, int D>
+local_hit<D> cast_on_core(const local_ray<D>& ray, const core<D>& shape) {
+    const core<D> tip;
+    const core_cast<D> c = cast(shape, placed_core<D>{&tip, mat<double, D>::identity(), ray.origin}, ray.way, 1.0,
+                                cast_precision::of<S>(shape, tip));
+    if (c.ended == core_cast<D>::outcome::missed) return {};
+    return {true, c.fraction, c.ended == core_cast<D>::outcome::hit ? c.normal : point<D>{}};
+}
+
+// What ray_cast() calls, by the kind of shape.
+template <class S, int D>
+local_hit<D> cast_on(const ball<S, D>& b, const local_ray<D>& ray) {
+    return cast_on_ball(ray, detail::to_double(b.radius));
+}
+template <class S, int D>
+local_hit<D> cast_on(const capsule<S, D>& c, const local_ray<D>& ray) {
+    return cast_on_capsule(ray, detail::to_double(c.half_length), detail::to_double(c.radius));
+}
+template <class S, int D>
+local_hit<D> cast_on(const box<S, D>& b, const local_ray<D>& ray) {
+    return cast_on_box(ray, to_point(b.half_extents));
+}
+template <class S, int D>
+local_hit<D> cast_on(const halfspace<S, D>& h, const local_ray<D>& ray) {
+    const bounding_half<D> half(h);
+    clipped_ray<D> left;
+    if (!left.keep(dot(half.normal, ray.origin) - half.offset, dot(half.normal, ray.way), half.normal)) return {};
+    return left.hit();
+}
+template <class S, int D>
+local_hit<D> cast_on(const hull<S, D>& h, const local_ray<D>& ray) {
+    return h.radius > S(0) ? cast_on_core<S>(ray, core_of(h)) : cast_on_hull(ray, *h.geometry);
+}
+template <template <class, int> class Shape, class S, int D>
+    requires has_core<Shape<S, D>>
+local_hit<D> cast_on(const Shape<S, D>& shape, const local_ray<D>& ray) {
+    return cast_on_core<S>(ray, core_of(shape));
+}
+
+}  // namespace detail
+
+/// Where a ray, from `origin` along `translation` (m), first meets a shape that stands at `at`. Surfaces belong to
+/// shapes: a ray that begins on one hits at 0, one in the plane of a face at its edge, one without length hits what it
+/// is in. Exact to a few roundings of double, of the sizes and of the distance: only rays that graze the shape by less
+/// may be judged either way. Cost: 15 to 75 ns; hulls 3 ns a face; rounded hulls, boxes
+/// and other shapes 0.3 to 1.5 us, round cores near a hit up to 8.
+template <class Shape, class S, int D>
+    requires requires(const Shape& s, const detail::local_ray<D>& r) { cast_on(s, r); }
+ray_hit<S, D> ray_cast(const Shape& shape, const transform<S, D>& at, std::type_identity_t<vec<S, D>> origin,
+                       std::type_identity_t<vec<S, D>> translation) {
+    const mat<double, D> axes = detail::to_matrix(at.rotation);
+    const detail::point<D> from = detail::to_point(origin), way = detail::to_point(translation);
+    const detail::local_hit<D> h =
+        cast_on(shape, detail::local_ray<D>{transposed_times(axes, from - detail::to_point(at.position)),
+                                                    transposed_times(axes, way)});
+    if (!h.hit) return {};
+    return {true, static_cast<S>(h.fraction), detail::from_point<S>(axes * h.normal),
+            detail::from_point<S>(from + way * h.fraction)};
+}
+/// The same for a shape of a set.
+template <class S, int D, template <class, int> class... Shapes>
+ray_hit<S, D> ray_cast(const any_shape<S, D, Shapes...>& shape, const transform<S, D>& at,
+                       std::type_identity_t<vec<S, D>> origin, std::type_identity_t<vec<S, D>> translation) {
+    return shape.visit([&](const auto& s) { return ray_cast(s, at, origin, translation); });
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/collide/part_queries.hpp
+// =================================================================================================
+// Rays, casts and distances of shapes that are made of parts: surfaces and compounds.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+template <class Shape, int D>
+concept has_parts = is_surface<Shape, D> || is_compound<Shape, D>;
+
+template <int D>
+aabb<double, D> box_around(const local_ray<D>& ray, double reach) {
+    return grown(aabb<double, D>{min(ray.origin, ray.origin + ray.way), max(ray.origin, ray.origin + ray.way)}, reach);
+}
+
+/// Calls f(core, axes, at, number) for the convex pieces of a shape with parts that may reach into a box: triangles or
+/// segments with the surface's rounding, or children. `sees(part)` says which parts of surfaces are meant.
+template <class Shape, int D, class Sees, class F>
+void each_piece(const Shape& shape, const aabb<double, D>& box, Sees&& sees, F&& f) {
+    if constexpr (is_surface<Shape, D>) {
+        const double radius = detail::to_double(shape.radius);
+        each_part(shape, grown(box, radius), [&](const surface_part<D>& part) {
+            if (sees(part)) f(core_of_part(part, radius), mat<double, D>::identity(), point<D>{}, part.number);
+        });
+    } else {
+        each_child(shape, box, [&](const auto& child) { f(child.shape, child.axes, child.at, child.number); });
+    }
+}
+/// Of a one-sided part only the front is seen.
+template <int D>
+bool faces(const surface_part<D>& part, const point<D>& from) {
+    return part.two_sided || dot(part.normal, from - part.corner[0]) >= 0;
+}
+
+template <class Shape, int D>
+    requires has_parts<Shape, D>
+local_hit<D> cast_on(const Shape& shape, const local_ray<D>& ray) {
+    using S = typename Shape::scalar;
+    local_hit<D> first;
+    each_piece(
+        shape, box_around(ray, 0), [&](const auto& part) { return faces(part, ray.origin); },
+        [&](const core<D>& piece, const mat<double, D>& axes, const point<D>& at, std::uint32_t) {
+            const local_ray<D> seen{transposed_times(axes, ray.origin - at), transposed_times(axes, ray.way)};
+            const local_hit<D> hit = cast_on_core<S>(seen, piece);
+            if (!hit.hit || (first.hit && !(hit.fraction < first.fraction))) return;
+            first = hit;
+            first.normal = axes * hit.normal;
+        });
+    return first;
+}
+
+}  // namespace detail
+
+/// When shape B, moving by `translation`, first touches a surface or a compound; see shape_cast of convex shapes.
+/// One-sided parts stop what begins before them. Cost: a cast for each part near the way.
+template <class A, class B, class S, int D>
+    requires detail::has_parts<A, D> && detail::has_core<B>
+cast_hit<S, D> shape_cast(const A& a, const B& b, const transform<S, D>& b_in_a,
+                          std::type_identity_t<vec<S, D>> translation, std::type_identity_t<S> most = S(1)) {
+    using detail::point;
+    const detail::core<D> shape = core_of(b);
+    const mat<double, D> axes = detail::to_matrix(b_in_a.rotation);
+    const point<D> from = detail::to_point(b_in_a.position), way = detail::to_point(translation);
+    const aabb<double, D> start = detail::bounds_of(detail::placed_core<D>{&shape, axes, from}, 0.0);
+    const aabb<double, D> box{min(start.lower, start.lower + way), max(start.upper, start.upper + way)};
+    cast_hit<S, D> first;
+    detail::each_piece(
+        a, box, [&](const auto& part) { return detail::faces(part, axes * shape.center + from); },
+        [&](const detail::core<D>& piece, const mat<double, D>& piece_axes, const point<D>& at, std::uint32_t) {
+            const mat<double, D> back = transposed(piece_axes);
+            const detail::core_pair<D> pair(piece, shape, back * axes, back * (from - at));
+            const double left = detail::to_double(first ? first.fraction : most);
+            cast_hit<S, D> hit = detail::cast_shapes<S>(pair, back * way, left);
+            if (!hit || (first && !(hit.fraction < first.fraction))) return;
+            hit.normal = detail::from_point<S>(piece_axes * detail::to_point(hit.normal));
+            hit.point = detail::from_point<S>(piece_axes * detail::to_point(hit.point) + at);
+            first = hit;
+        });
+    return first;
+}
+
+/// Where a surface or a compound and a convex shape are closest, if they are not farther apart than `reach` (m); see
+/// separation of convex shapes. Cost: one for each part within reach.
+template <class A, class B, class S, int D>
+    requires detail::has_parts<A, D> && detail::has_core<B>
+closest_points<S, D> separation(const A& a, const B& b, const transform<S, D>& b_in_a, std::type_identity_t<S> reach) {
+    using detail::point;
+    const detail::core<D> shape = core_of(b);
+    const mat<double, D> axes = detail::to_matrix(b_in_a.rotation);
+    const point<D> from = detail::to_point(b_in_a.position);
+    closest_points<S, D> best;
+    best.distance = scalar_traits<S>::max();
+    detail::each_piece(
+        a, detail::bounds_of(detail::placed_core<D>{&shape, axes, from}, detail::to_double(reach)),
+        [](const auto&) { return true; },
+        [&](const detail::core<D>& piece, const mat<double, D>& piece_axes, const point<D>& at, std::uint32_t) {
+            const mat<double, D> back = transposed(piece_axes);
+            const detail::core_pair<D> pair(piece, shape, back * axes, back * (from - at));
+            const auto s = detail::separate<S>(pair, detail::no_limit, nullptr);
+            closest_points<S, D> c = detail::rounded<S>(pair, s);
+            if (c.distance > reach || !(c.distance < best.distance)) return;
+            c.normal = detail::from_point<S>(piece_axes * s.normal);
+            c.on_a = detail::from_point<S>(piece_axes * detail::to_point(c.on_a) + at);
+            c.on_b = detail::from_point<S>(piece_axes * detail::to_point(c.on_b) + at);
+            best = c;
+        });
+    return best;
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/collide/time_of_impact.hpp
+// =================================================================================================
+// When two convex shapes that move and turn first touch: conservative advancement.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+template <class S>
+physics::rotation<S, 2> rotation_by(S turn) { return physics::rotation<S, 2>::from_angle(turn); }
+template <class S>
+physics::rotation<S, 3> rotation_by(const vec<S, 3>& turn) {
+    const auto [axis, angle] = split(turn);
+    return physics::rotation<S, 3>::from_axis_angle(axis, angle);
+}
+
+}  // namespace detail
+
+/// How a shape moves within a step: its body's centre of mass in a straight line, about which it turns at a constant
+/// rate.
+template <class S, int D>
+struct sweep {
+    /// The centre of mass at the beginning and at the end (m).
+    vec<S, D> start, end;
+    /// The body's rotation at the beginning.
+    physics::rotation<S, D> rotation;
+    /// How far it turns until the end: the angle, in space axis times angle (rad), in the outer frame; any number of
+    /// times around.
+    angular<S, D> turn{};
+    /// The shape's frame, as seen from the centre of mass in a frame that turns with the body.
+    transform<S, D> shape;
+
+    /// Where the shape's frame is after a part of the motion. The angle is exact to rounding.
+    [[nodiscard]] transform<S, D> at(S fraction) const {
+        const physics::rotation<S, D> r = detail::rotation_by(turn * fraction) * rotation;
+        const vec<S, D> center = start + (end - start) * fraction;
+        return {center + r * shape.position, normalized(r * shape.rotation)};
+    }
+};
+
+/// The motion between two poses of the centre of mass, the shorter way around: at most half a turn.
+template <class S, int D>
+sweep<S, D> sweep_between(const transform<S, D>& start, const transform<S, D>& end, const transform<S, D>& shape = {}) {
+    return {start.position, end.position, start.rotation, rotation_vector(end.rotation * inverse(start.rotation)),
+            shape};
+}
+
+/// How a search for the time of impact ended.
+enum class impact_state : std::uint8_t {
+    /// The shapes do not come as close as the target; the fraction is 1.
+    separated,
+    /// At the fraction they are as far apart as the target, at most by the tolerance farther.
+    hit,
+    /// They overlap at the beginning, or touch within rounding; the fraction is 0.
+    overlapping,
+    /// The search was given up. Up to the fraction the shapes are apart, at least by the target.
+    iteration_limit,
+};
+
+/// When two shapes that move come close to each other.
+template <class S, int D>
+struct impact {
+    impact_state state = impact_state::separated;
+    S fraction = S(1);
+    /// Of a hit: unit vector from A to B in the outer frame, and the point of A's surface that is closest to B.
+    vec<S, D> normal;
+    vec<S, D> point;
+};
+
+/// What a search for the time of impact aims at.
+template <class S>
+struct impact_settings {
+    /// How far apart the shapes are left (m). Those that begin closer are left half as far apart as they begin.
+    S target = S(0.005);
+    /// How much farther apart they may be left (m): a larger one costs less.
+    S tolerance = S(0.00125);
+};
+
+namespace detail {
+
+// Turns, their lengths and the lengths of their cross products, in the plane and in space.
+inline double magnitude(double w) { return abs(w); }
+inline double magnitude(const point<3>& w) { return length(w); }
+inline double magnitude_of_cross(double, double) { return 0; }
+inline double magnitude_of_cross(const point<3>& a, const point<3>& b) { return length(cross(a, b)); }
+inline mat<double, 2> turning(double angle) {
+    const auto [s, c] = sine_cosine(angle);
+    return {{{c, s}, {-s, c}}};
+}
+/// Source: Rodrigues.
+inline mat<double, 3> turning(const point<3>& turn) {
+    const auto [k, angle] = split(turn);
+    const auto [s, c] = sine_cosine(angle);
+    const double half = sine_cosine(angle * 0.5).sine, v = 2 * half * half;
+    return {{{c + k.x * k.x * v, k.x * k.y * v + k.z * s, k.x * k.z * v - k.y * s},
+             {k.x * k.y * v - k.z * s, c + k.y * k.y * v, k.y * k.z * v + k.x * s},
+             {k.x * k.z * v + k.y * s, k.y * k.z * v - k.x * s, c + k.z * k.z * v}}};
+}
+template <class S>
+double to_turn(S w) { return detail::to_double(w); }
+template <class S>
+point<3> to_turn(const vec<S, 3>& w) { return to_point(w); }
+
+/// A core that moves; time runs from 0 to 1.
+template <int D>
+struct moving_core {
+    core<D> shape;
+    /// Of the centre of mass, at time 0.
+    point<D> start;
+    /// The turn until time 1.
+    angular<double, D> turn;
+    mat<double, D> axes;
+    /// From the centre of mass to the shape's frame, at time 0.
+    point<D> lever;
+    /// No point of the core is farther from the centre of mass.
+    double reach;
+
+    template <class S>
+    moving_core(const core<D>& c, const sweep<S, D>& s, const point<D>& origin) : shape(c), turn(to_turn(s.turn)) {
+        const mat<double, D> body = to_matrix(s.rotation), local = to_matrix(s.shape.rotation);
+        start = to_point(s.start) - origin;
+        axes = body * local;
+        const point<D> arm = to_point(s.shape.position);
+        lever = body * arm;
+        // The box around the core in its own frame, seen from the centre of mass.
+        const point<D> center = -transposed_times(local, arm);
+        double square = 0;
+        for (int i = 0; i < D; ++i) {
+            point<D> n;
+            n[i] = 1;
+            const double far = max(abs(shape.support(n).at[i] - center[i]), abs(shape.support(-n).at[i] - center[i]));
+            square += far * far;
+        }
+        reach = physics::sqrt(square);
+    }
+    /// Where it is at a time, its centre of mass having moved to `center`.
+    [[nodiscard]] placed_core<D> at(double time, const point<D>& center) const {
+        if (!(magnitude(turn) > 0)) return {&shape, axes, center + lever};
+        const mat<double, D> m = turning(turn * time);
+        return {&shape, m * axes, center + m * lever};
+    }
+};
+
+/// The rate of an axis that stays across an edge of A and an edge of B; left as it is where they are parallel.
+inline void across_edges(const point<3>& n, const point<3>& edge_a, const point<3>& edge_b, const point<3>& turn_a,
+                         const point<3>& turn_b, point<3>& turn) {
+    const point<3> u = normalized(cross(n, edge_a)), w = normalized(cross(n, edge_b));
+    const double uw = dot(u, w), det = 1 - uw * uw;
+    const double of_a = dot(turn_a, u), of_b = dot(turn_b, w);
+    if (det > 1.0 / 64) turn = u * ((of_a - uw * of_b) / det) + w * ((of_b - uw * of_a) / det);
+}
+inline void across_edges(const point<2>&, const point<2>&, const point<2>&, double, double, double&) {}
+
+/// Two cores in motion; A's centre of mass is the origin at all times. A halfspace as A is the point of its surface
+/// that is closest to the origin of its frame, with a normal.
+template <int D>
+struct moving_pair {
+    const moving_core<D>&a, &b;
+    point<D> way;
+    /// Of the halfspace, in A's own frame; else null.
+    const point<D>* face;
+    /// The radii of both.
+    double radii;
+    double error;
+    double tolerance;
+
+    [[nodiscard]] point<D> center(double t) const { return b.start + way * t; }
+    /// What rounding may do to a distance.
+    [[nodiscard]] double noise() const {
+        const double far = max(largest(b.start), largest(b.start + way));
+        return 0x1p-48 * (a.reach + b.reach + radii + far) + error;
+    }
+    /// The halfspace's point.
+    [[nodiscard]] point<D> on_face(const placed_core<D>& on_a) const { return on_a.axes * a.shape.corner[0] + on_a.at; }
+    /// How far apart they are along n.
+    [[nodiscard]] double gap(double t, const point<D>& n) const {
+        const placed_core<D> on_a = a.at(t, {}), on_b = b.at(t, center(t));
+        const point<D> top = face != nullptr ? on_face(on_a) : on_a.support(n).at;
+        return (dot(n, on_b.support(-n).at) - dot(n, top)) - radii;
+    }
+};
+
+/// The axis along which a moving pair is farthest apart at a time, null if it overlaps; at what rate that should turn
+/// so that the features it stands on stay the closest ones; and the point of A's core.
+template <int D>
+struct parting_axis {
+    point<D> normal, on_a;
+    angular<double, D> turn{};
+};
+
+template <int D>
+parting_axis<D> closest_features(const moving_pair<D>& p, double t, gjk_cache& cache) {
+    parting_axis<D> axis;
+    const placed_core<D> on_a = p.a.at(t, {}), on_b = p.b.at(t, p.center(t));
+    if (p.face != nullptr) {
+        axis.normal = on_a.axes * *p.face;
+        axis.turn = p.a.turn;
+        const point<D> lowest = on_b.support(-axis.normal).at;
+        axis.on_a = lowest + axis.normal * dot(axis.normal, p.on_face(on_a) - lowest);
+        return axis;
+    }
+    mat<double, D> seen;
+    for (int i = 0; i < D; ++i) seen.column[i] = transposed_times(on_a.axes, on_b.axes.column[i]);
+    const placed_core<D> b_in_a{&p.b.shape, seen, transposed_times(on_a.axes, on_b.at - on_a.at)};
+    const gjk_result<D> r = gjk(p.a.shape, b_in_a, no_limit, p.tolerance, &cache);
+    if (r.overlapping) return axis;
+    axis.normal = on_a.axes * r.normal;
+    axis.on_a = on_a.axes * r.at.on_a() + on_a.at;
+    // What the shapes turn towards each other: how many corners, and an edge between two of them. Corners that are
+    // close count as one: round shapes have many that differ a little.
+    const auto& v = r.at.vertex;
+    int corners_a = 1, corners_b = 1;
+    point<D> edge_a, edge_b;
+    for (int i = 1; i < r.at.count; ++i) {
+        bool new_a = true, new_b = true;
+        for (int k = 0; k < i; ++k) {
+            const point<D> from_a = v[i].on_a - v[k].on_a, from_b = (v[i].w - v[k].w) + from_a;
+            if (largest(from_a) > 0x1p-5 * p.a.reach) edge_a = from_a;
+            else new_a = false;
+            if (largest(from_b) > 0x1p-5 * p.b.reach) edge_b = from_b;
+            else new_b = false;
+        }
+        corners_a += new_a;
+        corners_b += new_b;
+    }
+    if (corners_a == 1 && corners_b == 1) return axis;
+    const bool of_a = corners_a > corners_b || (corners_a == corners_b && largest(edge_a) >= largest(edge_b));
+    axis.turn = of_a ? p.a.turn : p.b.turn;
+    if (D == 3 && corners_a == 2 && corners_b == 2)
+        across_edges(axis.normal, on_a.axes * edge_a, on_a.axes * edge_b, p.a.turn, p.b.turn, axis.turn);
+    return axis;
+}
+
+/// How long a pair certainly stays apart by `goal`, from a time on, along an axis that turns: at most until `end`. The
+/// gap along such an axis is the least of functions of time whose second derivative is at most `bend`; so it lies above
+/// the chord between two times, less bend / 2 times the product of the times since and until. At both ends it is known
+/// from supports. Some second times are tried, and the best bound taken.
+template <int D>
+double proven_advance(const moving_pair<D>& p, const parting_axis<D>& axis, double t, double gap, double end,
+                      double goal) {
+    const auto &a = p.a, &b = p.b;
+    const auto curving = [&](const moving_core<D>& c) {
+        const auto spin = c.turn - axis.turn;
+        return (magnitude(spin) * magnitude(spin) + magnitude_of_cross(spin, axis.turn)) * c.reach;
+    };
+    const double whirl = length(cross(axis.turn, axis.normal));
+    const double far = max(length(cross(axis.turn, p.center(t))), length(cross(axis.turn, p.center(end))));
+    const double bend = curving(a) + curving(b) + whirl * (far + 2 * length(p.way)), spare = gap - goal;
+    double best = 0, span = end - t;
+    if (bend * span * span > 8 * spare) span = physics::sqrt(8 * spare / bend);
+    for (int i = 0; i < 4 && span > best; ++i) {
+        const point<D> n = turning(axis.turn * span) * axis.normal;
+        const double there = p.gap(t + span, n) - goal, slope = (there - spare) / span, sag = 0.5 * bend;
+        // The first root of spare + slope x - sag x (span - x).
+        const double b1 = slope - sag * span, square = b1 * b1 - 4 * sag * spare;
+        double safe = span;
+        if (b1 < 0 && square >= 0) safe = min(span, 2 * spare / (physics::sqrt(square) - b1));
+        best = max(best, safe);
+        if (safe >= span) break;
+        // Where the chord would meet the goal, unless even a straight path could not be proven that far.
+        double next = there < 0 ? span * (spare / (spare - there)) : 0.5 * span;
+        if (bend * next * next > 2 * spare) next = min(next, max(physics::sqrt(2 * spare / bend), 0.125 * span));
+        span = next;
+    }
+    return best;
+}
+
+/// Where a search for the time of impact ended.
+template <int D>
+struct moving_impact {
+    impact_state state = impact_state::separated;
+    double time = 1;
+    /// With A's centre of mass as the origin.
+    point<D> normal, on_a;
+    double gap = 0;
+    int iterations = 0;
+};
+
+template <int D>
+moving_impact<D> first_impact(const moving_pair<D>& p, double target, double tolerance) {
+    constexpr int most_iterations = 100;
+    const double noise = p.noise();
+    double t = 0, end = 1, goal = max(target, 0.0), slack = max(tolerance, 4 * noise);
+    // Apart from the times at which the balls around them, about the centres of mass, are close, nothing can happen.
+    if (p.face == nullptr) {
+        const double near_by = (p.a.reach + p.b.reach + p.radii + goal) + noise;
+        const local_ray<D> ray{p.b.start, p.way};
+        const bool begins = dot(ray.origin, ray.origin) <= near_by * near_by;
+        double from = 0, to = 1;
+        const bool meets = ball_span(ray, near_by, from, to);
+        if (!begins && (!meets || from < 0 || from > 1)) return {};
+        if (!begins) t = from;
+        if (meets && to < end) end = max(to, t);
+    }
+    gjk_cache cache;
+    for (int iterations = 0;; ++iterations) {
+        const parting_axis<D> axis = closest_features(p, t, cache);
+        const double gap = axis.normal == point<D>{} ? 0 : p.gap(t, axis.normal);
+        if (iterations == 0 && t == 0) {
+            if (!(gap > noise)) return {impact_state::overlapping, 0, {}, {}, 0, 0};
+            if (gap <= goal + slack) goal = 0.5 * gap, slack = min(slack, 0.25 * gap);
+        }
+        if (gap <= goal + slack) return {impact_state::hit, t, axis.normal, axis.on_a, gap, iterations};
+        const double next = t + proven_advance(p, axis, t, gap, end, goal);
+        if (next >= end) return {impact_state::separated, 1, {}, {}, 0, iterations};
+        if (!(next > t) || iterations == most_iterations)
+            return {impact_state::iteration_limit, t, {}, {}, 0, iterations};
+        t = next;
+    }
+}
+
+/// The largest number of S not above x.
+template <class S>
+S rounded_down(double x) {
+    const S r = static_cast<S>(x), step = scalar_traits<S>::epsilon();
+    if (!(detail::to_double(r) > x)) return r;
+    return r - (self_wide<S> ? r * step : step);
+}
+
+/// A may be a halfspace, whose normal is `face` then.
+template <class S, int D>
+moving_impact<D> swept_impact(const core<D>& a, const sweep<S, D>& motion_a, const core<D>& b,
+                              const sweep<S, D>& motion_b, const std::type_identity_t<point<D>>* face,
+                              const impact_settings<S>& settings) {
+    const cast_precision precision = cast_precision::of<S>(a, b);
+    const point<D> origin = to_point(motion_a.start);
+    const moving_core<D> moving_a(a, motion_a, origin), moving_b(b, motion_b, origin);
+    const point<D> way =
+        (to_point(motion_b.end) - to_point(motion_b.start)) - (to_point(motion_a.end) - to_point(motion_a.start));
+    const moving_pair<D> pair{moving_a, moving_b, way, face, a.radius + b.radius, precision.error, precision.relative};
+    return first_impact(pair, detail::to_double(settings.target), detail::to_double(settings.tolerance));
+}
+template <class S, int D>
+impact<S, D> rounded_impact(const moving_impact<D>& m, const sweep<S, D>& motion, const point<D>& normal,
+                            const point<D>& at) {
+    impact<S, D> result{m.state, rounded_down<S>(m.time), {}, {}};
+    if (m.state != impact_state::hit) return result;
+    const point<D> start = to_point(motion.start), center = start + (to_point(motion.end) - start) * m.time;
+    result.normal = from_point<S>(normal);
+    result.point = from_point<S>(center + at);
+    return result;
+}
+
+}  // namespace detail
+
+/// The first time at which two shapes that move and turn come as close as a target, if they do. Up to the fraction they
+/// are apart, whatever the spin and the speed, at least by the target, or by half of what they have at the beginning
+/// where that is less; rounding of double aside. So shapes that rest on each other or slide are not stopped. Any number
+/// of turns within the motion is seen. Source: Mirtich, Impulse-based dynamic simulation of rigid body systems (1996);
+/// the separating axis that turns along is Catto's, Continuous collision, GDC (2013), here with a bound that proves it.
+/// Cost: 0.1 us where they stay far apart, else 0.6 to 2 us in the plane, 1.5 to 5 us in space; more for many turns.
+template <class A, class B, class S, int D>
+    requires detail::has_core<A> && detail::has_core<B>
+impact<S, D> time_of_impact(const A& a, const sweep<S, D>& motion_a, const B& b, const sweep<S, D>& motion_b,
+                            const std::type_identity_t<impact_settings<S>>& settings = {}) {
+    const detail::core<D> core_a = core_of(a);
+    const auto m = detail::swept_impact(core_a, motion_a, core_of(b), motion_b, nullptr, settings);
+    return detail::rounded_impact(m, motion_a, m.normal, m.on_a + m.normal * core_a.radius);
+}
+/// The same where A is a halfspace.
+template <class B, class S, int D>
+    requires detail::has_core<B>
+impact<S, D> time_of_impact(const halfspace<S, D>& a, const sweep<S, D>& motion_a, const B& b,
+                            const sweep<S, D>& motion_b,
+                            const std::type_identity_t<impact_settings<S>>& settings = {}) {
+    const detail::bounding_half<D> half(a);
+    detail::core<D> surface;
+    surface.corner[0] = half.normal * half.offset;
+    const auto m = detail::swept_impact(surface, motion_a, core_of(b), motion_b, &half.normal, settings);
+    return detail::rounded_impact(m, motion_a, m.normal, m.on_a);
+}
+/// The same where B is a halfspace.
+template <class A, class S, int D>
+    requires detail::has_core<A>
+impact<S, D> time_of_impact(const A& a, const sweep<S, D>& motion_a, const halfspace<S, D>& b,
+                            const sweep<S, D>& motion_b,
+                            const std::type_identity_t<impact_settings<S>>& settings = {}) {
+    const detail::bounding_half<D> half(b);
+    detail::core<D> surface;
+    surface.corner[0] = half.normal * half.offset;
+    const auto m = detail::swept_impact(surface, motion_b, core_of(a), motion_a, &half.normal, settings);
+    return detail::rounded_impact(m, motion_b, -m.normal, m.on_a + m.normal * m.gap);
+}
 
 PHYSICS_HPP_END
 
@@ -10968,6 +16971,8 @@ struct contact {
     /// Numbers of the shapes and bodies; the normal points from A to B.
     std::uint32_t shape_a, shape_b;
     std::uint32_t body_a, body_b;
+    /// Which part of a concave shape touches; 0 of convex ones.
+    std::uint32_t part = 0;
     vec<S, D> normal;
     contact_point<S, D> points[manifold<S, D>::capacity];
     int count = 0;
@@ -11002,26 +17007,30 @@ struct tangents3 {
 template <class S, int D>
 using tangents = std::conditional_t<D == 2, tangents2<S>, tangents3<S>>;
 
+/// Hands the impulse of the same feature in an old contact to a point.
+template <class S, int D>
+void inherit_impulse(const contact<S, D>& old, const tangents<S, D>& frame, contact_point<S, D>& point) {
+    for (int j = 0; j < old.count && !point.persisted; ++j) {
+        if (old.points[j].feature != point.feature) continue;
+        point.normal_impulse = old.points[j].normal_impulse;
+        point.friction_impulse =
+            frame.components(tangents<S, D>(old.normal).combine(old.points[j].friction_impulse));
+        point.persisted = true;
+    }
+}
+
 /// Hands the impulses of last step's contacts to the same features of this step's. Both lists are in
-/// ascending order of their pairs, so one walk along both finds the matches: O(n), no hashing. Points that
-/// are new start from zero: only what outlives a step is warm.
+/// ascending order of their pairs, so one walk along both finds the matches: O(n), no hashing; a pair of several
+/// contacts is searched whole. Points that are new start from zero: only what outlives a step is warm.
 template <class S, int D>
 void inherit_impulses(const buffer<contact<S, D>>& before, buffer<contact<S, D>>& now) {
     std::uint32_t i = 0;
     for (contact<S, D>& c : now) {
         while (i < before.size() && before[i].key() < c.key()) ++i;
         if (i == before.size()) return;
-        const contact<S, D>& old = before[i];
-        if (!(old.key() == c.key())) continue;
-        const tangents<S, D> old_frame(old.normal), frame(c.normal);
-        for (int k = 0; k < c.count; ++k)
-            for (int j = 0; j < old.count; ++j) {
-                if (old.points[j].feature != c.points[k].feature) continue;
-                c.points[k].normal_impulse = old.points[j].normal_impulse;
-                c.points[k].friction_impulse = frame.components(old_frame.combine(old.points[j].friction_impulse));
-                c.points[k].persisted = true;
-                break;
-            }
+        const tangents<S, D> frame(c.normal);
+        for (std::uint32_t n = i; n < before.size() && before[n].key() == c.key(); ++n)
+            for (int k = 0; k < c.count; ++k) inherit_impulse(before[n], frame, c.points[k]);
     }
 }
 
@@ -11450,6 +17459,8 @@ struct contact_view {
 
     shape_id shape_a, shape_b;
     body_id body_a, body_b;
+    /// Which part of a concave shape touches: the number of a triangle, segment or child; 0 of convex shapes.
+    std::uint32_t part;
     /// Unit normal from A to B, and unit tangents (one in the plane, two in space), in world axes.
     vec<S, D> normal;
     physics::tangents<S, D> tangents;
@@ -11545,16 +17556,29 @@ struct shape_names {
     using capsule = physics::capsule<S, D>;
     using box = physics::box<S, D>;
     using halfspace = physics::halfspace<S, D>;
+    using hull = physics::hull<S, D>;
+    using hull_geometry = physics::hull_geometry<S, D>;
+    using heightfield = physics::heightfield<S, D>;
+    using heightfield_geometry = physics::heightfield_geometry<S, D>;
+    using compound = physics::compound<S, D>;
+    using compound_child = physics::compound_child<S, D>;
+    using compound_geometry = physics::compound_geometry<S, D>;
 };
 template <class S, int D>
 struct shape_aliases;
 template <class S>
 struct shape_aliases<S, 2> : shape_names<S, 2> {
     using circle = physics::ball<S, 2>;
+    using chain = physics::chain<S, 2>;
+    using chain_geometry = physics::chain_geometry<S, 2>;
+    using tile_grid = physics::tile_grid<S, 2>;
+    using tile_grid_geometry = physics::tile_grid_geometry<S, 2>;
 };
 template <class S>
 struct shape_aliases<S, 3> : shape_names<S, 3> {
     using sphere = physics::ball<S, 3>;
+    using mesh = physics::mesh<S, 3>;
+    using mesh_geometry = physics::mesh_geometry<S, 3>;
 };
 
 /// A recipe's choices, resolved: every stage with its type in the recipe's space.
@@ -11825,6 +17849,37 @@ struct shape_record {
     std::uint64_t user_data = 0;
 };
 
+/// The shapes of a world. It is one of the owners of the geometry that its shapes are made of.
+template <class Plan>
+class shape_pool : public pool<shape_record<Plan>> {
+    using base = pool<shape_record<Plan>>;
+
+public:
+    shape_pool() = default;
+    shape_pool(const shape_pool& other) : base(other) { each_geometry(retain); }
+    shape_pool(shape_pool&& other) noexcept = default;
+    shape_pool& operator=(shape_pool other) noexcept {
+        base::swap(other);
+        return *this;
+    }
+    ~shape_pool() { each_geometry(release); }
+
+    typename base::place insert(const shape_record<Plan>& record) {
+        retain(record.shape.geometry());
+        return base::insert(record);
+    }
+    void erase(std::uint32_t index) {
+        release((*this)[index].shape.geometry());
+        base::erase(index);
+    }
+
+private:
+    void each_geometry(void (*change)(const geometry_block*)) const {
+        if constexpr (Plan::shape::has_geometry)
+            base::each([&](std::uint32_t, const auto& record) { change(record.shape.geometry()); });
+    }
+};
+
 /// The state of a world. Copying it copies the world.
 template <class Plan>
 struct state {
@@ -11833,7 +17888,7 @@ struct state {
 
     typename Plan::settings settings;
     pool<body<S, D>> bodies;
-    pool<shape_record<Plan>> shapes;
+    shape_pool<Plan> shapes;
     typename Plan::broadphase broadphase;
     /// Contacts of the last step, in ascending order of their pairs.
     buffer<contact<S, D>> contacts;
@@ -11843,6 +17898,7 @@ struct state {
     std::uint16_t tag = 0;
 
     // Scratch of the step: nothing in it outlives one.
+    manifold_list<S, D> manifolds;
     buffer<contact<S, D>> found;
     buffer<transform<S, D>> starts;
     arena scratch;
@@ -12481,11 +18537,14 @@ public:
         const auto box = bounds(s.shape, s.local);
         add(box.lower);
         add(box.upper);
+        s.shape.visit([&](const auto& shape) {
+            if constexpr (refers_to_geometry<std::remove_cvref_t<decltype(shape)>>) add(shape.geometry->digest);
+        });
     }
     template <class S, int D>
     void add(const contact<S, D>& c) {
         add(c.normal);
-        add(static_cast<std::uint64_t>(c.count));
+        add(static_cast<std::uint64_t>(c.count) | std::uint64_t{c.part} << 32);
         for (int k = 0; k < c.count; ++k) {
             add(std::uint64_t{c.points[k].feature});
             add(c.points[k].normal_impulse);
@@ -12524,6 +18583,201 @@ std::uint64_t state_hash(const state<Plan>& s) {
     h.add(std::uint64_t{s.contacts.size()});
     for (const auto& c : s.contacts) h.add(hash_of(std::uint64_t{c.shape_a} << 32 | c.shape_b, c));
     return h.value();
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/world/queries.hpp
+// =================================================================================================
+// What can be asked of a world: rays, casts, overlaps, the closest thing.
+
+PHYSICS_HPP_BEGIN
+
+/// The shape that a ray or a moving shape meets first, and where, in world axes.
+template <class S, int D>
+struct world_hit {
+    shape_id shape;
+    body_id body;
+    /// The part of the translation up to there; 0 if it begins in touch.
+    S fraction = S(1);
+    /// On the shape's surface.
+    vec<S, D> point;
+    /// Unit vector out of the shape; null where a ray begins within.
+    vec<S, D> normal;
+
+    /// True if anything is hit.
+    explicit operator bool() const { return static_cast<bool>(shape); }
+};
+
+/// The shape closest to a point.
+template <class S, int D>
+struct nearest_shape {
+    shape_id shape;
+    body_id body;
+    /// From the surface to the point (m); negative within.
+    S distance{};
+    /// On the surface.
+    vec<S, D> point;
+    /// Unit vector out of the shape.
+    vec<S, D> normal;
+
+    explicit operator bool() const { return static_cast<bool>(shape); }
+};
+
+namespace detail {
+
+/// A point, as a shape to ask with.
+template <class S, int D>
+struct tip {};
+template <class S, int D>
+bool check(const tip<S, D>&, const char*) {
+    return true;
+}
+template <class S, int D>
+aabb<S, D> bounds(const tip<S, D>&, const transform<S, D>& at) {
+    return {at.position, at.position};
+}
+template <class S, int D>
+core<D> core_of(const tip<S, D>&) {
+    return {};
+}
+
+template <class Plan>
+shape_id id_of_shape(const state<Plan>& s, std::uint32_t i) {
+    return {i, s.shapes.generation(i), s.tag};
+}
+template <class Plan>
+body_id body_of_shape(const state<Plan>& s, std::uint32_t i) {
+    const std::uint32_t b = s.shapes[i].body;
+    return {b, s.bodies.generation(b), s.tag};
+}
+
+/// Calls f(shape's number) for shapes whose boxes reach into a box.
+template <class Plan, class F>
+void each_near(const state<Plan>& s, const aabb<typename Plan::scalar, Plan::dimension>& box,
+               const query_filter& filter, F&& f) {
+    if constexpr (requires { s.broadphase.each_overlapping(box, filter, f); }) {
+        s.broadphase.each_overlapping(box, filter, f);
+    } else {
+        s.shapes.each([&](std::uint32_t i, const auto& shape) {
+            if (filter.sees(filter_of(s, shape)) && overlap(needed_box(s, shape), box)) f(i);
+        });
+    }
+}
+/// Calls f(shape's number) for shapes whose boxes a ray meets; f returns the fraction up to which it goes on.
+template <class Plan, class F>
+void each_on(const state<Plan>& s, const ray<typename Plan::scalar, Plan::dimension>& r, const query_filter& filter,
+             F&& f) {
+    using S = typename Plan::scalar;
+    if constexpr (requires { s.broadphase.each_along(r, filter, [](const proxy_hit<S>&) { return S(1); }); }) {
+        s.broadphase.each_along(r, filter, [&](const proxy_hit<S>& hit) { return f(hit.id); });
+    } else {
+        S limit(1), at{};
+        s.shapes.each([&](std::uint32_t i, const auto& shape) {
+            if (limit >= S(0) && filter.sees(filter_of(s, shape)) && meets(r, needed_box(s, shape), limit, at))
+                limit = min(limit, f(i));
+        });
+    }
+}
+template <class S, int D>
+bool check_way(const char* function, const char* from, vec<S, D> origin, vec<S, D> translation) {
+    return check_finite(function, from, origin) && check_finite(function, "translation", translation) &&
+           check_finite(function, "end of the way", origin + translation);
+}
+
+template <class Plan, class Visit>
+void cast_ray(const state<Plan>& s, const char* function, vec<typename Plan::scalar, Plan::dimension> origin,
+              vec<typename Plan::scalar, Plan::dimension> translation, const query_filter& filter, Visit&& visit) {
+    using S = typename Plan::scalar;
+    if (!check_way(function, "origin", origin, translation)) return;
+    S limit(1);
+    each_on(s, {origin, translation}, filter, [&](std::uint32_t i) {
+        const auto hit = ray_cast(s.shapes[i].shape, world_pose(s, s.shapes[i]), origin, translation);
+        if (hit && !(hit.fraction > limit))
+            limit = min(limit, visit(world_hit<S, Plan::dimension>{id_of_shape(s, i), body_of_shape(s, i), hit.fraction,
+                                                                   hit.point, hit.normal}));
+        return limit;
+    });
+}
+
+/// Whether the first of two hits comes first: the numbers of shapes decide where both come at once.
+template <class Hit>
+bool comes_first(const Hit& a, const Hit& b) {
+    return !b || a.fraction < b.fraction || (a.fraction == b.fraction && a.shape.index < b.shape.index);
+}
+
+template <class Plan, class Shape>
+world_hit<typename Plan::scalar, Plan::dimension> cast_shape(
+    const state<Plan>& s, const Shape& shape, const transform<typename Plan::scalar, Plan::dimension>& pose,
+    vec<typename Plan::scalar, Plan::dimension> translation, const query_filter& filter) {
+    using S = typename Plan::scalar;
+    constexpr int D = Plan::dimension;
+    const char* f = "cast_shape";
+    world_hit<S, D> first;
+    if (!check(shape, f) || !check_pose(f, pose.position, pose.rotation) ||
+        !check_way(f, "position", pose.position, translation))
+        return first;
+    const aabb<S, D> box = bounds(shape, pose);
+    const vec<S, D> middle = box.lower + (box.upper - box.lower) * S(0.5);
+    each_on(s, {middle, translation, (box.upper - box.lower) * S(0.5)}, filter, [&](std::uint32_t i) {
+        const transform<S, D> at = world_pose(s, s.shapes[i]);
+        s.shapes[i].shape.visit([&](const auto& other) {
+            const auto hit = shape_cast(other, shape, relative(at, pose), inverse_rotate(at.rotation, translation));
+            const world_hit<S, D> found{id_of_shape(s, i), body_of_shape(s, i), hit.fraction, at * hit.point,
+                                        at.rotation * hit.normal};
+            if (hit && comes_first(found, first)) first = found;
+        });
+        return first ? first.fraction : S(1);
+    });
+    return first;
+}
+
+/// The separation of any shape and a convex one, if it is at most `reach`; else more than that.
+template <class A, class B, class S, int D>
+closest_points<S, D> separation_within(const A& a, const B& b, const transform<S, D>& b_in_a, S reach) {
+    if constexpr (has_parts<A, D>) return separation(a, b, b_in_a, reach);
+    else return separation(a, b, b_in_a);
+}
+
+template <class Plan, class Shape, class Visit>
+void each_overlapping(const state<Plan>& s, const Shape& shape,
+                      const transform<typename Plan::scalar, Plan::dimension>& pose, const query_filter& filter,
+                      Visit&& visit) {
+    using S = typename Plan::scalar;
+    const char* f = "each_overlapping";
+    if (!check(shape, f) || !check_pose(f, pose.position, pose.rotation)) return;
+    each_near(s, bounds(shape, pose), filter, [&](std::uint32_t i) {
+        const auto at = relative(world_pose(s, s.shapes[i]), pose);
+        const bool touches = s.shapes[i].shape.visit(
+            [&](const auto& other) { return !(separation_within(other, shape, at, S(0)).distance > S(0)); });
+        if (touches) visit(id_of_shape(s, i));
+    });
+}
+
+template <class Plan>
+nearest_shape<typename Plan::scalar, Plan::dimension> closest_shape(const state<Plan>& s,
+                                                                    vec<typename Plan::scalar, Plan::dimension> point,
+                                                                    typename Plan::scalar reach,
+                                                                    const query_filter& filter) {
+    using S = typename Plan::scalar;
+    constexpr int D = Plan::dimension;
+    const char* f = "closest_shape";
+    nearest_shape<S, D> best;
+    if (!check_finite(f, "point", point) || !check_not_negative(f, "reach", reach)) return best;
+    each_near(s, grown(aabb<S, D>{point, point}, reach), filter, [&](std::uint32_t i) {
+        const transform<S, D> at = world_pose(s, s.shapes[i]);
+        s.shapes[i].shape.visit([&](const auto& other) {
+            const auto c = separation_within(other, tip<S, D>{}, relative(at, transform<S, D>{point, {}}), reach);
+            const bool nearer = !best || c.distance < best.distance ||
+                                (c.distance == best.distance && i < best.shape.index);
+            if (c.distance > reach || !nearer) return;
+            best = {id_of_shape(s, i), body_of_shape(s, i), c.distance, at * c.on_a, at.rotation * c.normal};
+        });
+    });
+    return best;
 }
 
 }  // namespace detail
@@ -12604,7 +18858,7 @@ auto view_of(const state<Plan>& s, const contact<typename Plan::scalar, Plan::di
     contact_view<S, D> view{
         {c.shape_a, s.shapes.generation(c.shape_a), s.tag}, {c.shape_b, s.shapes.generation(c.shape_b), s.tag},
         {c.body_a, s.bodies.generation(c.body_a), s.tag},   {c.body_b, s.bodies.generation(c.body_b), s.tag},
-        c.normal, tangents<S, D>(c.normal), {}, c.count, c.friction, c.restitution};
+        c.part, c.normal, tangents<S, D>(c.normal), {}, c.count, c.friction, c.restitution};
     for (int k = 0; k < c.count; ++k) {
         const contact_point<S, D>& p = c.points[k];
         const vec<S, D> local_a = inverse_rotate(s.contact_starts[c.body_a].rotation, p.lever_a) + a.mass.center;
@@ -12676,26 +18930,24 @@ void find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs) {
     constexpr int D = Plan::dimension;
     const std::uint32_t count = pairs.size();
     auto* queries = s.scratch.template take<typename Plan::query>(count);
-    auto* manifolds = s.scratch.template take<manifold<S, D>>(count);
     for (std::uint32_t i = 0; i < count; ++i) {
         const proxy_pair p = in_order_of_kinds(s, pairs[i]);
         const auto& a = s.shapes[p.a];
         const auto& b = s.shapes[p.b];
         new (queries + i) typename Plan::query{&a.shape, &b.shape, relative(world_pose(s, a), world_pose(s, b))};
     }
-    Plan::narrowphase::collide(queries, count, s.settings.contact_margin, manifolds);
+    s.manifolds.clear();
+    Plan::narrowphase::collide(queries, count, s.settings.contact_margin, s.manifolds);
 
     s.found.clear();
-    for (std::uint32_t i = 0; i < count; ++i) {
-        const manifold<S, D>& m = manifolds[i];
-        if (m.count == 0) continue;
-        const proxy_pair p = in_order_of_kinds(s, pairs[i]);
+    for (const auto& [query, part, m] : s.manifolds) {
+        const proxy_pair p = in_order_of_kinds(s, pairs[query]);
         const auto& a = s.shapes[p.a];
         const auto& b = s.shapes[p.b];
         const transform<S, D> pose = world_pose(s, a);
         const vec<S, D> from_a = pose.position - s.bodies[a.body].center;
         const vec<S, D> from_b = pose.position - s.bodies[b.body].center;
-        contact<S, D> c{p.a, p.b, a.body, b.body, pose.rotation * m.normal, {}, m.count, S(0), S(0)};
+        contact<S, D> c{p.a, p.b, a.body, b.body, part, pose.rotation * m.normal, {}, m.count, S(0), S(0)};
         for (int k = 0; k < m.count; ++k) {
             const vec<S, D> at = pose.rotation * m.points[k].position;
             c.points[k].lever_a = from_a + at;
@@ -12858,6 +19110,8 @@ public:
     using contact_view = physics::contact_view<scalar, dimension>;
     using material = physics::material<scalar>;
     using any_shape = typename plan::shape;
+    using world_hit = physics::world_hit<scalar, dimension>;
+    using nearest_shape = physics::nearest_shape<scalar, dimension>;
 
     /// An empty world. Refuses settings out of range, and a build whose arithmetic would not give the same
     /// bits as every other (see float_environment).
@@ -13102,6 +19356,46 @@ public:
     }
     void set_user_data(shape_id id, std::uint64_t data) {
         if (const auto s = detail::find_shape(state_, id, "set_user_data")) state_.shapes[s.index].user_data = data;
+    }
+
+    /// Queries see shapes where they are now; the filter says which (see query_filter). O(log shapes) where the
+    /// broadphase answers queries, as those of the library do; else O(shapes).
+    /// The first shape that a ray meets on its way from a point, along a translation (m); of several at once that of
+    /// the least number.
+    [[nodiscard]] world_hit cast_ray(vec origin, vec translation, const query_filter& filter = {}) const {
+        world_hit first;
+        detail::cast_ray(state_, "cast_ray", origin, translation, filter, [&](const world_hit& hit) {
+            if (detail::comes_first(hit, first)) first = hit;
+            return first.fraction;
+        });
+        return first;
+    }
+    /// Calls visit(hit) for shapes that the ray meets, in any order. visit returns the fraction of the translation up
+    /// to which the ray goes on: hit.fraction for the closest, 1 for all, -1 to stop.
+    template <class Visit>
+    void each_on_ray(vec origin, vec translation, const query_filter& filter, Visit&& visit) const {
+        detail::cast_ray(state_, "each_on_ray", origin, translation, filter, visit);
+    }
+    /// The first shape that a convex shape meets on its way from a pose along a translation, without turning.
+    template <class Shape>
+    [[nodiscard]] world_hit cast_shape(const Shape& shape, const transform& pose, vec translation,
+                                       const query_filter& filter = {}) const {
+        return detail::cast_shape(state_, shape, pose, translation, filter);
+    }
+    /// Calls visit(shape_id) for every shape that a convex shape at that pose touches or overlaps, in any order.
+    template <class Shape, class Visit>
+    void each_overlapping(const Shape& shape, const transform& pose, const query_filter& filter, Visit&& visit) const {
+        detail::each_overlapping(state_, shape, pose, filter, visit);
+    }
+    /// Calls visit(shape_id) for every shape that holds a point, in any order.
+    template <class Visit>
+    void each_at(vec point, const query_filter& filter, Visit&& visit) const {
+        if (detail::check_finite("each_at", "point", point))
+            detail::each_overlapping(state_, detail::tip<scalar, dimension>{}, {point, {}}, filter, visit);
+    }
+    /// The shape closest to a point, none farther than `reach` (m).
+    [[nodiscard]] nearest_shape closest_shape(vec point, scalar reach, const query_filter& filter = {}) const {
+        return detail::closest_shape(state_, point, reach, filter);
     }
 
 private:

@@ -6,6 +6,11 @@
 
 #include "figures.hpp"
 
+// Which policy the laws hold for.
+#ifndef CELL_NARROWPHASE
+#define CELL_NARROWPHASE physics::best_per_pair
+#endif
+
 namespace {
 
 using manifold = physics::manifold<S, D>;
@@ -20,11 +25,10 @@ struct encounter {
 inline manifold collide(const encounter& e) {
     using query = physics::narrowphase_query<S, D, physics::ball, physics::capsule, physics::box, physics::halfspace>;
     const query q{&e.a, &e.b, e.b_in_a};
-    manifold m;
-    m.count = 77;  // what was there before does not matter
-    physics::best_per_pair::in<S, D, physics::ball, physics::capsule, physics::box, physics::halfspace>::collide(
-        &q, 1, e.margin, &m);
-    return m;
+    physics::manifold_list<S, D> found;
+    CELL_NARROWPHASE::in<S, D, physics::ball, physics::capsule, physics::box, physics::halfspace>::collide(
+        &q, 1, e.margin, found);
+    return found.empty() ? manifold{} : found[0].contact;
 }
 
 /// How far apart A and B are along a unit vector from A to B; negative where they overlap. The signed

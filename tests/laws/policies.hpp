@@ -87,9 +87,12 @@ struct one_by_one {
     template <class Scalar, int Dimension, template <class, int> class... Shapes>
     struct in {
         static void collide(const physics::narrowphase_query<Scalar, Dimension, Shapes...>* queries, std::uint32_t count, Scalar margin,
-                            physics::manifold<Scalar, Dimension>* out) {
-            for (std::uint32_t i = count; i-- > 0;)
-                physics::best_per_pair::in<Scalar, Dimension, Shapes...>::collide(queries + i, 1, margin, out + i);
+                            physics::manifold_list<Scalar, Dimension>& found) {
+            for (std::uint32_t i = 0; i < count; ++i) {
+                const std::uint32_t first = found.size();
+                physics::best_per_pair::in<Scalar, Dimension, Shapes...>::collide(queries + i, 1, margin, found);
+                for (std::uint32_t k = first; k < found.size(); ++k) found[k].query = i;
+            }
         }
     };
 };

@@ -57,10 +57,8 @@ struct blind {
 
     template <class T, int D, template <class, int> class... Shapes>
     struct in {
-        static void collide(const physics::narrowphase_query<T, D, Shapes...>*, std::uint32_t count, T,
-                            physics::manifold<T, D>* out) {
-            for (std::uint32_t i = 0; i < count; ++i) out[i] = {};
-        }
+        static void collide(const physics::narrowphase_query<T, D, Shapes...>*, std::uint32_t, T,
+                            physics::manifold_list<T, D>&) {}
     };
 };
 

@@ -154,7 +154,7 @@ constexpr S tan(S x) {
 template <scalar_type S>
 constexpr S atan2(S y, S x) {
     if constexpr (std::floating_point<S>)
-        return static_cast<S>(detail::arctangent2<detail::is_precise<S>>(y, x));
+        return static_cast<S>(detail::arctangent2<detail::is_precise<S>>(detail::to_double(y), detail::to_double(x)));
     else if constexpr (detail::is_fixed<S>)
         return S::from_raw(detail::fixed_arctangent2<typename S::rep, S::fraction_bits>(y.raw(), x.raw()));
     else

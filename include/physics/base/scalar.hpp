@@ -136,6 +136,27 @@ constexpr wide_of<S> widen(S a) {
     return product(a, S(1));
 }
 
+namespace detail {
+/// x as a double. Through an opaque step for floats: the vectoriser of gcc 12 forgets the rounding of floats that are
+/// made of doubles and become doubles again in the same function.
+template <scalar_type S>
+constexpr double to_double(S x) {
+#if defined(__GNUC__) && !defined(__clang__)
+    if constexpr (std::is_same_v<S, float>)
+        if (!std::is_constant_evaluated()) {
+#if defined(__SSE2__)
+            __asm__("" : "+x"(x));
+#elif defined(__aarch64__)
+            __asm__("" : "+w"(x));
+#else
+            __asm__("" : "+m"(x));
+#endif
+        }
+#endif
+    return static_cast<double>(x);
+}
+}  // namespace detail
+
 template <scalar_type S>
 constexpr S min(S a, S b) {
     return b < a ? b : a;

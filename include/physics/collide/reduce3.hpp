@@ -7,6 +7,9 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
+/// The most points that reduce() chooses from.
+inline constexpr int most_candidates = 72;
+
 /// Adds up to four of the candidates to the manifold: the deepest, the farthest beside it, then the points
 /// that open the widest triangles on either side. Depth counts before distance, so that no overlap is left
 /// without a point near it. Among candidates that are alike, depths within `slack` and distances within a
@@ -18,7 +21,7 @@ constexpr void reduce(const manifold_point<S, 3>* candidates, int count, vec<S, 
         for (int i = 0; i < count; ++i) out.points[out.count++] = candidates[i];
         return;
     }
-    bool taken[8] = {};
+    bool taken[most_candidates] = {};
     const auto take = [&](int i) {
         taken[i] = true;
         out.points[out.count++] = candidates[i];

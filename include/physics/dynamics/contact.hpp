@@ -42,6 +42,8 @@ struct contact {
     /// Numbers of the shapes and bodies; the normal points from A to B.
     std::uint32_t shape_a, shape_b;
     std::uint32_t body_a, body_b;
+    /// Which part of a concave shape touches; 0 of convex ones.
+    std::uint32_t part = 0;
     vec<S, D> normal;
     contact_point<S, D> points[manifold<S, D>::capacity];
     int count = 0;
@@ -76,26 +78,30 @@ struct tangents3 {
 template <class S, int D>
 using tangents = std::conditional_t<D == 2, tangents2<S>, tangents3<S>>;
 
+/// Hands the impulse of the same feature in an old contact to a point.
+template <class S, int D>
+void inherit_impulse(const contact<S, D>& old, const tangents<S, D>& frame, contact_point<S, D>& point) {
+    for (int j = 0; j < old.count && !point.persisted; ++j) {
+        if (old.points[j].feature != point.feature) continue;
+        point.normal_impulse = old.points[j].normal_impulse;
+        point.friction_impulse =
+            frame.components(tangents<S, D>(old.normal).combine(old.points[j].friction_impulse));
+        point.persisted = true;
+    }
+}
+
 /// Hands the impulses of last step's contacts to the same features of this step's. Both lists are in
-/// ascending order of their pairs, so one walk along both finds the matches: O(n), no hashing. Points that
-/// are new start from zero: only what outlives a step is warm.
+/// ascending order of their pairs, so one walk along both finds the matches: O(n), no hashing; a pair of several
+/// contacts is searched whole. Points that are new start from zero: only what outlives a step is warm.
 template <class S, int D>
 void inherit_impulses(const buffer<contact<S, D>>& before, buffer<contact<S, D>>& now) {
     std::uint32_t i = 0;
     for (contact<S, D>& c : now) {
         while (i < before.size() && before[i].key() < c.key()) ++i;
         if (i == before.size()) return;
-        const contact<S, D>& old = before[i];
-        if (!(old.key() == c.key())) continue;
-        const tangents<S, D> old_frame(old.normal), frame(c.normal);
-        for (int k = 0; k < c.count; ++k)
-            for (int j = 0; j < old.count; ++j) {
-                if (old.points[j].feature != c.points[k].feature) continue;
-                c.points[k].normal_impulse = old.points[j].normal_impulse;
-                c.points[k].friction_impulse = frame.components(old_frame.combine(old.points[j].friction_impulse));
-                c.points[k].persisted = true;
-                break;
-            }
+        const tangents<S, D> frame(c.normal);
+        for (std::uint32_t n = i; n < before.size() && before[n].key() == c.key(); ++n)
+            for (int k = 0; k < c.count; ++k) inherit_impulse(before[n], frame, c.points[k]);
     }
 }
 

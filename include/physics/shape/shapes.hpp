@@ -4,9 +4,18 @@
 #include "physics/shape/ball.hpp"
 #include "physics/shape/box.hpp"
 #include "physics/shape/capsule.hpp"
+#include "physics/shape/geometry.hpp"
 #include "physics/shape/halfspace.hpp"
 
 PHYSICS_HPP_BEGIN
+
+namespace detail {
+/// A shape that refers to a block of geometry.
+template <class Shape>
+concept refers_to_geometry = requires(const Shape s) {
+    { s.geometry } -> std::convertible_to<const geometry_block*>;
+};
+}  // namespace detail
 
 /// A value that holds one shape of a closed set. Size: the largest shape and its number.
 template <class S, int D, template <class, int> class... Shapes>
@@ -32,6 +41,16 @@ public:
     template <class Shape>
     [[nodiscard]] const Shape& get() const {
         return *std::launder(reinterpret_cast<const Shape*>(bytes_));
+    }
+    /// Whether any shape of the set refers to geometry, and the block that this one refers to; null if to none.
+    static constexpr bool has_geometry = (detail::refers_to_geometry<Shapes<S, D>> || ...);
+    [[nodiscard]] const detail::geometry_block* geometry() const {
+        if constexpr (has_geometry)
+            return visit([](const auto& shape) -> const detail::geometry_block* {
+                if constexpr (detail::refers_to_geometry<std::remove_cvref_t<decltype(shape)>>) return shape.geometry;
+                else return nullptr;
+            });
+        else return nullptr;
     }
     /// Calls f with the shape in its own type.
     template <class F>

@@ -73,11 +73,14 @@ public:
         const auto box = bounds(s.shape, s.local);
         add(box.lower);
         add(box.upper);
+        s.shape.visit([&](const auto& shape) {
+            if constexpr (refers_to_geometry<std::remove_cvref_t<decltype(shape)>>) add(shape.geometry->digest);
+        });
     }
     template <class S, int D>
     void add(const contact<S, D>& c) {
         add(c.normal);
-        add(static_cast<std::uint64_t>(c.count));
+        add(static_cast<std::uint64_t>(c.count) | std::uint64_t{c.part} << 32);
         for (int k = 0; k < c.count; ++k) {
             add(std::uint64_t{c.points[k].feature});
             add(c.points[k].normal_impulse);

@@ -72,7 +72,7 @@ auto view_of(const state<Plan>& s, const contact<typename Plan::scalar, Plan::di
     contact_view<S, D> view{
         {c.shape_a, s.shapes.generation(c.shape_a), s.tag}, {c.shape_b, s.shapes.generation(c.shape_b), s.tag},
         {c.body_a, s.bodies.generation(c.body_a), s.tag},   {c.body_b, s.bodies.generation(c.body_b), s.tag},
-        c.normal, tangents<S, D>(c.normal), {}, c.count, c.friction, c.restitution};
+        c.part, c.normal, tangents<S, D>(c.normal), {}, c.count, c.friction, c.restitution};
     for (int k = 0; k < c.count; ++k) {
         const contact_point<S, D>& p = c.points[k];
         const vec<S, D> local_a = inverse_rotate(s.contact_starts[c.body_a].rotation, p.lever_a) + a.mass.center;

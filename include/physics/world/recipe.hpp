@@ -4,6 +4,11 @@
 #include "physics/broadphase/dynamic_tree.hpp"
 #include "physics/collide/narrowphase.hpp"
 #include "physics/dynamics/sequential_impulse.hpp"
+#include "physics/shape/chain.hpp"
+#include "physics/shape/compound.hpp"
+#include "physics/shape/heightfield.hpp"
+#include "physics/shape/mesh.hpp"
+#include "physics/shape/tile_grid.hpp"
 #include "physics/world/settings.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -85,16 +90,29 @@ struct shape_names {
     using capsule = physics::capsule<S, D>;
     using box = physics::box<S, D>;
     using halfspace = physics::halfspace<S, D>;
+    using hull = physics::hull<S, D>;
+    using hull_geometry = physics::hull_geometry<S, D>;
+    using heightfield = physics::heightfield<S, D>;
+    using heightfield_geometry = physics::heightfield_geometry<S, D>;
+    using compound = physics::compound<S, D>;
+    using compound_child = physics::compound_child<S, D>;
+    using compound_geometry = physics::compound_geometry<S, D>;
 };
 template <class S, int D>
 struct shape_aliases;
 template <class S>
 struct shape_aliases<S, 2> : shape_names<S, 2> {
     using circle = physics::ball<S, 2>;
+    using chain = physics::chain<S, 2>;
+    using chain_geometry = physics::chain_geometry<S, 2>;
+    using tile_grid = physics::tile_grid<S, 2>;
+    using tile_grid_geometry = physics::tile_grid_geometry<S, 2>;
 };
 template <class S>
 struct shape_aliases<S, 3> : shape_names<S, 3> {
     using sphere = physics::ball<S, 3>;
+    using mesh = physics::mesh<S, 3>;
+    using mesh_geometry = physics::mesh_geometry<S, 3>;
 };
 
 /// A recipe's choices, resolved: every stage with its type in the recipe's space.

@@ -90,6 +90,8 @@ struct contact_view {
 
     shape_id shape_a, shape_b;
     body_id body_a, body_b;
+    /// Which part of a concave shape touches: the number of a triangle, segment or child; 0 of convex shapes.
+    std::uint32_t part;
     /// Unit normal from A to B, and unit tangents (one in the plane, two in space), in world axes.
     vec<S, D> normal;
     physics::tangents<S, D> tangents;

@@ -24,6 +24,37 @@ struct shape_record {
     std::uint64_t user_data = 0;
 };
 
+/// The shapes of a world. It is one of the owners of the geometry that its shapes are made of.
+template <class Plan>
+class shape_pool : public pool<shape_record<Plan>> {
+    using base = pool<shape_record<Plan>>;
+
+public:
+    shape_pool() = default;
+    shape_pool(const shape_pool& other) : base(other) { each_geometry(retain); }
+    shape_pool(shape_pool&& other) noexcept = default;
+    shape_pool& operator=(shape_pool other) noexcept {
+        base::swap(other);
+        return *this;
+    }
+    ~shape_pool() { each_geometry(release); }
+
+    typename base::place insert(const shape_record<Plan>& record) {
+        retain(record.shape.geometry());
+        return base::insert(record);
+    }
+    void erase(std::uint32_t index) {
+        release((*this)[index].shape.geometry());
+        base::erase(index);
+    }
+
+private:
+    void each_geometry(void (*change)(const geometry_block*)) const {
+        if constexpr (Plan::shape::has_geometry)
+            base::each([&](std::uint32_t, const auto& record) { change(record.shape.geometry()); });
+    }
+};
+
 /// The state of a world. Copying it copies the world.
 template <class Plan>
 struct state {
@@ -32,7 +63,7 @@ struct state {
 
     typename Plan::settings settings;
     pool<body<S, D>> bodies;
-    pool<shape_record<Plan>> shapes;
+    shape_pool<Plan> shapes;
     typename Plan::broadphase broadphase;
     /// Contacts of the last step, in ascending order of their pairs.
     buffer<contact<S, D>> contacts;
@@ -42,6 +73,7 @@ struct state {
     std::uint16_t tag = 0;
 
     // Scratch of the step: nothing in it outlives one.
+    manifold_list<S, D> manifolds;
     buffer<contact<S, D>> found;
     buffer<transform<S, D>> starts;
     arena scratch;

@@ -27,26 +27,24 @@ void find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs) {
     constexpr int D = Plan::dimension;
     const std::uint32_t count = pairs.size();
     auto* queries = s.scratch.template take<typename Plan::query>(count);
-    auto* manifolds = s.scratch.template take<manifold<S, D>>(count);
     for (std::uint32_t i = 0; i < count; ++i) {
         const proxy_pair p = in_order_of_kinds(s, pairs[i]);
         const auto& a = s.shapes[p.a];
         const auto& b = s.shapes[p.b];
         new (queries + i) typename Plan::query{&a.shape, &b.shape, relative(world_pose(s, a), world_pose(s, b))};
     }
-    Plan::narrowphase::collide(queries, count, s.settings.contact_margin, manifolds);
+    s.manifolds.clear();
+    Plan::narrowphase::collide(queries, count, s.settings.contact_margin, s.manifolds);
 
     s.found.clear();
-    for (std::uint32_t i = 0; i < count; ++i) {
-        const manifold<S, D>& m = manifolds[i];
-        if (m.count == 0) continue;
-        const proxy_pair p = in_order_of_kinds(s, pairs[i]);
+    for (const auto& [query, part, m] : s.manifolds) {
+        const proxy_pair p = in_order_of_kinds(s, pairs[query]);
         const auto& a = s.shapes[p.a];
         const auto& b = s.shapes[p.b];
         const transform<S, D> pose = world_pose(s, a);
         const vec<S, D> from_a = pose.position - s.bodies[a.body].center;
         const vec<S, D> from_b = pose.position - s.bodies[b.body].center;
-        contact<S, D> c{p.a, p.b, a.body, b.body, pose.rotation * m.normal, {}, m.count, S(0), S(0)};
+        contact<S, D> c{p.a, p.b, a.body, b.body, part, pose.rotation * m.normal, {}, m.count, S(0), S(0)};
         for (int k = 0; k < m.count; ++k) {
             const vec<S, D> at = pose.rotation * m.points[k].position;
             c.points[k].lever_a = from_a + at;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "physics/world/hash.hpp"
+#include "physics/world/queries.hpp"
 #include "physics/world/ranges.hpp"
 #include "physics/world/step.hpp"
 
@@ -36,6 +37,8 @@ public:
     using contact_view = physics::contact_view<scalar, dimension>;
     using material = physics::material<scalar>;
     using any_shape = typename plan::shape;
+    using world_hit = physics::world_hit<scalar, dimension>;
+    using nearest_shape = physics::nearest_shape<scalar, dimension>;
 
     /// An empty world. Refuses settings out of range, and a build whose arithmetic would not give the same
     /// bits as every other (see float_environment).
@@ -280,6 +283,46 @@ public:
     }
     void set_user_data(shape_id id, std::uint64_t data) {
         if (const auto s = detail::find_shape(state_, id, "set_user_data")) state_.shapes[s.index].user_data = data;
+    }
+
+    /// Queries see shapes where they are now; the filter says which (see query_filter). O(log shapes) where the
+    /// broadphase answers queries, as those of the library do; else O(shapes).
+    /// The first shape that a ray meets on its way from a point, along a translation (m); of several at once that of
+    /// the least number.
+    [[nodiscard]] world_hit cast_ray(vec origin, vec translation, const query_filter& filter = {}) const {
+        world_hit first;
+        detail::cast_ray(state_, "cast_ray", origin, translation, filter, [&](const world_hit& hit) {
+            if (detail::comes_first(hit, first)) first = hit;
+            return first.fraction;
+        });
+        return first;
+    }
+    /// Calls visit(hit) for shapes that the ray meets, in any order. visit returns the fraction of the translation up
+    /// to which the ray goes on: hit.fraction for the closest, 1 for all, -1 to stop.
+    template <class Visit>
+    void each_on_ray(vec origin, vec translation, const query_filter& filter, Visit&& visit) const {
+        detail::cast_ray(state_, "each_on_ray", origin, translation, filter, visit);
+    }
+    /// The first shape that a convex shape meets on its way from a pose along a translation, without turning.
+    template <class Shape>
+    [[nodiscard]] world_hit cast_shape(const Shape& shape, const transform& pose, vec translation,
+                                       const query_filter& filter = {}) const {
+        return detail::cast_shape(state_, shape, pose, translation, filter);
+    }
+    /// Calls visit(shape_id) for every shape that a convex shape at that pose touches or overlaps, in any order.
+    template <class Shape, class Visit>
+    void each_overlapping(const Shape& shape, const transform& pose, const query_filter& filter, Visit&& visit) const {
+        detail::each_overlapping(state_, shape, pose, filter, visit);
+    }
+    /// Calls visit(shape_id) for every shape that holds a point, in any order.
+    template <class Visit>
+    void each_at(vec point, const query_filter& filter, Visit&& visit) const {
+        if (detail::check_finite("each_at", "point", point))
+            detail::each_overlapping(state_, detail::tip<scalar, dimension>{}, {point, {}}, filter, visit);
+    }
+    /// The shape closest to a point, none farther than `reach` (m).
+    [[nodiscard]] nearest_shape closest_shape(vec point, scalar reach, const query_filter& filter = {}) const {
+        return detail::closest_shape(state_, point, reach, filter);
     }
 
 private:

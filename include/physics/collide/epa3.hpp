@@ -1,0 +1,324 @@
+// How deep two convex sets in space overlap: EPA.
+#pragma once
+
+#include "physics/base/raw_array.hpp"
+#include "physics/collide/gjk.hpp"
+#include "physics/space/orientation.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// How deep two cores overlap: the least translation of B along `normal` that parts them.
+template <int D>
+struct penetration {
+    /// Of unit length, from A to B.
+    point<D> normal;
+    /// Negative where rounding has parted the cores.
+    double depth = 0;
+    /// The points that touch once B has been moved by depth along the normal; A's.
+    point<D> on_a;
+    /// The vertices between which that point lies, as in cso_vertex.
+    std::uint32_t names[3] = {};
+    query_status status = query_status::converged;
+};
+
+/// A growing convex polyhedron of vertices of B - A. Its faces are found by exact orientation, so that it stays closed
+/// and convex whatever rounding does: each new vertex lies beyond at least one face, and no face is ever without area.
+class cso_hull {
+public:
+    static constexpr int most_vertices = 160, most_faces = 2 * most_vertices;
+    using index = std::uint16_t;
+
+    struct face {
+        index vertex[3];
+        /// Across the edges 0-1, 1-2, 2-0.
+        index neighbour[3];
+        /// Outwards, of twice the triangle's area.
+        point<3> normal;
+        double squared_normal;
+        /// dot(normal, p) of its points, and what rounding and the grid may change in such a product.
+        double height, error;
+    };
+
+    /// Begins with a tetrahedron, of points that do not lie in one plane.
+    cso_hull(const orientation& grid, double size, const cso_vertex<3> (&v)[4]) : grid_(grid), size_(size) {
+        const bool outwards = grid.of(v[0].w, v[1].w, v[2].w, v[3].w) < 0;
+        vertices_[0] = v[0];
+        vertices_[1] = v[outwards ? 1 : 2];
+        vertices_[2] = v[outwards ? 2 : 1];
+        vertices_[3] = v[3];
+        vertex_count_ = 4;
+        set(0, 0, 1, 2, 1, 2, 3);
+        set(1, 0, 3, 1, 3, 2, 0);
+        set(2, 1, 3, 2, 1, 3, 0);
+        set(3, 2, 3, 0, 2, 1, 0);
+        face_count_ = 4;
+    }
+
+    [[nodiscard]] const cso_vertex<3>& vertex(int i) const { return vertices_[i]; }
+    [[nodiscard]] const face& at(int i) const { return faces_[i]; }
+    [[nodiscard]] bool full() const { return vertex_count_ == most_vertices; }
+    /// The face that is closest to the origin, seen from within; its distance is negative if the origin is outside.
+    [[nodiscard]] int closest() const {
+        int best = 0;
+        for (int i = 1; i < face_count_; ++i)
+            if (key_[i] < key_[best]) best = i;
+        return best;
+    }
+    [[nodiscard]] point<3> unit_normal(int f) const { return unit(faces_[f].normal); }
+    [[nodiscard]] double distance(int f) const { return key_[f] < 0 ? -sqrt(-key_[f]) : sqrt(key_[f]); }
+    /// Corrects the distance of a face whose normal is not what its corners say exactly, since it is thin.
+    void set_distance(int f, double distance) { key_[f] = distance * abs(distance); }
+    /// On which side of a face a point lies: 1 where it sees it.
+    [[nodiscard]] int side(int f, const point<3>& p) const {
+        const face& it = faces_[f];
+        const double det = dot(it.normal, p) - it.height;
+        if (det > it.error) return 1;
+        if (det < -it.error) return -1;
+        return grid_.exact_side(w(it.vertex[0]), w(it.vertex[1]), w(it.vertex[2]), p);
+    }
+
+    /// Adds a vertex that lies beyond the face `seen`. The hull must not be full.
+    void add(const cso_vertex<3>& v, int seen) {
+        const index apex = static_cast<index>(vertex_count_);
+        vertices_[vertex_count_++] = v;
+        // All faces that see the vertex, and the edges between them and the others.
+        int open = 0;
+        visible_count_ = 0;
+        horizon_count_ = 0;
+        mark_visible(seen);
+        while (open < visible_count_) {
+            const index f = visible_[open++];
+            for (int e = 0; e < 3; ++e) {
+                const index other = faces_[f].neighbour[e];
+                if (is_visible(other)) continue;
+                if (side(other, v.w) > 0) mark_visible(other);
+                else horizon_[horizon_count_++] = {faces_[f].vertex[e], faces_[f].vertex[e < 2 ? e + 1 : 0], f, other};
+            }
+        }
+        for (int i = 0; i < visible_count_; ++i) spare_[spare_count_++] = visible_[i];
+        for (int i = 0; i < horizon_count_; ++i) {
+            edge& h = horizon_[i];
+            h.face = spare_count_ > 0 ? spare_[--spare_count_] : static_cast<index>(face_count_++);
+            face_from_[h.from] = h.face;
+        }
+        for (int i = 0; i < horizon_count_; ++i) {
+            const edge& h = horizon_[i];
+            replace_neighbour(h.beyond, h.to, h.from, h.face);
+            set(h.face, h.from, h.to, apex, h.beyond, face_from_[h.to], 0);
+        }
+        for (int i = 0; i < horizon_count_; ++i) faces_[face_from_[horizon_[i].to]].neighbour[2] = horizon_[i].face;
+    }
+
+private:
+    struct edge {
+        index from, to;
+        index face, beyond;
+    };
+
+    [[nodiscard]] const point<3>& w(int i) const { return vertices_[i].w; }
+    void set(int f, int a, int b, int c, int ab, int bc, int ca) {
+        face& it = faces_[f];
+        it.vertex[0] = static_cast<index>(a);
+        it.vertex[1] = static_cast<index>(b);
+        it.vertex[2] = static_cast<index>(c);
+        it.neighbour[0] = static_cast<index>(ab);
+        it.neighbour[1] = static_cast<index>(bc);
+        it.neighbour[2] = static_cast<index>(ca);
+        const point<3> e = w(b) - w(a), g = w(c) - w(a);
+        const double ee = dot(e, e), gg = dot(g, g);
+        it.normal = cross(e, g);
+        it.squared_normal = dot(it.normal, it.normal);
+        // Of thin triangles the shorter edges give the better normal.
+        if (!(it.squared_normal > 0x1p-8 * ee * gg)) {
+            it.normal = normal_of_thin(a, b, c);
+            it.squared_normal = dot(it.normal, it.normal);
+        }
+        it.height = dot(it.normal, w(a));
+        // Products of coordinates below size, and differences that the grid moves by 2 steps of size * 2^-59.
+        it.error = size_ * ((ee + gg) * 0x1p-44 + size_ * size_ * 0x1p-53);
+        // Faces so thin that rounding leaves no normal take no part: beside them are others in the same plane.
+        key_[f] = it.squared_normal > 0 ? it.height * abs(it.height) / it.squared_normal : never;
+    }
+    [[nodiscard]] point<3> normal_of_thin(int a, int b, int c) const {
+        const point<3> sides[3] = {w(b) - w(a), w(c) - w(b), w(a) - w(c)};
+        int longest = 0;
+        for (int i = 1; i < 3; ++i)
+            if (dot(sides[i], sides[i]) > dot(sides[longest], sides[longest])) longest = i;
+        return cross(sides[longest < 2 ? longest + 1 : 0], sides[longest > 0 ? longest - 1 : 2]);
+    }
+    void mark_visible(int f) {
+        visible_[visible_count_++] = static_cast<index>(f);
+        key_[f] = gone;
+    }
+    [[nodiscard]] bool is_visible(index f) const { return key_[f] == gone; }
+    void replace_neighbour(index f, index from, index to, index by) {
+        face& it = faces_[f];
+        for (int e = 0; e < 3; ++e)
+            if (it.vertex[e] == from && it.vertex[e < 2 ? e + 1 : 0] == to) it.neighbour[e] = by;
+    }
+
+    /// In place of a face's key: it is none to be chosen; no face is here, but for one that is about to go.
+    static constexpr double never = 1e300, gone = 1.7976931348623157e308;
+
+    orientation grid_;
+    double size_;
+    int vertex_count_ = 0, face_count_ = 0, visible_count_ = 0, horizon_count_ = 0, spare_count_ = 0;
+    raw_array<cso_vertex<3>, most_vertices> vertices_;
+    raw_array<face, most_faces> faces_;
+    /// The squares of the faces' distances from the origin, with the distances' signs.
+    raw_array<double, most_faces> key_;
+    raw_array<index, most_faces> visible_, spare_;
+    raw_array<edge, most_faces> horizon_;
+    raw_array<index, most_vertices> face_from_;
+};
+
+/// Completes a simplex to a tetrahedron with the farthest points beside it; false if B - A is flat. Of that, `normal`
+/// is then a unit vector across it.
+inline bool make_tetrahedron(const core<3>& a, const placed_core<3>& b, const simplex<3>& s, double noise,
+                             const orientation& grid, cso_vertex<3> (&v)[4], point<3>& normal) {
+    int count = s.count;
+    for (int i = 0; i < count; ++i) v[i] = s.vertex[i];
+    if (count == 4 && grid.of(v[0].w, v[1].w, v[2].w, v[3].w) != 0) return true;
+    // The farthest of the supports along n and -n from what measure() takes for the simplex so far.
+    double farthest = 0;
+    const auto look = [&](const point<3>& n, int into, auto&& measure) {
+        for (const double sign : {1.0, -1.0}) {
+            const cso_vertex<3> p = support_along(a, b, n * sign);
+            const double far = measure(p.w - v[0].w);
+            if (!(far > farthest)) continue;
+            farthest = far;
+            v[into] = p;
+        }
+    };
+    if (count < 2 || !(largest(v[1].w - v[0].w) > noise)) {
+        for (int i = 0; i < 3; ++i) {
+            point<3> n;
+            n[i] = 1;
+            look(n, 1, [](const point<3>& e) { return dot(e, e); });
+        }
+        normal = {1, 0, 0};
+        if (!(farthest > noise * noise)) return false;
+        count = 2;
+    }
+    const point<3> e = unit(v[1].w - v[0].w);
+    const auto beside_line = [&](const point<3>& p) {
+        const point<3> c = cross(e, p);
+        return dot(c, c);
+    };
+    if (count < 3 || !(beside_line(v[2].w - v[0].w) > noise * noise)) {
+        farthest = 0;
+        normal = perpendicular(e);
+        look(normal, 2, beside_line);
+        look(cross(e, normal), 2, beside_line);
+        if (!(farthest > noise * noise)) return false;
+    }
+    normal = unit(cross(e, v[2].w - v[0].w));
+    farthest = 0;
+    look(normal, 3, [&](const point<3>& p) { return abs(dot(normal, p)); });
+    return farthest > 0 && grid.of(v[0].w, v[1].w, v[2].w, v[3].w) != 0;
+}
+
+/// Finds where two cores touch once `p` has parted them: for faces of B - A of which only some vertices were found.
+template <int D>
+void find_touching_point(const core<D>& a, const placed_core<D>& b, double size, penetration<D>& p) {
+    placed_core<D> apart = b;
+    apart.at += p.normal * (p.depth + 0x1p-30 * size);
+    const gjk_result<D> r = gjk(a, apart, size, 0x1p-30, nullptr);
+    if (r.overlapping || r.beyond) return;
+    p.on_a = r.at.on_a();
+    for (int i = 0; i < D; ++i) p.names[i] = r.at.vertex[i < r.at.count ? i : 0].name;
+}
+
+/// Takes the normal of a face of B - A from the edges of A and B that it is made of: where one shape is much larger
+/// than the other, the vertices of B - A have lost digits that these still have.
+inline void sharpen(const core<3>& a, const placed_core<3>& b, const point<3>& farthest, penetration<3>& p) {
+    if (!a.has_vertices() || !b.shape->has_vertices()) return;
+    point<3> of_a[3], of_b[3];
+    for (int i = 0; i < 3; ++i) {
+        of_a[i] = a.vertex(p.names[i] >> 16).at;
+        of_b[i] = b.shape->vertex(p.names[i] & 0xffffu).at;
+    }
+    point<3> edge[3];
+    int longest = 0;
+    for (int i = 0; i < 3; ++i) {
+        const int j = i < 2 ? i + 1 : 0;
+        edge[i] = b.axes * (of_b[j] - of_b[i]) - (of_a[j] - of_a[i]);
+        if (dot(edge[i], edge[i]) > dot(edge[longest], edge[longest])) longest = i;
+    }
+    const point<3> n = unit(cross(edge[longest < 2 ? longest + 1 : 0], edge[longest > 0 ? longest - 1 : 2]));
+    const point<3> m = dot(n, p.normal) < 0 ? -n : n;
+    const double depth = -dot(m, farthest);
+    if (!(dot(m, p.normal) > 0.999999) || !(abs(depth - p.depth) < 1e-6 * a.extent + 1e-6 * b.shape->extent)) return;
+    p.normal = m;
+    p.depth = depth;
+}
+
+/// Improves a way out on round shapes: parted along it, where they are closest shows a shorter one. Ends at a way that
+/// is shorter than all others near it.
+inline void shorten(const core<3>& a, const placed_core<3>& b, double size, double tolerance, penetration<3>& p) {
+    constexpr int most_iterations = 32;
+    for (int i = 0; i < most_iterations; ++i) {
+        placed_core<3> apart = b;
+        apart.at += p.normal * (p.depth + 0x1p-10 * size);
+        const gjk_result<3> r = gjk(a, apart, size, 0x1p-50, nullptr);
+        if (r.overlapping || r.beyond) return;
+        const double depth = -dot(r.normal, support_along(a, b, r.normal).w);
+        if (!(depth < p.depth)) return;
+        const bool last = p.depth - depth <= tolerance;
+        p.normal = r.normal;
+        p.depth = depth;
+        if (last) return;
+    }
+}
+
+/// The penetration of two cores that GJK found to overlap; `from` is where it ended, `tolerance` (m) ends the search
+/// of round ones. Source: van den Bergen, Proximity queries and penetration depth computation on 3D game objects
+/// (2001), with the hull of Barber, Dobkin, Huhdanpaa, The quickhull algorithm (1996). Cost: 5 to 60 supports.
+inline penetration<3> epa(const core<3>& a, const placed_core<3>& b, const simplex<3>& from, double tolerance) {
+    const double size = power_above(extent_of(a, b)), noise = 0x1p-48 * size;
+    penetration<3> best;
+    const orientation grid(size);
+    cso_vertex<3> first[4];
+    point<3> flat;
+    if (!make_tetrahedron(a, b, from, noise, grid, first, flat)) {
+        best.normal = dot(flat, b.at) < 0 ? -flat : flat;
+        best.on_a = from.count < 4 ? from.on_a() : from.vertex[0].on_a;
+        for (int i = 0; i < 3; ++i) best.names[i] = from.vertex[i < from.count ? i : 0].name;
+        return best;
+    }
+    cso_hull hull(grid, size, first);
+    for (;;) {
+        const int f = hull.closest();
+        const auto& face = hull.at(f);
+        const point<3> n = hull.unit_normal(f);
+        const cso_vertex<3> next = support_along(a, b, -n);
+        const double h = dot(n, next.w);
+        const bool converged = h - hull.distance(f) <= tolerance;
+        if (!converged && hull.side(f, next.w) <= 0) {
+            hull.set_distance(f, h);
+            continue;
+        }
+        if (converged || hull.full()) {
+            if (!converged) best.status = query_status::iteration_limit;
+            best.normal = -n;
+            best.depth = h;
+            point<3> w[3];
+            for (int i = 0; i < 3; ++i) w[i] = hull.vertex(face.vertex[i]).w;
+            const closest_of<3> at = closest_on_triangle(w[0], w[1], w[2]);
+            for (int i = 0; i < 3; ++i) best.names[i] = hull.vertex(face.vertex[i]).name;
+            for (int i = 0; i < at.count; ++i)
+                best.on_a += hull.vertex(face.vertex[at.vertex[i]]).on_a * at.weight[i];
+            sharpen(a, b, next.w, best);
+            if (!converged) shorten(a, b, size, tolerance, best);
+            if (at.count < 3 || !converged) find_touching_point(a, b, size, best);
+            return best;
+        }
+        hull.add(next, f);
+    }
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END

@@ -1,0 +1,189 @@
+// The point of a simplex that is closest to the origin.
+#pragma once
+
+#include "physics/shape/core.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// v / |v| for vectors whose squared length double holds; null for the null vector.
+template <int D>
+point<D> unit(const point<D>& v) {
+    const double squared = dot(v, v);
+    return squared > 0 ? v * (1 / physics::sqrt(squared)) : point<D>{};
+}
+
+/// A vertex of the configuration space obstacle B - A: a point of B as seen from a point of A.
+template <int D>
+struct cso_vertex {
+    point<D> w;
+    point<D> on_a;
+    /// The vertices of A and B, 16 bits each.
+    std::uint32_t name = 0;
+};
+
+/// What lies closest to the origin of a simplex: the point, and the vertices that it needs, with their weights.
+template <int D>
+struct closest_of {
+    point<D> at;
+    double weight[3] = {};
+    int vertex[3] = {0, 1, 2};
+    int count = 1;
+};
+
+/// Up to D + 1 vertices, and the weights that make of them the point closest to the origin.
+template <int D>
+struct simplex {
+    raw_array<cso_vertex<D>, D + 1> vertex;
+    double weight[3] = {};
+    int count = 0;
+
+    /// Drops the vertices that the closest point does not need.
+    void keep(const closest_of<D>& c) {
+        count = c.count;
+        for (int i = 0; i < c.count; ++i) {
+            if (c.vertex[i] != i) vertex[i] = vertex[c.vertex[i]];
+            weight[i] = c.weight[i];
+        }
+    }
+    [[nodiscard]] point<D> on_a() const {
+        point<D> p = vertex[0].on_a * weight[0];
+        for (int i = 1; i < count && i < 3; ++i) p += vertex[i].on_a * weight[i];
+        return p;
+    }
+};
+
+template <int D>
+closest_of<D> closest_on_edge(const point<D>& a, const point<D>& b, int i = 0, int j = 1) {
+    const point<D> e = b - a;
+    const double along = -dot(a, e), whole = dot(e, e);
+    if (!(along > 0)) return {a, {1}, {i}, 1};
+    if (!(along < whole)) return {b, {1}, {j}, 1};
+    const double t = along / whole;
+    // Across the edge to the last digit: where the point is near, the direction of a sum would be rounding.
+    point<D> at;
+    if constexpr (D == 2) {
+        const point<2> n = perpendicular(e);
+        at = n * (dot(n, t < 0.5 ? a : b) / whole);
+    } else {
+        at = t < 0.5 ? a + e * t : b - e * (1 - t);
+        at -= e * (dot(at, e) / whole);
+    }
+    return {at, {1 - t, t}, {i, j}, 2};
+}
+
+inline closest_of<3> nearer(const closest_of<3>& a, const closest_of<3>& b) {
+    return dot(b.at, b.at) < dot(a.at, a.at) ? b : a;
+}
+
+/// Source: Ericson, Real-Time Collision Detection (2005), 5.1.5, with the areas taken from the normal, which keeps
+/// their signs where the triangle is small and far away.
+inline closest_of<3> closest_on_triangle(const point<3>& a, const point<3>& b, const point<3>& c, int i = 0, int j = 1,
+                                         int k = 2) {
+    const point<3> ab = b - a, ac = c - a;
+    const double a1 = -dot(ab, a), a2 = -dot(ac, a);
+    if (a1 <= 0 && a2 <= 0) return {a, {1}, {i}, 1};
+    const double b1 = -dot(ab, b), b2 = -dot(ac, b);
+    if (b1 >= 0 && b2 <= b1) return {b, {1}, {j}, 1};
+    const double c1 = -dot(ab, c), c2 = -dot(ac, c);
+    if (c2 >= 0 && c1 <= c2) return {c, {1}, {k}, 1};
+    const point<3> n = cross(ab, ac);
+    const double of_c = dot(n, cross(a, ab)), of_b = dot(n, cross(ac, a)), of_a = dot(n, cross(b, c - b));
+    if (of_c <= 0 && a1 >= 0 && b1 <= 0) return closest_on_edge(a, b, i, j);
+    if (of_b <= 0 && a2 >= 0 && c2 <= 0) return closest_on_edge(a, c, i, k);
+    if (of_a <= 0 && b2 - b1 >= 0 && c1 - c2 >= 0) return closest_on_edge(b, c, j, k);
+    const double sum = of_a + of_b + of_c;
+    // Without area one of the edges has it all.
+    if (!(sum > 0))
+        return nearer(nearer(closest_on_edge(a, b, i, j), closest_on_edge(b, c, j, k)), closest_on_edge(a, c, i, k));
+    const double scale = 1 / sum;
+    return {n * (dot(n, a) / dot(n, n)), {of_a * scale, of_b * scale, of_c * scale}, {i, j, k}, 3};
+}
+
+/// The same; quicker where the origin lies beyond the last corner or one of its edges, since GJK has just added it.
+PHYSICS_HPP_ALWAYS_INLINE closest_of<3> closest_on_grown_triangle(const point<3>& a, const point<3>& b,
+                                                                  const point<3>& c, int i, int j, int k) {
+    const point<3> e = a - c, f = b - c;
+    const double along_e = -dot(c, e), along_f = -dot(c, f);
+    if (along_e <= 0 && along_f <= 0) return {c, {1}, {k}, 1};
+    const double ee = dot(e, e), ff = dot(f, f), ef = dot(e, f);
+    const double whole = ee * ff - ef * ef;
+    // Of thin triangles these differences are rounding.
+    if (!(whole > 0x1p-20 * ee * ff)) return closest_on_triangle(a, b, c, i, j, k);
+    const double of_a = along_e * ff - along_f * ef, of_b = along_f * ee - along_e * ef;
+    if (of_b <= 0 && along_e > 0 && along_e < ee) return closest_on_edge(a, c, i, k);
+    if (of_a <= 0 && along_f > 0 && along_f < ff) return closest_on_edge(b, c, j, k);
+    const double of_c = whole - of_a - of_b;
+    if (!(of_a > 0 && of_b > 0 && of_c > 0)) return closest_on_triangle(a, b, c, i, j, k);
+    const point<3> n = cross(e, f);
+    const double scale = 1 / whole;
+    return {n * (dot(n, c) / dot(n, n)), {of_a * scale, of_b * scale, of_c * scale}, {i, j, k}, 3};
+}
+
+/// The point of a simplex that is closest to the origin; of count D + 1, and the origin itself, if that lies within.
+/// `grown` says that the last vertex has just been added beyond the closest point of the others.
+inline closest_of<2> closest_of_simplex(const simplex<2>& s, bool) {
+    if (s.count == 1) return {s.vertex[0].w, {1}, {0}, 1};
+    if (s.count == 2) return closest_on_edge(s.vertex[0].w, s.vertex[1].w);
+    const point<2> p[3] = {s.vertex[0].w, s.vertex[1].w, s.vertex[2].w};
+    const double area = cross(p[1] - p[0], p[2] - p[0]);
+    closest_of<2> best;
+    best.count = 3;
+    double least = 0;
+    for (int i = 0; i < 3; ++i) {
+        const int j = i < 2 ? i + 1 : 0, k = i > 0 ? i - 1 : 2;
+        const point<2> e = p[j] - p[i];
+        // Where the triangle has no area to speak of, every edge is outside.
+        const bool flat = !(abs(area) > 0x1p-50 * largest(e) * largest(p[k] - p[i]));
+        if (!flat && (cross(p[i], e) < 0) == (area < 0)) continue;
+        const closest_of<2> c = closest_on_edge(p[i], p[j], i, j);
+        const double distance = dot(c.at, c.at);
+        if (best.count < 3 && !(distance < least)) continue;
+        least = distance;
+        best = c;
+    }
+    // In ascending order, so that none is overwritten before it has moved.
+    if (best.count == 2 && best.vertex[1] < best.vertex[0]) {
+        std::swap(best.vertex[0], best.vertex[1]);
+        std::swap(best.weight[0], best.weight[1]);
+    }
+    return best;
+}
+
+inline closest_of<3> closest_of_simplex(const simplex<3>& s, bool grown) {
+    if (s.count == 1) return {s.vertex[0].w, {1}, {0}, 1};
+    if (s.count == 2) return closest_on_edge(s.vertex[0].w, s.vertex[1].w);
+    if (s.count == 3) return closest_on_grown_triangle(s.vertex[0].w, s.vertex[1].w, s.vertex[2].w, 0, 1, 2);
+    // The faces at the last vertex, and their normals; the one opposite lies behind if the simplex has grown.
+    const point<3>& d = s.vertex[3].w;
+    const point<3> e[3] = {s.vertex[0].w - d, s.vertex[1].w - d, s.vertex[2].w - d};
+    const point<3> n[3] = {cross(e[0], e[1]), cross(e[1], e[2]), cross(e[2], e[0])};
+    const double volume = dot(n[0], e[2]);
+    // Where the tetrahedron has no volume to speak of, every face is outside.
+    const bool flat = !(abs(volume) > 0x1p-48 * largest(e[0]) * largest(e[1]) * largest(e[2]));
+    closest_of<3> best;
+    best.count = 4;
+    double least = 0;
+    const auto consider = [&](int i, int j, int k) {
+        const closest_of<3> c = closest_on_grown_triangle(s.vertex[i].w, s.vertex[j].w, s.vertex[k].w, i, j, k);
+        const double distance = dot(c.at, c.at);
+        if (best.count < 4 && !(distance < least)) return;
+        least = distance;
+        best = c;
+    };
+    for (int i = 0; i < 3; ++i) {
+        if (!flat && (dot(n[i], d) > 0) != (volume > 0)) continue;
+        if (i < 2) consider(i, i + 1, 3);
+        else consider(0, 2, 3);
+    }
+    if (!grown || flat) {
+        const point<3> behind = cross(e[1] - e[0], e[2] - e[0]);
+        if (flat || (dot(behind, s.vertex[0].w) < 0) == (volume > 0)) consider(0, 1, 2);
+    }
+    return best;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END

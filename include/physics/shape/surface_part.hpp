@@ -1,0 +1,29 @@
+// What surfaces such as meshes and chains are made of.
+#pragma once
+
+#include "physics/space/vec.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// One flat part of a surface, in the surface's frame: a segment in the plane, a triangle in space.
+template <int D>
+struct surface_part {
+    /// In the plane the ends, the solid being to the left on the way from the first to the second; in space
+    /// counter-clockwise as seen from outside.
+    vec<double, D> corner[D];
+    /// Unit normal outwards.
+    vec<double, D> normal;
+    /// Unit normals of the parts that follow beyond the ends or, in space, beyond edge i from corner i to the next.
+    vec<double, D> beyond[D];
+    /// Whether anything follows there.
+    bool continues[D] = {};
+    /// Whether it stops bodies on its back too.
+    bool two_sided = false;
+    std::uint32_t number = 0;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END

@@ -1,0 +1,195 @@
+// What can be asked of a world: rays, casts, overlaps, the closest thing.
+#pragma once
+
+#include "physics/collide/part_queries.hpp"
+#include "physics/world/check.hpp"
+
+PHYSICS_HPP_BEGIN
+
+/// The shape that a ray or a moving shape meets first, and where, in world axes.
+template <class S, int D>
+struct world_hit {
+    shape_id shape;
+    body_id body;
+    /// The part of the translation up to there; 0 if it begins in touch.
+    S fraction = S(1);
+    /// On the shape's surface.
+    vec<S, D> point;
+    /// Unit vector out of the shape; null where a ray begins within.
+    vec<S, D> normal;
+
+    /// True if anything is hit.
+    explicit operator bool() const { return static_cast<bool>(shape); }
+};
+
+/// The shape closest to a point.
+template <class S, int D>
+struct nearest_shape {
+    shape_id shape;
+    body_id body;
+    /// From the surface to the point (m); negative within.
+    S distance{};
+    /// On the surface.
+    vec<S, D> point;
+    /// Unit vector out of the shape.
+    vec<S, D> normal;
+
+    explicit operator bool() const { return static_cast<bool>(shape); }
+};
+
+namespace detail {
+
+/// A point, as a shape to ask with.
+template <class S, int D>
+struct tip {};
+template <class S, int D>
+bool check(const tip<S, D>&, const char*) {
+    return true;
+}
+template <class S, int D>
+aabb<S, D> bounds(const tip<S, D>&, const transform<S, D>& at) {
+    return {at.position, at.position};
+}
+template <class S, int D>
+core<D> core_of(const tip<S, D>&) {
+    return {};
+}
+
+template <class Plan>
+shape_id id_of_shape(const state<Plan>& s, std::uint32_t i) {
+    return {i, s.shapes.generation(i), s.tag};
+}
+template <class Plan>
+body_id body_of_shape(const state<Plan>& s, std::uint32_t i) {
+    const std::uint32_t b = s.shapes[i].body;
+    return {b, s.bodies.generation(b), s.tag};
+}
+
+/// Calls f(shape's number) for shapes whose boxes reach into a box.
+template <class Plan, class F>
+void each_near(const state<Plan>& s, const aabb<typename Plan::scalar, Plan::dimension>& box,
+               const query_filter& filter, F&& f) {
+    if constexpr (requires { s.broadphase.each_overlapping(box, filter, f); }) {
+        s.broadphase.each_overlapping(box, filter, f);
+    } else {
+        s.shapes.each([&](std::uint32_t i, const auto& shape) {
+            if (filter.sees(filter_of(s, shape)) && overlap(needed_box(s, shape), box)) f(i);
+        });
+    }
+}
+/// Calls f(shape's number) for shapes whose boxes a ray meets; f returns the fraction up to which it goes on.
+template <class Plan, class F>
+void each_on(const state<Plan>& s, const ray<typename Plan::scalar, Plan::dimension>& r, const query_filter& filter,
+             F&& f) {
+    using S = typename Plan::scalar;
+    if constexpr (requires { s.broadphase.each_along(r, filter, [](const proxy_hit<S>&) { return S(1); }); }) {
+        s.broadphase.each_along(r, filter, [&](const proxy_hit<S>& hit) { return f(hit.id); });
+    } else {
+        S limit(1), at{};
+        s.shapes.each([&](std::uint32_t i, const auto& shape) {
+            if (limit >= S(0) && filter.sees(filter_of(s, shape)) && meets(r, needed_box(s, shape), limit, at))
+                limit = min(limit, f(i));
+        });
+    }
+}
+template <class S, int D>
+bool check_way(const char* function, const char* from, vec<S, D> origin, vec<S, D> translation) {
+    return check_finite(function, from, origin) && check_finite(function, "translation", translation) &&
+           check_finite(function, "end of the way", origin + translation);
+}
+
+template <class Plan, class Visit>
+void cast_ray(const state<Plan>& s, const char* function, vec<typename Plan::scalar, Plan::dimension> origin,
+              vec<typename Plan::scalar, Plan::dimension> translation, const query_filter& filter, Visit&& visit) {
+    using S = typename Plan::scalar;
+    if (!check_way(function, "origin", origin, translation)) return;
+    S limit(1);
+    each_on(s, {origin, translation}, filter, [&](std::uint32_t i) {
+        const auto hit = ray_cast(s.shapes[i].shape, world_pose(s, s.shapes[i]), origin, translation);
+        if (hit && !(hit.fraction > limit))
+            limit = min(limit, visit(world_hit<S, Plan::dimension>{id_of_shape(s, i), body_of_shape(s, i), hit.fraction,
+                                                                   hit.point, hit.normal}));
+        return limit;
+    });
+}
+
+/// Whether the first of two hits comes first: the numbers of shapes decide where both come at once.
+template <class Hit>
+bool comes_first(const Hit& a, const Hit& b) {
+    return !b || a.fraction < b.fraction || (a.fraction == b.fraction && a.shape.index < b.shape.index);
+}
+
+template <class Plan, class Shape>
+world_hit<typename Plan::scalar, Plan::dimension> cast_shape(
+    const state<Plan>& s, const Shape& shape, const transform<typename Plan::scalar, Plan::dimension>& pose,
+    vec<typename Plan::scalar, Plan::dimension> translation, const query_filter& filter) {
+    using S = typename Plan::scalar;
+    constexpr int D = Plan::dimension;
+    const char* f = "cast_shape";
+    world_hit<S, D> first;
+    if (!check(shape, f) || !check_pose(f, pose.position, pose.rotation) ||
+        !check_way(f, "position", pose.position, translation))
+        return first;
+    const aabb<S, D> box = bounds(shape, pose);
+    const vec<S, D> middle = box.lower + (box.upper - box.lower) * S(0.5);
+    each_on(s, {middle, translation, (box.upper - box.lower) * S(0.5)}, filter, [&](std::uint32_t i) {
+        const transform<S, D> at = world_pose(s, s.shapes[i]);
+        s.shapes[i].shape.visit([&](const auto& other) {
+            const auto hit = shape_cast(other, shape, relative(at, pose), inverse_rotate(at.rotation, translation));
+            const world_hit<S, D> found{id_of_shape(s, i), body_of_shape(s, i), hit.fraction, at * hit.point,
+                                        at.rotation * hit.normal};
+            if (hit && comes_first(found, first)) first = found;
+        });
+        return first ? first.fraction : S(1);
+    });
+    return first;
+}
+
+/// The separation of any shape and a convex one, if it is at most `reach`; else more than that.
+template <class A, class B, class S, int D>
+closest_points<S, D> separation_within(const A& a, const B& b, const transform<S, D>& b_in_a, S reach) {
+    if constexpr (has_parts<A, D>) return separation(a, b, b_in_a, reach);
+    else return separation(a, b, b_in_a);
+}
+
+template <class Plan, class Shape, class Visit>
+void each_overlapping(const state<Plan>& s, const Shape& shape,
+                      const transform<typename Plan::scalar, Plan::dimension>& pose, const query_filter& filter,
+                      Visit&& visit) {
+    using S = typename Plan::scalar;
+    const char* f = "each_overlapping";
+    if (!check(shape, f) || !check_pose(f, pose.position, pose.rotation)) return;
+    each_near(s, bounds(shape, pose), filter, [&](std::uint32_t i) {
+        const auto at = relative(world_pose(s, s.shapes[i]), pose);
+        const bool touches = s.shapes[i].shape.visit(
+            [&](const auto& other) { return !(separation_within(other, shape, at, S(0)).distance > S(0)); });
+        if (touches) visit(id_of_shape(s, i));
+    });
+}
+
+template <class Plan>
+nearest_shape<typename Plan::scalar, Plan::dimension> closest_shape(const state<Plan>& s,
+                                                                    vec<typename Plan::scalar, Plan::dimension> point,
+                                                                    typename Plan::scalar reach,
+                                                                    const query_filter& filter) {
+    using S = typename Plan::scalar;
+    constexpr int D = Plan::dimension;
+    const char* f = "closest_shape";
+    nearest_shape<S, D> best;
+    if (!check_finite(f, "point", point) || !check_not_negative(f, "reach", reach)) return best;
+    each_near(s, grown(aabb<S, D>{point, point}, reach), filter, [&](std::uint32_t i) {
+        const transform<S, D> at = world_pose(s, s.shapes[i]);
+        s.shapes[i].shape.visit([&](const auto& other) {
+            const auto c = separation_within(other, tip<S, D>{}, relative(at, transform<S, D>{point, {}}), reach);
+            const bool nearer = !best || c.distance < best.distance ||
+                                (c.distance == best.distance && i < best.shape.index);
+            if (c.distance > reach || !nearer) return;
+            best = {id_of_shape(s, i), body_of_shape(s, i), c.distance, at * c.on_a, at.rotation * c.normal};
+        });
+    });
+    return best;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END

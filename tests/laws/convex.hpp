@@ -1,0 +1,5 @@
+// Laws of contact once more, for GJK and EPA in place of closed forms.
+#pragma once
+
+#define CELL_NARROWPHASE physics::gjk_epa
+#include "collide.hpp"
