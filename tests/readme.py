@@ -17,6 +17,10 @@ COMPILER = sys.argv[1] if len(sys.argv) > 1 else os.environ.get("CXX", "g++")
 
 # What the text around a block that is not a whole program has introduced.
 BEFORE = {
+    "struct quarry": "#include <physics.hpp>\n"
+    "void mark(const physics::vec<float, 3>&, const physics::vec<float, 3>&);\n"
+    "void mark(physics::shape_id);\n"
+    "void use() {{\n{block}\n(void)sweep;\n(void)nearest;\n}}\n",
     "struct ": "#include <physics.hpp>\n{block}",
     "physics::dynamic_tree": "#include <physics.hpp>\nvoid meet(std::uint32_t, std::uint32_t);\n"
     "void use() {{\n{block}\n(void)hit;\n}}\n",

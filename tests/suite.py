@@ -250,6 +250,34 @@ def sanitize(tally):
     build(tally, "sanitize", "g++", "small", "-Doptimization=1", "-Ddebug=true", "-Db_sanitize=address,undefined")
 
 
+def fuzz(tally):
+    """hulls, separations and casts under libFuzzer and sanitizers; FUZZ_SECONDS says how long each, 20 by default"""
+    seconds = os.environ.get("FUZZ_SECONDS", "20")
+    for source in sorted((ROOT / "tests/fuzz").glob("*.cpp")):
+        name = source.stem
+        found = BUILD / "fuzz" / name
+        found.mkdir(parents=True, exist_ok=True)
+        program = BUILD / "fuzz" / f"{name}.run"
+        compiler = ["ccache", "clang++"] if shutil.which("ccache") else ["clang++"]
+        show(f"  {name}: compile ...")
+        done = subprocess.run([*compiler, "-std=c++20", "-O1", "-g1", "-fsanitize=fuzzer,address,undefined",
+                               "-fno-sanitize-recover=undefined", "-Iinclude", source, "-o", program], cwd=ROOT,
+                              text=True, errors="replace", stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        if done.returncode == 0:
+            show(f"  {name}: {seconds} s ...")
+            # New inputs go to the first folder; those of the repository are read only.
+            done = subprocess.run([program, f"-max_total_time={seconds}", "-max_len=400", "-print_final_stats=1",
+                                   f"-artifact_prefix={found.parent}/", found, ROOT / "tests/fuzz/corpus" / name],
+                                  cwd=ROOT, text=True, errors="replace", stdout=subprocess.PIPE,
+                                  stderr=subprocess.STDOUT)
+        runs = re.search(r"^stat::number_of_executed_units: (\d+)$", done.stdout, re.MULTILINE)
+        good = done.returncode == 0 and runs is not None and int(runs.group(1)) > 100
+        tally.add(int(good), int(not good))
+        say(f"  {name}: {runs.group(1) if runs else 0} inputs, {int(good)} passed, {int(not good)} failed")
+        if not good:
+            print(excerpt("\n".join(done.stdout.splitlines()[-MOST_LINES:])))
+
+
 def package(tally):
     """Installs into a folder and compiles a unit against it, with what the .pc file says."""
     target = BUILD / "package"
@@ -281,7 +309,7 @@ def package(tally):
         print(excerpt(message))
 
 
-GROUPS = [cheap, misuse, gcc, clang, single, determinism, sanitize]
+GROUPS = [cheap, misuse, gcc, clang, single, determinism, sanitize, fuzz]
 
 
 def main():
