@@ -10278,7 +10278,23 @@ gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double
     const bool smooth = !a.has_vertices() || !b.shape->has_vertices();
     point<D> v = b.at;
     if (cache != nullptr && cache->count > 0) {
-        for (int i = 0; i < D; ++i) v[i] = detail::to_double(cache->axis[i]);
+        point<D> axis;
+        for (int i = 0; i < D; ++i) axis[i] = detail::to_double(cache->axis[i]);
+        const double squared = dot(axis, axis);
+        if (squared > 0) {
+            v = axis;
+            // What parted the two may part them still.
+            const cso_vertex<D> next = support_along(a, b, v);
+            const double along = dot(v, next.w);
+            if (along > 0 && along * along > most * most * squared) {
+                r.beyond = true;
+                r.normal = unit(v);
+                r.distance = dot(r.normal, next.w);
+                r.at.vertex[0] = next;
+                r.at.count = 1;
+                return r;
+            }
+        }
         if (!smooth) {
             start_from(*cache, a, b, r.at);
             const closest_of<D> c = closest_of_simplex(r.at, false);
@@ -10292,8 +10308,7 @@ gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double
         if (cache == nullptr) return;
         cache->count = static_cast<std::uint8_t>(r.at.count);
         for (int i = 0; i < r.at.count; ++i) cache->vertex[i] = r.at.vertex[i].name;
-        const point<D> axis = r.overlapping ? v : r.normal;
-        for (int i = 0; i < D; ++i) cache->axis[i] = static_cast<float>(axis[i]);
+        for (int i = 0; i < D; ++i) cache->axis[i] = static_cast<float>(r.normal[i]);
     };
     for (int iteration = 0;; ++iteration) {
         const double vv = dot(v, v);
@@ -10360,8 +10375,10 @@ struct penetration {
     point<D> normal;
     /// Negative where rounding has parted the cores.
     double depth = 0;
-    /// The points that touch once B has been moved by depth along the normal; A's.
+    /// The points that touch once B has been moved by depth along the normal; A's. Not so where it is not `located`:
+    /// then only near, see locate().
     point<D> on_a;
+    bool located = true;
     /// The vertices between which that point lies, as in cso_vertex.
     std::uint32_t names[3] = {};
     query_status status = query_status::converged;
@@ -10564,12 +10581,18 @@ inline bool make_tetrahedron(const core<3>& a, const placed_core<3>& b, const si
     return farthest > 0 && grid.of(v[0].w, v[1].w, v[2].w, v[3].w) != 0;
 }
 
-/// Finds where two cores touch once `p` has parted them: for faces of B - A of which only some vertices were found.
+/// Finds where two cores touch once `p` has parted them, if that is not known: of faces of B - A of which only some
+/// vertices were found.
 template <int D>
-void find_touching_point(const core<D>& a, const placed_core<D>& b, double size, penetration<D>& p) {
+void locate(const core<D>& a, const placed_core<D>& b, double size, penetration<D>& p) {
+    if (p.located) return;
+    p.located = true;
     placed_core<D> apart = b;
     apart.at += p.normal * (p.depth + 0x1p-30 * size);
-    const gjk_result<D> r = gjk(a, apart, size, 0x1p-30, nullptr);
+    gjk_cache near;
+    near.count = D;
+    for (int i = 0; i < D; ++i) near.vertex[i] = p.names[i];
+    const gjk_result<D> r = gjk(a, apart, size, 0x1p-30, &near);
     if (r.overlapping || r.beyond) return;
     p.on_a = r.at.on_a();
     for (int i = 0; i < D; ++i) p.names[i] = r.at.vertex[i < r.at.count ? i : 0].name;
@@ -10656,7 +10679,7 @@ inline penetration<3> epa(const core<3>& a, const placed_core<3>& b, const simpl
                 best.on_a += hull.vertex(face.vertex[at.vertex[i]]).on_a * at.weight[i];
             sharpen(a, b, next.w, best);
             if (!converged) shorten(a, b, size, tolerance, best);
-            if (at.count < 3 || !converged) find_touching_point(a, b, size, best);
+            best.located = at.count == 3 && converged;
             return best;
         }
         hull.add(next, f);
@@ -10790,7 +10813,7 @@ inline penetration<2> epa(const core<2>& a, const placed_core<2>& b, const simpl
             for (int i = 0; i < at.count; ++i) best.on_a += (at.vertex[i] == 0 ? p : q).on_a * at.weight[i];
             best.names[0] = p.name;
             best.names[1] = best.names[2] = q.name;
-            if (at.count < 2) find_touching_point(a, b, size, best);
+            best.located = at.count == 2;
             return best;
         }
         hull.add(next, f, grid);
@@ -10823,6 +10846,7 @@ inline penetration<3> portal_penetration(const cso_vertex<3> (&v)[3], const poin
     const closest_of<3> at = closest_on_triangle(v[0].w, v[1].w, v[2].w);
     for (int i = 0; i < 3; ++i) p.names[i] = v[i].name;
     for (int i = 0; i < at.count; ++i) p.on_a += v[at.vertex[i]].on_a * at.weight[i];
+    p.located = at.count == 3;
     return p;
 }
 
@@ -10891,6 +10915,7 @@ inline penetration<2> mpr(const core<2>& a, const placed_core<2>& b, const simpl
             p.depth = h;
             const closest_of<2> at = closest_on_edge(v[0].w, v[1].w);
             for (int k = 0; k < at.count; ++k) p.on_a += v[at.vertex[k]].on_a * at.weight[k];
+            p.located = at.count == 2;
             p.names[0] = v[0].name;
             p.names[1] = p.names[2] = v[1].name;
             return p;
@@ -10963,7 +10988,9 @@ template <int D>
 struct core_separation {
     point<D> normal;
     double gap = 0;
+    /// As in penetration.
     point<D> on_a;
+    bool located = true;
     std::uint32_t names[3] = {};
     int name_count = 0;
     bool beyond = false;
@@ -10994,14 +11021,28 @@ core_separation<D> separate(const core_pair<D>& pair, double most, gjk_cache* ca
     result.normal = p.normal;
     result.gap = -p.depth;
     result.on_a = p.on_a;
+    result.located = p.located;
     result.name_count = D;
     for (int i = 0; i < D; ++i) result.names[i] = p.names[i];
     result.status = p.status;
     return result;
 }
 
+/// Finds the points that touch, where the way to part the cores was all that was found.
+template <int D>
+void locate(const core_pair<D>& pair, core_separation<D>& s) {
+    if (s.located) return;
+    penetration<D> p{s.normal, -s.gap, s.on_a, false, {}, s.status};
+    for (int i = 0; i < 3; ++i) p.names[i] = s.names[i];
+    locate(pair.a, pair.placed, extent_of(pair.a, pair.placed), p);
+    s.on_a = p.on_a;
+    for (int i = 0; i < 3; ++i) s.names[i] = p.names[i];
+    s.located = true;
+}
+
 template <class S, int D>
-closest_points<S, D> rounded(const core_pair<D>& pair, const core_separation<D>& s) {
+closest_points<S, D> rounded(const core_pair<D>& pair, core_separation<D> s) {
+    locate(pair, s);
     const point<D> on_b = s.on_a + s.normal * (s.gap - pair.b.radius);
     return {from_point<S>(s.normal), static_cast<S>(s.gap - pair.a.radius - pair.b.radius),
             from_point<S>(s.on_a + s.normal * pair.a.radius), from_point<S>(on_b), s.status};
@@ -11036,7 +11077,7 @@ closest_points<S, D> distance(const A& a, const B& b, const transform<S, D>& b_i
         detail::gjk(pair.a, pair.placed, detail::no_limit, detail::relative_tolerance<S>(), &cache);
     if (r.overlapping) return {{}, S(0), {}, {}, r.status};
     closest_points<S, D> result = detail::rounded<S>(
-        pair, detail::core_separation<D>{r.normal, r.distance, r.at.on_a(), {}, 0, false, r.status});
+        pair, detail::core_separation<D>{r.normal, r.distance, r.at.on_a(), true, {}, 0, false, r.status});
     result.distance = max(result.distance, S(0));
     return result;
 }
@@ -11290,351 +11331,6 @@ facet<D> facet_of(const placed_core<D>& c, const point<D>& n) {
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/collide/polygon2.hpp
-// =================================================================================================
-// Contact of rounded polygons in the plane: boxes and capsules.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// A convex polygon, counter-clockwise, grown by a radius; edge i leads from vertex i to the next. Two
-/// vertices make a segment with two opposite edges.
-template <class S>
-struct rounded_polygon {
-    vec<S, 2> vertex[4];
-    vec<S, 2> normal[4];
-    int count = 0;
-    S radius{};
-    S size{};
-
-    constexpr int next(int i) const { return i + 1 < count ? i + 1 : 0; }
-};
-
-template <class S>
-constexpr rounded_polygon<S> polygon_of(const box<S, 2>& b, const transform<S, 2>& at) {
-    const mat<S, 2> m = matrix(at.rotation);
-    const vec<S, 2> x = m.column[0] * b.half_extents.x, y = m.column[1] * b.half_extents.y, p = at.position;
-    return {{p - x - y, p + x - y, p + x + y, p - x + y},
-            {-m.column[1], m.column[0], m.column[1], -m.column[0]},
-            4,
-            S(0),
-            min(b.half_extents.x, b.half_extents.y)};
-}
-template <class S>
-constexpr rounded_polygon<S> polygon_of(const capsule<S, 2>& c, const transform<S, 2>& at) {
-    const mat<S, 2> m = matrix(at.rotation);
-    const vec<S, 2> x = m.column[0] * c.half_length;
-    return {{at.position - x, at.position + x}, {-m.column[1], m.column[1]}, 2, c.radius, c.radius};
-}
-
-/// The edge of a from which b lies farthest, and how far.
-template <class S>
-struct edge_distance {
-    int edge = 0;
-    S distance{};
-};
-template <class S>
-constexpr edge_distance<S> farthest_edge(const rounded_polygon<S>& a, const rounded_polygon<S>& b) {
-    edge_distance<S> best;
-    for (int i = 0; i < a.count; ++i) {
-        S nearest = dot(a.normal[i], b.vertex[0] - a.vertex[i]);
-        for (int j = 1; j < b.count; ++j) nearest = min(nearest, dot(a.normal[i], b.vertex[j] - a.vertex[i]));
-        if (i == 0 || nearest > best.distance) best = {i, nearest};
-    }
-    return best;
-}
-/// How far apart the cores are along a unit vector from a to b.
-template <class S>
-constexpr S distance_along(const rounded_polygon<S>& a, const rounded_polygon<S>& b, vec<S, 2> n) {
-    S last = dot(n, a.vertex[0]), first = dot(n, b.vertex[0]);
-    for (int i = 1; i < a.count; ++i) last = max(last, dot(n, a.vertex[i]));
-    for (int i = 1; i < b.count; ++i) first = min(first, dot(n, b.vertex[i]));
-    return first - last;
-}
-
-/// Clips the edge of `incident` that faces the reference edge to the length of the latter, and adds the ends
-/// that are left. False, with nothing added, if the point in which the edge finds `incident` closest was cut
-/// off: then the edge's normal is not the direction of least distance.
-template <class S>
-constexpr bool clip_edges(const rounded_polygon<S>& reference, edge_distance<S> found,
-                          const rounded_polygon<S>& incident, bool flip, S slack, S margin, manifold<S, 2>& out) {
-    const int edge = found.edge;
-    const vec<S, 2> n = reference.normal[edge], t{-n.y, n.x}, from = reference.vertex[edge];
-    int facing = 0;
-    // A lower number wins unless another edge is clearly better, so that rounding does not choose.
-    for (int i = 1; i < incident.count; ++i)
-        if (dot(incident.normal[i], n) < dot(incident.normal[facing], n) - S(1.0 / 1024)) facing = i;
-
-    // Along the reference edge the incident edge runs backwards: its end comes first.
-    const vec<S, 2> first = incident.vertex[incident.next(facing)] - from, last = incident.vertex[facing] - from;
-    const S at_first = dot(first, t), at_last = dot(last, t), span = at_last - at_first;
-    // Reference ends are a little farther out, so that rounding does not cut the corners of equal boxes.
-    const S low = -slack, high = dot(reference.vertex[reference.next(edge)] - from, t) + slack;
-    if (at_first > high || at_last < low) return false;
-    const auto point_at = [&](S at) {
-        return span > S(0) ? first + (last - first) * clamp((at - at_first) / span, S(0), S(1)) : first;
-    };
-    const vec<S, 2> ends[2] = {at_first < low ? point_at(low) : first, at_last > high ? point_at(high) : last};
-    const S gaps[2] = {dot(n, ends[0]), dot(n, ends[1])};
-    const int deeper = gaps[1] < gaps[0] ? 1 : 0;
-    if (gaps[deeper] > found.distance + slack + slack) return false;
-    // A round edge leads its surface along its own normal: beyond five degrees of tilt only the deeper end touches.
-    const bool flat = !(incident.radius > S(0)) || dot(incident.normal[facing], n) < S(-1 + 1.0 / 256);
-
-    out.normal = flip ? -n : n;
-    for (int k = 0; k < 2; ++k) {
-        if (gaps[k] - reference.radius - incident.radius > margin || (k != deeper && !flat)) continue;
-        const vec<S, 2> on_incident = from + ends[k], on_reference = on_incident - n * gaps[k];
-        // Whether the end is a corner or a cut stays out of the name: of equal boxes it changes with rounding.
-        const std::uint32_t feature = static_cast<std::uint32_t>(edge << 12 | facing << 8 | k << 4 | int{flip});
-        if (flip)
-            add_rounded(out, on_incident, incident.radius, on_reference, reference.radius, gaps[k], feature);
-        else
-            add_rounded(out, on_reference, reference.radius, on_incident, incident.radius, gaps[k], feature);
-    }
-    return true;
-}
-
-/// Adds the closest pair of a vertex of one polygon and an edge or vertex of the other, for cores that do not
-/// overlap. `parting` is the best of the edges' normals, from a to b, and `parted` how far it parts the cores.
-template <class S>
-constexpr void collide_nearest(const rounded_polygon<S>& a, const rounded_polygon<S>& b, vec<S, 2> parting, S parted,
-                               S rounding, S margin, manifold<S, 2>& out) {
-    vec<S, 2> on_a, on_b;
-    wide_of<S> best{};
-    std::uint32_t feature = 0;
-    for (int flip = 0; flip < 2; ++flip) {
-        const rounded_polygon<S>& edges = flip ? b : a;
-        const rounded_polygon<S>& vertices = flip ? a : b;
-        for (int i = 0; i < edges.count; ++i) {
-            const vec<S, 2> from = edges.vertex[i], to = edges.vertex[edges.next(i)];
-            for (int j = 0; j < vertices.count; ++j) {
-                const vec<S, 2> v = vertices.vertex[j];
-                const S t = closest_parameter(from, to, v);
-                const vec<S, 2> p = t < S(1) ? from + (to - from) * t : to;
-                const wide_of<S> distance = length_squared(v - p);
-                if (feature != 0 && !(distance < best)) continue;
-                best = distance;
-                on_a = flip ? v : p;
-                on_b = flip ? p : v;
-                // Two vertices have one name, whichever edge found them.
-                const bool inside = t > S(0) && t < S(1);
-                const int vertex = t > S(0) ? edges.next(i) : i;
-                feature = static_cast<std::uint32_t>(inside ? 0x20000 | i << 8 | j << 4 | flip
-                                                            : 0x10000 | (flip ? j << 4 | vertex : vertex << 4 | j));
-            }
-        }
-    }
-    auto [n, gap] = split(on_b - on_a);
-    // Of points that all but coincide the direction is chance.
-    if (!(gap > S(0)) || distance_along(a, b, n) < parted - rounding) {
-        n = parting;
-        gap = parted;
-    }
-    if (gap - a.radius - b.radius > margin) return;
-    out.normal = n;
-    add_rounded(out, on_a, a.radius, on_b, b.radius, gap, feature);
-}
-
-}  // namespace detail
-
-/// Contact of two rounded convex polygons: separating axes over the edges and clipping, or the nearest features
-/// where a corner meets a corner. The result lies in the frame of a and b's vertices. To keep the features of
-/// bodies at rest, contacts may deviate by 1/512 of the smaller size, never more.
-template <class S>
-constexpr void collide_polygons(const detail::rounded_polygon<S>& a, const detail::rounded_polygon<S>& b, S margin,
-                                manifold<S, 2>& out) {
-    const S reach = a.radius + b.radius + margin;
-    const auto from_a = detail::farthest_edge(a, b);
-    if (from_a.distance > reach) return;
-    const auto from_b = detail::farthest_edge(b, a);
-    if (from_b.distance > reach) return;
-
-    // A preference for a's edge keeps the reference from flipping between two that are alike.
-    const S rounding = detail::rounding_of(largest(a.vertex[0]) + largest(b.vertex[0]));
-    const S slack = max(min(a.size, b.size) * S(1.0 / 1024), rounding);
-    const bool better_b = from_b.distance > from_a.distance;
-    if (!(from_b.distance > from_a.distance + slack + slack) &&
-        detail::clip_edges(a, from_a, b, false, slack, margin, out))
-        return;
-    if (better_b && detail::clip_edges(b, from_b, a, true, slack, margin, out)) return;
-    detail::collide_nearest(a, b, better_b ? -b.normal[from_b.edge] : a.normal[from_a.edge],
-                            better_b ? from_b.distance : from_a.distance, rounding, margin, out);
-}
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/collide/round.hpp
-// =================================================================================================
-// Contact of the pairs that read alike in the plane and in space: balls, and round shapes on a halfspace.
-
-PHYSICS_HPP_BEGIN
-
-// collide(a, b, b_in_a, margin, out) fills `out`, which must be empty, with the contact of a and b, in a's
-// frame, if the shapes are within `margin` (m) of each other. Pairs come in the order ball, capsule, box,
-// halfspace. No shape is refused here: the world has checked them.
-
-template <class S, int D>
-constexpr void collide(const ball<S, D>& a, const ball<S, D>& b, const transform<S, D>& b_in_a, S margin,
-                       manifold<S, D>& out) {
-    vec<S, D> up;
-    up.y = S(1);
-    collide_round(vec<S, D>{}, a.radius, b_in_a.position, b.radius, up, margin, 0u, out);
-}
-
-namespace detail {
-/// A ball against a box that may be flat and rounded: all points within radius_b of |p_i| <= half_i.
-template <class S, int D>
-constexpr void collide_ball(S radius_a, vec<S, D> half, S radius_b, const transform<S, D>& b_in_a, S margin,
-                            manifold<S, D>& out) {
-    // In the box's frame, where the components of the normal along a face are exactly zero.
-    const vec<S, D> center = inverse_transform(b_in_a, vec<S, D>{});
-    const vec<S, D> nearest = max(-half, min(half, center));
-    auto [direction, gap] = split(nearest - center);
-    if (gap > radius_a + radius_b + margin) return;
-    std::uint32_t feature = 0;
-    if (!(gap > S(0))) {
-        int axis = 0;
-        for (int i = 1; i < D; ++i)
-            if (half[i] - abs(center[i]) < half[axis] - abs(center[axis])) axis = i;
-        const bool below = center[axis] < S(0);
-        direction[axis] = S(below ? 1 : -1);
-        gap = abs(center[axis]) - half[axis];
-        feature = static_cast<std::uint32_t>(1 + 2 * axis + int{below});
-    }
-    out.normal = b_in_a.rotation * direction;
-    add_rounded(out, vec<S, D>{}, radius_a, out.normal * gap, radius_b, gap, feature);
-}
-}  // namespace detail
-
-template <class S, int D>
-constexpr void collide(const ball<S, D>& a, const capsule<S, D>& b, const transform<S, D>& b_in_a, S margin,
-                       manifold<S, D>& out) {
-    detail::collide_ball(a.radius, detail::along_x<S, D>(b.half_length), b.radius, b_in_a, margin, out);
-}
-
-template <class S, int D>
-constexpr void collide(const ball<S, D>& a, const box<S, D>& b, const transform<S, D>& b_in_a, S margin,
-                       manifold<S, D>& out) {
-    detail::collide_ball(a.radius, b.half_extents, S(0), b_in_a, margin, out);
-}
-
-namespace detail {
-/// Adds the contact of a core point p of A (with radius) and the halfspace B, both in A's frame.
-template <class S, int D>
-constexpr void touch_plane(vec<S, D> p, S radius, vec<S, D> normal, S offset, S margin, std::uint32_t feature,
-                           manifold<S, D>& out) {
-    const S gap = dot(normal, p) - offset;
-    if (gap - radius > margin) return;
-    out.normal = -normal;
-    add_rounded(out, p, radius, p - normal * gap, S(0), gap, feature);
-}
-/// The plane of a halfspace in A's frame: its normal and offset.
-template <class S, int D>
-struct plane {
-    vec<S, D> normal;
-    S offset;
-};
-template <class S, int D>
-constexpr plane<S, D> plane_of(const halfspace<S, D>& h, const transform<S, D>& at) {
-    const vec<S, D> n = at.rotation * unit_normal(h);
-    return {n, h.offset + dot(n, at.position)};
-}
-}  // namespace detail
-
-template <class S, int D>
-constexpr void collide(const ball<S, D>& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a, S margin,
-                       manifold<S, D>& out) {
-    const auto plane = detail::plane_of(b, b_in_a);
-    detail::touch_plane(vec<S, D>{}, a.radius, plane.normal, plane.offset, margin, 0u, out);
-}
-
-template <class S, int D>
-constexpr void collide(const capsule<S, D>& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a, S margin,
-                       manifold<S, D>& out) {
-    const auto plane = detail::plane_of(b, b_in_a);
-    const vec<S, D> x = detail::along_x<S, D>(a.half_length);
-    detail::touch_plane(-x, a.radius, plane.normal, plane.offset, margin, 0u, out);
-    detail::touch_plane(x, a.radius, plane.normal, plane.offset, margin, 1u, out);
-}
-
-/// Halfspaces carry no mass, so two of them never push each other.
-template <class S, int D>
-constexpr void collide(const halfspace<S, D>&, const halfspace<S, D>&, const transform<S, D>&, S, manifold<S, D>&) {}
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/collide/pairs2.hpp
-// =================================================================================================
-// Contact of the pairs that are particular to the plane.
-
-PHYSICS_HPP_BEGIN
-
-template <class S>
-constexpr void collide(const box<S, 2>& a, const halfspace<S, 2>& b, const transform<S, 2>& b_in_a, S margin,
-                       manifold<S, 2>& out) {
-    const auto plane = detail::plane_of(b, b_in_a);
-    // The corners of the edge that faces the plane most; one of them is the lowest of all.
-    const vec<S, 2> n = plane.normal;
-    const int across = abs(n.x) > abs(n.y) ? 0 : 1;
-    for (std::uint32_t k = 0; k < 2; ++k) {
-        vec<S, 2> corner = a.half_extents;
-        if (n[across] > S(0)) corner[across] = -corner[across];
-        if (k == 0) corner[1 - across] = -corner[1 - across];
-        const std::uint32_t name = std::uint32_t{corner.x > S(0)} | std::uint32_t{corner.y > S(0)} << 1;
-        detail::touch_plane(corner, S(0), n, plane.offset, margin, name, out);
-    }
-}
-
-template <class S>
-constexpr void collide(const capsule<S, 2>& a, const capsule<S, 2>& b, const transform<S, 2>& b_in_a, S margin,
-                       manifold<S, 2>& out) {
-    collide_polygons(detail::polygon_of(a, {}), detail::polygon_of(b, b_in_a), margin, out);
-}
-template <class S>
-constexpr void collide(const capsule<S, 2>& a, const box<S, 2>& b, const transform<S, 2>& b_in_a, S margin,
-                       manifold<S, 2>& out) {
-    collide_polygons(detail::polygon_of(a, {}), detail::polygon_of(b, b_in_a), margin, out);
-}
-template <class S>
-constexpr void collide(const box<S, 2>& a, const box<S, 2>& b, const transform<S, 2>& b_in_a, S margin,
-                       manifold<S, 2>& out) {
-    collide_polygons(detail::polygon_of(a, {}), detail::polygon_of(b, b_in_a), margin, out);
-}
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/collide/pairs3.hpp
-// =================================================================================================
-// Contact of the pairs that are particular to space.
-
-PHYSICS_HPP_BEGIN
-
-template <class S>
-constexpr void collide(const box<S, 3>& a, const halfspace<S, 3>& b, const transform<S, 3>& b_in_a, S margin,
-                       manifold<S, 3>& out) {
-    const auto plane = detail::plane_of(b, b_in_a);
-    // The corners of the face that faces the plane most; one of them is the lowest of all.
-    const vec<S, 3> n = plane.normal;
-    int across = 0;
-    for (int i = 1; i < 3; ++i)
-        if (abs(n[i]) > abs(n[across])) across = i;
-    for (std::uint32_t name = 0; name < 8; ++name) {
-        if ((name >> across & 1u) == std::uint32_t{n[across] > S(0)}) continue;
-        vec<S, 3> corner = a.half_extents;
-        for (int i = 0; i < 3; ++i)
-            if ((name >> i & 1u) == 0) corner[i] = -corner[i];
-        detail::touch_plane(corner, S(0), n, plane.offset, margin, name, out);
-    }
-}
-
-PHYSICS_HPP_END
-
-// =================================================================================================
 // physics/collide/reduce2.hpp
 // =================================================================================================
 // Two of many contact points that span what all of them hold.
@@ -11821,7 +11517,7 @@ double slack_of(const core_pair<D>& pair) {
 /// each other share a patch, which is found by clipping; all others touch in the points that GJK or EPA found. To keep
 /// the features of bodies at rest, contacts may deviate by two slacks, never more.
 template <int D>
-void touch_parted(const core_pair<D>& pair, const core_separation<D>& s, double margin, double slack,
+void touch_parted(const core_pair<D>& pair, core_separation<D> s, double margin, double slack,
                   manifold<double, D>& out) {
     const facet<D> of_a = facet_of(pair.a, s.normal), of_b = facet_of(pair.placed, -s.normal);
     const patch_limits from_a{pair.a.radius, pair.b.radius, margin, slack};
@@ -11847,6 +11543,7 @@ void touch_parted(const core_pair<D>& pair, const core_separation<D>& s, double 
     if (!of_a.flat && !of_b.flat && of_a.count == 2 && lies_flat(of_a, s.normal) && by_face_of_a(s.normal, s.gap))
         return;
 
+    locate(pair, s);
     std::uint32_t feature = 0x80000000u;
     for (int i = 0; i < s.name_count; ++i) feature += mixed(s.names[i], 0x51u);
     out.normal = s.normal;
@@ -11925,6 +11622,410 @@ void collide_with_plane(const A& a, const halfspace<S, D>& b, const transform<S,
 }
 
 }  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/collide/polygon2.hpp
+// =================================================================================================
+// Contact of rounded polygons in the plane: boxes, capsules, small hulls.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// A convex polygon, counter-clockwise, grown by a radius; edge i leads from vertex i to the next. Two
+/// vertices make a segment with two opposite edges. N: room for vertices, 4 or 8.
+template <class S, int N = 4>
+struct rounded_polygon {
+    vec<S, 2> vertex[N];
+    vec<S, 2> normal[N];
+    int count = 0;
+    S radius{};
+    S size{};
+
+    constexpr int next(int i) const { return i + 1 < count ? i + 1 : 0; }
+};
+
+template <int N = 4, class S>
+constexpr rounded_polygon<S, N> polygon_of(const box<S, 2>& b, const transform<S, 2>& at) {
+    const mat<S, 2> m = matrix(at.rotation);
+    const vec<S, 2> x = m.column[0] * b.half_extents.x, y = m.column[1] * b.half_extents.y, p = at.position;
+    return {{p - x - y, p + x - y, p + x + y, p - x + y},
+            {-m.column[1], m.column[0], m.column[1], -m.column[0]},
+            4,
+            S(0),
+            min(b.half_extents.x, b.half_extents.y)};
+}
+template <int N = 4, class S>
+constexpr rounded_polygon<S, N> polygon_of(const capsule<S, 2>& c, const transform<S, 2>& at) {
+    const mat<S, 2> m = matrix(at.rotation);
+    const vec<S, 2> x = m.column[0] * c.half_length;
+    return {{at.position - x, at.position + x}, {-m.column[1], m.column[1]}, 2, c.radius, c.radius};
+}
+
+/// The edge of a from which b lies farthest, and how far.
+template <class S>
+struct edge_distance {
+    int edge = 0;
+    S distance{};
+};
+template <class S, int N>
+constexpr edge_distance<S> farthest_edge(const rounded_polygon<S, N>& a, const rounded_polygon<S, N>& b) {
+    edge_distance<S> best;
+    for (int i = 0; i < a.count; ++i) {
+        S nearest = dot(a.normal[i], b.vertex[0] - a.vertex[i]);
+        for (int j = 1; j < b.count; ++j) nearest = min(nearest, dot(a.normal[i], b.vertex[j] - a.vertex[i]));
+        if (i == 0 || nearest > best.distance) best = {i, nearest};
+    }
+    return best;
+}
+/// How far apart the cores are along a unit vector from a to b.
+template <class S, int N>
+constexpr S distance_along(const rounded_polygon<S, N>& a, const rounded_polygon<S, N>& b, vec<S, 2> n) {
+    S last = dot(n, a.vertex[0]), first = dot(n, b.vertex[0]);
+    for (int i = 1; i < a.count; ++i) last = max(last, dot(n, a.vertex[i]));
+    for (int i = 1; i < b.count; ++i) first = min(first, dot(n, b.vertex[i]));
+    return first - last;
+}
+
+/// Clips the edge of `incident` that faces the reference edge to the length of the latter, and adds the ends
+/// that are left. False, with nothing added, if the point in which the edge finds `incident` closest was cut
+/// off: then the edge's normal is not the direction of least distance.
+template <class S, int N>
+constexpr bool clip_edges(const rounded_polygon<S, N>& reference, edge_distance<S> found,
+                          const rounded_polygon<S, N>& incident, bool flip, S slack, S margin, manifold<S, 2>& out) {
+    const int edge = found.edge;
+    const vec<S, 2> n = reference.normal[edge], t{-n.y, n.x}, from = reference.vertex[edge];
+    int facing = 0;
+    // A lower number wins unless another edge is clearly better, so that rounding does not choose.
+    for (int i = 1; i < incident.count; ++i)
+        if (dot(incident.normal[i], n) < dot(incident.normal[facing], n) - S(1.0 / 1024)) facing = i;
+
+    // Along the reference edge the incident edge runs backwards: its end comes first.
+    const vec<S, 2> first = incident.vertex[incident.next(facing)] - from, last = incident.vertex[facing] - from;
+    const S at_first = dot(first, t), at_last = dot(last, t), span = at_last - at_first;
+    // Reference ends are a little farther out, so that rounding does not cut the corners of equal boxes.
+    const S low = -slack, high = dot(reference.vertex[reference.next(edge)] - from, t) + slack;
+    if (at_first > high || at_last < low) return false;
+    const auto point_at = [&](S at) {
+        return span > S(0) ? first + (last - first) * clamp((at - at_first) / span, S(0), S(1)) : first;
+    };
+    const vec<S, 2> ends[2] = {at_first < low ? point_at(low) : first, at_last > high ? point_at(high) : last};
+    const S gaps[2] = {dot(n, ends[0]), dot(n, ends[1])};
+    const int deeper = gaps[1] < gaps[0] ? 1 : 0;
+    if (gaps[deeper] > found.distance + slack + slack) return false;
+    // A round edge leads its surface along its own normal: beyond five degrees of tilt only the deeper end touches.
+    const bool flat = !(incident.radius > S(0)) || dot(incident.normal[facing], n) < S(-1 + 1.0 / 256);
+
+    out.normal = flip ? -n : n;
+    for (int k = 0; k < 2; ++k) {
+        if (gaps[k] - reference.radius - incident.radius > margin || (k != deeper && !flat)) continue;
+        const vec<S, 2> on_incident = from + ends[k], on_reference = on_incident - n * gaps[k];
+        // Whether the end is a corner or a cut stays out of the name: of equal boxes it changes with rounding.
+        const std::uint32_t feature = static_cast<std::uint32_t>(edge << 12 | facing << 8 | k << 4 | int{flip});
+        if (flip)
+            add_rounded(out, on_incident, incident.radius, on_reference, reference.radius, gaps[k], feature);
+        else
+            add_rounded(out, on_reference, reference.radius, on_incident, incident.radius, gaps[k], feature);
+    }
+    return true;
+}
+
+/// Adds the closest pair of a vertex of one polygon and an edge or vertex of the other, for cores that do not
+/// overlap. `parting` is the best of the edges' normals, from a to b, and `parted` how far it parts the cores.
+template <class S, int N>
+constexpr void collide_nearest(const rounded_polygon<S, N>& a, const rounded_polygon<S, N>& b, vec<S, 2> parting,
+                               S parted, S rounding, S margin, manifold<S, 2>& out) {
+    vec<S, 2> on_a, on_b;
+    wide_of<S> best{};
+    std::uint32_t feature = 0;
+    for (int flip = 0; flip < 2; ++flip) {
+        const rounded_polygon<S, N>& edges = flip ? b : a;
+        const rounded_polygon<S, N>& vertices = flip ? a : b;
+        for (int i = 0; i < edges.count; ++i) {
+            const vec<S, 2> from = edges.vertex[i], to = edges.vertex[edges.next(i)];
+            for (int j = 0; j < vertices.count; ++j) {
+                const vec<S, 2> v = vertices.vertex[j];
+                const S t = closest_parameter(from, to, v);
+                const vec<S, 2> p = t < S(1) ? from + (to - from) * t : to;
+                const wide_of<S> distance = length_squared(v - p);
+                if (feature != 0 && !(distance < best)) continue;
+                best = distance;
+                on_a = flip ? v : p;
+                on_b = flip ? p : v;
+                // Two vertices have one name, whichever edge found them.
+                const bool inside = t > S(0) && t < S(1);
+                const int vertex = t > S(0) ? edges.next(i) : i;
+                feature = static_cast<std::uint32_t>(inside ? 0x20000 | i << 8 | j << 4 | flip
+                                                            : 0x10000 | (flip ? j << 4 | vertex : vertex << 4 | j));
+            }
+        }
+    }
+    auto [n, gap] = split(on_b - on_a);
+    // Of points that all but coincide the direction is chance.
+    if (!(gap > S(0)) || distance_along(a, b, n) < parted - rounding) {
+        n = parting;
+        gap = parted;
+    }
+    if (gap - a.radius - b.radius > margin) return;
+    out.normal = n;
+    add_rounded(out, on_a, a.radius, on_b, b.radius, gap, feature);
+}
+
+}  // namespace detail
+
+/// Contact of two rounded convex polygons: separating axes over the edges and clipping, or the nearest features
+/// where a corner meets a corner. The result lies in the frame of a and b's vertices. To keep the features of
+/// bodies at rest, contacts may deviate by 1/512 of the smaller size, never more.
+template <class S, int N>
+constexpr void collide_polygons(const detail::rounded_polygon<S, N>& a, const detail::rounded_polygon<S, N>& b,
+                                S margin, manifold<S, 2>& out) {
+    const S reach = a.radius + b.radius + margin;
+    const auto from_a = detail::farthest_edge(a, b);
+    if (from_a.distance > reach) return;
+    const auto from_b = detail::farthest_edge(b, a);
+    if (from_b.distance > reach) return;
+
+    // A preference for a's edge keeps the reference from flipping between two that are alike.
+    const S rounding = detail::rounding_of(largest(a.vertex[0]) + largest(b.vertex[0]));
+    const S slack = max(min(a.size, b.size) * S(1.0 / 1024), rounding);
+    const bool better_b = from_b.distance > from_a.distance;
+    if (!(from_b.distance > from_a.distance + slack + slack) &&
+        detail::clip_edges(a, from_a, b, false, slack, margin, out))
+        return;
+    if (better_b && detail::clip_edges(b, from_b, a, true, slack, margin, out)) return;
+    detail::collide_nearest(a, b, better_b ? -b.normal[from_b.edge] : a.normal[from_a.edge],
+                            better_b ? from_b.distance : from_a.distance, rounding, margin, out);
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/collide/hull2.hpp
+// =================================================================================================
+// Contact of convex polygons of a few vertices in the plane.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Polygons of more vertices are quicker by GJK; thin ones need its precision.
+inline constexpr int most_separating_edges = 8;
+
+template <class S>
+bool is_small(const hull<S, 2>& h) {
+    return h.geometry->vertex_count <= std::uint32_t{most_separating_edges} &&
+           h.geometry->inradius > 0x1p-7 * h.geometry->reach;
+}
+template <int N, class S>
+rounded_polygon<S, N> polygon_of(const hull<S, 2>& h, const transform<S, 2>& at) {
+    const auto& data = *h.geometry;
+    const mat<S, 2> m = matrix(at.rotation);
+    rounded_polygon<S, N> p;
+    p.count = static_cast<int>(data.vertex_count);
+    p.radius = h.radius;
+    p.size = static_cast<S>(data.inradius) + h.radius;
+    for (int i = 0; i < p.count; ++i) {
+        const auto k = static_cast<std::uint32_t>(i);
+        p.vertex[i] = m * from_point<S>(data.exact_vertex(k)) + at.position;
+        p.normal[i] = m * from_point<S>(data.normal(k));
+    }
+    return p;
+}
+/// By separating edges where both are small.
+template <class A, class S>
+void collide_with_hull(const A& a, const hull<S, 2>& b, bool small, const transform<S, 2>& b_in_a, S margin,
+                       manifold<S, 2>& out) {
+    constexpr int most = most_separating_edges;
+    if (small) collide_polygons(polygon_of<most>(a, {}), polygon_of<most>(b, b_in_a), margin, out);
+    else collide_cores(a, b, b_in_a, margin, nullptr, overlap_method::epa, out);
+}
+
+}  // namespace detail
+
+template <class S>
+void collide(const capsule<S, 2>& a, const hull<S, 2>& b, const transform<S, 2>& b_in_a, S margin,
+             manifold<S, 2>& out) {
+    detail::collide_with_hull(a, b, detail::is_small(b), b_in_a, margin, out);
+}
+template <class S>
+void collide(const box<S, 2>& a, const hull<S, 2>& b, const transform<S, 2>& b_in_a, S margin, manifold<S, 2>& out) {
+    detail::collide_with_hull(a, b, detail::is_small(b), b_in_a, margin, out);
+}
+template <class S>
+void collide(const hull<S, 2>& a, const hull<S, 2>& b, const transform<S, 2>& b_in_a, S margin, manifold<S, 2>& out) {
+    detail::collide_with_hull(a, b, detail::is_small(a) && detail::is_small(b), b_in_a, margin, out);
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/collide/round.hpp
+// =================================================================================================
+// Contact of the pairs that read alike in the plane and in space: balls, and round shapes on a halfspace.
+
+PHYSICS_HPP_BEGIN
+
+// collide(a, b, b_in_a, margin, out) fills `out`, which must be empty, with the contact of a and b, in a's
+// frame, if the shapes are within `margin` (m) of each other. Pairs come in the order ball, capsule, box,
+// halfspace. No shape is refused here: the world has checked them.
+
+template <class S, int D>
+constexpr void collide(const ball<S, D>& a, const ball<S, D>& b, const transform<S, D>& b_in_a, S margin,
+                       manifold<S, D>& out) {
+    vec<S, D> up;
+    up.y = S(1);
+    collide_round(vec<S, D>{}, a.radius, b_in_a.position, b.radius, up, margin, 0u, out);
+}
+
+namespace detail {
+/// A ball against a box that may be flat and rounded: all points within radius_b of |p_i| <= half_i.
+template <class S, int D>
+constexpr void collide_ball(S radius_a, vec<S, D> half, S radius_b, const transform<S, D>& b_in_a, S margin,
+                            manifold<S, D>& out) {
+    // In the box's frame, where the components of the normal along a face are exactly zero.
+    const vec<S, D> center = inverse_transform(b_in_a, vec<S, D>{});
+    const vec<S, D> nearest = max(-half, min(half, center));
+    auto [direction, gap] = split(nearest - center);
+    if (gap > radius_a + radius_b + margin) return;
+    std::uint32_t feature = 0;
+    if (!(gap > S(0))) {
+        int axis = 0;
+        for (int i = 1; i < D; ++i)
+            if (half[i] - abs(center[i]) < half[axis] - abs(center[axis])) axis = i;
+        const bool below = center[axis] < S(0);
+        direction[axis] = S(below ? 1 : -1);
+        gap = abs(center[axis]) - half[axis];
+        feature = static_cast<std::uint32_t>(1 + 2 * axis + int{below});
+    }
+    out.normal = b_in_a.rotation * direction;
+    add_rounded(out, vec<S, D>{}, radius_a, out.normal * gap, radius_b, gap, feature);
+}
+}  // namespace detail
+
+template <class S, int D>
+constexpr void collide(const ball<S, D>& a, const capsule<S, D>& b, const transform<S, D>& b_in_a, S margin,
+                       manifold<S, D>& out) {
+    detail::collide_ball(a.radius, detail::along_x<S, D>(b.half_length), b.radius, b_in_a, margin, out);
+}
+
+template <class S, int D>
+constexpr void collide(const ball<S, D>& a, const box<S, D>& b, const transform<S, D>& b_in_a, S margin,
+                       manifold<S, D>& out) {
+    detail::collide_ball(a.radius, b.half_extents, S(0), b_in_a, margin, out);
+}
+
+namespace detail {
+/// Adds the contact of a core point p of A (with radius) and the halfspace B, both in A's frame.
+template <class S, int D>
+constexpr void touch_plane(vec<S, D> p, S radius, vec<S, D> normal, S offset, S margin, std::uint32_t feature,
+                           manifold<S, D>& out) {
+    const S gap = dot(normal, p) - offset;
+    if (gap - radius > margin) return;
+    out.normal = -normal;
+    add_rounded(out, p, radius, p - normal * gap, S(0), gap, feature);
+}
+/// The plane of a halfspace in A's frame: its normal and offset.
+template <class S, int D>
+struct plane {
+    vec<S, D> normal;
+    S offset;
+};
+template <class S, int D>
+constexpr plane<S, D> plane_of(const halfspace<S, D>& h, const transform<S, D>& at) {
+    const vec<S, D> n = at.rotation * unit_normal(h);
+    return {n, h.offset + dot(n, at.position)};
+}
+}  // namespace detail
+
+template <class S, int D>
+constexpr void collide(const ball<S, D>& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a, S margin,
+                       manifold<S, D>& out) {
+    const auto plane = detail::plane_of(b, b_in_a);
+    detail::touch_plane(vec<S, D>{}, a.radius, plane.normal, plane.offset, margin, 0u, out);
+}
+
+template <class S, int D>
+constexpr void collide(const capsule<S, D>& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a, S margin,
+                       manifold<S, D>& out) {
+    const auto plane = detail::plane_of(b, b_in_a);
+    const vec<S, D> x = detail::along_x<S, D>(a.half_length);
+    detail::touch_plane(-x, a.radius, plane.normal, plane.offset, margin, 0u, out);
+    detail::touch_plane(x, a.radius, plane.normal, plane.offset, margin, 1u, out);
+}
+
+/// Halfspaces carry no mass, so two of them never push each other.
+template <class S, int D>
+constexpr void collide(const halfspace<S, D>&, const halfspace<S, D>&, const transform<S, D>&, S, manifold<S, D>&) {}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/collide/pairs2.hpp
+// =================================================================================================
+// Contact of the pairs that are particular to the plane.
+
+PHYSICS_HPP_BEGIN
+
+template <class S>
+constexpr void collide(const box<S, 2>& a, const halfspace<S, 2>& b, const transform<S, 2>& b_in_a, S margin,
+                       manifold<S, 2>& out) {
+    const auto plane = detail::plane_of(b, b_in_a);
+    // The corners of the edge that faces the plane most; one of them is the lowest of all.
+    const vec<S, 2> n = plane.normal;
+    const int across = abs(n.x) > abs(n.y) ? 0 : 1;
+    for (std::uint32_t k = 0; k < 2; ++k) {
+        vec<S, 2> corner = a.half_extents;
+        if (n[across] > S(0)) corner[across] = -corner[across];
+        if (k == 0) corner[1 - across] = -corner[1 - across];
+        const std::uint32_t name = std::uint32_t{corner.x > S(0)} | std::uint32_t{corner.y > S(0)} << 1;
+        detail::touch_plane(corner, S(0), n, plane.offset, margin, name, out);
+    }
+}
+
+template <class S>
+constexpr void collide(const capsule<S, 2>& a, const capsule<S, 2>& b, const transform<S, 2>& b_in_a, S margin,
+                       manifold<S, 2>& out) {
+    collide_polygons(detail::polygon_of(a, {}), detail::polygon_of(b, b_in_a), margin, out);
+}
+template <class S>
+constexpr void collide(const capsule<S, 2>& a, const box<S, 2>& b, const transform<S, 2>& b_in_a, S margin,
+                       manifold<S, 2>& out) {
+    collide_polygons(detail::polygon_of(a, {}), detail::polygon_of(b, b_in_a), margin, out);
+}
+template <class S>
+constexpr void collide(const box<S, 2>& a, const box<S, 2>& b, const transform<S, 2>& b_in_a, S margin,
+                       manifold<S, 2>& out) {
+    collide_polygons(detail::polygon_of(a, {}), detail::polygon_of(b, b_in_a), margin, out);
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/collide/pairs3.hpp
+// =================================================================================================
+// Contact of the pairs that are particular to space.
+
+PHYSICS_HPP_BEGIN
+
+template <class S>
+constexpr void collide(const box<S, 3>& a, const halfspace<S, 3>& b, const transform<S, 3>& b_in_a, S margin,
+                       manifold<S, 3>& out) {
+    const auto plane = detail::plane_of(b, b_in_a);
+    // The corners of the face that faces the plane most; one of them is the lowest of all.
+    const vec<S, 3> n = plane.normal;
+    int across = 0;
+    for (int i = 1; i < 3; ++i)
+        if (abs(n[i]) > abs(n[across])) across = i;
+    for (std::uint32_t name = 0; name < 8; ++name) {
+        if ((name >> across & 1u) == std::uint32_t{n[across] > S(0)}) continue;
+        vec<S, 3> corner = a.half_extents;
+        for (int i = 0; i < 3; ++i)
+            if ((name >> i & 1u) == 0) corner[i] = -corner[i];
+        detail::touch_plane(corner, S(0), n, plane.offset, margin, name, out);
+    }
+}
 
 PHYSICS_HPP_END
 
@@ -12106,13 +12207,14 @@ bool touch_part(surface_part<D> part, double radius, const placed_core<D>& body,
     if (closed || (upwards && above)) return upwards;
 
     const core_pair<D> pair(core_of_part(part, radius), *body.shape, body.axes, body.at);
-    const core_separation<D> s = separate<S>(pair, reach, nullptr, method);
+    core_separation<D> s = separate<S>(pair, reach, nullptr, method);
     if (s.beyond || s.gap > reach) {
         out = {};
         return true;
     }
     const bool flat = height >= s.gap - 2 * slack, own = owns(part, s.normal);
     const auto touch_once = [&](manifold<double, D>& m) {
+        locate(pair, s);
         m = {};
         m.normal = s.normal;
         m.points[m.count++] = touching<D>(s.on_a + s.normal * s.gap, s.normal, s.gap, by, 0x80000000u);
@@ -12796,7 +12898,8 @@ point<D> touching_point(const core<D>& a, const placed_core<D>& b, const core_ca
     penetration<D> p;
     p.normal = c.normal;
     p.on_a = c.at.at.vertex[0].on_a;
-    find_touching_point(a, b, extent_of(a, b), p);
+    p.located = false;
+    locate(a, b, extent_of(a, b), p);
     return p.on_a;
 }
 
@@ -12843,7 +12946,8 @@ cast_hit<S, D> cast_shapes(const core_pair<D>& pair, const point<D>& way, double
     double gap = c.at.distance - reach;
     point<D> on_a = c.at.at.on_a();
     if (c.at.overlapping || c.at.distance <= 0x1p-40 * size) {
-        const penetration<D> p = epa(a, there, c.at.at, depth_tolerance<S>(size));
+        penetration<D> p = epa(a, there, c.at.at, depth_tolerance<S>(size));
+        locate(a, there, size, p);
         c.normal = p.normal;
         c.status = p.status;
         gap = -p.depth - reach;
@@ -17500,8 +17604,8 @@ struct recipe {
     using policies = detail::policy_list<Policies...>;
 };
 
-/// The shapes that a world knows: ball (or circle, sphere), capsule, box, halfspace, or the user's own.
-/// Default: all four. A world's shapes are as large as the largest of the set.
+/// The shapes that a world knows, of those in shape/ or your own. Default: ball (or circle, sphere), capsule, box,
+/// halfspace. A world's shapes are as large as the largest of the set, and each kind adds code for its pairs.
 template <template <class, int> class... Shapes>
 struct shapes {
     using stage = physics::stage::shapes;
@@ -17556,6 +17660,9 @@ struct shape_names {
     using capsule = physics::capsule<S, D>;
     using box = physics::box<S, D>;
     using halfspace = physics::halfspace<S, D>;
+    using segment = physics::segment<S, D>;
+    using triangle = physics::triangle<S, D>;
+    using rounded_box = physics::rounded_box<S, D>;
     using hull = physics::hull<S, D>;
     using hull_geometry = physics::hull_geometry<S, D>;
     using heightfield = physics::heightfield<S, D>;
@@ -17577,6 +17684,8 @@ struct shape_aliases<S, 2> : shape_names<S, 2> {
 template <class S>
 struct shape_aliases<S, 3> : shape_names<S, 3> {
     using sphere = physics::ball<S, 3>;
+    using cylinder = physics::cylinder<S, 3>;
+    using cone = physics::cone<S, 3>;
     using mesh = physics::mesh<S, 3>;
     using mesh_geometry = physics::mesh_geometry<S, 3>;
 };

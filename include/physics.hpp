@@ -93,6 +93,7 @@
 #include "physics/collide/epa3.hpp"
 #include "physics/collide/facet.hpp"
 #include "physics/collide/gjk.hpp"
+#include "physics/collide/hull2.hpp"
 #include "physics/collide/manifold.hpp"
 #include "physics/collide/mpr.hpp"
 #include "physics/collide/narrowphase.hpp"

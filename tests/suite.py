@@ -250,32 +250,36 @@ def sanitize(tally):
     build(tally, "sanitize", "g++", "small", "-Doptimization=1", "-Ddebug=true", "-Db_sanitize=address,undefined")
 
 
+def fuzz_one(source):
+    """Compiles and runs one fuzzer; returns its name, how many inputs it tried, whether all went well, what it said."""
+    name = source.stem
+    found = BUILD / "fuzz" / name
+    found.mkdir(parents=True, exist_ok=True)
+    program = BUILD / "fuzz" / f"{name}.run"
+    compiler = ["ccache", "clang++"] if shutil.which("ccache") else ["clang++"]
+    # New inputs go to the first folder; those of the repository are only read.
+    steps = [[*compiler, "-std=c++20", "-O1", "-g1", "-fsanitize=fuzzer,address,undefined",
+              "-fno-sanitize-recover=undefined", "-Iinclude", source, "-o", program],
+             [program, f"-max_total_time={os.environ.get('FUZZ_SECONDS', '10')}", "-max_len=400",
+              "-print_final_stats=1", f"-artifact_prefix={found.parent}/", found, ROOT / "tests/fuzz/corpus" / name]]
+    for step in steps:
+        done = subprocess.run(step, cwd=ROOT, text=True, errors="replace", stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT)
+        if done.returncode:
+            return name, 0, False, done.stdout
+    runs = re.search(r"^stat::number_of_executed_units: (\d+)$", done.stdout, re.MULTILINE)
+    inputs = int(runs.group(1)) if runs else 0
+    return name, inputs, inputs > 100, done.stdout
+
+
 def fuzz(tally):
-    """hulls, separations and casts under libFuzzer and sanitizers; FUZZ_SECONDS says how long each, 20 by default"""
-    seconds = os.environ.get("FUZZ_SECONDS", "20")
-    for source in sorted((ROOT / "tests/fuzz").glob("*.cpp")):
-        name = source.stem
-        found = BUILD / "fuzz" / name
-        found.mkdir(parents=True, exist_ok=True)
-        program = BUILD / "fuzz" / f"{name}.run"
-        compiler = ["ccache", "clang++"] if shutil.which("ccache") else ["clang++"]
-        show(f"  {name}: compile ...")
-        done = subprocess.run([*compiler, "-std=c++20", "-O1", "-g1", "-fsanitize=fuzzer,address,undefined",
-                               "-fno-sanitize-recover=undefined", "-Iinclude", source, "-o", program], cwd=ROOT,
-                              text=True, errors="replace", stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
-        if done.returncode == 0:
-            show(f"  {name}: {seconds} s ...")
-            # New inputs go to the first folder; those of the repository are read only.
-            done = subprocess.run([program, f"-max_total_time={seconds}", "-max_len=400", "-print_final_stats=1",
-                                   f"-artifact_prefix={found.parent}/", found, ROOT / "tests/fuzz/corpus" / name],
-                                  cwd=ROOT, text=True, errors="replace", stdout=subprocess.PIPE,
-                                  stderr=subprocess.STDOUT)
-        runs = re.search(r"^stat::number_of_executed_units: (\d+)$", done.stdout, re.MULTILINE)
-        good = done.returncode == 0 and runs is not None and int(runs.group(1)) > 100
-        tally.add(int(good), int(not good))
-        say(f"  {name}: {runs.group(1) if runs else 0} inputs, {int(good)} passed, {int(not good)} failed")
-        if not good:
-            print(excerpt("\n".join(done.stdout.splitlines()[-MOST_LINES:])))
+    """hulls, separations and casts under libFuzzer and sanitizers; FUZZ_SECONDS says how long each, 10 by default"""
+    with concurrent.futures.ThreadPoolExecutor(JOBS) as pool:
+        for name, inputs, good, said in pool.map(fuzz_one, sorted((ROOT / "tests/fuzz").glob("*.cpp"))):
+            tally.add(int(good), int(not good))
+            say(f"  {name}: {inputs} inputs, {int(good)} passed, {int(not good)} failed")
+            if not good:
+                print(excerpt("\n".join(said.splitlines()[-MOST_LINES:])))
 
 
 def package(tally):

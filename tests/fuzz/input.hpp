@@ -80,4 +80,35 @@ double size(input& in) {
     return std::pow(10, physics::detail::is_fixed<S> ? power / 2 : power);
 }
 
+/// Calls f with a ball, a capsule, a box or a hull; not at all where the points have no volume.
+template <class S, int D, class F>
+void with_shape(input& in, double scale, F&& f) {
+    const auto positive = [&] { return static_cast<S>((std::abs(in.number()) + 0.01) * scale); };
+    switch (in.below(4)) {
+        case 0: f(physics::ball<S, D>{positive()}); break;
+        case 1: {
+            const S half = positive();
+            f(physics::capsule<S, D>{half, positive()});
+            break;
+        }
+        case 2: {
+            physics::box<S, D> box;
+            for (int i = 0; i < D; ++i) box.half_extents[i] = positive();
+            f(box);
+            break;
+        }
+        default: {
+            const auto cloud = points<S, D>(in, 16, scale);
+            const S radius = in.below(2) ? positive() : S(0);
+            physics::hull_geometry<S, D> hull;
+            try {
+                hull = physics::hull_geometry<S, D>::build(cloud.data(), static_cast<std::uint32_t>(cloud.size()));
+            } catch (const physics::error&) {
+                return;
+            }
+            f(hull.shape(radius));
+        }
+    }
+}
+
 }  // namespace fuzz

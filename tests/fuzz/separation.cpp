@@ -70,41 +70,11 @@ void meet(fuzz::input& in, const A& a, const B& b, const physics::transform<S, D
     check(physics::gjk_mpr{});
 }
 
-template <class S, int D, class F>
-void with_shape(fuzz::input& in, double scale, F&& f) {
-    const auto positive = [&] { return static_cast<S>((std::abs(in.number()) + 0.01) * scale); };
-    switch (in.below(4)) {
-        case 0: f(physics::ball<S, D>{positive()}); break;
-        case 1: {
-            const S half = positive();
-            f(physics::capsule<S, D>{half, positive()});
-            break;
-        }
-        case 2: {
-            physics::box<S, D> box;
-            for (int i = 0; i < D; ++i) box.half_extents[i] = positive();
-            f(box);
-            break;
-        }
-        default: {
-            const auto points = fuzz::points<S, D>(in, 16, scale);
-            const S radius = in.below(2) ? positive() : S(0);
-            physics::hull_geometry<S, D> hull;
-            try {
-                hull = physics::hull_geometry<S, D>::build(points.data(), static_cast<std::uint32_t>(points.size()));
-            } catch (const physics::error&) {
-                return;
-            }
-            f(hull.shape(radius));
-        }
-    }
-}
-
 template <class S, int D>
 void run(fuzz::input& in) {
     const double scale = fuzz::size<S>(in), other = in.below(3) ? scale : fuzz::size<S>(in);
-    with_shape<S, D>(in, scale, [&](const auto& a) {
-        with_shape<S, D>(in, other, [&](const auto& b) {
+    fuzz::with_shape<S, D>(in, scale, [&](const auto& a) {
+        fuzz::with_shape<S, D>(in, other, [&](const auto& b) {
             meet<S, D>(in, a, b, fuzz::pose<S, D>(in, scale > other ? scale : other));
         });
     });

@@ -120,6 +120,23 @@ CELL_CASE("separation: swapping the shapes mirrors the answer") {
     });
 }
 
+CELL_CASE("separation: MPR parts what overlaps, never by less than the shortest way") {
+    every_convex_pair(1000, [&](const convex_pair& p, const auto& a, const auto& b) -> std::string {
+        const physics::detail::core_pair<D> pair(a, b, p.b_in_a);
+        const auto found = physics::detail::separate<S>(pair, physics::detail::no_limit, nullptr,
+                                                        physics::detail::overlap_method::mpr);
+        const claim c = to_claim(physics::detail::rounded<S>(pair, found));
+        const double tolerance = tolerance_of(p) * points_of(p), exact = static_cast<double>(p.exact().distance);
+        const oracle::point n{c.normal.x, c.normal.y, c.normal.z};
+        if (!(std::abs(static_cast<double>(oracle::size(n)) - 1) <= 32 * epsilon)) return "the normal is no unit vector";
+        const double along =
+            static_cast<double>(separation_along(p.exact_a(), p.exact_b(), n * (1 / oracle::size(n))));
+        if (!(std::abs(along - c.distance) <= tolerance)) return "the normal does not part them as far as it says";
+        if (c.distance > exact + tolerance) return "it says less than the shortest way";
+        return "";
+    });
+}
+
 CELL_CASE("separation: manifolds of every pair agree with the exact distance") {
     using any = physics::any_shape<S, D, physics::ball, physics::capsule, physics::box, physics::halfspace, physics::hull>;
     using query =

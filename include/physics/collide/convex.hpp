@@ -56,7 +56,9 @@ template <int D>
 struct core_separation {
     point<D> normal;
     double gap = 0;
+    /// As in penetration.
     point<D> on_a;
+    bool located = true;
     std::uint32_t names[3] = {};
     int name_count = 0;
     bool beyond = false;
@@ -87,14 +89,28 @@ core_separation<D> separate(const core_pair<D>& pair, double most, gjk_cache* ca
     result.normal = p.normal;
     result.gap = -p.depth;
     result.on_a = p.on_a;
+    result.located = p.located;
     result.name_count = D;
     for (int i = 0; i < D; ++i) result.names[i] = p.names[i];
     result.status = p.status;
     return result;
 }
 
+/// Finds the points that touch, where the way to part the cores was all that was found.
+template <int D>
+void locate(const core_pair<D>& pair, core_separation<D>& s) {
+    if (s.located) return;
+    penetration<D> p{s.normal, -s.gap, s.on_a, false, {}, s.status};
+    for (int i = 0; i < 3; ++i) p.names[i] = s.names[i];
+    locate(pair.a, pair.placed, extent_of(pair.a, pair.placed), p);
+    s.on_a = p.on_a;
+    for (int i = 0; i < 3; ++i) s.names[i] = p.names[i];
+    s.located = true;
+}
+
 template <class S, int D>
-closest_points<S, D> rounded(const core_pair<D>& pair, const core_separation<D>& s) {
+closest_points<S, D> rounded(const core_pair<D>& pair, core_separation<D> s) {
+    locate(pair, s);
     const point<D> on_b = s.on_a + s.normal * (s.gap - pair.b.radius);
     return {from_point<S>(s.normal), static_cast<S>(s.gap - pair.a.radius - pair.b.radius),
             from_point<S>(s.on_a + s.normal * pair.a.radius), from_point<S>(on_b), s.status};
@@ -129,7 +145,7 @@ closest_points<S, D> distance(const A& a, const B& b, const transform<S, D>& b_i
         detail::gjk(pair.a, pair.placed, detail::no_limit, detail::relative_tolerance<S>(), &cache);
     if (r.overlapping) return {{}, S(0), {}, {}, r.status};
     closest_points<S, D> result = detail::rounded<S>(
-        pair, detail::core_separation<D>{r.normal, r.distance, r.at.on_a(), {}, 0, false, r.status});
+        pair, detail::core_separation<D>{r.normal, r.distance, r.at.on_a(), true, {}, 0, false, r.status});
     result.distance = max(result.distance, S(0));
     return result;
 }

@@ -121,7 +121,7 @@ inline penetration<2> epa(const core<2>& a, const placed_core<2>& b, const simpl
             for (int i = 0; i < at.count; ++i) best.on_a += (at.vertex[i] == 0 ? p : q).on_a * at.weight[i];
             best.names[0] = p.name;
             best.names[1] = best.names[2] = q.name;
-            if (at.count < 2) find_touching_point(a, b, size, best);
+            best.located = at.count == 2;
             return best;
         }
         hull.add(next, f, grid);

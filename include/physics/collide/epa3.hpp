@@ -16,8 +16,10 @@ struct penetration {
     point<D> normal;
     /// Negative where rounding has parted the cores.
     double depth = 0;
-    /// The points that touch once B has been moved by depth along the normal; A's.
+    /// The points that touch once B has been moved by depth along the normal; A's. Not so where it is not `located`:
+    /// then only near, see locate().
     point<D> on_a;
+    bool located = true;
     /// The vertices between which that point lies, as in cso_vertex.
     std::uint32_t names[3] = {};
     query_status status = query_status::converged;
@@ -220,12 +222,18 @@ inline bool make_tetrahedron(const core<3>& a, const placed_core<3>& b, const si
     return farthest > 0 && grid.of(v[0].w, v[1].w, v[2].w, v[3].w) != 0;
 }
 
-/// Finds where two cores touch once `p` has parted them: for faces of B - A of which only some vertices were found.
+/// Finds where two cores touch once `p` has parted them, if that is not known: of faces of B - A of which only some
+/// vertices were found.
 template <int D>
-void find_touching_point(const core<D>& a, const placed_core<D>& b, double size, penetration<D>& p) {
+void locate(const core<D>& a, const placed_core<D>& b, double size, penetration<D>& p) {
+    if (p.located) return;
+    p.located = true;
     placed_core<D> apart = b;
     apart.at += p.normal * (p.depth + 0x1p-30 * size);
-    const gjk_result<D> r = gjk(a, apart, size, 0x1p-30, nullptr);
+    gjk_cache near;
+    near.count = D;
+    for (int i = 0; i < D; ++i) near.vertex[i] = p.names[i];
+    const gjk_result<D> r = gjk(a, apart, size, 0x1p-30, &near);
     if (r.overlapping || r.beyond) return;
     p.on_a = r.at.on_a();
     for (int i = 0; i < D; ++i) p.names[i] = r.at.vertex[i < r.at.count ? i : 0].name;
@@ -312,7 +320,7 @@ inline penetration<3> epa(const core<3>& a, const placed_core<3>& b, const simpl
                 best.on_a += hull.vertex(face.vertex[at.vertex[i]]).on_a * at.weight[i];
             sharpen(a, b, next.w, best);
             if (!converged) shorten(a, b, size, tolerance, best);
-            if (at.count < 3 || !converged) find_touching_point(a, b, size, best);
+            best.located = at.count == 3 && converged;
             return best;
         }
         hull.add(next, f);

@@ -101,7 +101,23 @@ gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double
     const bool smooth = !a.has_vertices() || !b.shape->has_vertices();
     point<D> v = b.at;
     if (cache != nullptr && cache->count > 0) {
-        for (int i = 0; i < D; ++i) v[i] = detail::to_double(cache->axis[i]);
+        point<D> axis;
+        for (int i = 0; i < D; ++i) axis[i] = detail::to_double(cache->axis[i]);
+        const double squared = dot(axis, axis);
+        if (squared > 0) {
+            v = axis;
+            // What parted the two may part them still.
+            const cso_vertex<D> next = support_along(a, b, v);
+            const double along = dot(v, next.w);
+            if (along > 0 && along * along > most * most * squared) {
+                r.beyond = true;
+                r.normal = unit(v);
+                r.distance = dot(r.normal, next.w);
+                r.at.vertex[0] = next;
+                r.at.count = 1;
+                return r;
+            }
+        }
         if (!smooth) {
             start_from(*cache, a, b, r.at);
             const closest_of<D> c = closest_of_simplex(r.at, false);
@@ -115,8 +131,7 @@ gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double
         if (cache == nullptr) return;
         cache->count = static_cast<std::uint8_t>(r.at.count);
         for (int i = 0; i < r.at.count; ++i) cache->vertex[i] = r.at.vertex[i].name;
-        const point<D> axis = r.overlapping ? v : r.normal;
-        for (int i = 0; i < D; ++i) cache->axis[i] = static_cast<float>(axis[i]);
+        for (int i = 0; i < D; ++i) cache->axis[i] = static_cast<float>(r.normal[i]);
     };
     for (int iteration = 0;; ++iteration) {
         const double vv = dot(v, v);

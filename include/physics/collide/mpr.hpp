@@ -20,6 +20,7 @@ inline penetration<3> portal_penetration(const cso_vertex<3> (&v)[3], const poin
     const closest_of<3> at = closest_on_triangle(v[0].w, v[1].w, v[2].w);
     for (int i = 0; i < 3; ++i) p.names[i] = v[i].name;
     for (int i = 0; i < at.count; ++i) p.on_a += v[at.vertex[i]].on_a * at.weight[i];
+    p.located = at.count == 3;
     return p;
 }
 
@@ -88,6 +89,7 @@ inline penetration<2> mpr(const core<2>& a, const placed_core<2>& b, const simpl
             p.depth = h;
             const closest_of<2> at = closest_on_edge(v[0].w, v[1].w);
             for (int k = 0; k < at.count; ++k) p.on_a += v[at.vertex[k]].on_a * at.weight[k];
+            p.located = at.count == 2;
             p.names[0] = v[0].name;
             p.names[1] = p.names[2] = v[1].name;
             return p;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "physics/base/stage.hpp"
+#include "physics/collide/hull2.hpp"
 #include "physics/collide/pairs2.hpp"
 #include "physics/collide/pairs3.hpp"
 #include "physics/collide/parts.hpp"

@@ -159,7 +159,7 @@ double slack_of(const core_pair<D>& pair) {
 /// each other share a patch, which is found by clipping; all others touch in the points that GJK or EPA found. To keep
 /// the features of bodies at rest, contacts may deviate by two slacks, never more.
 template <int D>
-void touch_parted(const core_pair<D>& pair, const core_separation<D>& s, double margin, double slack,
+void touch_parted(const core_pair<D>& pair, core_separation<D> s, double margin, double slack,
                   manifold<double, D>& out) {
     const facet<D> of_a = facet_of(pair.a, s.normal), of_b = facet_of(pair.placed, -s.normal);
     const patch_limits from_a{pair.a.radius, pair.b.radius, margin, slack};
@@ -185,6 +185,7 @@ void touch_parted(const core_pair<D>& pair, const core_separation<D>& s, double 
     if (!of_a.flat && !of_b.flat && of_a.count == 2 && lies_flat(of_a, s.normal) && by_face_of_a(s.normal, s.gap))
         return;
 
+    locate(pair, s);
     std::uint32_t feature = 0x80000000u;
     for (int i = 0; i < s.name_count; ++i) feature += mixed(s.names[i], 0x51u);
     out.normal = s.normal;

@@ -1,4 +1,4 @@
-// Contact of rounded polygons in the plane: boxes and capsules.
+// Contact of rounded polygons in the plane: boxes, capsules, small hulls.
 #pragma once
 
 #include "physics/collide/manifold.hpp"
@@ -10,11 +10,11 @@ PHYSICS_HPP_BEGIN
 namespace detail {
 
 /// A convex polygon, counter-clockwise, grown by a radius; edge i leads from vertex i to the next. Two
-/// vertices make a segment with two opposite edges.
-template <class S>
+/// vertices make a segment with two opposite edges. N: room for vertices, 4 or 8.
+template <class S, int N = 4>
 struct rounded_polygon {
-    vec<S, 2> vertex[4];
-    vec<S, 2> normal[4];
+    vec<S, 2> vertex[N];
+    vec<S, 2> normal[N];
     int count = 0;
     S radius{};
     S size{};
@@ -22,8 +22,8 @@ struct rounded_polygon {
     constexpr int next(int i) const { return i + 1 < count ? i + 1 : 0; }
 };
 
-template <class S>
-constexpr rounded_polygon<S> polygon_of(const box<S, 2>& b, const transform<S, 2>& at) {
+template <int N = 4, class S>
+constexpr rounded_polygon<S, N> polygon_of(const box<S, 2>& b, const transform<S, 2>& at) {
     const mat<S, 2> m = matrix(at.rotation);
     const vec<S, 2> x = m.column[0] * b.half_extents.x, y = m.column[1] * b.half_extents.y, p = at.position;
     return {{p - x - y, p + x - y, p + x + y, p - x + y},
@@ -32,8 +32,8 @@ constexpr rounded_polygon<S> polygon_of(const box<S, 2>& b, const transform<S, 2
             S(0),
             min(b.half_extents.x, b.half_extents.y)};
 }
-template <class S>
-constexpr rounded_polygon<S> polygon_of(const capsule<S, 2>& c, const transform<S, 2>& at) {
+template <int N = 4, class S>
+constexpr rounded_polygon<S, N> polygon_of(const capsule<S, 2>& c, const transform<S, 2>& at) {
     const mat<S, 2> m = matrix(at.rotation);
     const vec<S, 2> x = m.column[0] * c.half_length;
     return {{at.position - x, at.position + x}, {-m.column[1], m.column[1]}, 2, c.radius, c.radius};
@@ -45,8 +45,8 @@ struct edge_distance {
     int edge = 0;
     S distance{};
 };
-template <class S>
-constexpr edge_distance<S> farthest_edge(const rounded_polygon<S>& a, const rounded_polygon<S>& b) {
+template <class S, int N>
+constexpr edge_distance<S> farthest_edge(const rounded_polygon<S, N>& a, const rounded_polygon<S, N>& b) {
     edge_distance<S> best;
     for (int i = 0; i < a.count; ++i) {
         S nearest = dot(a.normal[i], b.vertex[0] - a.vertex[i]);
@@ -56,8 +56,8 @@ constexpr edge_distance<S> farthest_edge(const rounded_polygon<S>& a, const roun
     return best;
 }
 /// How far apart the cores are along a unit vector from a to b.
-template <class S>
-constexpr S distance_along(const rounded_polygon<S>& a, const rounded_polygon<S>& b, vec<S, 2> n) {
+template <class S, int N>
+constexpr S distance_along(const rounded_polygon<S, N>& a, const rounded_polygon<S, N>& b, vec<S, 2> n) {
     S last = dot(n, a.vertex[0]), first = dot(n, b.vertex[0]);
     for (int i = 1; i < a.count; ++i) last = max(last, dot(n, a.vertex[i]));
     for (int i = 1; i < b.count; ++i) first = min(first, dot(n, b.vertex[i]));
@@ -67,9 +67,9 @@ constexpr S distance_along(const rounded_polygon<S>& a, const rounded_polygon<S>
 /// Clips the edge of `incident` that faces the reference edge to the length of the latter, and adds the ends
 /// that are left. False, with nothing added, if the point in which the edge finds `incident` closest was cut
 /// off: then the edge's normal is not the direction of least distance.
-template <class S>
-constexpr bool clip_edges(const rounded_polygon<S>& reference, edge_distance<S> found,
-                          const rounded_polygon<S>& incident, bool flip, S slack, S margin, manifold<S, 2>& out) {
+template <class S, int N>
+constexpr bool clip_edges(const rounded_polygon<S, N>& reference, edge_distance<S> found,
+                          const rounded_polygon<S, N>& incident, bool flip, S slack, S margin, manifold<S, 2>& out) {
     const int edge = found.edge;
     const vec<S, 2> n = reference.normal[edge], t{-n.y, n.x}, from = reference.vertex[edge];
     int facing = 0;
@@ -109,15 +109,15 @@ constexpr bool clip_edges(const rounded_polygon<S>& reference, edge_distance<S> 
 
 /// Adds the closest pair of a vertex of one polygon and an edge or vertex of the other, for cores that do not
 /// overlap. `parting` is the best of the edges' normals, from a to b, and `parted` how far it parts the cores.
-template <class S>
-constexpr void collide_nearest(const rounded_polygon<S>& a, const rounded_polygon<S>& b, vec<S, 2> parting, S parted,
-                               S rounding, S margin, manifold<S, 2>& out) {
+template <class S, int N>
+constexpr void collide_nearest(const rounded_polygon<S, N>& a, const rounded_polygon<S, N>& b, vec<S, 2> parting,
+                               S parted, S rounding, S margin, manifold<S, 2>& out) {
     vec<S, 2> on_a, on_b;
     wide_of<S> best{};
     std::uint32_t feature = 0;
     for (int flip = 0; flip < 2; ++flip) {
-        const rounded_polygon<S>& edges = flip ? b : a;
-        const rounded_polygon<S>& vertices = flip ? a : b;
+        const rounded_polygon<S, N>& edges = flip ? b : a;
+        const rounded_polygon<S, N>& vertices = flip ? a : b;
         for (int i = 0; i < edges.count; ++i) {
             const vec<S, 2> from = edges.vertex[i], to = edges.vertex[edges.next(i)];
             for (int j = 0; j < vertices.count; ++j) {
@@ -153,9 +153,9 @@ constexpr void collide_nearest(const rounded_polygon<S>& a, const rounded_polygo
 /// Contact of two rounded convex polygons: separating axes over the edges and clipping, or the nearest features
 /// where a corner meets a corner. The result lies in the frame of a and b's vertices. To keep the features of
 /// bodies at rest, contacts may deviate by 1/512 of the smaller size, never more.
-template <class S>
-constexpr void collide_polygons(const detail::rounded_polygon<S>& a, const detail::rounded_polygon<S>& b, S margin,
-                                manifold<S, 2>& out) {
+template <class S, int N>
+constexpr void collide_polygons(const detail::rounded_polygon<S, N>& a, const detail::rounded_polygon<S, N>& b,
+                                S margin, manifold<S, 2>& out) {
     const S reach = a.radius + b.radius + margin;
     const auto from_a = detail::farthest_edge(a, b);
     if (from_a.distance > reach) return;

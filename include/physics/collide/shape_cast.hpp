@@ -114,7 +114,8 @@ point<D> touching_point(const core<D>& a, const placed_core<D>& b, const core_ca
     penetration<D> p;
     p.normal = c.normal;
     p.on_a = c.at.at.vertex[0].on_a;
-    find_touching_point(a, b, extent_of(a, b), p);
+    p.located = false;
+    locate(a, b, extent_of(a, b), p);
     return p.on_a;
 }
 
@@ -161,7 +162,8 @@ cast_hit<S, D> cast_shapes(const core_pair<D>& pair, const point<D>& way, double
     double gap = c.at.distance - reach;
     point<D> on_a = c.at.at.on_a();
     if (c.at.overlapping || c.at.distance <= 0x1p-40 * size) {
-        const penetration<D> p = epa(a, there, c.at.at, depth_tolerance<S>(size));
+        penetration<D> p = epa(a, there, c.at.at, depth_tolerance<S>(size));
+        locate(a, there, size, p);
         c.normal = p.normal;
         c.status = p.status;
         gap = -p.depth - reach;

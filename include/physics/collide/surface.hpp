@@ -177,13 +177,14 @@ bool touch_part(surface_part<D> part, double radius, const placed_core<D>& body,
     if (closed || (upwards && above)) return upwards;
 
     const core_pair<D> pair(core_of_part(part, radius), *body.shape, body.axes, body.at);
-    const core_separation<D> s = separate<S>(pair, reach, nullptr, method);
+    core_separation<D> s = separate<S>(pair, reach, nullptr, method);
     if (s.beyond || s.gap > reach) {
         out = {};
         return true;
     }
     const bool flat = height >= s.gap - 2 * slack, own = owns(part, s.normal);
     const auto touch_once = [&](manifold<double, D>& m) {
+        locate(pair, s);
         m = {};
         m.normal = s.normal;
         m.points[m.count++] = touching<D>(s.on_a + s.normal * s.gap, s.normal, s.gap, by, 0x80000000u);

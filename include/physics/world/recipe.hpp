@@ -34,8 +34,8 @@ struct recipe {
     using policies = detail::policy_list<Policies...>;
 };
 
-/// The shapes that a world knows: ball (or circle, sphere), capsule, box, halfspace, or the user's own.
-/// Default: all four. A world's shapes are as large as the largest of the set.
+/// The shapes that a world knows, of those in shape/ or your own. Default: ball (or circle, sphere), capsule, box,
+/// halfspace. A world's shapes are as large as the largest of the set, and each kind adds code for its pairs.
 template <template <class, int> class... Shapes>
 struct shapes {
     using stage = physics::stage::shapes;
@@ -90,6 +90,9 @@ struct shape_names {
     using capsule = physics::capsule<S, D>;
     using box = physics::box<S, D>;
     using halfspace = physics::halfspace<S, D>;
+    using segment = physics::segment<S, D>;
+    using triangle = physics::triangle<S, D>;
+    using rounded_box = physics::rounded_box<S, D>;
     using hull = physics::hull<S, D>;
     using hull_geometry = physics::hull_geometry<S, D>;
     using heightfield = physics::heightfield<S, D>;
@@ -111,6 +114,8 @@ struct shape_aliases<S, 2> : shape_names<S, 2> {
 template <class S>
 struct shape_aliases<S, 3> : shape_names<S, 3> {
     using sphere = physics::ball<S, 3>;
+    using cylinder = physics::cylinder<S, 3>;
+    using cone = physics::cone<S, 3>;
     using mesh = physics::mesh<S, 3>;
     using mesh_geometry = physics::mesh_geometry<S, 3>;
 };
