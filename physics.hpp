@@ -4638,6 +4638,50 @@ constexpr mass_properties<S, 3> mass_of(const capsule<S, 3>& c, S density) {
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/shape/farthest.hpp
+// =================================================================================================
+// The farthest of many points along a direction, in lanes.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// The number of the first of n vertices that lies farthest along d; n is a multiple of 8. The coordinates come one
+/// array an axis.
+template <class R, int D>
+std::uint32_t farthest_vertex(const R* const (&coordinate)[D], std::uint32_t n, const vec<double, D>& d) {
+    constexpr int width = 8 / static_cast<int>(sizeof(R) / 4);
+    using lanes = pack<R, width>;
+    static constexpr R first_numbers[8] = {0, 1, 2, 3, 4, 5, 6, 7};
+    lanes along[D];
+    for (int k = 0; k < D; ++k) along[k] = lanes::broadcast(static_cast<R>(d[k]));
+    const auto reach = [&](std::uint32_t i) {
+        lanes sum = lanes::load(coordinate[0] + i) * along[0] + lanes::load(coordinate[1] + i) * along[1];
+        if constexpr (D == 3) sum = sum + lanes::load(coordinate[2] + i) * along[2];
+        return sum;
+    };
+    lanes best = reach(0), number = lanes::load(first_numbers), best_number = number;
+    const lanes step = lanes::broadcast(R(width));
+    for (std::uint32_t i = width; i < n; i += width) {
+        const lanes here = reach(i);
+        number = number + step;
+        best_number = select_greater(here, best, number, best_number);
+        best = max(best, here);
+    }
+    R values[width], numbers[width];
+    best.store(values);
+    best_number.store(numbers);
+    int k = 0;
+    for (int i = 1; i < width; ++i)
+        if (values[i] > values[k] || (values[i] == values[k] && numbers[i] < numbers[k])) k = i;
+    return static_cast<std::uint32_t>(numbers[k]);
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/shape/hull_moments.hpp
 // =================================================================================================
 // Volume, centroid and second moments of convex hulls, rounded by any radius.
@@ -6202,35 +6246,6 @@ const hull_block<S, D>* build_hull(const vec<S, D>* points, std::uint32_t count,
     return nullptr;
 }
 
-/// The vertex farthest along a direction, the first of equals. Cost: 1 ns a vertex in double, half of it in float.
-template <class R, int D>
-std::uint32_t farthest_vertex(const hull_data<R, D>& h, const vec<R, D>& direction) {
-    constexpr int width = 8;
-    using lanes = pack<R, width>;
-    R counting[width], best[width], which[width];
-    for (int i = 0; i < width; ++i) counting[i] = static_cast<R>(i);
-    lanes along[D], number = lanes::load(counting), chosen = number, most;
-    for (int k = 0; k < D; ++k) along[k] = lanes::broadcast(direction[k]);
-    const auto height = [&](std::uint32_t i) {
-        lanes sum = along[0] * lanes::load(h.coordinate(0) + i) + along[1] * lanes::load(h.coordinate(1) + i);
-        if constexpr (D == 3) sum = sum + along[2] * lanes::load(h.coordinate(2) + i);
-        return sum;
-    };
-    most = height(0);
-    for (std::uint32_t i = width; i < h.padded_vertices; i += width) {
-        number = number + lanes::broadcast(static_cast<R>(width));
-        const lanes here = height(i);
-        chosen = select_greater(here, most, number, chosen);
-        most = max(most, here);
-    }
-    most.store(best);
-    chosen.store(which);
-    int winner = 0;
-    for (int i = 1; i < width; ++i)
-        if (best[i] > best[winner] || (best[i] == best[winner] && which[i] < which[winner])) winner = i;
-    return static_cast<std::uint32_t>(which[winner]);
-}
-
 /// The least and the largest dot products of vertices with D rows.
 template <class R, int D>
 void vertex_ranges(const hull_data<R, D>& h, const vec<R, D> (&rows)[D], vec<R, D>& lower, vec<R, D>& upper) {
@@ -6314,10 +6329,14 @@ aabb<S, D> bounds(const hull<S, D>& h, const transform<S, D>& at) {
 /// Of vertices at the same distance the first.
 template <class S, int D>
 vec<S, D> support(const hull<S, D>& h, vec<S, D> direction) {
-    using R = detail::hull_real<S>;
-    vec<R, D> d;
-    for (int i = 0; i < D; ++i) d[i] = static_cast<R>(static_cast<double>(direction[i]));
-    const vec<double, D> v = h.geometry->exact_vertex(detail::farthest_vertex(*h.geometry, d));
+    const detail::hull_real<S>* rows[D];
+    vec<double, D> d;
+    for (int i = 0; i < D; ++i) {
+        rows[i] = h.geometry->coordinate(i);
+        d[i] = static_cast<double>(direction[i]);
+    }
+    const std::uint32_t farthest = detail::farthest_vertex(rows, h.geometry->padded_vertices, d);
+    const vec<double, D> v = h.geometry->exact_vertex(farthest);
     vec<S, D> p;
     for (int i = 0; i < D; ++i) p[i] = S(v[i]);
     return h.radius > S(0) ? p + normalized(direction) * h.radius : p;
@@ -6602,37 +6621,6 @@ struct support_point {
     point<D> at;
     std::uint32_t vertex = 0;
 };
-
-/// The number of the first of n vertices that lies farthest along d; n is a multiple of 8. The coordinates come one
-/// array an axis.
-template <class R, int D>
-std::uint32_t farthest_vertex(const R* const (&coordinate)[D], std::uint32_t n, const point<D>& d) {
-    constexpr int width = 8 / static_cast<int>(sizeof(R) / 4);
-    using lanes = pack<R, width>;
-    static constexpr R first_numbers[8] = {0, 1, 2, 3, 4, 5, 6, 7};
-    lanes along[D];
-    for (int k = 0; k < D; ++k) along[k] = lanes::broadcast(static_cast<R>(d[k]));
-    const auto reach = [&](std::uint32_t i) {
-        lanes sum = lanes::load(coordinate[0] + i) * along[0] + lanes::load(coordinate[1] + i) * along[1];
-        if constexpr (D == 3) sum = sum + lanes::load(coordinate[2] + i) * along[2];
-        return sum;
-    };
-    lanes best = reach(0), number = lanes::load(first_numbers), best_number = number;
-    const lanes step = lanes::broadcast(R(width));
-    for (std::uint32_t i = width; i < n; i += width) {
-        const lanes here = reach(i);
-        number = number + step;
-        best_number = select_greater(here, best, number, best_number);
-        best = max(best, here);
-    }
-    R values[width], numbers[width];
-    best.store(values);
-    best_number.store(numbers);
-    int k = 0;
-    for (int i = 1; i < width; ++i)
-        if (values[i] > values[k] || (values[i] == values[k] && numbers[i] < numbers[k])) k = i;
-    return static_cast<std::uint32_t>(numbers[k]);
-}
 
 enum class core_kind : std::uint8_t { point, segment, triangle, box, hull_of_floats, hull_of_doubles, disc, custom };
 
@@ -11051,9 +11039,10 @@ closest_points<S, D> rounded(const core_pair<D>& pair, core_separation<D> s) {
 }  // namespace detail
 
 /// How far apart two convex shapes are, and where they are closest; or how deep they overlap, and how to part them.
-/// Exact to a few roundings of the shapes' sizes: those of double for polytopes, of S for round shapes. Source: GJK
-/// and, where cores overlap, EPA (see gjk.hpp, epa3.hpp). Cost: 0.1-0.5 us apart, 0.5-3 us where they overlap; hulls
-/// of many vertices more. `cache` makes the next call for the same pair cheaper where the two have moved little.
+/// Exact to a few roundings of the shapes' sizes: those of double for polytopes, with a radius or without; cylinders
+/// and cones to 1e-8 of their sizes or to roundings of S, whichever is more. Source: GJK and, where cores overlap, EPA
+/// (see gjk.hpp, epa3.hpp). Cost: 0.1-0.5 us apart, 0.5-4 us where they overlap; hulls of more than 32 vertices more.
+/// `cache` makes the next call for the same pair cheaper where the two have moved little.
 template <class A, class B, class S, int D>
     requires detail::has_core<A> && detail::has_core<B>
 closest_points<S, D> separation(const A& a, const B& b, const transform<S, D>& b_in_a, gjk_cache& cache) {
@@ -12047,12 +12036,6 @@ inline point<3> outwards(const surface_part<3>& p, int i) {
     return cross(p.corner[i < 2 ? i + 1 : 0] - p.corner[i], p.normal);
 }
 
-/// A vector of some length, as parts have, scaled to 1.
-template <int D>
-point<D> scaled_to_1(const point<D>& v) {
-    return v * (1 / sqrt(dot(v, v)));
-}
-
 inline void turn_round(surface_part<2>& p) {
     std::swap(p.corner[0], p.corner[1]);
     std::swap(p.beyond[0], p.beyond[1]);
@@ -12076,7 +12059,7 @@ bool owns(const surface_part<D>& p, const point<D>& m) {
     const double up = dot(m, p.normal);
     bool around_edge = false;
     for (int i = 0; i < D; ++i) {
-        const point<D> out = scaled_to_1(outwards(p, i));
+        const point<D> out = unit(outwards(p, i));
         const double lean = dot(m, out);
         if (!(lean > blur)) continue;
         around_edge = true;
@@ -12189,7 +12172,7 @@ bool touch_part(surface_part<D> part, double radius, const placed_core<D>& body,
     double aside = -no_limit;
     bool closed = true;
     for (int i = 0; i < D; ++i) {
-        const point<D> over = scaled_to_1(outwards(part, i));
+        const point<D> over = unit(outwards(part, i));
         aside = max(aside, dot(over, body.support(-over).at - part.corner[i]));
         closed = closed && part.continues[i] && !(dot(part.beyond[i], over) > same_direction);
     }
@@ -12647,7 +12630,7 @@ struct pairwise_narrowphase {
 }  // namespace detail
 
 /// The default narrowphase: for each pair of kinds the method that suits it best: closed forms, separating axes with
-/// clipping, and for all others GJK, EPA and clipping. Cost: 20-400 ns a pair; 0.3-3 us by GJK and EPA.
+/// clipping, and for all others GJK, EPA and clipping. Cost: 0.1-0.5 us a pair; 0.3-7 us by GJK and EPA.
 struct best_per_pair : detail::pairwise_narrowphase<detail::pair_methods{}> {};
 /// GJK and EPA for all pairs of convex shapes, also where a closed form is faster.
 struct gjk_epa : detail::pairwise_narrowphase<detail::pair_methods{.closed_forms = false}> {};

@@ -58,6 +58,7 @@
 #include "physics/shape/core.hpp"
 #include "physics/shape/cylinder.hpp"
 #include "physics/shape/discs.hpp"
+#include "physics/shape/farthest.hpp"
 #include "physics/shape/geometry.hpp"
 #include "physics/shape/halfspace.hpp"
 #include "physics/shape/heightfield.hpp"

@@ -119,9 +119,10 @@ closest_points<S, D> rounded(const core_pair<D>& pair, core_separation<D> s) {
 }  // namespace detail
 
 /// How far apart two convex shapes are, and where they are closest; or how deep they overlap, and how to part them.
-/// Exact to a few roundings of the shapes' sizes: those of double for polytopes, of S for round shapes. Source: GJK
-/// and, where cores overlap, EPA (see gjk.hpp, epa3.hpp). Cost: 0.1-0.5 us apart, 0.5-3 us where they overlap; hulls
-/// of many vertices more. `cache` makes the next call for the same pair cheaper where the two have moved little.
+/// Exact to a few roundings of the shapes' sizes: those of double for polytopes, with a radius or without; cylinders
+/// and cones to 1e-8 of their sizes or to roundings of S, whichever is more. Source: GJK and, where cores overlap, EPA
+/// (see gjk.hpp, epa3.hpp). Cost: 0.1-0.5 us apart, 0.5-4 us where they overlap; hulls of more than 32 vertices more.
+/// `cache` makes the next call for the same pair cheaper where the two have moved little.
 template <class A, class B, class S, int D>
     requires detail::has_core<A> && detail::has_core<B>
 closest_points<S, D> separation(const A& a, const B& b, const transform<S, D>& b_in_a, gjk_cache& cache) {

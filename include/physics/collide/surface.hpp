@@ -17,12 +17,6 @@ inline point<3> outwards(const surface_part<3>& p, int i) {
     return cross(p.corner[i < 2 ? i + 1 : 0] - p.corner[i], p.normal);
 }
 
-/// A vector of some length, as parts have, scaled to 1.
-template <int D>
-point<D> scaled_to_1(const point<D>& v) {
-    return v * (1 / sqrt(dot(v, v)));
-}
-
 inline void turn_round(surface_part<2>& p) {
     std::swap(p.corner[0], p.corner[1]);
     std::swap(p.beyond[0], p.beyond[1]);
@@ -46,7 +40,7 @@ bool owns(const surface_part<D>& p, const point<D>& m) {
     const double up = dot(m, p.normal);
     bool around_edge = false;
     for (int i = 0; i < D; ++i) {
-        const point<D> out = scaled_to_1(outwards(p, i));
+        const point<D> out = unit(outwards(p, i));
         const double lean = dot(m, out);
         if (!(lean > blur)) continue;
         around_edge = true;
@@ -159,7 +153,7 @@ bool touch_part(surface_part<D> part, double radius, const placed_core<D>& body,
     double aside = -no_limit;
     bool closed = true;
     for (int i = 0; i < D; ++i) {
-        const point<D> over = scaled_to_1(outwards(part, i));
+        const point<D> over = unit(outwards(part, i));
         aside = max(aside, dot(over, body.support(-over).at - part.corner[i]));
         closed = closed && part.continues[i] && !(dot(part.beyond[i], over) > same_direction);
     }

@@ -1,7 +1,6 @@
 // Convex shapes as the general kernels see them: a core with support points, and a radius around it.
 #pragma once
 
-#include "physics/base/pack.hpp"
 #include "physics/base/raw_array.hpp"
 #include "physics/shape/hull.hpp"
 #include "physics/shape/shapes.hpp"
@@ -53,37 +52,6 @@ struct support_point {
     point<D> at;
     std::uint32_t vertex = 0;
 };
-
-/// The number of the first of n vertices that lies farthest along d; n is a multiple of 8. The coordinates come one
-/// array an axis.
-template <class R, int D>
-std::uint32_t farthest_vertex(const R* const (&coordinate)[D], std::uint32_t n, const point<D>& d) {
-    constexpr int width = 8 / static_cast<int>(sizeof(R) / 4);
-    using lanes = pack<R, width>;
-    static constexpr R first_numbers[8] = {0, 1, 2, 3, 4, 5, 6, 7};
-    lanes along[D];
-    for (int k = 0; k < D; ++k) along[k] = lanes::broadcast(static_cast<R>(d[k]));
-    const auto reach = [&](std::uint32_t i) {
-        lanes sum = lanes::load(coordinate[0] + i) * along[0] + lanes::load(coordinate[1] + i) * along[1];
-        if constexpr (D == 3) sum = sum + lanes::load(coordinate[2] + i) * along[2];
-        return sum;
-    };
-    lanes best = reach(0), number = lanes::load(first_numbers), best_number = number;
-    const lanes step = lanes::broadcast(R(width));
-    for (std::uint32_t i = width; i < n; i += width) {
-        const lanes here = reach(i);
-        number = number + step;
-        best_number = select_greater(here, best, number, best_number);
-        best = max(best, here);
-    }
-    R values[width], numbers[width];
-    best.store(values);
-    best_number.store(numbers);
-    int k = 0;
-    for (int i = 1; i < width; ++i)
-        if (values[i] > values[k] || (values[i] == values[k] && numbers[i] < numbers[k])) k = i;
-    return static_cast<std::uint32_t>(numbers[k]);
-}
 
 enum class core_kind : std::uint8_t { point, segment, triangle, box, hull_of_floats, hull_of_doubles, disc, custom };
 

@@ -5,6 +5,7 @@
 
 #include "physics/base/pack.hpp"
 #include "physics/shape/concept.hpp"
+#include "physics/shape/farthest.hpp"
 #include "physics/shape/hull_builder3.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -113,35 +114,6 @@ const hull_block<S, D>* build_hull(const vec<S, D>* points, std::uint32_t count,
     return nullptr;
 }
 
-/// The vertex farthest along a direction, the first of equals. Cost: 1 ns a vertex in double, half of it in float.
-template <class R, int D>
-std::uint32_t farthest_vertex(const hull_data<R, D>& h, const vec<R, D>& direction) {
-    constexpr int width = 8;
-    using lanes = pack<R, width>;
-    R counting[width], best[width], which[width];
-    for (int i = 0; i < width; ++i) counting[i] = static_cast<R>(i);
-    lanes along[D], number = lanes::load(counting), chosen = number, most;
-    for (int k = 0; k < D; ++k) along[k] = lanes::broadcast(direction[k]);
-    const auto height = [&](std::uint32_t i) {
-        lanes sum = along[0] * lanes::load(h.coordinate(0) + i) + along[1] * lanes::load(h.coordinate(1) + i);
-        if constexpr (D == 3) sum = sum + along[2] * lanes::load(h.coordinate(2) + i);
-        return sum;
-    };
-    most = height(0);
-    for (std::uint32_t i = width; i < h.padded_vertices; i += width) {
-        number = number + lanes::broadcast(static_cast<R>(width));
-        const lanes here = height(i);
-        chosen = select_greater(here, most, number, chosen);
-        most = max(most, here);
-    }
-    most.store(best);
-    chosen.store(which);
-    int winner = 0;
-    for (int i = 1; i < width; ++i)
-        if (best[i] > best[winner] || (best[i] == best[winner] && which[i] < which[winner])) winner = i;
-    return static_cast<std::uint32_t>(which[winner]);
-}
-
 /// The least and the largest dot products of vertices with D rows.
 template <class R, int D>
 void vertex_ranges(const hull_data<R, D>& h, const vec<R, D> (&rows)[D], vec<R, D>& lower, vec<R, D>& upper) {
@@ -225,10 +197,14 @@ aabb<S, D> bounds(const hull<S, D>& h, const transform<S, D>& at) {
 /// Of vertices at the same distance the first.
 template <class S, int D>
 vec<S, D> support(const hull<S, D>& h, vec<S, D> direction) {
-    using R = detail::hull_real<S>;
-    vec<R, D> d;
-    for (int i = 0; i < D; ++i) d[i] = static_cast<R>(static_cast<double>(direction[i]));
-    const vec<double, D> v = h.geometry->exact_vertex(detail::farthest_vertex(*h.geometry, d));
+    const detail::hull_real<S>* rows[D];
+    vec<double, D> d;
+    for (int i = 0; i < D; ++i) {
+        rows[i] = h.geometry->coordinate(i);
+        d[i] = static_cast<double>(direction[i]);
+    }
+    const std::uint32_t farthest = detail::farthest_vertex(rows, h.geometry->padded_vertices, d);
+    const vec<double, D> v = h.geometry->exact_vertex(farthest);
     vec<S, D> p;
     for (int i = 0; i < D; ++i) p[i] = S(v[i]);
     return h.radius > S(0) ? p + normalized(direction) * h.radius : p;
