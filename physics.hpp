@@ -10821,6 +10821,9 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
+/// The sine of the angle between a ray and a portal that is too small to tell whether the ray passes.
+inline constexpr double grazing = 0x1p-20;
+
 /// The point of B - A that is farthest along n.
 template <int D>
 cso_vertex<D> farthest_along(const core<D>& a, const placed_core<D>& b, const point<D>& n) {
@@ -10868,7 +10871,8 @@ inline penetration<3> mpr(const core<3>& a, const placed_core<3>& b, const simpl
     for (int i = 0; i < most_iterations; ++i) {
         n = unit(cross(v[1].w - v[0].w, v[2].w - v[0].w));
         if (dot(n, v[0].w - inside) < 0) n = -n;
-        if (n == point<3>{}) break;
+        // Where the ray only grazes the portal, what was found may be one that it does not pass.
+        if (!(-dot(n, inside) > grazing * length(inside))) break;
         const cso_vertex<3> next = farthest_along(a, b, n);
         const double h = dot(n, next.w);
         if (!(h - dot(n, v[0].w) > max(tolerance, noise))) return portal_penetration(v, n, h);
@@ -10894,7 +10898,7 @@ inline penetration<2> mpr(const core<2>& a, const placed_core<2>& b, const simpl
     for (int i = 0; i < most_iterations; ++i) {
         n = unit(perpendicular(v[1].w - v[0].w));
         if (dot(n, v[0].w - inside) < 0) n = -n;
-        if (n == point<2>{}) break;
+        if (!(-dot(n, inside) > grazing * length(inside))) break;
         const cso_vertex<2> next = farthest_along(a, b, n);
         const double h = dot(n, next.w);
         if (!(h - dot(n, v[0].w) > max(tolerance, noise))) {
@@ -11850,6 +11854,99 @@ void collide(const hull<S, 2>& a, const hull<S, 2>& b, const transform<S, 2>& b_
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/collide/pair_memory.hpp
+// =================================================================================================
+// What is remembered of a pair of shapes from step to step, and contacts that are carried along while it rests.
+
+PHYSICS_HPP_BEGIN
+
+/// What a narrowphase remembers of a pair: where GJK ended, which axis parted it, its last manifold and how long that
+/// stays good. Start with an empty one, and use it for one pair of shapes and one margin only.
+template <class S, int D>
+struct pair_memory {
+    gjk_cache cache;
+    /// Numbers the axis that parted two boxes; -1 if none did.
+    std::int32_t parting = -1;
+    manifold<S, D> contact;
+    /// Where B stood in A's frame when that was found.
+    transform<S, D> b_in_a;
+    /// How far B reaches from its origin, and how far its points may move while the manifold is carried along (m).
+    S reach{};
+    S still{};
+};
+
+namespace detail {
+
+/// The largest component of what one rotation differs from another by, times the length of the arm that they turn.
+template <class S>
+constexpr S turned_by(rotation<S, 2> a, rotation<S, 2> b, S arm) {
+    return max(abs(a.cosine - b.cosine), abs(a.sine - b.sine)) * arm;
+}
+template <class S>
+constexpr S turned_by(rotation<S, 3> a, rotation<S, 3> b, S arm) {
+    return max(largest(a.imaginary() - b.imaginary()), abs(a.w - b.w)) * (arm + arm);
+}
+
+/// Whether the pair has moved so little since its manifold was found that it may be carried along.
+template <class S, int D>
+constexpr bool is_still(const pair_memory<S, D>& m, const transform<S, D>& b_in_a) {
+    return m.contact.count > 0 && !(largest(b_in_a.position - m.b_in_a.position) > m.still) &&
+           !(turned_by(b_in_a.rotation, m.b_in_a.rotation, m.reach) > m.still);
+}
+
+/// The manifold that was remembered, its points carried along with their shapes: those of B by what it has moved in
+/// A's frame, along a normal that stays. Exact but for products of small motions.
+template <class S, int D>
+constexpr void carry_along(const pair_memory<S, D>& m, const transform<S, D>& b_in_a, S margin, manifold<S, D>& out) {
+    if (b_in_a == m.b_in_a) {
+        out = m.contact;
+        return;
+    }
+    const rotation<S, D> turn = b_in_a.rotation * inverse(m.b_in_a.rotation);
+    const vec<S, D> shift = b_in_a.position - turn * m.b_in_a.position;
+    const vec<S, D> n = out.normal = m.contact.normal;
+    for (int i = 0; i < m.contact.count; ++i) {
+        const manifold_point<S, D>& p = m.contact.points[i];
+        const vec<S, D> half = n * (p.separation * S(0.5)), on_a = p.position - half;
+        const vec<S, D> on_b = turn * (p.position + half) + shift;
+        const S separation = dot(on_b - on_a, n);
+        if (!(separation > margin)) out.add(on_a + (on_b - on_a) * S(0.5), separation, p.feature);
+    }
+}
+
+/// Remembers what was found: contacts stay good while the pair moves by no more than they may deviate by anyway.
+template <class A, class B, class S, int D>
+void remember(const A& a, const B& b, const transform<S, D>& b_in_a, const manifold<S, D>& found,
+              pair_memory<S, D>& m) {
+    m.contact = found;
+    if (found.count == 0) {
+        m.cache.count = 0;
+        return;
+    }
+    const core<D> of_a = core_of(a), of_b = core_of(b);
+    m.b_in_a = b_in_a;
+    m.reach = static_cast<S>(of_b.extent + of_b.radius);
+    m.still = static_cast<S>(min(of_a.thickness + of_a.radius, of_b.thickness + of_b.radius) * (1.0 / 512));
+}
+
+/// True if the axis that parted the pair last parts it still, by more than the margin. Clearly so, that a search from
+/// scratch would say the same: then what is remembered of pairs that do not touch bears on no result.
+template <class A, class B, class S, int D>
+bool still_parted(const A& a, const B& b, const transform<S, D>& b_in_a, S margin, const gjk_cache& cache) {
+    point<D> axis;
+    for (int i = 0; i < D; ++i) axis[i] = detail::to_double(cache.axis[i]);
+    if (!(dot(axis, axis) > 0)) return false;
+    const core_pair<D> pair(a, b, b_in_a);
+    const double reach = pair.a.radius + pair.b.radius + detail::to_double(margin);
+    const double parted = dot(axis, support_along(pair.a, pair.placed, axis).w) / length(axis);
+    return parted > reach + 0x1p-30 * (reach + extent_of(pair.a, pair.placed));
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/collide/round.hpp
 // =================================================================================================
 // Contact of the pairs that read alike in the plane and in space: balls, and round shapes on a halfspace.
@@ -12472,9 +12569,119 @@ void collide_parts(const A& a, const B& b, const transform<S, D>& b_in_a, S marg
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/collide/narrowphase.hpp
+// physics/collide/persistent_manifold.hpp
 // =================================================================================================
-// The narrowphase policy: from pairs of shapes to manifolds.
+// Manifolds that gather one point a step.
+
+PHYSICS_HPP_BEGIN
+
+/// What an incremental narrowphase remembers of a pair: where GJK ended, and the deepest points of the last steps, each
+/// in the frames of both shapes. Start with an empty one, and use it for one pair of shapes only.
+template <class S, int D>
+struct persistent_manifold {
+    struct point {
+        vec<S, D> on_a, on_b;
+        std::uint32_t feature = 0;
+    };
+    gjk_cache cache;
+    point points[manifold<S, D>::capacity];
+    std::int32_t count = 0;
+    /// How many points there have been, which names them.
+    std::uint32_t named = 0;
+};
+
+namespace detail {
+
+/// Where a remembered point lies now, seen from A along the normal.
+template <class S, int D>
+constexpr manifold_point<S, D> where_now(const typename persistent_manifold<S, D>::point& p,
+                                         const transform<S, D>& b_in_a, vec<S, D> n) {
+    const vec<S, D> apart = b_in_a * p.on_b - p.on_a;
+    return {p.on_a + apart * S(0.5), dot(apart, n), p.feature};
+}
+
+/// Forgets the points that have parted, or slid aside, by more than they may.
+template <class S, int D>
+constexpr void drop_stale(persistent_manifold<S, D>& m, const transform<S, D>& b_in_a, vec<S, D> n, S margin, S far) {
+    std::int32_t kept = 0;
+    for (std::int32_t i = 0; i < m.count; ++i) {
+        const vec<S, D> apart = b_in_a * m.points[i].on_b - m.points[i].on_a;
+        const S along = dot(apart, n);
+        if (!(along > margin) && !(largest(apart - n * along) > far)) m.points[kept++] = m.points[i];
+    }
+    m.count = kept;
+}
+
+/// Adds a point; one that lies as near as `far` to another takes its place and name. Where there is no room, what
+/// spans least of the contact goes.
+template <class S, int D>
+constexpr void add_point(persistent_manifold<S, D>& m, vec<S, D> on_a, vec<S, D> on_b, const transform<S, D>& b_in_a,
+                         vec<S, D> n, S far, S slack) {
+    for (std::int32_t i = 0; i < m.count; ++i) {
+        if (largest(m.points[i].on_a - on_a) > far && largest(m.points[i].on_b - on_b) > far) continue;
+        m.points[i].on_a = on_a;
+        m.points[i].on_b = on_b;
+        return;
+    }
+    constexpr int most = manifold<S, D>::capacity;
+    const typename persistent_manifold<S, D>::point added{on_a, on_b, m.named++};
+    if (m.count < most) {
+        m.points[m.count++] = added;
+        return;
+    }
+    manifold_point<S, D> all[most + 1];
+    all[0] = where_now<S, D>(added, b_in_a, n);
+    for (int i = 0; i < most; ++i) all[i + 1] = where_now<S, D>(m.points[i], b_in_a, n);
+    manifold<S, D> kept;
+    reduce(all, most + 1, n, slack, kept);
+    const auto is_kept = [&](std::uint32_t feature) {
+        for (int i = 0; i < kept.count; ++i)
+            if (kept.points[i].feature == feature) return true;
+        return false;
+    };
+    for (auto& p : m.points) {
+        if (is_kept(p.feature)) continue;
+        p = added;
+        return;
+    }
+}
+
+/// Contact of two shapes by the deepest point of this step and those of the last ones that still hold. Source: van den
+/// Bergen, Collision detection in interactive 3D environments (2003), 4.3.6; Coumans, Contact generation (GDC 2010).
+template <class A, class B, class S, int D>
+void gather_contact(const A& a, const B& b, const transform<S, D>& b_in_a, S margin, overlap_method method,
+                    persistent_manifold<S, D>& m, manifold<S, D>& out) {
+    if (m.count == 0) {
+        if (still_parted(a, b, b_in_a, margin, m.cache)) return;
+        m.cache = {};
+    }
+    const core_pair<D> pair(a, b, b_in_a);
+    const double reach = pair.a.radius + pair.b.radius + detail::to_double(margin);
+    core_separation<D> s = separate<S>(pair, reach, &m.cache, method);
+    if (s.beyond || s.gap > reach) {
+        m.count = 0;
+        m.cache.count = 0;
+        return;
+    }
+    const closest_points<S, D> now = rounded<S>(pair, s);
+    // A point holds while it slides by no more than a small part of the smaller shape.
+    const S far = static_cast<S>(min(pair.a.extent + pair.a.radius, pair.b.extent + pair.b.radius) * (1.0 / 32));
+    drop_stale(m, b_in_a, now.normal, margin, far);
+    add_point(m, now.on_a, inverse_transform(b_in_a, now.on_b), b_in_a, now.normal, far,
+              static_cast<S>(slack_of<S>(pair)));
+    out.normal = now.normal;
+    for (std::int32_t i = 0; i < m.count; ++i)
+        out.points[out.count++] = where_now<S, D>(m.points[i], b_in_a, now.normal);
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/collide/pair_table.hpp
+// =================================================================================================
+// What each pair of kinds of shapes does to meet.
 
 PHYSICS_HPP_BEGIN
 
@@ -12490,6 +12697,10 @@ struct narrowphase_query {
     const any_shape<S, D, Shapes...>* a;
     const any_shape<S, D, Shapes...>* b;
     transform<S, D> b_in_a;
+    /// Which of the memories is this pair's.
+    std::uint32_t memory = no_memory;
+
+    static constexpr std::uint32_t no_memory = 0xffffffffu;
 };
 
 namespace detail {
@@ -12509,22 +12720,46 @@ concept collides_by_parts =
     (is_surface<A, D> && (has_core<B> || is_compound<B, D> || is_surface<B, D> || is_halfspace<B>)) ||
     (is_compound<A, D> && (has_core<B> || is_compound<B, D> || is_halfspace<B>));
 
-/// How a narrowphase treats the pairs that both a closed form and the general kernels could.
+/// How a narrowphase treats pairs of convex shapes.
 struct pair_methods {
+    /// Whether closed forms serve pairs that the general kernels could.
     bool closed_forms = true;
+    /// Whether a manifold gathers the deepest points of several steps; otherwise each step finds all of it.
+    bool persistent = false;
     overlap_method overlaps = overlap_method::epa;
 };
+
+/// Whether a closed form serves a pair, in either order.
+template <pair_methods Methods, class A, class B, class S, int D>
+constexpr bool is_closed = (Methods.closed_forms || !(collides_by_cores<A, B> || collides_by_cores<B, A>)) &&
+                           (collides_by_itself<A, B, S, D> || collides_by_itself<B, A, S, D>);
+
+/// Whether a closed form costs more than to carry along what it found.
+template <class A, class B>
+constexpr bool is_dear = false;
+template <class S>
+constexpr bool is_dear<box<S, 3>, box<S, 3>> = true;
+template <class S>
+constexpr bool is_dear<capsule<S, 3>, box<S, 3>> = true;
+template <class A, class S>
+constexpr bool is_dear<A, hull<S, 2>> = true;
+
+/// Whether it pays to remember what was found of a pair.
+template <pair_methods Methods, class A, class B, class S, int D>
+constexpr bool is_remembered = has_core<A> && has_core<B> &&
+                               (!is_closed<Methods, A, B, S, D> || is_dear<A, B> || is_dear<B, A>);
 
 /// Functions for every ordered pair of a closed set of shapes, by their numbers within it.
 template <pair_methods Methods, class S, int D, template <class, int> class... Shapes>
 struct pair_table {
     using any = any_shape<S, D, Shapes...>;
     using query = narrowphase_query<S, D, Shapes...>;
-    using function = void (*)(const query&, std::uint32_t, S, manifold_list<S, D>&);
+    using memory = std::conditional_t<Methods.persistent, persistent_manifold<S, D>, pair_memory<S, D>>;
+    using function = void (*)(const query&, std::uint32_t, S, memory*, manifold_list<S, D>&);
 
-    /// Adds what query q, of that number, finds.
+    /// Adds what query q, of that number, finds; with what is remembered of the pair, if it is worth it.
     template <class A, class B>
-    static void run(const query& q, std::uint32_t number, S margin, manifold_list<S, D>& out) {
+    static void run(const query& q, std::uint32_t number, S margin, memory* m, manifold_list<S, D>& out) {
         const A& a = q.a->template get<A>();
         const B& b = q.b->template get<B>();
         if constexpr (collides_by_parts<A, B, D>) {
@@ -12535,7 +12770,7 @@ struct pair_table {
             for (std::uint32_t i = first; i < out.size(); ++i) turn_round(out[i].contact, q.b_in_a);
         } else {
             found_manifold<S, D>& found = out.push({number, 0, {}});
-            run(a, b, q.b_in_a, margin, found.contact);
+            run_convex(a, b, q.b_in_a, margin, m, found.contact);
             if (found.contact.count == 0) out.pop();
         }
     }
@@ -12552,47 +12787,78 @@ struct pair_table {
         for (int i = 0; i < m.count; ++i) m.points[i].position = b_in_a * m.points[i].position;
     }
     template <class A, class B>
-    static void run(const A& a, const B& b, const transform<S, D>& b_in_a, S margin, manifold<S, D>& out) {
-        constexpr bool general = has_core<A> && has_core<B>;
-        constexpr bool closed = Methods.closed_forms || !(collides_by_cores<A, B> || collides_by_cores<B, A>);
-        if constexpr (closed && collides_by_itself<A, B, S, D>) {
-            collide(a, b, b_in_a, margin, out);
-        } else if constexpr (closed && collides_by_itself<B, A, S, D>) {
-            run_swapped(a, b, b_in_a, margin, out);
-        } else if constexpr (general && any::template kind_of<A>() > any::template kind_of<B>()) {
-            // One order is made of the other, so that both say the same.
-            run_swapped(a, b, b_in_a, margin, out);
-        } else if constexpr (has_core<A> && has_core<B>) {
-            collide_cores(a, b, b_in_a, margin, nullptr, Methods.overlaps, out);
-        } else if constexpr (has_core<A> && is_halfspace<B>) {
-            collide_with_plane(a, b, b_in_a, margin, out);
+    static void run_convex(const A& a, const B& b, const transform<S, D>& b_in_a, S margin, memory* m,
+                           manifold<S, D>& out) {
+        if constexpr (!is_remembered<Methods, A, B, S, D>) {
+            run(a, b, b_in_a, margin, nullptr, out);
+        } else if constexpr (Methods.persistent) {
+            memory none;
+            gather_contact(a, b, b_in_a, margin, Methods.overlaps, m != nullptr ? *m : none, out);
+        } else if (m == nullptr) {
+            run(a, b, b_in_a, margin, nullptr, out);
+        } else if (is_still(*m, b_in_a)) {
+            carry_along(*m, b_in_a, margin, out);
         } else {
-            run_swapped(a, b, b_in_a, margin, out);
+            if (m->contact.count == 0) {
+                if (still_parted(a, b, b_in_a, margin, m->cache)) return;
+                m->cache = {};
+            }
+            run(a, b, b_in_a, margin, &m->cache, out);
+            remember(a, b, b_in_a, out, *m);
         }
     }
     template <class A, class B>
-    static void run_swapped(const A& a, const B& b, const transform<S, D>& b_in_a, S margin, manifold<S, D>& out) {
-        run(b, a, inverse(b_in_a), margin, out);
+    static void run(const A& a, const B& b, const transform<S, D>& b_in_a, S margin, gjk_cache* cache,
+                    manifold<S, D>& out) {
+        if constexpr (is_closed<Methods, A, B, S, D>) {
+            if constexpr (collides_by_itself<A, B, S, D>) collide(a, b, b_in_a, margin, out);
+            else run_swapped(a, b, b_in_a, margin, cache, out);
+        } else if constexpr (has_core<A> && has_core<B>) {
+            // One order is made of the other, so that both say the same.
+            if constexpr (any::template kind_of<A>() > any::template kind_of<B>())
+                run_swapped(a, b, b_in_a, margin, cache, out);
+            else
+                collide_cores(a, b, b_in_a, margin, cache, Methods.overlaps, out);
+        } else if constexpr (has_core<A> && is_halfspace<B>) {
+            collide_with_plane(a, b, b_in_a, margin, out);
+        } else {
+            run_swapped(a, b, b_in_a, margin, cache, out);
+        }
+    }
+    template <class A, class B>
+    static void run_swapped(const A& a, const B& b, const transform<S, D>& b_in_a, S margin, gjk_cache* cache,
+                            manifold<S, D>& out) {
+        run(b, a, inverse(b_in_a), margin, cache, out);
         turn_round(out, b_in_a);
     }
     template <class A>
-    static constexpr void fill_row(function* row) {
+    static constexpr void fill_row(function* row, bool* remembered) {
         int i = 0;
-        ((row[i++] = run<A, Shapes<S, D>>), ...);
+        ((row[i] = run<A, Shapes<S, D>>, remembered[i++] = is_remembered<Methods, A, Shapes<S, D>, S, D>), ...);
     }
     struct rows {
         function entry[sizeof...(Shapes)][sizeof...(Shapes)];
+        bool remembered[sizeof...(Shapes)][sizeof...(Shapes)];
     };
     static constexpr rows make() {
         rows t{};
         int i = 0;
-        (fill_row<Shapes<S, D>>(t.entry[i++]), ...);
+        ((fill_row<Shapes<S, D>>(t.entry[i], t.remembered[i]), ++i), ...);
         return t;
     }
     static constexpr rows table = make();
 };
 
 }  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/collide/narrowphase.hpp
+// =================================================================================================
+// The narrowphase policy: from pairs of shapes to manifolds.
+
+PHYSICS_HPP_BEGIN
 
 /// True if the pair can meet: a function collide(a, b, ...) exists in either order, or the general kernels serve it, as
 /// both have a core (see core.hpp) or consist of parts (see parts.hpp).
@@ -12604,6 +12870,14 @@ concept collidable = collides_by_itself<A, B, S, D> || collides_by_itself<B, A, 
 /// A narrowphase policy: turns a batch of pairs into manifolds. Its in<S, D, Shapes...> has
 ///   collide(queries, count, margin, list)   adds to a manifold_list where shapes touch that are within margin (m)
 ///                                           of each other
+/// and, if it remembers something of pairs from step to step,
+///   memory                                  what it remembers of one pair; trivially copyable, new ones are made by
+///                                           memory{}, digest() is 64 bits of it for world.state_hash()
+///   remembers(kind, kind)                   whether it does so of shapes of those kinds
+///   collide(queries, count, margin, memories, list)
+///                                           the same; queries name their memory among these
+/// What it remembers of pairs that do not touch must not bear on any result, and have the digest 0: which of these there
+/// are depends on the broadphase.
 template <class Policy, class S, int D, template <class, int> class... Shapes>
 concept narrowphase_for =
     requires(const narrowphase_query<S, D, Shapes...>* queries, manifold_list<S, D> found) {
@@ -12611,6 +12885,7 @@ concept narrowphase_for =
     };
 
 namespace detail {
+
 /// A narrowphase that treats each pair with the function that its table has for it.
 template <pair_methods Methods>
 struct pairwise_narrowphase {
@@ -12618,19 +12893,32 @@ struct pairwise_narrowphase {
 
     template <class S, int D, template <class, int> class... Shapes>
     struct in {
-        static void collide(const narrowphase_query<S, D, Shapes...>* queries, std::uint32_t count, S margin,
+        using query = narrowphase_query<S, D, Shapes...>;
+        using pairs = pair_table<Methods, S, D, Shapes...>;
+        using memory = typename pairs::memory;
+
+        static constexpr bool remembers(int kind_a, int kind_b) {
+            return pairs::table.remembered[kind_a][kind_b];
+        }
+        static void collide(const query* queries, std::uint32_t count, S margin, memory* memories,
                             manifold_list<S, D>& found) {
             for (std::uint32_t i = 0; i < count; ++i) {
-                const auto& q = queries[i];
-                pair_table<Methods, S, D, Shapes...>::table.entry[q.a->kind()][q.b->kind()](q, i, margin, found);
+                const query& q = queries[i];
+                memory* const m = q.memory != query::no_memory ? memories + q.memory : nullptr;
+                pairs::table.entry[q.a->kind()][q.b->kind()](q, i, margin, m, found);
             }
+        }
+        static void collide(const query* queries, std::uint32_t count, S margin, manifold_list<S, D>& found) {
+            collide(queries, count, margin, nullptr, found);
         }
     };
 };
+
 }  // namespace detail
 
 /// The default narrowphase: for each pair of kinds the method that suits it best: closed forms, separating axes with
-/// clipping, and for all others GJK, EPA and clipping. Cost: 0.1-0.5 us a pair; 0.3-7 us by GJK and EPA.
+/// clipping, and for all others GJK, EPA and clipping. Manifolds that are dear to find are carried along while their
+/// pair moves by less than 1/512 of its smaller half extent. Cost: 0.1-0.5 us a pair; 0.3-7 us by GJK and EPA.
 struct best_per_pair : detail::pairwise_narrowphase<detail::pair_methods{}> {};
 /// GJK and EPA for all pairs of convex shapes, also where a closed form is faster.
 struct gjk_epa : detail::pairwise_narrowphase<detail::pair_methods{.closed_forms = false}> {};
@@ -12638,6 +12926,10 @@ struct gjk_epa : detail::pairwise_narrowphase<detail::pair_methods{.closed_forms
 /// than the shortest.
 struct gjk_mpr : detail::pairwise_narrowphase<detail::pair_methods{.closed_forms = false,
                                                                     .overlaps = detail::overlap_method::mpr}> {};
+/// GJK and EPA, which add their one deepest point a step to a manifold that persists: no clipping, and a face that
+/// lands has all its points after some steps only. Pairs without memory get one point.
+struct incremental_manifolds : detail::pairwise_narrowphase<detail::pair_methods{.closed_forms = false,
+                                                                                  .persistent = true}> {};
 
 PHYSICS_HPP_END
 
@@ -17673,6 +17965,17 @@ struct shape_aliases<S, 3> : shape_names<S, 3> {
     using mesh_geometry = physics::mesh_geometry<S, 3>;
 };
 
+/// What a narrowphase remembers of a pair, if anything.
+template <class Narrowphase>
+struct memory_of {
+    struct type {};
+};
+template <class Narrowphase>
+    requires requires { typename Narrowphase::memory; }
+struct memory_of<Narrowphase> {
+    using type = typename Narrowphase::memory;
+};
+
 /// A recipe's choices, resolved: every stage with its type in the recipe's space.
 template <class S, int D, class ShapeSet, class... Policies>
 struct plan;
@@ -17687,6 +17990,8 @@ struct plan<S, D, shapes<Shapes...>, Policies...> {
     using broadphase = typename policy_for<stage::broadphase, dynamic_tree, Policies...>::type::template in<space>;
     using narrowphase =
         typename policy_for<stage::narrowphase, best_per_pair, Policies...>::type::template in<S, D, Shapes...>;
+    static constexpr bool remembers = requires { typename narrowphase::memory; };
+    using pair_memory = typename memory_of<narrowphase>::type;
     using integrator =
         typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type::template in<space>;
     using solver =
@@ -17972,6 +18277,43 @@ private:
     }
 };
 
+/// What a narrowphase remembers of pairs, in ascending order of the pairs; nothing of kinds of pairs that it does not
+/// care to remember.
+template <class Plan>
+struct pair_memories {
+    using memory = typename Plan::pair_memory;
+
+    buffer<proxy_pair> pairs;
+    buffer<memory> items;
+
+    void clear() {
+        pairs.clear();
+        items.clear();
+    }
+    void add(proxy_pair pair, const memory& item) {
+        pairs.push(pair);
+        items.push(item);
+    }
+    void swap(pair_memories& other) noexcept {
+        pairs.swap(other.pairs);
+        items.swap(other.items);
+    }
+    /// Forgets the pairs that have a shape for which gone(shape) is true.
+    template <class Gone>
+    void drop(Gone&& gone) {
+        std::uint32_t kept = 0;
+        for (std::uint32_t i = 0; i < pairs.size(); ++i) {
+            if (gone(pairs[i].a) || gone(pairs[i].b)) continue;
+            pairs[kept] = pairs[i];
+            items[kept++] = items[i];
+        }
+        while (pairs.size() > kept) {
+            pairs.pop();
+            items.pop();
+        }
+    }
+};
+
 /// The state of a world. Copying it copies the world.
 template <class Plan>
 struct state {
@@ -17986,12 +18328,15 @@ struct state {
     buffer<contact<S, D>> contacts;
     /// Where the centres of bodies were, and how bodies were turned, when these contacts were found.
     buffer<transform<S, D>> contact_starts;
+    /// What the narrowphase remembers of the last step's pairs.
+    pair_memories<Plan> memories;
     std::uint64_t steps = 0;
     std::uint16_t tag = 0;
 
     // Scratch of the step: nothing in it outlives one.
     manifold_list<S, D> manifolds;
     buffer<contact<S, D>> found;
+    pair_memories<Plan> found_memories;
     buffer<transform<S, D>> starts;
     arena scratch;
 };
@@ -18393,6 +18738,7 @@ body_id create_body(state<Plan>& s, const body_def<typename Plan::scalar, Plan::
 template <class Plan>
 void destroy_body(state<Plan>& s, std::uint32_t index) {
     drop_contacts(s, [&](const auto& c) { return c.body_a == index || c.body_b == index; });
+    s.memories.drop([&](std::uint32_t shape) { return s.shapes[shape].body == index; });
     each_shape(s, index, [&](std::uint32_t i, const shape_record<Plan>&) {
         s.broadphase.erase(i);
         s.shapes.erase(i);
@@ -18441,6 +18787,7 @@ void destroy_shape(state<Plan>& s, std::uint32_t index) {
     const auto& owner = s.bodies[body];
     if (owner.is_dynamic() && !owner.mass_is_set && !check_shapes_mass(s, body, "destroy_shape", index)) return;
     drop_contacts(s, [&](const auto& c) { return c.shape_a == index || c.shape_b == index; });
+    s.memories.drop([&](std::uint32_t shape) { return shape == index; });
     std::uint32_t* link = &s.bodies[body].first_shape;
     while (*link != index) link = &s.shapes[*link].next;
     *link = s.shapes[index].next;
@@ -18520,6 +18867,8 @@ void set_rotation_locked(state<Plan>& s, std::uint32_t index, bool locked) {
 
 template <class Plan>
 void change_settings(state<Plan>& s, const typename Plan::settings& settings) {
+    // What was carried along was found within the old margin.
+    if (settings.contact_margin != s.settings.contact_margin) s.memories.clear();
     s.settings = settings;
     configure_broadphase(s);
     s.bodies.each([&](std::uint32_t i, const auto&) { refresh_boxes(s, i); });
@@ -18643,6 +18992,28 @@ public:
             add(c.points[k].friction_impulse);
         }
     }
+    /// The manifold follows from the rest.
+    template <class S, int D>
+    void add(const pair_memory<S, D>& m) {
+        add(m.b_in_a);
+        add(m.cache);
+        add(std::uint64_t{static_cast<std::uint32_t>(m.contact.count)});
+    }
+    template <class S, int D>
+    void add(const persistent_manifold<S, D>& m) {
+        add(m.cache);
+        add(std::uint64_t{m.named} << 32 | static_cast<std::uint32_t>(m.count));
+        for (std::int32_t i = 0; i < m.count; ++i) {
+            add(m.points[i].on_a);
+            add(m.points[i].on_b);
+            add(std::uint64_t{m.points[i].feature});
+        }
+    }
+    void add(const gjk_cache& c) {
+        add(std::uint64_t{c.count});
+        for (int i = 0; i < c.count; ++i) add(std::uint64_t{c.vertex[i]});
+        for (const float x : c.axis) add(x);
+    }
     [[nodiscard]] std::uint64_t value() const { return hash_; }
 
 private:
@@ -18656,6 +19027,21 @@ std::uint64_t hash_of(std::uint64_t name, const Item& item) {
     h.add(name);
     h.add(item);
     return h.value();
+}
+
+/// Of what is remembered of a pair; 0 where that bears on no result, as of pairs that do not touch.
+template <class S, int D>
+std::uint64_t digest_of(const pair_memory<S, D>& m, std::uint64_t name) {
+    return m.contact.count > 0 ? hash_of(name, m) : 0;
+}
+template <class S, int D>
+std::uint64_t digest_of(const persistent_manifold<S, D>& m, std::uint64_t name) {
+    return m.count > 0 ? hash_of(name, m) : 0;
+}
+template <class Memory>
+    requires requires(const Memory& m) { m.digest(); }
+std::uint64_t digest_of(const Memory& m, std::uint64_t name) {
+    return m.digest() != 0 ? hash_of(name, m.digest()) : 0;
 }
 
 /// Of everything in a world that bears on its future, but for the settings: neither user data nor what only
@@ -18674,6 +19060,12 @@ std::uint64_t state_hash(const state<Plan>& s) {
     add_all(s.shapes);
     h.add(std::uint64_t{s.contacts.size()});
     for (const auto& c : s.contacts) h.add(hash_of(std::uint64_t{c.shape_a} << 32 | c.shape_b, c));
+    if constexpr (Plan::remembers)
+        for (std::uint32_t i = 0; i < s.memories.pairs.size(); ++i) {
+            const auto [a, b] = s.memories.pairs[i];
+            const std::uint64_t digest = digest_of(s.memories.items[i], std::uint64_t{a} << 32 | b);
+            if (digest != 0) h.add(digest);
+        }
     return h.value();
 }
 
@@ -19015,21 +19407,43 @@ proxy_pair in_order_of_kinds(const state<Plan>& s, proxy_pair p) {
     return s.shapes[p.a].shape.kind() > s.shapes[p.b].shape.kind() ? proxy_pair{p.b, p.a} : p;
 }
 
+/// Hands on what the last step remembered of the pairs that are still there. Both lists are in ascending order, so one
+/// walk along both finds it. Gives the query of each pair.
+template <class Plan>
+auto* recall_pairs(state<Plan>& s, const buffer<proxy_pair>& pairs) {
+    using narrowphase = typename Plan::narrowphase;
+    auto* queries = s.scratch.template take<typename Plan::query>(pairs.size());
+    s.found_memories.clear();
+    std::uint32_t last = 0;
+    for (std::uint32_t i = 0; i < pairs.size(); ++i) {
+        const proxy_pair p = in_order_of_kinds(s, pairs[i]);
+        const auto& a = s.shapes[p.a];
+        const auto& b = s.shapes[p.b];
+        new (queries + i) typename Plan::query{&a.shape, &b.shape, relative(world_pose(s, a), world_pose(s, b))};
+        if constexpr (Plan::remembers) {
+            if (!narrowphase::remembers(a.shape.kind(), b.shape.kind())) continue;
+            const auto& [before, items] = s.memories;
+            while (last < before.size() && before[last] < pairs[i]) ++last;
+            const bool known = last < before.size() && before[last] == pairs[i];
+            queries[i].memory = s.found_memories.pairs.size();
+            s.found_memories.add(pairs[i], known ? items[last] : typename Plan::pair_memory{});
+        }
+    }
+    return queries;
+}
+
 /// Narrowphase: contacts of the pairs that touch or nearly do, in the order of the pairs.
 template <class Plan>
 void find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs) {
     using S = typename Plan::scalar;
     constexpr int D = Plan::dimension;
-    const std::uint32_t count = pairs.size();
-    auto* queries = s.scratch.template take<typename Plan::query>(count);
-    for (std::uint32_t i = 0; i < count; ++i) {
-        const proxy_pair p = in_order_of_kinds(s, pairs[i]);
-        const auto& a = s.shapes[p.a];
-        const auto& b = s.shapes[p.b];
-        new (queries + i) typename Plan::query{&a.shape, &b.shape, relative(world_pose(s, a), world_pose(s, b))};
-    }
+    const auto* queries = recall_pairs(s, pairs);
+    const S margin = s.settings.contact_margin;
     s.manifolds.clear();
-    Plan::narrowphase::collide(queries, count, s.settings.contact_margin, s.manifolds);
+    if constexpr (Plan::remembers)
+        Plan::narrowphase::collide(queries, pairs.size(), margin, s.found_memories.items.begin(), s.manifolds);
+    else
+        Plan::narrowphase::collide(queries, pairs.size(), margin, s.manifolds);
 
     s.found.clear();
     for (const auto& [query, part, m] : s.manifolds) {
@@ -19122,6 +19536,7 @@ void finish(state<Plan>& s, const solver_body<typename Plan::scalar, Plan::dimen
     });
     s.contacts.swap(s.found);
     s.contact_starts.swap(s.starts);
+    s.memories.swap(s.found_memories);
     ++s.steps;
 }
 

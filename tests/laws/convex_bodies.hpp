@@ -13,10 +13,13 @@ struct shape_list {
     static constexpr int kinds = sizeof...(Shapes);
 
     template <class Policy>
+    using narrowphase = typename Policy::template in<S, D, Shapes...>;
+
+    template <class Policy>
     static physics::manifold<S, D> collide(const any& a, const any& b, const transform& b_in_a, double margin) {
         const query q{&a, &b, b_in_a};
         physics::manifold_list<S, D> found;
-        Policy::template in<S, D, Shapes...>::collide(&q, 1, S(margin), found);
+        narrowphase<Policy>::collide(&q, 1, S(margin), found);
         return found.empty() ? physics::manifold<S, D>{} : found[0].contact;
     }
 };

@@ -1,8 +1,7 @@
 // Laws of segments, triangles, rounded boxes, cylinders and cones: as shapes, and in the general kernels.
 #pragma once
 
-#include "convex_manifolds.hpp"
-#include "convex_queries.hpp"
+#include "pair_memories.hpp"
 
 template struct physics::segment<cell::scalar, cell::dimension>;
 template struct physics::triangle<cell::scalar, cell::dimension>;

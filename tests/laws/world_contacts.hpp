@@ -196,4 +196,39 @@ CELL_CASE("contacts: two static or kinematic bodies have none, nor have the shap
     CHECK(w.contacts().size() == 0);
 }
 
+CELL_CASE("contacts: a shape that takes the place and the number of another is met anew") {
+    world w;
+    const body_id table = w.create_body({.type = body_type::static_body}), guest = w.create_body({.position = at(0, 1)});
+    w.create_shape(table, world::box{});
+    const shape_id tall = w.create_shape(guest, world::box{});
+    run(w, 8);
+    CHECK(w.contacts().size() == 1);
+    const vec rest = w.position(guest);
+    w.destroy_shape(tall);
+    const shape_id flat = w.create_shape(guest, world::box{at(0.5, 0.25) + (vec::filled(S(0.5)) - at(0.5, 0.5))});
+    CHECK(flat.index == tall.index);
+    w.set_pose(guest, rest, {});
+    run(w, 1);
+    CHECK(w.contacts().size() == 0);
+}
+
+CELL_CASE("contacts: a wider margin is heeded at once, by pairs that do not move too") {
+    world w({.gravity = {}});
+    const body_id table = w.create_body({.type = body_type::static_body});
+    w.create_shape(table, world::box{});
+    // Tilted, so that one side is within the first margin and the other within the second one only.
+    const double half = 0.5, tilt = 0.04;
+    const body_id lid = w.create_body(
+        {.position = at(0, 2 * half + 0.01 + half * tilt), .rotation = turned_about_z(tilt)});
+    w.create_shape(lid, world::box{});
+    run(w, 2);
+    REQUIRE(w.contacts().size() == 1);
+    for (const auto& c : w.contacts()) CHECK(c.count == cell::dimension - 1);
+    auto wider = w.settings();
+    wider.contact_margin = S(0.1);
+    w.set_settings(wider);
+    run(w, 1);
+    for (const auto& c : w.contacts()) CHECK(c.count == 2 * (cell::dimension - 1));
+}
+
 }  // namespace

@@ -7,6 +7,9 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
+/// The sine of the angle between a ray and a portal that is too small to tell whether the ray passes.
+inline constexpr double grazing = 0x1p-20;
+
 /// The point of B - A that is farthest along n.
 template <int D>
 cso_vertex<D> farthest_along(const core<D>& a, const placed_core<D>& b, const point<D>& n) {
@@ -54,7 +57,8 @@ inline penetration<3> mpr(const core<3>& a, const placed_core<3>& b, const simpl
     for (int i = 0; i < most_iterations; ++i) {
         n = unit(cross(v[1].w - v[0].w, v[2].w - v[0].w));
         if (dot(n, v[0].w - inside) < 0) n = -n;
-        if (n == point<3>{}) break;
+        // Where the ray only grazes the portal, what was found may be one that it does not pass.
+        if (!(-dot(n, inside) > grazing * length(inside))) break;
         const cso_vertex<3> next = farthest_along(a, b, n);
         const double h = dot(n, next.w);
         if (!(h - dot(n, v[0].w) > max(tolerance, noise))) return portal_penetration(v, n, h);
@@ -80,7 +84,7 @@ inline penetration<2> mpr(const core<2>& a, const placed_core<2>& b, const simpl
     for (int i = 0; i < most_iterations; ++i) {
         n = unit(perpendicular(v[1].w - v[0].w));
         if (dot(n, v[0].w - inside) < 0) n = -n;
-        if (n == point<2>{}) break;
+        if (!(-dot(n, inside) > grazing * length(inside))) break;
         const cso_vertex<2> next = farthest_along(a, b, n);
         const double h = dot(n, next.w);
         if (!(h - dot(n, v[0].w) > max(tolerance, noise))) {

@@ -54,6 +54,7 @@ body_id create_body(state<Plan>& s, const body_def<typename Plan::scalar, Plan::
 template <class Plan>
 void destroy_body(state<Plan>& s, std::uint32_t index) {
     drop_contacts(s, [&](const auto& c) { return c.body_a == index || c.body_b == index; });
+    s.memories.drop([&](std::uint32_t shape) { return s.shapes[shape].body == index; });
     each_shape(s, index, [&](std::uint32_t i, const shape_record<Plan>&) {
         s.broadphase.erase(i);
         s.shapes.erase(i);
@@ -102,6 +103,7 @@ void destroy_shape(state<Plan>& s, std::uint32_t index) {
     const auto& owner = s.bodies[body];
     if (owner.is_dynamic() && !owner.mass_is_set && !check_shapes_mass(s, body, "destroy_shape", index)) return;
     drop_contacts(s, [&](const auto& c) { return c.shape_a == index || c.shape_b == index; });
+    s.memories.drop([&](std::uint32_t shape) { return shape == index; });
     std::uint32_t* link = &s.bodies[body].first_shape;
     while (*link != index) link = &s.shapes[*link].next;
     *link = s.shapes[index].next;
@@ -181,6 +183,8 @@ void set_rotation_locked(state<Plan>& s, std::uint32_t index, bool locked) {
 
 template <class Plan>
 void change_settings(state<Plan>& s, const typename Plan::settings& settings) {
+    // What was carried along was found within the old margin.
+    if (settings.contact_margin != s.settings.contact_margin) s.memories.clear();
     s.settings = settings;
     configure_broadphase(s);
     s.bodies.each([&](std::uint32_t i, const auto&) { refresh_boxes(s, i); });

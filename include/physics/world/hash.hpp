@@ -87,6 +87,28 @@ public:
             add(c.points[k].friction_impulse);
         }
     }
+    /// The manifold follows from the rest.
+    template <class S, int D>
+    void add(const pair_memory<S, D>& m) {
+        add(m.b_in_a);
+        add(m.cache);
+        add(std::uint64_t{static_cast<std::uint32_t>(m.contact.count)});
+    }
+    template <class S, int D>
+    void add(const persistent_manifold<S, D>& m) {
+        add(m.cache);
+        add(std::uint64_t{m.named} << 32 | static_cast<std::uint32_t>(m.count));
+        for (std::int32_t i = 0; i < m.count; ++i) {
+            add(m.points[i].on_a);
+            add(m.points[i].on_b);
+            add(std::uint64_t{m.points[i].feature});
+        }
+    }
+    void add(const gjk_cache& c) {
+        add(std::uint64_t{c.count});
+        for (int i = 0; i < c.count; ++i) add(std::uint64_t{c.vertex[i]});
+        for (const float x : c.axis) add(x);
+    }
     [[nodiscard]] std::uint64_t value() const { return hash_; }
 
 private:
@@ -100,6 +122,21 @@ std::uint64_t hash_of(std::uint64_t name, const Item& item) {
     h.add(name);
     h.add(item);
     return h.value();
+}
+
+/// Of what is remembered of a pair; 0 where that bears on no result, as of pairs that do not touch.
+template <class S, int D>
+std::uint64_t digest_of(const pair_memory<S, D>& m, std::uint64_t name) {
+    return m.contact.count > 0 ? hash_of(name, m) : 0;
+}
+template <class S, int D>
+std::uint64_t digest_of(const persistent_manifold<S, D>& m, std::uint64_t name) {
+    return m.count > 0 ? hash_of(name, m) : 0;
+}
+template <class Memory>
+    requires requires(const Memory& m) { m.digest(); }
+std::uint64_t digest_of(const Memory& m, std::uint64_t name) {
+    return m.digest() != 0 ? hash_of(name, m.digest()) : 0;
 }
 
 /// Of everything in a world that bears on its future, but for the settings: neither user data nor what only
@@ -118,6 +155,12 @@ std::uint64_t state_hash(const state<Plan>& s) {
     add_all(s.shapes);
     h.add(std::uint64_t{s.contacts.size()});
     for (const auto& c : s.contacts) h.add(hash_of(std::uint64_t{c.shape_a} << 32 | c.shape_b, c));
+    if constexpr (Plan::remembers)
+        for (std::uint32_t i = 0; i < s.memories.pairs.size(); ++i) {
+            const auto [a, b] = s.memories.pairs[i];
+            const std::uint64_t digest = digest_of(s.memories.items[i], std::uint64_t{a} << 32 | b);
+            if (digest != 0) h.add(digest);
+        }
     return h.value();
 }
 

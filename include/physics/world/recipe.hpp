@@ -120,6 +120,17 @@ struct shape_aliases<S, 3> : shape_names<S, 3> {
     using mesh_geometry = physics::mesh_geometry<S, 3>;
 };
 
+/// What a narrowphase remembers of a pair, if anything.
+template <class Narrowphase>
+struct memory_of {
+    struct type {};
+};
+template <class Narrowphase>
+    requires requires { typename Narrowphase::memory; }
+struct memory_of<Narrowphase> {
+    using type = typename Narrowphase::memory;
+};
+
 /// A recipe's choices, resolved: every stage with its type in the recipe's space.
 template <class S, int D, class ShapeSet, class... Policies>
 struct plan;
@@ -134,6 +145,8 @@ struct plan<S, D, shapes<Shapes...>, Policies...> {
     using broadphase = typename policy_for<stage::broadphase, dynamic_tree, Policies...>::type::template in<space>;
     using narrowphase =
         typename policy_for<stage::narrowphase, best_per_pair, Policies...>::type::template in<S, D, Shapes...>;
+    static constexpr bool remembers = requires { typename narrowphase::memory; };
+    using pair_memory = typename memory_of<narrowphase>::type;
     using integrator =
         typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type::template in<space>;
     using solver =

@@ -55,6 +55,43 @@ private:
     }
 };
 
+/// What a narrowphase remembers of pairs, in ascending order of the pairs; nothing of kinds of pairs that it does not
+/// care to remember.
+template <class Plan>
+struct pair_memories {
+    using memory = typename Plan::pair_memory;
+
+    buffer<proxy_pair> pairs;
+    buffer<memory> items;
+
+    void clear() {
+        pairs.clear();
+        items.clear();
+    }
+    void add(proxy_pair pair, const memory& item) {
+        pairs.push(pair);
+        items.push(item);
+    }
+    void swap(pair_memories& other) noexcept {
+        pairs.swap(other.pairs);
+        items.swap(other.items);
+    }
+    /// Forgets the pairs that have a shape for which gone(shape) is true.
+    template <class Gone>
+    void drop(Gone&& gone) {
+        std::uint32_t kept = 0;
+        for (std::uint32_t i = 0; i < pairs.size(); ++i) {
+            if (gone(pairs[i].a) || gone(pairs[i].b)) continue;
+            pairs[kept] = pairs[i];
+            items[kept++] = items[i];
+        }
+        while (pairs.size() > kept) {
+            pairs.pop();
+            items.pop();
+        }
+    }
+};
+
 /// The state of a world. Copying it copies the world.
 template <class Plan>
 struct state {
@@ -69,12 +106,15 @@ struct state {
     buffer<contact<S, D>> contacts;
     /// Where the centres of bodies were, and how bodies were turned, when these contacts were found.
     buffer<transform<S, D>> contact_starts;
+    /// What the narrowphase remembers of the last step's pairs.
+    pair_memories<Plan> memories;
     std::uint64_t steps = 0;
     std::uint16_t tag = 0;
 
     // Scratch of the step: nothing in it outlives one.
     manifold_list<S, D> manifolds;
     buffer<contact<S, D>> found;
+    pair_memories<Plan> found_memories;
     buffer<transform<S, D>> starts;
     arena scratch;
 };

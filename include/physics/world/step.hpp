@@ -20,21 +20,43 @@ proxy_pair in_order_of_kinds(const state<Plan>& s, proxy_pair p) {
     return s.shapes[p.a].shape.kind() > s.shapes[p.b].shape.kind() ? proxy_pair{p.b, p.a} : p;
 }
 
+/// Hands on what the last step remembered of the pairs that are still there. Both lists are in ascending order, so one
+/// walk along both finds it. Gives the query of each pair.
+template <class Plan>
+auto* recall_pairs(state<Plan>& s, const buffer<proxy_pair>& pairs) {
+    using narrowphase = typename Plan::narrowphase;
+    auto* queries = s.scratch.template take<typename Plan::query>(pairs.size());
+    s.found_memories.clear();
+    std::uint32_t last = 0;
+    for (std::uint32_t i = 0; i < pairs.size(); ++i) {
+        const proxy_pair p = in_order_of_kinds(s, pairs[i]);
+        const auto& a = s.shapes[p.a];
+        const auto& b = s.shapes[p.b];
+        new (queries + i) typename Plan::query{&a.shape, &b.shape, relative(world_pose(s, a), world_pose(s, b))};
+        if constexpr (Plan::remembers) {
+            if (!narrowphase::remembers(a.shape.kind(), b.shape.kind())) continue;
+            const auto& [before, items] = s.memories;
+            while (last < before.size() && before[last] < pairs[i]) ++last;
+            const bool known = last < before.size() && before[last] == pairs[i];
+            queries[i].memory = s.found_memories.pairs.size();
+            s.found_memories.add(pairs[i], known ? items[last] : typename Plan::pair_memory{});
+        }
+    }
+    return queries;
+}
+
 /// Narrowphase: contacts of the pairs that touch or nearly do, in the order of the pairs.
 template <class Plan>
 void find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs) {
     using S = typename Plan::scalar;
     constexpr int D = Plan::dimension;
-    const std::uint32_t count = pairs.size();
-    auto* queries = s.scratch.template take<typename Plan::query>(count);
-    for (std::uint32_t i = 0; i < count; ++i) {
-        const proxy_pair p = in_order_of_kinds(s, pairs[i]);
-        const auto& a = s.shapes[p.a];
-        const auto& b = s.shapes[p.b];
-        new (queries + i) typename Plan::query{&a.shape, &b.shape, relative(world_pose(s, a), world_pose(s, b))};
-    }
+    const auto* queries = recall_pairs(s, pairs);
+    const S margin = s.settings.contact_margin;
     s.manifolds.clear();
-    Plan::narrowphase::collide(queries, count, s.settings.contact_margin, s.manifolds);
+    if constexpr (Plan::remembers)
+        Plan::narrowphase::collide(queries, pairs.size(), margin, s.found_memories.items.begin(), s.manifolds);
+    else
+        Plan::narrowphase::collide(queries, pairs.size(), margin, s.manifolds);
 
     s.found.clear();
     for (const auto& [query, part, m] : s.manifolds) {
@@ -127,6 +149,7 @@ void finish(state<Plan>& s, const solver_body<typename Plan::scalar, Plan::dimen
     });
     s.contacts.swap(s.found);
     s.contact_starts.swap(s.starts);
+    s.memories.swap(s.found_memories);
     ++s.steps;
 }
 

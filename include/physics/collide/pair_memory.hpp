@@ -1,0 +1,92 @@
+// What is remembered of a pair of shapes from step to step, and contacts that are carried along while it rests.
+#pragma once
+
+#include "physics/collide/patch.hpp"
+
+PHYSICS_HPP_BEGIN
+
+/// What a narrowphase remembers of a pair: where GJK ended, which axis parted it, its last manifold and how long that
+/// stays good. Start with an empty one, and use it for one pair of shapes and one margin only.
+template <class S, int D>
+struct pair_memory {
+    gjk_cache cache;
+    /// Numbers the axis that parted two boxes; -1 if none did.
+    std::int32_t parting = -1;
+    manifold<S, D> contact;
+    /// Where B stood in A's frame when that was found.
+    transform<S, D> b_in_a;
+    /// How far B reaches from its origin, and how far its points may move while the manifold is carried along (m).
+    S reach{};
+    S still{};
+};
+
+namespace detail {
+
+/// The largest component of what one rotation differs from another by, times the length of the arm that they turn.
+template <class S>
+constexpr S turned_by(rotation<S, 2> a, rotation<S, 2> b, S arm) {
+    return max(abs(a.cosine - b.cosine), abs(a.sine - b.sine)) * arm;
+}
+template <class S>
+constexpr S turned_by(rotation<S, 3> a, rotation<S, 3> b, S arm) {
+    return max(largest(a.imaginary() - b.imaginary()), abs(a.w - b.w)) * (arm + arm);
+}
+
+/// Whether the pair has moved so little since its manifold was found that it may be carried along.
+template <class S, int D>
+constexpr bool is_still(const pair_memory<S, D>& m, const transform<S, D>& b_in_a) {
+    return m.contact.count > 0 && !(largest(b_in_a.position - m.b_in_a.position) > m.still) &&
+           !(turned_by(b_in_a.rotation, m.b_in_a.rotation, m.reach) > m.still);
+}
+
+/// The manifold that was remembered, its points carried along with their shapes: those of B by what it has moved in
+/// A's frame, along a normal that stays. Exact but for products of small motions.
+template <class S, int D>
+constexpr void carry_along(const pair_memory<S, D>& m, const transform<S, D>& b_in_a, S margin, manifold<S, D>& out) {
+    if (b_in_a == m.b_in_a) {
+        out = m.contact;
+        return;
+    }
+    const rotation<S, D> turn = b_in_a.rotation * inverse(m.b_in_a.rotation);
+    const vec<S, D> shift = b_in_a.position - turn * m.b_in_a.position;
+    const vec<S, D> n = out.normal = m.contact.normal;
+    for (int i = 0; i < m.contact.count; ++i) {
+        const manifold_point<S, D>& p = m.contact.points[i];
+        const vec<S, D> half = n * (p.separation * S(0.5)), on_a = p.position - half;
+        const vec<S, D> on_b = turn * (p.position + half) + shift;
+        const S separation = dot(on_b - on_a, n);
+        if (!(separation > margin)) out.add(on_a + (on_b - on_a) * S(0.5), separation, p.feature);
+    }
+}
+
+/// Remembers what was found: contacts stay good while the pair moves by no more than they may deviate by anyway.
+template <class A, class B, class S, int D>
+void remember(const A& a, const B& b, const transform<S, D>& b_in_a, const manifold<S, D>& found,
+              pair_memory<S, D>& m) {
+    m.contact = found;
+    if (found.count == 0) {
+        m.cache.count = 0;
+        return;
+    }
+    const core<D> of_a = core_of(a), of_b = core_of(b);
+    m.b_in_a = b_in_a;
+    m.reach = static_cast<S>(of_b.extent + of_b.radius);
+    m.still = static_cast<S>(min(of_a.thickness + of_a.radius, of_b.thickness + of_b.radius) * (1.0 / 512));
+}
+
+/// True if the axis that parted the pair last parts it still, by more than the margin. Clearly so, that a search from
+/// scratch would say the same: then what is remembered of pairs that do not touch bears on no result.
+template <class A, class B, class S, int D>
+bool still_parted(const A& a, const B& b, const transform<S, D>& b_in_a, S margin, const gjk_cache& cache) {
+    point<D> axis;
+    for (int i = 0; i < D; ++i) axis[i] = detail::to_double(cache.axis[i]);
+    if (!(dot(axis, axis) > 0)) return false;
+    const core_pair<D> pair(a, b, b_in_a);
+    const double reach = pair.a.radius + pair.b.radius + detail::to_double(margin);
+    const double parted = dot(axis, support_along(pair.a, pair.placed, axis).w) / length(axis);
+    return parted > reach + 0x1p-30 * (reach + extent_of(pair.a, pair.placed));
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
