@@ -294,6 +294,12 @@ public:
         if (size_ == capacity_) grow_to(std::uint64_t{size_} + 1);
         return *new (static_cast<void*>(data_ + size_++)) T(copy);
     }
+    /// Adds T{parts...} at the end; nothing of it may lie within the buffer.
+    template <class... Parts>
+    T& emplace(Parts&&... parts) {
+        if (size_ == capacity_) grow_to(std::uint64_t{size_} + 1);
+        return *new (static_cast<void*>(data_ + size_++)) T{static_cast<Parts&&>(parts)...};
+    }
     void pop() { --size_; }
     /// Shortens the buffer, or fills it up with copies of value, which may lie within the buffer.
     void resize(std::uint32_t size, const T& value = T{}) {
@@ -11440,7 +11446,7 @@ inline bool clip_facets(const facet<3>& reference, const point<3>& n, double gap
         aside = normalized(cross(edge, up));
     }
     const double steep = 1 / dot(up, n);
-    manifold_point<double, 3> found[most_candidates];
+    raw_array<manifold_point<double, 3>, most_candidates> found;
     int candidates = 0;
     double deepest = gap + 3 * by.slack;
     const std::uint32_t faces = mixed(reference.number << 1 | std::uint32_t{flip}, incident.number);
@@ -11461,7 +11467,7 @@ inline bool clip_facets(const facet<3>& reference, const point<3>& n, double gap
             if (found[i].separation < found[0].separation) found[0] = found[i];
         candidates = candidates > 1 ? 1 : candidates;
     }
-    reduce(found, candidates, n, by.slack, out);
+    reduce(found.items, candidates, n, by.slack, out);
     return true;
 }
 
@@ -11574,7 +11580,7 @@ void collide_cores(const A& a, const B& b, const transform<S, D>& b_in_a, S marg
 template <class S, int D>
 void touch_plane(const placed_core<D>& c, const point<D>& n, double offset, double margin, manifold<double, D>& out) {
     const facet<D> f = facet_of(c, -n);
-    manifold_point<double, D> found[facet<D>::most + 1];
+    raw_array<manifold_point<double, D>, facet<D>::most + 1> found;
     const patch_limits by{0, c.shape->radius, margin, 0};
     int count = 0;
     const auto touch = [&](const point<D>& p, std::uint32_t feature) {
@@ -11592,7 +11598,7 @@ void touch_plane(const placed_core<D>& c, const point<D>& n, double offset, doub
         max(c.shape->thickness * (1.0 / 512), static_cast<double>(rounding_of(S(1))) * c.shape->extent);
     if (dot(n, lowest.at) < deepest - slack) touch(lowest.at, mixed(0x80000000u, lowest.vertex));
     out.normal = -n;
-    reduce(found, count, n, slack, out);
+    reduce(found.items, count, n, slack, out);
 }
 /// The plane of a halfspace, as seen from the frame in which it stands.
 template <class S, int D>
@@ -12442,7 +12448,7 @@ template <class S, int D>
 struct found_manifold {
     std::uint32_t query;
     std::uint32_t part;
-    manifold<S, D> contact;
+    manifold<S, D> contact = {};
 };
 /// Manifolds in ascending order of queries; none for shapes that are too far apart, several for concave shapes.
 template <class S, int D>
@@ -12508,7 +12514,7 @@ void collide_children_with_plane(const A& a, const halfspace<S, D>& b, const tra
         manifold<double, D> m;
         touch_plane<S>(placed_core<D>{&child.shape, child.axes, child.at}, n, offset, detail::to_double(margin), m);
         if (m.count == 0) return;
-        add_rounded_once(m, out.push({query, child.number, {}}).contact);
+        add_rounded_once(m, out.emplace(query, child.number).contact);
         for (int i = 0; i < m.count; ++i) out.back().contact.points[i].feature += mixed(child.number, 0);
     });
 }
@@ -12524,7 +12530,7 @@ void collide_parts(const A& a, const B& b, const transform<S, D>& b_in_a, S marg
     double slack = 0;
     const auto add = [&](const manifold<double, D>& m, std::uint32_t of_a, std::uint32_t of_b) {
         if (m.count == 0) return;
-        auto& found = out.push({query, of_a, {}});
+        auto& found = out.emplace(query, of_a);
         add_rounded_once(m, found.contact);
         for (int i = 0; i < m.count; ++i) found.contact.points[i].feature += mixed(of_a, of_b);
     };
@@ -12769,7 +12775,7 @@ struct pair_table {
             run_parts(b, a, inverse(q.b_in_a), number, margin, out);
             for (std::uint32_t i = first; i < out.size(); ++i) turn_round(out[i].contact, q.b_in_a);
         } else {
-            found_manifold<S, D>& found = out.push({number, 0, {}});
+            found_manifold<S, D>& found = out.emplace(number, 0u);
             run_convex(a, b, q.b_in_a, margin, m, found.contact);
             if (found.contact.count == 0) out.pop();
         }
@@ -12876,8 +12882,8 @@ concept collidable = collides_by_itself<A, B, S, D> || collides_by_itself<B, A, 
 ///   remembers(kind, kind)                   whether it does so of shapes of those kinds
 ///   collide(queries, count, margin, memories, list)
 ///                                           the same; queries name their memory among these
-/// What it remembers of pairs that do not touch must not bear on any result, and have the digest 0: which of these there
-/// are depends on the broadphase.
+/// What it remembers of pairs that do not touch must not bear on any result, and have the digest 0: which of these
+/// there are depends on the broadphase.
 template <class Policy, class S, int D, template <class, int> class... Shapes>
 concept narrowphase_for =
     requires(const narrowphase_query<S, D, Shapes...>* queries, manifold_list<S, D> found) {
@@ -12904,7 +12910,8 @@ struct pairwise_narrowphase {
                             manifold_list<S, D>& found) {
             for (std::uint32_t i = 0; i < count; ++i) {
                 const query& q = queries[i];
-                memory* const m = q.memory != query::no_memory ? memories + q.memory : nullptr;
+                const bool known = memories != nullptr && q.memory != query::no_memory;
+                memory* const m = known ? memories + q.memory : nullptr;
                 pairs::table.entry[q.a->kind()][q.b->kind()](q, i, margin, m, found);
             }
         }

@@ -17,7 +17,7 @@ public:
     [[nodiscard]] bool can(const pair_set& s, task t) const override {
         return s.dimension == D && (t == task::manifold || std::is_same_v<Policy, physics::best_per_pair>);
     }
-    [[nodiscard]] bool remembers(task t) const override { return t != task::manifold; }
+    [[nodiscard]] bool remembers(task) const override { return true; }
     void load(const pair_set& s) override {
         geometries_.clear();
         const auto hull = [this](const solid& from) { return hull_of(from); };
@@ -48,6 +48,7 @@ private:
         std::vector<query> queries[pair_set::frames];
         physics::manifold_list<S, D> found;
         std::vector<physics::gjk_cache> caches;
+        std::vector<typename narrowphase::memory> memories;
 
         void run(task t, int frame, bool warm, outcome* out) override {
             if (t == task::distance)
@@ -61,17 +62,19 @@ private:
                 each(frame, warm, [&](auto&... with) { return separation(with...); },
                      [&](std::size_t i, const auto& r) { tell(out[i], r.distance, r.normal); });
             else
-                touch(frame, out);
+                touch(frame, warm, out);
         }
         template <class Ask, class Tell>
         void each(int frame, bool warm, Ask&& ask, Tell&& answer) {
             for (std::size_t i = 0; i < poses[frame].size(); ++i)
                 answer(i, warm ? ask(a[i], b[i], poses[frame][i], caches[i]) : ask(a[i], b[i], poses[frame][i]));
         }
-        void touch(int frame, outcome* out) {
+        void touch(int frame, bool warm, outcome* out) {
             const auto& asked = queries[frame];
             found.clear();
-            narrowphase::collide(asked.data(), static_cast<std::uint32_t>(asked.size()), S(0), found);
+            const auto count = static_cast<std::uint32_t>(asked.size());
+            if (warm) narrowphase::collide(asked.data(), count, S(0), memories.data(), found);
+            else narrowphase::collide(asked.data(), count, S(0), found);
             for (std::size_t i = 0; i < asked.size(); ++i) out[i] = {.distance = 1};
             for (const auto& [number, part, contact] : found) {
                 S least = contact.points[0].separation;
@@ -122,9 +125,13 @@ private:
                 else
                     at.rotation = {S(p.turn[0]), S(p.turn[1]), S(p.turn[2]), S(p.turn[3])};
                 it->poses[frame].push_back(at);
-                it->queries[frame].push_back({&it->any_a[i], &it->any_b[i], at});
+                const auto number = static_cast<std::uint32_t>(i);
+                const bool remembered = narrowphase::remembers(it->any_a[i].kind(), it->any_b[i].kind());
+                it->queries[frame].push_back(
+                    {&it->any_a[i], &it->any_b[i], at, remembered ? number : query::no_memory});
             }
         it->caches.resize(s.pairs());
+        it->memories.resize(s.pairs());
         runner_ = std::move(it);
     }
 

@@ -115,10 +115,11 @@ inline solid make_solid(int dimension, const std::string& what, dice& chance) {
     return s;
 }
 
-/// Apart by 0.25 m; overlapping by 1 cm; by 60 % of what they do with one centre; boxes face to face, 1 cm deep.
-enum class state { apart, shallow, deep, stacked };
+/// Apart by 0.25 m; overlapping by 1 cm; by 60 % of what they do with one centre; boxes face to face, 1 cm deep, also
+/// such that move a thousandth of what the others do.
+enum class state { apart, shallow, deep, stacked, resting };
 inline const char* name_of(state s) {
-    constexpr const char* names[] = {"0.25 m apart", "1 cm deep", "60 % deep", "stacked"};
+    constexpr const char* names[] = {"0.25 m apart", "1 cm deep", "60 % deep", "stacked", "at rest"};
     return names[static_cast<int>(s)];
 }
 
@@ -174,7 +175,9 @@ private:
         const auto shift = [&](const oracle::point& n, oracle::real by) {
             for (int i = 0; i < dimension; ++i) at.at[i] += static_cast<double>(n[i] * by);
         };
-        if (in == state::stacked) {
+        const bool on_top = in == state::stacked || in == state::resting;
+        const double pace = in == state::resting ? 0.001 : 1;
+        if (on_top) {
             const auto i = static_cast<std::size_t>(pair);
             const double angle = chance.number(-M_PI, M_PI);
             if (dimension == 3) at.turn = {0, std::sin(angle / 2), 0, std::cos(angle / 2)};
@@ -222,12 +225,12 @@ private:
             for (int i = 0; i < 3; ++i) about[i] = static_cast<double>(start.normal[i]);
         for (int frame = 0; frame < frames; ++frame) {
             const int step = frame <= 4 ? frame : frame <= 12 ? 8 - frame : frame - 16;
-            const double half = 0.005 * step;
+            const double half = 0.005 * pace * step;
             pose moved = at;
-            for (int i = 0; i < 3; ++i) moved.at[i] += 0.01 * step * along[i];
+            for (int i = 0; i < 3; ++i) moved.at[i] += 0.01 * pace * step * along[i];
             if (dimension == 3)
                 moved.turn = unit(product({half * about[0], half * about[1], half * about[2], 1}, at.turn));
-            else if (in != state::stacked)
+            else if (!on_top)
                 moved.turn = unit(product({0, 0, half, 1}, at.turn));
             if (dimension == 2 && in != state::apart) {
                 const oracle::answer turned = measure(pair, moved);

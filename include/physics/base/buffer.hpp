@@ -62,6 +62,12 @@ public:
         if (size_ == capacity_) grow_to(std::uint64_t{size_} + 1);
         return *new (static_cast<void*>(data_ + size_++)) T(copy);
     }
+    /// Adds T{parts...} at the end; nothing of it may lie within the buffer.
+    template <class... Parts>
+    T& emplace(Parts&&... parts) {
+        if (size_ == capacity_) grow_to(std::uint64_t{size_} + 1);
+        return *new (static_cast<void*>(data_ + size_++)) T{static_cast<Parts&&>(parts)...};
+    }
     void pop() { --size_; }
     /// Shortens the buffer, or fills it up with copies of value, which may lie within the buffer.
     void resize(std::uint32_t size, const T& value = T{}) {

@@ -22,8 +22,8 @@ concept collidable = collides_by_itself<A, B, S, D> || collides_by_itself<B, A, 
 ///   remembers(kind, kind)                   whether it does so of shapes of those kinds
 ///   collide(queries, count, margin, memories, list)
 ///                                           the same; queries name their memory among these
-/// What it remembers of pairs that do not touch must not bear on any result, and have the digest 0: which of these there
-/// are depends on the broadphase.
+/// What it remembers of pairs that do not touch must not bear on any result, and have the digest 0: which of these
+/// there are depends on the broadphase.
 template <class Policy, class S, int D, template <class, int> class... Shapes>
 concept narrowphase_for =
     requires(const narrowphase_query<S, D, Shapes...>* queries, manifold_list<S, D> found) {
@@ -50,7 +50,8 @@ struct pairwise_narrowphase {
                             manifold_list<S, D>& found) {
             for (std::uint32_t i = 0; i < count; ++i) {
                 const query& q = queries[i];
-                memory* const m = q.memory != query::no_memory ? memories + q.memory : nullptr;
+                const bool known = memories != nullptr && q.memory != query::no_memory;
+                memory* const m = known ? memories + q.memory : nullptr;
                 pairs::table.entry[q.a->kind()][q.b->kind()](q, i, margin, m, found);
             }
         }

@@ -94,7 +94,7 @@ struct pair_table {
             run_parts(b, a, inverse(q.b_in_a), number, margin, out);
             for (std::uint32_t i = first; i < out.size(); ++i) turn_round(out[i].contact, q.b_in_a);
         } else {
-            found_manifold<S, D>& found = out.push({number, 0, {}});
+            found_manifold<S, D>& found = out.emplace(number, 0u);
             run_convex(a, b, q.b_in_a, margin, m, found.contact);
             if (found.contact.count == 0) out.pop();
         }

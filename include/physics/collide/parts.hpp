@@ -11,7 +11,7 @@ template <class S, int D>
 struct found_manifold {
     std::uint32_t query;
     std::uint32_t part;
-    manifold<S, D> contact;
+    manifold<S, D> contact = {};
 };
 /// Manifolds in ascending order of queries; none for shapes that are too far apart, several for concave shapes.
 template <class S, int D>
@@ -77,7 +77,7 @@ void collide_children_with_plane(const A& a, const halfspace<S, D>& b, const tra
         manifold<double, D> m;
         touch_plane<S>(placed_core<D>{&child.shape, child.axes, child.at}, n, offset, detail::to_double(margin), m);
         if (m.count == 0) return;
-        add_rounded_once(m, out.push({query, child.number, {}}).contact);
+        add_rounded_once(m, out.emplace(query, child.number).contact);
         for (int i = 0; i < m.count; ++i) out.back().contact.points[i].feature += mixed(child.number, 0);
     });
 }
@@ -93,7 +93,7 @@ void collide_parts(const A& a, const B& b, const transform<S, D>& b_in_a, S marg
     double slack = 0;
     const auto add = [&](const manifold<double, D>& m, std::uint32_t of_a, std::uint32_t of_b) {
         if (m.count == 0) return;
-        auto& found = out.push({query, of_a, {}});
+        auto& found = out.emplace(query, of_a);
         add_rounded_once(m, found.contact);
         for (int i = 0; i < m.count; ++i) found.contact.points[i].feature += mixed(of_a, of_b);
     };

@@ -89,7 +89,7 @@ inline bool clip_facets(const facet<3>& reference, const point<3>& n, double gap
         aside = normalized(cross(edge, up));
     }
     const double steep = 1 / dot(up, n);
-    manifold_point<double, 3> found[most_candidates];
+    raw_array<manifold_point<double, 3>, most_candidates> found;
     int candidates = 0;
     double deepest = gap + 3 * by.slack;
     const std::uint32_t faces = mixed(reference.number << 1 | std::uint32_t{flip}, incident.number);
@@ -110,7 +110,7 @@ inline bool clip_facets(const facet<3>& reference, const point<3>& n, double gap
             if (found[i].separation < found[0].separation) found[0] = found[i];
         candidates = candidates > 1 ? 1 : candidates;
     }
-    reduce(found, candidates, n, by.slack, out);
+    reduce(found.items, candidates, n, by.slack, out);
     return true;
 }
 
@@ -223,7 +223,7 @@ void collide_cores(const A& a, const B& b, const transform<S, D>& b_in_a, S marg
 template <class S, int D>
 void touch_plane(const placed_core<D>& c, const point<D>& n, double offset, double margin, manifold<double, D>& out) {
     const facet<D> f = facet_of(c, -n);
-    manifold_point<double, D> found[facet<D>::most + 1];
+    raw_array<manifold_point<double, D>, facet<D>::most + 1> found;
     const patch_limits by{0, c.shape->radius, margin, 0};
     int count = 0;
     const auto touch = [&](const point<D>& p, std::uint32_t feature) {
@@ -241,7 +241,7 @@ void touch_plane(const placed_core<D>& c, const point<D>& n, double offset, doub
         max(c.shape->thickness * (1.0 / 512), static_cast<double>(rounding_of(S(1))) * c.shape->extent);
     if (dot(n, lowest.at) < deepest - slack) touch(lowest.at, mixed(0x80000000u, lowest.vertex));
     out.normal = -n;
-    reduce(found, count, n, slack, out);
+    reduce(found.items, count, n, slack, out);
 }
 /// The plane of a halfspace, as seen from the frame in which it stands.
 template <class S, int D>
