@@ -9177,6 +9177,39 @@ mass_properties<S, D> mass_of(const triangle<S, D>& t, std::type_identity_t<S> d
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/collide/bounding_half.hpp
+// =================================================================================================
+// A halfspace as the general kernels see it.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// The points for which dot(normal, p) <= offset.
+template <int D>
+struct bounding_half {
+    /// Of unit length, outwards.
+    point<D> normal;
+    double offset;
+
+    template <class S>
+    explicit bounding_half(const halfspace<S, D>& h)
+        : normal(normalized(to_point(h.normal))), offset(detail::to_double(h.offset)) {}
+    /// The same as seen from the frame in which it stands.
+    template <class S>
+    bounding_half(const halfspace<S, D>& h, const transform<S, D>& at)
+        : normal(normalized(to_matrix(at.rotation) * to_point(h.normal))),
+          offset(detail::to_double(h.offset) + dot(normal, to_point(at.position))) {}
+
+    /// How far a point lies outside.
+    [[nodiscard]] double height(const point<D>& p) const { return dot(normal, p) - offset; }
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/collide/manifold.hpp
 // =================================================================================================
 // What the narrowphase says of a pair of shapes.
@@ -11575,16 +11608,16 @@ void collide_cores(const A& a, const B& b, const transform<S, D>& b_in_a, S marg
     add_rounded_once(m, out);
 }
 
-/// Contact of a core with the plane dot(n, p) = offset, n pointing out of what it bounds: the corners of what the core
-/// turns towards it.
+/// Contact of a core with a halfspace: the corners of what the core turns towards it.
 template <class S, int D>
-void touch_plane(const placed_core<D>& c, const point<D>& n, double offset, double margin, manifold<double, D>& out) {
+void touch_half(const placed_core<D>& c, const bounding_half<D>& half, double margin, manifold<double, D>& out) {
+    const point<D>& n = half.normal;
     const facet<D> f = facet_of(c, -n);
     raw_array<manifold_point<double, D>, facet<D>::most + 1> found;
     const patch_limits by{0, c.shape->radius, margin, 0};
     int count = 0;
     const auto touch = [&](const point<D>& p, std::uint32_t feature) {
-        const manifold_point<double, D> at = touching(p, n, dot(n, p) - offset, by, feature);
+        const manifold_point<double, D> at = touching(p, n, half.height(p), by, feature);
         if (!(at.separation > by.margin)) found[count++] = at;
     };
     double deepest = no_limit;
@@ -11600,23 +11633,14 @@ void touch_plane(const placed_core<D>& c, const point<D>& n, double offset, doub
     out.normal = -n;
     reduce(found.items, count, n, slack, out);
 }
-/// The plane of a halfspace, as seen from the frame in which it stands.
-template <class S, int D>
-point<D> plane_normal(const halfspace<S, D>& h, const transform<S, D>& at) {
-    return normalized(to_matrix(at.rotation) * to_point(h.normal));
-}
-template <class S, int D>
-double plane_offset(const halfspace<S, D>& h, const transform<S, D>& at) {
-    return detail::to_double(h.offset) + dot(plane_normal(h, at), to_point(at.position));
-}
 /// Contact of any shape that has a core with a halfspace.
 template <class A, class S, int D>
 void collide_with_plane(const A& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a, S margin,
                         manifold<S, D>& out) {
     const core<D> c = core_of(a);
     manifold<double, D> m;
-    touch_plane<S>(placed_core<D>{&c, mat<double, D>::identity(), {}}, plane_normal(b, b_in_a), plane_offset(b, b_in_a),
-                   detail::to_double(margin), m);
+    touch_half<S>(placed_core<D>{&c, mat<double, D>::identity(), {}}, bounding_half<D>(b, b_in_a),
+                  detail::to_double(margin), m);
     add_rounded_once(m, out);
 }
 
@@ -12508,11 +12532,10 @@ aabb<double, D> box_of_parts(const A& a, const transform<S, D>& b_in_a, double r
 template <class A, class S, int D>
 void collide_children_with_plane(const A& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a, S margin,
                                  std::uint32_t query, manifold_list<S, D>& out) {
-    const point<D> n = plane_normal(b, b_in_a);
-    const double offset = plane_offset(b, b_in_a);
+    const bounding_half<D> half(b, b_in_a);
     each_child(a, everywhere(b_in_a.rotation), [&](const auto& child) {
         manifold<double, D> m;
-        touch_plane<S>(placed_core<D>{&child.shape, child.axes, child.at}, n, offset, detail::to_double(margin), m);
+        touch_half<S>(placed_core<D>{&child.shape, child.axes, child.at}, half, detail::to_double(margin), m);
         if (m.count == 0) return;
         add_rounded_once(m, out.emplace(query, child.number).contact);
         for (int i = 0; i < m.count; ++i) out.back().contact.points[i].feature += mixed(child.number, 0);
@@ -12949,33 +12972,24 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// The point of a core that lies lowest above a plane, both in A's frame.
+/// The point of a core that lies lowest above a halfspace, both in A's frame.
 template <int D>
 struct lowest_point {
-    /// Of the plane, of unit length.
-    point<D> normal;
-    point<D> at;
+    point<D> normal, at;
     double radius, gap;
 
-    /// Where the plane is shape B.
+    /// Where the halfspace is shape B.
     template <class A, class S>
     lowest_point(const A& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a)
-        : normal(normalized(to_matrix(b_in_a.rotation) * to_point(b.normal))) {
-        const core<D> c = core_of(a);
-        at = c.support(-normal).at;
-        radius = c.radius;
-        gap = dot(normal, at - to_point(b_in_a.position)) - detail::to_double(b.offset);
-    }
+        : lowest_point(core_of(a), mat<double, D>::identity(), {}, bounding_half<D>(b, b_in_a)) {}
     /// Where it is shape A.
     template <class B, class S>
     lowest_point(const halfspace<S, D>& a, const B& b, const transform<S, D>& b_in_a)
-        : normal(normalized(to_point(a.normal))) {
-        const core<D> c = core_of(b);
-        const placed_core<D> placed{&c, to_matrix(b_in_a.rotation), to_point(b_in_a.position)};
-        at = placed.support(-normal).at;
-        radius = c.radius;
-        gap = dot(normal, at) - detail::to_double(a.offset);
-    }
+        : lowest_point(core_of(b), to_matrix(b_in_a.rotation), to_point(b_in_a.position), bounding_half<D>(a)) {}
+    lowest_point(const core<D>& c, const mat<double, D>& axes, const point<D>& where, const bounding_half<D>& half)
+        : normal(half.normal), at(placed_core<D>{&c, axes, where}.support(-normal).at), radius(c.radius),
+          gap(half.height(at)) {}
+
     /// The plane is shape A if `up` is 1, B if it is -1.
     template <class S>
     [[nodiscard]] closest_points<S, D> found(int up) const {
@@ -13239,17 +13253,6 @@ cast_hit<S, D> cast_shapes(const core_pair<D>& pair, const point<D>& way, double
     return rounded_hit<S>(0, c.normal, on_a + c.normal * a.radius, c.status);
 }
 
-/// The halfspace that shape casts see: dot(normal, p) <= offset.
-template <int D>
-struct bounding_half {
-    point<D> normal;
-    double offset;
-
-    template <class S>
-    explicit bounding_half(const halfspace<S, D>& h)
-        : normal(normalized(to_point(h.normal))), offset(detail::to_double(h.offset)) {}
-};
-
 /// When a core that moves meets a halfspace, and which of its points; all in the halfspace's frame.
 template <int D>
 struct half_cast {
@@ -13303,9 +13306,7 @@ template <class A, class S, int D>
     requires detail::has_core<A>
 cast_hit<S, D> shape_cast(const A& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a,
                           std::type_identity_t<vec<S, D>> translation, std::type_identity_t<S> most = S(1)) {
-    detail::bounding_half<D> half(b);
-    half.normal = detail::to_matrix(b_in_a.rotation) * half.normal;
-    half.offset += dot(half.normal, detail::to_point(b_in_a.position));
+    const detail::bounding_half<D> half(b, b_in_a);
     const detail::core<D> shape = core_of(a);
     const detail::placed_core<D> placed{&shape, mat<double, D>::identity(), {}};
     const detail::point<D> way = detail::to_point(translation);

@@ -85,6 +85,7 @@
 #include "physics/shape/triangle.hpp"
 
 // From two shapes to a contact.
+#include "physics/collide/bounding_half.hpp"
 #include "physics/collide/box3.hpp"
 #include "physics/collide/capsule3.hpp"
 #include "physics/collide/clip3.hpp"

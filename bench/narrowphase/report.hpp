@@ -1,8 +1,6 @@
-// Clocks, the progress bar, the tables and the CSV of the narrowphase benchmark.
+// The tables and the CSV of the narrowphase benchmark.
 #pragma once
 
-#include <time.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -10,50 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "../timing.hpp"
 #include "scene.hpp"
 
 namespace bench {
-
-/// CPU time of this thread: what else runs on the machine costs others, not us.
-class stopwatch {
-public:
-    [[nodiscard]] double ns() const { return now() - start_; }
-
-private:
-    static double now() {
-        timespec t;
-        clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-        return static_cast<double>(t.tv_sec) * 1e9 + static_cast<double>(t.tv_nsec);
-    }
-    double start_ = now();
-};
-
-class progress {
-public:
-    int total = 0;
-
-    void show(const std::string& what) {
-        ++done_;
-        if (!isatty(2)) return;
-        const int width = total > 0 ? std::min(30, 30 * (done_ - 1) / total) : 0;
-        std::fprintf(stderr, "\r\033[K[%-30s] %d/%d %s", std::string(static_cast<std::size_t>(width), '#').c_str(),
-                     done_, total, what.c_str());
-    }
-    void clear() const {
-        if (isatty(2)) std::fprintf(stderr, "\r\033[K");
-    }
-
-private:
-    int done_ = 0;
-};
-
-using samples = std::vector<double>;
-
-inline double median(samples s) {
-    std::nth_element(s.begin(), s.begin() + static_cast<std::ptrdiff_t>(s.size() / 2), s.end());
-    return s[s.size() / 2];
-}
-inline double minimum(const samples& s) { return *std::min_element(s.begin(), s.end()); }
 
 /// How good the answers are. A failure is none at all: NaN, an exception, contact where there is none or the other way
 /// round; it does not count if the true distance is within 0.2 mm.

@@ -71,11 +71,10 @@ aabb<double, D> box_of_parts(const A& a, const transform<S, D>& b_in_a, double r
 template <class A, class S, int D>
 void collide_children_with_plane(const A& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a, S margin,
                                  std::uint32_t query, manifold_list<S, D>& out) {
-    const point<D> n = plane_normal(b, b_in_a);
-    const double offset = plane_offset(b, b_in_a);
+    const bounding_half<D> half(b, b_in_a);
     each_child(a, everywhere(b_in_a.rotation), [&](const auto& child) {
         manifold<double, D> m;
-        touch_plane<S>(placed_core<D>{&child.shape, child.axes, child.at}, n, offset, detail::to_double(margin), m);
+        touch_half<S>(placed_core<D>{&child.shape, child.axes, child.at}, half, detail::to_double(margin), m);
         if (m.count == 0) return;
         add_rounded_once(m, out.emplace(query, child.number).contact);
         for (int i = 0; i < m.count; ++i) out.back().contact.points[i].feature += mixed(child.number, 0);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "physics/base/raw_array.hpp"
+#include "physics/collide/bounding_half.hpp"
 #include "physics/collide/convex.hpp"
 #include "physics/collide/facet.hpp"
 #include "physics/collide/reduce2.hpp"
@@ -218,16 +219,16 @@ void collide_cores(const A& a, const B& b, const transform<S, D>& b_in_a, S marg
     add_rounded_once(m, out);
 }
 
-/// Contact of a core with the plane dot(n, p) = offset, n pointing out of what it bounds: the corners of what the core
-/// turns towards it.
+/// Contact of a core with a halfspace: the corners of what the core turns towards it.
 template <class S, int D>
-void touch_plane(const placed_core<D>& c, const point<D>& n, double offset, double margin, manifold<double, D>& out) {
+void touch_half(const placed_core<D>& c, const bounding_half<D>& half, double margin, manifold<double, D>& out) {
+    const point<D>& n = half.normal;
     const facet<D> f = facet_of(c, -n);
     raw_array<manifold_point<double, D>, facet<D>::most + 1> found;
     const patch_limits by{0, c.shape->radius, margin, 0};
     int count = 0;
     const auto touch = [&](const point<D>& p, std::uint32_t feature) {
-        const manifold_point<double, D> at = touching(p, n, dot(n, p) - offset, by, feature);
+        const manifold_point<double, D> at = touching(p, n, half.height(p), by, feature);
         if (!(at.separation > by.margin)) found[count++] = at;
     };
     double deepest = no_limit;
@@ -243,23 +244,14 @@ void touch_plane(const placed_core<D>& c, const point<D>& n, double offset, doub
     out.normal = -n;
     reduce(found.items, count, n, slack, out);
 }
-/// The plane of a halfspace, as seen from the frame in which it stands.
-template <class S, int D>
-point<D> plane_normal(const halfspace<S, D>& h, const transform<S, D>& at) {
-    return normalized(to_matrix(at.rotation) * to_point(h.normal));
-}
-template <class S, int D>
-double plane_offset(const halfspace<S, D>& h, const transform<S, D>& at) {
-    return detail::to_double(h.offset) + dot(plane_normal(h, at), to_point(at.position));
-}
 /// Contact of any shape that has a core with a halfspace.
 template <class A, class S, int D>
 void collide_with_plane(const A& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a, S margin,
                         manifold<S, D>& out) {
     const core<D> c = core_of(a);
     manifold<double, D> m;
-    touch_plane<S>(placed_core<D>{&c, mat<double, D>::identity(), {}}, plane_normal(b, b_in_a), plane_offset(b, b_in_a),
-                   detail::to_double(margin), m);
+    touch_half<S>(placed_core<D>{&c, mat<double, D>::identity(), {}}, bounding_half<D>(b, b_in_a),
+                  detail::to_double(margin), m);
     add_rounded_once(m, out);
 }
 

@@ -1,39 +1,31 @@
 // Distance, overlap and penetration of any shape that has a core and a halfspace.
 #pragma once
 
+#include "physics/collide/bounding_half.hpp"
 #include "physics/collide/convex.hpp"
 
 PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// The point of a core that lies lowest above a plane, both in A's frame.
+/// The point of a core that lies lowest above a halfspace, both in A's frame.
 template <int D>
 struct lowest_point {
-    /// Of the plane, of unit length.
-    point<D> normal;
-    point<D> at;
+    point<D> normal, at;
     double radius, gap;
 
-    /// Where the plane is shape B.
+    /// Where the halfspace is shape B.
     template <class A, class S>
     lowest_point(const A& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a)
-        : normal(normalized(to_matrix(b_in_a.rotation) * to_point(b.normal))) {
-        const core<D> c = core_of(a);
-        at = c.support(-normal).at;
-        radius = c.radius;
-        gap = dot(normal, at - to_point(b_in_a.position)) - detail::to_double(b.offset);
-    }
+        : lowest_point(core_of(a), mat<double, D>::identity(), {}, bounding_half<D>(b, b_in_a)) {}
     /// Where it is shape A.
     template <class B, class S>
     lowest_point(const halfspace<S, D>& a, const B& b, const transform<S, D>& b_in_a)
-        : normal(normalized(to_point(a.normal))) {
-        const core<D> c = core_of(b);
-        const placed_core<D> placed{&c, to_matrix(b_in_a.rotation), to_point(b_in_a.position)};
-        at = placed.support(-normal).at;
-        radius = c.radius;
-        gap = dot(normal, at) - detail::to_double(a.offset);
-    }
+        : lowest_point(core_of(b), to_matrix(b_in_a.rotation), to_point(b_in_a.position), bounding_half<D>(a)) {}
+    lowest_point(const core<D>& c, const mat<double, D>& axes, const point<D>& where, const bounding_half<D>& half)
+        : normal(half.normal), at(placed_core<D>{&c, axes, where}.support(-normal).at), radius(c.radius),
+          gap(half.height(at)) {}
+
     /// The plane is shape A if `up` is 1, B if it is -1.
     template <class S>
     [[nodiscard]] closest_points<S, D> found(int up) const {

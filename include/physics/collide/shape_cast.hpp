@@ -1,6 +1,7 @@
 // When a convex shape that moves in a straight line first touches another: shape casts.
 #pragma once
 
+#include "physics/collide/bounding_half.hpp"
 #include "physics/collide/convex.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -173,17 +174,6 @@ cast_hit<S, D> cast_shapes(const core_pair<D>& pair, const point<D>& way, double
     return rounded_hit<S>(0, c.normal, on_a + c.normal * a.radius, c.status);
 }
 
-/// The halfspace that shape casts see: dot(normal, p) <= offset.
-template <int D>
-struct bounding_half {
-    point<D> normal;
-    double offset;
-
-    template <class S>
-    explicit bounding_half(const halfspace<S, D>& h)
-        : normal(normalized(to_point(h.normal))), offset(detail::to_double(h.offset)) {}
-};
-
 /// When a core that moves meets a halfspace, and which of its points; all in the halfspace's frame.
 template <int D>
 struct half_cast {
@@ -237,9 +227,7 @@ template <class A, class S, int D>
     requires detail::has_core<A>
 cast_hit<S, D> shape_cast(const A& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a,
                           std::type_identity_t<vec<S, D>> translation, std::type_identity_t<S> most = S(1)) {
-    detail::bounding_half<D> half(b);
-    half.normal = detail::to_matrix(b_in_a.rotation) * half.normal;
-    half.offset += dot(half.normal, detail::to_point(b_in_a.position));
+    const detail::bounding_half<D> half(b, b_in_a);
     const detail::core<D> shape = core_of(a);
     const detail::placed_core<D> placed{&shape, mat<double, D>::identity(), {}};
     const detail::point<D> way = detail::to_point(translation);
