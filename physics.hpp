@@ -4578,6 +4578,77 @@ constexpr mass_properties<S, 3> mass_of(const box<S, 3>& b, S density) {
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/shape/box_ray.hpp
+// =================================================================================================
+// Which boxes a line segment meets.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// A line segment that searches for boxes: no answer leaves out what it meets, some include what it passes by less than
+/// rounding.
+template <int D>
+class box_ray {
+public:
+    /// From `origin` along `way`; `reach` is what boxes are to be grown by.
+    box_ray(const vec<double, D>& origin, const vec<double, D>& way, double reach) : origin_(origin), way_(way) {
+        // The coordinates may be off by as much already.
+        reach_ = reach + 0x1p-46 * (largest(origin) + largest(way));
+        for (int i = 0; i < D; ++i) {
+            crosses_[i] = abs(way[i]) > 1e-250;
+            inverse_[i] = crosses_[i] ? 1 / way[i] : 0;
+        }
+    }
+    /// Whether it may meet the box before it has made more than the part `most` of its way.
+    template <class R>
+    [[nodiscard]] bool meets(const aabb<R, D>& box, double most) const {
+        double near = 0, far = most;
+        for (int i = 0; i < D; ++i) {
+            const double lower = static_cast<double>(box.lower[i]) - reach_ - origin_[i];
+            const double upper = static_cast<double>(box.upper[i]) + reach_ - origin_[i];
+            if (crosses_[i]) {
+                const double a = lower * inverse_[i], b = upper * inverse_[i];
+                near = max(near, min(a, b));
+                far = min(far, max(a, b));
+            } else if (lower > abs(way_[i]) || upper < -abs(way_[i])) {
+                return false;
+            }
+        }
+        // Each of them is known to three roundings.
+        return near <= far * (1 + 0x1p-49);
+    }
+    /// The box around all of it.
+    [[nodiscard]] aabb<double, D> bounds() const { return box_of_part(0, 1); }
+    /// The box around what is between two coordinates along an axis; false if nothing is.
+    [[nodiscard]] bool bounds_between(int axis, double low, double high, aabb<double, D>& box) const {
+        double near = 0, far = 1;
+        if (crosses_[axis]) {
+            const double a = (low - reach_ - origin_[axis]) * inverse_[axis];
+            const double b = (high + reach_ - origin_[axis]) * inverse_[axis];
+            near = max(near, min(a, b) * (1 - 0x1p-50));
+            far = min(far, max(a, b) * (1 + 0x1p-50));
+        }
+        box = box_of_part(near, far);
+        return near <= far;
+    }
+
+private:
+    aabb<double, D> box_of_part(double near, double far) const {
+        const vec<double, D> a = origin_ + way_ * near, b = origin_ + way_ * far;
+        return grown(aabb<double, D>{min(a, b), max(a, b)}, reach_);
+    }
+
+    vec<double, D> origin_, way_, inverse_;
+    double reach_;
+    bool crosses_[D];
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/shape/capsule.hpp
 // =================================================================================================
 // The capsule: all points near a segment.
@@ -6892,6 +6963,26 @@ public:
             ++i;
         }
     }
+    /// Calls f(number) for the parts in leaves whose boxes a segment may meet, in the order of the tree; f returns the
+    /// part of the segment up to which the search goes on. Cost: O(log n + parts met) and 10 ns a node.
+    template <class F>
+    void visit(const box_ray<D>& ray, F&& f) const {
+        const node* const nodes = nodes_.begin();
+        const std::uint32_t end = nodes_.size();
+        double most = 1;
+        for (std::uint32_t i = 0; i < end;) {
+            const node& n = nodes[i];
+            if (!ray.meets(n.box, most)) {
+                i = n.next;
+                continue;
+            }
+            if (n.first != none) {
+                const std::uint32_t last = min(n.first + parts_of_leaf, parts_.size());
+                for (std::uint32_t k = n.first; k < last; ++k) most = f(parts_[k]);
+            }
+            ++i;
+        }
+    }
     /// Calls f(box) for 32 to 64 boxes that contain all parts; for fewer where there are few.
     template <class F>
     void cover(F&& f) const {
@@ -7019,6 +7110,13 @@ struct surface_part {
     /// Whether it stops bodies on its back too.
     bool two_sided = false;
     std::uint32_t number = 0;
+};
+
+/// What a ray needs to know of a part; corners as there.
+template <int D>
+struct surface_face {
+    vec<double, D> corner[D];
+    bool two_sided;
 };
 
 }  // namespace detail
@@ -7228,6 +7326,13 @@ void each_segment(const chain_data<R>& c, const aabb<double, 2>& box, F&& f) {
         if (overlap(aabb<double, 2>{min(a, b), max(a, b)}, box)) f(c.part(i));
     });
 }
+/// The parts that a segment may meet, as for rays on meshes.
+template <class R, class F>
+void each_segment_along(const chain_data<R>& c, const box_ray<2>& ray, F&& f) {
+    c.tree.visit(ray, [&](std::uint32_t i) {
+        return f(surface_face<2>{{c.point(i), c.end_of(i)}, c.two_sided});
+    });
+}
 
 template <class R>
 const chain_data<R>* chain_data<R>::make(const buffer<vec<double, 2>>& points, const buffer<chain_links>& links,
@@ -7314,6 +7419,11 @@ aabb<S, 2> bounds(const chain<S, 2>& c, const transform<S, 2>& at) {
 template <class S, class F>
 void each_part(const chain<S, 2>& c, const aabb<double, 2>& box, F&& f) {
     detail::each_segment(*c.geometry, box, f);
+}
+/// For rays: calls f with the segments that a segment may meet; f returns up to which part of it the search goes on.
+template <class S, class F>
+void each_part_along(const chain<S, 2>& c, const detail::box_ray<2>& ray, F&& f) {
+    detail::each_segment_along(*c.geometry, ray, f);
 }
 
 /// How the points of a chain are joined.
@@ -7618,6 +7728,16 @@ void each_child(const compound<S, D>& c, const aabb<double, D>& box, F&& f) {
     const aabb<float, D> wanted = detail::outward_floats(box);
     g.tree.visit(box, [&](std::uint32_t i) {
         if (overlap(g.boxes[i], wanted)) f(g.children[i]);
+    });
+}
+/// For rays: calls f with the children that a segment may meet; f returns up to which part of it the search goes on.
+template <class S, int D, class F>
+void each_child_along(const compound<S, D>& c, const detail::box_ray<D>& ray, F&& f) {
+    const auto& g = *c.geometry;
+    double most = 1;
+    g.tree.visit(ray, [&](std::uint32_t i) {
+        if (ray.meets(g.boxes[i], most)) most = f(g.children[i]);
+        return most;
     });
 }
 
@@ -8034,6 +8154,16 @@ template <class R>
 vec<double, 2> cell_normal(const heightfield_data<R, 2>& h, std::uint32_t x) {
     return normalized(vec<double, 2>{h.height(x, 0) - h.height(x + 1, 0), h.step_x});
 }
+template <class R>
+aabb<double, 2> cell_box(const heightfield_data<R, 2>& h, std::uint32_t x, std::uint32_t) {
+    const vec<double, 2> a = h.sample(x, 0), b = h.sample(x + 1, 0);
+    return {min(a, b), max(a, b)};
+}
+/// What a ray needs to know of part x.
+template <class R>
+surface_face<2> cell_face(const heightfield_data<R, 2>& h, std::uint32_t x, std::uint32_t, int) {
+    return {{h.sample(x + 1, 0), h.sample(x, 0)}, h.two_sided};
+}
 /// Calls f with part x, which leads from sample x + 1 back to sample x: the solid is below.
 template <class R, class F>
 void cell_parts(const heightfield_data<R, 2>& h, std::uint32_t x, std::uint32_t, F&& f) {
@@ -8062,17 +8192,34 @@ vec<double, 3> cell_normal(const heightfield_data<R, 3>& h, std::uint32_t x, std
     const double rise_z = h.height(far_x, z + 1) - h.height(far_x, z);
     return normalized(vec<double, 3>{-rise_x * h.step_z, h.step_x * h.step_z, -rise_z * h.step_x});
 }
+template <class R>
+aabb<double, 3> cell_box(const heightfield_data<R, 3>& h, std::uint32_t x, std::uint32_t z) {
+    const vec<double, 3> a = h.sample(x, z), b = h.sample(x + 1, z), c = h.sample(x, z + 1), d = h.sample(x + 1, z + 1);
+    return {min(min(a, b), min(c, d)), max(max(a, b), max(c, d))};
+}
+/// The corners of the triangles of a cell, without and with the other diagonal. They count along x, then along z.
+inline constexpr std::uint8_t cell_corners[2][2][3] = {{{0, 2, 3}, {0, 3, 1}}, {{0, 2, 1}, {1, 2, 3}}};
+/// What a ray needs to know of triangle k of a cell.
+template <class R>
+surface_face<3> cell_face(const heightfield_data<R, 3>& h, std::uint32_t x, std::uint32_t z, int k) {
+    const bool other = h.alternating && ((x + z) & 1u) != 0;
+    surface_face<3> face{{}, h.two_sided};
+    for (int i = 0; i < 3; ++i) {
+        const std::uint32_t corner = cell_corners[other][k][i];
+        face.corner[i] = h.sample(x + (corner & 1), z + (corner >> 1));
+    }
+    return face;
+}
 template <class R, class F>
 void cell_parts(const heightfield_data<R, 3>& h, std::uint32_t x, std::uint32_t z, F&& f) {
     const bool other = h.alternating && ((x + z) & 1u) != 0;
-    // Corners count along x, then along z; sides are those at the lower x, upper z, upper x, lower z; 4 the diagonal.
-    static constexpr std::uint8_t corners[2][2][3] = {{{0, 2, 3}, {0, 3, 1}}, {{0, 2, 1}, {1, 2, 3}}};
+    // Those at the lower x, upper z, upper x, lower z; 4 the diagonal.
     static constexpr std::uint8_t sides[2][2][3] = {{{0, 1, 4}, {4, 2, 3}}, {{0, 4, 3}, {4, 1, 2}}};
     for (int k = 0; k < 2; ++k) {
         surface_part<3> p;
         p.normal = cell_normal(h, x, z, k);
         for (int i = 0; i < 3; ++i) {
-            const std::uint32_t corner = corners[other][k][i];
+            const std::uint32_t corner = cell_corners[other][k][i];
             p.corner[i] = h.sample(x + (corner & 1), z + (corner >> 1));
             const int side = sides[other][k][i];
             const std::uint32_t u = side == 0 ? x - 1 : side == 2 ? x + 1 : x;
@@ -8217,6 +8364,25 @@ void each_part(const heightfield<S, D>& h, const aabb<double, D>& box, F&& f) {
             if (low > box.upper.y || high < box.lower.y || !g.solid(x, z)) continue;
             detail::cell_parts(g, x, z, f);
         }
+}
+/// For rays: calls f with the parts that a segment may meet; f returns up to which part of it the search goes on. Cost:
+/// O(cells above or below it, and rows between its ends).
+template <class S, int D, class F>
+void each_part_along(const heightfield<S, D>& h, const detail::box_ray<D>& ray, F&& f) {
+    const auto& g = *h.geometry;
+    aabb<double, D> around = ray.bounds();
+    double most = 1;
+    if (!overlap(g.box, around)) return;
+    detail::cells_between along_z(0, 0, 1, 1);
+    if constexpr (D == 3) along_z = detail::cells_between(around.lower.z, around.upper.z, g.step_z, g.cells_z());
+    for (std::uint32_t z = along_z.first; z < along_z.last; ++z) {
+        if (D == 3 && !ray.bounds_between(D - 1, z * g.step_z, (z + 1) * g.step_z, around)) continue;
+        const detail::cells_between along_x(around.lower.x, around.upper.x, g.step_x, g.cells_x());
+        for (std::uint32_t x = along_x.first; x < along_x.last; ++x) {
+            if (!ray.meets(cell_box(g, x, z), most) || !g.solid(x, z)) continue;
+            for (int k = 0; k < D - 1; ++k) most = f(cell_face(g, x, z, k));
+        }
+    }
 }
 
 /// What a heightfield is like besides its heights.
@@ -8503,6 +8669,9 @@ struct mesh_data : geometry_block {
         const vec<double, 3> a = vertex(t.vertex[0]), b = vertex(t.vertex[1]), c = vertex(t.vertex[2]);
         return {min(a, min(b, c)), max(a, max(b, c))};
     }
+    [[nodiscard]] surface_face<3> face(const triangle& t) const {
+        return {{vertex(t.vertex[0]), vertex(t.vertex[1]), vertex(t.vertex[2])}, two_sided};
+    }
     [[nodiscard]] surface_part<3> part(const triangle& t) const {
         surface_part<3> p;
         p.normal = to_point(t.normal);
@@ -8608,6 +8777,12 @@ void each_part(const mesh<S, 3>& m, const aabb<double, 3>& box, F&& f) {
         const auto& t = g.triangles[i];
         if (overlap(g.box_of(t), box)) f(g.part(t));
     });
+}
+/// For rays: calls f with the triangles that a segment may meet; f returns up to which part of it the search goes on.
+template <class S, class F>
+void each_part_along(const mesh<S, 3>& m, const detail::box_ray<3>& ray, F&& f) {
+    const auto& g = *m.geometry;
+    g.tree.visit(ray, [&](std::uint32_t i) { return f(g.face(g.triangles[i])); });
 }
 
 /// How triangles stop bodies.
@@ -8974,6 +9149,11 @@ aabb<S, 2> bounds(const tile_grid<S, 2>& g, const transform<S, 2>& at) {
 template <class S, class F>
 void each_part(const tile_grid<S, 2>& g, const aabb<double, 2>& box, F&& f) {
     detail::each_segment(*g.geometry, box, f);
+}
+/// For rays: calls f with the runs that a segment may meet; f returns up to which part of it the search goes on.
+template <class S, class F>
+void each_part_along(const tile_grid<S, 2>& g, const detail::box_ray<2>& ray, F&& f) {
+    detail::each_segment_along(*g.geometry, ray, f);
 }
 
 /// The outline of solid cells, built once and shared by all tile grids made of it, and by worlds that hold such. Sides
@@ -13079,6 +13259,193 @@ bool overlap(const A& a, const B& b, const transform<S, D>& b_in_a, gjk_cache&) 
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/collide/ray_solids.hpp
+// =================================================================================================
+// Where a ray meets solids that have a closed form.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// A ray in a shape's frame, and where it meets the shape; the normal stays null where it begins within.
+template <int D>
+struct local_ray {
+    point<D> origin, way;
+};
+template <int D>
+struct local_hit {
+    bool hit = false;
+    double fraction = 0;
+    point<D> normal;
+};
+
+/// The times at which a ray that moves is within r of the frame's origin, ends included; those may lie before its
+/// start. Source: Haines et al., Precision improvements for ray/sphere intersection, Ray Tracing Gems (2019), 7.
+template <int D>
+bool ball_span(const local_ray<D>& ray, double r, double& near, double& far) {
+    const auto [direction, length] = split(ray.way);
+    const double along = -dot(ray.origin, direction), from = physics::length(ray.origin);
+    const double aside = physics::length(ray.origin + direction * along);
+    if (!(length > 0) || aside > r) return false;
+    const double half = physics::sqrt((r - aside) * (r + aside)), c = (from - r) * (from + r);
+    // Of each pair of roots the one that does not cancel gives the other.
+    near = (along > 0 ? c / (along + half) : along - half) / length;
+    far = (along > 0 ? along + half : along - half < 0 ? c / (along - half) : 0) / length;
+    return true;
+}
+
+template <int D>
+local_hit<D> cast_on_ball(const local_ray<D>& ray, double r) {
+    if (dot(ray.origin, ray.origin) <= r * r) return {true, 0, {}};
+    double near = 0, far = 0;
+    if (!ball_span(ray, r, near, far) || near < 0 || near > 1) return {};
+    return {true, near, normalized(ray.origin + ray.way * near)};
+}
+
+/// First the endless cylinder around the axis, then the side or the ball at the end where the ray enters that.
+template <int D>
+local_hit<D> cast_on_capsule(const local_ray<D>& ray, double half_length, double r) {
+    local_ray<D> across = ray;
+    across.origin.x = across.way.x = 0;
+    double near = 0, far = 0;
+    const bool begins_beside = dot(across.origin, across.origin) <= r * r;
+    if (!begins_beside && (!ball_span(across, r, near, far) || near < 0 || near > 1)) return {};
+    const double x = ray.origin.x + ray.way.x * near;
+    if (abs(x) <= half_length) {
+        if (begins_beside) return {true, 0, {}};
+        return {true, near, normalized(across.origin + across.way * near)};
+    }
+    local_ray<D> to_end = ray;
+    to_end.origin.x -= x < 0 ? -half_length : half_length;
+    return cast_on_ball(to_end, r);
+}
+
+/// The part of a ray that is left after clipping by halfspaces.
+template <int D>
+struct clipped_ray {
+    double near = 0, far = 1;
+    point<D> normal;
+
+    /// Keeps what lies on the inner side of a plane: `height` is how far outside the ray begins, `climb` how fast it
+    /// moves outwards. False if nothing is left.
+    bool keep(double height, double climb, const point<D>& n) {
+        if (climb < 0) {
+            if (height > -climb * near) near = height / -climb, normal = n;
+        } else if (climb > 0) {
+            if (-height < climb * far) far = -height / climb;
+        } else if (height > 0) {
+            return false;
+        }
+        return near <= far;
+    }
+    [[nodiscard]] local_hit<D> hit() const { return {true, near, normal}; }
+};
+
+template <int D>
+local_hit<D> cast_on_box(const local_ray<D>& ray, const point<D>& half) {
+    clipped_ray<D> left;
+    for (int i = 0; i < D; ++i)
+        for (const double side : {1.0, -1.0}) {
+            point<D> n;
+            n[i] = side;
+            if (!left.keep(side * ray.origin[i] - half[i], side * ray.way[i], n)) return {};
+        }
+    return left.hit();
+}
+
+template <class R, int D>
+local_hit<D> cast_on_hull(const local_ray<D>& ray, const hull_data<R, D>& h) {
+    clipped_ray<D> left;
+    for (std::uint32_t i = 0; i < h.face_count; ++i) {
+        const point<D>& n = h.normal(i);
+        if (!left.keep(dot(n, ray.origin) - h.offset(i), dot(n, ray.way), n)) return {};
+    }
+    return left.hit();
+}
+
+/// The caps' planes, then the endless cylinder around the axis.
+inline local_hit<3> cast_on_cylinder(const local_ray<3>& ray, double half, double r) {
+    clipped_ray<3> left;
+    for (const double side : {1.0, -1.0})
+        if (!left.keep(side * ray.origin.x - half, side * ray.way.x, {side, 0, 0})) return {};
+    local_ray<3> across = ray;
+    across.origin.x = across.way.x = 0;
+    const bool begins_beside = dot(across.origin, across.origin) <= r * r;
+    if (largest(across.way) == 0) return begins_beside ? left.hit() : local_hit<3>{};
+    double near = 0, far = 0;
+    if (!ball_span(across, r, near, far)) return {};
+    if (begins_beside) return left.near <= max(far, 0.0) ? left.hit() : local_hit<3>{};
+    if (near > left.near) left = {near, left.far, normalized(across.origin + across.way * near)};
+    return left.near <= min(left.far, far) ? left.hit() : local_hit<3>{};
+}
+
+/// The part of a line, by its length from `base` along the unit vector u, that is within a cone around the x axis whose
+/// radius is radius + slope * x, where that is not negative. False if there is none; ends may be infinite.
+inline bool cone_span(const point<3>& base, const point<3>& u, double radius, double slope, double& near, double& far) {
+    constexpr double endless = 1e300;
+    const double growth = slope * u.x, aside = length(vec<double, 2>{base.y, base.z});
+    const double across = length(vec<double, 2>{u.y, u.z});
+    radius += slope * base.x;
+    // Along the line the squared distance from the axis less the squared radius is a s^2 + 2 b s + c.
+    const double a = (across - growth) * (across + growth), b = base.y * u.y + base.z * u.z - radius * growth;
+    const double c = (aside - radius) * (aside + radius), square = b * b - a * c;
+    if (square < 0 && a > 0) return false;
+    // Of the roots the one that does not cancel gives the other.
+    const double root = sqrt(max(square, 0.0)), sum = b > 0 ? -b - root : root - b;
+    if (sum == 0) {
+        // The line is one of the cone's own, or leads through its tip.
+        near = a > 0 ? 0 : -endless;
+        far = a > 0 ? 0 : endless;
+        return a > 0 || c <= 0;
+    }
+    const double small = c / sum;
+    const double large = abs(sum) < endless * abs(a) ? sum / a : (sum > 0) == (a > 0) ? endless : -endless;
+    if (a > 0) {
+        near = min(small, large);
+        far = max(small, large);
+        return true;
+    }
+    // It climbs as fast as the cone widens, or faster: the other root is on the other side of the tip.
+    if (a == 0 && (growth > 0) == (b > 0)) return false;
+    near = growth > 0 ? (a == 0 ? small : max(small, large)) : -endless;
+    far = growth > 0 ? endless : a == 0 ? small : min(small, large);
+    return true;
+}
+
+/// The caps' planes, then the endless cone around the axis.
+inline local_hit<3> cast_on_cone(const local_ray<3>& ray, double half, double low, double high) {
+    clipped_ray<3> left;
+    for (const double side : {1.0, -1.0})
+        if (!left.keep(side * ray.origin.x - half, side * ray.way.x, {side, 0, 0})) return {};
+    const double slope = (high - low) / (2 * half), aside = length(vec<double, 2>{ray.origin.y, ray.origin.z});
+    // As seen from the narrow end: there the digits count.
+    const point<3> end{low < high ? -half : half, 0, 0}, origin = ray.origin - end;
+    const double narrow = min(low, high);
+    const bool begins_beside = aside <= narrow + slope * origin.x;
+    const auto [u, length] = split(ray.way);
+    if (!(length > 0)) return begins_beside ? left.hit() : local_hit<3>{};
+    const double start = -dot(origin, u);
+    double near = 0, far = 0;
+    if (!cone_span(origin + u * start, u, narrow, slope, near, far)) return {};
+    near = (near + start) / length;
+    far = (far + start) / length;
+    if (begins_beside) return left.near <= max(far, 0.0) ? left.hit() : local_hit<3>{};
+    if (near > left.near) {
+        const point<3> at = origin + ray.way * near;
+        vec<double, 2> out{at.y, at.z};
+        // At the tip the side that the ray sees.
+        if (largest(out) <= 0x1p-40 * (half + largest(origin))) out = {-u.y, -u.z};
+        out = normalized(out);
+        left = {near, left.far, normalized(point<3>{-slope, out.x, out.y})};
+    }
+    return left.near <= min(left.far, far) ? left.hit() : local_hit<3>{};
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/collide/shape_cast.hpp
 // =================================================================================================
 // When a convex shape that moves in a straight line first touches another: shape casts.
@@ -13340,106 +13707,10 @@ struct ray_hit {
 
 namespace detail {
 
-/// A ray in a shape's frame, and where it meets the shape; the normal stays null where it begins within.
-template <int D>
-struct local_ray {
-    point<D> origin, way;
-};
-template <int D>
-struct local_hit {
-    bool hit = false;
-    double fraction = 0;
-    point<D> normal;
-};
-
-/// The times at which a ray that moves is within r of the frame's origin, ends included; those may lie before its
-/// start. Source: Haines et al., Precision improvements for ray/sphere intersection, Ray Tracing Gems (2019), 7.
-template <int D>
-bool ball_span(const local_ray<D>& ray, double r, double& near, double& far) {
-    const auto [direction, length] = split(ray.way);
-    const double along = -dot(ray.origin, direction), from = physics::length(ray.origin);
-    const double aside = physics::length(ray.origin + direction * along);
-    if (!(length > 0) || aside > r) return false;
-    const double half = physics::sqrt((r - aside) * (r + aside)), c = (from - r) * (from + r);
-    // Of each pair of roots the one that does not cancel gives the other.
-    near = (along > 0 ? c / (along + half) : along - half) / length;
-    far = (along > 0 ? along + half : along - half < 0 ? c / (along - half) : 0) / length;
-    return true;
-}
-
-template <int D>
-local_hit<D> cast_on_ball(const local_ray<D>& ray, double r) {
-    if (dot(ray.origin, ray.origin) <= r * r) return {true, 0, {}};
-    double near = 0, far = 0;
-    if (!ball_span(ray, r, near, far) || near < 0 || near > 1) return {};
-    return {true, near, normalized(ray.origin + ray.way * near)};
-}
-
-/// First the endless cylinder around the axis, then the side or the ball at the end where the ray enters that.
-template <int D>
-local_hit<D> cast_on_capsule(const local_ray<D>& ray, double half_length, double r) {
-    local_ray<D> across = ray;
-    across.origin.x = across.way.x = 0;
-    double near = 0, far = 0;
-    const bool begins_beside = dot(across.origin, across.origin) <= r * r;
-    if (!begins_beside && (!ball_span(across, r, near, far) || near < 0 || near > 1)) return {};
-    const double x = ray.origin.x + ray.way.x * near;
-    if (abs(x) <= half_length) {
-        if (begins_beside) return {true, 0, {}};
-        return {true, near, normalized(across.origin + across.way * near)};
-    }
-    local_ray<D> to_end = ray;
-    to_end.origin.x -= x < 0 ? -half_length : half_length;
-    return cast_on_ball(to_end, r);
-}
-
-/// The part of a ray that is left after clipping by halfspaces.
-template <int D>
-struct clipped_ray {
-    double near = 0, far = 1;
-    point<D> normal;
-
-    /// Keeps what lies on the inner side of a plane: `height` is how far outside the ray begins, `climb` how fast it
-    /// moves outwards. False if nothing is left.
-    bool keep(double height, double climb, const point<D>& n) {
-        if (climb < 0) {
-            if (height > -climb * near) near = height / -climb, normal = n;
-        } else if (climb > 0) {
-            if (-height < climb * far) far = -height / climb;
-        } else if (height > 0) {
-            return false;
-        }
-        return near <= far;
-    }
-    [[nodiscard]] local_hit<D> hit() const { return {true, near, normal}; }
-};
-
-template <int D>
-local_hit<D> cast_on_box(const local_ray<D>& ray, const point<D>& half) {
-    clipped_ray<D> left;
-    for (int i = 0; i < D; ++i)
-        for (const double side : {1.0, -1.0}) {
-            point<D> n;
-            n[i] = side;
-            if (!left.keep(side * ray.origin[i] - half[i], side * ray.way[i], n)) return {};
-        }
-    return left.hit();
-}
-
-template <class R, int D>
-local_hit<D> cast_on_hull(const local_ray<D>& ray, const hull_data<R, D>& h) {
-    clipped_ray<D> left;
-    for (std::uint32_t i = 0; i < h.face_count; ++i) {
-        const point<D>& n = h.normal(i);
-        if (!left.keep(dot(n, ray.origin) - h.offset(i), dot(n, ray.way), n)) return {};
-    }
-    return left.hit();
-}
-
 template <class S, int D>
-local_hit<D> cast_on_core(const local_ray<D>& ray, const core<D>& shape) {
+local_hit<D> cast_on_core(const local_ray<D>& ray, const core<D>& shape, double most = 1) {
     const core<D> tip;
-    const core_cast<D> c = cast(shape, placed_core<D>{&tip, mat<double, D>::identity(), ray.origin}, ray.way, 1.0,
+    const core_cast<D> c = cast(shape, placed_core<D>{&tip, mat<double, D>::identity(), ray.origin}, ray.way, most,
                                 cast_precision::of<S>(shape, tip));
     if (c.ended == core_cast<D>::outcome::missed) return {};
     return {true, c.fraction, c.ended == core_cast<D>::outcome::hit ? c.normal : point<D>{}};
@@ -13469,6 +13740,17 @@ template <class S, int D>
 local_hit<D> cast_on(const hull<S, D>& h, const local_ray<D>& ray) {
     return h.radius > S(0) ? cast_on_core<S>(ray, core_of(h)) : cast_on_hull(ray, *h.geometry);
 }
+template <class S>
+local_hit<3> cast_on(const cylinder<S, 3>& c, const local_ray<3>& ray) {
+    if (c.rounding > S(0)) return cast_on_core<S>(ray, core_of(c));
+    return cast_on_cylinder(ray, detail::to_double(c.half_length), detail::to_double(c.radius));
+}
+template <class S>
+local_hit<3> cast_on(const cone<S, 3>& c, const local_ray<3>& ray) {
+    if (c.rounding > S(0)) return cast_on_core<S>(ray, core_of(c));
+    return cast_on_cone(ray, detail::to_double(c.half_length), detail::to_double(c.lower_radius),
+                        detail::to_double(c.upper_radius));
+}
 template <template <class, int> class Shape, class S, int D>
     requires has_core<Shape<S, D>>
 local_hit<D> cast_on(const Shape<S, D>& shape, const local_ray<D>& ray) {
@@ -13480,8 +13762,9 @@ local_hit<D> cast_on(const Shape<S, D>& shape, const local_ray<D>& ray) {
 /// Where a ray, from `origin` along `translation` (m), first meets a shape that stands at `at`. Surfaces belong to
 /// shapes: a ray that begins on one hits at 0, one in the plane of a face at its edge, one without length hits what it
 /// is in. Exact to a few roundings of double, of the sizes and of the distance: only rays that graze the shape by less
-/// may be judged either way. Cost: 15 to 75 ns; hulls 3 ns a face; rounded hulls, boxes
-/// and other shapes 0.3 to 1.5 us, round cores near a hit up to 8.
+/// may be judged either way; none passes between parts of a surface that share corners. Cost: 15 to 100 ns; hulls 3 ns
+/// a face; rounded hulls and boxes and other shapes 0.3 to 1.5 us, rounded cylinders and cones up to 8; surfaces and
+/// compounds 0.1 us and more, O(log n) and the parts on the way.
 template <class Shape, class S, int D>
     requires requires(const Shape& s, const detail::local_ray<D>& r) { cast_on(s, r); }
 ray_hit<S, D> ray_cast(const Shape& shape, const transform<S, D>& at, std::type_identity_t<vec<S, D>> origin,
@@ -13505,9 +13788,9 @@ ray_hit<S, D> ray_cast(const any_shape<S, D, Shapes...>& shape, const transform<
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/collide/part_queries.hpp
+// physics/collide/ray_parts.hpp
 // =================================================================================================
-// Rays, casts and distances of shapes that are made of parts: surfaces and compounds.
+// Where a ray meets a shape that is made of parts: a surface or a compound.
 
 PHYSICS_HPP_BEGIN
 
@@ -13516,10 +13799,149 @@ namespace detail {
 template <class Shape, int D>
 concept has_parts = is_surface<Shape, D> || is_compound<Shape, D>;
 
+/// What a ray sees: how far aside of it things are, along the axes other than the one that it follows most. Each corner
+/// is seen at one place, and rounding never turns round which of two products is the larger: so no ray passes between
+/// parts that share corners. Source: Woop, Benthin, Wald: Watertight ray/triangle intersection (2013); here without its
+/// division, so that what is exact in the numbers given is judged exactly.
 template <int D>
-aabb<double, D> box_around(const local_ray<D>& ray, double reach) {
-    return grown(aabb<double, D>{min(ray.origin, ray.origin + ray.way), max(ray.origin, ray.origin + ray.way)}, reach);
+class ray_view {
+public:
+    explicit ray_view(const point<D>& way) : way_(way) {
+        for (int i = 1; i < D; ++i)
+            if (abs(way[i]) > abs(way[axis_])) axis_ = i;
+    }
+    /// Whether it passes between corners that are given as seen from its origin, ends included.
+    [[nodiscard]] bool passes(const point<2> (&c)[2]) const {
+        const double a = aside(c[0], 0), b = aside(c[1], 0);
+        return (a <= 0 && b >= 0) || (a >= 0 && b <= 0);
+    }
+    [[nodiscard]] bool passes(const point<3> (&c)[3]) const {
+        vec<double, 2> p[3];
+        for (int i = 0; i < 3; ++i) p[i] = {aside(c[i], 0), aside(c[i], 1)};
+        const double u = cross(p[1], p[2]), v = cross(p[2], p[0]), w = cross(p[0], p[1]);
+        return (u <= 0 && v <= 0 && w <= 0) || (u >= 0 && v >= 0 && w >= 0);
+    }
+
+private:
+    /// Times the way along its own axis.
+    [[nodiscard]] double aside(const point<D>& c, int i) const {
+        const int other = i < axis_ ? i : i + 1;
+        return c[other] * way_[axis_] - way_[other] * c[axis_];
+    }
+
+    point<D> way_;
+    int axis_ = 0;
+};
+/// A vector across the part, out of its front.
+inline point<2> across(const point<2> (&c)[2]) { return perpendicular(c[1] - c[0]); }
+inline point<3> across(const point<3> (&c)[3]) { return cross(c[1] - c[0], c[2] - c[0]); }
+
+inline core<2> core_of_face(const surface_face<2>& face, double radius) {
+    return core_of(segment<double, 2>{face.corner[0], face.corner[1], radius});
 }
+inline core<3> core_of_face(const surface_face<3>& face, double radius) {
+    return core_of(triangle<double, 3>{face.corner[0], face.corner[1], face.corner[2], radius});
+}
+
+/// The first of the hits that a ray has had so far; the normals may have any length.
+template <class S, int D>
+struct first_hit {
+    const local_ray<D>& ray;
+    ray_view<D> view;
+    local_hit<D> hit;
+
+    explicit first_hit(const local_ray<D>& r) : ray(r), view(r.way) {}
+    [[nodiscard]] double most() const { return hit.hit ? hit.fraction : 1; }
+    void take(const local_hit<D>& other) {
+        if (other.hit && (!hit.hit || other.fraction < hit.fraction)) hit = other;
+    }
+    /// A part without a radius stops what comes from its front, or from both sides.
+    void meet(const surface_face<D>& face) {
+        point<D> corner[D];
+        double size = 0;
+        for (int i = 0; i < D; ++i) {
+            corner[i] = face.corner[i] - ray.origin;
+            size = max(size, largest(face.corner[i]));
+        }
+        const point<D> out = detail::across(corner);
+        // How far the origin is behind the part, times the length of `out`.
+        const double behind = dot(out, corner[0]), climb = dot(out, ray.way);
+        const double noise = 0x1p-49 * (size + largest(ray.origin)) * largest(out);
+        if (abs(behind) <= noise) return take(cast_on_core<S>(ray, core_of_face(face, 0), most()));
+        if ((behind > 0 && !face.two_sided) || (behind > 0) != (climb > 0)) return;
+        if (abs(behind) > abs(climb) * most() + noise || !view.passes(corner)) return;
+        take({true, min(behind / climb, most()), behind > 0 ? -out : out});
+    }
+    /// The same of a part with a radius.
+    void meet(const surface_face<D>& face, double radius) {
+        const double behind = dot(across(face.corner), face.corner[0] - ray.origin);
+        if (face.two_sided || !(behind > 0)) take(cast_on_core<S>(ray, core_of_face(face, radius), most()));
+    }
+};
+
+/// A ray and a convex shape whose type is forgotten: by a closed form, if its core has one in its own frame.
+template <class S, int D>
+local_hit<D> cast_on_solid(const local_ray<D>& ray, const core<D>& shape, double most) {
+    if (shape.radius == 0 && shape.kind == core_kind::box) return cast_on_box(ray, shape.corner[0]);
+    if constexpr (D == 3)
+        if (shape.radius == 0 && shape.kind == core_kind::disc)
+            return cast_on_cone(ray, shape.corner[0].x, shape.corner[0].y, shape.corner[0].z);
+    if (shape.radius > 0 && shape.kind == core_kind::point)
+        return cast_on_ball(local_ray<D>{ray.origin - shape.corner[0], ray.way}, shape.radius);
+    return cast_on_core<S>(ray, shape, most);
+}
+
+template <class Shape, int D>
+    requires has_parts<Shape, D>
+local_hit<D> cast_on(const Shape& shape, const local_ray<D>& ray) {
+    using S = typename Shape::scalar;
+    first_hit<S, D> first(ray);
+    if constexpr (is_surface<Shape, D>) {
+        const double radius = detail::to_double(shape.radius);
+        const auto meet = [&](const surface_face<D>& face) {
+            if (radius > 0) first.meet(face, radius);
+            else first.meet(face);
+            return first.most();
+        };
+        const box_ray<D> search(ray.origin, ray.way, radius);
+        if constexpr (requires { each_part_along(shape, search, meet); }) {
+            each_part_along(shape, search, meet);
+        } else {
+            each_part(shape, search.bounds(), [&](const surface_part<D>& part) {
+                surface_face<D> face{{}, part.two_sided};
+                for (int i = 0; i < D; ++i) face.corner[i] = part.corner[i];
+                meet(face);
+            });
+        }
+    } else {
+        const auto meet = [&](const auto& child) {
+            const local_ray<D> seen{transposed_times(child.axes, ray.origin - child.at),
+                                    transposed_times(child.axes, ray.way)};
+            local_hit<D> hit = cast_on_solid<S>(seen, child.shape, first.most());
+            hit.normal = child.axes * hit.normal;
+            first.take(hit);
+            return first.most();
+        };
+        const box_ray<D> search(ray.origin, ray.way, 0);
+        if constexpr (requires { each_child_along(shape, search, meet); }) each_child_along(shape, search, meet);
+        else each_child(shape, search.bounds(), meet);
+    }
+    first.hit.normal = normalized(first.hit.normal);
+    return first.hit;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/collide/part_queries.hpp
+// =================================================================================================
+// Casts and distances of shapes that are made of parts: surfaces and compounds.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
 
 /// Calls f(core, axes, at, number) for the convex pieces of a shape with parts that may reach into a box: triangles or
 /// segments with the surface's rounding, or children. `sees(part)` says which parts of surfaces are meant.
@@ -13538,23 +13960,6 @@ void each_piece(const Shape& shape, const aabb<double, D>& box, Sees&& sees, F&&
 template <int D>
 bool faces(const surface_part<D>& part, const point<D>& from) {
     return part.two_sided || dot(part.normal, from - part.corner[0]) >= 0;
-}
-
-template <class Shape, int D>
-    requires has_parts<Shape, D>
-local_hit<D> cast_on(const Shape& shape, const local_ray<D>& ray) {
-    using S = typename Shape::scalar;
-    local_hit<D> first;
-    each_piece(
-        shape, box_around(ray, 0), [&](const auto& part) { return faces(part, ray.origin); },
-        [&](const core<D>& piece, const mat<double, D>& axes, const point<D>& at, std::uint32_t) {
-            const local_ray<D> seen{transposed_times(axes, ray.origin - at), transposed_times(axes, ray.way)};
-            const local_hit<D> hit = cast_on_core<S>(seen, piece);
-            if (!hit.hit || (first.hit && !(hit.fraction < first.fraction))) return;
-            first = hit;
-            first.normal = axes * hit.normal;
-        });
-    return first;
 }
 
 }  // namespace detail

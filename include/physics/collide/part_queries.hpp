@@ -1,22 +1,12 @@
-// Rays, casts and distances of shapes that are made of parts: surfaces and compounds.
+// Casts and distances of shapes that are made of parts: surfaces and compounds.
 #pragma once
 
-#include "physics/collide/parts.hpp"
 #include "physics/collide/plane_queries.hpp"
-#include "physics/collide/ray_cast.hpp"
-#include "physics/collide/shape_cast.hpp"
+#include "physics/collide/ray_parts.hpp"
 
 PHYSICS_HPP_BEGIN
 
 namespace detail {
-
-template <class Shape, int D>
-concept has_parts = is_surface<Shape, D> || is_compound<Shape, D>;
-
-template <int D>
-aabb<double, D> box_around(const local_ray<D>& ray, double reach) {
-    return grown(aabb<double, D>{min(ray.origin, ray.origin + ray.way), max(ray.origin, ray.origin + ray.way)}, reach);
-}
 
 /// Calls f(core, axes, at, number) for the convex pieces of a shape with parts that may reach into a box: triangles or
 /// segments with the surface's rounding, or children. `sees(part)` says which parts of surfaces are meant.
@@ -35,23 +25,6 @@ void each_piece(const Shape& shape, const aabb<double, D>& box, Sees&& sees, F&&
 template <int D>
 bool faces(const surface_part<D>& part, const point<D>& from) {
     return part.two_sided || dot(part.normal, from - part.corner[0]) >= 0;
-}
-
-template <class Shape, int D>
-    requires has_parts<Shape, D>
-local_hit<D> cast_on(const Shape& shape, const local_ray<D>& ray) {
-    using S = typename Shape::scalar;
-    local_hit<D> first;
-    each_piece(
-        shape, box_around(ray, 0), [&](const auto& part) { return faces(part, ray.origin); },
-        [&](const core<D>& piece, const mat<double, D>& axes, const point<D>& at, std::uint32_t) {
-            const local_ray<D> seen{transposed_times(axes, ray.origin - at), transposed_times(axes, ray.way)};
-            const local_hit<D> hit = cast_on_core<S>(seen, piece);
-            if (!hit.hit || (first.hit && !(hit.fraction < first.fraction))) return;
-            first = hit;
-            first.normal = axes * hit.normal;
-        });
-    return first;
 }
 
 }  // namespace detail

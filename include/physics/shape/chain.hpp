@@ -40,6 +40,11 @@ template <class S, class F>
 void each_part(const chain<S, 2>& c, const aabb<double, 2>& box, F&& f) {
     detail::each_segment(*c.geometry, box, f);
 }
+/// For rays: calls f with the segments that a segment may meet; f returns up to which part of it the search goes on.
+template <class S, class F>
+void each_part_along(const chain<S, 2>& c, const detail::box_ray<2>& ray, F&& f) {
+    detail::each_segment_along(*c.geometry, ray, f);
+}
 
 /// How the points of a chain are joined.
 struct chain_settings {

@@ -82,6 +82,16 @@ void each_child(const compound<S, D>& c, const aabb<double, D>& box, F&& f) {
         if (overlap(g.boxes[i], wanted)) f(g.children[i]);
     });
 }
+/// For rays: calls f with the children that a segment may meet; f returns up to which part of it the search goes on.
+template <class S, int D, class F>
+void each_child_along(const compound<S, D>& c, const detail::box_ray<D>& ray, F&& f) {
+    const auto& g = *c.geometry;
+    double most = 1;
+    g.tree.visit(ray, [&](std::uint32_t i) {
+        if (ray.meets(g.boxes[i], most)) most = f(g.children[i]);
+        return most;
+    });
+}
 
 /// A child of a compound to be: any convex shape of up to 64 bytes, where its frame stands in the compound's (m), and
 /// how it is turned. The rotation must be one, as for bodies.

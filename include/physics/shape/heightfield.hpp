@@ -61,6 +61,25 @@ void each_part(const heightfield<S, D>& h, const aabb<double, D>& box, F&& f) {
             detail::cell_parts(g, x, z, f);
         }
 }
+/// For rays: calls f with the parts that a segment may meet; f returns up to which part of it the search goes on. Cost:
+/// O(cells above or below it, and rows between its ends).
+template <class S, int D, class F>
+void each_part_along(const heightfield<S, D>& h, const detail::box_ray<D>& ray, F&& f) {
+    const auto& g = *h.geometry;
+    aabb<double, D> around = ray.bounds();
+    double most = 1;
+    if (!overlap(g.box, around)) return;
+    detail::cells_between along_z(0, 0, 1, 1);
+    if constexpr (D == 3) along_z = detail::cells_between(around.lower.z, around.upper.z, g.step_z, g.cells_z());
+    for (std::uint32_t z = along_z.first; z < along_z.last; ++z) {
+        if (D == 3 && !ray.bounds_between(D - 1, z * g.step_z, (z + 1) * g.step_z, around)) continue;
+        const detail::cells_between along_x(around.lower.x, around.upper.x, g.step_x, g.cells_x());
+        for (std::uint32_t x = along_x.first; x < along_x.last; ++x) {
+            if (!ray.meets(cell_box(g, x, z), most) || !g.solid(x, z)) continue;
+            for (int k = 0; k < D - 1; ++k) most = f(cell_face(g, x, z, k));
+        }
+    }
+}
 
 /// What a heightfield is like besides its heights.
 struct heightfield_settings {

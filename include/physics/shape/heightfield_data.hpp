@@ -51,6 +51,16 @@ template <class R>
 vec<double, 2> cell_normal(const heightfield_data<R, 2>& h, std::uint32_t x) {
     return normalized(vec<double, 2>{h.height(x, 0) - h.height(x + 1, 0), h.step_x});
 }
+template <class R>
+aabb<double, 2> cell_box(const heightfield_data<R, 2>& h, std::uint32_t x, std::uint32_t) {
+    const vec<double, 2> a = h.sample(x, 0), b = h.sample(x + 1, 0);
+    return {min(a, b), max(a, b)};
+}
+/// What a ray needs to know of part x.
+template <class R>
+surface_face<2> cell_face(const heightfield_data<R, 2>& h, std::uint32_t x, std::uint32_t, int) {
+    return {{h.sample(x + 1, 0), h.sample(x, 0)}, h.two_sided};
+}
 /// Calls f with part x, which leads from sample x + 1 back to sample x: the solid is below.
 template <class R, class F>
 void cell_parts(const heightfield_data<R, 2>& h, std::uint32_t x, std::uint32_t, F&& f) {
@@ -79,17 +89,34 @@ vec<double, 3> cell_normal(const heightfield_data<R, 3>& h, std::uint32_t x, std
     const double rise_z = h.height(far_x, z + 1) - h.height(far_x, z);
     return normalized(vec<double, 3>{-rise_x * h.step_z, h.step_x * h.step_z, -rise_z * h.step_x});
 }
+template <class R>
+aabb<double, 3> cell_box(const heightfield_data<R, 3>& h, std::uint32_t x, std::uint32_t z) {
+    const vec<double, 3> a = h.sample(x, z), b = h.sample(x + 1, z), c = h.sample(x, z + 1), d = h.sample(x + 1, z + 1);
+    return {min(min(a, b), min(c, d)), max(max(a, b), max(c, d))};
+}
+/// The corners of the triangles of a cell, without and with the other diagonal. They count along x, then along z.
+inline constexpr std::uint8_t cell_corners[2][2][3] = {{{0, 2, 3}, {0, 3, 1}}, {{0, 2, 1}, {1, 2, 3}}};
+/// What a ray needs to know of triangle k of a cell.
+template <class R>
+surface_face<3> cell_face(const heightfield_data<R, 3>& h, std::uint32_t x, std::uint32_t z, int k) {
+    const bool other = h.alternating && ((x + z) & 1u) != 0;
+    surface_face<3> face{{}, h.two_sided};
+    for (int i = 0; i < 3; ++i) {
+        const std::uint32_t corner = cell_corners[other][k][i];
+        face.corner[i] = h.sample(x + (corner & 1), z + (corner >> 1));
+    }
+    return face;
+}
 template <class R, class F>
 void cell_parts(const heightfield_data<R, 3>& h, std::uint32_t x, std::uint32_t z, F&& f) {
     const bool other = h.alternating && ((x + z) & 1u) != 0;
-    // Corners count along x, then along z; sides are those at the lower x, upper z, upper x, lower z; 4 the diagonal.
-    static constexpr std::uint8_t corners[2][2][3] = {{{0, 2, 3}, {0, 3, 1}}, {{0, 2, 1}, {1, 2, 3}}};
+    // Those at the lower x, upper z, upper x, lower z; 4 the diagonal.
     static constexpr std::uint8_t sides[2][2][3] = {{{0, 1, 4}, {4, 2, 3}}, {{0, 4, 3}, {4, 1, 2}}};
     for (int k = 0; k < 2; ++k) {
         surface_part<3> p;
         p.normal = cell_normal(h, x, z, k);
         for (int i = 0; i < 3; ++i) {
-            const std::uint32_t corner = corners[other][k][i];
+            const std::uint32_t corner = cell_corners[other][k][i];
             p.corner[i] = h.sample(x + (corner & 1), z + (corner >> 1));
             const int side = sides[other][k][i];
             const std::uint32_t u = side == 0 ? x - 1 : side == 2 ? x + 1 : x;

@@ -47,6 +47,12 @@ void each_part(const mesh<S, 3>& m, const aabb<double, 3>& box, F&& f) {
         if (overlap(g.box_of(t), box)) f(g.part(t));
     });
 }
+/// For rays: calls f with the triangles that a segment may meet; f returns up to which part of it the search goes on.
+template <class S, class F>
+void each_part_along(const mesh<S, 3>& m, const detail::box_ray<3>& ray, F&& f) {
+    const auto& g = *m.geometry;
+    g.tree.visit(ray, [&](std::uint32_t i) { return f(g.face(g.triangles[i])); });
+}
 
 /// How triangles stop bodies.
 struct mesh_settings {

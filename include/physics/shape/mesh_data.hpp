@@ -32,6 +32,9 @@ struct mesh_data : geometry_block {
         const vec<double, 3> a = vertex(t.vertex[0]), b = vertex(t.vertex[1]), c = vertex(t.vertex[2]);
         return {min(a, min(b, c)), max(a, max(b, c))};
     }
+    [[nodiscard]] surface_face<3> face(const triangle& t) const {
+        return {{vertex(t.vertex[0]), vertex(t.vertex[1]), vertex(t.vertex[2])}, two_sided};
+    }
     [[nodiscard]] surface_part<3> part(const triangle& t) const {
         surface_part<3> p;
         p.normal = to_point(t.normal);

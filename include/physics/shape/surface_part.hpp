@@ -24,6 +24,13 @@ struct surface_part {
     std::uint32_t number = 0;
 };
 
+/// What a ray needs to know of a part; corners as there.
+template <int D>
+struct surface_face {
+    vec<double, D> corner[D];
+    bool two_sided;
+};
+
 }  // namespace detail
 
 PHYSICS_HPP_END

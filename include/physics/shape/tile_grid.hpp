@@ -38,6 +38,11 @@ template <class S, class F>
 void each_part(const tile_grid<S, 2>& g, const aabb<double, 2>& box, F&& f) {
     detail::each_segment(*g.geometry, box, f);
 }
+/// For rays: calls f with the runs that a segment may meet; f returns up to which part of it the search goes on.
+template <class S, class F>
+void each_part_along(const tile_grid<S, 2>& g, const detail::box_ray<2>& ray, F&& f) {
+    detail::each_segment_along(*g.geometry, ray, f);
+}
 
 /// The outline of solid cells, built once and shared by all tile grids made of it, and by worlds that hold such. Sides
 /// in a row are one segment, however many cells it runs along, so that nothing can stumble over the joints between
