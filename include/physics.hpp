@@ -16,6 +16,7 @@
 #include "physics/base/error.hpp"
 #include "physics/base/fixed.hpp"
 #include "physics/base/handle.hpp"
+#include "physics/base/lane_math.hpp"
 #include "physics/base/math.hpp"
 #include "physics/base/math_fixed.hpp"
 #include "physics/base/math_real.hpp"
@@ -87,7 +88,11 @@
 
 // From two shapes to a contact.
 #include "physics/collide/bounding_half.hpp"
+#include "physics/collide/box2.hpp"
 #include "physics/collide/box3.hpp"
+#include "physics/collide/box_axes3.hpp"
+#include "physics/collide/box_batch.hpp"
+#include "physics/collide/box_pair.hpp"
 #include "physics/collide/capsule3.hpp"
 #include "physics/collide/clip3.hpp"
 #include "physics/collide/convex.hpp"

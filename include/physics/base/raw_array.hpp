@@ -1,6 +1,7 @@
 // An array that nobody fills until it is used.
 #pragma once
 
+#include <concepts>
 #include <type_traits>
 
 #include "physics/base/config.hpp"
@@ -15,8 +16,14 @@ struct raw_array {
     static_assert(std::is_trivially_copyable_v<T>);
 
     raw_array() {}
-    T& operator[](int i) { return items[i]; }
-    const T& operator[](int i) const { return items[i]; }
+    template <std::integral I>
+    T& operator[](I i) {
+        return items[i];
+    }
+    template <std::integral I>
+    const T& operator[](I i) const {
+        return items[i];
+    }
 
     union {
         T items[N];

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "physics/base/stage.hpp"
-#include "physics/collide/pair_table.hpp"
+#include "physics/collide/box_batch.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -32,7 +32,7 @@ concept narrowphase_for =
 
 namespace detail {
 
-/// A narrowphase that treats each pair with the function that its table has for it.
+/// A narrowphase that treats each pair with the function that its table has for it; pairs of boxes several at a time.
 template <pair_methods Methods>
 struct pairwise_narrowphase {
     using stage = physics::stage::narrowphase;
@@ -48,15 +48,27 @@ struct pairwise_narrowphase {
         }
         static void collide(const query* queries, std::uint32_t count, S margin, memory* memories,
                             manifold_list<S, D>& found) {
-            for (std::uint32_t i = 0; i < count; ++i) {
-                const query& q = queries[i];
-                const bool known = memories != nullptr && q.memory != query::no_memory;
-                memory* const m = known ? memories + q.memory : nullptr;
-                pairs::table.entry[q.a->kind()][q.b->kind()](q, i, margin, m, found);
+            using boxes = box_batch<Methods, S, D, Shapes...>;
+            if constexpr (boxes::is_used) {
+                for (std::uint32_t first = 0; first < count; first += boxes::most) {
+                    const std::uint32_t part = count - first < boxes::most ? count - first : boxes::most;
+                    const boxes batch(queries + first, part, margin, memories);
+                    for (std::uint32_t i = 0; i < part; ++i)
+                        if (!batch.add(i, first + i, found)) collide_one(queries, first + i, margin, memories, found);
+                }
+            } else {
+                for (std::uint32_t i = 0; i < count; ++i) collide_one(queries, i, margin, memories, found);
             }
         }
         static void collide(const query* queries, std::uint32_t count, S margin, manifold_list<S, D>& found) {
             collide(queries, count, margin, nullptr, found);
+        }
+
+    private:
+        static void collide_one(const query* queries, std::uint32_t i, S margin, memory* memories,
+                                manifold_list<S, D>& found) {
+            const query& q = queries[i];
+            pairs::table.entry[q.a->kind()][q.b->kind()](q, i, margin, pairs::recalled(q, memories), found);
         }
     };
 };

@@ -60,18 +60,31 @@ constexpr void carry_along(const pair_memory<S, D>& m, const transform<S, D>& b_
 }
 
 /// Remembers what was found: contacts stay good while the pair moves by no more than they may deviate by anyway.
+/// `reach`: of B from its origin; `thin`: the smallest half extent of both (m).
+template <class S, int D>
+void remember(const manifold<S, D>& found, const transform<S, D>& b_in_a, S reach, S thin, pair_memory<S, D>& m) {
+    m.contact = found;
+    m.b_in_a = b_in_a;
+    m.reach = reach;
+    m.still = thin * S(1.0 / 512);
+}
 template <class A, class B, class S, int D>
 void remember(const A& a, const B& b, const transform<S, D>& b_in_a, const manifold<S, D>& found,
               pair_memory<S, D>& m) {
-    m.contact = found;
     if (found.count == 0) {
+        m.contact.count = 0;
         m.cache.count = 0;
         return;
     }
     const core<D> of_a = core_of(a), of_b = core_of(b);
-    m.b_in_a = b_in_a;
-    m.reach = static_cast<S>(of_b.extent + of_b.radius);
-    m.still = static_cast<S>(min(of_a.thickness + of_a.radius, of_b.thickness + of_b.radius) * (1.0 / 512));
+    remember(found, b_in_a, static_cast<S>(of_b.extent + of_b.radius),
+             static_cast<S>(min(of_a.thickness + of_a.radius, of_b.thickness + of_b.radius)), m);
+}
+template <class S>
+void remember(const box<S, 3>& a, const box<S, 3>& b, const transform<S, 3>& b_in_a, const manifold<S, 3>& found,
+              pair_memory<S, 3>& m) {
+    const vec<S, 3> least = min(a.half_extents, b.half_extents), of_b = b.half_extents;
+    remember(found, b_in_a, of_b.x + of_b.y + of_b.z, min(least.x, min(least.y, least.z)), m);
 }
 
 /// True if the axis that parted the pair last parts it still, by more than the margin. Clearly so, that a search from

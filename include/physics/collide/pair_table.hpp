@@ -82,6 +82,10 @@ struct pair_table {
     using memory = std::conditional_t<Methods.persistent, persistent_manifold<S, D>, pair_memory<S, D>>;
     using function = void (*)(const query&, std::uint32_t, S, memory*, manifold_list<S, D>&);
 
+    /// What is remembered of a query's pair; null if nothing is.
+    static memory* recalled(const query& q, memory* memories) {
+        return memories != nullptr && q.memory != query::no_memory ? memories + q.memory : nullptr;
+    }
     /// Adds what query q, of that number, finds; with what is remembered of the pair, if it is worth it.
     template <class A, class B>
     static void run(const query& q, std::uint32_t number, S margin, memory* m, manifold_list<S, D>& out) {

@@ -1,6 +1,7 @@
 // Contact of the pairs that are particular to the plane.
 #pragma once
 
+#include "physics/collide/box2.hpp"
 #include "physics/collide/polygon2.hpp"
 #include "physics/collide/round.hpp"
 
@@ -29,11 +30,6 @@ constexpr void collide(const capsule<S, 2>& a, const capsule<S, 2>& b, const tra
 }
 template <class S>
 constexpr void collide(const capsule<S, 2>& a, const box<S, 2>& b, const transform<S, 2>& b_in_a, S margin,
-                       manifold<S, 2>& out) {
-    collide_polygons(detail::polygon_of(a, {}), detail::polygon_of(b, b_in_a), margin, out);
-}
-template <class S>
-constexpr void collide(const box<S, 2>& a, const box<S, 2>& b, const transform<S, 2>& b_in_a, S margin,
                        manifold<S, 2>& out) {
     collide_polygons(detail::polygon_of(a, {}), detail::polygon_of(b, b_in_a), margin, out);
 }

@@ -1,0 +1,75 @@
+// Short formulas in lanes.
+#pragma once
+
+#include <bit>
+
+#include "physics/base/pack_mask.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// The magnitude of each lane; of both zeros the same zero.
+template <class S, int W, int Bytes>
+PHYSICS_HPP_ALWAYS_INLINE pack<S, W, Bytes> lane_abs(const pack<S, W, Bytes>& x) {
+    if constexpr (!std::is_floating_point_v<S>) {
+        return max(x, -x);
+    } else if constexpr (W == 1) {
+        using bits = std::conditional_t<sizeof(S) == 4, std::uint32_t, std::uint64_t>;
+        return {std::bit_cast<S>(std::bit_cast<bits>(x.value) & ~std::bit_cast<bits>(S(-0.0)))};
+    } else if constexpr (requires { x.low; }) {
+        return {lane_abs(x.low), lane_abs(x.high)};
+    } else {
+        using lanes = decltype(x.value < x.value);
+        const auto sign = pack<S, W, Bytes>::broadcast(S(-0.0));
+        return {reinterpret_cast<typename pack<S, W, Bytes>::storage>(reinterpret_cast<lanes>(x.value) &
+                                                                      ~reinterpret_cast<lanes>(sign.value))};
+    }
+}
+/// Four scalars as lanes.
+template <class P, class S = typename P::scalar>
+PHYSICS_HPP_ALWAYS_INLINE P lanes_of(S a, S b, S c, S d) {
+    if constexpr (!requires(P x) { x.low; })
+        return {typename P::storage{a, b, c, d}};
+    else if constexpr (requires(P x) { x.low.low; })
+        return {{{a}, {b}}, {{c}, {d}}};
+    else
+        return {{typename P::half::storage{a, b}}, {typename P::half::storage{c, d}}};
+}
+/// a * b + c * d, rounded once where the scalar can.
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE P lane_sum(const P& a, const P& b, const P& c, const P& d) {
+    return narrow<typename P::scalar>(product(a, b) + product(c, d));
+}
+/// a * b - c * d, rounded once where the scalar can.
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE P lane_difference(const P& a, const P& b, const P& c, const P& d) {
+    return narrow<typename P::scalar>(product(a, b) - product(c, d));
+}
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE P lane_dot(const P* a, const P& x, const P& y, const P& z) {
+    return narrow<typename P::scalar>(product(a[0], x) + product(a[1], y) + product(a[2], z));
+}
+/// The length of (a, b).
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE P lane_length(const P& a, const P& b) {
+    // One lane takes the root of what has not been rounded yet.
+    if constexpr (P::width == 1)
+        return {root<typename P::scalar>(product(a.value, a.value) + product(b.value, b.value))};
+    else
+        return sqrt(a * a + b * b);
+}
+/// The greatest of eight lanes, or of one.
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE typename P::scalar greatest_lane(const P& x) {
+    if constexpr (P::width == 1) {
+        return x.value;
+    } else {
+        const auto half = max(x.low, x.high);
+        return max(max(half.lane(0), half.lane(1)), max(half.lane(2), half.lane(3)));
+    }
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
