@@ -18608,11 +18608,13 @@ struct body {
     [[nodiscard]] constexpr bool is_dynamic() const { return type == body_type::dynamic_body; }
 };
 
-/// What a solver sees of a body: velocity and how it answers to impulses. Bodies that nothing pushes have
-/// the inverse mass 0.
+/// What a solver sees of a body: velocity, how far it has come in this step if the solver cares, and how it answers to
+/// impulses. Bodies that nothing pushes have the inverse mass 0. The twists come first, so that lanes read them in rows
+/// of four scalars.
 template <class S, int D>
-struct solver_body {
+struct alignas(16) solver_body {
     twist<S, D> velocity;
+    twist<S, D> way;
     inverse_of<S> inverse_mass{};
     physics::inverse_inertia<S, D> inverse_inertia{};
 
@@ -18622,6 +18624,116 @@ struct solver_body {
         velocity.angular += times(inverse_inertia, cross(r, p));
     }
 };
+
+/// The bodies of a step by their numbers; the last one is nobody, whom nothing moves.
+template <class S, int D>
+struct solver_bodies {
+    solver_body<S, D>* first;
+    std::uint32_t count;
+
+    solver_body<S, D>& operator[](std::uint32_t i) const { return first[i]; }
+};
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/dynamics/body_lanes.hpp
+// =================================================================================================
+// Bodies in lanes, as contact solvers read and write them.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+template <class P>
+struct lanes2 {
+    P x, y;
+};
+template <class P>
+struct lanes3 {
+    P x, y, z;
+
+    PHYSICS_HPP_ALWAYS_INLINE static lanes3 load(const typename P::scalar (&from)[3][P::width]) {
+        return {P::load(from[0]), P::load(from[1]), P::load(from[2])};
+    }
+};
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE P lane_dot(const lanes3<P>& a, const lanes3<P>& b) {
+    return narrow<typename P::scalar>(product(a.x, b.x) + product(a.y, b.y) + product(a.z, b.z));
+}
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE lanes3<P> lane_cross(const lanes3<P>& a, const lanes3<P>& b) {
+    return {lane_difference(a.y, b.z, a.z, b.y), lane_difference(a.z, b.x, a.x, b.z),
+            lane_difference(a.x, b.y, a.y, b.x)};
+}
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE lanes3<P> lane_add(const lanes3<P>& a, const lanes3<P>& b) {
+    return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE lanes3<P> lane_subtract(const lanes3<P>& a, const lanes3<P>& b) {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+/// a times s, plus b times t.
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE lanes3<P> lane_combine(const lanes3<P>& a, const P& s, const lanes3<P>& b, const P& t) {
+    return {lane_sum(a.x, s, b.x, t), lane_sum(a.y, s, b.y, t), lane_sum(a.z, s, b.z, t)};
+}
+
+/// Velocities, or ways, of W bodies in the plane.
+template <class P>
+struct twist_lanes2 {
+    lanes2<P> linear;
+    P angular;
+};
+template <class P>
+struct twist_lanes3 {
+    lanes3<P> linear, angular;
+};
+
+template <class P>
+struct body_lanes2 {
+    using S = typename P::scalar;
+    static constexpr int stride = sizeof(solver_body<S, 2>) / sizeof(S);
+
+    twist_lanes2<P> velocity, way;
+
+    PHYSICS_HPP_ALWAYS_INLINE void load(const solver_body<S, 2>* bodies, const std::uint32_t* index) {
+        const auto* first = reinterpret_cast<const S*>(bodies);
+        const quad<P> v = load4<P>(indexed_rows<const S, stride>{first, index});
+        velocity = {{v.x, v.y}, v.z};
+        const quad<P> w = load4<P>(indexed_rows<const S, stride>{first + 4, index});
+        way = {{v.w, w.x}, w.y};
+    }
+    PHYSICS_HPP_ALWAYS_INLINE void store(solver_body<S, 2>* bodies, const std::uint32_t* index) const {
+        store4(indexed_rows<S, stride>{reinterpret_cast<S*>(bodies), index},
+               quad<P>{velocity.linear.x, velocity.linear.y, velocity.angular, way.linear.x});
+    }
+};
+template <class P>
+struct body_lanes3 {
+    using S = typename P::scalar;
+    static constexpr int stride = sizeof(solver_body<S, 3>) / sizeof(S);
+
+    twist_lanes3<P> velocity, way;
+
+    PHYSICS_HPP_ALWAYS_INLINE void load(const solver_body<S, 3>* bodies, const std::uint32_t* index) {
+        const auto* first = reinterpret_cast<const S*>(bodies);
+        const quad<P> a = load4<P>(indexed_rows<const S, stride>{first, index});
+        const quad<P> b = load4<P>(indexed_rows<const S, stride>{first + 4, index});
+        const quad<P> c = load4<P>(indexed_rows<const S, stride>{first + 8, index});
+        velocity = {{a.x, a.y, a.z}, {a.w, b.x, b.y}};
+        way = {{b.z, b.w, c.x}, {c.y, c.z, c.w}};
+    }
+    PHYSICS_HPP_ALWAYS_INLINE void store(solver_body<S, 3>* bodies, const std::uint32_t* index) const {
+        auto* first = reinterpret_cast<S*>(bodies);
+        const auto& [v, w] = velocity;
+        store4(indexed_rows<S, stride>{first, index}, quad<P>{v.x, v.y, v.z, w.x});
+        store4(indexed_rows<S, stride>{first + 4, index}, quad<P>{w.y, w.z, way.linear.x, way.linear.y});
+    }
+};
+
+}  // namespace detail
 
 PHYSICS_HPP_END
 
@@ -18672,6 +18784,8 @@ struct contact {
     vec<S, D> normal;
     contact_point<S, D> points[manifold<S, D>::capacity];
     int count = 0;
+    /// Angular impulse of friction about the normal, where the solver lets contacts resist twisting (N m s).
+    S twist_impulse{};
     /// Of both surfaces together.
     S friction{};
     S restitution{};
@@ -18715,6 +18829,18 @@ void inherit_impulse(const contact<S, D>& old, const tangents<S, D>& frame, cont
     }
 }
 
+/// Hands the impulses of the same features in an old contact to a contact.
+template <class S, int D>
+void inherit_impulses(const contact<S, D>& old, const tangents<S, D>& frame, contact<S, D>& c) {
+    bool persisted = false;
+    for (int k = 0; k < c.count; ++k) {
+        const bool before = c.points[k].persisted;
+        inherit_impulse(old, frame, c.points[k]);
+        persisted = persisted || before != c.points[k].persisted;
+    }
+    if (persisted) c.twist_impulse = old.twist_impulse;
+}
+
 /// Hands the impulses of last step's contacts to the same features of this step's. Both lists are in
 /// ascending order of their pairs, so one walk along both finds the matches: O(n), no hashing; a pair of several
 /// contacts is searched whole. Points that are new start from zero: only what outlives a step is warm.
@@ -18726,9 +18852,83 @@ void inherit_impulses(const buffer<contact<S, D>>& before, buffer<contact<S, D>>
         if (i == before.size()) return;
         const tangents<S, D> frame(c.normal);
         for (std::uint32_t n = i; n < before.size() && before[n].key() == c.key(); ++n)
-            for (int k = 0; k < c.count; ++k) inherit_impulse(before[n], frame, c.points[k]);
+            inherit_impulses(before[n], frame, c);
     }
 }
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/dynamics/contact_graph.hpp
+// =================================================================================================
+// Which contacts can be solved at the same time: colours.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Contacts in groups of which no two push the same body, and a last group of those that found no such group.
+struct contact_colours {
+    static constexpr std::uint32_t most = 64;
+
+    /// Numbers of contacts, group by group.
+    std::uint32_t* order = nullptr;
+    /// Where each group begins; one more than there are groups.
+    std::uint32_t begin[most + 1] = {};
+    std::uint32_t count = 0;
+    /// Whether the last group's contacts may push the same body.
+    bool last_is_serial = false;
+};
+
+/// The lowest bit that is not set; 64 if all are.
+constexpr std::uint32_t lowest_clear(std::uint64_t bits) { return static_cast<std::uint32_t>(std::countr_one(bits)); }
+
+/// Colours contacts greedily in their order: first those between two bodies that can be pushed, then the others in
+/// colours of their own, so that what holds the pile acts last. O(contacts). Source: Catto, Solver2D (2024); greedy
+/// edge colouring.
+template <class S, int D>
+contact_colours colour(const buffer<contact<S, D>>& contacts, solver_bodies<S, D> bodies, arena& scratch) {
+    const std::uint32_t count = contacts.size();
+    auto* used = scratch.template take<std::uint64_t>(bodies.count);
+    auto* colour_of = scratch.template take<std::uint8_t>(count);
+    contact_colours result;
+    result.order = scratch.template take<std::uint32_t>(count);
+    std::uint32_t sizes[contact_colours::most] = {}, first = 0;
+    constexpr std::uint32_t serial = contact_colours::most - 1;
+    const auto is_pushed = [&](std::uint32_t i) { return bodies[i].inverse_mass > inverse_of<S>(0); };
+    for (const bool between_two : {true, false}) {
+        for (std::uint32_t i = 0; i < bodies.count; ++i) used[i] = 0;
+        std::uint32_t end = first;
+        for (std::uint32_t i = 0; i < count; ++i) {
+            const auto& c = contacts[i];
+            const bool a = is_pushed(c.body_a), b = is_pushed(c.body_b);
+            if ((a && b) != between_two) continue;
+            const std::uint32_t free = lowest_clear((a ? used[c.body_a] : 0) | (b ? used[c.body_b] : 0));
+            const std::uint32_t colour = first + free < serial ? first + free : serial;
+            if (colour < serial) {
+                if (a) used[c.body_a] |= std::uint64_t{1} << free;
+                if (b) used[c.body_b] |= std::uint64_t{1} << free;
+                end = end > colour + 1 ? end : colour + 1;
+            }
+            colour_of[i] = static_cast<std::uint8_t>(colour);
+            ++sizes[colour];
+        }
+        first = end;
+    }
+    std::uint32_t place[contact_colours::most], at = 0;
+    for (std::uint32_t k = 0; k < contact_colours::most; ++k) {
+        place[k] = at;
+        if (sizes[k] == 0) continue;
+        result.begin[result.count++] = at;
+        result.last_is_serial = k == serial;
+        at += sizes[k];
+    }
+    result.begin[result.count] = at;
+    for (std::uint32_t i = 0; i < count; ++i) result.order[place[colour_of[i]]++] = i;
+    return result;
+}
+
+}  // namespace detail
 
 PHYSICS_HPP_END
 
@@ -18748,16 +18948,20 @@ constexpr inverse_of<S> angular_answer(inverse_of<S> inverse_inertia, vec<S, 2> 
     using I = inverse_of<S>;
     return mul<I>(mul<I>(inverse_inertia, cross(r, n)), cross(r, m));
 }
+/// The change of angular velocity about b by an angular impulse about a.
 template <class S>
-constexpr inverse_of<S> angular_answer(const symmetric<inverse_of<S>>& inverse_inertia, vec<S, 3> r, vec<S, 3> n,
-                                       vec<S, 3> m) {
+constexpr inverse_of<S> torque_answer(const symmetric<inverse_of<S>>& inverse_inertia, vec<S, 3> a, vec<S, 3> b) {
     using I = inverse_of<S>;
-    const vec<S, 3> a = cross(r, n), b = cross(r, m);
     const auto& k = inverse_inertia;
     const I x = narrow<I>(product(k.xx, a.x) + product(k.xy, a.y) + product(k.xz, a.z));
     const I y = narrow<I>(product(k.xy, a.x) + product(k.yy, a.y) + product(k.yz, a.z));
     const I z = narrow<I>(product(k.xz, a.x) + product(k.yz, a.y) + product(k.zz, a.z));
     return narrow<I>(product(x, b.x) + product(y, b.y) + product(z, b.z));
+}
+template <class S>
+constexpr inverse_of<S> angular_answer(const symmetric<inverse_of<S>>& inverse_inertia, vec<S, 3> r, vec<S, 3> n,
+                                       vec<S, 3> m) {
+    return torque_answer<S>(inverse_inertia, cross(r, n), cross(r, m));
 }
 
 /// Both bodies' answer along m to a unit impulse along n at a contact point.
@@ -18952,7 +19156,7 @@ struct sequential_impulse {
 
         /// Advances velocities and poses by h: `motion` offers advance_velocities(h) and advance_poses(h).
         template <class Motion>
-        static void solve(solver_body<S, D>* bodies, buffer<contact<S, D>>& contacts, const settings& with, S h,
+        static void solve(solver_bodies<S, D> bodies, buffer<contact<S, D>>& contacts, const settings& with, S h,
                           arena& scratch, Motion&& motion) {
             block* blocks = scratch.template take<block>(contacts.size());
             for (std::uint32_t i = 0; i < contacts.size(); ++i) new (blocks + i) block(contacts[i], bodies, with, h);
@@ -18986,7 +19190,7 @@ struct sequential_impulse {
             tangents<S, D> frame;
             row rows[manifold<S, D>::capacity];
 
-            block(const contact<S, D>& c, const solver_body<S, D>* bodies, const settings& with, S h)
+            block(const contact<S, D>& c, solver_bodies<S, D> bodies, const settings& with, S h)
                 : frame(c.normal) {
                 const solver_body<S, D>& a = bodies[c.body_a];
                 const solver_body<S, D>& b = bodies[c.body_b];
@@ -19017,7 +19221,7 @@ struct sequential_impulse {
             return target;
         }
 
-        static void warm_start(const contact<S, D>& c, const block& with, solver_body<S, D>* bodies) {
+        static void warm_start(const contact<S, D>& c, const block& with, solver_bodies<S, D> bodies) {
             for (int k = 0; k < c.count; ++k) {
                 const contact_point<S, D>& p = c.points[k];
                 if (!p.persisted) continue;
@@ -19028,7 +19232,7 @@ struct sequential_impulse {
             }
         }
 
-        static void solve_contact(contact<S, D>& c, const block& with, solver_body<S, D>* bodies, bool back) {
+        static void solve_contact(contact<S, D>& c, const block& with, solver_bodies<S, D> bodies, bool back) {
             solver_body<S, D>& a = bodies[c.body_a];
             solver_body<S, D>& b = bodies[c.body_b];
             if constexpr (Features::friction) {
@@ -19059,6 +19263,727 @@ struct sequential_impulse {
                 p.normal_impulse = impulse;
                 a.apply(-change, p.lever_a);
                 b.apply(change, p.lever_b);
+            }
+        }
+    };
+};
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/dynamics/soft_contact.hpp
+// =================================================================================================
+// What the contacts of the soft solver have in common in the plane and in space.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// A damped spring as a constraint: which share of its error is removed a second, and what is left of impulses. Source:
+/// Catto, Soft constraints (GDC 2011).
+template <class S>
+struct softness {
+    S rate{}, mass_scale = S(1), impulse_scale{};
+
+    /// Of a frequency (Hz), a damping ratio and a time step (s).
+    static softness of(S frequency, S damping_ratio, S h) {
+        const S omega = S(6.283185307179586) * frequency;
+        const S a = S(2) * damping_ratio + h * omega, b = h * omega * a, c = S(1) / (S(1) + b);
+        return {omega / a, b * c, c};
+    }
+};
+
+/// How a round over the contacts goes.
+template <class S>
+struct soft_round {
+    /// 1 / s: gaps may close within a substep.
+    S inverse_step;
+    softness<S> spring;
+    /// At most as fast are overlaps pushed apart (m/s).
+    S push_speed;
+    /// Whether overlaps are pushed apart at all.
+    bool pushes;
+};
+
+/// One point of W contacts: where it lies in the plane of the contact, relative to the contact's middle.
+template <class S, int W, bool Bounces>
+struct soft_point {
+    S mass[W];
+    S separation[W];
+    S impulse[W];
+};
+template <class S, int W>
+struct soft_point<S, W, true> {
+    S mass[W];
+    S separation[W];
+    S impulse[W];
+    /// The speed with which the surfaces part after a bounce (m/s), 0 for none, and the largest impulse so far.
+    S bounce[W];
+    S most[W];
+};
+
+/// The middle of a contact's points.
+template <class S, int D>
+contact_point<S, D> middle_of(const contact<S, D>& c) {
+    contact_point<S, D> middle = c.points[0];
+    if (c.count == 1) return middle;
+    for (int k = 1; k < c.count; ++k) {
+        middle.lever_a += c.points[k].lever_a;
+        middle.lever_b += c.points[k].lever_b;
+    }
+    const S share = S(1) / S(c.count);
+    middle.lever_a *= share;
+    middle.lever_b *= share;
+    return middle;
+}
+/// Last step's friction of the points that are still there.
+template <class S, int D>
+tangential<S, D> friction_of(const contact<S, D>& c) {
+    tangential<S, D> sum{};
+    for (int k = 0; k < c.count; ++k)
+        if (c.points[k].persisted) sum += c.points[k].friction_impulse;
+    return sum;
+}
+/// The speed with which the surfaces part at a point after they have met; 0 where nothing bounces.
+template <class S, int D>
+S bounce_of(const contact<S, D>& c, const contact_point<S, D>& p, const solver_body<S, D>& a,
+            const solver_body<S, D>& b, S slop, S h) {
+    if (!(c.restitution > S(0))) return S(0);
+    const S speed = dot(c.normal, velocity_at(b.velocity, p.lever_b) - velocity_at(a.velocity, p.lever_a));
+    const bool meets = p.separation + speed * h < S(0);
+    return meets && -speed > slop ? -(c.restitution * speed) : S(0);
+}
+
+/// The change of a point's impulse that its speed along the normal asks for.
+template <class P, class Point, class S = typename P::scalar>
+PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& way, const soft_round<S>& how) {
+    const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
+    const P gap = P::load(point.separation) + way, mass = P::load(point.mass), before = P::load(point.impulse);
+    const P closing = gap * P::broadcast(how.inverse_step);
+    P bias = zero, mass_scale = one, impulse_scale = zero;
+    if (how.pushes) {
+        bias = max(gap * P::broadcast(how.spring.rate), P::broadcast(-how.push_speed));
+        mass_scale = P::broadcast(how.spring.mass_scale);
+        impulse_scale = P::broadcast(how.spring.impulse_scale);
+    }
+    const P wanted = select_greater(gap, zero, closing, bias);
+    const P strength = mass * select_greater(gap, zero, one, mass_scale);
+    const P kept = before - before * select_greater(gap, zero, zero, impulse_scale);
+    const P impulse = max(kept - strength * (speed + wanted), zero);
+    impulse.store(point.impulse);
+    if constexpr (requires { point.most; }) max(impulse, P::load(point.most)).store(point.most);
+    return impulse - before;
+}
+/// The same for a bounce: only of points that have pushed.
+template <class P, class Point>
+PHYSICS_HPP_ALWAYS_INLINE P bounce_impulse(Point& point, const P& speed) {
+    using S = typename P::scalar;
+    const P zero = P::broadcast(S(0)), before = P::load(point.impulse), bounce = P::load(point.bounce);
+    const P after = max(before - P::load(point.mass) * (speed - bounce), zero);
+    const P impulse = select_greater(min(bounce, P::load(point.most)), zero, after, before);
+    impulse.store(point.impulse);
+    return impulse - before;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/dynamics/soft_contact2.hpp
+// =================================================================================================
+// Contacts of the soft solver in the plane, in lanes.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// W contacts that push different bodies. All points of a contact share the normal, so their speeds follow from two
+/// numbers: the speed along the normal at the contact's middle, and how fast the bodies turn against each other.
+/// Friction acts at the middle.
+template <class S, int W, class Features>
+struct soft_contact2 {
+    using I = inverse_of<S>;
+    using P = pack<S, W>;
+    using Q = pack<I, W>;
+    using body = solver_body<S, 2>;
+
+    struct point : soft_point<S, W, Features::restitution> {
+        /// The lever that an impulse along the normal has about the middle (m).
+        S lever[W];
+    };
+
+    std::uint32_t a[W], b[W];
+    S normal[2][W];
+    /// From the bodies' centres to the middle (m).
+    S arm_a[2][W], arm_b[2][W];
+    I mass_a[W], mass_b[W], inertia_a[W], inertia_b[W];
+    /// How the two speeds answer to an impulse along the normal and to an angular impulse.
+    I answer[3][W];
+    point points[manifold<S, 2>::capacity];
+    int point_count = 0;
+    S friction[W], stop[W], friction_impulse[W];
+
+    /// Writes a contact into a lane.
+    void put(int lane, const contact<S, 2>& c, const body* bodies, S bounce_slop, S h) {
+        const body& first = bodies[c.body_a];
+        const body& second = bodies[c.body_b];
+        const contact_point<S, 2> middle = middle_of(c);
+        const S turn_a = cross(middle.lever_a, c.normal), turn_b = cross(middle.lever_b, c.normal);
+        a[lane] = c.body_a;
+        b[lane] = c.body_b;
+        mass_a[lane] = first.inverse_mass;
+        mass_b[lane] = second.inverse_mass;
+        inertia_a[lane] = first.inverse_inertia;
+        inertia_b[lane] = second.inverse_inertia;
+        for (int i = 0; i < 2; ++i) {
+            normal[i][lane] = c.normal[i];
+            arm_a[i][lane] = middle.lever_a[i];
+            arm_b[i][lane] = middle.lever_b[i];
+        }
+        const I of_a = mul<I>(first.inverse_inertia, turn_a), of_b = mul<I>(second.inverse_inertia, turn_b);
+        answer[0][lane] = first.inverse_mass + second.inverse_mass + mul<I>(of_a, turn_a) + mul<I>(of_b, turn_b);
+        answer[1][lane] = of_a + of_b;
+        answer[2][lane] = first.inverse_inertia + second.inverse_inertia;
+
+        point_count = point_count < c.count ? c.count : point_count;
+        for (int k = 0; k < c.count; ++k) {
+            const contact_point<S, 2>& from = c.points[k];
+            point& to = points[k];
+            to.lever[lane] = cross(from.lever_a - middle.lever_a, c.normal);
+            to.mass[lane] = effective_mass(first, second, from, c.normal);
+            to.separation[lane] = from.separation;
+            to.impulse[lane] = from.persisted ? from.normal_impulse : S(0);
+            if constexpr (Features::restitution) to.bounce[lane] = bounce_of(c, from, first, second, bounce_slop, h);
+        }
+        if constexpr (Features::friction) {
+            friction[lane] = c.friction;
+            stop[lane] = effective_mass(first, second, middle, tangents<S, 2>(c.normal).t);
+            friction_impulse[lane] = friction_of(c);
+        }
+    }
+    /// Hands the impulses back. Friction is shared as the points share the load.
+    void take(int lane, contact<S, 2>& c) const {
+        S load = S(0);
+        for (int k = 0; k < c.count; ++k) load += points[k].impulse[lane];
+        for (int k = 0; k < c.count; ++k) {
+            contact_point<S, 2>& to = c.points[k];
+            to.normal_impulse = points[k].impulse[lane];
+            if constexpr (Features::friction)
+                to.friction_impulse = load > S(0) ? friction_impulse[lane] * (to.normal_impulse / load) : S(0);
+        }
+    }
+
+    /// Gives the bodies the impulses of the last substep at once.
+    void warm_start(body* bodies) const {
+        const frame_lanes f(*this);
+        body_lanes2<P> at_a, at_b;
+        at_a.load(bodies, a);
+        at_b.load(bodies, b);
+        P load = P::broadcast(S(0)), moment = load, rub = load;
+        for (int k = 0; k < point_count; ++k) {
+            const P impulse = P::load(points[k].impulse);
+            load = load + impulse;
+            moment = moment + P::load(points[k].lever) * impulse;
+        }
+        if constexpr (Features::friction) rub = P::load(friction_impulse);
+        push(f, load, rub, moment, at_a, at_b);
+        at_a.store(bodies, a);
+        at_b.store(bodies, b);
+    }
+    /// One round over the contacts: friction by the load of the last round, then the points one after the other. While
+    /// overlaps are pushed apart friction rests: it would act against what the springs do, and piles would sway.
+    void solve(body* bodies, const soft_round<S>& how) {
+        const frame_lanes f(*this);
+        body_lanes2<P> at_a, at_b;
+        at_a.load(bodies, a);
+        at_b.load(bodies, b);
+        if constexpr (Features::friction)
+            if (!how.pushes) rub(f, at_a, at_b);
+        const relative_motion speed(f, at_a.velocity, at_b.velocity), way(f, at_a.way, at_b.way);
+        push_points(f, speed, at_a, at_b, [&](point& p, const P& v) { return next_impulse(p, v, way.at(p), how); });
+        at_a.store(bodies, a);
+        at_b.store(bodies, b);
+    }
+    void bounce(body* bodies) requires Features::restitution {
+        const frame_lanes f(*this);
+        body_lanes2<P> at_a, at_b;
+        at_a.load(bodies, a);
+        at_b.load(bodies, b);
+        const relative_motion speed(f, at_a.velocity, at_b.velocity);
+        push_points(f, speed, at_a, at_b, [](point& p, const P& v) { return bounce_impulse(p, v); });
+        at_a.store(bodies, a);
+        at_b.store(bodies, b);
+    }
+
+private:
+    /// The normal, and the levers of impulses along it and along the tangent (y, -x).
+    struct frame_lanes {
+        P x, y, turn_a, turn_b, slide_a, slide_b;
+
+        PHYSICS_HPP_ALWAYS_INLINE explicit frame_lanes(const soft_contact2& c)
+            : x(P::load(c.normal[0])), y(P::load(c.normal[1])) {
+            const P ax = P::load(c.arm_a[0]), ay = P::load(c.arm_a[1]);
+            const P bx = P::load(c.arm_b[0]), by = P::load(c.arm_b[1]);
+            turn_a = lane_difference(ax, y, ay, x);
+            turn_b = lane_difference(bx, y, by, x);
+            slide_a = -lane_sum(ax, x, ay, y);
+            slide_b = -lane_sum(bx, x, by, y);
+        }
+    };
+    /// How B moves against A: along the normal at the middle, and turning.
+    struct relative_motion {
+        P along, turn;
+
+        PHYSICS_HPP_ALWAYS_INLINE relative_motion(const frame_lanes& f, const twist_lanes2<P>& a,
+                                                  const twist_lanes2<P>& b)
+            : along(lane_sum(f.x, b.linear.x - a.linear.x, f.y, b.linear.y - a.linear.y) +
+                    lane_difference(f.turn_b, b.angular, f.turn_a, a.angular)),
+              turn(b.angular - a.angular) {}
+        PHYSICS_HPP_ALWAYS_INLINE P at(const point& p) const { return along + P::load(p.lever) * turn; }
+    };
+    template <class Next>
+    PHYSICS_HPP_ALWAYS_INLINE void push_points(const frame_lanes& f, relative_motion speed, body_lanes2<P>& at_a,
+                                               body_lanes2<P>& at_b, Next&& next) {
+        P load = P::broadcast(S(0)), moment = load;
+        for (int k = 0; k < point_count; ++k) {
+            point& p = points[k];
+            const P change = next(p, speed.at(p)), torque = P::load(p.lever) * change;
+            load = load + change;
+            moment = moment + torque;
+            speed.along = speed.along + answered(0, 1, change, torque);
+            speed.turn = speed.turn + answered(1, 2, change, torque);
+        }
+        push(f, load, P::broadcast(S(0)), moment, at_a, at_b);
+    }
+    PHYSICS_HPP_ALWAYS_INLINE P answered(int i, int j, const P& x, const P& y) const {
+        return narrow<S>(product(Q::load(answer[i]), x) + product(Q::load(answer[j]), y));
+    }
+    /// Stops the slip at the middle, or lets it slide.
+    PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, body_lanes2<P>& at_a, body_lanes2<P>& at_b) {
+        P load = P::load(points[0].impulse);
+        for (int k = 1; k < point_count; ++k) load = load + P::load(points[k].impulse);
+        const auto& [v_a, w_a] = at_a.velocity;
+        const auto& [v_b, w_b] = at_b.velocity;
+        const P slip =
+            lane_difference(f.y, v_b.x - v_a.x, f.x, v_b.y - v_a.y) + lane_difference(f.slide_b, w_b, f.slide_a, w_a);
+        const P before = P::load(friction_impulse), most = P::load(friction) * load;
+        const P impulse = max(min(before - P::load(stop) * slip, most), -most);
+        impulse.store(friction_impulse);
+        push(f, P::broadcast(S(0)), impulse - before, P::broadcast(S(0)), at_a, at_b);
+    }
+    /// Impulses along the normal and the tangent at the middle, and an angular one, from A on B.
+    PHYSICS_HPP_ALWAYS_INLINE void push(const frame_lanes& f, const P& along, const P& across, const P& moment,
+                                        body_lanes2<P>& at_a, body_lanes2<P>& at_b) const {
+        const P x = lane_sum(f.x, along, f.y, across), y = lane_difference(f.y, along, f.x, across);
+        const Q m_a = Q::load(mass_a), m_b = Q::load(mass_b);
+        auto& [v_a, w_a] = at_a.velocity;
+        auto& [v_b, w_b] = at_b.velocity;
+        v_a = {v_a.x - mul<S>(m_a, x), v_a.y - mul<S>(m_a, y)};
+        v_b = {v_b.x + mul<S>(m_b, x), v_b.y + mul<S>(m_b, y)};
+        w_a = w_a - mul<S>(Q::load(inertia_a), lane_sum(f.turn_a, along, f.slide_a, across) + moment);
+        w_b = w_b + mul<S>(Q::load(inertia_b), lane_sum(f.turn_b, along, f.slide_b, across) + moment);
+    }
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/dynamics/soft_contact3.hpp
+// =================================================================================================
+// Contacts of the soft solver in space, in lanes.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// W contacts that push different bodies. All points of a contact share the normal, so their speeds follow from three
+/// numbers: the speed along the normal at the contact's middle, and how fast the bodies turn against each other about
+/// both tangents. Friction acts at the middle, and against twisting about the normal.
+template <class S, int W, class Features>
+struct soft_contact3 {
+    using I = inverse_of<S>;
+    using P = pack<S, W>;
+    using Q = pack<I, W>;
+    using body = solver_body<S, 3>;
+
+    struct point : soft_point<S, W, Features::restitution> {
+        /// Along both tangents, from the middle (m).
+        S x[W], y[W];
+    };
+
+    std::uint32_t a[W], b[W];
+    S normal[3][W], tangent[3][W];
+    /// From the bodies' centres to the middle (m).
+    S arm_a[3][W], arm_b[3][W];
+    I mass_a[W], mass_b[W], inertia_a[6][W], inertia_b[6][W];
+    /// How the three speeds answer to an impulse along the normal and to angular impulses about the tangents.
+    I answer[6][W];
+    point points[manifold<S, 3>::capacity];
+    int point_count = 0;
+    /// The largest friction for an impulse of 1, at the middle and, an angular impulse, about the normal (m).
+    S friction[W], twist_friction[W];
+    /// The impulses that stop a slip: the inverse of the answers along both tangents, and about the normal.
+    S stop_xx[W], stop_xy[W], stop_yy[W], slip[W], stop_twist[W];
+    S friction_x[W], friction_y[W], twist[W];
+
+    /// Writes a contact into a lane.
+    void put(int lane, const contact<S, 3>& c, const body* bodies, S bounce_slop, S h) {
+        const body& first = bodies[c.body_a];
+        const body& second = bodies[c.body_b];
+        const tangents<S, 3> frame(c.normal);
+        const contact_point<S, 3> middle = middle_of(c);
+        const vec<S, 3> turn_a = cross(middle.lever_a, c.normal), turn_b = cross(middle.lever_b, c.normal);
+        a[lane] = c.body_a;
+        b[lane] = c.body_b;
+        mass_a[lane] = first.inverse_mass;
+        mass_b[lane] = second.inverse_mass;
+        for (int i = 0; i < 3; ++i) {
+            normal[i][lane] = c.normal[i];
+            tangent[i][lane] = frame.t[i];
+            arm_a[i][lane] = middle.lever_a[i];
+            arm_b[i][lane] = middle.lever_b[i];
+        }
+        put_inertia(lane, first.inverse_inertia, inertia_a);
+        put_inertia(lane, second.inverse_inertia, inertia_b);
+        const auto both = [&](vec<S, 3> of_a, vec<S, 3> of_b, vec<S, 3> m_a, vec<S, 3> m_b) {
+            return torque_answer<S>(first.inverse_inertia, of_a, m_a) +
+                   torque_answer<S>(second.inverse_inertia, of_b, m_b);
+        };
+        answer[0][lane] = first.inverse_mass + second.inverse_mass + both(turn_a, turn_b, turn_a, turn_b);
+        answer[1][lane] = both(turn_a, turn_b, frame.t, frame.t);
+        answer[2][lane] = both(turn_a, turn_b, frame.u, frame.u);
+        answer[3][lane] = both(frame.t, frame.t, frame.t, frame.t);
+        answer[4][lane] = both(frame.t, frame.t, frame.u, frame.u);
+        answer[5][lane] = both(frame.u, frame.u, frame.u, frame.u);
+
+        point_count = point_count < c.count ? c.count : point_count;
+        S reach = S(0), pushed = S(0);
+        for (int k = 0; k < c.count; ++k) {
+            const contact_point<S, 3>& from = c.points[k];
+            const vec<S, 3> offset = from.lever_a - middle.lever_a;
+            point& to = points[k];
+            to.x[lane] = dot(offset, frame.t);
+            to.y[lane] = dot(offset, frame.u);
+            to.mass[lane] = effective_mass(first, second, from, c.normal);
+            to.separation[lane] = from.separation;
+            to.impulse[lane] = from.persisted ? from.normal_impulse : S(0);
+            pushed += to.impulse[lane];
+            reach += length(vec<S, 2>{to.x[lane], to.y[lane]});
+            if constexpr (Features::restitution) to.bounce[lane] = bounce_of(c, from, first, second, bounce_slop, h);
+        }
+        if constexpr (Features::friction) {
+            const friction3<S> stop(first, second, middle, frame);
+            friction[lane] = c.friction;
+            twist_friction[lane] = c.friction * reach / S(c.count);
+            stop_xx[lane] = stop.xx;
+            stop_xy[lane] = stop.xy;
+            stop_yy[lane] = stop.yy;
+            slip[lane] = stop.slip;
+            const I twisted = both(c.normal, c.normal, c.normal, c.normal);
+            stop_twist[lane] = twisted > I(0) ? reciprocal<S>(twisted) : S(0);
+            const vec<S, 2> before = friction_of(c);
+            friction_x[lane] = before.x;
+            friction_y[lane] = before.y;
+            twist[lane] = c.twist_impulse;
+        }
+    }
+    /// Hands the impulses back. Friction is shared as the points share the load.
+    void take(int lane, contact<S, 3>& c) const {
+        S load = S(0);
+        for (int k = 0; k < c.count; ++k) load += points[k].impulse[lane];
+        for (int k = 0; k < c.count; ++k) {
+            contact_point<S, 3>& to = c.points[k];
+            to.normal_impulse = points[k].impulse[lane];
+            if constexpr (Features::friction) {
+                const S part = load > S(0) ? to.normal_impulse / load : S(0);
+                to.friction_impulse = {friction_x[lane] * part, friction_y[lane] * part};
+            }
+        }
+        if constexpr (Features::friction) c.twist_impulse = twist[lane];
+    }
+
+    /// Gives the bodies the impulses of the last substep at once.
+    void warm_start(body* bodies) const {
+        frame_lanes f(*this);
+        body_lanes3<P> at_a, at_b;
+        at_a.load(bodies, a);
+        at_b.load(bodies, b);
+        P load = P::broadcast(S(0)), about_t = load, about_u = load;
+        for (int k = 0; k < point_count; ++k) add_push(points[k], P::load(points[k].impulse), load, about_t, about_u);
+        lanes3<P> impulse = {f.n.x * load, f.n.y * load, f.n.z * load};
+        lanes3<P> moment = lane_combine(f.t, about_t, f.u, about_u);
+        if constexpr (Features::friction) {
+            impulse = lane_add(impulse, lane_combine(f.t, P::load(friction_x), f.u, P::load(friction_y)));
+            const P about_n = P::load(twist);
+            moment = lane_add(moment, {f.n.x * about_n, f.n.y * about_n, f.n.z * about_n});
+        }
+        push(f, impulse, moment, at_a, at_b);
+        at_a.store(bodies, a);
+        at_b.store(bodies, b);
+    }
+
+    /// One round over the contacts: friction by the load of the last round, then the points one after the other. While
+    /// overlaps are pushed apart friction rests: it would act against what the springs do, and piles would sway.
+    void solve(body* bodies, const soft_round<S>& how) {
+        frame_lanes f(*this);
+        body_lanes3<P> at_a, at_b;
+        at_a.load(bodies, a);
+        at_b.load(bodies, b);
+        if constexpr (Features::friction)
+            if (!how.pushes) rub(f, at_a, at_b);
+        const relative_motion speed(f, at_a.velocity, at_b.velocity), way(f, at_a.way, at_b.way);
+        push_points(f, speed, at_a, at_b, [&](point& p, const P& v) { return next_impulse(p, v, way.at(p), how); });
+        at_a.store(bodies, a);
+        at_b.store(bodies, b);
+    }
+    void bounce(body* bodies) requires Features::restitution {
+        frame_lanes f(*this);
+        body_lanes3<P> at_a, at_b;
+        at_a.load(bodies, a);
+        at_b.load(bodies, b);
+        const relative_motion speed(f, at_a.velocity, at_b.velocity);
+        push_points(f, speed, at_a, at_b, [](point& p, const P& v) { return bounce_impulse(p, v); });
+        at_a.store(bodies, a);
+        at_b.store(bodies, b);
+    }
+
+private:
+    struct frame_lanes {
+        lanes3<P> n, t, u, arm_a, arm_b;
+
+        PHYSICS_HPP_ALWAYS_INLINE explicit frame_lanes(const soft_contact3& c)
+            : n(lanes3<P>::load(c.normal)),
+              t(lanes3<P>::load(c.tangent)),
+              u(lane_cross(n, t)),
+              arm_a(lanes3<P>::load(c.arm_a)),
+              arm_b(lanes3<P>::load(c.arm_b)) {}
+    };
+    /// How B moves against A: along the normal at the middle, and about the tangents.
+    struct relative_motion {
+        P along, about_t, about_u;
+
+        PHYSICS_HPP_ALWAYS_INLINE relative_motion(const frame_lanes& f, const twist_lanes3<P>& a,
+                                                  const twist_lanes3<P>& b)
+            : along(lane_dot(f.n, at_middle(f, a, b))) {
+            const lanes3<P> turn = lane_subtract(b.angular, a.angular);
+            about_t = lane_dot(f.t, turn);
+            about_u = lane_dot(f.u, turn);
+        }
+        PHYSICS_HPP_ALWAYS_INLINE P at(const point& p) const {
+            return along + lane_difference(P::load(p.y), about_t, P::load(p.x), about_u);
+        }
+    };
+    PHYSICS_HPP_ALWAYS_INLINE static lanes3<P> at_middle(const frame_lanes& f, const twist_lanes3<P>& a,
+                                                         const twist_lanes3<P>& b) {
+        return lane_subtract(lane_add(b.linear, lane_cross(b.angular, f.arm_b)),
+                             lane_add(a.linear, lane_cross(a.angular, f.arm_a)));
+    }
+    PHYSICS_HPP_ALWAYS_INLINE static void add_push(const point& p, const P& impulse, P& load, P& about_t, P& about_u) {
+        load = load + impulse;
+        about_t = about_t + P::load(p.y) * impulse;
+        about_u = about_u - P::load(p.x) * impulse;
+    }
+    template <class Next>
+    PHYSICS_HPP_ALWAYS_INLINE void push_points(const frame_lanes& f, relative_motion speed, body_lanes3<P>& at_a,
+                                               body_lanes3<P>& at_b, Next&& next) {
+        P load = P::broadcast(S(0)), about_t = load, about_u = load;
+        for (int k = 0; k < point_count; ++k) {
+            point& p = points[k];
+            const P change = next(p, speed.at(p));
+            const P of_t = P::load(p.y) * change, of_u = -(P::load(p.x) * change);
+            load = load + change;
+            about_t = about_t + of_t;
+            about_u = about_u + of_u;
+            speed.along = speed.along + answered(0, 1, 2, change, of_t, of_u);
+            speed.about_t = speed.about_t + answered(1, 3, 4, change, of_t, of_u);
+            speed.about_u = speed.about_u + answered(2, 4, 5, change, of_t, of_u);
+        }
+        push(f, {f.n.x * load, f.n.y * load, f.n.z * load}, lane_combine(f.t, about_t, f.u, about_u), at_a, at_b);
+    }
+    PHYSICS_HPP_ALWAYS_INLINE P answered(int i, int j, int k, const P& x, const P& y, const P& z) const {
+        return narrow<S>(product(Q::load(answer[i]), x) + product(Q::load(answer[j]), y) +
+                         product(Q::load(answer[k]), z));
+    }
+    /// Stops the slip at the middle, or lets it slide on the cone; then the twist about the normal.
+    PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, body_lanes3<P>& at_a, body_lanes3<P>& at_b) {
+        P load = P::load(points[0].impulse);
+        for (int k = 1; k < point_count; ++k) load = load + P::load(points[k].impulse);
+        const lanes3<P> slipping = at_middle(f, at_a.velocity, at_b.velocity);
+        const P vx = lane_dot(f.t, slipping), vy = lane_dot(f.u, slipping), xy = P::load(stop_xy);
+        const P before_x = P::load(friction_x), before_y = P::load(friction_y), limit = P::load(friction) * load;
+        const P stick_x = before_x - lane_sum(P::load(stop_xx), vx, xy, vy);
+        const P stick_y = before_y - lane_sum(xy, vx, P::load(stop_yy), vy);
+        const P scale = P::load(slip), slide_x = before_x - scale * vx, slide_y = before_y - scale * vy;
+        const P sliding = lane_length(slide_x, slide_y), sticking = lane_length(stick_x, stick_y);
+        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
+        const P share = select_greater(sliding, limit, limit / select_greater(sliding, zero, sliding, one), one);
+        const P x = select_greater(sticking, limit, slide_x * share, stick_x);
+        const P y = select_greater(sticking, limit, slide_y * share, stick_y);
+        x.store(friction_x);
+        y.store(friction_y);
+        const P about_n = lane_dot(f.n, lane_subtract(at_b.velocity.angular, at_a.velocity.angular));
+        const P before = P::load(twist), most = P::load(twist_friction) * load;
+        const P turned = max(min(before - P::load(stop_twist) * about_n, most), -most);
+        turned.store(twist);
+        const P by = turned - before;
+        push(f, lane_combine(f.t, x - before_x, f.u, y - before_y), {f.n.x * by, f.n.y * by, f.n.z * by}, at_a, at_b);
+    }
+    /// An impulse at the middle and an angular impulse, from A on B.
+    PHYSICS_HPP_ALWAYS_INLINE void push(const frame_lanes& f, const lanes3<P>& impulse, const lanes3<P>& moment,
+                                        body_lanes3<P>& at_a, body_lanes3<P>& at_b) const {
+        const Q m_a = Q::load(mass_a), m_b = Q::load(mass_b);
+        auto& [v_a, w_a] = at_a.velocity;
+        auto& [v_b, w_b] = at_b.velocity;
+        v_a = {v_a.x - mul<S>(m_a, impulse.x), v_a.y - mul<S>(m_a, impulse.y), v_a.z - mul<S>(m_a, impulse.z)};
+        v_b = {v_b.x + mul<S>(m_b, impulse.x), v_b.y + mul<S>(m_b, impulse.y), v_b.z + mul<S>(m_b, impulse.z)};
+        w_a = lane_subtract(w_a, turned_by(inertia_a, lane_add(lane_cross(f.arm_a, impulse), moment)));
+        w_b = lane_add(w_b, turned_by(inertia_b, lane_add(lane_cross(f.arm_b, impulse), moment)));
+    }
+    PHYSICS_HPP_ALWAYS_INLINE static lanes3<P> turned_by(const I (&inertia)[6][W], const lanes3<P>& moment) {
+        const Q xx = Q::load(inertia[0]), yy = Q::load(inertia[1]), zz = Q::load(inertia[2]);
+        const Q xy = Q::load(inertia[3]), xz = Q::load(inertia[4]), yz = Q::load(inertia[5]);
+        const auto row = [&](const Q& x, const Q& y, const Q& z) {
+            return narrow<S>(product(x, moment.x) + product(y, moment.y) + product(z, moment.z));
+        };
+        return {row(xx, xy, xz), row(xy, yy, yz), row(xz, yz, zz)};
+    }
+    static void put_inertia(int lane, const symmetric<I>& m, I (&to)[6][W]) {
+        const I six[] = {m.xx, m.yy, m.zz, m.xy, m.xz, m.yz};
+        for (int i = 0; i < 6; ++i) to[i][lane] = six[i];
+    }
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/dynamics/soft_step.hpp
+// =================================================================================================
+// The soft step: many small steps, each with one round over the contacts in lanes.
+
+PHYSICS_HPP_BEGIN
+
+/// Numbers of the soft step solver; lengths in metres, speeds in m/s.
+template <class S>
+struct soft_step_settings {
+    /// Parts of a step, each with its own round; more make contacts stiffer and heavy loads safer. At least 1.
+    int substeps = 4;
+    /// Frequency of the springs that push overlaps apart, as a part of the substeps' rate: work buys stiffness. More
+    /// than the default lets tall piles sway.
+    S stiffness = S(0.125);
+    /// Their damping ratio.
+    S damping_ratio = S(10);
+    /// The frequency is no higher than this (Hz); 0: no limit.
+    S frequency_cap = S(0);
+    /// Speed at which overlaps are pushed apart, at most.
+    S max_push_speed = S(3);
+    /// Approaches slower than this do not bounce.
+    S restitution_slop = S(0.5);
+};
+
+template <class S>
+bool check(const soft_step_settings<S>& with, const char* function) {
+    if (with.substeps < 1) return detail::refuse(function, "solver.substeps", with.substeps, "it must be at least 1");
+    return detail::check_positive(function, "solver.stiffness", with.stiffness) &&
+           detail::check_positive(function, "solver.damping_ratio", with.damping_ratio) &&
+           detail::check_not_negative(function, "solver.frequency_cap", with.frequency_cap) &&
+           detail::check_not_negative(function, "solver.max_push_speed", with.max_push_speed) &&
+           detail::check_not_negative(function, "solver.restitution_slop", with.restitution_slop);
+}
+
+/// Small steps with soft contacts: in each substep velocities advance, impulses of the last one are given at once, a
+/// round pushes overlaps apart by damped springs, poses advance, and a round without springs takes back the speed that
+/// they gave. Bounces come last. Contacts act per manifold: friction at its middle on a circular cone, and against
+/// twisting. Error: of order h / substeps; the springs follow the substep, so that more work always means less error.
+/// Cost: 2 rounds a substep, contacts of one colour in lanes. Source: Macklin et al., Small Steps in Physics Simulation
+/// (2019); Catto, Soft constraints (GDC 2011), Solver2D (2024).
+struct soft_step {
+    using stage = physics::stage::solver;
+
+    /// Width: how many contacts go in lanes at a time; every width gives the same bits.
+    template <class Space, class Features, int Width = detail::native_width<typename Space::scalar>>
+    class in {
+    public:
+        using S = typename Space::scalar;
+        static constexpr int D = Space::dimension;
+        using settings = soft_step_settings<S>;
+
+        /// Advances velocities and poses by h: `motion` offers advance_velocities(h) and advance_poses(h).
+        template <class Motion>
+        static void solve(solver_bodies<S, D> all, buffer<contact<S, D>>& contacts, const settings& with, S h,
+                          arena& scratch, Motion&& motion) {
+            // Idle lanes push nobody.
+            const std::uint32_t nobody = all.count - 1;
+            solver_body<S, D>* const bodies = all.first;
+            const detail::contact_colours colours = detail::colour(contacts, all, scratch);
+            std::uint32_t count = 0;
+            for (std::uint32_t k = 0; k < colours.count; ++k) count += blocks_of(colours, k);
+            block* blocks = scratch.template take<block>(count);
+            std::uint32_t* numbers = scratch.template take<std::uint32_t>(count * width);
+            pack_blocks(colours, contacts, bodies, nobody, with, h, blocks, numbers);
+
+            const S part = h / S(with.substeps);
+            const S frequency = with.stiffness / part;
+            const bool capped = with.frequency_cap > S(0) && with.frequency_cap < frequency;
+            const detail::soft_round<S> press{
+                S(1) / part, detail::softness<S>::of(capped ? with.frequency_cap : frequency, with.damping_ratio, part),
+                with.max_push_speed, true};
+            detail::soft_round<S> relax = press;
+            relax.pushes = false;
+            for (int i = 0; i < with.substeps; ++i) {
+                motion.advance_velocities(part);
+                for (std::uint32_t k = 0; k < count; ++k) blocks[k].warm_start(bodies);
+                for (std::uint32_t k = 0; k < count; ++k) blocks[k].solve(bodies, press);
+                for (std::uint32_t k = 0; k < nobody; ++k) {
+                    bodies[k].way.linear += bodies[k].velocity.linear * part;
+                    bodies[k].way.angular += bodies[k].velocity.angular * part;
+                }
+                motion.advance_poses(part);
+                for (std::uint32_t k = 0; k < count; ++k) blocks[k].solve(bodies, relax);
+            }
+            if constexpr (Features::restitution)
+                for (std::uint32_t k = 0; k < count; ++k) blocks[k].bounce(bodies);
+            for (std::uint32_t k = 0; k < count; ++k)
+                for (int lane = 0; lane < width; ++lane)
+                    if (const std::uint32_t n = numbers[k * width + static_cast<std::uint32_t>(lane)]; n != none)
+                        blocks[k].take(lane, contacts[n]);
+        }
+
+    private:
+        static constexpr int width = Width;
+        static constexpr std::uint32_t none = 0xffffffffu;
+        using block = std::conditional_t<D == 2, detail::soft_contact2<S, width, Features>,
+                                         detail::soft_contact3<S, width, Features>>;
+
+        /// Contacts of a block in one group: one where they may push the same body.
+        static std::uint32_t share_of(const detail::contact_colours& colours, std::uint32_t group) {
+            return colours.last_is_serial && group + 1 == colours.count ? 1 : std::uint32_t{width};
+        }
+        static std::uint32_t blocks_of(const detail::contact_colours& colours, std::uint32_t group) {
+            const std::uint32_t share = share_of(colours, group);
+            return (colours.begin[group + 1] - colours.begin[group] + share - 1) / share;
+        }
+        static void pack_blocks(const detail::contact_colours& colours, const buffer<contact<S, D>>& contacts,
+                                const solver_body<S, D>* bodies, std::uint32_t nobody, const settings& with, S h,
+                                block* blocks, std::uint32_t* numbers) {
+            for (std::uint32_t group = 0; group < colours.count; ++group) {
+                const std::uint32_t share = share_of(colours, group);
+                for (std::uint32_t at = colours.begin[group]; at < colours.begin[group + 1]; at += share) {
+                    block& to = *new (blocks++) block{};
+                    for (std::uint32_t lane = 0; lane < std::uint32_t{width}; ++lane) {
+                        const bool used = lane < share && at + lane < colours.begin[group + 1];
+                        const std::uint32_t n = used ? colours.order[at + lane] : none;
+                        *numbers++ = n;
+                        if (used)
+                            to.put(static_cast<int>(lane), contacts[n], bodies, with.restitution_slop, h);
+                        else
+                            to.a[lane] = to.b[lane] = nobody;
+                    }
+                }
             }
         }
     };
@@ -19427,7 +20352,7 @@ struct any_motion {
 /// What a solver must offer: settings with a function check(settings, function) like that of shapes, and
 /// solve(bodies, contacts, settings, h, scratch, motion).
 template <class Policy, class S, int D, class Features>
-concept solver_policy = requires(solver_body<S, D>* bodies, buffer<contact<S, D>> contacts, arena scratch,
+concept solver_policy = requires(solver_bodies<S, D> bodies, buffer<contact<S, D>> contacts, arena scratch,
                                  any_motion<S> motion,
                                  const typename Policy::template in<space<S, D>, Features>::settings settings) {
     { check(settings, "function") } -> std::same_as<bool>;
@@ -20770,7 +21695,7 @@ void find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs) {
         const transform<S, D> pose = world_pose(s, a);
         const vec<S, D> from_a = pose.position - s.bodies[a.body].center;
         const vec<S, D> from_b = pose.position - s.bodies[b.body].center;
-        contact<S, D> c{p.a, p.b, a.body, b.body, part, pose.rotation * m.normal, {}, m.count, S(0), S(0)};
+        contact<S, D> c{p.a, p.b, a.body, b.body, part, pose.rotation * m.normal, {}, m.count, S(0), S(0), S(0)};
         for (int k = 0; k < m.count; ++k) {
             const vec<S, D> at = pose.rotation * m.points[k].position;
             c.points[k].lever_a = from_a + at;
@@ -20801,12 +21726,14 @@ void restore_poses(state<Plan>& s) {
 
 /// What the solver sees of the bodies; bodies with a target pose get the velocity that reaches it.
 template <class Plan>
-auto* gather_bodies(state<Plan>& s, typename Plan::scalar h) {
+auto gather_bodies(state<Plan>& s, typename Plan::scalar h) {
     using S = typename Plan::scalar;
     constexpr int D = Plan::dimension;
-    auto* bodies = s.scratch.template take<solver_body<S, D>>(s.bodies.slots());
+    const std::uint32_t count = s.bodies.slots() + 1;
+    const solver_bodies<S, D> bodies{s.scratch.template take<solver_body<S, D>>(count), count};
+    for (std::uint32_t i = 0; i < count; ++i) new (bodies.first + i) solver_body<S, D>{};
     s.bodies.each([&](std::uint32_t i, const body<S, D>& b) {
-        new (bodies + i) solver_body<S, D>{b.velocity, b.inverse_mass, in_world(b.inverse_inertia, b.rotation)};
+        bodies[i] = {b.velocity, {}, b.inverse_mass, in_world(b.inverse_inertia, b.rotation)};
         if (!b.has_target) return;
         bodies[i].velocity.linear = (b.target * b.mass.center - b.center) / h;
         bodies[i].velocity.angular = rotation_vector(b.target.rotation * inverse(b.rotation)) / h;
@@ -20821,7 +21748,7 @@ struct motion {
     static constexpr int D = Plan::dimension;
 
     state<Plan>& s;
-    solver_body<S, D>* bodies;
+    solver_bodies<S, D> bodies;
     bool finite = true;
 
     void advance_velocities(S h) {
@@ -20842,7 +21769,7 @@ struct motion {
 /// Stores what the step found: velocities, contacts with their impulses. Forces act for one step, and bodies
 /// that had a target stand still.
 template <class Plan>
-void finish(state<Plan>& s, const solver_body<typename Plan::scalar, Plan::dimension>* bodies) {
+void finish(state<Plan>& s, solver_bodies<typename Plan::scalar, Plan::dimension> bodies) {
     s.bodies.each([&](std::uint32_t i, auto& b) {
         b.velocity = bodies[i].velocity;
         b.force = {};
@@ -20860,7 +21787,7 @@ void finish(state<Plan>& s, const solver_body<typename Plan::scalar, Plan::dimen
 /// Bounds: tells the broadphase where shapes are and where they are heading; bodies with a target are there, to the
 /// bit. False if a box is beyond the scalar's range.
 template <class Plan>
-bool update_boxes(state<Plan>& s, const solver_body<typename Plan::scalar, Plan::dimension>* bodies,
+bool update_boxes(state<Plan>& s, solver_bodies<typename Plan::scalar, Plan::dimension> bodies,
                   typename Plan::scalar h) {
     bool fit = true;
     s.bodies.each([&](std::uint32_t i, auto& b) {
@@ -20881,16 +21808,16 @@ bool update_boxes(state<Plan>& s, const solver_body<typename Plan::scalar, Plan:
 template <class Plan>
 PHYSICS_HPP_NOINLINE bool step(state<Plan>& s, typename Plan::scalar h) {
     s.scratch.reset();
-    const auto& pairs = find_pairs(s);           // boxes             -> pairs, in order
-    find_contacts(s, pairs);                     // pairs and poses   -> contacts with feature ids
-    inherit_impulses(s.contacts, s.found);       // last step's       -> warm impulses of what persists
-    remember_poses(s);                           // poses             -> where the step began
-    auto* bodies = gather_bodies(s, h);          // bodies            -> what the solver sees of them
+    const auto& pairs = find_pairs(s);        // boxes             -> pairs, in order
+    find_contacts(s, pairs);                  // pairs and poses   -> contacts with feature ids
+    inherit_impulses(s.contacts, s.found);    // last step's       -> warm impulses of what persists
+    remember_poses(s);                        // poses             -> where the step began
+    const auto bodies = gather_bodies(s, h);  // bodies            -> what the solver sees of them
     motion<Plan> moving{s, bodies};
     Plan::solver::solve(bodies, s.found, s.settings.solver, h, s.scratch, moving);  // -> velocities, poses
     if (!moving.finite) return restore_poses(s), false;
     if (!update_boxes(s, bodies, h)) return restore_poses(s), false;  // poses -> boxes of what has moved
-    finish(s, bodies);                           // results           -> bodies and contacts
+    finish(s, bodies);                                                // results           -> bodies and contacts
     return true;
 }
 
@@ -21250,7 +22177,7 @@ private:
     }
     void kick(body_id id, const char* function, vec impulse, bool local, const vec* point) {
         detail::act(state_, id, function, "impulse", impulse, local, point, [](auto& b, vec p, vec lever) {
-            solver_body<scalar, dimension> v{b.velocity, b.inverse_mass, in_world(b.inverse_inertia, b.rotation)};
+            solver_body<scalar, dimension> v{b.velocity, {}, b.inverse_mass, in_world(b.inverse_inertia, b.rotation)};
             v.apply(p, lever);
             return is_finite(v.velocity.linear) && detail::assign(b.velocity.angular, v.velocity.angular) &&
                    detail::assign(b.velocity.linear, v.velocity.linear);

@@ -154,10 +154,16 @@
 
 // Bodies, contacts, and the solver that moves them.
 #include "physics/dynamics/body.hpp"
+#include "physics/dynamics/body_lanes.hpp"
 #include "physics/dynamics/contact.hpp"
+#include "physics/dynamics/contact_graph.hpp"
 #include "physics/dynamics/friction.hpp"
 #include "physics/dynamics/integrator.hpp"
 #include "physics/dynamics/sequential_impulse.hpp"
+#include "physics/dynamics/soft_contact.hpp"
+#include "physics/dynamics/soft_contact2.hpp"
+#include "physics/dynamics/soft_contact3.hpp"
+#include "physics/dynamics/soft_step.hpp"
 
 // What users hold; world/step.hpp is the page to read first.
 #include "physics/world/audit.hpp"

@@ -90,7 +90,7 @@ struct glue {
         using T = typename Space::scalar;
         static constexpr int D = Space::dimension;
         template <class Motion>
-        static void solve(physics::solver_body<T, D>* bodies, physics::buffer<physics::contact<T, D>>& contacts,
+        static void solve(physics::solver_bodies<T, D> bodies, physics::buffer<physics::contact<T, D>>& contacts,
                           const settings& with, T h, physics::arena&, Motion&& motion) {
             for (int i = 0; i < with.substeps; ++i) {
                 motion.advance_velocities(h / T(with.substeps));

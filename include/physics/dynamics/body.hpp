@@ -51,11 +51,13 @@ struct body {
     [[nodiscard]] constexpr bool is_dynamic() const { return type == body_type::dynamic_body; }
 };
 
-/// What a solver sees of a body: velocity and how it answers to impulses. Bodies that nothing pushes have
-/// the inverse mass 0.
+/// What a solver sees of a body: velocity, how far it has come in this step if the solver cares, and how it answers to
+/// impulses. Bodies that nothing pushes have the inverse mass 0. The twists come first, so that lanes read them in rows
+/// of four scalars.
 template <class S, int D>
-struct solver_body {
+struct alignas(16) solver_body {
     twist<S, D> velocity;
+    twist<S, D> way;
     inverse_of<S> inverse_mass{};
     physics::inverse_inertia<S, D> inverse_inertia{};
 
@@ -64,6 +66,15 @@ struct solver_body {
         for (int i = 0; i < D; ++i) velocity.linear[i] += mul<S>(inverse_mass, p[i]);
         velocity.angular += times(inverse_inertia, cross(r, p));
     }
+};
+
+/// The bodies of a step by their numbers; the last one is nobody, whom nothing moves.
+template <class S, int D>
+struct solver_bodies {
+    solver_body<S, D>* first;
+    std::uint32_t count;
+
+    solver_body<S, D>& operator[](std::uint32_t i) const { return first[i]; }
 };
 
 PHYSICS_HPP_END

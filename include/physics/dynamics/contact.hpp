@@ -47,6 +47,8 @@ struct contact {
     vec<S, D> normal;
     contact_point<S, D> points[manifold<S, D>::capacity];
     int count = 0;
+    /// Angular impulse of friction about the normal, where the solver lets contacts resist twisting (N m s).
+    S twist_impulse{};
     /// Of both surfaces together.
     S friction{};
     S restitution{};
@@ -90,6 +92,18 @@ void inherit_impulse(const contact<S, D>& old, const tangents<S, D>& frame, cont
     }
 }
 
+/// Hands the impulses of the same features in an old contact to a contact.
+template <class S, int D>
+void inherit_impulses(const contact<S, D>& old, const tangents<S, D>& frame, contact<S, D>& c) {
+    bool persisted = false;
+    for (int k = 0; k < c.count; ++k) {
+        const bool before = c.points[k].persisted;
+        inherit_impulse(old, frame, c.points[k]);
+        persisted = persisted || before != c.points[k].persisted;
+    }
+    if (persisted) c.twist_impulse = old.twist_impulse;
+}
+
 /// Hands the impulses of last step's contacts to the same features of this step's. Both lists are in
 /// ascending order of their pairs, so one walk along both finds the matches: O(n), no hashing; a pair of several
 /// contacts is searched whole. Points that are new start from zero: only what outlives a step is warm.
@@ -101,7 +115,7 @@ void inherit_impulses(const buffer<contact<S, D>>& before, buffer<contact<S, D>>
         if (i == before.size()) return;
         const tangents<S, D> frame(c.normal);
         for (std::uint32_t n = i; n < before.size() && before[n].key() == c.key(); ++n)
-            for (int k = 0; k < c.count; ++k) inherit_impulse(before[n], frame, c.points[k]);
+            inherit_impulses(before[n], frame, c);
     }
 }
 

@@ -15,16 +15,20 @@ constexpr inverse_of<S> angular_answer(inverse_of<S> inverse_inertia, vec<S, 2> 
     using I = inverse_of<S>;
     return mul<I>(mul<I>(inverse_inertia, cross(r, n)), cross(r, m));
 }
+/// The change of angular velocity about b by an angular impulse about a.
 template <class S>
-constexpr inverse_of<S> angular_answer(const symmetric<inverse_of<S>>& inverse_inertia, vec<S, 3> r, vec<S, 3> n,
-                                       vec<S, 3> m) {
+constexpr inverse_of<S> torque_answer(const symmetric<inverse_of<S>>& inverse_inertia, vec<S, 3> a, vec<S, 3> b) {
     using I = inverse_of<S>;
-    const vec<S, 3> a = cross(r, n), b = cross(r, m);
     const auto& k = inverse_inertia;
     const I x = narrow<I>(product(k.xx, a.x) + product(k.xy, a.y) + product(k.xz, a.z));
     const I y = narrow<I>(product(k.xy, a.x) + product(k.yy, a.y) + product(k.yz, a.z));
     const I z = narrow<I>(product(k.xz, a.x) + product(k.yz, a.y) + product(k.zz, a.z));
     return narrow<I>(product(x, b.x) + product(y, b.y) + product(z, b.z));
+}
+template <class S>
+constexpr inverse_of<S> angular_answer(const symmetric<inverse_of<S>>& inverse_inertia, vec<S, 3> r, vec<S, 3> n,
+                                       vec<S, 3> m) {
+    return torque_answer<S>(inverse_inertia, cross(r, n), cross(r, m));
 }
 
 /// Both bodies' answer along m to a unit impulse along n at a contact point.

@@ -54,7 +54,7 @@ struct sequential_impulse {
 
         /// Advances velocities and poses by h: `motion` offers advance_velocities(h) and advance_poses(h).
         template <class Motion>
-        static void solve(solver_body<S, D>* bodies, buffer<contact<S, D>>& contacts, const settings& with, S h,
+        static void solve(solver_bodies<S, D> bodies, buffer<contact<S, D>>& contacts, const settings& with, S h,
                           arena& scratch, Motion&& motion) {
             block* blocks = scratch.template take<block>(contacts.size());
             for (std::uint32_t i = 0; i < contacts.size(); ++i) new (blocks + i) block(contacts[i], bodies, with, h);
@@ -88,7 +88,7 @@ struct sequential_impulse {
             tangents<S, D> frame;
             row rows[manifold<S, D>::capacity];
 
-            block(const contact<S, D>& c, const solver_body<S, D>* bodies, const settings& with, S h)
+            block(const contact<S, D>& c, solver_bodies<S, D> bodies, const settings& with, S h)
                 : frame(c.normal) {
                 const solver_body<S, D>& a = bodies[c.body_a];
                 const solver_body<S, D>& b = bodies[c.body_b];
@@ -119,7 +119,7 @@ struct sequential_impulse {
             return target;
         }
 
-        static void warm_start(const contact<S, D>& c, const block& with, solver_body<S, D>* bodies) {
+        static void warm_start(const contact<S, D>& c, const block& with, solver_bodies<S, D> bodies) {
             for (int k = 0; k < c.count; ++k) {
                 const contact_point<S, D>& p = c.points[k];
                 if (!p.persisted) continue;
@@ -130,7 +130,7 @@ struct sequential_impulse {
             }
         }
 
-        static void solve_contact(contact<S, D>& c, const block& with, solver_body<S, D>* bodies, bool back) {
+        static void solve_contact(contact<S, D>& c, const block& with, solver_bodies<S, D> bodies, bool back) {
             solver_body<S, D>& a = bodies[c.body_a];
             solver_body<S, D>& b = bodies[c.body_b];
             if constexpr (Features::friction) {

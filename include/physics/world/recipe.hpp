@@ -4,6 +4,7 @@
 #include "physics/broadphase/dynamic_tree.hpp"
 #include "physics/collide/narrowphase.hpp"
 #include "physics/dynamics/sequential_impulse.hpp"
+#include "physics/dynamics/soft_step.hpp"
 #include "physics/shape/chain.hpp"
 #include "physics/shape/compound.hpp"
 #include "physics/shape/heightfield.hpp"

@@ -66,7 +66,7 @@ void find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs) {
         const transform<S, D> pose = world_pose(s, a);
         const vec<S, D> from_a = pose.position - s.bodies[a.body].center;
         const vec<S, D> from_b = pose.position - s.bodies[b.body].center;
-        contact<S, D> c{p.a, p.b, a.body, b.body, part, pose.rotation * m.normal, {}, m.count, S(0), S(0)};
+        contact<S, D> c{p.a, p.b, a.body, b.body, part, pose.rotation * m.normal, {}, m.count, S(0), S(0), S(0)};
         for (int k = 0; k < m.count; ++k) {
             const vec<S, D> at = pose.rotation * m.points[k].position;
             c.points[k].lever_a = from_a + at;
@@ -97,12 +97,14 @@ void restore_poses(state<Plan>& s) {
 
 /// What the solver sees of the bodies; bodies with a target pose get the velocity that reaches it.
 template <class Plan>
-auto* gather_bodies(state<Plan>& s, typename Plan::scalar h) {
+auto gather_bodies(state<Plan>& s, typename Plan::scalar h) {
     using S = typename Plan::scalar;
     constexpr int D = Plan::dimension;
-    auto* bodies = s.scratch.template take<solver_body<S, D>>(s.bodies.slots());
+    const std::uint32_t count = s.bodies.slots() + 1;
+    const solver_bodies<S, D> bodies{s.scratch.template take<solver_body<S, D>>(count), count};
+    for (std::uint32_t i = 0; i < count; ++i) new (bodies.first + i) solver_body<S, D>{};
     s.bodies.each([&](std::uint32_t i, const body<S, D>& b) {
-        new (bodies + i) solver_body<S, D>{b.velocity, b.inverse_mass, in_world(b.inverse_inertia, b.rotation)};
+        bodies[i] = {b.velocity, {}, b.inverse_mass, in_world(b.inverse_inertia, b.rotation)};
         if (!b.has_target) return;
         bodies[i].velocity.linear = (b.target * b.mass.center - b.center) / h;
         bodies[i].velocity.angular = rotation_vector(b.target.rotation * inverse(b.rotation)) / h;
@@ -117,7 +119,7 @@ struct motion {
     static constexpr int D = Plan::dimension;
 
     state<Plan>& s;
-    solver_body<S, D>* bodies;
+    solver_bodies<S, D> bodies;
     bool finite = true;
 
     void advance_velocities(S h) {
@@ -138,7 +140,7 @@ struct motion {
 /// Stores what the step found: velocities, contacts with their impulses. Forces act for one step, and bodies
 /// that had a target stand still.
 template <class Plan>
-void finish(state<Plan>& s, const solver_body<typename Plan::scalar, Plan::dimension>* bodies) {
+void finish(state<Plan>& s, solver_bodies<typename Plan::scalar, Plan::dimension> bodies) {
     s.bodies.each([&](std::uint32_t i, auto& b) {
         b.velocity = bodies[i].velocity;
         b.force = {};
@@ -156,7 +158,7 @@ void finish(state<Plan>& s, const solver_body<typename Plan::scalar, Plan::dimen
 /// Bounds: tells the broadphase where shapes are and where they are heading; bodies with a target are there, to the
 /// bit. False if a box is beyond the scalar's range.
 template <class Plan>
-bool update_boxes(state<Plan>& s, const solver_body<typename Plan::scalar, Plan::dimension>* bodies,
+bool update_boxes(state<Plan>& s, solver_bodies<typename Plan::scalar, Plan::dimension> bodies,
                   typename Plan::scalar h) {
     bool fit = true;
     s.bodies.each([&](std::uint32_t i, auto& b) {
@@ -177,16 +179,16 @@ bool update_boxes(state<Plan>& s, const solver_body<typename Plan::scalar, Plan:
 template <class Plan>
 PHYSICS_HPP_NOINLINE bool step(state<Plan>& s, typename Plan::scalar h) {
     s.scratch.reset();
-    const auto& pairs = find_pairs(s);           // boxes             -> pairs, in order
-    find_contacts(s, pairs);                     // pairs and poses   -> contacts with feature ids
-    inherit_impulses(s.contacts, s.found);       // last step's       -> warm impulses of what persists
-    remember_poses(s);                           // poses             -> where the step began
-    auto* bodies = gather_bodies(s, h);          // bodies            -> what the solver sees of them
+    const auto& pairs = find_pairs(s);        // boxes             -> pairs, in order
+    find_contacts(s, pairs);                  // pairs and poses   -> contacts with feature ids
+    inherit_impulses(s.contacts, s.found);    // last step's       -> warm impulses of what persists
+    remember_poses(s);                        // poses             -> where the step began
+    const auto bodies = gather_bodies(s, h);  // bodies            -> what the solver sees of them
     motion<Plan> moving{s, bodies};
     Plan::solver::solve(bodies, s.found, s.settings.solver, h, s.scratch, moving);  // -> velocities, poses
     if (!moving.finite) return restore_poses(s), false;
     if (!update_boxes(s, bodies, h)) return restore_poses(s), false;  // poses -> boxes of what has moved
-    finish(s, bodies);                           // results           -> bodies and contacts
+    finish(s, bodies);                                                // results           -> bodies and contacts
     return true;
 }
 

@@ -353,7 +353,7 @@ private:
     }
     void kick(body_id id, const char* function, vec impulse, bool local, const vec* point) {
         detail::act(state_, id, function, "impulse", impulse, local, point, [](auto& b, vec p, vec lever) {
-            solver_body<scalar, dimension> v{b.velocity, b.inverse_mass, in_world(b.inverse_inertia, b.rotation)};
+            solver_body<scalar, dimension> v{b.velocity, {}, b.inverse_mass, in_world(b.inverse_inertia, b.rotation)};
             v.apply(p, lever);
             return is_finite(v.velocity.linear) && detail::assign(b.velocity.angular, v.velocity.angular) &&
                    detail::assign(b.velocity.linear, v.velocity.linear);

@@ -1,0 +1,75 @@
+// Which contacts can be solved at the same time: colours.
+#pragma once
+
+#include "physics/base/arena.hpp"
+#include "physics/dynamics/body.hpp"
+#include "physics/dynamics/contact.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Contacts in groups of which no two push the same body, and a last group of those that found no such group.
+struct contact_colours {
+    static constexpr std::uint32_t most = 64;
+
+    /// Numbers of contacts, group by group.
+    std::uint32_t* order = nullptr;
+    /// Where each group begins; one more than there are groups.
+    std::uint32_t begin[most + 1] = {};
+    std::uint32_t count = 0;
+    /// Whether the last group's contacts may push the same body.
+    bool last_is_serial = false;
+};
+
+/// The lowest bit that is not set; 64 if all are.
+constexpr std::uint32_t lowest_clear(std::uint64_t bits) { return static_cast<std::uint32_t>(std::countr_one(bits)); }
+
+/// Colours contacts greedily in their order: first those between two bodies that can be pushed, then the others in
+/// colours of their own, so that what holds the pile acts last. O(contacts). Source: Catto, Solver2D (2024); greedy
+/// edge colouring.
+template <class S, int D>
+contact_colours colour(const buffer<contact<S, D>>& contacts, solver_bodies<S, D> bodies, arena& scratch) {
+    const std::uint32_t count = contacts.size();
+    auto* used = scratch.template take<std::uint64_t>(bodies.count);
+    auto* colour_of = scratch.template take<std::uint8_t>(count);
+    contact_colours result;
+    result.order = scratch.template take<std::uint32_t>(count);
+    std::uint32_t sizes[contact_colours::most] = {}, first = 0;
+    constexpr std::uint32_t serial = contact_colours::most - 1;
+    const auto is_pushed = [&](std::uint32_t i) { return bodies[i].inverse_mass > inverse_of<S>(0); };
+    for (const bool between_two : {true, false}) {
+        for (std::uint32_t i = 0; i < bodies.count; ++i) used[i] = 0;
+        std::uint32_t end = first;
+        for (std::uint32_t i = 0; i < count; ++i) {
+            const auto& c = contacts[i];
+            const bool a = is_pushed(c.body_a), b = is_pushed(c.body_b);
+            if ((a && b) != between_two) continue;
+            const std::uint32_t free = lowest_clear((a ? used[c.body_a] : 0) | (b ? used[c.body_b] : 0));
+            const std::uint32_t colour = first + free < serial ? first + free : serial;
+            if (colour < serial) {
+                if (a) used[c.body_a] |= std::uint64_t{1} << free;
+                if (b) used[c.body_b] |= std::uint64_t{1} << free;
+                end = end > colour + 1 ? end : colour + 1;
+            }
+            colour_of[i] = static_cast<std::uint8_t>(colour);
+            ++sizes[colour];
+        }
+        first = end;
+    }
+    std::uint32_t place[contact_colours::most], at = 0;
+    for (std::uint32_t k = 0; k < contact_colours::most; ++k) {
+        place[k] = at;
+        if (sizes[k] == 0) continue;
+        result.begin[result.count++] = at;
+        result.last_is_serial = k == serial;
+        at += sizes[k];
+    }
+    result.begin[result.count] = at;
+    for (std::uint32_t i = 0; i < count; ++i) result.order[place[colour_of[i]]++] = i;
+    return result;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END

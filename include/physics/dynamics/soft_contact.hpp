@@ -1,0 +1,120 @@
+// What the contacts of the soft solver have in common in the plane and in space.
+#pragma once
+
+#include "physics/dynamics/body_lanes.hpp"
+#include "physics/dynamics/contact.hpp"
+#include "physics/dynamics/friction.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// A damped spring as a constraint: which share of its error is removed a second, and what is left of impulses. Source:
+/// Catto, Soft constraints (GDC 2011).
+template <class S>
+struct softness {
+    S rate{}, mass_scale = S(1), impulse_scale{};
+
+    /// Of a frequency (Hz), a damping ratio and a time step (s).
+    static softness of(S frequency, S damping_ratio, S h) {
+        const S omega = S(6.283185307179586) * frequency;
+        const S a = S(2) * damping_ratio + h * omega, b = h * omega * a, c = S(1) / (S(1) + b);
+        return {omega / a, b * c, c};
+    }
+};
+
+/// How a round over the contacts goes.
+template <class S>
+struct soft_round {
+    /// 1 / s: gaps may close within a substep.
+    S inverse_step;
+    softness<S> spring;
+    /// At most as fast are overlaps pushed apart (m/s).
+    S push_speed;
+    /// Whether overlaps are pushed apart at all.
+    bool pushes;
+};
+
+/// One point of W contacts: where it lies in the plane of the contact, relative to the contact's middle.
+template <class S, int W, bool Bounces>
+struct soft_point {
+    S mass[W];
+    S separation[W];
+    S impulse[W];
+};
+template <class S, int W>
+struct soft_point<S, W, true> {
+    S mass[W];
+    S separation[W];
+    S impulse[W];
+    /// The speed with which the surfaces part after a bounce (m/s), 0 for none, and the largest impulse so far.
+    S bounce[W];
+    S most[W];
+};
+
+/// The middle of a contact's points.
+template <class S, int D>
+contact_point<S, D> middle_of(const contact<S, D>& c) {
+    contact_point<S, D> middle = c.points[0];
+    if (c.count == 1) return middle;
+    for (int k = 1; k < c.count; ++k) {
+        middle.lever_a += c.points[k].lever_a;
+        middle.lever_b += c.points[k].lever_b;
+    }
+    const S share = S(1) / S(c.count);
+    middle.lever_a *= share;
+    middle.lever_b *= share;
+    return middle;
+}
+/// Last step's friction of the points that are still there.
+template <class S, int D>
+tangential<S, D> friction_of(const contact<S, D>& c) {
+    tangential<S, D> sum{};
+    for (int k = 0; k < c.count; ++k)
+        if (c.points[k].persisted) sum += c.points[k].friction_impulse;
+    return sum;
+}
+/// The speed with which the surfaces part at a point after they have met; 0 where nothing bounces.
+template <class S, int D>
+S bounce_of(const contact<S, D>& c, const contact_point<S, D>& p, const solver_body<S, D>& a,
+            const solver_body<S, D>& b, S slop, S h) {
+    if (!(c.restitution > S(0))) return S(0);
+    const S speed = dot(c.normal, velocity_at(b.velocity, p.lever_b) - velocity_at(a.velocity, p.lever_a));
+    const bool meets = p.separation + speed * h < S(0);
+    return meets && -speed > slop ? -(c.restitution * speed) : S(0);
+}
+
+/// The change of a point's impulse that its speed along the normal asks for.
+template <class P, class Point, class S = typename P::scalar>
+PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& way, const soft_round<S>& how) {
+    const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
+    const P gap = P::load(point.separation) + way, mass = P::load(point.mass), before = P::load(point.impulse);
+    const P closing = gap * P::broadcast(how.inverse_step);
+    P bias = zero, mass_scale = one, impulse_scale = zero;
+    if (how.pushes) {
+        bias = max(gap * P::broadcast(how.spring.rate), P::broadcast(-how.push_speed));
+        mass_scale = P::broadcast(how.spring.mass_scale);
+        impulse_scale = P::broadcast(how.spring.impulse_scale);
+    }
+    const P wanted = select_greater(gap, zero, closing, bias);
+    const P strength = mass * select_greater(gap, zero, one, mass_scale);
+    const P kept = before - before * select_greater(gap, zero, zero, impulse_scale);
+    const P impulse = max(kept - strength * (speed + wanted), zero);
+    impulse.store(point.impulse);
+    if constexpr (requires { point.most; }) max(impulse, P::load(point.most)).store(point.most);
+    return impulse - before;
+}
+/// The same for a bounce: only of points that have pushed.
+template <class P, class Point>
+PHYSICS_HPP_ALWAYS_INLINE P bounce_impulse(Point& point, const P& speed) {
+    using S = typename P::scalar;
+    const P zero = P::broadcast(S(0)), before = P::load(point.impulse), bounce = P::load(point.bounce);
+    const P after = max(before - P::load(point.mass) * (speed - bounce), zero);
+    const P impulse = select_greater(min(bounce, P::load(point.most)), zero, after, before);
+    impulse.store(point.impulse);
+    return impulse - before;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END

@@ -1,0 +1,200 @@
+// Contacts of the soft solver in the plane, in lanes.
+#pragma once
+
+#include "physics/dynamics/soft_contact.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// W contacts that push different bodies. All points of a contact share the normal, so their speeds follow from two
+/// numbers: the speed along the normal at the contact's middle, and how fast the bodies turn against each other.
+/// Friction acts at the middle.
+template <class S, int W, class Features>
+struct soft_contact2 {
+    using I = inverse_of<S>;
+    using P = pack<S, W>;
+    using Q = pack<I, W>;
+    using body = solver_body<S, 2>;
+
+    struct point : soft_point<S, W, Features::restitution> {
+        /// The lever that an impulse along the normal has about the middle (m).
+        S lever[W];
+    };
+
+    std::uint32_t a[W], b[W];
+    S normal[2][W];
+    /// From the bodies' centres to the middle (m).
+    S arm_a[2][W], arm_b[2][W];
+    I mass_a[W], mass_b[W], inertia_a[W], inertia_b[W];
+    /// How the two speeds answer to an impulse along the normal and to an angular impulse.
+    I answer[3][W];
+    point points[manifold<S, 2>::capacity];
+    int point_count = 0;
+    S friction[W], stop[W], friction_impulse[W];
+
+    /// Writes a contact into a lane.
+    void put(int lane, const contact<S, 2>& c, const body* bodies, S bounce_slop, S h) {
+        const body& first = bodies[c.body_a];
+        const body& second = bodies[c.body_b];
+        const contact_point<S, 2> middle = middle_of(c);
+        const S turn_a = cross(middle.lever_a, c.normal), turn_b = cross(middle.lever_b, c.normal);
+        a[lane] = c.body_a;
+        b[lane] = c.body_b;
+        mass_a[lane] = first.inverse_mass;
+        mass_b[lane] = second.inverse_mass;
+        inertia_a[lane] = first.inverse_inertia;
+        inertia_b[lane] = second.inverse_inertia;
+        for (int i = 0; i < 2; ++i) {
+            normal[i][lane] = c.normal[i];
+            arm_a[i][lane] = middle.lever_a[i];
+            arm_b[i][lane] = middle.lever_b[i];
+        }
+        const I of_a = mul<I>(first.inverse_inertia, turn_a), of_b = mul<I>(second.inverse_inertia, turn_b);
+        answer[0][lane] = first.inverse_mass + second.inverse_mass + mul<I>(of_a, turn_a) + mul<I>(of_b, turn_b);
+        answer[1][lane] = of_a + of_b;
+        answer[2][lane] = first.inverse_inertia + second.inverse_inertia;
+
+        point_count = point_count < c.count ? c.count : point_count;
+        for (int k = 0; k < c.count; ++k) {
+            const contact_point<S, 2>& from = c.points[k];
+            point& to = points[k];
+            to.lever[lane] = cross(from.lever_a - middle.lever_a, c.normal);
+            to.mass[lane] = effective_mass(first, second, from, c.normal);
+            to.separation[lane] = from.separation;
+            to.impulse[lane] = from.persisted ? from.normal_impulse : S(0);
+            if constexpr (Features::restitution) to.bounce[lane] = bounce_of(c, from, first, second, bounce_slop, h);
+        }
+        if constexpr (Features::friction) {
+            friction[lane] = c.friction;
+            stop[lane] = effective_mass(first, second, middle, tangents<S, 2>(c.normal).t);
+            friction_impulse[lane] = friction_of(c);
+        }
+    }
+    /// Hands the impulses back. Friction is shared as the points share the load.
+    void take(int lane, contact<S, 2>& c) const {
+        S load = S(0);
+        for (int k = 0; k < c.count; ++k) load += points[k].impulse[lane];
+        for (int k = 0; k < c.count; ++k) {
+            contact_point<S, 2>& to = c.points[k];
+            to.normal_impulse = points[k].impulse[lane];
+            if constexpr (Features::friction)
+                to.friction_impulse = load > S(0) ? friction_impulse[lane] * (to.normal_impulse / load) : S(0);
+        }
+    }
+
+    /// Gives the bodies the impulses of the last substep at once.
+    void warm_start(body* bodies) const {
+        const frame_lanes f(*this);
+        body_lanes2<P> at_a, at_b;
+        at_a.load(bodies, a);
+        at_b.load(bodies, b);
+        P load = P::broadcast(S(0)), moment = load, rub = load;
+        for (int k = 0; k < point_count; ++k) {
+            const P impulse = P::load(points[k].impulse);
+            load = load + impulse;
+            moment = moment + P::load(points[k].lever) * impulse;
+        }
+        if constexpr (Features::friction) rub = P::load(friction_impulse);
+        push(f, load, rub, moment, at_a, at_b);
+        at_a.store(bodies, a);
+        at_b.store(bodies, b);
+    }
+    /// One round over the contacts: friction by the load of the last round, then the points one after the other. While
+    /// overlaps are pushed apart friction rests: it would act against what the springs do, and piles would sway.
+    void solve(body* bodies, const soft_round<S>& how) {
+        const frame_lanes f(*this);
+        body_lanes2<P> at_a, at_b;
+        at_a.load(bodies, a);
+        at_b.load(bodies, b);
+        if constexpr (Features::friction)
+            if (!how.pushes) rub(f, at_a, at_b);
+        const relative_motion speed(f, at_a.velocity, at_b.velocity), way(f, at_a.way, at_b.way);
+        push_points(f, speed, at_a, at_b, [&](point& p, const P& v) { return next_impulse(p, v, way.at(p), how); });
+        at_a.store(bodies, a);
+        at_b.store(bodies, b);
+    }
+    void bounce(body* bodies) requires Features::restitution {
+        const frame_lanes f(*this);
+        body_lanes2<P> at_a, at_b;
+        at_a.load(bodies, a);
+        at_b.load(bodies, b);
+        const relative_motion speed(f, at_a.velocity, at_b.velocity);
+        push_points(f, speed, at_a, at_b, [](point& p, const P& v) { return bounce_impulse(p, v); });
+        at_a.store(bodies, a);
+        at_b.store(bodies, b);
+    }
+
+private:
+    /// The normal, and the levers of impulses along it and along the tangent (y, -x).
+    struct frame_lanes {
+        P x, y, turn_a, turn_b, slide_a, slide_b;
+
+        PHYSICS_HPP_ALWAYS_INLINE explicit frame_lanes(const soft_contact2& c)
+            : x(P::load(c.normal[0])), y(P::load(c.normal[1])) {
+            const P ax = P::load(c.arm_a[0]), ay = P::load(c.arm_a[1]);
+            const P bx = P::load(c.arm_b[0]), by = P::load(c.arm_b[1]);
+            turn_a = lane_difference(ax, y, ay, x);
+            turn_b = lane_difference(bx, y, by, x);
+            slide_a = -lane_sum(ax, x, ay, y);
+            slide_b = -lane_sum(bx, x, by, y);
+        }
+    };
+    /// How B moves against A: along the normal at the middle, and turning.
+    struct relative_motion {
+        P along, turn;
+
+        PHYSICS_HPP_ALWAYS_INLINE relative_motion(const frame_lanes& f, const twist_lanes2<P>& a,
+                                                  const twist_lanes2<P>& b)
+            : along(lane_sum(f.x, b.linear.x - a.linear.x, f.y, b.linear.y - a.linear.y) +
+                    lane_difference(f.turn_b, b.angular, f.turn_a, a.angular)),
+              turn(b.angular - a.angular) {}
+        PHYSICS_HPP_ALWAYS_INLINE P at(const point& p) const { return along + P::load(p.lever) * turn; }
+    };
+    template <class Next>
+    PHYSICS_HPP_ALWAYS_INLINE void push_points(const frame_lanes& f, relative_motion speed, body_lanes2<P>& at_a,
+                                               body_lanes2<P>& at_b, Next&& next) {
+        P load = P::broadcast(S(0)), moment = load;
+        for (int k = 0; k < point_count; ++k) {
+            point& p = points[k];
+            const P change = next(p, speed.at(p)), torque = P::load(p.lever) * change;
+            load = load + change;
+            moment = moment + torque;
+            speed.along = speed.along + answered(0, 1, change, torque);
+            speed.turn = speed.turn + answered(1, 2, change, torque);
+        }
+        push(f, load, P::broadcast(S(0)), moment, at_a, at_b);
+    }
+    PHYSICS_HPP_ALWAYS_INLINE P answered(int i, int j, const P& x, const P& y) const {
+        return narrow<S>(product(Q::load(answer[i]), x) + product(Q::load(answer[j]), y));
+    }
+    /// Stops the slip at the middle, or lets it slide.
+    PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, body_lanes2<P>& at_a, body_lanes2<P>& at_b) {
+        P load = P::load(points[0].impulse);
+        for (int k = 1; k < point_count; ++k) load = load + P::load(points[k].impulse);
+        const auto& [v_a, w_a] = at_a.velocity;
+        const auto& [v_b, w_b] = at_b.velocity;
+        const P slip =
+            lane_difference(f.y, v_b.x - v_a.x, f.x, v_b.y - v_a.y) + lane_difference(f.slide_b, w_b, f.slide_a, w_a);
+        const P before = P::load(friction_impulse), most = P::load(friction) * load;
+        const P impulse = max(min(before - P::load(stop) * slip, most), -most);
+        impulse.store(friction_impulse);
+        push(f, P::broadcast(S(0)), impulse - before, P::broadcast(S(0)), at_a, at_b);
+    }
+    /// Impulses along the normal and the tangent at the middle, and an angular one, from A on B.
+    PHYSICS_HPP_ALWAYS_INLINE void push(const frame_lanes& f, const P& along, const P& across, const P& moment,
+                                        body_lanes2<P>& at_a, body_lanes2<P>& at_b) const {
+        const P x = lane_sum(f.x, along, f.y, across), y = lane_difference(f.y, along, f.x, across);
+        const Q m_a = Q::load(mass_a), m_b = Q::load(mass_b);
+        auto& [v_a, w_a] = at_a.velocity;
+        auto& [v_b, w_b] = at_b.velocity;
+        v_a = {v_a.x - mul<S>(m_a, x), v_a.y - mul<S>(m_a, y)};
+        v_b = {v_b.x + mul<S>(m_b, x), v_b.y + mul<S>(m_b, y)};
+        w_a = w_a - mul<S>(Q::load(inertia_a), lane_sum(f.turn_a, along, f.slide_a, across) + moment);
+        w_b = w_b + mul<S>(Q::load(inertia_b), lane_sum(f.turn_b, along, f.slide_b, across) + moment);
+    }
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END

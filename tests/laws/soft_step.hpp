@@ -1,0 +1,277 @@
+// Laws of the soft step solver: colours, lanes, conservation, and scenes with exact answers.
+#pragma once
+
+#include <cstring>
+
+#include "../../samples/scenes.hpp"
+#include "impulses.hpp"
+
+namespace {
+
+struct soft : physics::recipe<S, D, physics::soft_step> {};
+using soft_world = physics::world<soft>;
+using physics::body_id;
+
+template <int Width, class Features = complete>
+void solve_softly(problem& p, int substeps) {
+    struct still {
+        void advance_velocities(S) {}
+        void advance_poses(S) {}
+    };
+    physics::arena scratch;
+    physics::soft_step_settings<S> settings;
+    settings.substeps = substeps;
+    // One body more, which is nobody.
+    p.bodies.push_back({});
+    const physics::solver_bodies<S, D> bodies{p.bodies.data(), static_cast<std::uint32_t>(p.bodies.size())};
+    physics::soft_step::in<cell::space, Features, Width>::solve(bodies, p.contacts, settings, S(1.0 / 64), scratch,
+                                                                still{});
+    p.bodies.pop_back();
+}
+
+CELL_CASE("colours: every contact has one, and no two of a colour push the same body but in the last") {
+    cell::dice dice(400);
+    for (int run = 0; run < 60; ++run) {
+        const int body_count = 2 + dice.below(60), contact_count = dice.below(run % 3 == 0 ? 400 : 60);
+        std::vector<physics::solver_body<S, D>> bodies(static_cast<std::size_t>(body_count));
+        for (auto& b : bodies)
+            if (dice.below(4)) b.inverse_mass = physics::inverse_of<S>(1);
+        // A body that all touch, in some: it has more contacts than there are colours.
+        if (run % 3 == 0) bodies[0].inverse_mass = physics::inverse_of<S>(1);
+        physics::buffer<contact> contacts;
+        for (int i = 0; i < contact_count; ++i) {
+            contact c{};
+            c.body_a = run % 3 == 0 ? 0u : static_cast<std::uint32_t>(dice.below(body_count));
+            do c.body_b = static_cast<std::uint32_t>(dice.below(body_count));
+            while (c.body_b == c.body_a);
+            contacts.push(c);
+        }
+        physics::arena scratch;
+        const physics::solver_bodies<S, D> view{bodies.data(), static_cast<std::uint32_t>(body_count)};
+        const auto colours = physics::detail::colour(contacts, view, scratch);
+        std::vector<int> seen(static_cast<std::size_t>(contact_count));
+        REQUIRE(colours.begin[colours.count] == contacts.size());
+        for (std::uint32_t group = 0; group < colours.count; ++group) {
+            const bool serial = colours.last_is_serial && group + 1 == colours.count;
+            std::vector<int> pushed(bodies.size());
+            REQUIRE(colours.begin[group] < colours.begin[group + 1]);
+            for (std::uint32_t at = colours.begin[group]; at < colours.begin[group + 1]; ++at) {
+                const contact& c = contacts[colours.order[at]];
+                ++seen[colours.order[at]];
+                for (const std::uint32_t b : {c.body_a, c.body_b}) {
+                    if (!(bodies[b].inverse_mass > physics::inverse_of<S>(0))) continue;
+                    REQUIRE((serial || pushed[b] == 0));
+                    ++pushed[b];
+                }
+            }
+        }
+        for (const int times : seen) REQUIRE(times == 1);
+        if (contact_count > 390 && run % 3 == 0) CHECK(colours.last_is_serial);
+    }
+}
+
+CELL_CASE("soft step: impulses between bodies keep linear and angular momentum") {
+    cell::dice dice(401);
+    for (int run = 0; run < 40; ++run) {
+        problem p = random_problem(dice, 6, 0.6, false);
+        const momenta before = momenta_of(p);
+        solve_softly<physics::detail::native_width<S>>(p, 1 + run % 8);
+        const momenta after = momenta_of(p);
+        REQUIRE(size(after.linear - before.linear) <= 512 * epsilon);
+        REQUIRE(size(after.angular - before.angular) <= 4096 * epsilon);
+    }
+}
+
+/// Of a problem after some substeps: all velocities and impulses.
+template <int Width>
+std::vector<S> answer_in_lanes(problem p) {
+    solve_softly<Width>(p, 3);
+    std::vector<S> all;
+    for (const auto& b : p.bodies)
+        for (int i = 0; i < D; ++i) all.push_back(b.velocity.linear[i]);
+    for (const contact& c : p.contacts)
+        for (int k = 0; k < c.count; ++k) all.push_back(c.points[k].normal_impulse);
+    return all;
+}
+template <class T>
+void compare_widths() {
+    if constexpr (std::is_floating_point_v<T>) {
+        cell::dice dice(402);
+        for (int run = 0; run < 60; ++run) {
+            problem p = random_problem(dice, 1 + run % 20, 0.6, run % 2 != 0);
+            for (contact& c : p.contacts) {
+                c.restitution = dice.real(0, 1);
+                c.points[0].separation = dice.real(-0.02, 0.02);
+            }
+            const auto one = answer_in_lanes<1>(p), four = answer_in_lanes<4>(p), eight = answer_in_lanes<8>(p);
+            REQUIRE(std::memcmp(one.data(), four.data(), one.size() * sizeof(S)) == 0);
+            REQUIRE(std::memcmp(one.data(), eight.data(), one.size() * sizeof(S)) == 0);
+        }
+    }
+}
+CELL_CASE("soft step: every width of the lanes gives the same bits") { compare_widths<S>(); }
+
+/// Gravity 10 on a tilted plane.
+soft_world soft_slope(double angle, double friction, double restitution = 0) {
+    soft_world::settings_type settings;
+    settings.gravity = {};
+    settings.gravity.y = S(-10);
+    settings.solver.restitution_slop = S(0);
+    soft_world w(settings);
+    soft_world::halfspace ground;
+    ground.normal.x = S(-std::sin(angle));
+    ground.normal.y = S(std::cos(angle));
+    w.create_shape(w.create_body({.type = physics::body_type::static_body}), ground,
+                   {.material = {.friction = S(friction), .restitution = S(restitution)}});
+    return w;
+}
+body_id soft_block(soft_world& w, double angle, double friction, double restitution = 0) {
+    soft_world::body_def def;
+    def.position.x = S(-0.5 * std::sin(angle));
+    def.position.y = S(0.5 * std::cos(angle));
+    def.rotation = rotation_about({0, 0, 1}, angle);
+    const body_id b = w.create_body(def);
+    w.create_shape(b, soft_world::box{vec::filled(S(0.5))},
+                   {.material = {.friction = S(friction), .restitution = S(restitution)}});
+    return b;
+}
+inline void run(soft_world& w, int steps, double h = 1.0 / 60) {
+    for (int i = 0; i < steps; ++i) w.step(S(h));
+}
+
+CELL_CASE("soft step: a block slips where the friction is below the tangent of the slope, as fast as it must") {
+    const double angle = 0.4, g = 10;
+    for (const double mu : {0.0, 0.2, 0.3}) {
+        soft_world w = soft_slope(angle, mu);
+        const body_id b = soft_block(w, angle, mu);
+        run(w, 60);
+        const double speed = size(to_reals(w.linear_velocity(b)));
+        CHECK(std::abs(speed - g * (std::sin(angle) - mu * std::cos(angle))) <= 0.03);
+    }
+    soft_world w = soft_slope(angle, 0.6);
+    const body_id b = soft_block(w, angle, 0.6);
+    const vec start = w.position(b);
+    run(w, 600);
+    CHECK(size(to_reals(w.position(b) - start)) <= 0.005);
+    CHECK(size(to_reals(w.linear_velocity(b))) <= 1e-3);
+}
+
+CELL_CASE("soft step: a cube stops after v^2 / (2 mu g), to half a substep") {
+    soft_world w = soft_slope(0, 0.5);
+    const body_id b = soft_block(w, 0, 0.5);
+    run(w, 10);
+    const double start = cell::number(w.position(b).x), v = 10;
+    vec speed;
+    speed.x = S(v);
+    w.set_linear_velocity(b, speed);
+    run(w, 240);
+    const double way = cell::number(w.position(b).x) - start;
+    CHECK(std::abs(way - v * v / (2 * 5)) <= 0.5 * v / 240);
+}
+
+template <int N>
+void spin_down() {
+    if constexpr (N == 3) {
+        soft_world w = soft_slope(0, 0.5);
+        const body_id b = soft_block(w, 0, 0.5);
+        run(w, 20);
+        w.set_angular_velocity(b, to_angular(reals{0, 5, 0}));
+        // Each corner carries a quarter, 0.707 m from the axis: torque mu m g r against an inertia of m / 6.
+        const double slowing = 0.5 * 10 * std::sqrt(0.5) * 6;
+        run(w, 6);
+        CHECK(std::abs(to_reals(w.angular_velocity(b)).y - (5 - slowing * 0.1)) <= 0.15);
+        run(w, 30);
+        CHECK(std::abs(to_reals(w.angular_velocity(b)).y) <= 1e-3);
+    }
+}
+CELL_CASE("soft step: friction stops a spin about the normal in the time that four loaded corners take") { spin_down<D>(); }
+
+CELL_CASE("soft step: bounces give back their share, and none gains") {
+    for (const double share : {0.0, 0.5, 1.0}) {
+        soft_world w = soft_slope(0, 0.5, share);
+        soft_world::body_def def;
+        def.position.y = S(2.5);
+        const body_id b = w.create_body(def);
+        w.create_shape(b, soft_world::ball{S(0.5)});
+        double before = 0, after = 0, fell = 0;
+        for (int i = 0; i < 120; ++i) {
+            const double y = cell::number(w.linear_velocity(b).y);
+            w.step(S(1.0 / 120));
+            const double now = cell::number(w.linear_velocity(b).y);
+            if (fell == 0 && y < -1 && now > y + 1) before = y, after = now, fell = i;
+        }
+        CHECK(fell > 0);
+        CHECK(std::abs(after + share * before) <= 0.15);
+        CHECK(after <= -before + 0.1);
+    }
+}
+
+/// The greatest overlap of all contacts (m).
+inline double deepest_overlap(const soft_world& w) {
+    double deepest = 0;
+    for (const auto& c : w.contacts())
+        for (int k = 0; k < c.count; ++k) deepest = std::max(deepest, -cell::number(c.points[k].separation));
+    return deepest;
+}
+
+CELL_CASE("soft step: piles stand still for 20 s, and do not lean") {
+    for (const bool tower : {true, false}) {
+        soft_world w = scenes::grounded<soft_world>();
+        const body_id top = tower ? scenes::stack(w, 10) : scenes::pyramid(w, 10);
+        const vec start = w.position(top);
+        run(w, 1200);
+        CHECK(size(to_reals(w.position(top) - start)) <= 0.04);
+        CHECK(scenes::kinetic_energy(w) <= 1e-4);
+        CHECK(deepest_overlap(w) <= 0.007);
+        double weight = 0;
+        for (const auto& c : w.contacts())
+            if (w.type(c.body_a) == physics::body_type::static_body || w.type(c.body_b) == physics::body_type::static_body)
+                for (int k = 0; k < c.count; ++k)
+                    weight += cell::number(c.points[k].normal_impulse) * std::abs(cell::number(c.normal.y));
+        const double count = double(w.body_count() - 1);
+        // Of the last substep.
+        CHECK(std::abs(weight - count * 10 / 240) <= 0.01 * count * 10 / 240);
+    }
+}
+
+CELL_CASE("soft step: work buys accuracy: overlaps shrink as substeps are added") {
+    double last = HUGE_VAL;
+    for (const int substeps : {2, 4, 8, 16}) {
+        soft_world::settings_type settings;
+        settings.solver.substeps = substeps;
+        soft_world w = scenes::grounded<soft_world>(settings);
+        scenes::stack(w, 8);
+        run(w, 600);
+        const double now = deepest_overlap(w);
+        CHECK(now < 0.6 * last);
+        last = now;
+    }
+}
+
+CELL_CASE("soft step: a crate of 100 kg rests on one of 1 kg") {
+    soft_world w = scenes::grounded<soft_world>();
+    scenes::add_crate(w, 0, 0.5);
+    soft_world::body_def def;
+    def.position.y = S(1.5);
+    const body_id heavy = w.create_body(def);
+    w.create_shape(heavy, soft_world::box{vec::filled(S(0.5))}, {.density = S(100)});
+    run(w, 600);
+    CHECK(std::abs(cell::number(w.position(heavy).y) - 1.5) <= 0.08);
+    CHECK(scenes::kinetic_energy(w) <= 1e-3);
+}
+
+CELL_CASE("soft step: refuses settings out of range") {
+    const auto refused = [](auto&& change) {
+        soft_world::settings_type settings;
+        change(settings.solver);
+        CHECK_THROWS_AS(soft_world{settings}, physics::error);
+    };
+    refused([](auto& s) { s.substeps = 0; });
+    refused([](auto& s) { s.stiffness = S(0); });
+    refused([](auto& s) { s.damping_ratio = S(-1); });
+    refused([](auto& s) { s.frequency_cap = S(-1); });
+    refused([](auto& s) { s.max_push_speed = S(-1); });
+    refused([](auto& s) { s.restitution_slop = S(-1); });
+}
+
+}  // namespace
