@@ -2676,18 +2676,15 @@ PHYSICS_HPP_ALWAYS_INLINE pack<S, W, Bytes> lane_abs(const pack<S, W, Bytes>& x)
         using lanes = decltype(x.value < x.value);
         const auto sign = pack<S, W, Bytes>::broadcast(S(-0.0));
         return {reinterpret_cast<typename pack<S, W, Bytes>::storage>(reinterpret_cast<lanes>(x.value) &
-                                                                      ~reinterpret_cast<lanes>(sign.value))};
+                                                                     ~reinterpret_cast<lanes>(sign.value))};
     }
 }
 /// Four scalars as lanes.
 template <class P, class S = typename P::scalar>
 PHYSICS_HPP_ALWAYS_INLINE P lanes_of(S a, S b, S c, S d) {
-    if constexpr (!requires(P x) { x.low; })
-        return {typename P::storage{a, b, c, d}};
-    else if constexpr (requires(P x) { x.low.low; })
-        return {{{a}, {b}}, {{c}, {d}}};
-    else
-        return {{typename P::half::storage{a, b}}, {typename P::half::storage{c, d}}};
+    if constexpr (!requires(P x) { x.low; }) return {typename P::storage{a, b, c, d}};
+    else if constexpr (requires(P x) { x.low.low; }) return {{{a}, {b}}, {{c}, {d}}};
+    else return {{typename P::half::storage{a, b}}, {typename P::half::storage{c, d}}};
 }
 /// a * b + c * d, rounded once where the scalar can.
 template <class P>
@@ -2709,8 +2706,7 @@ PHYSICS_HPP_ALWAYS_INLINE P lane_length(const P& a, const P& b) {
     // One lane takes the root of what has not been rounded yet.
     if constexpr (P::width == 1)
         return {root<typename P::scalar>(product(a.value, a.value) + product(b.value, b.value))};
-    else
-        return sqrt(a * a + b * b);
+    else return sqrt(a * a + b * b);
 }
 /// The greatest of eight lanes, or of one.
 template <class P>
@@ -4803,35 +4799,53 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
+/// The largest of 4 or 8 lanes.
+template <class R, int W>
+PHYSICS_HPP_ALWAYS_INLINE R largest_lane(const pack<R, W>& lanes) {
+    if constexpr (W * sizeof(R) > 16 && !is_vector<R, W, vector_bytes>) {
+        return largest_lane(max(lanes.low, lanes.high));
+    } else {
+        R v[W];
+        lanes.store(v);
+        for (int i = 1; i < W; ++i) v[0] = max(v[0], v[i]);
+        return v[0];
+    }
+}
+
 /// The number of the first of n vertices that lies farthest along d; n is a multiple of 8. The coordinates come one
-/// array an axis.
+/// array an axis, each at a multiple of 32 bytes. Cost: 0.3 ns a float.
 template <class R, int D>
 std::uint32_t farthest_vertex(const R* const (&coordinate)[D], std::uint32_t n, const vec<double, D>& d) {
     constexpr int width = 8 / static_cast<int>(sizeof(R) / 4);
+    // The largest reach is found first, and then whose it is: so much has to be looked at again for that.
+    constexpr std::size_t chunk = 64;
     using lanes = pack<R, width>;
-    static constexpr R first_numbers[8] = {0, 1, 2, 3, 4, 5, 6, 7};
     lanes along[D];
     for (int k = 0; k < D; ++k) along[k] = lanes::broadcast(static_cast<R>(d[k]));
-    const auto reach = [&](std::uint32_t i) {
-        lanes sum = lanes::load(coordinate[0] + i) * along[0] + lanes::load(coordinate[1] + i) * along[1];
-        if constexpr (D == 3) sum = sum + lanes::load(coordinate[2] + i) * along[2];
+    const R *x = coordinate[0], *y = coordinate[1], *z = coordinate[D - 1];
+    const auto reach = [&](std::size_t i) {
+        lanes sum = lanes::load_aligned(x + i) * along[0] + lanes::load_aligned(y + i) * along[1];
+        if constexpr (D == 3) sum = sum + lanes::load_aligned(z + i) * along[2];
         return sum;
     };
-    lanes best = reach(0), number = lanes::load(first_numbers), best_number = number;
-    const lanes step = lanes::broadcast(R(width));
-    for (std::uint32_t i = width; i < n; i += width) {
-        const lanes here = reach(i);
-        number = number + step;
-        best_number = select_greater(here, best, number, best_number);
-        best = max(best, here);
+    R most{};
+    std::size_t found = 0;
+    for (std::size_t begin = 0; begin < n; begin += chunk) {
+        const std::size_t end = n - begin < chunk ? n : begin + chunk;
+        lanes best = reach(begin);
+        for (std::size_t i = begin + width; i < end; i += width) best = max(best, reach(i));
+        const R here = largest_lane(best);
+        if (begin > 0 && !(here > most)) continue;
+        most = here;
+        found = begin;
     }
-    R values[width], numbers[width];
-    best.store(values);
-    best_number.store(numbers);
-    int k = 0;
-    for (int i = 1; i < width; ++i)
-        if (values[i] > values[k] || (values[i] == values[k] && numbers[i] < numbers[k])) k = i;
-    return static_cast<std::uint32_t>(numbers[k]);
+    constexpr std::uint32_t all = (1u << width) - 1;
+    for (const lanes wanted = lanes::broadcast(most); found < n; found += width) {
+        const std::uint32_t others = greater(wanted, reach(found)).bits();
+        if (others == all) continue;
+        return static_cast<std::uint32_t>(found) + static_cast<std::uint32_t>(std::countr_one(others));
+    }
+    return 0;
 }
 
 }  // namespace detail
@@ -6781,7 +6795,7 @@ struct support_point {
 
 enum class core_kind : std::uint8_t { point, segment, triangle, box, hull_of_floats, hull_of_doubles, disc, custom };
 
-/// A convex set in its own frame, to which a radius may be added on all sides.
+/// A convex set in its own frame, to which a radius may be added on all sides; at first a point.
 template <int D>
 struct core {
     core_kind kind = core_kind::point;
@@ -6812,12 +6826,7 @@ struct core {
             const support_point<D> best = nearer(d, 0, 1);
             return dot(d, corner[2] - best.at) > 0 ? support_point<D>{corner[2], 2} : best;
         }
-        case core_kind::box: {
-            support_point<D> result{corner[0], 0};
-            for (int i = 0; i < D; ++i)
-                if (d[i] < 0) result.at[i] = -result.at[i], result.vertex |= 1u << i;
-            return result;
-        }
+        case core_kind::box: return support_of_box(d);
         case core_kind::hull_of_floats: return from_hull<float>(d);
         case core_kind::hull_of_doubles: return from_hull<double>(d);
         case core_kind::disc: return {from_disc(d), 0};
@@ -6825,28 +6834,50 @@ struct core {
         }
         return {};
     }
+    /// The same, in line where it is short.
+    [[nodiscard]] PHYSICS_HPP_ALWAYS_INLINE support_point<D> quick_support(const point<D>& d) const {
+        return kind == core_kind::box ? support_of_box(d) : support(d);
+    }
+    /// The same of a box. Without branches, which nothing could predict.
+    [[nodiscard]] PHYSICS_HPP_ALWAYS_INLINE support_point<D> support_of_box(const point<D>& d) const {
+        support_point<D> result;
+        for (int i = 0; i < D; ++i) {
+            // Zeros have one sign only, so that corners do not depend on how a zero came about.
+            const std::uint64_t sign = std::bit_cast<std::uint64_t>(d[i] + 0.0) & sign_bit;
+            result.at[i] = std::bit_cast<double>(std::bit_cast<std::uint64_t>(corner[0][i]) ^ sign);
+            result.vertex |= static_cast<std::uint32_t>(sign >> (63 - i));
+        }
+        return result;
+    }
     /// The vertex of that number; the number may be a wrong one, from another shape.
     [[nodiscard]] support_point<D> vertex(std::uint32_t i) const {
         switch (kind) {
         case core_kind::point: return {corner[0], 0};
         case core_kind::segment: i &= 1u; return {corner[i], i};
         case core_kind::triangle: i = i < 3 ? i : 0; return {corner[i], i};
-        case core_kind::box: {
-            i &= (1u << D) - 1;
-            support_point<D> result{corner[0], i};
-            for (int k = 0; k < D; ++k)
-                if (i >> k & 1u) result.at[k] = -result.at[k];
-            return result;
-        }
+        case core_kind::box: return vertex_of_box(i);
         case core_kind::hull_of_floats: return vertex_of_hull<float>(i < count ? i : 0);
         case core_kind::hull_of_doubles: return vertex_of_hull<double>(i < count ? i : 0);
         default: return {};
         }
     }
+    [[nodiscard]] PHYSICS_HPP_ALWAYS_INLINE support_point<D> quick_vertex(std::uint32_t i) const {
+        return kind == core_kind::box ? vertex_of_box(i) : vertex(i);
+    }
+    [[nodiscard]] PHYSICS_HPP_ALWAYS_INLINE support_point<D> vertex_of_box(std::uint32_t i) const {
+        support_point<D> result{{}, i & ((1u << D) - 1)};
+        for (int k = 0; k < D; ++k) {
+            const std::uint64_t sign = static_cast<std::uint64_t>(i) << (63 - k) & sign_bit;
+            result.at[k] = std::bit_cast<double>(std::bit_cast<std::uint64_t>(corner[0][k]) ^ sign);
+        }
+        return result;
+    }
     /// Whether a vertex's number names it, so that a simplex can be found again.
     [[nodiscard]] bool has_vertices() const { return kind < core_kind::disc; }
 
 private:
+    static constexpr std::uint64_t sign_bit = std::uint64_t{1} << 63;
+
     [[nodiscard]] support_point<D> nearer(const point<D>& d, std::uint32_t i, std::uint32_t j) const {
         return dot(d, corner[j] - corner[i]) > 0 ? support_point<D>{corner[j], j} : support_point<D>{corner[i], i};
     }
@@ -9773,9 +9804,10 @@ void collide(const box<S, 2>& a, const box<S, 2>& b, const transform<S, 2>& b_in
     // Equal lanes, as one scalar's selections would become branches that nothing predicts.
     using P = detail::pack<S, detail::native_width<S>>;
     const auto same = [](S x) { return P::broadcast(x); };
-    const detail::box_lanes2<P> in{same(a.half_extents.x),       same(a.half_extents.y),    same(b.half_extents.x),
-                                   same(b.half_extents.y),       same(b_in_a.position.x),   same(b_in_a.position.y),
-                                   same(b_in_a.rotation.cosine), same(b_in_a.rotation.sine)};
+    const vec<S, 2> of_a = a.half_extents, of_b = b.half_extents, at = b_in_a.position;
+    const rotation<S, 2> turned = b_in_a.rotation;
+    const detail::box_lanes2<P> in{same(of_a.x), same(of_a.y), same(of_b.x),        same(of_b.y),
+                                   same(at.x),   same(at.y),   same(turned.cosine), same(turned.sine)};
     detail::write_box_contact(detail::touch_boxes(in, same(margin)), 0, {&a, &b, &b_in_a}, margin, out);
 }
 
@@ -10060,8 +10092,8 @@ int beyond_triangle(const Source& source, int count, const int (&corner)[3]) {
         for (int k = 0; k < 3; ++k) {
             const int from = corner[k], to = corner[k < 2 ? k + 1 : 0];
             const S u = source.u(i) - source.u(from), v = source.v(i) - source.v(from);
-            score =
-                max(score, difference_of_products(v, source.u(to) - source.u(from), u, source.v(to) - source.v(from)));
+            score = max(score, difference_of_products(v, source.u(to) - source.u(from), u,
+                                                      source.v(to) - source.v(from)));
         }
         const bool taken = i == corner[0] || i == corner[1] || i == corner[2];
         if (taken || (best >= 0 && !(score > highest + abs(highest) * S(1.0 / 32)))) continue;
@@ -10088,8 +10120,9 @@ void choose_four(const Source& source, int count, S slack, int (&chosen)[4]) {
     for (int i = 1; i < left.packs; ++i) low = min(low, source.points(i).separation);
     const P most = P::broadcast(slack - greatest_lane(-low)), none = P::broadcast(S(-1));
     // The first is one of the deepest; of those that are alike the one farthest out.
-    chosen[0] = left.take(left.weigh(
-        [&](const points& p) { return select_greater(p.separation, most, none, lane_sum(p.u, p.u, p.v, p.v)); }));
+    chosen[0] = left.take(left.weigh([&](const points& p) {
+        return select_greater(p.separation, most, none, lane_sum(p.u, p.u, p.v, p.v));
+    }));
     const place a = at(chosen[0]);
     chosen[1] = left.take(left.weigh([&](const points& p) {
         const P du = p.u - a.u, dv = p.v - a.v;
@@ -10101,8 +10134,8 @@ void choose_four(const Source& source, int count, S slack, int (&chosen)[4]) {
     };
     const place b = at(chosen[1]);
     point_choice<Source> right = left;
-    const S on_left = left.weigh([&](const points&p) { return -beside(a, b, p); }),
-            on_right = right.weigh([&](const points&p) { return beside(a, b, p); });
+    const S on_left = left.weigh([&](const points& p) { return -beside(a, b, p); }),
+            on_right = right.weigh([&](const points& p) { return beside(a, b, p); });
     chosen[2] = right.take(on_right);
     chosen[3] = left.take(on_left);
     // Where one side holds next to nothing, there may be more beyond the triangle's others.
@@ -10218,7 +10251,7 @@ struct clipped_face {
 template <class S>
 struct picked_points {
     /// Of vectors of 16 bytes at most, which scalars fill.
-    using lanes = pack < S, 8, vector_bytes<16 ? vector_bytes : 16>;
+    using lanes = pack<S, 8, vector_bytes < 16 ? vector_bytes : 16>;
     static constexpr int most_packs = 1;
 
     flat_points<lanes> all;
@@ -10243,7 +10276,7 @@ struct picked_points {
 template <class S>
 PHYSICS_HPP_ALWAYS_INLINE pack<S, 4> corners_of(S middle, S a, S b) {
     using P = pack<S, 4>;
-    if constexpr (native_width < S >> 1) {
+    if constexpr (native_width<S> > 1) {
         constexpr S outer[4] = {1, -1, -1, 1}, upper[4] = {1, 1, -1, -1};
         return P::broadcast(middle) + P::broadcast(a) * P::load(outer) + P::broadcast(b) * P::load(upper);
     } else {
@@ -10287,10 +10320,10 @@ PHYSICS_HPP_ALWAYS_INLINE void clip_face(const seen_face<S>& face, S limit_u, S 
     const P start = min(max(start_u, start_v), one), rest = min(max(stop_u, stop_v), one), stop = one - rest;
     const P name_u = select_greater(zero, u, P::broadcast(S(5)), P::broadcast(S(4))),
             name_v = select_greater(zero, v, P::broadcast(S(7)), P::broadcast(S(6)));
-    const P start_name =
-        select_greater(start_u, start_v, name_u, name_v) * P::broadcast(S(0x10)) + lanes_of<P>(S(0), S(1), S(2), S(3));
-    const P stop_name =
-        select_greater(stop_u, stop_v, next_of(name_u), next_of(name_v)) + lanes_of<P>(S(0), S(0x10), S(0x20), S(0x30));
+    const P start_name = select_greater(start_u, start_v, name_u, name_v) * P::broadcast(S(0x10)) +
+                         lanes_of<P>(S(0), S(1), S(2), S(3));
+    const P stop_name = select_greater(stop_u, stop_v, next_of(name_u), next_of(name_v)) +
+                        lanes_of<P>(S(0), S(0x10), S(0x20), S(0x30));
     const std::uint32_t left = greater(stop, start).bits(), cut = greater(rest, zero).bits();
     out.put(0, u + du * start, v + dv * start, s + ds * start, select_greater(start, zero, start_name, corner),
             left | (~greater(start, zero).bits() & 0xfu), most, margin);
@@ -10395,16 +10428,17 @@ bool clip_faces(const box_axes<S, W>& boxes, int lane, int reference, const edge
         for (int k = 0; k < 3; ++k) {
             const auto& axes = boxes.turn[0][k];
             normal[k] = -axes[w][lane] * sign;
-            p[k] = P::broadcast(boxes.center[0][k][lane]) +
-                   lane_dot(q, P::broadcast(axes[0][lane]), P::broadcast(axes[1][lane]), P::broadcast(axes[2][lane]));
+            p[k] = P::broadcast(boxes.center[0][k][lane]) + lane_dot(q, P::broadcast(axes[0][lane]),
+                                                                     P::broadcast(axes[1][lane]),
+                                                                     P::broadcast(axes[2][lane]));
         }
     }
     S at[4][4];
     for (int k = 0; k < 3; ++k) p[k].store(at[k]);
     separations.store(at[3]);
     out.normal = {normal[0], normal[1], normal[2]};
-    const auto faces =
-        static_cast<std::uint32_t>(reference << 16 | (2 * w + int{sign > S(0)}) << 12 | (2 * across + int{upper}) << 8);
+    const auto faces = static_cast<std::uint32_t>(reference << 16 | (2 * w + int{sign > S(0)}) << 12 |
+                                                  (2 * across + int{upper}) << 8);
     for (int k = 0; k < count; ++k) {
         const auto name = static_cast<std::uint32_t>(boxes.whole(left.name[chosen[k]]));
         out.points[out.count + k] = {{at[0][k], at[1][k], at[2][k]}, at[3][k], faces | name};
@@ -10779,9 +10813,30 @@ struct cso_vertex {
 template <int D>
 struct closest_of {
     point<D> at;
-    double weight[3] = {};
-    int vertex[3] = {0, 1, 2};
+    raw_array<double, 3> weight;
+    raw_array<int, 3> vertex;
     int count = 1;
+
+    /// D + 1 vertices around the origin.
+    closest_of() : count(D + 1) {}
+    closest_of(const point<D>& p, int i) : at(p) {
+        vertex[0] = i;
+        weight[0] = 1;
+    }
+    closest_of(const point<D>& p, int i, int j, double part_of_j) : at(p), count(2) {
+        vertex[0] = i;
+        vertex[1] = j;
+        weight[0] = 1 - part_of_j;
+        weight[1] = part_of_j;
+    }
+    closest_of(const point<D>& p, int i, int j, int k, double of_i, double of_j, double of_k) : at(p), count(3) {
+        vertex[0] = i;
+        vertex[1] = j;
+        vertex[2] = k;
+        weight[0] = of_i;
+        weight[1] = of_j;
+        weight[2] = of_k;
+    }
 };
 
 /// Up to D + 1 vertices, and the weights that make of them the point closest to the origin.
@@ -10810,19 +10865,27 @@ template <int D>
 closest_of<D> closest_on_edge(const point<D>& a, const point<D>& b, int i = 0, int j = 1) {
     const point<D> e = b - a;
     const double along = -dot(a, e), whole = dot(e, e);
-    if (!(along > 0)) return {a, {1}, {i}, 1};
-    if (!(along < whole)) return {b, {1}, {j}, 1};
-    const double t = along / whole;
+    if (!(along > 0)) return {a, i};
+    if (!(along < whole)) return {b, j};
+    const double scale = 1 / whole, t = along * scale;
     // Across the edge to the last digit: where the point is near, the direction of a sum would be rounding.
     point<D> at;
     if constexpr (D == 2) {
         const point<2> n = perpendicular(e);
-        at = n * (dot(n, t < 0.5 ? a : b) / whole);
+        at = n * (dot(n, t < 0.5 ? a : b) * scale);
     } else {
         at = t < 0.5 ? a + e * t : b - e * (1 - t);
-        at -= e * (dot(at, e) / whole);
+        at -= e * (dot(at, e) * scale);
     }
-    return {at, {1 - t, t}, {i, j}, 2};
+    return {at, i, j, t};
+}
+
+/// (b - a) x (c - a) from the two shorter edges, which give the better normal where the triangle is thin.
+inline point<3> normal_by_shorter_edges(const point<3>& a, const point<3>& b, const point<3>& c) {
+    const point<3> ab = b - a, bc = c - b, ca = a - c;
+    const double of_ab = dot(ab, ab), of_bc = dot(bc, bc), of_ca = dot(ca, ca);
+    if (of_ab > of_bc && of_ab > of_ca) return cross(bc, ca);
+    return of_bc > of_ca ? cross(ca, ab) : cross(ab, bc);
 }
 
 inline closest_of<3> nearer(const closest_of<3>& a, const closest_of<3>& b) {
@@ -10835,11 +10898,11 @@ inline closest_of<3> closest_on_triangle(const point<3>& a, const point<3>& b, c
                                          int k = 2) {
     const point<3> ab = b - a, ac = c - a;
     const double a1 = -dot(ab, a), a2 = -dot(ac, a);
-    if (a1 <= 0 && a2 <= 0) return {a, {1}, {i}, 1};
+    if (a1 <= 0 && a2 <= 0) return {a, i};
     const double b1 = -dot(ab, b), b2 = -dot(ac, b);
-    if (b1 >= 0 && b2 <= b1) return {b, {1}, {j}, 1};
+    if (b1 >= 0 && b2 <= b1) return {b, j};
     const double c1 = -dot(ab, c), c2 = -dot(ac, c);
-    if (c2 >= 0 && c1 <= c2) return {c, {1}, {k}, 1};
+    if (c2 >= 0 && c1 <= c2) return {c, k};
     const point<3> n = cross(ab, ac);
     const double of_c = dot(n, cross(a, ab)), of_b = dot(n, cross(ac, a)), of_a = dot(n, cross(b, c - b));
     if (of_c <= 0 && a1 >= 0 && b1 <= 0) return closest_on_edge(a, b, i, j);
@@ -10850,38 +10913,36 @@ inline closest_of<3> closest_on_triangle(const point<3>& a, const point<3>& b, c
     if (!(sum > 0))
         return nearer(nearer(closest_on_edge(a, b, i, j), closest_on_edge(b, c, j, k)), closest_on_edge(a, c, i, k));
     const double scale = 1 / sum;
-    return {n * (dot(n, a) / dot(n, n)), {of_a * scale, of_b * scale, of_c * scale}, {i, j, k}, 3};
+    return {n * (dot(n, a) / dot(n, n)), i, j, k, of_a * scale, of_b * scale, of_c * scale};
 }
 
 /// The same; quicker where the origin lies beyond the last corner or one of its edges, since GJK has just added it.
-PHYSICS_HPP_ALWAYS_INLINE closest_of<3> closest_on_grown_triangle(const point<3>& a, const point<3>& b,
-                                                                  const point<3>& c, int i, int j, int k) {
-    const point<3> e = a - c, f = b - c;
+/// Takes the edges e = a - c and f = b - c, and n = e x f or its opposite.
+inline closest_of<3> closest_on_grown_triangle(const point<3>& a, const point<3>& b, const point<3>& c,
+                                               const point<3>& e, const point<3>& f, const point<3>& n, int i, int j,
+                                               int k) {
     const double along_e = -dot(c, e), along_f = -dot(c, f);
-    if (along_e <= 0 && along_f <= 0) return {c, {1}, {k}, 1};
-    const double ee = dot(e, e), ff = dot(f, f), ef = dot(e, f);
-    const double whole = ee * ff - ef * ef;
+    if (along_e <= 0 && along_f <= 0) return {c, k};
+    const double ee = dot(e, e), ff = dot(f, f), ef = dot(e, f), whole = dot(n, n);
     // Of thin triangles these differences are rounding.
-    if (!(whole > 0x1p-20 * ee * ff)) return closest_on_triangle(a, b, c, i, j, k);
+    if (!(whole > 0x1p-4 * ee * ff)) return closest_on_triangle(a, b, c, i, j, k);
     const double of_a = along_e * ff - along_f * ef, of_b = along_f * ee - along_e * ef;
     if (of_b <= 0 && along_e > 0 && along_e < ee) return closest_on_edge(a, c, i, k);
     if (of_a <= 0 && along_f > 0 && along_f < ff) return closest_on_edge(b, c, j, k);
     const double of_c = whole - of_a - of_b;
     if (!(of_a > 0 && of_b > 0 && of_c > 0)) return closest_on_triangle(a, b, c, i, j, k);
-    const point<3> n = cross(e, f);
     const double scale = 1 / whole;
-    return {n * (dot(n, c) / dot(n, n)), {of_a * scale, of_b * scale, of_c * scale}, {i, j, k}, 3};
+    return {n * (dot(n, c) * scale), i, j, k, of_a * scale, of_b * scale, of_c * scale};
 }
 
 /// The point of a simplex that is closest to the origin; of count D + 1, and the origin itself, if that lies within.
 /// `grown` says that the last vertex has just been added beyond the closest point of the others.
 inline closest_of<2> closest_of_simplex(const simplex<2>& s, bool) {
-    if (s.count == 1) return {s.vertex[0].w, {1}, {0}, 1};
+    if (s.count == 1) return {s.vertex[0].w, 0};
     if (s.count == 2) return closest_on_edge(s.vertex[0].w, s.vertex[1].w);
     const point<2> p[3] = {s.vertex[0].w, s.vertex[1].w, s.vertex[2].w};
     const double area = cross(p[1] - p[0], p[2] - p[0]);
     closest_of<2> best;
-    best.count = 3;
     double least = 0;
     for (int i = 0; i < 3; ++i) {
         const int j = i < 2 ? i + 1 : 0, k = i > 0 ? i - 1 : 2;
@@ -10904,9 +10965,12 @@ inline closest_of<2> closest_of_simplex(const simplex<2>& s, bool) {
 }
 
 inline closest_of<3> closest_of_simplex(const simplex<3>& s, bool grown) {
-    if (s.count == 1) return {s.vertex[0].w, {1}, {0}, 1};
+    if (s.count == 1) return {s.vertex[0].w, 0};
     if (s.count == 2) return closest_on_edge(s.vertex[0].w, s.vertex[1].w);
-    if (s.count == 3) return closest_on_grown_triangle(s.vertex[0].w, s.vertex[1].w, s.vertex[2].w, 0, 1, 2);
+    if (s.count == 3) {
+        const point<3>&a = s.vertex[0].w, &b = s.vertex[1].w, &c = s.vertex[2].w, e = a - c, f = b - c;
+        return closest_on_grown_triangle(a, b, c, e, f, cross(e, f), 0, 1, 2);
+    }
     // The faces at the last vertex, and their normals; the one opposite lies behind if the simplex has grown.
     const point<3>& d = s.vertex[3].w;
     const point<3> e[3] = {s.vertex[0].w - d, s.vertex[1].w - d, s.vertex[2].w - d};
@@ -10915,23 +10979,22 @@ inline closest_of<3> closest_of_simplex(const simplex<3>& s, bool grown) {
     // Where the tetrahedron has no volume to speak of, every face is outside.
     const bool flat = !(abs(volume) > 0x1p-48 * largest(e[0]) * largest(e[1]) * largest(e[2]));
     closest_of<3> best;
-    best.count = 4;
     double least = 0;
-    const auto consider = [&](int i, int j, int k) {
-        const closest_of<3> c = closest_on_grown_triangle(s.vertex[i].w, s.vertex[j].w, s.vertex[k].w, i, j, k);
+    const auto consider = [&](const closest_of<3>& c) {
         const double distance = dot(c.at, c.at);
         if (best.count < 4 && !(distance < least)) return;
         least = distance;
         best = c;
     };
-    for (int i = 0; i < 3; ++i) {
-        if (!flat && (dot(n[i], d) > 0) != (volume > 0)) continue;
-        if (i < 2) consider(i, i + 1, 3);
-        else consider(0, 2, 3);
+    for (int k = 0; k < 3; ++k) {
+        if (!flat && (dot(n[k], d) > 0) != (volume > 0)) continue;
+        const int i = k < 2 ? k : 0, j = k < 2 ? k + 1 : 2;
+        consider(closest_on_grown_triangle(s.vertex[i].w, s.vertex[j].w, d, e[i], e[j], n[k], i, j, 3));
     }
     if (!grown || flat) {
         const point<3> behind = cross(e[1] - e[0], e[2] - e[0]);
-        if (flat || (dot(behind, s.vertex[0].w) < 0) == (volume > 0)) consider(0, 1, 2);
+        if (flat || (dot(behind, s.vertex[0].w) < 0) == (volume > 0))
+            consider(closest_on_triangle(s.vertex[0].w, s.vertex[1].w, s.vertex[2].w));
     }
     return best;
 }
@@ -10966,6 +11029,8 @@ struct gjk_cache {
 
 namespace detail {
 
+inline constexpr double no_limit = 1e300;
+
 /// Where GJK ended.
 template <int D>
 struct gjk_result {
@@ -10988,46 +11053,47 @@ double extent_of(const core<D>& a, const placed_core<D>& b) {
     return a.extent + b.shape->extent + largest(b.at);
 }
 
+/// The vertex of B - A that a point of A and one of B, in its own frame, make.
+template <int D>
+PHYSICS_HPP_ALWAYS_INLINE cso_vertex<D> difference(const support_point<D>& on_a, const support_point<D>& on_b,
+                                                   const placed_core<D>& b) {
+    return {b.axes * on_b.at + b.at - on_a.at, on_a.at, on_a.vertex << 16 | on_b.vertex};
+}
 template <int D>
 PHYSICS_HPP_ALWAYS_INLINE cso_vertex<D> support_along(const core<D>& a, const placed_core<D>& b, const point<D>& v) {
-    const support_point<D> on_a = a.support(v), on_b = b.support(-v);
-    return {on_b.at - on_a.at, on_a.at, on_a.vertex << 16 | on_b.vertex};
+    return difference(a.quick_support(v), b.shape->quick_support(transposed_times(b.axes, -v)), b);
 }
 
 template <int D>
-void start_from(const gjk_cache& cache, const core<D>& a, const placed_core<D>& b, simplex<D>& s) {
-    for (int i = 0; i < cache.count && s.count <= D; ++i) {
-        const support_point<D> on_a = a.vertex(cache.vertex[i] >> 16), on_b = b.vertex(cache.vertex[i] & 0xffffu);
-        s.vertex[s.count++] = {on_b.at - on_a.at, on_a.at, on_a.vertex << 16 | on_b.vertex};
+PHYSICS_HPP_ALWAYS_INLINE void start_from(const gjk_cache& cache, const core<D>& a, const placed_core<D>& b,
+                                          simplex<D>& s) {
+    const int count = cache.count <= D ? cache.count : D + 1;
+    for (; s.count < count; ++s.count) {
+        const std::uint32_t name = cache.vertex[s.count];
+        s.vertex[s.count] = difference(a.quick_vertex(name >> 16), b.shape->quick_vertex(name & 0xffffu), b);
     }
 }
 
-/// The normal and the distance that a simplex of fewer than D + 1 vertices gives, from the directions of its edges:
-/// more exact than those of the closest point where that is near. Where the two disagree the cores touch, and the
-/// closest point is what rounding left.
+/// The normal and the distance that a simplex of fewer than D + 1 vertices gives, of which v is the closest point.
 template <int D>
 void measure(gjk_result<D>& r, point<D> v) {
     const auto& vertex = r.at.vertex;
-    const double vv = dot(v, v);
-    if (r.at.count == D) {
-        const point<D> e = vertex[1].w - vertex[0].w;
-        point<D> n;
-        if constexpr (D == 2) n = perpendicular(e);
-        else n = cross(e, vertex[2].w - vertex[0].w);
-        const double along = dot(n, v);
-        r.overlapping = !(along * along > 0.9 * dot(n, n) * vv);
-        v = along < 0 ? -n : n;
-    } else if (r.at.count == 2) {
-        const point<D> e = vertex[1].w - vertex[0].w;
-        const double along = dot(v, e), ee = dot(e, e);
-        r.overlapping = !(along * along < 0.1 * vv * ee);
-        v -= e * (along / ee);
-    }
-    r.normal = unit(v);
-    r.distance = dot(r.normal, vertex[0].w);
-    for (int i = 1; i < r.at.count; ++i) r.distance = min(r.distance, dot(r.normal, vertex[i].w));
-    r.overlapping = r.overlapping || !(r.distance > 0);
-    if (r.overlapping) r.normal = {}, r.distance = 0;
+    if constexpr (D == 3)
+        if (r.at.count == 3) {
+            // More exact than the closest point, where one corner is far away. Where the two disagree the cores touch,
+            // and the closest point is what rounding left.
+            const point<3> n = normal_by_shorter_edges(vertex[0].w, vertex[1].w, vertex[2].w);
+            const double along = dot(n, v);
+            r.overlapping = !(along * along > 0.9 * dot(n, n) * dot(v, v));
+            v = along < 0 ? -n : n;
+        }
+    const point<D> normal = unit(v);
+    double distance = dot(normal, vertex[0].w);
+    for (int i = 1; i < r.at.count; ++i) distance = min(distance, dot(normal, vertex[i].w));
+    r.overlapping = r.overlapping || !(distance > 0);
+    if (r.overlapping) return;
+    r.normal = normal;
+    r.distance = distance;
 }
 
 /// The distance of two cores, in A's frame; gives up as soon as it is known to exceed `most`, and ends where it is
@@ -11039,23 +11105,26 @@ gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double
     gjk_result<D> r;
     int stalls = 0;
     // What rounding may do to a coordinate of the vertices.
-    const double noise = 0x1p-51 * extent_of(a, b), squared_noise = noise * noise;
+    const double noise = 0x1p-51 * extent_of(a, b), squared_noise = noise * noise, squared_most = most * most;
     const bool smooth = !a.has_vertices() || !b.shape->has_vertices();
+    const auto gave_up = [&](const point<D>& along, const cso_vertex<D>& farthest) {
+        r.beyond = true;
+        r.normal = unit(along);
+        r.distance = dot(r.normal, farthest.w);
+    };
     point<D> v = b.at;
     if (cache != nullptr && cache->count > 0) {
         point<D> axis;
         for (int i = 0; i < D; ++i) axis[i] = detail::to_double(cache->axis[i]);
         const double squared = dot(axis, axis);
-        if (squared > 0) {
+        if (squared > 0 && (smooth || most < no_limit)) {
             v = axis;
             // What parted the two may part them still.
-            const cso_vertex<D> next = support_along(a, b, v);
+            cso_vertex<D>& next = r.at.vertex[0];
+            next = support_along(a, b, v);
             const double along = dot(v, next.w);
-            if (along > 0 && along * along > most * most * squared) {
-                r.beyond = true;
-                r.normal = unit(v);
-                r.distance = dot(r.normal, next.w);
-                r.at.vertex[0] = next;
+            if (along > 0 && along * along > squared_most * squared) {
+                gave_up(v, next);
                 r.at.count = 1;
                 return r;
             }
@@ -11067,16 +11136,9 @@ gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double
             v = c.at;
         }
     }
-    if (!(dot(v, v) > 0) && r.at.count == 0) v = {}, v[0] = 1;
-
-    const auto finish = [&] {
-        if (cache == nullptr) return;
-        cache->count = static_cast<std::uint8_t>(r.at.count);
-        for (int i = 0; i < r.at.count; ++i) cache->vertex[i] = r.at.vertex[i].name;
-        for (int i = 0; i < D; ++i) cache->axis[i] = static_cast<float>(r.normal[i]);
-    };
+    double vv = dot(v, v);
+    if (!(vv > 0) && r.at.count == 0) v = {}, v[0] = vv = 1;
     for (int iteration = 0;; ++iteration) {
-        const double vv = dot(v, v);
         if (r.at.count > 0 && (r.at.count == D + 1 || vv <= squared_noise)) {
             r.overlapping = true;
             break;
@@ -11084,39 +11146,55 @@ gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double
         cso_vertex<D>& next = r.at.vertex[r.at.count];
         next = support_along(a, b, v);
         const double vw = dot(v, next.w);
-        if (vw > 0 && vw * vw > most * most * vv) {
-            r.beyond = true;
-            r.normal = unit(v);
-            r.distance = dot(r.normal, next.w);
+        if (vw > 0 && vw * vw > squared_most * vv) {
+            gave_up(v, next);
             if (r.at.count == 0) r.at.count = 1;
             break;
         }
+        bool done = false;
         if (r.at.count > 0) {
             const double gap = vv - vw;
-            bool known = gap <= tolerance * vv || gap * gap <= squared_noise * vv;
-            for (int i = 0; i < r.at.count && !known; ++i)
-                known = smooth ? r.at.vertex[i].w == next.w : r.at.vertex[i].name == next.name;
-            if (known || iteration >= most_iterations) {
-                measure(r, v);
-                if (!known) r.status = query_status::iteration_limit;
-                break;
+            done = gap <= tolerance * vv || gap * gap <= squared_noise * vv;
+            for (int i = 0; i < r.at.count && !done; ++i)
+                done = smooth ? r.at.vertex[i].w == next.w : r.at.vertex[i].name == next.name;
+            if (!done && iteration >= most_iterations) {
+                r.status = query_status::iteration_limit;
+                done = true;
             }
         }
-        ++r.at.count;
-        const closest_of<D> closest = closest_of_simplex(r.at, r.at.count > 1);
-        if (r.at.count > 1 && closest.count <= D && !(dot(closest.at, closest.at) < vv)) {
-            // Rounding lets it come no closer. The normal may still gain: the distance is flat where that is best.
-            const bool taken = closest.vertex[closest.count - 1] == r.at.count - 1;
-            if (!taken || ++stalls > most_stalls) {
-                --r.at.count;
-                measure(r, v);
-                break;
+        if (!done) {
+            ++r.at.count;
+            const closest_of<D> closest = closest_of_simplex(r.at, r.at.count > 1);
+            const double squared = dot(closest.at, closest.at);
+            if (r.at.count > 1 && closest.count <= D && !(squared < vv)) {
+                // Rounding lets it come no closer. The normal may still gain: the distance is flat where that is best.
+                const bool taken = closest.vertex[closest.count - 1] == r.at.count - 1;
+                done = !taken || ++stalls > most_stalls;
+            }
+            if (done) --r.at.count;
+            else {
+                if (closest.count <= D) r.at.keep(closest);
+                v = closest.at;
+                vv = squared;
             }
         }
-        if (closest.count <= D) r.at.keep(closest);
-        v = closest.at;
+        if (done) {
+            measure(r, v);
+            // So near that rounding may have turned the normal: one that does not part them is none, and they touch.
+            if (!smooth && !r.overlapping && r.distance < 0x1p10 * noise &&
+                dot(r.normal, support_along(a, b, r.normal).w) < r.distance - 4 * noise) {
+                r.overlapping = true;
+                r.normal = {};
+                r.distance = 0;
+            }
+            break;
+        }
     }
-    finish();
+    if (cache != nullptr) {
+        cache->count = static_cast<std::uint8_t>(r.at.count);
+        for (int i = 0; i < r.at.count; ++i) cache->vertex[i] = r.at.vertex[i].name;
+        for (int i = 0; i < D; ++i) cache->axis[i] = static_cast<float>(r.normal[i]);
+    }
     return r;
 }
 
@@ -11157,23 +11235,20 @@ public:
     using index = std::uint16_t;
 
     struct face {
-        index vertex[3];
-        /// Across the edges 0-1, 1-2, 2-0.
-        index neighbour[3];
         /// Outwards, of twice the triangle's area.
         point<3> normal;
         double squared_normal;
         /// dot(normal, p) of its points, and what rounding and the grid may change in such a product.
         double height, error;
+        index vertex[3];
+        /// Across the edges 0-1, 1-2, 2-0.
+        index neighbour[3];
     };
 
-    /// Begins with a tetrahedron, of points that do not lie in one plane.
-    cso_hull(const orientation& grid, double size, const cso_vertex<3> (&v)[4]) : grid_(grid), size_(size) {
-        const bool outwards = grid.of(v[0].w, v[1].w, v[2].w, v[3].w) < 0;
-        vertices_[0] = v[0];
-        vertices_[1] = v[outwards ? 1 : 2];
-        vertices_[2] = v[outwards ? 2 : 1];
-        vertices_[3] = v[3];
+    /// Begins with a tetrahedron: three points that are counter-clockwise as seen from outside, and one behind them.
+    cso_hull(const orientation& grid, double size, const raw_array<cso_vertex<3>, 4>& v)
+        : grid_(grid), size_(size), least_error_(size * size * size * 0x1p-53) {
+        for (int i = 0; i < 4; ++i) vertices_[i] = v[i];
         vertex_count_ = 4;
         set(0, 0, 1, 2, 1, 2, 3);
         set(1, 0, 3, 1, 3, 2, 0);
@@ -11185,17 +11260,24 @@ public:
     [[nodiscard]] const cso_vertex<3>& vertex(int i) const { return vertices_[i]; }
     [[nodiscard]] const face& at(int i) const { return faces_[i]; }
     [[nodiscard]] bool full() const { return vertex_count_ == most_vertices; }
-    /// The face that is closest to the origin, seen from within; its distance is negative if the origin is outside.
+    /// The face that is closest to the origin, seen from within; the origin may be outside.
     [[nodiscard]] int closest() const {
         int best = 0;
-        for (int i = 1; i < face_count_; ++i)
-            if (key_[i] < key_[best]) best = i;
+        double least = key_[0];
+        for (int i = 1; i < face_count_; ++i) {
+            best = key_[i] < least ? i : best;
+            least = min(key_[i], least);
+        }
         return best;
     }
-    [[nodiscard]] point<3> unit_normal(int f) const { return unit(faces_[f].normal); }
-    [[nodiscard]] double distance(int f) const { return key_[f] < 0 ? -sqrt(-key_[f]) : sqrt(key_[f]); }
-    /// Corrects the distance of a face whose normal is not what its corners say exactly, since it is thin.
-    void set_distance(int f, double distance) { key_[f] = distance * abs(distance); }
+    /// Takes for a face's distance what its normal, times `height`, says; false if that is what it was. Thin faces have
+    /// normals that are not quite what their corners say exactly.
+    bool correct(int f, double height) {
+        const double key = key_of(height, faces_[f].squared_normal);
+        const bool changed = key != key_[f];
+        key_[f] = key;
+        return changed;
+    }
     /// On which side of a face a point lies: 1 where it sees it.
     [[nodiscard]] int side(int f, const point<3>& p) const {
         const face& it = faces_[f];
@@ -11207,44 +11289,71 @@ public:
 
     /// Adds a vertex that lies beyond the face `seen`. The hull must not be full.
     void add(const cso_vertex<3>& v, int seen) {
-        const index apex = static_cast<index>(vertex_count_);
-        vertices_[vertex_count_++] = v;
-        // All faces that see the vertex, and the edges between them and the others.
-        int open = 0;
-        visible_count_ = 0;
-        horizon_count_ = 0;
-        mark_visible(seen);
-        while (open < visible_count_) {
-            const index f = visible_[open++];
-            for (int e = 0; e < 3; ++e) {
-                const index other = faces_[f].neighbour[e];
-                if (is_visible(other)) continue;
-                if (side(other, v.w) > 0) mark_visible(other);
-                else horizon_[horizon_count_++] = {faces_[f].vertex[e], faces_[f].vertex[e < 2 ? e + 1 : 0], f, other};
-            }
-        }
-        for (int i = 0; i < visible_count_; ++i) spare_[spare_count_++] = visible_[i];
-        for (int i = 0; i < horizon_count_; ++i) {
-            edge& h = horizon_[i];
-            h.face = spare_count_ > 0 ? spare_[--spare_count_] : static_cast<index>(face_count_++);
-            face_from_[h.from] = h.face;
-        }
+        const int apex = vertex_count_++;
+        vertices_[apex] = v;
+        find_horizon(v.w, seen);
+        // A fan around the vertex.
+        const int first = free_face();
+        int before = first, now = first;
+        point<3> e = w(horizon_[0].from) - v.w;
+        double ee = dot(e, e);
         for (int i = 0; i < horizon_count_; ++i) {
             const edge& h = horizon_[i];
-            replace_neighbour(h.beyond, h.to, h.from, h.face);
-            set(h.face, h.from, h.to, apex, h.beyond, face_from_[h.to], 0);
+            const int after = i + 1 < horizon_count_ ? free_face() : first;
+            const point<3> g = w(h.to) - v.w;
+            const double gg = dot(g, g);
+            faces_[h.beyond].neighbour[h.of_beyond] = static_cast<index>(now);
+            link(now, h.from, h.to, apex, h.beyond, after, before);
+            shape(now, e, g, ee, gg);
+            before = now;
+            now = after;
+            e = g;
+            ee = gg;
         }
-        for (int i = 0; i < horizon_count_; ++i) faces_[face_from_[horizon_[i].to]].neighbour[2] = horizon_[i].face;
+        faces_[first].neighbour[2] = static_cast<index>(before);
     }
 
 private:
+    /// Between a face that a new vertex sees and one beyond, as the first one has it.
     struct edge {
-        index from, to;
-        index face, beyond;
+        index from, to, beyond, of_beyond;
+    };
+    struct crossing {
+        index into, from;
     };
 
     [[nodiscard]] const point<3>& w(int i) const { return vertices_[i].w; }
-    void set(int f, int a, int b, int c, int ab, int bc, int ca) {
+    [[nodiscard]] int free_face() { return spare_count_ > 0 ? spare_[--spare_count_] : face_count_++; }
+    /// All faces that see a point become spare; the edges between them and the others are found in order, since each
+    /// face is left where it was entered.
+    void find_horizon(const point<3>& p, int seen) {
+        int open = 0;
+        horizon_count_ = 0;
+        const auto leave = [&](int f) {
+            key_[f] = gone;
+            spare_[spare_count_++] = static_cast<index>(f);
+        };
+        const auto cross_edge = [&](int f, int e) {
+            todo_[open++] = {faces_[f].neighbour[e], static_cast<index>(f)};
+        };
+        leave(seen);
+        for (int e = 2; e >= 0; --e) cross_edge(seen, e);
+        while (open > 0) {
+            const crossing c = todo_[--open];
+            if (key_[c.into] == gone) continue;
+            const face& it = faces_[c.into];
+            const int e = it.neighbour[0] == c.from ? 0 : it.neighbour[1] == c.from ? 1 : 2;
+            const int next = e < 2 ? e + 1 : 0;
+            if (side(c.into, p) > 0) {
+                leave(c.into);
+                cross_edge(c.into, e > 0 ? e - 1 : 2);
+                cross_edge(c.into, next);
+            } else {
+                horizon_[horizon_count_++] = {it.vertex[next], it.vertex[e], c.into, static_cast<index>(e)};
+            }
+        }
+    }
+    void link(int f, int a, int b, int c, int ab, int bc, int ca) {
         face& it = faces_[f];
         it.vertex[0] = static_cast<index>(a);
         it.vertex[1] = static_cast<index>(b);
@@ -11252,61 +11361,61 @@ private:
         it.neighbour[0] = static_cast<index>(ab);
         it.neighbour[1] = static_cast<index>(bc);
         it.neighbour[2] = static_cast<index>(ca);
-        const point<3> e = w(b) - w(a), g = w(c) - w(a);
-        const double ee = dot(e, e), gg = dot(g, g);
-        it.normal = cross(e, g);
-        it.squared_normal = dot(it.normal, it.normal);
-        // Of thin triangles the shorter edges give the better normal.
-        if (!(it.squared_normal > 0x1p-8 * ee * gg)) {
-            it.normal = normal_of_thin(a, b, c);
-            it.squared_normal = dot(it.normal, it.normal);
-        }
-        it.height = dot(it.normal, w(a));
-        // Products of coordinates below size, and differences that the grid moves by 2 steps of size * 2^-59.
-        it.error = size_ * ((ee + gg) * 0x1p-44 + size_ * size_ * 0x1p-53);
-        // Faces so thin that rounding leaves no normal take no part: beside them are others in the same plane.
-        key_[f] = it.squared_normal > 0 ? it.height * abs(it.height) / it.squared_normal : never;
     }
-    [[nodiscard]] point<3> normal_of_thin(int a, int b, int c) const {
-        const point<3> sides[3] = {w(b) - w(a), w(c) - w(b), w(a) - w(c)};
-        int longest = 0;
-        for (int i = 1; i < 3; ++i)
-            if (dot(sides[i], sides[i]) > dot(sides[longest], sides[longest])) longest = i;
-        return cross(sides[longest < 2 ? longest + 1 : 0], sides[longest > 0 ? longest - 1 : 2]);
+    void set(int f, int a, int b, int c, int ab, int bc, int ca) {
+        link(f, a, b, c, ab, bc, ca);
+        const point<3> e = w(a) - w(c), g = w(b) - w(c);
+        shape(f, e, g, dot(e, e), dot(g, g));
     }
-    void mark_visible(int f) {
-        visible_[visible_count_++] = static_cast<index>(f);
-        key_[f] = gone;
-    }
-    [[nodiscard]] bool is_visible(index f) const { return key_[f] == gone; }
-    void replace_neighbour(index f, index from, index to, index by) {
+    /// Measures a face that is linked, from the edges from its last vertex to the other two, and their squares.
+    PHYSICS_HPP_ALWAYS_INLINE void shape(int f, const point<3>& e, const point<3>& g, double ee, double gg) {
         face& it = faces_[f];
-        for (int e = 0; e < 3; ++e)
-            if (it.vertex[e] == from && it.vertex[e < 2 ? e + 1 : 0] == to) it.neighbour[e] = by;
+        point<3> n = cross(e, g);
+        double nn = dot(n, n);
+        // Of thin triangles the shorter edges give the better normal.
+        if (!(nn > 0x1p-8 * ee * gg)) {
+            n = normal_by_shorter_edges(w(it.vertex[0]), w(it.vertex[1]), w(it.vertex[2]));
+            nn = dot(n, n);
+        }
+        const double height = dot(n, w(it.vertex[2]));
+        it.normal = n;
+        it.squared_normal = nn;
+        it.height = height;
+        // Products of coordinates below size, and differences that the grid moves by 2 steps of size * 2^-59.
+        it.error = size_ * ((ee + gg) * 0x1p-44) + least_error_;
+        // Faces so thin that rounding leaves no normal take no part: beside them are others in the same plane.
+        key_[f] = nn > 0 ? key_of(height, nn) : never;
     }
-
+    [[nodiscard]] static double key_of(double height, double squared_normal) {
+        return height * abs(height) / squared_normal;
+    }
     /// In place of a face's key: it is none to be chosen; no face is here, but for one that is about to go.
     static constexpr double never = 1e300, gone = 1.7976931348623157e308;
 
     orientation grid_;
-    double size_;
-    int vertex_count_ = 0, face_count_ = 0, visible_count_ = 0, horizon_count_ = 0, spare_count_ = 0;
+    double size_, least_error_;
+    int vertex_count_ = 0, face_count_ = 0, horizon_count_ = 0, spare_count_ = 0;
     raw_array<cso_vertex<3>, most_vertices> vertices_;
     raw_array<face, most_faces> faces_;
     /// The squares of the faces' distances from the origin, with the distances' signs.
     raw_array<double, most_faces> key_;
-    raw_array<index, most_faces> visible_, spare_;
+    raw_array<index, most_faces> spare_;
     raw_array<edge, most_faces> horizon_;
-    raw_array<index, most_vertices> face_from_;
+    raw_array<crossing, 2 * most_faces> todo_;
 };
 
-/// Completes a simplex to a tetrahedron with the farthest points beside it; false if B - A is flat. Of that, `normal`
-/// is then a unit vector across it.
+/// Completes a simplex to a tetrahedron, as cso_hull takes it, with the farthest points beside it; false if B - A is
+/// flat. Of that, `normal` is then a unit vector across it.
 inline bool make_tetrahedron(const core<3>& a, const placed_core<3>& b, const simplex<3>& s, double noise,
-                             const orientation& grid, cso_vertex<3> (&v)[4], point<3>& normal) {
+                             const orientation& grid, raw_array<cso_vertex<3>, 4>& v, point<3>& normal) {
     int count = s.count;
     for (int i = 0; i < count; ++i) v[i] = s.vertex[i];
-    if (count == 4 && grid.of(v[0].w, v[1].w, v[2].w, v[3].w) != 0) return true;
+    const auto has_volume = [&] {
+        const int side = grid.of(v[0].w, v[1].w, v[2].w, v[3].w);
+        if (side > 0) std::swap(v[1], v[2]);
+        return side != 0;
+    };
+    if (count == 4 && has_volume()) return true;
     // The farthest of the supports along n and -n from what measure() takes for the simplex so far.
     double farthest = 0;
     const auto look = [&](const point<3>& n, int into, auto&& measure) {
@@ -11343,7 +11452,7 @@ inline bool make_tetrahedron(const core<3>& a, const placed_core<3>& b, const si
     normal = unit(cross(e, v[2].w - v[0].w));
     farthest = 0;
     look(normal, 3, [&](const point<3>& p) { return abs(dot(normal, p)); });
-    return farthest > 0 && grid.of(v[0].w, v[1].w, v[2].w, v[3].w) != 0;
+    return farthest > 0 && has_volume();
 }
 
 /// Finds where two cores touch once `p` has parted them, if that is not known: of faces of B - A of which only some
@@ -11412,7 +11521,7 @@ inline penetration<3> epa(const core<3>& a, const placed_core<3>& b, const simpl
     const double size = power_above(extent_of(a, b)), noise = 0x1p-48 * size;
     penetration<3> best;
     const orientation grid(size);
-    cso_vertex<3> first[4];
+    raw_array<cso_vertex<3>, 4> first;
     point<3> flat;
     if (!make_tetrahedron(a, b, from, noise, grid, first, flat)) {
         best.normal = dot(flat, b.at) < 0 ? -flat : flat;
@@ -11421,28 +11530,32 @@ inline penetration<3> epa(const core<3>& a, const placed_core<3>& b, const simpl
         return best;
     }
     cso_hull hull(grid, size, first);
+    // Normals have the size of areas; supports are looked for along vectors that float holds too.
+    const double scale = 1 / (size * size);
     for (;;) {
         const int f = hull.closest();
         const auto& face = hull.at(f);
-        const point<3> n = hull.unit_normal(f);
-        const cso_vertex<3> next = support_along(a, b, -n);
-        const double h = dot(n, next.w);
-        const bool converged = h - hull.distance(f) <= tolerance;
+        const point<3>& n = face.normal;
+        const cso_vertex<3> next = support_along(a, b, n * -scale);
+        const double height = dot(n, next.w), gain = height - face.height;
+        bool converged = gain <= 0 || gain * gain <= tolerance * tolerance * face.squared_normal;
         if (!converged && hull.side(f, next.w) <= 0) {
-            hull.set_distance(f, h);
-            continue;
+            if (hull.correct(f, height)) continue;
+            converged = true;
         }
         if (converged || hull.full()) {
             if (!converged) best.status = query_status::iteration_limit;
-            best.normal = -n;
-            best.depth = h;
+            const double length = physics::sqrt(face.squared_normal);
+            best.normal = -unit(n);
+            best.depth = length > 0 ? height / length : 0;
             point<3> w[3];
             for (int i = 0; i < 3; ++i) w[i] = hull.vertex(face.vertex[i]).w;
             const closest_of<3> at = closest_on_triangle(w[0], w[1], w[2]);
             for (int i = 0; i < 3; ++i) best.names[i] = hull.vertex(face.vertex[i]).name;
             for (int i = 0; i < at.count; ++i)
                 best.on_a += hull.vertex(face.vertex[at.vertex[i]]).on_a * at.weight[i];
-            sharpen(a, b, next.w, best);
+            // Not where the normal turns by less than matters.
+            if (!(tolerance * length > 0x1p-48 * size * size * size)) sharpen(a, b, next.w, best);
             if (!converged) shorten(a, b, size, tolerance, best);
             best.located = at.count == 3 && converged;
             return best;
@@ -11734,8 +11847,6 @@ constexpr double depth_tolerance(double size) {
     return is_fixed<S> ? max(epsilon * 0.25, size * 0x1p-51) : size * epsilon * 0.25;
 }
 
-inline constexpr double no_limit = 1e300;
-
 /// Two shapes as the general kernels take them, in A's frame.
 template <int D>
 struct core_pair {
@@ -11837,42 +11948,48 @@ closest_points<S, D> separation(const A& a, const B& b, const transform<S, D>& b
     return detail::rounded<S>(pair, detail::separate<S>(pair, detail::no_limit, nullptr));
 }
 
+namespace detail {
+
+template <class S, int D>
+closest_points<S, D> distance(const core_pair<D>& pair, gjk_cache* cache) {
+    const gjk_result<D> r = gjk(pair.a, pair.placed, no_limit, relative_tolerance<S>(), cache);
+    if (r.overlapping) return {{}, S(0), {}, {}, r.status};
+    const point<D> core_on_a = r.at.on_a(), on_b = core_on_a + r.normal * (r.distance - pair.b.radius);
+    return {from_point<S>(r.normal), static_cast<S>(max(r.distance - pair.a.radius - pair.b.radius, 0.0)),
+            from_point<S>(core_on_a + r.normal * pair.a.radius), from_point<S>(on_b), r.status};
+}
+template <class S, int D>
+bool overlap(const core_pair<D>& pair, gjk_cache* cache) {
+    const double reach = pair.a.radius + pair.b.radius;
+    const gjk_result<D> r = gjk(pair.a, pair.placed, reach, relative_tolerance<S>(), cache);
+    return r.overlapping || (!r.beyond && r.distance <= reach);
+}
+
+}  // namespace detail
+
 /// How far apart two convex shapes are, 0 where they touch or overlap; normal and points are then those of the cores
 /// where only the rounded parts overlap, else null. Cost: GJK alone.
 template <class A, class B, class S, int D>
     requires detail::has_core<A> && detail::has_core<B>
 closest_points<S, D> distance(const A& a, const B& b, const transform<S, D>& b_in_a, gjk_cache& cache) {
-    const detail::core_pair<D> pair(a, b, b_in_a);
-    const detail::gjk_result<D> r =
-        detail::gjk(pair.a, pair.placed, detail::no_limit, detail::relative_tolerance<S>(), &cache);
-    if (r.overlapping) return {{}, S(0), {}, {}, r.status};
-    closest_points<S, D> result = detail::rounded<S>(
-        pair, detail::core_separation<D>{r.normal, r.distance, r.at.on_a(), true, {}, 0, false, r.status});
-    result.distance = max(result.distance, S(0));
-    return result;
+    return detail::distance<S>(detail::core_pair<D>(a, b, b_in_a), &cache);
 }
 template <class A, class B, class S, int D>
     requires detail::has_core<A> && detail::has_core<B>
 closest_points<S, D> distance(const A& a, const B& b, const transform<S, D>& b_in_a) {
-    gjk_cache cache;
-    return distance(a, b, b_in_a, cache);
+    return detail::distance<S>(detail::core_pair<D>(a, b, b_in_a), nullptr);
 }
 
 /// Whether two convex shapes share a point. Cost: GJK until an axis parts them.
 template <class A, class B, class S, int D>
     requires detail::has_core<A> && detail::has_core<B>
 bool overlap(const A& a, const B& b, const transform<S, D>& b_in_a, gjk_cache& cache) {
-    const detail::core_pair<D> pair(a, b, b_in_a);
-    const double reach = pair.a.radius + pair.b.radius;
-    const detail::gjk_result<D> r =
-        detail::gjk(pair.a, pair.placed, reach, detail::relative_tolerance<S>(), &cache);
-    return r.overlapping || (!r.beyond && r.distance <= reach);
+    return detail::overlap<S>(detail::core_pair<D>(a, b, b_in_a), &cache);
 }
 template <class A, class B, class S, int D>
     requires detail::has_core<A> && detail::has_core<B>
 bool overlap(const A& a, const B& b, const transform<S, D>& b_in_a) {
-    gjk_cache cache;
-    return overlap(a, b, b_in_a, cache);
+    return detail::overlap<S>(detail::core_pair<D>(a, b, b_in_a), nullptr);
 }
 
 PHYSICS_HPP_END
@@ -19978,10 +20095,8 @@ struct soft_step {
                         const bool used = lane < share && at + lane < colours.begin[group + 1];
                         const std::uint32_t n = used ? colours.order[at + lane] : none;
                         *numbers++ = n;
-                        if (used)
-                            to.put(static_cast<int>(lane), contacts[n], bodies, with.restitution_slop, h);
-                        else
-                            to.a[lane] = to.b[lane] = nobody;
+                        if (used) to.put(static_cast<int>(lane), contacts[n], bodies, with.restitution_slop, h);
+                        else to.a[lane] = to.b[lane] = nobody;
                     }
                 }
             }

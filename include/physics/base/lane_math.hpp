@@ -23,18 +23,15 @@ PHYSICS_HPP_ALWAYS_INLINE pack<S, W, Bytes> lane_abs(const pack<S, W, Bytes>& x)
         using lanes = decltype(x.value < x.value);
         const auto sign = pack<S, W, Bytes>::broadcast(S(-0.0));
         return {reinterpret_cast<typename pack<S, W, Bytes>::storage>(reinterpret_cast<lanes>(x.value) &
-                                                                      ~reinterpret_cast<lanes>(sign.value))};
+                                                                     ~reinterpret_cast<lanes>(sign.value))};
     }
 }
 /// Four scalars as lanes.
 template <class P, class S = typename P::scalar>
 PHYSICS_HPP_ALWAYS_INLINE P lanes_of(S a, S b, S c, S d) {
-    if constexpr (!requires(P x) { x.low; })
-        return {typename P::storage{a, b, c, d}};
-    else if constexpr (requires(P x) { x.low.low; })
-        return {{{a}, {b}}, {{c}, {d}}};
-    else
-        return {{typename P::half::storage{a, b}}, {typename P::half::storage{c, d}}};
+    if constexpr (!requires(P x) { x.low; }) return {typename P::storage{a, b, c, d}};
+    else if constexpr (requires(P x) { x.low.low; }) return {{{a}, {b}}, {{c}, {d}}};
+    else return {{typename P::half::storage{a, b}}, {typename P::half::storage{c, d}}};
 }
 /// a * b + c * d, rounded once where the scalar can.
 template <class P>
@@ -56,8 +53,7 @@ PHYSICS_HPP_ALWAYS_INLINE P lane_length(const P& a, const P& b) {
     // One lane takes the root of what has not been rounded yet.
     if constexpr (P::width == 1)
         return {root<typename P::scalar>(product(a.value, a.value) + product(b.value, b.value))};
-    else
-        return sqrt(a * a + b * b);
+    else return sqrt(a * a + b * b);
 }
 /// The greatest of eight lanes, or of one.
 template <class P>

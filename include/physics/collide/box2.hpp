@@ -216,9 +216,10 @@ void collide(const box<S, 2>& a, const box<S, 2>& b, const transform<S, 2>& b_in
     // Equal lanes, as one scalar's selections would become branches that nothing predicts.
     using P = detail::pack<S, detail::native_width<S>>;
     const auto same = [](S x) { return P::broadcast(x); };
-    const detail::box_lanes2<P> in{same(a.half_extents.x),       same(a.half_extents.y),    same(b.half_extents.x),
-                                   same(b.half_extents.y),       same(b_in_a.position.x),   same(b_in_a.position.y),
-                                   same(b_in_a.rotation.cosine), same(b_in_a.rotation.sine)};
+    const vec<S, 2> of_a = a.half_extents, of_b = b.half_extents, at = b_in_a.position;
+    const rotation<S, 2> turned = b_in_a.rotation;
+    const detail::box_lanes2<P> in{same(of_a.x), same(of_a.y), same(of_b.x),        same(of_b.y),
+                                   same(at.x),   same(at.y),   same(turned.cosine), same(turned.sine)};
     detail::write_box_contact(detail::touch_boxes(in, same(margin)), 0, {&a, &b, &b_in_a}, margin, out);
 }
 

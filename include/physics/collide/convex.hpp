@@ -33,8 +33,6 @@ constexpr double depth_tolerance(double size) {
     return is_fixed<S> ? max(epsilon * 0.25, size * 0x1p-51) : size * epsilon * 0.25;
 }
 
-inline constexpr double no_limit = 1e300;
-
 /// Two shapes as the general kernels take them, in A's frame.
 template <int D>
 struct core_pair {
@@ -136,42 +134,48 @@ closest_points<S, D> separation(const A& a, const B& b, const transform<S, D>& b
     return detail::rounded<S>(pair, detail::separate<S>(pair, detail::no_limit, nullptr));
 }
 
+namespace detail {
+
+template <class S, int D>
+closest_points<S, D> distance(const core_pair<D>& pair, gjk_cache* cache) {
+    const gjk_result<D> r = gjk(pair.a, pair.placed, no_limit, relative_tolerance<S>(), cache);
+    if (r.overlapping) return {{}, S(0), {}, {}, r.status};
+    const point<D> core_on_a = r.at.on_a(), on_b = core_on_a + r.normal * (r.distance - pair.b.radius);
+    return {from_point<S>(r.normal), static_cast<S>(max(r.distance - pair.a.radius - pair.b.radius, 0.0)),
+            from_point<S>(core_on_a + r.normal * pair.a.radius), from_point<S>(on_b), r.status};
+}
+template <class S, int D>
+bool overlap(const core_pair<D>& pair, gjk_cache* cache) {
+    const double reach = pair.a.radius + pair.b.radius;
+    const gjk_result<D> r = gjk(pair.a, pair.placed, reach, relative_tolerance<S>(), cache);
+    return r.overlapping || (!r.beyond && r.distance <= reach);
+}
+
+}  // namespace detail
+
 /// How far apart two convex shapes are, 0 where they touch or overlap; normal and points are then those of the cores
 /// where only the rounded parts overlap, else null. Cost: GJK alone.
 template <class A, class B, class S, int D>
     requires detail::has_core<A> && detail::has_core<B>
 closest_points<S, D> distance(const A& a, const B& b, const transform<S, D>& b_in_a, gjk_cache& cache) {
-    const detail::core_pair<D> pair(a, b, b_in_a);
-    const detail::gjk_result<D> r =
-        detail::gjk(pair.a, pair.placed, detail::no_limit, detail::relative_tolerance<S>(), &cache);
-    if (r.overlapping) return {{}, S(0), {}, {}, r.status};
-    closest_points<S, D> result = detail::rounded<S>(
-        pair, detail::core_separation<D>{r.normal, r.distance, r.at.on_a(), true, {}, 0, false, r.status});
-    result.distance = max(result.distance, S(0));
-    return result;
+    return detail::distance<S>(detail::core_pair<D>(a, b, b_in_a), &cache);
 }
 template <class A, class B, class S, int D>
     requires detail::has_core<A> && detail::has_core<B>
 closest_points<S, D> distance(const A& a, const B& b, const transform<S, D>& b_in_a) {
-    gjk_cache cache;
-    return distance(a, b, b_in_a, cache);
+    return detail::distance<S>(detail::core_pair<D>(a, b, b_in_a), nullptr);
 }
 
 /// Whether two convex shapes share a point. Cost: GJK until an axis parts them.
 template <class A, class B, class S, int D>
     requires detail::has_core<A> && detail::has_core<B>
 bool overlap(const A& a, const B& b, const transform<S, D>& b_in_a, gjk_cache& cache) {
-    const detail::core_pair<D> pair(a, b, b_in_a);
-    const double reach = pair.a.radius + pair.b.radius;
-    const detail::gjk_result<D> r =
-        detail::gjk(pair.a, pair.placed, reach, detail::relative_tolerance<S>(), &cache);
-    return r.overlapping || (!r.beyond && r.distance <= reach);
+    return detail::overlap<S>(detail::core_pair<D>(a, b, b_in_a), &cache);
 }
 template <class A, class B, class S, int D>
     requires detail::has_core<A> && detail::has_core<B>
 bool overlap(const A& a, const B& b, const transform<S, D>& b_in_a) {
-    gjk_cache cache;
-    return overlap(a, b, b_in_a, cache);
+    return detail::overlap<S>(detail::core_pair<D>(a, b, b_in_a), nullptr);
 }
 
 PHYSICS_HPP_END

@@ -33,23 +33,20 @@ public:
     using index = std::uint16_t;
 
     struct face {
-        index vertex[3];
-        /// Across the edges 0-1, 1-2, 2-0.
-        index neighbour[3];
         /// Outwards, of twice the triangle's area.
         point<3> normal;
         double squared_normal;
         /// dot(normal, p) of its points, and what rounding and the grid may change in such a product.
         double height, error;
+        index vertex[3];
+        /// Across the edges 0-1, 1-2, 2-0.
+        index neighbour[3];
     };
 
-    /// Begins with a tetrahedron, of points that do not lie in one plane.
-    cso_hull(const orientation& grid, double size, const cso_vertex<3> (&v)[4]) : grid_(grid), size_(size) {
-        const bool outwards = grid.of(v[0].w, v[1].w, v[2].w, v[3].w) < 0;
-        vertices_[0] = v[0];
-        vertices_[1] = v[outwards ? 1 : 2];
-        vertices_[2] = v[outwards ? 2 : 1];
-        vertices_[3] = v[3];
+    /// Begins with a tetrahedron: three points that are counter-clockwise as seen from outside, and one behind them.
+    cso_hull(const orientation& grid, double size, const raw_array<cso_vertex<3>, 4>& v)
+        : grid_(grid), size_(size), least_error_(size * size * size * 0x1p-53) {
+        for (int i = 0; i < 4; ++i) vertices_[i] = v[i];
         vertex_count_ = 4;
         set(0, 0, 1, 2, 1, 2, 3);
         set(1, 0, 3, 1, 3, 2, 0);
@@ -61,17 +58,24 @@ public:
     [[nodiscard]] const cso_vertex<3>& vertex(int i) const { return vertices_[i]; }
     [[nodiscard]] const face& at(int i) const { return faces_[i]; }
     [[nodiscard]] bool full() const { return vertex_count_ == most_vertices; }
-    /// The face that is closest to the origin, seen from within; its distance is negative if the origin is outside.
+    /// The face that is closest to the origin, seen from within; the origin may be outside.
     [[nodiscard]] int closest() const {
         int best = 0;
-        for (int i = 1; i < face_count_; ++i)
-            if (key_[i] < key_[best]) best = i;
+        double least = key_[0];
+        for (int i = 1; i < face_count_; ++i) {
+            best = key_[i] < least ? i : best;
+            least = min(key_[i], least);
+        }
         return best;
     }
-    [[nodiscard]] point<3> unit_normal(int f) const { return unit(faces_[f].normal); }
-    [[nodiscard]] double distance(int f) const { return key_[f] < 0 ? -sqrt(-key_[f]) : sqrt(key_[f]); }
-    /// Corrects the distance of a face whose normal is not what its corners say exactly, since it is thin.
-    void set_distance(int f, double distance) { key_[f] = distance * abs(distance); }
+    /// Takes for a face's distance what its normal, times `height`, says; false if that is what it was. Thin faces have
+    /// normals that are not quite what their corners say exactly.
+    bool correct(int f, double height) {
+        const double key = key_of(height, faces_[f].squared_normal);
+        const bool changed = key != key_[f];
+        key_[f] = key;
+        return changed;
+    }
     /// On which side of a face a point lies: 1 where it sees it.
     [[nodiscard]] int side(int f, const point<3>& p) const {
         const face& it = faces_[f];
@@ -83,44 +87,71 @@ public:
 
     /// Adds a vertex that lies beyond the face `seen`. The hull must not be full.
     void add(const cso_vertex<3>& v, int seen) {
-        const index apex = static_cast<index>(vertex_count_);
-        vertices_[vertex_count_++] = v;
-        // All faces that see the vertex, and the edges between them and the others.
-        int open = 0;
-        visible_count_ = 0;
-        horizon_count_ = 0;
-        mark_visible(seen);
-        while (open < visible_count_) {
-            const index f = visible_[open++];
-            for (int e = 0; e < 3; ++e) {
-                const index other = faces_[f].neighbour[e];
-                if (is_visible(other)) continue;
-                if (side(other, v.w) > 0) mark_visible(other);
-                else horizon_[horizon_count_++] = {faces_[f].vertex[e], faces_[f].vertex[e < 2 ? e + 1 : 0], f, other};
-            }
-        }
-        for (int i = 0; i < visible_count_; ++i) spare_[spare_count_++] = visible_[i];
-        for (int i = 0; i < horizon_count_; ++i) {
-            edge& h = horizon_[i];
-            h.face = spare_count_ > 0 ? spare_[--spare_count_] : static_cast<index>(face_count_++);
-            face_from_[h.from] = h.face;
-        }
+        const int apex = vertex_count_++;
+        vertices_[apex] = v;
+        find_horizon(v.w, seen);
+        // A fan around the vertex.
+        const int first = free_face();
+        int before = first, now = first;
+        point<3> e = w(horizon_[0].from) - v.w;
+        double ee = dot(e, e);
         for (int i = 0; i < horizon_count_; ++i) {
             const edge& h = horizon_[i];
-            replace_neighbour(h.beyond, h.to, h.from, h.face);
-            set(h.face, h.from, h.to, apex, h.beyond, face_from_[h.to], 0);
+            const int after = i + 1 < horizon_count_ ? free_face() : first;
+            const point<3> g = w(h.to) - v.w;
+            const double gg = dot(g, g);
+            faces_[h.beyond].neighbour[h.of_beyond] = static_cast<index>(now);
+            link(now, h.from, h.to, apex, h.beyond, after, before);
+            shape(now, e, g, ee, gg);
+            before = now;
+            now = after;
+            e = g;
+            ee = gg;
         }
-        for (int i = 0; i < horizon_count_; ++i) faces_[face_from_[horizon_[i].to]].neighbour[2] = horizon_[i].face;
+        faces_[first].neighbour[2] = static_cast<index>(before);
     }
 
 private:
+    /// Between a face that a new vertex sees and one beyond, as the first one has it.
     struct edge {
-        index from, to;
-        index face, beyond;
+        index from, to, beyond, of_beyond;
+    };
+    struct crossing {
+        index into, from;
     };
 
     [[nodiscard]] const point<3>& w(int i) const { return vertices_[i].w; }
-    void set(int f, int a, int b, int c, int ab, int bc, int ca) {
+    [[nodiscard]] int free_face() { return spare_count_ > 0 ? spare_[--spare_count_] : face_count_++; }
+    /// All faces that see a point become spare; the edges between them and the others are found in order, since each
+    /// face is left where it was entered.
+    void find_horizon(const point<3>& p, int seen) {
+        int open = 0;
+        horizon_count_ = 0;
+        const auto leave = [&](int f) {
+            key_[f] = gone;
+            spare_[spare_count_++] = static_cast<index>(f);
+        };
+        const auto cross_edge = [&](int f, int e) {
+            todo_[open++] = {faces_[f].neighbour[e], static_cast<index>(f)};
+        };
+        leave(seen);
+        for (int e = 2; e >= 0; --e) cross_edge(seen, e);
+        while (open > 0) {
+            const crossing c = todo_[--open];
+            if (key_[c.into] == gone) continue;
+            const face& it = faces_[c.into];
+            const int e = it.neighbour[0] == c.from ? 0 : it.neighbour[1] == c.from ? 1 : 2;
+            const int next = e < 2 ? e + 1 : 0;
+            if (side(c.into, p) > 0) {
+                leave(c.into);
+                cross_edge(c.into, e > 0 ? e - 1 : 2);
+                cross_edge(c.into, next);
+            } else {
+                horizon_[horizon_count_++] = {it.vertex[next], it.vertex[e], c.into, static_cast<index>(e)};
+            }
+        }
+    }
+    void link(int f, int a, int b, int c, int ab, int bc, int ca) {
         face& it = faces_[f];
         it.vertex[0] = static_cast<index>(a);
         it.vertex[1] = static_cast<index>(b);
@@ -128,61 +159,61 @@ private:
         it.neighbour[0] = static_cast<index>(ab);
         it.neighbour[1] = static_cast<index>(bc);
         it.neighbour[2] = static_cast<index>(ca);
-        const point<3> e = w(b) - w(a), g = w(c) - w(a);
-        const double ee = dot(e, e), gg = dot(g, g);
-        it.normal = cross(e, g);
-        it.squared_normal = dot(it.normal, it.normal);
-        // Of thin triangles the shorter edges give the better normal.
-        if (!(it.squared_normal > 0x1p-8 * ee * gg)) {
-            it.normal = normal_of_thin(a, b, c);
-            it.squared_normal = dot(it.normal, it.normal);
-        }
-        it.height = dot(it.normal, w(a));
-        // Products of coordinates below size, and differences that the grid moves by 2 steps of size * 2^-59.
-        it.error = size_ * ((ee + gg) * 0x1p-44 + size_ * size_ * 0x1p-53);
-        // Faces so thin that rounding leaves no normal take no part: beside them are others in the same plane.
-        key_[f] = it.squared_normal > 0 ? it.height * abs(it.height) / it.squared_normal : never;
     }
-    [[nodiscard]] point<3> normal_of_thin(int a, int b, int c) const {
-        const point<3> sides[3] = {w(b) - w(a), w(c) - w(b), w(a) - w(c)};
-        int longest = 0;
-        for (int i = 1; i < 3; ++i)
-            if (dot(sides[i], sides[i]) > dot(sides[longest], sides[longest])) longest = i;
-        return cross(sides[longest < 2 ? longest + 1 : 0], sides[longest > 0 ? longest - 1 : 2]);
+    void set(int f, int a, int b, int c, int ab, int bc, int ca) {
+        link(f, a, b, c, ab, bc, ca);
+        const point<3> e = w(a) - w(c), g = w(b) - w(c);
+        shape(f, e, g, dot(e, e), dot(g, g));
     }
-    void mark_visible(int f) {
-        visible_[visible_count_++] = static_cast<index>(f);
-        key_[f] = gone;
-    }
-    [[nodiscard]] bool is_visible(index f) const { return key_[f] == gone; }
-    void replace_neighbour(index f, index from, index to, index by) {
+    /// Measures a face that is linked, from the edges from its last vertex to the other two, and their squares.
+    PHYSICS_HPP_ALWAYS_INLINE void shape(int f, const point<3>& e, const point<3>& g, double ee, double gg) {
         face& it = faces_[f];
-        for (int e = 0; e < 3; ++e)
-            if (it.vertex[e] == from && it.vertex[e < 2 ? e + 1 : 0] == to) it.neighbour[e] = by;
+        point<3> n = cross(e, g);
+        double nn = dot(n, n);
+        // Of thin triangles the shorter edges give the better normal.
+        if (!(nn > 0x1p-8 * ee * gg)) {
+            n = normal_by_shorter_edges(w(it.vertex[0]), w(it.vertex[1]), w(it.vertex[2]));
+            nn = dot(n, n);
+        }
+        const double height = dot(n, w(it.vertex[2]));
+        it.normal = n;
+        it.squared_normal = nn;
+        it.height = height;
+        // Products of coordinates below size, and differences that the grid moves by 2 steps of size * 2^-59.
+        it.error = size_ * ((ee + gg) * 0x1p-44) + least_error_;
+        // Faces so thin that rounding leaves no normal take no part: beside them are others in the same plane.
+        key_[f] = nn > 0 ? key_of(height, nn) : never;
     }
-
+    [[nodiscard]] static double key_of(double height, double squared_normal) {
+        return height * abs(height) / squared_normal;
+    }
     /// In place of a face's key: it is none to be chosen; no face is here, but for one that is about to go.
     static constexpr double never = 1e300, gone = 1.7976931348623157e308;
 
     orientation grid_;
-    double size_;
-    int vertex_count_ = 0, face_count_ = 0, visible_count_ = 0, horizon_count_ = 0, spare_count_ = 0;
+    double size_, least_error_;
+    int vertex_count_ = 0, face_count_ = 0, horizon_count_ = 0, spare_count_ = 0;
     raw_array<cso_vertex<3>, most_vertices> vertices_;
     raw_array<face, most_faces> faces_;
     /// The squares of the faces' distances from the origin, with the distances' signs.
     raw_array<double, most_faces> key_;
-    raw_array<index, most_faces> visible_, spare_;
+    raw_array<index, most_faces> spare_;
     raw_array<edge, most_faces> horizon_;
-    raw_array<index, most_vertices> face_from_;
+    raw_array<crossing, 2 * most_faces> todo_;
 };
 
-/// Completes a simplex to a tetrahedron with the farthest points beside it; false if B - A is flat. Of that, `normal`
-/// is then a unit vector across it.
+/// Completes a simplex to a tetrahedron, as cso_hull takes it, with the farthest points beside it; false if B - A is
+/// flat. Of that, `normal` is then a unit vector across it.
 inline bool make_tetrahedron(const core<3>& a, const placed_core<3>& b, const simplex<3>& s, double noise,
-                             const orientation& grid, cso_vertex<3> (&v)[4], point<3>& normal) {
+                             const orientation& grid, raw_array<cso_vertex<3>, 4>& v, point<3>& normal) {
     int count = s.count;
     for (int i = 0; i < count; ++i) v[i] = s.vertex[i];
-    if (count == 4 && grid.of(v[0].w, v[1].w, v[2].w, v[3].w) != 0) return true;
+    const auto has_volume = [&] {
+        const int side = grid.of(v[0].w, v[1].w, v[2].w, v[3].w);
+        if (side > 0) std::swap(v[1], v[2]);
+        return side != 0;
+    };
+    if (count == 4 && has_volume()) return true;
     // The farthest of the supports along n and -n from what measure() takes for the simplex so far.
     double farthest = 0;
     const auto look = [&](const point<3>& n, int into, auto&& measure) {
@@ -219,7 +250,7 @@ inline bool make_tetrahedron(const core<3>& a, const placed_core<3>& b, const si
     normal = unit(cross(e, v[2].w - v[0].w));
     farthest = 0;
     look(normal, 3, [&](const point<3>& p) { return abs(dot(normal, p)); });
-    return farthest > 0 && grid.of(v[0].w, v[1].w, v[2].w, v[3].w) != 0;
+    return farthest > 0 && has_volume();
 }
 
 /// Finds where two cores touch once `p` has parted them, if that is not known: of faces of B - A of which only some
@@ -288,7 +319,7 @@ inline penetration<3> epa(const core<3>& a, const placed_core<3>& b, const simpl
     const double size = power_above(extent_of(a, b)), noise = 0x1p-48 * size;
     penetration<3> best;
     const orientation grid(size);
-    cso_vertex<3> first[4];
+    raw_array<cso_vertex<3>, 4> first;
     point<3> flat;
     if (!make_tetrahedron(a, b, from, noise, grid, first, flat)) {
         best.normal = dot(flat, b.at) < 0 ? -flat : flat;
@@ -297,28 +328,32 @@ inline penetration<3> epa(const core<3>& a, const placed_core<3>& b, const simpl
         return best;
     }
     cso_hull hull(grid, size, first);
+    // Normals have the size of areas; supports are looked for along vectors that float holds too.
+    const double scale = 1 / (size * size);
     for (;;) {
         const int f = hull.closest();
         const auto& face = hull.at(f);
-        const point<3> n = hull.unit_normal(f);
-        const cso_vertex<3> next = support_along(a, b, -n);
-        const double h = dot(n, next.w);
-        const bool converged = h - hull.distance(f) <= tolerance;
+        const point<3>& n = face.normal;
+        const cso_vertex<3> next = support_along(a, b, n * -scale);
+        const double height = dot(n, next.w), gain = height - face.height;
+        bool converged = gain <= 0 || gain * gain <= tolerance * tolerance * face.squared_normal;
         if (!converged && hull.side(f, next.w) <= 0) {
-            hull.set_distance(f, h);
-            continue;
+            if (hull.correct(f, height)) continue;
+            converged = true;
         }
         if (converged || hull.full()) {
             if (!converged) best.status = query_status::iteration_limit;
-            best.normal = -n;
-            best.depth = h;
+            const double length = physics::sqrt(face.squared_normal);
+            best.normal = -unit(n);
+            best.depth = length > 0 ? height / length : 0;
             point<3> w[3];
             for (int i = 0; i < 3; ++i) w[i] = hull.vertex(face.vertex[i]).w;
             const closest_of<3> at = closest_on_triangle(w[0], w[1], w[2]);
             for (int i = 0; i < 3; ++i) best.names[i] = hull.vertex(face.vertex[i]).name;
             for (int i = 0; i < at.count; ++i)
                 best.on_a += hull.vertex(face.vertex[at.vertex[i]]).on_a * at.weight[i];
-            sharpen(a, b, next.w, best);
+            // Not where the normal turns by less than matters.
+            if (!(tolerance * length > 0x1p-48 * size * size * size)) sharpen(a, b, next.w, best);
             if (!converged) shorten(a, b, size, tolerance, best);
             best.located = at.count == 3 && converged;
             return best;

@@ -24,6 +24,8 @@ struct gjk_cache {
 
 namespace detail {
 
+inline constexpr double no_limit = 1e300;
+
 /// Where GJK ended.
 template <int D>
 struct gjk_result {
@@ -46,46 +48,47 @@ double extent_of(const core<D>& a, const placed_core<D>& b) {
     return a.extent + b.shape->extent + largest(b.at);
 }
 
+/// The vertex of B - A that a point of A and one of B, in its own frame, make.
+template <int D>
+PHYSICS_HPP_ALWAYS_INLINE cso_vertex<D> difference(const support_point<D>& on_a, const support_point<D>& on_b,
+                                                   const placed_core<D>& b) {
+    return {b.axes * on_b.at + b.at - on_a.at, on_a.at, on_a.vertex << 16 | on_b.vertex};
+}
 template <int D>
 PHYSICS_HPP_ALWAYS_INLINE cso_vertex<D> support_along(const core<D>& a, const placed_core<D>& b, const point<D>& v) {
-    const support_point<D> on_a = a.support(v), on_b = b.support(-v);
-    return {on_b.at - on_a.at, on_a.at, on_a.vertex << 16 | on_b.vertex};
+    return difference(a.quick_support(v), b.shape->quick_support(transposed_times(b.axes, -v)), b);
 }
 
 template <int D>
-void start_from(const gjk_cache& cache, const core<D>& a, const placed_core<D>& b, simplex<D>& s) {
-    for (int i = 0; i < cache.count && s.count <= D; ++i) {
-        const support_point<D> on_a = a.vertex(cache.vertex[i] >> 16), on_b = b.vertex(cache.vertex[i] & 0xffffu);
-        s.vertex[s.count++] = {on_b.at - on_a.at, on_a.at, on_a.vertex << 16 | on_b.vertex};
+PHYSICS_HPP_ALWAYS_INLINE void start_from(const gjk_cache& cache, const core<D>& a, const placed_core<D>& b,
+                                          simplex<D>& s) {
+    const int count = cache.count <= D ? cache.count : D + 1;
+    for (; s.count < count; ++s.count) {
+        const std::uint32_t name = cache.vertex[s.count];
+        s.vertex[s.count] = difference(a.quick_vertex(name >> 16), b.shape->quick_vertex(name & 0xffffu), b);
     }
 }
 
-/// The normal and the distance that a simplex of fewer than D + 1 vertices gives, from the directions of its edges:
-/// more exact than those of the closest point where that is near. Where the two disagree the cores touch, and the
-/// closest point is what rounding left.
+/// The normal and the distance that a simplex of fewer than D + 1 vertices gives, of which v is the closest point.
 template <int D>
 void measure(gjk_result<D>& r, point<D> v) {
     const auto& vertex = r.at.vertex;
-    const double vv = dot(v, v);
-    if (r.at.count == D) {
-        const point<D> e = vertex[1].w - vertex[0].w;
-        point<D> n;
-        if constexpr (D == 2) n = perpendicular(e);
-        else n = cross(e, vertex[2].w - vertex[0].w);
-        const double along = dot(n, v);
-        r.overlapping = !(along * along > 0.9 * dot(n, n) * vv);
-        v = along < 0 ? -n : n;
-    } else if (r.at.count == 2) {
-        const point<D> e = vertex[1].w - vertex[0].w;
-        const double along = dot(v, e), ee = dot(e, e);
-        r.overlapping = !(along * along < 0.1 * vv * ee);
-        v -= e * (along / ee);
-    }
-    r.normal = unit(v);
-    r.distance = dot(r.normal, vertex[0].w);
-    for (int i = 1; i < r.at.count; ++i) r.distance = min(r.distance, dot(r.normal, vertex[i].w));
-    r.overlapping = r.overlapping || !(r.distance > 0);
-    if (r.overlapping) r.normal = {}, r.distance = 0;
+    if constexpr (D == 3)
+        if (r.at.count == 3) {
+            // More exact than the closest point, where one corner is far away. Where the two disagree the cores touch,
+            // and the closest point is what rounding left.
+            const point<3> n = normal_by_shorter_edges(vertex[0].w, vertex[1].w, vertex[2].w);
+            const double along = dot(n, v);
+            r.overlapping = !(along * along > 0.9 * dot(n, n) * dot(v, v));
+            v = along < 0 ? -n : n;
+        }
+    const point<D> normal = unit(v);
+    double distance = dot(normal, vertex[0].w);
+    for (int i = 1; i < r.at.count; ++i) distance = min(distance, dot(normal, vertex[i].w));
+    r.overlapping = r.overlapping || !(distance > 0);
+    if (r.overlapping) return;
+    r.normal = normal;
+    r.distance = distance;
 }
 
 /// The distance of two cores, in A's frame; gives up as soon as it is known to exceed `most`, and ends where it is
@@ -97,23 +100,26 @@ gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double
     gjk_result<D> r;
     int stalls = 0;
     // What rounding may do to a coordinate of the vertices.
-    const double noise = 0x1p-51 * extent_of(a, b), squared_noise = noise * noise;
+    const double noise = 0x1p-51 * extent_of(a, b), squared_noise = noise * noise, squared_most = most * most;
     const bool smooth = !a.has_vertices() || !b.shape->has_vertices();
+    const auto gave_up = [&](const point<D>& along, const cso_vertex<D>& farthest) {
+        r.beyond = true;
+        r.normal = unit(along);
+        r.distance = dot(r.normal, farthest.w);
+    };
     point<D> v = b.at;
     if (cache != nullptr && cache->count > 0) {
         point<D> axis;
         for (int i = 0; i < D; ++i) axis[i] = detail::to_double(cache->axis[i]);
         const double squared = dot(axis, axis);
-        if (squared > 0) {
+        if (squared > 0 && (smooth || most < no_limit)) {
             v = axis;
             // What parted the two may part them still.
-            const cso_vertex<D> next = support_along(a, b, v);
+            cso_vertex<D>& next = r.at.vertex[0];
+            next = support_along(a, b, v);
             const double along = dot(v, next.w);
-            if (along > 0 && along * along > most * most * squared) {
-                r.beyond = true;
-                r.normal = unit(v);
-                r.distance = dot(r.normal, next.w);
-                r.at.vertex[0] = next;
+            if (along > 0 && along * along > squared_most * squared) {
+                gave_up(v, next);
                 r.at.count = 1;
                 return r;
             }
@@ -125,16 +131,9 @@ gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double
             v = c.at;
         }
     }
-    if (!(dot(v, v) > 0) && r.at.count == 0) v = {}, v[0] = 1;
-
-    const auto finish = [&] {
-        if (cache == nullptr) return;
-        cache->count = static_cast<std::uint8_t>(r.at.count);
-        for (int i = 0; i < r.at.count; ++i) cache->vertex[i] = r.at.vertex[i].name;
-        for (int i = 0; i < D; ++i) cache->axis[i] = static_cast<float>(r.normal[i]);
-    };
+    double vv = dot(v, v);
+    if (!(vv > 0) && r.at.count == 0) v = {}, v[0] = vv = 1;
     for (int iteration = 0;; ++iteration) {
-        const double vv = dot(v, v);
         if (r.at.count > 0 && (r.at.count == D + 1 || vv <= squared_noise)) {
             r.overlapping = true;
             break;
@@ -142,39 +141,55 @@ gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double
         cso_vertex<D>& next = r.at.vertex[r.at.count];
         next = support_along(a, b, v);
         const double vw = dot(v, next.w);
-        if (vw > 0 && vw * vw > most * most * vv) {
-            r.beyond = true;
-            r.normal = unit(v);
-            r.distance = dot(r.normal, next.w);
+        if (vw > 0 && vw * vw > squared_most * vv) {
+            gave_up(v, next);
             if (r.at.count == 0) r.at.count = 1;
             break;
         }
+        bool done = false;
         if (r.at.count > 0) {
             const double gap = vv - vw;
-            bool known = gap <= tolerance * vv || gap * gap <= squared_noise * vv;
-            for (int i = 0; i < r.at.count && !known; ++i)
-                known = smooth ? r.at.vertex[i].w == next.w : r.at.vertex[i].name == next.name;
-            if (known || iteration >= most_iterations) {
-                measure(r, v);
-                if (!known) r.status = query_status::iteration_limit;
-                break;
+            done = gap <= tolerance * vv || gap * gap <= squared_noise * vv;
+            for (int i = 0; i < r.at.count && !done; ++i)
+                done = smooth ? r.at.vertex[i].w == next.w : r.at.vertex[i].name == next.name;
+            if (!done && iteration >= most_iterations) {
+                r.status = query_status::iteration_limit;
+                done = true;
             }
         }
-        ++r.at.count;
-        const closest_of<D> closest = closest_of_simplex(r.at, r.at.count > 1);
-        if (r.at.count > 1 && closest.count <= D && !(dot(closest.at, closest.at) < vv)) {
-            // Rounding lets it come no closer. The normal may still gain: the distance is flat where that is best.
-            const bool taken = closest.vertex[closest.count - 1] == r.at.count - 1;
-            if (!taken || ++stalls > most_stalls) {
-                --r.at.count;
-                measure(r, v);
-                break;
+        if (!done) {
+            ++r.at.count;
+            const closest_of<D> closest = closest_of_simplex(r.at, r.at.count > 1);
+            const double squared = dot(closest.at, closest.at);
+            if (r.at.count > 1 && closest.count <= D && !(squared < vv)) {
+                // Rounding lets it come no closer. The normal may still gain: the distance is flat where that is best.
+                const bool taken = closest.vertex[closest.count - 1] == r.at.count - 1;
+                done = !taken || ++stalls > most_stalls;
+            }
+            if (done) --r.at.count;
+            else {
+                if (closest.count <= D) r.at.keep(closest);
+                v = closest.at;
+                vv = squared;
             }
         }
-        if (closest.count <= D) r.at.keep(closest);
-        v = closest.at;
+        if (done) {
+            measure(r, v);
+            // So near that rounding may have turned the normal: one that does not part them is none, and they touch.
+            if (!smooth && !r.overlapping && r.distance < 0x1p10 * noise &&
+                dot(r.normal, support_along(a, b, r.normal).w) < r.distance - 4 * noise) {
+                r.overlapping = true;
+                r.normal = {};
+                r.distance = 0;
+            }
+            break;
+        }
     }
-    finish();
+    if (cache != nullptr) {
+        cache->count = static_cast<std::uint8_t>(r.at.count);
+        for (int i = 0; i < r.at.count; ++i) cache->vertex[i] = r.at.vertex[i].name;
+        for (int i = 0; i < D; ++i) cache->axis[i] = static_cast<float>(r.normal[i]);
+    }
     return r;
 }
 

@@ -1,6 +1,7 @@
 // The point of a simplex that is closest to the origin.
 #pragma once
 
+#include "physics/base/raw_array.hpp"
 #include "physics/shape/core.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -27,9 +28,30 @@ struct cso_vertex {
 template <int D>
 struct closest_of {
     point<D> at;
-    double weight[3] = {};
-    int vertex[3] = {0, 1, 2};
+    raw_array<double, 3> weight;
+    raw_array<int, 3> vertex;
     int count = 1;
+
+    /// D + 1 vertices around the origin.
+    closest_of() : count(D + 1) {}
+    closest_of(const point<D>& p, int i) : at(p) {
+        vertex[0] = i;
+        weight[0] = 1;
+    }
+    closest_of(const point<D>& p, int i, int j, double part_of_j) : at(p), count(2) {
+        vertex[0] = i;
+        vertex[1] = j;
+        weight[0] = 1 - part_of_j;
+        weight[1] = part_of_j;
+    }
+    closest_of(const point<D>& p, int i, int j, int k, double of_i, double of_j, double of_k) : at(p), count(3) {
+        vertex[0] = i;
+        vertex[1] = j;
+        vertex[2] = k;
+        weight[0] = of_i;
+        weight[1] = of_j;
+        weight[2] = of_k;
+    }
 };
 
 /// Up to D + 1 vertices, and the weights that make of them the point closest to the origin.
@@ -58,19 +80,27 @@ template <int D>
 closest_of<D> closest_on_edge(const point<D>& a, const point<D>& b, int i = 0, int j = 1) {
     const point<D> e = b - a;
     const double along = -dot(a, e), whole = dot(e, e);
-    if (!(along > 0)) return {a, {1}, {i}, 1};
-    if (!(along < whole)) return {b, {1}, {j}, 1};
-    const double t = along / whole;
+    if (!(along > 0)) return {a, i};
+    if (!(along < whole)) return {b, j};
+    const double scale = 1 / whole, t = along * scale;
     // Across the edge to the last digit: where the point is near, the direction of a sum would be rounding.
     point<D> at;
     if constexpr (D == 2) {
         const point<2> n = perpendicular(e);
-        at = n * (dot(n, t < 0.5 ? a : b) / whole);
+        at = n * (dot(n, t < 0.5 ? a : b) * scale);
     } else {
         at = t < 0.5 ? a + e * t : b - e * (1 - t);
-        at -= e * (dot(at, e) / whole);
+        at -= e * (dot(at, e) * scale);
     }
-    return {at, {1 - t, t}, {i, j}, 2};
+    return {at, i, j, t};
+}
+
+/// (b - a) x (c - a) from the two shorter edges, which give the better normal where the triangle is thin.
+inline point<3> normal_by_shorter_edges(const point<3>& a, const point<3>& b, const point<3>& c) {
+    const point<3> ab = b - a, bc = c - b, ca = a - c;
+    const double of_ab = dot(ab, ab), of_bc = dot(bc, bc), of_ca = dot(ca, ca);
+    if (of_ab > of_bc && of_ab > of_ca) return cross(bc, ca);
+    return of_bc > of_ca ? cross(ca, ab) : cross(ab, bc);
 }
 
 inline closest_of<3> nearer(const closest_of<3>& a, const closest_of<3>& b) {
@@ -83,11 +113,11 @@ inline closest_of<3> closest_on_triangle(const point<3>& a, const point<3>& b, c
                                          int k = 2) {
     const point<3> ab = b - a, ac = c - a;
     const double a1 = -dot(ab, a), a2 = -dot(ac, a);
-    if (a1 <= 0 && a2 <= 0) return {a, {1}, {i}, 1};
+    if (a1 <= 0 && a2 <= 0) return {a, i};
     const double b1 = -dot(ab, b), b2 = -dot(ac, b);
-    if (b1 >= 0 && b2 <= b1) return {b, {1}, {j}, 1};
+    if (b1 >= 0 && b2 <= b1) return {b, j};
     const double c1 = -dot(ab, c), c2 = -dot(ac, c);
-    if (c2 >= 0 && c1 <= c2) return {c, {1}, {k}, 1};
+    if (c2 >= 0 && c1 <= c2) return {c, k};
     const point<3> n = cross(ab, ac);
     const double of_c = dot(n, cross(a, ab)), of_b = dot(n, cross(ac, a)), of_a = dot(n, cross(b, c - b));
     if (of_c <= 0 && a1 >= 0 && b1 <= 0) return closest_on_edge(a, b, i, j);
@@ -98,38 +128,36 @@ inline closest_of<3> closest_on_triangle(const point<3>& a, const point<3>& b, c
     if (!(sum > 0))
         return nearer(nearer(closest_on_edge(a, b, i, j), closest_on_edge(b, c, j, k)), closest_on_edge(a, c, i, k));
     const double scale = 1 / sum;
-    return {n * (dot(n, a) / dot(n, n)), {of_a * scale, of_b * scale, of_c * scale}, {i, j, k}, 3};
+    return {n * (dot(n, a) / dot(n, n)), i, j, k, of_a * scale, of_b * scale, of_c * scale};
 }
 
 /// The same; quicker where the origin lies beyond the last corner or one of its edges, since GJK has just added it.
-PHYSICS_HPP_ALWAYS_INLINE closest_of<3> closest_on_grown_triangle(const point<3>& a, const point<3>& b,
-                                                                  const point<3>& c, int i, int j, int k) {
-    const point<3> e = a - c, f = b - c;
+/// Takes the edges e = a - c and f = b - c, and n = e x f or its opposite.
+inline closest_of<3> closest_on_grown_triangle(const point<3>& a, const point<3>& b, const point<3>& c,
+                                               const point<3>& e, const point<3>& f, const point<3>& n, int i, int j,
+                                               int k) {
     const double along_e = -dot(c, e), along_f = -dot(c, f);
-    if (along_e <= 0 && along_f <= 0) return {c, {1}, {k}, 1};
-    const double ee = dot(e, e), ff = dot(f, f), ef = dot(e, f);
-    const double whole = ee * ff - ef * ef;
+    if (along_e <= 0 && along_f <= 0) return {c, k};
+    const double ee = dot(e, e), ff = dot(f, f), ef = dot(e, f), whole = dot(n, n);
     // Of thin triangles these differences are rounding.
-    if (!(whole > 0x1p-20 * ee * ff)) return closest_on_triangle(a, b, c, i, j, k);
+    if (!(whole > 0x1p-4 * ee * ff)) return closest_on_triangle(a, b, c, i, j, k);
     const double of_a = along_e * ff - along_f * ef, of_b = along_f * ee - along_e * ef;
     if (of_b <= 0 && along_e > 0 && along_e < ee) return closest_on_edge(a, c, i, k);
     if (of_a <= 0 && along_f > 0 && along_f < ff) return closest_on_edge(b, c, j, k);
     const double of_c = whole - of_a - of_b;
     if (!(of_a > 0 && of_b > 0 && of_c > 0)) return closest_on_triangle(a, b, c, i, j, k);
-    const point<3> n = cross(e, f);
     const double scale = 1 / whole;
-    return {n * (dot(n, c) / dot(n, n)), {of_a * scale, of_b * scale, of_c * scale}, {i, j, k}, 3};
+    return {n * (dot(n, c) * scale), i, j, k, of_a * scale, of_b * scale, of_c * scale};
 }
 
 /// The point of a simplex that is closest to the origin; of count D + 1, and the origin itself, if that lies within.
 /// `grown` says that the last vertex has just been added beyond the closest point of the others.
 inline closest_of<2> closest_of_simplex(const simplex<2>& s, bool) {
-    if (s.count == 1) return {s.vertex[0].w, {1}, {0}, 1};
+    if (s.count == 1) return {s.vertex[0].w, 0};
     if (s.count == 2) return closest_on_edge(s.vertex[0].w, s.vertex[1].w);
     const point<2> p[3] = {s.vertex[0].w, s.vertex[1].w, s.vertex[2].w};
     const double area = cross(p[1] - p[0], p[2] - p[0]);
     closest_of<2> best;
-    best.count = 3;
     double least = 0;
     for (int i = 0; i < 3; ++i) {
         const int j = i < 2 ? i + 1 : 0, k = i > 0 ? i - 1 : 2;
@@ -152,9 +180,12 @@ inline closest_of<2> closest_of_simplex(const simplex<2>& s, bool) {
 }
 
 inline closest_of<3> closest_of_simplex(const simplex<3>& s, bool grown) {
-    if (s.count == 1) return {s.vertex[0].w, {1}, {0}, 1};
+    if (s.count == 1) return {s.vertex[0].w, 0};
     if (s.count == 2) return closest_on_edge(s.vertex[0].w, s.vertex[1].w);
-    if (s.count == 3) return closest_on_grown_triangle(s.vertex[0].w, s.vertex[1].w, s.vertex[2].w, 0, 1, 2);
+    if (s.count == 3) {
+        const point<3>&a = s.vertex[0].w, &b = s.vertex[1].w, &c = s.vertex[2].w, e = a - c, f = b - c;
+        return closest_on_grown_triangle(a, b, c, e, f, cross(e, f), 0, 1, 2);
+    }
     // The faces at the last vertex, and their normals; the one opposite lies behind if the simplex has grown.
     const point<3>& d = s.vertex[3].w;
     const point<3> e[3] = {s.vertex[0].w - d, s.vertex[1].w - d, s.vertex[2].w - d};
@@ -163,23 +194,22 @@ inline closest_of<3> closest_of_simplex(const simplex<3>& s, bool grown) {
     // Where the tetrahedron has no volume to speak of, every face is outside.
     const bool flat = !(abs(volume) > 0x1p-48 * largest(e[0]) * largest(e[1]) * largest(e[2]));
     closest_of<3> best;
-    best.count = 4;
     double least = 0;
-    const auto consider = [&](int i, int j, int k) {
-        const closest_of<3> c = closest_on_grown_triangle(s.vertex[i].w, s.vertex[j].w, s.vertex[k].w, i, j, k);
+    const auto consider = [&](const closest_of<3>& c) {
         const double distance = dot(c.at, c.at);
         if (best.count < 4 && !(distance < least)) return;
         least = distance;
         best = c;
     };
-    for (int i = 0; i < 3; ++i) {
-        if (!flat && (dot(n[i], d) > 0) != (volume > 0)) continue;
-        if (i < 2) consider(i, i + 1, 3);
-        else consider(0, 2, 3);
+    for (int k = 0; k < 3; ++k) {
+        if (!flat && (dot(n[k], d) > 0) != (volume > 0)) continue;
+        const int i = k < 2 ? k : 0, j = k < 2 ? k + 1 : 2;
+        consider(closest_on_grown_triangle(s.vertex[i].w, s.vertex[j].w, d, e[i], e[j], n[k], i, j, 3));
     }
     if (!grown || flat) {
         const point<3> behind = cross(e[1] - e[0], e[2] - e[0]);
-        if (flat || (dot(behind, s.vertex[0].w) < 0) == (volume > 0)) consider(0, 1, 2);
+        if (flat || (dot(behind, s.vertex[0].w) < 0) == (volume > 0))
+            consider(closest_on_triangle(s.vertex[0].w, s.vertex[1].w, s.vertex[2].w));
     }
     return best;
 }

@@ -120,10 +120,8 @@ struct soft_step {
                         const bool used = lane < share && at + lane < colours.begin[group + 1];
                         const std::uint32_t n = used ? colours.order[at + lane] : none;
                         *numbers++ = n;
-                        if (used)
-                            to.put(static_cast<int>(lane), contacts[n], bodies, with.restitution_slop, h);
-                        else
-                            to.a[lane] = to.b[lane] = nobody;
+                        if (used) to.put(static_cast<int>(lane), contacts[n], bodies, with.restitution_slop, h);
+                        else to.a[lane] = to.b[lane] = nobody;
                     }
                 }
             }

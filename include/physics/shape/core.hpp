@@ -1,7 +1,8 @@
 // Convex shapes as the general kernels see them: a core with support points, and a radius around it.
 #pragma once
 
-#include "physics/base/raw_array.hpp"
+#include <bit>
+
 #include "physics/shape/hull.hpp"
 #include "physics/shape/shapes.hpp"
 
@@ -55,7 +56,7 @@ struct support_point {
 
 enum class core_kind : std::uint8_t { point, segment, triangle, box, hull_of_floats, hull_of_doubles, disc, custom };
 
-/// A convex set in its own frame, to which a radius may be added on all sides.
+/// A convex set in its own frame, to which a radius may be added on all sides; at first a point.
 template <int D>
 struct core {
     core_kind kind = core_kind::point;
@@ -86,12 +87,7 @@ struct core {
             const support_point<D> best = nearer(d, 0, 1);
             return dot(d, corner[2] - best.at) > 0 ? support_point<D>{corner[2], 2} : best;
         }
-        case core_kind::box: {
-            support_point<D> result{corner[0], 0};
-            for (int i = 0; i < D; ++i)
-                if (d[i] < 0) result.at[i] = -result.at[i], result.vertex |= 1u << i;
-            return result;
-        }
+        case core_kind::box: return support_of_box(d);
         case core_kind::hull_of_floats: return from_hull<float>(d);
         case core_kind::hull_of_doubles: return from_hull<double>(d);
         case core_kind::disc: return {from_disc(d), 0};
@@ -99,28 +95,50 @@ struct core {
         }
         return {};
     }
+    /// The same, in line where it is short.
+    [[nodiscard]] PHYSICS_HPP_ALWAYS_INLINE support_point<D> quick_support(const point<D>& d) const {
+        return kind == core_kind::box ? support_of_box(d) : support(d);
+    }
+    /// The same of a box. Without branches, which nothing could predict.
+    [[nodiscard]] PHYSICS_HPP_ALWAYS_INLINE support_point<D> support_of_box(const point<D>& d) const {
+        support_point<D> result;
+        for (int i = 0; i < D; ++i) {
+            // Zeros have one sign only, so that corners do not depend on how a zero came about.
+            const std::uint64_t sign = std::bit_cast<std::uint64_t>(d[i] + 0.0) & sign_bit;
+            result.at[i] = std::bit_cast<double>(std::bit_cast<std::uint64_t>(corner[0][i]) ^ sign);
+            result.vertex |= static_cast<std::uint32_t>(sign >> (63 - i));
+        }
+        return result;
+    }
     /// The vertex of that number; the number may be a wrong one, from another shape.
     [[nodiscard]] support_point<D> vertex(std::uint32_t i) const {
         switch (kind) {
         case core_kind::point: return {corner[0], 0};
         case core_kind::segment: i &= 1u; return {corner[i], i};
         case core_kind::triangle: i = i < 3 ? i : 0; return {corner[i], i};
-        case core_kind::box: {
-            i &= (1u << D) - 1;
-            support_point<D> result{corner[0], i};
-            for (int k = 0; k < D; ++k)
-                if (i >> k & 1u) result.at[k] = -result.at[k];
-            return result;
-        }
+        case core_kind::box: return vertex_of_box(i);
         case core_kind::hull_of_floats: return vertex_of_hull<float>(i < count ? i : 0);
         case core_kind::hull_of_doubles: return vertex_of_hull<double>(i < count ? i : 0);
         default: return {};
         }
     }
+    [[nodiscard]] PHYSICS_HPP_ALWAYS_INLINE support_point<D> quick_vertex(std::uint32_t i) const {
+        return kind == core_kind::box ? vertex_of_box(i) : vertex(i);
+    }
+    [[nodiscard]] PHYSICS_HPP_ALWAYS_INLINE support_point<D> vertex_of_box(std::uint32_t i) const {
+        support_point<D> result{{}, i & ((1u << D) - 1)};
+        for (int k = 0; k < D; ++k) {
+            const std::uint64_t sign = static_cast<std::uint64_t>(i) << (63 - k) & sign_bit;
+            result.at[k] = std::bit_cast<double>(std::bit_cast<std::uint64_t>(corner[0][k]) ^ sign);
+        }
+        return result;
+    }
     /// Whether a vertex's number names it, so that a simplex can be found again.
     [[nodiscard]] bool has_vertices() const { return kind < core_kind::disc; }
 
 private:
+    static constexpr std::uint64_t sign_bit = std::uint64_t{1} << 63;
+
     [[nodiscard]] support_point<D> nearer(const point<D>& d, std::uint32_t i, std::uint32_t j) const {
         return dot(d, corner[j] - corner[i]) > 0 ? support_point<D>{corner[j], j} : support_point<D>{corner[i], i};
     }
