@@ -12293,22 +12293,16 @@ inline bool clip_facets(const facet<3>& reference, const point<3>& n, double gap
         point<3> at;
         std::uint8_t before, after;
     };
-    static_assert(2 * facet<3>::most + 2 <= most_candidates);
+    // Each cut adds a corner at most, and no more than three corners of a face are sharp.
+    static_assert(2 * facet<3>::most + 3 <= most_candidates);
     raw_array<corner, most_candidates> rings[2];
     int count = incident.count, ring = 0;
     for (int i = 0; i < count; ++i)
         rings[0][i] = {incident.corner[i], static_cast<std::uint8_t>(i > 0 ? i - 1 : count - 1),
                        static_cast<std::uint8_t>(i)};
-    // The corners of a face may lie below it by rounding; and where equal boxes meet, rounding must not decide
-    // whether corners are cut and named anew.
-    const point<3>& base = reference.corner[0];
-    for (int e = 0; e < reference.count && count > 0; ++e) {
-        const point<3>& from = reference.corner[e];
-        const point<3> edge = reference.corner[e + 1 < reference.count ? e + 1 : 0] - from;
-        // Of a line only the ends limit; a face is limited by its edges.
-        const point<3> m = reference.count == 2 ? n * dot(edge, n) - edge : cross(edge, n);
-        const double limit = by.slack * length(m);
-        const auto name = static_cast<std::uint8_t>(facet<3>::most + e);
+    // Keeps what lies within the limit along m.
+    const auto cut = [&](const point<3>& m, const point<3>& from, double limit, int number) {
+        const auto name = static_cast<std::uint8_t>(facet<3>::most + number);
         const auto& in = rings[ring];
         auto& kept = rings[1 - ring];
         int left = 0;
@@ -12318,14 +12312,32 @@ inline bool clip_facets(const facet<3>& reference, const point<3>& n, double gap
             const corner& b = in[i];
             const double next = dot(m, b.at - from) - limit;
             if ((beyond > 0) != (next > 0) && (count > 2 || i > 0)) {
-                const point<3> cut = a.at + (b.at - a.at) * (beyond / (beyond - next));
-                kept[left++] = next > 0 ? corner{cut, a.after, name} : corner{cut, name, b.before};
+                const point<3> at = a.at + (b.at - a.at) * (beyond / (beyond - next));
+                kept[left++] = next > 0 ? corner{at, a.after, name} : corner{at, name, b.before};
             }
             if (!(next > 0)) kept[left++] = b;
             beyond = next;
         }
         count = left;
         ring = 1 - ring;
+    };
+    // The corners of a face may lie below it by rounding; and where equal boxes meet, rounding must not decide
+    // whether corners are cut and named anew.
+    const point<3>& base = reference.corner[0];
+    point<3> before = base - reference.corner[reference.count - 1];
+    for (int e = 0; e < reference.count && count > 0; ++e) {
+        const point<3>& from = reference.corner[e];
+        const point<3> edge = reference.corner[e + 1 < reference.count ? e + 1 : 0] - from;
+        // Of a line only the ends limit; a face is limited by its edges.
+        const point<3> m = reference.count == 2 ? n * dot(edge, n) - edge : cross(edge, n);
+        cut(m, from, by.slack * length(m), e);
+        // At a sharp corner the slack of both edges would lead far beyond it.
+        const double turn = dot(before, edge), lengths = dot(before, before) * dot(edge, edge);
+        if (reference.count > 2 && count > 0 && turn < 0 && turn * turn > 0.25 * lengths) {
+            const point<3> tip = normalized(before) - normalized(edge);
+            cut(tip, from, by.slack * length(tip), facet<3>::most + e);
+        }
+        before = edge;
     }
     point<3> up = reference.normal, aside;
     if (!reference.flat) {

@@ -137,6 +137,12 @@ CELL_CASE("separation: MPR parts what overlaps, never by less than the shortest 
     });
 }
 
+inline std::string off_by(const char* what, double off, double allowed) {
+    char text[120];
+    std::snprintf(text, sizeof text, "%s: off by %.3g, allowed %.3g", what, off, allowed);
+    return text;
+}
+
 CELL_CASE("separation: manifolds of every pair agree with the exact distance") {
     using any = physics::any_shape<S, D, physics::ball, physics::capsule, physics::box, physics::halfspace, physics::hull>;
     using query =
@@ -181,8 +187,8 @@ CELL_CASE("separation: manifolds of every pair agree with the exact distance") {
             const reals at = to_reals(m.points[i].position), on_a = at - n * (gap / 2), on_b = at + n * (gap / 2);
             const double off_a = static_cast<double>(off_surface(p.exact_a(), {on_a.x, on_a.y, on_a.z}));
             const double off_b = static_cast<double>(off_surface(p.exact_b(), {on_b.x, on_b.y, on_b.z}));
-            if (!(std::abs(off_a) <= 2 * allowed)) return "a point is not on A";
-            if (!(std::abs(off_b) <= 2 * allowed)) return "a point is not on B";
+            if (!(std::abs(off_a) <= 2 * allowed)) return off_by("a point is not on A", off_a, 2 * allowed);
+            if (!(std::abs(off_b) <= 2 * allowed)) return off_by("a point is not on B", off_b, 2 * allowed);
             for (int k = 0; k < i; ++k)
                 if (m.points[k].feature == m.points[i].feature) return "two points of one feature";
         }
