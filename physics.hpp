@@ -10452,67 +10452,6 @@ bool clip_faces(const box_axes<S, W>& boxes, int lane, int reference, const edge
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/collide/segment.hpp
-// =================================================================================================
-// Closest points on segments, and segments cut by planes.
-
-PHYSICS_HPP_BEGIN
-
-/// Where the point of the segment a-b closest to p lies: 0 at a, 1 at b. Source: Ericson, Real-Time
-/// Collision Detection, 5.1.2.
-template <class S, int D>
-constexpr S closest_parameter(vec<S, D> a, vec<S, D> b, vec<S, D> p) {
-    const vec<S, D> d = b - a;
-    const wide_of<S> along = wide_dot(p - a, d);
-    const wide_of<S> whole = length_squared(d);
-    if (!(along > wide_of<S>{})) return S(0);
-    if (!(along < whole)) return S(1);
-    return quotient<S>(along, whole);
-}
-
-/// Where on two segments the points lie that are closest to each other, as distances from their middles.
-template <class S>
-struct segment_parameters {
-    S on_a{};
-    S on_b{};
-};
-
-/// The closest points of the segment |x| <= half_a of the coordinate axis a, and of the segment
-/// center + t * b, |t| <= half_b, of unit direction b. For parallel segments one of the pairs that are closest.
-/// Seen along the axis this is a point and a line, which keeps its precision where the two are nearly parallel.
-template <class S>
-constexpr segment_parameters<S> closest_to_axis(int a, S half_a, vec<S, 3> center, vec<S, 3> b, S half_b) {
-    vec<S, 3> beside = center, across = b;
-    beside[a] = across[a] = S(0);
-    const auto [direction, sine] = split(across);
-    const S along = -dot(beside, direction), most = half_b * sine;
-    S t = !(along < most) ? half_b : !(along > -most) ? -half_b : along / sine;
-    S s = clamp(center[a] + b[a] * t, -half_a, half_a);
-    t = clamp(b[a] * s - dot(b, center), -half_b, half_b);
-    s = clamp(center[a] + b[a] * t, -half_a, half_a);
-    return {s, t};
-}
-
-/// Cuts a segment middle + t * direction, start <= t <= stop, seen along one coordinate, down to what lies
-/// within |p| <= limit; false if nothing does.
-template <class S>
-constexpr bool clip_segment(S middle, S direction, S limit, S& start, S& stop) {
-    const S sides[2] = {S(-1), S(1)};
-    for (const S side : sides) {
-        const S at_start = side * (middle + direction * start) - limit,
-                at_stop = side * (middle + direction * stop) - limit;
-        if (at_start > S(0) && at_stop > S(0)) return false;
-        if (at_start > S(0))
-            start += (stop - start) * (at_start / (at_start - at_stop));
-        else if (at_stop > S(0))
-            stop -= (stop - start) * (at_stop / (at_stop - at_start));
-    }
-    return true;
-}
-
-PHYSICS_HPP_END
-
-// =================================================================================================
 // physics/collide/box3.hpp
 // =================================================================================================
 // Contact of two boxes in space: separating axes, then clipping, a pair of edges, or the nearest corner.
@@ -12516,6 +12455,67 @@ void collide_with_plane(const A& a, const halfspace<S, D>& b, const transform<S,
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/collide/segment.hpp
+// =================================================================================================
+// Closest points on segments, and segments cut by planes.
+
+PHYSICS_HPP_BEGIN
+
+/// Where the point of the segment a-b closest to p lies: 0 at a, 1 at b. Source: Ericson, Real-Time
+/// Collision Detection, 5.1.2.
+template <class S, int D>
+constexpr S closest_parameter(vec<S, D> a, vec<S, D> b, vec<S, D> p) {
+    const vec<S, D> d = b - a;
+    const wide_of<S> along = wide_dot(p - a, d);
+    const wide_of<S> whole = length_squared(d);
+    if (!(along > wide_of<S>{})) return S(0);
+    if (!(along < whole)) return S(1);
+    return quotient<S>(along, whole);
+}
+
+/// Where on two segments the points lie that are closest to each other, as distances from their middles.
+template <class S>
+struct segment_parameters {
+    S on_a{};
+    S on_b{};
+};
+
+/// The closest points of the segment |x| <= half_a of the coordinate axis a, and of the segment
+/// center + t * b, |t| <= half_b, of unit direction b. For parallel segments one of the pairs that are closest.
+/// Seen along the axis this is a point and a line, which keeps its precision where the two are nearly parallel.
+template <class S>
+constexpr segment_parameters<S> closest_to_axis(int a, S half_a, vec<S, 3> center, vec<S, 3> b, S half_b) {
+    vec<S, 3> beside = center, across = b;
+    beside[a] = across[a] = S(0);
+    const auto [direction, sine] = split(across);
+    const S along = -dot(beside, direction), most = half_b * sine;
+    S t = !(along < most) ? half_b : !(along > -most) ? -half_b : along / sine;
+    S s = clamp(center[a] + b[a] * t, -half_a, half_a);
+    t = clamp(b[a] * s - dot(b, center), -half_b, half_b);
+    s = clamp(center[a] + b[a] * t, -half_a, half_a);
+    return {s, t};
+}
+
+/// Cuts a segment middle + t * direction, start <= t <= stop, seen along one coordinate, down to what lies
+/// within |p| <= limit; false if nothing does.
+template <class S>
+constexpr bool clip_segment(S middle, S direction, S limit, S& start, S& stop) {
+    const S sides[2] = {S(-1), S(1)};
+    for (const S side : sides) {
+        const S at_start = side * (middle + direction * start) - limit,
+                at_stop = side * (middle + direction * stop) - limit;
+        if (at_start > S(0) && at_stop > S(0)) return false;
+        if (at_start > S(0))
+            start += (stop - start) * (at_start / (at_start - at_stop));
+        else if (at_stop > S(0))
+            stop -= (stop - start) * (at_stop / (at_stop - at_start));
+    }
+    return true;
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/collide/polygon2.hpp
 // =================================================================================================
 // Contact of rounded polygons in the plane: boxes, capsules, small hulls.
@@ -12839,17 +12839,21 @@ void remember(const box<S, 3>& a, const box<S, 3>& b, const transform<S, 3>& b_i
     remember(found, b_in_a, of_b.x + of_b.y + of_b.z, min(least.x, min(least.y, least.z)), m);
 }
 
-/// True if the axis that parted the pair last parts it still, by more than the margin. Clearly so, that a search from
-/// scratch would say the same: then what is remembered of pairs that do not touch bears on no result.
+/// Of a pair that did not touch: true if the axis that parted it last parts it still, by more than the margin. Clearly
+/// so, that a search from scratch would say the same; else the axis is forgotten, and such a search has to follow. So
+/// what is remembered of pairs that do not touch bears on no result.
 template <class A, class B, class S, int D>
-bool still_parted(const A& a, const B& b, const transform<S, D>& b_in_a, S margin, const gjk_cache& cache) {
+bool still_parted(const A& a, const B& b, const transform<S, D>& b_in_a, S margin, gjk_cache& cache) {
     point<D> axis;
     for (int i = 0; i < D; ++i) axis[i] = detail::to_double(cache.axis[i]);
-    if (!(dot(axis, axis) > 0)) return false;
-    const core_pair<D> pair(a, b, b_in_a);
-    const double reach = pair.a.radius + pair.b.radius + detail::to_double(margin);
-    const double parted = dot(axis, support_along(pair.a, pair.placed, axis).w) / length(axis);
-    return parted > reach + 0x1p-30 * (reach + extent_of(pair.a, pair.placed));
+    if (dot(axis, axis) > 0) {
+        const core_pair<D> pair(a, b, b_in_a);
+        const double reach = pair.a.radius + pair.b.radius + detail::to_double(margin);
+        const double parted = dot(axis, support_along(pair.a, pair.placed, axis).w) / length(axis);
+        if (parted > reach + 0x1p-30 * (reach + extent_of(pair.a, pair.placed))) return true;
+    }
+    cache = {};
+    return false;
 }
 
 }  // namespace detail
@@ -13791,10 +13795,7 @@ constexpr void add_point(persistent_manifold<S, D>& m, vec<S, D> on_a, vec<S, D>
 template <class A, class B, class S, int D>
 void gather_contact(const A& a, const B& b, const transform<S, D>& b_in_a, S margin, overlap_method method,
                     persistent_manifold<S, D>& m, manifold<S, D>& out) {
-    if (m.count == 0) {
-        if (still_parted(a, b, b_in_a, margin, m.cache)) return;
-        m.cache = {};
-    }
+    if (m.count == 0 && still_parted(a, b, b_in_a, margin, m.cache)) return;
     const core_pair<D> pair(a, b, b_in_a);
     const double reach = pair.a.radius + pair.b.radius + detail::to_double(margin);
     core_separation<D> s = separate<S>(pair, reach, &m.cache, method);
@@ -13943,10 +13944,7 @@ struct pair_table {
         } else if (is_still(*m, b_in_a)) {
             carry_along(*m, b_in_a, margin, out);
         } else {
-            if (m->contact.count == 0) {
-                if (still_parted(a, b, b_in_a, margin, m->cache)) return;
-                m->cache = {};
-            }
+            if (m->contact.count == 0 && still_parted(a, b, b_in_a, margin, m->cache)) return;
             run(a, b, b_in_a, margin, &m->cache, out);
             remember(a, b, b_in_a, out, *m);
         }
@@ -19009,9 +19007,6 @@ struct contact_colours {
     bool last_is_serial = false;
 };
 
-/// The lowest bit that is not set; 64 if all are.
-constexpr std::uint32_t lowest_clear(std::uint64_t bits) { return static_cast<std::uint32_t>(std::countr_one(bits)); }
-
 /// Colours contacts greedily in their order: first those between two bodies that can be pushed, then the others in
 /// colours of their own, so that what holds the pile acts last. O(contacts). Source: Catto, Solver2D (2024); greedy
 /// edge colouring.
@@ -19032,7 +19027,8 @@ contact_colours colour(const buffer<contact<S, D>>& contacts, solver_bodies<S, D
             const auto& c = contacts[i];
             const bool a = is_pushed(c.body_a), b = is_pushed(c.body_b);
             if ((a && b) != between_two) continue;
-            const std::uint32_t free = lowest_clear((a ? used[c.body_a] : 0) | (b ? used[c.body_b] : 0));
+            const std::uint64_t taken = (a ? used[c.body_a] : 0) | (b ? used[c.body_b] : 0);
+            const auto free = static_cast<std::uint32_t>(std::countr_one(taken));
             const std::uint32_t colour = first + free < serial ? first + free : serial;
             if (colour < serial) {
                 if (a) used[c.body_a] |= std::uint64_t{1} << free;
@@ -19233,6 +19229,30 @@ struct semi_implicit_euler {
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/dynamics/restitution.hpp
+// =================================================================================================
+// Bounces.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// The speed with which the surfaces part at a point after they have met; 0 where nothing bounces.
+template <class S, int D>
+S bounce_of(const contact<S, D>& c, const contact_point<S, D>& p, const solver_body<S, D>& a,
+            const solver_body<S, D>& b, S slop, S h) {
+    if (!(c.restitution > S(0))) return S(0);
+    // A bounce starts where the gap is: the speed that closes it first would be lost.
+    const S speed = dot(c.normal, velocity_at(b.velocity, p.lever_b) - velocity_at(a.velocity, p.lever_a));
+    const bool meets = p.separation + speed * h < S(0);
+    return meets && -speed > slop ? -(c.restitution * speed) : S(0);
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/dynamics/sequential_impulse.hpp
 // =================================================================================================
 // The sequential impulse solver: one constraint at a time, impulses accumulated and clamped.
@@ -19341,11 +19361,8 @@ struct sequential_impulse {
                 target = min(overlap * with.baumgarte / h, with.max_push_speed);
             }
             if constexpr (Features::restitution) {
-                // A bounce starts where the gap is: the speed that closes it first would be lost.
-                if (!(c.restitution > S(0))) return target;
-                const S speed = dot(c.normal, velocity_at(b.velocity, p.lever_b) - velocity_at(a.velocity, p.lever_a));
-                const bool meets = p.separation + speed * h < S(0);
-                if (meets && -speed > with.restitution_slop) target = max(target, -(c.restitution * speed));
+                const S bounce = detail::bounce_of(c, p, a, b, with.restitution_slop, h);
+                if (bounce > S(0)) target = max(target, bounce);
             }
             return target;
         }
@@ -19442,10 +19459,7 @@ struct soft_point {
     S impulse[W];
 };
 template <class S, int W>
-struct soft_point<S, W, true> {
-    S mass[W];
-    S separation[W];
-    S impulse[W];
+struct soft_point<S, W, true> : soft_point<S, W, false> {
     /// The speed with which the surfaces part after a bounce (m/s), 0 for none, and the largest impulse so far.
     S bounce[W];
     S most[W];
@@ -19473,16 +19487,6 @@ tangential<S, D> friction_of(const contact<S, D>& c) {
         if (c.points[k].persisted) sum += c.points[k].friction_impulse;
     return sum;
 }
-/// The speed with which the surfaces part at a point after they have met; 0 where nothing bounces.
-template <class S, int D>
-S bounce_of(const contact<S, D>& c, const contact_point<S, D>& p, const solver_body<S, D>& a,
-            const solver_body<S, D>& b, S slop, S h) {
-    if (!(c.restitution > S(0))) return S(0);
-    const S speed = dot(c.normal, velocity_at(b.velocity, p.lever_b) - velocity_at(a.velocity, p.lever_a));
-    const bool meets = p.separation + speed * h < S(0);
-    return meets && -speed > slop ? -(c.restitution * speed) : S(0);
-}
-
 /// The change of a point's impulse that its speed along the normal asks for.
 template <class P, class Point, class S = typename P::scalar>
 PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& way, const soft_round<S>& how) {
@@ -21354,6 +21358,7 @@ public:
     template <class S, int D>
     void add(const contact<S, D>& c) {
         add(c.normal);
+        add(c.twist_impulse);
         add(static_cast<std::uint64_t>(c.count) | std::uint64_t{c.part} << 32);
         for (int k = 0; k < c.count; ++k) {
             add(std::uint64_t{c.points[k].feature});

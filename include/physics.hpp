@@ -159,6 +159,7 @@
 #include "physics/dynamics/contact_graph.hpp"
 #include "physics/dynamics/friction.hpp"
 #include "physics/dynamics/integrator.hpp"
+#include "physics/dynamics/restitution.hpp"
 #include "physics/dynamics/sequential_impulse.hpp"
 #include "physics/dynamics/soft_contact.hpp"
 #include "physics/dynamics/soft_contact2.hpp"

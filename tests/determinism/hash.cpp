@@ -94,9 +94,9 @@ void tumble(const char* cell) {
 }
 
 /// Balls, capsules and boxes fall into a heap on tilted ground; the hash of every 16th state of 4 seconds.
-template <class S, int D>
-void heap(const char* cell) {
-    struct falling : physics::recipe<S, D> {};
+template <class S, int D, class... Policies>
+void heap(const char* cell, const char* scene = "heap") {
+    struct falling : physics::recipe<S, D, Policies...> {};
     using world = physics::world<falling>;
     world w;
     typename world::halfspace slope;
@@ -118,7 +118,7 @@ void heap(const char* cell) {
         w.step(S(1.0 / 64));
         if (i % 16 == 0) sum.word(w.state_hash());
     }
-    sum.print("heap", cell);
+    sum.print(scene, cell);
 }
 
 /// The scenes of the flagship sample: a structure that stands, then is hit; the hash of every 30th state.
@@ -156,6 +156,9 @@ int main() {
     heap<double, 3>("double/3D");
     heap<physics::fixed32, 2>("fixed32/2D");
     heap<physics::fixed32, 3>("fixed32/3D");
+    heap<float, 2, physics::soft_step>("float/2D", "soft_heap");
+    heap<double, 3, physics::soft_step>("double/3D", "soft_heap");
+    heap<float, 3, physics::soft_step>("float/3D", "soft_heap");
     flagships<float>("float/2D", "float/3D");
     flagships<double>("double/2D", "double/3D");
     flagships<physics::fixed32>("fixed32/2D", "fixed32/3D");

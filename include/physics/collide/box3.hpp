@@ -2,7 +2,6 @@
 #pragma once
 
 #include "physics/collide/clip3.hpp"
-#include "physics/collide/segment.hpp"
 #include "physics/shape/shapes.hpp"
 
 PHYSICS_HPP_BEGIN

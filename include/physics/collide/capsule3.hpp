@@ -2,6 +2,7 @@
 #pragma once
 
 #include "physics/collide/box3.hpp"
+#include "physics/collide/segment.hpp"
 
 PHYSICS_HPP_BEGIN
 

@@ -87,17 +87,21 @@ void remember(const box<S, 3>& a, const box<S, 3>& b, const transform<S, 3>& b_i
     remember(found, b_in_a, of_b.x + of_b.y + of_b.z, min(least.x, min(least.y, least.z)), m);
 }
 
-/// True if the axis that parted the pair last parts it still, by more than the margin. Clearly so, that a search from
-/// scratch would say the same: then what is remembered of pairs that do not touch bears on no result.
+/// Of a pair that did not touch: true if the axis that parted it last parts it still, by more than the margin. Clearly
+/// so, that a search from scratch would say the same; else the axis is forgotten, and such a search has to follow. So
+/// what is remembered of pairs that do not touch bears on no result.
 template <class A, class B, class S, int D>
-bool still_parted(const A& a, const B& b, const transform<S, D>& b_in_a, S margin, const gjk_cache& cache) {
+bool still_parted(const A& a, const B& b, const transform<S, D>& b_in_a, S margin, gjk_cache& cache) {
     point<D> axis;
     for (int i = 0; i < D; ++i) axis[i] = detail::to_double(cache.axis[i]);
-    if (!(dot(axis, axis) > 0)) return false;
-    const core_pair<D> pair(a, b, b_in_a);
-    const double reach = pair.a.radius + pair.b.radius + detail::to_double(margin);
-    const double parted = dot(axis, support_along(pair.a, pair.placed, axis).w) / length(axis);
-    return parted > reach + 0x1p-30 * (reach + extent_of(pair.a, pair.placed));
+    if (dot(axis, axis) > 0) {
+        const core_pair<D> pair(a, b, b_in_a);
+        const double reach = pair.a.radius + pair.b.radius + detail::to_double(margin);
+        const double parted = dot(axis, support_along(pair.a, pair.placed, axis).w) / length(axis);
+        if (parted > reach + 0x1p-30 * (reach + extent_of(pair.a, pair.placed))) return true;
+    }
+    cache = {};
+    return false;
 }
 
 }  // namespace detail

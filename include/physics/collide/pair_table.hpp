@@ -128,10 +128,7 @@ struct pair_table {
         } else if (is_still(*m, b_in_a)) {
             carry_along(*m, b_in_a, margin, out);
         } else {
-            if (m->contact.count == 0) {
-                if (still_parted(a, b, b_in_a, margin, m->cache)) return;
-                m->cache = {};
-            }
+            if (m->contact.count == 0 && still_parted(a, b, b_in_a, margin, m->cache)) return;
             run(a, b, b_in_a, margin, &m->cache, out);
             remember(a, b, b_in_a, out, *m);
         }

@@ -81,10 +81,7 @@ constexpr void add_point(persistent_manifold<S, D>& m, vec<S, D> on_a, vec<S, D>
 template <class A, class B, class S, int D>
 void gather_contact(const A& a, const B& b, const transform<S, D>& b_in_a, S margin, overlap_method method,
                     persistent_manifold<S, D>& m, manifold<S, D>& out) {
-    if (m.count == 0) {
-        if (still_parted(a, b, b_in_a, margin, m.cache)) return;
-        m.cache = {};
-    }
+    if (m.count == 0 && still_parted(a, b, b_in_a, margin, m.cache)) return;
     const core_pair<D> pair(a, b, b_in_a);
     const double reach = pair.a.radius + pair.b.radius + detail::to_double(margin);
     core_separation<D> s = separate<S>(pair, reach, &m.cache, method);

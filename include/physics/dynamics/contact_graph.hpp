@@ -1,6 +1,8 @@
 // Which contacts can be solved at the same time: colours.
 #pragma once
 
+#include <bit>
+
 #include "physics/base/arena.hpp"
 #include "physics/dynamics/body.hpp"
 #include "physics/dynamics/contact.hpp"
@@ -22,9 +24,6 @@ struct contact_colours {
     bool last_is_serial = false;
 };
 
-/// The lowest bit that is not set; 64 if all are.
-constexpr std::uint32_t lowest_clear(std::uint64_t bits) { return static_cast<std::uint32_t>(std::countr_one(bits)); }
-
 /// Colours contacts greedily in their order: first those between two bodies that can be pushed, then the others in
 /// colours of their own, so that what holds the pile acts last. O(contacts). Source: Catto, Solver2D (2024); greedy
 /// edge colouring.
@@ -45,7 +44,8 @@ contact_colours colour(const buffer<contact<S, D>>& contacts, solver_bodies<S, D
             const auto& c = contacts[i];
             const bool a = is_pushed(c.body_a), b = is_pushed(c.body_b);
             if ((a && b) != between_two) continue;
-            const std::uint32_t free = lowest_clear((a ? used[c.body_a] : 0) | (b ? used[c.body_b] : 0));
+            const std::uint64_t taken = (a ? used[c.body_a] : 0) | (b ? used[c.body_b] : 0);
+            const auto free = static_cast<std::uint32_t>(std::countr_one(taken));
             const std::uint32_t colour = first + free < serial ? first + free : serial;
             if (colour < serial) {
                 if (a) used[c.body_a] |= std::uint64_t{1} << free;

@@ -4,6 +4,7 @@
 #include "physics/base/arena.hpp"
 #include "physics/dynamics/friction.hpp"
 #include "physics/dynamics/integrator.hpp"
+#include "physics/dynamics/restitution.hpp"
 #include "physics/space/check.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -110,11 +111,8 @@ struct sequential_impulse {
                 target = min(overlap * with.baumgarte / h, with.max_push_speed);
             }
             if constexpr (Features::restitution) {
-                // A bounce starts where the gap is: the speed that closes it first would be lost.
-                if (!(c.restitution > S(0))) return target;
-                const S speed = dot(c.normal, velocity_at(b.velocity, p.lever_b) - velocity_at(a.velocity, p.lever_a));
-                const bool meets = p.separation + speed * h < S(0);
-                if (meets && -speed > with.restitution_slop) target = max(target, -(c.restitution * speed));
+                const S bounce = detail::bounce_of(c, p, a, b, with.restitution_slop, h);
+                if (bounce > S(0)) target = max(target, bounce);
             }
             return target;
         }

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "physics/dynamics/body_lanes.hpp"
-#include "physics/dynamics/contact.hpp"
 #include "physics/dynamics/friction.hpp"
+#include "physics/dynamics/restitution.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -43,10 +43,7 @@ struct soft_point {
     S impulse[W];
 };
 template <class S, int W>
-struct soft_point<S, W, true> {
-    S mass[W];
-    S separation[W];
-    S impulse[W];
+struct soft_point<S, W, true> : soft_point<S, W, false> {
     /// The speed with which the surfaces part after a bounce (m/s), 0 for none, and the largest impulse so far.
     S bounce[W];
     S most[W];
@@ -74,16 +71,6 @@ tangential<S, D> friction_of(const contact<S, D>& c) {
         if (c.points[k].persisted) sum += c.points[k].friction_impulse;
     return sum;
 }
-/// The speed with which the surfaces part at a point after they have met; 0 where nothing bounces.
-template <class S, int D>
-S bounce_of(const contact<S, D>& c, const contact_point<S, D>& p, const solver_body<S, D>& a,
-            const solver_body<S, D>& b, S slop, S h) {
-    if (!(c.restitution > S(0))) return S(0);
-    const S speed = dot(c.normal, velocity_at(b.velocity, p.lever_b) - velocity_at(a.velocity, p.lever_a));
-    const bool meets = p.separation + speed * h < S(0);
-    return meets && -speed > slop ? -(c.restitution * speed) : S(0);
-}
-
 /// The change of a point's impulse that its speed along the normal asks for.
 template <class P, class Point, class S = typename P::scalar>
 PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& way, const soft_round<S>& how) {

@@ -80,6 +80,7 @@ public:
     template <class S, int D>
     void add(const contact<S, D>& c) {
         add(c.normal);
+        add(c.twist_impulse);
         add(static_cast<std::uint64_t>(c.count) | std::uint64_t{c.part} << 32);
         for (int k = 0; k < c.count; ++k) {
             add(std::uint64_t{c.points[k].feature});
