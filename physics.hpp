@@ -3341,7 +3341,7 @@ struct shapes {};
 struct broadphase {};
 /// From pairs to manifolds: best_per_pair.
 struct narrowphase {};
-/// From contacts to velocities: sequential_impulse.
+/// From contacts to velocities: soft_step, sequential_impulse.
 struct solver {};
 /// How velocities and poses advance: semi_implicit_euler.
 struct integrator {};
@@ -18733,6 +18733,22 @@ struct body {
         center = pose * mass.center;
     }
     [[nodiscard]] constexpr bool is_dynamic() const { return type == body_type::dynamic_body; }
+    /// True if a force or torque waits to act on it.
+    [[nodiscard]] constexpr bool is_pushed() const { return !(force == vec<S, D>{} && torque == angular<S, D>{}); }
+};
+
+/// What an integrator sees of a body: where it is while a step lasts, and what drives it.
+template <class S, int D>
+struct moving_body {
+    vec<S, D> center;
+    physics::rotation<S, D> rotation;
+    /// By gravity, forces and torques (m/s^2, rad/s^2), in world axes.
+    vec<S, D> acceleration;
+    angular<S, D> angular_acceleration{};
+    S linear_damping{};
+    S angular_damping{};
+    /// The body, if its spin changes even without torque; else null.
+    const body<S, D>* top = nullptr;
 };
 
 /// What a solver sees of a body: velocity, how far it has come in this step if the solver cares, and how it answers to
@@ -18903,8 +18919,9 @@ struct contact_point {
 /// Two shapes of different bodies that touch or are about to.
 template <class S, int D>
 struct contact {
-    /// Numbers of the shapes and bodies; the normal points from A to B.
+    /// Numbers of the shapes; the normal points from A to B.
     std::uint32_t shape_a, shape_b;
+    /// Numbers of the bodies among those that the solver sees.
     std::uint32_t body_a, body_b;
     /// Which part of a concave shape touches; 0 of convex ones.
     std::uint32_t part = 0;
@@ -19175,11 +19192,11 @@ namespace detail {
 /// Turns a body on which no torque acts for a time h, by the midpoint rule on a constant angular momentum:
 /// that is kept to rounding, whatever the spin; the energy errs with the third power of h.
 template <class S>
-constexpr void turn_freely(body<S, 3>& b, vec<S, 3>& angular_velocity, S h) {
+constexpr void turn_freely(moving_body<S, 3>& b, vec<S, 3>& angular_velocity, S h) {
     const rotation<S, 3> start = b.rotation;
-    const vec<S, 3> momentum = start * times(b.mass.inertia, inverse_rotate(start, angular_velocity));
+    const vec<S, 3> momentum = start * times(b.top->mass.inertia, inverse_rotate(start, angular_velocity));
     const auto spin = [&](const rotation<S, 3>& r) {
-        return r * times(b.inverse_inertia, inverse_rotate(r, momentum));
+        return r * times(b.top->inverse_inertia, inverse_rotate(r, momentum));
     };
     const rotation<S, 3> half_way = turned(start, angular_velocity * (h * S(0.5)));
     b.rotation = turned(start, spin(half_way) * h);
@@ -19187,7 +19204,7 @@ constexpr void turn_freely(body<S, 3>& b, vec<S, 3>& angular_velocity, S h) {
 }
 /// In the plane nothing precesses.
 template <class S>
-constexpr void turn_freely(body<S, 2>&, S, S) {}
+constexpr void turn_freely(moving_body<S, 2>&, S, S) {}
 
 }  // namespace detail
 
@@ -19204,18 +19221,15 @@ struct semi_implicit_euler {
         using S = typename Space::scalar;
         static constexpr int D = Space::dimension;
 
-        /// Advances the velocity of a dynamic body by gravity (m/s^2), force, torque and damping.
-        static constexpr void advance_velocity(solver_body<S, D>& v, const body<S, D>& b, vec<S, D> gravity, S h) {
-            vec<S, D> acceleration = gravity * b.gravity_scale;
-            for (int i = 0; i < D; ++i) acceleration[i] += mul<S>(v.inverse_mass, b.force[i]);
-            v.velocity.linear = (v.velocity.linear + acceleration * h) * damped(b.linear_damping, h);
-            v.velocity.angular =
-                (v.velocity.angular + times(v.inverse_inertia, b.torque) * h) * damped(b.angular_damping, h);
+        /// Advances the velocity of a body by what drives it, and by damping.
+        static constexpr void advance_velocity(twist<S, D>& v, const moving_body<S, D>& b, S h) {
+            v.linear = (v.linear + b.acceleration * h) * damped(b.linear_damping, h);
+            v.angular = (v.angular + b.angular_acceleration * h) * damped(b.angular_damping, h);
         }
         /// Advances the pose of a body by its velocity, and the angular velocity of a free top with it.
-        static constexpr void advance_pose(body<S, D>& b, twist<S, D>& v, S h) {
+        static constexpr void advance_pose(moving_body<S, D>& b, twist<S, D>& v, S h) {
             b.center += v.linear * h;
-            if (b.is_gyroscopic) detail::turn_freely(b, v.angular, h);
+            if (b.top) detail::turn_freely(b, v.angular, h);
             else b.rotation = turned(b.rotation, v.angular * h);
         }
 
@@ -20467,11 +20481,11 @@ constexpr bool narrowphase_serves(const shapes<Shapes...>*) {
     return narrowphase_for<Policy, S, D, Shapes...>;
 }
 
-/// What an integrator must offer: advance_velocity(velocity, body, gravity, h), advance_pose(body, velocity, h).
+/// What an integrator must offer: advance_velocity(velocity, moving body, h), advance_pose(moving body, velocity, h).
 template <class Policy, class S, int D>
-concept integrator_policy = requires(solver_body<S, D> v, body<S, D> b, twist<S, D> t) {
-    Policy::template in<space<S, D>>::advance_velocity(v, b, vec<S, D>{}, S(1));
-    Policy::template in<space<S, D>>::advance_pose(b, t, S(1));
+concept integrator_policy = requires(moving_body<S, D> b, twist<S, D> v) {
+    Policy::template in<space<S, D>>::advance_velocity(v, b, S(1));
+    Policy::template in<space<S, D>>::advance_pose(b, v, S(1));
 };
 
 /// What a solver asks of the world that it advances.
@@ -20611,6 +20625,9 @@ struct shape_record {
 
     typename Plan::shape shape;
     transform<S, D> local;
+    /// Where it is in the world, and its origin relative to the body's centre of mass, in world axes.
+    transform<S, D> pose;
+    vec<S, D> arm;
     physics::material<S> material;
     S density{};
     std::uint32_t body = 0;
@@ -20701,6 +20718,11 @@ struct state {
     buffer<contact<S, D>> contacts;
     /// Where the centres of bodies were, and how bodies were turned, when these contacts were found.
     buffer<transform<S, D>> contact_starts;
+    /// Numbers of the bodies that move, ascending, and of each body its number among them: how many there are if it
+    /// does not move.
+    buffer<std::uint32_t> movers, mover_of;
+    /// Whether other bodies move, or bodies that do not have been put elsewhere, since that was found.
+    bool movers_changed = true;
     /// What the narrowphase remembers of the last step's pairs.
     pair_memories<Plan> memories;
     std::uint64_t steps = 0;
@@ -20710,20 +20732,29 @@ struct state {
     manifold_list<S, D> manifolds;
     buffer<contact<S, D>> found;
     pair_memories<Plan> found_memories;
-    buffer<transform<S, D>> starts;
     arena scratch;
 };
 
-/// The pose of a shape in the world.
-template <class Plan>
-auto world_pose(const state<Plan>& s, const shape_record<Plan>& shape) {
-    return s.bodies[shape.body].pose() * shape.local;
+/// Says where a shape is, of a body whose frame and whose centre of mass are there.
+template <class Plan, class Vec, class Pose>
+void locate(shape_record<Plan>& shape, const Pose& body, const Vec& center) {
+    shape.pose = body * shape.local;
+    shape.arm = shape.pose.position - center;
+}
+/// The body of either side of a contact.
+template <class Plan, class Contact>
+std::uint32_t body_a(const state<Plan>& s, const Contact& c) {
+    return s.shapes[c.shape_a].body;
+}
+template <class Plan, class Contact>
+std::uint32_t body_b(const state<Plan>& s, const Contact& c) {
+    return s.shapes[c.shape_b].body;
 }
 
 /// The box that the narrowphase needs the broadphase to know: all within half the contact margin.
 template <class Plan>
 auto needed_box(const state<Plan>& s, const shape_record<Plan>& shape) {
-    return grown(bounds(shape.shape, world_pose(s, shape)), s.settings.contact_margin / typename Plan::scalar(2));
+    return grown(bounds(shape.shape, shape.pose), s.settings.contact_margin / typename Plan::scalar(2));
 }
 /// What the broadphase knows of a shape besides.
 template <class Plan>
@@ -20840,11 +20871,12 @@ void set_mass_properties(state<Plan>& s, std::uint32_t index,
         b.center = center;
         for (auto& c : s.contacts)
             for (int k = 0; k < c.count; ++k) {
-                if (c.body_a == index) c.points[k].lever_a -= s.contact_starts[index].rotation * shift;
-                if (c.body_b == index) c.points[k].lever_b -= s.contact_starts[index].rotation * shift;
+                if (body_a(s, c) == index) c.points[k].lever_a -= s.contact_starts[index].rotation * shift;
+                if (body_b(s, c) == index) c.points[k].lever_b -= s.contact_starts[index].rotation * shift;
             }
     }
     b.mass = mass;
+    each_shape(s, index, [&](std::uint32_t, auto& shape) { locate(shape, b.pose(), b.center); });
     b.inverse_mass = {};
     b.inverse_inertia = {};
     b.is_gyroscopic = b.is_dynamic() && !b.rotation_locked && !is_isotropic(mass.inertia);
@@ -21067,7 +21099,9 @@ namespace detail {
 /// Tells the broadphase where the shapes of a body are now.
 template <class Plan>
 void refresh_boxes(state<Plan>& s, std::uint32_t body) {
-    each_shape(s, body, [&](std::uint32_t i, const shape_record<Plan>& shape) {
+    const auto& b = s.bodies[body];
+    each_shape(s, body, [&](std::uint32_t i, shape_record<Plan>& shape) {
+        locate(shape, b.pose(), b.center);
         s.broadphase.move(i, needed_box(s, shape), {});
     });
     update_broadphase(s);
@@ -21104,13 +21138,16 @@ body_id create_body(state<Plan>& s, const body_def<typename Plan::scalar, Plan::
     b.rotation_locked = def.rotation_locked;
     b.user_data = def.user_data;
     const auto place = s.bodies.insert(b);
+    s.contact_starts.resize(s.bodies.slots());
+    s.movers_changed = true;
     refresh_mass(s, place.index);
     return {place.index, place.generation, s.tag};
 }
 
 template <class Plan>
 void destroy_body(state<Plan>& s, std::uint32_t index) {
-    drop_contacts(s, [&](const auto& c) { return c.body_a == index || c.body_b == index; });
+    drop_contacts(s, [&](const auto& c) { return body_a(s, c) == index || body_b(s, c) == index; });
+    s.movers_changed = true;
     s.memories.drop([&](std::uint32_t shape) { return s.shapes[shape].body == index; });
     each_shape(s, index, [&](std::uint32_t i, const shape_record<Plan>&) {
         s.broadphase.erase(i);
@@ -21141,6 +21178,7 @@ shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape,
     record.body = at.index;
     record.next = owner.first_shape;
     record.user_data = def.user_data;
+    locate(record, owner.pose(), owner.center);
     const auto box = needed_box(s, record);
     if (!check_finite(f, "lower end of the box", box.lower) || !check_finite(f, "upper end of the box", box.upper))
         return {};
@@ -21174,6 +21212,7 @@ void set_pose(state<Plan>& s, std::uint32_t index, const transform<typename Plan
     auto& b = s.bodies[index];
     if (!check_finite("set_pose", "centre of mass", pose * b.mass.center)) return;
     b.set_pose(pose);
+    if (b.type == body_type::static_body) s.movers_changed = true;
     refresh_boxes(s, index);
 }
 
@@ -21204,11 +21243,12 @@ void set_type(state<Plan>& s, std::uint32_t index, body_type type) {
     }
     b.has_target = false;
     b.type = type;
+    s.movers_changed = true;
     refresh_mass(s, index);
     renew_proxies(s, index);
     drop_contacts(s, [&](const auto& c) {
-        return (c.body_a == index || c.body_b == index) && !s.bodies[c.body_a].is_dynamic() &&
-               !s.bodies[c.body_b].is_dynamic();
+        const std::uint32_t first = body_a(s, c), second = body_b(s, c);
+        return (first == index || second == index) && !s.bodies[first].is_dynamic() && !s.bodies[second].is_dynamic();
     });
 }
 
@@ -21448,6 +21488,183 @@ std::uint64_t state_hash(const state<Plan>& s) {
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/world/motion.hpp
+// =================================================================================================
+// Bodies as they move through a step: copies in tight arrays, which become the world's when the step has succeeded.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Finds which bodies move, where that has changed.
+template <class Plan>
+void number_movers(state<Plan>& s) {
+    if (!s.movers_changed) return;
+    s.movers.clear();
+    s.bodies.each([&](std::uint32_t i, const auto& b) {
+        if (b.type != body_type::static_body) s.movers.push(i);
+    });
+    s.mover_of.clear();
+    s.mover_of.resize(s.bodies.slots(), s.movers.size());
+    for (std::uint32_t k = 0; k < s.movers.size(); ++k) s.mover_of[s.movers[k]] = k;
+}
+
+/// How the solver moves the world: it asks for velocities and poses to advance, once or in substeps. Nothing of the
+/// world changes before place_shapes.
+template <class Plan>
+class motion {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+    using integrator = typename Plan::integrator;
+
+public:
+    /// What the solver sees of the bodies that move; the last one is nobody.
+    solver_bodies<S, D> bodies;
+
+    motion(state<Plan>& s, S h)
+        : bodies{s.scratch.template take<solver_body<S, D>>(s.movers.size() + 1), s.movers.size() + 1},
+          state_(s),
+          moving_(s.scratch.template take<moving_body<S, D>>(s.movers.size())),
+          step_(h) {
+        for (std::uint32_t k = 0; k < s.movers.size(); ++k) gather(k);
+        new (&bodies[s.movers.size()]) solver_body<S, D>{};
+        find_free();
+    }
+
+    void advance_velocities(S h) {
+        if (free_count_ > 0) thrust(step_ / h);
+        for (std::uint32_t k = 0; k < state_.movers.size(); ++k)
+            if (bodies[k].inverse_mass > inverse_of<S>(0))
+                integrator::advance_velocity(bodies[k].velocity, moving_[k], h);
+        if (free_count_ > 0) thrust(S(0));
+    }
+    void advance_poses(S h) {
+        for (std::uint32_t k = 0; k < state_.movers.size(); ++k)
+            integrator::advance_pose(moving_[k], bodies[k].velocity, h);
+    }
+
+    /// Whether all that moved is where numbers reach.
+    [[nodiscard]] bool is_finite() const {
+        for (std::uint32_t k = 0; k < state_.movers.size(); ++k)
+            if (!physics::is_finite(moving_[k].center) || !physics::is_finite(moving_[k].rotation) ||
+                !physics::is_finite(bodies[k].velocity.linear) || !physics::is_finite(bodies[k].velocity.angular))
+                return false;
+        return true;
+    }
+
+    /// Puts shapes where their bodies are now, and tells the broadphase, and where they are heading; bodies with a
+    /// target are there, to the bit. False, and all shapes where they were, if a box is beyond the scalar's range.
+    bool place_shapes() {
+        bool fit = true;
+        for (std::uint32_t k = 0; k < state_.movers.size() && fit; ++k) {
+            const std::uint32_t i = state_.movers[k];
+            const body<S, D>& b = state_.bodies[i];
+            const transform<S, D> pose = pose_of(k);
+            const vec<S, D> center = b.has_target ? pose * b.mass.center : moving_[k].center;
+            const vec<S, D> way = bodies[k].velocity.linear * step_;
+            each_shape(state_, i, [&](std::uint32_t n, auto& shape) {
+                locate(shape, pose, center);
+                const auto box = needed_box(state_, shape);
+                if (fit = fit && is_box(box); fit) state_.broadphase.move(n, box, way);
+            });
+        }
+        if (!fit)
+            for (const std::uint32_t i : state_.movers) refresh_boxes(state_, i);
+        else update_broadphase(state_);
+        return fit;
+    }
+
+    /// Stores what the step found: poses, velocities, contacts with their impulses. Forces act for one step, and bodies
+    /// that had a target stand still.
+    void finish() {
+        if (std::exchange(state_.movers_changed, false))
+            state_.bodies.each([&](std::uint32_t i, const auto& b) {
+                state_.contact_starts[i] = {b.center, b.rotation};
+            });
+        for (std::uint32_t k = 0; k < state_.movers.size(); ++k) {
+            const std::uint32_t i = state_.movers[k];
+            body<S, D>& b = state_.bodies[i];
+            state_.contact_starts[i] = {b.center, b.rotation};
+            b.center = moving_[k].center;
+            b.rotation = moving_[k].rotation;
+            b.velocity = bodies[k].velocity;
+            b.force = {};
+            b.torque = {};
+            if (!b.has_target) continue;
+            b.set_pose(b.target);
+            b.velocity = {};
+            b.has_target = false;
+        }
+        state_.contacts.swap(state_.found);
+        state_.memories.swap(state_.found_memories);
+        ++state_.steps;
+    }
+
+private:
+    void gather(std::uint32_t k) {
+        const body<S, D>& b = state_.bodies[state_.movers[k]];
+        solver_body<S, D>& seen = *new (&bodies[k])
+            solver_body<S, D>{b.velocity, {}, b.inverse_mass, in_world(b.inverse_inertia, b.rotation)};
+        moving_body<S, D>& m = *new (moving_ + k) moving_body<S, D>{b.center, b.rotation, {}};
+        if (b.has_target) {
+            seen.velocity.linear = (b.target * b.mass.center - b.center) / step_;
+            seen.velocity.angular = rotation_vector(b.target.rotation * inverse(b.rotation)) / step_;
+        }
+        if (!b.is_dynamic()) return;
+        m.acceleration = state_.settings.gravity * b.gravity_scale;
+        m.linear_damping = b.linear_damping;
+        m.angular_damping = b.angular_damping;
+        if (b.is_gyroscopic) m.top = &b;
+        if (!b.is_pushed()) return;
+        ++free_count_;
+        add_force(k, S(1));
+    }
+    [[nodiscard]] transform<S, D> pose_of(std::uint32_t k) const {
+        const body<S, D>& b = state_.bodies[state_.movers[k]];
+        if (b.has_target) return b.target;
+        return {moving_[k].center - moving_[k].rotation * b.mass.center, moving_[k].rotation};
+    }
+    /// Lets `share` of the force on a body act.
+    void add_force(std::uint32_t k, S share) {
+        const body<S, D>& b = state_.bodies[state_.movers[k]];
+        for (int i = 0; i < D; ++i) moving_[k].acceleration[i] += mul<S>(b.inverse_mass, b.force[i] * share);
+        moving_[k].angular_acceleration += times(bodies[k].inverse_inertia, b.torque * share);
+    }
+    /// Bodies that are pushed and touch nothing.
+    void find_free() {
+        if (free_count_ == 0) return;
+        auto* touches = state_.scratch.template take<bool>(bodies.count);
+        for (std::uint32_t k = 0; k < bodies.count; ++k) touches[k] = false;
+        for (const auto& c : state_.found) touches[c.body_a] = touches[c.body_b] = true;
+        free_ = state_.scratch.template take<std::uint32_t>(free_count_);
+        free_count_ = 0;
+        for (std::uint32_t k = 0; k < state_.movers.size(); ++k)
+            if (!touches[k] && state_.bodies[state_.movers[k]].is_pushed()) free_[free_count_++] = k;
+    }
+    /// Forces on them act at once, as the solver's first part of the step begins: spread over the parts, springs that
+    /// users make of forces would gain energy.
+    void thrust(S share) {
+        for (std::uint32_t n = 0; n < free_count_; ++n) {
+            const std::uint32_t k = free_[n];
+            moving_[k].acceleration = state_.settings.gravity * state_.bodies[state_.movers[k]].gravity_scale;
+            moving_[k].angular_acceleration = {};
+            if (share > S(0)) add_force(k, share);
+        }
+        if (!(share > S(0))) free_count_ = 0;
+    }
+
+    state<Plan>& state_;
+    moving_body<S, D>* moving_;
+    S step_;
+    std::uint32_t* free_ = nullptr;
+    std::uint32_t free_count_ = 0;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/world/queries.hpp
 // =================================================================================================
 // What can be asked of a world: rays, casts, overlaps, the closest thing.
@@ -21553,7 +21770,7 @@ void cast_ray(const state<Plan>& s, const char* function, vec<typename Plan::sca
     if (!check_way(function, "origin", origin, translation)) return;
     S limit(1);
     each_on(s, {origin, translation}, filter, [&](std::uint32_t i) {
-        const auto hit = ray_cast(s.shapes[i].shape, world_pose(s, s.shapes[i]), origin, translation);
+        const auto hit = ray_cast(s.shapes[i].shape, s.shapes[i].pose, origin, translation);
         if (hit && !(hit.fraction > limit))
             limit = min(limit, visit(world_hit<S, Plan::dimension>{id_of_shape(s, i), body_of_shape(s, i), hit.fraction,
                                                                    hit.point, hit.normal}));
@@ -21581,7 +21798,7 @@ world_hit<typename Plan::scalar, Plan::dimension> cast_shape(
     const aabb<S, D> box = bounds(shape, pose);
     const vec<S, D> middle = box.lower + (box.upper - box.lower) * S(0.5);
     each_on(s, {middle, translation, (box.upper - box.lower) * S(0.5)}, filter, [&](std::uint32_t i) {
-        const transform<S, D> at = world_pose(s, s.shapes[i]);
+        const transform<S, D> at = s.shapes[i].pose;
         s.shapes[i].shape.visit([&](const auto& other) {
             const auto hit = shape_cast(other, shape, relative(at, pose), inverse_rotate(at.rotation, translation));
             const world_hit<S, D> found{id_of_shape(s, i), body_of_shape(s, i), hit.fraction, at * hit.point,
@@ -21608,7 +21825,7 @@ void each_overlapping(const state<Plan>& s, const Shape& shape,
     const char* f = "each_overlapping";
     if (!check(shape, f) || !check_pose(f, pose.position, pose.rotation)) return;
     each_near(s, bounds(shape, pose), filter, [&](std::uint32_t i) {
-        const auto at = relative(world_pose(s, s.shapes[i]), pose);
+        const auto at = relative(s.shapes[i].pose, pose);
         const bool touches = s.shapes[i].shape.visit(
             [&](const auto& other) { return !(separation_within(other, shape, at, S(0)).distance > S(0)); });
         if (touches) visit(id_of_shape(s, i));
@@ -21626,7 +21843,7 @@ nearest_shape<typename Plan::scalar, Plan::dimension> closest_shape(const state<
     nearest_shape<S, D> best;
     if (!check_finite(f, "point", point) || !check_not_negative(f, "reach", reach)) return best;
     each_near(s, grown(aabb<S, D>{point, point}, reach), filter, [&](std::uint32_t i) {
-        const transform<S, D> at = world_pose(s, s.shapes[i]);
+        const transform<S, D> at = s.shapes[i].pose;
         s.shapes[i].shape.visit([&](const auto& other) {
             const auto c = separation_within(other, tip<S, D>{}, relative(at, transform<S, D>{point, {}}), reach);
             const bool nearer = !best || c.distance < best.distance ||
@@ -21711,16 +21928,17 @@ template <class Plan>
 auto view_of(const state<Plan>& s, const contact<typename Plan::scalar, Plan::dimension>& c) {
     using S = typename Plan::scalar;
     constexpr int D = Plan::dimension;
-    const body<S, D>& a = s.bodies[c.body_a];
-    const body<S, D>& b = s.bodies[c.body_b];
+    const std::uint32_t at_a = body_a(s, c), at_b = body_b(s, c);
+    const body<S, D>& a = s.bodies[at_a];
+    const body<S, D>& b = s.bodies[at_b];
     contact_view<S, D> view{
         {c.shape_a, s.shapes.generation(c.shape_a), s.tag}, {c.shape_b, s.shapes.generation(c.shape_b), s.tag},
-        {c.body_a, s.bodies.generation(c.body_a), s.tag},   {c.body_b, s.bodies.generation(c.body_b), s.tag},
+        {at_a, s.bodies.generation(at_a), s.tag},           {at_b, s.bodies.generation(at_b), s.tag},
         c.part, c.normal, tangents<S, D>(c.normal), {}, c.count, c.friction, c.restitution};
     for (int k = 0; k < c.count; ++k) {
         const contact_point<S, D>& p = c.points[k];
-        const vec<S, D> local_a = inverse_rotate(s.contact_starts[c.body_a].rotation, p.lever_a) + a.mass.center;
-        const vec<S, D> local_b = inverse_rotate(s.contact_starts[c.body_b].rotation, p.lever_b) + b.mass.center;
+        const vec<S, D> local_a = inverse_rotate(s.contact_starts[at_a].rotation, p.lever_a) + a.mass.center;
+        const vec<S, D> local_b = inverse_rotate(s.contact_starts[at_b].rotation, p.lever_b) + b.mass.center;
         view.points[k] = {a.pose() * local_a, local_a,    local_b, p.separation, p.normal_impulse,
                           p.friction_impulse, p.persisted};
     }
@@ -21793,7 +22011,7 @@ auto* recall_pairs(state<Plan>& s, const buffer<proxy_pair>& pairs) {
         const proxy_pair p = in_order_of_kinds(s, pairs[i]);
         const auto& a = s.shapes[p.a];
         const auto& b = s.shapes[p.b];
-        new (queries + i) typename Plan::query{&a.shape, &b.shape, relative(world_pose(s, a), world_pose(s, b))};
+        new (queries + i) typename Plan::query{&a.shape, &b.shape, relative(a.pose, b.pose)};
         if constexpr (Plan::remembers) {
             if (!narrowphase::remembers(a.shape.kind(), b.shape.kind())) continue;
             const auto& [before, items] = s.memories;
@@ -21824,13 +22042,13 @@ void find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs) {
         const proxy_pair p = in_order_of_kinds(s, pairs[query]);
         const auto& a = s.shapes[p.a];
         const auto& b = s.shapes[p.b];
-        const transform<S, D> pose = world_pose(s, a);
-        const vec<S, D> from_a = pose.position - s.bodies[a.body].center;
-        const vec<S, D> from_b = pose.position - s.bodies[b.body].center;
-        contact<S, D> c{p.a, p.b, a.body, b.body, part, pose.rotation * m.normal, {}, m.count, S(0), S(0), S(0)};
+        const rotation<S, D> turn = a.pose.rotation;
+        const vec<S, D> from_b = b.arm + (a.pose.position - b.pose.position);
+        contact<S, D> c{p.a,  p.b,     s.mover_of[a.body], s.mover_of[b.body], part, turn * m.normal, {},
+                        m.count, S(0), S(0), S(0)};
         for (int k = 0; k < m.count; ++k) {
-            const vec<S, D> at = pose.rotation * m.points[k].position;
-            c.points[k].lever_a = from_a + at;
+            const vec<S, D> at = turn * m.points[k].position;
+            c.points[k].lever_a = a.arm + at;
             c.points[k].lever_b = from_b + at;
             c.points[k].separation = m.points[k].separation;
             c.points[k].feature = m.points[k].feature;
@@ -21841,115 +22059,21 @@ void find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs) {
     }
 }
 
-/// Where bodies are as the step begins: what contacts refer to, and what a refused step goes back to.
-template <class Plan>
-void remember_poses(state<Plan>& s) {
-    s.starts.resize(s.bodies.slots());
-    s.bodies.each([&](std::uint32_t i, const auto& b) { s.starts[i] = {b.center, b.rotation}; });
-}
-template <class Plan>
-void restore_poses(state<Plan>& s) {
-    s.bodies.each([&](std::uint32_t i, auto& b) {
-        b.center = s.starts[i].position;
-        b.rotation = s.starts[i].rotation;
-        refresh_boxes(s, i);
-    });
-}
-
-/// What the solver sees of the bodies; bodies with a target pose get the velocity that reaches it.
-template <class Plan>
-auto gather_bodies(state<Plan>& s, typename Plan::scalar h) {
-    using S = typename Plan::scalar;
-    constexpr int D = Plan::dimension;
-    const std::uint32_t count = s.bodies.slots() + 1;
-    const solver_bodies<S, D> bodies{s.scratch.template take<solver_body<S, D>>(count), count};
-    for (std::uint32_t i = 0; i < count; ++i) new (bodies.first + i) solver_body<S, D>{};
-    s.bodies.each([&](std::uint32_t i, const body<S, D>& b) {
-        bodies[i] = {b.velocity, {}, b.inverse_mass, in_world(b.inverse_inertia, b.rotation)};
-        if (!b.has_target) return;
-        bodies[i].velocity.linear = (b.target * b.mass.center - b.center) / h;
-        bodies[i].velocity.angular = rotation_vector(b.target.rotation * inverse(b.rotation)) / h;
-    });
-    return bodies;
-}
-
-/// How the solver moves the world: it asks for velocities and poses to advance, once or in substeps.
-template <class Plan>
-struct motion {
-    using S = typename Plan::scalar;
-    static constexpr int D = Plan::dimension;
-
-    state<Plan>& s;
-    solver_bodies<S, D> bodies;
-    bool finite = true;
-
-    void advance_velocities(S h) {
-        s.bodies.each([&](std::uint32_t i, const body<S, D>& b) {
-            if (b.is_dynamic()) Plan::integrator::advance_velocity(bodies[i], b, s.settings.gravity, h);
-        });
-    }
-    void advance_poses(S h) {
-        s.bodies.each([&](std::uint32_t i, body<S, D>& b) {
-            twist<S, D>& v = bodies[i].velocity;
-            if (b.type != body_type::static_body) Plan::integrator::advance_pose(b, v, h);
-            finite =
-                finite && is_finite(b.center) && is_finite(b.rotation) && is_finite(v.linear) && is_finite(v.angular);
-        });
-    }
-};
-
-/// Stores what the step found: velocities, contacts with their impulses. Forces act for one step, and bodies
-/// that had a target stand still.
-template <class Plan>
-void finish(state<Plan>& s, solver_bodies<typename Plan::scalar, Plan::dimension> bodies) {
-    s.bodies.each([&](std::uint32_t i, auto& b) {
-        b.velocity = bodies[i].velocity;
-        b.force = {};
-        b.torque = {};
-        if (!b.has_target) return;
-        b.velocity = {};
-        b.has_target = false;
-    });
-    s.contacts.swap(s.found);
-    s.contact_starts.swap(s.starts);
-    s.memories.swap(s.found_memories);
-    ++s.steps;
-}
-
-/// Bounds: tells the broadphase where shapes are and where they are heading; bodies with a target are there, to the
-/// bit. False if a box is beyond the scalar's range.
-template <class Plan>
-bool update_boxes(state<Plan>& s, solver_bodies<typename Plan::scalar, Plan::dimension> bodies,
-                  typename Plan::scalar h) {
-    bool fit = true;
-    s.bodies.each([&](std::uint32_t i, auto& b) {
-        if (b.type == body_type::static_body) return;
-        if (b.has_target) b.set_pose(b.target);
-        each_shape(s, i, [&](std::uint32_t k, const auto& shape) {
-            const auto box = needed_box(s, shape);
-            if (fit = fit && is_box(box); fit) s.broadphase.move(k, box, bodies[i].velocity.linear * h);
-        });
-    });
-    update_broadphase(s);
-    return fit;
-}
-
 /// Advances a world by h seconds. Each stage reads and writes plain arrays; only this function knows their
 /// order. False, and the world as it was, if a velocity or a position would leave the range of numbers.
 /// Not inlined, so that no arithmetic moves out of the caller's float_control_scope.
 template <class Plan>
 PHYSICS_HPP_NOINLINE bool step(state<Plan>& s, typename Plan::scalar h) {
     s.scratch.reset();
-    const auto& pairs = find_pairs(s);        // boxes             -> pairs, in order
-    find_contacts(s, pairs);                  // pairs and poses   -> contacts with feature ids
-    inherit_impulses(s.contacts, s.found);    // last step's       -> warm impulses of what persists
-    remember_poses(s);                        // poses             -> where the step began
-    const auto bodies = gather_bodies(s, h);  // bodies            -> what the solver sees of them
-    motion<Plan> moving{s, bodies};
-    Plan::solver::solve(bodies, s.found, s.settings.solver, h, s.scratch, moving);  // -> velocities, poses
-    if (!moving.finite) return restore_poses(s), false;
-    if (!update_boxes(s, bodies, h)) return restore_poses(s), false;  // poses -> boxes of what has moved
-    finish(s, bodies);                                                // results           -> bodies and contacts
+    number_movers(s);                       // bodies            -> which of them move
+    const auto& pairs = find_pairs(s);      // boxes             -> pairs, in order
+    find_contacts(s, pairs);                // pairs and poses   -> contacts with feature ids
+    inherit_impulses(s.contacts, s.found);  // last step's       -> warm impulses of what persists
+    motion<Plan> moving(s, h);              // bodies, forces    -> what solver and integrator see of them
+    Plan::solver::solve(moving.bodies, s.found, s.settings.solver, h, s.scratch, moving);  // -> velocities, poses
+    if (!moving.is_finite()) return false;
+    if (!moving.place_shapes()) return false;  // poses          -> boxes of what has moved
+    moving.finish();                           // results        -> bodies and contacts
     return true;
 }
 

@@ -172,6 +172,7 @@
 #include "physics/world/edit.hpp"
 #include "physics/world/hash.hpp"
 #include "physics/world/mass.hpp"
+#include "physics/world/motion.hpp"
 #include "physics/world/queries.hpp"
 #include "physics/world/ranges.hpp"
 #include "physics/world/recipe.hpp"

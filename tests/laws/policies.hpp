@@ -64,19 +64,12 @@ struct explicit_euler {
     using stage = physics::stage::integrator;
     template <class Space>
     struct in {
-        using body = physics::body<S, D>;
-        static void advance_velocity(physics::solver_body<S, D>& v, const body& b, physics::vec<S, D> gravity, S h) {
-            v.velocity.linear += gravity * b.gravity_scale * h;
-        }
+        using body = physics::moving_body<S, D>;
+        static void advance_velocity(physics::twist<S, D>& v, const body& b, S h) { v.linear += b.acceleration * h; }
         static void advance_pose(body& b, physics::twist<S, D>& v, S h) {
             // The velocity at the step's start: what gravity has added since is taken off again.
-            b.center += (v.linear - last_gravity() * h) * h;
+            b.center += (v.linear - b.acceleration * h) * h;
             b.rotation = turned(b.rotation, v.angular * h);
-        }
-        static physics::vec<S, D> last_gravity() {
-            physics::vec<S, D> g;
-            g.y = S(-10);
-            return g;
         }
     };
 };

@@ -70,9 +70,9 @@ struct upside_down {
     struct in : physics::semi_implicit_euler::in<Space> {
         using T = typename Space::scalar;
         static constexpr int D = Space::dimension;
-        static void advance_velocity(physics::solver_body<T, D>& v, const physics::body<T, D>& b,
-                                     physics::vec<T, D> gravity, T h) {
-            physics::semi_implicit_euler::in<Space>::advance_velocity(v, b, -gravity, h);
+        static void advance_velocity(physics::twist<T, D>& v, physics::moving_body<T, D> b, T h) {
+            b.acceleration = -b.acceleration;
+            physics::semi_implicit_euler::in<Space>::advance_velocity(v, b, h);
         }
     };
 };

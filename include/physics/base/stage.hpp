@@ -12,7 +12,7 @@ struct shapes {};
 struct broadphase {};
 /// From pairs to manifolds: best_per_pair.
 struct narrowphase {};
-/// From contacts to velocities: sequential_impulse.
+/// From contacts to velocities: soft_step, sequential_impulse.
 struct solver {};
 /// How velocities and poses advance: semi_implicit_euler.
 struct integrator {};

@@ -49,6 +49,22 @@ struct body {
         center = pose * mass.center;
     }
     [[nodiscard]] constexpr bool is_dynamic() const { return type == body_type::dynamic_body; }
+    /// True if a force or torque waits to act on it.
+    [[nodiscard]] constexpr bool is_pushed() const { return !(force == vec<S, D>{} && torque == angular<S, D>{}); }
+};
+
+/// What an integrator sees of a body: where it is while a step lasts, and what drives it.
+template <class S, int D>
+struct moving_body {
+    vec<S, D> center;
+    physics::rotation<S, D> rotation;
+    /// By gravity, forces and torques (m/s^2, rad/s^2), in world axes.
+    vec<S, D> acceleration;
+    angular<S, D> angular_acceleration{};
+    S linear_damping{};
+    S angular_damping{};
+    /// The body, if its spin changes even without torque; else null.
+    const body<S, D>* top = nullptr;
 };
 
 /// What a solver sees of a body: velocity, how far it has come in this step if the solver cares, and how it answers to

@@ -39,8 +39,9 @@ struct contact_point {
 /// Two shapes of different bodies that touch or are about to.
 template <class S, int D>
 struct contact {
-    /// Numbers of the shapes and bodies; the normal points from A to B.
+    /// Numbers of the shapes; the normal points from A to B.
     std::uint32_t shape_a, shape_b;
+    /// Numbers of the bodies among those that the solver sees.
     std::uint32_t body_a, body_b;
     /// Which part of a concave shape touches; 0 of convex ones.
     std::uint32_t part = 0;

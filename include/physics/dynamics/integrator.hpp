@@ -11,11 +11,11 @@ namespace detail {
 /// Turns a body on which no torque acts for a time h, by the midpoint rule on a constant angular momentum:
 /// that is kept to rounding, whatever the spin; the energy errs with the third power of h.
 template <class S>
-constexpr void turn_freely(body<S, 3>& b, vec<S, 3>& angular_velocity, S h) {
+constexpr void turn_freely(moving_body<S, 3>& b, vec<S, 3>& angular_velocity, S h) {
     const rotation<S, 3> start = b.rotation;
-    const vec<S, 3> momentum = start * times(b.mass.inertia, inverse_rotate(start, angular_velocity));
+    const vec<S, 3> momentum = start * times(b.top->mass.inertia, inverse_rotate(start, angular_velocity));
     const auto spin = [&](const rotation<S, 3>& r) {
-        return r * times(b.inverse_inertia, inverse_rotate(r, momentum));
+        return r * times(b.top->inverse_inertia, inverse_rotate(r, momentum));
     };
     const rotation<S, 3> half_way = turned(start, angular_velocity * (h * S(0.5)));
     b.rotation = turned(start, spin(half_way) * h);
@@ -23,7 +23,7 @@ constexpr void turn_freely(body<S, 3>& b, vec<S, 3>& angular_velocity, S h) {
 }
 /// In the plane nothing precesses.
 template <class S>
-constexpr void turn_freely(body<S, 2>&, S, S) {}
+constexpr void turn_freely(moving_body<S, 2>&, S, S) {}
 
 }  // namespace detail
 
@@ -40,18 +40,15 @@ struct semi_implicit_euler {
         using S = typename Space::scalar;
         static constexpr int D = Space::dimension;
 
-        /// Advances the velocity of a dynamic body by gravity (m/s^2), force, torque and damping.
-        static constexpr void advance_velocity(solver_body<S, D>& v, const body<S, D>& b, vec<S, D> gravity, S h) {
-            vec<S, D> acceleration = gravity * b.gravity_scale;
-            for (int i = 0; i < D; ++i) acceleration[i] += mul<S>(v.inverse_mass, b.force[i]);
-            v.velocity.linear = (v.velocity.linear + acceleration * h) * damped(b.linear_damping, h);
-            v.velocity.angular =
-                (v.velocity.angular + times(v.inverse_inertia, b.torque) * h) * damped(b.angular_damping, h);
+        /// Advances the velocity of a body by what drives it, and by damping.
+        static constexpr void advance_velocity(twist<S, D>& v, const moving_body<S, D>& b, S h) {
+            v.linear = (v.linear + b.acceleration * h) * damped(b.linear_damping, h);
+            v.angular = (v.angular + b.angular_acceleration * h) * damped(b.angular_damping, h);
         }
         /// Advances the pose of a body by its velocity, and the angular velocity of a free top with it.
-        static constexpr void advance_pose(body<S, D>& b, twist<S, D>& v, S h) {
+        static constexpr void advance_pose(moving_body<S, D>& b, twist<S, D>& v, S h) {
             b.center += v.linear * h;
-            if (b.is_gyroscopic) detail::turn_freely(b, v.angular, h);
+            if (b.top) detail::turn_freely(b, v.angular, h);
             else b.rotation = turned(b.rotation, v.angular * h);
         }
 

@@ -10,7 +10,9 @@ namespace detail {
 /// Tells the broadphase where the shapes of a body are now.
 template <class Plan>
 void refresh_boxes(state<Plan>& s, std::uint32_t body) {
-    each_shape(s, body, [&](std::uint32_t i, const shape_record<Plan>& shape) {
+    const auto& b = s.bodies[body];
+    each_shape(s, body, [&](std::uint32_t i, shape_record<Plan>& shape) {
+        locate(shape, b.pose(), b.center);
         s.broadphase.move(i, needed_box(s, shape), {});
     });
     update_broadphase(s);
@@ -47,13 +49,16 @@ body_id create_body(state<Plan>& s, const body_def<typename Plan::scalar, Plan::
     b.rotation_locked = def.rotation_locked;
     b.user_data = def.user_data;
     const auto place = s.bodies.insert(b);
+    s.contact_starts.resize(s.bodies.slots());
+    s.movers_changed = true;
     refresh_mass(s, place.index);
     return {place.index, place.generation, s.tag};
 }
 
 template <class Plan>
 void destroy_body(state<Plan>& s, std::uint32_t index) {
-    drop_contacts(s, [&](const auto& c) { return c.body_a == index || c.body_b == index; });
+    drop_contacts(s, [&](const auto& c) { return body_a(s, c) == index || body_b(s, c) == index; });
+    s.movers_changed = true;
     s.memories.drop([&](std::uint32_t shape) { return s.shapes[shape].body == index; });
     each_shape(s, index, [&](std::uint32_t i, const shape_record<Plan>&) {
         s.broadphase.erase(i);
@@ -84,6 +89,7 @@ shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape,
     record.body = at.index;
     record.next = owner.first_shape;
     record.user_data = def.user_data;
+    locate(record, owner.pose(), owner.center);
     const auto box = needed_box(s, record);
     if (!check_finite(f, "lower end of the box", box.lower) || !check_finite(f, "upper end of the box", box.upper))
         return {};
@@ -117,6 +123,7 @@ void set_pose(state<Plan>& s, std::uint32_t index, const transform<typename Plan
     auto& b = s.bodies[index];
     if (!check_finite("set_pose", "centre of mass", pose * b.mass.center)) return;
     b.set_pose(pose);
+    if (b.type == body_type::static_body) s.movers_changed = true;
     refresh_boxes(s, index);
 }
 
@@ -147,11 +154,12 @@ void set_type(state<Plan>& s, std::uint32_t index, body_type type) {
     }
     b.has_target = false;
     b.type = type;
+    s.movers_changed = true;
     refresh_mass(s, index);
     renew_proxies(s, index);
     drop_contacts(s, [&](const auto& c) {
-        return (c.body_a == index || c.body_b == index) && !s.bodies[c.body_a].is_dynamic() &&
-               !s.bodies[c.body_b].is_dynamic();
+        const std::uint32_t first = body_a(s, c), second = body_b(s, c);
+        return (first == index || second == index) && !s.bodies[first].is_dynamic() && !s.bodies[second].is_dynamic();
     });
 }
 

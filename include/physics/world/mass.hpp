@@ -72,11 +72,12 @@ void set_mass_properties(state<Plan>& s, std::uint32_t index,
         b.center = center;
         for (auto& c : s.contacts)
             for (int k = 0; k < c.count; ++k) {
-                if (c.body_a == index) c.points[k].lever_a -= s.contact_starts[index].rotation * shift;
-                if (c.body_b == index) c.points[k].lever_b -= s.contact_starts[index].rotation * shift;
+                if (body_a(s, c) == index) c.points[k].lever_a -= s.contact_starts[index].rotation * shift;
+                if (body_b(s, c) == index) c.points[k].lever_b -= s.contact_starts[index].rotation * shift;
             }
     }
     b.mass = mass;
+    each_shape(s, index, [&](std::uint32_t, auto& shape) { locate(shape, b.pose(), b.center); });
     b.inverse_mass = {};
     b.inverse_inertia = {};
     b.is_gyroscopic = b.is_dynamic() && !b.rotation_locked && !is_isotropic(mass.inertia);

@@ -105,7 +105,7 @@ void cast_ray(const state<Plan>& s, const char* function, vec<typename Plan::sca
     if (!check_way(function, "origin", origin, translation)) return;
     S limit(1);
     each_on(s, {origin, translation}, filter, [&](std::uint32_t i) {
-        const auto hit = ray_cast(s.shapes[i].shape, world_pose(s, s.shapes[i]), origin, translation);
+        const auto hit = ray_cast(s.shapes[i].shape, s.shapes[i].pose, origin, translation);
         if (hit && !(hit.fraction > limit))
             limit = min(limit, visit(world_hit<S, Plan::dimension>{id_of_shape(s, i), body_of_shape(s, i), hit.fraction,
                                                                    hit.point, hit.normal}));
@@ -133,7 +133,7 @@ world_hit<typename Plan::scalar, Plan::dimension> cast_shape(
     const aabb<S, D> box = bounds(shape, pose);
     const vec<S, D> middle = box.lower + (box.upper - box.lower) * S(0.5);
     each_on(s, {middle, translation, (box.upper - box.lower) * S(0.5)}, filter, [&](std::uint32_t i) {
-        const transform<S, D> at = world_pose(s, s.shapes[i]);
+        const transform<S, D> at = s.shapes[i].pose;
         s.shapes[i].shape.visit([&](const auto& other) {
             const auto hit = shape_cast(other, shape, relative(at, pose), inverse_rotate(at.rotation, translation));
             const world_hit<S, D> found{id_of_shape(s, i), body_of_shape(s, i), hit.fraction, at * hit.point,
@@ -160,7 +160,7 @@ void each_overlapping(const state<Plan>& s, const Shape& shape,
     const char* f = "each_overlapping";
     if (!check(shape, f) || !check_pose(f, pose.position, pose.rotation)) return;
     each_near(s, bounds(shape, pose), filter, [&](std::uint32_t i) {
-        const auto at = relative(world_pose(s, s.shapes[i]), pose);
+        const auto at = relative(s.shapes[i].pose, pose);
         const bool touches = s.shapes[i].shape.visit(
             [&](const auto& other) { return !(separation_within(other, shape, at, S(0)).distance > S(0)); });
         if (touches) visit(id_of_shape(s, i));
@@ -178,7 +178,7 @@ nearest_shape<typename Plan::scalar, Plan::dimension> closest_shape(const state<
     nearest_shape<S, D> best;
     if (!check_finite(f, "point", point) || !check_not_negative(f, "reach", reach)) return best;
     each_near(s, grown(aabb<S, D>{point, point}, reach), filter, [&](std::uint32_t i) {
-        const transform<S, D> at = world_pose(s, s.shapes[i]);
+        const transform<S, D> at = s.shapes[i].pose;
         s.shapes[i].shape.visit([&](const auto& other) {
             const auto c = separation_within(other, tip<S, D>{}, relative(at, transform<S, D>{point, {}}), reach);
             const bool nearer = !best || c.distance < best.distance ||

@@ -67,16 +67,17 @@ template <class Plan>
 auto view_of(const state<Plan>& s, const contact<typename Plan::scalar, Plan::dimension>& c) {
     using S = typename Plan::scalar;
     constexpr int D = Plan::dimension;
-    const body<S, D>& a = s.bodies[c.body_a];
-    const body<S, D>& b = s.bodies[c.body_b];
+    const std::uint32_t at_a = body_a(s, c), at_b = body_b(s, c);
+    const body<S, D>& a = s.bodies[at_a];
+    const body<S, D>& b = s.bodies[at_b];
     contact_view<S, D> view{
         {c.shape_a, s.shapes.generation(c.shape_a), s.tag}, {c.shape_b, s.shapes.generation(c.shape_b), s.tag},
-        {c.body_a, s.bodies.generation(c.body_a), s.tag},   {c.body_b, s.bodies.generation(c.body_b), s.tag},
+        {at_a, s.bodies.generation(at_a), s.tag},           {at_b, s.bodies.generation(at_b), s.tag},
         c.part, c.normal, tangents<S, D>(c.normal), {}, c.count, c.friction, c.restitution};
     for (int k = 0; k < c.count; ++k) {
         const contact_point<S, D>& p = c.points[k];
-        const vec<S, D> local_a = inverse_rotate(s.contact_starts[c.body_a].rotation, p.lever_a) + a.mass.center;
-        const vec<S, D> local_b = inverse_rotate(s.contact_starts[c.body_b].rotation, p.lever_b) + b.mass.center;
+        const vec<S, D> local_a = inverse_rotate(s.contact_starts[at_a].rotation, p.lever_a) + a.mass.center;
+        const vec<S, D> local_b = inverse_rotate(s.contact_starts[at_b].rotation, p.lever_b) + b.mass.center;
         view.points[k] = {a.pose() * local_a, local_a,    local_b, p.separation, p.normal_impulse,
                           p.friction_impulse, p.persisted};
     }

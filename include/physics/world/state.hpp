@@ -16,6 +16,9 @@ struct shape_record {
 
     typename Plan::shape shape;
     transform<S, D> local;
+    /// Where it is in the world, and its origin relative to the body's centre of mass, in world axes.
+    transform<S, D> pose;
+    vec<S, D> arm;
     physics::material<S> material;
     S density{};
     std::uint32_t body = 0;
@@ -106,6 +109,11 @@ struct state {
     buffer<contact<S, D>> contacts;
     /// Where the centres of bodies were, and how bodies were turned, when these contacts were found.
     buffer<transform<S, D>> contact_starts;
+    /// Numbers of the bodies that move, ascending, and of each body its number among them: how many there are if it
+    /// does not move.
+    buffer<std::uint32_t> movers, mover_of;
+    /// Whether other bodies move, or bodies that do not have been put elsewhere, since that was found.
+    bool movers_changed = true;
     /// What the narrowphase remembers of the last step's pairs.
     pair_memories<Plan> memories;
     std::uint64_t steps = 0;
@@ -115,20 +123,29 @@ struct state {
     manifold_list<S, D> manifolds;
     buffer<contact<S, D>> found;
     pair_memories<Plan> found_memories;
-    buffer<transform<S, D>> starts;
     arena scratch;
 };
 
-/// The pose of a shape in the world.
-template <class Plan>
-auto world_pose(const state<Plan>& s, const shape_record<Plan>& shape) {
-    return s.bodies[shape.body].pose() * shape.local;
+/// Says where a shape is, of a body whose frame and whose centre of mass are there.
+template <class Plan, class Vec, class Pose>
+void locate(shape_record<Plan>& shape, const Pose& body, const Vec& center) {
+    shape.pose = body * shape.local;
+    shape.arm = shape.pose.position - center;
+}
+/// The body of either side of a contact.
+template <class Plan, class Contact>
+std::uint32_t body_a(const state<Plan>& s, const Contact& c) {
+    return s.shapes[c.shape_a].body;
+}
+template <class Plan, class Contact>
+std::uint32_t body_b(const state<Plan>& s, const Contact& c) {
+    return s.shapes[c.shape_b].body;
 }
 
 /// The box that the narrowphase needs the broadphase to know: all within half the contact margin.
 template <class Plan>
 auto needed_box(const state<Plan>& s, const shape_record<Plan>& shape) {
-    return grown(bounds(shape.shape, world_pose(s, shape)), s.settings.contact_margin / typename Plan::scalar(2));
+    return grown(bounds(shape.shape, shape.pose), s.settings.contact_margin / typename Plan::scalar(2));
 }
 /// What the broadphase knows of a shape besides.
 template <class Plan>
