@@ -18721,6 +18721,7 @@ struct body {
     std::uint32_t first_shape = 0xffffffffu;
     body_type type = body_type::dynamic_body;
     bool rotation_locked = false;
+    bool can_sleep = true;
     /// True if the inertia depends on the axis: then the spin changes even without torque.
     bool is_gyroscopic = false;
     bool mass_is_set = false;
@@ -19239,6 +19240,76 @@ struct semi_implicit_euler {
         }
     };
 };
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/dynamics/islands.hpp
+// =================================================================================================
+// Islands: bodies that hang together by their contacts, and so fall asleep and wake together.
+
+PHYSICS_HPP_BEGIN
+
+/// When bodies fall asleep.
+template <class S>
+struct sleep_settings {
+    /// False: nobody does.
+    bool enabled = true;
+    /// For so long an island must be still (s),
+    S time = S(0.5);
+    /// which is while no body of it is faster than this (m/s),
+    S speed = S(0.05);
+    /// turns faster than this (rad/s),
+    S spin = S(0.05);
+    /// or gets farther than this from where it was when it became still (m): what begins to slip stays awake.
+    S drift = S(0.001);
+};
+
+template <class S>
+bool check(const sleep_settings<S>& with, const char* function) {
+    return detail::check_not_negative(function, "sleeping.time", with.time) &&
+           detail::check_not_negative(function, "sleeping.speed", with.speed) &&
+           detail::check_not_negative(function, "sleeping.spin", with.spin) &&
+           detail::check_not_negative(function, "sleeping.drift", with.drift);
+}
+
+namespace detail {
+
+/// Sets of numbers below a count, named by their least member. Source: Tarjan, Efficiency of a good but not linear set
+/// union algorithm (1975), with halving of paths; the least number rules, so that names follow from the sets alone.
+class disjoint_sets {
+public:
+    disjoint_sets(std::uint32_t count, arena& scratch) : parent_(scratch.take<std::uint32_t>(count)) {
+        for (std::uint32_t i = 0; i < count; ++i) parent_[i] = i;
+    }
+    [[nodiscard]] std::uint32_t find(std::uint32_t i) {
+        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+        return i;
+    }
+    void unite(std::uint32_t a, std::uint32_t b) {
+        a = find(a);
+        b = find(b);
+        if (a < b) parent_[b] = a;
+        else parent_[a] = b;
+    }
+
+private:
+    std::uint32_t* parent_;
+};
+
+/// True if two bodies of these velocities touch within a step of h, or might if an acceleration that adds `slack` (m) to
+/// their way drew them together.
+template <class S, int D>
+bool comes_to_touch(const contact<S, D>& c, const twist<S, D>& a, const twist<S, D>& b, S h, S slack) {
+    for (int k = 0; k < c.count; ++k) {
+        const contact_point<S, D>& p = c.points[k];
+        const S speed = dot(c.normal, velocity_at(b, p.lever_b) - velocity_at(a, p.lever_a));
+        if (p.separation + min(speed, S(0)) * h <= slack) return true;
+    }
+    return false;
+}
+
+}  // namespace detail
 
 PHYSICS_HPP_END
 
@@ -20145,7 +20216,7 @@ PHYSICS_HPP_BEGIN
 
 /// Numbers of a world. Lengths in metres, times in seconds, masses in kilograms; a world in other units
 /// scales the lengths and speeds here with them.
-template <class S, int D, class SolverSettings>
+template <class S, int D, class SolverSettings, class SleepSettings = sleep_settings<S>>
 struct world_settings {
     /// Acceleration of every body, times its gravity scale (m/s^2).
     vec<S, D> gravity = downward();
@@ -20155,6 +20226,8 @@ struct world_settings {
     broadphase_settings<S> broadphase = {};
     /// Numbers of the solver that the recipe names.
     SolverSettings solver = {};
+    /// When bodies fall asleep, unless the recipe leaves sleeping out.
+    [[no_unique_address]] SleepSettings sleeping = {};
 
 private:
     static constexpr vec<S, D> downward() {
@@ -20181,6 +20254,8 @@ struct body_def {
     S gravity_scale = S(1);
     /// True if nothing turns the body.
     bool rotation_locked = false;
+    /// False keeps the body awake, and those that touch it.
+    bool can_sleep = true;
     /// Anything of the user's; the library never looks at it.
     std::uint64_t user_data = 0;
 };
@@ -20279,6 +20354,8 @@ namespace feature {
 struct friction {};
 /// Bouncing.
 struct restitution {};
+/// Islands that are still leave the step until they are touched.
+struct sleeping {};
 }  // namespace feature
 
 /// Leaves features out: without<feature::friction, feature::restitution>.
@@ -20287,8 +20364,10 @@ struct without {
     using stage = physics::stage::features;
     static constexpr bool friction = !(std::same_as<Features, feature::friction> || ...);
     static constexpr bool restitution = !(std::same_as<Features, feature::restitution> || ...);
+    static constexpr bool sleeping = !(std::same_as<Features, feature::sleeping> || ...);
     static constexpr bool known =
-        ((std::same_as<Features, feature::friction> || std::same_as<Features, feature::restitution>)&&...);
+        ((std::same_as<Features, feature::friction> || std::same_as<Features, feature::restitution> ||
+          std::same_as<Features, feature::sleeping>)&&...);
 };
 
 namespace detail {
@@ -20363,6 +20442,10 @@ struct memory_of<Narrowphase> {
     using type = typename Narrowphase::memory;
 };
 
+/// Settings of what a recipe leaves out.
+struct no_settings {};
+inline bool check(const no_settings&, const char*) { return true; }
+
 /// A recipe's choices, resolved: every stage with its type in the recipe's space.
 template <class S, int D, class ShapeSet, class... Policies>
 struct plan;
@@ -20383,7 +20466,9 @@ struct plan<S, D, shapes<Shapes...>, Policies...> {
         typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type::template in<space>;
     using solver =
         typename policy_for<stage::solver, sequential_impulse, Policies...>::type::template in<space, features>;
-    using settings = world_settings<S, D, typename solver::settings>;
+    static constexpr bool sleeps = features::sleeping;
+    using settings = world_settings<S, D, typename solver::settings,
+                                    std::conditional_t<sleeps, sleep_settings<S>, no_settings>>;
 };
 
 template <class... Policies>
@@ -20704,6 +20789,37 @@ struct pair_memories {
     }
 };
 
+/// Stands for the next sleeper of a body that is awake.
+inline constexpr std::uint32_t no_sleeper = 0xffffffffu;
+
+/// Who sleeps. Arrays by the numbers of bodies.
+template <class S, int D>
+struct sleep_state {
+    /// For how long each body has been still (s), up to the time that it takes to fall asleep.
+    buffer<S> still;
+    /// Where its centre of mass was when it became so.
+    buffer<vec<S, D>> since;
+    /// Of each sleeper the next one of its island, in a ring.
+    buffer<std::uint32_t> ring;
+    /// Contacts of which no body that can be pushed is awake, in ascending order of their pairs.
+    buffer<contact<S, D>> contacts;
+    /// Scratch: who wakes in this step.
+    buffer<std::uint32_t> woken;
+
+    /// A body has come, awake.
+    void start(std::uint32_t body, vec<S, D> center) {
+        if (body >= ring.size()) {
+            still.resize(body + 1);
+            since.resize(body + 1);
+            ring.resize(body + 1);
+        }
+        still[body] = {};
+        since[body] = center;
+        ring[body] = no_sleeper;
+    }
+};
+struct no_sleep_state {};
+
 /// The state of a world. Copying it copies the world.
 template <class Plan>
 struct state {
@@ -20714,17 +20830,18 @@ struct state {
     pool<body<S, D>> bodies;
     shape_pool<Plan> shapes;
     typename Plan::broadphase broadphase;
-    /// Contacts of the last step, in ascending order of their pairs.
+    /// Contacts of the last step that push somebody who is awake, in ascending order of their pairs.
     buffer<contact<S, D>> contacts;
     /// Where the centres of bodies were, and how bodies were turned, when these contacts were found.
     buffer<transform<S, D>> contact_starts;
-    /// Numbers of the bodies that move, ascending, and of each body its number among them: how many there are if it
-    /// does not move.
+    /// Numbers of the bodies that move and are awake, and of each body its number among them: how many there are if it
+    /// does not.
     buffer<std::uint32_t> movers, mover_of;
     /// Whether other bodies move, or bodies that do not have been put elsewhere, since that was found.
     bool movers_changed = true;
     /// What the narrowphase remembers of the last step's pairs.
     pair_memories<Plan> memories;
+    [[no_unique_address]] std::conditional_t<Plan::sleeps, sleep_state<S, D>, no_sleep_state> sleep;
     std::uint64_t steps = 0;
     std::uint16_t tag = 0;
 
@@ -20732,7 +20849,18 @@ struct state {
     manifold_list<S, D> manifolds;
     buffer<contact<S, D>> found;
     pair_memories<Plan> found_memories;
+    buffer<proxy_pair> woken_pairs;
+    buffer<contact<S, D>> woken_contacts;
+    pair_memories<Plan> woken_memories;
     arena scratch;
+
+    [[nodiscard]] bool is_asleep(std::uint32_t body) const {
+        if constexpr (Plan::sleeps) return sleep.ring[body] != no_sleeper;
+        else return false;
+    }
+    [[nodiscard]] bool is_awake_dynamic(std::uint32_t body) const {
+        return bodies[body].is_dynamic() && !is_asleep(body);
+    }
 };
 
 /// Says where a shape is, of a body whose frame and whose centre of mass are there.
@@ -20759,7 +20887,7 @@ auto needed_box(const state<Plan>& s, const shape_record<Plan>& shape) {
 /// What the broadphase knows of a shape besides.
 template <class Plan>
 proxy_filter filter_of(const state<Plan>& s, const shape_record<Plan>& shape) {
-    return {.owner = shape.body, .movable = s.bodies[shape.body].is_dynamic()};
+    return {.owner = shape.body, .movable = s.is_awake_dynamic(shape.body)};
 }
 template <class Plan>
 void configure_broadphase(state<Plan>& s) {
@@ -20780,6 +20908,15 @@ void each_shape(State& s, std::uint32_t body, F&& f) {
         f(i, s.shapes[i]);
         i = next;
     }
+}
+
+/// Enters the shapes of a body into the broadphase anew: it has become another kind of proxy.
+template <class Plan>
+void refile_proxies(state<Plan>& s, std::uint32_t body) {
+    each_shape(s, body, [&](std::uint32_t i, const shape_record<Plan>& shape) {
+        s.broadphase.erase(i);
+        s.broadphase.insert(i, needed_box(s, shape), filter_of(s, shape));
+    });
 }
 
 /// A number for each world of the program, to recognise foreign handles; after 65535 worlds numbers come again. It
@@ -21011,7 +21148,7 @@ template <class Settings>
 bool check_settings(const Settings& with, const char* function) {
     return check_finite(function, "gravity", with.gravity) &&
            check_not_negative(function, "contact_margin", with.contact_margin) &&
-           check(with.broadphase, function) && check(with.solver, function);
+           check(with.broadphase, function) && check(with.solver, function) && check(with.sleeping, function);
 }
 
 /// Refuses to make a world of floating-point numbers where arithmetic would not give the same bits as
@@ -21082,583 +21219,6 @@ bool check_shapes_mass(const state<Plan>& s, std::uint32_t body, const char* fun
     const auto mass = mass_of_shapes<double>(s, body, but);
     return !(mass.mass > 0) || check_mass(function, s.bodies[body], mass);
 }
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/world/edit.hpp
-// =================================================================================================
-// How bodies and shapes come, go and change between steps.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// Tells the broadphase where the shapes of a body are now.
-template <class Plan>
-void refresh_boxes(state<Plan>& s, std::uint32_t body) {
-    const auto& b = s.bodies[body];
-    each_shape(s, body, [&](std::uint32_t i, shape_record<Plan>& shape) {
-        locate(shape, b.pose(), b.center);
-        s.broadphase.move(i, needed_box(s, shape), {});
-    });
-    update_broadphase(s);
-}
-/// The same where it has become another kind of proxy.
-template <class Plan>
-void renew_proxies(state<Plan>& s, std::uint32_t body) {
-    each_shape(s, body, [&](std::uint32_t i, const shape_record<Plan>& shape) {
-        s.broadphase.erase(i);
-        s.broadphase.insert(i, needed_box(s, shape), filter_of(s, shape));
-    });
-}
-
-/// Forgets the contacts for which gone(contact) is true; the others keep their order.
-template <class Plan, class Gone>
-void drop_contacts(state<Plan>& s, Gone&& gone) {
-    std::uint32_t kept = 0;
-    for (std::uint32_t i = 0; i < s.contacts.size(); ++i)
-        if (!gone(s.contacts[i])) s.contacts[kept++] = s.contacts[i];
-    while (s.contacts.size() > kept) s.contacts.pop();
-}
-
-template <class Plan>
-body_id create_body(state<Plan>& s, const body_def<typename Plan::scalar, Plan::dimension>& def) {
-    if (!check_body(def)) return {};
-    body<typename Plan::scalar, Plan::dimension> b;
-    b.type = def.type;
-    b.rotation = normalized(def.rotation);
-    b.center = def.position;
-    if (def.type != body_type::static_body) b.velocity = {def.linear_velocity, def.angular_velocity};
-    b.linear_damping = def.linear_damping;
-    b.angular_damping = def.angular_damping;
-    b.gravity_scale = def.gravity_scale;
-    b.rotation_locked = def.rotation_locked;
-    b.user_data = def.user_data;
-    const auto place = s.bodies.insert(b);
-    s.contact_starts.resize(s.bodies.slots());
-    s.movers_changed = true;
-    refresh_mass(s, place.index);
-    return {place.index, place.generation, s.tag};
-}
-
-template <class Plan>
-void destroy_body(state<Plan>& s, std::uint32_t index) {
-    drop_contacts(s, [&](const auto& c) { return body_a(s, c) == index || body_b(s, c) == index; });
-    s.movers_changed = true;
-    s.memories.drop([&](std::uint32_t shape) { return s.shapes[shape].body == index; });
-    each_shape(s, index, [&](std::uint32_t i, const shape_record<Plan>&) {
-        s.broadphase.erase(i);
-        s.shapes.erase(i);
-    });
-    s.bodies.erase(index);
-}
-
-template <class Plan, class Shape>
-shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape,
-                      const shape_def<typename Plan::scalar, Plan::dimension>& def) {
-    using S = typename Plan::scalar;
-    const char* f = "create_shape";
-    const found at = find_body(s, body, f);
-    if (!at || !check(shape, f) || !check_pose(f, def.position, def.rotation) ||
-        !check_not_negative(f, "density", def.density) || !check_material(f, def.material))
-        return {};
-    const auto& owner = s.bodies[at.index];
-    if (!solid_shape_for<Shape, S, Plan::dimension> && owner.is_dynamic()) {
-        refuse(f, "shape", "without mass", "a dynamic body needs shapes that have a mass");
-        return {};
-    }
-    shape_record<Plan> record;
-    record.shape = shape;
-    record.local = {def.position, normalized(def.rotation)};
-    record.material = def.material;
-    record.density = def.density;
-    record.body = at.index;
-    record.next = owner.first_shape;
-    record.user_data = def.user_data;
-    locate(record, owner.pose(), owner.center);
-    const auto box = needed_box(s, record);
-    if (!check_finite(f, "lower end of the box", box.lower) || !check_finite(f, "upper end of the box", box.upper))
-        return {};
-    if (def.density > S(0) && owner.is_dynamic() && !owner.mass_is_set &&
-        !check_mass(f, owner, combined(mass_of_shapes<double>(s, at.index), mass_of_shape<double>(record))))
-        return {};
-    const auto place = s.shapes.insert(record);
-    s.bodies[at.index].first_shape = place.index;
-    s.broadphase.insert(place.index, box, filter_of(s, record));
-    refresh_mass(s, at.index);
-    return {place.index, place.generation, s.tag};
-}
-
-template <class Plan>
-void destroy_shape(state<Plan>& s, std::uint32_t index) {
-    const std::uint32_t body = s.shapes[index].body;
-    const auto& owner = s.bodies[body];
-    if (owner.is_dynamic() && !owner.mass_is_set && !check_shapes_mass(s, body, "destroy_shape", index)) return;
-    drop_contacts(s, [&](const auto& c) { return c.shape_a == index || c.shape_b == index; });
-    s.memories.drop([&](std::uint32_t shape) { return shape == index; });
-    std::uint32_t* link = &s.bodies[body].first_shape;
-    while (*link != index) link = &s.shapes[*link].next;
-    *link = s.shapes[index].next;
-    s.broadphase.erase(index);
-    s.shapes.erase(index);
-    refresh_mass(s, body);
-}
-
-template <class Plan>
-void set_pose(state<Plan>& s, std::uint32_t index, const transform<typename Plan::scalar, Plan::dimension>& pose) {
-    auto& b = s.bodies[index];
-    if (!check_finite("set_pose", "centre of mass", pose * b.mass.center)) return;
-    b.set_pose(pose);
-    if (b.type == body_type::static_body) s.movers_changed = true;
-    refresh_boxes(s, index);
-}
-
-template <class Plan>
-void set_type(state<Plan>& s, std::uint32_t index, body_type type) {
-    using S = typename Plan::scalar;
-    constexpr int D = Plan::dimension;
-    const char* f = "set_type";
-    auto& b = s.bodies[index];
-    if (!check_type(f, type) || type == b.type) return;
-    if (type == body_type::dynamic_body) {
-        bool solid = true;
-        each_shape(s, index, [&](std::uint32_t, const auto& record) {
-            record.shape.visit([&](const auto& shape) {
-                solid = solid && solid_shape_for<std::remove_cvref_t<decltype(shape)>, S, D>;
-            });
-        });
-        if (!solid) {
-            refuse(f, "shape", "without mass", "a dynamic body needs shapes that have a mass");
-            return;
-        }
-        if (!b.mass_is_set && !check_shapes_mass(s, index, f)) return;
-    }
-    if (type == body_type::static_body) b.velocity = {};
-    if (type != body_type::dynamic_body) {
-        b.force = {};
-        b.torque = {};
-    }
-    b.has_target = false;
-    b.type = type;
-    s.movers_changed = true;
-    refresh_mass(s, index);
-    renew_proxies(s, index);
-    drop_contacts(s, [&](const auto& c) {
-        const std::uint32_t first = body_a(s, c), second = body_b(s, c);
-        return (first == index || second == index) && !s.bodies[first].is_dynamic() && !s.bodies[second].is_dynamic();
-    });
-}
-
-template <class Plan>
-void set_mass(state<Plan>& s, std::uint32_t index,
-              const mass_properties<typename Plan::scalar, Plan::dimension>& mass) {
-    const char* f = "set_mass";
-    const bool nothing_turns_it = mass.inertia == decltype(mass.inertia){};
-    if (!check_finite(f, "center", mass.center) ||
-        !check_mass(f, s.bodies[index], converted<double>(mass), nothing_turns_it))
-        return;
-    s.bodies[index].mass_is_set = true;
-    set_mass_properties(s, index, mass);
-}
-template <class Plan>
-void reset_mass(state<Plan>& s, std::uint32_t index) {
-    if (!check_shapes_mass(s, index, "reset_mass")) return;
-    s.bodies[index].mass_is_set = false;
-    refresh_mass(s, index);
-}
-
-template <class Plan>
-void set_rotation_locked(state<Plan>& s, std::uint32_t index, bool locked) {
-    auto& b = s.bodies[index];
-    b.rotation_locked = locked;
-    if (locked) b.velocity.angular = {};
-    refresh_mass(s, index);
-}
-
-template <class Plan>
-void change_settings(state<Plan>& s, const typename Plan::settings& settings) {
-    // What was carried along was found within the old margin.
-    if (settings.contact_margin != s.settings.contact_margin) s.memories.clear();
-    s.settings = settings;
-    configure_broadphase(s);
-    s.bodies.each([&](std::uint32_t i, const auto&) { refresh_boxes(s, i); });
-}
-
-/// Stores a quantity that an action has changed, unless it left the scalar's range: false then.
-template <class Quantity>
-bool assign(Quantity& to, const Quantity& value) {
-    if (!is_finite(value)) return false;
-    to = value;
-    return true;
-}
-inline bool refuse_action(const char* function, const char* field, double size) {
-    return refuse(function, field, size, "with it a force or velocity of the body would be beyond the scalar's range");
-}
-
-/// Calls f(body, force, lever) with a force or impulse and its lever from the centre of mass, in world axes;
-/// f says whether the body can take it.
-template <class Plan, class F>
-void act(state<Plan>& s, body_id id, const char* function, const char* field,
-         vec<typename Plan::scalar, Plan::dimension> force, bool local,
-         const vec<typename Plan::scalar, Plan::dimension>* point, F&& f) {
-    const found at = find_dynamic(s, id, function);
-    if (!at || !check_finite(function, field, force) || (point && !check_finite(function, "point", *point))) return;
-    auto& b = s.bodies[at.index];
-    vec<typename Plan::scalar, Plan::dimension> lever;
-    if (point) lever = local ? b.rotation * (*point - b.mass.center) : *point - b.center;
-    if (!f(b, local ? b.rotation * force : force, lever)) refuse_action(function, field, size_of(force));
-}
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/world/hash.hpp
-// =================================================================================================
-// A number that worlds in the same state share.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// Mixes words into 64 bits, by value: neither byte order nor padding enters. Source: the finaliser of
-/// Steele, Lea, Flood, Fast splittable pseudorandom number generators (2014).
-class hasher {
-public:
-    void add(std::uint64_t word) {
-        hash_ = (hash_ ^ word) * 0xff51afd7ed558ccdu;
-        hash_ ^= hash_ >> 32;
-        hash_ *= 0xc4ceb9fe1a85ec53u;
-        hash_ ^= hash_ >> 29;
-    }
-    template <scalar_type S>
-    void add(S x) {
-        add(scalar_traits<S>::bits(x));
-    }
-    template <class S, int D>
-    void add(vec<S, D> v) {
-        for (int i = 0; i < D; ++i) add(v[i]);
-    }
-    template <class S>
-    void add(rotation<S, 2> r) {
-        add(r.cosine);
-        add(r.sine);
-    }
-    template <class S>
-    void add(rotation<S, 3> r) {
-        add(r.imaginary());
-        add(r.w);
-    }
-    template <class S>
-    void add(const symmetric<S>& m) {
-        add(vec<S, 3>{m.xx, m.yy, m.zz});
-        add(vec<S, 3>{m.xy, m.xz, m.yz});
-    }
-    template <class S, int D>
-    void add(const transform<S, D>& t) {
-        add(t.position);
-        add(t.rotation);
-    }
-    template <class S, int D>
-    void add(const body<S, D>& b) {
-        add(static_cast<std::uint64_t>(b.type) | std::uint64_t{b.rotation_locked} << 8 |
-            std::uint64_t{b.mass_is_set} << 9 | std::uint64_t{b.has_target} << 10);
-        add(b.center);
-        add(b.rotation);
-        add(b.velocity.linear);
-        add(b.velocity.angular);
-        add(b.force);
-        add(b.torque);
-        add(b.mass.mass);
-        add(b.mass.center);
-        add(b.mass.inertia);
-        add(b.linear_damping);
-        add(b.angular_damping);
-        add(b.gravity_scale);
-        if (b.has_target) add(b.target);
-    }
-    template <class Plan>
-    void add(const shape_record<Plan>& s) {
-        add(static_cast<std::uint64_t>(s.shape.kind()) << 32 | s.body);
-        add(s.local);
-        add(s.material.friction);
-        add(s.material.restitution);
-        add(s.density);
-        const auto box = bounds(s.shape, s.local);
-        add(box.lower);
-        add(box.upper);
-        s.shape.visit([&](const auto& shape) {
-            if constexpr (refers_to_geometry<std::remove_cvref_t<decltype(shape)>>) add(shape.geometry->digest);
-        });
-    }
-    template <class S, int D>
-    void add(const contact<S, D>& c) {
-        add(c.normal);
-        add(c.twist_impulse);
-        add(static_cast<std::uint64_t>(c.count) | std::uint64_t{c.part} << 32);
-        for (int k = 0; k < c.count; ++k) {
-            add(std::uint64_t{c.points[k].feature});
-            add(c.points[k].normal_impulse);
-            add(c.points[k].friction_impulse);
-        }
-    }
-    /// The manifold follows from the rest.
-    template <class S, int D>
-    void add(const pair_memory<S, D>& m) {
-        add(m.b_in_a);
-        add(m.cache);
-        add(std::uint64_t{static_cast<std::uint32_t>(m.contact.count)});
-    }
-    template <class S, int D>
-    void add(const persistent_manifold<S, D>& m) {
-        add(m.cache);
-        add(std::uint64_t{m.named} << 32 | static_cast<std::uint32_t>(m.count));
-        for (std::int32_t i = 0; i < m.count; ++i) {
-            add(m.points[i].on_a);
-            add(m.points[i].on_b);
-            add(std::uint64_t{m.points[i].feature});
-        }
-    }
-    void add(const gjk_cache& c) {
-        add(std::uint64_t{c.count});
-        for (int i = 0; i < c.count; ++i) add(std::uint64_t{c.vertex[i]});
-        for (const float x : c.axis) add(x);
-    }
-    [[nodiscard]] std::uint64_t value() const { return hash_; }
-
-private:
-    std::uint64_t hash_ = 0x9e3779b97f4a7c15u;
-};
-
-/// One number for one thing: processors work on several at a time, and a difference can be traced to its thing.
-template <class Item>
-std::uint64_t hash_of(std::uint64_t name, const Item& item) {
-    hasher h;
-    h.add(name);
-    h.add(item);
-    return h.value();
-}
-
-/// Of what is remembered of a pair; 0 where that bears on no result, as of pairs that do not touch.
-template <class S, int D>
-std::uint64_t digest_of(const pair_memory<S, D>& m, std::uint64_t name) {
-    return m.contact.count > 0 ? hash_of(name, m) : 0;
-}
-template <class S, int D>
-std::uint64_t digest_of(const persistent_manifold<S, D>& m, std::uint64_t name) {
-    return m.count > 0 ? hash_of(name, m) : 0;
-}
-template <class Memory>
-    requires requires(const Memory& m) { m.digest(); }
-std::uint64_t digest_of(const Memory& m, std::uint64_t name) {
-    return m.digest() != 0 ? hash_of(name, m.digest()) : 0;
-}
-
-/// Of everything in a world that bears on its future, but for the settings: neither user data nor what only
-/// saves work, like the boxes of the broadphase. The dimensions of a shape enter by its bounds.
-template <class Plan>
-std::uint64_t state_hash(const state<Plan>& s) {
-    hasher h;
-    const auto add_all = [&](const auto& pool) {
-        h.add(std::uint64_t{pool.count()});
-        pool.each([&](std::uint32_t i, const auto& item) {
-            h.add(hash_of(std::uint64_t{i} << 32 | pool.generation(i), item));
-        });
-    };
-    h.add(s.steps);
-    add_all(s.bodies);
-    add_all(s.shapes);
-    h.add(std::uint64_t{s.contacts.size()});
-    for (const auto& c : s.contacts) h.add(hash_of(std::uint64_t{c.shape_a} << 32 | c.shape_b, c));
-    if constexpr (Plan::remembers)
-        for (std::uint32_t i = 0; i < s.memories.pairs.size(); ++i) {
-            const auto [a, b] = s.memories.pairs[i];
-            const std::uint64_t digest = digest_of(s.memories.items[i], std::uint64_t{a} << 32 | b);
-            if (digest != 0) h.add(digest);
-        }
-    return h.value();
-}
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/world/motion.hpp
-// =================================================================================================
-// Bodies as they move through a step: copies in tight arrays, which become the world's when the step has succeeded.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// Finds which bodies move, where that has changed.
-template <class Plan>
-void number_movers(state<Plan>& s) {
-    if (!s.movers_changed) return;
-    s.movers.clear();
-    s.bodies.each([&](std::uint32_t i, const auto& b) {
-        if (b.type != body_type::static_body) s.movers.push(i);
-    });
-    s.mover_of.clear();
-    s.mover_of.resize(s.bodies.slots(), s.movers.size());
-    for (std::uint32_t k = 0; k < s.movers.size(); ++k) s.mover_of[s.movers[k]] = k;
-}
-
-/// How the solver moves the world: it asks for velocities and poses to advance, once or in substeps. Nothing of the
-/// world changes before place_shapes.
-template <class Plan>
-class motion {
-    using S = typename Plan::scalar;
-    static constexpr int D = Plan::dimension;
-    using integrator = typename Plan::integrator;
-
-public:
-    /// What the solver sees of the bodies that move; the last one is nobody.
-    solver_bodies<S, D> bodies;
-
-    motion(state<Plan>& s, S h)
-        : bodies{s.scratch.template take<solver_body<S, D>>(s.movers.size() + 1), s.movers.size() + 1},
-          state_(s),
-          moving_(s.scratch.template take<moving_body<S, D>>(s.movers.size())),
-          step_(h) {
-        for (std::uint32_t k = 0; k < s.movers.size(); ++k) gather(k);
-        new (&bodies[s.movers.size()]) solver_body<S, D>{};
-        find_free();
-    }
-
-    void advance_velocities(S h) {
-        if (free_count_ > 0) thrust(step_ / h);
-        for (std::uint32_t k = 0; k < state_.movers.size(); ++k)
-            if (bodies[k].inverse_mass > inverse_of<S>(0))
-                integrator::advance_velocity(bodies[k].velocity, moving_[k], h);
-        if (free_count_ > 0) thrust(S(0));
-    }
-    void advance_poses(S h) {
-        for (std::uint32_t k = 0; k < state_.movers.size(); ++k)
-            integrator::advance_pose(moving_[k], bodies[k].velocity, h);
-    }
-
-    /// Whether all that moved is where numbers reach.
-    [[nodiscard]] bool is_finite() const {
-        for (std::uint32_t k = 0; k < state_.movers.size(); ++k)
-            if (!physics::is_finite(moving_[k].center) || !physics::is_finite(moving_[k].rotation) ||
-                !physics::is_finite(bodies[k].velocity.linear) || !physics::is_finite(bodies[k].velocity.angular))
-                return false;
-        return true;
-    }
-
-    /// Puts shapes where their bodies are now, and tells the broadphase, and where they are heading; bodies with a
-    /// target are there, to the bit. False, and all shapes where they were, if a box is beyond the scalar's range.
-    bool place_shapes() {
-        bool fit = true;
-        for (std::uint32_t k = 0; k < state_.movers.size() && fit; ++k) {
-            const std::uint32_t i = state_.movers[k];
-            const body<S, D>& b = state_.bodies[i];
-            const transform<S, D> pose = pose_of(k);
-            const vec<S, D> center = b.has_target ? pose * b.mass.center : moving_[k].center;
-            const vec<S, D> way = bodies[k].velocity.linear * step_;
-            each_shape(state_, i, [&](std::uint32_t n, auto& shape) {
-                locate(shape, pose, center);
-                const auto box = needed_box(state_, shape);
-                if (fit = fit && is_box(box); fit) state_.broadphase.move(n, box, way);
-            });
-        }
-        if (!fit)
-            for (const std::uint32_t i : state_.movers) refresh_boxes(state_, i);
-        else update_broadphase(state_);
-        return fit;
-    }
-
-    /// Stores what the step found: poses, velocities, contacts with their impulses. Forces act for one step, and bodies
-    /// that had a target stand still.
-    void finish() {
-        if (std::exchange(state_.movers_changed, false))
-            state_.bodies.each([&](std::uint32_t i, const auto& b) {
-                state_.contact_starts[i] = {b.center, b.rotation};
-            });
-        for (std::uint32_t k = 0; k < state_.movers.size(); ++k) {
-            const std::uint32_t i = state_.movers[k];
-            body<S, D>& b = state_.bodies[i];
-            state_.contact_starts[i] = {b.center, b.rotation};
-            b.center = moving_[k].center;
-            b.rotation = moving_[k].rotation;
-            b.velocity = bodies[k].velocity;
-            b.force = {};
-            b.torque = {};
-            if (!b.has_target) continue;
-            b.set_pose(b.target);
-            b.velocity = {};
-            b.has_target = false;
-        }
-        state_.contacts.swap(state_.found);
-        state_.memories.swap(state_.found_memories);
-        ++state_.steps;
-    }
-
-private:
-    void gather(std::uint32_t k) {
-        const body<S, D>& b = state_.bodies[state_.movers[k]];
-        solver_body<S, D>& seen = *new (&bodies[k])
-            solver_body<S, D>{b.velocity, {}, b.inverse_mass, in_world(b.inverse_inertia, b.rotation)};
-        moving_body<S, D>& m = *new (moving_ + k) moving_body<S, D>{b.center, b.rotation, {}};
-        if (b.has_target) {
-            seen.velocity.linear = (b.target * b.mass.center - b.center) / step_;
-            seen.velocity.angular = rotation_vector(b.target.rotation * inverse(b.rotation)) / step_;
-        }
-        if (!b.is_dynamic()) return;
-        m.acceleration = state_.settings.gravity * b.gravity_scale;
-        m.linear_damping = b.linear_damping;
-        m.angular_damping = b.angular_damping;
-        if (b.is_gyroscopic) m.top = &b;
-        if (!b.is_pushed()) return;
-        ++free_count_;
-        add_force(k, S(1));
-    }
-    [[nodiscard]] transform<S, D> pose_of(std::uint32_t k) const {
-        const body<S, D>& b = state_.bodies[state_.movers[k]];
-        if (b.has_target) return b.target;
-        return {moving_[k].center - moving_[k].rotation * b.mass.center, moving_[k].rotation};
-    }
-    /// Lets `share` of the force on a body act.
-    void add_force(std::uint32_t k, S share) {
-        const body<S, D>& b = state_.bodies[state_.movers[k]];
-        for (int i = 0; i < D; ++i) moving_[k].acceleration[i] += mul<S>(b.inverse_mass, b.force[i] * share);
-        moving_[k].angular_acceleration += times(bodies[k].inverse_inertia, b.torque * share);
-    }
-    /// Bodies that are pushed and touch nothing.
-    void find_free() {
-        if (free_count_ == 0) return;
-        auto* touches = state_.scratch.template take<bool>(bodies.count);
-        for (std::uint32_t k = 0; k < bodies.count; ++k) touches[k] = false;
-        for (const auto& c : state_.found) touches[c.body_a] = touches[c.body_b] = true;
-        free_ = state_.scratch.template take<std::uint32_t>(free_count_);
-        free_count_ = 0;
-        for (std::uint32_t k = 0; k < state_.movers.size(); ++k)
-            if (!touches[k] && state_.bodies[state_.movers[k]].is_pushed()) free_[free_count_++] = k;
-    }
-    /// Forces on them act at once, as the solver's first part of the step begins: spread over the parts, springs that
-    /// users make of forces would gain energy.
-    void thrust(S share) {
-        for (std::uint32_t n = 0; n < free_count_; ++n) {
-            const std::uint32_t k = free_[n];
-            moving_[k].acceleration = state_.settings.gravity * state_.bodies[state_.movers[k]].gravity_scale;
-            moving_[k].angular_acceleration = {};
-            if (share > S(0)) add_force(k, share);
-        }
-        if (!(share > S(0))) free_count_ = 0;
-    }
-
-    state<Plan>& state_;
-    moving_body<S, D>* moving_;
-    S step_;
-    std::uint32_t* free_ = nullptr;
-    std::uint32_t free_count_ = 0;
-};
 
 }  // namespace detail
 
@@ -21860,6 +21420,877 @@ nearest_shape<typename Plan::scalar, Plan::dimension> closest_shape(const state<
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/world/sleep.hpp
+// =================================================================================================
+// Sleep: islands that are still leave the step until something happens to them.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Keeps, in order, the contacts for which stays(contact) is true, and hands the others to out.
+template <class Contacts, class Stays, class Out>
+void part_contacts(Contacts& contacts, Stays&& stays, Out&& out) {
+    std::uint32_t kept = 0;
+    for (std::uint32_t i = 0; i < contacts.size(); ++i) {
+        if (stays(contacts[i])) contacts[kept++] = contacts[i];
+        else out(contacts[i]);
+    }
+    while (contacts.size() > kept) contacts.pop();
+}
+/// Adds contacts to others; both lists, and the result, are in ascending order of their pairs.
+template <class Contacts>
+void merge_contacts(Contacts& to, const Contacts& more) {
+    std::uint32_t i = to.size(), j = more.size();
+    if (j == 0) return;
+    to.resize(i + j, more[0]);
+    for (std::uint32_t at = to.size(); j > 0;) to[--at] = i > 0 && more[j - 1].key() < to[i - 1].key() ? to[--i] : more[--j];
+}
+
+/// Calls f(body) for all of a sleeper's island, itself included; f may wake them.
+template <class Plan, class F>
+void each_of_island(state<Plan>& s, std::uint32_t body, F&& f) {
+    std::uint32_t i = body;
+    do {
+        const std::uint32_t next = s.sleep.ring[i];
+        f(i);
+        i = next;
+    } while (i != body);
+}
+
+/// Brings bodies back that were asleep, listed in s.sleep.woken: they can be pushed again, and what touches them is
+/// looked at again.
+template <class Plan>
+void rise(state<Plan>& s) {
+    for (const std::uint32_t i : s.sleep.woken) {
+        s.sleep.ring[i] = no_sleeper;
+        s.sleep.still[i] = {};
+        refile_proxies(s, i);
+    }
+    if (!s.sleep.woken.empty()) s.movers_changed = true;
+    s.sleep.woken.clear();
+}
+/// Wakes the island of a body at once, with its contacts.
+template <class Plan>
+void wake(state<Plan>& s, std::uint32_t body) {
+    if constexpr (Plan::sleeps) {
+        if (!s.is_asleep(body)) return;
+        each_of_island(s, body, [&](std::uint32_t i) { s.sleep.woken.push(i); });
+        rise(s);
+        s.found.clear();
+        part_contacts(
+            s.sleep.contacts,
+            [&](const auto& c) { return !s.is_awake_dynamic(body_a(s, c)) && !s.is_awake_dynamic(body_b(s, c)); },
+            [&](const auto& c) { s.found.push(c); });
+        merge_contacts(s.contacts, s.found);
+    }
+}
+/// Wakes those that touch a body.
+template <class Plan>
+void wake_touching(state<Plan>& s, std::uint32_t body) {
+    if constexpr (Plan::sleeps) {
+        buffer<std::uint32_t> touching;
+        for (const auto& c : s.sleep.contacts) {
+            if (body_a(s, c) == body) touching.push(body_b(s, c));
+            if (body_b(s, c) == body) touching.push(body_a(s, c));
+        }
+        for (const std::uint32_t i : touching) wake(s, i);
+    }
+}
+/// Something happens to a body: it wakes, or those that lie on it if it never sleeps.
+template <class Plan>
+void rouse(state<Plan>& s, std::uint32_t body) {
+    if (s.bodies[body].is_dynamic()) wake(s, body);
+    else wake_touching(s, body);
+}
+/// Wakes those that lie where a body is, or on its way to another pose.
+template <class Plan>
+void rouse_near(state<Plan>& s, std::uint32_t body, const transform<typename Plan::scalar, Plan::dimension>& to) {
+    if constexpr (Plan::sleeps) {
+        buffer<std::uint32_t> near;
+        each_shape(s, body, [&](std::uint32_t, const auto& shape) {
+            const auto box = merged(needed_box(s, shape), bounds(shape.shape, to * shape.local));
+            each_near(s, box, query_filter{}, [&](std::uint32_t other) {
+                near.push(s.shapes[other].body);
+                return true;
+            });
+        });
+        for (const std::uint32_t i : near) wake(s, i);
+    }
+}
+template <class Plan>
+void rouse_near(state<Plan>& s, std::uint32_t body) {
+    rouse_near(s, body, s.bodies[body].pose());
+}
+template <class Plan>
+void wake_all(state<Plan>& s) {
+    if constexpr (Plan::sleeps) s.bodies.each([&](std::uint32_t i, const auto&) { wake(s, i); });
+}
+
+/// How far gravity draws bodies together within a step, at most.
+template <class Plan>
+auto pull_of(const state<Plan>& s, typename Plan::scalar h) {
+    return length(s.settings.gravity) * h * h;
+}
+
+/// Lists the sleepers that something comes to touch in this step, with their islands, among those that move; they rise
+/// when the step has succeeded. True if there are any.
+template <class Plan>
+bool disturb_sleepers(state<Plan>& s, typename Plan::scalar h) {
+    s.sleep.woken.clear();
+    const auto slack = pull_of(s, h);
+    for (const auto& c : s.found) {
+        const std::uint32_t a = body_a(s, c), b = body_b(s, c);
+        const bool of_a = s.is_asleep(a);
+        if (of_a == s.is_asleep(b)) continue;
+        const std::uint32_t sleeper = of_a ? a : b;
+        if (s.mover_of[sleeper] < s.movers.size() ||
+            !comes_to_touch(c, s.bodies[a].velocity, s.bodies[b].velocity, h, slack))
+            continue;
+        each_of_island(s, sleeper, [&](std::uint32_t i) {
+            s.mover_of[i] = 0;
+            s.sleep.woken.push(i);
+        });
+    }
+    if (s.sleep.woken.empty()) return false;
+    for (const std::uint32_t i : s.sleep.woken) s.movers.push(i);
+    s.movers_changed = true;
+    return true;
+}
+
+/// The step has succeeded: they are awake for good.
+template <class Plan>
+void wake_disturbed(state<Plan>& s) {
+    if (s.sleep.woken.empty()) return;
+    rise(s);
+    part_contacts(
+        s.sleep.contacts,
+        [&](const auto& c) { return !s.is_awake_dynamic(body_a(s, c)) && !s.is_awake_dynamic(body_b(s, c)); },
+        [](const auto&) {});
+}
+
+/// Notes how long each body has been still, and lets islands sleep that have been so for long enough and rest on
+/// something, or do not move at all: a slow drift in free space goes on for ever.
+template <class Plan>
+class falling_asleep {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+
+public:
+    falling_asleep(state<Plan>& s, S h) : s_(s), step_(h) {
+        if (!note_stillness()) return;
+        count_ = s.movers.size();
+        disjoint_sets sets(count_, s.scratch);
+        island_ = s.scratch.template take<island>(count_);
+        for (std::uint32_t k = 0; k < count_; ++k) new (island_ + k) island{};
+        const S slack = pull_of(s, h);
+        for (const auto& c : s.contacts)
+            if (is_dynamic(c.body_a) && is_dynamic(c.body_b) && touch(c, slack)) sets.unite(c.body_a, c.body_b);
+        for (std::uint32_t k = 0; k < count_; ++k)
+            if (is_dynamic(k)) judge(k, island_[sets.find(k)]);
+        for (const auto& c : s.contacts)
+            if (is_dynamic(c.body_a) != is_dynamic(c.body_b) && touch(c, slack))
+                support(c.body_a, c.body_b, island_[sets.find(is_dynamic(c.body_a) ? c.body_a : c.body_b)]);
+        bool any = false;
+        for (std::uint32_t k = 0; k < count_; ++k) {
+            if (!is_dynamic(k)) continue;
+            island& of = island_[sets.find(k)];
+            if (!of.is_still || !(of.rests || of.is_stopped)) continue;
+            fall_asleep(s.movers[k], of);
+            any = true;
+        }
+        if (any) take_contacts();
+    }
+
+private:
+    struct island {
+        bool is_still = true, is_stopped = true, rests = false;
+        std::uint32_t first = no_sleeper, last = no_sleeper;
+    };
+
+    /// True if any body has been still for long enough.
+    bool note_stillness() {
+        const auto& with = s_.settings.sleeping;
+        if (!with.enabled) return false;
+        const auto fast = product(with.speed, with.speed), twirling = product(with.spin, with.spin),
+                   far = product(with.drift, with.drift);
+        bool any = false;
+        for (const std::uint32_t i : s_.movers) {
+            const auto& b = s_.bodies[i];
+            S& still = s_.sleep.still[i];
+            const bool moves = length_squared(b.velocity.linear) > fast ||
+                               spin_squared(b.velocity.angular) > twirling ||
+                               length_squared(b.center - s_.sleep.since[i]) > far;
+            if (moves || !b.can_sleep) {
+                still = S(0);
+                s_.sleep.since[i] = b.center;
+            } else if (still < with.time) {
+                still += step_;
+            }
+            any = any || (b.is_dynamic() && !(still < with.time));
+        }
+        return any;
+    }
+    static auto spin_squared(const vec<S, 3>& w) { return length_squared(w); }
+    static auto spin_squared(S w) { return product(w, w); }
+
+    [[nodiscard]] bool is_dynamic(std::uint32_t k) const { return k < count_ && s_.bodies[s_.movers[k]].is_dynamic(); }
+    [[nodiscard]] bool touch(const contact<S, D>& c, S slack) const {
+        return comes_to_touch(c, s_.bodies[body_a(s_, c)].velocity, s_.bodies[body_b(s_, c)].velocity, step_, slack);
+    }
+    void judge(std::uint32_t k, island& of) {
+        const std::uint32_t i = s_.movers[k];
+        const auto& [linear, angular] = s_.bodies[i].velocity;
+        of.is_still = of.is_still && s_.bodies[i].can_sleep && !(s_.sleep.still[i] < s_.settings.sleeping.time);
+        of.is_stopped = of.is_stopped && linear == vec<S, D>{} && angular == physics::angular<S, D>{};
+    }
+    /// One of the two is not dynamic: it carries the island if it stands still, and keeps it awake if it moves.
+    void support(std::uint32_t a, std::uint32_t b, island& of) {
+        const std::uint32_t other = is_dynamic(a) ? b : a;
+        if (other < count_ && !(s_.bodies[s_.movers[other]].velocity == twist<S, D>{})) of.is_still = false;
+        else of.rests = true;
+    }
+    void fall_asleep(std::uint32_t i, island& of) {
+        s_.bodies[i].velocity = {};
+        if (of.first == no_sleeper) of.first = i;
+        else s_.sleep.ring[of.last] = i;
+        of.last = i;
+        s_.sleep.ring[i] = of.first;
+        refile_proxies(s_, i);
+        s_.movers_changed = true;
+    }
+    void take_contacts() {
+        s_.found.clear();
+        part_contacts(
+            s_.contacts,
+            [&](const auto& c) { return s_.is_awake_dynamic(body_a(s_, c)) || s_.is_awake_dynamic(body_b(s_, c)); },
+            [&](const auto& c) { s_.found.push(c); });
+        merge_contacts(s_.sleep.contacts, s_.found);
+        if constexpr (Plan::remembers)
+            s_.memories.drop([&](std::uint32_t shape) { return s_.is_asleep(s_.shapes[shape].body); });
+    }
+
+    state<Plan>& s_;
+    S step_;
+    std::uint32_t count_ = 0;
+    island* island_ = nullptr;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/world/edit.hpp
+// =================================================================================================
+// How bodies and shapes come, go and change between steps.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Tells the broadphase where the shapes of a body are now.
+template <class Plan>
+void refresh_boxes(state<Plan>& s, std::uint32_t body) {
+    const auto& b = s.bodies[body];
+    each_shape(s, body, [&](std::uint32_t i, shape_record<Plan>& shape) {
+        locate(shape, b.pose(), b.center);
+        s.broadphase.move(i, needed_box(s, shape), {});
+    });
+    update_broadphase(s);
+}
+
+/// Forgets the contacts for which gone(contact) is true; the others keep their order.
+template <class Plan, class Gone>
+void drop_contacts(state<Plan>& s, Gone&& gone) {
+    std::uint32_t kept = 0;
+    for (std::uint32_t i = 0; i < s.contacts.size(); ++i)
+        if (!gone(s.contacts[i])) s.contacts[kept++] = s.contacts[i];
+    while (s.contacts.size() > kept) s.contacts.pop();
+}
+
+template <class Plan>
+body_id create_body(state<Plan>& s, const body_def<typename Plan::scalar, Plan::dimension>& def) {
+    if (!check_body(def)) return {};
+    body<typename Plan::scalar, Plan::dimension> b;
+    b.type = def.type;
+    b.rotation = normalized(def.rotation);
+    b.center = def.position;
+    if (def.type != body_type::static_body) b.velocity = {def.linear_velocity, def.angular_velocity};
+    b.linear_damping = def.linear_damping;
+    b.angular_damping = def.angular_damping;
+    b.gravity_scale = def.gravity_scale;
+    b.rotation_locked = def.rotation_locked;
+    b.can_sleep = def.can_sleep;
+    b.user_data = def.user_data;
+    const auto place = s.bodies.insert(b);
+    if constexpr (Plan::sleeps) s.sleep.start(place.index, b.center);
+    s.contact_starts.resize(s.bodies.slots());
+    s.movers_changed = true;
+    refresh_mass(s, place.index);
+    return {place.index, place.generation, s.tag};
+}
+
+template <class Plan>
+void destroy_body(state<Plan>& s, std::uint32_t index) {
+    rouse(s, index);
+    drop_contacts(s, [&](const auto& c) { return body_a(s, c) == index || body_b(s, c) == index; });
+    s.movers_changed = true;
+    s.memories.drop([&](std::uint32_t shape) { return s.shapes[shape].body == index; });
+    each_shape(s, index, [&](std::uint32_t i, const shape_record<Plan>&) {
+        s.broadphase.erase(i);
+        s.shapes.erase(i);
+    });
+    s.bodies.erase(index);
+}
+
+template <class Plan, class Shape>
+shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape,
+                      const shape_def<typename Plan::scalar, Plan::dimension>& def) {
+    using S = typename Plan::scalar;
+    const char* f = "create_shape";
+    const found at = find_body(s, body, f);
+    if (!at || !check(shape, f) || !check_pose(f, def.position, def.rotation) ||
+        !check_not_negative(f, "density", def.density) || !check_material(f, def.material))
+        return {};
+    const auto& owner = s.bodies[at.index];
+    if (!solid_shape_for<Shape, S, Plan::dimension> && owner.is_dynamic()) {
+        refuse(f, "shape", "without mass", "a dynamic body needs shapes that have a mass");
+        return {};
+    }
+    shape_record<Plan> record;
+    record.shape = shape;
+    record.local = {def.position, normalized(def.rotation)};
+    record.material = def.material;
+    record.density = def.density;
+    record.body = at.index;
+    record.next = owner.first_shape;
+    record.user_data = def.user_data;
+    locate(record, owner.pose(), owner.center);
+    const auto box = needed_box(s, record);
+    if (!check_finite(f, "lower end of the box", box.lower) || !check_finite(f, "upper end of the box", box.upper))
+        return {};
+    if (def.density > S(0) && owner.is_dynamic() && !owner.mass_is_set &&
+        !check_mass(f, owner, combined(mass_of_shapes<double>(s, at.index), mass_of_shape<double>(record))))
+        return {};
+    const auto place = s.shapes.insert(record);
+    s.bodies[at.index].first_shape = place.index;
+    s.broadphase.insert(place.index, box, filter_of(s, record));
+    refresh_mass(s, at.index);
+    rouse(s, at.index);
+    rouse_near(s, at.index);
+    return {place.index, place.generation, s.tag};
+}
+
+template <class Plan>
+void destroy_shape(state<Plan>& s, std::uint32_t index) {
+    const std::uint32_t body = s.shapes[index].body;
+    const auto& owner = s.bodies[body];
+    if (owner.is_dynamic() && !owner.mass_is_set && !check_shapes_mass(s, body, "destroy_shape", index)) return;
+    rouse(s, body);
+    drop_contacts(s, [&](const auto& c) { return c.shape_a == index || c.shape_b == index; });
+    s.memories.drop([&](std::uint32_t shape) { return shape == index; });
+    std::uint32_t* link = &s.bodies[body].first_shape;
+    while (*link != index) link = &s.shapes[*link].next;
+    *link = s.shapes[index].next;
+    s.broadphase.erase(index);
+    s.shapes.erase(index);
+    refresh_mass(s, body);
+}
+
+template <class Plan>
+void set_pose(state<Plan>& s, std::uint32_t index, const transform<typename Plan::scalar, Plan::dimension>& pose) {
+    auto& b = s.bodies[index];
+    if (!check_finite("set_pose", "centre of mass", pose * b.mass.center)) return;
+    rouse(s, index);
+    b.set_pose(pose);
+    if (b.type == body_type::static_body) s.movers_changed = true;
+    refresh_boxes(s, index);
+    rouse_near(s, index);
+}
+
+template <class Plan>
+void set_type(state<Plan>& s, std::uint32_t index, body_type type) {
+    using S = typename Plan::scalar;
+    constexpr int D = Plan::dimension;
+    const char* f = "set_type";
+    auto& b = s.bodies[index];
+    if (!check_type(f, type) || type == b.type) return;
+    if (type == body_type::dynamic_body) {
+        bool solid = true;
+        each_shape(s, index, [&](std::uint32_t, const auto& record) {
+            record.shape.visit([&](const auto& shape) {
+                solid = solid && solid_shape_for<std::remove_cvref_t<decltype(shape)>, S, D>;
+            });
+        });
+        if (!solid) {
+            refuse(f, "shape", "without mass", "a dynamic body needs shapes that have a mass");
+            return;
+        }
+        if (!b.mass_is_set && !check_shapes_mass(s, index, f)) return;
+    }
+    rouse(s, index);
+    if (type == body_type::static_body) b.velocity = {};
+    if (type != body_type::dynamic_body) {
+        b.force = {};
+        b.torque = {};
+    }
+    b.has_target = false;
+    b.type = type;
+    s.movers_changed = true;
+    refresh_mass(s, index);
+    refile_proxies(s, index);
+    drop_contacts(s, [&](const auto& c) {
+        const std::uint32_t first = body_a(s, c), second = body_b(s, c);
+        return (first == index || second == index) && !s.bodies[first].is_dynamic() && !s.bodies[second].is_dynamic();
+    });
+}
+
+template <class Plan>
+void set_mass(state<Plan>& s, std::uint32_t index,
+              const mass_properties<typename Plan::scalar, Plan::dimension>& mass) {
+    const char* f = "set_mass";
+    const bool nothing_turns_it = mass.inertia == decltype(mass.inertia){};
+    if (!check_finite(f, "center", mass.center) ||
+        !check_mass(f, s.bodies[index], converted<double>(mass), nothing_turns_it))
+        return;
+    rouse(s, index);
+    s.bodies[index].mass_is_set = true;
+    set_mass_properties(s, index, mass);
+}
+template <class Plan>
+void reset_mass(state<Plan>& s, std::uint32_t index) {
+    if (!check_shapes_mass(s, index, "reset_mass")) return;
+    rouse(s, index);
+    s.bodies[index].mass_is_set = false;
+    refresh_mass(s, index);
+}
+
+template <class Plan>
+void set_rotation_locked(state<Plan>& s, std::uint32_t index, bool locked) {
+    rouse(s, index);
+    auto& b = s.bodies[index];
+    b.rotation_locked = locked;
+    if (locked) b.velocity.angular = {};
+    refresh_mass(s, index);
+}
+
+template <class Plan>
+void change_settings(state<Plan>& s, const typename Plan::settings& settings) {
+    // What was carried along was found within the old margin.
+    if (settings.contact_margin != s.settings.contact_margin) s.memories.clear();
+    if (!(settings.gravity == s.settings.gravity)) wake_all(s);
+    if constexpr (Plan::sleeps)
+        if (!settings.sleeping.enabled) wake_all(s);
+    s.settings = settings;
+    configure_broadphase(s);
+    s.bodies.each([&](std::uint32_t i, const auto&) { refresh_boxes(s, i); });
+}
+
+/// Stores a quantity that an action has changed, unless it left the scalar's range: false then.
+template <class Quantity>
+bool assign(Quantity& to, const Quantity& value) {
+    if (!is_finite(value)) return false;
+    to = value;
+    return true;
+}
+inline bool refuse_action(const char* function, const char* field, double size) {
+    return refuse(function, field, size, "with it a force or velocity of the body would be beyond the scalar's range");
+}
+
+/// Calls f(body, force, lever) with a force or impulse and its lever from the centre of mass, in world axes;
+/// f says whether the body can take it.
+template <class Plan, class F>
+void act(state<Plan>& s, body_id id, const char* function, const char* field,
+         vec<typename Plan::scalar, Plan::dimension> force, bool local,
+         const vec<typename Plan::scalar, Plan::dimension>* point, F&& f) {
+    const found at = find_dynamic(s, id, function);
+    if (!at || !check_finite(function, field, force) || (point && !check_finite(function, "point", *point))) return;
+    auto& b = s.bodies[at.index];
+    vec<typename Plan::scalar, Plan::dimension> lever;
+    if (point) lever = local ? b.rotation * (*point - b.mass.center) : *point - b.center;
+    if (!f(b, local ? b.rotation * force : force, lever)) refuse_action(function, field, size_of(force));
+    else if (!(force == decltype(force){})) wake(s, at.index);
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/world/hash.hpp
+// =================================================================================================
+// A number that worlds in the same state share.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Mixes words into 64 bits, by value: neither byte order nor padding enters. Source: the finaliser of
+/// Steele, Lea, Flood, Fast splittable pseudorandom number generators (2014).
+class hasher {
+public:
+    void add(std::uint64_t word) {
+        hash_ = (hash_ ^ word) * 0xff51afd7ed558ccdu;
+        hash_ ^= hash_ >> 32;
+        hash_ *= 0xc4ceb9fe1a85ec53u;
+        hash_ ^= hash_ >> 29;
+    }
+    template <scalar_type S>
+    void add(S x) {
+        add(scalar_traits<S>::bits(x));
+    }
+    template <class S, int D>
+    void add(vec<S, D> v) {
+        for (int i = 0; i < D; ++i) add(v[i]);
+    }
+    template <class S>
+    void add(rotation<S, 2> r) {
+        add(r.cosine);
+        add(r.sine);
+    }
+    template <class S>
+    void add(rotation<S, 3> r) {
+        add(r.imaginary());
+        add(r.w);
+    }
+    template <class S>
+    void add(const symmetric<S>& m) {
+        add(vec<S, 3>{m.xx, m.yy, m.zz});
+        add(vec<S, 3>{m.xy, m.xz, m.yz});
+    }
+    template <class S, int D>
+    void add(const transform<S, D>& t) {
+        add(t.position);
+        add(t.rotation);
+    }
+    template <class S, int D>
+    void add(const body<S, D>& b) {
+        add(static_cast<std::uint64_t>(b.type) | std::uint64_t{b.rotation_locked} << 8 |
+            std::uint64_t{b.mass_is_set} << 9 | std::uint64_t{b.has_target} << 10 | std::uint64_t{b.can_sleep} << 11);
+        add(b.center);
+        add(b.rotation);
+        add(b.velocity.linear);
+        add(b.velocity.angular);
+        add(b.force);
+        add(b.torque);
+        add(b.mass.mass);
+        add(b.mass.center);
+        add(b.mass.inertia);
+        add(b.linear_damping);
+        add(b.angular_damping);
+        add(b.gravity_scale);
+        if (b.has_target) add(b.target);
+    }
+    template <class Plan>
+    void add(const shape_record<Plan>& s) {
+        add(static_cast<std::uint64_t>(s.shape.kind()) << 32 | s.body);
+        add(s.local);
+        add(s.material.friction);
+        add(s.material.restitution);
+        add(s.density);
+        const auto box = bounds(s.shape, s.local);
+        add(box.lower);
+        add(box.upper);
+        s.shape.visit([&](const auto& shape) {
+            if constexpr (refers_to_geometry<std::remove_cvref_t<decltype(shape)>>) add(shape.geometry->digest);
+        });
+    }
+    template <class S, int D>
+    void add(const contact<S, D>& c) {
+        add(c.normal);
+        add(c.twist_impulse);
+        add(static_cast<std::uint64_t>(c.count) | std::uint64_t{c.part} << 32);
+        for (int k = 0; k < c.count; ++k) {
+            add(std::uint64_t{c.points[k].feature});
+            add(c.points[k].normal_impulse);
+            add(c.points[k].friction_impulse);
+        }
+    }
+    /// The manifold follows from the rest.
+    template <class S, int D>
+    void add(const pair_memory<S, D>& m) {
+        add(m.b_in_a);
+        add(m.cache);
+        add(std::uint64_t{static_cast<std::uint32_t>(m.contact.count)});
+    }
+    template <class S, int D>
+    void add(const persistent_manifold<S, D>& m) {
+        add(m.cache);
+        add(std::uint64_t{m.named} << 32 | static_cast<std::uint32_t>(m.count));
+        for (std::int32_t i = 0; i < m.count; ++i) {
+            add(m.points[i].on_a);
+            add(m.points[i].on_b);
+            add(std::uint64_t{m.points[i].feature});
+        }
+    }
+    void add(const gjk_cache& c) {
+        add(std::uint64_t{c.count});
+        for (int i = 0; i < c.count; ++i) add(std::uint64_t{c.vertex[i]});
+        for (const float x : c.axis) add(x);
+    }
+    [[nodiscard]] std::uint64_t value() const { return hash_; }
+
+private:
+    std::uint64_t hash_ = 0x9e3779b97f4a7c15u;
+};
+
+/// One number for one thing: processors work on several at a time, and a difference can be traced to its thing.
+template <class Item>
+std::uint64_t hash_of(std::uint64_t name, const Item& item) {
+    hasher h;
+    h.add(name);
+    h.add(item);
+    return h.value();
+}
+
+/// Of what is remembered of a pair; 0 where that bears on no result, as of pairs that do not touch.
+template <class S, int D>
+std::uint64_t digest_of(const pair_memory<S, D>& m, std::uint64_t name) {
+    return m.contact.count > 0 ? hash_of(name, m) : 0;
+}
+template <class S, int D>
+std::uint64_t digest_of(const persistent_manifold<S, D>& m, std::uint64_t name) {
+    return m.count > 0 ? hash_of(name, m) : 0;
+}
+template <class Memory>
+    requires requires(const Memory& m) { m.digest(); }
+std::uint64_t digest_of(const Memory& m, std::uint64_t name) {
+    return m.digest() != 0 ? hash_of(name, m.digest()) : 0;
+}
+
+/// Of everything in a world that bears on its future, but for the settings: neither user data nor what only
+/// saves work, like the boxes of the broadphase. The dimensions of a shape enter by its bounds.
+template <class Plan>
+std::uint64_t state_hash(const state<Plan>& s) {
+    hasher h;
+    const auto add_all = [&](const auto& pool) {
+        h.add(std::uint64_t{pool.count()});
+        pool.each([&](std::uint32_t i, const auto& item) {
+            h.add(hash_of(std::uint64_t{i} << 32 | pool.generation(i), item));
+        });
+    };
+    h.add(s.steps);
+    add_all(s.bodies);
+    add_all(s.shapes);
+    h.add(std::uint64_t{s.contacts.size()});
+    for (const auto& c : s.contacts) h.add(hash_of(std::uint64_t{c.shape_a} << 32 | c.shape_b, c));
+    if constexpr (Plan::sleeps) {
+        s.bodies.each([&](std::uint32_t i, const auto&) {
+            h.add(s.sleep.still[i]);
+            h.add(s.sleep.since[i]);
+            h.add(std::uint64_t{s.sleep.ring[i]});
+        });
+        for (const auto& c : s.sleep.contacts) h.add(hash_of(std::uint64_t{c.shape_a} << 32 | c.shape_b, c));
+    }
+    if constexpr (Plan::remembers)
+        for (std::uint32_t i = 0; i < s.memories.pairs.size(); ++i) {
+            const auto [a, b] = s.memories.pairs[i];
+            const std::uint64_t digest = digest_of(s.memories.items[i], std::uint64_t{a} << 32 | b);
+            if (digest != 0) h.add(digest);
+        }
+    return h.value();
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/world/motion.hpp
+// =================================================================================================
+// Bodies as they move through a step: copies in tight arrays, which become the world's when the step has succeeded.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// The number of each body among those that move.
+template <class Plan>
+void find_numbers(state<Plan>& s) {
+    s.mover_of.clear();
+    s.mover_of.resize(s.bodies.slots(), s.movers.size());
+    for (std::uint32_t k = 0; k < s.movers.size(); ++k) s.mover_of[s.movers[k]] = k;
+}
+/// Finds which bodies move, where that has changed.
+template <class Plan>
+void number_movers(state<Plan>& s) {
+    if (!s.movers_changed) return;
+    s.movers.clear();
+    s.bodies.each([&](std::uint32_t i, const auto& b) {
+        if (b.type != body_type::static_body && !s.is_asleep(i)) s.movers.push(i);
+    });
+    find_numbers(s);
+}
+
+/// How the solver moves the world: it asks for velocities and poses to advance, once or in substeps. Nothing of the
+/// world changes before place_shapes.
+template <class Plan>
+class motion {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+    using integrator = typename Plan::integrator;
+
+public:
+    /// What the solver sees of the bodies that move; the last one is nobody.
+    solver_bodies<S, D> bodies;
+
+    motion(state<Plan>& s, S h)
+        : bodies{s.scratch.template take<solver_body<S, D>>(s.movers.size() + 1), s.movers.size() + 1},
+          state_(s),
+          moving_(s.scratch.template take<moving_body<S, D>>(s.movers.size())),
+          step_(h) {
+        for (std::uint32_t k = 0; k < s.movers.size(); ++k) gather(k);
+        new (&bodies[s.movers.size()]) solver_body<S, D>{};
+        find_free();
+    }
+
+    void advance_velocities(S h) {
+        if (free_count_ > 0) thrust(step_ / h);
+        for (std::uint32_t k = 0; k < state_.movers.size(); ++k)
+            if (bodies[k].inverse_mass > inverse_of<S>(0))
+                integrator::advance_velocity(bodies[k].velocity, moving_[k], h);
+        if (free_count_ > 0) thrust(S(0));
+    }
+    void advance_poses(S h) {
+        for (std::uint32_t k = 0; k < state_.movers.size(); ++k)
+            integrator::advance_pose(moving_[k], bodies[k].velocity, h);
+    }
+
+    /// Whether all that moved is where numbers reach.
+    [[nodiscard]] bool is_finite() const {
+        for (std::uint32_t k = 0; k < state_.movers.size(); ++k)
+            if (!physics::is_finite(moving_[k].center) || !physics::is_finite(moving_[k].rotation) ||
+                !physics::is_finite(bodies[k].velocity.linear) || !physics::is_finite(bodies[k].velocity.angular))
+                return false;
+        return true;
+    }
+
+    /// Puts shapes where their bodies are now, and tells the broadphase, and where they are heading; bodies with a
+    /// target are there, to the bit. False, and all shapes where they were, if a box is beyond the scalar's range.
+    bool place_shapes() {
+        bool fit = true;
+        for (std::uint32_t k = 0; k < state_.movers.size() && fit; ++k) {
+            const std::uint32_t i = state_.movers[k];
+            const body<S, D>& b = state_.bodies[i];
+            const transform<S, D> pose = pose_of(k);
+            const vec<S, D> center = b.has_target ? pose * b.mass.center : moving_[k].center;
+            const vec<S, D> way = bodies[k].velocity.linear * step_;
+            each_shape(state_, i, [&](std::uint32_t n, auto& shape) {
+                locate(shape, pose, center);
+                const auto box = needed_box(state_, shape);
+                if (fit = fit && is_box(box); fit) state_.broadphase.move(n, box, way);
+            });
+        }
+        if (!fit)
+            for (const std::uint32_t i : state_.movers) refresh_boxes(state_, i);
+        else update_broadphase(state_);
+        return fit;
+    }
+
+    /// Stores what the step found: poses, velocities, contacts with their impulses. Forces act for one step, and bodies
+    /// that had a target stand still.
+    void finish() {
+        if (std::exchange(state_.movers_changed, false))
+            state_.bodies.each([&](std::uint32_t i, const auto& b) {
+                if (!state_.is_asleep(i)) state_.contact_starts[i] = {b.center, b.rotation};
+            });
+        for (std::uint32_t k = 0; k < state_.movers.size(); ++k) {
+            const std::uint32_t i = state_.movers[k];
+            body<S, D>& b = state_.bodies[i];
+            state_.contact_starts[i] = {b.center, b.rotation};
+            b.center = moving_[k].center;
+            b.rotation = moving_[k].rotation;
+            b.velocity = bodies[k].velocity;
+            b.force = {};
+            b.torque = {};
+            if (!b.has_target) continue;
+            b.set_pose(b.target);
+            b.velocity = {};
+            b.has_target = false;
+        }
+        state_.contacts.swap(state_.found);
+        state_.memories.swap(state_.found_memories);
+        ++state_.steps;
+        if constexpr (Plan::sleeps) {
+            wake_disturbed(state_);
+            for (const std::uint32_t i : state_.movers) rouse_ahead(i);
+            falling_asleep<Plan>(state_, step_);
+        }
+    }
+
+private:
+    /// Wakes what a kinematic body is going to run into.
+    void rouse_ahead(std::uint32_t i) {
+        const body<S, D>& b = state_.bodies[i];
+        if (b.is_dynamic() || b.velocity == twist<S, D>{}) return;
+        const rotation<S, D> turn = turned(b.rotation, b.velocity.angular * step_);
+        rouse_near(state_, i, {b.center + b.velocity.linear * step_ - turn * b.mass.center, turn});
+    }
+    void gather(std::uint32_t k) {
+        const body<S, D>& b = state_.bodies[state_.movers[k]];
+        solver_body<S, D>& seen = *new (&bodies[k])
+            solver_body<S, D>{b.velocity, {}, b.inverse_mass, in_world(b.inverse_inertia, b.rotation)};
+        moving_body<S, D>& m = *new (moving_ + k) moving_body<S, D>{b.center, b.rotation, {}};
+        if (b.has_target) {
+            seen.velocity.linear = (b.target * b.mass.center - b.center) / step_;
+            seen.velocity.angular = rotation_vector(b.target.rotation * inverse(b.rotation)) / step_;
+        }
+        if (!b.is_dynamic()) return;
+        m.acceleration = state_.settings.gravity * b.gravity_scale;
+        m.linear_damping = b.linear_damping;
+        m.angular_damping = b.angular_damping;
+        if (b.is_gyroscopic) m.top = &b;
+        if (!b.is_pushed()) return;
+        ++free_count_;
+        add_force(k, S(1));
+    }
+    [[nodiscard]] transform<S, D> pose_of(std::uint32_t k) const {
+        const body<S, D>& b = state_.bodies[state_.movers[k]];
+        if (b.has_target) return b.target;
+        return {moving_[k].center - moving_[k].rotation * b.mass.center, moving_[k].rotation};
+    }
+    /// Lets `share` of the force on a body act.
+    void add_force(std::uint32_t k, S share) {
+        const body<S, D>& b = state_.bodies[state_.movers[k]];
+        for (int i = 0; i < D; ++i) moving_[k].acceleration[i] += mul<S>(b.inverse_mass, b.force[i] * share);
+        moving_[k].angular_acceleration += times(bodies[k].inverse_inertia, b.torque * share);
+    }
+    /// Bodies that are pushed and touch nothing.
+    void find_free() {
+        if (free_count_ == 0) return;
+        auto* touches = state_.scratch.template take<bool>(bodies.count);
+        for (std::uint32_t k = 0; k < bodies.count; ++k) touches[k] = false;
+        for (const auto& c : state_.found) touches[c.body_a] = touches[c.body_b] = true;
+        free_ = state_.scratch.template take<std::uint32_t>(free_count_);
+        free_count_ = 0;
+        for (std::uint32_t k = 0; k < state_.movers.size(); ++k)
+            if (!touches[k] && state_.bodies[state_.movers[k]].is_pushed()) free_[free_count_++] = k;
+    }
+    /// Forces on them act at once, as the solver's first part of the step begins: spread over the parts, springs that
+    /// users make of forces would gain energy.
+    void thrust(S share) {
+        for (std::uint32_t n = 0; n < free_count_; ++n) {
+            const std::uint32_t k = free_[n];
+            moving_[k].acceleration = state_.settings.gravity * state_.bodies[state_.movers[k]].gravity_scale;
+            moving_[k].angular_acceleration = {};
+            if (share > S(0)) add_force(k, share);
+        }
+        if (!(share > S(0))) free_count_ = 0;
+    }
+
+    state<Plan>& state_;
+    moving_body<S, D>* moving_;
+    S step_;
+    std::uint32_t* free_ = nullptr;
+    std::uint32_t free_count_ = 0;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/world/ranges.hpp
 // =================================================================================================
 // What a loop over a world's bodies and contacts walks along.
@@ -21945,7 +22376,8 @@ auto view_of(const state<Plan>& s, const contact<typename Plan::scalar, Plan::di
     return view;
 }
 
-/// The contacts of a world's last step, in ascending order of their shapes' numbers.
+/// The contacts of a world's last step: first those of bodies that are awake, in ascending order of their shapes'
+/// numbers, then, in the same order, those of sleepers, as they were when they fell asleep.
 template <class Plan>
 class contact_range {
 public:
@@ -21953,12 +22385,17 @@ public:
     class iterator {
     public:
         iterator(const state<Plan>& s, std::uint32_t at) : state_(&s), at_(at) {}
-        auto operator*() const { return view_of(*state_, state_->contacts[at_]); }
+        auto operator*() const {
+            if constexpr (Plan::sleeps)
+                if (at_ >= state_->contacts.size())
+                    return view_of(*state_, state_->sleep.contacts[at_ - state_->contacts.size()]);
+            return view_of(*state_, state_->contacts[at_]);
+        }
         iterator& operator++() {
             ++at_;
             return *this;
         }
-        bool operator==(range_end) const { return at_ == state_->contacts.size(); }
+        bool operator==(range_end) const { return at_ == contact_range(*state_).size(); }
 
     private:
         const state<Plan>* state_;
@@ -21967,7 +22404,10 @@ public:
     iterator begin() const { return {*state_, 0}; }
     range_end end() const { return {}; }
     /// Number of contacts.
-    [[nodiscard]] std::uint32_t size() const { return state_->contacts.size(); }
+    [[nodiscard]] std::uint32_t size() const {
+        if constexpr (Plan::sleeps) return state_->contacts.size() + state_->sleep.contacts.size();
+        else return state_->contacts.size();
+    }
 
 private:
     const state<Plan>* state_;
@@ -22059,6 +22499,29 @@ void find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs) {
     }
 }
 
+/// Who is woken brings contacts along: they are found anew, and join the others.
+template <class Plan>
+void find_contacts_of_woken(state<Plan>& s) {
+    find_numbers(s);
+    for (auto& c : s.found) {
+        c.body_a = s.mover_of[body_a(s, c)];
+        c.body_b = s.mover_of[body_b(s, c)];
+    }
+    s.woken_pairs.clear();
+    for (const auto& c : s.sleep.contacts) {
+        const bool wakes = s.mover_of[body_a(s, c)] < s.movers.size() || s.mover_of[body_b(s, c)] < s.movers.size();
+        if (wakes && (s.woken_pairs.empty() || s.woken_pairs.back() < c.key())) s.woken_pairs.push(c.key());
+    }
+    // What is remembered of the other pairs waits meanwhile.
+    s.found.swap(s.woken_contacts);
+    s.found_memories.swap(s.woken_memories);
+    find_contacts(s, s.woken_pairs);
+    inherit_impulses(s.sleep.contacts, s.found);
+    merge_contacts(s.woken_contacts, s.found);
+    s.found.swap(s.woken_contacts);
+    s.found_memories.swap(s.woken_memories);
+}
+
 /// Advances a world by h seconds. Each stage reads and writes plain arrays; only this function knows their
 /// order. False, and the world as it was, if a velocity or a position would leave the range of numbers.
 /// Not inlined, so that no arithmetic moves out of the caller's float_control_scope.
@@ -22068,6 +22531,8 @@ PHYSICS_HPP_NOINLINE bool step(state<Plan>& s, typename Plan::scalar h) {
     number_movers(s);                       // bodies            -> which of them move
     const auto& pairs = find_pairs(s);      // boxes             -> pairs, in order
     find_contacts(s, pairs);                // pairs and poses   -> contacts with feature ids
+    if constexpr (Plan::sleeps)
+        if (disturb_sleepers(s, h)) find_contacts_of_woken(s);  // -> contacts of islands that are touched
     inherit_impulses(s.contacts, s.found);  // last step's       -> warm impulses of what persists
     motion<Plan> moving(s, h);              // bodies, forces    -> what solver and integrator see of them
     Plan::solver::solve(moving.bodies, s.found, s.settings.solver, h, s.scratch, moving);  // -> velocities, poses
@@ -22214,6 +22679,7 @@ public:
         if (!b || !detail::check_pose("move_to", position, orientation)) return;
         state_.bodies[b.index].target = {position, normalized(orientation)};
         state_.bodies[b.index].has_target = true;
+        detail::rouse_near(state_, b.index, state_.bodies[b.index].target);
     }
     void move_to(body_id id, const transform& pose) { move_to(id, pose.position, pose.rotation); }
 
@@ -22232,12 +22698,17 @@ public:
     /// Velocities of dynamic and kinematic bodies; static ones have none, and locked rotations stay at 0.
     void set_linear_velocity(body_id id, vec v) {
         const auto b = find_moving(id, "set_linear_velocity");
-        if (b && detail::check_finite("set_linear_velocity", "v", v)) state_.bodies[b.index].velocity.linear = v;
+        if (!b || !detail::check_finite("set_linear_velocity", "v", v)) return;
+        if (!(v == vec{})) detail::rouse(state_, b.index);
+        state_.bodies[b.index].velocity.linear = v;
     }
     void set_angular_velocity(body_id id, angular w) {
         const auto b = find_moving(id, "set_angular_velocity");
-        if (b && detail::check_angular_velocity("set_angular_velocity", "w", w, state_.bodies[b.index].rotation_locked))
-            state_.bodies[b.index].velocity.angular = w;
+        if (!b ||
+            !detail::check_angular_velocity("set_angular_velocity", "w", w, state_.bodies[b.index].rotation_locked))
+            return;
+        if (!(w == angular{})) detail::rouse(state_, b.index);
+        state_.bodies[b.index].velocity.angular = w;
     }
 
     /// A force (N) on a dynamic body during the next step, at its centre of mass or at a point; "local"
@@ -22255,6 +22726,7 @@ public:
         auto& sum = state_.bodies[b.index].torque;
         if (!detail::assign(sum, sum + torque))
             detail::refuse_action("apply_torque", "torque", detail::size_of(torque));
+        else if (!(torque == angular{})) detail::wake(state_, b.index);
     }
     /// Forgets the forces and torques that wait for the next step.
     void clear_forces(body_id id) {
@@ -22278,6 +22750,7 @@ public:
         if (!detail::assign(b.velocity.angular,
                             b.velocity.angular + times(in_world(b.inverse_inertia, b.rotation), impulse)))
             detail::refuse_action("apply_angular_impulse", "impulse", detail::size_of(impulse));
+        else if (!(impulse == angular{})) detail::wake(state_, at.index);
     }
 
     [[nodiscard]] body_type type(body_id id) const {
@@ -22322,8 +22795,9 @@ public:
     }
     void set_gravity_scale(body_id id, scalar factor) {
         const auto b = find(id, "set_gravity_scale");
-        if (b && detail::check_finite("set_gravity_scale", "factor", factor))
-            state_.bodies[b.index].gravity_scale = factor;
+        if (!b || !detail::check_finite("set_gravity_scale", "factor", factor)) return;
+        detail::rouse(state_, b.index);
+        state_.bodies[b.index].gravity_scale = factor;
     }
     [[nodiscard]] bool rotation_locked(body_id id) const {
         return get(id, "rotation_locked", [](const auto& b) { return b.rotation_locked; });
@@ -22331,6 +22805,32 @@ public:
     /// Locks or frees rotation; locking stops it.
     void set_rotation_locked(body_id id, bool locked) {
         if (const auto b = find(id, "set_rotation_locked")) detail::set_rotation_locked(state_, b.index, locked);
+    }
+    /// True while the body sleeps: an island of bodies that has been still for long enough (settings().sleeping) leaves
+    /// the step, until something touches it or somebody acts on it. Sleepers cost nothing.
+    [[nodiscard]] bool is_asleep(body_id id) const {
+        const auto b = find(id, "is_asleep");
+        return b && state_.is_asleep(b.index);
+    }
+    /// Wakes a body and its island. O(contacts of sleepers).
+    void wake(body_id id) {
+        if (const auto b = find(id, "wake")) detail::wake(state_, b.index);
+    }
+    /// False keeps a body awake, and those that touch it.
+    [[nodiscard]] bool can_sleep(body_id id) const {
+        return get(id, "can_sleep", [](const auto& b) { return b.can_sleep; });
+    }
+    void set_can_sleep(body_id id, bool can) {
+        const auto b = find(id, "set_can_sleep");
+        if (!b) return;
+        state_.bodies[b.index].can_sleep = can;
+        if (!can) detail::wake(state_, b.index);
+    }
+    /// Number of bodies that move and are awake.
+    [[nodiscard]] std::uint32_t awake_count() const {
+        std::uint32_t count = 0;
+        for (const body_id id : bodies()) count += type(id) != body_type::static_body && !is_asleep(id);
+        return count;
     }
     [[nodiscard]] std::uint64_t user_data(body_id id) const {
         return get(id, "user_data", [](const auto& b) { return b.user_data; });
@@ -22356,7 +22856,9 @@ public:
     /// Changes a shape's material from the next step on.
     void set_surface(shape_id id, const material& m) {
         const auto s = detail::find_shape(state_, id, "set_surface");
-        if (s && detail::check_material("set_surface", m)) state_.shapes[s.index].material = m;
+        if (!s || !detail::check_material("set_surface", m)) return;
+        detail::rouse(state_, state_.shapes[s.index].body);
+        state_.shapes[s.index].material = m;
     }
     [[nodiscard]] std::uint64_t user_data(shape_id id) const {
         return get(id, "user_data", [](const auto& s) { return s.user_data; });

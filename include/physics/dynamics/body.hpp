@@ -37,6 +37,7 @@ struct body {
     std::uint32_t first_shape = 0xffffffffu;
     body_type type = body_type::dynamic_body;
     bool rotation_locked = false;
+    bool can_sleep = true;
     /// True if the inertia depends on the axis: then the spin changes even without torque.
     bool is_gyroscopic = false;
     bool mass_is_set = false;

@@ -109,7 +109,7 @@ template <class Settings>
 bool check_settings(const Settings& with, const char* function) {
     return check_finite(function, "gravity", with.gravity) &&
            check_not_negative(function, "contact_margin", with.contact_margin) &&
-           check(with.broadphase, function) && check(with.solver, function);
+           check(with.broadphase, function) && check(with.solver, function) && check(with.sleeping, function);
 }
 
 /// Refuses to make a world of floating-point numbers where arithmetic would not give the same bits as

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "physics/world/check.hpp"
+#include "physics/world/sleep.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -16,14 +17,6 @@ void refresh_boxes(state<Plan>& s, std::uint32_t body) {
         s.broadphase.move(i, needed_box(s, shape), {});
     });
     update_broadphase(s);
-}
-/// The same where it has become another kind of proxy.
-template <class Plan>
-void renew_proxies(state<Plan>& s, std::uint32_t body) {
-    each_shape(s, body, [&](std::uint32_t i, const shape_record<Plan>& shape) {
-        s.broadphase.erase(i);
-        s.broadphase.insert(i, needed_box(s, shape), filter_of(s, shape));
-    });
 }
 
 /// Forgets the contacts for which gone(contact) is true; the others keep their order.
@@ -47,8 +40,10 @@ body_id create_body(state<Plan>& s, const body_def<typename Plan::scalar, Plan::
     b.angular_damping = def.angular_damping;
     b.gravity_scale = def.gravity_scale;
     b.rotation_locked = def.rotation_locked;
+    b.can_sleep = def.can_sleep;
     b.user_data = def.user_data;
     const auto place = s.bodies.insert(b);
+    if constexpr (Plan::sleeps) s.sleep.start(place.index, b.center);
     s.contact_starts.resize(s.bodies.slots());
     s.movers_changed = true;
     refresh_mass(s, place.index);
@@ -57,6 +52,7 @@ body_id create_body(state<Plan>& s, const body_def<typename Plan::scalar, Plan::
 
 template <class Plan>
 void destroy_body(state<Plan>& s, std::uint32_t index) {
+    rouse(s, index);
     drop_contacts(s, [&](const auto& c) { return body_a(s, c) == index || body_b(s, c) == index; });
     s.movers_changed = true;
     s.memories.drop([&](std::uint32_t shape) { return s.shapes[shape].body == index; });
@@ -100,6 +96,8 @@ shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape,
     s.bodies[at.index].first_shape = place.index;
     s.broadphase.insert(place.index, box, filter_of(s, record));
     refresh_mass(s, at.index);
+    rouse(s, at.index);
+    rouse_near(s, at.index);
     return {place.index, place.generation, s.tag};
 }
 
@@ -108,6 +106,7 @@ void destroy_shape(state<Plan>& s, std::uint32_t index) {
     const std::uint32_t body = s.shapes[index].body;
     const auto& owner = s.bodies[body];
     if (owner.is_dynamic() && !owner.mass_is_set && !check_shapes_mass(s, body, "destroy_shape", index)) return;
+    rouse(s, body);
     drop_contacts(s, [&](const auto& c) { return c.shape_a == index || c.shape_b == index; });
     s.memories.drop([&](std::uint32_t shape) { return shape == index; });
     std::uint32_t* link = &s.bodies[body].first_shape;
@@ -122,9 +121,11 @@ template <class Plan>
 void set_pose(state<Plan>& s, std::uint32_t index, const transform<typename Plan::scalar, Plan::dimension>& pose) {
     auto& b = s.bodies[index];
     if (!check_finite("set_pose", "centre of mass", pose * b.mass.center)) return;
+    rouse(s, index);
     b.set_pose(pose);
     if (b.type == body_type::static_body) s.movers_changed = true;
     refresh_boxes(s, index);
+    rouse_near(s, index);
 }
 
 template <class Plan>
@@ -147,6 +148,7 @@ void set_type(state<Plan>& s, std::uint32_t index, body_type type) {
         }
         if (!b.mass_is_set && !check_shapes_mass(s, index, f)) return;
     }
+    rouse(s, index);
     if (type == body_type::static_body) b.velocity = {};
     if (type != body_type::dynamic_body) {
         b.force = {};
@@ -156,7 +158,7 @@ void set_type(state<Plan>& s, std::uint32_t index, body_type type) {
     b.type = type;
     s.movers_changed = true;
     refresh_mass(s, index);
-    renew_proxies(s, index);
+    refile_proxies(s, index);
     drop_contacts(s, [&](const auto& c) {
         const std::uint32_t first = body_a(s, c), second = body_b(s, c);
         return (first == index || second == index) && !s.bodies[first].is_dynamic() && !s.bodies[second].is_dynamic();
@@ -171,18 +173,21 @@ void set_mass(state<Plan>& s, std::uint32_t index,
     if (!check_finite(f, "center", mass.center) ||
         !check_mass(f, s.bodies[index], converted<double>(mass), nothing_turns_it))
         return;
+    rouse(s, index);
     s.bodies[index].mass_is_set = true;
     set_mass_properties(s, index, mass);
 }
 template <class Plan>
 void reset_mass(state<Plan>& s, std::uint32_t index) {
     if (!check_shapes_mass(s, index, "reset_mass")) return;
+    rouse(s, index);
     s.bodies[index].mass_is_set = false;
     refresh_mass(s, index);
 }
 
 template <class Plan>
 void set_rotation_locked(state<Plan>& s, std::uint32_t index, bool locked) {
+    rouse(s, index);
     auto& b = s.bodies[index];
     b.rotation_locked = locked;
     if (locked) b.velocity.angular = {};
@@ -193,6 +198,9 @@ template <class Plan>
 void change_settings(state<Plan>& s, const typename Plan::settings& settings) {
     // What was carried along was found within the old margin.
     if (settings.contact_margin != s.settings.contact_margin) s.memories.clear();
+    if (!(settings.gravity == s.settings.gravity)) wake_all(s);
+    if constexpr (Plan::sleeps)
+        if (!settings.sleeping.enabled) wake_all(s);
     s.settings = settings;
     configure_broadphase(s);
     s.bodies.each([&](std::uint32_t i, const auto&) { refresh_boxes(s, i); });
@@ -221,6 +229,7 @@ void act(state<Plan>& s, body_id id, const char* function, const char* field,
     vec<typename Plan::scalar, Plan::dimension> lever;
     if (point) lever = local ? b.rotation * (*point - b.mass.center) : *point - b.center;
     if (!f(b, local ? b.rotation * force : force, lever)) refuse_action(function, field, size_of(force));
+    else if (!(force == decltype(force){})) wake(s, at.index);
 }
 
 }  // namespace detail

@@ -48,7 +48,7 @@ public:
     template <class S, int D>
     void add(const body<S, D>& b) {
         add(static_cast<std::uint64_t>(b.type) | std::uint64_t{b.rotation_locked} << 8 |
-            std::uint64_t{b.mass_is_set} << 9 | std::uint64_t{b.has_target} << 10);
+            std::uint64_t{b.mass_is_set} << 9 | std::uint64_t{b.has_target} << 10 | std::uint64_t{b.can_sleep} << 11);
         add(b.center);
         add(b.rotation);
         add(b.velocity.linear);
@@ -156,6 +156,14 @@ std::uint64_t state_hash(const state<Plan>& s) {
     add_all(s.shapes);
     h.add(std::uint64_t{s.contacts.size()});
     for (const auto& c : s.contacts) h.add(hash_of(std::uint64_t{c.shape_a} << 32 | c.shape_b, c));
+    if constexpr (Plan::sleeps) {
+        s.bodies.each([&](std::uint32_t i, const auto&) {
+            h.add(s.sleep.still[i]);
+            h.add(s.sleep.since[i]);
+            h.add(std::uint64_t{s.sleep.ring[i]});
+        });
+        for (const auto& c : s.sleep.contacts) h.add(hash_of(std::uint64_t{c.shape_a} << 32 | c.shape_b, c));
+    }
     if constexpr (Plan::remembers)
         for (std::uint32_t i = 0; i < s.memories.pairs.size(); ++i) {
             const auto [a, b] = s.memories.pairs[i];

@@ -7,17 +7,22 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
+/// The number of each body among those that move.
+template <class Plan>
+void find_numbers(state<Plan>& s) {
+    s.mover_of.clear();
+    s.mover_of.resize(s.bodies.slots(), s.movers.size());
+    for (std::uint32_t k = 0; k < s.movers.size(); ++k) s.mover_of[s.movers[k]] = k;
+}
 /// Finds which bodies move, where that has changed.
 template <class Plan>
 void number_movers(state<Plan>& s) {
     if (!s.movers_changed) return;
     s.movers.clear();
     s.bodies.each([&](std::uint32_t i, const auto& b) {
-        if (b.type != body_type::static_body) s.movers.push(i);
+        if (b.type != body_type::static_body && !s.is_asleep(i)) s.movers.push(i);
     });
-    s.mover_of.clear();
-    s.mover_of.resize(s.bodies.slots(), s.movers.size());
-    for (std::uint32_t k = 0; k < s.movers.size(); ++k) s.mover_of[s.movers[k]] = k;
+    find_numbers(s);
 }
 
 /// How the solver moves the world: it asks for velocities and poses to advance, once or in substeps. Nothing of the
@@ -90,7 +95,7 @@ public:
     void finish() {
         if (std::exchange(state_.movers_changed, false))
             state_.bodies.each([&](std::uint32_t i, const auto& b) {
-                state_.contact_starts[i] = {b.center, b.rotation};
+                if (!state_.is_asleep(i)) state_.contact_starts[i] = {b.center, b.rotation};
             });
         for (std::uint32_t k = 0; k < state_.movers.size(); ++k) {
             const std::uint32_t i = state_.movers[k];
@@ -109,9 +114,21 @@ public:
         state_.contacts.swap(state_.found);
         state_.memories.swap(state_.found_memories);
         ++state_.steps;
+        if constexpr (Plan::sleeps) {
+            wake_disturbed(state_);
+            for (const std::uint32_t i : state_.movers) rouse_ahead(i);
+            falling_asleep<Plan>(state_, step_);
+        }
     }
 
 private:
+    /// Wakes what a kinematic body is going to run into.
+    void rouse_ahead(std::uint32_t i) {
+        const body<S, D>& b = state_.bodies[i];
+        if (b.is_dynamic() || b.velocity == twist<S, D>{}) return;
+        const rotation<S, D> turn = turned(b.rotation, b.velocity.angular * step_);
+        rouse_near(state_, i, {b.center + b.velocity.linear * step_ - turn * b.mass.center, turn});
+    }
     void gather(std::uint32_t k) {
         const body<S, D>& b = state_.bodies[state_.movers[k]];
         solver_body<S, D>& seen = *new (&bodies[k])

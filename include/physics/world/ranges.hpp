@@ -84,7 +84,8 @@ auto view_of(const state<Plan>& s, const contact<typename Plan::scalar, Plan::di
     return view;
 }
 
-/// The contacts of a world's last step, in ascending order of their shapes' numbers.
+/// The contacts of a world's last step: first those of bodies that are awake, in ascending order of their shapes'
+/// numbers, then, in the same order, those of sleepers, as they were when they fell asleep.
 template <class Plan>
 class contact_range {
 public:
@@ -92,12 +93,17 @@ public:
     class iterator {
     public:
         iterator(const state<Plan>& s, std::uint32_t at) : state_(&s), at_(at) {}
-        auto operator*() const { return view_of(*state_, state_->contacts[at_]); }
+        auto operator*() const {
+            if constexpr (Plan::sleeps)
+                if (at_ >= state_->contacts.size())
+                    return view_of(*state_, state_->sleep.contacts[at_ - state_->contacts.size()]);
+            return view_of(*state_, state_->contacts[at_]);
+        }
         iterator& operator++() {
             ++at_;
             return *this;
         }
-        bool operator==(range_end) const { return at_ == state_->contacts.size(); }
+        bool operator==(range_end) const { return at_ == contact_range(*state_).size(); }
 
     private:
         const state<Plan>* state_;
@@ -106,7 +112,10 @@ public:
     iterator begin() const { return {*state_, 0}; }
     range_end end() const { return {}; }
     /// Number of contacts.
-    [[nodiscard]] std::uint32_t size() const { return state_->contacts.size(); }
+    [[nodiscard]] std::uint32_t size() const {
+        if constexpr (Plan::sleeps) return state_->contacts.size() + state_->sleep.contacts.size();
+        else return state_->contacts.size();
+    }
 
 private:
     const state<Plan>* state_;

@@ -48,6 +48,8 @@ namespace feature {
 struct friction {};
 /// Bouncing.
 struct restitution {};
+/// Islands that are still leave the step until they are touched.
+struct sleeping {};
 }  // namespace feature
 
 /// Leaves features out: without<feature::friction, feature::restitution>.
@@ -56,8 +58,10 @@ struct without {
     using stage = physics::stage::features;
     static constexpr bool friction = !(std::same_as<Features, feature::friction> || ...);
     static constexpr bool restitution = !(std::same_as<Features, feature::restitution> || ...);
+    static constexpr bool sleeping = !(std::same_as<Features, feature::sleeping> || ...);
     static constexpr bool known =
-        ((std::same_as<Features, feature::friction> || std::same_as<Features, feature::restitution>)&&...);
+        ((std::same_as<Features, feature::friction> || std::same_as<Features, feature::restitution> ||
+          std::same_as<Features, feature::sleeping>)&&...);
 };
 
 namespace detail {
@@ -132,6 +136,10 @@ struct memory_of<Narrowphase> {
     using type = typename Narrowphase::memory;
 };
 
+/// Settings of what a recipe leaves out.
+struct no_settings {};
+inline bool check(const no_settings&, const char*) { return true; }
+
 /// A recipe's choices, resolved: every stage with its type in the recipe's space.
 template <class S, int D, class ShapeSet, class... Policies>
 struct plan;
@@ -152,7 +160,9 @@ struct plan<S, D, shapes<Shapes...>, Policies...> {
         typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type::template in<space>;
     using solver =
         typename policy_for<stage::solver, sequential_impulse, Policies...>::type::template in<space, features>;
-    using settings = world_settings<S, D, typename solver::settings>;
+    static constexpr bool sleeps = features::sleeping;
+    using settings = world_settings<S, D, typename solver::settings,
+                                    std::conditional_t<sleeps, sleep_settings<S>, no_settings>>;
 };
 
 template <class... Policies>

@@ -5,12 +5,13 @@
 #include "physics/broadphase/proxies.hpp"
 #include "physics/dynamics/body.hpp"
 #include "physics/dynamics/contact.hpp"
+#include "physics/dynamics/islands.hpp"
 
 PHYSICS_HPP_BEGIN
 
 /// Numbers of a world. Lengths in metres, times in seconds, masses in kilograms; a world in other units
 /// scales the lengths and speeds here with them.
-template <class S, int D, class SolverSettings>
+template <class S, int D, class SolverSettings, class SleepSettings = sleep_settings<S>>
 struct world_settings {
     /// Acceleration of every body, times its gravity scale (m/s^2).
     vec<S, D> gravity = downward();
@@ -20,6 +21,8 @@ struct world_settings {
     broadphase_settings<S> broadphase = {};
     /// Numbers of the solver that the recipe names.
     SolverSettings solver = {};
+    /// When bodies fall asleep, unless the recipe leaves sleeping out.
+    [[no_unique_address]] SleepSettings sleeping = {};
 
 private:
     static constexpr vec<S, D> downward() {
@@ -46,6 +49,8 @@ struct body_def {
     S gravity_scale = S(1);
     /// True if nothing turns the body.
     bool rotation_locked = false;
+    /// False keeps the body awake, and those that touch it.
+    bool can_sleep = true;
     /// Anything of the user's; the library never looks at it.
     std::uint64_t user_data = 0;
 };

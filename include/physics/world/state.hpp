@@ -95,6 +95,37 @@ struct pair_memories {
     }
 };
 
+/// Stands for the next sleeper of a body that is awake.
+inline constexpr std::uint32_t no_sleeper = 0xffffffffu;
+
+/// Who sleeps. Arrays by the numbers of bodies.
+template <class S, int D>
+struct sleep_state {
+    /// For how long each body has been still (s), up to the time that it takes to fall asleep.
+    buffer<S> still;
+    /// Where its centre of mass was when it became so.
+    buffer<vec<S, D>> since;
+    /// Of each sleeper the next one of its island, in a ring.
+    buffer<std::uint32_t> ring;
+    /// Contacts of which no body that can be pushed is awake, in ascending order of their pairs.
+    buffer<contact<S, D>> contacts;
+    /// Scratch: who wakes in this step.
+    buffer<std::uint32_t> woken;
+
+    /// A body has come, awake.
+    void start(std::uint32_t body, vec<S, D> center) {
+        if (body >= ring.size()) {
+            still.resize(body + 1);
+            since.resize(body + 1);
+            ring.resize(body + 1);
+        }
+        still[body] = {};
+        since[body] = center;
+        ring[body] = no_sleeper;
+    }
+};
+struct no_sleep_state {};
+
 /// The state of a world. Copying it copies the world.
 template <class Plan>
 struct state {
@@ -105,17 +136,18 @@ struct state {
     pool<body<S, D>> bodies;
     shape_pool<Plan> shapes;
     typename Plan::broadphase broadphase;
-    /// Contacts of the last step, in ascending order of their pairs.
+    /// Contacts of the last step that push somebody who is awake, in ascending order of their pairs.
     buffer<contact<S, D>> contacts;
     /// Where the centres of bodies were, and how bodies were turned, when these contacts were found.
     buffer<transform<S, D>> contact_starts;
-    /// Numbers of the bodies that move, ascending, and of each body its number among them: how many there are if it
-    /// does not move.
+    /// Numbers of the bodies that move and are awake, and of each body its number among them: how many there are if it
+    /// does not.
     buffer<std::uint32_t> movers, mover_of;
     /// Whether other bodies move, or bodies that do not have been put elsewhere, since that was found.
     bool movers_changed = true;
     /// What the narrowphase remembers of the last step's pairs.
     pair_memories<Plan> memories;
+    [[no_unique_address]] std::conditional_t<Plan::sleeps, sleep_state<S, D>, no_sleep_state> sleep;
     std::uint64_t steps = 0;
     std::uint16_t tag = 0;
 
@@ -123,7 +155,18 @@ struct state {
     manifold_list<S, D> manifolds;
     buffer<contact<S, D>> found;
     pair_memories<Plan> found_memories;
+    buffer<proxy_pair> woken_pairs;
+    buffer<contact<S, D>> woken_contacts;
+    pair_memories<Plan> woken_memories;
     arena scratch;
+
+    [[nodiscard]] bool is_asleep(std::uint32_t body) const {
+        if constexpr (Plan::sleeps) return sleep.ring[body] != no_sleeper;
+        else return false;
+    }
+    [[nodiscard]] bool is_awake_dynamic(std::uint32_t body) const {
+        return bodies[body].is_dynamic() && !is_asleep(body);
+    }
 };
 
 /// Says where a shape is, of a body whose frame and whose centre of mass are there.
@@ -150,7 +193,7 @@ auto needed_box(const state<Plan>& s, const shape_record<Plan>& shape) {
 /// What the broadphase knows of a shape besides.
 template <class Plan>
 proxy_filter filter_of(const state<Plan>& s, const shape_record<Plan>& shape) {
-    return {.owner = shape.body, .movable = s.bodies[shape.body].is_dynamic()};
+    return {.owner = shape.body, .movable = s.is_awake_dynamic(shape.body)};
 }
 template <class Plan>
 void configure_broadphase(state<Plan>& s) {
@@ -171,6 +214,15 @@ void each_shape(State& s, std::uint32_t body, F&& f) {
         f(i, s.shapes[i]);
         i = next;
     }
+}
+
+/// Enters the shapes of a body into the broadphase anew: it has become another kind of proxy.
+template <class Plan>
+void refile_proxies(state<Plan>& s, std::uint32_t body) {
+    each_shape(s, body, [&](std::uint32_t i, const shape_record<Plan>& shape) {
+        s.broadphase.erase(i);
+        s.broadphase.insert(i, needed_box(s, shape), filter_of(s, shape));
+    });
 }
 
 /// A number for each world of the program, to recognise foreign handles; after 65535 worlds numbers come again. It

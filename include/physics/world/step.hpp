@@ -80,6 +80,29 @@ void find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs) {
     }
 }
 
+/// Who is woken brings contacts along: they are found anew, and join the others.
+template <class Plan>
+void find_contacts_of_woken(state<Plan>& s) {
+    find_numbers(s);
+    for (auto& c : s.found) {
+        c.body_a = s.mover_of[body_a(s, c)];
+        c.body_b = s.mover_of[body_b(s, c)];
+    }
+    s.woken_pairs.clear();
+    for (const auto& c : s.sleep.contacts) {
+        const bool wakes = s.mover_of[body_a(s, c)] < s.movers.size() || s.mover_of[body_b(s, c)] < s.movers.size();
+        if (wakes && (s.woken_pairs.empty() || s.woken_pairs.back() < c.key())) s.woken_pairs.push(c.key());
+    }
+    // What is remembered of the other pairs waits meanwhile.
+    s.found.swap(s.woken_contacts);
+    s.found_memories.swap(s.woken_memories);
+    find_contacts(s, s.woken_pairs);
+    inherit_impulses(s.sleep.contacts, s.found);
+    merge_contacts(s.woken_contacts, s.found);
+    s.found.swap(s.woken_contacts);
+    s.found_memories.swap(s.woken_memories);
+}
+
 /// Advances a world by h seconds. Each stage reads and writes plain arrays; only this function knows their
 /// order. False, and the world as it was, if a velocity or a position would leave the range of numbers.
 /// Not inlined, so that no arithmetic moves out of the caller's float_control_scope.
@@ -89,6 +112,8 @@ PHYSICS_HPP_NOINLINE bool step(state<Plan>& s, typename Plan::scalar h) {
     number_movers(s);                       // bodies            -> which of them move
     const auto& pairs = find_pairs(s);      // boxes             -> pairs, in order
     find_contacts(s, pairs);                // pairs and poses   -> contacts with feature ids
+    if constexpr (Plan::sleeps)
+        if (disturb_sleepers(s, h)) find_contacts_of_woken(s);  // -> contacts of islands that are touched
     inherit_impulses(s.contacts, s.found);  // last step's       -> warm impulses of what persists
     motion<Plan> moving(s, h);              // bodies, forces    -> what solver and integrator see of them
     Plan::solver::solve(moving.bodies, s.found, s.settings.solver, h, s.scratch, moving);  // -> velocities, poses

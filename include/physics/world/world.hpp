@@ -134,6 +134,7 @@ public:
         if (!b || !detail::check_pose("move_to", position, orientation)) return;
         state_.bodies[b.index].target = {position, normalized(orientation)};
         state_.bodies[b.index].has_target = true;
+        detail::rouse_near(state_, b.index, state_.bodies[b.index].target);
     }
     void move_to(body_id id, const transform& pose) { move_to(id, pose.position, pose.rotation); }
 
@@ -152,12 +153,17 @@ public:
     /// Velocities of dynamic and kinematic bodies; static ones have none, and locked rotations stay at 0.
     void set_linear_velocity(body_id id, vec v) {
         const auto b = find_moving(id, "set_linear_velocity");
-        if (b && detail::check_finite("set_linear_velocity", "v", v)) state_.bodies[b.index].velocity.linear = v;
+        if (!b || !detail::check_finite("set_linear_velocity", "v", v)) return;
+        if (!(v == vec{})) detail::rouse(state_, b.index);
+        state_.bodies[b.index].velocity.linear = v;
     }
     void set_angular_velocity(body_id id, angular w) {
         const auto b = find_moving(id, "set_angular_velocity");
-        if (b && detail::check_angular_velocity("set_angular_velocity", "w", w, state_.bodies[b.index].rotation_locked))
-            state_.bodies[b.index].velocity.angular = w;
+        if (!b ||
+            !detail::check_angular_velocity("set_angular_velocity", "w", w, state_.bodies[b.index].rotation_locked))
+            return;
+        if (!(w == angular{})) detail::rouse(state_, b.index);
+        state_.bodies[b.index].velocity.angular = w;
     }
 
     /// A force (N) on a dynamic body during the next step, at its centre of mass or at a point; "local"
@@ -175,6 +181,7 @@ public:
         auto& sum = state_.bodies[b.index].torque;
         if (!detail::assign(sum, sum + torque))
             detail::refuse_action("apply_torque", "torque", detail::size_of(torque));
+        else if (!(torque == angular{})) detail::wake(state_, b.index);
     }
     /// Forgets the forces and torques that wait for the next step.
     void clear_forces(body_id id) {
@@ -198,6 +205,7 @@ public:
         if (!detail::assign(b.velocity.angular,
                             b.velocity.angular + times(in_world(b.inverse_inertia, b.rotation), impulse)))
             detail::refuse_action("apply_angular_impulse", "impulse", detail::size_of(impulse));
+        else if (!(impulse == angular{})) detail::wake(state_, at.index);
     }
 
     [[nodiscard]] body_type type(body_id id) const {
@@ -242,8 +250,9 @@ public:
     }
     void set_gravity_scale(body_id id, scalar factor) {
         const auto b = find(id, "set_gravity_scale");
-        if (b && detail::check_finite("set_gravity_scale", "factor", factor))
-            state_.bodies[b.index].gravity_scale = factor;
+        if (!b || !detail::check_finite("set_gravity_scale", "factor", factor)) return;
+        detail::rouse(state_, b.index);
+        state_.bodies[b.index].gravity_scale = factor;
     }
     [[nodiscard]] bool rotation_locked(body_id id) const {
         return get(id, "rotation_locked", [](const auto& b) { return b.rotation_locked; });
@@ -251,6 +260,32 @@ public:
     /// Locks or frees rotation; locking stops it.
     void set_rotation_locked(body_id id, bool locked) {
         if (const auto b = find(id, "set_rotation_locked")) detail::set_rotation_locked(state_, b.index, locked);
+    }
+    /// True while the body sleeps: an island of bodies that has been still for long enough (settings().sleeping) leaves
+    /// the step, until something touches it or somebody acts on it. Sleepers cost nothing.
+    [[nodiscard]] bool is_asleep(body_id id) const {
+        const auto b = find(id, "is_asleep");
+        return b && state_.is_asleep(b.index);
+    }
+    /// Wakes a body and its island. O(contacts of sleepers).
+    void wake(body_id id) {
+        if (const auto b = find(id, "wake")) detail::wake(state_, b.index);
+    }
+    /// False keeps a body awake, and those that touch it.
+    [[nodiscard]] bool can_sleep(body_id id) const {
+        return get(id, "can_sleep", [](const auto& b) { return b.can_sleep; });
+    }
+    void set_can_sleep(body_id id, bool can) {
+        const auto b = find(id, "set_can_sleep");
+        if (!b) return;
+        state_.bodies[b.index].can_sleep = can;
+        if (!can) detail::wake(state_, b.index);
+    }
+    /// Number of bodies that move and are awake.
+    [[nodiscard]] std::uint32_t awake_count() const {
+        std::uint32_t count = 0;
+        for (const body_id id : bodies()) count += type(id) != body_type::static_body && !is_asleep(id);
+        return count;
     }
     [[nodiscard]] std::uint64_t user_data(body_id id) const {
         return get(id, "user_data", [](const auto& b) { return b.user_data; });
@@ -276,7 +311,9 @@ public:
     /// Changes a shape's material from the next step on.
     void set_surface(shape_id id, const material& m) {
         const auto s = detail::find_shape(state_, id, "set_surface");
-        if (s && detail::check_material("set_surface", m)) state_.shapes[s.index].material = m;
+        if (!s || !detail::check_material("set_surface", m)) return;
+        detail::rouse(state_, state_.shapes[s.index].body);
+        state_.shapes[s.index].material = m;
     }
     [[nodiscard]] std::uint64_t user_data(shape_id id) const {
         return get(id, "user_data", [](const auto& s) { return s.user_data; });
