@@ -3341,6 +3341,8 @@ struct shapes {};
 struct broadphase {};
 /// From pairs to manifolds: best_per_pair.
 struct narrowphase {};
+/// What two surfaces make of a contact: geometric_mixing.
+struct mixing {};
 /// From contacts to velocities: soft_step, sequential_impulse.
 struct solver {};
 /// How velocities and poses advance: semi_implicit_euler.
@@ -18882,22 +18884,135 @@ struct body_lanes3 {
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/dynamics/material.hpp
+// =================================================================================================
+// What surfaces are made of, and what two of them make of a contact.
+
+PHYSICS_HPP_BEGIN
+
+/// How a surface runs against its own shape: a speed in the plane, a vector in space.
+template <class S, int D>
+using surface_motion = std::conditional_t<D == 2, S, vec<S, 3>>;
+
+/// How a shape's surface answers to contact. What two surfaces make of it is the recipe's mixing rule.
+template <class S, int D>
+struct material {
+    /// Coulomb friction coefficient, at least 0.
+    S friction = S(0.6);
+    /// Share of the approach speed that a bounce gives back, 0 to 1.
+    S restitution = S(0);
+    /// Arm of rolling friction (m), at least 0: a torque of up to this times the normal force resists rolling. A ball
+    /// of radius r stays on slopes up to the angle of tangent rolling_resistance / r. Source: Coulomb, Théorie des
+    /// machines simples (1785).
+    S rolling_resistance = S(0);
+    /// How the surface itself runs, as a conveyor belt's (m/s): friction drives what touches it along. In the plane
+    /// clockwise about the shape: on top of it to the right, +x. In space a vector in the shape's frame, of which
+    /// counts what lies in the surface.
+    surface_motion<S, D> surface_velocity{};
+};
+
+/// What a mixing rule offers: `in<Space>` with friction(a, b), restitution(a, b) and rolling_resistance(a, b), static
+/// functions of two materials. They are called for each contact in each step, with the material of the shape whose kind
+/// comes first in the recipe's set, among equals with that of the lower number; so a rule should be symmetric. Refused
+/// by the step: results that are negative or not finite, and a restitution above 1. Velocities of surfaces need no
+/// rule: how fast two of them run against each other is their difference.
+template <class Rule, class Space>
+concept mixing_for = requires(const material<typename Space::scalar, Space::dimension>& m) {
+    { Rule::template in<Space>::friction(m, m) } -> std::same_as<typename Space::scalar>;
+    { Rule::template in<Space>::restitution(m, m) } -> std::same_as<typename Space::scalar>;
+    { Rule::template in<Space>::rolling_resistance(m, m) } -> std::same_as<typename Space::scalar>;
+};
+
+/// Friction: the root of the product, so that ice stays slippery under rubber; restitution and rolling resistance: the
+/// larger one.
+struct geometric_mixing {
+    using stage = physics::stage::mixing;
+
+    template <class Space>
+    struct in {
+        using S = typename Space::scalar;
+        using material = physics::material<S, Space::dimension>;
+
+        static S friction(const material& a, const material& b) { return root<S>(product(a.friction, b.friction)); }
+        static S restitution(const material& a, const material& b) { return max(a.restitution, b.restitution); }
+        static S rolling_resistance(const material& a, const material& b) {
+            return max(a.rolling_resistance, b.rolling_resistance);
+        }
+    };
+};
+
+/// Friction and restitution: the product; rolling resistance, a length, the larger one.
+struct product_mixing {
+    using stage = physics::stage::mixing;
+
+    template <class Space>
+    struct in : geometric_mixing::in<Space> {
+        using S = typename Space::scalar;
+        using material = physics::material<S, Space::dimension>;
+
+        static S friction(const material& a, const material& b) { return a.friction * b.friction; }
+        static S restitution(const material& a, const material& b) { return a.restitution * b.restitution; }
+    };
+};
+
+namespace detail {
+
+/// A rule that does the same to all three coefficients.
+template <class Space, class Same>
+struct mixing_by {
+    using S = typename Space::scalar;
+    using material = physics::material<S, Space::dimension>;
+
+    static S friction(const material& a, const material& b) { return Same::of(a.friction, b.friction); }
+    static S restitution(const material& a, const material& b) { return Same::of(a.restitution, b.restitution); }
+    static S rolling_resistance(const material& a, const material& b) {
+        return Same::of(a.rolling_resistance, b.rolling_resistance);
+    }
+};
+
+}  // namespace detail
+
+/// The smaller one of each coefficient.
+struct minimum_mixing {
+    using stage = physics::stage::mixing;
+    template <class S>
+    static constexpr S of(S a, S b) {
+        return min(a, b);
+    }
+    template <class Space>
+    using in = detail::mixing_by<Space, minimum_mixing>;
+};
+/// The larger one of each coefficient.
+struct maximum_mixing {
+    using stage = physics::stage::mixing;
+    template <class S>
+    static constexpr S of(S a, S b) {
+        return max(a, b);
+    }
+    template <class Space>
+    using in = detail::mixing_by<Space, maximum_mixing>;
+};
+/// The mean of each coefficient.
+struct average_mixing {
+    using stage = physics::stage::mixing;
+    template <class S>
+    static constexpr S of(S a, S b) {
+        return a * S(0.5) + b * S(0.5);
+    }
+    template <class Space>
+    using in = detail::mixing_by<Space, average_mixing>;
+};
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/dynamics/contact.hpp
 // =================================================================================================
 // Contacts: manifolds in the world, with what is remembered of them from step to step.
 
 PHYSICS_HPP_BEGIN
 
-/// How a shape's surface answers to contact.
-template <class S>
-struct material {
-    /// Coulomb friction coefficient; two surfaces meet with the square root of their product.
-    S friction = S(0.6);
-    /// Share of the approach speed that a bounce gives back, 0 to 1; two surfaces meet with the larger one.
-    S restitution = S(0);
-};
-
-/// Friction impulses along the tangents of a contact: one in the plane, two in space.
+/// What acts along the tangents of a contact: one number in the plane, two in space.
 template <class S, int D>
 using tangential = std::conditional_t<D == 2, S, vec<S, 2>>;
 
@@ -18927,13 +19042,18 @@ struct contact {
     /// Which part of a concave shape touches; 0 of convex ones.
     std::uint32_t part = 0;
     vec<S, D> normal;
-    contact_point<S, D> points[manifold<S, D>::capacity];
+    contact_point<S, D> points[manifold<S, D>::capacity] = {};
     int count = 0;
     /// Angular impulse of friction about the normal, where the solver lets contacts resist twisting (N m s).
     S twist_impulse{};
+    /// Angular impulse that resists rolling: about z in the plane, about both tangents in space (N m s).
+    physics::tangential<S, D> rolling_impulse{};
     /// Of both surfaces together.
     S friction{};
     S restitution{};
+    S rolling_resistance{};
+    /// How fast B slides over A along the tangents where the surfaces themselves do not slip (m/s).
+    physics::tangential<S, D> surface_velocity{};
 
     [[nodiscard]] constexpr proxy_pair key() const {
         return shape_a < shape_b ? proxy_pair{shape_a, shape_b} : proxy_pair{shape_b, shape_a};
@@ -18962,6 +19082,18 @@ struct tangents3 {
 template <class S, int D>
 using tangents = std::conditional_t<D == 2, tangents2<S>, tangents3<S>>;
 
+/// How fast B slides over A along the tangents where neither surface slips, of how the surfaces run and are turned.
+template <class S>
+constexpr S driven(const tangents2<S>&, const rotation<S, 2>&, S of_a, const rotation<S, 2>&, S of_b) {
+    // Seen from outside of B, the tangent points the other way.
+    return of_a + of_b;
+}
+template <class S>
+constexpr vec<S, 2> driven(const tangents3<S>& frame, const rotation<S, 3>& turn_a, vec<S, 3> of_a,
+                           const rotation<S, 3>& turn_b, vec<S, 3> of_b) {
+    return frame.components(turn_a * of_a - turn_b * of_b);
+}
+
 /// Hands the impulse of the same feature in an old contact to a point.
 template <class S, int D>
 void inherit_impulse(const contact<S, D>& old, const tangents<S, D>& frame, contact_point<S, D>& point) {
@@ -18974,6 +19106,16 @@ void inherit_impulse(const contact<S, D>& old, const tangents<S, D>& frame, cont
     }
 }
 
+/// What resisted rolling about old tangents, about new ones; in the plane they all turn about z.
+template <class S>
+constexpr S same_moment(const tangents2<S>&, const tangents2<S>&, S moment) {
+    return moment;
+}
+template <class S>
+constexpr vec<S, 2> same_moment(const tangents3<S>& old, const tangents3<S>& frame, vec<S, 2> moment) {
+    return frame.components(old.combine(moment));
+}
+
 /// Hands the impulses of the same features in an old contact to a contact.
 template <class S, int D>
 void inherit_impulses(const contact<S, D>& old, const tangents<S, D>& frame, contact<S, D>& c) {
@@ -18983,7 +19125,10 @@ void inherit_impulses(const contact<S, D>& old, const tangents<S, D>& frame, con
         inherit_impulse(old, frame, c.points[k]);
         persisted = persisted || before != c.points[k].persisted;
     }
-    if (persisted) c.twist_impulse = old.twist_impulse;
+    if (!persisted) return;
+    c.twist_impulse = old.twist_impulse;
+    if (c.rolling_resistance > S(0))
+        c.rolling_impulse = same_moment(tangents<S, D>(old.normal), frame, old.rolling_impulse);
 }
 
 /// Hands the impulses of last step's contacts to the same features of this step's. Both lists are in
@@ -19078,7 +19223,7 @@ PHYSICS_HPP_END
 // =================================================================================================
 // physics/dynamics/friction.hpp
 // =================================================================================================
-// Coulomb friction at one point: an interval in the plane, a circular cone in space.
+// Coulomb friction at one point, and resistance to rolling: an interval in the plane, a circular cone in space.
 
 PHYSICS_HPP_BEGIN
 
@@ -19139,22 +19284,18 @@ struct friction2 {
     [[nodiscard]] constexpr S next(S impulse, S v, S limit) const { return clamp(impulse - mass * v, -limit, limit); }
 };
 
-/// Friction of a point in space. Sticking is solved exactly, by the inverse of the 2 x 2 answer of both
-/// tangents. Slipping takes a gradient step, scaled by the largest eigenvalue, onto the circular cone: its
-/// fixed point opposes the slip in any direction, which per-tangent limits do not.
+/// Two impulses about which only the length is limited, as friction along both tangents. Sticking is solved exactly,
+/// by the inverse of their 2 x 2 answer. Slipping takes a gradient step, scaled by the largest eigenvalue, onto the
+/// circular cone: its fixed point opposes the slip in any direction, which per-tangent limits do not.
 template <class S>
-struct friction3 {
+struct circular_cone {
     S xx{}, xy{}, yy{};
     S slip{};
 
-    constexpr friction3() = default;
-    constexpr friction3(const solver_body<S, 3>& a, const solver_body<S, 3>& b, const contact_point<S, 3>& p,
-                        const tangents3<S>& frame) {
+    constexpr circular_cone() = default;
+    /// Of the speeds' answers to unit impulses.
+    constexpr circular_cone(inverse_of<S> kxx, inverse_of<S> kxy, inverse_of<S> kyy) {
         using I = inverse_of<S>;
-        const I m = a.inverse_mass + b.inverse_mass;
-        const I kxx = m + detail::answer(a, b, p, frame.t, frame.t);
-        const I kyy = m + detail::answer(a, b, p, frame.u, frame.u);
-        const I kxy = detail::answer(a, b, p, frame.t, frame.u);
         const auto determinant = product(kxx, kyy) - product(kxy, kxy);
         if (!(determinant > wide_of<I>{})) return;
         xx = quotient<S>(kyy, determinant);
@@ -19175,9 +19316,64 @@ struct friction3 {
     }
 };
 
+/// Friction of a point in space.
+template <class S>
+struct friction3 : circular_cone<S> {
+    constexpr friction3() = default;
+    constexpr friction3(const solver_body<S, 3>& a, const solver_body<S, 3>& b, const contact_point<S, 3>& p,
+                        const tangents3<S>& frame)
+        : circular_cone<S>(a.inverse_mass + b.inverse_mass + detail::answer(a, b, p, frame.t, frame.t),
+                           detail::answer(a, b, p, frame.t, frame.u),
+                           a.inverse_mass + b.inverse_mass + detail::answer(a, b, p, frame.u, frame.u)) {}
+};
+
 /// Friction of a point in D dimensions.
 template <class S, int D>
-using point_friction = std::conditional_t<D == 2, friction2<S>, friction3<S>>;
+using friction_at = std::conditional_t<D == 2, friction2<S>, friction3<S>>;
+
+/// Resistance to rolling in the plane: a limited angular impulse about z.
+template <class S>
+struct rolling2 {
+    S inertia{};
+
+    constexpr rolling2() = default;
+    constexpr rolling2(const solver_body<S, 2>& a, const solver_body<S, 2>& b, const tangents2<S>&) {
+        const inverse_of<S> k = a.inverse_inertia + b.inverse_inertia;
+        if (k > inverse_of<S>(0)) inertia = reciprocal<S>(k);
+    }
+
+    /// The part of an angular quantity that is rolling, and back.
+    [[nodiscard]] static constexpr S components(const tangents2<S>&, S w) { return w; }
+    [[nodiscard]] static constexpr S combine(const tangents2<S>&, S w) { return w; }
+    [[nodiscard]] constexpr S next(S impulse, S w, S limit) const {
+        return clamp(impulse - inertia * w, -limit, limit);
+    }
+};
+/// Resistance to rolling in space: a limited angular impulse about both tangents.
+template <class S>
+struct rolling3 : circular_cone<S> {
+    constexpr rolling3() = default;
+    constexpr rolling3(const solver_body<S, 3>& a, const solver_body<S, 3>& b, const tangents3<S>& frame)
+        : circular_cone<S>(both(a, b, frame.t, frame.t), both(a, b, frame.t, frame.u), both(a, b, frame.u, frame.u)) {}
+
+    [[nodiscard]] static constexpr vec<S, 2> components(const tangents3<S>& frame, vec<S, 3> w) {
+        return frame.components(w);
+    }
+    [[nodiscard]] static constexpr vec<S, 3> combine(const tangents3<S>& frame, vec<S, 2> w) {
+        return frame.combine(w);
+    }
+
+private:
+    static constexpr inverse_of<S> both(const solver_body<S, 3>& a, const solver_body<S, 3>& b, vec<S, 3> of,
+                                        vec<S, 3> about) {
+        return detail::torque_answer<S>(a.inverse_inertia, of, about) +
+               detail::torque_answer<S>(b.inverse_inertia, of, about);
+    }
+};
+
+/// Resistance to rolling in D dimensions.
+template <class S, int D>
+using rolling_at = std::conditional_t<D == 2, rolling2<S>, rolling3<S>>;
 
 PHYSICS_HPP_END
 
@@ -19297,8 +19493,8 @@ private:
     std::uint32_t* parent_;
 };
 
-/// True if two bodies of these velocities touch within a step of h, or might if an acceleration that adds `slack` (m) to
-/// their way drew them together.
+/// True if two bodies of these velocities touch within a step of h, or would if something drew them together by `slack`
+/// (m) more.
 template <class S, int D>
 bool comes_to_touch(const contact<S, D>& c, const twist<S, D>& a, const twist<S, D>& b, S h, S slack) {
     for (int k = 0; k < c.count; ++k) {
@@ -19374,8 +19570,8 @@ bool check(const sequential_impulse_settings<S>& with, const char* function) {
 
 /// Sequential impulses (projected Gauss-Seidel on velocities): accumulated impulses clamped to what contact
 /// can give, warm starting of points that outlive a step, Baumgarte's term with a penetration slop,
-/// restitution with its slop, Coulomb friction on a circular cone. Error: of order h; stacks settle into
-/// the slop, mass ratios beyond 1:10 need more iterations. Cost: iterations x points.
+/// restitution with its slop, Coulomb friction on a circular cone, resistance to rolling. Error: of order h;
+/// stacks settle into the slop, mass ratios beyond 1:10 need more iterations. Cost: iterations x points.
 /// Source: Catto, Iterative Dynamics with Temporal Coherence (2005); Catto, Modeling and Solving
 /// Constraints (2009); Baumgarte (1972).
 struct sequential_impulse {
@@ -19413,21 +19609,26 @@ struct sequential_impulse {
             constexpr no_friction(const solver_body<S, D>&, const solver_body<S, D>&, const contact_point<S, D>&,
                                   const tangents<S, D>&) {}
         };
+        struct no_rolling {};
         /// What one point needs while iterating; target_speed is the speed along the normal with which the
         /// surfaces must part, at least.
         struct row {
-            [[no_unique_address]] std::conditional_t<Features::friction, point_friction<S, D>, no_friction> friction;
+            [[no_unique_address]] std::conditional_t<Features::friction, friction_at<S, D>, no_friction> friction;
             S normal_mass;
             S target_speed;
         };
         struct block {
             tangents<S, D> frame;
+            [[no_unique_address]] std::conditional_t<Features::rolling_resistance, rolling_at<S, D>, no_rolling>
+                rolling{};
             row rows[manifold<S, D>::capacity];
 
             block(const contact<S, D>& c, solver_bodies<S, D> bodies, const settings& with, S h)
                 : frame(c.normal) {
                 const solver_body<S, D>& a = bodies[c.body_a];
                 const solver_body<S, D>& b = bodies[c.body_b];
+                if constexpr (Features::rolling_resistance)
+                    if (c.rolling_resistance > S(0)) rolling = {a, b, frame};
                 for (int k = 0; k < c.count; ++k) {
                     const contact_point<S, D>& p = c.points[k];
                     rows[k] = {
@@ -19461,19 +19662,40 @@ struct sequential_impulse {
                 bodies[c.body_a].apply(-impulse, p.lever_a);
                 bodies[c.body_b].apply(impulse, p.lever_b);
             }
+            if constexpr (Features::rolling_resistance)
+                if (c.rolling_resistance > S(0))
+                    turn(with, c.rolling_impulse, bodies[c.body_a], bodies[c.body_b]);
+        }
+        /// An angular impulse against rolling, from A on B.
+        static void turn(const block& with, tangential<S, D> impulse, solver_body<S, D>& a, solver_body<S, D>& b) {
+            const angular<S, D> moment = with.rolling.combine(with.frame, impulse);
+            a.velocity.angular -= times(a.inverse_inertia, moment);
+            b.velocity.angular += times(b.inverse_inertia, moment);
+        }
+        static void resist_rolling(contact<S, D>& c, const block& with, solver_body<S, D>& a, solver_body<S, D>& b) {
+            S load = S(0);
+            for (int k = 0; k < c.count; ++k) load += c.points[k].normal_impulse;
+            const auto w = with.rolling.components(with.frame, b.velocity.angular - a.velocity.angular);
+            const auto impulse = with.rolling.next(c.rolling_impulse, w, c.rolling_resistance * load);
+            turn(with, impulse - c.rolling_impulse, a, b);
+            c.rolling_impulse = impulse;
         }
 
         static void solve_contact(contact<S, D>& c, const block& with, solver_bodies<S, D> bodies, bool back) {
             solver_body<S, D>& a = bodies[c.body_a];
             solver_body<S, D>& b = bodies[c.body_b];
+            if constexpr (Features::rolling_resistance)
+                if (c.rolling_resistance > S(0)) resist_rolling(c, with, a, b);
             if constexpr (Features::friction) {
                 const auto& frame = with.frame;
                 for (int i = 0; i < c.count; ++i) {
                     const int k = back ? c.count - 1 - i : i;
                     contact_point<S, D>& p = c.points[k];
                     const vec<S, D> v = velocity_at(b.velocity, p.lever_b) - velocity_at(a.velocity, p.lever_a);
-                    const auto impulse = with.rows[k].friction.next(p.friction_impulse, frame.components(v),
-                                                                    c.friction * p.normal_impulse);
+                    auto slip = frame.components(v);
+                    if constexpr (Features::surface_velocity) slip -= c.surface_velocity;
+                    const auto impulse =
+                        with.rows[k].friction.next(p.friction_impulse, slip, c.friction * p.normal_impulse);
                     const vec<S, D> change = frame.combine(impulse - p.friction_impulse);
                     p.friction_impulse = impulse;
                     a.apply(-change, p.lever_a);
@@ -19498,6 +19720,366 @@ struct sequential_impulse {
         }
     };
 };
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/dynamics/soft_extras.hpp
+// =================================================================================================
+// What only some contacts of the soft solver have, in lanes: running surfaces, resistance to rolling.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// A circular cone in lanes.
+template <class S, int W>
+struct cone_lanes {
+    using P = pack<S, W>;
+
+    S xx[W], xy[W], yy[W], slip[W];
+
+    void put(int lane, const circular_cone<S>& cone) {
+        xx[lane] = cone.xx;
+        xy[lane] = cone.xy;
+        yy[lane] = cone.yy;
+        slip[lane] = cone.slip;
+    }
+    /// The impulses that follow those before where the speeds are v: they stop them, or slide on the cone.
+    PHYSICS_HPP_ALWAYS_INLINE lanes2<P> next(const lanes2<P>& before, const lanes2<P>& v, const P& limit) const {
+        const P across = P::load(xy);
+        const P stick_x = before.x - lane_sum(P::load(xx), v.x, across, v.y);
+        const P stick_y = before.y - lane_sum(across, v.x, P::load(yy), v.y);
+        const P scale = P::load(slip), slide_x = before.x - scale * v.x, slide_y = before.y - scale * v.y;
+        const P sliding = lane_length(slide_x, slide_y), sticking = lane_length(stick_x, stick_y);
+        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
+        const P share = select_greater(sliding, limit, limit / select_greater(sliding, zero, sliding, one), one);
+        return {select_greater(sticking, limit, slide_x * share, stick_x),
+                select_greater(sticking, limit, slide_y * share, stick_y)};
+    }
+};
+
+/// How fast surfaces run along the tangents (m/s).
+template <class S, int W, int D>
+struct belt_lanes {
+    S along[W];
+
+    void put(int lane, const contact<S, 2>& c) { along[lane] = c.surface_velocity; }
+};
+template <class S, int W>
+struct belt_lanes<S, W, 3> {
+    S x[W], y[W];
+
+    void put(int lane, const contact<S, 3>& c) {
+        x[lane] = c.surface_velocity.x;
+        y[lane] = c.surface_velocity.y;
+    }
+};
+
+/// Resistance to rolling. Lanes without it stay as they are, to the bit, so that they do not depend on their
+/// neighbours.
+template <class S, int W, int D>
+struct rolling_lanes {
+    using P = pack<S, W>;
+
+    S arm[W], inertia[W], impulse[W];
+
+    void put(int lane, const contact<S, 2>& c, const rolling2<S>& with) {
+        arm[lane] = c.rolling_resistance;
+        inertia[lane] = with.inertia;
+        impulse[lane] = c.rolling_impulse;
+    }
+    void take(int lane, contact<S, 2>& c) const { c.rolling_impulse = impulse[lane]; }
+    /// The change of the angular impulse where B turns by w against A.
+    PHYSICS_HPP_ALWAYS_INLINE P next(const P& w, const P& load) {
+        const P before = P::load(impulse), reach = P::load(arm), most = reach * load, zero = P::broadcast(S(0));
+        const P after = max(min(before - P::load(inertia) * w, most), -most);
+        select_greater(reach, zero, after, before).store(impulse);
+        return after - before;
+    }
+};
+template <class S, int W>
+struct rolling_lanes<S, W, 3> {
+    using P = pack<S, W>;
+
+    S arm[W];
+    cone_lanes<S, W> stop;
+    S x[W], y[W];
+
+    void put(int lane, const contact<S, 3>& c, const rolling3<S>& with) {
+        arm[lane] = c.rolling_resistance;
+        stop.put(lane, with);
+        x[lane] = c.rolling_impulse.x;
+        y[lane] = c.rolling_impulse.y;
+    }
+    void take(int lane, contact<S, 3>& c) const { c.rolling_impulse = {x[lane], y[lane]}; }
+    PHYSICS_HPP_ALWAYS_INLINE lanes2<P> next(const lanes2<P>& w, const P& load) {
+        const lanes2<P> before = {P::load(x), P::load(y)};
+        const P reach = P::load(arm), zero = P::broadcast(S(0));
+        const lanes2<P> after = stop.next(before, w, reach * load);
+        select_greater(reach, zero, after.x, before.x).store(x);
+        select_greater(reach, zero, after.y, before.y).store(y);
+        return {after.x - before.x, after.y - before.y};
+    }
+};
+
+/// What a recipe leaves out.
+template <int Which>
+struct left_out {};
+
+/// What few contacts have lies apart from their block, so that the others pay for a look at a pointer.
+template <class S, int W, int D, class Features>
+struct soft_extras
+    : std::conditional_t<Features::rolling_resistance, rolling_lanes<S, W, D>, left_out<0>>,
+      std::conditional_t<Features::surface_velocity, belt_lanes<S, W, D>, left_out<1>> {
+    using rolling = rolling_lanes<S, W, D>;
+    using belt = belt_lanes<S, W, D>;
+
+    static bool needed_by(const contact<S, D>& c) {
+        return (Features::rolling_resistance && c.rolling_resistance > S(0)) ||
+               (Features::surface_velocity && c.surface_velocity != tangential<S, D>{});
+    }
+    void put(int lane, const contact<S, D>& c, const solver_body<S, D>& a, const solver_body<S, D>& b) {
+        if constexpr (Features::rolling_resistance)
+            if (c.rolling_resistance > S(0)) rolling::put(lane, c, rolling_at<S, D>(a, b, tangents<S, D>(c.normal)));
+        if constexpr (Features::surface_velocity) belt::put(lane, c);
+    }
+};
+
+/// Where the extras of a block are, if it has any.
+template <class S, int W, int D, class Features>
+struct extras_of_block {
+    using extras = soft_extras<S, W, D, Features>;
+
+    extras* at = nullptr;
+
+    void put(int lane, const contact<S, D>& c, const solver_body<S, D>& a, const solver_body<S, D>& b, arena& scratch) {
+        if (extras::needed_by(c)) add(lane, c, a, b, scratch);
+    }
+    void take(int lane, contact<S, D>& c) const {
+        if constexpr (Features::rolling_resistance)
+            if (at != nullptr) at->extras::rolling::take(lane, c);
+    }
+
+private:
+    PHYSICS_HPP_NOINLINE void add(int lane, const contact<S, D>& c, const solver_body<S, D>& a,
+                                  const solver_body<S, D>& b, arena& scratch) {
+        if (at == nullptr) at = new (scratch.template take<extras>(1)) extras{};
+        at->put(lane, c, a, b);
+    }
+};
+template <class S, int W, int D, class Features>
+    requires(!Features::rolling_resistance && !Features::surface_velocity)
+struct extras_of_block<S, W, D, Features> {
+    void put(int, const contact<S, D>&, const solver_body<S, D>&, const solver_body<S, D>&, arena&) {}
+    void take(int, contact<S, D>&) const {}
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/dynamics/soft_friction.hpp
+// =================================================================================================
+// Friction of the soft solver's contacts, in lanes: of a whole patch at its middle, or of each point.
+
+PHYSICS_HPP_BEGIN
+
+/// Friction acts once a contact: at the middle of its points by their whole load, and against twisting by the mean
+/// distance of the points from there. Exact where the load is even; costs less than friction at each point.
+struct patch_friction {};
+/// Friction acts at each point by the point's own load: a spin or an uneven load slows each corner by what it carries.
+/// In the plane all points of a contact slip alike, and patch_friction is taken.
+struct point_friction {};
+
+namespace detail {
+
+/// Without friction.
+struct no_soft_friction {};
+
+/// In the plane: an impulse along the tangent at the middle.
+template <class S, int W>
+struct soft_friction2 {
+    using P = pack<S, W>;
+
+    S coefficient[W], stop[W], impulse[W];
+
+    /// The change of the impulse where the surfaces slip by v at the middle.
+    PHYSICS_HPP_ALWAYS_INLINE P next(const P& v, const P& load) {
+        const P before = P::load(impulse), most = P::load(coefficient) * load;
+        const P after = max(min(before - P::load(stop) * v, most), -most);
+        after.store(impulse);
+        return after - before;
+    }
+};
+
+/// Along both tangents and about the normal, at the middle: speeds, or impulses.
+template <class P>
+struct slide_lanes {
+    P x, y, twist;
+};
+
+/// Last step's friction of the points that are still there.
+template <class S, int D>
+tangential<S, D> friction_of(const contact<S, D>& c) {
+    tangential<S, D> sum{};
+    for (int k = 0; k < c.count; ++k)
+        if (c.points[k].persisted) sum += c.points[k].friction_impulse;
+    return sum;
+}
+/// The load of a contact's points.
+template <class P, class Point>
+PHYSICS_HPP_ALWAYS_INLINE P load_of(const Point* points, int count) {
+    P load = P::load(points[0].impulse);
+    for (int k = 1; k < count; ++k) load = load + P::load(points[k].impulse);
+    return load;
+}
+
+/// Friction of patches in space.
+template <class S, int W>
+struct soft_patch_friction3 {
+    using P = pack<S, W>;
+    using body = solver_body<S, 3>;
+
+    /// The largest friction for an impulse of 1, at the middle and, an angular impulse, about the normal (m).
+    S coefficient[W], twist_arm[W];
+    /// The impulses that stop a slip.
+    cone_lanes<S, W> stop;
+    S stop_twist[W];
+    S x[W], y[W], twist[W];
+
+    /// Writes a contact, whose points have been written, into a lane.
+    template <class Point>
+    void put(int lane, const contact<S, 3>& c, const contact_point<S, 3>& middle, const body& a, const body& b,
+             const tangents<S, 3>& frame, const Point* points) {
+        using I = inverse_of<S>;
+        S reach = S(0);
+        for (int k = 0; k < c.count; ++k) reach += length(vec<S, 2>{points[k].x[lane], points[k].y[lane]});
+        coefficient[lane] = c.friction;
+        twist_arm[lane] = c.friction * reach / S(c.count);
+        stop.put(lane, friction3<S>(a, b, middle, frame));
+        const I twisted = torque_answer<S>(a.inverse_inertia, c.normal, c.normal) +
+                          torque_answer<S>(b.inverse_inertia, c.normal, c.normal);
+        stop_twist[lane] = twisted > I(0) ? reciprocal<S>(twisted) : S(0);
+        const vec<S, 2> before = friction_of(c);
+        x[lane] = before.x;
+        y[lane] = before.y;
+        twist[lane] = c.twist_impulse;
+    }
+    /// The impulse of point k, which bears that part of the load; and the one about the normal.
+    vec<S, 2> of_point(int lane, int, S part) const { return {x[lane] * part, y[lane] * part}; }
+    S about_normal(int lane) const { return twist[lane]; }
+    /// The impulses so far.
+    template <class Point>
+    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> last(const Point*, int) const {
+        return {P::load(x), P::load(y), P::load(twist)};
+    }
+    /// Their change where the surfaces slip: first it stops the slip at the middle, then the twist.
+    template <class Point>
+    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(const slide_lanes<P>& slip, const Point* points, int count) {
+        const P load = load_of<P>(points, count);
+        const lanes2<P> before = {P::load(x), P::load(y)};
+        const lanes2<P> after = stop.next(before, {slip.x, slip.y}, P::load(coefficient) * load);
+        after.x.store(x);
+        after.y.store(y);
+        const P twisted = P::load(twist), most = P::load(twist_arm) * load;
+        const P turned = max(min(twisted - P::load(stop_twist) * slip.twist, most), -most);
+        turned.store(twist);
+        return {after.x - before.x, after.y - before.y, turned - twisted};
+    }
+};
+
+/// Friction of points in space: each on its own cone, one after the other.
+template <class S, int W>
+struct soft_point_friction3 {
+    using P = pack<S, W>;
+    using Q = pack<inverse_of<S>, W>;
+    using body = solver_body<S, 3>;
+
+    struct point {
+        cone_lanes<S, W> stop;
+        S x[W], y[W];
+    };
+
+    S coefficient[W];
+    /// How the slip at the middle and the twist answer to impulses along both tangents and to one about the normal.
+    inverse_of<S> answer[6][W];
+    point each[manifold<S, 3>::capacity];
+
+    template <class Point>
+    void put(int lane, const contact<S, 3>& c, const contact_point<S, 3>& middle, const body& a, const body& b,
+             const tangents<S, 3>& frame, const Point*) {
+        coefficient[lane] = c.friction;
+        const auto turned = [&](vec<S, 3> of_a, vec<S, 3> of_b, vec<S, 3> about_a, vec<S, 3> about_b) {
+            return torque_answer<S>(a.inverse_inertia, of_a, about_a) +
+                   torque_answer<S>(b.inverse_inertia, of_b, about_b);
+        };
+        const vec<S, 3> t_a = cross(middle.lever_a, frame.t), t_b = cross(middle.lever_b, frame.t);
+        const vec<S, 3> u_a = cross(middle.lever_a, frame.u), u_b = cross(middle.lever_b, frame.u);
+        const inverse_of<S> m = a.inverse_mass + b.inverse_mass;
+        answer[0][lane] = m + turned(t_a, t_b, t_a, t_b);
+        answer[1][lane] = turned(t_a, t_b, u_a, u_b);
+        answer[2][lane] = turned(t_a, t_b, c.normal, c.normal);
+        answer[3][lane] = m + turned(u_a, u_b, u_a, u_b);
+        answer[4][lane] = turned(u_a, u_b, c.normal, c.normal);
+        answer[5][lane] = turned(c.normal, c.normal, c.normal, c.normal);
+        for (int k = 0; k < c.count; ++k) {
+            const contact_point<S, 3>& from = c.points[k];
+            each[k].stop.put(lane, friction3<S>(a, b, from, frame));
+            each[k].x[lane] = from.persisted ? from.friction_impulse.x : S(0);
+            each[k].y[lane] = from.persisted ? from.friction_impulse.y : S(0);
+        }
+    }
+    vec<S, 2> of_point(int lane, int k, S) const { return {each[k].x[lane], each[k].y[lane]}; }
+    S about_normal(int) const { return S(0); }
+    template <class Point>
+    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> last(const Point* points, int count) const {
+        const P zero = P::broadcast(S(0));
+        slide_lanes<P> sum{zero, zero, zero};
+        for (int k = 0; k < count; ++k) add(sum, points[k], P::load(each[k].x), P::load(each[k].y));
+        return sum;
+    }
+    template <class Point>
+    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(slide_lanes<P> slip, const Point* points, int count) {
+        const P zero = P::broadcast(S(0)), mu = P::load(coefficient);
+        slide_lanes<P> sum{zero, zero, zero};
+        for (int k = 0; k < count; ++k) {
+            const P px = P::load(points[k].x), py = P::load(points[k].y);
+            const lanes2<P> before = {P::load(each[k].x), P::load(each[k].y)};
+            const lanes2<P> v = {slip.x - py * slip.twist, slip.y + px * slip.twist};
+            const lanes2<P> after = each[k].stop.next(before, v, mu * P::load(points[k].impulse));
+            after.x.store(each[k].x);
+            after.y.store(each[k].y);
+            slide_lanes<P> by{zero, zero, zero};
+            add(by, points[k], after.x - before.x, after.y - before.y);
+            sum = {sum.x + by.x, sum.y + by.y, sum.twist + by.twist};
+            slip = {slip.x + answered(0, 1, 2, by), slip.y + answered(1, 3, 4, by),
+                    slip.twist + answered(2, 4, 5, by)};
+        }
+        return sum;
+    }
+
+private:
+    template <class Point>
+    PHYSICS_HPP_ALWAYS_INLINE static void add(slide_lanes<P>& sum, const Point& p, const P& x, const P& y) {
+        sum = {sum.x + x, sum.y + y, sum.twist + lane_difference(P::load(p.x), y, P::load(p.y), x)};
+    }
+    PHYSICS_HPP_ALWAYS_INLINE P answered(int i, int j, int k, const slide_lanes<P>& by) const {
+        return narrow<S>(product(Q::load(answer[i]), by.x) + product(Q::load(answer[j]), by.y) +
+                         product(Q::load(answer[k]), by.twist));
+    }
+};
+
+template <class S, int W, class Features>
+using soft_friction2_of = std::conditional_t<Features::friction, soft_friction2<S, W>, no_soft_friction>;
+template <class S, int W, class Features, class Friction>
+using soft_friction3_of =
+    std::conditional_t<!Features::friction, no_soft_friction,
+                       std::conditional_t<std::is_same_v<Friction, point_friction>, soft_point_friction3<S, W>,
+                                          soft_patch_friction3<S, W>>>;
+
+}  // namespace detail
 
 PHYSICS_HPP_END
 
@@ -19564,14 +20146,6 @@ contact_point<S, D> middle_of(const contact<S, D>& c) {
     middle.lever_b *= share;
     return middle;
 }
-/// Last step's friction of the points that are still there.
-template <class S, int D>
-tangential<S, D> friction_of(const contact<S, D>& c) {
-    tangential<S, D> sum{};
-    for (int k = 0; k < c.count; ++k)
-        if (c.points[k].persisted) sum += c.points[k].friction_impulse;
-    return sum;
-}
 /// The change of a point's impulse that its speed along the normal asks for.
 template <class P, class Point, class S = typename P::scalar>
 PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& way, const soft_round<S>& how) {
@@ -19618,7 +20192,7 @@ namespace detail {
 
 /// W contacts that push different bodies. All points of a contact share the normal, so their speeds follow from two
 /// numbers: the speed along the normal at the contact's middle, and how fast the bodies turn against each other.
-/// Friction acts at the middle.
+/// Friction acts at the middle: along their line all points slip alike.
 template <class S, int W, class Features>
 struct soft_contact2 {
     using I = inverse_of<S>;
@@ -19639,11 +20213,12 @@ struct soft_contact2 {
     /// How the two speeds answer to an impulse along the normal and to an angular impulse.
     I answer[3][W];
     point points[manifold<S, 2>::capacity];
+    [[no_unique_address]] soft_friction2_of<S, W, Features> friction;
     int point_count = 0;
-    S friction[W], stop[W], friction_impulse[W];
+    [[no_unique_address]] extras_of_block<S, W, 2, Features> extras;
 
     /// Writes a contact into a lane.
-    void put(int lane, const contact<S, 2>& c, const body* bodies, S bounce_slop, S h) {
+    void put(int lane, const contact<S, 2>& c, const body* bodies, S bounce_slop, S h, arena& scratch) {
         const body& first = bodies[c.body_a];
         const body& second = bodies[c.body_b];
         const contact_point<S, 2> middle = middle_of(c);
@@ -19675,10 +20250,11 @@ struct soft_contact2 {
             if constexpr (Features::restitution) to.bounce[lane] = bounce_of(c, from, first, second, bounce_slop, h);
         }
         if constexpr (Features::friction) {
-            friction[lane] = c.friction;
-            stop[lane] = effective_mass(first, second, middle, tangents<S, 2>(c.normal).t);
-            friction_impulse[lane] = friction_of(c);
+            friction.coefficient[lane] = c.friction;
+            friction.stop[lane] = effective_mass(first, second, middle, tangents<S, 2>(c.normal).t);
+            friction.impulse[lane] = friction_of(c);
         }
+        extras.put(lane, c, first, second, scratch);
     }
     /// Hands the impulses back. Friction is shared as the points share the load.
     void take(int lane, contact<S, 2>& c) const {
@@ -19688,8 +20264,9 @@ struct soft_contact2 {
             contact_point<S, 2>& to = c.points[k];
             to.normal_impulse = points[k].impulse[lane];
             if constexpr (Features::friction)
-                to.friction_impulse = load > S(0) ? friction_impulse[lane] * (to.normal_impulse / load) : S(0);
+                to.friction_impulse = load > S(0) ? friction.impulse[lane] * (to.normal_impulse / load) : S(0);
         }
+        extras.take(lane, c);
     }
 
     /// Gives the bodies the impulses of the last substep at once.
@@ -19704,7 +20281,9 @@ struct soft_contact2 {
             load = load + impulse;
             moment = moment + P::load(points[k].lever) * impulse;
         }
-        if constexpr (Features::friction) rub = P::load(friction_impulse);
+        if constexpr (Features::friction) rub = P::load(friction.impulse);
+        if constexpr (Features::rolling_resistance)
+            if (extras.at != nullptr) moment = moment + P::load(extras.at->impulse);
         push(f, load, rub, moment, at_a, at_b);
         at_a.store(bodies, a);
         at_b.store(bodies, b);
@@ -19712,6 +20291,8 @@ struct soft_contact2 {
     /// One round over the contacts: friction by the load of the last round, then the points one after the other. While
     /// overlaps are pushed apart friction rests: it would act against what the springs do, and piles would sway.
     void solve(body* bodies, const soft_round<S>& how) {
+        if constexpr (Features::rolling_resistance)
+            if (!how.pushes && extras.at != nullptr) roll(bodies);
         const frame_lanes f(*this);
         body_lanes2<P> at_a, at_b;
         at_a.load(bodies, a);
@@ -19779,16 +20360,29 @@ private:
     }
     /// Stops the slip at the middle, or lets it slide.
     PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, body_lanes2<P>& at_a, body_lanes2<P>& at_b) {
-        P load = P::load(points[0].impulse);
-        for (int k = 1; k < point_count; ++k) load = load + P::load(points[k].impulse);
         const auto& [v_a, w_a] = at_a.velocity;
         const auto& [v_b, w_b] = at_b.velocity;
-        const P slip =
+        P slip =
             lane_difference(f.y, v_b.x - v_a.x, f.x, v_b.y - v_a.y) + lane_difference(f.slide_b, w_b, f.slide_a, w_a);
-        const P before = P::load(friction_impulse), most = P::load(friction) * load;
-        const P impulse = max(min(before - P::load(stop) * slip, most), -most);
-        impulse.store(friction_impulse);
-        push(f, P::broadcast(S(0)), impulse - before, P::broadcast(S(0)), at_a, at_b);
+        if constexpr (Features::surface_velocity)
+            if (extras.at != nullptr) slip = slip - P::load(extras.at->along);
+        const P change = friction.next(slip, load_of<P>(points, point_count));
+        push(f, P::broadcast(S(0)), change, P::broadcast(S(0)), at_a, at_b);
+    }
+    /// Stops the bodies' rolling against each other, or slows it. Apart from the rest, so that contacts without it have
+    /// their registers to themselves.
+    PHYSICS_HPP_NOINLINE void roll(body* bodies) requires Features::rolling_resistance {
+        body_lanes2<P> at_a, at_b;
+        at_a.load(bodies, a);
+        at_b.load(bodies, b);
+        P& w_a = at_a.velocity.angular;
+        P& w_b = at_b.velocity.angular;
+        const P by = extras.at->next(w_b - w_a, load_of<P>(points, point_count));
+        const P arm = P::load(extras.at->arm), zero = P::broadcast(S(0));
+        w_a = select_greater(arm, zero, w_a - mul<S>(Q::load(inertia_a), by), w_a);
+        w_b = select_greater(arm, zero, w_b + mul<S>(Q::load(inertia_b), by), w_b);
+        at_a.store(bodies, a);
+        at_b.store(bodies, b);
     }
     /// Impulses along the normal and the tangent at the middle, and an angular one, from A on B.
     PHYSICS_HPP_ALWAYS_INLINE void push(const frame_lanes& f, const P& along, const P& across, const P& moment,
@@ -19819,8 +20413,8 @@ namespace detail {
 
 /// W contacts that push different bodies. All points of a contact share the normal, so their speeds follow from three
 /// numbers: the speed along the normal at the contact's middle, and how fast the bodies turn against each other about
-/// both tangents. Friction acts at the middle, and against twisting about the normal.
-template <class S, int W, class Features>
+/// both tangents. Friction follows from three more: the slip at the middle, and the twist about the normal.
+template <class S, int W, class Features, class Friction = patch_friction>
 struct soft_contact3 {
     using I = inverse_of<S>;
     using P = pack<S, W>;
@@ -19840,15 +20434,12 @@ struct soft_contact3 {
     /// How the three speeds answer to an impulse along the normal and to angular impulses about the tangents.
     I answer[6][W];
     point points[manifold<S, 3>::capacity];
+    [[no_unique_address]] soft_friction3_of<S, W, Features, Friction> friction;
     int point_count = 0;
-    /// The largest friction for an impulse of 1, at the middle and, an angular impulse, about the normal (m).
-    S friction[W], twist_friction[W];
-    /// The impulses that stop a slip: the inverse of the answers along both tangents, and about the normal.
-    S stop_xx[W], stop_xy[W], stop_yy[W], slip[W], stop_twist[W];
-    S friction_x[W], friction_y[W], twist[W];
+    [[no_unique_address]] extras_of_block<S, W, 3, Features> extras;
 
     /// Writes a contact into a lane.
-    void put(int lane, const contact<S, 3>& c, const body* bodies, S bounce_slop, S h) {
+    void put(int lane, const contact<S, 3>& c, const body* bodies, S bounce_slop, S h, arena& scratch) {
         const body& first = bodies[c.body_a];
         const body& second = bodies[c.body_b];
         const tangents<S, 3> frame(c.normal);
@@ -19878,7 +20469,6 @@ struct soft_contact3 {
         answer[5][lane] = both(frame.u, frame.u, frame.u, frame.u);
 
         point_count = point_count < c.count ? c.count : point_count;
-        S reach = S(0), pushed = S(0);
         for (int k = 0; k < c.count; ++k) {
             const contact_point<S, 3>& from = c.points[k];
             const vec<S, 3> offset = from.lever_a - middle.lever_a;
@@ -19888,39 +20478,23 @@ struct soft_contact3 {
             to.mass[lane] = effective_mass(first, second, from, c.normal);
             to.separation[lane] = from.separation;
             to.impulse[lane] = from.persisted ? from.normal_impulse : S(0);
-            pushed += to.impulse[lane];
-            reach += length(vec<S, 2>{to.x[lane], to.y[lane]});
             if constexpr (Features::restitution) to.bounce[lane] = bounce_of(c, from, first, second, bounce_slop, h);
         }
-        if constexpr (Features::friction) {
-            const friction3<S> stop(first, second, middle, frame);
-            friction[lane] = c.friction;
-            twist_friction[lane] = c.friction * reach / S(c.count);
-            stop_xx[lane] = stop.xx;
-            stop_xy[lane] = stop.xy;
-            stop_yy[lane] = stop.yy;
-            slip[lane] = stop.slip;
-            const I twisted = both(c.normal, c.normal, c.normal, c.normal);
-            stop_twist[lane] = twisted > I(0) ? reciprocal<S>(twisted) : S(0);
-            const vec<S, 2> before = friction_of(c);
-            friction_x[lane] = before.x;
-            friction_y[lane] = before.y;
-            twist[lane] = c.twist_impulse;
-        }
+        if constexpr (Features::friction) friction.put(lane, c, middle, first, second, frame, points);
+        extras.put(lane, c, first, second, scratch);
     }
-    /// Hands the impulses back. Friction is shared as the points share the load.
+    /// Hands the impulses back.
     void take(int lane, contact<S, 3>& c) const {
         S load = S(0);
         for (int k = 0; k < c.count; ++k) load += points[k].impulse[lane];
         for (int k = 0; k < c.count; ++k) {
             contact_point<S, 3>& to = c.points[k];
             to.normal_impulse = points[k].impulse[lane];
-            if constexpr (Features::friction) {
-                const S part = load > S(0) ? to.normal_impulse / load : S(0);
-                to.friction_impulse = {friction_x[lane] * part, friction_y[lane] * part};
-            }
+            if constexpr (Features::friction)
+                to.friction_impulse = friction.of_point(lane, k, load > S(0) ? to.normal_impulse / load : S(0));
         }
-        if constexpr (Features::friction) c.twist_impulse = twist[lane];
+        if constexpr (Features::friction) c.twist_impulse = friction.about_normal(lane);
+        extras.take(lane, c);
     }
 
     /// Gives the bodies the impulses of the last substep at once.
@@ -19931,12 +20505,18 @@ struct soft_contact3 {
         at_b.load(bodies, b);
         P load = P::broadcast(S(0)), about_t = load, about_u = load;
         for (int k = 0; k < point_count; ++k) add_push(points[k], P::load(points[k].impulse), load, about_t, about_u);
+        if constexpr (Features::rolling_resistance) {
+            if (extras.at != nullptr) {
+                about_t = about_t + P::load(extras.at->rolling::x);
+                about_u = about_u + P::load(extras.at->rolling::y);
+            }
+        }
         lanes3<P> impulse = {f.n.x * load, f.n.y * load, f.n.z * load};
         lanes3<P> moment = lane_combine(f.t, about_t, f.u, about_u);
         if constexpr (Features::friction) {
-            impulse = lane_add(impulse, lane_combine(f.t, P::load(friction_x), f.u, P::load(friction_y)));
-            const P about_n = P::load(twist);
-            moment = lane_add(moment, {f.n.x * about_n, f.n.y * about_n, f.n.z * about_n});
+            const slide_lanes<P> last = friction.last(points, point_count);
+            impulse = lane_add(impulse, lane_combine(f.t, last.x, f.u, last.y));
+            moment = lane_add(moment, {f.n.x * last.twist, f.n.y * last.twist, f.n.z * last.twist});
         }
         push(f, impulse, moment, at_a, at_b);
         at_a.store(bodies, a);
@@ -19946,6 +20526,8 @@ struct soft_contact3 {
     /// One round over the contacts: friction by the load of the last round, then the points one after the other. While
     /// overlaps are pushed apart friction rests: it would act against what the springs do, and piles would sway.
     void solve(body* bodies, const soft_round<S>& how) {
+        if constexpr (Features::rolling_resistance)
+            if (!how.pushes && extras.at != nullptr) roll(bodies);
         frame_lanes f(*this);
         body_lanes3<P> at_a, at_b;
         at_a.load(bodies, a);
@@ -20025,29 +20607,40 @@ private:
         return narrow<S>(product(Q::load(answer[i]), x) + product(Q::load(answer[j]), y) +
                          product(Q::load(answer[k]), z));
     }
-    /// Stops the slip at the middle, or lets it slide on the cone; then the twist about the normal.
+    /// Stops the slip, or lets it slide on the cone.
     PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, body_lanes3<P>& at_a, body_lanes3<P>& at_b) {
-        P load = P::load(points[0].impulse);
-        for (int k = 1; k < point_count; ++k) load = load + P::load(points[k].impulse);
         const lanes3<P> slipping = at_middle(f, at_a.velocity, at_b.velocity);
-        const P vx = lane_dot(f.t, slipping), vy = lane_dot(f.u, slipping), xy = P::load(stop_xy);
-        const P before_x = P::load(friction_x), before_y = P::load(friction_y), limit = P::load(friction) * load;
-        const P stick_x = before_x - lane_sum(P::load(stop_xx), vx, xy, vy);
-        const P stick_y = before_y - lane_sum(xy, vx, P::load(stop_yy), vy);
-        const P scale = P::load(slip), slide_x = before_x - scale * vx, slide_y = before_y - scale * vy;
-        const P sliding = lane_length(slide_x, slide_y), sticking = lane_length(stick_x, stick_y);
-        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
-        const P share = select_greater(sliding, limit, limit / select_greater(sliding, zero, sliding, one), one);
-        const P x = select_greater(sticking, limit, slide_x * share, stick_x);
-        const P y = select_greater(sticking, limit, slide_y * share, stick_y);
-        x.store(friction_x);
-        y.store(friction_y);
-        const P about_n = lane_dot(f.n, lane_subtract(at_b.velocity.angular, at_a.velocity.angular));
-        const P before = P::load(twist), most = P::load(twist_friction) * load;
-        const P turned = max(min(before - P::load(stop_twist) * about_n, most), -most);
-        turned.store(twist);
-        const P by = turned - before;
-        push(f, lane_combine(f.t, x - before_x, f.u, y - before_y), {f.n.x * by, f.n.y * by, f.n.z * by}, at_a, at_b);
+        slide_lanes<P> slip = {lane_dot(f.t, slipping), lane_dot(f.u, slipping),
+                               lane_dot(f.n, lane_subtract(at_b.velocity.angular, at_a.velocity.angular))};
+        if constexpr (Features::surface_velocity) {
+            if (extras.at != nullptr) {
+                slip.x = slip.x - P::load(extras.at->belt::x);
+                slip.y = slip.y - P::load(extras.at->belt::y);
+            }
+        }
+        const slide_lanes<P> by = friction.next(slip, points, point_count);
+        push(f, lane_combine(f.t, by.x, f.u, by.y), {f.n.x * by.twist, f.n.y * by.twist, f.n.z * by.twist}, at_a, at_b);
+    }
+    /// Stops the bodies' rolling against each other, or slows it. Apart from the rest, so that contacts without it have
+    /// their registers to themselves.
+    PHYSICS_HPP_NOINLINE void roll(body* bodies) requires Features::rolling_resistance {
+        const frame_lanes f(*this);
+        body_lanes3<P> at_a, at_b;
+        at_a.load(bodies, a);
+        at_b.load(bodies, b);
+        const lanes3<P> turning = lane_subtract(at_b.velocity.angular, at_a.velocity.angular);
+        const lanes2<P> rolling = {lane_dot(f.t, turning), lane_dot(f.u, turning)};
+        const lanes2<P> by = extras.at->next(rolling, load_of<P>(points, point_count));
+        const lanes3<P> moment = lane_combine(f.t, by.x, f.u, by.y);
+        const P arm = P::load(extras.at->arm), zero = P::broadcast(S(0));
+        const auto where_it_acts = [&](lanes3<P>& w, const lanes3<P>& now) {
+            w = {select_greater(arm, zero, now.x, w.x), select_greater(arm, zero, now.y, w.y),
+                 select_greater(arm, zero, now.z, w.z)};
+        };
+        where_it_acts(at_a.velocity.angular, lane_subtract(at_a.velocity.angular, turned_by(inertia_a, moment)));
+        where_it_acts(at_b.velocity.angular, lane_add(at_b.velocity.angular, turned_by(inertia_b, moment)));
+        at_a.store(bodies, a);
+        at_b.store(bodies, b);
     }
     /// An impulse at the middle and an angular impulse, from A on B.
     PHYSICS_HPP_ALWAYS_INLINE void push(const frame_lanes& f, const lanes3<P>& impulse, const lanes3<P>& moment,
@@ -20115,15 +20708,17 @@ bool check(const soft_step_settings<S>& with, const char* function) {
 
 /// Small steps with soft contacts: in each substep velocities advance, impulses of the last one are given at once, a
 /// round pushes overlaps apart by damped springs, poses advance, and a round without springs takes back the speed that
-/// they gave. Bounces come last. Contacts act per manifold: friction at its middle on a circular cone, and against
-/// twisting. Error: of order h / substeps; the springs follow the substep, so that more work always means less error.
-/// Cost: 2 rounds a substep, contacts of one colour in lanes. Source: Macklin et al., Small Steps in Physics Simulation
-/// (2019); Catto, Soft constraints (GDC 2011), Solver2D (2024).
-struct soft_step {
+/// they gave. Bounces come last. Normals act per manifold, friction on a circular cone per manifold (patch_friction) or
+/// per point (point_friction). Error: of order h / substeps; the springs follow the substep, so that more work always
+/// means less error. Cost: 2 rounds a substep, contacts of one colour in lanes. Source: Macklin et al., Small Steps in
+/// Physics Simulation (2019); Catto, Soft constraints (GDC 2011), Solver2D (2024).
+template <class Friction>
+struct soft_step_with {
     using stage = physics::stage::solver;
 
     /// Width: how many contacts go in lanes at a time; every width gives the same bits.
     template <class Space, class Features, int Width = detail::native_width<typename Space::scalar>>
+        requires(std::same_as<Friction, patch_friction> || std::same_as<Friction, point_friction>)
     class in {
     public:
         using S = typename Space::scalar;
@@ -20142,7 +20737,7 @@ struct soft_step {
             for (std::uint32_t k = 0; k < colours.count; ++k) count += blocks_of(colours, k);
             block* blocks = scratch.template take<block>(count);
             std::uint32_t* numbers = scratch.template take<std::uint32_t>(count * width);
-            pack_blocks(colours, contacts, bodies, nobody, with, h, blocks, numbers);
+            pack_blocks(colours, contacts, bodies, nobody, with, h, scratch, blocks, numbers);
 
             const S part = h / S(with.substeps);
             const S frequency = with.stiffness / part;
@@ -20175,7 +20770,7 @@ struct soft_step {
         static constexpr int width = Width;
         static constexpr std::uint32_t none = 0xffffffffu;
         using block = std::conditional_t<D == 2, detail::soft_contact2<S, width, Features>,
-                                         detail::soft_contact3<S, width, Features>>;
+                                         detail::soft_contact3<S, width, Features, Friction>>;
 
         /// Contacts of a block in one group: one where they may push the same body.
         static std::uint32_t share_of(const detail::contact_colours& colours, std::uint32_t group) {
@@ -20187,7 +20782,7 @@ struct soft_step {
         }
         static void pack_blocks(const detail::contact_colours& colours, const buffer<contact<S, D>>& contacts,
                                 const solver_body<S, D>* bodies, std::uint32_t nobody, const settings& with, S h,
-                                block* blocks, std::uint32_t* numbers) {
+                                arena& scratch, block* blocks, std::uint32_t* numbers) {
             for (std::uint32_t group = 0; group < colours.count; ++group) {
                 const std::uint32_t share = share_of(colours, group);
                 for (std::uint32_t at = colours.begin[group]; at < colours.begin[group + 1]; at += share) {
@@ -20196,7 +20791,8 @@ struct soft_step {
                         const bool used = lane < share && at + lane < colours.begin[group + 1];
                         const std::uint32_t n = used ? colours.order[at + lane] : none;
                         *numbers++ = n;
-                        if (used) to.put(static_cast<int>(lane), contacts[n], bodies, with.restitution_slop, h);
+                        const int at_lane = static_cast<int>(lane);
+                        if (used) to.put(at_lane, contacts[n], bodies, with.restitution_slop, h, scratch);
                         else to.a[lane] = to.b[lane] = nobody;
                     }
                 }
@@ -20204,6 +20800,9 @@ struct soft_step {
         }
     };
 };
+
+/// Small steps with friction per manifold.
+struct soft_step : soft_step_with<patch_friction> {};
 
 PHYSICS_HPP_END
 
@@ -20268,7 +20867,7 @@ struct shape_def {
     physics::rotation<S, D> rotation = {};
     /// kg/m^3 in space, kg/m^2 in the plane; at least 0. Only ratios matter until forces act.
     S density = S(1);
-    physics::material<S> material = {};
+    physics::material<S, D> material = {};
     std::uint64_t user_data = 0;
 };
 
@@ -20307,8 +20906,14 @@ struct contact_view {
     physics::tangents<S, D> tangents;
     point points[manifold<S, D>::capacity];
     int count;
-    /// Coefficients of the two surfaces together.
-    S friction, restitution;
+    /// Coefficients of the two surfaces together (see material).
+    S friction, restitution, rolling_resistance;
+    /// How fast the surfaces drive B over A along the tangents (m/s).
+    physics::tangential<S, D> surface_velocity;
+    /// Angular impulses of the last step (N m s): about the normal, where the solver lets patches resist twisting, and
+    /// against rolling, about z in the plane and about both tangents in space.
+    S twist_impulse;
+    physics::tangential<S, D> rolling_impulse;
 };
 
 PHYSICS_HPP_END
@@ -20350,24 +20955,38 @@ struct shapes {
 
 /// Features that a recipe can leave out; what is left out costs nothing.
 namespace feature {
-/// Coulomb friction of contacts.
+/// Coulomb friction of contacts. Without it no surface drives another either.
 struct friction {};
 /// Bouncing.
 struct restitution {};
 /// Islands that are still leave the step until they are touched.
 struct sleeping {};
+/// Resistance to rolling.
+struct rolling_resistance {};
+/// Surfaces that run, as conveyor belts do.
+struct surface_velocity {};
 }  // namespace feature
 
 /// Leaves features out: without<feature::friction, feature::restitution>.
 template <class... Features>
 struct without {
     using stage = physics::stage::features;
-    static constexpr bool friction = !(std::same_as<Features, feature::friction> || ...);
-    static constexpr bool restitution = !(std::same_as<Features, feature::restitution> || ...);
-    static constexpr bool sleeping = !(std::same_as<Features, feature::sleeping> || ...);
-    static constexpr bool known =
-        ((std::same_as<Features, feature::friction> || std::same_as<Features, feature::restitution> ||
-          std::same_as<Features, feature::sleeping>)&&...);
+private:
+    template <class Feature>
+    static constexpr bool lacks = (std::same_as<Features, Feature> || ...);
+    template <class Any, class... Known>
+    static constexpr bool is_one_of = (std::same_as<Any, Known> || ...);
+
+public:
+    static constexpr bool friction = !lacks<feature::friction>;
+    static constexpr bool restitution = !lacks<feature::restitution>;
+    static constexpr bool rolling_resistance = !lacks<feature::rolling_resistance>;
+    static constexpr bool surface_velocity = friction && !lacks<feature::surface_velocity>;
+    static constexpr bool sleeping = !lacks<feature::sleeping>;
+    static constexpr bool known = (is_one_of<Features, feature::friction, feature::restitution,
+                                             feature::rolling_resistance, feature::surface_velocity,
+                                             feature::sleeping> &&
+                                   ...);
 };
 
 namespace detail {
@@ -20462,6 +21081,7 @@ struct plan<S, D, shapes<Shapes...>, Policies...> {
         typename policy_for<stage::narrowphase, best_per_pair, Policies...>::type::template in<S, D, Shapes...>;
     static constexpr bool remembers = requires { typename narrowphase::memory; };
     using pair_memory = typename memory_of<narrowphase>::type;
+    using mixing = typename policy_for<stage::mixing, geometric_mixing, Policies...>::type::template in<space>;
     using integrator =
         typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type::template in<space>;
     using solver =
@@ -20503,6 +21123,7 @@ enum class recipe_problem {
     unknown_feature,
     bad_broadphase,
     bad_narrowphase,
+    bad_mixing,
     bad_integrator,
     bad_solver,
 };
@@ -20521,8 +21142,9 @@ concept recipe_like = requires {
 
 template <class Stage>
 constexpr bool known_stage = std::same_as<Stage, stage::shapes> || std::same_as<Stage, stage::broadphase> ||
-                             std::same_as<Stage, stage::narrowphase> || std::same_as<Stage, stage::solver> ||
-                             std::same_as<Stage, stage::integrator> || std::same_as<Stage, stage::features>;
+                             std::same_as<Stage, stage::narrowphase> || std::same_as<Stage, stage::mixing> ||
+                             std::same_as<Stage, stage::solver> || std::same_as<Stage, stage::integrator> ||
+                             std::same_as<Stage, stage::features>;
 
 /// False for a policy that claims a stage of the library's own.
 template <class Policy, class Stage = typename stage_of<Policy>::type>
@@ -20612,6 +21234,9 @@ constexpr recipe_problem problem_of_policies(const policy_list<Policies...>*) {
                                typename policy_for<stage::narrowphase, best_per_pair, Policies...>::type, S, D>(
                                static_cast<const set*>(nullptr)))
             return recipe_problem::bad_narrowphase;
+        else if constexpr (!mixing_for<typename policy_for<stage::mixing, geometric_mixing, Policies...>::type,
+                                       space<S, D>>)
+            return recipe_problem::bad_mixing;
         else if constexpr (!integrator_policy<
                                typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type, S, D>)
             return recipe_problem::bad_integrator;
@@ -20682,6 +21307,9 @@ struct audit {
     static_assert(problem != recipe_problem::bad_narrowphase,
                   "physics::recipe: the narrowphase does not model physics::narrowphase_for; its in<S, D, Shapes...> "
                   "needs collide");
+    static_assert(problem != recipe_problem::bad_mixing,
+                  "physics::recipe: the mixing rule does not model physics::mixing_for; its in<Space> needs friction, "
+                  "restitution and rolling_resistance of two materials");
     static_assert(problem != recipe_problem::bad_integrator,
                   "physics::recipe: the integrator's in<Space> needs advance_velocity and advance_pose");
     static_assert(problem != recipe_problem::bad_solver,
@@ -20713,7 +21341,7 @@ struct shape_record {
     /// Where it is in the world, and its origin relative to the body's centre of mass, in world axes.
     transform<S, D> pose;
     vec<S, D> arm;
-    physics::material<S> material;
+    physics::material<S, D> material;
     S density{};
     std::uint32_t body = 0;
     /// The next shape of the same body.
@@ -21136,10 +21764,12 @@ bool check_body(const body_def<S, D>& def) {
            check_not_negative(f, "angular_damping", def.angular_damping) &&
            check_finite(f, "gravity_scale", def.gravity_scale);
 }
-template <class S>
-bool check_material(const char* function, const material<S>& m) {
+template <class S, int D>
+bool check_material(const char* function, const material<S, D>& m) {
     if (!check_not_negative(function, "friction", m.friction) ||
-        !check_not_negative(function, "restitution", m.restitution))
+        !check_not_negative(function, "restitution", m.restitution) ||
+        !check_not_negative(function, "rolling_resistance", m.rolling_resistance) ||
+        !check_finite(function, "surface_velocity", m.surface_velocity))
         return false;
     return !(m.restitution > S(1)) ||
            refuse(function, "restitution", static_cast<double>(m.restitution), "it must be at most 1");
@@ -21444,7 +22074,10 @@ void merge_contacts(Contacts& to, const Contacts& more) {
     std::uint32_t i = to.size(), j = more.size();
     if (j == 0) return;
     to.resize(i + j, more[0]);
-    for (std::uint32_t at = to.size(); j > 0;) to[--at] = i > 0 && more[j - 1].key() < to[i - 1].key() ? to[--i] : more[--j];
+    for (std::uint32_t at = to.size(); j > 0;) {
+        const bool is_last = i > 0 && more[j - 1].key() < to[i - 1].key();
+        to[--at] = is_last ? to[--i] : more[--j];
+    }
 }
 
 /// Calls f(body) for all of a sleeper's island, itself included; f may wake them.
@@ -21525,6 +22158,15 @@ void rouse_near(state<Plan>& s, std::uint32_t body) {
 template <class Plan>
 void wake_all(state<Plan>& s) {
     if constexpr (Plan::sleeps) s.bodies.each([&](std::uint32_t i, const auto&) { wake(s, i); });
+}
+
+template <class Plan>
+std::uint32_t count_awake(const state<Plan>& s) {
+    std::uint32_t count = 0;
+    s.bodies.each([&](std::uint32_t i, const auto& b) {
+        count += b.type != body_type::static_body && !s.is_asleep(i);
+    });
+    return count;
 }
 
 /// How far gravity draws bodies together within a step, at most.
@@ -21918,185 +22560,6 @@ void act(state<Plan>& s, body_id id, const char* function, const char* field,
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/world/hash.hpp
-// =================================================================================================
-// A number that worlds in the same state share.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// Mixes words into 64 bits, by value: neither byte order nor padding enters. Source: the finaliser of
-/// Steele, Lea, Flood, Fast splittable pseudorandom number generators (2014).
-class hasher {
-public:
-    void add(std::uint64_t word) {
-        hash_ = (hash_ ^ word) * 0xff51afd7ed558ccdu;
-        hash_ ^= hash_ >> 32;
-        hash_ *= 0xc4ceb9fe1a85ec53u;
-        hash_ ^= hash_ >> 29;
-    }
-    template <scalar_type S>
-    void add(S x) {
-        add(scalar_traits<S>::bits(x));
-    }
-    template <class S, int D>
-    void add(vec<S, D> v) {
-        for (int i = 0; i < D; ++i) add(v[i]);
-    }
-    template <class S>
-    void add(rotation<S, 2> r) {
-        add(r.cosine);
-        add(r.sine);
-    }
-    template <class S>
-    void add(rotation<S, 3> r) {
-        add(r.imaginary());
-        add(r.w);
-    }
-    template <class S>
-    void add(const symmetric<S>& m) {
-        add(vec<S, 3>{m.xx, m.yy, m.zz});
-        add(vec<S, 3>{m.xy, m.xz, m.yz});
-    }
-    template <class S, int D>
-    void add(const transform<S, D>& t) {
-        add(t.position);
-        add(t.rotation);
-    }
-    template <class S, int D>
-    void add(const body<S, D>& b) {
-        add(static_cast<std::uint64_t>(b.type) | std::uint64_t{b.rotation_locked} << 8 |
-            std::uint64_t{b.mass_is_set} << 9 | std::uint64_t{b.has_target} << 10 | std::uint64_t{b.can_sleep} << 11);
-        add(b.center);
-        add(b.rotation);
-        add(b.velocity.linear);
-        add(b.velocity.angular);
-        add(b.force);
-        add(b.torque);
-        add(b.mass.mass);
-        add(b.mass.center);
-        add(b.mass.inertia);
-        add(b.linear_damping);
-        add(b.angular_damping);
-        add(b.gravity_scale);
-        if (b.has_target) add(b.target);
-    }
-    template <class Plan>
-    void add(const shape_record<Plan>& s) {
-        add(static_cast<std::uint64_t>(s.shape.kind()) << 32 | s.body);
-        add(s.local);
-        add(s.material.friction);
-        add(s.material.restitution);
-        add(s.density);
-        const auto box = bounds(s.shape, s.local);
-        add(box.lower);
-        add(box.upper);
-        s.shape.visit([&](const auto& shape) {
-            if constexpr (refers_to_geometry<std::remove_cvref_t<decltype(shape)>>) add(shape.geometry->digest);
-        });
-    }
-    template <class S, int D>
-    void add(const contact<S, D>& c) {
-        add(c.normal);
-        add(c.twist_impulse);
-        add(static_cast<std::uint64_t>(c.count) | std::uint64_t{c.part} << 32);
-        for (int k = 0; k < c.count; ++k) {
-            add(std::uint64_t{c.points[k].feature});
-            add(c.points[k].normal_impulse);
-            add(c.points[k].friction_impulse);
-        }
-    }
-    /// The manifold follows from the rest.
-    template <class S, int D>
-    void add(const pair_memory<S, D>& m) {
-        add(m.b_in_a);
-        add(m.cache);
-        add(std::uint64_t{static_cast<std::uint32_t>(m.contact.count)});
-    }
-    template <class S, int D>
-    void add(const persistent_manifold<S, D>& m) {
-        add(m.cache);
-        add(std::uint64_t{m.named} << 32 | static_cast<std::uint32_t>(m.count));
-        for (std::int32_t i = 0; i < m.count; ++i) {
-            add(m.points[i].on_a);
-            add(m.points[i].on_b);
-            add(std::uint64_t{m.points[i].feature});
-        }
-    }
-    void add(const gjk_cache& c) {
-        add(std::uint64_t{c.count});
-        for (int i = 0; i < c.count; ++i) add(std::uint64_t{c.vertex[i]});
-        for (const float x : c.axis) add(x);
-    }
-    [[nodiscard]] std::uint64_t value() const { return hash_; }
-
-private:
-    std::uint64_t hash_ = 0x9e3779b97f4a7c15u;
-};
-
-/// One number for one thing: processors work on several at a time, and a difference can be traced to its thing.
-template <class Item>
-std::uint64_t hash_of(std::uint64_t name, const Item& item) {
-    hasher h;
-    h.add(name);
-    h.add(item);
-    return h.value();
-}
-
-/// Of what is remembered of a pair; 0 where that bears on no result, as of pairs that do not touch.
-template <class S, int D>
-std::uint64_t digest_of(const pair_memory<S, D>& m, std::uint64_t name) {
-    return m.contact.count > 0 ? hash_of(name, m) : 0;
-}
-template <class S, int D>
-std::uint64_t digest_of(const persistent_manifold<S, D>& m, std::uint64_t name) {
-    return m.count > 0 ? hash_of(name, m) : 0;
-}
-template <class Memory>
-    requires requires(const Memory& m) { m.digest(); }
-std::uint64_t digest_of(const Memory& m, std::uint64_t name) {
-    return m.digest() != 0 ? hash_of(name, m.digest()) : 0;
-}
-
-/// Of everything in a world that bears on its future, but for the settings: neither user data nor what only
-/// saves work, like the boxes of the broadphase. The dimensions of a shape enter by its bounds.
-template <class Plan>
-std::uint64_t state_hash(const state<Plan>& s) {
-    hasher h;
-    const auto add_all = [&](const auto& pool) {
-        h.add(std::uint64_t{pool.count()});
-        pool.each([&](std::uint32_t i, const auto& item) {
-            h.add(hash_of(std::uint64_t{i} << 32 | pool.generation(i), item));
-        });
-    };
-    h.add(s.steps);
-    add_all(s.bodies);
-    add_all(s.shapes);
-    h.add(std::uint64_t{s.contacts.size()});
-    for (const auto& c : s.contacts) h.add(hash_of(std::uint64_t{c.shape_a} << 32 | c.shape_b, c));
-    if constexpr (Plan::sleeps) {
-        s.bodies.each([&](std::uint32_t i, const auto&) {
-            h.add(s.sleep.still[i]);
-            h.add(s.sleep.since[i]);
-            h.add(std::uint64_t{s.sleep.ring[i]});
-        });
-        for (const auto& c : s.sleep.contacts) h.add(hash_of(std::uint64_t{c.shape_a} << 32 | c.shape_b, c));
-    }
-    if constexpr (Plan::remembers)
-        for (std::uint32_t i = 0; i < s.memories.pairs.size(); ++i) {
-            const auto [a, b] = s.memories.pairs[i];
-            const std::uint64_t digest = digest_of(s.memories.items[i], std::uint64_t{a} << 32 | b);
-            if (digest != 0) h.add(digest);
-        }
-    return h.value();
-}
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
 // physics/world/motion.hpp
 // =================================================================================================
 // Bodies as they move through a step: copies in tight arrays, which become the world's when the step has succeeded.
@@ -22291,6 +22754,317 @@ private:
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/world/contacts.hpp
+// =================================================================================================
+// The contacts of a step: narrowphase, surfaces, and what is remembered of pairs.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// The narrowphase wants the shape of the lower kind first.
+template <class Plan>
+proxy_pair in_order_of_kinds(const state<Plan>& s, proxy_pair p) {
+    return s.shapes[p.a].shape.kind() > s.shapes[p.b].shape.kind() ? proxy_pair{p.b, p.a} : p;
+}
+
+/// Hands on what the last step remembered of the pairs that are still there. Both lists are in ascending order, so one
+/// walk along both finds it. Gives the query of each pair.
+template <class Plan>
+auto* recall_pairs(state<Plan>& s, const buffer<proxy_pair>& pairs) {
+    using narrowphase = typename Plan::narrowphase;
+    auto* queries = s.scratch.template take<typename Plan::query>(pairs.size());
+    s.found_memories.clear();
+    std::uint32_t last = 0;
+    for (std::uint32_t i = 0; i < pairs.size(); ++i) {
+        const proxy_pair p = in_order_of_kinds(s, pairs[i]);
+        const auto& a = s.shapes[p.a];
+        const auto& b = s.shapes[p.b];
+        new (queries + i) typename Plan::query{&a.shape, &b.shape, relative(a.pose, b.pose)};
+        if constexpr (Plan::remembers) {
+            if (!narrowphase::remembers(a.shape.kind(), b.shape.kind())) continue;
+            const auto& [before, items] = s.memories;
+            while (last < before.size() && before[last] < pairs[i]) ++last;
+            const bool known = last < before.size() && before[last] == pairs[i];
+            queries[i].memory = s.found_memories.pairs.size();
+            s.found_memories.add(pairs[i], known ? items[last] : typename Plan::pair_memory{});
+        }
+    }
+    return queries;
+}
+
+/// How running surfaces drive. Apart from the rest, since few do.
+template <class Plan>
+PHYSICS_HPP_NOINLINE void drive(contact<typename Plan::scalar, Plan::dimension>& c, const shape_record<Plan>& a,
+                                const shape_record<Plan>& b) {
+    c.surface_velocity = driven(tangents<typename Plan::scalar, Plan::dimension>(c.normal), a.pose.rotation,
+                                a.material.surface_velocity, b.pose.rotation, b.material.surface_velocity);
+}
+/// What both surfaces make of a contact of A and B; false if the recipe's rule gives what no solver takes.
+template <class Plan>
+bool mix_surfaces(contact<typename Plan::scalar, Plan::dimension>& c, const shape_record<Plan>& a,
+                  const shape_record<Plan>& b) {
+    using S = typename Plan::scalar;
+    constexpr int D = Plan::dimension;
+    const auto is_good = [](S x) { return x >= S(0) && is_finite(x); };
+    c.friction = Plan::mixing::friction(a.material, b.material);
+    c.restitution = Plan::mixing::restitution(a.material, b.material);
+    if constexpr (Plan::features::rolling_resistance)
+        c.rolling_resistance = Plan::mixing::rolling_resistance(a.material, b.material);
+    if constexpr (Plan::features::surface_velocity) {
+        const surface_motion<S, D> still{};
+        if (a.material.surface_velocity != still || b.material.surface_velocity != still) drive(c, a, b);
+    }
+    return is_good(c.friction) && is_good(c.restitution) && !(c.restitution > S(1)) && is_good(c.rolling_resistance);
+}
+
+/// Narrowphase: contacts of the pairs that touch or nearly do, in the order of the pairs. False if surfaces do not mix.
+template <class Plan>
+bool find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs) {
+    using S = typename Plan::scalar;
+    constexpr int D = Plan::dimension;
+    const auto* queries = recall_pairs(s, pairs);
+    const S margin = s.settings.contact_margin;
+    s.manifolds.clear();
+    if constexpr (Plan::remembers)
+        Plan::narrowphase::collide(queries, pairs.size(), margin, s.found_memories.items.begin(), s.manifolds);
+    else
+        Plan::narrowphase::collide(queries, pairs.size(), margin, s.manifolds);
+
+    s.found.clear();
+    bool mixed = true;
+    for (const auto& [query, part, m] : s.manifolds) {
+        const proxy_pair p = in_order_of_kinds(s, pairs[query]);
+        const auto& a = s.shapes[p.a];
+        const auto& b = s.shapes[p.b];
+        const rotation<S, D> turn = a.pose.rotation;
+        const vec<S, D> from_b = b.arm + (a.pose.position - b.pose.position);
+        contact<S, D>& c =
+            s.found.emplace(p.a, p.b, s.mover_of[a.body], s.mover_of[b.body], part, turn * m.normal);
+        c.count = m.count;
+        for (int k = 0; k < m.count; ++k) {
+            const vec<S, D> at = turn * m.points[k].position;
+            c.points[k].lever_a = a.arm + at;
+            c.points[k].lever_b = from_b + at;
+            c.points[k].separation = m.points[k].separation;
+            c.points[k].feature = m.points[k].feature;
+        }
+        mixed = mix_surfaces(c, a, b) && mixed;
+    }
+    return mixed;
+}
+
+/// Who is woken brings contacts along: they are found anew, and join the others.
+template <class Plan>
+bool find_contacts_of_woken(state<Plan>& s) {
+    find_numbers(s);
+    for (auto& c : s.found) {
+        c.body_a = s.mover_of[body_a(s, c)];
+        c.body_b = s.mover_of[body_b(s, c)];
+    }
+    s.woken_pairs.clear();
+    for (const auto& c : s.sleep.contacts) {
+        const bool wakes = s.mover_of[body_a(s, c)] < s.movers.size() || s.mover_of[body_b(s, c)] < s.movers.size();
+        if (wakes && (s.woken_pairs.empty() || s.woken_pairs.back() < c.key())) s.woken_pairs.push(c.key());
+    }
+    // What is remembered of the other pairs waits meanwhile.
+    s.found.swap(s.woken_contacts);
+    s.found_memories.swap(s.woken_memories);
+    const bool good = find_contacts(s, s.woken_pairs);
+    inherit_impulses(s.sleep.contacts, s.found);
+    merge_contacts(s.woken_contacts, s.found);
+    s.found.swap(s.woken_contacts);
+    s.found_memories.swap(s.woken_memories);
+    return good;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/world/hash.hpp
+// =================================================================================================
+// A number that worlds in the same state share.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Mixes words into 64 bits, by value: neither byte order nor padding enters. Source: the finaliser of
+/// Steele, Lea, Flood, Fast splittable pseudorandom number generators (2014).
+class hasher {
+public:
+    void add(std::uint64_t word) {
+        hash_ = (hash_ ^ word) * 0xff51afd7ed558ccdu;
+        hash_ ^= hash_ >> 32;
+        hash_ *= 0xc4ceb9fe1a85ec53u;
+        hash_ ^= hash_ >> 29;
+    }
+    template <scalar_type S>
+    void add(S x) {
+        add(scalar_traits<S>::bits(x));
+    }
+    template <class S, int D>
+    void add(vec<S, D> v) {
+        for (int i = 0; i < D; ++i) add(v[i]);
+    }
+    template <class S>
+    void add(rotation<S, 2> r) {
+        add(r.cosine);
+        add(r.sine);
+    }
+    template <class S>
+    void add(rotation<S, 3> r) {
+        add(r.imaginary());
+        add(r.w);
+    }
+    template <class S>
+    void add(const symmetric<S>& m) {
+        add(vec<S, 3>{m.xx, m.yy, m.zz});
+        add(vec<S, 3>{m.xy, m.xz, m.yz});
+    }
+    template <class S, int D>
+    void add(const transform<S, D>& t) {
+        add(t.position);
+        add(t.rotation);
+    }
+    template <class S, int D>
+    void add(const body<S, D>& b) {
+        add(static_cast<std::uint64_t>(b.type) | std::uint64_t{b.rotation_locked} << 8 |
+            std::uint64_t{b.mass_is_set} << 9 | std::uint64_t{b.has_target} << 10 | std::uint64_t{b.can_sleep} << 11);
+        add(b.center);
+        add(b.rotation);
+        add(b.velocity.linear);
+        add(b.velocity.angular);
+        add(b.force);
+        add(b.torque);
+        add(b.mass.mass);
+        add(b.mass.center);
+        add(b.mass.inertia);
+        add(b.linear_damping);
+        add(b.angular_damping);
+        add(b.gravity_scale);
+        if (b.has_target) add(b.target);
+    }
+    template <class Plan>
+    void add(const shape_record<Plan>& s) {
+        add(static_cast<std::uint64_t>(s.shape.kind()) << 32 | s.body);
+        add(s.local);
+        add(s.material.friction);
+        add(s.material.restitution);
+        add(s.material.rolling_resistance);
+        add(s.material.surface_velocity);
+        add(s.density);
+        const auto box = bounds(s.shape, s.local);
+        add(box.lower);
+        add(box.upper);
+        s.shape.visit([&](const auto& shape) {
+            if constexpr (refers_to_geometry<std::remove_cvref_t<decltype(shape)>>) add(shape.geometry->digest);
+        });
+    }
+    template <class S, int D>
+    void add(const contact<S, D>& c) {
+        add(c.normal);
+        add(c.twist_impulse);
+        add(c.rolling_impulse);
+        add(static_cast<std::uint64_t>(c.count) | std::uint64_t{c.part} << 32);
+        for (int k = 0; k < c.count; ++k) {
+            add(std::uint64_t{c.points[k].feature});
+            add(c.points[k].normal_impulse);
+            add(c.points[k].friction_impulse);
+        }
+    }
+    /// The manifold follows from the rest.
+    template <class S, int D>
+    void add(const pair_memory<S, D>& m) {
+        add(m.b_in_a);
+        add(m.cache);
+        add(std::uint64_t{static_cast<std::uint32_t>(m.contact.count)});
+    }
+    template <class S, int D>
+    void add(const persistent_manifold<S, D>& m) {
+        add(m.cache);
+        add(std::uint64_t{m.named} << 32 | static_cast<std::uint32_t>(m.count));
+        for (std::int32_t i = 0; i < m.count; ++i) {
+            add(m.points[i].on_a);
+            add(m.points[i].on_b);
+            add(std::uint64_t{m.points[i].feature});
+        }
+    }
+    void add(const gjk_cache& c) {
+        add(std::uint64_t{c.count});
+        for (int i = 0; i < c.count; ++i) add(std::uint64_t{c.vertex[i]});
+        for (const float x : c.axis) add(x);
+    }
+    [[nodiscard]] std::uint64_t value() const { return hash_; }
+
+private:
+    std::uint64_t hash_ = 0x9e3779b97f4a7c15u;
+};
+
+/// One number for one thing: processors work on several at a time, and a difference can be traced to its thing.
+template <class Item>
+std::uint64_t hash_of(std::uint64_t name, const Item& item) {
+    hasher h;
+    h.add(name);
+    h.add(item);
+    return h.value();
+}
+
+/// Of what is remembered of a pair; 0 where that bears on no result, as of pairs that do not touch.
+template <class S, int D>
+std::uint64_t digest_of(const pair_memory<S, D>& m, std::uint64_t name) {
+    return m.contact.count > 0 ? hash_of(name, m) : 0;
+}
+template <class S, int D>
+std::uint64_t digest_of(const persistent_manifold<S, D>& m, std::uint64_t name) {
+    return m.count > 0 ? hash_of(name, m) : 0;
+}
+template <class Memory>
+    requires requires(const Memory& m) { m.digest(); }
+std::uint64_t digest_of(const Memory& m, std::uint64_t name) {
+    return m.digest() != 0 ? hash_of(name, m.digest()) : 0;
+}
+
+/// Of everything in a world that bears on its future, but for the settings: neither user data nor what only
+/// saves work, like the boxes of the broadphase. The dimensions of a shape enter by its bounds.
+template <class Plan>
+std::uint64_t state_hash(const state<Plan>& s) {
+    hasher h;
+    const auto add_all = [&](const auto& pool) {
+        h.add(std::uint64_t{pool.count()});
+        pool.each([&](std::uint32_t i, const auto& item) {
+            h.add(hash_of(std::uint64_t{i} << 32 | pool.generation(i), item));
+        });
+    };
+    h.add(s.steps);
+    add_all(s.bodies);
+    add_all(s.shapes);
+    h.add(std::uint64_t{s.contacts.size()});
+    for (const auto& c : s.contacts) h.add(hash_of(std::uint64_t{c.shape_a} << 32 | c.shape_b, c));
+    if constexpr (Plan::sleeps) {
+        s.bodies.each([&](std::uint32_t i, const auto&) {
+            h.add(s.sleep.still[i]);
+            h.add(s.sleep.since[i]);
+            h.add(std::uint64_t{s.sleep.ring[i]});
+        });
+        for (const auto& c : s.sleep.contacts) h.add(hash_of(std::uint64_t{c.shape_a} << 32 | c.shape_b, c));
+    }
+    if constexpr (Plan::remembers)
+        for (std::uint32_t i = 0; i < s.memories.pairs.size(); ++i) {
+            const auto [a, b] = s.memories.pairs[i];
+            const std::uint64_t digest = digest_of(s.memories.items[i], std::uint64_t{a} << 32 | b);
+            if (digest != 0) h.add(digest);
+        }
+    return h.value();
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/world/ranges.hpp
 // =================================================================================================
 // What a loop over a world's bodies and contacts walks along.
@@ -22365,7 +23139,8 @@ auto view_of(const state<Plan>& s, const contact<typename Plan::scalar, Plan::di
     contact_view<S, D> view{
         {c.shape_a, s.shapes.generation(c.shape_a), s.tag}, {c.shape_b, s.shapes.generation(c.shape_b), s.tag},
         {at_a, s.bodies.generation(at_a), s.tag},           {at_b, s.bodies.generation(at_b), s.tag},
-        c.part, c.normal, tangents<S, D>(c.normal), {}, c.count, c.friction, c.restitution};
+        c.part, c.normal, tangents<S, D>(c.normal), {}, c.count, c.friction, c.restitution, c.rolling_resistance,
+        c.surface_velocity, c.twist_impulse, c.rolling_impulse};
     for (int k = 0; k < c.count; ++k) {
         const contact_point<S, D>& p = c.points[k];
         const vec<S, D> local_a = inverse_rotate(s.contact_starts[at_a].rotation, p.lever_a) + a.mass.center;
@@ -22433,113 +23208,38 @@ const buffer<proxy_pair>& find_pairs(state<Plan>& s) {
     return s.broadphase.pairs([](std::uint32_t, std::uint32_t) { return true; });
 }
 
-/// The narrowphase wants the shape of the lower kind first.
-template <class Plan>
-proxy_pair in_order_of_kinds(const state<Plan>& s, proxy_pair p) {
-    return s.shapes[p.a].shape.kind() > s.shapes[p.b].shape.kind() ? proxy_pair{p.b, p.a} : p;
-}
+/// How a step went; if not well, the world is as it was.
+enum class step_result { done, bad_mixture, out_of_range };
 
-/// Hands on what the last step remembered of the pairs that are still there. Both lists are in ascending order, so one
-/// walk along both finds it. Gives the query of each pair.
-template <class Plan>
-auto* recall_pairs(state<Plan>& s, const buffer<proxy_pair>& pairs) {
-    using narrowphase = typename Plan::narrowphase;
-    auto* queries = s.scratch.template take<typename Plan::query>(pairs.size());
-    s.found_memories.clear();
-    std::uint32_t last = 0;
-    for (std::uint32_t i = 0; i < pairs.size(); ++i) {
-        const proxy_pair p = in_order_of_kinds(s, pairs[i]);
-        const auto& a = s.shapes[p.a];
-        const auto& b = s.shapes[p.b];
-        new (queries + i) typename Plan::query{&a.shape, &b.shape, relative(a.pose, b.pose)};
-        if constexpr (Plan::remembers) {
-            if (!narrowphase::remembers(a.shape.kind(), b.shape.kind())) continue;
-            const auto& [before, items] = s.memories;
-            while (last < before.size() && before[last] < pairs[i]) ++last;
-            const bool known = last < before.size() && before[last] == pairs[i];
-            queries[i].memory = s.found_memories.pairs.size();
-            s.found_memories.add(pairs[i], known ? items[last] : typename Plan::pair_memory{});
-        }
-    }
-    return queries;
-}
-
-/// Narrowphase: contacts of the pairs that touch or nearly do, in the order of the pairs.
-template <class Plan>
-void find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs) {
-    using S = typename Plan::scalar;
-    constexpr int D = Plan::dimension;
-    const auto* queries = recall_pairs(s, pairs);
-    const S margin = s.settings.contact_margin;
-    s.manifolds.clear();
-    if constexpr (Plan::remembers)
-        Plan::narrowphase::collide(queries, pairs.size(), margin, s.found_memories.items.begin(), s.manifolds);
-    else
-        Plan::narrowphase::collide(queries, pairs.size(), margin, s.manifolds);
-
-    s.found.clear();
-    for (const auto& [query, part, m] : s.manifolds) {
-        const proxy_pair p = in_order_of_kinds(s, pairs[query]);
-        const auto& a = s.shapes[p.a];
-        const auto& b = s.shapes[p.b];
-        const rotation<S, D> turn = a.pose.rotation;
-        const vec<S, D> from_b = b.arm + (a.pose.position - b.pose.position);
-        contact<S, D> c{p.a,  p.b,     s.mover_of[a.body], s.mover_of[b.body], part, turn * m.normal, {},
-                        m.count, S(0), S(0), S(0)};
-        for (int k = 0; k < m.count; ++k) {
-            const vec<S, D> at = turn * m.points[k].position;
-            c.points[k].lever_a = a.arm + at;
-            c.points[k].lever_b = from_b + at;
-            c.points[k].separation = m.points[k].separation;
-            c.points[k].feature = m.points[k].feature;
-        }
-        c.friction = root<S>(product(a.material.friction, b.material.friction));
-        c.restitution = max(a.material.restitution, b.material.restitution);
-        s.found.push(c);
-    }
-}
-
-/// Who is woken brings contacts along: they are found anew, and join the others.
-template <class Plan>
-void find_contacts_of_woken(state<Plan>& s) {
-    find_numbers(s);
-    for (auto& c : s.found) {
-        c.body_a = s.mover_of[body_a(s, c)];
-        c.body_b = s.mover_of[body_b(s, c)];
-    }
-    s.woken_pairs.clear();
-    for (const auto& c : s.sleep.contacts) {
-        const bool wakes = s.mover_of[body_a(s, c)] < s.movers.size() || s.mover_of[body_b(s, c)] < s.movers.size();
-        if (wakes && (s.woken_pairs.empty() || s.woken_pairs.back() < c.key())) s.woken_pairs.push(c.key());
-    }
-    // What is remembered of the other pairs waits meanwhile.
-    s.found.swap(s.woken_contacts);
-    s.found_memories.swap(s.woken_memories);
-    find_contacts(s, s.woken_pairs);
-    inherit_impulses(s.sleep.contacts, s.found);
-    merge_contacts(s.woken_contacts, s.found);
-    s.found.swap(s.woken_contacts);
-    s.found_memories.swap(s.woken_memories);
+inline void report(step_result result) {
+    if (result == step_result::out_of_range)
+        refuse("step", "a velocity", "not finite",
+                       "a force, a speed or a mass is beyond the scalar's range");
+    if (result == step_result::bad_mixture)
+        refuse("step", "a coefficient of two surfaces", "out of range",
+                       "the mixing rule must give friction and rolling_resistance that are finite and at least 0, "
+                       "and a restitution of 0 to 1");
 }
 
 /// Advances a world by h seconds. Each stage reads and writes plain arrays; only this function knows their
-/// order. False, and the world as it was, if a velocity or a position would leave the range of numbers.
+/// order. Refused if surfaces do not mix, or if a velocity or a position would leave the range of numbers.
 /// Not inlined, so that no arithmetic moves out of the caller's float_control_scope.
 template <class Plan>
-PHYSICS_HPP_NOINLINE bool step(state<Plan>& s, typename Plan::scalar h) {
+PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h) {
     s.scratch.reset();
-    number_movers(s);                       // bodies            -> which of them move
-    const auto& pairs = find_pairs(s);      // boxes             -> pairs, in order
-    find_contacts(s, pairs);                // pairs and poses   -> contacts with feature ids
+    number_movers(s);                   // bodies            -> which of them move
+    const auto& pairs = find_pairs(s);  // boxes             -> pairs, in order
+    if (!find_contacts(s, pairs)) return step_result::bad_mixture;  // pairs, poses -> contacts with feature ids
     if constexpr (Plan::sleeps)
-        if (disturb_sleepers(s, h)) find_contacts_of_woken(s);  // -> contacts of islands that are touched
+        // Blows -> contacts of the islands that they wake.
+        if (disturb_sleepers(s, h) && !find_contacts_of_woken(s)) return step_result::bad_mixture;
     inherit_impulses(s.contacts, s.found);  // last step's       -> warm impulses of what persists
     motion<Plan> moving(s, h);              // bodies, forces    -> what solver and integrator see of them
     Plan::solver::solve(moving.bodies, s.found, s.settings.solver, h, s.scratch, moving);  // -> velocities, poses
-    if (!moving.is_finite()) return false;
-    if (!moving.place_shapes()) return false;  // poses          -> boxes of what has moved
-    moving.finish();                           // results        -> bodies and contacts
-    return true;
+    if (!moving.is_finite()) return step_result::out_of_range;
+    if (!moving.place_shapes()) return step_result::out_of_range;  // poses -> boxes of what has moved
+    moving.finish();                                               // results -> bodies and contacts
+    return step_result::done;
 }
 
 }  // namespace detail
@@ -22580,7 +23280,7 @@ public:
     using body_def = physics::body_def<scalar, dimension>;
     using shape_def = physics::shape_def<scalar, dimension>;
     using contact_view = physics::contact_view<scalar, dimension>;
-    using material = physics::material<scalar>;
+    using material = physics::material<scalar, dimension>;
     using any_shape = typename plan::shape;
     using world_hit = physics::world_hit<scalar, dimension>;
     using nearest_shape = physics::nearest_shape<scalar, dimension>;
@@ -22598,9 +23298,7 @@ public:
     void step(scalar dt) {
         if (!detail::check_positive("step", "dt", dt)) return;
         const float_control_scope control;
-        if (!detail::step(state_, dt))
-            detail::refuse("step", "a velocity", "not finite",
-                           "a force, a speed or a mass is beyond the scalar's range");
+        detail::report(detail::step(state_, dt));
     }
     /// Number of steps taken.
     [[nodiscard]] std::uint64_t steps() const { return state_.steps; }
@@ -22826,12 +23524,8 @@ public:
         state_.bodies[b.index].can_sleep = can;
         if (!can) detail::wake(state_, b.index);
     }
-    /// Number of bodies that move and are awake.
-    [[nodiscard]] std::uint32_t awake_count() const {
-        std::uint32_t count = 0;
-        for (const body_id id : bodies()) count += type(id) != body_type::static_body && !is_asleep(id);
-        return count;
-    }
+    /// Number of bodies that move and are awake. O(bodies).
+    [[nodiscard]] std::uint32_t awake_count() const { return detail::count_awake(state_); }
     [[nodiscard]] std::uint64_t user_data(body_id id) const {
         return get(id, "user_data", [](const auto& b) { return b.user_data; });
     }

@@ -121,6 +121,40 @@ void heap(const char* cell, const char* scene = "heap") {
     sum.print(scene, cell);
 }
 
+/// Balls and boxes on belts that resist rolling: a slope that runs uphill, and a slab that turns upon it.
+template <class S, int D, class... Policies>
+void belts(const char* cell) {
+    struct moving : physics::recipe<S, D, Policies...> {};
+    using world = physics::world<moving>;
+    using motion = physics::surface_motion<S, D>;
+    const auto running = [](S speed) {
+        if constexpr (std::is_same_v<motion, S>) return motion(speed);
+        else return motion{speed, S(0), speed / S(4)};
+    };
+    world w;
+    typename world::halfspace slope;
+    slope.normal.x = S(0.28);
+    slope.normal.y = S(0.96);
+    w.create_shape(w.create_body({.type = physics::body_type::static_body}), slope,
+                   {.material = {.rolling_resistance = S(1.0 / 32), .surface_velocity = running(S(-2))}});
+    for (int i = 0; i < 24; ++i) {
+        typename world::body_def def;
+        def.position.x = S(i % 4) * S(1.25) - S(2);
+        def.position.y = S(i / 4) * S(1.25) + S(2);
+        def.position[D - 1] += S(i % 2) / S(8);
+        const auto body = w.create_body(def);
+        const physics::material<S, D> surface{.rolling_resistance = S(i % 2) / S(64), .surface_velocity = running(S(i % 3))};
+        if (i % 2 == 0) w.create_shape(body, typename world::ball{S(0.5)}, {.material = surface});
+        else w.create_shape(body, typename world::box{physics::vec<S, D>::filled(S(0.375))}, {.material = surface});
+    }
+    digest sum;
+    for (int i = 1; i <= 256; ++i) {
+        w.step(S(1.0 / 64));
+        if (i % 16 == 0) sum.word(w.state_hash());
+    }
+    sum.print("belts", cell);
+}
+
 /// The scenes of the flagship sample: a structure that stands, then is hit; the hash of every 30th state.
 template <class S, int D, class Build>
 void flagship(const char* scene, const char* cell, Build&& build) {
@@ -159,6 +193,10 @@ int main() {
     heap<float, 2, physics::soft_step>("float/2D", "soft_heap");
     heap<double, 3, physics::soft_step>("double/3D", "soft_heap");
     heap<float, 3, physics::soft_step>("float/3D", "soft_heap");
+    belts<float, 2, physics::soft_step>("float/2D");
+    belts<float, 3, physics::soft_step>("float/3D");
+    belts<double, 3, physics::soft_step_with<physics::point_friction>>("double/3D");
+    belts<physics::fixed32, 3>("fixed32/3D");
     flagships<float>("float/2D", "float/3D");
     flagships<double>("double/2D", "double/3D");
     flagships<physics::fixed32>("fixed32/2D", "fixed32/3D");

@@ -92,7 +92,7 @@ ground make_ground(const std::string& kind, int cells, double step, Height heigh
 }
 template <class Height>
 body_id add_surface(world& w, const std::string& kind, int cells, double step, Height height,
-                    physics::material<S> material = {}, bool two_sided = false) {
+                    physics::material<S, cell::dimension> material = {}, bool two_sided = false) {
     const body_id body = w.create_body({.type = body_type::static_body});
     const ground g = make_ground(kind, cells, step, height, two_sided);
     g.shape.visit([&](const auto& shape) { w.create_shape(body, shape, {.position = g.at, .material = material}); });

@@ -160,6 +160,7 @@ CELL_CASE("solver: impulses between bodies keep linear and angular momentum, aft
     cell::dice dice(202);
     for (int run = 0; run < 60; ++run) {
         problem p = random_problem(dice, 6, 0.6, false);
+        for (contact& c : p.contacts) c.rolling_resistance = run % 2 ? dice.real(0, 0.1) : S(0);
         const momenta before = momenta_of(p);
         solve<complete>(p, 1 + run % 8);
         const momenta after = momenta_of(p);

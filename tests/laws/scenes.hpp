@@ -180,7 +180,7 @@ CELL_CASE("C1 off-centre impact: impulse, momentum and spin are exact for every 
         const auto a = w.create_body();
         vec half = vec::filled(S(0.5));
         half.x = S(1);
-        const physics::material<S> surface{.friction = S(0), .restitution = S(e)};
+        const physics::material<S, cell::dimension> surface{.friction = S(0), .restitution = S(e)};
         w.create_shape(a, world::box{half}, {.density = S(1), .material = surface});
         world::body_def def;
         def.position = along(0, 0.75) + along(1, 1);

@@ -12,7 +12,7 @@ struct soft : physics::recipe<S, D, physics::soft_step> {};
 using soft_world = physics::world<soft>;
 using physics::body_id;
 
-template <int Width, class Features = complete>
+template <int Width, class Features = complete, class Solver = physics::soft_step>
 void solve_softly(problem& p, int substeps) {
     struct still {
         void advance_velocities(S) {}
@@ -24,7 +24,7 @@ void solve_softly(problem& p, int substeps) {
     // One body more, which is nobody.
     p.bodies.push_back({});
     const physics::solver_bodies<S, D> bodies{p.bodies.data(), static_cast<std::uint32_t>(p.bodies.size())};
-    physics::soft_step::in<cell::space, Features, Width>::solve(bodies, p.contacts, settings, S(1.0 / 64), scratch,
+    Solver::template in<cell::space, Features, Width>::solve(bodies, p.contacts, settings, S(1.0 / 64), scratch,
                                                                 still{});
     p.bodies.pop_back();
 }
@@ -74,8 +74,13 @@ CELL_CASE("soft step: impulses between bodies keep linear and angular momentum")
     cell::dice dice(401);
     for (int run = 0; run < 40; ++run) {
         problem p = random_problem(dice, 6, 0.6, false);
+        // Angular impulses against rolling come in pairs too.
+        for (contact& c : p.contacts) c.rolling_resistance = run % 2 ? dice.real(0, 0.1) : S(0);
         const momenta before = momenta_of(p);
-        solve_softly<physics::detail::native_width<S>>(p, 1 + run % 8);
+        if (run % 3) solve_softly<physics::detail::native_width<S>>(p, 1 + run % 8);
+        else
+            solve_softly<physics::detail::native_width<S>, complete, physics::soft_step_with<physics::point_friction>>(
+                p, 1 + run % 8);
         const momenta after = momenta_of(p);
         REQUIRE(size(after.linear - before.linear) <= 512 * epsilon);
         REQUIRE(size(after.angular - before.angular) <= 4096 * epsilon);
@@ -83,33 +88,71 @@ CELL_CASE("soft step: impulses between bodies keep linear and angular momentum")
 }
 
 /// Of a problem after some substeps: all velocities and impulses.
-template <int Width>
+template <int Width, class Solver>
 std::vector<S> answer_in_lanes(problem p) {
-    solve_softly<Width>(p, 3);
+    solve_softly<Width, complete, Solver>(p, 3);
     std::vector<S> all;
-    for (const auto& b : p.bodies)
-        for (int i = 0; i < D; ++i) all.push_back(b.velocity.linear[i]);
-    for (const contact& c : p.contacts)
-        for (int k = 0; k < c.count; ++k) all.push_back(c.points[k].normal_impulse);
+    const auto add = [&](const auto& part) {
+        const std::size_t size = sizeof part / sizeof(S);
+        all.resize(all.size() + size);
+        std::memcpy(&all[all.size() - size], &part, sizeof part);
+    };
+    for (const auto& b : p.bodies) add(b.velocity);
+    for (const contact& c : p.contacts) {
+        add(c.twist_impulse);
+        add(c.rolling_impulse);
+        for (int k = 0; k < c.count; ++k) {
+            add(c.points[k].normal_impulse);
+            add(c.points[k].friction_impulse);
+        }
+    }
     return all;
+}
+/// Gives contacts up to as many points as there may be, some of them with surfaces that run or resist rolling.
+inline void enrich(cell::dice& dice, problem& p) {
+    for (contact& c : p.contacts) {
+        c.restitution = dice.real(0, 1);
+        if (dice.below(3) == 0) c.rolling_resistance = dice.real(0, 0.1);
+        if (dice.below(3) == 0) draw(dice, c.surface_velocity);
+        const physics::tangents<S, D> frame(c.normal);
+        const auto first = c.points[0];
+        c.count = 1 + dice.below(physics::manifold<S, D>::capacity);
+        for (int k = 0; k < c.count; ++k) {
+            auto& point = c.points[k];
+            physics::tangential<S, D> offset{};
+            if (k > 0) draw(dice, offset);
+            const vec aside = frame.combine(offset) * S(0.25);
+            point.lever_a = first.lever_a + aside;
+            point.lever_b = first.lever_b + aside;
+            point.separation = dice.real(-0.02, 0.02);
+            point.persisted = dice.below(2) != 0;
+            point.normal_impulse = dice.real(0, 1);
+            draw(dice, point.friction_impulse);
+        }
+    }
+}
+template <class Solver>
+void compare_widths(std::uint64_t seed) {
+    cell::dice dice(seed);
+    for (int run = 0; run < 60; ++run) {
+        problem p = random_problem(dice, 1 + run % 20, 0.6, run % 2 != 0);
+        enrich(dice, p);
+        const auto one = answer_in_lanes<1, Solver>(p), four = answer_in_lanes<4, Solver>(p);
+        const auto eight = answer_in_lanes<8, Solver>(p);
+        REQUIRE(std::memcmp(one.data(), four.data(), one.size() * sizeof(S)) == 0);
+        REQUIRE(std::memcmp(one.data(), eight.data(), one.size() * sizeof(S)) == 0);
+    }
 }
 template <class T>
 void compare_widths() {
     if constexpr (std::is_floating_point_v<T>) {
-        cell::dice dice(402);
-        for (int run = 0; run < 60; ++run) {
-            problem p = random_problem(dice, 1 + run % 20, 0.6, run % 2 != 0);
-            for (contact& c : p.contacts) {
-                c.restitution = dice.real(0, 1);
-                c.points[0].separation = dice.real(-0.02, 0.02);
-            }
-            const auto one = answer_in_lanes<1>(p), four = answer_in_lanes<4>(p), eight = answer_in_lanes<8>(p);
-            REQUIRE(std::memcmp(one.data(), four.data(), one.size() * sizeof(S)) == 0);
-            REQUIRE(std::memcmp(one.data(), eight.data(), one.size() * sizeof(S)) == 0);
-        }
+        compare_widths<physics::soft_step>(402);
+        compare_widths<physics::soft_step_with<physics::point_friction>>(403);
     }
 }
-CELL_CASE("soft step: every width of the lanes gives the same bits") { compare_widths<S>(); }
+CELL_CASE("soft step: every width of the lanes gives the same bits, of contacts of all sizes, rolling and driven") {
+    compare_widths<S>();
+}
 
 /// Gravity 10 on a tilted plane.
 soft_world soft_slope(double angle, double friction, double restitution = 0) {

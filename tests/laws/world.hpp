@@ -240,6 +240,12 @@ CELL_CASE("world: every change of a bit that matters changes the hash; user data
     check([](crowd& c) { c.w.set_rotation_locked(c.box, true); });
     check([](crowd& c) { c.w.set_surface(c.face, {.friction = next_to(S(0.6)), .restitution = S(0.5)}); });
     check([](crowd& c) { c.w.set_surface(c.face, {.restitution = next_to(S(0.5))}); });
+    check([](crowd& c) {
+        c.w.set_surface(c.face, {.restitution = S(0.5), .rolling_resistance = cell::traits::epsilon()});
+    });
+    check([](crowd& c) {
+        c.w.set_surface(c.face, {.restitution = S(0.5), .surface_velocity = about_z(number(cell::traits::epsilon()))});
+    });
     check([](crowd& c) { c.w.create_body(); });
     check([](crowd& c) { c.w.create_shape(c.ground, world::ball{}); });
     check([](crowd& c) { c.w.destroy_shape(c.face); });

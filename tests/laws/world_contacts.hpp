@@ -13,7 +13,7 @@ CELL_CASE("contacts: collisions conserve momentum and angular momentum, whatever
     for (int round = 0; round < 6; ++round) {
         CAPTURE(round);
         world w(weightless());
-        const physics::material<S> surface{.friction = S(0.25 * round), .restitution = S(0.2 * round)};
+        const physics::material<S, cell::dimension> surface{.friction = S(0.25 * round), .restitution = S(0.2 * round)};
         double mass = 0;
         for (int i = 0; i < 12; ++i) {
             world::body_def def;

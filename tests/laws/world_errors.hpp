@@ -180,6 +180,14 @@ CELL_CASE("errors: bodies and shapes refuse numbers out of range") {
                    [&](S bad) { add({.material = {.friction = bad}}); });
     refuses_number(w, "create_shape", "restitution", rule::not_negative,
                    [&](S bad) { add({.material = {.restitution = bad}}); });
+    refuses_number(w, "create_shape", "rolling_resistance", rule::not_negative,
+                   [&](S bad) { add({.material = {.rolling_resistance = bad}}); });
+    refuses_number(w, "set_surface", "rolling_resistance", rule::not_negative,
+                   [&](S bad) { w.set_surface(s.face, {.rolling_resistance = bad}); });
+    refuses_angular(w, "create_shape", "surface_velocity",
+                    [&](angular bad) { add({.material = {.surface_velocity = bad}}); });
+    refuses_angular(w, "set_surface", "surface_velocity",
+                    [&](angular bad) { w.set_surface(s.face, {.surface_velocity = bad}); });
     refuses(w, "create_shape", "restitution", "1.5", [&] { add({.material = {.restitution = S(1.5)}}); });
     refuses(w, "set_surface", "restitution", "2", [&] { w.set_surface(s.face, {.restitution = S(2)}); });
     refuses_number(w, "set_surface", "friction", rule::not_negative,

@@ -199,7 +199,7 @@ CELL_CASE("recipes: a world without friction or restitution has none, whatever t
         const body_id ground = w.create_body({.type = body_type::static_body});
         typename std::remove_cvref_t<decltype(w)>::halfspace slope;
         slope.normal = at(-std::sin(angle), std::cos(angle));
-        const physics::material<S> surface{.friction = S(1), .restitution = S(1)};
+        const physics::material<S, cell::dimension> surface{.friction = S(1), .restitution = S(1)};
         w.create_shape(ground, slope, {.material = surface});
         const body_id box = w.create_body({.position = at(0, 1)});
         w.create_shape(box, typename std::remove_cvref_t<decltype(w)>::ball{S(0.5)}, {.material = surface});

@@ -12,6 +12,8 @@ struct shapes {};
 struct broadphase {};
 /// From pairs to manifolds: best_per_pair.
 struct narrowphase {};
+/// What two surfaces make of a contact: geometric_mixing.
+struct mixing {};
 /// From contacts to velocities: soft_step, sequential_impulse.
 struct solver {};
 /// How velocities and poses advance: semi_implicit_euler.

@@ -4,19 +4,11 @@
 #include "physics/base/buffer.hpp"
 #include "physics/broadphase/concept.hpp"
 #include "physics/collide/manifold.hpp"
+#include "physics/dynamics/material.hpp"
 
 PHYSICS_HPP_BEGIN
 
-/// How a shape's surface answers to contact.
-template <class S>
-struct material {
-    /// Coulomb friction coefficient; two surfaces meet with the square root of their product.
-    S friction = S(0.6);
-    /// Share of the approach speed that a bounce gives back, 0 to 1; two surfaces meet with the larger one.
-    S restitution = S(0);
-};
-
-/// Friction impulses along the tangents of a contact: one in the plane, two in space.
+/// What acts along the tangents of a contact: one number in the plane, two in space.
 template <class S, int D>
 using tangential = std::conditional_t<D == 2, S, vec<S, 2>>;
 
@@ -46,13 +38,18 @@ struct contact {
     /// Which part of a concave shape touches; 0 of convex ones.
     std::uint32_t part = 0;
     vec<S, D> normal;
-    contact_point<S, D> points[manifold<S, D>::capacity];
+    contact_point<S, D> points[manifold<S, D>::capacity] = {};
     int count = 0;
     /// Angular impulse of friction about the normal, where the solver lets contacts resist twisting (N m s).
     S twist_impulse{};
+    /// Angular impulse that resists rolling: about z in the plane, about both tangents in space (N m s).
+    physics::tangential<S, D> rolling_impulse{};
     /// Of both surfaces together.
     S friction{};
     S restitution{};
+    S rolling_resistance{};
+    /// How fast B slides over A along the tangents where the surfaces themselves do not slip (m/s).
+    physics::tangential<S, D> surface_velocity{};
 
     [[nodiscard]] constexpr proxy_pair key() const {
         return shape_a < shape_b ? proxy_pair{shape_a, shape_b} : proxy_pair{shape_b, shape_a};
@@ -81,6 +78,18 @@ struct tangents3 {
 template <class S, int D>
 using tangents = std::conditional_t<D == 2, tangents2<S>, tangents3<S>>;
 
+/// How fast B slides over A along the tangents where neither surface slips, of how the surfaces run and are turned.
+template <class S>
+constexpr S driven(const tangents2<S>&, const rotation<S, 2>&, S of_a, const rotation<S, 2>&, S of_b) {
+    // Seen from outside of B, the tangent points the other way.
+    return of_a + of_b;
+}
+template <class S>
+constexpr vec<S, 2> driven(const tangents3<S>& frame, const rotation<S, 3>& turn_a, vec<S, 3> of_a,
+                           const rotation<S, 3>& turn_b, vec<S, 3> of_b) {
+    return frame.components(turn_a * of_a - turn_b * of_b);
+}
+
 /// Hands the impulse of the same feature in an old contact to a point.
 template <class S, int D>
 void inherit_impulse(const contact<S, D>& old, const tangents<S, D>& frame, contact_point<S, D>& point) {
@@ -93,6 +102,16 @@ void inherit_impulse(const contact<S, D>& old, const tangents<S, D>& frame, cont
     }
 }
 
+/// What resisted rolling about old tangents, about new ones; in the plane they all turn about z.
+template <class S>
+constexpr S same_moment(const tangents2<S>&, const tangents2<S>&, S moment) {
+    return moment;
+}
+template <class S>
+constexpr vec<S, 2> same_moment(const tangents3<S>& old, const tangents3<S>& frame, vec<S, 2> moment) {
+    return frame.components(old.combine(moment));
+}
+
 /// Hands the impulses of the same features in an old contact to a contact.
 template <class S, int D>
 void inherit_impulses(const contact<S, D>& old, const tangents<S, D>& frame, contact<S, D>& c) {
@@ -102,7 +121,10 @@ void inherit_impulses(const contact<S, D>& old, const tangents<S, D>& frame, con
         inherit_impulse(old, frame, c.points[k]);
         persisted = persisted || before != c.points[k].persisted;
     }
-    if (persisted) c.twist_impulse = old.twist_impulse;
+    if (!persisted) return;
+    c.twist_impulse = old.twist_impulse;
+    if (c.rolling_resistance > S(0))
+        c.rolling_impulse = same_moment(tangents<S, D>(old.normal), frame, old.rolling_impulse);
 }
 
 /// Hands the impulses of last step's contacts to the same features of this step's. Both lists are in

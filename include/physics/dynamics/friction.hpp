@@ -1,4 +1,4 @@
-// Coulomb friction at one point: an interval in the plane, a circular cone in space.
+// Coulomb friction at one point, and resistance to rolling: an interval in the plane, a circular cone in space.
 #pragma once
 
 #include "physics/dynamics/body.hpp"
@@ -63,22 +63,18 @@ struct friction2 {
     [[nodiscard]] constexpr S next(S impulse, S v, S limit) const { return clamp(impulse - mass * v, -limit, limit); }
 };
 
-/// Friction of a point in space. Sticking is solved exactly, by the inverse of the 2 x 2 answer of both
-/// tangents. Slipping takes a gradient step, scaled by the largest eigenvalue, onto the circular cone: its
-/// fixed point opposes the slip in any direction, which per-tangent limits do not.
+/// Two impulses about which only the length is limited, as friction along both tangents. Sticking is solved exactly,
+/// by the inverse of their 2 x 2 answer. Slipping takes a gradient step, scaled by the largest eigenvalue, onto the
+/// circular cone: its fixed point opposes the slip in any direction, which per-tangent limits do not.
 template <class S>
-struct friction3 {
+struct circular_cone {
     S xx{}, xy{}, yy{};
     S slip{};
 
-    constexpr friction3() = default;
-    constexpr friction3(const solver_body<S, 3>& a, const solver_body<S, 3>& b, const contact_point<S, 3>& p,
-                        const tangents3<S>& frame) {
+    constexpr circular_cone() = default;
+    /// Of the speeds' answers to unit impulses.
+    constexpr circular_cone(inverse_of<S> kxx, inverse_of<S> kxy, inverse_of<S> kyy) {
         using I = inverse_of<S>;
-        const I m = a.inverse_mass + b.inverse_mass;
-        const I kxx = m + detail::answer(a, b, p, frame.t, frame.t);
-        const I kyy = m + detail::answer(a, b, p, frame.u, frame.u);
-        const I kxy = detail::answer(a, b, p, frame.t, frame.u);
         const auto determinant = product(kxx, kyy) - product(kxy, kxy);
         if (!(determinant > wide_of<I>{})) return;
         xx = quotient<S>(kyy, determinant);
@@ -99,8 +95,63 @@ struct friction3 {
     }
 };
 
+/// Friction of a point in space.
+template <class S>
+struct friction3 : circular_cone<S> {
+    constexpr friction3() = default;
+    constexpr friction3(const solver_body<S, 3>& a, const solver_body<S, 3>& b, const contact_point<S, 3>& p,
+                        const tangents3<S>& frame)
+        : circular_cone<S>(a.inverse_mass + b.inverse_mass + detail::answer(a, b, p, frame.t, frame.t),
+                           detail::answer(a, b, p, frame.t, frame.u),
+                           a.inverse_mass + b.inverse_mass + detail::answer(a, b, p, frame.u, frame.u)) {}
+};
+
 /// Friction of a point in D dimensions.
 template <class S, int D>
-using point_friction = std::conditional_t<D == 2, friction2<S>, friction3<S>>;
+using friction_at = std::conditional_t<D == 2, friction2<S>, friction3<S>>;
+
+/// Resistance to rolling in the plane: a limited angular impulse about z.
+template <class S>
+struct rolling2 {
+    S inertia{};
+
+    constexpr rolling2() = default;
+    constexpr rolling2(const solver_body<S, 2>& a, const solver_body<S, 2>& b, const tangents2<S>&) {
+        const inverse_of<S> k = a.inverse_inertia + b.inverse_inertia;
+        if (k > inverse_of<S>(0)) inertia = reciprocal<S>(k);
+    }
+
+    /// The part of an angular quantity that is rolling, and back.
+    [[nodiscard]] static constexpr S components(const tangents2<S>&, S w) { return w; }
+    [[nodiscard]] static constexpr S combine(const tangents2<S>&, S w) { return w; }
+    [[nodiscard]] constexpr S next(S impulse, S w, S limit) const {
+        return clamp(impulse - inertia * w, -limit, limit);
+    }
+};
+/// Resistance to rolling in space: a limited angular impulse about both tangents.
+template <class S>
+struct rolling3 : circular_cone<S> {
+    constexpr rolling3() = default;
+    constexpr rolling3(const solver_body<S, 3>& a, const solver_body<S, 3>& b, const tangents3<S>& frame)
+        : circular_cone<S>(both(a, b, frame.t, frame.t), both(a, b, frame.t, frame.u), both(a, b, frame.u, frame.u)) {}
+
+    [[nodiscard]] static constexpr vec<S, 2> components(const tangents3<S>& frame, vec<S, 3> w) {
+        return frame.components(w);
+    }
+    [[nodiscard]] static constexpr vec<S, 3> combine(const tangents3<S>& frame, vec<S, 2> w) {
+        return frame.combine(w);
+    }
+
+private:
+    static constexpr inverse_of<S> both(const solver_body<S, 3>& a, const solver_body<S, 3>& b, vec<S, 3> of,
+                                        vec<S, 3> about) {
+        return detail::torque_answer<S>(a.inverse_inertia, of, about) +
+               detail::torque_answer<S>(b.inverse_inertia, of, about);
+    }
+};
+
+/// Resistance to rolling in D dimensions.
+template <class S, int D>
+using rolling_at = std::conditional_t<D == 2, rolling2<S>, rolling3<S>>;
 
 PHYSICS_HPP_END

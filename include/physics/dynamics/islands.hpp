@@ -54,8 +54,8 @@ private:
     std::uint32_t* parent_;
 };
 
-/// True if two bodies of these velocities touch within a step of h, or might if an acceleration that adds `slack` (m) to
-/// their way drew them together.
+/// True if two bodies of these velocities touch within a step of h, or would if something drew them together by `slack`
+/// (m) more.
 template <class S, int D>
 bool comes_to_touch(const contact<S, D>& c, const twist<S, D>& a, const twist<S, D>& b, S h, S slack) {
     for (int k = 0; k < c.count; ++k) {

@@ -39,8 +39,8 @@ bool check(const sequential_impulse_settings<S>& with, const char* function) {
 
 /// Sequential impulses (projected Gauss-Seidel on velocities): accumulated impulses clamped to what contact
 /// can give, warm starting of points that outlive a step, Baumgarte's term with a penetration slop,
-/// restitution with its slop, Coulomb friction on a circular cone. Error: of order h; stacks settle into
-/// the slop, mass ratios beyond 1:10 need more iterations. Cost: iterations x points.
+/// restitution with its slop, Coulomb friction on a circular cone, resistance to rolling. Error: of order h;
+/// stacks settle into the slop, mass ratios beyond 1:10 need more iterations. Cost: iterations x points.
 /// Source: Catto, Iterative Dynamics with Temporal Coherence (2005); Catto, Modeling and Solving
 /// Constraints (2009); Baumgarte (1972).
 struct sequential_impulse {
@@ -78,21 +78,26 @@ struct sequential_impulse {
             constexpr no_friction(const solver_body<S, D>&, const solver_body<S, D>&, const contact_point<S, D>&,
                                   const tangents<S, D>&) {}
         };
+        struct no_rolling {};
         /// What one point needs while iterating; target_speed is the speed along the normal with which the
         /// surfaces must part, at least.
         struct row {
-            [[no_unique_address]] std::conditional_t<Features::friction, point_friction<S, D>, no_friction> friction;
+            [[no_unique_address]] std::conditional_t<Features::friction, friction_at<S, D>, no_friction> friction;
             S normal_mass;
             S target_speed;
         };
         struct block {
             tangents<S, D> frame;
+            [[no_unique_address]] std::conditional_t<Features::rolling_resistance, rolling_at<S, D>, no_rolling>
+                rolling{};
             row rows[manifold<S, D>::capacity];
 
             block(const contact<S, D>& c, solver_bodies<S, D> bodies, const settings& with, S h)
                 : frame(c.normal) {
                 const solver_body<S, D>& a = bodies[c.body_a];
                 const solver_body<S, D>& b = bodies[c.body_b];
+                if constexpr (Features::rolling_resistance)
+                    if (c.rolling_resistance > S(0)) rolling = {a, b, frame};
                 for (int k = 0; k < c.count; ++k) {
                     const contact_point<S, D>& p = c.points[k];
                     rows[k] = {
@@ -126,19 +131,40 @@ struct sequential_impulse {
                 bodies[c.body_a].apply(-impulse, p.lever_a);
                 bodies[c.body_b].apply(impulse, p.lever_b);
             }
+            if constexpr (Features::rolling_resistance)
+                if (c.rolling_resistance > S(0))
+                    turn(with, c.rolling_impulse, bodies[c.body_a], bodies[c.body_b]);
+        }
+        /// An angular impulse against rolling, from A on B.
+        static void turn(const block& with, tangential<S, D> impulse, solver_body<S, D>& a, solver_body<S, D>& b) {
+            const angular<S, D> moment = with.rolling.combine(with.frame, impulse);
+            a.velocity.angular -= times(a.inverse_inertia, moment);
+            b.velocity.angular += times(b.inverse_inertia, moment);
+        }
+        static void resist_rolling(contact<S, D>& c, const block& with, solver_body<S, D>& a, solver_body<S, D>& b) {
+            S load = S(0);
+            for (int k = 0; k < c.count; ++k) load += c.points[k].normal_impulse;
+            const auto w = with.rolling.components(with.frame, b.velocity.angular - a.velocity.angular);
+            const auto impulse = with.rolling.next(c.rolling_impulse, w, c.rolling_resistance * load);
+            turn(with, impulse - c.rolling_impulse, a, b);
+            c.rolling_impulse = impulse;
         }
 
         static void solve_contact(contact<S, D>& c, const block& with, solver_bodies<S, D> bodies, bool back) {
             solver_body<S, D>& a = bodies[c.body_a];
             solver_body<S, D>& b = bodies[c.body_b];
+            if constexpr (Features::rolling_resistance)
+                if (c.rolling_resistance > S(0)) resist_rolling(c, with, a, b);
             if constexpr (Features::friction) {
                 const auto& frame = with.frame;
                 for (int i = 0; i < c.count; ++i) {
                     const int k = back ? c.count - 1 - i : i;
                     contact_point<S, D>& p = c.points[k];
                     const vec<S, D> v = velocity_at(b.velocity, p.lever_b) - velocity_at(a.velocity, p.lever_a);
-                    const auto impulse = with.rows[k].friction.next(p.friction_impulse, frame.components(v),
-                                                                    c.friction * p.normal_impulse);
+                    auto slip = frame.components(v);
+                    if constexpr (Features::surface_velocity) slip -= c.surface_velocity;
+                    const auto impulse =
+                        with.rows[k].friction.next(p.friction_impulse, slip, c.friction * p.normal_impulse);
                     const vec<S, D> change = frame.combine(impulse - p.friction_impulse);
                     p.friction_impulse = impulse;
                     a.apply(-change, p.lever_a);

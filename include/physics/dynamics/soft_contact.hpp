@@ -2,8 +2,8 @@
 #pragma once
 
 #include "physics/dynamics/body_lanes.hpp"
-#include "physics/dynamics/friction.hpp"
 #include "physics/dynamics/restitution.hpp"
+#include "physics/dynamics/soft_friction.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -62,14 +62,6 @@ contact_point<S, D> middle_of(const contact<S, D>& c) {
     middle.lever_a *= share;
     middle.lever_b *= share;
     return middle;
-}
-/// Last step's friction of the points that are still there.
-template <class S, int D>
-tangential<S, D> friction_of(const contact<S, D>& c) {
-    tangential<S, D> sum{};
-    for (int k = 0; k < c.count; ++k)
-        if (c.points[k].persisted) sum += c.points[k].friction_impulse;
-    return sum;
 }
 /// The change of a point's impulse that its speed along the normal asks for.
 template <class P, class Point, class S = typename P::scalar>

@@ -9,7 +9,7 @@ namespace detail {
 
 /// W contacts that push different bodies. All points of a contact share the normal, so their speeds follow from two
 /// numbers: the speed along the normal at the contact's middle, and how fast the bodies turn against each other.
-/// Friction acts at the middle.
+/// Friction acts at the middle: along their line all points slip alike.
 template <class S, int W, class Features>
 struct soft_contact2 {
     using I = inverse_of<S>;
@@ -30,11 +30,12 @@ struct soft_contact2 {
     /// How the two speeds answer to an impulse along the normal and to an angular impulse.
     I answer[3][W];
     point points[manifold<S, 2>::capacity];
+    [[no_unique_address]] soft_friction2_of<S, W, Features> friction;
     int point_count = 0;
-    S friction[W], stop[W], friction_impulse[W];
+    [[no_unique_address]] extras_of_block<S, W, 2, Features> extras;
 
     /// Writes a contact into a lane.
-    void put(int lane, const contact<S, 2>& c, const body* bodies, S bounce_slop, S h) {
+    void put(int lane, const contact<S, 2>& c, const body* bodies, S bounce_slop, S h, arena& scratch) {
         const body& first = bodies[c.body_a];
         const body& second = bodies[c.body_b];
         const contact_point<S, 2> middle = middle_of(c);
@@ -66,10 +67,11 @@ struct soft_contact2 {
             if constexpr (Features::restitution) to.bounce[lane] = bounce_of(c, from, first, second, bounce_slop, h);
         }
         if constexpr (Features::friction) {
-            friction[lane] = c.friction;
-            stop[lane] = effective_mass(first, second, middle, tangents<S, 2>(c.normal).t);
-            friction_impulse[lane] = friction_of(c);
+            friction.coefficient[lane] = c.friction;
+            friction.stop[lane] = effective_mass(first, second, middle, tangents<S, 2>(c.normal).t);
+            friction.impulse[lane] = friction_of(c);
         }
+        extras.put(lane, c, first, second, scratch);
     }
     /// Hands the impulses back. Friction is shared as the points share the load.
     void take(int lane, contact<S, 2>& c) const {
@@ -79,8 +81,9 @@ struct soft_contact2 {
             contact_point<S, 2>& to = c.points[k];
             to.normal_impulse = points[k].impulse[lane];
             if constexpr (Features::friction)
-                to.friction_impulse = load > S(0) ? friction_impulse[lane] * (to.normal_impulse / load) : S(0);
+                to.friction_impulse = load > S(0) ? friction.impulse[lane] * (to.normal_impulse / load) : S(0);
         }
+        extras.take(lane, c);
     }
 
     /// Gives the bodies the impulses of the last substep at once.
@@ -95,7 +98,9 @@ struct soft_contact2 {
             load = load + impulse;
             moment = moment + P::load(points[k].lever) * impulse;
         }
-        if constexpr (Features::friction) rub = P::load(friction_impulse);
+        if constexpr (Features::friction) rub = P::load(friction.impulse);
+        if constexpr (Features::rolling_resistance)
+            if (extras.at != nullptr) moment = moment + P::load(extras.at->impulse);
         push(f, load, rub, moment, at_a, at_b);
         at_a.store(bodies, a);
         at_b.store(bodies, b);
@@ -103,6 +108,8 @@ struct soft_contact2 {
     /// One round over the contacts: friction by the load of the last round, then the points one after the other. While
     /// overlaps are pushed apart friction rests: it would act against what the springs do, and piles would sway.
     void solve(body* bodies, const soft_round<S>& how) {
+        if constexpr (Features::rolling_resistance)
+            if (!how.pushes && extras.at != nullptr) roll(bodies);
         const frame_lanes f(*this);
         body_lanes2<P> at_a, at_b;
         at_a.load(bodies, a);
@@ -170,16 +177,29 @@ private:
     }
     /// Stops the slip at the middle, or lets it slide.
     PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, body_lanes2<P>& at_a, body_lanes2<P>& at_b) {
-        P load = P::load(points[0].impulse);
-        for (int k = 1; k < point_count; ++k) load = load + P::load(points[k].impulse);
         const auto& [v_a, w_a] = at_a.velocity;
         const auto& [v_b, w_b] = at_b.velocity;
-        const P slip =
+        P slip =
             lane_difference(f.y, v_b.x - v_a.x, f.x, v_b.y - v_a.y) + lane_difference(f.slide_b, w_b, f.slide_a, w_a);
-        const P before = P::load(friction_impulse), most = P::load(friction) * load;
-        const P impulse = max(min(before - P::load(stop) * slip, most), -most);
-        impulse.store(friction_impulse);
-        push(f, P::broadcast(S(0)), impulse - before, P::broadcast(S(0)), at_a, at_b);
+        if constexpr (Features::surface_velocity)
+            if (extras.at != nullptr) slip = slip - P::load(extras.at->along);
+        const P change = friction.next(slip, load_of<P>(points, point_count));
+        push(f, P::broadcast(S(0)), change, P::broadcast(S(0)), at_a, at_b);
+    }
+    /// Stops the bodies' rolling against each other, or slows it. Apart from the rest, so that contacts without it have
+    /// their registers to themselves.
+    PHYSICS_HPP_NOINLINE void roll(body* bodies) requires Features::rolling_resistance {
+        body_lanes2<P> at_a, at_b;
+        at_a.load(bodies, a);
+        at_b.load(bodies, b);
+        P& w_a = at_a.velocity.angular;
+        P& w_b = at_b.velocity.angular;
+        const P by = extras.at->next(w_b - w_a, load_of<P>(points, point_count));
+        const P arm = P::load(extras.at->arm), zero = P::broadcast(S(0));
+        w_a = select_greater(arm, zero, w_a - mul<S>(Q::load(inertia_a), by), w_a);
+        w_b = select_greater(arm, zero, w_b + mul<S>(Q::load(inertia_b), by), w_b);
+        at_a.store(bodies, a);
+        at_b.store(bodies, b);
     }
     /// Impulses along the normal and the tangent at the middle, and an angular one, from A on B.
     PHYSICS_HPP_ALWAYS_INLINE void push(const frame_lanes& f, const P& along, const P& across, const P& moment,

@@ -9,8 +9,8 @@ namespace detail {
 
 /// W contacts that push different bodies. All points of a contact share the normal, so their speeds follow from three
 /// numbers: the speed along the normal at the contact's middle, and how fast the bodies turn against each other about
-/// both tangents. Friction acts at the middle, and against twisting about the normal.
-template <class S, int W, class Features>
+/// both tangents. Friction follows from three more: the slip at the middle, and the twist about the normal.
+template <class S, int W, class Features, class Friction = patch_friction>
 struct soft_contact3 {
     using I = inverse_of<S>;
     using P = pack<S, W>;
@@ -30,15 +30,12 @@ struct soft_contact3 {
     /// How the three speeds answer to an impulse along the normal and to angular impulses about the tangents.
     I answer[6][W];
     point points[manifold<S, 3>::capacity];
+    [[no_unique_address]] soft_friction3_of<S, W, Features, Friction> friction;
     int point_count = 0;
-    /// The largest friction for an impulse of 1, at the middle and, an angular impulse, about the normal (m).
-    S friction[W], twist_friction[W];
-    /// The impulses that stop a slip: the inverse of the answers along both tangents, and about the normal.
-    S stop_xx[W], stop_xy[W], stop_yy[W], slip[W], stop_twist[W];
-    S friction_x[W], friction_y[W], twist[W];
+    [[no_unique_address]] extras_of_block<S, W, 3, Features> extras;
 
     /// Writes a contact into a lane.
-    void put(int lane, const contact<S, 3>& c, const body* bodies, S bounce_slop, S h) {
+    void put(int lane, const contact<S, 3>& c, const body* bodies, S bounce_slop, S h, arena& scratch) {
         const body& first = bodies[c.body_a];
         const body& second = bodies[c.body_b];
         const tangents<S, 3> frame(c.normal);
@@ -68,7 +65,6 @@ struct soft_contact3 {
         answer[5][lane] = both(frame.u, frame.u, frame.u, frame.u);
 
         point_count = point_count < c.count ? c.count : point_count;
-        S reach = S(0), pushed = S(0);
         for (int k = 0; k < c.count; ++k) {
             const contact_point<S, 3>& from = c.points[k];
             const vec<S, 3> offset = from.lever_a - middle.lever_a;
@@ -78,39 +74,23 @@ struct soft_contact3 {
             to.mass[lane] = effective_mass(first, second, from, c.normal);
             to.separation[lane] = from.separation;
             to.impulse[lane] = from.persisted ? from.normal_impulse : S(0);
-            pushed += to.impulse[lane];
-            reach += length(vec<S, 2>{to.x[lane], to.y[lane]});
             if constexpr (Features::restitution) to.bounce[lane] = bounce_of(c, from, first, second, bounce_slop, h);
         }
-        if constexpr (Features::friction) {
-            const friction3<S> stop(first, second, middle, frame);
-            friction[lane] = c.friction;
-            twist_friction[lane] = c.friction * reach / S(c.count);
-            stop_xx[lane] = stop.xx;
-            stop_xy[lane] = stop.xy;
-            stop_yy[lane] = stop.yy;
-            slip[lane] = stop.slip;
-            const I twisted = both(c.normal, c.normal, c.normal, c.normal);
-            stop_twist[lane] = twisted > I(0) ? reciprocal<S>(twisted) : S(0);
-            const vec<S, 2> before = friction_of(c);
-            friction_x[lane] = before.x;
-            friction_y[lane] = before.y;
-            twist[lane] = c.twist_impulse;
-        }
+        if constexpr (Features::friction) friction.put(lane, c, middle, first, second, frame, points);
+        extras.put(lane, c, first, second, scratch);
     }
-    /// Hands the impulses back. Friction is shared as the points share the load.
+    /// Hands the impulses back.
     void take(int lane, contact<S, 3>& c) const {
         S load = S(0);
         for (int k = 0; k < c.count; ++k) load += points[k].impulse[lane];
         for (int k = 0; k < c.count; ++k) {
             contact_point<S, 3>& to = c.points[k];
             to.normal_impulse = points[k].impulse[lane];
-            if constexpr (Features::friction) {
-                const S part = load > S(0) ? to.normal_impulse / load : S(0);
-                to.friction_impulse = {friction_x[lane] * part, friction_y[lane] * part};
-            }
+            if constexpr (Features::friction)
+                to.friction_impulse = friction.of_point(lane, k, load > S(0) ? to.normal_impulse / load : S(0));
         }
-        if constexpr (Features::friction) c.twist_impulse = twist[lane];
+        if constexpr (Features::friction) c.twist_impulse = friction.about_normal(lane);
+        extras.take(lane, c);
     }
 
     /// Gives the bodies the impulses of the last substep at once.
@@ -121,12 +101,18 @@ struct soft_contact3 {
         at_b.load(bodies, b);
         P load = P::broadcast(S(0)), about_t = load, about_u = load;
         for (int k = 0; k < point_count; ++k) add_push(points[k], P::load(points[k].impulse), load, about_t, about_u);
+        if constexpr (Features::rolling_resistance) {
+            if (extras.at != nullptr) {
+                about_t = about_t + P::load(extras.at->rolling::x);
+                about_u = about_u + P::load(extras.at->rolling::y);
+            }
+        }
         lanes3<P> impulse = {f.n.x * load, f.n.y * load, f.n.z * load};
         lanes3<P> moment = lane_combine(f.t, about_t, f.u, about_u);
         if constexpr (Features::friction) {
-            impulse = lane_add(impulse, lane_combine(f.t, P::load(friction_x), f.u, P::load(friction_y)));
-            const P about_n = P::load(twist);
-            moment = lane_add(moment, {f.n.x * about_n, f.n.y * about_n, f.n.z * about_n});
+            const slide_lanes<P> last = friction.last(points, point_count);
+            impulse = lane_add(impulse, lane_combine(f.t, last.x, f.u, last.y));
+            moment = lane_add(moment, {f.n.x * last.twist, f.n.y * last.twist, f.n.z * last.twist});
         }
         push(f, impulse, moment, at_a, at_b);
         at_a.store(bodies, a);
@@ -136,6 +122,8 @@ struct soft_contact3 {
     /// One round over the contacts: friction by the load of the last round, then the points one after the other. While
     /// overlaps are pushed apart friction rests: it would act against what the springs do, and piles would sway.
     void solve(body* bodies, const soft_round<S>& how) {
+        if constexpr (Features::rolling_resistance)
+            if (!how.pushes && extras.at != nullptr) roll(bodies);
         frame_lanes f(*this);
         body_lanes3<P> at_a, at_b;
         at_a.load(bodies, a);
@@ -215,29 +203,40 @@ private:
         return narrow<S>(product(Q::load(answer[i]), x) + product(Q::load(answer[j]), y) +
                          product(Q::load(answer[k]), z));
     }
-    /// Stops the slip at the middle, or lets it slide on the cone; then the twist about the normal.
+    /// Stops the slip, or lets it slide on the cone.
     PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, body_lanes3<P>& at_a, body_lanes3<P>& at_b) {
-        P load = P::load(points[0].impulse);
-        for (int k = 1; k < point_count; ++k) load = load + P::load(points[k].impulse);
         const lanes3<P> slipping = at_middle(f, at_a.velocity, at_b.velocity);
-        const P vx = lane_dot(f.t, slipping), vy = lane_dot(f.u, slipping), xy = P::load(stop_xy);
-        const P before_x = P::load(friction_x), before_y = P::load(friction_y), limit = P::load(friction) * load;
-        const P stick_x = before_x - lane_sum(P::load(stop_xx), vx, xy, vy);
-        const P stick_y = before_y - lane_sum(xy, vx, P::load(stop_yy), vy);
-        const P scale = P::load(slip), slide_x = before_x - scale * vx, slide_y = before_y - scale * vy;
-        const P sliding = lane_length(slide_x, slide_y), sticking = lane_length(stick_x, stick_y);
-        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
-        const P share = select_greater(sliding, limit, limit / select_greater(sliding, zero, sliding, one), one);
-        const P x = select_greater(sticking, limit, slide_x * share, stick_x);
-        const P y = select_greater(sticking, limit, slide_y * share, stick_y);
-        x.store(friction_x);
-        y.store(friction_y);
-        const P about_n = lane_dot(f.n, lane_subtract(at_b.velocity.angular, at_a.velocity.angular));
-        const P before = P::load(twist), most = P::load(twist_friction) * load;
-        const P turned = max(min(before - P::load(stop_twist) * about_n, most), -most);
-        turned.store(twist);
-        const P by = turned - before;
-        push(f, lane_combine(f.t, x - before_x, f.u, y - before_y), {f.n.x * by, f.n.y * by, f.n.z * by}, at_a, at_b);
+        slide_lanes<P> slip = {lane_dot(f.t, slipping), lane_dot(f.u, slipping),
+                               lane_dot(f.n, lane_subtract(at_b.velocity.angular, at_a.velocity.angular))};
+        if constexpr (Features::surface_velocity) {
+            if (extras.at != nullptr) {
+                slip.x = slip.x - P::load(extras.at->belt::x);
+                slip.y = slip.y - P::load(extras.at->belt::y);
+            }
+        }
+        const slide_lanes<P> by = friction.next(slip, points, point_count);
+        push(f, lane_combine(f.t, by.x, f.u, by.y), {f.n.x * by.twist, f.n.y * by.twist, f.n.z * by.twist}, at_a, at_b);
+    }
+    /// Stops the bodies' rolling against each other, or slows it. Apart from the rest, so that contacts without it have
+    /// their registers to themselves.
+    PHYSICS_HPP_NOINLINE void roll(body* bodies) requires Features::rolling_resistance {
+        const frame_lanes f(*this);
+        body_lanes3<P> at_a, at_b;
+        at_a.load(bodies, a);
+        at_b.load(bodies, b);
+        const lanes3<P> turning = lane_subtract(at_b.velocity.angular, at_a.velocity.angular);
+        const lanes2<P> rolling = {lane_dot(f.t, turning), lane_dot(f.u, turning)};
+        const lanes2<P> by = extras.at->next(rolling, load_of<P>(points, point_count));
+        const lanes3<P> moment = lane_combine(f.t, by.x, f.u, by.y);
+        const P arm = P::load(extras.at->arm), zero = P::broadcast(S(0));
+        const auto where_it_acts = [&](lanes3<P>& w, const lanes3<P>& now) {
+            w = {select_greater(arm, zero, now.x, w.x), select_greater(arm, zero, now.y, w.y),
+                 select_greater(arm, zero, now.z, w.z)};
+        };
+        where_it_acts(at_a.velocity.angular, lane_subtract(at_a.velocity.angular, turned_by(inertia_a, moment)));
+        where_it_acts(at_b.velocity.angular, lane_add(at_b.velocity.angular, turned_by(inertia_b, moment)));
+        at_a.store(bodies, a);
+        at_b.store(bodies, b);
     }
     /// An impulse at the middle and an angular impulse, from A on B.
     PHYSICS_HPP_ALWAYS_INLINE void push(const frame_lanes& f, const lanes3<P>& impulse, const lanes3<P>& moment,

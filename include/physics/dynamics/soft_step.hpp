@@ -39,15 +39,17 @@ bool check(const soft_step_settings<S>& with, const char* function) {
 
 /// Small steps with soft contacts: in each substep velocities advance, impulses of the last one are given at once, a
 /// round pushes overlaps apart by damped springs, poses advance, and a round without springs takes back the speed that
-/// they gave. Bounces come last. Contacts act per manifold: friction at its middle on a circular cone, and against
-/// twisting. Error: of order h / substeps; the springs follow the substep, so that more work always means less error.
-/// Cost: 2 rounds a substep, contacts of one colour in lanes. Source: Macklin et al., Small Steps in Physics Simulation
-/// (2019); Catto, Soft constraints (GDC 2011), Solver2D (2024).
-struct soft_step {
+/// they gave. Bounces come last. Normals act per manifold, friction on a circular cone per manifold (patch_friction) or
+/// per point (point_friction). Error: of order h / substeps; the springs follow the substep, so that more work always
+/// means less error. Cost: 2 rounds a substep, contacts of one colour in lanes. Source: Macklin et al., Small Steps in
+/// Physics Simulation (2019); Catto, Soft constraints (GDC 2011), Solver2D (2024).
+template <class Friction>
+struct soft_step_with {
     using stage = physics::stage::solver;
 
     /// Width: how many contacts go in lanes at a time; every width gives the same bits.
     template <class Space, class Features, int Width = detail::native_width<typename Space::scalar>>
+        requires(std::same_as<Friction, patch_friction> || std::same_as<Friction, point_friction>)
     class in {
     public:
         using S = typename Space::scalar;
@@ -66,7 +68,7 @@ struct soft_step {
             for (std::uint32_t k = 0; k < colours.count; ++k) count += blocks_of(colours, k);
             block* blocks = scratch.template take<block>(count);
             std::uint32_t* numbers = scratch.template take<std::uint32_t>(count * width);
-            pack_blocks(colours, contacts, bodies, nobody, with, h, blocks, numbers);
+            pack_blocks(colours, contacts, bodies, nobody, with, h, scratch, blocks, numbers);
 
             const S part = h / S(with.substeps);
             const S frequency = with.stiffness / part;
@@ -99,7 +101,7 @@ struct soft_step {
         static constexpr int width = Width;
         static constexpr std::uint32_t none = 0xffffffffu;
         using block = std::conditional_t<D == 2, detail::soft_contact2<S, width, Features>,
-                                         detail::soft_contact3<S, width, Features>>;
+                                         detail::soft_contact3<S, width, Features, Friction>>;
 
         /// Contacts of a block in one group: one where they may push the same body.
         static std::uint32_t share_of(const detail::contact_colours& colours, std::uint32_t group) {
@@ -111,7 +113,7 @@ struct soft_step {
         }
         static void pack_blocks(const detail::contact_colours& colours, const buffer<contact<S, D>>& contacts,
                                 const solver_body<S, D>* bodies, std::uint32_t nobody, const settings& with, S h,
-                                block* blocks, std::uint32_t* numbers) {
+                                arena& scratch, block* blocks, std::uint32_t* numbers) {
             for (std::uint32_t group = 0; group < colours.count; ++group) {
                 const std::uint32_t share = share_of(colours, group);
                 for (std::uint32_t at = colours.begin[group]; at < colours.begin[group + 1]; at += share) {
@@ -120,7 +122,8 @@ struct soft_step {
                         const bool used = lane < share && at + lane < colours.begin[group + 1];
                         const std::uint32_t n = used ? colours.order[at + lane] : none;
                         *numbers++ = n;
-                        if (used) to.put(static_cast<int>(lane), contacts[n], bodies, with.restitution_slop, h);
+                        const int at_lane = static_cast<int>(lane);
+                        if (used) to.put(at_lane, contacts[n], bodies, with.restitution_slop, h, scratch);
                         else to.a[lane] = to.b[lane] = nobody;
                     }
                 }
@@ -128,5 +131,8 @@ struct soft_step {
         }
     };
 };
+
+/// Small steps with friction per manifold.
+struct soft_step : soft_step_with<patch_friction> {};
 
 PHYSICS_HPP_END

@@ -23,6 +23,7 @@ enum class recipe_problem {
     unknown_feature,
     bad_broadphase,
     bad_narrowphase,
+    bad_mixing,
     bad_integrator,
     bad_solver,
 };
@@ -41,8 +42,9 @@ concept recipe_like = requires {
 
 template <class Stage>
 constexpr bool known_stage = std::same_as<Stage, stage::shapes> || std::same_as<Stage, stage::broadphase> ||
-                             std::same_as<Stage, stage::narrowphase> || std::same_as<Stage, stage::solver> ||
-                             std::same_as<Stage, stage::integrator> || std::same_as<Stage, stage::features>;
+                             std::same_as<Stage, stage::narrowphase> || std::same_as<Stage, stage::mixing> ||
+                             std::same_as<Stage, stage::solver> || std::same_as<Stage, stage::integrator> ||
+                             std::same_as<Stage, stage::features>;
 
 /// False for a policy that claims a stage of the library's own.
 template <class Policy, class Stage = typename stage_of<Policy>::type>
@@ -132,6 +134,9 @@ constexpr recipe_problem problem_of_policies(const policy_list<Policies...>*) {
                                typename policy_for<stage::narrowphase, best_per_pair, Policies...>::type, S, D>(
                                static_cast<const set*>(nullptr)))
             return recipe_problem::bad_narrowphase;
+        else if constexpr (!mixing_for<typename policy_for<stage::mixing, geometric_mixing, Policies...>::type,
+                                       space<S, D>>)
+            return recipe_problem::bad_mixing;
         else if constexpr (!integrator_policy<
                                typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type, S, D>)
             return recipe_problem::bad_integrator;
@@ -202,6 +207,9 @@ struct audit {
     static_assert(problem != recipe_problem::bad_narrowphase,
                   "physics::recipe: the narrowphase does not model physics::narrowphase_for; its in<S, D, Shapes...> "
                   "needs collide");
+    static_assert(problem != recipe_problem::bad_mixing,
+                  "physics::recipe: the mixing rule does not model physics::mixing_for; its in<Space> needs friction, "
+                  "restitution and rolling_resistance of two materials");
     static_assert(problem != recipe_problem::bad_integrator,
                   "physics::recipe: the integrator's in<Space> needs advance_velocity and advance_pose");
     static_assert(problem != recipe_problem::bad_solver,

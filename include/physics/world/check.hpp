@@ -97,10 +97,12 @@ bool check_body(const body_def<S, D>& def) {
            check_not_negative(f, "angular_damping", def.angular_damping) &&
            check_finite(f, "gravity_scale", def.gravity_scale);
 }
-template <class S>
-bool check_material(const char* function, const material<S>& m) {
+template <class S, int D>
+bool check_material(const char* function, const material<S, D>& m) {
     if (!check_not_negative(function, "friction", m.friction) ||
-        !check_not_negative(function, "restitution", m.restitution))
+        !check_not_negative(function, "restitution", m.restitution) ||
+        !check_not_negative(function, "rolling_resistance", m.rolling_resistance) ||
+        !check_finite(function, "surface_velocity", m.surface_velocity))
         return false;
     return !(m.restitution > S(1)) ||
            refuse(function, "restitution", static_cast<double>(m.restitution), "it must be at most 1");

@@ -69,6 +69,8 @@ public:
         add(s.local);
         add(s.material.friction);
         add(s.material.restitution);
+        add(s.material.rolling_resistance);
+        add(s.material.surface_velocity);
         add(s.density);
         const auto box = bounds(s.shape, s.local);
         add(box.lower);
@@ -81,6 +83,7 @@ public:
     void add(const contact<S, D>& c) {
         add(c.normal);
         add(c.twist_impulse);
+        add(c.rolling_impulse);
         add(static_cast<std::uint64_t>(c.count) | std::uint64_t{c.part} << 32);
         for (int k = 0; k < c.count; ++k) {
             add(std::uint64_t{c.points[k].feature});

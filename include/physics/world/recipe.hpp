@@ -44,24 +44,38 @@ struct shapes {
 
 /// Features that a recipe can leave out; what is left out costs nothing.
 namespace feature {
-/// Coulomb friction of contacts.
+/// Coulomb friction of contacts. Without it no surface drives another either.
 struct friction {};
 /// Bouncing.
 struct restitution {};
 /// Islands that are still leave the step until they are touched.
 struct sleeping {};
+/// Resistance to rolling.
+struct rolling_resistance {};
+/// Surfaces that run, as conveyor belts do.
+struct surface_velocity {};
 }  // namespace feature
 
 /// Leaves features out: without<feature::friction, feature::restitution>.
 template <class... Features>
 struct without {
     using stage = physics::stage::features;
-    static constexpr bool friction = !(std::same_as<Features, feature::friction> || ...);
-    static constexpr bool restitution = !(std::same_as<Features, feature::restitution> || ...);
-    static constexpr bool sleeping = !(std::same_as<Features, feature::sleeping> || ...);
-    static constexpr bool known =
-        ((std::same_as<Features, feature::friction> || std::same_as<Features, feature::restitution> ||
-          std::same_as<Features, feature::sleeping>)&&...);
+private:
+    template <class Feature>
+    static constexpr bool lacks = (std::same_as<Features, Feature> || ...);
+    template <class Any, class... Known>
+    static constexpr bool is_one_of = (std::same_as<Any, Known> || ...);
+
+public:
+    static constexpr bool friction = !lacks<feature::friction>;
+    static constexpr bool restitution = !lacks<feature::restitution>;
+    static constexpr bool rolling_resistance = !lacks<feature::rolling_resistance>;
+    static constexpr bool surface_velocity = friction && !lacks<feature::surface_velocity>;
+    static constexpr bool sleeping = !lacks<feature::sleeping>;
+    static constexpr bool known = (is_one_of<Features, feature::friction, feature::restitution,
+                                             feature::rolling_resistance, feature::surface_velocity,
+                                             feature::sleeping> &&
+                                   ...);
 };
 
 namespace detail {
@@ -156,6 +170,7 @@ struct plan<S, D, shapes<Shapes...>, Policies...> {
         typename policy_for<stage::narrowphase, best_per_pair, Policies...>::type::template in<S, D, Shapes...>;
     static constexpr bool remembers = requires { typename narrowphase::memory; };
     using pair_memory = typename memory_of<narrowphase>::type;
+    using mixing = typename policy_for<stage::mixing, geometric_mixing, Policies...>::type::template in<space>;
     using integrator =
         typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type::template in<space>;
     using solver =

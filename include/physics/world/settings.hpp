@@ -63,7 +63,7 @@ struct shape_def {
     physics::rotation<S, D> rotation = {};
     /// kg/m^3 in space, kg/m^2 in the plane; at least 0. Only ratios matter until forces act.
     S density = S(1);
-    physics::material<S> material = {};
+    physics::material<S, D> material = {};
     std::uint64_t user_data = 0;
 };
 
@@ -102,8 +102,14 @@ struct contact_view {
     physics::tangents<S, D> tangents;
     point points[manifold<S, D>::capacity];
     int count;
-    /// Coefficients of the two surfaces together.
-    S friction, restitution;
+    /// Coefficients of the two surfaces together (see material).
+    S friction, restitution, rolling_resistance;
+    /// How fast the surfaces drive B over A along the tangents (m/s).
+    physics::tangential<S, D> surface_velocity;
+    /// Angular impulses of the last step (N m s): about the normal, where the solver lets patches resist twisting, and
+    /// against rolling, about z in the plane and about both tangents in space.
+    S twist_impulse;
+    physics::tangential<S, D> rolling_impulse;
 };
 
 PHYSICS_HPP_END

@@ -23,7 +23,10 @@ void merge_contacts(Contacts& to, const Contacts& more) {
     std::uint32_t i = to.size(), j = more.size();
     if (j == 0) return;
     to.resize(i + j, more[0]);
-    for (std::uint32_t at = to.size(); j > 0;) to[--at] = i > 0 && more[j - 1].key() < to[i - 1].key() ? to[--i] : more[--j];
+    for (std::uint32_t at = to.size(); j > 0;) {
+        const bool is_last = i > 0 && more[j - 1].key() < to[i - 1].key();
+        to[--at] = is_last ? to[--i] : more[--j];
+    }
 }
 
 /// Calls f(body) for all of a sleeper's island, itself included; f may wake them.
@@ -104,6 +107,15 @@ void rouse_near(state<Plan>& s, std::uint32_t body) {
 template <class Plan>
 void wake_all(state<Plan>& s) {
     if constexpr (Plan::sleeps) s.bodies.each([&](std::uint32_t i, const auto&) { wake(s, i); });
+}
+
+template <class Plan>
+std::uint32_t count_awake(const state<Plan>& s) {
+    std::uint32_t count = 0;
+    s.bodies.each([&](std::uint32_t i, const auto& b) {
+        count += b.type != body_type::static_body && !s.is_asleep(i);
+    });
+    return count;
 }
 
 /// How far gravity draws bodies together within a step, at most.

@@ -19,7 +19,7 @@ struct shape_record {
     /// Where it is in the world, and its origin relative to the body's centre of mass, in world axes.
     transform<S, D> pose;
     vec<S, D> arm;
-    physics::material<S> material;
+    physics::material<S, D> material;
     S density{};
     std::uint32_t body = 0;
     /// The next shape of the same body.

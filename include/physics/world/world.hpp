@@ -35,7 +35,7 @@ public:
     using body_def = physics::body_def<scalar, dimension>;
     using shape_def = physics::shape_def<scalar, dimension>;
     using contact_view = physics::contact_view<scalar, dimension>;
-    using material = physics::material<scalar>;
+    using material = physics::material<scalar, dimension>;
     using any_shape = typename plan::shape;
     using world_hit = physics::world_hit<scalar, dimension>;
     using nearest_shape = physics::nearest_shape<scalar, dimension>;
@@ -53,9 +53,7 @@ public:
     void step(scalar dt) {
         if (!detail::check_positive("step", "dt", dt)) return;
         const float_control_scope control;
-        if (!detail::step(state_, dt))
-            detail::refuse("step", "a velocity", "not finite",
-                           "a force, a speed or a mass is beyond the scalar's range");
+        detail::report(detail::step(state_, dt));
     }
     /// Number of steps taken.
     [[nodiscard]] std::uint64_t steps() const { return state_.steps; }
@@ -281,12 +279,8 @@ public:
         state_.bodies[b.index].can_sleep = can;
         if (!can) detail::wake(state_, b.index);
     }
-    /// Number of bodies that move and are awake.
-    [[nodiscard]] std::uint32_t awake_count() const {
-        std::uint32_t count = 0;
-        for (const body_id id : bodies()) count += type(id) != body_type::static_body && !is_asleep(id);
-        return count;
-    }
+    /// Number of bodies that move and are awake. O(bodies).
+    [[nodiscard]] std::uint32_t awake_count() const { return detail::count_awake(state_); }
     [[nodiscard]] std::uint64_t user_data(body_id id) const {
         return get(id, "user_data", [](const auto& b) { return b.user_data; });
     }

@@ -1,0 +1,122 @@
+// What surfaces are made of, and what two of them make of a contact.
+#pragma once
+
+#include "physics/base/stage.hpp"
+#include "physics/space/space.hpp"
+
+PHYSICS_HPP_BEGIN
+
+/// How a surface runs against its own shape: a speed in the plane, a vector in space.
+template <class S, int D>
+using surface_motion = std::conditional_t<D == 2, S, vec<S, 3>>;
+
+/// How a shape's surface answers to contact. What two surfaces make of it is the recipe's mixing rule.
+template <class S, int D>
+struct material {
+    /// Coulomb friction coefficient, at least 0.
+    S friction = S(0.6);
+    /// Share of the approach speed that a bounce gives back, 0 to 1.
+    S restitution = S(0);
+    /// Arm of rolling friction (m), at least 0: a torque of up to this times the normal force resists rolling. A ball
+    /// of radius r stays on slopes up to the angle of tangent rolling_resistance / r. Source: Coulomb, Théorie des
+    /// machines simples (1785).
+    S rolling_resistance = S(0);
+    /// How the surface itself runs, as a conveyor belt's (m/s): friction drives what touches it along. In the plane
+    /// clockwise about the shape: on top of it to the right, +x. In space a vector in the shape's frame, of which
+    /// counts what lies in the surface.
+    surface_motion<S, D> surface_velocity{};
+};
+
+/// What a mixing rule offers: `in<Space>` with friction(a, b), restitution(a, b) and rolling_resistance(a, b), static
+/// functions of two materials. They are called for each contact in each step, with the material of the shape whose kind
+/// comes first in the recipe's set, among equals with that of the lower number; so a rule should be symmetric. Refused
+/// by the step: results that are negative or not finite, and a restitution above 1. Velocities of surfaces need no
+/// rule: how fast two of them run against each other is their difference.
+template <class Rule, class Space>
+concept mixing_for = requires(const material<typename Space::scalar, Space::dimension>& m) {
+    { Rule::template in<Space>::friction(m, m) } -> std::same_as<typename Space::scalar>;
+    { Rule::template in<Space>::restitution(m, m) } -> std::same_as<typename Space::scalar>;
+    { Rule::template in<Space>::rolling_resistance(m, m) } -> std::same_as<typename Space::scalar>;
+};
+
+/// Friction: the root of the product, so that ice stays slippery under rubber; restitution and rolling resistance: the
+/// larger one.
+struct geometric_mixing {
+    using stage = physics::stage::mixing;
+
+    template <class Space>
+    struct in {
+        using S = typename Space::scalar;
+        using material = physics::material<S, Space::dimension>;
+
+        static S friction(const material& a, const material& b) { return root<S>(product(a.friction, b.friction)); }
+        static S restitution(const material& a, const material& b) { return max(a.restitution, b.restitution); }
+        static S rolling_resistance(const material& a, const material& b) {
+            return max(a.rolling_resistance, b.rolling_resistance);
+        }
+    };
+};
+
+/// Friction and restitution: the product; rolling resistance, a length, the larger one.
+struct product_mixing {
+    using stage = physics::stage::mixing;
+
+    template <class Space>
+    struct in : geometric_mixing::in<Space> {
+        using S = typename Space::scalar;
+        using material = physics::material<S, Space::dimension>;
+
+        static S friction(const material& a, const material& b) { return a.friction * b.friction; }
+        static S restitution(const material& a, const material& b) { return a.restitution * b.restitution; }
+    };
+};
+
+namespace detail {
+
+/// A rule that does the same to all three coefficients.
+template <class Space, class Same>
+struct mixing_by {
+    using S = typename Space::scalar;
+    using material = physics::material<S, Space::dimension>;
+
+    static S friction(const material& a, const material& b) { return Same::of(a.friction, b.friction); }
+    static S restitution(const material& a, const material& b) { return Same::of(a.restitution, b.restitution); }
+    static S rolling_resistance(const material& a, const material& b) {
+        return Same::of(a.rolling_resistance, b.rolling_resistance);
+    }
+};
+
+}  // namespace detail
+
+/// The smaller one of each coefficient.
+struct minimum_mixing {
+    using stage = physics::stage::mixing;
+    template <class S>
+    static constexpr S of(S a, S b) {
+        return min(a, b);
+    }
+    template <class Space>
+    using in = detail::mixing_by<Space, minimum_mixing>;
+};
+/// The larger one of each coefficient.
+struct maximum_mixing {
+    using stage = physics::stage::mixing;
+    template <class S>
+    static constexpr S of(S a, S b) {
+        return max(a, b);
+    }
+    template <class Space>
+    using in = detail::mixing_by<Space, maximum_mixing>;
+};
+/// The mean of each coefficient.
+struct average_mixing {
+    using stage = physics::stage::mixing;
+    template <class S>
+    static constexpr S of(S a, S b) {
+        return a * S(0.5) + b * S(0.5);
+    }
+    template <class Space>
+    using in = detail::mixing_by<Space, average_mixing>;
+};
+
+PHYSICS_HPP_END

@@ -1,0 +1,158 @@
+// What only some contacts of the soft solver have, in lanes: running surfaces, resistance to rolling.
+#pragma once
+
+#include "physics/base/arena.hpp"
+#include "physics/base/probe.hpp"
+#include "physics/dynamics/body_lanes.hpp"
+#include "physics/dynamics/friction.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// A circular cone in lanes.
+template <class S, int W>
+struct cone_lanes {
+    using P = pack<S, W>;
+
+    S xx[W], xy[W], yy[W], slip[W];
+
+    void put(int lane, const circular_cone<S>& cone) {
+        xx[lane] = cone.xx;
+        xy[lane] = cone.xy;
+        yy[lane] = cone.yy;
+        slip[lane] = cone.slip;
+    }
+    /// The impulses that follow those before where the speeds are v: they stop them, or slide on the cone.
+    PHYSICS_HPP_ALWAYS_INLINE lanes2<P> next(const lanes2<P>& before, const lanes2<P>& v, const P& limit) const {
+        const P across = P::load(xy);
+        const P stick_x = before.x - lane_sum(P::load(xx), v.x, across, v.y);
+        const P stick_y = before.y - lane_sum(across, v.x, P::load(yy), v.y);
+        const P scale = P::load(slip), slide_x = before.x - scale * v.x, slide_y = before.y - scale * v.y;
+        const P sliding = lane_length(slide_x, slide_y), sticking = lane_length(stick_x, stick_y);
+        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
+        const P share = select_greater(sliding, limit, limit / select_greater(sliding, zero, sliding, one), one);
+        return {select_greater(sticking, limit, slide_x * share, stick_x),
+                select_greater(sticking, limit, slide_y * share, stick_y)};
+    }
+};
+
+/// How fast surfaces run along the tangents (m/s).
+template <class S, int W, int D>
+struct belt_lanes {
+    S along[W];
+
+    void put(int lane, const contact<S, 2>& c) { along[lane] = c.surface_velocity; }
+};
+template <class S, int W>
+struct belt_lanes<S, W, 3> {
+    S x[W], y[W];
+
+    void put(int lane, const contact<S, 3>& c) {
+        x[lane] = c.surface_velocity.x;
+        y[lane] = c.surface_velocity.y;
+    }
+};
+
+/// Resistance to rolling. Lanes without it stay as they are, to the bit, so that they do not depend on their
+/// neighbours.
+template <class S, int W, int D>
+struct rolling_lanes {
+    using P = pack<S, W>;
+
+    S arm[W], inertia[W], impulse[W];
+
+    void put(int lane, const contact<S, 2>& c, const rolling2<S>& with) {
+        arm[lane] = c.rolling_resistance;
+        inertia[lane] = with.inertia;
+        impulse[lane] = c.rolling_impulse;
+    }
+    void take(int lane, contact<S, 2>& c) const { c.rolling_impulse = impulse[lane]; }
+    /// The change of the angular impulse where B turns by w against A.
+    PHYSICS_HPP_ALWAYS_INLINE P next(const P& w, const P& load) {
+        const P before = P::load(impulse), reach = P::load(arm), most = reach * load, zero = P::broadcast(S(0));
+        const P after = max(min(before - P::load(inertia) * w, most), -most);
+        select_greater(reach, zero, after, before).store(impulse);
+        return after - before;
+    }
+};
+template <class S, int W>
+struct rolling_lanes<S, W, 3> {
+    using P = pack<S, W>;
+
+    S arm[W];
+    cone_lanes<S, W> stop;
+    S x[W], y[W];
+
+    void put(int lane, const contact<S, 3>& c, const rolling3<S>& with) {
+        arm[lane] = c.rolling_resistance;
+        stop.put(lane, with);
+        x[lane] = c.rolling_impulse.x;
+        y[lane] = c.rolling_impulse.y;
+    }
+    void take(int lane, contact<S, 3>& c) const { c.rolling_impulse = {x[lane], y[lane]}; }
+    PHYSICS_HPP_ALWAYS_INLINE lanes2<P> next(const lanes2<P>& w, const P& load) {
+        const lanes2<P> before = {P::load(x), P::load(y)};
+        const P reach = P::load(arm), zero = P::broadcast(S(0));
+        const lanes2<P> after = stop.next(before, w, reach * load);
+        select_greater(reach, zero, after.x, before.x).store(x);
+        select_greater(reach, zero, after.y, before.y).store(y);
+        return {after.x - before.x, after.y - before.y};
+    }
+};
+
+/// What a recipe leaves out.
+template <int Which>
+struct left_out {};
+
+/// What few contacts have lies apart from their block, so that the others pay for a look at a pointer.
+template <class S, int W, int D, class Features>
+struct soft_extras
+    : std::conditional_t<Features::rolling_resistance, rolling_lanes<S, W, D>, left_out<0>>,
+      std::conditional_t<Features::surface_velocity, belt_lanes<S, W, D>, left_out<1>> {
+    using rolling = rolling_lanes<S, W, D>;
+    using belt = belt_lanes<S, W, D>;
+
+    static bool needed_by(const contact<S, D>& c) {
+        return (Features::rolling_resistance && c.rolling_resistance > S(0)) ||
+               (Features::surface_velocity && c.surface_velocity != tangential<S, D>{});
+    }
+    void put(int lane, const contact<S, D>& c, const solver_body<S, D>& a, const solver_body<S, D>& b) {
+        if constexpr (Features::rolling_resistance)
+            if (c.rolling_resistance > S(0)) rolling::put(lane, c, rolling_at<S, D>(a, b, tangents<S, D>(c.normal)));
+        if constexpr (Features::surface_velocity) belt::put(lane, c);
+    }
+};
+
+/// Where the extras of a block are, if it has any.
+template <class S, int W, int D, class Features>
+struct extras_of_block {
+    using extras = soft_extras<S, W, D, Features>;
+
+    extras* at = nullptr;
+
+    void put(int lane, const contact<S, D>& c, const solver_body<S, D>& a, const solver_body<S, D>& b, arena& scratch) {
+        if (extras::needed_by(c)) add(lane, c, a, b, scratch);
+    }
+    void take(int lane, contact<S, D>& c) const {
+        if constexpr (Features::rolling_resistance)
+            if (at != nullptr) at->extras::rolling::take(lane, c);
+    }
+
+private:
+    PHYSICS_HPP_NOINLINE void add(int lane, const contact<S, D>& c, const solver_body<S, D>& a,
+                                  const solver_body<S, D>& b, arena& scratch) {
+        if (at == nullptr) at = new (scratch.template take<extras>(1)) extras{};
+        at->put(lane, c, a, b);
+    }
+};
+template <class S, int W, int D, class Features>
+    requires(!Features::rolling_resistance && !Features::surface_velocity)
+struct extras_of_block<S, W, D, Features> {
+    void put(int, const contact<S, D>&, const solver_body<S, D>&, const solver_body<S, D>&, arena&) {}
+    void take(int, contact<S, D>&) const {}
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
