@@ -19027,6 +19027,8 @@ struct contact_point {
     /// Sum of the impulses of the last step along the normal, at least 0, and along the tangents (N s).
     S normal_impulse{};
     physics::tangential<S, D> friction_impulse{};
+    /// The impulse along the normal of the last substep, where a solver takes several (N s).
+    S load{};
     std::uint32_t feature = 0;
     /// True if the same features touched in the step before.
     bool persisted = false;
@@ -19100,6 +19102,7 @@ void inherit_impulse(const contact<S, D>& old, const tangents<S, D>& frame, cont
     for (int j = 0; j < old.count && !point.persisted; ++j) {
         if (old.points[j].feature != point.feature) continue;
         point.normal_impulse = old.points[j].normal_impulse;
+        point.load = old.points[j].load;
         point.friction_impulse =
             frame.components(tangents<S, D>(old.normal).combine(old.points[j].friction_impulse));
         point.persisted = true;
@@ -19493,14 +19496,14 @@ private:
     std::uint32_t* parent_;
 };
 
-/// True if two bodies of these velocities touch within a step of h, or would if something drew them together by `slack`
-/// (m) more.
+/// True if two bodies of these velocities touch within two steps of h, or would if something drew them together by
+/// `slack` (m) more. Two, since the last round of a solver looks ahead as far as another part of a step.
 template <class S, int D>
 bool comes_to_touch(const contact<S, D>& c, const twist<S, D>& a, const twist<S, D>& b, S h, S slack) {
     for (int k = 0; k < c.count; ++k) {
         const contact_point<S, D>& p = c.points[k];
         const S speed = dot(c.normal, velocity_at(b, p.lever_b) - velocity_at(a, p.lever_a));
-        if (p.separation + min(speed, S(0)) * h <= slack) return true;
+        if (p.separation + min(speed, S(0)) * (h + h) <= slack) return true;
     }
     return false;
 }
@@ -19782,19 +19785,23 @@ template <class S, int W, int D>
 struct rolling_lanes {
     using P = pack<S, W>;
 
-    S arm[W], inertia[W], impulse[W];
+    S arm[W], inertia[W];
+    /// Of this substep, and of the whole step.
+    S impulse[W], total[W];
 
-    void put(int lane, const contact<S, 2>& c, const rolling2<S>& with) {
+    void put(int lane, const contact<S, 2>& c, const rolling2<S>& with, S share) {
         arm[lane] = c.rolling_resistance;
         inertia[lane] = with.inertia;
-        impulse[lane] = c.rolling_impulse;
+        impulse[lane] = c.rolling_impulse * share;
     }
-    void take(int lane, contact<S, 2>& c) const { c.rolling_impulse = impulse[lane]; }
+    void take(int lane, contact<S, 2>& c) const { c.rolling_impulse = total[lane]; }
     /// The change of the angular impulse where B turns by w against A.
     PHYSICS_HPP_ALWAYS_INLINE P next(const P& w, const P& load) {
         const P before = P::load(impulse), reach = P::load(arm), most = reach * load, zero = P::broadcast(S(0));
         const P after = max(min(before - P::load(inertia) * w, most), -most);
-        select_greater(reach, zero, after, before).store(impulse);
+        const P now = select_greater(reach, zero, after, before);
+        now.store(impulse);
+        (P::load(total) + now).store(total);
         return after - before;
     }
 };
@@ -19804,21 +19811,25 @@ struct rolling_lanes<S, W, 3> {
 
     S arm[W];
     cone_lanes<S, W> stop;
-    S x[W], y[W];
+    S x[W], y[W], total_x[W], total_y[W];
 
-    void put(int lane, const contact<S, 3>& c, const rolling3<S>& with) {
+    void put(int lane, const contact<S, 3>& c, const rolling3<S>& with, S share) {
         arm[lane] = c.rolling_resistance;
         stop.put(lane, with);
-        x[lane] = c.rolling_impulse.x;
-        y[lane] = c.rolling_impulse.y;
+        x[lane] = c.rolling_impulse.x * share;
+        y[lane] = c.rolling_impulse.y * share;
     }
-    void take(int lane, contact<S, 3>& c) const { c.rolling_impulse = {x[lane], y[lane]}; }
+    void take(int lane, contact<S, 3>& c) const { c.rolling_impulse = {total_x[lane], total_y[lane]}; }
     PHYSICS_HPP_ALWAYS_INLINE lanes2<P> next(const lanes2<P>& w, const P& load) {
         const lanes2<P> before = {P::load(x), P::load(y)};
         const P reach = P::load(arm), zero = P::broadcast(S(0));
         const lanes2<P> after = stop.next(before, w, reach * load);
-        select_greater(reach, zero, after.x, before.x).store(x);
-        select_greater(reach, zero, after.y, before.y).store(y);
+        const lanes2<P> now = {select_greater(reach, zero, after.x, before.x),
+                               select_greater(reach, zero, after.y, before.y)};
+        now.x.store(x);
+        now.y.store(y);
+        (P::load(total_x) + now.x).store(total_x);
+        (P::load(total_y) + now.y).store(total_y);
         return {after.x - before.x, after.y - before.y};
     }
 };
@@ -19839,9 +19850,10 @@ struct soft_extras
         return (Features::rolling_resistance && c.rolling_resistance > S(0)) ||
                (Features::surface_velocity && c.surface_velocity != tangential<S, D>{});
     }
-    void put(int lane, const contact<S, D>& c, const solver_body<S, D>& a, const solver_body<S, D>& b) {
+    void put(int lane, const contact<S, D>& c, const solver_body<S, D>& a, const solver_body<S, D>& b, S share) {
         if constexpr (Features::rolling_resistance)
-            if (c.rolling_resistance > S(0)) rolling::put(lane, c, rolling_at<S, D>(a, b, tangents<S, D>(c.normal)));
+            if (c.rolling_resistance > S(0))
+                rolling::put(lane, c, rolling_at<S, D>(a, b, tangents<S, D>(c.normal)), share);
         if constexpr (Features::surface_velocity) belt::put(lane, c);
     }
 };
@@ -19853,8 +19865,9 @@ struct extras_of_block {
 
     extras* at = nullptr;
 
-    void put(int lane, const contact<S, D>& c, const solver_body<S, D>& a, const solver_body<S, D>& b, arena& scratch) {
-        if (extras::needed_by(c)) add(lane, c, a, b, scratch);
+    void put(int lane, const contact<S, D>& c, const solver_body<S, D>& a, const solver_body<S, D>& b, S share,
+             arena& scratch) {
+        if (extras::needed_by(c)) add(lane, c, a, b, share, scratch);
     }
     void take(int lane, contact<S, D>& c) const {
         if constexpr (Features::rolling_resistance)
@@ -19863,15 +19876,15 @@ struct extras_of_block {
 
 private:
     PHYSICS_HPP_NOINLINE void add(int lane, const contact<S, D>& c, const solver_body<S, D>& a,
-                                  const solver_body<S, D>& b, arena& scratch) {
+                                  const solver_body<S, D>& b, S share, arena& scratch) {
         if (at == nullptr) at = new (scratch.template take<extras>(1)) extras{};
-        at->put(lane, c, a, b);
+        at->put(lane, c, a, b, share);
     }
 };
 template <class S, int W, int D, class Features>
     requires(!Features::rolling_resistance && !Features::surface_velocity)
 struct extras_of_block<S, W, D, Features> {
-    void put(int, const contact<S, D>&, const solver_body<S, D>&, const solver_body<S, D>&, arena&) {}
+    void put(int, const contact<S, D>&, const solver_body<S, D>&, const solver_body<S, D>&, S, arena&) {}
     void take(int, contact<S, D>&) const {}
 };
 
@@ -19903,13 +19916,16 @@ template <class S, int W>
 struct soft_friction2 {
     using P = pack<S, W>;
 
-    S coefficient[W], stop[W], impulse[W];
+    S coefficient[W], stop[W];
+    /// Of this substep, and of the whole step.
+    S impulse[W], total[W];
 
     /// The change of the impulse where the surfaces slip by v at the middle.
     PHYSICS_HPP_ALWAYS_INLINE P next(const P& v, const P& load) {
         const P before = P::load(impulse), most = P::load(coefficient) * load;
         const P after = max(min(before - P::load(stop) * v, most), -most);
         after.store(impulse);
+        (P::load(total) + after).store(total);
         return after - before;
     }
 };
@@ -19928,11 +19944,16 @@ tangential<S, D> friction_of(const contact<S, D>& c) {
         if (c.points[k].persisted) sum += c.points[k].friction_impulse;
     return sum;
 }
-/// The load of a contact's points.
+/// The load of a point, and of a contact's points.
+template <class P, class Point>
+PHYSICS_HPP_ALWAYS_INLINE P load_of(const Point& point) {
+    const P impulse = P::load(point.impulse);
+    return max(impulse, -impulse);
+}
 template <class P, class Point>
 PHYSICS_HPP_ALWAYS_INLINE P load_of(const Point* points, int count) {
-    P load = P::load(points[0].impulse);
-    for (int k = 1; k < count; ++k) load = load + P::load(points[k].impulse);
+    P load = load_of<P>(points[0]);
+    for (int k = 1; k < count; ++k) load = load + load_of<P>(points[k]);
     return load;
 }
 
@@ -19947,12 +19968,14 @@ struct soft_patch_friction3 {
     /// The impulses that stop a slip.
     cone_lanes<S, W> stop;
     S stop_twist[W];
+    /// Impulses of this substep, and of the whole step.
     S x[W], y[W], twist[W];
+    S total_x[W], total_y[W], total_twist[W];
 
     /// Writes a contact, whose points have been written, into a lane.
     template <class Point>
     void put(int lane, const contact<S, 3>& c, const contact_point<S, 3>& middle, const body& a, const body& b,
-             const tangents<S, 3>& frame, const Point* points) {
+             const tangents<S, 3>& frame, const Point* points, S share) {
         using I = inverse_of<S>;
         S reach = S(0);
         for (int k = 0; k < c.count; ++k) reach += length(vec<S, 2>{points[k].x[lane], points[k].y[lane]});
@@ -19963,13 +19986,13 @@ struct soft_patch_friction3 {
                           torque_answer<S>(b.inverse_inertia, c.normal, c.normal);
         stop_twist[lane] = twisted > I(0) ? reciprocal<S>(twisted) : S(0);
         const vec<S, 2> before = friction_of(c);
-        x[lane] = before.x;
-        y[lane] = before.y;
-        twist[lane] = c.twist_impulse;
+        x[lane] = before.x * share;
+        y[lane] = before.y * share;
+        twist[lane] = c.twist_impulse * share;
     }
     /// The impulse of point k, which bears that part of the load; and the one about the normal.
-    vec<S, 2> of_point(int lane, int, S part) const { return {x[lane] * part, y[lane] * part}; }
-    S about_normal(int lane) const { return twist[lane]; }
+    vec<S, 2> of_point(int lane, int, S part) const { return {total_x[lane] * part, total_y[lane] * part}; }
+    S about_normal(int lane) const { return total_twist[lane]; }
     /// The impulses so far.
     template <class Point>
     PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> last(const Point*, int) const {
@@ -19986,6 +20009,9 @@ struct soft_patch_friction3 {
         const P twisted = P::load(twist), most = P::load(twist_arm) * load;
         const P turned = max(min(twisted - P::load(stop_twist) * slip.twist, most), -most);
         turned.store(twist);
+        (P::load(total_x) + after.x).store(total_x);
+        (P::load(total_y) + after.y).store(total_y);
+        (P::load(total_twist) + turned).store(total_twist);
         return {after.x - before.x, after.y - before.y, turned - twisted};
     }
 };
@@ -19999,7 +20025,8 @@ struct soft_point_friction3 {
 
     struct point {
         cone_lanes<S, W> stop;
-        S x[W], y[W];
+        /// Impulses of this substep, and of the whole step.
+        S x[W], y[W], total_x[W], total_y[W];
     };
 
     S coefficient[W];
@@ -20009,7 +20036,7 @@ struct soft_point_friction3 {
 
     template <class Point>
     void put(int lane, const contact<S, 3>& c, const contact_point<S, 3>& middle, const body& a, const body& b,
-             const tangents<S, 3>& frame, const Point*) {
+             const tangents<S, 3>& frame, const Point*, S share) {
         coefficient[lane] = c.friction;
         const auto turned = [&](vec<S, 3> of_a, vec<S, 3> of_b, vec<S, 3> about_a, vec<S, 3> about_b) {
             return torque_answer<S>(a.inverse_inertia, of_a, about_a) +
@@ -20027,11 +20054,11 @@ struct soft_point_friction3 {
         for (int k = 0; k < c.count; ++k) {
             const contact_point<S, 3>& from = c.points[k];
             each[k].stop.put(lane, friction3<S>(a, b, from, frame));
-            each[k].x[lane] = from.persisted ? from.friction_impulse.x : S(0);
-            each[k].y[lane] = from.persisted ? from.friction_impulse.y : S(0);
+            each[k].x[lane] = from.persisted ? from.friction_impulse.x * share : S(0);
+            each[k].y[lane] = from.persisted ? from.friction_impulse.y * share : S(0);
         }
     }
-    vec<S, 2> of_point(int lane, int k, S) const { return {each[k].x[lane], each[k].y[lane]}; }
+    vec<S, 2> of_point(int lane, int k, S) const { return {each[k].total_x[lane], each[k].total_y[lane]}; }
     S about_normal(int) const { return S(0); }
     template <class Point>
     PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> last(const Point* points, int count) const {
@@ -20048,9 +20075,11 @@ struct soft_point_friction3 {
             const P px = P::load(points[k].x), py = P::load(points[k].y);
             const lanes2<P> before = {P::load(each[k].x), P::load(each[k].y)};
             const lanes2<P> v = {slip.x - py * slip.twist, slip.y + px * slip.twist};
-            const lanes2<P> after = each[k].stop.next(before, v, mu * P::load(points[k].impulse));
+            const lanes2<P> after = each[k].stop.next(before, v, mu * load_of<P>(points[k]));
             after.x.store(each[k].x);
             after.y.store(each[k].y);
+            (P::load(each[k].total_x) + after.x).store(each[k].total_x);
+            (P::load(each[k].total_y) + after.y).store(each[k].total_y);
             slide_lanes<P> by{zero, zero, zero};
             add(by, points[k], after.x - before.x, after.y - before.y);
             sum = {sum.x + by.x, sum.y + by.y, sum.twist + by.twist};
@@ -20114,8 +20143,19 @@ struct soft_round {
     softness<S> spring;
     /// At most as fast are overlaps pushed apart (m/s).
     S push_speed;
+    /// Points that meet faster than this (m/s) start the next substep cold: what stopped them is no lasting load.
+    S impact_speed;
     /// Whether overlaps are pushed apart at all.
     bool pushes;
+};
+
+/// What contacts are written with.
+template <class S>
+struct soft_start {
+    /// Length of the step (s), and which part of its impulses a substep begins with.
+    S step, share;
+    /// Approaches slower than this do not bounce (m/s).
+    S bounce_slop;
 };
 
 /// One point of W contacts: where it lies in the plane of the contact, relative to the contact's middle.
@@ -20123,13 +20163,13 @@ template <class S, int W, bool Bounces>
 struct soft_point {
     S mass[W];
     S separation[W];
-    S impulse[W];
+    /// Of this substep, below 0 where it answered a blow and is no lasting load; and of the whole step.
+    S impulse[W], total[W];
 };
 template <class S, int W>
 struct soft_point<S, W, true> : soft_point<S, W, false> {
-    /// The speed with which the surfaces part after a bounce (m/s), 0 for none, and the largest impulse so far.
+    /// The speed with which the surfaces part after a bounce (m/s), 0 for none.
     S bounce[W];
-    S most[W];
 };
 
 /// The middle of a contact's points.
@@ -20146,11 +20186,16 @@ contact_point<S, D> middle_of(const contact<S, D>& c) {
     middle.lever_b *= share;
     return middle;
 }
+/// What the next substep begins with.
+template <class P, class Point>
+PHYSICS_HPP_ALWAYS_INLINE P lasting_impulse(const Point& point) {
+    return max(P::load(point.impulse), P::broadcast(typename P::scalar(0)));
+}
 /// The change of a point's impulse that its speed along the normal asks for.
 template <class P, class Point, class S = typename P::scalar>
 PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& way, const soft_round<S>& how) {
     const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
-    const P gap = P::load(point.separation) + way, mass = P::load(point.mass), before = P::load(point.impulse);
+    const P gap = P::load(point.separation) + way, mass = P::load(point.mass), before = lasting_impulse<P>(point);
     const P closing = gap * P::broadcast(how.inverse_step);
     P bias = zero, mass_scale = one, impulse_scale = zero;
     if (how.pushes) {
@@ -20162,19 +20207,24 @@ PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& 
     const P strength = mass * select_greater(gap, zero, one, mass_scale);
     const P kept = before - before * select_greater(gap, zero, zero, impulse_scale);
     const P impulse = max(kept - strength * (speed + wanted), zero);
-    impulse.store(point.impulse);
-    if constexpr (requires { point.most; }) max(impulse, P::load(point.most)).store(point.most);
+    if (how.pushes) {
+        impulse.store(point.impulse);
+    } else {
+        (P::load(point.total) + impulse).store(point.total);
+        select_greater(-speed, P::broadcast(how.impact_speed), -impulse, impulse).store(point.impulse);
+    }
     return impulse - before;
 }
 /// The same for a bounce: only of points that have pushed.
 template <class P, class Point>
 PHYSICS_HPP_ALWAYS_INLINE P bounce_impulse(Point& point, const P& speed) {
     using S = typename P::scalar;
-    const P zero = P::broadcast(S(0)), before = P::load(point.impulse), bounce = P::load(point.bounce);
+    const P zero = P::broadcast(S(0)), before = load_of<P>(point), bounce = P::load(point.bounce);
     const P after = max(before - P::load(point.mass) * (speed - bounce), zero);
-    const P impulse = select_greater(min(bounce, P::load(point.most)), zero, after, before);
-    impulse.store(point.impulse);
-    return impulse - before;
+    const P total = P::load(point.total);
+    const P change = select_greater(min(bounce, total), zero, after - before, zero);
+    (total + change).store(point.total);
+    return change;
 }
 
 }  // namespace detail
@@ -20215,10 +20265,12 @@ struct soft_contact2 {
     point points[manifold<S, 2>::capacity];
     [[no_unique_address]] soft_friction2_of<S, W, Features> friction;
     int point_count = 0;
+    /// Whether any point bounces.
+    bool bounces = false;
     [[no_unique_address]] extras_of_block<S, W, 2, Features> extras;
 
     /// Writes a contact into a lane.
-    void put(int lane, const contact<S, 2>& c, const body* bodies, S bounce_slop, S h, arena& scratch) {
+    void put(int lane, const contact<S, 2>& c, const body* bodies, const soft_start<S>& with, arena& scratch) {
         const body& first = bodies[c.body_a];
         const body& second = bodies[c.body_b];
         const contact_point<S, 2> middle = middle_of(c);
@@ -20246,25 +20298,27 @@ struct soft_contact2 {
             to.lever[lane] = cross(from.lever_a - middle.lever_a, c.normal);
             to.mass[lane] = effective_mass(first, second, from, c.normal);
             to.separation[lane] = from.separation;
-            to.impulse[lane] = from.persisted ? from.normal_impulse : S(0);
-            if constexpr (Features::restitution) to.bounce[lane] = bounce_of(c, from, first, second, bounce_slop, h);
+            to.impulse[lane] = from.persisted ? from.load : S(0);
+            if constexpr (Features::restitution)
+                bounces |= S(0) < (to.bounce[lane] = bounce_of(c, from, first, second, with.bounce_slop, with.step));
         }
         if constexpr (Features::friction) {
             friction.coefficient[lane] = c.friction;
             friction.stop[lane] = effective_mass(first, second, middle, tangents<S, 2>(c.normal).t);
-            friction.impulse[lane] = friction_of(c);
+            friction.impulse[lane] = friction_of(c) * with.share;
         }
-        extras.put(lane, c, first, second, scratch);
+        extras.put(lane, c, first, second, with.share, scratch);
     }
     /// Hands the impulses back. Friction is shared as the points share the load.
     void take(int lane, contact<S, 2>& c) const {
         S load = S(0);
-        for (int k = 0; k < c.count; ++k) load += points[k].impulse[lane];
+        for (int k = 0; k < c.count; ++k) load += points[k].total[lane];
         for (int k = 0; k < c.count; ++k) {
             contact_point<S, 2>& to = c.points[k];
-            to.normal_impulse = points[k].impulse[lane];
+            to.normal_impulse = points[k].total[lane];
+            to.load = max(points[k].impulse[lane], S(0));
             if constexpr (Features::friction)
-                to.friction_impulse = load > S(0) ? friction.impulse[lane] * (to.normal_impulse / load) : S(0);
+                to.friction_impulse = load > S(0) ? friction.total[lane] * (to.normal_impulse / load) : S(0);
         }
         extras.take(lane, c);
     }
@@ -20277,7 +20331,7 @@ struct soft_contact2 {
         at_b.load(bodies, b);
         P load = P::broadcast(S(0)), moment = load, rub = load;
         for (int k = 0; k < point_count; ++k) {
-            const P impulse = P::load(points[k].impulse);
+            const P impulse = lasting_impulse<P>(points[k]);
             load = load + impulse;
             moment = moment + P::load(points[k].lever) * impulse;
         }
@@ -20288,8 +20342,8 @@ struct soft_contact2 {
         at_a.store(bodies, a);
         at_b.store(bodies, b);
     }
-    /// One round over the contacts: friction by the load of the last round, then the points one after the other. While
-    /// overlaps are pushed apart friction rests: it would act against what the springs do, and piles would sway.
+    /// One round over the contacts: the points one after the other, then friction by their load. While overlaps are
+    /// pushed apart friction rests: it would act against what the springs do, and piles would sway.
     void solve(body* bodies, const soft_round<S>& how) {
         if constexpr (Features::rolling_resistance)
             if (!how.pushes && extras.at != nullptr) roll(bodies);
@@ -20297,14 +20351,15 @@ struct soft_contact2 {
         body_lanes2<P> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
-        if constexpr (Features::friction)
-            if (!how.pushes) rub(f, at_a, at_b);
         const relative_motion speed(f, at_a.velocity, at_b.velocity), way(f, at_a.way, at_b.way);
         push_points(f, speed, at_a, at_b, [&](point& p, const P& v) { return next_impulse(p, v, way.at(p), how); });
+        if constexpr (Features::friction)
+            if (!how.pushes) rub(f, at_a, at_b);
         at_a.store(bodies, a);
         at_b.store(bodies, b);
     }
     void bounce(body* bodies) requires Features::restitution {
+        if (!bounces) return;
         const frame_lanes f(*this);
         body_lanes2<P> at_a, at_b;
         at_a.load(bodies, a);
@@ -20436,10 +20491,12 @@ struct soft_contact3 {
     point points[manifold<S, 3>::capacity];
     [[no_unique_address]] soft_friction3_of<S, W, Features, Friction> friction;
     int point_count = 0;
+    /// Whether any point bounces.
+    bool bounces = false;
     [[no_unique_address]] extras_of_block<S, W, 3, Features> extras;
 
     /// Writes a contact into a lane.
-    void put(int lane, const contact<S, 3>& c, const body* bodies, S bounce_slop, S h, arena& scratch) {
+    void put(int lane, const contact<S, 3>& c, const body* bodies, const soft_start<S>& with, arena& scratch) {
         const body& first = bodies[c.body_a];
         const body& second = bodies[c.body_b];
         const tangents<S, 3> frame(c.normal);
@@ -20477,19 +20534,21 @@ struct soft_contact3 {
             to.y[lane] = dot(offset, frame.u);
             to.mass[lane] = effective_mass(first, second, from, c.normal);
             to.separation[lane] = from.separation;
-            to.impulse[lane] = from.persisted ? from.normal_impulse : S(0);
-            if constexpr (Features::restitution) to.bounce[lane] = bounce_of(c, from, first, second, bounce_slop, h);
+            to.impulse[lane] = from.persisted ? from.load : S(0);
+            if constexpr (Features::restitution)
+                bounces |= S(0) < (to.bounce[lane] = bounce_of(c, from, first, second, with.bounce_slop, with.step));
         }
-        if constexpr (Features::friction) friction.put(lane, c, middle, first, second, frame, points);
-        extras.put(lane, c, first, second, scratch);
+        if constexpr (Features::friction) friction.put(lane, c, middle, first, second, frame, points, with.share);
+        extras.put(lane, c, first, second, with.share, scratch);
     }
     /// Hands the impulses back.
     void take(int lane, contact<S, 3>& c) const {
         S load = S(0);
-        for (int k = 0; k < c.count; ++k) load += points[k].impulse[lane];
+        for (int k = 0; k < c.count; ++k) load += points[k].total[lane];
         for (int k = 0; k < c.count; ++k) {
             contact_point<S, 3>& to = c.points[k];
-            to.normal_impulse = points[k].impulse[lane];
+            to.normal_impulse = points[k].total[lane];
+            to.load = max(points[k].impulse[lane], S(0));
             if constexpr (Features::friction)
                 to.friction_impulse = friction.of_point(lane, k, load > S(0) ? to.normal_impulse / load : S(0));
         }
@@ -20504,7 +20563,8 @@ struct soft_contact3 {
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         P load = P::broadcast(S(0)), about_t = load, about_u = load;
-        for (int k = 0; k < point_count; ++k) add_push(points[k], P::load(points[k].impulse), load, about_t, about_u);
+        for (int k = 0; k < point_count; ++k)
+            add_push(points[k], lasting_impulse<P>(points[k]), load, about_t, about_u);
         if constexpr (Features::rolling_resistance) {
             if (extras.at != nullptr) {
                 about_t = about_t + P::load(extras.at->rolling::x);
@@ -20523,8 +20583,8 @@ struct soft_contact3 {
         at_b.store(bodies, b);
     }
 
-    /// One round over the contacts: friction by the load of the last round, then the points one after the other. While
-    /// overlaps are pushed apart friction rests: it would act against what the springs do, and piles would sway.
+    /// One round over the contacts: the points one after the other, then friction by their load. While overlaps are
+    /// pushed apart friction rests: it would act against what the springs do, and piles would sway.
     void solve(body* bodies, const soft_round<S>& how) {
         if constexpr (Features::rolling_resistance)
             if (!how.pushes && extras.at != nullptr) roll(bodies);
@@ -20532,14 +20592,15 @@ struct soft_contact3 {
         body_lanes3<P> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
-        if constexpr (Features::friction)
-            if (!how.pushes) rub(f, at_a, at_b);
         const relative_motion speed(f, at_a.velocity, at_b.velocity), way(f, at_a.way, at_b.way);
         push_points(f, speed, at_a, at_b, [&](point& p, const P& v) { return next_impulse(p, v, way.at(p), how); });
+        if constexpr (Features::friction)
+            if (!how.pushes) rub(f, at_a, at_b);
         at_a.store(bodies, a);
         at_b.store(bodies, b);
     }
     void bounce(body* bodies) requires Features::restitution {
+        if (!bounces) return;
         frame_lanes f(*this);
         body_lanes3<P> at_a, at_b;
         at_a.load(bodies, a);
@@ -20692,6 +20753,8 @@ struct soft_step_settings {
     S frequency_cap = S(0);
     /// Speed at which overlaps are pushed apart, at most.
     S max_push_speed = S(3);
+    /// Points that meet faster than this within a substep do not push as much in the next one as a matter of course.
+    S impact_speed = S(0.5);
     /// Approaches slower than this do not bounce.
     S restitution_slop = S(0.5);
 };
@@ -20703,6 +20766,7 @@ bool check(const soft_step_settings<S>& with, const char* function) {
            detail::check_positive(function, "solver.damping_ratio", with.damping_ratio) &&
            detail::check_not_negative(function, "solver.frequency_cap", with.frequency_cap) &&
            detail::check_not_negative(function, "solver.max_push_speed", with.max_push_speed) &&
+           detail::check_not_negative(function, "solver.impact_speed", with.impact_speed) &&
            detail::check_not_negative(function, "solver.restitution_slop", with.restitution_slop);
 }
 
@@ -20710,7 +20774,8 @@ bool check(const soft_step_settings<S>& with, const char* function) {
 /// round pushes overlaps apart by damped springs, poses advance, and a round without springs takes back the speed that
 /// they gave. Bounces come last. Normals act per manifold, friction on a circular cone per manifold (patch_friction) or
 /// per point (point_friction). Error: of order h / substeps; the springs follow the substep, so that more work always
-/// means less error. Cost: 2 rounds a substep, contacts of one colour in lanes. Source: Macklin et al., Small Steps in
+/// means less error. Momentum is kept to rounding, angular momentum but for how far bodies that collide move past each
+/// other within the step. Cost: 2 rounds a substep, contacts of one colour in lanes. Source: Macklin et al., Small Steps in
 /// Physics Simulation (2019); Catto, Soft constraints (GDC 2011), Solver2D (2024).
 template <class Friction>
 struct soft_step_with {
@@ -20737,14 +20802,15 @@ struct soft_step_with {
             for (std::uint32_t k = 0; k < colours.count; ++k) count += blocks_of(colours, k);
             block* blocks = scratch.template take<block>(count);
             std::uint32_t* numbers = scratch.template take<std::uint32_t>(count * width);
-            pack_blocks(colours, contacts, bodies, nobody, with, h, scratch, blocks, numbers);
+            const detail::soft_start<S> start{h, S(1) / S(with.substeps), with.restitution_slop};
+            pack_blocks(colours, contacts, bodies, nobody, start, scratch, blocks, numbers);
 
             const S part = h / S(with.substeps);
             const S frequency = with.stiffness / part;
             const bool capped = with.frequency_cap > S(0) && with.frequency_cap < frequency;
             const detail::soft_round<S> press{
                 S(1) / part, detail::softness<S>::of(capped ? with.frequency_cap : frequency, with.damping_ratio, part),
-                with.max_push_speed, true};
+                with.max_push_speed, with.impact_speed, true};
             detail::soft_round<S> relax = press;
             relax.pushes = false;
             for (int i = 0; i < with.substeps; ++i) {
@@ -20781,8 +20847,9 @@ struct soft_step_with {
             return (colours.begin[group + 1] - colours.begin[group] + share - 1) / share;
         }
         static void pack_blocks(const detail::contact_colours& colours, const buffer<contact<S, D>>& contacts,
-                                const solver_body<S, D>* bodies, std::uint32_t nobody, const settings& with, S h,
-                                arena& scratch, block* blocks, std::uint32_t* numbers) {
+                                const solver_body<S, D>* bodies, std::uint32_t nobody,
+                                const detail::soft_start<S>& with, arena& scratch, block* blocks,
+                                std::uint32_t* numbers) {
             for (std::uint32_t group = 0; group < colours.count; ++group) {
                 const std::uint32_t share = share_of(colours, group);
                 for (std::uint32_t at = colours.begin[group]; at < colours.begin[group + 1]; at += share) {
@@ -20792,7 +20859,7 @@ struct soft_step_with {
                         const std::uint32_t n = used ? colours.order[at + lane] : none;
                         *numbers++ = n;
                         const int at_lane = static_cast<int>(lane);
-                        if (used) to.put(at_lane, contacts[n], bodies, with.restitution_slop, h, scratch);
+                        if (used) to.put(at_lane, contacts[n], bodies, with, scratch);
                         else to.a[lane] = to.b[lane] = nobody;
                     }
                 }
@@ -21085,7 +21152,7 @@ struct plan<S, D, shapes<Shapes...>, Policies...> {
     using integrator =
         typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type::template in<space>;
     using solver =
-        typename policy_for<stage::solver, sequential_impulse, Policies...>::type::template in<space, features>;
+        typename policy_for<stage::solver, soft_step, Policies...>::type::template in<space, features>;
     static constexpr bool sleeps = features::sleeping;
     using settings = world_settings<S, D, typename solver::settings,
                                     std::conditional_t<sleeps, sleep_settings<S>, no_settings>>;
@@ -21240,7 +21307,7 @@ constexpr recipe_problem problem_of_policies(const policy_list<Policies...>*) {
         else if constexpr (!integrator_policy<
                                typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type, S, D>)
             return recipe_problem::bad_integrator;
-        else if constexpr (!solver_policy<typename policy_for<stage::solver, sequential_impulse, Policies...>::type, S,
+        else if constexpr (!solver_policy<typename policy_for<stage::solver, soft_step, Policies...>::type, S,
                                           D, features>)
             return recipe_problem::bad_solver;
         else return recipe_problem::none;
@@ -22972,6 +23039,7 @@ public:
         for (int k = 0; k < c.count; ++k) {
             add(std::uint64_t{c.points[k].feature});
             add(c.points[k].normal_impulse);
+            add(c.points[k].load);
             add(c.points[k].friction_impulse);
         }
     }

@@ -139,20 +139,24 @@ CELL_CASE("errors: worlds and their settings refuse numbers out of range") {
     both("broadphase.margin", rule::not_negative, [](world::settings_type& x, S bad) { x.broadphase.margin = bad; });
     both("broadphase.prediction", rule::not_negative,
          [](world::settings_type& x, S bad) { x.broadphase.prediction = bad; });
-    both("solver.baumgarte", rule::not_negative, [](world::settings_type& x, S bad) { x.solver.baumgarte = bad; });
-    both("solver.penetration_slop", rule::not_negative,
-         [](world::settings_type& x, S bad) { x.solver.penetration_slop = bad; });
+    both("sleeping.time", rule::not_negative, [](world::settings_type& x, S bad) { x.sleeping.time = bad; });
+    both("sleeping.speed", rule::not_negative, [](world::settings_type& x, S bad) { x.sleeping.speed = bad; });
+    both("sleeping.spin", rule::not_negative, [](world::settings_type& x, S bad) { x.sleeping.spin = bad; });
+    both("sleeping.drift", rule::not_negative, [](world::settings_type& x, S bad) { x.sleeping.drift = bad; });
+    both("solver.stiffness", rule::positive, [](world::settings_type& x, S bad) { x.solver.stiffness = bad; });
+    both("solver.damping_ratio", rule::positive, [](world::settings_type& x, S bad) { x.solver.damping_ratio = bad; });
+    both("solver.frequency_cap", rule::not_negative,
+         [](world::settings_type& x, S bad) { x.solver.frequency_cap = bad; });
     both("solver.max_push_speed", rule::not_negative,
          [](world::settings_type& x, S bad) { x.solver.max_push_speed = bad; });
+    both("solver.impact_speed", rule::not_negative,
+         [](world::settings_type& x, S bad) { x.solver.impact_speed = bad; });
     both("solver.restitution_slop", rule::not_negative,
          [](world::settings_type& x, S bad) { x.solver.restitution_slop = bad; });
     world::settings_type settings;
-    settings.solver.iterations = 0;
-    refuses(s.w, "set_settings", "solver.iterations", "0", [&] { s.w.set_settings(settings); });
-    settings = {};
-    settings.solver.baumgarte = S(1.5);
-    refuses(s.w, "set_settings", "solver.baumgarte", "1.5", [&] { s.w.set_settings(settings); });
-    CHECK(s.w.settings().solver.iterations > 0);
+    settings.solver.substeps = 0;
+    refuses(s.w, "set_settings", "solver.substeps", "0", [&] { s.w.set_settings(settings); });
+    CHECK(s.w.settings().solver.substeps > 0);
     refuses_number(s.w, "step", "dt", rule::positive, [&](S bad) { s.w.step(bad); });
 }
 

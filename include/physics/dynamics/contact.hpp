@@ -23,6 +23,8 @@ struct contact_point {
     /// Sum of the impulses of the last step along the normal, at least 0, and along the tangents (N s).
     S normal_impulse{};
     physics::tangential<S, D> friction_impulse{};
+    /// The impulse along the normal of the last substep, where a solver takes several (N s).
+    S load{};
     std::uint32_t feature = 0;
     /// True if the same features touched in the step before.
     bool persisted = false;
@@ -96,6 +98,7 @@ void inherit_impulse(const contact<S, D>& old, const tangents<S, D>& frame, cont
     for (int j = 0; j < old.count && !point.persisted; ++j) {
         if (old.points[j].feature != point.feature) continue;
         point.normal_impulse = old.points[j].normal_impulse;
+        point.load = old.points[j].load;
         point.friction_impulse =
             frame.components(tangents<S, D>(old.normal).combine(old.points[j].friction_impulse));
         point.persisted = true;

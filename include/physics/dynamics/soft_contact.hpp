@@ -31,8 +31,19 @@ struct soft_round {
     softness<S> spring;
     /// At most as fast are overlaps pushed apart (m/s).
     S push_speed;
+    /// Points that meet faster than this (m/s) start the next substep cold: what stopped them is no lasting load.
+    S impact_speed;
     /// Whether overlaps are pushed apart at all.
     bool pushes;
+};
+
+/// What contacts are written with.
+template <class S>
+struct soft_start {
+    /// Length of the step (s), and which part of its impulses a substep begins with.
+    S step, share;
+    /// Approaches slower than this do not bounce (m/s).
+    S bounce_slop;
 };
 
 /// One point of W contacts: where it lies in the plane of the contact, relative to the contact's middle.
@@ -40,13 +51,13 @@ template <class S, int W, bool Bounces>
 struct soft_point {
     S mass[W];
     S separation[W];
-    S impulse[W];
+    /// Of this substep, below 0 where it answered a blow and is no lasting load; and of the whole step.
+    S impulse[W], total[W];
 };
 template <class S, int W>
 struct soft_point<S, W, true> : soft_point<S, W, false> {
-    /// The speed with which the surfaces part after a bounce (m/s), 0 for none, and the largest impulse so far.
+    /// The speed with which the surfaces part after a bounce (m/s), 0 for none.
     S bounce[W];
-    S most[W];
 };
 
 /// The middle of a contact's points.
@@ -63,11 +74,16 @@ contact_point<S, D> middle_of(const contact<S, D>& c) {
     middle.lever_b *= share;
     return middle;
 }
+/// What the next substep begins with.
+template <class P, class Point>
+PHYSICS_HPP_ALWAYS_INLINE P lasting_impulse(const Point& point) {
+    return max(P::load(point.impulse), P::broadcast(typename P::scalar(0)));
+}
 /// The change of a point's impulse that its speed along the normal asks for.
 template <class P, class Point, class S = typename P::scalar>
 PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& way, const soft_round<S>& how) {
     const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
-    const P gap = P::load(point.separation) + way, mass = P::load(point.mass), before = P::load(point.impulse);
+    const P gap = P::load(point.separation) + way, mass = P::load(point.mass), before = lasting_impulse<P>(point);
     const P closing = gap * P::broadcast(how.inverse_step);
     P bias = zero, mass_scale = one, impulse_scale = zero;
     if (how.pushes) {
@@ -79,19 +95,24 @@ PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& 
     const P strength = mass * select_greater(gap, zero, one, mass_scale);
     const P kept = before - before * select_greater(gap, zero, zero, impulse_scale);
     const P impulse = max(kept - strength * (speed + wanted), zero);
-    impulse.store(point.impulse);
-    if constexpr (requires { point.most; }) max(impulse, P::load(point.most)).store(point.most);
+    if (how.pushes) {
+        impulse.store(point.impulse);
+    } else {
+        (P::load(point.total) + impulse).store(point.total);
+        select_greater(-speed, P::broadcast(how.impact_speed), -impulse, impulse).store(point.impulse);
+    }
     return impulse - before;
 }
 /// The same for a bounce: only of points that have pushed.
 template <class P, class Point>
 PHYSICS_HPP_ALWAYS_INLINE P bounce_impulse(Point& point, const P& speed) {
     using S = typename P::scalar;
-    const P zero = P::broadcast(S(0)), before = P::load(point.impulse), bounce = P::load(point.bounce);
+    const P zero = P::broadcast(S(0)), before = load_of<P>(point), bounce = P::load(point.bounce);
     const P after = max(before - P::load(point.mass) * (speed - bounce), zero);
-    const P impulse = select_greater(min(bounce, P::load(point.most)), zero, after, before);
-    impulse.store(point.impulse);
-    return impulse - before;
+    const P total = P::load(point.total);
+    const P change = select_greater(min(bounce, total), zero, after - before, zero);
+    (total + change).store(point.total);
+    return change;
 }
 
 }  // namespace detail

@@ -32,10 +32,12 @@ struct soft_contact2 {
     point points[manifold<S, 2>::capacity];
     [[no_unique_address]] soft_friction2_of<S, W, Features> friction;
     int point_count = 0;
+    /// Whether any point bounces.
+    bool bounces = false;
     [[no_unique_address]] extras_of_block<S, W, 2, Features> extras;
 
     /// Writes a contact into a lane.
-    void put(int lane, const contact<S, 2>& c, const body* bodies, S bounce_slop, S h, arena& scratch) {
+    void put(int lane, const contact<S, 2>& c, const body* bodies, const soft_start<S>& with, arena& scratch) {
         const body& first = bodies[c.body_a];
         const body& second = bodies[c.body_b];
         const contact_point<S, 2> middle = middle_of(c);
@@ -63,25 +65,27 @@ struct soft_contact2 {
             to.lever[lane] = cross(from.lever_a - middle.lever_a, c.normal);
             to.mass[lane] = effective_mass(first, second, from, c.normal);
             to.separation[lane] = from.separation;
-            to.impulse[lane] = from.persisted ? from.normal_impulse : S(0);
-            if constexpr (Features::restitution) to.bounce[lane] = bounce_of(c, from, first, second, bounce_slop, h);
+            to.impulse[lane] = from.persisted ? from.load : S(0);
+            if constexpr (Features::restitution)
+                bounces |= S(0) < (to.bounce[lane] = bounce_of(c, from, first, second, with.bounce_slop, with.step));
         }
         if constexpr (Features::friction) {
             friction.coefficient[lane] = c.friction;
             friction.stop[lane] = effective_mass(first, second, middle, tangents<S, 2>(c.normal).t);
-            friction.impulse[lane] = friction_of(c);
+            friction.impulse[lane] = friction_of(c) * with.share;
         }
-        extras.put(lane, c, first, second, scratch);
+        extras.put(lane, c, first, second, with.share, scratch);
     }
     /// Hands the impulses back. Friction is shared as the points share the load.
     void take(int lane, contact<S, 2>& c) const {
         S load = S(0);
-        for (int k = 0; k < c.count; ++k) load += points[k].impulse[lane];
+        for (int k = 0; k < c.count; ++k) load += points[k].total[lane];
         for (int k = 0; k < c.count; ++k) {
             contact_point<S, 2>& to = c.points[k];
-            to.normal_impulse = points[k].impulse[lane];
+            to.normal_impulse = points[k].total[lane];
+            to.load = max(points[k].impulse[lane], S(0));
             if constexpr (Features::friction)
-                to.friction_impulse = load > S(0) ? friction.impulse[lane] * (to.normal_impulse / load) : S(0);
+                to.friction_impulse = load > S(0) ? friction.total[lane] * (to.normal_impulse / load) : S(0);
         }
         extras.take(lane, c);
     }
@@ -94,7 +98,7 @@ struct soft_contact2 {
         at_b.load(bodies, b);
         P load = P::broadcast(S(0)), moment = load, rub = load;
         for (int k = 0; k < point_count; ++k) {
-            const P impulse = P::load(points[k].impulse);
+            const P impulse = lasting_impulse<P>(points[k]);
             load = load + impulse;
             moment = moment + P::load(points[k].lever) * impulse;
         }
@@ -105,8 +109,8 @@ struct soft_contact2 {
         at_a.store(bodies, a);
         at_b.store(bodies, b);
     }
-    /// One round over the contacts: friction by the load of the last round, then the points one after the other. While
-    /// overlaps are pushed apart friction rests: it would act against what the springs do, and piles would sway.
+    /// One round over the contacts: the points one after the other, then friction by their load. While overlaps are
+    /// pushed apart friction rests: it would act against what the springs do, and piles would sway.
     void solve(body* bodies, const soft_round<S>& how) {
         if constexpr (Features::rolling_resistance)
             if (!how.pushes && extras.at != nullptr) roll(bodies);
@@ -114,14 +118,15 @@ struct soft_contact2 {
         body_lanes2<P> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
-        if constexpr (Features::friction)
-            if (!how.pushes) rub(f, at_a, at_b);
         const relative_motion speed(f, at_a.velocity, at_b.velocity), way(f, at_a.way, at_b.way);
         push_points(f, speed, at_a, at_b, [&](point& p, const P& v) { return next_impulse(p, v, way.at(p), how); });
+        if constexpr (Features::friction)
+            if (!how.pushes) rub(f, at_a, at_b);
         at_a.store(bodies, a);
         at_b.store(bodies, b);
     }
     void bounce(body* bodies) requires Features::restitution {
+        if (!bounces) return;
         const frame_lanes f(*this);
         body_lanes2<P> at_a, at_b;
         at_a.load(bodies, a);

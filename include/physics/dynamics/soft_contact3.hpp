@@ -32,10 +32,12 @@ struct soft_contact3 {
     point points[manifold<S, 3>::capacity];
     [[no_unique_address]] soft_friction3_of<S, W, Features, Friction> friction;
     int point_count = 0;
+    /// Whether any point bounces.
+    bool bounces = false;
     [[no_unique_address]] extras_of_block<S, W, 3, Features> extras;
 
     /// Writes a contact into a lane.
-    void put(int lane, const contact<S, 3>& c, const body* bodies, S bounce_slop, S h, arena& scratch) {
+    void put(int lane, const contact<S, 3>& c, const body* bodies, const soft_start<S>& with, arena& scratch) {
         const body& first = bodies[c.body_a];
         const body& second = bodies[c.body_b];
         const tangents<S, 3> frame(c.normal);
@@ -73,19 +75,21 @@ struct soft_contact3 {
             to.y[lane] = dot(offset, frame.u);
             to.mass[lane] = effective_mass(first, second, from, c.normal);
             to.separation[lane] = from.separation;
-            to.impulse[lane] = from.persisted ? from.normal_impulse : S(0);
-            if constexpr (Features::restitution) to.bounce[lane] = bounce_of(c, from, first, second, bounce_slop, h);
+            to.impulse[lane] = from.persisted ? from.load : S(0);
+            if constexpr (Features::restitution)
+                bounces |= S(0) < (to.bounce[lane] = bounce_of(c, from, first, second, with.bounce_slop, with.step));
         }
-        if constexpr (Features::friction) friction.put(lane, c, middle, first, second, frame, points);
-        extras.put(lane, c, first, second, scratch);
+        if constexpr (Features::friction) friction.put(lane, c, middle, first, second, frame, points, with.share);
+        extras.put(lane, c, first, second, with.share, scratch);
     }
     /// Hands the impulses back.
     void take(int lane, contact<S, 3>& c) const {
         S load = S(0);
-        for (int k = 0; k < c.count; ++k) load += points[k].impulse[lane];
+        for (int k = 0; k < c.count; ++k) load += points[k].total[lane];
         for (int k = 0; k < c.count; ++k) {
             contact_point<S, 3>& to = c.points[k];
-            to.normal_impulse = points[k].impulse[lane];
+            to.normal_impulse = points[k].total[lane];
+            to.load = max(points[k].impulse[lane], S(0));
             if constexpr (Features::friction)
                 to.friction_impulse = friction.of_point(lane, k, load > S(0) ? to.normal_impulse / load : S(0));
         }
@@ -100,7 +104,8 @@ struct soft_contact3 {
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         P load = P::broadcast(S(0)), about_t = load, about_u = load;
-        for (int k = 0; k < point_count; ++k) add_push(points[k], P::load(points[k].impulse), load, about_t, about_u);
+        for (int k = 0; k < point_count; ++k)
+            add_push(points[k], lasting_impulse<P>(points[k]), load, about_t, about_u);
         if constexpr (Features::rolling_resistance) {
             if (extras.at != nullptr) {
                 about_t = about_t + P::load(extras.at->rolling::x);
@@ -119,8 +124,8 @@ struct soft_contact3 {
         at_b.store(bodies, b);
     }
 
-    /// One round over the contacts: friction by the load of the last round, then the points one after the other. While
-    /// overlaps are pushed apart friction rests: it would act against what the springs do, and piles would sway.
+    /// One round over the contacts: the points one after the other, then friction by their load. While overlaps are
+    /// pushed apart friction rests: it would act against what the springs do, and piles would sway.
     void solve(body* bodies, const soft_round<S>& how) {
         if constexpr (Features::rolling_resistance)
             if (!how.pushes && extras.at != nullptr) roll(bodies);
@@ -128,14 +133,15 @@ struct soft_contact3 {
         body_lanes3<P> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
-        if constexpr (Features::friction)
-            if (!how.pushes) rub(f, at_a, at_b);
         const relative_motion speed(f, at_a.velocity, at_b.velocity), way(f, at_a.way, at_b.way);
         push_points(f, speed, at_a, at_b, [&](point& p, const P& v) { return next_impulse(p, v, way.at(p), how); });
+        if constexpr (Features::friction)
+            if (!how.pushes) rub(f, at_a, at_b);
         at_a.store(bodies, a);
         at_b.store(bodies, b);
     }
     void bounce(body* bodies) requires Features::restitution {
+        if (!bounces) return;
         frame_lanes f(*this);
         body_lanes3<P> at_a, at_b;
         at_a.load(bodies, a);

@@ -60,19 +60,23 @@ template <class S, int W, int D>
 struct rolling_lanes {
     using P = pack<S, W>;
 
-    S arm[W], inertia[W], impulse[W];
+    S arm[W], inertia[W];
+    /// Of this substep, and of the whole step.
+    S impulse[W], total[W];
 
-    void put(int lane, const contact<S, 2>& c, const rolling2<S>& with) {
+    void put(int lane, const contact<S, 2>& c, const rolling2<S>& with, S share) {
         arm[lane] = c.rolling_resistance;
         inertia[lane] = with.inertia;
-        impulse[lane] = c.rolling_impulse;
+        impulse[lane] = c.rolling_impulse * share;
     }
-    void take(int lane, contact<S, 2>& c) const { c.rolling_impulse = impulse[lane]; }
+    void take(int lane, contact<S, 2>& c) const { c.rolling_impulse = total[lane]; }
     /// The change of the angular impulse where B turns by w against A.
     PHYSICS_HPP_ALWAYS_INLINE P next(const P& w, const P& load) {
         const P before = P::load(impulse), reach = P::load(arm), most = reach * load, zero = P::broadcast(S(0));
         const P after = max(min(before - P::load(inertia) * w, most), -most);
-        select_greater(reach, zero, after, before).store(impulse);
+        const P now = select_greater(reach, zero, after, before);
+        now.store(impulse);
+        (P::load(total) + now).store(total);
         return after - before;
     }
 };
@@ -82,21 +86,25 @@ struct rolling_lanes<S, W, 3> {
 
     S arm[W];
     cone_lanes<S, W> stop;
-    S x[W], y[W];
+    S x[W], y[W], total_x[W], total_y[W];
 
-    void put(int lane, const contact<S, 3>& c, const rolling3<S>& with) {
+    void put(int lane, const contact<S, 3>& c, const rolling3<S>& with, S share) {
         arm[lane] = c.rolling_resistance;
         stop.put(lane, with);
-        x[lane] = c.rolling_impulse.x;
-        y[lane] = c.rolling_impulse.y;
+        x[lane] = c.rolling_impulse.x * share;
+        y[lane] = c.rolling_impulse.y * share;
     }
-    void take(int lane, contact<S, 3>& c) const { c.rolling_impulse = {x[lane], y[lane]}; }
+    void take(int lane, contact<S, 3>& c) const { c.rolling_impulse = {total_x[lane], total_y[lane]}; }
     PHYSICS_HPP_ALWAYS_INLINE lanes2<P> next(const lanes2<P>& w, const P& load) {
         const lanes2<P> before = {P::load(x), P::load(y)};
         const P reach = P::load(arm), zero = P::broadcast(S(0));
         const lanes2<P> after = stop.next(before, w, reach * load);
-        select_greater(reach, zero, after.x, before.x).store(x);
-        select_greater(reach, zero, after.y, before.y).store(y);
+        const lanes2<P> now = {select_greater(reach, zero, after.x, before.x),
+                               select_greater(reach, zero, after.y, before.y)};
+        now.x.store(x);
+        now.y.store(y);
+        (P::load(total_x) + now.x).store(total_x);
+        (P::load(total_y) + now.y).store(total_y);
         return {after.x - before.x, after.y - before.y};
     }
 };
@@ -117,9 +125,10 @@ struct soft_extras
         return (Features::rolling_resistance && c.rolling_resistance > S(0)) ||
                (Features::surface_velocity && c.surface_velocity != tangential<S, D>{});
     }
-    void put(int lane, const contact<S, D>& c, const solver_body<S, D>& a, const solver_body<S, D>& b) {
+    void put(int lane, const contact<S, D>& c, const solver_body<S, D>& a, const solver_body<S, D>& b, S share) {
         if constexpr (Features::rolling_resistance)
-            if (c.rolling_resistance > S(0)) rolling::put(lane, c, rolling_at<S, D>(a, b, tangents<S, D>(c.normal)));
+            if (c.rolling_resistance > S(0))
+                rolling::put(lane, c, rolling_at<S, D>(a, b, tangents<S, D>(c.normal)), share);
         if constexpr (Features::surface_velocity) belt::put(lane, c);
     }
 };
@@ -131,8 +140,9 @@ struct extras_of_block {
 
     extras* at = nullptr;
 
-    void put(int lane, const contact<S, D>& c, const solver_body<S, D>& a, const solver_body<S, D>& b, arena& scratch) {
-        if (extras::needed_by(c)) add(lane, c, a, b, scratch);
+    void put(int lane, const contact<S, D>& c, const solver_body<S, D>& a, const solver_body<S, D>& b, S share,
+             arena& scratch) {
+        if (extras::needed_by(c)) add(lane, c, a, b, share, scratch);
     }
     void take(int lane, contact<S, D>& c) const {
         if constexpr (Features::rolling_resistance)
@@ -141,15 +151,15 @@ struct extras_of_block {
 
 private:
     PHYSICS_HPP_NOINLINE void add(int lane, const contact<S, D>& c, const solver_body<S, D>& a,
-                                  const solver_body<S, D>& b, arena& scratch) {
+                                  const solver_body<S, D>& b, S share, arena& scratch) {
         if (at == nullptr) at = new (scratch.template take<extras>(1)) extras{};
-        at->put(lane, c, a, b);
+        at->put(lane, c, a, b, share);
     }
 };
 template <class S, int W, int D, class Features>
     requires(!Features::rolling_resistance && !Features::surface_velocity)
 struct extras_of_block<S, W, D, Features> {
-    void put(int, const contact<S, D>&, const solver_body<S, D>&, const solver_body<S, D>&, arena&) {}
+    void put(int, const contact<S, D>&, const solver_body<S, D>&, const solver_body<S, D>&, S, arena&) {}
     void take(int, contact<S, D>&) const {}
 };
 

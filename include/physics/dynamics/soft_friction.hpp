@@ -22,13 +22,16 @@ template <class S, int W>
 struct soft_friction2 {
     using P = pack<S, W>;
 
-    S coefficient[W], stop[W], impulse[W];
+    S coefficient[W], stop[W];
+    /// Of this substep, and of the whole step.
+    S impulse[W], total[W];
 
     /// The change of the impulse where the surfaces slip by v at the middle.
     PHYSICS_HPP_ALWAYS_INLINE P next(const P& v, const P& load) {
         const P before = P::load(impulse), most = P::load(coefficient) * load;
         const P after = max(min(before - P::load(stop) * v, most), -most);
         after.store(impulse);
+        (P::load(total) + after).store(total);
         return after - before;
     }
 };
@@ -47,11 +50,16 @@ tangential<S, D> friction_of(const contact<S, D>& c) {
         if (c.points[k].persisted) sum += c.points[k].friction_impulse;
     return sum;
 }
-/// The load of a contact's points.
+/// The load of a point, and of a contact's points.
+template <class P, class Point>
+PHYSICS_HPP_ALWAYS_INLINE P load_of(const Point& point) {
+    const P impulse = P::load(point.impulse);
+    return max(impulse, -impulse);
+}
 template <class P, class Point>
 PHYSICS_HPP_ALWAYS_INLINE P load_of(const Point* points, int count) {
-    P load = P::load(points[0].impulse);
-    for (int k = 1; k < count; ++k) load = load + P::load(points[k].impulse);
+    P load = load_of<P>(points[0]);
+    for (int k = 1; k < count; ++k) load = load + load_of<P>(points[k]);
     return load;
 }
 
@@ -66,12 +74,14 @@ struct soft_patch_friction3 {
     /// The impulses that stop a slip.
     cone_lanes<S, W> stop;
     S stop_twist[W];
+    /// Impulses of this substep, and of the whole step.
     S x[W], y[W], twist[W];
+    S total_x[W], total_y[W], total_twist[W];
 
     /// Writes a contact, whose points have been written, into a lane.
     template <class Point>
     void put(int lane, const contact<S, 3>& c, const contact_point<S, 3>& middle, const body& a, const body& b,
-             const tangents<S, 3>& frame, const Point* points) {
+             const tangents<S, 3>& frame, const Point* points, S share) {
         using I = inverse_of<S>;
         S reach = S(0);
         for (int k = 0; k < c.count; ++k) reach += length(vec<S, 2>{points[k].x[lane], points[k].y[lane]});
@@ -82,13 +92,13 @@ struct soft_patch_friction3 {
                           torque_answer<S>(b.inverse_inertia, c.normal, c.normal);
         stop_twist[lane] = twisted > I(0) ? reciprocal<S>(twisted) : S(0);
         const vec<S, 2> before = friction_of(c);
-        x[lane] = before.x;
-        y[lane] = before.y;
-        twist[lane] = c.twist_impulse;
+        x[lane] = before.x * share;
+        y[lane] = before.y * share;
+        twist[lane] = c.twist_impulse * share;
     }
     /// The impulse of point k, which bears that part of the load; and the one about the normal.
-    vec<S, 2> of_point(int lane, int, S part) const { return {x[lane] * part, y[lane] * part}; }
-    S about_normal(int lane) const { return twist[lane]; }
+    vec<S, 2> of_point(int lane, int, S part) const { return {total_x[lane] * part, total_y[lane] * part}; }
+    S about_normal(int lane) const { return total_twist[lane]; }
     /// The impulses so far.
     template <class Point>
     PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> last(const Point*, int) const {
@@ -105,6 +115,9 @@ struct soft_patch_friction3 {
         const P twisted = P::load(twist), most = P::load(twist_arm) * load;
         const P turned = max(min(twisted - P::load(stop_twist) * slip.twist, most), -most);
         turned.store(twist);
+        (P::load(total_x) + after.x).store(total_x);
+        (P::load(total_y) + after.y).store(total_y);
+        (P::load(total_twist) + turned).store(total_twist);
         return {after.x - before.x, after.y - before.y, turned - twisted};
     }
 };
@@ -118,7 +131,8 @@ struct soft_point_friction3 {
 
     struct point {
         cone_lanes<S, W> stop;
-        S x[W], y[W];
+        /// Impulses of this substep, and of the whole step.
+        S x[W], y[W], total_x[W], total_y[W];
     };
 
     S coefficient[W];
@@ -128,7 +142,7 @@ struct soft_point_friction3 {
 
     template <class Point>
     void put(int lane, const contact<S, 3>& c, const contact_point<S, 3>& middle, const body& a, const body& b,
-             const tangents<S, 3>& frame, const Point*) {
+             const tangents<S, 3>& frame, const Point*, S share) {
         coefficient[lane] = c.friction;
         const auto turned = [&](vec<S, 3> of_a, vec<S, 3> of_b, vec<S, 3> about_a, vec<S, 3> about_b) {
             return torque_answer<S>(a.inverse_inertia, of_a, about_a) +
@@ -146,11 +160,11 @@ struct soft_point_friction3 {
         for (int k = 0; k < c.count; ++k) {
             const contact_point<S, 3>& from = c.points[k];
             each[k].stop.put(lane, friction3<S>(a, b, from, frame));
-            each[k].x[lane] = from.persisted ? from.friction_impulse.x : S(0);
-            each[k].y[lane] = from.persisted ? from.friction_impulse.y : S(0);
+            each[k].x[lane] = from.persisted ? from.friction_impulse.x * share : S(0);
+            each[k].y[lane] = from.persisted ? from.friction_impulse.y * share : S(0);
         }
     }
-    vec<S, 2> of_point(int lane, int k, S) const { return {each[k].x[lane], each[k].y[lane]}; }
+    vec<S, 2> of_point(int lane, int k, S) const { return {each[k].total_x[lane], each[k].total_y[lane]}; }
     S about_normal(int) const { return S(0); }
     template <class Point>
     PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> last(const Point* points, int count) const {
@@ -167,9 +181,11 @@ struct soft_point_friction3 {
             const P px = P::load(points[k].x), py = P::load(points[k].y);
             const lanes2<P> before = {P::load(each[k].x), P::load(each[k].y)};
             const lanes2<P> v = {slip.x - py * slip.twist, slip.y + px * slip.twist};
-            const lanes2<P> after = each[k].stop.next(before, v, mu * P::load(points[k].impulse));
+            const lanes2<P> after = each[k].stop.next(before, v, mu * load_of<P>(points[k]));
             after.x.store(each[k].x);
             after.y.store(each[k].y);
+            (P::load(each[k].total_x) + after.x).store(each[k].total_x);
+            (P::load(each[k].total_y) + after.y).store(each[k].total_y);
             slide_lanes<P> by{zero, zero, zero};
             add(by, points[k], after.x - before.x, after.y - before.y);
             sum = {sum.x + by.x, sum.y + by.y, sum.twist + by.twist};

@@ -140,7 +140,7 @@ constexpr recipe_problem problem_of_policies(const policy_list<Policies...>*) {
         else if constexpr (!integrator_policy<
                                typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type, S, D>)
             return recipe_problem::bad_integrator;
-        else if constexpr (!solver_policy<typename policy_for<stage::solver, sequential_impulse, Policies...>::type, S,
+        else if constexpr (!solver_policy<typename policy_for<stage::solver, soft_step, Policies...>::type, S,
                                           D, features>)
             return recipe_problem::bad_solver;
         else return recipe_problem::none;

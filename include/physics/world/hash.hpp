@@ -88,6 +88,7 @@ public:
         for (int k = 0; k < c.count; ++k) {
             add(std::uint64_t{c.points[k].feature});
             add(c.points[k].normal_impulse);
+            add(c.points[k].load);
             add(c.points[k].friction_impulse);
         }
     }

@@ -174,7 +174,7 @@ struct plan<S, D, shapes<Shapes...>, Policies...> {
     using integrator =
         typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type::template in<space>;
     using solver =
-        typename policy_for<stage::solver, sequential_impulse, Policies...>::type::template in<space, features>;
+        typename policy_for<stage::solver, soft_step, Policies...>::type::template in<space, features>;
     static constexpr bool sleeps = features::sleeping;
     using settings = world_settings<S, D, typename solver::settings,
                                     std::conditional_t<sleeps, sleep_settings<S>, no_settings>>;
