@@ -3347,6 +3347,8 @@ struct mixing {};
 struct solver {};
 /// How velocities and poses advance: semi_implicit_euler.
 struct integrator {};
+/// How fast bodies are kept from passing through others: swept.
+struct continuous {};
 /// Which features are left out: without<...>.
 struct features {};
 }  // namespace stage
@@ -15174,11 +15176,16 @@ struct moving_core {
     double reach;
 
     template <class S>
-    moving_core(const core<D>& c, const sweep<S, D>& s, const point<D>& origin) : shape(c), turn(to_turn(s.turn)) {
-        const mat<double, D> body = to_matrix(s.rotation), local = to_matrix(s.shape.rotation);
+    moving_core(const core<D>& c, const sweep<S, D>& s, const point<D>& origin)
+        : moving_core(c, s, to_matrix(s.shape.rotation), to_point(s.shape.position), origin) {}
+    /// The same where the shape stands elsewhere on the body.
+    template <class S>
+    moving_core(const core<D>& c, const sweep<S, D>& s, const mat<double, D>& local, const point<D>& arm,
+                const point<D>& origin)
+        : shape(c), turn(to_turn(s.turn)) {
+        const mat<double, D> body = to_matrix(s.rotation);
         start = to_point(s.start) - origin;
         axes = body * local;
-        const point<D> arm = to_point(s.shape.position);
         lever = body * arm;
         // The box around the core in its own frame, seen from the centre of mass.
         const point<D> center = -transposed_times(local, arm);
@@ -15439,6 +15446,236 @@ impact<S, D> time_of_impact(const A& a, const sweep<S, D>& motion_a, const halfs
     const auto m = detail::swept_impact(surface, motion_b, core_of(a), motion_a, &half.normal, settings);
     return detail::rounded_impact(m, motion_b, -m.normal, m.on_a + m.normal * m.gap);
 }
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/collide/passage.hpp
+// =================================================================================================
+// When a convex shape that moves and turns has to be stopped, so that it does not pass into or through another one.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// What a core can enter another by at most before its own inside does (m): the radius of a ball inside, as a lower
+/// bound.
+template <bool Few, int D>
+PHYSICS_HPP_COLD double inner_radius(const core<D>& c) {
+    double inside = c.thickness;
+    // Half the smallest width, which exceeds that radius by less than a factor of two.
+    if (c.kind == core_kind::triangle || (c.kind == core_kind::disc && c.corner[0].y != c.corner[0][D - 1]))
+        inside *= 0.5;
+    if constexpr (!Few)
+        if (c.kind == core_kind::custom) {
+            const core<D> tip;
+            const placed_core<D> middle{&tip, mat<double, D>::identity(), c.center};
+            const gjk_result<D> r = gjk(c, middle, no_limit, 0x1p-20, nullptr);
+            inside = r.overlapping ? 0.75 * max(epa(c, middle, r.at, 0x1p-10 * c.extent).depth, 0.0) : 0;
+        }
+    return inside + c.radius;
+}
+
+/// Which passages are stopped, and where; lengths in metres.
+struct passage_rule {
+    /// Shapes that begin closer are in contact: the solver stops them, unless they sink in.
+    double touch;
+    /// How far apart the others are left, and how much farther at most.
+    double target, tolerance;
+    /// The mover may sink in by half of this.
+    double depth;
+    /// What rounding of poses may do to a gap.
+    double blur;
+};
+
+/// When a shape is stopped.
+struct passage {
+    bool stops = false;
+    bool converged = true;
+    double time = 1;
+};
+
+/// Whether the core of a shape has at most four corners, or only parts have one, that have as few.
+template <class Shape, int D>
+constexpr bool has_few_corners = false;
+template <class S, int D>
+constexpr bool has_few_corners<ball<S, D>, D> = true;
+template <class S, int D>
+constexpr bool has_few_corners<capsule<S, D>, D> = true;
+template <class S, int D>
+constexpr bool has_few_corners<box<S, D>, D> = D == 2;
+template <class S, int D>
+constexpr bool has_few_corners<rounded_box<S, D>, D> = D == 2;
+template <class S, int D>
+constexpr bool has_few_corners<segment<S, D>, D> = true;
+template <class S, int D>
+constexpr bool has_few_corners<triangle<S, D>, D> = true;
+template <class S, int D>
+constexpr bool has_few_corners<halfspace<S, D>, D> = true;
+
+/// The corners of a core in the plane, in order around it.
+struct few_corners {
+    point<2> at[4];
+    int count;
+
+    explicit few_corners(const placed_core<2>& c) {
+        const core_kind kind = c.shape->kind;
+        count = kind == core_kind::point ? 1 : kind == core_kind::segment ? 2 : kind == core_kind::triangle ? 3 : 4;
+        // Those of boxes are numbered by signs.
+        for (int i = 0; i < count; ++i)
+            at[i] = c.vertex(static_cast<std::uint32_t>(count == 4 ? i ^ (i >> 1) : i)).at;
+    }
+    [[nodiscard]] double least(const point<2>& n) const {
+        double result = dot(n, at[0]);
+        for (int i = 1; i < count; ++i) result = min(result, dot(n, at[i]));
+        return result;
+    }
+};
+
+/// The axis along which two cores in the plane are farthest apart or, where they overlap, the shortest way out: that is
+/// across an edge of either, or from corner to corner. Cost: all of them are tried.
+PHYSICS_HPP_COLD inline parting_axis<2> parting_edge(const placed_core<2>& a, const placed_core<2>& b, double turn_a,
+                                                     double turn_b) {
+    const few_corners on_a(a), on_b(b);
+    parting_axis<2> best;
+    double most = -no_limit;
+    const auto offer = [&](const point<2>& way, double turn) {
+        const double length = physics::length(way);
+        if (!(length > 0)) return;
+        const point<2> n = way * (1 / length);
+        const double gap = on_b.least(n) + on_a.least(-n);
+        if (!(gap > most)) return;
+        most = gap;
+        best = {n, {}, turn};
+    };
+    for (int i = 0; i < on_a.count; ++i) {
+        const point<2> across = perpendicular(on_a.at[i + 1 < on_a.count ? i + 1 : 0] - on_a.at[i]);
+        offer(across, turn_a);
+        offer(-across, turn_a);
+    }
+    for (int i = 0; i < on_b.count; ++i) {
+        const point<2> across = perpendicular(on_b.at[i + 1 < on_b.count ? i + 1 : 0] - on_b.at[i]);
+        offer(across, turn_b);
+        offer(-across, turn_b);
+    }
+    for (int i = 0; i < on_a.count && (most > 0 || most == -no_limit); ++i)
+        for (int k = 0; k < on_b.count; ++k) offer(on_b.at[k] - on_a.at[i], 0);
+    return best;
+}
+
+/// As closest_features; where the cores overlap, the axis of the shortest way out.
+template <int D>
+PHYSICS_HPP_COLD parting_axis<D> parting_features_of_any(const moving_pair<D>& p, double t, gjk_cache& cache) {
+    parting_axis<D> axis = closest_features(p, t, cache);
+    if (!(axis.normal == point<D>{})) return axis;
+    const placed_core<D> on_a = p.a.at(t, {}), on_b = p.b.at(t, p.center(t));
+    mat<double, D> seen;
+    for (int i = 0; i < D; ++i) seen.column[i] = transposed_times(on_a.axes, on_b.axes.column[i]);
+    const placed_core<D> b_in_a{&p.b.shape, seen, transposed_times(on_a.axes, on_b.at - on_a.at)};
+    const gjk_result<D> r = gjk(p.a.shape, b_in_a, no_limit, p.tolerance, &cache);
+    point<D> normal = r.normal;
+    int corners_a = 1, corners_b = 1;
+    if (r.overlapping) {
+        const penetration<D> out = epa(p.a.shape, b_in_a, r.at, 0x1p-30 * extent_of(p.a.shape, b_in_a));
+        normal = out.normal;
+        for (int i = 1; i < D; ++i) {
+            bool new_a = true, new_b = true;
+            for (int k = 0; k < i; ++k) {
+                new_a = new_a && out.names[i] >> 16 != out.names[k] >> 16;
+                new_b = new_b && (out.names[i] & 0xffffu) != (out.names[k] & 0xffffu);
+            }
+            corners_a += new_a;
+            corners_b += new_b;
+        }
+    }
+    axis.normal = on_a.axes * normal;
+    axis.turn = corners_a > corners_b ? p.a.turn : p.b.turn;
+    return axis;
+}
+
+/// The same of a pair whose kinds of cores are known: in the plane those with few corners need no general kernels.
+template <bool Few, int D>
+parting_axis<D> parting_features(const moving_pair<D>& p, double t, [[maybe_unused]] gjk_cache& cache) {
+    if constexpr (Few && D == 2) {
+        if (p.face == nullptr) return parting_edge(p.a.at(t, {}), p.b.at(t, p.center(t)), p.a.turn, p.b.turn);
+        return {p.a.at(t, {}).axes * *p.face, {}, p.a.turn};
+    } else {
+        return parting_features_of_any(p, t, cache);
+    }
+}
+
+/// Follows a pair from a time on until it is as close as `goal`, which may be an overlap. Conservative advancement, as
+/// for the time of impact.
+template <bool Few, int D>
+class passage_search {
+public:
+    struct found {
+        impact_state state;
+        double time;
+    };
+
+    explicit passage_search(const moving_pair<D>& pair) : pair_(pair) {}
+    [[nodiscard]] double gap_at(double t) { return pair_.gap(t, parting_features<Few>(pair_, t, cache_).normal); }
+    [[nodiscard]] PHYSICS_HPP_COLD found follow(double t, double end, double goal, double slack) {
+        constexpr int most_iterations = 100;
+        for (int iterations = 0;; ++iterations) {
+            const parting_axis<D> axis = parting_features<Few>(pair_, t, cache_);
+            const double gap = pair_.gap(t, axis.normal);
+            if (gap <= goal + slack) return {impact_state::hit, t};
+            const double next = t + proven_advance(pair_, axis, t, gap, end, goal);
+            if (next >= end) return {impact_state::separated, end};
+            if (!(next > t) || iterations == most_iterations) return {impact_state::iteration_limit, t};
+            t = next;
+        }
+    }
+
+private:
+    const moving_pair<D>& pair_;
+    gjk_cache cache_;
+};
+
+/// When B has to be stopped on its way past or into A, if that is before `latest`. It has to be only where it would
+/// otherwise sink in deeper than half of what it can without passing through: so nothing that slides along a surface,
+/// rolls over its inner edges or grazes it is stopped. It is stopped at the surface, or, where it begins in touch, on
+/// its way down: each time halfway to the depth that it must not reach, and beyond that at once.
+/// The answer for one pair depends on no other; `latest` only spares work. Few: both cores are known to have few
+/// corners. Cost: 0.1 us where they stay far apart.
+template <bool Few, int D>
+PHYSICS_HPP_COLD passage find_passage(const moving_pair<D>& p, const passage_rule& rule, double latest) {
+    const double slack = max(rule.tolerance, 4 * p.noise()), touch = max(rule.touch, rule.target + slack);
+    double from = 0, end = 1;
+    bool near_by = true;
+    if (p.face == nullptr) {
+        const double reach = (p.a.reach + p.b.reach + p.radii + touch) + p.noise();
+        const local_ray<D> ray{p.b.start, p.way};
+        near_by = dot(ray.origin, ray.origin) <= reach * reach;
+        double to = 1;
+        const bool meets = ball_span(ray, reach, from, to);
+        if (!near_by && (!meets || from < 0 || from > latest)) return {};
+        if (near_by) from = 0;
+        if (meets && to < end) end = max(to, from);
+    }
+    passage_search<Few, D> search(p);
+    const double gap = near_by ? search.gap_at(0) : no_limit;
+    if (gap <= touch) {
+        // Nothing inside that must not pass.
+        if (!(rule.depth > 0)) return {};
+        const double sunk = gap < 0 ? -gap : 0, left = rule.depth * (31.0 / 32) - sunk;
+        const double more = max(0.5 * left, rule.blur + 8 * p.noise());
+        const auto deep = search.follow(0, end, -(sunk + more), more * (1.0 / 8));
+        if (deep.state == impact_state::separated || deep.time > latest) return {};
+        return {true, deep.state == impact_state::hit, deep.time};
+    }
+    const auto first = search.follow(from, latest < end ? latest : end, rule.target, slack);
+    if (first.state == impact_state::separated) return {};
+    if (first.state == impact_state::iteration_limit) return {true, false, first.time};
+    if (!(rule.depth > 16 * p.noise())) return {true, true, first.time};
+    const auto deep = search.follow(first.time, end, -0.5 * rule.depth, rule.depth * (1.0 / 16));
+    if (deep.state == impact_state::separated) return {};
+    return {true, deep.state == impact_state::hit, first.time};
+}
+
+}  // namespace detail
 
 PHYSICS_HPP_END
 
@@ -18728,6 +18965,7 @@ struct body {
     bool is_gyroscopic = false;
     bool mass_is_set = false;
     bool has_target = false;
+    bool continuous = false;
 
     /// The pose of the body's own frame, in which its shapes lie.
     [[nodiscard]] constexpr transform<S, D> pose() const { return {center - rotation * mass.center, rotation}; }
@@ -19220,6 +19458,138 @@ contact_colours colour(const buffer<contact<S, D>>& contacts, solver_bodies<S, D
 }
 
 }  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/dynamics/continuous.hpp
+// =================================================================================================
+// Continuous collision: which bodies are looked after on their way through a step, and how.
+
+PHYSICS_HPP_BEGIN
+
+/// What a body is stopped by on its way, so that it does not pass through.
+enum class swept_against : std::uint8_t {
+    nothing,
+    /// Shapes of static bodies.
+    fixed,
+    /// Shapes of all bodies.
+    everything,
+};
+
+/// How a body moves in a step, and how far it may without passing anything.
+template <class S, int D>
+struct stride {
+    /// Way of the centre of mass (m), and turn (rad), in space along its axis.
+    vec<S, D> way;
+    angular<S, D> turn{};
+    /// No point of a capsule's axis, of a box, of a hull without its radius... is farther from the centre of mass (m).
+    S reach{};
+    /// Radius of a ball that each of the body's shapes holds (m).
+    S thickness{};
+    /// How deep the body is in static ones as the step begins, where that is more than half the contact margin (m).
+    S depth{};
+    /// What the user has said of the body (see body_def::continuous).
+    bool flagged = false;
+
+    /// At least as far as any point has moved, quickly.
+    [[nodiscard]] constexpr S bound() const {
+        S sum{};
+        for (int i = 0; i < D; ++i) sum += abs(way[i]);
+        return sum + taxicab(turn) * reach;
+    }
+    /// How far any point but those of round edges can have moved.
+    [[nodiscard]] S length() const { return physics::length(way) + angle(turn) * reach; }
+
+private:
+    static constexpr S taxicab(S w) { return abs(w); }
+    static constexpr S taxicab(const vec<S, 3>& w) { return abs(w.x) + abs(w.y) + abs(w.z); }
+    static constexpr S angle(S w) { return abs(w); }
+    static S angle(const vec<S, 3>& w) { return physics::length(w); }
+};
+
+/// Sweeps bodies that go far in a step: farther than half of what their shapes are thick, rotation included, or deep
+/// ones that go farther than what is left of that. They are
+/// swept against static bodies, those that the user flags against moving ones too, along their straight and turning
+/// path, and stopped where they would pass into something by more than half of their thickness: at its surface, with
+/// their velocity, for the next step's contacts to deal with. So nothing passes through, however thin or fast, and what
+/// slides or rolls along a surface is not stopped. What a stopped body loses is the rest of the step's time (see
+/// continuous_report). Of two bodies that are stopped on each other's way, each is stopped by the path that the other
+/// would have taken. What turns by its own inertia (see integrator) is taken to turn about one axis.
+/// Cost: about 100 instructions for slow bodies; for fast ones a query and 1 to 20 us for each shape on their way.
+struct swept {
+    using stage = physics::stage::continuous;
+
+    template <class Space>
+    struct in {
+        using S = typename Space::scalar;
+
+        [[nodiscard]] static swept_against aim(const stride<S, Space::dimension>& s) {
+            const S most = s.thickness * S(0.5) - s.depth;
+            if (!(s.bound() > most) || !(s.length() > most)) return swept_against::nothing;
+            return s.flagged ? swept_against::everything : swept_against::fixed;
+        }
+    };
+};
+
+/// Looks for contacts farther ahead of bodies that go far, so that the solver stops them at what they are about to
+/// meet. Costs no time of bodies and no sweeps. Its limits: the contact lies where the shapes are closest at the step's
+/// start, so that a body may be held by what it would have passed by, and may pass where it turns far, or through what
+/// is thin and not closest; bounces begin from where the contact was seen.
+struct speculative {
+    using stage = physics::stage::continuous;
+
+    template <class Space>
+    struct in {
+        using S = typename Space::scalar;
+
+        /// How much farther contacts are looked for (m).
+        [[nodiscard]] static S ahead(const stride<S, Space::dimension>& s) {
+            const S most = s.thickness * S(0.5);
+            return s.bound() > most ? s.length() : S(0);
+        }
+    };
+};
+
+/// What the sweeps of the last step did.
+template <class S>
+struct continuous_report {
+    /// Bodies that went far enough to be swept, and those that were stopped on their way.
+    std::uint32_t swept = 0, stopped = 0;
+    /// Bodies of which a sweep was given up, as it may be at hundreds of turns a step: they were stopped where they
+    /// certainly had not passed.
+    std::uint32_t unconverged = 0;
+    /// The most time that a stopped body has lost (s).
+    S lost{};
+};
+
+namespace detail {
+
+/// For recipes without continuous collision.
+struct no_continuous {
+    template <class Space>
+    struct in {};
+};
+
+/// Whether a policy bound to a space sweeps bodies, and whether it looks ahead.
+template <class C, class S, int D>
+concept sweeps = requires(const stride<S, D>& s) {
+    { C::aim(s) } -> std::same_as<swept_against>;
+};
+template <class C, class S, int D>
+concept looks_ahead = requires(const stride<S, D>& s) {
+    { C::ahead(s) } -> std::same_as<S>;
+};
+
+}  // namespace detail
+
+/// A continuous collision policy bound to a space offers one or both of
+///   swept_against aim(stride)   what a dynamic body that has moved so is swept against
+///   S ahead(stride)             how much farther contacts of a body that is about to move so are looked for (m)
+/// as static functions. A policy is a type with `using stage = physics::stage::continuous` and such a class as
+/// `in<Space>`.
+template <class C, class S, int D>
+concept continuous_for = detail::sweeps<C, S, D> || detail::looks_ahead<C, S, D>;
 
 PHYSICS_HPP_END
 
@@ -20922,6 +21292,9 @@ struct body_def {
     bool rotation_locked = false;
     /// False keeps the body awake, and those that touch it.
     bool can_sleep = true;
+    /// True if the body must not pass through moving bodies either, however fast they are (see swept). Static ones stop
+    /// every body.
+    bool continuous = false;
     /// Anything of the user's; the library never looks at it.
     std::uint64_t user_data = 0;
 };
@@ -21032,6 +21405,8 @@ struct sleeping {};
 struct rolling_resistance {};
 /// Surfaces that run, as conveyor belts do.
 struct surface_velocity {};
+/// Looking after fast bodies on their way through a step.
+struct continuous {};
 }  // namespace feature
 
 /// Leaves features out: without<feature::friction, feature::restitution>.
@@ -21050,9 +21425,10 @@ public:
     static constexpr bool rolling_resistance = !lacks<feature::rolling_resistance>;
     static constexpr bool surface_velocity = friction && !lacks<feature::surface_velocity>;
     static constexpr bool sleeping = !lacks<feature::sleeping>;
+    static constexpr bool continuous = !lacks<feature::continuous>;
     static constexpr bool known = (is_one_of<Features, feature::friction, feature::restitution,
                                              feature::rolling_resistance, feature::surface_velocity,
-                                             feature::sleeping> &&
+                                             feature::sleeping, feature::continuous> &&
                                    ...);
 };
 
@@ -21156,6 +21532,14 @@ struct plan<S, D, shapes<Shapes...>, Policies...> {
     static constexpr bool sleeps = features::sleeping;
     using settings = world_settings<S, D, typename solver::settings,
                                     std::conditional_t<sleeps, sleep_settings<S>, no_settings>>;
+    using continuous = typename std::conditional_t<
+        features::continuous, typename policy_for<stage::continuous, swept, Policies...>::type,
+        no_continuous>::template in<space>;
+    /// Whether all shapes are so simple that sweeps can do without the general kernels.
+    static constexpr bool few_corners = D == 2 && (has_few_corners<Shapes<S, D>, D> && ...);
+    static constexpr bool sweeps = detail::sweeps<continuous, S, D>;
+    static constexpr bool looks_ahead = detail::looks_ahead<continuous, S, D>;
+    static constexpr bool is_continuous = sweeps || looks_ahead;
 };
 
 template <class... Policies>
@@ -21193,6 +21577,7 @@ enum class recipe_problem {
     bad_mixing,
     bad_integrator,
     bad_solver,
+    bad_continuous,
 };
 
 template <class T>
@@ -21211,7 +21596,7 @@ template <class Stage>
 constexpr bool known_stage = std::same_as<Stage, stage::shapes> || std::same_as<Stage, stage::broadphase> ||
                              std::same_as<Stage, stage::narrowphase> || std::same_as<Stage, stage::mixing> ||
                              std::same_as<Stage, stage::solver> || std::same_as<Stage, stage::integrator> ||
-                             std::same_as<Stage, stage::features>;
+                             std::same_as<Stage, stage::continuous> || std::same_as<Stage, stage::features>;
 
 /// False for a policy that claims a stage of the library's own.
 template <class Policy, class Stage = typename stage_of<Policy>::type>
@@ -21278,6 +21663,12 @@ concept solver_policy = requires(solver_bodies<S, D> bodies, buffer<contact<S, D
     Policy::template in<space<S, D>, Features>::solve(bodies, contacts, settings, S(1), scratch, motion);
 };
 
+template <class Policy, class S, int D>
+concept continuous_policy = requires {
+    typename Policy::template in<space<S, D>>;
+}
+&&continuous_for<typename Policy::template in<space<S, D>>, S, D>;
+
 template <class S, int D, class... Policies>
 constexpr recipe_problem problem_of_policies(const policy_list<Policies...>*) {
     if constexpr ((std::is_void_v<typename stage_of<Policies>::type> || ...)) {
@@ -21310,6 +21701,8 @@ constexpr recipe_problem problem_of_policies(const policy_list<Policies...>*) {
         else if constexpr (!solver_policy<typename policy_for<stage::solver, soft_step, Policies...>::type, S,
                                           D, features>)
             return recipe_problem::bad_solver;
+        else if constexpr (!continuous_policy<typename policy_for<stage::continuous, swept, Policies...>::type, S, D>)
+            return recipe_problem::bad_continuous;
         else return recipe_problem::none;
     }
 }
@@ -21382,6 +21775,9 @@ struct audit {
     static_assert(problem != recipe_problem::bad_solver,
                   "physics::recipe: the solver's in<Space, Features> needs a struct settings with a function check, "
                   "and a function solve");
+    static_assert(problem != recipe_problem::bad_continuous,
+                  "physics::recipe: the continuous policy does not model physics::continuous_for; its in<Space> needs "
+                  "aim(stride) or ahead(stride)");
 };
 
 }  // namespace detail
@@ -21515,6 +21911,48 @@ struct sleep_state {
 };
 struct no_sleep_state {};
 
+/// How far a body's shapes reach from its centre of mass; see stride.
+template <class S>
+struct body_extent {
+    S thickness{}, reach{};
+    /// No point of the body is farther from it.
+    double outer = 0;
+};
+/// A body that goes far in a step, and what stops it.
+struct swept_mover {
+    /// Its number, and that among those that move.
+    std::uint32_t body, number;
+    swept_against against = swept_against::fixed;
+    bool stops = false, converged = true;
+    /// Whether another body that it has stopped stops it too.
+    bool cut = false;
+    std::uint32_t other = 0;
+    double time = 1, cut_time = 1;
+};
+/// What a moving body fills in a step.
+template <int D>
+struct swept_box {
+    std::uint32_t body;
+    aabb<double, D> box;
+};
+/// What continuous collision needs.
+template <class Plan>
+struct continuous_state {
+    using S = typename Plan::scalar;
+
+    /// Of every body; follow from shapes and masses.
+    buffer<body_extent<S>> extents;
+    continuous_report<S> report;
+
+    // Scratch of the step.
+    buffer<S> depths;
+    buffer<swept_mover> movers;
+    buffer<swept_box<Plan::dimension>> partners;
+    buffer<std::uint32_t> candidates;
+    buffer<S> ahead;
+};
+struct nothing_continuous {};
+
 /// The state of a world. Copying it copies the world.
 template <class Plan>
 struct state {
@@ -21537,6 +21975,8 @@ struct state {
     /// What the narrowphase remembers of the last step's pairs.
     pair_memories<Plan> memories;
     [[no_unique_address]] std::conditional_t<Plan::sleeps, sleep_state<S, D>, no_sleep_state> sleep;
+    [[no_unique_address]] std::conditional_t<Plan::is_continuous, continuous_state<Plan>, nothing_continuous>
+        continuous;
     std::uint64_t steps = 0;
     std::uint16_t tag = 0;
 
@@ -21557,6 +21997,12 @@ struct state {
         return bodies[body].is_dynamic() && !is_asleep(body);
     }
 };
+
+template <class Plan>
+continuous_report<typename Plan::scalar> report_of(const state<Plan>& s) {
+    if constexpr (Plan::sweeps) return s.continuous.report;
+    else return {};
+}
 
 /// Says where a shape is, of a body whose frame and whose centre of mass are there.
 template <class Plan, class Vec, class Pose>
@@ -21623,6 +22069,85 @@ inline std::uint16_t next_world_tag() noexcept {
 #else
     return static_cast<std::uint16_t>(++count);
 #endif
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/world/extents.hpp
+// =================================================================================================
+// How thick bodies are and how far they reach, for those who look after fast ones.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Calls f(core, axes, at) for the convex pieces of a shape that may be swept, in its frame; surfaces and halfspaces,
+/// which no dynamic body carries, have none.
+template <class Shape, int D, class F>
+void each_swept_piece(const Shape& shape, const aabb<double, D>& everywhere, F&& f) {
+    if constexpr (has_core<Shape>)
+        f(core_of(shape), mat<double, D>::identity(), point<D>{});
+    else if constexpr (is_compound<Shape, D>)
+        each_child(shape, everywhere, [&](const auto& child) { f(child.shape, child.axes, child.at); });
+}
+
+/// How far a core reaches from a point of its own frame.
+template <int D>
+PHYSICS_HPP_COLD double reach_from(const core<D>& c, const point<D>& center) {
+    double square = 0;
+    for (int i = 0; i < D; ++i) {
+        point<D> n;
+        n[i] = 1;
+        const double far = max(abs(c.support(n).at[i] - center[i]), abs(c.support(-n).at[i] - center[i]));
+        square += far * far;
+    }
+    return physics::sqrt(square);
+}
+
+/// Of a body: how thick its thinnest piece is, how far its cores reach from the centre of mass, and how far all of it.
+template <class Plan>
+PHYSICS_HPP_COLD void measure_body(const state<Plan>& s, std::uint32_t index, body_extent<typename Plan::scalar>& to) {
+    using S = typename Plan::scalar;
+    constexpr int D = Plan::dimension;
+    const point<D> center = to_point(s.bodies[index].mass.center);
+    double thickness = no_limit, reach = 0, outer = 0;
+    each_shape(s, index, [&](std::uint32_t, const shape_record<Plan>& record) {
+        const mat<double, D> axes = to_matrix(record.local.rotation);
+        const point<D> at = transposed_times(axes, center - to_point(record.local.position));
+        record.shape.visit([&](const auto& shape) {
+            each_swept_piece(shape, everywhere(record.local.rotation),
+                             [&](const core<D>& c, const mat<double, D>& turned, const point<D>& where) {
+                                 const double far = reach_from(c, transposed_times(turned, at - where));
+                                 thickness = min(thickness, inner_radius<Plan::few_corners>(c));
+                                 reach = max(reach, far);
+                                 outer = max(outer, far + c.radius);
+                             });
+        });
+        // Of what has no pieces, a box.
+        if (s.bodies[index].is_dynamic()) return;
+        const auto box = bounds(record.shape, record.local);
+        double square = 0;
+        for (int i = 0; i < D; ++i) {
+            const double far = max(abs(detail::to_double(box.lower[i]) - center[i]),
+                                   abs(detail::to_double(box.upper[i]) - center[i]));
+            square += far * far;
+        }
+        outer = max(outer, physics::sqrt(square));
+    });
+    const double most = static_cast<double>(scalar_traits<S>::max()) * 0.25;
+    to = {static_cast<S>(min(thickness, most)), static_cast<S>(min(reach, most)), min(outer, most)};
+}
+
+/// Keeps these of a body whose shapes or centre of mass have changed. O(shapes of the body).
+template <class Plan>
+void refresh_extent(state<Plan>& s, std::uint32_t index) {
+    if constexpr (Plan::is_continuous) {
+        if (s.continuous.extents.size() < s.bodies.slots()) s.continuous.extents.resize(s.bodies.slots());
+        measure_body(s, index, s.continuous.extents[index]);
+    }
 }
 
 }  // namespace detail
@@ -21709,6 +22234,7 @@ void set_mass_properties(state<Plan>& s, std::uint32_t index,
     }
     b.mass = mass;
     each_shape(s, index, [&](std::uint32_t, auto& shape) { locate(shape, b.pose(), b.center); });
+    refresh_extent(s, index);
     b.inverse_mass = {};
     b.inverse_inertia = {};
     b.is_gyroscopic = b.is_dynamic() && !b.rotation_locked && !is_isotropic(mass.inertia);
@@ -21830,6 +22356,12 @@ bool check_body(const body_def<S, D>& def) {
            check_not_negative(f, "linear_damping", def.linear_damping) &&
            check_not_negative(f, "angular_damping", def.angular_damping) &&
            check_finite(f, "gravity_scale", def.gravity_scale);
+}
+/// A recipe that looks after no body takes no flag.
+template <class Plan>
+bool check_continuous(const char* function, bool continuous) {
+    return !continuous || Plan::is_continuous ||
+           refuse(function, "continuous", "true", "the recipe leaves continuous collision out");
 }
 template <class S, int D>
 bool check_material(const char* function, const material<S, D>& m) {
@@ -22110,6 +22642,360 @@ nearest_shape<typename Plan::scalar, Plan::dimension> closest_shape(const state<
         });
     });
     return best;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/world/continuous.hpp
+// =================================================================================================
+// Continuous collision in a world: fast bodies are stopped where they would pass into something.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Adds whole turns to a turn of at most half of one, as a rate says (rad a step).
+template <class S>
+S with_whole_turns(S turn, S rate) {
+    constexpr double whole = 6.283185307179586;
+    return turn + static_cast<S>(physics::floor((to_double(rate) - to_double(turn)) / whole + 0.5) * whole);
+}
+template <class S>
+vec<S, 3> with_whole_turns(const vec<S, 3>& turn, const vec<S, 3>& rate) {
+    const auto [axis, fast] = split(rate);
+    if (!(fast > pi<S>)) return turn;
+    const auto [own, angle] = split(turn);
+    // A small turn's axis is mostly rounding.
+    const vec<S, 3> about = angle > S(0.0625) ? own : axis;
+    const S first = dot(turn, about);
+    return about * with_whole_turns(first, dot(rate, about));
+}
+
+/// The sweeps of one step. It reads poses at the step's start and the solver's; what stops bodies is applied when all
+/// is known, so that no order of bodies matters.
+template <class Plan>
+class body_sweeps {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+    using motion = sweep<S, D>;
+    using policy = typename Plan::continuous;
+    using mover = swept_mover;
+
+public:
+    body_sweeps(state<Plan>& s, solver_bodies<S, D> bodies, moving_body<S, D>* moved, S h)
+        : s_(s), bodies_(bodies), moved_(moved), h_(h) {}
+
+    PHYSICS_HPP_NOINLINE void run() {
+        auto& report = s_.continuous.report;
+        report = {};
+        if (find_movers()) sweep_movers(report);
+    }
+
+private:
+    buffer<mover>& movers() { return s_.continuous.movers; }
+
+    PHYSICS_HPP_COLD void sweep_movers(continuous_report<S>& report) {
+        report.swept = movers().size();
+        if (any_flagged_) find_partners();
+        for (mover& m : movers()) find_stop(m);
+        for (mover& m : movers()) stop_other(m);
+        for (mover& m : movers()) stop(m);
+    }
+    bool find_movers() {
+        movers().clear();
+        for (std::uint32_t k = 0; k < s_.movers.size(); ++k) {
+            const body<S, D>& b = s_.bodies[s_.movers[k]];
+            if (!b.is_dynamic()) continue;
+            const auto against = policy::aim(stride_of(k, b));
+            if (against == swept_against::nothing) continue;
+            movers().push({s_.movers[k], k, against});
+            any_flagged_ = any_flagged_ || against == swept_against::everything;
+        }
+        return !movers().empty();
+    }
+    stride<S, D> stride_of(std::uint32_t k, const body<S, D>& b) const {
+        const std::uint32_t i = s_.movers[k];
+        const auto& extent = s_.continuous.extents[i];
+        const auto &w = bodies_[k].velocity.angular, &before = b.velocity.angular;
+        const bool slower = length_of(w) < length_of(before);
+        return {moved_[k].center - b.center, (slower ? before : w) * h_, extent.reach, extent.thickness,
+                s_.continuous.depths[i],     b.continuous};
+    }
+    static S length_of(S w) { return abs(w); }
+    static S length_of(const vec<S, 3>& w) { return abs(w.x) + abs(w.y) + abs(w.z); }
+
+    /// The shape's frame is the body's.
+    PHYSICS_HPP_COLD motion motion_of(std::uint32_t i) const {
+        const body<S, D>& b = s_.bodies[i];
+        const std::uint32_t k = s_.mover_of[i];
+        const transform<S, D> start{b.center, b.rotation};
+        if (!(k < s_.movers.size())) return {start.position, start.position, start.rotation, {}, {}};
+        motion m = sweep_between<S, D>(start, {moved_[k].center, moved_[k].rotation});
+        m.turn = with_whole_turns(m.turn, bodies_[k].velocity.angular * h_);
+        return m;
+    }
+    /// All places of a body on its way.
+    aabb<double, D> box_of(const motion& m, double reach) const {
+        const point<D> start = to_point(m.start), end = to_point(m.end);
+        return grown(aabb<double, D>{min(start, end), max(start, end)}, reach);
+    }
+
+    /// What moves, and may be far from where the broadphase knows it.
+    void find_partners() {
+        s_.continuous.partners.clear();
+        const auto add = [&](std::uint32_t i) {
+            s_.continuous.partners.push({i, box_of(motion_of(i), s_.continuous.extents[i].outer)});
+        };
+        std::uint32_t next = 0;
+        for (std::uint32_t k = 0; k < s_.movers.size(); ++k) {
+            const std::uint32_t i = s_.movers[k];
+            const bool goes_far = next < movers().size() && movers()[next].number == k;
+            if (goes_far) ++next;
+            if (goes_far || !s_.bodies[i].is_dynamic()) add(i);
+        }
+    }
+
+    /// Shapes that a body may meet, in ascending order.
+    PHYSICS_HPP_COLD bool find_candidates(std::uint32_t body, const motion& m, bool everything) {
+        auto& found = s_.continuous.candidates;
+        found.clear();
+        const double rest = 2 * detail::to_double(s_.settings.contact_margin);
+        const aabb<double, D> way = box_of(m, s_.continuous.extents[body].outer + rest);
+        aabb<S, D> box;
+        const double most = static_cast<double>(scalar_traits<S>::max());
+        const double blur = 2 * static_cast<double>(scalar_traits<S>::epsilon());
+        for (int i = 0; i < D; ++i) {
+            if (!(way.lower[i] > -most && way.upper[i] < most)) return false;
+            box.lower[i] = static_cast<S>(way.lower[i] - blur * (abs(way.lower[i]) + 1));
+            box.upper[i] = static_cast<S>(way.upper[i] + blur * (abs(way.upper[i]) + 1));
+        }
+        if (!is_box(box)) return false;
+        const proxy_filter own{.owner = body, .movable = true};
+        const auto add = [&](std::uint32_t shape) {
+            const auto& record = s_.shapes[shape];
+            if (!everything && s_.bodies[record.body].type != body_type::static_body) return;
+            if (may_meet(own, filter_of(s_, record))) found.push(shape);
+        };
+        each_near(s_, box, query_filter{0xffffffffu, 0xffffffffu}, add);
+        if (everything)
+            for (const auto& partner : s_.continuous.partners)
+                if (overlap(partner.box, way))
+                    each_shape(s_, partner.body, [&](std::uint32_t k, const auto&) { add(k); });
+        sort_once(found);
+        return true;
+    }
+    static void sort_once(buffer<std::uint32_t>& numbers) {
+        // Few, as a rule; else by halves.
+        for (std::uint32_t gap = numbers.size() / 2; gap > 0; gap /= 2)
+            for (std::uint32_t i = gap; i < numbers.size(); ++i) {
+                const std::uint32_t x = numbers[i];
+                std::uint32_t k = i;
+                for (; k >= gap && numbers[k - gap] > x; k -= gap) numbers[k] = numbers[k - gap];
+                numbers[k] = x;
+            }
+        std::uint32_t kept = 0;
+        for (std::uint32_t i = 0; i < numbers.size(); ++i)
+            if (kept == 0 || numbers[kept - 1] != numbers[i]) numbers[kept++] = numbers[i];
+        while (numbers.size() > kept) numbers.pop();
+    }
+
+    void find_stop(mover& m) {
+        sweep_body(m, motion_of(m.body), m.against == swept_against::everything);
+    }
+    /// Finds the first shape that stops a body, of several at once that of the lowest number.
+    PHYSICS_HPP_COLD void sweep_body(mover& m, const motion& way, bool everything) {
+        m.stops = false;
+        m.time = 1;
+        if (!find_candidates(m.body, way, everything)) {
+            m.converged = false;
+            return;
+        }
+        if (s_.continuous.candidates.empty()) return;
+        each_shape(s_, m.body, [&](std::uint32_t, const shape_record<Plan>& record) {
+            const mat<double, D> axes = to_matrix(record.local.rotation);
+            const point<D> at = to_point(record.local.position) - to_point(s_.bodies[m.body].mass.center);
+            record.shape.visit([&](const auto& shape) {
+                each_swept_piece(shape, everywhere(record.local.rotation),
+                                 [&](const core<D>& c, const mat<double, D>& turned, const point<D>& where) {
+                                     sweep_piece(m, way, c, axes * turned, axes * where + at);
+                                 });
+            });
+        });
+    }
+    PHYSICS_HPP_COLD void sweep_piece(mover& m, const motion& way, const core<D>& piece, const mat<double, D>& axes,
+                                      const point<D>& at) {
+        const double thickness = inner_radius<Plan::few_corners>(piece);
+        for (const std::uint32_t k : s_.continuous.candidates) {
+            const auto& record = s_.shapes[k];
+            const motion other = motion_of(record.body);
+            const obstacle o{other,
+                             moving_core<D>(piece, way, axes, at, to_point(other.start)),
+                             (to_point(way.end) - to_point(way.start)) - (to_point(other.end) - to_point(other.start)),
+                             to_matrix(record.local.rotation),
+                             to_point(record.local.position) - to_point(s_.bodies[record.body].mass.center),
+                             thickness,
+                             record.body};
+            record.shape.visit([&](const auto& shape) { meet(shape, o, m); });
+        }
+    }
+    /// A shape on the way of a piece: where it is on its body, and how the piece moves as seen from the body's centre.
+    struct obstacle {
+        const motion& other;
+        moving_core<D> mine;
+        point<D> way;
+        mat<double, D> axes;
+        point<D> at;
+        double thickness;
+        std::uint32_t body;
+    };
+
+    template <class Shape>
+    void meet(const Shape& shape, const obstacle& o, mover& m) {
+        if constexpr (is_plane<Shape>) {
+            const bounding_half<D> half(shape);
+            core<D> surface;
+            surface.corner[0] = half.normal * half.offset;
+            pass(surface, mat<double, D>::identity(), {}, &half.normal, o, m);
+        } else if constexpr (has_parts<Shape, D>) {
+            point<D> center;
+            const aabb<double, D> box = box_of_way(o, center);
+            each_piece(
+                shape, box, [&](const auto& part) { return faces(part, center); },
+                [&](const core<D>& piece, const mat<double, D>& turned, const point<D>& where, std::uint32_t) {
+                    pass(piece, turned, where, nullptr, o, m);
+                });
+        } else if constexpr (has_core<Shape>) {
+            pass(core_of(shape), mat<double, D>::identity(), {}, nullptr, o, m);
+        }
+    }
+    /// What a piece fills on its way, and its middle at the step's start, in the frame of the obstacle.
+    PHYSICS_HPP_COLD aabb<double, D> box_of_way(const obstacle& o, point<D>& center) const {
+        const mat<double, D> body = to_matrix(o.other.rotation), seen = transposed(body * o.axes);
+        const point<D> origin = body * o.at, start = o.mine.start, end = o.mine.start + o.way;
+        const double reach = (o.mine.reach + o.mine.shape.radius) + 2 * detail::to_double(s_.settings.contact_margin);
+        const placed_core<D> mine = o.mine.at(0, start);
+        center = seen * (mine.axes * o.mine.shape.center + mine.at - origin);
+        if (!(o.other.turn == angular<S, D>{})) {
+            const point<D> middle = -transposed_times(o.axes, o.at);
+            return grown(aabb<double, D>{middle, middle}, reach + max(length(start), length(end)));
+        }
+        const point<D> from = seen * (start - origin), to = seen * (end - origin);
+        return grown(aabb<double, D>{min(from, to), max(from, to)}, reach);
+    }
+    /// A piece of an obstacle, which stands in its frame as given; of a halfspace a point, with its normal.
+    PHYSICS_HPP_COLD void pass(const core<D>& piece, const mat<double, D>& turned, const point<D>& where,
+                               const point<D>* face, const obstacle& o, mover& m) {
+        const moving_core<D> a(piece, o.other, o.axes * turned, o.axes * where + o.at, to_point(o.other.start));
+        const moving_core<D>& b = o.mine;
+        const cast_precision precision = cast_precision::of<S>(piece, b.shape);
+        const moving_pair<D> pair{a, b, o.way, face, piece.radius + b.shape.radius, precision.error,
+                                  precision.relative};
+        const double margin = detail::to_double(s_.settings.contact_margin);
+        // What rounding of poses may do to a gap.
+        const double epsilon = static_cast<double>(scalar_traits<S>::epsilon());
+        const double size = largest(to_point(o.other.start)) + largest(b.start) + largest(o.way);
+        const double blur = 4 * epsilon * (is_fixed<S> ? 1 + b.reach : size + b.reach);
+        const bool thin = s_.bodies[o.body].is_dynamic();
+        const passage_rule rule{margin + blur, 0.25 * margin, 0.25 * margin,
+                                thin ? min(o.thickness, inner_radius<Plan::few_corners>(piece)) : o.thickness, blur};
+        const passage found = find_passage<Plan::few_corners>(pair, rule, m.stops ? m.time : 1.0);
+        m.converged = m.converged && found.converged;
+        if (!found.stops || (m.stops && !(found.time < m.time))) return;
+        m.stops = true;
+        m.time = found.time;
+        m.other = o.body;
+    }
+
+    /// A dynamic body that goes far itself must not go on through the body that was stopped on its way.
+    void stop_other(const mover& m) {
+        if (!m.stops || !s_.bodies[m.other].is_dynamic()) return;
+        mover* other = find_mover(s_.mover_of[m.other]);
+        if (other == nullptr || (other->cut && !(m.time < other->cut_time))) return;
+        other->cut = true;
+        other->cut_time = m.time;
+    }
+    mover* find_mover(std::uint32_t number) {
+        std::uint32_t low = 0, high = movers().size();
+        while (low < high) {
+            const std::uint32_t middle = (low + high) / 2;
+            if (number > movers()[middle].number) low = middle + 1;
+            else high = middle;
+        }
+        return low < movers().size() && movers()[low].number == number ? &movers()[low] : nullptr;
+    }
+
+    PHYSICS_HPP_COLD void stop(mover& m) {
+        const bool is_cut = m.cut && !(m.stops && m.time < m.cut_time);
+        const double time = is_cut ? m.cut_time : m.time;
+        auto& report = s_.continuous.report;
+        if ((is_cut || m.stops) && time < 1) {
+            const motion way = motion_of(m.body);
+            transform<S, D> at = way.at(rounded_down<S>(time));
+            if (!is_cut && s_.bodies[m.other].type == body_type::kinematic_body) at = carried(m, at);
+            moved_[m.number].center = at.position;
+            moved_[m.number].rotation = at.rotation;
+            const S lost = static_cast<S>(1 - time) * h_;
+            // What gravity has given for the lost time would make a bounce higher than the fall.
+            vec<S, D>& v = bodies_[m.number].velocity.linear;
+            const vec<S, D> ahead = normalized(v);
+            v -= ahead * (dot(ahead, s_.settings.gravity) * s_.bodies[m.body].gravity_scale * lost);
+            ++report.stopped;
+            report.lost = max(report.lost, lost);
+        }
+        if (!m.converged) ++report.unconverged;
+    }
+    /// What a kinematic body has caught it takes along for the rest of the step, as far as static ones let it: nothing
+    /// holds the kinematic one up.
+    PHYSICS_HPP_COLD transform<S, D> carried(mover& m, const transform<S, D>& at) {
+        const motion other = motion_of(m.other);
+        const transform<S, D> there = other.at(rounded_down<S>(m.time));
+        const moving_body<S, D>& moved = moved_[s_.mover_of[m.other]];
+        const transform<S, D> end = transform<S, D>{moved.center, moved.rotation} * relative(there, at);
+        const motion way = sweep_between<S, D>(at, {end.position, normalized(end.rotation)});
+        mover again{m.body, m.number};
+        sweep_body(again, way, false);
+        m.converged = m.converged && again.converged;
+        return way.at(rounded_down<S>(again.time));
+    }
+
+    state<Plan>& s_;
+    solver_bodies<S, D> bodies_;
+    moving_body<S, D>* moved_;
+    S h_;
+    bool any_flagged_ = false;
+};
+
+/// Remembers which bodies the contacts of a step have found deep in static ones.
+template <class Plan>
+void clear_depths(state<Plan>& s) {
+    if constexpr (Plan::sweeps) {
+        s.continuous.depths.clear();
+        s.continuous.depths.resize(s.bodies.slots());
+    }
+}
+template <class Plan, class Contact>
+void note_depth(state<Plan>& s, const Contact& c) {
+    if constexpr (Plan::sweeps) {
+        using S = typename Plan::scalar;
+        S depth = s.settings.contact_margin * S(0.5);
+        bool deep = false;
+        for (int k = 0; k < c.count; ++k)
+            if (-c.points[k].separation > depth) depth = -c.points[k].separation, deep = true;
+        if (!deep) return;
+        const std::uint32_t a = body_a(s, c), b = body_b(s, c);
+        if (s.bodies[a].type == body_type::static_body) s.continuous.depths[b] = max(s.continuous.depths[b], depth);
+        if (s.bodies[b].type == body_type::static_body) s.continuous.depths[a] = max(s.continuous.depths[a], depth);
+    }
+}
+
+/// Stops bodies that would have passed into something; see the recipe's policy.
+template <class Plan>
+void sweep_fast_bodies(state<Plan>& s, solver_bodies<typename Plan::scalar, Plan::dimension> bodies,
+                       moving_body<typename Plan::scalar, Plan::dimension>* moved, typename Plan::scalar h) {
+    if constexpr (Plan::sweeps) body_sweeps<Plan>(s, bodies, moved, h).run();
 }
 
 }  // namespace detail
@@ -22420,7 +23306,7 @@ void drop_contacts(state<Plan>& s, Gone&& gone) {
 
 template <class Plan>
 body_id create_body(state<Plan>& s, const body_def<typename Plan::scalar, Plan::dimension>& def) {
-    if (!check_body(def)) return {};
+    if (!check_body(def) || !check_continuous<Plan>("create_body", def.continuous)) return {};
     body<typename Plan::scalar, Plan::dimension> b;
     b.type = def.type;
     b.rotation = normalized(def.rotation);
@@ -22431,6 +23317,7 @@ body_id create_body(state<Plan>& s, const body_def<typename Plan::scalar, Plan::
     b.gravity_scale = def.gravity_scale;
     b.rotation_locked = def.rotation_locked;
     b.can_sleep = def.can_sleep;
+    b.continuous = def.continuous;
     b.user_data = def.user_data;
     const auto place = s.bodies.insert(b);
     if constexpr (Plan::sleeps) s.sleep.start(place.index, b.center);
@@ -22585,6 +23472,18 @@ void set_rotation_locked(state<Plan>& s, std::uint32_t index, bool locked) {
 }
 
 template <class Plan>
+bool is_continuous(const state<Plan>& s, body_id id) {
+    const found at = find_body(s, id, "continuous");
+    return at && s.bodies[at.index].continuous;
+}
+template <class Plan>
+void set_continuous(state<Plan>& s, body_id id, bool on) {
+    const char* f = "set_continuous";
+    const found at = find_body(s, id, f);
+    if (at && check_continuous<Plan>(f, on)) s.bodies[at.index].continuous = on;
+}
+
+template <class Plan>
 void change_settings(state<Plan>& s, const typename Plan::settings& settings) {
     // What was carried along was found within the old margin.
     if (settings.contact_margin != s.settings.contact_margin) s.memories.clear();
@@ -22620,6 +23519,85 @@ void act(state<Plan>& s, body_id id, const char* function, const char* field,
     if (point) lever = local ? b.rotation * (*point - b.mass.center) : *point - b.center;
     if (!f(b, local ? b.rotation * force : force, lever)) refuse_action(function, field, size_of(force));
     else if (!(force == decltype(force){})) wake(s, at.index);
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/world/look_ahead.hpp
+// =================================================================================================
+// Speculative contacts: found as far ahead of fast bodies as those may come in the step.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Makes the boxes of fast bodies as large as the contacts that are looked for ahead of them.
+template <class Plan>
+void look_ahead(state<Plan>& s, typename Plan::scalar h) {
+    if constexpr (Plan::looks_ahead) {
+        using S = typename Plan::scalar;
+        constexpr int D = Plan::dimension;
+        s.continuous.ahead.resize(s.bodies.slots());
+        bool any = false;
+        s.bodies.each([&](std::uint32_t i, const body<S, D>& b) {
+            S& ahead = s.continuous.ahead[i];
+            ahead = S(0);
+            if (s.is_asleep(i)) return;
+            if (b.type == body_type::static_body) return;
+            vec<S, D> v = b.velocity.linear;
+            if (b.is_dynamic()) v += s.settings.gravity * b.gravity_scale * h;
+            if (b.has_target) v = (b.target * b.mass.center - b.center) / h;
+            const auto& extent = s.continuous.extents[i];
+            ahead = Plan::continuous::ahead(
+                {v * h, b.velocity.angular * h, extent.reach, extent.thickness, S(0), b.continuous});
+            if (!(ahead > S(0))) return;
+            any = true;
+            each_shape(s, i, [&](std::uint32_t k, const auto& shape) {
+                const auto box = grown(needed_box(s, shape), ahead);
+                if (is_box(box)) s.broadphase.move(k, box, {});
+            });
+        });
+        if (any) update_broadphase(s);
+    }
+}
+
+/// The narrowphase where some pairs are looked at farther ahead: as one batch the pairs in between.
+template <class Plan, class Query, class Collide>
+void collide_ahead(state<Plan>& s, const Query* queries, const buffer<proxy_pair>& pairs, Collide&& collide) {
+    using S = typename Plan::scalar;
+    const S margin = s.settings.contact_margin;
+    const auto farther = [&](std::uint32_t i) {
+        return s.continuous.ahead[s.shapes[pairs[i].a].body] + s.continuous.ahead[s.shapes[pairs[i].b].body];
+    };
+    for (std::uint32_t i = 0; i < pairs.size();) {
+        const S more = farther(i);
+        std::uint32_t end = i + 1;
+        if (!(more > S(0)))
+            while (end < pairs.size() && !(farther(end) > S(0))) ++end;
+        // What is found farther ahead serves no other step.
+        const auto forget = [&] {
+            if constexpr (Plan::remembers)
+                if (more > S(0) &&
+                    Plan::narrowphase::remembers(queries[i].a->kind(), queries[i].b->kind()))
+                    s.found_memories.items[queries[i].memory] = {};
+        };
+        const std::uint32_t before = s.manifolds.size();
+        forget();
+        collide(queries + i, end - i, margin + more);
+        forget();
+        for (std::uint32_t k = before; k < s.manifolds.size(); ++k) s.manifolds[k].query += i;
+        i = end;
+    }
+}
+
+/// What the step has to know of fast bodies before it looks for contacts.
+template <class Plan>
+void watch_fast_bodies(state<Plan>& s, typename Plan::scalar h) {
+    clear_depths(s);
+    look_ahead(s, h);
 }
 
 }  // namespace detail
@@ -22687,6 +23665,8 @@ public:
             integrator::advance_pose(moving_[k], bodies[k].velocity, h);
     }
 
+    /// Where bodies have come.
+    [[nodiscard]] moving_body<S, D>* moved() { return moving_; }
     /// Whether all that moved is where numbers reach.
     [[nodiscard]] bool is_finite() const {
         for (std::uint32_t k = 0; k < state_.movers.size(); ++k)
@@ -22893,10 +23873,14 @@ bool find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs) {
     const auto* queries = recall_pairs(s, pairs);
     const S margin = s.settings.contact_margin;
     s.manifolds.clear();
-    if constexpr (Plan::remembers)
-        Plan::narrowphase::collide(queries, pairs.size(), margin, s.found_memories.items.begin(), s.manifolds);
-    else
-        Plan::narrowphase::collide(queries, pairs.size(), margin, s.manifolds);
+    const auto collide = [&](const auto* first, std::uint32_t count, S within) {
+        if constexpr (Plan::remembers)
+            Plan::narrowphase::collide(first, count, within, s.found_memories.items.begin(), s.manifolds);
+        else
+            Plan::narrowphase::collide(first, count, within, s.manifolds);
+    };
+    if constexpr (Plan::looks_ahead) collide_ahead(s, queries, pairs, collide);
+    else collide(queries, pairs.size(), margin);
 
     s.found.clear();
     bool mixed = true;
@@ -22917,6 +23901,7 @@ bool find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs) {
             c.points[k].feature = m.points[k].feature;
         }
         mixed = mix_surfaces(c, a, b) && mixed;
+        note_depth(s, c);
     }
     return mixed;
 }
@@ -22999,7 +23984,8 @@ public:
     template <class S, int D>
     void add(const body<S, D>& b) {
         add(static_cast<std::uint64_t>(b.type) | std::uint64_t{b.rotation_locked} << 8 |
-            std::uint64_t{b.mass_is_set} << 9 | std::uint64_t{b.has_target} << 10 | std::uint64_t{b.can_sleep} << 11);
+            std::uint64_t{b.mass_is_set} << 9 | std::uint64_t{b.has_target} << 10 | std::uint64_t{b.can_sleep} << 11 |
+            std::uint64_t{b.continuous} << 16);
         add(b.center);
         add(b.rotation);
         add(b.velocity.linear);
@@ -23295,6 +24281,7 @@ inline void report(step_result result) {
 template <class Plan>
 PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h) {
     s.scratch.reset();
+    watch_fast_bodies(s, h);            // velocities        -> boxes of bodies that look ahead
     number_movers(s);                   // bodies            -> which of them move
     const auto& pairs = find_pairs(s);  // boxes             -> pairs, in order
     if (!find_contacts(s, pairs)) return step_result::bad_mixture;  // pairs, poses -> contacts with feature ids
@@ -23305,6 +24292,7 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h) {
     motion<Plan> moving(s, h);              // bodies, forces    -> what solver and integrator see of them
     Plan::solver::solve(moving.bodies, s.found, s.settings.solver, h, s.scratch, moving);  // -> velocities, poses
     if (!moving.is_finite()) return step_result::out_of_range;
+    sweep_fast_bodies(s, moving.bodies, moving.moved(), h);        // poses -> poses short of what stops bodies
     if (!moving.place_shapes()) return step_result::out_of_range;  // poses -> boxes of what has moved
     moving.finish();                                               // results -> bodies and contacts
     return step_result::done;
@@ -23594,6 +24582,10 @@ public:
     }
     /// Number of bodies that move and are awake. O(bodies).
     [[nodiscard]] std::uint32_t awake_count() const { return detail::count_awake(state_); }
+    /// Whether moving bodies stop it too on its way through a step (see swept), and what the last step's sweeps did.
+    [[nodiscard]] bool continuous(body_id id) const { return detail::is_continuous(state_, id); }
+    void set_continuous(body_id id, bool on) { detail::set_continuous(state_, id, on); }
+    [[nodiscard]] auto continuous_report() const { return detail::report_of(state_); }
     [[nodiscard]] std::uint64_t user_data(body_id id) const {
         return get(id, "user_data", [](const auto& b) { return b.user_data; });
     }
@@ -23675,7 +24667,6 @@ private:
     detail::found find_moving(body_id id, const char* function) const {
         return detail::find_moving(state_, id, function);
     }
-
     /// f of the thing that the handle names, or a default value after refusing the handle.
     template <class F>
     auto get(body_id id, const char* function, F&& f) const

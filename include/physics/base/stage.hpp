@@ -18,6 +18,8 @@ struct mixing {};
 struct solver {};
 /// How velocities and poses advance: semi_implicit_euler.
 struct integrator {};
+/// How fast bodies are kept from passing through others: swept.
+struct continuous {};
 /// Which features are left out: without<...>.
 struct features {};
 }  // namespace stage

@@ -117,11 +117,16 @@ struct moving_core {
     double reach;
 
     template <class S>
-    moving_core(const core<D>& c, const sweep<S, D>& s, const point<D>& origin) : shape(c), turn(to_turn(s.turn)) {
-        const mat<double, D> body = to_matrix(s.rotation), local = to_matrix(s.shape.rotation);
+    moving_core(const core<D>& c, const sweep<S, D>& s, const point<D>& origin)
+        : moving_core(c, s, to_matrix(s.shape.rotation), to_point(s.shape.position), origin) {}
+    /// The same where the shape stands elsewhere on the body.
+    template <class S>
+    moving_core(const core<D>& c, const sweep<S, D>& s, const mat<double, D>& local, const point<D>& arm,
+                const point<D>& origin)
+        : shape(c), turn(to_turn(s.turn)) {
+        const mat<double, D> body = to_matrix(s.rotation);
         start = to_point(s.start) - origin;
         axes = body * local;
-        const point<D> arm = to_point(s.shape.position);
         lever = body * arm;
         // The box around the core in its own frame, seen from the centre of mass.
         const point<D> center = -transposed_times(local, arm);

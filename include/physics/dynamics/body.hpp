@@ -42,6 +42,7 @@ struct body {
     bool is_gyroscopic = false;
     bool mass_is_set = false;
     bool has_target = false;
+    bool continuous = false;
 
     /// The pose of the body's own frame, in which its shapes lie.
     [[nodiscard]] constexpr transform<S, D> pose() const { return {center - rotation * mass.center, rotation}; }

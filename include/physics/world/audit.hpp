@@ -26,6 +26,7 @@ enum class recipe_problem {
     bad_mixing,
     bad_integrator,
     bad_solver,
+    bad_continuous,
 };
 
 template <class T>
@@ -44,7 +45,7 @@ template <class Stage>
 constexpr bool known_stage = std::same_as<Stage, stage::shapes> || std::same_as<Stage, stage::broadphase> ||
                              std::same_as<Stage, stage::narrowphase> || std::same_as<Stage, stage::mixing> ||
                              std::same_as<Stage, stage::solver> || std::same_as<Stage, stage::integrator> ||
-                             std::same_as<Stage, stage::features>;
+                             std::same_as<Stage, stage::continuous> || std::same_as<Stage, stage::features>;
 
 /// False for a policy that claims a stage of the library's own.
 template <class Policy, class Stage = typename stage_of<Policy>::type>
@@ -111,6 +112,12 @@ concept solver_policy = requires(solver_bodies<S, D> bodies, buffer<contact<S, D
     Policy::template in<space<S, D>, Features>::solve(bodies, contacts, settings, S(1), scratch, motion);
 };
 
+template <class Policy, class S, int D>
+concept continuous_policy = requires {
+    typename Policy::template in<space<S, D>>;
+}
+&&continuous_for<typename Policy::template in<space<S, D>>, S, D>;
+
 template <class S, int D, class... Policies>
 constexpr recipe_problem problem_of_policies(const policy_list<Policies...>*) {
     if constexpr ((std::is_void_v<typename stage_of<Policies>::type> || ...)) {
@@ -143,6 +150,8 @@ constexpr recipe_problem problem_of_policies(const policy_list<Policies...>*) {
         else if constexpr (!solver_policy<typename policy_for<stage::solver, soft_step, Policies...>::type, S,
                                           D, features>)
             return recipe_problem::bad_solver;
+        else if constexpr (!continuous_policy<typename policy_for<stage::continuous, swept, Policies...>::type, S, D>)
+            return recipe_problem::bad_continuous;
         else return recipe_problem::none;
     }
 }
@@ -215,6 +224,9 @@ struct audit {
     static_assert(problem != recipe_problem::bad_solver,
                   "physics::recipe: the solver's in<Space, Features> needs a struct settings with a function check, "
                   "and a function solve");
+    static_assert(problem != recipe_problem::bad_continuous,
+                  "physics::recipe: the continuous policy does not model physics::continuous_for; its in<Space> needs "
+                  "aim(stride) or ahead(stride)");
 };
 
 }  // namespace detail

@@ -97,6 +97,12 @@ bool check_body(const body_def<S, D>& def) {
            check_not_negative(f, "angular_damping", def.angular_damping) &&
            check_finite(f, "gravity_scale", def.gravity_scale);
 }
+/// A recipe that looks after no body takes no flag.
+template <class Plan>
+bool check_continuous(const char* function, bool continuous) {
+    return !continuous || Plan::is_continuous ||
+           refuse(function, "continuous", "true", "the recipe leaves continuous collision out");
+}
 template <class S, int D>
 bool check_material(const char* function, const material<S, D>& m) {
     if (!check_not_negative(function, "friction", m.friction) ||

@@ -1,6 +1,7 @@
 // The contacts of a step: narrowphase, surfaces, and what is remembered of pairs.
 #pragma once
 
+#include "physics/world/look_ahead.hpp"
 #include "physics/world/motion.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -71,10 +72,14 @@ bool find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs) {
     const auto* queries = recall_pairs(s, pairs);
     const S margin = s.settings.contact_margin;
     s.manifolds.clear();
-    if constexpr (Plan::remembers)
-        Plan::narrowphase::collide(queries, pairs.size(), margin, s.found_memories.items.begin(), s.manifolds);
-    else
-        Plan::narrowphase::collide(queries, pairs.size(), margin, s.manifolds);
+    const auto collide = [&](const auto* first, std::uint32_t count, S within) {
+        if constexpr (Plan::remembers)
+            Plan::narrowphase::collide(first, count, within, s.found_memories.items.begin(), s.manifolds);
+        else
+            Plan::narrowphase::collide(first, count, within, s.manifolds);
+    };
+    if constexpr (Plan::looks_ahead) collide_ahead(s, queries, pairs, collide);
+    else collide(queries, pairs.size(), margin);
 
     s.found.clear();
     bool mixed = true;
@@ -95,6 +100,7 @@ bool find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs) {
             c.points[k].feature = m.points[k].feature;
         }
         mixed = mix_surfaces(c, a, b) && mixed;
+        note_depth(s, c);
     }
     return mixed;
 }

@@ -30,7 +30,7 @@ void drop_contacts(state<Plan>& s, Gone&& gone) {
 
 template <class Plan>
 body_id create_body(state<Plan>& s, const body_def<typename Plan::scalar, Plan::dimension>& def) {
-    if (!check_body(def)) return {};
+    if (!check_body(def) || !check_continuous<Plan>("create_body", def.continuous)) return {};
     body<typename Plan::scalar, Plan::dimension> b;
     b.type = def.type;
     b.rotation = normalized(def.rotation);
@@ -41,6 +41,7 @@ body_id create_body(state<Plan>& s, const body_def<typename Plan::scalar, Plan::
     b.gravity_scale = def.gravity_scale;
     b.rotation_locked = def.rotation_locked;
     b.can_sleep = def.can_sleep;
+    b.continuous = def.continuous;
     b.user_data = def.user_data;
     const auto place = s.bodies.insert(b);
     if constexpr (Plan::sleeps) s.sleep.start(place.index, b.center);
@@ -192,6 +193,18 @@ void set_rotation_locked(state<Plan>& s, std::uint32_t index, bool locked) {
     b.rotation_locked = locked;
     if (locked) b.velocity.angular = {};
     refresh_mass(s, index);
+}
+
+template <class Plan>
+bool is_continuous(const state<Plan>& s, body_id id) {
+    const found at = find_body(s, id, "continuous");
+    return at && s.bodies[at.index].continuous;
+}
+template <class Plan>
+void set_continuous(state<Plan>& s, body_id id, bool on) {
+    const char* f = "set_continuous";
+    const found at = find_body(s, id, f);
+    if (at && check_continuous<Plan>(f, on)) s.bodies[at.index].continuous = on;
 }
 
 template <class Plan>

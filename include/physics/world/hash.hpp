@@ -48,7 +48,8 @@ public:
     template <class S, int D>
     void add(const body<S, D>& b) {
         add(static_cast<std::uint64_t>(b.type) | std::uint64_t{b.rotation_locked} << 8 |
-            std::uint64_t{b.mass_is_set} << 9 | std::uint64_t{b.has_target} << 10 | std::uint64_t{b.can_sleep} << 11);
+            std::uint64_t{b.mass_is_set} << 9 | std::uint64_t{b.has_target} << 10 | std::uint64_t{b.can_sleep} << 11 |
+            std::uint64_t{b.continuous} << 16);
         add(b.center);
         add(b.rotation);
         add(b.velocity.linear);

@@ -1,7 +1,7 @@
 // What bodies weigh: from their shapes, or as they are told.
 #pragma once
 
-#include "physics/world/state.hpp"
+#include "physics/world/extents.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -78,6 +78,7 @@ void set_mass_properties(state<Plan>& s, std::uint32_t index,
     }
     b.mass = mass;
     each_shape(s, index, [&](std::uint32_t, auto& shape) { locate(shape, b.pose(), b.center); });
+    refresh_extent(s, index);
     b.inverse_mass = {};
     b.inverse_inertia = {};
     b.is_gyroscopic = b.is_dynamic() && !b.rotation_locked && !is_isotropic(mass.inertia);

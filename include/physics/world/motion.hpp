@@ -59,6 +59,8 @@ public:
             integrator::advance_pose(moving_[k], bodies[k].velocity, h);
     }
 
+    /// Where bodies have come.
+    [[nodiscard]] moving_body<S, D>* moved() { return moving_; }
     /// Whether all that moved is where numbers reach.
     [[nodiscard]] bool is_finite() const {
         for (std::uint32_t k = 0; k < state_.movers.size(); ++k)

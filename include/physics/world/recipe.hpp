@@ -3,6 +3,8 @@
 
 #include "physics/broadphase/dynamic_tree.hpp"
 #include "physics/collide/narrowphase.hpp"
+#include "physics/collide/passage.hpp"
+#include "physics/dynamics/continuous.hpp"
 #include "physics/dynamics/sequential_impulse.hpp"
 #include "physics/dynamics/soft_step.hpp"
 #include "physics/shape/chain.hpp"
@@ -54,6 +56,8 @@ struct sleeping {};
 struct rolling_resistance {};
 /// Surfaces that run, as conveyor belts do.
 struct surface_velocity {};
+/// Looking after fast bodies on their way through a step.
+struct continuous {};
 }  // namespace feature
 
 /// Leaves features out: without<feature::friction, feature::restitution>.
@@ -72,9 +76,10 @@ public:
     static constexpr bool rolling_resistance = !lacks<feature::rolling_resistance>;
     static constexpr bool surface_velocity = friction && !lacks<feature::surface_velocity>;
     static constexpr bool sleeping = !lacks<feature::sleeping>;
+    static constexpr bool continuous = !lacks<feature::continuous>;
     static constexpr bool known = (is_one_of<Features, feature::friction, feature::restitution,
                                              feature::rolling_resistance, feature::surface_velocity,
-                                             feature::sleeping> &&
+                                             feature::sleeping, feature::continuous> &&
                                    ...);
 };
 
@@ -178,6 +183,14 @@ struct plan<S, D, shapes<Shapes...>, Policies...> {
     static constexpr bool sleeps = features::sleeping;
     using settings = world_settings<S, D, typename solver::settings,
                                     std::conditional_t<sleeps, sleep_settings<S>, no_settings>>;
+    using continuous = typename std::conditional_t<
+        features::continuous, typename policy_for<stage::continuous, swept, Policies...>::type,
+        no_continuous>::template in<space>;
+    /// Whether all shapes are so simple that sweeps can do without the general kernels.
+    static constexpr bool few_corners = D == 2 && (has_few_corners<Shapes<S, D>, D> && ...);
+    static constexpr bool sweeps = detail::sweeps<continuous, S, D>;
+    static constexpr bool looks_ahead = detail::looks_ahead<continuous, S, D>;
+    static constexpr bool is_continuous = sweeps || looks_ahead;
 };
 
 template <class... Policies>

@@ -126,6 +126,48 @@ struct sleep_state {
 };
 struct no_sleep_state {};
 
+/// How far a body's shapes reach from its centre of mass; see stride.
+template <class S>
+struct body_extent {
+    S thickness{}, reach{};
+    /// No point of the body is farther from it.
+    double outer = 0;
+};
+/// A body that goes far in a step, and what stops it.
+struct swept_mover {
+    /// Its number, and that among those that move.
+    std::uint32_t body, number;
+    swept_against against = swept_against::fixed;
+    bool stops = false, converged = true;
+    /// Whether another body that it has stopped stops it too.
+    bool cut = false;
+    std::uint32_t other = 0;
+    double time = 1, cut_time = 1;
+};
+/// What a moving body fills in a step.
+template <int D>
+struct swept_box {
+    std::uint32_t body;
+    aabb<double, D> box;
+};
+/// What continuous collision needs.
+template <class Plan>
+struct continuous_state {
+    using S = typename Plan::scalar;
+
+    /// Of every body; follow from shapes and masses.
+    buffer<body_extent<S>> extents;
+    continuous_report<S> report;
+
+    // Scratch of the step.
+    buffer<S> depths;
+    buffer<swept_mover> movers;
+    buffer<swept_box<Plan::dimension>> partners;
+    buffer<std::uint32_t> candidates;
+    buffer<S> ahead;
+};
+struct nothing_continuous {};
+
 /// The state of a world. Copying it copies the world.
 template <class Plan>
 struct state {
@@ -148,6 +190,8 @@ struct state {
     /// What the narrowphase remembers of the last step's pairs.
     pair_memories<Plan> memories;
     [[no_unique_address]] std::conditional_t<Plan::sleeps, sleep_state<S, D>, no_sleep_state> sleep;
+    [[no_unique_address]] std::conditional_t<Plan::is_continuous, continuous_state<Plan>, nothing_continuous>
+        continuous;
     std::uint64_t steps = 0;
     std::uint16_t tag = 0;
 
@@ -168,6 +212,12 @@ struct state {
         return bodies[body].is_dynamic() && !is_asleep(body);
     }
 };
+
+template <class Plan>
+continuous_report<typename Plan::scalar> report_of(const state<Plan>& s) {
+    if constexpr (Plan::sweeps) return s.continuous.report;
+    else return {};
+}
 
 /// Says where a shape is, of a body whose frame and whose centre of mass are there.
 template <class Plan, class Vec, class Pose>

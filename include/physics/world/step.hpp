@@ -34,6 +34,7 @@ inline void report(step_result result) {
 template <class Plan>
 PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h) {
     s.scratch.reset();
+    watch_fast_bodies(s, h);            // velocities        -> boxes of bodies that look ahead
     number_movers(s);                   // bodies            -> which of them move
     const auto& pairs = find_pairs(s);  // boxes             -> pairs, in order
     if (!find_contacts(s, pairs)) return step_result::bad_mixture;  // pairs, poses -> contacts with feature ids
@@ -44,6 +45,7 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h) {
     motion<Plan> moving(s, h);              // bodies, forces    -> what solver and integrator see of them
     Plan::solver::solve(moving.bodies, s.found, s.settings.solver, h, s.scratch, moving);  // -> velocities, poses
     if (!moving.is_finite()) return step_result::out_of_range;
+    sweep_fast_bodies(s, moving.bodies, moving.moved(), h);        // poses -> poses short of what stops bodies
     if (!moving.place_shapes()) return step_result::out_of_range;  // poses -> boxes of what has moved
     moving.finish();                                               // results -> bodies and contacts
     return step_result::done;

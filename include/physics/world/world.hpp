@@ -281,6 +281,10 @@ public:
     }
     /// Number of bodies that move and are awake. O(bodies).
     [[nodiscard]] std::uint32_t awake_count() const { return detail::count_awake(state_); }
+    /// Whether moving bodies stop it too on its way through a step (see swept), and what the last step's sweeps did.
+    [[nodiscard]] bool continuous(body_id id) const { return detail::is_continuous(state_, id); }
+    void set_continuous(body_id id, bool on) { detail::set_continuous(state_, id, on); }
+    [[nodiscard]] auto continuous_report() const { return detail::report_of(state_); }
     [[nodiscard]] std::uint64_t user_data(body_id id) const {
         return get(id, "user_data", [](const auto& b) { return b.user_data; });
     }
@@ -362,7 +366,6 @@ private:
     detail::found find_moving(body_id id, const char* function) const {
         return detail::find_moving(state_, id, function);
     }
-
     /// f of the thing that the handle names, or a default value after refusing the handle.
     template <class F>
     auto get(body_id id, const char* function, F&& f) const

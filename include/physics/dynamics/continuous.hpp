@@ -1,0 +1,132 @@
+// Continuous collision: which bodies are looked after on their way through a step, and how.
+#pragma once
+
+#include "physics/base/stage.hpp"
+#include "physics/space/space.hpp"
+
+PHYSICS_HPP_BEGIN
+
+/// What a body is stopped by on its way, so that it does not pass through.
+enum class swept_against : std::uint8_t {
+    nothing,
+    /// Shapes of static bodies.
+    fixed,
+    /// Shapes of all bodies.
+    everything,
+};
+
+/// How a body moves in a step, and how far it may without passing anything.
+template <class S, int D>
+struct stride {
+    /// Way of the centre of mass (m), and turn (rad), in space along its axis.
+    vec<S, D> way;
+    angular<S, D> turn{};
+    /// No point of a capsule's axis, of a box, of a hull without its radius... is farther from the centre of mass (m).
+    S reach{};
+    /// Radius of a ball that each of the body's shapes holds (m).
+    S thickness{};
+    /// How deep the body is in static ones as the step begins, where that is more than half the contact margin (m).
+    S depth{};
+    /// What the user has said of the body (see body_def::continuous).
+    bool flagged = false;
+
+    /// At least as far as any point has moved, quickly.
+    [[nodiscard]] constexpr S bound() const {
+        S sum{};
+        for (int i = 0; i < D; ++i) sum += abs(way[i]);
+        return sum + taxicab(turn) * reach;
+    }
+    /// How far any point but those of round edges can have moved.
+    [[nodiscard]] S length() const { return physics::length(way) + angle(turn) * reach; }
+
+private:
+    static constexpr S taxicab(S w) { return abs(w); }
+    static constexpr S taxicab(const vec<S, 3>& w) { return abs(w.x) + abs(w.y) + abs(w.z); }
+    static constexpr S angle(S w) { return abs(w); }
+    static S angle(const vec<S, 3>& w) { return physics::length(w); }
+};
+
+/// Sweeps bodies that go far in a step: farther than half of what their shapes are thick, rotation included, or deep
+/// ones that go farther than what is left of that. They are
+/// swept against static bodies, those that the user flags against moving ones too, along their straight and turning
+/// path, and stopped where they would pass into something by more than half of their thickness: at its surface, with
+/// their velocity, for the next step's contacts to deal with. So nothing passes through, however thin or fast, and what
+/// slides or rolls along a surface is not stopped. What a stopped body loses is the rest of the step's time (see
+/// continuous_report). Of two bodies that are stopped on each other's way, each is stopped by the path that the other
+/// would have taken. What turns by its own inertia (see integrator) is taken to turn about one axis.
+/// Cost: about 100 instructions for slow bodies; for fast ones a query and 1 to 20 us for each shape on their way.
+struct swept {
+    using stage = physics::stage::continuous;
+
+    template <class Space>
+    struct in {
+        using S = typename Space::scalar;
+
+        [[nodiscard]] static swept_against aim(const stride<S, Space::dimension>& s) {
+            const S most = s.thickness * S(0.5) - s.depth;
+            if (!(s.bound() > most) || !(s.length() > most)) return swept_against::nothing;
+            return s.flagged ? swept_against::everything : swept_against::fixed;
+        }
+    };
+};
+
+/// Looks for contacts farther ahead of bodies that go far, so that the solver stops them at what they are about to
+/// meet. Costs no time of bodies and no sweeps. Its limits: the contact lies where the shapes are closest at the step's
+/// start, so that a body may be held by what it would have passed by, and may pass where it turns far, or through what
+/// is thin and not closest; bounces begin from where the contact was seen.
+struct speculative {
+    using stage = physics::stage::continuous;
+
+    template <class Space>
+    struct in {
+        using S = typename Space::scalar;
+
+        /// How much farther contacts are looked for (m).
+        [[nodiscard]] static S ahead(const stride<S, Space::dimension>& s) {
+            const S most = s.thickness * S(0.5);
+            return s.bound() > most ? s.length() : S(0);
+        }
+    };
+};
+
+/// What the sweeps of the last step did.
+template <class S>
+struct continuous_report {
+    /// Bodies that went far enough to be swept, and those that were stopped on their way.
+    std::uint32_t swept = 0, stopped = 0;
+    /// Bodies of which a sweep was given up, as it may be at hundreds of turns a step: they were stopped where they
+    /// certainly had not passed.
+    std::uint32_t unconverged = 0;
+    /// The most time that a stopped body has lost (s).
+    S lost{};
+};
+
+namespace detail {
+
+/// For recipes without continuous collision.
+struct no_continuous {
+    template <class Space>
+    struct in {};
+};
+
+/// Whether a policy bound to a space sweeps bodies, and whether it looks ahead.
+template <class C, class S, int D>
+concept sweeps = requires(const stride<S, D>& s) {
+    { C::aim(s) } -> std::same_as<swept_against>;
+};
+template <class C, class S, int D>
+concept looks_ahead = requires(const stride<S, D>& s) {
+    { C::ahead(s) } -> std::same_as<S>;
+};
+
+}  // namespace detail
+
+/// A continuous collision policy bound to a space offers one or both of
+///   swept_against aim(stride)   what a dynamic body that has moved so is swept against
+///   S ahead(stride)             how much farther contacts of a body that is about to move so are looked for (m)
+/// as static functions. A policy is a type with `using stage = physics::stage::continuous` and such a class as
+/// `in<Space>`.
+template <class C, class S, int D>
+concept continuous_for = detail::sweeps<C, S, D> || detail::looks_ahead<C, S, D>;
+
+PHYSICS_HPP_END

@@ -1,0 +1,80 @@
+// How thick bodies are and how far they reach, for those who look after fast ones.
+#pragma once
+
+#include "physics/collide/part_queries.hpp"
+#include "physics/collide/passage.hpp"
+#include "physics/world/state.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Calls f(core, axes, at) for the convex pieces of a shape that may be swept, in its frame; surfaces and halfspaces,
+/// which no dynamic body carries, have none.
+template <class Shape, int D, class F>
+void each_swept_piece(const Shape& shape, const aabb<double, D>& everywhere, F&& f) {
+    if constexpr (has_core<Shape>)
+        f(core_of(shape), mat<double, D>::identity(), point<D>{});
+    else if constexpr (is_compound<Shape, D>)
+        each_child(shape, everywhere, [&](const auto& child) { f(child.shape, child.axes, child.at); });
+}
+
+/// How far a core reaches from a point of its own frame.
+template <int D>
+PHYSICS_HPP_COLD double reach_from(const core<D>& c, const point<D>& center) {
+    double square = 0;
+    for (int i = 0; i < D; ++i) {
+        point<D> n;
+        n[i] = 1;
+        const double far = max(abs(c.support(n).at[i] - center[i]), abs(c.support(-n).at[i] - center[i]));
+        square += far * far;
+    }
+    return physics::sqrt(square);
+}
+
+/// Of a body: how thick its thinnest piece is, how far its cores reach from the centre of mass, and how far all of it.
+template <class Plan>
+PHYSICS_HPP_COLD void measure_body(const state<Plan>& s, std::uint32_t index, body_extent<typename Plan::scalar>& to) {
+    using S = typename Plan::scalar;
+    constexpr int D = Plan::dimension;
+    const point<D> center = to_point(s.bodies[index].mass.center);
+    double thickness = no_limit, reach = 0, outer = 0;
+    each_shape(s, index, [&](std::uint32_t, const shape_record<Plan>& record) {
+        const mat<double, D> axes = to_matrix(record.local.rotation);
+        const point<D> at = transposed_times(axes, center - to_point(record.local.position));
+        record.shape.visit([&](const auto& shape) {
+            each_swept_piece(shape, everywhere(record.local.rotation),
+                             [&](const core<D>& c, const mat<double, D>& turned, const point<D>& where) {
+                                 const double far = reach_from(c, transposed_times(turned, at - where));
+                                 thickness = min(thickness, inner_radius<Plan::few_corners>(c));
+                                 reach = max(reach, far);
+                                 outer = max(outer, far + c.radius);
+                             });
+        });
+        // Of what has no pieces, a box.
+        if (s.bodies[index].is_dynamic()) return;
+        const auto box = bounds(record.shape, record.local);
+        double square = 0;
+        for (int i = 0; i < D; ++i) {
+            const double far = max(abs(detail::to_double(box.lower[i]) - center[i]),
+                                   abs(detail::to_double(box.upper[i]) - center[i]));
+            square += far * far;
+        }
+        outer = max(outer, physics::sqrt(square));
+    });
+    const double most = static_cast<double>(scalar_traits<S>::max()) * 0.25;
+    to = {static_cast<S>(min(thickness, most)), static_cast<S>(min(reach, most)), min(outer, most)};
+}
+
+/// Keeps these of a body whose shapes or centre of mass have changed. O(shapes of the body).
+template <class Plan>
+void refresh_extent(state<Plan>& s, std::uint32_t index) {
+    if constexpr (Plan::is_continuous) {
+        if (s.continuous.extents.size() < s.bodies.slots()) s.continuous.extents.resize(s.bodies.slots());
+        measure_body(s, index, s.continuous.extents[index]);
+    }
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END

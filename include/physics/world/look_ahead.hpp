@@ -1,0 +1,79 @@
+// Speculative contacts: found as far ahead of fast bodies as those may come in the step.
+#pragma once
+
+#include "physics/world/continuous.hpp"
+#include "physics/world/edit.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Makes the boxes of fast bodies as large as the contacts that are looked for ahead of them.
+template <class Plan>
+void look_ahead(state<Plan>& s, typename Plan::scalar h) {
+    if constexpr (Plan::looks_ahead) {
+        using S = typename Plan::scalar;
+        constexpr int D = Plan::dimension;
+        s.continuous.ahead.resize(s.bodies.slots());
+        bool any = false;
+        s.bodies.each([&](std::uint32_t i, const body<S, D>& b) {
+            S& ahead = s.continuous.ahead[i];
+            ahead = S(0);
+            if (s.is_asleep(i)) return;
+            if (b.type == body_type::static_body) return;
+            vec<S, D> v = b.velocity.linear;
+            if (b.is_dynamic()) v += s.settings.gravity * b.gravity_scale * h;
+            if (b.has_target) v = (b.target * b.mass.center - b.center) / h;
+            const auto& extent = s.continuous.extents[i];
+            ahead = Plan::continuous::ahead(
+                {v * h, b.velocity.angular * h, extent.reach, extent.thickness, S(0), b.continuous});
+            if (!(ahead > S(0))) return;
+            any = true;
+            each_shape(s, i, [&](std::uint32_t k, const auto& shape) {
+                const auto box = grown(needed_box(s, shape), ahead);
+                if (is_box(box)) s.broadphase.move(k, box, {});
+            });
+        });
+        if (any) update_broadphase(s);
+    }
+}
+
+/// The narrowphase where some pairs are looked at farther ahead: as one batch the pairs in between.
+template <class Plan, class Query, class Collide>
+void collide_ahead(state<Plan>& s, const Query* queries, const buffer<proxy_pair>& pairs, Collide&& collide) {
+    using S = typename Plan::scalar;
+    const S margin = s.settings.contact_margin;
+    const auto farther = [&](std::uint32_t i) {
+        return s.continuous.ahead[s.shapes[pairs[i].a].body] + s.continuous.ahead[s.shapes[pairs[i].b].body];
+    };
+    for (std::uint32_t i = 0; i < pairs.size();) {
+        const S more = farther(i);
+        std::uint32_t end = i + 1;
+        if (!(more > S(0)))
+            while (end < pairs.size() && !(farther(end) > S(0))) ++end;
+        // What is found farther ahead serves no other step.
+        const auto forget = [&] {
+            if constexpr (Plan::remembers)
+                if (more > S(0) &&
+                    Plan::narrowphase::remembers(queries[i].a->kind(), queries[i].b->kind()))
+                    s.found_memories.items[queries[i].memory] = {};
+        };
+        const std::uint32_t before = s.manifolds.size();
+        forget();
+        collide(queries + i, end - i, margin + more);
+        forget();
+        for (std::uint32_t k = before; k < s.manifolds.size(); ++k) s.manifolds[k].query += i;
+        i = end;
+    }
+}
+
+/// What the step has to know of fast bodies before it looks for contacts.
+template <class Plan>
+void watch_fast_bodies(state<Plan>& s, typename Plan::scalar h) {
+    clear_depths(s);
+    look_ahead(s, h);
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END

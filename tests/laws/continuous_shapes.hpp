@@ -1,0 +1,219 @@
+// Laws of continuous collision with hulls, compounds and surfaces made of parts.
+#pragma once
+
+#include <vector>
+
+#include "world_cell.hpp"
+
+namespace {
+
+#if CELL_DIMENSION == 2
+using all_shapes = physics::shapes<physics::ball, physics::capsule, physics::box, physics::hull, physics::compound,
+                                   physics::chain, physics::heightfield, physics::tile_grid>;
+#else
+using all_shapes = physics::shapes<physics::ball, physics::capsule, physics::box, physics::hull, physics::compound,
+                                   physics::mesh, physics::heightfield>;
+#endif
+struct everything : physics::recipe<S, cell::dimension, all_shapes> {};
+using wide_world = physics::world<everything>;
+constexpr int D = cell::dimension;
+
+enum class surface { bumps, field, grid };
+
+/// Level ground at the height 0 from -8 to 8, in parts of 1 m; of triangles or segments, as a heightfield or as tiles.
+inline body_id add_ground(wide_world& w, surface kind, bool two_sided = false) {
+    const body_id ground = w.create_body({.type = body_type::static_body});
+#if CELL_DIMENSION == 2
+    if (kind == surface::bumps) {
+        std::vector<vec> points;
+        for (int x = 8; x >= -8; --x) points.push_back(at(x, 0));
+        w.create_shape(ground,
+                       wide_world::chain_geometry::build(points.data(), 17, {.two_sided = two_sided}).shape());
+    } else if (kind == surface::field) {
+        const std::vector<S> heights(17);
+        w.create_shape(ground,
+                       wide_world::heightfield_geometry::build(heights.data(), 17, S(1), {.two_sided = two_sided}).shape(),
+                       {.position = at(-8, 0)});
+    } else {
+        const std::vector<std::uint8_t> cells(16, 1);
+        w.create_shape(ground, wide_world::tile_grid_geometry::build(cells.data(), 16, 1, S(1)).shape(),
+                       {.position = at(-8, -1)});
+    }
+#else
+    vec corner = at(-8, 0);
+    corner.z = S(-8);
+    if (kind == surface::bumps) {
+        std::vector<vec> points;
+        std::vector<std::uint32_t> t;
+        for (std::uint32_t z = 0; z <= 16; ++z)
+            for (std::uint32_t x = 0; x <= 16; ++x) points.push_back(corner + vec{S(int(x)), S(0), S(int(z))});
+        for (std::uint32_t z = 0; z < 16; ++z)
+            for (std::uint32_t x = 0; x < 16; ++x) {
+                const std::uint32_t a = z * 17 + x, b = a + 1, c = a + 17, d = c + 1;
+                t.insert(t.end(), {a, c, d, a, d, b});
+            }
+        w.create_shape(ground, wide_world::mesh_geometry::build(points.data(), 289, t.data(), 512,
+                                                                {.two_sided = two_sided}).shape());
+    } else {
+        const std::vector<S> heights(289);
+        w.create_shape(ground,
+                       wide_world::heightfield_geometry::build(heights.data(), 17, 17, S(1), S(1),
+                                                               {.alternating = true, .two_sided = two_sided}).shape(),
+                       {.position = corner});
+    }
+#endif
+    return ground;
+}
+inline std::vector<surface> surfaces() {
+    if (cell::is_2d) return {surface::bumps, surface::field, surface::grid};
+    return {surface::bumps, surface::field};
+}
+
+/// A hull and a compound of two balls and a rod, about 0.2 across.
+inline const wide_world::hull_geometry& wedge() {
+    static const wide_world::hull_geometry hull = [] {
+        std::vector<vec> points;
+        for (int i = 0; i < 1 << D; ++i) {
+            vec p;
+            for (int k = 0; k < D; ++k) p[k] = S((i >> k & 1) ? 0.1 + 0.02 * k : -0.1);
+            if (i & 1) p.y *= S(0.5);
+            points.push_back(p);
+        }
+        return wide_world::hull_geometry::build(points.data(), static_cast<std::uint32_t>(points.size()));
+    }();
+    return hull;
+}
+inline const wide_world::compound_geometry& dumbbell() {
+    static const auto bell =
+        wide_world::compound_geometry::build({{wide_world::ball{S(0.1)}, at(-0.2, 0)},
+                                              {wide_world::ball{S(0.1)}, at(0.2, 0)},
+                                              {wide_world::capsule{S(0.2), S(0.05)}}});
+    return bell;
+}
+inline wide_world open_range(double gravity = 0) {
+    wide_world::settings_type settings;
+    settings.gravity = along(1, -gravity);
+    return wide_world(settings);
+}
+
+/// Shoots a body at the ground; true if it is beyond in the end.
+template <class Shape>
+bool passes(const Shape& shape, cell::dice& dice, surface kind, double from, double speed, double spin,
+            bool two_sided = false) {
+    wide_world w = open_range();
+    add_ground(w, kind, two_sided);
+    const double up = from > 0 ? 1 : -1;
+    vec place = dice.vec<vec>(-2, 2), way = dice.vec<vec>(-0.2, 0.2);
+    // Often at an edge or at a corner of parts.
+    for (int i = 0; i < D; ++i)
+        if (dice.below(3) == 0) place[i] = S(dice.below(5) - 2), way[i] = S(0);
+    place.y = S(from + up * dice.number(0, speed / 64));
+    way.y = S(-up);
+    const body_id body = w.create_body({.position = place,
+                                        .rotation = random_rotation(dice),
+                                        .linear_velocity = way * S(speed),
+                                        .angular_velocity = skew(spin)});
+    w.create_shape(body, shape);
+    for (int i = 0; i < 6 + 80 / speed; ++i) {
+        w.step(S(1.0 / 64));
+        if (number(w.center_of_mass(body).y) * up < 0) return true;
+        // Those that bounce off may leave the ground over its rim.
+        if (std::abs(number(w.position(body).x)) > 6.5) return false;
+    }
+    return false;
+}
+CELL_CASE("no shape passes a surface from its front, at edges and corners of its parts neither") {
+    cell::dice dice(600);
+    for (const surface kind : surfaces())
+        for (const double speed : {20.0, 100.0, 1000.0})
+            for (const double spin : {0.0, 30.0})
+                for (int run = 0; run < 6; ++run) {
+                    CAPTURE(int(kind));
+                    CAPTURE(speed);
+                    CAPTURE(spin);
+                    CAPTURE(run);
+                    REQUIRE_FALSE(passes(wide_world::ball{S(0.1)}, dice, kind, 0.6, speed, spin));
+                    REQUIRE_FALSE(passes(wide_world::box{vec::filled(S(0.1))}, dice, kind, 0.6, speed, spin));
+                    REQUIRE_FALSE(passes(wide_world::capsule{S(0.2), S(0.05)}, dice, kind, 0.6, speed, spin));
+                    REQUIRE_FALSE(passes(wedge().shape(), dice, kind, 0.6, speed, spin));
+                    REQUIRE_FALSE(passes(dumbbell().shape(), dice, kind, 0.6, speed, spin));
+                }
+}
+CELL_CASE("from behind bodies fly through one-sided surfaces as if there were none, and not through two-sided ones") {
+    cell::dice dice(601);
+    for (const surface kind : {surface::bumps, surface::field})
+        for (int run = 0; run < 12; ++run) {
+            CHECK(passes(wide_world::ball{S(0.1)}, dice, kind, -0.4, 200, 0));
+            CHECK(passes(wedge().shape(), dice, kind, -0.4, 200, 0));
+            CHECK_FALSE(passes(wide_world::ball{S(0.1)}, dice, kind, -0.4, 200, 0, true));
+            CHECK_FALSE(passes(wedge().shape(), dice, kind, -0.4, 200, 10, true));
+        }
+}
+
+CELL_CASE("what rolls or slides fast over the inner edges of a surface is swept, and never stopped") {
+    for (const surface kind : surfaces())
+        for (const double speed : {20.0, 60.0, 200.0})
+            for (const bool slides : {false, true}) {
+                wide_world w = open_range(10);
+                add_ground(w, kind);
+                vec start = at(-7.5, 0.1);
+                if (cell::is_3d) start[D - 1] = S(0.3);
+                const body_id body = w.create_body({.position = start, .linear_velocity = along(0, speed)});
+                if (slides) w.create_shape(body, wide_world::box{vec::filled(S(0.1))}, {.material = {.friction = S(0)}});
+                else w.create_shape(body, wide_world::ball{S(0.1)}, {.material = {.friction = S(0)}});
+                const int steps = static_cast<int>(15 / speed * 64);
+                for (int i = 0; i < steps; ++i) {
+                    w.step(S(1.0 / 64));
+                    REQUIRE(w.continuous_report().swept == 1);
+                    REQUIRE(w.continuous_report().stopped == 0);
+                }
+                CHECK(std::abs(number(w.position(body).x) + 7.5 - steps * speed / 64) <= 0.01 * speed / 64 + rounding(64, 8));
+                CHECK(std::abs(number(w.position(body).y) - 0.1) <= 0.01);
+            }
+}
+
+/// Gives a flat body the same inertia about all axes: what spins fast and does not tumble gains no energy.
+template <class World>
+void calm(World& w, body_id b) {
+    if constexpr (cell::is_3d) {
+        auto mass = w.mass(b);
+        mass.inertia = {mass.inertia.yy, mass.inertia.yy, mass.inertia.yy, S(0), S(0), S(0)};
+        w.set_mass(b, mass);
+    }
+}
+CELL_CASE("a sheet of paper made of a hull, thrown edge on and turning, does not pass a wall as thin") {
+    vec half = vec::filled(S(0.2));
+    half.y = S(0.005);
+    std::vector<vec> points;
+    for (int i = 0; i < 1 << D; ++i) {
+        vec p = half;
+        for (int k = 0; k < D; ++k)
+            if (i >> k & 1) p[k] = -p[k];
+        points.push_back(p);
+    }
+    const auto sheet = wide_world::hull_geometry::build(points.data(), static_cast<std::uint32_t>(points.size()));
+    cell::dice dice(602);
+    for (int run = 0; run < 24; ++run) {
+        wide_world w = open_range();
+        vec wall = vec::filled(S(20));
+        wall.x = S(0.0005);
+        w.create_shape(w.create_body({.type = body_type::static_body}), wide_world::box{wall});
+        const body_id body = w.create_body({.position = at(-1 - dice.number(0, 3), 0),
+                                            .rotation = random_rotation(dice),
+                                            .linear_velocity = along(0, run % 2 ? 200 : 20),
+                                            .angular_velocity = skew(dice.number(-60, 60))});
+        w.create_shape(body, sheet.shape());
+        calm(w, body);
+        for (int i = 0; i < 30; ++i) {
+            w.step(S(1.0 / 64));
+            CAPTURE(run);
+            CAPTURE(i);
+            CAPTURE(w.position(body));
+            CAPTURE(w.linear_velocity(body));
+            CAPTURE(w.continuous_report().unconverged);
+            REQUIRE(number(w.position(body).x) < 0);
+        }
+    }
+}
+
+}  // namespace
