@@ -1,0 +1,140 @@
+// The library as a contestant.
+#pragma once
+
+#include <physics.hpp>
+
+#include "engine.hpp"
+
+namespace bench {
+
+/// What plays: the default narrowphase, broadphase and integrator, the solver by name.
+template <class S, int D, class Solver>
+struct lineup : physics::recipe<S, D, physics::shapes<physics::ball, physics::capsule, physics::box, physics::hull>,
+                                Solver> {};
+
+/// The one place where settings are made.
+template <class Settings>
+Settings settings_for(const scene& s) {
+    Settings with;
+    for (int k = 0; k < s.dimension; ++k)
+        with.gravity[k] = std::remove_cvref_t<decltype(with.gravity.x)>(s.gravity[static_cast<std::size_t>(k)]);
+    return with;
+}
+
+template <class S, int D>
+physics::vec<S, D> to_vec(const triple& from) {
+    physics::vec<S, D> v;
+    for (int k = 0; k < D; ++k) v[k] = S(from[static_cast<std::size_t>(k)]);
+    return v;
+}
+template <class S, int D>
+physics::rotation<S, D> to_rotation(const turn& q) {
+    if constexpr (D == 2) return physics::rotation<S, 2>{S(q[3] * q[3] - q[2] * q[2]), S(2 * q[2] * q[3])};
+    else return physics::rotation<S, 3>{S(q[0]), S(q[1]), S(q[2]), S(q[3])};
+}
+template <class S, int D>
+physics::angular<S, D> to_spin(const triple& w) {
+    if constexpr (D == 2) return S(w[2]);
+    else return to_vec<S, 3>(w);
+}
+template <class S, int D>
+triple from_vec(const physics::vec<S, D>& v) {
+    triple t = {};
+    for (int k = 0; k < D; ++k) t[static_cast<std::size_t>(k)] = static_cast<double>(v[k]);
+    return t;
+}
+template <class S, int D>
+turn from_rotation(const physics::rotation<S, D>& r) {
+    if constexpr (D == 2) return turned(std::atan2(static_cast<double>(r.sine), static_cast<double>(r.cosine)));
+    else
+        return {static_cast<double>(r.x), static_cast<double>(r.y), static_cast<double>(r.z),
+                static_cast<double>(r.w)};
+}
+template <class S, int D>
+triple from_spin(const physics::angular<S, D>& w) {
+    if constexpr (D == 2) return {0, 0, static_cast<double>(w)};
+    else return from_vec<S, 3>(w);
+}
+
+template <class S, int D>
+physics::body_def<S, D> def_of(const body& b) {
+    physics::body_def<S, D> def;
+    def.type = b.kind == role::fixed    ? physics::body_type::static_body
+               : b.kind == role::driven ? physics::body_type::kinematic_body
+                                        : physics::body_type::dynamic_body;
+    def.position = to_vec<S, D>(b.at);
+    def.rotation = to_rotation<S, D>(b.rotation);
+    def.linear_velocity = to_vec<S, D>(b.velocity);
+    def.angular_velocity = to_spin<S, D>(b.spin);
+    return def;
+}
+/// Calls create(shape, def) with the shape in the library's type.
+template <class S, int D, class Create>
+void make_shape(const shape& s, Create&& create) {
+    physics::shape_def<S, D> def;
+    def.position = to_vec<S, D>(s.at);
+    def.rotation = to_rotation<S, D>(s.rotation);
+    def.density = S(s.density);
+    def.material = {S(s.friction), S(s.restitution)};
+    if (s.kind == form::ball) return create(physics::ball<S, D>{S(s.radius)}, def);
+    if (s.kind == form::capsule) return create(physics::capsule<S, D>{S(s.half[0]), S(s.radius)}, def);
+    if (s.kind == form::box) return create(physics::box<S, D>{to_vec<S, D>(s.half)}, def);
+    std::vector<physics::vec<S, D>> points;
+    for (const triple& p : s.points) points.push_back(to_vec<S, D>(p));
+    const auto built =
+        physics::hull_geometry<S, D>::build(points.data(), static_cast<std::uint32_t>(points.size()));
+    create(built.shape(), def);
+}
+
+template <class S, int D, class Solver>
+class ours final : public engine {
+public:
+    void begin(const scene& s) override {
+        world_ = std::make_unique<world>(settings_for<typename world::settings_type>(s));
+    }
+    void add(const body& b) override {
+        ids_.push_back(world_->create_body(def_of<S, D>(b)));
+        for (const shape& s : b.shapes)
+            make_shape<S, D>(s, [&](const auto& it, const auto& def) {
+                static_cast<void>(world_->create_shape(ids_.back(), it, def));
+            });
+    }
+    void drive(int body, const triple& velocity, const triple& spin) override {
+        const physics::body_id id = ids_[static_cast<std::size_t>(body)];
+        world_->set_linear_velocity(id, to_vec<S, D>(velocity));
+        world_->set_angular_velocity(id, to_spin<S, D>(spin));
+    }
+    void step(double dt) override { world_->step(S(dt)); }
+    void read(std::vector<state>& states) const override {
+        states.clear();
+        for (const physics::body_id id : ids_)
+            states.push_back({from_vec<S, D>(world_->position(id)), from_rotation<S, D>(world_->orientation(id)),
+                              from_vec<S, D>(world_->linear_velocity(id)),
+                              from_spin<S, D>(world_->angular_velocity(id)),
+                              static_cast<double>(world_->mass(id).mass)});
+    }
+    [[nodiscard]] triple gravity() const override { return from_vec<S, D>(world_->settings().gravity); }
+    [[nodiscard]] int contacts() const override {
+        int count = 0;
+        for (const auto& c : world_->contacts()) {
+            bool touching = false;
+            for (int k = 0; k < c.count; ++k) touching = touching || c.points[k].normal_impulse > S(0);
+            count += touching;
+        }
+        return count;
+    }
+
+private:
+    using world = physics::world<lineup<S, D, Solver>>;
+
+    std::unique_ptr<world> world_;
+    std::vector<physics::body_id> ids_;
+};
+
+template <class S, class Solver>
+std::unique_ptr<engine> make_ours(int dimension) {
+    if (dimension == 2) return std::make_unique<ours<S, 2, Solver>>();
+    return std::make_unique<ours<S, 3, Solver>>();
+}
+
+}  // namespace bench

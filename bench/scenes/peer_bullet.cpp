@@ -1,0 +1,103 @@
+// Bullet 3, as Debian packages it, in float.
+// peer: bullet/LinearMath/btScalar.h=libbullet-dev -I/usr/include/bullet -lBulletDynamics
+// peer: bullet/LinearMath/btScalar.h=libbullet-dev -lBulletCollision -lLinearMath
+#include <bullet/btBulletDynamicsCommon.h>
+
+#include "engine.hpp"
+#include "judge.hpp"
+
+namespace bench {
+
+namespace {
+
+btVector3 to_bt(const triple& v) {
+    return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
+}
+triple from_bt(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
+
+class bullet final : public engine {
+public:
+    ~bullet() override {
+        if (world_)
+            for (const auto& b : bodies_) world_->removeRigidBody(b.get());
+    }
+    void begin(const scene& s) override {
+        world_ = std::make_unique<btDiscreteDynamicsWorld>(&dispatcher_, &broadphase_, &solver_, &configuration_);
+        world_->setGravity(to_bt(s.gravity));
+    }
+    void add(const body& b) override {
+        const shape& s = b.shapes.front();
+        const bool free = b.kind == role::free;
+        if (s.kind == form::ball) shapes_.push_back(std::make_unique<btSphereShape>(static_cast<float>(s.radius)));
+        else if (s.kind == form::box) shapes_.push_back(std::make_unique<btBoxShape>(to_bt(s.half)));
+        else {
+            auto hull = std::make_unique<btConvexHullShape>();
+            for (const triple& p : s.points) hull->addPoint(to_bt(p), false);
+            hull->recalcLocalAabb();
+            shapes_.push_back(std::move(hull));
+        }
+        // A hull's mass is not Bullet's to find.
+        float mass = 0;
+        btVector3 inertia(0, 0, 0);
+        if (free) {
+            const bench::mass m = mass_of(b, 3);
+            mass = static_cast<float>(m.value);
+            inertia = to_bt({m.inertia[0][0], m.inertia[1][1], m.inertia[2][2]});
+        }
+        btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, shapes_.back().get(), inertia);
+        // It multiplies the coefficients of both.
+        info.m_friction = static_cast<float>(std::sqrt(s.friction));
+        info.m_restitution = static_cast<float>(std::sqrt(s.restitution));
+        const auto q = b.rotation;
+        info.m_startWorldTransform = btTransform(
+            btQuaternion(static_cast<float>(q[0]), static_cast<float>(q[1]), static_cast<float>(q[2]),
+                         static_cast<float>(q[3])),
+            to_bt(b.at));
+        bodies_.push_back(std::make_unique<btRigidBody>(info));
+        bodies_.back()->setActivationState(DISABLE_DEACTIVATION);
+        world_->addRigidBody(bodies_.back().get());
+        if (!free) return;
+        bodies_.back()->setLinearVelocity(to_bt(b.velocity));
+        bodies_.back()->setAngularVelocity(to_bt(b.spin));
+    }
+    void drive(int, const triple&, const triple&) override {}
+    void step(double dt) override { world_->stepSimulation(static_cast<float>(dt), 0); }
+    void read(std::vector<state>& states) const override {
+        states.clear();
+        for (const auto& b : bodies_) {
+            const btQuaternion q = b->getWorldTransform().getRotation();
+            states.push_back({from_bt(b->getWorldTransform().getOrigin()), {q.x(), q.y(), q.z(), q.w()},
+                              from_bt(b->getLinearVelocity()), from_bt(b->getAngularVelocity()), b->getMass()});
+        }
+    }
+    [[nodiscard]] triple gravity() const override { return from_bt(world_->getGravity()); }
+    [[nodiscard]] int contacts() const override {
+        int count = 0;
+        for (int i = 0; i < world_->getDispatcher()->getNumManifolds(); ++i) {
+            const btPersistentManifold* m = world_->getDispatcher()->getManifoldByIndexInternal(i);
+            bool touching = false;
+            for (int k = 0; k < m->getNumContacts(); ++k)
+                touching = touching || m->getContactPoint(k).getAppliedImpulse() > 0;
+            count += touching;
+        }
+        return count;
+    }
+
+private:
+    btDefaultCollisionConfiguration configuration_;
+    btCollisionDispatcher dispatcher_{&configuration_};
+    btDbvtBroadphase broadphase_;
+    btSequentialImpulseConstraintSolver solver_;
+    std::vector<std::unique_ptr<btCollisionShape>> shapes_;
+    std::vector<std::unique_ptr<btRigidBody>> bodies_;
+    std::unique_ptr<btDiscreteDynamicsWorld> world_;
+};
+
+const enlisted here({.name = "bullet-3",
+                     .settings = "10 rounds, split impulses; hulls have a skin of 4 cm",
+                     .dimension = 3,
+                     .make = [](int) -> std::unique_ptr<engine> { return std::make_unique<bullet>(); }});
+
+}  // namespace
+
+}  // namespace bench

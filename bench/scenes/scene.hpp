@@ -1,0 +1,115 @@
+// What a scene is, told to all engines alike: plain numbers in double, SI units, y up.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace bench {
+
+using triple = std::array<double, 3>;
+/// A unit quaternion x, y, z, w; scenes in the plane turn about z.
+using turn = std::array<double, 4>;
+
+enum class form { ball, capsule, box, hull };
+enum class role { fixed, driven, free };
+
+struct shape {
+    form kind = form::box;
+    /// Of a box: half its extents. Of a capsule: half[0] is half its segment, which lies along x.
+    triple half = {};
+    /// Of a ball or capsule.
+    double radius = 0;
+    /// Of a hull; in the plane counter-clockwise. Engines may want at most 8.
+    std::vector<triple> points;
+    triple at = {};
+    turn rotation = {0, 0, 0, 1};
+    double density = 1, friction = 0.6, restitution = 0;
+};
+
+struct body {
+    role kind = role::free;
+    triple at = {};
+    turn rotation = {0, 0, 0, 1};
+    /// At the start of free bodies, for good of driven ones.
+    triple velocity = {}, spin = {};
+    std::vector<shape> shapes;
+    /// The step before which it enters.
+    int born = 0;
+};
+
+/// A driven body that goes to and fro: x = reach * sin(rate * t).
+struct swing {
+    int body = 0;
+    double reach = 0, rate = 0;
+
+    /// The speed that brings it in one step from where it should be at time t to where at t + dt.
+    [[nodiscard]] double speed(double t, double dt) const {
+        return reach * (std::sin(rate * (t + dt)) - std::sin(rate * t)) / dt;
+    }
+};
+
+struct scene {
+    std::string name;
+    int dimension = 2;
+    triple gravity = {0, -10, 0};
+    double dt = 1.0 / 60;
+    int steps = 300;
+    std::vector<body> bodies;
+    std::vector<swing> swings;
+    /// Bodies on top of structures, which should stay where they are.
+    std::vector<int> tops;
+    /// Whoever is outside has escaped.
+    triple lower = {-1000, -1000, -1000}, upper = {1000, 1000, 1000};
+
+    int add(body b) {
+        bodies.push_back(std::move(b));
+        return static_cast<int>(bodies.size()) - 1;
+    }
+    [[nodiscard]] bool has(form kind) const {
+        for (const body& b : bodies)
+            for (const shape& s : b.shapes)
+                if (s.kind == kind) return true;
+        return false;
+    }
+    [[nodiscard]] bool drives() const {
+        for (const body& b : bodies)
+            if (b.kind == role::driven) return true;
+        return false;
+    }
+    [[nodiscard]] int free_bodies() const {
+        int count = 0;
+        for (const body& b : bodies) count += b.kind == role::free;
+        return count;
+    }
+};
+
+/// What can be seen of a body from outside of an engine.
+struct state {
+    /// Of the body's frame.
+    triple at = {};
+    turn rotation = {0, 0, 0, 1};
+    /// Of the centre of mass.
+    triple velocity = {}, spin = {};
+    double mass = 0;
+};
+
+inline turn turned(double angle) { return {0, 0, std::sin(angle / 2), std::cos(angle / 2)}; }
+inline double angle_of(const turn& q) { return 2 * std::atan2(q[2], q[3]); }
+
+inline triple operator+(const triple& a, const triple& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+inline triple operator-(const triple& a, const triple& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+inline triple operator*(const triple& a, double k) { return {a[0] * k, a[1] * k, a[2] * k}; }
+inline double dot(const triple& a, const triple& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+inline triple cross(const triple& a, const triple& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+inline double length(const triple& a) { return std::sqrt(dot(a, a)); }
+inline triple rotated(const turn& q, const triple& v) {
+    const triple u = {q[0], q[1], q[2]}, t = cross(u, v) * 2;
+    return v + t * q[3] + cross(u, t);
+}
+inline turn inverse(const turn& q) { return {-q[0], -q[1], -q[2], q[3]}; }
+
+}  // namespace bench
