@@ -6535,8 +6535,10 @@ public:
 
     /// The hull of points in any order, at least 3 (4 in 3D), not all on one line (in one plane). Duplicates, points
     /// inside, on edges and in faces do no harm. Exact, but that what rounding of coordinates to S bent by at most 8
-    /// spacings is flat: the corners of a rotated box give six quads. Vertices are some of the points, unchanged, in
-    /// an order that depends on the set of points only. Refuses NaN and infinity, points without area or volume, and
+    /// spacings is flat, so that points may lie as far outside: the corners of a rotated box give six quads. Points
+    /// within 32 spacings of each other may count as one; among many of these, as in float those of a plate of 1:10^5,
+    /// points may lie 64 spacings of the largest coordinate outside. Vertices are some of the points, unchanged, in an
+    /// order that depends on the set of points only. Refuses NaN and infinity, points without area or volume, and
     /// more than 65,535 vertices. Cost: O(n log n), in 3D 1 us a vertex and 0.1 to 0.5 us a point.
     [[nodiscard]] static hull_geometry build(const vec<S, D>* points, std::uint32_t count,
                                              const hull_settings& settings = {}) {
@@ -10831,6 +10833,26 @@ inline point<3> normal_by_shorter_edges(const point<3>& a, const point<3>& b, co
     return of_bc > of_ca ? cross(ca, ab) : cross(ab, bc);
 }
 
+/// Corrects the weights of a triangle's corners that make the point below the origin, n being across it: what they miss
+/// it by is known better than they are where the triangle is thin, so that one step of Newton is enough.
+inline void correct_weights(const point<3>& a, const point<3>& b, const point<3>& c, const point<3>& n,
+                            double (&weight)[3]) {
+    const double scale = 1 / dot(n, n);
+    const auto missed_by = [&](double of_a, double of_b, double of_c) {
+        const point<3> at = a * of_a + b * of_b + c * of_c;
+        return at - n * (dot(n, at) * scale);
+    };
+    const point<3> missed = missed_by(weight[0], weight[1], weight[2]), turned = cross(missed, n) * scale;
+    const double of_a = weight[0] - dot(c - b, turned), of_b = weight[1] - dot(a - c, turned),
+                 of_c = weight[2] - dot(b - a, turned);
+    // Of a triangle without area it may be none.
+    const point<3> left = missed_by(of_a, of_b, of_c);
+    if (!(dot(left, left) < dot(missed, missed))) return;
+    weight[0] = of_a;
+    weight[1] = of_b;
+    weight[2] = of_c;
+}
+
 inline closest_of<3> nearer(const closest_of<3>& a, const closest_of<3>& b) {
     return dot(b.at, b.at) < dot(a.at, a.at) ? b : a;
 }
@@ -11029,6 +11051,7 @@ void measure(gjk_result<D>& r, point<D> v) {
             const double along = dot(n, v);
             r.overlapping = !(along * along > 0.9 * dot(n, n) * dot(v, v));
             v = along < 0 ? -n : n;
+            correct_weights(vertex[0].w, vertex[1].w, vertex[2].w, n, r.at.weight);
         }
     const point<D> normal = unit(v);
     double distance = dot(normal, vertex[0].w);
@@ -11044,9 +11067,9 @@ void measure(gjk_result<D>& r, point<D> v) {
 /// interactive 3D environments (2003), 4.3. Cost: 4 to 10 supports of both, 1 or 2 with a cache.
 template <int D>
 gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double tolerance, gjk_cache* cache) {
-    constexpr int most_iterations = 128, most_stalls = 4;
+    constexpr int most_iterations = 128, most_stalls = 4, most_refinements = 8;
     gjk_result<D> r;
-    int stalls = 0;
+    int stalls = 0, refinements = 0;
     // What rounding may do to a coordinate of the vertices.
     const double noise = 0x1p-51 * extent_of(a, b), squared_noise = noise * noise, squared_most = most * most;
     const bool smooth = !a.has_vertices() || !b.shape->has_vertices();
@@ -11123,12 +11146,28 @@ gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double
         }
         if (done) {
             measure(r, v);
-            // So near that rounding may have turned the normal: one that does not part them is none, and they touch.
-            if (!smooth && !r.overlapping && r.distance < 0x1p10 * noise &&
-                dot(r.normal, support_along(a, b, r.normal).w) < r.distance - 4 * noise) {
-                r.overlapping = true;
-                r.normal = {};
-                r.distance = 0;
+            // So near that rounding may have turned the direction of the search: of a normal that does not part them
+            // its own support tells more; one that never does is none, and they touch.
+            if (!r.overlapping && r.distance < 0x1p30 * noise) {
+                const cso_vertex<D> farther = support_along(a, b, r.normal);
+                const double parted = dot(r.normal, farther.w);
+                if (parted < r.distance - 4 * noise) {
+                    if (r.at.count <= D && refinements++ < most_refinements) {
+                        r.at.vertex[r.at.count++] = farther;
+                        const closest_of<D> closest = closest_of_simplex(r.at, false);
+                        if (closest.count <= D) r.at.keep(closest);
+                        v = closest.at;
+                        vv = dot(v, v);
+                        r.normal = {};
+                        r.distance = 0;
+                        continue;
+                    }
+                    if (r.distance < (smooth ? 0x1p20 : 0x1p10) * noise || (smooth && !(parted > 0))) {
+                        r.overlapping = true;
+                        r.normal = {};
+                        r.distance = 0;
+                    }
+                }
             }
             break;
         }
@@ -11392,7 +11431,9 @@ inline bool make_tetrahedron(const core<3>& a, const placed_core<3>& b, const si
         look(cross(e, normal), 2, beside_line);
         if (!(farthest > noise * noise)) return false;
     }
-    normal = unit(cross(e, v[2].w - v[0].w));
+    // Across e to the last digit, however narrow B - A is.
+    const point<3> aside = v[2].w - v[0].w;
+    normal = unit(cross(e, aside - e * dot(e, aside)));
     farthest = 0;
     look(normal, 3, [&](const point<3>& p) { return abs(dot(normal, p)); });
     return farthest > 0 && has_volume();
@@ -11404,20 +11445,22 @@ template <int D>
 void locate(const core<D>& a, const placed_core<D>& b, double size, penetration<D>& p) {
     if (p.located) return;
     p.located = true;
+    // Apart by any gap the same points are closest. Round ones need one across which directions are more than rounding.
+    const bool smooth = !a.has_vertices() || !b.shape->has_vertices();
     placed_core<D> apart = b;
-    apart.at += p.normal * (p.depth + 0x1p-30 * size);
+    apart.at += p.normal * (p.depth + (smooth ? 0x1p-16 : 0x1p-30) * size);
     gjk_cache near;
     near.count = D;
     for (int i = 0; i < D; ++i) near.vertex[i] = p.names[i];
-    const gjk_result<D> r = gjk(a, apart, size, 0x1p-30, &near);
+    const gjk_result<D> r = gjk(a, apart, size, smooth ? 0x1p-50 : 0x1p-30, &near);
     if (r.overlapping || r.beyond) return;
     p.on_a = r.at.on_a();
     for (int i = 0; i < D; ++i) p.names[i] = r.at.vertex[i < r.at.count ? i : 0].name;
 }
 
-/// Takes the normal of a face of B - A from the edges of A and B that it is made of: where one shape is much larger
-/// than the other, the vertices of B - A have lost digits that these still have.
-inline void sharpen(const core<3>& a, const placed_core<3>& b, const point<3>& farthest, penetration<3>& p) {
+/// Takes the normal of a face of B - A from the edges of A and B that it is made of, where that is no worse: where one
+/// shape is much larger than the other, the vertices of B - A have lost digits that these still have.
+inline void sharpen(const core<3>& a, const placed_core<3>& b, double noise, penetration<3>& p) {
     if (!a.has_vertices() || !b.shape->has_vertices()) return;
     point<3> of_a[3], of_b[3];
     for (int i = 0; i < 3; ++i) {
@@ -11433,8 +11476,9 @@ inline void sharpen(const core<3>& a, const placed_core<3>& b, const point<3>& f
     }
     const point<3> n = unit(cross(edge[longest < 2 ? longest + 1 : 0], edge[longest > 0 ? longest - 1 : 2]));
     const point<3> m = dot(n, p.normal) < 0 ? -n : n;
-    const double depth = -dot(m, farthest);
-    if (!(dot(m, p.normal) > 0.999999) || !(abs(depth - p.depth) < 1e-6 * a.extent + 1e-6 * b.shape->extent)) return;
+    if (!(dot(m, p.normal) > 0.999999)) return;
+    const double depth = -dot(m, support_along(a, b, m).w);
+    if (!(depth < p.depth + noise)) return;
     p.normal = m;
     p.depth = depth;
 }
@@ -11495,10 +11539,12 @@ inline penetration<3> epa(const core<3>& a, const placed_core<3>& b, const simpl
             for (int i = 0; i < 3; ++i) w[i] = hull.vertex(face.vertex[i]).w;
             const closest_of<3> at = closest_on_triangle(w[0], w[1], w[2]);
             for (int i = 0; i < 3; ++i) best.names[i] = hull.vertex(face.vertex[i]).name;
-            for (int i = 0; i < at.count; ++i)
-                best.on_a += hull.vertex(face.vertex[at.vertex[i]]).on_a * at.weight[i];
+            double weight[3] = {};
+            for (int i = 0; i < at.count; ++i) weight[at.vertex[i]] = at.weight[i];
+            if (at.count == 3) correct_weights(w[0], w[1], w[2], n, weight);
+            for (int i = 0; i < 3; ++i) best.on_a += hull.vertex(face.vertex[i]).on_a * weight[i];
             // Not where the normal turns by less than matters.
-            if (!(tolerance * length > 0x1p-48 * size * size * size)) sharpen(a, b, next.w, best);
+            if (!(tolerance * length > 0x1p-48 * size * size * size)) sharpen(a, b, noise, best);
             if (!converged) shorten(a, b, size, tolerance, best);
             best.located = at.count == 3 && converged;
             return best;
@@ -11952,7 +11998,7 @@ template <int D>
 struct facet {
     static constexpr int most = D == 2 ? 2 : 32;
     /// Counter-clockwise as seen from outside; in the plane the right end first.
-    point<D> corner[most];
+    raw_array<point<D>, most> corner;
     int count = 0;
     /// Unit vector outwards, of a face.
     point<D> normal;
@@ -12216,8 +12262,8 @@ manifold_point<double, D> touching(const point<D>& on_incident, const point<D>& 
     return {on_incident - n * (by.incident_radius + surfaces * 0.5), surfaces, feature};
 }
 
-/// Whether a facet lies within five degrees of the plane across n. A round edge leads its surface along its own normal:
-/// where it tilts more, only its deepest point touches.
+/// Whether a facet lies within five degrees of the plane across n. A round edge leads its surface along its own normal,
+/// which n then misses by 1/255 of the radius at most: where it tilts more, only its deepest point touches.
 template <int D>
 bool lies_flat(const facet<D>& f, const point<D>& n) {
     if (f.flat) return dot(f.normal, n) < -1 + 1.0 / 256;
@@ -12357,7 +12403,8 @@ double slack_of(const core_pair<D>& pair) {
 
 /// Contact of two cores with their roundings, in A's frame, once it is known how to part them: faces that all but face
 /// each other share a patch, which is found by clipping; all others touch in the points that GJK or EPA found. To keep
-/// the features of bodies at rest, contacts may deviate by two slacks, never more.
+/// the features of bodies at rest, contacts may deviate by two slacks, never more; points on a round side that leans by
+/// up to five degrees by 1/255 of its radius as well, since it is taken for flat.
 template <int D>
 void touch_parted(const core_pair<D>& pair, core_separation<D> s, double margin, double slack,
                   manifold<double, D>& out) {

@@ -335,6 +335,31 @@ CELL_CASE("known cases: cylinders and cones") {
     const transform can = at(0.20238033346825459735, 0.027845683594011010065, 0.3114233939246693339, z,
                              std::atan2(-0.94939688083050233214, -0.31407891153229777759));
     expect(cylinder{S(0.085), S(0.041)}, box_of(0.3, 0.6, 0.016), relative(can, at(0.4, 0, 0.26885)), 0, {});
+    // By certificates.hpp, which found normals that part them worse by 0.2 m: corners that touch a cone's side and a
+    // cylinder's rim, within a few roundings.
+    const triangle shard{from_reals({-0.056192891921601901, 0.055931205974521836, 0.30924006499562734}),
+                         from_reals({0.086455638439032159, -0.20578844077202343, -0.021370520675451986}),
+                         from_reals({0.047164438211688628, 0.22170934766464115, -0.15771544397220588}), S(0)};
+    const transform stump{from_reals({0.60088423473429597, -0.44981130304494499, -0.41848428185730668}),
+                          rotation_of(std::vector<S>{S(0.44429454513501271), S(0.46632576493775435),
+                                                     S(0.45051352072102635), S(-0.6182072514667194)})};
+    expect(shard, cone{S(0.27125381557910083), S(0.42599146827776291), S(0.63898720241664431), S(0)}, stump, 0, {});
+    const physics::segment<S, 3> stick{from_reals({-0.37916505975198739, 0.36013107092124441, 0.21436966070429975}),
+                                       from_reals({0.28378127625497551, -0.08422881824773909, -0.14523297857765721}),
+                                       S(0)};
+    const transform lying_drum{
+        from_reals({0.5560321076909589, 0.14303472770709003, -0.18812454823167721}),
+        rotation_of(std::vector<S>{S(0.084064559996490568), S(0.51902863949607825), S(0.67022742374906574),
+                                   S(-0.52377249029529682)})};
+    expect(stick, cylinder{S(0.28690759402065025), S(0.21282141287524234), S(0)}, lying_drum, 0, {});
+    // On a rim many normals would do; each must part them as far as they are apart.
+    const auto parts = [](const auto& a, const auto& b, const transform& pose) {
+        const vec n = separation(a, b, pose).normal;
+        const vec on_a = support(a, n), on_b = pose * support(b, inverse_rotate(pose.rotation, -n));
+        CHECK(std::abs(dot(to_reals(n), to_reals(on_b) - to_reals(on_a))) <= 64 * epsilon + 1e-8);
+    };
+    parts(shard, cone{S(0.27125381557910083), S(0.42599146827776291), S(0.63898720241664431), S(0)}, stump);
+    parts(stick, cylinder{S(0.28690759402065025), S(0.21282141287524234), S(0)}, lying_drum);
     // Coal #351: a ball beside the middle of a flat cylinder, in mm.
     expect(cylinder{S(50), S(136)}, ball{S(55)}, at(-45.449, 140.834, 128.932), -0.06106688262867, {0, 140.834, 128.932},
            200);

@@ -247,7 +247,9 @@ inline bool make_tetrahedron(const core<3>& a, const placed_core<3>& b, const si
         look(cross(e, normal), 2, beside_line);
         if (!(farthest > noise * noise)) return false;
     }
-    normal = unit(cross(e, v[2].w - v[0].w));
+    // Across e to the last digit, however narrow B - A is.
+    const point<3> aside = v[2].w - v[0].w;
+    normal = unit(cross(e, aside - e * dot(e, aside)));
     farthest = 0;
     look(normal, 3, [&](const point<3>& p) { return abs(dot(normal, p)); });
     return farthest > 0 && has_volume();
@@ -259,20 +261,22 @@ template <int D>
 void locate(const core<D>& a, const placed_core<D>& b, double size, penetration<D>& p) {
     if (p.located) return;
     p.located = true;
+    // Apart by any gap the same points are closest. Round ones need one across which directions are more than rounding.
+    const bool smooth = !a.has_vertices() || !b.shape->has_vertices();
     placed_core<D> apart = b;
-    apart.at += p.normal * (p.depth + 0x1p-30 * size);
+    apart.at += p.normal * (p.depth + (smooth ? 0x1p-16 : 0x1p-30) * size);
     gjk_cache near;
     near.count = D;
     for (int i = 0; i < D; ++i) near.vertex[i] = p.names[i];
-    const gjk_result<D> r = gjk(a, apart, size, 0x1p-30, &near);
+    const gjk_result<D> r = gjk(a, apart, size, smooth ? 0x1p-50 : 0x1p-30, &near);
     if (r.overlapping || r.beyond) return;
     p.on_a = r.at.on_a();
     for (int i = 0; i < D; ++i) p.names[i] = r.at.vertex[i < r.at.count ? i : 0].name;
 }
 
-/// Takes the normal of a face of B - A from the edges of A and B that it is made of: where one shape is much larger
-/// than the other, the vertices of B - A have lost digits that these still have.
-inline void sharpen(const core<3>& a, const placed_core<3>& b, const point<3>& farthest, penetration<3>& p) {
+/// Takes the normal of a face of B - A from the edges of A and B that it is made of, where that is no worse: where one
+/// shape is much larger than the other, the vertices of B - A have lost digits that these still have.
+inline void sharpen(const core<3>& a, const placed_core<3>& b, double noise, penetration<3>& p) {
     if (!a.has_vertices() || !b.shape->has_vertices()) return;
     point<3> of_a[3], of_b[3];
     for (int i = 0; i < 3; ++i) {
@@ -288,8 +292,9 @@ inline void sharpen(const core<3>& a, const placed_core<3>& b, const point<3>& f
     }
     const point<3> n = unit(cross(edge[longest < 2 ? longest + 1 : 0], edge[longest > 0 ? longest - 1 : 2]));
     const point<3> m = dot(n, p.normal) < 0 ? -n : n;
-    const double depth = -dot(m, farthest);
-    if (!(dot(m, p.normal) > 0.999999) || !(abs(depth - p.depth) < 1e-6 * a.extent + 1e-6 * b.shape->extent)) return;
+    if (!(dot(m, p.normal) > 0.999999)) return;
+    const double depth = -dot(m, support_along(a, b, m).w);
+    if (!(depth < p.depth + noise)) return;
     p.normal = m;
     p.depth = depth;
 }
@@ -350,10 +355,12 @@ inline penetration<3> epa(const core<3>& a, const placed_core<3>& b, const simpl
             for (int i = 0; i < 3; ++i) w[i] = hull.vertex(face.vertex[i]).w;
             const closest_of<3> at = closest_on_triangle(w[0], w[1], w[2]);
             for (int i = 0; i < 3; ++i) best.names[i] = hull.vertex(face.vertex[i]).name;
-            for (int i = 0; i < at.count; ++i)
-                best.on_a += hull.vertex(face.vertex[at.vertex[i]]).on_a * at.weight[i];
+            double weight[3] = {};
+            for (int i = 0; i < at.count; ++i) weight[at.vertex[i]] = at.weight[i];
+            if (at.count == 3) correct_weights(w[0], w[1], w[2], n, weight);
+            for (int i = 0; i < 3; ++i) best.on_a += hull.vertex(face.vertex[i]).on_a * weight[i];
             // Not where the normal turns by less than matters.
-            if (!(tolerance * length > 0x1p-48 * size * size * size)) sharpen(a, b, next.w, best);
+            if (!(tolerance * length > 0x1p-48 * size * size * size)) sharpen(a, b, noise, best);
             if (!converged) shorten(a, b, size, tolerance, best);
             best.located = at.count == 3 && converged;
             return best;

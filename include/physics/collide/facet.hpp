@@ -1,6 +1,7 @@
 // The face, edge or corner of a convex shape that touches what lies along a direction.
 #pragma once
 
+#include "physics/base/raw_array.hpp"
 #include "physics/shape/core.hpp"
 #include "physics/shape/hull_data.hpp"
 
@@ -14,7 +15,7 @@ template <int D>
 struct facet {
     static constexpr int most = D == 2 ? 2 : 32;
     /// Counter-clockwise as seen from outside; in the plane the right end first.
-    point<D> corner[most];
+    raw_array<point<D>, most> corner;
     int count = 0;
     /// Unit vector outwards, of a face.
     point<D> normal;

@@ -81,6 +81,7 @@ void measure(gjk_result<D>& r, point<D> v) {
             const double along = dot(n, v);
             r.overlapping = !(along * along > 0.9 * dot(n, n) * dot(v, v));
             v = along < 0 ? -n : n;
+            correct_weights(vertex[0].w, vertex[1].w, vertex[2].w, n, r.at.weight);
         }
     const point<D> normal = unit(v);
     double distance = dot(normal, vertex[0].w);
@@ -96,9 +97,9 @@ void measure(gjk_result<D>& r, point<D> v) {
 /// interactive 3D environments (2003), 4.3. Cost: 4 to 10 supports of both, 1 or 2 with a cache.
 template <int D>
 gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double tolerance, gjk_cache* cache) {
-    constexpr int most_iterations = 128, most_stalls = 4;
+    constexpr int most_iterations = 128, most_stalls = 4, most_refinements = 8;
     gjk_result<D> r;
-    int stalls = 0;
+    int stalls = 0, refinements = 0;
     // What rounding may do to a coordinate of the vertices.
     const double noise = 0x1p-51 * extent_of(a, b), squared_noise = noise * noise, squared_most = most * most;
     const bool smooth = !a.has_vertices() || !b.shape->has_vertices();
@@ -175,12 +176,28 @@ gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double
         }
         if (done) {
             measure(r, v);
-            // So near that rounding may have turned the normal: one that does not part them is none, and they touch.
-            if (!smooth && !r.overlapping && r.distance < 0x1p10 * noise &&
-                dot(r.normal, support_along(a, b, r.normal).w) < r.distance - 4 * noise) {
-                r.overlapping = true;
-                r.normal = {};
-                r.distance = 0;
+            // So near that rounding may have turned the direction of the search: of a normal that does not part them
+            // its own support tells more; one that never does is none, and they touch.
+            if (!r.overlapping && r.distance < 0x1p30 * noise) {
+                const cso_vertex<D> farther = support_along(a, b, r.normal);
+                const double parted = dot(r.normal, farther.w);
+                if (parted < r.distance - 4 * noise) {
+                    if (r.at.count <= D && refinements++ < most_refinements) {
+                        r.at.vertex[r.at.count++] = farther;
+                        const closest_of<D> closest = closest_of_simplex(r.at, false);
+                        if (closest.count <= D) r.at.keep(closest);
+                        v = closest.at;
+                        vv = dot(v, v);
+                        r.normal = {};
+                        r.distance = 0;
+                        continue;
+                    }
+                    if (r.distance < (smooth ? 0x1p20 : 0x1p10) * noise || (smooth && !(parted > 0))) {
+                        r.overlapping = true;
+                        r.normal = {};
+                        r.distance = 0;
+                    }
+                }
             }
             break;
         }

@@ -29,8 +29,8 @@ manifold_point<double, D> touching(const point<D>& on_incident, const point<D>& 
     return {on_incident - n * (by.incident_radius + surfaces * 0.5), surfaces, feature};
 }
 
-/// Whether a facet lies within five degrees of the plane across n. A round edge leads its surface along its own normal:
-/// where it tilts more, only its deepest point touches.
+/// Whether a facet lies within five degrees of the plane across n. A round edge leads its surface along its own normal,
+/// which n then misses by 1/255 of the radius at most: where it tilts more, only its deepest point touches.
 template <int D>
 bool lies_flat(const facet<D>& f, const point<D>& n) {
     if (f.flat) return dot(f.normal, n) < -1 + 1.0 / 256;
@@ -170,7 +170,8 @@ double slack_of(const core_pair<D>& pair) {
 
 /// Contact of two cores with their roundings, in A's frame, once it is known how to part them: faces that all but face
 /// each other share a patch, which is found by clipping; all others touch in the points that GJK or EPA found. To keep
-/// the features of bodies at rest, contacts may deviate by two slacks, never more.
+/// the features of bodies at rest, contacts may deviate by two slacks, never more; points on a round side that leans by
+/// up to five degrees by 1/255 of its radius as well, since it is taken for flat.
 template <int D>
 void touch_parted(const core_pair<D>& pair, core_separation<D> s, double margin, double slack,
                   manifold<double, D>& out) {

@@ -103,6 +103,26 @@ inline point<3> normal_by_shorter_edges(const point<3>& a, const point<3>& b, co
     return of_bc > of_ca ? cross(ca, ab) : cross(ab, bc);
 }
 
+/// Corrects the weights of a triangle's corners that make the point below the origin, n being across it: what they miss
+/// it by is known better than they are where the triangle is thin, so that one step of Newton is enough.
+inline void correct_weights(const point<3>& a, const point<3>& b, const point<3>& c, const point<3>& n,
+                            double (&weight)[3]) {
+    const double scale = 1 / dot(n, n);
+    const auto missed_by = [&](double of_a, double of_b, double of_c) {
+        const point<3> at = a * of_a + b * of_b + c * of_c;
+        return at - n * (dot(n, at) * scale);
+    };
+    const point<3> missed = missed_by(weight[0], weight[1], weight[2]), turned = cross(missed, n) * scale;
+    const double of_a = weight[0] - dot(c - b, turned), of_b = weight[1] - dot(a - c, turned),
+                 of_c = weight[2] - dot(b - a, turned);
+    // Of a triangle without area it may be none.
+    const point<3> left = missed_by(of_a, of_b, of_c);
+    if (!(dot(left, left) < dot(missed, missed))) return;
+    weight[0] = of_a;
+    weight[1] = of_b;
+    weight[2] = of_c;
+}
+
 inline closest_of<3> nearer(const closest_of<3>& a, const closest_of<3>& b) {
     return dot(b.at, b.at) < dot(a.at, a.at) ? b : a;
 }

@@ -228,8 +228,10 @@ public:
 
     /// The hull of points in any order, at least 3 (4 in 3D), not all on one line (in one plane). Duplicates, points
     /// inside, on edges and in faces do no harm. Exact, but that what rounding of coordinates to S bent by at most 8
-    /// spacings is flat: the corners of a rotated box give six quads. Vertices are some of the points, unchanged, in
-    /// an order that depends on the set of points only. Refuses NaN and infinity, points without area or volume, and
+    /// spacings is flat, so that points may lie as far outside: the corners of a rotated box give six quads. Points
+    /// within 32 spacings of each other may count as one; among many of these, as in float those of a plate of 1:10^5,
+    /// points may lie 64 spacings of the largest coordinate outside. Vertices are some of the points, unchanged, in an
+    /// order that depends on the set of points only. Refuses NaN and infinity, points without area or volume, and
     /// more than 65,535 vertices. Cost: O(n log n), in 3D 1 us a vertex and 0.1 to 0.5 us a point.
     [[nodiscard]] static hull_geometry build(const vec<S, D>* points, std::uint32_t count,
                                              const hull_settings& settings = {}) {
