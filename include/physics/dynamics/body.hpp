@@ -1,7 +1,7 @@
 // The state of a body.
 #pragma once
 
-#include "physics/space/space.hpp"
+#include "physics/dynamics/free_spin.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -29,6 +29,8 @@ struct body {
     mass_properties<S, D> mass;
     inverse_of<S> inverse_mass{};
     physics::inverse_inertia<S, D> inverse_inertia{};
+    /// Of bodies that are gyroscopic.
+    [[no_unique_address]] free_spin<S, D> spin;
     S linear_damping{};
     S angular_damping{};
     S gravity_scale = S(1);

@@ -8,18 +8,32 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// Turns a body on which no torque acts for a time h, by the midpoint rule on a constant angular momentum:
-/// that is kept to rounding, whatever the spin; the energy errs with the third power of h.
+/// Turns a body on which no torque acts for a time h. Its energy of motion is split into parts whose motions are known:
+/// a turn about the angular momentum, as if all moments were the first, and turns about two principal axes for what is
+/// left of these. Momentum is kept to rounding, whatever the spin and however thin the body; the energy errs with the
+/// square of h and does not drift; exact for symmetric tops. Source: McLachlan, Explicit Lie-Poisson integration and the
+/// Euler equations (1993); Hairer, Lubich, Wanner, Geometric Numerical Integration, VII.5.
 template <class S>
 constexpr void turn_freely(moving_body<S, 3>& b, vec<S, 3>& angular_velocity, S h) {
-    const rotation<S, 3> start = b.rotation;
-    const vec<S, 3> momentum = start * times(b.top->mass.inertia, inverse_rotate(start, angular_velocity));
-    const auto spin = [&](const rotation<S, 3>& r) {
-        return r * times(b.top->inverse_inertia, inverse_rotate(r, momentum));
+    const body<S, 3>& top = *b.top;
+    const vec<S, 3> momentum = b.rotation * times(top.mass.inertia, inverse_rotate(b.rotation, angular_velocity));
+    rotation<S, 3> axes = b.rotation * top.spin.axes;
+    vec<S, 3> seen = inverse_rotate(axes, momentum);
+    const auto turn_about = [&](int axis, inverse_of<S> by, S time) {
+        if (by == inverse_of<S>(0)) return;
+        vec<S, 3> angle;
+        angle[axis] = mul<S>(by, seen[axis]) * time;
+        const rotation<S, 3> turn = turned(rotation<S, 3>{}, angle);
+        axes = axes * turn;
+        seen = inverse_rotate(turn, seen);
     };
-    const rotation<S, 3> half_way = turned(start, angular_velocity * (h * S(0.5)));
-    b.rotation = turned(start, spin(half_way) * h);
-    angular_velocity = spin(b.rotation);
+    turn_about(1, top.spin.second, h * S(0.5));
+    turn_about(2, top.spin.third, h);
+    turn_about(1, top.spin.second, h * S(0.5));
+    vec<S, 3> angle;
+    for (int i = 0; i < 3; ++i) angle[i] = mul<S>(top.spin.first, momentum[i]) * h;
+    b.rotation = turned(axes, angle) * inverse(top.spin.axes);
+    angular_velocity = b.rotation * times(top.inverse_inertia, inverse_rotate(b.rotation, momentum));
 }
 /// In the plane nothing precesses.
 template <class S>

@@ -85,6 +85,7 @@ void set_mass_properties(state<Plan>& s, std::uint32_t index,
     if (!b.is_dynamic()) return;
     b.inverse_mass = reciprocal<inverse_of<S>>(mass.mass);
     if (!b.rotation_locked) b.inverse_inertia = inverted_inertia(mass.inertia);
+    if (b.is_gyroscopic) b.spin = free_spin<S, Plan::dimension>(mass.inertia);
 }
 /// Mass from shapes, unless the user has set it. A dynamic body without any mass is a point of 1 kg at its
 /// origin; static and kinematic bodies take no mass from shapes.

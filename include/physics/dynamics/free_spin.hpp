@@ -1,0 +1,91 @@
+// How bodies turn on which no torque acts.
+#pragma once
+
+#include "physics/space/space.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Axes, as a rotation from them to the body's frame, about which an inertia is diagonal; and its moments about them.
+struct principal_axes {
+    rotation<double, 3> axes;
+    double moments[3];
+};
+
+/// The principal axes of an inertia. Error: a few roundings of its largest moment. Source: Jacobi's method; Golub, Van
+/// Loan, Matrix Computations, 8.5.
+inline principal_axes principal_axes_of(const symmetric<double>& inertia) {
+    principal_axes p{};
+    symmetric<double> m = inertia;
+    // Each turn removes the largest product of inertia; they shrink by squares in the end.
+    for (int round = 0; round < 24; ++round) {
+        const double products[] = {m.yz, m.xz, m.xy}, moments[] = {m.xx, m.yy, m.zz};
+        int axis = 0;
+        for (int i = 1; i < 3; ++i)
+            if (abs(products[i]) > abs(products[axis])) axis = i;
+        const double product = products[axis];
+        if (abs(product) <= 0x1p-60 * (m.xx + m.yy + m.zz)) break;
+        const double ratio = (moments[(axis + 1) % 3] - moments[(axis + 2) % 3]) / (2 * product);
+        const double tangent = (ratio < 0 ? -1 : 1) / (abs(ratio) + sqrt(ratio * ratio + 1));
+        const double cosine = 1 / sqrt(tangent * tangent + 1), half = sqrt((1 + cosine) / 2);
+        rotation<double, 3> turn{0, 0, 0, half};
+        (axis == 0 ? turn.x : axis == 1 ? turn.y : turn.z) = tangent * cosine / (2 * half);
+        p.axes = normalized(p.axes * turn);
+        m = rotated(inertia, matrix(inverse(p.axes)));
+    }
+    p.moments[0] = m.xx;
+    p.moments[1] = m.yy;
+    p.moments[2] = m.zz;
+    return p;
+}
+
+}  // namespace detail
+
+/// What a body's free spin needs to know of its inertia: nothing in the plane.
+template <class S, int D>
+struct free_spin {
+    constexpr free_spin() = default;
+    constexpr explicit free_spin(S) {}
+};
+/// In space: its principal axes, the inverse of the moment about the first one, and by how much the inverses of the
+/// others differ from that; the second is the one that differs least.
+template <class S>
+struct free_spin<S, 3> {
+    rotation<S, 3> axes;
+    inverse_of<S> first{}, second{}, third{};
+
+    free_spin() = default;
+    explicit free_spin(const symmetric<S>& inertia) {
+        detail::principal_axes p = detail::principal_axes_of({static_cast<double>(inertia.xx),
+                                                              static_cast<double>(inertia.yy),
+                                                              static_cast<double>(inertia.zz),
+                                                              static_cast<double>(inertia.xy),
+                                                              static_cast<double>(inertia.xz),
+                                                              static_cast<double>(inertia.yz)});
+        double inverse[3];
+        for (int i = 0; i < 3; ++i) inverse[i] = 1 / p.moments[i];
+        int last = 0;
+        for (int i = 1; i < 3; ++i)
+            if (apart(inverse, i) > apart(inverse, last)) last = i;
+        // Turns the names of the axes until the odd one is the third.
+        for (; last != 2; last = (last + 1) % 3) {
+            p.axes = p.axes * rotation<double, 3>{-0.5, -0.5, -0.5, 0.5};
+            const double before[] = {inverse[0], inverse[1], inverse[2]};
+            for (int i = 0; i < 3; ++i) inverse[(i + 1) % 3] = before[i];
+        }
+        axes = {S(p.axes.x), S(p.axes.y), S(p.axes.z), S(p.axes.w)};
+        first = inverse_of<S>(inverse[0]);
+        second = inverse_of<S>(inverse[1] - inverse[0]);
+        third = inverse_of<S>(inverse[2] - inverse[0]);
+    }
+
+private:
+    /// How far a number is from the nearer one of the two others.
+    static double apart(const double (&x)[3], int i) {
+        const double a = abs(x[i] - x[(i + 1) % 3]), b = abs(x[i] - x[(i + 2) % 3]);
+        return a < b ? a : b;
+    }
+};
+
+PHYSICS_HPP_END
