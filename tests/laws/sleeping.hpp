@@ -314,13 +314,16 @@ CELL_CASE("sleep: sets of numbers are those that links make") {
     physics::arena scratch;
     for (int round = 0; round < 50; ++round) {
         scratch.reset();
-        const std::uint32_t count = 1 + dice.below(60);
+        const auto some = [&](std::uint32_t n) {
+            return static_cast<std::uint32_t>(dice.below(static_cast<int>(n)));
+        };
+        const std::uint32_t count = 1 + some(60);
         physics::detail::disjoint_sets sets(count, scratch);
         // The slow twin: everybody carries the least name that it can reach.
         std::vector<std::uint32_t> name(count);
         for (std::uint32_t i = 0; i < count; ++i) name[i] = i;
-        for (std::uint32_t links = dice.below(80); links > 0; --links) {
-            const std::uint32_t a = dice.below(count), b = dice.below(count);
+        for (std::uint32_t links = some(80); links > 0; --links) {
+            const std::uint32_t a = some(count), b = some(count);
             sets.unite(a, b);
             const std::uint32_t least = std::min(name[a], name[b]), most = std::max(name[a], name[b]);
             for (std::uint32_t& n : name)
