@@ -19903,8 +19903,8 @@ namespace detail {
 /// Turns a body on which no torque acts for a time h. Its energy of motion is split into parts whose motions are known:
 /// a turn about the angular momentum, as if all moments were the first, and turns about two principal axes for what is
 /// left of these. Momentum is kept to rounding, whatever the spin and however thin the body; the energy errs with the
-/// square of h and does not drift; exact for symmetric tops. Source: McLachlan, Explicit Lie-Poisson integration and the
-/// Euler equations (1993); Hairer, Lubich, Wanner, Geometric Numerical Integration, VII.5.
+/// square of h and does not drift; exact for symmetric tops. Source: McLachlan, Explicit Lie-Poisson integration and
+/// the Euler equations (1993); Hairer, Lubich, Wanner, Geometric Numerical Integration, VII.5.
 template <class S>
 constexpr void turn_freely(moving_body<S, 3>& b, vec<S, 3>& angular_velocity, S h) {
     const body<S, 3>& top = *b.top;
