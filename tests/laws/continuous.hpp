@@ -28,7 +28,7 @@ body_id add_plate(World& w, double thickness, body_type type = body_type::static
     w.create_shape(plate, typename World::box{half}, {.density = S(1.0 / 8)});
     return plate;
 }
-/// Gives a body the same inertia about all axes: long ones that spin fast in space gain energy from the integrator.
+/// Gives a body the same inertia about all axes, so that a spin about one of them stays about it.
 template <class World>
 void calm(World& w, body_id b) {
     if constexpr (cell::is_3d) {
