@@ -50,6 +50,8 @@ template <class S, int D>
 aabb<S, D> bounds(const tip<S, D>&, const transform<S, D>& at) {
     return {at.position, at.position};
 }
+// The one below must not hide those of shapes.
+using physics::core_of;
 template <class S, int D>
 core<D> core_of(const tip<S, D>&) {
     return {};
