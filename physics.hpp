@@ -290,9 +290,8 @@ public:
     }
     /// Adds a copy of value at the end; the value may lie within the buffer.
     T& push(const T& value) {
-        const T copy = value;
-        if (size_ == capacity_) grow_to(std::uint64_t{size_} + 1);
-        return *new (static_cast<void*>(data_ + size_++)) T(copy);
+        if (size_ == capacity_) return push_into_more(value);
+        return *new (static_cast<void*>(data_ + size_++)) T(value);
     }
     /// Adds T{parts...} at the end; nothing of it may lie within the buffer.
     template <class... Parts>
@@ -311,6 +310,13 @@ public:
 
 private:
     static_assert(alignof(T) <= alignof(std::max_align_t));
+
+    // What grows may move the value away from under the caller.
+    PHYSICS_HPP_COLD T& push_into_more(const T& value) {
+        const T copy = value;
+        grow_to(std::uint64_t{size_} + 1);
+        return *new (static_cast<void*>(data_ + size_++)) T(copy);
+    }
 
     PHYSICS_HPP_COLD void grow_to(std::uint64_t needed) {
         constexpr std::uint64_t most = 0xffffffffu < SIZE_MAX / sizeof(T) ? 0xffffffffu : SIZE_MAX / sizeof(T);
