@@ -19165,106 +19165,17 @@ struct solver_bodies {
     solver_body<S, D>& operator[](std::uint32_t i) const { return first[i]; }
 };
 
-PHYSICS_HPP_END
+/// The bodies of a step by their numbers as a solver has left them.
+template <class S, int D>
+struct moved_bodies {
+    solver_body<S, D>* solved;
+    moving_body<S, D>* moved;
+    /// Where each body is in these arrays.
+    const std::uint32_t* slot_of;
 
-// =================================================================================================
-// physics/dynamics/body_lanes.hpp
-// =================================================================================================
-// Bodies in lanes, as contact solvers read and write them.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-template <class P>
-struct lanes2 {
-    P x, y;
+    twist<S, D>& velocity(std::uint32_t i) const { return solved[slot_of[i]].velocity; }
+    moving_body<S, D>& operator[](std::uint32_t i) const { return moved[slot_of[i]]; }
 };
-template <class P>
-struct lanes3 {
-    P x, y, z;
-
-    PHYSICS_HPP_ALWAYS_INLINE static lanes3 load(const typename P::scalar (&from)[3][P::width]) {
-        return {P::load(from[0]), P::load(from[1]), P::load(from[2])};
-    }
-};
-template <class P>
-PHYSICS_HPP_ALWAYS_INLINE P lane_dot(const lanes3<P>& a, const lanes3<P>& b) {
-    return narrow<typename P::scalar>(product(a.x, b.x) + product(a.y, b.y) + product(a.z, b.z));
-}
-template <class P>
-PHYSICS_HPP_ALWAYS_INLINE lanes3<P> lane_cross(const lanes3<P>& a, const lanes3<P>& b) {
-    return {lane_difference(a.y, b.z, a.z, b.y), lane_difference(a.z, b.x, a.x, b.z),
-            lane_difference(a.x, b.y, a.y, b.x)};
-}
-template <class P>
-PHYSICS_HPP_ALWAYS_INLINE lanes3<P> lane_add(const lanes3<P>& a, const lanes3<P>& b) {
-    return {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-template <class P>
-PHYSICS_HPP_ALWAYS_INLINE lanes3<P> lane_subtract(const lanes3<P>& a, const lanes3<P>& b) {
-    return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-/// a times s, plus b times t.
-template <class P>
-PHYSICS_HPP_ALWAYS_INLINE lanes3<P> lane_combine(const lanes3<P>& a, const P& s, const lanes3<P>& b, const P& t) {
-    return {lane_sum(a.x, s, b.x, t), lane_sum(a.y, s, b.y, t), lane_sum(a.z, s, b.z, t)};
-}
-
-/// Velocities, or ways, of W bodies in the plane.
-template <class P>
-struct twist_lanes2 {
-    lanes2<P> linear;
-    P angular;
-};
-template <class P>
-struct twist_lanes3 {
-    lanes3<P> linear, angular;
-};
-
-template <class P>
-struct body_lanes2 {
-    using S = typename P::scalar;
-    static constexpr int stride = sizeof(solver_body<S, 2>) / sizeof(S);
-
-    twist_lanes2<P> velocity, way;
-
-    PHYSICS_HPP_ALWAYS_INLINE void load(const solver_body<S, 2>* bodies, const std::uint32_t* index) {
-        const auto* first = reinterpret_cast<const S*>(bodies);
-        const quad<P> v = load4<P>(indexed_rows<const S, stride>{first, index});
-        velocity = {{v.x, v.y}, v.z};
-        const quad<P> w = load4<P>(indexed_rows<const S, stride>{first + 4, index});
-        way = {{v.w, w.x}, w.y};
-    }
-    PHYSICS_HPP_ALWAYS_INLINE void store(solver_body<S, 2>* bodies, const std::uint32_t* index) const {
-        store4(indexed_rows<S, stride>{reinterpret_cast<S*>(bodies), index},
-               quad<P>{velocity.linear.x, velocity.linear.y, velocity.angular, way.linear.x});
-    }
-};
-template <class P>
-struct body_lanes3 {
-    using S = typename P::scalar;
-    static constexpr int stride = sizeof(solver_body<S, 3>) / sizeof(S);
-
-    twist_lanes3<P> velocity, way;
-
-    PHYSICS_HPP_ALWAYS_INLINE void load(const solver_body<S, 3>* bodies, const std::uint32_t* index) {
-        const auto* first = reinterpret_cast<const S*>(bodies);
-        const quad<P> a = load4<P>(indexed_rows<const S, stride>{first, index});
-        const quad<P> b = load4<P>(indexed_rows<const S, stride>{first + 4, index});
-        const quad<P> c = load4<P>(indexed_rows<const S, stride>{first + 8, index});
-        velocity = {{a.x, a.y, a.z}, {a.w, b.x, b.y}};
-        way = {{b.z, b.w, c.x}, {c.y, c.z, c.w}};
-    }
-    PHYSICS_HPP_ALWAYS_INLINE void store(solver_body<S, 3>* bodies, const std::uint32_t* index) const {
-        auto* first = reinterpret_cast<S*>(bodies);
-        const auto& [v, w] = velocity;
-        store4(indexed_rows<S, stride>{first, index}, quad<P>{v.x, v.y, v.z, w.x});
-        store4(indexed_rows<S, stride>{first + 4, index}, quad<P>{w.y, w.z, way.linear.x, way.linear.y});
-    }
-};
-
-}  // namespace detail
 
 PHYSICS_HPP_END
 
@@ -19424,7 +19335,7 @@ template <class S, int D>
 struct contact {
     /// Numbers of the shapes; the normal points from A to B.
     std::uint32_t shape_a, shape_b;
-    /// Numbers of the bodies among those that the solver sees.
+    /// Numbers of the bodies among those that a solver sees, while it does.
     std::uint32_t body_a, body_b;
     /// Which part of a concave shape touches; 0 of convex ones.
     std::uint32_t part = 0;
@@ -19483,13 +19394,13 @@ constexpr vec<S, 2> driven(const tangents3<S>& frame, const rotation<S, 3>& turn
 
 /// Hands the impulse of the same feature in an old contact to a point.
 template <class S, int D>
-void inherit_impulse(const contact<S, D>& old, const tangents<S, D>& frame, contact_point<S, D>& point) {
+void inherit_impulse(const contact<S, D>& old, const tangents<S, D>& old_frame, const tangents<S, D>& frame,
+                     contact_point<S, D>& point) {
     for (int j = 0; j < old.count && !point.persisted; ++j) {
         if (old.points[j].feature != point.feature) continue;
         point.normal_impulse = old.points[j].normal_impulse;
         point.load = old.points[j].load;
-        point.friction_impulse =
-            frame.components(tangents<S, D>(old.normal).combine(old.points[j].friction_impulse));
+        point.friction_impulse = frame.components(old_frame.combine(old.points[j].friction_impulse));
         point.persisted = true;
     }
 }
@@ -19507,16 +19418,17 @@ constexpr vec<S, 2> same_moment(const tangents3<S>& old, const tangents3<S>& fra
 /// Hands the impulses of the same features in an old contact to a contact.
 template <class S, int D>
 void inherit_impulses(const contact<S, D>& old, const tangents<S, D>& frame, contact<S, D>& c) {
+    const tangents<S, D> old_frame(old.normal);
     bool persisted = false;
     for (int k = 0; k < c.count; ++k) {
         const bool before = c.points[k].persisted;
-        inherit_impulse(old, frame, c.points[k]);
+        inherit_impulse(old, old_frame, frame, c.points[k]);
         persisted = persisted || before != c.points[k].persisted;
     }
     if (!persisted) return;
     c.twist_impulse = old.twist_impulse;
     if (c.rolling_resistance > S(0))
-        c.rolling_impulse = same_moment(tangents<S, D>(old.normal), frame, old.rolling_impulse);
+        c.rolling_impulse = same_moment(old_frame, frame, old.rolling_impulse);
 }
 
 /// Hands the impulses of last step's contacts to the same features of this step's. Both lists are in
@@ -19533,6 +19445,375 @@ void inherit_impulses(const buffer<contact<S, D>>& before, buffer<contact<S, D>>
             inherit_impulses(before[n], frame, c);
     }
 }
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/dynamics/islands.hpp
+// =================================================================================================
+// Islands: bodies that hang together by their contacts, and so fall asleep and wake together.
+
+PHYSICS_HPP_BEGIN
+
+/// When bodies fall asleep.
+template <class S>
+struct sleep_settings {
+    /// False: nobody does.
+    bool enabled = true;
+    /// For so long an island must be still (s),
+    S time = S(0.5);
+    /// which is while no body of it is faster than this (m/s),
+    S speed = S(0.05);
+    /// turns faster than this (rad/s),
+    S spin = S(0.05);
+    /// or gets farther than this from where it was when it became still (m): what begins to slip stays awake.
+    S drift = S(0.001);
+};
+
+template <class S>
+bool check(const sleep_settings<S>& with, const char* function) {
+    return detail::check_not_negative(function, "sleeping.time", with.time) &&
+           detail::check_not_negative(function, "sleeping.speed", with.speed) &&
+           detail::check_not_negative(function, "sleeping.spin", with.spin) &&
+           detail::check_not_negative(function, "sleeping.drift", with.drift);
+}
+
+namespace detail {
+
+/// Sets of numbers below a count, named by their least member. Source: Tarjan, Efficiency of a good but not linear set
+/// union algorithm (1975), with halving of paths; the least number rules, so that names follow from the sets alone.
+class disjoint_sets {
+public:
+    disjoint_sets(std::uint32_t count, arena& scratch) : parent_(scratch.take<std::uint32_t>(count)) {
+        for (std::uint32_t i = 0; i < count; ++i) parent_[i] = i;
+    }
+    [[nodiscard]] std::uint32_t find(std::uint32_t i) {
+        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+        return i;
+    }
+    void unite(std::uint32_t a, std::uint32_t b) {
+        a = find(a);
+        b = find(b);
+        if (a < b) parent_[b] = a;
+        else parent_[a] = b;
+    }
+
+private:
+    std::uint32_t* parent_;
+};
+
+/// True if two bodies of these velocities touch within two steps of h, or would if something drew them together by
+/// `slack` (m) more. Two, since the last round of a solver looks ahead as far as another part of a step.
+template <class S, int D>
+bool comes_to_touch(const contact<S, D>& c, const twist<S, D>& a, const twist<S, D>& b, S h, S slack) {
+    for (int k = 0; k < c.count; ++k) {
+        const contact_point<S, D>& p = c.points[k];
+        const S speed = dot(c.normal, velocity_at(b, p.lever_b) - velocity_at(a, p.lever_a));
+        if (p.separation + min(speed, S(0)) * (h + h) <= slack) return true;
+    }
+    return false;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/dynamics/batches.hpp
+// =================================================================================================
+// Batches: the islands of a step in parts that are solved one by one while they are in the caches, or side by side.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+inline const std::uint32_t* numbers_below(std::uint32_t count, arena& scratch) {
+    auto* const numbers = scratch.take<std::uint32_t>(count);
+    for (std::uint32_t i = 0; i < count; ++i) numbers[i] = i;
+    return numbers;
+}
+
+}  // namespace detail
+
+/// Contacts that a solver is to solve, of a longer list.
+template <class S, int D>
+class contact_list {
+public:
+    contact_list(contact<S, D>* all, const std::uint32_t* numbers, std::uint32_t count)
+        : all_(all), numbers_(numbers), count_(count) {}
+    /// All contacts of a buffer.
+    contact_list(buffer<contact<S, D>>& all, arena& scratch)
+        : all_(all.begin()), numbers_(detail::numbers_below(all.size(), scratch)), count_(all.size()) {}
+
+    [[nodiscard]] std::uint32_t size() const { return count_; }
+    contact<S, D>& operator[](std::uint32_t i) const { return all_[numbers_[i]]; }
+
+private:
+    contact<S, D>* all_;
+    const std::uint32_t* numbers_;
+    std::uint32_t count_;
+};
+
+namespace detail {
+
+/// Islands of a step that are solved together: which slots its bodies have, the last one being nobody's, and which part
+/// of the order of contacts it is.
+struct batch {
+    std::uint32_t bodies, nobody, contacts, end;
+
+    [[nodiscard]] std::uint32_t size() const { return nobody + 1 - bodies; }
+};
+
+/// The batches of a step. Bodies that can be pushed have one slot; those that only push have another one in each batch
+/// that they push.
+struct batches {
+    batch* first = nullptr;
+    std::uint32_t count = 0;
+    /// Numbers of contacts, batch by batch, in each in ascending order.
+    std::uint32_t* order = nullptr;
+    /// Of each body its slot, and of each slot its body.
+    std::uint32_t *slot_of = nullptr, *body_at = nullptr;
+    std::uint32_t slots = 0;
+};
+
+/// Makes batches: an island is in one, and small islands share one until they have so many bodies and contacts as go
+/// well into caches. What a batch does touches no other, and within an island the order is that of the whole list, so
+/// that neither their size nor their order changes any bit. Contacts name bodies by number, those of the many that
+/// never move by the count; from here on they name them by their slots in the batch. O(bodies + contacts).
+class batch_maker {
+public:
+    static constexpr std::uint32_t enough = 512;
+
+    /// is_pushed: of each body, and false for one more.
+    template <class S, int D>
+    batch_maker(buffer<contact<S, D>>& contacts, const bool* is_pushed, std::uint32_t bodies, arena& scratch)
+        : scratch_(scratch), is_pushed_(is_pushed), bodies_(bodies), contacts_(contacts.size()) {
+        result_.slot_of = scratch.take<std::uint32_t>(bodies);
+        result_.order = scratch.take<std::uint32_t>(contacts_);
+        if (bodies_ + contacts_ <= enough) {
+            put_all_into_one();
+            return;
+        }
+        ends_ = scratch.take<ends>(contacts_);
+        for (std::uint32_t n = 0; n < contacts_; ++n) ends_[n] = {contacts[n].body_a, contacts[n].body_b};
+        fill();
+        place_bodies();
+        for (std::uint32_t k = 0; k < result_.count; ++k) {
+            batch& of = result_.first[k];
+            if (some_only_push_)
+                for (std::uint32_t i = of.contacts; i < of.end; ++i) invite(of, ends_[result_.order[i]]);
+            for (std::uint32_t i = of.contacts; i < of.end; ++i) {
+                const std::uint32_t n = result_.order[i];
+                contacts[n].body_a = number_in(of, ends_[n].a);
+                contacts[n].body_b = number_in(of, ends_[n].b);
+            }
+            result_.body_at[of.nobody] = bodies_;
+        }
+    }
+    [[nodiscard]] const batches& result() const { return result_; }
+
+private:
+    struct ends {
+        std::uint32_t a, b;
+    };
+
+    void put_all_into_one() {
+        result_.first = new (scratch_.take<batch>(1)) batch{0, bodies_, 0, contacts_};
+        result_.count = 1;
+        result_.slots = bodies_ + 1;
+        for (std::uint32_t n = 0; n < contacts_; ++n) result_.order[n] = n;
+        result_.body_at = scratch_.take<std::uint32_t>(result_.slots);
+        for (std::uint32_t i = 0; i < bodies_; ++i) result_.slot_of[i] = result_.body_at[i] = i;
+        result_.body_at[bodies_] = bodies_;
+    }
+
+    /// Says which batch each body is in.
+    void fill() {
+        disjoint_sets islands(bodies_, scratch_);
+        for (std::uint32_t n = 0; n < contacts_; ++n)
+            if (is_pushed_[ends_[n].a] && is_pushed_[ends_[n].b]) islands.unite(ends_[n].a, ends_[n].b);
+        auto* weight = scratch_.take<std::uint32_t>(bodies_);
+        for (std::uint32_t i = 0; i < bodies_; ++i) weight[i] = 0;
+        for (std::uint32_t i = 0; i < bodies_; ++i) ++weight[islands.find(i)];
+        for (std::uint32_t n = 0; n < contacts_; ++n) ++weight[islands.find(owner(n))];
+
+        batch_of_ = scratch_.take<std::uint32_t>(bodies_);
+        std::uint32_t filled = 0;
+        for (std::uint32_t i = 0; i < bodies_; ++i) {
+            const std::uint32_t island = islands.find(i);
+            // An island's name is its least member, so that it has been seen.
+            if (island != i) {
+                batch_of_[i] = batch_of_[island];
+                continue;
+            }
+            if (filled > 0 && filled + weight[i] > enough) ++result_.count, filled = 0;
+            batch_of_[i] = result_.count;
+            filled += weight[i];
+        }
+        ++result_.count;
+    }
+    /// The body whose batch a contact belongs to.
+    [[nodiscard]] std::uint32_t owner(std::uint32_t n) const {
+        const auto [a, b] = ends_[n];
+        if (is_pushed_[a] || !(b < bodies_)) return a;
+        return is_pushed_[b] || !(a < bodies_) ? b : a;
+    }
+
+    /// Gives bodies their slots, with room for those that only push and for nobody, and puts contacts into order.
+    void place_bodies() {
+        batch* const first = result_.first = scratch_.take<batch>(result_.count);
+        auto* room = scratch_.take<std::uint32_t>(result_.count);
+        for (std::uint32_t k = 0; k < result_.count; ++k) new (first + k) batch{0, 0, 0, 0}, room[k] = 1;
+        for (std::uint32_t i = 0; i < bodies_; ++i) ++room[batch_of_[i]];
+        for (std::uint32_t n = 0; n < contacts_; ++n) {
+            const auto [a, b] = ends_[n];
+            const std::uint32_t k = batch_of_[owner(n)];
+            ++first[k].end;
+            for (const std::uint32_t body : {a, b}) {
+                if (!(body < bodies_) || batch_of_[body] == k) continue;
+                some_only_push_ = true;
+                ++room[k];
+            }
+        }
+        std::uint32_t slot = 0, at = 0;
+        for (std::uint32_t k = 0; k < result_.count; ++k) {
+            const std::uint32_t size = first[k].end;
+            first[k] = {slot, slot, at, at};
+            slot += room[k];
+            at += size;
+        }
+        result_.slots = slot;
+        result_.body_at = scratch_.take<std::uint32_t>(slot);
+        copy_of_ = scratch_.take<std::uint32_t>(bodies_);
+        for (std::uint32_t i = 0; i < bodies_; ++i)
+            result_.slot_of[i] = copy_of_[i] = add(first[batch_of_[i]], i);
+        for (std::uint32_t n = 0; n < contacts_; ++n) result_.order[first[batch_of_[owner(n)]].end++] = n;
+    }
+    std::uint32_t add(batch& to, std::uint32_t body) {
+        result_.body_at[to.nobody] = body;
+        return to.nobody++;
+    }
+    /// Gives bodies that push something in a batch, and are not of it, a slot there.
+    void invite(batch& to, const ends& of) {
+        for (const std::uint32_t body : {of.a, of.b})
+            if (body < bodies_ && !(copy_of_[body] >= to.bodies && copy_of_[body] < to.nobody))
+                copy_of_[body] = add(to, body);
+    }
+    [[nodiscard]] std::uint32_t number_in(const batch& in, std::uint32_t body) const {
+        return (body < bodies_ ? copy_of_[body] : in.nobody) - in.bodies;
+    }
+
+    arena& scratch_;
+    const bool* is_pushed_;
+    std::uint32_t bodies_, contacts_;
+    bool some_only_push_ = false;
+    ends* ends_ = nullptr;
+    std::uint32_t *batch_of_ = nullptr, *copy_of_ = nullptr;
+    batches result_;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/dynamics/body_lanes.hpp
+// =================================================================================================
+// Bodies in lanes, as contact solvers read and write them.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+template <class P>
+struct lanes2 {
+    P x, y;
+};
+template <class P>
+struct lanes3 {
+    P x, y, z;
+
+    PHYSICS_HPP_ALWAYS_INLINE static lanes3 load(const typename P::scalar (&from)[3][P::width]) {
+        return {P::load(from[0]), P::load(from[1]), P::load(from[2])};
+    }
+};
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE P lane_dot(const lanes3<P>& a, const lanes3<P>& b) {
+    return narrow<typename P::scalar>(product(a.x, b.x) + product(a.y, b.y) + product(a.z, b.z));
+}
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE lanes3<P> lane_cross(const lanes3<P>& a, const lanes3<P>& b) {
+    return {lane_difference(a.y, b.z, a.z, b.y), lane_difference(a.z, b.x, a.x, b.z),
+            lane_difference(a.x, b.y, a.y, b.x)};
+}
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE lanes3<P> lane_add(const lanes3<P>& a, const lanes3<P>& b) {
+    return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE lanes3<P> lane_subtract(const lanes3<P>& a, const lanes3<P>& b) {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+/// a times s, plus b times t.
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE lanes3<P> lane_combine(const lanes3<P>& a, const P& s, const lanes3<P>& b, const P& t) {
+    return {lane_sum(a.x, s, b.x, t), lane_sum(a.y, s, b.y, t), lane_sum(a.z, s, b.z, t)};
+}
+
+/// Velocities, or ways, of W bodies in the plane.
+template <class P>
+struct twist_lanes2 {
+    lanes2<P> linear;
+    P angular;
+};
+template <class P>
+struct twist_lanes3 {
+    lanes3<P> linear, angular;
+};
+
+template <class P>
+struct body_lanes2 {
+    using S = typename P::scalar;
+    static constexpr int stride = sizeof(solver_body<S, 2>) / sizeof(S);
+
+    twist_lanes2<P> velocity, way;
+
+    PHYSICS_HPP_ALWAYS_INLINE void load(const solver_body<S, 2>* bodies, const std::uint32_t* index) {
+        const auto* first = reinterpret_cast<const S*>(bodies);
+        const quad<P> v = load4<P>(indexed_rows<const S, stride>{first, index});
+        velocity = {{v.x, v.y}, v.z};
+        const quad<P> w = load4<P>(indexed_rows<const S, stride>{first + 4, index});
+        way = {{v.w, w.x}, w.y};
+    }
+    PHYSICS_HPP_ALWAYS_INLINE void store(solver_body<S, 2>* bodies, const std::uint32_t* index) const {
+        store4(indexed_rows<S, stride>{reinterpret_cast<S*>(bodies), index},
+               quad<P>{velocity.linear.x, velocity.linear.y, velocity.angular, way.linear.x});
+    }
+};
+template <class P>
+struct body_lanes3 {
+    using S = typename P::scalar;
+    static constexpr int stride = sizeof(solver_body<S, 3>) / sizeof(S);
+
+    twist_lanes3<P> velocity, way;
+
+    PHYSICS_HPP_ALWAYS_INLINE void load(const solver_body<S, 3>* bodies, const std::uint32_t* index) {
+        const auto* first = reinterpret_cast<const S*>(bodies);
+        const quad<P> a = load4<P>(indexed_rows<const S, stride>{first, index});
+        const quad<P> b = load4<P>(indexed_rows<const S, stride>{first + 4, index});
+        const quad<P> c = load4<P>(indexed_rows<const S, stride>{first + 8, index});
+        velocity = {{a.x, a.y, a.z}, {a.w, b.x, b.y}};
+        way = {{b.z, b.w, c.x}, {c.y, c.z, c.w}};
+    }
+    PHYSICS_HPP_ALWAYS_INLINE void store(solver_body<S, 3>* bodies, const std::uint32_t* index) const {
+        auto* first = reinterpret_cast<S*>(bodies);
+        const auto& [v, w] = velocity;
+        store4(indexed_rows<S, stride>{first, index}, quad<P>{v.x, v.y, v.z, w.x});
+        store4(indexed_rows<S, stride>{first + 4, index}, quad<P>{w.y, w.z, way.linear.x, way.linear.y});
+    }
+};
+
+}  // namespace detail
 
 PHYSICS_HPP_END
 
@@ -19562,7 +19843,7 @@ struct contact_colours {
 /// colours of their own, so that what holds the pile acts last. O(contacts). Source: Catto, Solver2D (2024); greedy
 /// edge colouring.
 template <class S, int D>
-contact_colours colour(const buffer<contact<S, D>>& contacts, solver_bodies<S, D> bodies, arena& scratch) {
+contact_colours colour(const contact_list<S, D>& contacts, solver_bodies<S, D> bodies, arena& scratch) {
     const std::uint32_t count = contacts.size();
     auto* used = scratch.template take<std::uint64_t>(bodies.count);
     auto* colour_of = scratch.template take<std::uint8_t>(count);
@@ -19974,76 +20255,6 @@ struct semi_implicit_euler {
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/dynamics/islands.hpp
-// =================================================================================================
-// Islands: bodies that hang together by their contacts, and so fall asleep and wake together.
-
-PHYSICS_HPP_BEGIN
-
-/// When bodies fall asleep.
-template <class S>
-struct sleep_settings {
-    /// False: nobody does.
-    bool enabled = true;
-    /// For so long an island must be still (s),
-    S time = S(0.5);
-    /// which is while no body of it is faster than this (m/s),
-    S speed = S(0.05);
-    /// turns faster than this (rad/s),
-    S spin = S(0.05);
-    /// or gets farther than this from where it was when it became still (m): what begins to slip stays awake.
-    S drift = S(0.001);
-};
-
-template <class S>
-bool check(const sleep_settings<S>& with, const char* function) {
-    return detail::check_not_negative(function, "sleeping.time", with.time) &&
-           detail::check_not_negative(function, "sleeping.speed", with.speed) &&
-           detail::check_not_negative(function, "sleeping.spin", with.spin) &&
-           detail::check_not_negative(function, "sleeping.drift", with.drift);
-}
-
-namespace detail {
-
-/// Sets of numbers below a count, named by their least member. Source: Tarjan, Efficiency of a good but not linear set
-/// union algorithm (1975), with halving of paths; the least number rules, so that names follow from the sets alone.
-class disjoint_sets {
-public:
-    disjoint_sets(std::uint32_t count, arena& scratch) : parent_(scratch.take<std::uint32_t>(count)) {
-        for (std::uint32_t i = 0; i < count; ++i) parent_[i] = i;
-    }
-    [[nodiscard]] std::uint32_t find(std::uint32_t i) {
-        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-        return i;
-    }
-    void unite(std::uint32_t a, std::uint32_t b) {
-        a = find(a);
-        b = find(b);
-        if (a < b) parent_[b] = a;
-        else parent_[a] = b;
-    }
-
-private:
-    std::uint32_t* parent_;
-};
-
-/// True if two bodies of these velocities touch within two steps of h, or would if something drew them together by
-/// `slack` (m) more. Two, since the last round of a solver looks ahead as far as another part of a step.
-template <class S, int D>
-bool comes_to_touch(const contact<S, D>& c, const twist<S, D>& a, const twist<S, D>& b, S h, S slack) {
-    for (int k = 0; k < c.count; ++k) {
-        const contact_point<S, D>& p = c.points[k];
-        const S speed = dot(c.normal, velocity_at(b, p.lever_b) - velocity_at(a, p.lever_a));
-        if (p.separation + min(speed, S(0)) * (h + h) <= slack) return true;
-    }
-    return false;
-}
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
 // physics/dynamics/restitution.hpp
 // =================================================================================================
 // Bounces.
@@ -20120,7 +20331,7 @@ struct sequential_impulse {
 
         /// Advances velocities and poses by h: `motion` offers advance_velocities(h) and advance_poses(h).
         template <class Motion>
-        static void solve(solver_bodies<S, D> bodies, buffer<contact<S, D>>& contacts, const settings& with, S h,
+        static void solve(solver_bodies<S, D> bodies, contact_list<S, D> contacts, const settings& with, S h,
                           arena& scratch, Motion&& motion) {
             block* blocks = scratch.template take<block>(contacts.size());
             for (std::uint32_t i = 0; i < contacts.size(); ++i) new (blocks + i) block(contacts[i], bodies, with, h);
@@ -21323,7 +21534,7 @@ struct soft_step_with {
 
         /// Advances velocities and poses by h: `motion` offers advance_velocities(h) and advance_poses(h).
         template <class Motion>
-        static void solve(solver_bodies<S, D> all, buffer<contact<S, D>>& contacts, const settings& with, S h,
+        static void solve(solver_bodies<S, D> all, contact_list<S, D> contacts, const settings& with, S h,
                           arena& scratch, Motion&& motion) {
             // Idle lanes push nobody.
             const std::uint32_t nobody = all.count - 1;
@@ -21377,7 +21588,7 @@ struct soft_step_with {
             const std::uint32_t share = share_of(colours, group);
             return (colours.begin[group + 1] - colours.begin[group] + share - 1) / share;
         }
-        static void pack_blocks(const detail::contact_colours& colours, const buffer<contact<S, D>>& contacts,
+        static void pack_blocks(const detail::contact_colours& colours, const contact_list<S, D>& contacts,
                                 const solver_body<S, D>* bodies, std::uint32_t nobody,
                                 const detail::soft_start<S>& with, arena& scratch, block* blocks,
                                 std::uint32_t* numbers) {
@@ -21817,7 +22028,7 @@ struct any_motion {
 /// What a solver must offer: settings with a function check(settings, function) like that of shapes, and
 /// solve(bodies, contacts, settings, h, scratch, motion).
 template <class Policy, class S, int D, class Features>
-concept solver_policy = requires(solver_bodies<S, D> bodies, buffer<contact<S, D>> contacts, arena scratch,
+concept solver_policy = requires(solver_bodies<S, D> bodies, contact_list<S, D> contacts, arena scratch,
                                  any_motion<S> motion,
                                  const typename Policy::template in<space<S, D>, Features>::settings settings) {
     { check(settings, "function") } -> std::same_as<bool>;
@@ -22148,7 +22359,7 @@ struct state {
     buffer<proxy_pair> woken_pairs;
     buffer<contact<S, D>> woken_contacts;
     pair_memories<Plan> woken_memories;
-    arena scratch;
+    arena scratch, batch_scratch;
 
     [[nodiscard]] bool is_asleep(std::uint32_t body) const {
         if constexpr (Plan::sleeps) return sleep.ring[body] != no_sleeper;
@@ -22849,8 +23060,7 @@ class body_sweeps {
     using mover = swept_mover;
 
 public:
-    body_sweeps(state<Plan>& s, solver_bodies<S, D> bodies, moving_body<S, D>* moved, S h)
-        : s_(s), bodies_(bodies), moved_(moved), h_(h) {}
+    body_sweeps(state<Plan>& s, moved_bodies<S, D> moved, S h) : s_(s), moved_(moved), h_(h) {}
 
     PHYSICS_HPP_NOINLINE void run() {
         auto& report = s_.continuous.report;
@@ -22883,7 +23093,7 @@ private:
     stride<S, D> stride_of(std::uint32_t k, const body<S, D>& b) const {
         const std::uint32_t i = s_.movers[k];
         const auto& extent = s_.continuous.extents[i];
-        const auto &w = bodies_[k].velocity.angular, &before = b.velocity.angular;
+        const auto &w = moved_.velocity(k).angular, &before = b.velocity.angular;
         const bool slower = length_of(w) < length_of(before);
         return {moved_[k].center - b.center, (slower ? before : w) * h_, extent.reach, extent.thickness,
                 s_.continuous.depths[i],     b.continuous};
@@ -22898,7 +23108,7 @@ private:
         const transform<S, D> start{b.center, b.rotation};
         if (!(k < s_.movers.size())) return {start.position, start.position, start.rotation, {}, {}};
         motion m = sweep_between<S, D>(start, {moved_[k].center, moved_[k].rotation});
-        m.turn = with_whole_turns(m.turn, bodies_[k].velocity.angular * h_);
+        m.turn = with_whole_turns(m.turn, moved_.velocity(k).angular * h_);
         return m;
     }
     /// All places of a body on its way.
@@ -23103,7 +23313,7 @@ private:
             moved_[m.number].rotation = at.rotation;
             const S lost = static_cast<S>(1 - time) * h_;
             // What gravity has given for the lost time would make a bounce higher than the fall.
-            vec<S, D>& v = bodies_[m.number].velocity.linear;
+            vec<S, D>& v = moved_.velocity(m.number).linear;
             const vec<S, D> ahead = normalized(v);
             v -= ahead * (dot(ahead, s_.settings.gravity) * s_.bodies[m.body].gravity_scale * lost);
             ++report.stopped;
@@ -23126,8 +23336,7 @@ private:
     }
 
     state<Plan>& s_;
-    solver_bodies<S, D> bodies_;
-    moving_body<S, D>* moved_;
+    moved_bodies<S, D> moved_;
     S h_;
     bool any_flagged_ = false;
 };
@@ -23157,9 +23366,9 @@ void note_depth(state<Plan>& s, const Contact& c) {
 
 /// Stops bodies that would have passed into something; see the recipe's policy.
 template <class Plan>
-void sweep_fast_bodies(state<Plan>& s, solver_bodies<typename Plan::scalar, Plan::dimension> bodies,
-                       moving_body<typename Plan::scalar, Plan::dimension>* moved, typename Plan::scalar h) {
-    if constexpr (Plan::sweeps) body_sweeps<Plan>(s, bodies, moved, h).run();
+void sweep_fast_bodies(state<Plan>& s, moved_bodies<typename Plan::scalar, Plan::dimension> moved,
+                       typename Plan::scalar h) {
+    if constexpr (Plan::sweeps) body_sweeps<Plan>(s, moved, h).run();
 }
 
 }  // namespace detail
@@ -23343,13 +23552,17 @@ public:
         island_ = s.scratch.template take<island>(count_);
         for (std::uint32_t k = 0; k < count_; ++k) new (island_ + k) island{};
         const S slack = pull_of(s, h);
-        for (const auto& c : s.contacts)
-            if (is_dynamic(c.body_a) && is_dynamic(c.body_b) && touch(c, slack)) sets.unite(c.body_a, c.body_b);
+        for (const auto& c : s.contacts) {
+            const auto [a, b] = movers_of(c);
+            if (is_dynamic(a) && is_dynamic(b) && touch(c, slack)) sets.unite(a, b);
+        }
         for (std::uint32_t k = 0; k < count_; ++k)
             if (is_dynamic(k)) judge(k, island_[sets.find(k)]);
-        for (const auto& c : s.contacts)
-            if (is_dynamic(c.body_a) != is_dynamic(c.body_b) && touch(c, slack))
-                support(c.body_a, c.body_b, island_[sets.find(is_dynamic(c.body_a) ? c.body_a : c.body_b)]);
+        for (const auto& c : s.contacts) {
+            const auto [a, b] = movers_of(c);
+            if (is_dynamic(a) != is_dynamic(b) && touch(c, slack))
+                support(a, b, island_[sets.find(is_dynamic(a) ? a : b)]);
+        }
         bool any = false;
         for (std::uint32_t k = 0; k < count_; ++k) {
             if (!is_dynamic(k)) continue;
@@ -23394,6 +23607,12 @@ private:
     static auto spin_squared(S w) { return product(w, w); }
 
     [[nodiscard]] bool is_dynamic(std::uint32_t k) const { return k < count_ && s_.bodies[s_.movers[k]].is_dynamic(); }
+    struct sides {
+        std::uint32_t a, b;
+    };
+    [[nodiscard]] sides movers_of(const contact<S, D>& c) const {
+        return {s_.mover_of[body_a(s_, c)], s_.mover_of[body_b(s_, c)]};
+    }
     [[nodiscard]] bool touch(const contact<S, D>& c, S slack) const {
         return comes_to_touch(c, s_.bodies[body_a(s_, c)].velocity, s_.bodies[body_b(s_, c)].velocity, step_, slack);
     }
@@ -23795,50 +24014,134 @@ void number_movers(state<Plan>& s) {
     find_numbers(s);
 }
 
-/// How the solver moves the world: it asks for velocities and poses to advance, once or in substeps. Nothing of the
-/// world changes before place_shapes.
+/// How the solver moves a batch: it asks for velocities and poses to advance, once or in substeps.
 template <class Plan>
-class motion {
+class batch_motion {
     using S = typename Plan::scalar;
     static constexpr int D = Plan::dimension;
     using integrator = typename Plan::integrator;
 
 public:
-    /// What the solver sees of the bodies that move; the last one is nobody.
-    solver_bodies<S, D> bodies;
-
-    motion(state<Plan>& s, S h)
-        : bodies{s.scratch.template take<solver_body<S, D>>(s.movers.size() + 1), s.movers.size() + 1},
-          state_(s),
-          moving_(s.scratch.template take<moving_body<S, D>>(s.movers.size())),
+    /// Copies the bodies of a part into their slots.
+    batch_motion(const state<Plan>& s, const batches& parts, const batch& part, moved_bodies<S, D> slots, S h,
+                 arena& scratch)
+        : state_(s),
+          members_(parts.body_at + part.bodies),
+          bodies_(slots.solved + part.bodies),
+          moving_(slots.moved + part.bodies),
+          count_(part.nobody - part.bodies),
           step_(h) {
-        for (std::uint32_t k = 0; k < s.movers.size(); ++k) gather(k);
-        new (&bodies[s.movers.size()]) solver_body<S, D>{};
-        find_free();
+        for (std::uint32_t k = 0; k < count_; ++k) gather(k);
+        new (bodies_ + count_) solver_body<S, D>{};
+        if (free_count_ > 0) find_free(parts, part, scratch);
     }
+
+    /// What the solver sees of the bodies; the last one is nobody.
+    [[nodiscard]] solver_bodies<S, D> bodies() const { return {bodies_, count_ + 1}; }
 
     void advance_velocities(S h) {
         if (free_count_ > 0) thrust(step_ / h);
-        for (std::uint32_t k = 0; k < state_.movers.size(); ++k)
-            if (bodies[k].inverse_mass > inverse_of<S>(0))
-                integrator::advance_velocity(bodies[k].velocity, moving_[k], h);
+        for (std::uint32_t k = 0; k < count_; ++k)
+            if (bodies_[k].inverse_mass > inverse_of<S>(0))
+                integrator::advance_velocity(bodies_[k].velocity, moving_[k], h);
         if (free_count_ > 0) thrust(S(0));
     }
     void advance_poses(S h) {
-        for (std::uint32_t k = 0; k < state_.movers.size(); ++k)
-            integrator::advance_pose(moving_[k], bodies[k].velocity, h);
+        for (std::uint32_t k = 0; k < count_; ++k) integrator::advance_pose(moving_[k], bodies_[k].velocity, h);
     }
 
-    /// Where bodies have come.
-    [[nodiscard]] moving_body<S, D>* moved() { return moving_; }
     /// Whether all that moved is where numbers reach.
     [[nodiscard]] bool is_finite() const {
-        for (std::uint32_t k = 0; k < state_.movers.size(); ++k)
+        for (std::uint32_t k = 0; k < count_; ++k)
             if (!physics::is_finite(moving_[k].center) || !physics::is_finite(moving_[k].rotation) ||
-                !physics::is_finite(bodies[k].velocity.linear) || !physics::is_finite(bodies[k].velocity.angular))
+                !physics::is_finite(bodies_[k].velocity.linear) || !physics::is_finite(bodies_[k].velocity.angular))
                 return false;
         return true;
     }
+
+private:
+    [[nodiscard]] const body<S, D>& member(std::uint32_t k) const {
+        return state_.bodies[state_.movers[members_[k]]];
+    }
+    void gather(std::uint32_t k) {
+        const body<S, D>& b = member(k);
+        solver_body<S, D>& seen = *new (bodies_ + k)
+            solver_body<S, D>{b.velocity, {}, b.inverse_mass, in_world(b.inverse_inertia, b.rotation)};
+        moving_body<S, D>& m = *new (moving_ + k) moving_body<S, D>{b.center, b.rotation, {}};
+        if (b.has_target) {
+            seen.velocity.linear = (b.target * b.mass.center - b.center) / step_;
+            seen.velocity.angular = rotation_vector(b.target.rotation * inverse(b.rotation)) / step_;
+        }
+        if (!b.is_dynamic()) return;
+        m.acceleration = state_.settings.gravity * b.gravity_scale;
+        m.linear_damping = b.linear_damping;
+        m.angular_damping = b.angular_damping;
+        if (b.is_gyroscopic) m.top = &b;
+        if (!b.is_pushed()) return;
+        ++free_count_;
+        add_force(k, S(1));
+    }
+    /// Lets `share` of the force on a body act.
+    void add_force(std::uint32_t k, S share) {
+        const body<S, D>& b = member(k);
+        for (int i = 0; i < D; ++i) moving_[k].acceleration[i] += mul<S>(b.inverse_mass, b.force[i] * share);
+        moving_[k].angular_acceleration += times(bodies_[k].inverse_inertia, b.torque * share);
+    }
+    /// Bodies that are pushed and touch nothing.
+    void find_free(const batches& parts, const batch& part, arena& scratch) {
+        auto* touches = scratch.template take<bool>(count_ + 1);
+        for (std::uint32_t k = 0; k <= count_; ++k) touches[k] = false;
+        for (std::uint32_t n = part.contacts; n < part.end; ++n) {
+            const auto& c = state_.found[parts.order[n]];
+            touches[c.body_a] = touches[c.body_b] = true;
+        }
+        free_ = scratch.template take<std::uint32_t>(free_count_);
+        free_count_ = 0;
+        for (std::uint32_t k = 0; k < count_; ++k)
+            if (!touches[k] && member(k).is_pushed()) free_[free_count_++] = k;
+    }
+    /// Forces on them act at once, as the solver's first part of the step begins: spread over the parts, springs that
+    /// users make of forces would gain energy.
+    void thrust(S share) {
+        for (std::uint32_t n = 0; n < free_count_; ++n) {
+            const std::uint32_t k = free_[n];
+            moving_[k].acceleration = state_.settings.gravity * member(k).gravity_scale;
+            moving_[k].angular_acceleration = {};
+            if (share > S(0)) add_force(k, share);
+        }
+        if (!(share > S(0))) free_count_ = 0;
+    }
+
+    const state<Plan>& state_;
+    const std::uint32_t* members_;
+    solver_body<S, D>* bodies_;
+    moving_body<S, D>* moving_;
+    std::uint32_t count_;
+    S step_;
+    std::uint32_t* free_ = nullptr;
+    std::uint32_t free_count_ = 0;
+};
+
+/// How a step moves the world, batch by batch. Nothing of the world changes before place_shapes.
+template <class Plan>
+class motion {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+
+public:
+    motion(state<Plan>& s, S h) : state_(s), parts_(parts_of(s)), step_(h) {
+        moved_ = {s.scratch.template take<solver_body<S, D>>(parts_.slots),
+                  s.scratch.template take<moving_body<S, D>>(parts_.slots), parts_.slot_of};
+    }
+
+    /// Solves the contacts. False if something has left the range of numbers.
+    bool solve() {
+        bool good = true;
+        for (std::uint32_t k = 0; k < parts_.count; ++k) good = solve(parts_.first[k], state_.batch_scratch) && good;
+        return good;
+    }
+    /// Where bodies have come.
+    [[nodiscard]] moved_bodies<S, D> moved() const { return moved_; }
 
     /// Puts shapes where their bodies are now, and tells the broadphase, and where they are heading; bodies with a
     /// target are there, to the bit. False, and all shapes where they were, if a box is beyond the scalar's range.
@@ -23848,8 +24151,8 @@ public:
             const std::uint32_t i = state_.movers[k];
             const body<S, D>& b = state_.bodies[i];
             const transform<S, D> pose = pose_of(k);
-            const vec<S, D> center = b.has_target ? pose * b.mass.center : moving_[k].center;
-            const vec<S, D> way = bodies[k].velocity.linear * step_;
+            const vec<S, D> center = b.has_target ? pose * b.mass.center : moved_[k].center;
+            const vec<S, D> way = moved_.velocity(k).linear * step_;
             each_shape(state_, i, [&](std::uint32_t n, auto& shape) {
                 locate(shape, pose, center);
                 const auto box = needed_box(state_, shape);
@@ -23873,9 +24176,9 @@ public:
             const std::uint32_t i = state_.movers[k];
             body<S, D>& b = state_.bodies[i];
             state_.contact_starts[i] = {b.center, b.rotation};
-            b.center = moving_[k].center;
-            b.rotation = moving_[k].rotation;
-            b.velocity = bodies[k].velocity;
+            b.center = moved_[k].center;
+            b.rotation = moved_[k].rotation;
+            b.velocity = moved_.velocity(k);
             b.force = {};
             b.torque = {};
             if (!b.has_target) continue;
@@ -23901,63 +24204,31 @@ private:
         const rotation<S, D> turn = turned(b.rotation, b.velocity.angular * step_);
         rouse_near(state_, i, {b.center + b.velocity.linear * step_ - turn * b.mass.center, turn});
     }
-    void gather(std::uint32_t k) {
-        const body<S, D>& b = state_.bodies[state_.movers[k]];
-        solver_body<S, D>& seen = *new (&bodies[k])
-            solver_body<S, D>{b.velocity, {}, b.inverse_mass, in_world(b.inverse_inertia, b.rotation)};
-        moving_body<S, D>& m = *new (moving_ + k) moving_body<S, D>{b.center, b.rotation, {}};
-        if (b.has_target) {
-            seen.velocity.linear = (b.target * b.mass.center - b.center) / step_;
-            seen.velocity.angular = rotation_vector(b.target.rotation * inverse(b.rotation)) / step_;
-        }
-        if (!b.is_dynamic()) return;
-        m.acceleration = state_.settings.gravity * b.gravity_scale;
-        m.linear_damping = b.linear_damping;
-        m.angular_damping = b.angular_damping;
-        if (b.is_gyroscopic) m.top = &b;
-        if (!b.is_pushed()) return;
-        ++free_count_;
-        add_force(k, S(1));
+    static batches parts_of(state<Plan>& s) {
+        const std::uint32_t count = s.movers.size();
+        bool* is_pushed = s.scratch.template take<bool>(count + 1);
+        for (std::uint32_t k = 0; k < count; ++k)
+            is_pushed[k] = s.bodies[s.movers[k]].inverse_mass > inverse_of<S>(0);
+        is_pushed[count] = false;
+        return batch_maker(s.found, is_pushed, count, s.scratch).result();
+    }
+    bool solve(const batch& part, arena& scratch) {
+        scratch.reset();
+        batch_motion<Plan> moving(state_, parts_, part, moved_, step_, scratch);
+        const contact_list<S, D> contacts(state_.found.begin(), parts_.order + part.contacts, part.end - part.contacts);
+        Plan::solver::solve(moving.bodies(), contacts, state_.settings.solver, step_, scratch, moving);
+        return moving.is_finite();
     }
     [[nodiscard]] transform<S, D> pose_of(std::uint32_t k) const {
         const body<S, D>& b = state_.bodies[state_.movers[k]];
         if (b.has_target) return b.target;
-        return {moving_[k].center - moving_[k].rotation * b.mass.center, moving_[k].rotation};
-    }
-    /// Lets `share` of the force on a body act.
-    void add_force(std::uint32_t k, S share) {
-        const body<S, D>& b = state_.bodies[state_.movers[k]];
-        for (int i = 0; i < D; ++i) moving_[k].acceleration[i] += mul<S>(b.inverse_mass, b.force[i] * share);
-        moving_[k].angular_acceleration += times(bodies[k].inverse_inertia, b.torque * share);
-    }
-    /// Bodies that are pushed and touch nothing.
-    void find_free() {
-        if (free_count_ == 0) return;
-        auto* touches = state_.scratch.template take<bool>(bodies.count);
-        for (std::uint32_t k = 0; k < bodies.count; ++k) touches[k] = false;
-        for (const auto& c : state_.found) touches[c.body_a] = touches[c.body_b] = true;
-        free_ = state_.scratch.template take<std::uint32_t>(free_count_);
-        free_count_ = 0;
-        for (std::uint32_t k = 0; k < state_.movers.size(); ++k)
-            if (!touches[k] && state_.bodies[state_.movers[k]].is_pushed()) free_[free_count_++] = k;
-    }
-    /// Forces on them act at once, as the solver's first part of the step begins: spread over the parts, springs that
-    /// users make of forces would gain energy.
-    void thrust(S share) {
-        for (std::uint32_t n = 0; n < free_count_; ++n) {
-            const std::uint32_t k = free_[n];
-            moving_[k].acceleration = state_.settings.gravity * state_.bodies[state_.movers[k]].gravity_scale;
-            moving_[k].angular_acceleration = {};
-            if (share > S(0)) add_force(k, share);
-        }
-        if (!(share > S(0))) free_count_ = 0;
+        return {moved_[k].center - moved_[k].rotation * b.mass.center, moved_[k].rotation};
     }
 
     state<Plan>& state_;
-    moving_body<S, D>* moving_;
+    batches parts_;
+    moved_bodies<S, D> moved_;
     S step_;
-    std::uint32_t* free_ = nullptr;
-    std::uint32_t free_count_ = 0;
 };
 
 }  // namespace detail
@@ -24453,10 +24724,9 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h) {
         // Blows -> contacts of the islands that they wake.
         if (disturb_sleepers(s, h) && !find_contacts_of_woken(s)) return step_result::bad_mixture;
     inherit_impulses(s.contacts, s.found);  // last step's       -> warm impulses of what persists
-    motion<Plan> moving(s, h);              // bodies, forces    -> what solver and integrator see of them
-    Plan::solver::solve(moving.bodies, s.found, s.settings.solver, h, s.scratch, moving);  // -> velocities, poses
-    if (!moving.is_finite()) return step_result::out_of_range;
-    sweep_fast_bodies(s, moving.bodies, moving.moved(), h);        // poses -> poses short of what stops bodies
+    motion<Plan> moving(s, h);                               // contacts          -> islands, in batches
+    if (!moving.solve()) return step_result::out_of_range;   // bodies, forces, contacts -> velocities, poses
+    sweep_fast_bodies(s, moving.moved(), h);                 // poses             -> poses short of what stops bodies
     if (!moving.place_shapes()) return step_result::out_of_range;  // poses -> boxes of what has moved
     moving.finish();                                               // results -> bodies and contacts
     return step_result::done;

@@ -154,6 +154,7 @@
 #include "physics/broadphase/tree_index.hpp"
 
 // Bodies, contacts, and the solver that moves them.
+#include "physics/dynamics/batches.hpp"
 #include "physics/dynamics/body.hpp"
 #include "physics/dynamics/body_lanes.hpp"
 #include "physics/dynamics/contact.hpp"

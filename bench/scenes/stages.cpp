@@ -38,9 +38,9 @@ public:
         lap.take(2);
         in::motion<plan> moving(s_, h);
         lap.take(3);
-        plan::solver::solve(moving.bodies, s_.found, s_.settings.solver, h, s_.scratch, moving);
+        const bool solved = moving.solve();
         lap.take(4);
-        fine_ = moving.is_finite() && moving.place_shapes() && fine_;
+        fine_ = solved && moving.place_shapes() && fine_;
         lap.take(5);
         if (fine_) moving.finish();
         lap.take(6);
@@ -57,7 +57,7 @@ public:
     [[nodiscard]] triple gravity() const override { return from_vec<S, D>(s_.settings.gravity); }
     [[nodiscard]] int contacts() const override { return static_cast<int>(s_.contacts.size()); }
     [[nodiscard]] std::vector<std::pair<std::string, double>> stages() const override {
-        static constexpr const char* names[] = {"find pairs",    "find contacts", "inherit impulses", "gather bodies",
+        static constexpr const char* names[] = {"find pairs",    "find contacts", "inherit impulses", "make batches",
                                                 "solve",         "place shapes",  "finish"};
         std::vector<std::pair<std::string, double>> result;
         for (std::size_t i = 0; i < ns_.size(); ++i) result.emplace_back(names[i], ns_[i]);

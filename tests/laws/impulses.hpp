@@ -31,7 +31,7 @@ void solve(problem& p, int rounds) {
     physics::arena scratch;
     p.settings.iterations = rounds;
     const physics::solver_bodies<S, D> bodies{p.bodies.data(), static_cast<std::uint32_t>(p.bodies.size())};
-    solver<Features>::solve(bodies, p.contacts, p.settings, S(1.0 / 64), scratch, still{});
+    solver<Features>::solve(bodies, {p.contacts, scratch}, p.settings, S(1.0 / 64), scratch, still{});
 }
 
 /// The part of a contact point that acts on one of its bodies, in double.

@@ -24,7 +24,7 @@ void solve_softly(problem& p, int substeps) {
     // One body more, which is nobody.
     p.bodies.push_back({});
     const physics::solver_bodies<S, D> bodies{p.bodies.data(), static_cast<std::uint32_t>(p.bodies.size())};
-    Solver::template in<cell::space, Features, Width>::solve(bodies, p.contacts, settings, S(1.0 / 64), scratch,
+    Solver::template in<cell::space, Features, Width>::solve(bodies, {p.contacts, scratch}, settings, S(1.0 / 64), scratch,
                                                                 still{});
     p.bodies.pop_back();
 }
@@ -48,7 +48,7 @@ CELL_CASE("colours: every contact has one, and no two of a colour push the same 
         }
         physics::arena scratch;
         const physics::solver_bodies<S, D> view{bodies.data(), static_cast<std::uint32_t>(body_count)};
-        const auto colours = physics::detail::colour(contacts, view, scratch);
+        const auto colours = physics::detail::colour(physics::contact_list<S, D>(contacts, scratch), view, scratch);
         std::vector<int> seen(static_cast<std::size_t>(contact_count));
         REQUIRE(colours.begin[colours.count] == contacts.size());
         for (std::uint32_t group = 0; group < colours.count; ++group) {
@@ -67,6 +67,67 @@ CELL_CASE("colours: every contact has one, and no two of a colour push the same 
         }
         for (const int times : seen) REQUIRE(times == 1);
         if (contact_count > 390 && run % 3 == 0) CHECK(colours.last_is_serial);
+    }
+}
+
+CELL_CASE("batches: islands are whole, every contact is in one, in order, and names its bodies") {
+    cell::dice dice(407);
+    for (int run = 0; run < 40; ++run) {
+        // Many small islands, one of which may hold most; some bodies only push, and some contacts are with nobody.
+        const int body_count = 300 + dice.below(600), contact_count = 200 + dice.below(run % 2 == 0 ? 500 : 2000);
+        std::vector<physics::solver_body<S, D>> bodies(static_cast<std::size_t>(body_count));
+        for (auto& b : bodies)
+            if (dice.below(8)) b.inverse_mass = physics::inverse_of<S>(1);
+        const int reach = run % 4 == 3 ? body_count : 1 + dice.below(6);
+        physics::buffer<contact> contacts;
+        for (int i = 0; i < contact_count; ++i) {
+            contact c{};
+            c.shape_a = static_cast<std::uint32_t>(i);
+            c.body_a = static_cast<std::uint32_t>(dice.below(body_count));
+            const int other = static_cast<int>(c.body_a) + 1 + dice.below(reach);
+            c.body_b = static_cast<std::uint32_t>(other < body_count ? other : body_count);
+            const auto pushed = [&](std::uint32_t b) {
+                return b < bodies.size() && bodies[b].inverse_mass > physics::inverse_of<S>(0);
+            };
+            if (pushed(c.body_a) || pushed(c.body_b)) contacts.push(c);
+        }
+        physics::arena scratch;
+        bool* is_pushed = scratch.take<bool>(static_cast<std::uint32_t>(body_count) + 1);
+        for (int i = 0; i < body_count; ++i)
+            is_pushed[i] = bodies[static_cast<std::size_t>(i)].inverse_mass > physics::inverse_of<S>(0);
+        is_pushed[body_count] = false;
+        const physics::buffer<contact> named = contacts;
+        const auto parts = physics::detail::batch_maker(contacts, is_pushed, static_cast<std::uint32_t>(body_count),
+                                                        scratch)
+                               .result();
+        std::vector<int> times(contacts.size());
+        std::vector<std::uint32_t> home(bodies.size(), ~0u);
+        std::uint32_t largest = 0;
+        for (std::uint32_t k = 0; k < parts.count; ++k) {
+            const auto& part = parts.first[k];
+            const auto name_of = [&](std::uint32_t number) { return parts.body_at[part.bodies + number]; };
+            REQUIRE(name_of(part.nobody - part.bodies) == static_cast<std::uint32_t>(body_count));
+            for (std::uint32_t i = part.contacts; i < part.end; ++i) {
+                const std::uint32_t n = parts.order[i];
+                if (i > part.contacts) REQUIRE(parts.order[i - 1] < n);
+                ++times[n];
+                REQUIRE(name_of(contacts[n].body_a) == named[n].body_a);
+                REQUIRE(name_of(contacts[n].body_b) == named[n].body_b);
+                for (const std::uint32_t b : {named[n].body_a, named[n].body_b}) {
+                    if (!is_pushed[b]) continue;
+                    if (home[b] == ~0u) home[b] = k;
+                    REQUIRE(home[b] == k);
+                }
+            }
+            largest = part.end - part.contacts > largest ? part.end - part.contacts : largest;
+        }
+        for (const int n : times) REQUIRE(n == 1);
+        for (std::uint32_t i = 0; i < bodies.size(); ++i) REQUIRE(parts.body_at[parts.slot_of[i]] == i);
+        // Unless one island holds nearly all, there are several batches, none much above the size that is aimed at.
+        if (reach == 1) {
+            CHECK(parts.count > 1);
+            CHECK(largest <= physics::detail::batch_maker::enough);
+        }
     }
 }
 

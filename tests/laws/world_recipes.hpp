@@ -90,11 +90,12 @@ struct glue {
         using T = typename Space::scalar;
         static constexpr int D = Space::dimension;
         template <class Motion>
-        static void solve(physics::solver_bodies<T, D> bodies, physics::buffer<physics::contact<T, D>>& contacts,
+        static void solve(physics::solver_bodies<T, D> bodies, physics::contact_list<T, D> contacts,
                           const settings& with, T h, physics::arena&, Motion&& motion) {
             for (int i = 0; i < with.substeps; ++i) {
                 motion.advance_velocities(h / T(with.substeps));
-                for (const auto& c : contacts) bodies[c.body_a].velocity = bodies[c.body_b].velocity = {};
+                for (std::uint32_t k = 0; k < contacts.size(); ++k)
+                    bodies[contacts[k].body_a].velocity = bodies[contacts[k].body_b].velocity = {};
                 motion.advance_poses(h / T(with.substeps));
             }
         }

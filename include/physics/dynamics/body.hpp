@@ -97,4 +97,16 @@ struct solver_bodies {
     solver_body<S, D>& operator[](std::uint32_t i) const { return first[i]; }
 };
 
+/// The bodies of a step by their numbers as a solver has left them.
+template <class S, int D>
+struct moved_bodies {
+    solver_body<S, D>* solved;
+    moving_body<S, D>* moved;
+    /// Where each body is in these arrays.
+    const std::uint32_t* slot_of;
+
+    twist<S, D>& velocity(std::uint32_t i) const { return solved[slot_of[i]].velocity; }
+    moving_body<S, D>& operator[](std::uint32_t i) const { return moved[slot_of[i]]; }
+};
+
 PHYSICS_HPP_END

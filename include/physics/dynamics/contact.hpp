@@ -35,7 +35,7 @@ template <class S, int D>
 struct contact {
     /// Numbers of the shapes; the normal points from A to B.
     std::uint32_t shape_a, shape_b;
-    /// Numbers of the bodies among those that the solver sees.
+    /// Numbers of the bodies among those that a solver sees, while it does.
     std::uint32_t body_a, body_b;
     /// Which part of a concave shape touches; 0 of convex ones.
     std::uint32_t part = 0;
@@ -94,13 +94,13 @@ constexpr vec<S, 2> driven(const tangents3<S>& frame, const rotation<S, 3>& turn
 
 /// Hands the impulse of the same feature in an old contact to a point.
 template <class S, int D>
-void inherit_impulse(const contact<S, D>& old, const tangents<S, D>& frame, contact_point<S, D>& point) {
+void inherit_impulse(const contact<S, D>& old, const tangents<S, D>& old_frame, const tangents<S, D>& frame,
+                     contact_point<S, D>& point) {
     for (int j = 0; j < old.count && !point.persisted; ++j) {
         if (old.points[j].feature != point.feature) continue;
         point.normal_impulse = old.points[j].normal_impulse;
         point.load = old.points[j].load;
-        point.friction_impulse =
-            frame.components(tangents<S, D>(old.normal).combine(old.points[j].friction_impulse));
+        point.friction_impulse = frame.components(old_frame.combine(old.points[j].friction_impulse));
         point.persisted = true;
     }
 }
@@ -118,16 +118,17 @@ constexpr vec<S, 2> same_moment(const tangents3<S>& old, const tangents3<S>& fra
 /// Hands the impulses of the same features in an old contact to a contact.
 template <class S, int D>
 void inherit_impulses(const contact<S, D>& old, const tangents<S, D>& frame, contact<S, D>& c) {
+    const tangents<S, D> old_frame(old.normal);
     bool persisted = false;
     for (int k = 0; k < c.count; ++k) {
         const bool before = c.points[k].persisted;
-        inherit_impulse(old, frame, c.points[k]);
+        inherit_impulse(old, old_frame, frame, c.points[k]);
         persisted = persisted || before != c.points[k].persisted;
     }
     if (!persisted) return;
     c.twist_impulse = old.twist_impulse;
     if (c.rolling_resistance > S(0))
-        c.rolling_impulse = same_moment(tangents<S, D>(old.normal), frame, old.rolling_impulse);
+        c.rolling_impulse = same_moment(old_frame, frame, old.rolling_impulse);
 }
 
 /// Hands the impulses of last step's contacts to the same features of this step's. Both lists are in

@@ -3,9 +3,7 @@
 
 #include <bit>
 
-#include "physics/base/arena.hpp"
-#include "physics/dynamics/body.hpp"
-#include "physics/dynamics/contact.hpp"
+#include "physics/dynamics/batches.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -28,7 +26,7 @@ struct contact_colours {
 /// colours of their own, so that what holds the pile acts last. O(contacts). Source: Catto, Solver2D (2024); greedy
 /// edge colouring.
 template <class S, int D>
-contact_colours colour(const buffer<contact<S, D>>& contacts, solver_bodies<S, D> bodies, arena& scratch) {
+contact_colours colour(const contact_list<S, D>& contacts, solver_bodies<S, D> bodies, arena& scratch) {
     const std::uint32_t count = contacts.size();
     auto* used = scratch.template take<std::uint64_t>(bodies.count);
     auto* colour_of = scratch.template take<std::uint8_t>(count);

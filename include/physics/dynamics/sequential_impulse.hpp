@@ -1,7 +1,7 @@
 // The sequential impulse solver: one constraint at a time, impulses accumulated and clamped.
 #pragma once
 
-#include "physics/base/arena.hpp"
+#include "physics/dynamics/batches.hpp"
 #include "physics/dynamics/friction.hpp"
 #include "physics/dynamics/integrator.hpp"
 #include "physics/dynamics/restitution.hpp"
@@ -55,7 +55,7 @@ struct sequential_impulse {
 
         /// Advances velocities and poses by h: `motion` offers advance_velocities(h) and advance_poses(h).
         template <class Motion>
-        static void solve(solver_bodies<S, D> bodies, buffer<contact<S, D>>& contacts, const settings& with, S h,
+        static void solve(solver_bodies<S, D> bodies, contact_list<S, D> contacts, const settings& with, S h,
                           arena& scratch, Motion&& motion) {
             block* blocks = scratch.template take<block>(contacts.size());
             for (std::uint32_t i = 0; i < contacts.size(); ++i) new (blocks + i) block(contacts[i], bodies, with, h);

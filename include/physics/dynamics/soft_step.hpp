@@ -62,7 +62,7 @@ struct soft_step_with {
 
         /// Advances velocities and poses by h: `motion` offers advance_velocities(h) and advance_poses(h).
         template <class Motion>
-        static void solve(solver_bodies<S, D> all, buffer<contact<S, D>>& contacts, const settings& with, S h,
+        static void solve(solver_bodies<S, D> all, contact_list<S, D> contacts, const settings& with, S h,
                           arena& scratch, Motion&& motion) {
             // Idle lanes push nobody.
             const std::uint32_t nobody = all.count - 1;
@@ -116,7 +116,7 @@ struct soft_step_with {
             const std::uint32_t share = share_of(colours, group);
             return (colours.begin[group + 1] - colours.begin[group] + share - 1) / share;
         }
-        static void pack_blocks(const detail::contact_colours& colours, const buffer<contact<S, D>>& contacts,
+        static void pack_blocks(const detail::contact_colours& colours, const contact_list<S, D>& contacts,
                                 const solver_body<S, D>* bodies, std::uint32_t nobody,
                                 const detail::soft_start<S>& with, arena& scratch, block* blocks,
                                 std::uint32_t* numbers) {

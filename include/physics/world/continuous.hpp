@@ -36,8 +36,7 @@ class body_sweeps {
     using mover = swept_mover;
 
 public:
-    body_sweeps(state<Plan>& s, solver_bodies<S, D> bodies, moving_body<S, D>* moved, S h)
-        : s_(s), bodies_(bodies), moved_(moved), h_(h) {}
+    body_sweeps(state<Plan>& s, moved_bodies<S, D> moved, S h) : s_(s), moved_(moved), h_(h) {}
 
     PHYSICS_HPP_NOINLINE void run() {
         auto& report = s_.continuous.report;
@@ -70,7 +69,7 @@ private:
     stride<S, D> stride_of(std::uint32_t k, const body<S, D>& b) const {
         const std::uint32_t i = s_.movers[k];
         const auto& extent = s_.continuous.extents[i];
-        const auto &w = bodies_[k].velocity.angular, &before = b.velocity.angular;
+        const auto &w = moved_.velocity(k).angular, &before = b.velocity.angular;
         const bool slower = length_of(w) < length_of(before);
         return {moved_[k].center - b.center, (slower ? before : w) * h_, extent.reach, extent.thickness,
                 s_.continuous.depths[i],     b.continuous};
@@ -85,7 +84,7 @@ private:
         const transform<S, D> start{b.center, b.rotation};
         if (!(k < s_.movers.size())) return {start.position, start.position, start.rotation, {}, {}};
         motion m = sweep_between<S, D>(start, {moved_[k].center, moved_[k].rotation});
-        m.turn = with_whole_turns(m.turn, bodies_[k].velocity.angular * h_);
+        m.turn = with_whole_turns(m.turn, moved_.velocity(k).angular * h_);
         return m;
     }
     /// All places of a body on its way.
@@ -290,7 +289,7 @@ private:
             moved_[m.number].rotation = at.rotation;
             const S lost = static_cast<S>(1 - time) * h_;
             // What gravity has given for the lost time would make a bounce higher than the fall.
-            vec<S, D>& v = bodies_[m.number].velocity.linear;
+            vec<S, D>& v = moved_.velocity(m.number).linear;
             const vec<S, D> ahead = normalized(v);
             v -= ahead * (dot(ahead, s_.settings.gravity) * s_.bodies[m.body].gravity_scale * lost);
             ++report.stopped;
@@ -313,8 +312,7 @@ private:
     }
 
     state<Plan>& s_;
-    solver_bodies<S, D> bodies_;
-    moving_body<S, D>* moved_;
+    moved_bodies<S, D> moved_;
     S h_;
     bool any_flagged_ = false;
 };
@@ -344,9 +342,9 @@ void note_depth(state<Plan>& s, const Contact& c) {
 
 /// Stops bodies that would have passed into something; see the recipe's policy.
 template <class Plan>
-void sweep_fast_bodies(state<Plan>& s, solver_bodies<typename Plan::scalar, Plan::dimension> bodies,
-                       moving_body<typename Plan::scalar, Plan::dimension>* moved, typename Plan::scalar h) {
-    if constexpr (Plan::sweeps) body_sweeps<Plan>(s, bodies, moved, h).run();
+void sweep_fast_bodies(state<Plan>& s, moved_bodies<typename Plan::scalar, Plan::dimension> moved,
+                       typename Plan::scalar h) {
+    if constexpr (Plan::sweeps) body_sweeps<Plan>(s, moved, h).run();
 }
 
 }  // namespace detail

@@ -1,6 +1,7 @@
 // Bodies as they move through a step: copies in tight arrays, which become the world's when the step has succeeded.
 #pragma once
 
+#include "physics/dynamics/batches.hpp"
 #include "physics/world/edit.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -25,50 +26,134 @@ void number_movers(state<Plan>& s) {
     find_numbers(s);
 }
 
-/// How the solver moves the world: it asks for velocities and poses to advance, once or in substeps. Nothing of the
-/// world changes before place_shapes.
+/// How the solver moves a batch: it asks for velocities and poses to advance, once or in substeps.
 template <class Plan>
-class motion {
+class batch_motion {
     using S = typename Plan::scalar;
     static constexpr int D = Plan::dimension;
     using integrator = typename Plan::integrator;
 
 public:
-    /// What the solver sees of the bodies that move; the last one is nobody.
-    solver_bodies<S, D> bodies;
-
-    motion(state<Plan>& s, S h)
-        : bodies{s.scratch.template take<solver_body<S, D>>(s.movers.size() + 1), s.movers.size() + 1},
-          state_(s),
-          moving_(s.scratch.template take<moving_body<S, D>>(s.movers.size())),
+    /// Copies the bodies of a part into their slots.
+    batch_motion(const state<Plan>& s, const batches& parts, const batch& part, moved_bodies<S, D> slots, S h,
+                 arena& scratch)
+        : state_(s),
+          members_(parts.body_at + part.bodies),
+          bodies_(slots.solved + part.bodies),
+          moving_(slots.moved + part.bodies),
+          count_(part.nobody - part.bodies),
           step_(h) {
-        for (std::uint32_t k = 0; k < s.movers.size(); ++k) gather(k);
-        new (&bodies[s.movers.size()]) solver_body<S, D>{};
-        find_free();
+        for (std::uint32_t k = 0; k < count_; ++k) gather(k);
+        new (bodies_ + count_) solver_body<S, D>{};
+        if (free_count_ > 0) find_free(parts, part, scratch);
     }
+
+    /// What the solver sees of the bodies; the last one is nobody.
+    [[nodiscard]] solver_bodies<S, D> bodies() const { return {bodies_, count_ + 1}; }
 
     void advance_velocities(S h) {
         if (free_count_ > 0) thrust(step_ / h);
-        for (std::uint32_t k = 0; k < state_.movers.size(); ++k)
-            if (bodies[k].inverse_mass > inverse_of<S>(0))
-                integrator::advance_velocity(bodies[k].velocity, moving_[k], h);
+        for (std::uint32_t k = 0; k < count_; ++k)
+            if (bodies_[k].inverse_mass > inverse_of<S>(0))
+                integrator::advance_velocity(bodies_[k].velocity, moving_[k], h);
         if (free_count_ > 0) thrust(S(0));
     }
     void advance_poses(S h) {
-        for (std::uint32_t k = 0; k < state_.movers.size(); ++k)
-            integrator::advance_pose(moving_[k], bodies[k].velocity, h);
+        for (std::uint32_t k = 0; k < count_; ++k) integrator::advance_pose(moving_[k], bodies_[k].velocity, h);
     }
 
-    /// Where bodies have come.
-    [[nodiscard]] moving_body<S, D>* moved() { return moving_; }
     /// Whether all that moved is where numbers reach.
     [[nodiscard]] bool is_finite() const {
-        for (std::uint32_t k = 0; k < state_.movers.size(); ++k)
+        for (std::uint32_t k = 0; k < count_; ++k)
             if (!physics::is_finite(moving_[k].center) || !physics::is_finite(moving_[k].rotation) ||
-                !physics::is_finite(bodies[k].velocity.linear) || !physics::is_finite(bodies[k].velocity.angular))
+                !physics::is_finite(bodies_[k].velocity.linear) || !physics::is_finite(bodies_[k].velocity.angular))
                 return false;
         return true;
     }
+
+private:
+    [[nodiscard]] const body<S, D>& member(std::uint32_t k) const {
+        return state_.bodies[state_.movers[members_[k]]];
+    }
+    void gather(std::uint32_t k) {
+        const body<S, D>& b = member(k);
+        solver_body<S, D>& seen = *new (bodies_ + k)
+            solver_body<S, D>{b.velocity, {}, b.inverse_mass, in_world(b.inverse_inertia, b.rotation)};
+        moving_body<S, D>& m = *new (moving_ + k) moving_body<S, D>{b.center, b.rotation, {}};
+        if (b.has_target) {
+            seen.velocity.linear = (b.target * b.mass.center - b.center) / step_;
+            seen.velocity.angular = rotation_vector(b.target.rotation * inverse(b.rotation)) / step_;
+        }
+        if (!b.is_dynamic()) return;
+        m.acceleration = state_.settings.gravity * b.gravity_scale;
+        m.linear_damping = b.linear_damping;
+        m.angular_damping = b.angular_damping;
+        if (b.is_gyroscopic) m.top = &b;
+        if (!b.is_pushed()) return;
+        ++free_count_;
+        add_force(k, S(1));
+    }
+    /// Lets `share` of the force on a body act.
+    void add_force(std::uint32_t k, S share) {
+        const body<S, D>& b = member(k);
+        for (int i = 0; i < D; ++i) moving_[k].acceleration[i] += mul<S>(b.inverse_mass, b.force[i] * share);
+        moving_[k].angular_acceleration += times(bodies_[k].inverse_inertia, b.torque * share);
+    }
+    /// Bodies that are pushed and touch nothing.
+    void find_free(const batches& parts, const batch& part, arena& scratch) {
+        auto* touches = scratch.template take<bool>(count_ + 1);
+        for (std::uint32_t k = 0; k <= count_; ++k) touches[k] = false;
+        for (std::uint32_t n = part.contacts; n < part.end; ++n) {
+            const auto& c = state_.found[parts.order[n]];
+            touches[c.body_a] = touches[c.body_b] = true;
+        }
+        free_ = scratch.template take<std::uint32_t>(free_count_);
+        free_count_ = 0;
+        for (std::uint32_t k = 0; k < count_; ++k)
+            if (!touches[k] && member(k).is_pushed()) free_[free_count_++] = k;
+    }
+    /// Forces on them act at once, as the solver's first part of the step begins: spread over the parts, springs that
+    /// users make of forces would gain energy.
+    void thrust(S share) {
+        for (std::uint32_t n = 0; n < free_count_; ++n) {
+            const std::uint32_t k = free_[n];
+            moving_[k].acceleration = state_.settings.gravity * member(k).gravity_scale;
+            moving_[k].angular_acceleration = {};
+            if (share > S(0)) add_force(k, share);
+        }
+        if (!(share > S(0))) free_count_ = 0;
+    }
+
+    const state<Plan>& state_;
+    const std::uint32_t* members_;
+    solver_body<S, D>* bodies_;
+    moving_body<S, D>* moving_;
+    std::uint32_t count_;
+    S step_;
+    std::uint32_t* free_ = nullptr;
+    std::uint32_t free_count_ = 0;
+};
+
+/// How a step moves the world, batch by batch. Nothing of the world changes before place_shapes.
+template <class Plan>
+class motion {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+
+public:
+    motion(state<Plan>& s, S h) : state_(s), parts_(parts_of(s)), step_(h) {
+        moved_ = {s.scratch.template take<solver_body<S, D>>(parts_.slots),
+                  s.scratch.template take<moving_body<S, D>>(parts_.slots), parts_.slot_of};
+    }
+
+    /// Solves the contacts. False if something has left the range of numbers.
+    bool solve() {
+        bool good = true;
+        for (std::uint32_t k = 0; k < parts_.count; ++k) good = solve(parts_.first[k], state_.batch_scratch) && good;
+        return good;
+    }
+    /// Where bodies have come.
+    [[nodiscard]] moved_bodies<S, D> moved() const { return moved_; }
 
     /// Puts shapes where their bodies are now, and tells the broadphase, and where they are heading; bodies with a
     /// target are there, to the bit. False, and all shapes where they were, if a box is beyond the scalar's range.
@@ -78,8 +163,8 @@ public:
             const std::uint32_t i = state_.movers[k];
             const body<S, D>& b = state_.bodies[i];
             const transform<S, D> pose = pose_of(k);
-            const vec<S, D> center = b.has_target ? pose * b.mass.center : moving_[k].center;
-            const vec<S, D> way = bodies[k].velocity.linear * step_;
+            const vec<S, D> center = b.has_target ? pose * b.mass.center : moved_[k].center;
+            const vec<S, D> way = moved_.velocity(k).linear * step_;
             each_shape(state_, i, [&](std::uint32_t n, auto& shape) {
                 locate(shape, pose, center);
                 const auto box = needed_box(state_, shape);
@@ -103,9 +188,9 @@ public:
             const std::uint32_t i = state_.movers[k];
             body<S, D>& b = state_.bodies[i];
             state_.contact_starts[i] = {b.center, b.rotation};
-            b.center = moving_[k].center;
-            b.rotation = moving_[k].rotation;
-            b.velocity = bodies[k].velocity;
+            b.center = moved_[k].center;
+            b.rotation = moved_[k].rotation;
+            b.velocity = moved_.velocity(k);
             b.force = {};
             b.torque = {};
             if (!b.has_target) continue;
@@ -131,63 +216,31 @@ private:
         const rotation<S, D> turn = turned(b.rotation, b.velocity.angular * step_);
         rouse_near(state_, i, {b.center + b.velocity.linear * step_ - turn * b.mass.center, turn});
     }
-    void gather(std::uint32_t k) {
-        const body<S, D>& b = state_.bodies[state_.movers[k]];
-        solver_body<S, D>& seen = *new (&bodies[k])
-            solver_body<S, D>{b.velocity, {}, b.inverse_mass, in_world(b.inverse_inertia, b.rotation)};
-        moving_body<S, D>& m = *new (moving_ + k) moving_body<S, D>{b.center, b.rotation, {}};
-        if (b.has_target) {
-            seen.velocity.linear = (b.target * b.mass.center - b.center) / step_;
-            seen.velocity.angular = rotation_vector(b.target.rotation * inverse(b.rotation)) / step_;
-        }
-        if (!b.is_dynamic()) return;
-        m.acceleration = state_.settings.gravity * b.gravity_scale;
-        m.linear_damping = b.linear_damping;
-        m.angular_damping = b.angular_damping;
-        if (b.is_gyroscopic) m.top = &b;
-        if (!b.is_pushed()) return;
-        ++free_count_;
-        add_force(k, S(1));
+    static batches parts_of(state<Plan>& s) {
+        const std::uint32_t count = s.movers.size();
+        bool* is_pushed = s.scratch.template take<bool>(count + 1);
+        for (std::uint32_t k = 0; k < count; ++k)
+            is_pushed[k] = s.bodies[s.movers[k]].inverse_mass > inverse_of<S>(0);
+        is_pushed[count] = false;
+        return batch_maker(s.found, is_pushed, count, s.scratch).result();
+    }
+    bool solve(const batch& part, arena& scratch) {
+        scratch.reset();
+        batch_motion<Plan> moving(state_, parts_, part, moved_, step_, scratch);
+        const contact_list<S, D> contacts(state_.found.begin(), parts_.order + part.contacts, part.end - part.contacts);
+        Plan::solver::solve(moving.bodies(), contacts, state_.settings.solver, step_, scratch, moving);
+        return moving.is_finite();
     }
     [[nodiscard]] transform<S, D> pose_of(std::uint32_t k) const {
         const body<S, D>& b = state_.bodies[state_.movers[k]];
         if (b.has_target) return b.target;
-        return {moving_[k].center - moving_[k].rotation * b.mass.center, moving_[k].rotation};
-    }
-    /// Lets `share` of the force on a body act.
-    void add_force(std::uint32_t k, S share) {
-        const body<S, D>& b = state_.bodies[state_.movers[k]];
-        for (int i = 0; i < D; ++i) moving_[k].acceleration[i] += mul<S>(b.inverse_mass, b.force[i] * share);
-        moving_[k].angular_acceleration += times(bodies[k].inverse_inertia, b.torque * share);
-    }
-    /// Bodies that are pushed and touch nothing.
-    void find_free() {
-        if (free_count_ == 0) return;
-        auto* touches = state_.scratch.template take<bool>(bodies.count);
-        for (std::uint32_t k = 0; k < bodies.count; ++k) touches[k] = false;
-        for (const auto& c : state_.found) touches[c.body_a] = touches[c.body_b] = true;
-        free_ = state_.scratch.template take<std::uint32_t>(free_count_);
-        free_count_ = 0;
-        for (std::uint32_t k = 0; k < state_.movers.size(); ++k)
-            if (!touches[k] && state_.bodies[state_.movers[k]].is_pushed()) free_[free_count_++] = k;
-    }
-    /// Forces on them act at once, as the solver's first part of the step begins: spread over the parts, springs that
-    /// users make of forces would gain energy.
-    void thrust(S share) {
-        for (std::uint32_t n = 0; n < free_count_; ++n) {
-            const std::uint32_t k = free_[n];
-            moving_[k].acceleration = state_.settings.gravity * state_.bodies[state_.movers[k]].gravity_scale;
-            moving_[k].angular_acceleration = {};
-            if (share > S(0)) add_force(k, share);
-        }
-        if (!(share > S(0))) free_count_ = 0;
+        return {moved_[k].center - moved_[k].rotation * b.mass.center, moved_[k].rotation};
     }
 
     state<Plan>& state_;
-    moving_body<S, D>* moving_;
+    batches parts_;
+    moved_bodies<S, D> moved_;
     S step_;
-    std::uint32_t* free_ = nullptr;
-    std::uint32_t free_count_ = 0;
 };
 
 }  // namespace detail

@@ -175,13 +175,17 @@ public:
         island_ = s.scratch.template take<island>(count_);
         for (std::uint32_t k = 0; k < count_; ++k) new (island_ + k) island{};
         const S slack = pull_of(s, h);
-        for (const auto& c : s.contacts)
-            if (is_dynamic(c.body_a) && is_dynamic(c.body_b) && touch(c, slack)) sets.unite(c.body_a, c.body_b);
+        for (const auto& c : s.contacts) {
+            const auto [a, b] = movers_of(c);
+            if (is_dynamic(a) && is_dynamic(b) && touch(c, slack)) sets.unite(a, b);
+        }
         for (std::uint32_t k = 0; k < count_; ++k)
             if (is_dynamic(k)) judge(k, island_[sets.find(k)]);
-        for (const auto& c : s.contacts)
-            if (is_dynamic(c.body_a) != is_dynamic(c.body_b) && touch(c, slack))
-                support(c.body_a, c.body_b, island_[sets.find(is_dynamic(c.body_a) ? c.body_a : c.body_b)]);
+        for (const auto& c : s.contacts) {
+            const auto [a, b] = movers_of(c);
+            if (is_dynamic(a) != is_dynamic(b) && touch(c, slack))
+                support(a, b, island_[sets.find(is_dynamic(a) ? a : b)]);
+        }
         bool any = false;
         for (std::uint32_t k = 0; k < count_; ++k) {
             if (!is_dynamic(k)) continue;
@@ -226,6 +230,12 @@ private:
     static auto spin_squared(S w) { return product(w, w); }
 
     [[nodiscard]] bool is_dynamic(std::uint32_t k) const { return k < count_ && s_.bodies[s_.movers[k]].is_dynamic(); }
+    struct sides {
+        std::uint32_t a, b;
+    };
+    [[nodiscard]] sides movers_of(const contact<S, D>& c) const {
+        return {s_.mover_of[body_a(s_, c)], s_.mover_of[body_b(s_, c)]};
+    }
     [[nodiscard]] bool touch(const contact<S, D>& c, S slack) const {
         return comes_to_touch(c, s_.bodies[body_a(s_, c)].velocity, s_.bodies[body_b(s_, c)].velocity, step_, slack);
     }

@@ -202,7 +202,7 @@ struct state {
     buffer<proxy_pair> woken_pairs;
     buffer<contact<S, D>> woken_contacts;
     pair_memories<Plan> woken_memories;
-    arena scratch;
+    arena scratch, batch_scratch;
 
     [[nodiscard]] bool is_asleep(std::uint32_t body) const {
         if constexpr (Plan::sleeps) return sleep.ring[body] != no_sleeper;

@@ -42,10 +42,9 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h) {
         // Blows -> contacts of the islands that they wake.
         if (disturb_sleepers(s, h) && !find_contacts_of_woken(s)) return step_result::bad_mixture;
     inherit_impulses(s.contacts, s.found);  // last step's       -> warm impulses of what persists
-    motion<Plan> moving(s, h);              // bodies, forces    -> what solver and integrator see of them
-    Plan::solver::solve(moving.bodies, s.found, s.settings.solver, h, s.scratch, moving);  // -> velocities, poses
-    if (!moving.is_finite()) return step_result::out_of_range;
-    sweep_fast_bodies(s, moving.bodies, moving.moved(), h);        // poses -> poses short of what stops bodies
+    motion<Plan> moving(s, h);                               // contacts          -> islands, in batches
+    if (!moving.solve()) return step_result::out_of_range;   // bodies, forces, contacts -> velocities, poses
+    sweep_fast_bodies(s, moving.moved(), h);                 // poses             -> poses short of what stops bodies
     if (!moving.place_shapes()) return step_result::out_of_range;  // poses -> boxes of what has moved
     moving.finish();                                               // results -> bodies and contacts
     return step_result::done;
