@@ -299,6 +299,12 @@ public:
         if (size_ == capacity_) grow_to(std::uint64_t{size_} + 1);
         return *new (static_cast<void*>(data_ + size_++)) T{static_cast<Parts&&>(parts)...};
     }
+    /// Room for so many values more at the end, for the caller to make there.
+    T* extend(std::uint32_t count) {
+        reserve(size_ + count);
+        size_ += count;
+        return end() - count;
+    }
     void pop() { --size_; }
     /// Shortens the buffer, or fills it up with copies of value, which may lie within the buffer.
     void resize(std::uint32_t size, const T& value = T{}) {
@@ -825,6 +831,399 @@ inline integer_root root_by_double(uint128 a) {
 constexpr integer_root root_of(uint128 a) {
     return std::is_constant_evaluated() || bit_width(a) > 125 ? root_by_digits(a) : root_by_double(a);
 }
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/base/probe.hpp
+// =================================================================================================
+// The floating-point environment: a proof at run time that arithmetic rounds as it should, and a guard that sees to it.
+
+// What the probe looks at: arithmetic that is compiled where the macro stands, by the rules that hold there. Hence
+// no function may be inlined. Define one in your own code to learn about that: float_environment<Name>().
+#if defined(__GNUC__) || defined(__clang__)
+#define PHYSICS_HPP_NOINLINE __attribute__((noinline))
+#define PHYSICS_HPP_WRITTEN_ROOT(F, x) (sizeof(F) == 4 ? F(__builtin_sqrtf(float(x))) : F(__builtin_sqrt(double(x))))
+#else
+#define PHYSICS_HPP_NOINLINE __declspec(noinline)
+#define PHYSICS_HPP_WRITTEN_ROOT(F, x) ::physics::detail::hardware_root(x)
+#endif
+#define PHYSICS_HPP_DEFINE_PROBED_ARITHMETIC(Name, Attributes)          \
+    struct Name {                                                       \
+        template <class F>                                              \
+        Attributes static F sum(F a, F b) {                             \
+            return a + b;                                               \
+        }                                                               \
+        template <class F>                                              \
+        Attributes static F product(F a, F b) {                         \
+            return a * b;                                               \
+        }                                                               \
+        template <class F>                                              \
+        Attributes static bool product_differs(F a, F b, F expected) {  \
+            return a * b != expected;                                   \
+        }                                                               \
+        template <class F>                                              \
+        Attributes static F product_sum(F a, F b, F c) {                \
+            return a * b + c;                                           \
+        }                                                               \
+        template <class F>                                              \
+        Attributes static F sum_difference(F a, F b) {                  \
+            return (a + b) - a;                                         \
+        }                                                               \
+        template <class F>                                              \
+        Attributes static F sum_with_zero(F a) {                        \
+            return a + F(0);                                            \
+        }                                                               \
+        template <class F>                                              \
+        Attributes static void quotients(const F* a, F b, F* results) { \
+            for (int i = 0; i < 3; ++i) results[i] = a[i] / b;          \
+            results[3] = a[0] / F(49);                                  \
+        }                                                               \
+        template <class F>                                              \
+        Attributes static F root(F a) {                                 \
+            return F(PHYSICS_HPP_WRITTEN_ROOT(F, a));                   \
+        }                                                               \
+    };
+
+PHYSICS_HPP_BEGIN
+
+/// What may be wrong with floating-point arithmetic; float_environment() returns a sum of these bits. The values are
+/// written into recordings and never change their meaning.
+enum class float_fault : std::uint32_t {
+    contraction = 1,           ///< a * b + c is rounded once instead of twice (a compiler's fused multiply-add)
+    extended_precision = 2,    ///< intermediate results are wider than their type (x87)
+    reassociation = 4,         ///< sums are regrouped
+    signed_zeros = 8,          ///< the sign of zero is not kept
+    division = 16,             ///< quotients are products with a reciprocal, or estimates
+    square_root = 32,          ///< roots are estimates
+    rounding_mode = 64,        ///< rounding is not to nearest
+    flush_to_zero = 128,       ///< results below the normal range become zero
+    denormals_are_zero = 256,  ///< operands below the normal range count as zero
+};
+
+/// The fault in words, such as `flush to zero`.
+constexpr const char* to_text(float_fault fault) noexcept {
+    switch (fault) {
+        case float_fault::contraction: return "contraction of a * b + c";
+        case float_fault::extended_precision: return "extended precision";
+        case float_fault::reassociation: return "reassociation";
+        case float_fault::signed_zeros: return "lost signs of zeros";
+        case float_fault::division: return "inexact division";
+        case float_fault::square_root: return "inexact square roots";
+        case float_fault::rounding_mode: return "rounding not to nearest";
+        case float_fault::flush_to_zero: return "flush to zero";
+        case float_fault::denormals_are_zero: return "denormals are zero";
+    }
+    return "unknown";
+}
+
+/// All faults of a mask in words, for messages: `contraction of a * b + c, flush to zero`; `none` for 0.
+class float_fault_names {
+public:
+    explicit float_fault_names(std::uint32_t mask) noexcept {
+        std::size_t used = 0;
+        const auto append = [&](const char* word) noexcept {
+            const std::size_t length = std::strlen(word);
+            std::memcpy(text_ + used, word, length);
+            used += length;
+        };
+        for (std::uint32_t bit = 1; bit <= 256; bit *= 2) {
+            if ((mask & bit) == 0) continue;
+            if (used > 0) append(", ");
+            append(to_text(static_cast<float_fault>(bit)));
+        }
+        if (used == 0) append("none");
+    }
+    [[nodiscard]] const char* c_str() const noexcept { return text_; }
+
+private:
+    char text_[256] = {};
+};
+
+namespace detail {
+
+// The control word of this thread's floating-point unit, and the one that the library runs under: round to nearest,
+// subnormals kept. Traps, NaN handling and the flags of past exceptions stay as the user has them.
+#if (defined(__GNUC__) || defined(__clang__)) && defined(__SSE__)
+using float_control = unsigned;
+inline float_control read_float_control() noexcept { return __builtin_ia32_stmxcsr(); }
+inline void write_float_control(float_control word) noexcept {
+    __asm__ volatile("" : : : "memory");
+    __builtin_ia32_ldmxcsr(word);
+    __asm__ volatile("" : : : "memory");
+}
+inline float_control exact_float_control(float_control word) noexcept {
+    return word & ~0xe040u;  // rounding control, flush to zero, denormals are zero
+}
+#elif (defined(__GNUC__) || defined(__clang__)) && defined(__aarch64__)
+using float_control = std::uint64_t;
+inline float_control read_float_control() noexcept {
+    float_control word;
+    __asm__ volatile("mrs %0, fpcr" : "=r"(word));
+    return word;
+}
+inline void write_float_control(float_control word) noexcept {
+    __asm__ volatile("msr fpcr, %0" : : "r"(word) : "memory");
+}
+inline float_control exact_float_control(float_control word) noexcept {
+    return word & ~float_control{0x1c80003};  // RMode, FZ, FZ16, and FIZ, AH of newer processors
+}
+#else
+using float_control = unsigned;
+inline float_control read_float_control() noexcept { return 0; }
+inline void write_float_control(float_control) noexcept {}
+inline float_control exact_float_control(float_control word) noexcept { return word; }
+#endif
+
+}  // namespace detail
+
+/// While it lives, this thread's arithmetic rounds to nearest and keeps subnormal numbers, whatever the program or a
+/// shared library that was linked with -ffast-math has switched on; then the control word is as it was. A step opens
+/// one on every thread that it uses. ~10 ns, ~15 ns where there is something to repair. Does nothing on processors
+/// other than x86 with SSE and 64-bit ARM.
+/// Compilers may move arithmetic on values in registers across it: do the work in a function that is not inlined.
+class float_control_scope {
+public:
+    float_control_scope() noexcept
+        : saved_(detail::read_float_control()), exact_(detail::exact_float_control(saved_)) {
+        if (exact_ != saved_) detail::write_float_control(exact_);
+    }
+    ~float_control_scope() {
+        if (exact_ != saved_) detail::write_float_control(saved_);
+    }
+    float_control_scope(const float_control_scope&) = delete;
+    float_control_scope& operator=(const float_control_scope&) = delete;
+
+private:
+    detail::float_control saved_, exact_;
+};
+
+namespace detail {
+
+PHYSICS_HPP_DEFINE_PROBED_ARITHMETIC(region_arithmetic, PHYSICS_HPP_NOINLINE)
+
+template <class F>
+struct probe_numbers;
+template <>
+struct probe_numbers<float> {
+    using word = std::uint32_t;
+    static constexpr float small = 0x1p-14f, huge = 0x1p80f, lift = 0x1p120f;
+    static constexpr float quotients[3] = {0x1.a1f58ep-4f, 0x1.e0a73p-2f, 0x1.6db6dcp-1f};
+    static constexpr float roots[3] = {0x1.a8872ap+1f, 0x1.deeea2p+1f, 0x1.16f834p+2f};
+};
+template <>
+struct probe_numbers<double> {
+    using word = std::uint64_t;
+    static constexpr double small = 0x1p-30, huge = 0x1p80, lift = 0x1p1000;
+    static constexpr double quotients[3] = {0x1.a1f58d0fac688p-4, 0x1.e0a72f0539783p-2, 0x1.6db6db6db6db7p-1};
+    static constexpr double roots[3] = {0x1.a887293fd6f34p+1, 0x1.deeea11683f49p+1, 0x1.16f8334644df9p+2};
+};
+
+/// x, of which the optimiser knows nothing; rounded to F where registers are wider.
+template <class F>
+F hidden(F x) noexcept {
+    volatile F value = x;
+    return value;
+}
+/// Comparing numbers would take a subnormal for zero where that is the fault.
+template <class F>
+bool is_positive_zero(F x) noexcept {
+    typename probe_numbers<F>::word word;
+    std::memcpy(&word, &x, sizeof x);
+    return word == 0;
+}
+
+constexpr std::uint32_t fault(bool found, float_fault which) noexcept {
+    return found ? static_cast<std::uint32_t>(which) : 0;
+}
+
+/// The faults of the processor's control word.
+template <class A, class F>
+std::uint32_t control_faults() noexcept {
+    using limits = std::numeric_limits<F>;
+    constexpr F one = 1, step = limits::epsilon();
+    const bool up = hidden(A::sum(hidden(one), hidden(step / 4))) != one;
+    const bool down = hidden(A::sum(hidden(one), hidden(step / 4 * 3))) != one + step;
+    const F subnormal = hidden(A::product(hidden(limits::min()), hidden(F(0.5))));
+    const F lifted = hidden(A::product(hidden(limits::denorm_min()), hidden(probe_numbers<F>::lift)));
+    return fault(up || down, float_fault::rounding_mode) |
+           fault(is_positive_zero(subnormal), float_fault::flush_to_zero) |
+           fault(is_positive_zero(lifted), float_fault::denormals_are_zero);
+}
+
+/// The faults of compiled code, under a good control word.
+template <class A, class F>
+std::uint32_t code_faults() noexcept {
+    using numbers = probe_numbers<F>;
+    // The square of 1 + h is 1 + 2h and a rest that F has no bits for.
+    const F factor = hidden(F(1) + numbers::small), square = hidden(F(1) + 2 * numbers::small);
+    const bool extended = A::product_differs(factor, factor, square);
+    const bool contracted = !extended && hidden(A::product_sum(factor, factor, hidden(-square))) != F(0);
+    const bool regrouped = hidden(A::sum_difference(hidden(numbers::huge), hidden(F(1)))) != F(0);
+    const bool signs = !is_positive_zero(hidden(A::sum_with_zero(hidden(-F(0)))));
+    // Numbers whose products with the rounded reciprocal of 49 are off by a unit, and those whose roots by estimate
+    // and Newton step are.
+    const F numerators[3] = {hidden(F(5)), hidden(F(23)), hidden(F(35))};
+    const F radicands[3] = {hidden(F(11)), hidden(F(14)), hidden(F(19))};
+    F quotients[4];
+    A::quotients(numerators, hidden(F(49)), quotients);
+    bool inexact = hidden(quotients[3]) != numbers::quotients[0], estimated = false;
+    for (int i = 0; i < 3; ++i) {
+        inexact = inexact || hidden(quotients[i]) != numbers::quotients[i];
+        estimated = estimated || hidden(A::root(radicands[i])) != numbers::roots[i];
+    }
+    return fault(contracted, float_fault::contraction) | fault(extended, float_fault::extended_precision) |
+           fault(regrouped, float_fault::reassociation) | fault(signs, float_fault::signed_zeros) |
+           fault(inexact, float_fault::division) | fault(estimated, float_fault::square_root);
+}
+
+}  // namespace detail
+
+/// What is wrong with float and double arithmetic in this unit and on this thread, as a sum of float_fault bits; 0 is
+/// well. Looks at the library's own code, or with an argument at the code where that was defined by
+/// PHYSICS_HPP_DEFINE_PROBED_ARITHMETIC. Within a float_control_scope only what that can't repair is left. Where
+/// rounding is off for good, faults of code are not looked for. ~0.1 us.
+template <class Arithmetic = detail::region_arithmetic>
+PHYSICS_HPP_NOINLINE std::uint32_t float_environment() noexcept {
+    const std::uint32_t control =
+        detail::control_faults<Arithmetic, float>() | detail::control_faults<Arithmetic, double>();
+    const float_control_scope scope;
+    const std::uint32_t rest =
+        detail::control_faults<Arithmetic, float>() | detail::control_faults<Arithmetic, double>();
+    if ((rest & static_cast<std::uint32_t>(float_fault::rounding_mode)) != 0) return control;
+    return control | detail::code_faults<Arithmetic, float>() | detail::code_faults<Arithmetic, double>();
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/base/crew.hpp
+// =================================================================================================
+// Executors: who does the parts of a step's work, on one thread or on several.
+
+PHYSICS_HPP_BEGIN
+
+/// Work in parts, as executors get it: to be called once with the number of each part, and with that of the worker who
+/// does it. It throws nothing, and may be called from any thread.
+class work {
+public:
+    template <class F>
+    work(F& f, unsigned char* done, std::uint32_t parts, std::uint32_t workers)
+        : f_(&f),
+          call_([](void* of, std::uint32_t part, std::uint32_t worker) { (*static_cast<F*>(of))(part, worker); }),
+          done_(done),
+          parts_(parts),
+          workers_(workers) {}
+
+    void operator()(std::uint32_t part, std::uint32_t worker) const {
+        if (!(part < parts_ && worker < workers_)) return;
+        const float_control_scope control;
+        call_(f_, part, worker);
+        done_[part] = 1;
+    }
+
+private:
+    void* f_;
+    void (*call_)(void*, std::uint32_t, std::uint32_t);
+    unsigned char* done_;
+    std::uint32_t parts_, workers_;
+};
+
+/// Who may be handed to world::step. workers(): how many can be at work at a time, at least 1, and the same for a whole
+/// step. run(parts, what): calls what(part, worker) once for every part below `parts`, in any order, with numbers of
+/// workers below workers(), never two calls with the same one at a time, and returns when all are done. Results do not
+/// depend on any of it.
+template <class E>
+concept executor = requires(E& e, const work& what) {
+    { e.workers() } -> std::convertible_to<std::uint32_t>;
+    e.run(std::uint32_t{}, what);
+};
+
+namespace detail {
+
+/// An executor without its type, or nobody but the caller.
+class crew {
+public:
+    crew() = default;
+    template <executor E>
+    crew(E& of, buffer<unsigned char>& done)
+        : executor_(&of),
+          run_([](void* e, std::uint32_t parts, const work& what) { static_cast<E*>(e)->run(parts, what); }),
+          done_(&done),
+          workers_(static_cast<std::uint32_t>(of.workers())) {}
+
+    [[nodiscard]] std::uint32_t workers() const { return workers_; }
+    [[nodiscard]] bool is_alone() const { return workers_ == 1; }
+    /// Whether all parts have been done so far.
+    [[nodiscard]] bool is_sound() const { return sound_; }
+
+    /// Calls f(part, worker) for all parts.
+    template <class F>
+    void each(std::uint32_t parts, F&& f) {
+        if (is_alone() || parts < 2) {
+            for (std::uint32_t k = 0; k < parts; ++k) f(k, 0);
+            return;
+        }
+        done_->clear();
+        done_->resize(parts);
+        run_(executor_, parts, work(f, done_->begin(), parts, workers_));
+        for (const unsigned char done : *done_) sound_ = sound_ && done != 0;
+    }
+    /// Calls f(first, end, worker) for all of `count` things, in parts of `share`.
+    template <class F>
+    void each_part(std::uint32_t count, std::uint32_t share, F&& f) {
+        each(count / share + (count % share > 0), [&](std::uint32_t part, std::uint32_t worker) {
+            const std::uint32_t first = part * share;
+            f(first, count - first < share ? count : first + share, worker);
+        });
+    }
+
+private:
+    void* executor_ = nullptr;
+    void (*run_)(void*, std::uint32_t, const work&) = nullptr;
+    buffer<unsigned char>* done_ = nullptr;
+    std::uint32_t workers_ = 1;
+    bool sound_ = true;
+};
+
+/// One T for each worker, which outlive a step so that their memory does. A copy starts with fresh ones.
+template <class T>
+class per_worker {
+public:
+    per_worker() = default;
+    per_worker(const per_worker&) {}
+    per_worker(per_worker&& other) noexcept { swap(other); }
+    per_worker& operator=(const per_worker&) { return *this; }
+    per_worker& operator=(per_worker&& other) noexcept {
+        per_worker taken(std::move(other));
+        swap(taken);
+        return *this;
+    }
+    ~per_worker() { delete[] more_; }
+
+    T& operator[](std::uint32_t worker) { return worker == 0 ? first_ : more_[worker - 1]; }
+    void prepare(std::uint32_t workers) {
+        if (workers <= count_) return;
+        T* const more = new T[workers - 1];
+        for (std::uint32_t k = 1; k < count_; ++k) more[k - 1] = std::move(more_[k - 1]);
+        delete[] more_;
+        more_ = more;
+        count_ = workers;
+    }
+
+private:
+    void swap(per_worker& other) noexcept {
+        std::swap(first_, other.first_);
+        std::swap(more_, other.more_);
+        std::swap(count_, other.count_);
+    }
+
+    T first_;
+    T* more_ = nullptr;
+    std::uint32_t count_ = 1;
+};
 
 }  // namespace detail
 
@@ -2983,268 +3382,6 @@ private:
     std::uint32_t free_ = none;
     std::uint32_t count_ = 0;
 };
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/base/probe.hpp
-// =================================================================================================
-// The floating-point environment: a proof at run time that arithmetic rounds as it should, and a guard that sees to it.
-
-// What the probe looks at: arithmetic that is compiled where the macro stands, by the rules that hold there. Hence
-// no function may be inlined. Define one in your own code to learn about that: float_environment<Name>().
-#if defined(__GNUC__) || defined(__clang__)
-#define PHYSICS_HPP_NOINLINE __attribute__((noinline))
-#define PHYSICS_HPP_WRITTEN_ROOT(F, x) (sizeof(F) == 4 ? F(__builtin_sqrtf(float(x))) : F(__builtin_sqrt(double(x))))
-#else
-#define PHYSICS_HPP_NOINLINE __declspec(noinline)
-#define PHYSICS_HPP_WRITTEN_ROOT(F, x) ::physics::detail::hardware_root(x)
-#endif
-#define PHYSICS_HPP_DEFINE_PROBED_ARITHMETIC(Name, Attributes)          \
-    struct Name {                                                       \
-        template <class F>                                              \
-        Attributes static F sum(F a, F b) {                             \
-            return a + b;                                               \
-        }                                                               \
-        template <class F>                                              \
-        Attributes static F product(F a, F b) {                         \
-            return a * b;                                               \
-        }                                                               \
-        template <class F>                                              \
-        Attributes static bool product_differs(F a, F b, F expected) {  \
-            return a * b != expected;                                   \
-        }                                                               \
-        template <class F>                                              \
-        Attributes static F product_sum(F a, F b, F c) {                \
-            return a * b + c;                                           \
-        }                                                               \
-        template <class F>                                              \
-        Attributes static F sum_difference(F a, F b) {                  \
-            return (a + b) - a;                                         \
-        }                                                               \
-        template <class F>                                              \
-        Attributes static F sum_with_zero(F a) {                        \
-            return a + F(0);                                            \
-        }                                                               \
-        template <class F>                                              \
-        Attributes static void quotients(const F* a, F b, F* results) { \
-            for (int i = 0; i < 3; ++i) results[i] = a[i] / b;          \
-            results[3] = a[0] / F(49);                                  \
-        }                                                               \
-        template <class F>                                              \
-        Attributes static F root(F a) {                                 \
-            return F(PHYSICS_HPP_WRITTEN_ROOT(F, a));                   \
-        }                                                               \
-    };
-
-PHYSICS_HPP_BEGIN
-
-/// What may be wrong with floating-point arithmetic; float_environment() returns a sum of these bits. The values are
-/// written into recordings and never change their meaning.
-enum class float_fault : std::uint32_t {
-    contraction = 1,           ///< a * b + c is rounded once instead of twice (a compiler's fused multiply-add)
-    extended_precision = 2,    ///< intermediate results are wider than their type (x87)
-    reassociation = 4,         ///< sums are regrouped
-    signed_zeros = 8,          ///< the sign of zero is not kept
-    division = 16,             ///< quotients are products with a reciprocal, or estimates
-    square_root = 32,          ///< roots are estimates
-    rounding_mode = 64,        ///< rounding is not to nearest
-    flush_to_zero = 128,       ///< results below the normal range become zero
-    denormals_are_zero = 256,  ///< operands below the normal range count as zero
-};
-
-/// The fault in words, such as `flush to zero`.
-constexpr const char* to_text(float_fault fault) noexcept {
-    switch (fault) {
-        case float_fault::contraction: return "contraction of a * b + c";
-        case float_fault::extended_precision: return "extended precision";
-        case float_fault::reassociation: return "reassociation";
-        case float_fault::signed_zeros: return "lost signs of zeros";
-        case float_fault::division: return "inexact division";
-        case float_fault::square_root: return "inexact square roots";
-        case float_fault::rounding_mode: return "rounding not to nearest";
-        case float_fault::flush_to_zero: return "flush to zero";
-        case float_fault::denormals_are_zero: return "denormals are zero";
-    }
-    return "unknown";
-}
-
-/// All faults of a mask in words, for messages: `contraction of a * b + c, flush to zero`; `none` for 0.
-class float_fault_names {
-public:
-    explicit float_fault_names(std::uint32_t mask) noexcept {
-        std::size_t used = 0;
-        const auto append = [&](const char* word) noexcept {
-            const std::size_t length = std::strlen(word);
-            std::memcpy(text_ + used, word, length);
-            used += length;
-        };
-        for (std::uint32_t bit = 1; bit <= 256; bit *= 2) {
-            if ((mask & bit) == 0) continue;
-            if (used > 0) append(", ");
-            append(to_text(static_cast<float_fault>(bit)));
-        }
-        if (used == 0) append("none");
-    }
-    [[nodiscard]] const char* c_str() const noexcept { return text_; }
-
-private:
-    char text_[256] = {};
-};
-
-namespace detail {
-
-// The control word of this thread's floating-point unit, and the one that the library runs under: round to nearest,
-// subnormals kept. Traps, NaN handling and the flags of past exceptions stay as the user has them.
-#if (defined(__GNUC__) || defined(__clang__)) && defined(__SSE__)
-using float_control = unsigned;
-inline float_control read_float_control() noexcept { return __builtin_ia32_stmxcsr(); }
-inline void write_float_control(float_control word) noexcept {
-    __asm__ volatile("" : : : "memory");
-    __builtin_ia32_ldmxcsr(word);
-    __asm__ volatile("" : : : "memory");
-}
-inline float_control exact_float_control(float_control word) noexcept {
-    return word & ~0xe040u;  // rounding control, flush to zero, denormals are zero
-}
-#elif (defined(__GNUC__) || defined(__clang__)) && defined(__aarch64__)
-using float_control = std::uint64_t;
-inline float_control read_float_control() noexcept {
-    float_control word;
-    __asm__ volatile("mrs %0, fpcr" : "=r"(word));
-    return word;
-}
-inline void write_float_control(float_control word) noexcept {
-    __asm__ volatile("msr fpcr, %0" : : "r"(word) : "memory");
-}
-inline float_control exact_float_control(float_control word) noexcept {
-    return word & ~float_control{0x1c80003};  // RMode, FZ, FZ16, and FIZ, AH of newer processors
-}
-#else
-using float_control = unsigned;
-inline float_control read_float_control() noexcept { return 0; }
-inline void write_float_control(float_control) noexcept {}
-inline float_control exact_float_control(float_control word) noexcept { return word; }
-#endif
-
-}  // namespace detail
-
-/// While it lives, this thread's arithmetic rounds to nearest and keeps subnormal numbers, whatever the program or a
-/// shared library that was linked with -ffast-math has switched on; then the control word is as it was. A step opens
-/// one on every thread that it uses. ~10 ns, ~15 ns where there is something to repair. Does nothing on processors
-/// other than x86 with SSE and 64-bit ARM.
-/// Compilers may move arithmetic on values in registers across it: do the work in a function that is not inlined.
-class float_control_scope {
-public:
-    float_control_scope() noexcept
-        : saved_(detail::read_float_control()), exact_(detail::exact_float_control(saved_)) {
-        if (exact_ != saved_) detail::write_float_control(exact_);
-    }
-    ~float_control_scope() {
-        if (exact_ != saved_) detail::write_float_control(saved_);
-    }
-    float_control_scope(const float_control_scope&) = delete;
-    float_control_scope& operator=(const float_control_scope&) = delete;
-
-private:
-    detail::float_control saved_, exact_;
-};
-
-namespace detail {
-
-PHYSICS_HPP_DEFINE_PROBED_ARITHMETIC(region_arithmetic, PHYSICS_HPP_NOINLINE)
-
-template <class F>
-struct probe_numbers;
-template <>
-struct probe_numbers<float> {
-    using word = std::uint32_t;
-    static constexpr float small = 0x1p-14f, huge = 0x1p80f, lift = 0x1p120f;
-    static constexpr float quotients[3] = {0x1.a1f58ep-4f, 0x1.e0a73p-2f, 0x1.6db6dcp-1f};
-    static constexpr float roots[3] = {0x1.a8872ap+1f, 0x1.deeea2p+1f, 0x1.16f834p+2f};
-};
-template <>
-struct probe_numbers<double> {
-    using word = std::uint64_t;
-    static constexpr double small = 0x1p-30, huge = 0x1p80, lift = 0x1p1000;
-    static constexpr double quotients[3] = {0x1.a1f58d0fac688p-4, 0x1.e0a72f0539783p-2, 0x1.6db6db6db6db7p-1};
-    static constexpr double roots[3] = {0x1.a887293fd6f34p+1, 0x1.deeea11683f49p+1, 0x1.16f8334644df9p+2};
-};
-
-/// x, of which the optimiser knows nothing; rounded to F where registers are wider.
-template <class F>
-F hidden(F x) noexcept {
-    volatile F value = x;
-    return value;
-}
-/// Comparing numbers would take a subnormal for zero where that is the fault.
-template <class F>
-bool is_positive_zero(F x) noexcept {
-    typename probe_numbers<F>::word word;
-    std::memcpy(&word, &x, sizeof x);
-    return word == 0;
-}
-
-constexpr std::uint32_t fault(bool found, float_fault which) noexcept {
-    return found ? static_cast<std::uint32_t>(which) : 0;
-}
-
-/// The faults of the processor's control word.
-template <class A, class F>
-std::uint32_t control_faults() noexcept {
-    using limits = std::numeric_limits<F>;
-    constexpr F one = 1, step = limits::epsilon();
-    const bool up = hidden(A::sum(hidden(one), hidden(step / 4))) != one;
-    const bool down = hidden(A::sum(hidden(one), hidden(step / 4 * 3))) != one + step;
-    const F subnormal = hidden(A::product(hidden(limits::min()), hidden(F(0.5))));
-    const F lifted = hidden(A::product(hidden(limits::denorm_min()), hidden(probe_numbers<F>::lift)));
-    return fault(up || down, float_fault::rounding_mode) |
-           fault(is_positive_zero(subnormal), float_fault::flush_to_zero) |
-           fault(is_positive_zero(lifted), float_fault::denormals_are_zero);
-}
-
-/// The faults of compiled code, under a good control word.
-template <class A, class F>
-std::uint32_t code_faults() noexcept {
-    using numbers = probe_numbers<F>;
-    // The square of 1 + h is 1 + 2h and a rest that F has no bits for.
-    const F factor = hidden(F(1) + numbers::small), square = hidden(F(1) + 2 * numbers::small);
-    const bool extended = A::product_differs(factor, factor, square);
-    const bool contracted = !extended && hidden(A::product_sum(factor, factor, hidden(-square))) != F(0);
-    const bool regrouped = hidden(A::sum_difference(hidden(numbers::huge), hidden(F(1)))) != F(0);
-    const bool signs = !is_positive_zero(hidden(A::sum_with_zero(hidden(-F(0)))));
-    // Numbers whose products with the rounded reciprocal of 49 are off by a unit, and those whose roots by estimate
-    // and Newton step are.
-    const F numerators[3] = {hidden(F(5)), hidden(F(23)), hidden(F(35))};
-    const F radicands[3] = {hidden(F(11)), hidden(F(14)), hidden(F(19))};
-    F quotients[4];
-    A::quotients(numerators, hidden(F(49)), quotients);
-    bool inexact = hidden(quotients[3]) != numbers::quotients[0], estimated = false;
-    for (int i = 0; i < 3; ++i) {
-        inexact = inexact || hidden(quotients[i]) != numbers::quotients[i];
-        estimated = estimated || hidden(A::root(radicands[i])) != numbers::roots[i];
-    }
-    return fault(contracted, float_fault::contraction) | fault(extended, float_fault::extended_precision) |
-           fault(regrouped, float_fault::reassociation) | fault(signs, float_fault::signed_zeros) |
-           fault(inexact, float_fault::division) | fault(estimated, float_fault::square_root);
-}
-
-}  // namespace detail
-
-/// What is wrong with float and double arithmetic in this unit and on this thread, as a sum of float_fault bits; 0 is
-/// well. Looks at the library's own code, or with an argument at the code where that was defined by
-/// PHYSICS_HPP_DEFINE_PROBED_ARITHMETIC. Within a float_control_scope only what that can't repair is left. Where
-/// rounding is off for good, faults of code are not looked for. ~0.1 us.
-template <class Arithmetic = detail::region_arithmetic>
-PHYSICS_HPP_NOINLINE std::uint32_t float_environment() noexcept {
-    const std::uint32_t control =
-        detail::control_faults<Arithmetic, float>() | detail::control_faults<Arithmetic, double>();
-    const float_control_scope scope;
-    const std::uint32_t rest =
-        detail::control_faults<Arithmetic, float>() | detail::control_faults<Arithmetic, double>();
-    if ((rest & static_cast<std::uint32_t>(float_fault::rounding_mode)) != 0) return control;
-    return control | detail::code_faults<Arithmetic, float>() | detail::code_faults<Arithmetic, double>();
-}
 
 PHYSICS_HPP_END
 
@@ -19156,11 +19293,16 @@ struct alignas(16) solver_body {
     }
 };
 
-/// The bodies of a step by their numbers; the last one is nobody, whom nothing moves.
+/// Bodies by their numbers. After those that may move comes nobody, whom nothing moves, and a spare one, so that what
+/// works in lanes can write somewhere.
 template <class S, int D>
 struct solver_bodies {
     solver_body<S, D>* first;
+    /// With the last two.
     std::uint32_t count;
+
+    [[nodiscard]] std::uint32_t nobody() const { return count - 2; }
+    [[nodiscard]] std::uint32_t spare() const { return count - 1; }
 
     solver_body<S, D>& operator[](std::uint32_t i) const { return first[i]; }
 };
@@ -19431,18 +19573,25 @@ void inherit_impulses(const contact<S, D>& old, const tangents<S, D>& frame, con
         c.rolling_impulse = same_moment(old_frame, frame, old.rolling_impulse);
 }
 
-/// Hands the impulses of last step's contacts to the same features of this step's. Both lists are in
-/// ascending order of their pairs, so one walk along both finds the matches: O(n), no hashing; a pair of several
-/// contacts is searched whole. Points that are new start from zero: only what outlives a step is warm.
+/// Hands the impulses of last step's contacts to the same features of some of this step's. Both lists are in ascending
+/// order of their pairs, so one walk along both finds the matches: O(n), no hashing; a pair of several contacts is
+/// searched whole. Points that are new start from zero: only what outlives a step is warm.
 template <class S, int D>
-void inherit_impulses(const buffer<contact<S, D>>& before, buffer<contact<S, D>>& now) {
+void inherit_impulses(const buffer<contact<S, D>>& before, contact<S, D>* first, const contact<S, D>* end) {
+    if (first == end) return;
     std::uint32_t i = 0;
-    for (contact<S, D>& c : now) {
-        while (i < before.size() && before[i].key() < c.key()) ++i;
+    for (std::uint32_t size = before.size(); size > 0;) {
+        const std::uint32_t half = size / 2;
+        const bool is_before = before[i + half].key() < first->key();
+        i += is_before ? half + 1 : 0;
+        size = is_before ? size - half - 1 : half;
+    }
+    for (; first != end; ++first) {
+        while (i < before.size() && before[i].key() < first->key()) ++i;
         if (i == before.size()) return;
-        const tangents<S, D> frame(c.normal);
-        for (std::uint32_t n = i; n < before.size() && before[n].key() == c.key(); ++n)
-            inherit_impulses(before[n], frame, c);
+        const tangents<S, D> frame(first->normal);
+        for (std::uint32_t n = i; n < before.size() && before[n].key() == first->key(); ++n)
+            inherit_impulses(before[n], frame, *first);
     }
 }
 
@@ -19556,12 +19705,14 @@ private:
 
 namespace detail {
 
-/// Islands of a step that are solved together: which slots its bodies have, the last one being nobody's, and which part
-/// of the order of contacts it is.
+/// Islands of a step that are solved together: which slots its bodies have, with nobody's and a spare one after them,
+/// and which part of the order of contacts it is.
 struct batch {
     std::uint32_t bodies, nobody, contacts, end;
 
-    [[nodiscard]] std::uint32_t size() const { return nobody + 1 - bodies; }
+    [[nodiscard]] std::uint32_t slots() const { return nobody + 2 - bodies; }
+    /// How much work there is in it.
+    [[nodiscard]] std::uint32_t weight() const { return nobody - bodies + end - contacts; }
 };
 
 /// The batches of a step. Bodies that can be pushed have one slot; those that only push have another one in each batch
@@ -19620,7 +19771,7 @@ private:
     void put_all_into_one() {
         result_.first = new (scratch_.take<batch>(1)) batch{0, bodies_, 0, contacts_};
         result_.count = 1;
-        result_.slots = bodies_ + 1;
+        result_.slots = result_.first->slots();
         for (std::uint32_t n = 0; n < contacts_; ++n) result_.order[n] = n;
         result_.body_at = scratch_.take<std::uint32_t>(result_.slots);
         for (std::uint32_t i = 0; i < bodies_; ++i) result_.slot_of[i] = result_.body_at[i] = i;
@@ -19663,7 +19814,7 @@ private:
     void place_bodies() {
         batch* const first = result_.first = scratch_.take<batch>(result_.count);
         auto* room = scratch_.take<std::uint32_t>(result_.count);
-        for (std::uint32_t k = 0; k < result_.count; ++k) new (first + k) batch{0, 0, 0, 0}, room[k] = 1;
+        for (std::uint32_t k = 0; k < result_.count; ++k) new (first + k) batch{0, 0, 0, 0}, room[k] = 2;
         for (std::uint32_t i = 0; i < bodies_; ++i) ++room[batch_of_[i]];
         for (std::uint32_t n = 0; n < contacts_; ++n) {
             const auto [a, b] = ends_[n];
@@ -19696,11 +19847,14 @@ private:
     /// Gives bodies that push something in a batch, and are not of it, a slot there.
     void invite(batch& to, const ends& of) {
         for (const std::uint32_t body : {of.a, of.b})
-            if (body < bodies_ && !(copy_of_[body] >= to.bodies && copy_of_[body] < to.nobody))
-                copy_of_[body] = add(to, body);
+            if (body < bodies_ && !has(to, slot_in(to, body))) copy_of_[body] = add(to, body);
     }
-    [[nodiscard]] std::uint32_t number_in(const batch& in, std::uint32_t body) const {
-        return (body < bodies_ ? copy_of_[body] : in.nobody) - in.bodies;
+    static bool has(const batch& of, std::uint32_t slot) { return slot >= of.bodies && slot < of.nobody; }
+    [[nodiscard]] std::uint32_t slot_in(const batch& of, std::uint32_t body) const {
+        return has(of, result_.slot_of[body]) ? result_.slot_of[body] : copy_of_[body];
+    }
+    [[nodiscard]] std::uint32_t number_in(const batch& of, std::uint32_t body) const {
+        return (body < bodies_ ? slot_in(of, body) : of.nobody) - of.bodies;
     }
 
     arena& scratch_;
@@ -19839,26 +19993,31 @@ struct contact_colours {
     bool last_is_serial = false;
 };
 
-/// Colours contacts greedily in their order: first those between two bodies that can be pushed, then the others in
-/// colours of their own, so that what holds the pile acts last. O(contacts). Source: Catto, Solver2D (2024); greedy
-/// edge colouring.
+/// Colours contacts greedily in their order: first those between two bodies that can be pushed, then in colours of
+/// their own those that push only A and those that push only B, so that what holds the pile acts last, and all of a
+/// colour push the same sides. O(contacts). Source: Catto, Solver2D (2024); greedy edge colouring.
 template <class S, int D>
 contact_colours colour(const contact_list<S, D>& contacts, solver_bodies<S, D> bodies, arena& scratch) {
     const std::uint32_t count = contacts.size();
     auto* used = scratch.template take<std::uint64_t>(bodies.count);
+    // Until a contact has its colour, which sides it pushes.
     auto* colour_of = scratch.template take<std::uint8_t>(count);
     contact_colours result;
     result.order = scratch.template take<std::uint32_t>(count);
     std::uint32_t sizes[contact_colours::most] = {}, first = 0;
     constexpr std::uint32_t serial = contact_colours::most - 1;
+    constexpr std::uint8_t waits = 128, pushes_a = 1, pushes_b = 2, pushes_both = 3;
     const auto is_pushed = [&](std::uint32_t i) { return bodies[i].inverse_mass > inverse_of<S>(0); };
-    for (const bool between_two : {true, false}) {
+    for (std::uint32_t i = 0; i < count; ++i)
+        colour_of[i] = static_cast<std::uint8_t>(waits | (is_pushed(contacts[i].body_a) ? pushes_a : 0) |
+                                                 (is_pushed(contacts[i].body_b) ? pushes_b : 0));
+    for (const std::uint8_t sides : {pushes_both, pushes_a, pushes_b, std::uint8_t{0}}) {
         for (std::uint32_t i = 0; i < bodies.count; ++i) used[i] = 0;
         std::uint32_t end = first;
         for (std::uint32_t i = 0; i < count; ++i) {
+            if (colour_of[i] != (waits | sides)) continue;
             const auto& c = contacts[i];
-            const bool a = is_pushed(c.body_a), b = is_pushed(c.body_b);
-            if ((a && b) != between_two) continue;
+            const bool a = (sides & pushes_a) != 0, b = (sides & pushes_b) != 0;
             const std::uint64_t taken = (a ? used[c.body_a] : 0) | (b ? used[c.body_b] : 0);
             const auto free = static_cast<std::uint32_t>(std::countr_one(taken));
             const std::uint32_t colour = first + free < serial ? first + free : serial;
@@ -21009,6 +21168,8 @@ struct soft_contact2 {
     int point_count = 0;
     /// Whether any point bounces.
     bool bounces = false;
+    /// Whether the contacts push their bodies, which is the same for all lanes.
+    bool moves_a = false, moves_b = false;
     [[no_unique_address]] extras_of_block<S, W, 2, Features> extras;
 
     /// Writes a contact into a lane.
@@ -21081,8 +21242,8 @@ struct soft_contact2 {
         if constexpr (Features::rolling_resistance)
             if (extras.at != nullptr) moment = moment + P::load(extras.at->impulse);
         push(f, load, rub, moment, at_a, at_b);
-        at_a.store(bodies, a);
-        at_b.store(bodies, b);
+        if (moves_a) at_a.store(bodies, a);
+        if (moves_b) at_b.store(bodies, b);
     }
     /// One round over the contacts: the points one after the other, then friction by their load. While overlaps are
     /// pushed apart friction rests: it would act against what the springs do, and piles would sway.
@@ -21097,8 +21258,8 @@ struct soft_contact2 {
         push_points(f, speed, at_a, at_b, [&](point& p, const P& v) { return next_impulse(p, v, way.at(p), how); });
         if constexpr (Features::friction)
             if (!how.pushes) rub(f, at_a, at_b);
-        at_a.store(bodies, a);
-        at_b.store(bodies, b);
+        if (moves_a) at_a.store(bodies, a);
+        if (moves_b) at_b.store(bodies, b);
     }
     void bounce(body* bodies) requires Features::restitution {
         if (!bounces) return;
@@ -21108,8 +21269,8 @@ struct soft_contact2 {
         at_b.load(bodies, b);
         const relative_motion speed(f, at_a.velocity, at_b.velocity);
         push_points(f, speed, at_a, at_b, [](point& p, const P& v) { return bounce_impulse(p, v); });
-        at_a.store(bodies, a);
-        at_b.store(bodies, b);
+        if (moves_a) at_a.store(bodies, a);
+        if (moves_b) at_b.store(bodies, b);
     }
 
 private:
@@ -21178,8 +21339,8 @@ private:
         const P arm = P::load(extras.at->arm), zero = P::broadcast(S(0));
         w_a = select_greater(arm, zero, w_a - mul<S>(Q::load(inertia_a), by), w_a);
         w_b = select_greater(arm, zero, w_b + mul<S>(Q::load(inertia_b), by), w_b);
-        at_a.store(bodies, a);
-        at_b.store(bodies, b);
+        if (moves_a) at_a.store(bodies, a);
+        if (moves_b) at_b.store(bodies, b);
     }
     /// Impulses along the normal and the tangent at the middle, and an angular one, from A on B.
     PHYSICS_HPP_ALWAYS_INLINE void push(const frame_lanes& f, const P& along, const P& across, const P& moment,
@@ -21235,6 +21396,8 @@ struct soft_contact3 {
     int point_count = 0;
     /// Whether any point bounces.
     bool bounces = false;
+    /// Whether the contacts push their bodies, which is the same for all lanes.
+    bool moves_a = false, moves_b = false;
     [[no_unique_address]] extras_of_block<S, W, 3, Features> extras;
 
     /// Writes a contact into a lane.
@@ -21321,8 +21484,8 @@ struct soft_contact3 {
             moment = lane_add(moment, {f.n.x * last.twist, f.n.y * last.twist, f.n.z * last.twist});
         }
         push(f, impulse, moment, at_a, at_b);
-        at_a.store(bodies, a);
-        at_b.store(bodies, b);
+        if (moves_a) at_a.store(bodies, a);
+        if (moves_b) at_b.store(bodies, b);
     }
 
     /// One round over the contacts: the points one after the other, then friction by their load. While overlaps are
@@ -21338,8 +21501,8 @@ struct soft_contact3 {
         push_points(f, speed, at_a, at_b, [&](point& p, const P& v) { return next_impulse(p, v, way.at(p), how); });
         if constexpr (Features::friction)
             if (!how.pushes) rub(f, at_a, at_b);
-        at_a.store(bodies, a);
-        at_b.store(bodies, b);
+        if (moves_a) at_a.store(bodies, a);
+        if (moves_b) at_b.store(bodies, b);
     }
     void bounce(body* bodies) requires Features::restitution {
         if (!bounces) return;
@@ -21349,8 +21512,8 @@ struct soft_contact3 {
         at_b.load(bodies, b);
         const relative_motion speed(f, at_a.velocity, at_b.velocity);
         push_points(f, speed, at_a, at_b, [](point& p, const P& v) { return bounce_impulse(p, v); });
-        at_a.store(bodies, a);
-        at_b.store(bodies, b);
+        if (moves_a) at_a.store(bodies, a);
+        if (moves_b) at_b.store(bodies, b);
     }
 
 private:
@@ -21442,8 +21605,8 @@ private:
         };
         where_it_acts(at_a.velocity.angular, lane_subtract(at_a.velocity.angular, turned_by(inertia_a, moment)));
         where_it_acts(at_b.velocity.angular, lane_add(at_b.velocity.angular, turned_by(inertia_b, moment)));
-        at_a.store(bodies, a);
-        at_b.store(bodies, b);
+        if (moves_a) at_a.store(bodies, a);
+        if (moves_b) at_b.store(bodies, b);
     }
     /// An impulse at the middle and an angular impulse, from A on B.
     PHYSICS_HPP_ALWAYS_INLINE void push(const frame_lanes& f, const lanes3<P>& impulse, const lanes3<P>& moment,
@@ -21532,21 +21695,14 @@ struct soft_step_with {
         static constexpr int D = Space::dimension;
         using settings = soft_step_settings<S>;
 
-        /// Advances velocities and poses by h: `motion` offers advance_velocities(h) and advance_poses(h).
+        /// Advances velocities and poses by h: `motion` offers advance_velocities(h) and advance_poses(h). With several
+        /// hands, contacts of one colour are shared out.
         template <class Motion>
         static void solve(solver_bodies<S, D> all, contact_list<S, D> contacts, const settings& with, S h,
-                          arena& scratch, Motion&& motion) {
-            // Idle lanes push nobody.
-            const std::uint32_t nobody = all.count - 1;
+                          arena& scratch, Motion&& motion, detail::crew& hands) {
             solver_body<S, D>* const bodies = all.first;
-            const detail::contact_colours colours = detail::colour(contacts, all, scratch);
-            std::uint32_t count = 0;
-            for (std::uint32_t k = 0; k < colours.count; ++k) count += blocks_of(colours, k);
-            block* blocks = scratch.template take<block>(count);
-            std::uint32_t* numbers = scratch.template take<std::uint32_t>(count * width);
-            const detail::soft_start<S> start{h, S(1) / S(with.substeps), with.restitution_slop};
-            pack_blocks(colours, contacts, bodies, nobody, start, scratch, blocks, numbers);
-
+            const blocks_in_colours blocks = pack(contacts, all, {h, S(1) / S(with.substeps), with.restitution_slop},
+                                                  scratch);
             const S part = h / S(with.substeps);
             const S frequency = with.stiffness / part;
             const bool capped = with.frequency_cap > S(0) && with.frequency_cap < frequency;
@@ -21557,21 +21713,25 @@ struct soft_step_with {
             relax.pushes = false;
             for (int i = 0; i < with.substeps; ++i) {
                 motion.advance_velocities(part);
-                for (std::uint32_t k = 0; k < count; ++k) blocks[k].warm_start(bodies);
-                for (std::uint32_t k = 0; k < count; ++k) blocks[k].solve(bodies, press);
-                for (std::uint32_t k = 0; k < nobody; ++k) {
+                blocks.each(hands, [bodies](block& b) { b.warm_start(bodies); });
+                blocks.each(hands, [bodies, &press](block& b) { b.solve(bodies, press); });
+                for (std::uint32_t k = 0; k < all.nobody(); ++k) {
                     bodies[k].way.linear += bodies[k].velocity.linear * part;
                     bodies[k].way.angular += bodies[k].velocity.angular * part;
                 }
                 motion.advance_poses(part);
-                for (std::uint32_t k = 0; k < count; ++k) blocks[k].solve(bodies, relax);
+                blocks.each(hands, [bodies, &relax](block& b) { b.solve(bodies, relax); });
             }
-            if constexpr (Features::restitution)
-                for (std::uint32_t k = 0; k < count; ++k) blocks[k].bounce(bodies);
-            for (std::uint32_t k = 0; k < count; ++k)
-                for (int lane = 0; lane < width; ++lane)
-                    if (const std::uint32_t n = numbers[k * width + static_cast<std::uint32_t>(lane)]; n != none)
-                        blocks[k].take(lane, contacts[n]);
+            if constexpr (Features::restitution) blocks.each(hands, [bodies](block& b) { b.bounce(bodies); });
+            hands.each_part(blocks.count(), share, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
+                for (std::uint32_t k = first; k < end; ++k) blocks.take(k, contacts);
+            });
+        }
+        template <class Motion>
+        static void solve(solver_bodies<S, D> all, contact_list<S, D> contacts, const settings& with, S h,
+                          arena& scratch, Motion&& motion) {
+            detail::crew nobody_else;
+            solve(all, contacts, with, h, scratch, motion, nobody_else);
         }
 
     private:
@@ -21580,32 +21740,82 @@ struct soft_step_with {
         using block = std::conditional_t<D == 2, detail::soft_contact2<S, width, Features>,
                                          detail::soft_contact3<S, width, Features, Friction>>;
 
-        /// Contacts of a block in one group: one where they may push the same body.
-        static std::uint32_t share_of(const detail::contact_colours& colours, std::uint32_t group) {
-            return colours.last_is_serial && group + 1 == colours.count ? 1 : std::uint32_t{width};
-        }
-        static std::uint32_t blocks_of(const detail::contact_colours& colours, std::uint32_t group) {
-            const std::uint32_t share = share_of(colours, group);
-            return (colours.begin[group + 1] - colours.begin[group] + share - 1) / share;
-        }
-        static void pack_blocks(const detail::contact_colours& colours, const contact_list<S, D>& contacts,
-                                const solver_body<S, D>* bodies, std::uint32_t nobody,
-                                const detail::soft_start<S>& with, arena& scratch, block* blocks,
-                                std::uint32_t* numbers) {
-            for (std::uint32_t group = 0; group < colours.count; ++group) {
-                const std::uint32_t share = share_of(colours, group);
-                for (std::uint32_t at = colours.begin[group]; at < colours.begin[group + 1]; at += share) {
-                    block& to = *new (blocks++) block{};
-                    for (std::uint32_t lane = 0; lane < std::uint32_t{width}; ++lane) {
-                        const bool used = lane < share && at + lane < colours.begin[group + 1];
-                        const std::uint32_t n = used ? colours.order[at + lane] : none;
-                        *numbers++ = n;
-                        const int at_lane = static_cast<int>(lane);
-                        if (used) to.put(at_lane, contacts[n], bodies, with, scratch);
-                        else to.a[lane] = to.b[lane] = nobody;
-                    }
+        /// So many blocks are worth handing to somebody else.
+        static constexpr std::uint32_t share = 16;
+
+        struct blocks_in_colours {
+            block* first;
+            /// Of each lane of each block its contact.
+            std::uint32_t* numbers;
+            /// Where the blocks of each colour begin, and after the last one.
+            std::uint32_t begin[detail::contact_colours::most + 1];
+            std::uint32_t colours;
+            bool last_is_serial;
+
+            [[nodiscard]] std::uint32_t count() const { return begin[colours]; }
+
+            template <class F>
+            void each(detail::crew& hands, F&& f) const {
+                if (hands.is_alone()) {
+                    for (std::uint32_t k = 0; k < count(); ++k) f(first[k]);
+                    return;
+                }
+                for (std::uint32_t group = 0; group < colours; ++group) {
+                    const std::uint32_t from = begin[group], size = begin[group + 1] - from;
+                    const bool is_serial = last_is_serial && group + 1 == colours;
+                    hands.each_part(size, is_serial ? size : share,
+                                    [&](std::uint32_t start, std::uint32_t end, std::uint32_t) {
+                                        for (std::uint32_t k = start; k < end; ++k) f(first[from + k]);
+                                    });
                 }
             }
+            /// Hands a block's impulses to its contacts.
+            void take(std::uint32_t k, const contact_list<S, D>& contacts) const {
+                for (int lane = 0; lane < width; ++lane)
+                    if (const std::uint32_t n = numbers[k * width + static_cast<std::uint32_t>(lane)]; n != none)
+                        first[k].take(lane, contacts[n]);
+            }
+        };
+        static blocks_in_colours pack(const contact_list<S, D>& contacts, solver_bodies<S, D> bodies,
+                                      const detail::soft_start<S>& with, arena& scratch) {
+            const detail::contact_colours colours = detail::colour(contacts, bodies, scratch);
+            blocks_in_colours result;
+            result.colours = colours.count;
+            result.last_is_serial = colours.last_is_serial;
+            std::uint32_t count = 0;
+            for (std::uint32_t group = 0; group < colours.count; ++group) {
+                // Contacts of a block in one group: one where they may push the same body.
+                const bool is_serial = colours.last_is_serial && group + 1 == colours.count;
+                const std::uint32_t size = colours.begin[group + 1] - colours.begin[group];
+                result.begin[group] = count;
+                count += is_serial ? size : (size + width - 1) / width;
+            }
+            result.begin[colours.count] = count;
+            result.first = scratch.template take<block>(count);
+            result.numbers = scratch.template take<std::uint32_t>(count * width);
+            for (std::uint32_t group = 0; group < colours.count; ++group) {
+                const bool is_serial = colours.last_is_serial && group + 1 == colours.count;
+                const std::uint32_t lanes = is_serial ? 1 : width, from = result.begin[group];
+                for (std::uint32_t k = from; k < result.begin[group + 1]; ++k) {
+                    const std::uint32_t at = colours.begin[group] + (k - from) * lanes;
+                    const std::uint32_t rest = colours.begin[group + 1] - at;
+                    fill(result.first[k], result.numbers + k * width, colours.order + at, rest < lanes ? rest : lanes,
+                         contacts, bodies, with, scratch);
+                }
+            }
+            return result;
+        }
+        static void fill(block& place, std::uint32_t* numbers, const std::uint32_t* order, std::uint32_t used,
+                         const contact_list<S, D>& contacts, solver_bodies<S, D> bodies,
+                         const detail::soft_start<S>& with, arena& scratch) {
+            block& to = *new (&place) block{};
+            for (std::uint32_t lane = 0; lane < std::uint32_t{width}; ++lane) {
+                numbers[lane] = lane < used ? order[lane] : none;
+                if (lane < used) to.put(static_cast<int>(lane), contacts[order[lane]], bodies.first, with, scratch);
+                else to.a[lane] = to.b[lane] = bodies.spare();
+            }
+            to.moves_a = bodies[to.a[0]].inverse_mass > inverse_of<S>(0);
+            to.moves_b = bodies[to.b[0]].inverse_mass > inverse_of<S>(0);
         }
     };
 };
@@ -22353,13 +22563,17 @@ struct state {
     std::uint16_t tag = 0;
 
     // Scratch of the step: nothing in it outlives one.
-    manifold_list<S, D> manifolds;
     buffer<contact<S, D>> found;
     pair_memories<Plan> found_memories;
     buffer<proxy_pair> woken_pairs;
     buffer<contact<S, D>> woken_contacts;
     pair_memories<Plan> woken_memories;
-    arena scratch, batch_scratch;
+    arena scratch;
+    per_worker<arena> batch_scratch;
+    /// What each worker has found.
+    per_worker<manifold_list<S, D>> manifolds;
+    per_worker<buffer<contact<S, D>>> found_by;
+    buffer<unsigned char> parts_done;
 
     [[nodiscard]] bool is_asleep(std::uint32_t body) const {
         if constexpr (Plan::sleeps) return sleep.ring[body] != no_sleeper;
@@ -23341,7 +23555,7 @@ private:
     bool any_flagged_ = false;
 };
 
-/// Remembers which bodies the contacts of a step have found deep in static ones.
+/// Whether a contact is deeper than usual, and where such have been found in this step.
 template <class Plan>
 void clear_depths(state<Plan>& s) {
     if constexpr (Plan::sweeps) {
@@ -23350,14 +23564,18 @@ void clear_depths(state<Plan>& s) {
     }
 }
 template <class Plan, class Contact>
+bool is_deep(const state<Plan>& s, const Contact& c) {
+    if constexpr (Plan::sweeps)
+        for (int k = 0; k < c.count; ++k)
+            if (-c.points[k].separation > s.settings.contact_margin * typename Plan::scalar(0.5)) return true;
+    return false;
+}
+template <class Plan, class Contact>
 void note_depth(state<Plan>& s, const Contact& c) {
     if constexpr (Plan::sweeps) {
-        using S = typename Plan::scalar;
-        S depth = s.settings.contact_margin * S(0.5);
-        bool deep = false;
-        for (int k = 0; k < c.count; ++k)
-            if (-c.points[k].separation > depth) depth = -c.points[k].separation, deep = true;
-        if (!deep) return;
+        if (!is_deep(s, c)) return;
+        typename Plan::scalar depth{};
+        for (int k = 0; k < c.count; ++k) depth = max(depth, -c.points[k].separation);
         const std::uint32_t a = body_a(s, c), b = body_b(s, c);
         if (s.bodies[a].type == body_type::static_body) s.continuous.depths[b] = max(s.continuous.depths[b], depth);
         if (s.bodies[b].type == body_type::static_body) s.continuous.depths[a] = max(s.continuous.depths[a], depth);
@@ -23947,19 +24165,20 @@ void look_ahead(state<Plan>& s, typename Plan::scalar h) {
     }
 }
 
-/// The narrowphase where some pairs are looked at farther ahead: as one batch the pairs in between.
-template <class Plan, class Query, class Collide>
-void collide_ahead(state<Plan>& s, const Query* queries, const buffer<proxy_pair>& pairs, Collide&& collide) {
+/// The narrowphase of some pairs, where some of them are looked at farther ahead: as one batch those in between.
+template <class Plan, class Query, class Manifolds, class Collide>
+void collide_ahead(state<Plan>& s, const Query* queries, const buffer<proxy_pair>& pairs, std::uint32_t first,
+                   std::uint32_t last, Manifolds& manifolds, Collide&& collide) {
     using S = typename Plan::scalar;
     const S margin = s.settings.contact_margin;
     const auto farther = [&](std::uint32_t i) {
         return s.continuous.ahead[s.shapes[pairs[i].a].body] + s.continuous.ahead[s.shapes[pairs[i].b].body];
     };
-    for (std::uint32_t i = 0; i < pairs.size();) {
+    for (std::uint32_t i = first; i < last;) {
         const S more = farther(i);
         std::uint32_t end = i + 1;
         if (!(more > S(0)))
-            while (end < pairs.size() && !(farther(end) > S(0))) ++end;
+            while (end < last && !(farther(end) > S(0))) ++end;
         // What is found farther ahead serves no other step.
         const auto forget = [&] {
             if constexpr (Plan::remembers)
@@ -23967,11 +24186,11 @@ void collide_ahead(state<Plan>& s, const Query* queries, const buffer<proxy_pair
                     Plan::narrowphase::remembers(queries[i].a->kind(), queries[i].b->kind()))
                     s.found_memories.items[queries[i].memory] = {};
         };
-        const std::uint32_t before = s.manifolds.size();
+        const std::uint32_t before = manifolds.size();
         forget();
         collide(queries + i, end - i, margin + more);
         forget();
-        for (std::uint32_t k = before; k < s.manifolds.size(); ++k) s.manifolds[k].query += i;
+        for (std::uint32_t k = before; k < manifolds.size(); ++k) manifolds[k].query += i - first;
         i = end;
     }
 }
@@ -24032,12 +24251,12 @@ public:
           count_(part.nobody - part.bodies),
           step_(h) {
         for (std::uint32_t k = 0; k < count_; ++k) gather(k);
-        new (bodies_ + count_) solver_body<S, D>{};
+        for (std::uint32_t k = count_; k < part.nobody - part.bodies + 2; ++k) new (bodies_ + k) solver_body<S, D>{};
         if (free_count_ > 0) find_free(parts, part, scratch);
     }
 
-    /// What the solver sees of the bodies; the last one is nobody.
-    [[nodiscard]] solver_bodies<S, D> bodies() const { return {bodies_, count_ + 1}; }
+    /// What the solver sees of the bodies; the last two are nobody.
+    [[nodiscard]] solver_bodies<S, D> bodies() const { return {bodies_, count_ + 2}; }
 
     void advance_velocities(S h) {
         if (free_count_ > 0) thrust(step_ / h);
@@ -24134,11 +24353,23 @@ public:
                   s.scratch.template take<moving_body<S, D>>(parts_.slots), parts_.slot_of};
     }
 
-    /// Solves the contacts. False if something has left the range of numbers.
-    bool solve() {
-        bool good = true;
-        for (std::uint32_t k = 0; k < parts_.count; ++k) good = solve(parts_.first[k], state_.batch_scratch) && good;
-        return good;
+    /// Solves the contacts: giants one after the other, with all hands, then the other batches side by side. False if
+    /// something has left the range of numbers.
+    bool solve(crew& hands) {
+        bool* good = state_.scratch.template take<bool>(parts_.count);
+        for (std::uint32_t k = 0; k < parts_.count; ++k) good[k] = false;
+        const auto is_giant = [&](std::uint32_t k) {
+            return !hands.is_alone() && parts_.first[k].weight() > giant * batch_maker::enough;
+        };
+        crew alone;
+        for (std::uint32_t k = 0; k < parts_.count; ++k)
+            if (is_giant(k)) good[k] = solve(parts_.first[k], state_.batch_scratch[0], hands);
+        hands.each(parts_.count, [&](std::uint32_t k, std::uint32_t worker) {
+            if (!is_giant(k)) good[k] = solve(parts_.first[k], state_.batch_scratch[worker], alone);
+        });
+        for (std::uint32_t k = 0; k < parts_.count; ++k)
+            if (!good[k]) return false;
+        return true;
     }
     /// Where bodies have come.
     [[nodiscard]] moved_bodies<S, D> moved() const { return moved_; }
@@ -24212,11 +24443,14 @@ private:
         is_pushed[count] = false;
         return batch_maker(s.found, is_pushed, count, s.scratch).result();
     }
-    bool solve(const batch& part, arena& scratch) {
+    bool solve(const batch& part, arena& scratch, crew& hands) {
         scratch.reset();
         batch_motion<Plan> moving(state_, parts_, part, moved_, step_, scratch);
         const contact_list<S, D> contacts(state_.found.begin(), parts_.order + part.contacts, part.end - part.contacts);
-        Plan::solver::solve(moving.bodies(), contacts, state_.settings.solver, step_, scratch, moving);
+        const auto& with = state_.settings.solver;
+        if constexpr (requires { Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving, hands); })
+            Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving, hands);
+        else Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving);
         return moving.is_finite();
     }
     [[nodiscard]] transform<S, D> pose_of(std::uint32_t k) const {
@@ -24224,6 +24458,9 @@ private:
         if (b.has_target) return b.target;
         return {moved_[k].center - moved_[k].rotation * b.mass.center, moved_[k].rotation};
     }
+
+    /// An island that is so many times as large as a batch is wide enough for several workers.
+    static constexpr std::uint32_t giant = 4;
 
     state<Plan>& state_;
     batches parts_;
@@ -24300,50 +24537,116 @@ bool mix_surfaces(contact<typename Plan::scalar, Plan::dimension>& c, const shap
     return is_good(c.friction) && is_good(c.restitution) && !(c.restitution > S(1)) && is_good(c.rolling_resistance);
 }
 
-/// Narrowphase: contacts of the pairs that touch or nearly do, in the order of the pairs. False if surfaces do not mix.
-template <class Plan>
-bool find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs) {
+/// Adds the contacts of a manifold between the shapes of a pair. False if their surfaces do not mix.
+template <class Plan, class Manifold>
+bool add_contact(const state<Plan>& s, proxy_pair pair, std::uint32_t part, const Manifold& m,
+                 buffer<contact<typename Plan::scalar, Plan::dimension>>& to) {
     using S = typename Plan::scalar;
     constexpr int D = Plan::dimension;
-    const auto* queries = recall_pairs(s, pairs);
-    const S margin = s.settings.contact_margin;
-    s.manifolds.clear();
-    const auto collide = [&](const auto* first, std::uint32_t count, S within) {
-        if constexpr (Plan::remembers)
-            Plan::narrowphase::collide(first, count, within, s.found_memories.items.begin(), s.manifolds);
-        else
-            Plan::narrowphase::collide(first, count, within, s.manifolds);
-    };
-    if constexpr (Plan::looks_ahead) collide_ahead(s, queries, pairs, collide);
-    else collide(queries, pairs.size(), margin);
-
-    s.found.clear();
-    bool mixed = true;
-    for (const auto& [query, part, m] : s.manifolds) {
-        const proxy_pair p = in_order_of_kinds(s, pairs[query]);
-        const auto& a = s.shapes[p.a];
-        const auto& b = s.shapes[p.b];
-        const rotation<S, D> turn = a.pose.rotation;
-        const vec<S, D> from_b = b.arm + (a.pose.position - b.pose.position);
-        contact<S, D>& c =
-            s.found.emplace(p.a, p.b, s.mover_of[a.body], s.mover_of[b.body], part, turn * m.normal);
-        c.count = m.count;
-        for (int k = 0; k < m.count; ++k) {
-            const vec<S, D> at = turn * m.points[k].position;
-            c.points[k].lever_a = a.arm + at;
-            c.points[k].lever_b = from_b + at;
-            c.points[k].separation = m.points[k].separation;
-            c.points[k].feature = m.points[k].feature;
-        }
-        mixed = mix_surfaces(c, a, b) && mixed;
-        note_depth(s, c);
+    const proxy_pair p = in_order_of_kinds(s, pair);
+    const auto& a = s.shapes[p.a];
+    const auto& b = s.shapes[p.b];
+    const rotation<S, D> turn = a.pose.rotation;
+    const vec<S, D> from_b = b.arm + (a.pose.position - b.pose.position);
+    contact<S, D>& c = to.emplace(p.a, p.b, s.mover_of[a.body], s.mover_of[b.body], part, turn * m.normal);
+    c.count = m.count;
+    for (int k = 0; k < m.count; ++k) {
+        const vec<S, D> at = turn * m.points[k].position;
+        c.points[k].lever_a = a.arm + at;
+        c.points[k].lever_b = from_b + at;
+        c.points[k].separation = m.points[k].separation;
+        c.points[k].feature = m.points[k].feature;
     }
-    return mixed;
+    return mix_surfaces(c, a, b);
+}
+
+/// What the search of some pairs has come to.
+struct search_result {
+    bool mixed = true, deep = false;
+};
+/// Adds the contacts of some pairs in a row.
+template <class Plan>
+search_result search_pairs(state<Plan>& s, const typename Plan::query* queries, const buffer<proxy_pair>& pairs,
+                           std::uint32_t first, std::uint32_t end,
+                           manifold_list<typename Plan::scalar, Plan::dimension>& manifolds,
+                           buffer<contact<typename Plan::scalar, Plan::dimension>>& to) {
+    using S = typename Plan::scalar;
+    manifolds.clear();
+    const auto collide = [&](const auto* some, std::uint32_t count, S within) {
+        if constexpr (Plan::remembers)
+            Plan::narrowphase::collide(some, count, within, s.found_memories.items.begin(), manifolds);
+        else Plan::narrowphase::collide(some, count, within, manifolds);
+    };
+    if constexpr (Plan::looks_ahead) collide_ahead(s, queries, pairs, first, end, manifolds, collide);
+    else collide(queries + first, end - first, s.settings.contact_margin);
+    search_result result;
+    for (const auto& [query, part, m] : manifolds) {
+        result.mixed = add_contact(s, pairs[first + query], part, m, to) && result.mixed;
+        result.deep = result.deep || is_deep(s, to.back());
+    }
+    return result;
+}
+
+/// Narrowphase: contacts of the pairs that touch or nearly do, in the order of the pairs. False if surfaces do not mix.
+template <class Plan>
+bool find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs, crew& hands) {
+    // So many pairs that what is found of them is still in the caches when it becomes contacts.
+    constexpr std::uint32_t share = 256;
+    using contact = physics::contact<typename Plan::scalar, Plan::dimension>;
+    struct piece {
+        std::uint32_t worker, first, end;
+        search_result is;
+    };
+    const auto* queries = recall_pairs(s, pairs);
+    piece* pieces = s.scratch.template take<piece>(pairs.size() / share + 1);
+    s.found.clear();
+    if (!hands.is_alone())
+        for (std::uint32_t k = 0; k < hands.workers(); ++k) s.found_by[k].clear();
+    hands.each_part(pairs.size(), share, [&](std::uint32_t first, std::uint32_t end, std::uint32_t worker) {
+        auto& to = hands.is_alone() ? s.found : s.found_by[worker];
+        const std::uint32_t before = to.size();
+        const search_result is = search_pairs(s, queries, pairs, first, end, s.manifolds[worker], to);
+        new (pieces + first / share) piece{worker, before, to.size(), is};
+    });
+    if (!hands.is_sound()) return true;
+    const std::uint32_t count = (pairs.size() + share - 1) / share;
+    search_result all;
+    std::uint32_t found = 0;
+    for (std::uint32_t k = 0; k < count; ++k) {
+        all.mixed = all.mixed && pieces[k].is.mixed;
+        all.deep = all.deep || pieces[k].is.deep;
+        found += pieces[k].end - pieces[k].first;
+    }
+    if (!hands.is_alone()) {
+        contact* to = s.found.extend(found);
+        auto** places = s.scratch.template take<contact*>(count);
+        for (std::uint32_t k = 0; k < count; ++k) {
+            places[k] = to;
+            to += pieces[k].end - pieces[k].first;
+        }
+        hands.each(count, [&](std::uint32_t k, std::uint32_t) {
+            const piece& of = pieces[k];
+            if (of.end == of.first) return;
+            std::memcpy(static_cast<void*>(places[k]), s.found_by[of.worker].begin() + of.first,
+                        (of.end - of.first) * sizeof(contact));
+        });
+    }
+    if (all.deep)
+        for (const contact& c : s.found) note_depth(s, c);
+    return all.mixed;
+}
+
+/// Hands on the impulses of the last step's contacts.
+template <class Plan>
+void inherit_contacts(state<Plan>& s, crew& hands) {
+    hands.each_part(s.found.size(), 256, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
+        inherit_impulses(s.contacts, s.found.begin() + first, s.found.begin() + end);
+    });
 }
 
 /// Who is woken brings contacts along: they are found anew, and join the others.
 template <class Plan>
-bool find_contacts_of_woken(state<Plan>& s) {
+bool find_contacts_of_woken(state<Plan>& s, crew& hands) {
     find_numbers(s);
     for (auto& c : s.found) {
         c.body_a = s.mover_of[body_a(s, c)];
@@ -24357,8 +24660,8 @@ bool find_contacts_of_woken(state<Plan>& s) {
     // What is remembered of the other pairs waits meanwhile.
     s.found.swap(s.woken_contacts);
     s.found_memories.swap(s.woken_memories);
-    const bool good = find_contacts(s, s.woken_pairs);
-    inherit_impulses(s.sleep.contacts, s.found);
+    const bool good = find_contacts(s, s.woken_pairs, hands);
+    inherit_impulses(s.sleep.contacts, s.found.begin(), s.found.end());
     merge_contacts(s.woken_contacts, s.found);
     s.found.swap(s.woken_contacts);
     s.found_memories.swap(s.woken_memories);
@@ -24697,13 +25000,25 @@ const buffer<proxy_pair>& find_pairs(state<Plan>& s) {
     return s.broadphase.pairs([](std::uint32_t, std::uint32_t) { return true; });
 }
 
+/// Makes ready what a step works with.
+template <class Plan>
+void start_step(state<Plan>& s, const crew& hands) {
+    s.scratch.reset();
+    s.batch_scratch.prepare(hands.workers());
+    s.manifolds.prepare(hands.workers());
+    s.found_by.prepare(hands.workers());
+}
+
 /// How a step went; if not well, the world is as it was.
-enum class step_result { done, bad_mixture, out_of_range };
+enum class step_result { done, bad_mixture, out_of_range, bad_executor };
 
 inline void report(step_result result) {
     if (result == step_result::out_of_range)
         refuse("step", "a velocity", "not finite",
                        "a force, a speed or a mass is beyond the scalar's range");
+    if (result == step_result::bad_executor)
+        refuse("step", "executor", "left parts out",
+               "it must have a worker at least, and call the work with every part, as a worker below workers()");
     if (result == step_result::bad_mixture)
         refuse("step", "a coefficient of two surfaces", "out of range",
                        "the mixing rule must give friction and rolling_resistance that are finite and at least 0, "
@@ -24714,22 +25029,32 @@ inline void report(step_result result) {
 /// order. Refused if surfaces do not mix, or if a velocity or a position would leave the range of numbers.
 /// Not inlined, so that no arithmetic moves out of the caller's float_control_scope.
 template <class Plan>
-PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h) {
-    s.scratch.reset();
+PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, crew hands) {
+    if (hands.workers() == 0) return step_result::bad_executor;
+    start_step(s, hands);
     watch_fast_bodies(s, h);            // velocities        -> boxes of bodies that look ahead
     number_movers(s);                   // bodies            -> which of them move
     const auto& pairs = find_pairs(s);  // boxes             -> pairs, in order
-    if (!find_contacts(s, pairs)) return step_result::bad_mixture;  // pairs, poses -> contacts with feature ids
+    if (!find_contacts(s, pairs, hands)) return step_result::bad_mixture;  // pairs, poses -> contacts
     if constexpr (Plan::sleeps)
         // Blows -> contacts of the islands that they wake.
-        if (disturb_sleepers(s, h) && !find_contacts_of_woken(s)) return step_result::bad_mixture;
-    inherit_impulses(s.contacts, s.found);  // last step's       -> warm impulses of what persists
-    motion<Plan> moving(s, h);                               // contacts          -> islands, in batches
-    if (!moving.solve()) return step_result::out_of_range;   // bodies, forces, contacts -> velocities, poses
-    sweep_fast_bodies(s, moving.moved(), h);                 // poses             -> poses short of what stops bodies
+        if (disturb_sleepers(s, h) && !find_contacts_of_woken(s, hands)) return step_result::bad_mixture;
+    inherit_contacts(s, hands);              // last step's       -> warm impulses of what persists
+    motion<Plan> moving(s, h);               // contacts          -> islands, in batches
+    const bool solved = moving.solve(hands); // bodies, forces, contacts -> velocities, poses
+    if (!hands.is_sound()) return step_result::bad_executor;
+    if (!solved) return step_result::out_of_range;
+    sweep_fast_bodies(s, moving.moved(), h);                       // poses -> poses short of what stops bodies
     if (!moving.place_shapes()) return step_result::out_of_range;  // poses -> boxes of what has moved
     moving.finish();                                               // results -> bodies and contacts
     return step_result::done;
+}
+
+template <class Plan>
+void advance(state<Plan>& s, typename Plan::scalar h, const crew& hands) {
+    if (!check_positive("step", "dt", h)) return;
+    const float_control_scope control;
+    report(step(s, h, hands));
 }
 
 }  // namespace detail
@@ -24785,11 +25110,10 @@ public:
 
     /// Advances time by dt seconds (greater than 0). Forces and torques act for this step and are then
     /// forgotten. Cost: see the policies. Refused, with nothing changed, if a number would leave its range.
-    void step(scalar dt) {
-        if (!detail::check_positive("step", "dt", dt)) return;
-        const float_control_scope control;
-        detail::report(detail::step(state_, dt));
-    }
+    void step(scalar dt) { detail::advance(state_, dt, {}); }
+    /// The same, with the work shared out by an executor, such as a thread_pool; the bits do not depend on it.
+    template <executor Executor>
+    void step(scalar dt, Executor& by) { detail::advance(state_, dt, {by, state_.parts_done}); }
     /// Number of steps taken.
     [[nodiscard]] std::uint64_t steps() const { return state_.steps; }
     /// A number that worlds in the same state share, on any machine. User data and settings do not enter.
@@ -25210,26 +25534,13 @@ public:
     /// throws, ends the call, and the time of the steps that were due is dropped: they are not tried again.
     template <class Before = no_hook, class After = no_hook>
     advance_report<scalar> advance(World& world, scalar elapsed, Before&& before = {}, After&& after = {}) {
-        if (!detail::check_not_negative("advance", "elapsed", elapsed)) return {};
-        advance_report<scalar> report;
-        if (elapsed > settings_.longest_frame) {
-            report.dropped = elapsed - settings_.longest_frame;
-            elapsed = settings_.longest_frame;
-        }
-        int due = 0;
-        for (rest_ += elapsed; !(rest_ < settings_.step); rest_ -= settings_.step) ++due;
-        for (; report.steps < due; ++report.steps) {
-            before(world);
-            remember(world);
-            const std::uint64_t steps = world.steps();
-            world.step(settings_.step);
-            if (world.steps() == steps) {  // refused, in a build without exceptions
-                report.dropped += settings_.step * S(due - report.steps);
-                break;
-            }
-            after(world);
-        }
-        return report;
+        return advance_by(world, elapsed, before, after, [](World& w, scalar dt) { w.step(dt); });
+    }
+    /// The same, with the work of the steps shared out by an executor.
+    template <executor Executor, class Before = no_hook, class After = no_hook>
+    advance_report<scalar> advance(World& world, scalar elapsed, Executor& by, Before&& before = {},
+                                   After&& after = {}) {
+        return advance_by(world, elapsed, before, after, [&by](World& w, scalar dt) { w.step(dt, by); });
     }
 
     /// How far real time is ahead of the last step, as a share of a step: 0 up to 1.
@@ -25255,6 +25566,29 @@ private:
         transform pose;
     };
 
+    template <class Before, class After, class Step>
+    advance_report<scalar> advance_by(World& world, scalar elapsed, Before& before, After& after, Step&& step) {
+        if (!detail::check_not_negative("advance", "elapsed", elapsed)) return {};
+        advance_report<scalar> report;
+        if (elapsed > settings_.longest_frame) {
+            report.dropped = elapsed - settings_.longest_frame;
+            elapsed = settings_.longest_frame;
+        }
+        int due = 0;
+        for (rest_ += elapsed; !(rest_ < settings_.step); rest_ -= settings_.step) ++due;
+        for (; report.steps < due; ++report.steps) {
+            before(world);
+            remember(world);
+            const std::uint64_t steps = world.steps();
+            step(world, settings_.step);
+            if (world.steps() == steps) {  // refused, in a build without exceptions
+                report.dropped += settings_.step * S(due - report.steps);
+                break;
+            }
+            after(world);
+        }
+        return report;
+    }
     void remember(const World& world) {
         before_.clear();
         for (const body_id id : world.bodies()) {
@@ -25269,5 +25603,121 @@ private:
 };
 
 PHYSICS_HPP_END
+#if defined(PHYSICS_HPP_THREADS)
+
+// =================================================================================================
+// physics/base/thread_pool.hpp
+// =================================================================================================
+// The thread pool: an executor of our own; apart, as <thread> is dear: define PHYSICS_HPP_THREADS to get it.
+
+#include <atomic>
+#include <thread>
+
+PHYSICS_HPP_BEGIN
+
+/// Threads that wait for work: hand one to world::step. Worlds may share a pool, one after the other. Between the parts
+/// of a step workers look for work without sleeping, for some 50 us; then they sleep, so that an idle pool costs
+/// nothing. Handing out work costs about a microsecond.
+class thread_pool {
+public:
+    /// A pool of so many workers, of whom the caller of run is one; 0: as many as the machine has. At most 256.
+    explicit thread_pool(std::uint32_t workers = 0) {
+        if (workers == 0) workers = std::thread::hardware_concurrency();
+        if (workers > most) {
+            detail::refuse("thread_pool", "workers", static_cast<double>(workers), "it must be at most 256");
+            return;
+        }
+        workers_ = workers == 0 ? 1 : workers;
+        threads_ = new std::thread[workers_ - 1];
+        for (std::uint32_t k = 1; k < workers_; ++k) threads_[k - 1] = std::thread([this, k] { serve(k); });
+    }
+    ~thread_pool() {
+        if (threads_ == nullptr) return;
+        ticket_.store(closed, std::memory_order_release);
+        ticket_.notify_all();
+        for (std::uint32_t k = 1; k < workers_; ++k) threads_[k - 1].join();
+        delete[] threads_;
+    }
+    thread_pool(const thread_pool&) = delete;
+    thread_pool& operator=(const thread_pool&) = delete;
+
+    [[nodiscard]] std::uint32_t workers() const { return workers_; }
+
+    /// Calls what(part, worker) for all parts, and returns when they are done. One caller at a time.
+    void run(std::uint32_t parts, const work& what) {
+        for (std::uint32_t first = 0; first < parts;) {
+            const std::uint32_t some = parts - first < most_parts ? parts - first : most_parts;
+            run_some(first, some, what);
+            first += some;
+        }
+    }
+
+private:
+    // A ticket says which round of work it is, how many parts that has, and which of them is the next: it is taken in
+    // one operation, so that whoever comes late takes nothing, or a part of the next round. None is ever `closed`.
+    static constexpr std::uint32_t most = 256, most_parts = (1u << 24) - 2 * most;
+    static constexpr std::uint64_t closed = ~std::uint64_t{0};
+    static std::uint32_t next_of(std::uint64_t ticket) { return static_cast<std::uint32_t>(ticket & 0xffffffu); }
+    static std::uint32_t parts_of(std::uint64_t ticket) { return static_cast<std::uint32_t>(ticket >> 24 & 0xffffffu); }
+    static bool has_work(std::uint64_t ticket) { return next_of(ticket) < parts_of(ticket); }
+
+    void run_some(std::uint32_t first, std::uint32_t parts, const work& what) {
+        first_ = first;
+        what_ = &what;
+        done_.store(0, std::memory_order_relaxed);
+        round_ = (round_ + 1) & 0xffffu;
+        ticket_.store(std::uint64_t{round_} << 48 | std::uint64_t{parts} << 24);
+        if (sleepers_.load() > 0) ticket_.notify_all();
+        work_as(0);
+        while (done_.load(std::memory_order_acquire) != parts) relax();
+    }
+    void work_as(std::uint32_t worker) {
+        std::uint64_t mine = ticket_.load(std::memory_order_relaxed);
+        while (has_work(mine)) {
+            if (!ticket_.compare_exchange_weak(mine, mine + 1, std::memory_order_acquire, std::memory_order_relaxed))
+                continue;
+            (*what_)(first_ + next_of(mine), worker);
+            done_.fetch_add(1, std::memory_order_release);
+            mine = ticket_.load(std::memory_order_relaxed);
+        }
+    }
+    void serve(std::uint32_t worker) {
+        for (std::uint32_t idle = 0;;) {
+            const std::uint64_t seen = ticket_.load(std::memory_order_acquire);
+            if (seen == closed) return;
+            if (has_work(seen)) {
+                work_as(worker);
+                idle = 0;
+            } else if (++idle < patience) {
+                relax();
+            } else {
+                sleepers_.fetch_add(1);
+                ticket_.wait(seen);
+                sleepers_.fetch_sub(1);
+                idle = 0;
+            }
+        }
+    }
+    static void relax() {
+#if defined(__x86_64__) || defined(__i386__)
+        __builtin_ia32_pause();
+#else
+        std::atomic_signal_fence(std::memory_order_seq_cst);
+#endif
+    }
+
+    static constexpr std::uint32_t patience = 2000;
+
+    std::uint32_t workers_ = 1;
+    std::thread* threads_ = nullptr;
+    std::uint32_t round_ = 0, first_ = 0;
+    const work* what_ = nullptr;
+    alignas(64) std::atomic<std::uint64_t> ticket_{0};
+    alignas(64) std::atomic<std::uint32_t> done_{0};
+    alignas(64) std::atomic<std::uint32_t> sleepers_{0};
+};
+
+PHYSICS_HPP_END
+#endif
 
 #endif  // PHYSICS_HPP

@@ -13,6 +13,7 @@
 #include "physics/base/bit_array.hpp"
 #include "physics/base/buffer.hpp"
 #include "physics/base/config.hpp"
+#include "physics/base/crew.hpp"
 #include "physics/base/error.hpp"
 #include "physics/base/fixed.hpp"
 #include "physics/base/handle.hpp"
@@ -196,3 +197,8 @@
 
 // From elapsed time to fixed steps.
 #include "physics/loop/accumulator.hpp"
+
+// Threads: apart, as <thread> and <atomic> take longer to compile than all of the above.
+#if defined(PHYSICS_HPP_THREADS)
+#include "physics/base/thread_pool.hpp"
+#endif

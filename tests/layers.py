@@ -16,6 +16,7 @@ FLOORS = ["base", "space", "shape", "collide", "broadphase", "dynamics", "world"
 # What each costs decides: a unit that includes physics.hpp pays for all of them (budget: bench/compile.py).
 STANDARD = {"bit", "compare", "concepts", "cstddef", "cstdint", "cstdio", "cstdlib", "cstring", "exception",
             "initializer_list", "limits", "new", "type_traits", "utility"}
+APART = {"physics/base/thread_pool.hpp": {"atomic", "thread"}}  # parts that the default header leaves out
 CONDITIONAL = STANDARD | {"cmath", "intrin.h"}  # under an #if: for compilers without the builtins that we use
 MOST_LINES = 400
 MOST_COLUMNS = 120
@@ -122,7 +123,8 @@ def cheap_standard_headers(house):
         for line in text.splitlines():
             depth += bool(re.match(r"\s*#\s*if", line)) - bool(re.match(r"\s*#\s*endif", line))
             header = re.match(r"\s*#\s*include\s+<([^>]+)>", line)
-            if header and header.group(1) not in (CONDITIONAL if depth else STANDARD):
+            allowed = (CONDITIONAL if depth else STANDARD) | APART.get(f"physics/{name}", set())
+            if header and header.group(1) not in allowed:
                 yield f"{name}: includes <{header.group(1)}>; allowed are {', '.join(sorted(STANDARD))}"
 
 

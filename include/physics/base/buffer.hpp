@@ -67,6 +67,12 @@ public:
         if (size_ == capacity_) grow_to(std::uint64_t{size_} + 1);
         return *new (static_cast<void*>(data_ + size_++)) T{static_cast<Parts&&>(parts)...};
     }
+    /// Room for so many values more at the end, for the caller to make there.
+    T* extend(std::uint32_t count) {
+        reserve(size_ + count);
+        size_ += count;
+        return end() - count;
+    }
     void pop() { --size_; }
     /// Shortens the buffer, or fills it up with copies of value, which may lie within the buffer.
     void resize(std::uint32_t size, const T& value = T{}) {

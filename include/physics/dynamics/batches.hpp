@@ -36,12 +36,14 @@ private:
 
 namespace detail {
 
-/// Islands of a step that are solved together: which slots its bodies have, the last one being nobody's, and which part
-/// of the order of contacts it is.
+/// Islands of a step that are solved together: which slots its bodies have, with nobody's and a spare one after them,
+/// and which part of the order of contacts it is.
 struct batch {
     std::uint32_t bodies, nobody, contacts, end;
 
-    [[nodiscard]] std::uint32_t size() const { return nobody + 1 - bodies; }
+    [[nodiscard]] std::uint32_t slots() const { return nobody + 2 - bodies; }
+    /// How much work there is in it.
+    [[nodiscard]] std::uint32_t weight() const { return nobody - bodies + end - contacts; }
 };
 
 /// The batches of a step. Bodies that can be pushed have one slot; those that only push have another one in each batch
@@ -100,7 +102,7 @@ private:
     void put_all_into_one() {
         result_.first = new (scratch_.take<batch>(1)) batch{0, bodies_, 0, contacts_};
         result_.count = 1;
-        result_.slots = bodies_ + 1;
+        result_.slots = result_.first->slots();
         for (std::uint32_t n = 0; n < contacts_; ++n) result_.order[n] = n;
         result_.body_at = scratch_.take<std::uint32_t>(result_.slots);
         for (std::uint32_t i = 0; i < bodies_; ++i) result_.slot_of[i] = result_.body_at[i] = i;
@@ -143,7 +145,7 @@ private:
     void place_bodies() {
         batch* const first = result_.first = scratch_.take<batch>(result_.count);
         auto* room = scratch_.take<std::uint32_t>(result_.count);
-        for (std::uint32_t k = 0; k < result_.count; ++k) new (first + k) batch{0, 0, 0, 0}, room[k] = 1;
+        for (std::uint32_t k = 0; k < result_.count; ++k) new (first + k) batch{0, 0, 0, 0}, room[k] = 2;
         for (std::uint32_t i = 0; i < bodies_; ++i) ++room[batch_of_[i]];
         for (std::uint32_t n = 0; n < contacts_; ++n) {
             const auto [a, b] = ends_[n];

@@ -88,11 +88,16 @@ struct alignas(16) solver_body {
     }
 };
 
-/// The bodies of a step by their numbers; the last one is nobody, whom nothing moves.
+/// Bodies by their numbers. After those that may move comes nobody, whom nothing moves, and a spare one, so that what
+/// works in lanes can write somewhere.
 template <class S, int D>
 struct solver_bodies {
     solver_body<S, D>* first;
+    /// With the last two.
     std::uint32_t count;
+
+    [[nodiscard]] std::uint32_t nobody() const { return count - 2; }
+    [[nodiscard]] std::uint32_t spare() const { return count - 1; }
 
     solver_body<S, D>& operator[](std::uint32_t i) const { return first[i]; }
 };

@@ -131,18 +131,25 @@ void inherit_impulses(const contact<S, D>& old, const tangents<S, D>& frame, con
         c.rolling_impulse = same_moment(old_frame, frame, old.rolling_impulse);
 }
 
-/// Hands the impulses of last step's contacts to the same features of this step's. Both lists are in
-/// ascending order of their pairs, so one walk along both finds the matches: O(n), no hashing; a pair of several
-/// contacts is searched whole. Points that are new start from zero: only what outlives a step is warm.
+/// Hands the impulses of last step's contacts to the same features of some of this step's. Both lists are in ascending
+/// order of their pairs, so one walk along both finds the matches: O(n), no hashing; a pair of several contacts is
+/// searched whole. Points that are new start from zero: only what outlives a step is warm.
 template <class S, int D>
-void inherit_impulses(const buffer<contact<S, D>>& before, buffer<contact<S, D>>& now) {
+void inherit_impulses(const buffer<contact<S, D>>& before, contact<S, D>* first, const contact<S, D>* end) {
+    if (first == end) return;
     std::uint32_t i = 0;
-    for (contact<S, D>& c : now) {
-        while (i < before.size() && before[i].key() < c.key()) ++i;
+    for (std::uint32_t size = before.size(); size > 0;) {
+        const std::uint32_t half = size / 2;
+        const bool is_before = before[i + half].key() < first->key();
+        i += is_before ? half + 1 : 0;
+        size = is_before ? size - half - 1 : half;
+    }
+    for (; first != end; ++first) {
+        while (i < before.size() && before[i].key() < first->key()) ++i;
         if (i == before.size()) return;
-        const tangents<S, D> frame(c.normal);
-        for (std::uint32_t n = i; n < before.size() && before[n].key() == c.key(); ++n)
-            inherit_impulses(before[n], frame, c);
+        const tangents<S, D> frame(first->normal);
+        for (std::uint32_t n = i; n < before.size() && before[n].key() == first->key(); ++n)
+            inherit_impulses(before[n], frame, *first);
     }
 }
 

@@ -22,26 +22,31 @@ struct contact_colours {
     bool last_is_serial = false;
 };
 
-/// Colours contacts greedily in their order: first those between two bodies that can be pushed, then the others in
-/// colours of their own, so that what holds the pile acts last. O(contacts). Source: Catto, Solver2D (2024); greedy
-/// edge colouring.
+/// Colours contacts greedily in their order: first those between two bodies that can be pushed, then in colours of
+/// their own those that push only A and those that push only B, so that what holds the pile acts last, and all of a
+/// colour push the same sides. O(contacts). Source: Catto, Solver2D (2024); greedy edge colouring.
 template <class S, int D>
 contact_colours colour(const contact_list<S, D>& contacts, solver_bodies<S, D> bodies, arena& scratch) {
     const std::uint32_t count = contacts.size();
     auto* used = scratch.template take<std::uint64_t>(bodies.count);
+    // Until a contact has its colour, which sides it pushes.
     auto* colour_of = scratch.template take<std::uint8_t>(count);
     contact_colours result;
     result.order = scratch.template take<std::uint32_t>(count);
     std::uint32_t sizes[contact_colours::most] = {}, first = 0;
     constexpr std::uint32_t serial = contact_colours::most - 1;
+    constexpr std::uint8_t waits = 128, pushes_a = 1, pushes_b = 2, pushes_both = 3;
     const auto is_pushed = [&](std::uint32_t i) { return bodies[i].inverse_mass > inverse_of<S>(0); };
-    for (const bool between_two : {true, false}) {
+    for (std::uint32_t i = 0; i < count; ++i)
+        colour_of[i] = static_cast<std::uint8_t>(waits | (is_pushed(contacts[i].body_a) ? pushes_a : 0) |
+                                                 (is_pushed(contacts[i].body_b) ? pushes_b : 0));
+    for (const std::uint8_t sides : {pushes_both, pushes_a, pushes_b, std::uint8_t{0}}) {
         for (std::uint32_t i = 0; i < bodies.count; ++i) used[i] = 0;
         std::uint32_t end = first;
         for (std::uint32_t i = 0; i < count; ++i) {
+            if (colour_of[i] != (waits | sides)) continue;
             const auto& c = contacts[i];
-            const bool a = is_pushed(c.body_a), b = is_pushed(c.body_b);
-            if ((a && b) != between_two) continue;
+            const bool a = (sides & pushes_a) != 0, b = (sides & pushes_b) != 0;
             const std::uint64_t taken = (a ? used[c.body_a] : 0) | (b ? used[c.body_b] : 0);
             const auto free = static_cast<std::uint32_t>(std::countr_one(taken));
             const std::uint32_t colour = first + free < serial ? first + free : serial;

@@ -34,6 +34,8 @@ struct soft_contact2 {
     int point_count = 0;
     /// Whether any point bounces.
     bool bounces = false;
+    /// Whether the contacts push their bodies, which is the same for all lanes.
+    bool moves_a = false, moves_b = false;
     [[no_unique_address]] extras_of_block<S, W, 2, Features> extras;
 
     /// Writes a contact into a lane.
@@ -106,8 +108,8 @@ struct soft_contact2 {
         if constexpr (Features::rolling_resistance)
             if (extras.at != nullptr) moment = moment + P::load(extras.at->impulse);
         push(f, load, rub, moment, at_a, at_b);
-        at_a.store(bodies, a);
-        at_b.store(bodies, b);
+        if (moves_a) at_a.store(bodies, a);
+        if (moves_b) at_b.store(bodies, b);
     }
     /// One round over the contacts: the points one after the other, then friction by their load. While overlaps are
     /// pushed apart friction rests: it would act against what the springs do, and piles would sway.
@@ -122,8 +124,8 @@ struct soft_contact2 {
         push_points(f, speed, at_a, at_b, [&](point& p, const P& v) { return next_impulse(p, v, way.at(p), how); });
         if constexpr (Features::friction)
             if (!how.pushes) rub(f, at_a, at_b);
-        at_a.store(bodies, a);
-        at_b.store(bodies, b);
+        if (moves_a) at_a.store(bodies, a);
+        if (moves_b) at_b.store(bodies, b);
     }
     void bounce(body* bodies) requires Features::restitution {
         if (!bounces) return;
@@ -133,8 +135,8 @@ struct soft_contact2 {
         at_b.load(bodies, b);
         const relative_motion speed(f, at_a.velocity, at_b.velocity);
         push_points(f, speed, at_a, at_b, [](point& p, const P& v) { return bounce_impulse(p, v); });
-        at_a.store(bodies, a);
-        at_b.store(bodies, b);
+        if (moves_a) at_a.store(bodies, a);
+        if (moves_b) at_b.store(bodies, b);
     }
 
 private:
@@ -203,8 +205,8 @@ private:
         const P arm = P::load(extras.at->arm), zero = P::broadcast(S(0));
         w_a = select_greater(arm, zero, w_a - mul<S>(Q::load(inertia_a), by), w_a);
         w_b = select_greater(arm, zero, w_b + mul<S>(Q::load(inertia_b), by), w_b);
-        at_a.store(bodies, a);
-        at_b.store(bodies, b);
+        if (moves_a) at_a.store(bodies, a);
+        if (moves_b) at_b.store(bodies, b);
     }
     /// Impulses along the normal and the tangent at the middle, and an angular one, from A on B.
     PHYSICS_HPP_ALWAYS_INLINE void push(const frame_lanes& f, const P& along, const P& across, const P& moment,

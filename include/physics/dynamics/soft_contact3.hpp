@@ -34,6 +34,8 @@ struct soft_contact3 {
     int point_count = 0;
     /// Whether any point bounces.
     bool bounces = false;
+    /// Whether the contacts push their bodies, which is the same for all lanes.
+    bool moves_a = false, moves_b = false;
     [[no_unique_address]] extras_of_block<S, W, 3, Features> extras;
 
     /// Writes a contact into a lane.
@@ -120,8 +122,8 @@ struct soft_contact3 {
             moment = lane_add(moment, {f.n.x * last.twist, f.n.y * last.twist, f.n.z * last.twist});
         }
         push(f, impulse, moment, at_a, at_b);
-        at_a.store(bodies, a);
-        at_b.store(bodies, b);
+        if (moves_a) at_a.store(bodies, a);
+        if (moves_b) at_b.store(bodies, b);
     }
 
     /// One round over the contacts: the points one after the other, then friction by their load. While overlaps are
@@ -137,8 +139,8 @@ struct soft_contact3 {
         push_points(f, speed, at_a, at_b, [&](point& p, const P& v) { return next_impulse(p, v, way.at(p), how); });
         if constexpr (Features::friction)
             if (!how.pushes) rub(f, at_a, at_b);
-        at_a.store(bodies, a);
-        at_b.store(bodies, b);
+        if (moves_a) at_a.store(bodies, a);
+        if (moves_b) at_b.store(bodies, b);
     }
     void bounce(body* bodies) requires Features::restitution {
         if (!bounces) return;
@@ -148,8 +150,8 @@ struct soft_contact3 {
         at_b.load(bodies, b);
         const relative_motion speed(f, at_a.velocity, at_b.velocity);
         push_points(f, speed, at_a, at_b, [](point& p, const P& v) { return bounce_impulse(p, v); });
-        at_a.store(bodies, a);
-        at_b.store(bodies, b);
+        if (moves_a) at_a.store(bodies, a);
+        if (moves_b) at_b.store(bodies, b);
     }
 
 private:
@@ -241,8 +243,8 @@ private:
         };
         where_it_acts(at_a.velocity.angular, lane_subtract(at_a.velocity.angular, turned_by(inertia_a, moment)));
         where_it_acts(at_b.velocity.angular, lane_add(at_b.velocity.angular, turned_by(inertia_b, moment)));
-        at_a.store(bodies, a);
-        at_b.store(bodies, b);
+        if (moves_a) at_a.store(bodies, a);
+        if (moves_b) at_b.store(bodies, b);
     }
     /// An impulse at the middle and an angular impulse, from A on B.
     PHYSICS_HPP_ALWAYS_INLINE void push(const frame_lanes& f, const lanes3<P>& impulse, const lanes3<P>& moment,

@@ -1,6 +1,7 @@
 // The soft step: many small steps, each with one round over the contacts in lanes.
 #pragma once
 
+#include "physics/base/crew.hpp"
 #include "physics/base/stage.hpp"
 #include "physics/dynamics/contact_graph.hpp"
 #include "physics/dynamics/soft_contact2.hpp"
@@ -60,21 +61,14 @@ struct soft_step_with {
         static constexpr int D = Space::dimension;
         using settings = soft_step_settings<S>;
 
-        /// Advances velocities and poses by h: `motion` offers advance_velocities(h) and advance_poses(h).
+        /// Advances velocities and poses by h: `motion` offers advance_velocities(h) and advance_poses(h). With several
+        /// hands, contacts of one colour are shared out.
         template <class Motion>
         static void solve(solver_bodies<S, D> all, contact_list<S, D> contacts, const settings& with, S h,
-                          arena& scratch, Motion&& motion) {
-            // Idle lanes push nobody.
-            const std::uint32_t nobody = all.count - 1;
+                          arena& scratch, Motion&& motion, detail::crew& hands) {
             solver_body<S, D>* const bodies = all.first;
-            const detail::contact_colours colours = detail::colour(contacts, all, scratch);
-            std::uint32_t count = 0;
-            for (std::uint32_t k = 0; k < colours.count; ++k) count += blocks_of(colours, k);
-            block* blocks = scratch.template take<block>(count);
-            std::uint32_t* numbers = scratch.template take<std::uint32_t>(count * width);
-            const detail::soft_start<S> start{h, S(1) / S(with.substeps), with.restitution_slop};
-            pack_blocks(colours, contacts, bodies, nobody, start, scratch, blocks, numbers);
-
+            const blocks_in_colours blocks = pack(contacts, all, {h, S(1) / S(with.substeps), with.restitution_slop},
+                                                  scratch);
             const S part = h / S(with.substeps);
             const S frequency = with.stiffness / part;
             const bool capped = with.frequency_cap > S(0) && with.frequency_cap < frequency;
@@ -85,21 +79,25 @@ struct soft_step_with {
             relax.pushes = false;
             for (int i = 0; i < with.substeps; ++i) {
                 motion.advance_velocities(part);
-                for (std::uint32_t k = 0; k < count; ++k) blocks[k].warm_start(bodies);
-                for (std::uint32_t k = 0; k < count; ++k) blocks[k].solve(bodies, press);
-                for (std::uint32_t k = 0; k < nobody; ++k) {
+                blocks.each(hands, [bodies](block& b) { b.warm_start(bodies); });
+                blocks.each(hands, [bodies, &press](block& b) { b.solve(bodies, press); });
+                for (std::uint32_t k = 0; k < all.nobody(); ++k) {
                     bodies[k].way.linear += bodies[k].velocity.linear * part;
                     bodies[k].way.angular += bodies[k].velocity.angular * part;
                 }
                 motion.advance_poses(part);
-                for (std::uint32_t k = 0; k < count; ++k) blocks[k].solve(bodies, relax);
+                blocks.each(hands, [bodies, &relax](block& b) { b.solve(bodies, relax); });
             }
-            if constexpr (Features::restitution)
-                for (std::uint32_t k = 0; k < count; ++k) blocks[k].bounce(bodies);
-            for (std::uint32_t k = 0; k < count; ++k)
-                for (int lane = 0; lane < width; ++lane)
-                    if (const std::uint32_t n = numbers[k * width + static_cast<std::uint32_t>(lane)]; n != none)
-                        blocks[k].take(lane, contacts[n]);
+            if constexpr (Features::restitution) blocks.each(hands, [bodies](block& b) { b.bounce(bodies); });
+            hands.each_part(blocks.count(), share, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
+                for (std::uint32_t k = first; k < end; ++k) blocks.take(k, contacts);
+            });
+        }
+        template <class Motion>
+        static void solve(solver_bodies<S, D> all, contact_list<S, D> contacts, const settings& with, S h,
+                          arena& scratch, Motion&& motion) {
+            detail::crew nobody_else;
+            solve(all, contacts, with, h, scratch, motion, nobody_else);
         }
 
     private:
@@ -108,32 +106,82 @@ struct soft_step_with {
         using block = std::conditional_t<D == 2, detail::soft_contact2<S, width, Features>,
                                          detail::soft_contact3<S, width, Features, Friction>>;
 
-        /// Contacts of a block in one group: one where they may push the same body.
-        static std::uint32_t share_of(const detail::contact_colours& colours, std::uint32_t group) {
-            return colours.last_is_serial && group + 1 == colours.count ? 1 : std::uint32_t{width};
-        }
-        static std::uint32_t blocks_of(const detail::contact_colours& colours, std::uint32_t group) {
-            const std::uint32_t share = share_of(colours, group);
-            return (colours.begin[group + 1] - colours.begin[group] + share - 1) / share;
-        }
-        static void pack_blocks(const detail::contact_colours& colours, const contact_list<S, D>& contacts,
-                                const solver_body<S, D>* bodies, std::uint32_t nobody,
-                                const detail::soft_start<S>& with, arena& scratch, block* blocks,
-                                std::uint32_t* numbers) {
-            for (std::uint32_t group = 0; group < colours.count; ++group) {
-                const std::uint32_t share = share_of(colours, group);
-                for (std::uint32_t at = colours.begin[group]; at < colours.begin[group + 1]; at += share) {
-                    block& to = *new (blocks++) block{};
-                    for (std::uint32_t lane = 0; lane < std::uint32_t{width}; ++lane) {
-                        const bool used = lane < share && at + lane < colours.begin[group + 1];
-                        const std::uint32_t n = used ? colours.order[at + lane] : none;
-                        *numbers++ = n;
-                        const int at_lane = static_cast<int>(lane);
-                        if (used) to.put(at_lane, contacts[n], bodies, with, scratch);
-                        else to.a[lane] = to.b[lane] = nobody;
-                    }
+        /// So many blocks are worth handing to somebody else.
+        static constexpr std::uint32_t share = 16;
+
+        struct blocks_in_colours {
+            block* first;
+            /// Of each lane of each block its contact.
+            std::uint32_t* numbers;
+            /// Where the blocks of each colour begin, and after the last one.
+            std::uint32_t begin[detail::contact_colours::most + 1];
+            std::uint32_t colours;
+            bool last_is_serial;
+
+            [[nodiscard]] std::uint32_t count() const { return begin[colours]; }
+
+            template <class F>
+            void each(detail::crew& hands, F&& f) const {
+                if (hands.is_alone()) {
+                    for (std::uint32_t k = 0; k < count(); ++k) f(first[k]);
+                    return;
+                }
+                for (std::uint32_t group = 0; group < colours; ++group) {
+                    const std::uint32_t from = begin[group], size = begin[group + 1] - from;
+                    const bool is_serial = last_is_serial && group + 1 == colours;
+                    hands.each_part(size, is_serial ? size : share,
+                                    [&](std::uint32_t start, std::uint32_t end, std::uint32_t) {
+                                        for (std::uint32_t k = start; k < end; ++k) f(first[from + k]);
+                                    });
                 }
             }
+            /// Hands a block's impulses to its contacts.
+            void take(std::uint32_t k, const contact_list<S, D>& contacts) const {
+                for (int lane = 0; lane < width; ++lane)
+                    if (const std::uint32_t n = numbers[k * width + static_cast<std::uint32_t>(lane)]; n != none)
+                        first[k].take(lane, contacts[n]);
+            }
+        };
+        static blocks_in_colours pack(const contact_list<S, D>& contacts, solver_bodies<S, D> bodies,
+                                      const detail::soft_start<S>& with, arena& scratch) {
+            const detail::contact_colours colours = detail::colour(contacts, bodies, scratch);
+            blocks_in_colours result;
+            result.colours = colours.count;
+            result.last_is_serial = colours.last_is_serial;
+            std::uint32_t count = 0;
+            for (std::uint32_t group = 0; group < colours.count; ++group) {
+                // Contacts of a block in one group: one where they may push the same body.
+                const bool is_serial = colours.last_is_serial && group + 1 == colours.count;
+                const std::uint32_t size = colours.begin[group + 1] - colours.begin[group];
+                result.begin[group] = count;
+                count += is_serial ? size : (size + width - 1) / width;
+            }
+            result.begin[colours.count] = count;
+            result.first = scratch.template take<block>(count);
+            result.numbers = scratch.template take<std::uint32_t>(count * width);
+            for (std::uint32_t group = 0; group < colours.count; ++group) {
+                const bool is_serial = colours.last_is_serial && group + 1 == colours.count;
+                const std::uint32_t lanes = is_serial ? 1 : width, from = result.begin[group];
+                for (std::uint32_t k = from; k < result.begin[group + 1]; ++k) {
+                    const std::uint32_t at = colours.begin[group] + (k - from) * lanes;
+                    const std::uint32_t rest = colours.begin[group + 1] - at;
+                    fill(result.first[k], result.numbers + k * width, colours.order + at, rest < lanes ? rest : lanes,
+                         contacts, bodies, with, scratch);
+                }
+            }
+            return result;
+        }
+        static void fill(block& place, std::uint32_t* numbers, const std::uint32_t* order, std::uint32_t used,
+                         const contact_list<S, D>& contacts, solver_bodies<S, D> bodies,
+                         const detail::soft_start<S>& with, arena& scratch) {
+            block& to = *new (&place) block{};
+            for (std::uint32_t lane = 0; lane < std::uint32_t{width}; ++lane) {
+                numbers[lane] = lane < used ? order[lane] : none;
+                if (lane < used) to.put(static_cast<int>(lane), contacts[order[lane]], bodies.first, with, scratch);
+                else to.a[lane] = to.b[lane] = bodies.spare();
+            }
+            to.moves_a = bodies[to.a[0]].inverse_mass > inverse_of<S>(0);
+            to.moves_b = bodies[to.b[0]].inverse_mass > inverse_of<S>(0);
         }
     };
 };

@@ -74,26 +74,13 @@ public:
     /// throws, ends the call, and the time of the steps that were due is dropped: they are not tried again.
     template <class Before = no_hook, class After = no_hook>
     advance_report<scalar> advance(World& world, scalar elapsed, Before&& before = {}, After&& after = {}) {
-        if (!detail::check_not_negative("advance", "elapsed", elapsed)) return {};
-        advance_report<scalar> report;
-        if (elapsed > settings_.longest_frame) {
-            report.dropped = elapsed - settings_.longest_frame;
-            elapsed = settings_.longest_frame;
-        }
-        int due = 0;
-        for (rest_ += elapsed; !(rest_ < settings_.step); rest_ -= settings_.step) ++due;
-        for (; report.steps < due; ++report.steps) {
-            before(world);
-            remember(world);
-            const std::uint64_t steps = world.steps();
-            world.step(settings_.step);
-            if (world.steps() == steps) {  // refused, in a build without exceptions
-                report.dropped += settings_.step * S(due - report.steps);
-                break;
-            }
-            after(world);
-        }
-        return report;
+        return advance_by(world, elapsed, before, after, [](World& w, scalar dt) { w.step(dt); });
+    }
+    /// The same, with the work of the steps shared out by an executor.
+    template <executor Executor, class Before = no_hook, class After = no_hook>
+    advance_report<scalar> advance(World& world, scalar elapsed, Executor& by, Before&& before = {},
+                                   After&& after = {}) {
+        return advance_by(world, elapsed, before, after, [&by](World& w, scalar dt) { w.step(dt, by); });
     }
 
     /// How far real time is ahead of the last step, as a share of a step: 0 up to 1.
@@ -119,6 +106,29 @@ private:
         transform pose;
     };
 
+    template <class Before, class After, class Step>
+    advance_report<scalar> advance_by(World& world, scalar elapsed, Before& before, After& after, Step&& step) {
+        if (!detail::check_not_negative("advance", "elapsed", elapsed)) return {};
+        advance_report<scalar> report;
+        if (elapsed > settings_.longest_frame) {
+            report.dropped = elapsed - settings_.longest_frame;
+            elapsed = settings_.longest_frame;
+        }
+        int due = 0;
+        for (rest_ += elapsed; !(rest_ < settings_.step); rest_ -= settings_.step) ++due;
+        for (; report.steps < due; ++report.steps) {
+            before(world);
+            remember(world);
+            const std::uint64_t steps = world.steps();
+            step(world, settings_.step);
+            if (world.steps() == steps) {  // refused, in a build without exceptions
+                report.dropped += settings_.step * S(due - report.steps);
+                break;
+            }
+            after(world);
+        }
+        return report;
+    }
     void remember(const World& world) {
         before_.clear();
         for (const body_id id : world.bodies()) {

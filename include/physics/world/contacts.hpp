@@ -64,50 +64,116 @@ bool mix_surfaces(contact<typename Plan::scalar, Plan::dimension>& c, const shap
     return is_good(c.friction) && is_good(c.restitution) && !(c.restitution > S(1)) && is_good(c.rolling_resistance);
 }
 
-/// Narrowphase: contacts of the pairs that touch or nearly do, in the order of the pairs. False if surfaces do not mix.
-template <class Plan>
-bool find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs) {
+/// Adds the contacts of a manifold between the shapes of a pair. False if their surfaces do not mix.
+template <class Plan, class Manifold>
+bool add_contact(const state<Plan>& s, proxy_pair pair, std::uint32_t part, const Manifold& m,
+                 buffer<contact<typename Plan::scalar, Plan::dimension>>& to) {
     using S = typename Plan::scalar;
     constexpr int D = Plan::dimension;
-    const auto* queries = recall_pairs(s, pairs);
-    const S margin = s.settings.contact_margin;
-    s.manifolds.clear();
-    const auto collide = [&](const auto* first, std::uint32_t count, S within) {
-        if constexpr (Plan::remembers)
-            Plan::narrowphase::collide(first, count, within, s.found_memories.items.begin(), s.manifolds);
-        else
-            Plan::narrowphase::collide(first, count, within, s.manifolds);
-    };
-    if constexpr (Plan::looks_ahead) collide_ahead(s, queries, pairs, collide);
-    else collide(queries, pairs.size(), margin);
-
-    s.found.clear();
-    bool mixed = true;
-    for (const auto& [query, part, m] : s.manifolds) {
-        const proxy_pair p = in_order_of_kinds(s, pairs[query]);
-        const auto& a = s.shapes[p.a];
-        const auto& b = s.shapes[p.b];
-        const rotation<S, D> turn = a.pose.rotation;
-        const vec<S, D> from_b = b.arm + (a.pose.position - b.pose.position);
-        contact<S, D>& c =
-            s.found.emplace(p.a, p.b, s.mover_of[a.body], s.mover_of[b.body], part, turn * m.normal);
-        c.count = m.count;
-        for (int k = 0; k < m.count; ++k) {
-            const vec<S, D> at = turn * m.points[k].position;
-            c.points[k].lever_a = a.arm + at;
-            c.points[k].lever_b = from_b + at;
-            c.points[k].separation = m.points[k].separation;
-            c.points[k].feature = m.points[k].feature;
-        }
-        mixed = mix_surfaces(c, a, b) && mixed;
-        note_depth(s, c);
+    const proxy_pair p = in_order_of_kinds(s, pair);
+    const auto& a = s.shapes[p.a];
+    const auto& b = s.shapes[p.b];
+    const rotation<S, D> turn = a.pose.rotation;
+    const vec<S, D> from_b = b.arm + (a.pose.position - b.pose.position);
+    contact<S, D>& c = to.emplace(p.a, p.b, s.mover_of[a.body], s.mover_of[b.body], part, turn * m.normal);
+    c.count = m.count;
+    for (int k = 0; k < m.count; ++k) {
+        const vec<S, D> at = turn * m.points[k].position;
+        c.points[k].lever_a = a.arm + at;
+        c.points[k].lever_b = from_b + at;
+        c.points[k].separation = m.points[k].separation;
+        c.points[k].feature = m.points[k].feature;
     }
-    return mixed;
+    return mix_surfaces(c, a, b);
+}
+
+/// What the search of some pairs has come to.
+struct search_result {
+    bool mixed = true, deep = false;
+};
+/// Adds the contacts of some pairs in a row.
+template <class Plan>
+search_result search_pairs(state<Plan>& s, const typename Plan::query* queries, const buffer<proxy_pair>& pairs,
+                           std::uint32_t first, std::uint32_t end,
+                           manifold_list<typename Plan::scalar, Plan::dimension>& manifolds,
+                           buffer<contact<typename Plan::scalar, Plan::dimension>>& to) {
+    using S = typename Plan::scalar;
+    manifolds.clear();
+    const auto collide = [&](const auto* some, std::uint32_t count, S within) {
+        if constexpr (Plan::remembers)
+            Plan::narrowphase::collide(some, count, within, s.found_memories.items.begin(), manifolds);
+        else Plan::narrowphase::collide(some, count, within, manifolds);
+    };
+    if constexpr (Plan::looks_ahead) collide_ahead(s, queries, pairs, first, end, manifolds, collide);
+    else collide(queries + first, end - first, s.settings.contact_margin);
+    search_result result;
+    for (const auto& [query, part, m] : manifolds) {
+        result.mixed = add_contact(s, pairs[first + query], part, m, to) && result.mixed;
+        result.deep = result.deep || is_deep(s, to.back());
+    }
+    return result;
+}
+
+/// Narrowphase: contacts of the pairs that touch or nearly do, in the order of the pairs. False if surfaces do not mix.
+template <class Plan>
+bool find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs, crew& hands) {
+    // So many pairs that what is found of them is still in the caches when it becomes contacts.
+    constexpr std::uint32_t share = 256;
+    using contact = physics::contact<typename Plan::scalar, Plan::dimension>;
+    struct piece {
+        std::uint32_t worker, first, end;
+        search_result is;
+    };
+    const auto* queries = recall_pairs(s, pairs);
+    piece* pieces = s.scratch.template take<piece>(pairs.size() / share + 1);
+    s.found.clear();
+    if (!hands.is_alone())
+        for (std::uint32_t k = 0; k < hands.workers(); ++k) s.found_by[k].clear();
+    hands.each_part(pairs.size(), share, [&](std::uint32_t first, std::uint32_t end, std::uint32_t worker) {
+        auto& to = hands.is_alone() ? s.found : s.found_by[worker];
+        const std::uint32_t before = to.size();
+        const search_result is = search_pairs(s, queries, pairs, first, end, s.manifolds[worker], to);
+        new (pieces + first / share) piece{worker, before, to.size(), is};
+    });
+    if (!hands.is_sound()) return true;
+    const std::uint32_t count = (pairs.size() + share - 1) / share;
+    search_result all;
+    std::uint32_t found = 0;
+    for (std::uint32_t k = 0; k < count; ++k) {
+        all.mixed = all.mixed && pieces[k].is.mixed;
+        all.deep = all.deep || pieces[k].is.deep;
+        found += pieces[k].end - pieces[k].first;
+    }
+    if (!hands.is_alone()) {
+        contact* to = s.found.extend(found);
+        auto** places = s.scratch.template take<contact*>(count);
+        for (std::uint32_t k = 0; k < count; ++k) {
+            places[k] = to;
+            to += pieces[k].end - pieces[k].first;
+        }
+        hands.each(count, [&](std::uint32_t k, std::uint32_t) {
+            const piece& of = pieces[k];
+            if (of.end == of.first) return;
+            std::memcpy(static_cast<void*>(places[k]), s.found_by[of.worker].begin() + of.first,
+                        (of.end - of.first) * sizeof(contact));
+        });
+    }
+    if (all.deep)
+        for (const contact& c : s.found) note_depth(s, c);
+    return all.mixed;
+}
+
+/// Hands on the impulses of the last step's contacts.
+template <class Plan>
+void inherit_contacts(state<Plan>& s, crew& hands) {
+    hands.each_part(s.found.size(), 256, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
+        inherit_impulses(s.contacts, s.found.begin() + first, s.found.begin() + end);
+    });
 }
 
 /// Who is woken brings contacts along: they are found anew, and join the others.
 template <class Plan>
-bool find_contacts_of_woken(state<Plan>& s) {
+bool find_contacts_of_woken(state<Plan>& s, crew& hands) {
     find_numbers(s);
     for (auto& c : s.found) {
         c.body_a = s.mover_of[body_a(s, c)];
@@ -121,8 +187,8 @@ bool find_contacts_of_woken(state<Plan>& s) {
     // What is remembered of the other pairs waits meanwhile.
     s.found.swap(s.woken_contacts);
     s.found_memories.swap(s.woken_memories);
-    const bool good = find_contacts(s, s.woken_pairs);
-    inherit_impulses(s.sleep.contacts, s.found);
+    const bool good = find_contacts(s, s.woken_pairs, hands);
+    inherit_impulses(s.sleep.contacts, s.found.begin(), s.found.end());
     merge_contacts(s.woken_contacts, s.found);
     s.found.swap(s.woken_contacts);
     s.found_memories.swap(s.woken_memories);

@@ -317,7 +317,7 @@ private:
     bool any_flagged_ = false;
 };
 
-/// Remembers which bodies the contacts of a step have found deep in static ones.
+/// Whether a contact is deeper than usual, and where such have been found in this step.
 template <class Plan>
 void clear_depths(state<Plan>& s) {
     if constexpr (Plan::sweeps) {
@@ -326,14 +326,18 @@ void clear_depths(state<Plan>& s) {
     }
 }
 template <class Plan, class Contact>
+bool is_deep(const state<Plan>& s, const Contact& c) {
+    if constexpr (Plan::sweeps)
+        for (int k = 0; k < c.count; ++k)
+            if (-c.points[k].separation > s.settings.contact_margin * typename Plan::scalar(0.5)) return true;
+    return false;
+}
+template <class Plan, class Contact>
 void note_depth(state<Plan>& s, const Contact& c) {
     if constexpr (Plan::sweeps) {
-        using S = typename Plan::scalar;
-        S depth = s.settings.contact_margin * S(0.5);
-        bool deep = false;
-        for (int k = 0; k < c.count; ++k)
-            if (-c.points[k].separation > depth) depth = -c.points[k].separation, deep = true;
-        if (!deep) return;
+        if (!is_deep(s, c)) return;
+        typename Plan::scalar depth{};
+        for (int k = 0; k < c.count; ++k) depth = max(depth, -c.points[k].separation);
         const std::uint32_t a = body_a(s, c), b = body_b(s, c);
         if (s.bodies[a].type == body_type::static_body) s.continuous.depths[b] = max(s.continuous.depths[b], depth);
         if (s.bodies[b].type == body_type::static_body) s.continuous.depths[a] = max(s.continuous.depths[a], depth);

@@ -44,12 +44,12 @@ public:
           count_(part.nobody - part.bodies),
           step_(h) {
         for (std::uint32_t k = 0; k < count_; ++k) gather(k);
-        new (bodies_ + count_) solver_body<S, D>{};
+        for (std::uint32_t k = count_; k < part.nobody - part.bodies + 2; ++k) new (bodies_ + k) solver_body<S, D>{};
         if (free_count_ > 0) find_free(parts, part, scratch);
     }
 
-    /// What the solver sees of the bodies; the last one is nobody.
-    [[nodiscard]] solver_bodies<S, D> bodies() const { return {bodies_, count_ + 1}; }
+    /// What the solver sees of the bodies; the last two are nobody.
+    [[nodiscard]] solver_bodies<S, D> bodies() const { return {bodies_, count_ + 2}; }
 
     void advance_velocities(S h) {
         if (free_count_ > 0) thrust(step_ / h);
@@ -146,11 +146,23 @@ public:
                   s.scratch.template take<moving_body<S, D>>(parts_.slots), parts_.slot_of};
     }
 
-    /// Solves the contacts. False if something has left the range of numbers.
-    bool solve() {
-        bool good = true;
-        for (std::uint32_t k = 0; k < parts_.count; ++k) good = solve(parts_.first[k], state_.batch_scratch) && good;
-        return good;
+    /// Solves the contacts: giants one after the other, with all hands, then the other batches side by side. False if
+    /// something has left the range of numbers.
+    bool solve(crew& hands) {
+        bool* good = state_.scratch.template take<bool>(parts_.count);
+        for (std::uint32_t k = 0; k < parts_.count; ++k) good[k] = false;
+        const auto is_giant = [&](std::uint32_t k) {
+            return !hands.is_alone() && parts_.first[k].weight() > giant * batch_maker::enough;
+        };
+        crew alone;
+        for (std::uint32_t k = 0; k < parts_.count; ++k)
+            if (is_giant(k)) good[k] = solve(parts_.first[k], state_.batch_scratch[0], hands);
+        hands.each(parts_.count, [&](std::uint32_t k, std::uint32_t worker) {
+            if (!is_giant(k)) good[k] = solve(parts_.first[k], state_.batch_scratch[worker], alone);
+        });
+        for (std::uint32_t k = 0; k < parts_.count; ++k)
+            if (!good[k]) return false;
+        return true;
     }
     /// Where bodies have come.
     [[nodiscard]] moved_bodies<S, D> moved() const { return moved_; }
@@ -224,11 +236,14 @@ private:
         is_pushed[count] = false;
         return batch_maker(s.found, is_pushed, count, s.scratch).result();
     }
-    bool solve(const batch& part, arena& scratch) {
+    bool solve(const batch& part, arena& scratch, crew& hands) {
         scratch.reset();
         batch_motion<Plan> moving(state_, parts_, part, moved_, step_, scratch);
         const contact_list<S, D> contacts(state_.found.begin(), parts_.order + part.contacts, part.end - part.contacts);
-        Plan::solver::solve(moving.bodies(), contacts, state_.settings.solver, step_, scratch, moving);
+        const auto& with = state_.settings.solver;
+        if constexpr (requires { Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving, hands); })
+            Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving, hands);
+        else Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving);
         return moving.is_finite();
     }
     [[nodiscard]] transform<S, D> pose_of(std::uint32_t k) const {
@@ -236,6 +251,9 @@ private:
         if (b.has_target) return b.target;
         return {moved_[k].center - moved_[k].rotation * b.mass.center, moved_[k].rotation};
     }
+
+    /// An island that is so many times as large as a batch is wide enough for several workers.
+    static constexpr std::uint32_t giant = 4;
 
     state<Plan>& state_;
     batches parts_;

@@ -196,13 +196,17 @@ struct state {
     std::uint16_t tag = 0;
 
     // Scratch of the step: nothing in it outlives one.
-    manifold_list<S, D> manifolds;
     buffer<contact<S, D>> found;
     pair_memories<Plan> found_memories;
     buffer<proxy_pair> woken_pairs;
     buffer<contact<S, D>> woken_contacts;
     pair_memories<Plan> woken_memories;
-    arena scratch, batch_scratch;
+    arena scratch;
+    per_worker<arena> batch_scratch;
+    /// What each worker has found.
+    per_worker<manifold_list<S, D>> manifolds;
+    per_worker<buffer<contact<S, D>>> found_by;
+    buffer<unsigned char> parts_done;
 
     [[nodiscard]] bool is_asleep(std::uint32_t body) const {
         if constexpr (Plan::sleeps) return sleep.ring[body] != no_sleeper;

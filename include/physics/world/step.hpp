@@ -15,13 +15,25 @@ const buffer<proxy_pair>& find_pairs(state<Plan>& s) {
     return s.broadphase.pairs([](std::uint32_t, std::uint32_t) { return true; });
 }
 
+/// Makes ready what a step works with.
+template <class Plan>
+void start_step(state<Plan>& s, const crew& hands) {
+    s.scratch.reset();
+    s.batch_scratch.prepare(hands.workers());
+    s.manifolds.prepare(hands.workers());
+    s.found_by.prepare(hands.workers());
+}
+
 /// How a step went; if not well, the world is as it was.
-enum class step_result { done, bad_mixture, out_of_range };
+enum class step_result { done, bad_mixture, out_of_range, bad_executor };
 
 inline void report(step_result result) {
     if (result == step_result::out_of_range)
         refuse("step", "a velocity", "not finite",
                        "a force, a speed or a mass is beyond the scalar's range");
+    if (result == step_result::bad_executor)
+        refuse("step", "executor", "left parts out",
+               "it must have a worker at least, and call the work with every part, as a worker below workers()");
     if (result == step_result::bad_mixture)
         refuse("step", "a coefficient of two surfaces", "out of range",
                        "the mixing rule must give friction and rolling_resistance that are finite and at least 0, "
@@ -32,22 +44,32 @@ inline void report(step_result result) {
 /// order. Refused if surfaces do not mix, or if a velocity or a position would leave the range of numbers.
 /// Not inlined, so that no arithmetic moves out of the caller's float_control_scope.
 template <class Plan>
-PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h) {
-    s.scratch.reset();
+PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, crew hands) {
+    if (hands.workers() == 0) return step_result::bad_executor;
+    start_step(s, hands);
     watch_fast_bodies(s, h);            // velocities        -> boxes of bodies that look ahead
     number_movers(s);                   // bodies            -> which of them move
     const auto& pairs = find_pairs(s);  // boxes             -> pairs, in order
-    if (!find_contacts(s, pairs)) return step_result::bad_mixture;  // pairs, poses -> contacts with feature ids
+    if (!find_contacts(s, pairs, hands)) return step_result::bad_mixture;  // pairs, poses -> contacts
     if constexpr (Plan::sleeps)
         // Blows -> contacts of the islands that they wake.
-        if (disturb_sleepers(s, h) && !find_contacts_of_woken(s)) return step_result::bad_mixture;
-    inherit_impulses(s.contacts, s.found);  // last step's       -> warm impulses of what persists
-    motion<Plan> moving(s, h);                               // contacts          -> islands, in batches
-    if (!moving.solve()) return step_result::out_of_range;   // bodies, forces, contacts -> velocities, poses
-    sweep_fast_bodies(s, moving.moved(), h);                 // poses             -> poses short of what stops bodies
+        if (disturb_sleepers(s, h) && !find_contacts_of_woken(s, hands)) return step_result::bad_mixture;
+    inherit_contacts(s, hands);              // last step's       -> warm impulses of what persists
+    motion<Plan> moving(s, h);               // contacts          -> islands, in batches
+    const bool solved = moving.solve(hands); // bodies, forces, contacts -> velocities, poses
+    if (!hands.is_sound()) return step_result::bad_executor;
+    if (!solved) return step_result::out_of_range;
+    sweep_fast_bodies(s, moving.moved(), h);                       // poses -> poses short of what stops bodies
     if (!moving.place_shapes()) return step_result::out_of_range;  // poses -> boxes of what has moved
     moving.finish();                                               // results -> bodies and contacts
     return step_result::done;
+}
+
+template <class Plan>
+void advance(state<Plan>& s, typename Plan::scalar h, const crew& hands) {
+    if (!check_positive("step", "dt", h)) return;
+    const float_control_scope control;
+    report(step(s, h, hands));
 }
 
 }  // namespace detail

@@ -50,11 +50,10 @@ public:
 
     /// Advances time by dt seconds (greater than 0). Forces and torques act for this step and are then
     /// forgotten. Cost: see the policies. Refused, with nothing changed, if a number would leave its range.
-    void step(scalar dt) {
-        if (!detail::check_positive("step", "dt", dt)) return;
-        const float_control_scope control;
-        detail::report(detail::step(state_, dt));
-    }
+    void step(scalar dt) { detail::advance(state_, dt, {}); }
+    /// The same, with the work shared out by an executor, such as a thread_pool; the bits do not depend on it.
+    template <executor Executor>
+    void step(scalar dt, Executor& by) { detail::advance(state_, dt, {by, state_.parts_done}); }
     /// Number of steps taken.
     [[nodiscard]] std::uint64_t steps() const { return state_.steps; }
     /// A number that worlds in the same state share, on any machine. User data and settings do not enter.

@@ -1,0 +1,163 @@
+// Laws of executors: whoever does the work, the bits are the same; and what an executor must not do is refused.
+#pragma once
+
+#include <functional>
+#include <physics/base/thread_pool.hpp>
+#include <thread>
+
+#include "refusal.hpp"
+#include "world_cell.hpp"
+
+namespace {
+
+/// The last part first, by one worker after the other.
+struct backwards {
+    std::uint32_t count = 4;
+
+    [[nodiscard]] std::uint32_t workers() const { return count; }
+    void run(std::uint32_t parts, const physics::work& what) {
+        for (std::uint32_t k = parts; k-- > 0;) what(k, k % count);
+    }
+};
+/// A thread for each worker, made anew for each piece of work: the parts in stripes.
+struct fresh_threads {
+    [[nodiscard]] std::uint32_t workers() const { return 3; }
+    void run(std::uint32_t parts, const physics::work& what) {
+        const auto stripe = [&](std::uint32_t worker) {
+            for (std::uint32_t k = worker; k < parts; k += workers()) what(k, worker);
+        };
+        std::thread one(stripe, 1), two(stripe, 2);
+        stripe(0);
+        one.join();
+        two.join();
+    }
+};
+struct faulty {
+    std::function<void(std::uint32_t, const physics::work&)> run;
+    std::uint32_t count = 2;
+
+    [[nodiscard]] std::uint32_t workers() const { return count; }
+};
+
+/// A pyramid that is wide enough to be shared out, many small stacks, a slab that pushes several of them, and a ball that
+/// is faster than its size allows.
+struct busy_place {
+    world w{{.gravity = along(1, -10)}};
+
+    explicit busy_place(int base) {
+        const body_id ground = w.create_body({.type = body_type::static_body, .position = along(1, -1)});
+        vec half;
+        for (int i = 0; i < cell::dimension; ++i) half[i] = S(i == 1 ? 1 : 400);
+        w.create_shape(ground, world::box{half});
+        for (int row = 0; row < base; ++row)
+            for (int i = 0; i < base - row; ++i) add_box(at(i * 1.1 + row * 0.55, 0.5 + row));
+        for (int stack = 0; stack < 60; ++stack)
+            for (int i = 0; i < 4; ++i) add_box(at(-3.0 - stack * 2, 0.5 + i));
+        const body_id slab = w.create_body({.type = body_type::kinematic_body, .position = at(-60, 0.75)});
+        w.create_shape(slab, world::box{along_all(0.125) + along(0, 60)});
+        w.set_linear_velocity(slab, along(2 % cell::dimension, cell::is_2d ? 0.125 : 0) + along(0, 0.5));
+        const body_id ball = w.create_body({.position = at(-140, 1), .linear_velocity = along(0, 200)});
+        w.create_shape(ball, world::ball{S(0.125)});
+    }
+    static vec along_all(double size) {
+        vec v;
+        for (int i = 0; i < cell::dimension; ++i) v[i] = S(size);
+        return v;
+    }
+    void add_box(vec where) {
+        w.create_shape(w.create_body({.position = where}), world::box{along_all(0.5)});
+    }
+};
+
+template <class Executor>
+void compare_with_serial(Executor& by, int steps) {
+    busy_place alone(40), shared(40);
+    for (int i = 0; i < steps; ++i) {
+        alone.w.step(S(1.0 / 64));
+        shared.w.step(S(1.0 / 64), by);
+        REQUIRE(alone.w.state_hash() == shared.w.state_hash());
+    }
+}
+
+CELL_CASE("executors: any order, any number of workers and any threads give the bits of one") {
+    backwards four, one{1};
+    compare_with_serial(four, 24);
+    compare_with_serial(one, 4);
+    fresh_threads fresh;
+    compare_with_serial(fresh, 6);
+    for (const std::uint32_t workers : {1u, 2u, 3u}) {
+        physics::thread_pool pool(workers);
+        REQUIRE(pool.workers() == workers);
+        compare_with_serial(pool, 24);
+    }
+}
+
+CELL_CASE("executors: workers may change from step to step, worlds may share a pool, and copies need none") {
+    physics::thread_pool pool(2);
+    backwards three{3};
+    busy_place alone(12), shared(12), other(8);
+    for (int i = 0; i < 8; ++i) {
+        alone.w.step(S(1.0 / 64));
+        if (i % 3 == 0) shared.w.step(S(1.0 / 64));
+        else if (i % 3 == 1) shared.w.step(S(1.0 / 64), pool);
+        else shared.w.step(S(1.0 / 64), three);
+        other.w.step(S(1.0 / 64), pool);
+        const world copy = shared.w;
+        shared.w = copy;
+        REQUIRE(alone.w.state_hash() == shared.w.state_hash());
+    }
+}
+
+CELL_CASE("executors: one that leaves out parts, or has no workers, is refused, and the world is as it was") {
+    busy_place place(12);
+    for (int i = 0; i < 3; ++i) place.w.step(S(1.0 / 64));
+    const auto before = place.w.state_hash();
+    faulty lazy{[](std::uint32_t parts, const physics::work& what) {
+        for (std::uint32_t k = 1; k < parts; ++k) what(k, 0);
+    }};
+    faulty idle{[](std::uint32_t, const physics::work&) {}};
+    faulty strange{[](std::uint32_t parts, const physics::work& what) {
+        for (std::uint32_t k = 0; k < parts; ++k) what(k, 2);
+    }};
+    faulty empty{[](std::uint32_t, const physics::work&) {}, 0};
+    for (faulty* by : {&lazy, &idle, &strange, &empty}) {
+        CHECK(refusal([&] { place.w.step(S(1.0 / 64), *by); }).find("executor") != std::string::npos);
+        CHECK(place.w.state_hash() == before);
+    }
+    // Calls with parts that there are not do nothing, and parts may be done again.
+    busy_place alone(12);
+    for (int i = 0; i < 4; ++i) alone.w.step(S(1.0 / 64));
+    faulty keen{[](std::uint32_t parts, const physics::work& what) {
+        for (std::uint32_t k = 0; k < parts + 3; ++k) what(k, 1);
+    }};
+    place.w.step(S(1.0 / 64), keen);
+    CHECK(place.w.state_hash() == alone.w.state_hash());
+    CHECK(refusal([] { physics::thread_pool crowd(257); }).find("workers") != std::string::npos);
+}
+
+CELL_CASE("executors: the pool calls every part once, by one worker at a time") {
+    physics::thread_pool pool(3);
+    for (const std::uint32_t parts : {0u, 1u, 2u, 7u, 1000u}) {
+        std::vector<int> times(parts), busy(3);
+        auto count = [&](std::uint32_t part, std::uint32_t worker) {
+            ++busy[worker];
+            if (busy[worker] == 1) ++times[part];
+            --busy[worker];
+        };
+        std::vector<unsigned char> done(parts);
+        for (int round = 0; round < 200; ++round) pool.run(parts, physics::work(count, done.data(), parts, 3));
+        for (const int n : times) REQUIRE(n == 200);
+    }
+}
+
+CELL_CASE("executors: an accumulator hands them on") {
+    backwards two{2};
+    busy_place alone(6), shared(6);
+    physics::accumulator<world> first, second;
+    for (int i = 0; i < 4; ++i) {
+        CHECK(first.advance(alone.w, S(0.03125)).steps == second.advance(shared.w, S(0.03125), two).steps);
+        CHECK(alone.w.state_hash() == shared.w.state_hash());
+    }
+}
+
+}  // namespace
