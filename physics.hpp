@@ -20346,6 +20346,42 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
+/// A turn about an axis of a frame, as seen from it.
+template <class S>
+class axis_turn {
+public:
+    constexpr explicit axis_turn(S angle) {
+        const S quarter = angle * S(0.25);
+        if (abs(quarter) > S(0.25)) {
+            const auto [s, c] = sine_cosine(angle * S(0.5));
+            half_sine_ = s;
+            half_cosine_ = c;
+            return;
+        }
+        // As turned(), see there.
+        const S t = quarter * tangent_ratio(quarter * quarter), scale = S(1) / (S(1) + t * t);
+        half_sine_ = (t + t) * scale;
+        half_cosine_ = (S(1) - t * t) * scale;
+    }
+    /// Turns the frame about its axis number `axis`, without care for its length, and what is seen from it the other way.
+    constexpr void apply(int axis, rotation<S, 3>& frame, vec<S, 3>& seen) const {
+        const int i = (axis + 1) % 3, j = (axis + 2) % 3;
+        const vec<S, 3> q = frame.imaginary();
+        vec<S, 3> r;
+        r[axis] = sum_of_products(frame.w, half_sine_, q[axis], half_cosine_);
+        r[i] = sum_of_products(q[i], half_cosine_, q[j], half_sine_);
+        r[j] = difference_of_products(q[j], half_cosine_, q[i], half_sine_);
+        frame = {r.x, r.y, r.z, difference_of_products(frame.w, half_cosine_, q[axis], half_sine_)};
+        const S double_sine = half_sine_ + half_sine_;
+        const S sine = double_sine * half_cosine_, cosine = S(1) - double_sine * half_sine_, along = seen[i];
+        seen[i] = sum_of_products(along, cosine, seen[j], sine);
+        seen[j] = difference_of_products(seen[j], cosine, along, sine);
+    }
+
+private:
+    S half_sine_{}, half_cosine_{};
+};
+
 /// Turns a body on which no torque acts for a time h. Its energy of motion is split into parts whose motions are known:
 /// a turn about the angular momentum, as if all moments were the first, and turns about two principal axes for what is
 /// left of these. Momentum is kept to rounding, whatever the spin and however thin the body; the energy errs with the
@@ -20358,12 +20394,7 @@ constexpr void turn_freely(moving_body<S, 3>& b, vec<S, 3>& angular_velocity, S 
     rotation<S, 3> axes = b.rotation * top.spin.axes;
     vec<S, 3> seen = inverse_rotate(axes, momentum);
     const auto turn_about = [&](int axis, inverse_of<S> by, S time) {
-        if (by == inverse_of<S>(0)) return;
-        vec<S, 3> angle;
-        angle[axis] = mul<S>(by, seen[axis]) * time;
-        const rotation<S, 3> turn = turned(rotation<S, 3>{}, angle);
-        axes = axes * turn;
-        seen = inverse_rotate(turn, seen);
+        if (by != inverse_of<S>(0)) axis_turn<S>(mul<S>(by, seen[axis]) * time).apply(axis, axes, seen);
     };
     turn_about(1, top.spin.second, h * S(0.5));
     turn_about(2, top.spin.third, h);

@@ -86,7 +86,15 @@ void make_shape(const shape& s, Create&& create) {
     create(built.shape(), def);
 }
 
-template <class S, int D, class Solver>
+/// Steps on the caller's thread alone.
+struct by_oneself {
+    template <class World, class S>
+    void step(World& w, S dt) {
+        w.step(dt);
+    }
+};
+
+template <class S, int D, class Solver, class Way = by_oneself>
 class ours final : public engine {
 public:
     void begin(const scene& s) override {
@@ -104,7 +112,7 @@ public:
         world_->set_linear_velocity(id, to_vec<S, D>(velocity));
         world_->set_angular_velocity(id, to_spin<S, D>(spin));
     }
-    void step(double dt) override { world_->step(S(dt)); }
+    void step(double dt) override { way_.step(*world_, S(dt)); }
     void read(std::vector<state>& states) const override {
         states.clear();
         for (const physics::body_id id : ids_)
@@ -129,12 +137,13 @@ private:
 
     std::unique_ptr<world> world_;
     std::vector<physics::body_id> ids_;
+    Way way_;
 };
 
-template <class S, class Solver>
+template <class S, class Solver, class Way = by_oneself>
 std::unique_ptr<engine> make_ours(int dimension) {
-    if (dimension == 2) return std::make_unique<ours<S, 2, Solver>>();
-    return std::make_unique<ours<S, 3, Solver>>();
+    if (dimension == 2) return std::make_unique<ours<S, 2, Solver, Way>>();
+    return std::make_unique<ours<S, 3, Solver, Way>>();
 }
 
 }  // namespace bench

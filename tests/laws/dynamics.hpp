@@ -254,7 +254,7 @@ CELL_CASE("contact: impulses go to the same features of the same pair, as a sear
                 c.points[k].normal_impulse = dice.real(0, 4);
                 draw(dice, c.points[k].friction_impulse);
             }
-        physics::inherit_impulses(before, now);
+        physics::inherit_impulses(before, now.begin(), now.end());
         for (const contact& c : now)
             for (int k = 0; k < c.count; ++k) {
                 const physics::contact_point<S, D>* match = nullptr;
