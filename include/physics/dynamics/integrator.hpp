@@ -25,7 +25,7 @@ public:
         half_sine_ = (t + t) * scale;
         half_cosine_ = (S(1) - t * t) * scale;
     }
-    /// Turns the frame about its axis number `axis`, without care for its length, and what is seen from it the other way.
+    /// Turns the frame about its axis number `axis`, and what is seen from it the other way. Does not repair lengths.
     constexpr void apply(int axis, rotation<S, 3>& frame, vec<S, 3>& seen) const {
         const int i = (axis + 1) % 3, j = (axis + 2) % 3;
         const vec<S, 3> q = frame.imaginary();
