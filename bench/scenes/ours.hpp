@@ -18,6 +18,7 @@ Settings settings_for(const scene& s) {
     Settings with;
     for (int k = 0; k < s.dimension; ++k)
         with.gravity[k] = std::remove_cvref_t<decltype(with.gravity.x)>(s.gravity[static_cast<std::size_t>(k)]);
+    with.sleeping.enabled = false;
     return with;
 }
 
