@@ -22,10 +22,7 @@ void refresh_boxes(state<Plan>& s, std::uint32_t body) {
 /// Forgets the contacts for which gone(contact) is true; the others keep their order.
 template <class Plan, class Gone>
 void drop_contacts(state<Plan>& s, Gone&& gone) {
-    std::uint32_t kept = 0;
-    for (std::uint32_t i = 0; i < s.contacts.size(); ++i)
-        if (!gone(s.contacts[i])) s.contacts[kept++] = s.contacts[i];
-    while (s.contacts.size() > kept) s.contacts.pop();
+    part_contacts(s.contacts, [&](const auto& c) { return !gone(c); }, [](const auto&) {});
 }
 
 template <class Plan>
@@ -93,11 +90,12 @@ shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape,
     if (def.density > S(0) && owner.is_dynamic() && !owner.mass_is_set &&
         !check_mass(f, owner, combined(mass_of_shapes<double>(s, at.index), mass_of_shape<double>(record))))
         return {};
+    // First, so that what a sleeper touches is among the contacts that move with its centre of mass.
+    rouse(s, at.index);
     const auto place = s.shapes.insert(record);
     s.bodies[at.index].first_shape = place.index;
     s.broadphase.insert(place.index, box, filter_of(s, record));
     refresh_mass(s, at.index);
-    rouse(s, at.index);
     rouse_near(s, at.index);
     return {place.index, place.generation, s.tag};
 }
