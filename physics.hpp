@@ -19395,50 +19395,46 @@ struct product_mixing {
 
 namespace detail {
 
-/// A rule that does the same to all three coefficients.
-template <class Space, class Same>
+/// A rule that does the same to all three coefficients: Same::of(a, b).
+template <class Same>
 struct mixing_by {
-    using S = typename Space::scalar;
-    using material = physics::material<S, Space::dimension>;
+    using stage = physics::stage::mixing;
 
-    static S friction(const material& a, const material& b) { return Same::of(a.friction, b.friction); }
-    static S restitution(const material& a, const material& b) { return Same::of(a.restitution, b.restitution); }
-    static S rolling_resistance(const material& a, const material& b) {
-        return Same::of(a.rolling_resistance, b.rolling_resistance);
-    }
+    template <class Space>
+    struct in {
+        using S = typename Space::scalar;
+        using material = physics::material<S, Space::dimension>;
+
+        static S friction(const material& a, const material& b) { return Same::of(a.friction, b.friction); }
+        static S restitution(const material& a, const material& b) { return Same::of(a.restitution, b.restitution); }
+        static S rolling_resistance(const material& a, const material& b) {
+            return Same::of(a.rolling_resistance, b.rolling_resistance);
+        }
+    };
 };
 
 }  // namespace detail
 
 /// The smaller one of each coefficient.
-struct minimum_mixing {
-    using stage = physics::stage::mixing;
+struct minimum_mixing : detail::mixing_by<minimum_mixing> {
     template <class S>
     static constexpr S of(S a, S b) {
         return min(a, b);
     }
-    template <class Space>
-    using in = detail::mixing_by<Space, minimum_mixing>;
 };
 /// The larger one of each coefficient.
-struct maximum_mixing {
-    using stage = physics::stage::mixing;
+struct maximum_mixing : detail::mixing_by<maximum_mixing> {
     template <class S>
     static constexpr S of(S a, S b) {
         return max(a, b);
     }
-    template <class Space>
-    using in = detail::mixing_by<Space, maximum_mixing>;
 };
 /// The mean of each coefficient.
-struct average_mixing {
-    using stage = physics::stage::mixing;
+struct average_mixing : detail::mixing_by<average_mixing> {
     template <class S>
     static constexpr S of(S a, S b) {
         return a * S(0.5) + b * S(0.5);
     }
-    template <class Space>
-    using in = detail::mixing_by<Space, average_mixing>;
 };
 
 PHYSICS_HPP_END
