@@ -22554,10 +22554,12 @@ struct continuous_state {
     continuous_report<S> report;
 
     // Scratch of the step.
+    /// How deep each body is in static ones, and which of them are: 0 of all others.
     buffer<S> depths;
+    buffer<std::uint32_t> deep;
     buffer<swept_mover> movers;
     buffer<swept_box<Plan::dimension>> partners;
-    buffer<std::uint32_t> candidates;
+    buffer<std::uint64_t> candidates, spare;
     buffer<S> ahead;
 };
 struct nothing_continuous {};
@@ -22758,7 +22760,8 @@ PHYSICS_HPP_COLD void measure_body(const state<Plan>& s, std::uint32_t index, bo
 template <class Plan>
 void refresh_extent(state<Plan>& s, std::uint32_t index) {
     if constexpr (Plan::is_continuous) {
-        if (s.continuous.extents.size() < s.bodies.slots()) s.continuous.extents.resize(s.bodies.slots());
+        s.continuous.extents.resize(s.bodies.slots());
+        s.continuous.depths.resize(s.bodies.slots());
         measure_body(s, index, s.continuous.extents[index]);
     }
 }
@@ -23399,22 +23402,16 @@ private:
             for (const auto& partner : s_.continuous.partners)
                 if (overlap(partner.box, way))
                     each_shape(s_, partner.body, [&](std::uint32_t k, const auto&) { add(k); });
-        sort_once(found);
+        sort_once(found, s_.continuous.spare);
         return true;
     }
-    static void sort_once(buffer<std::uint32_t>& numbers) {
-        // Few, as a rule; else by halves.
-        for (std::uint32_t gap = numbers.size() / 2; gap > 0; gap /= 2)
-            for (std::uint32_t i = gap; i < numbers.size(); ++i) {
-                const std::uint32_t x = numbers[i];
-                std::uint32_t k = i;
-                for (; k >= gap && numbers[k - gap] > x; k -= gap) numbers[k] = numbers[k - gap];
-                numbers[k] = x;
-            }
+    static void sort_once(buffer<std::uint64_t>& numbers, buffer<std::uint64_t>& spare) {
+        spare.resize(numbers.size());
+        if (radix_sort(numbers.begin(), spare.begin(), numbers.size(), 0, 32) != numbers.begin()) numbers.swap(spare);
         std::uint32_t kept = 0;
         for (std::uint32_t i = 0; i < numbers.size(); ++i)
             if (kept == 0 || numbers[kept - 1] != numbers[i]) numbers[kept++] = numbers[i];
-        while (numbers.size() > kept) numbers.pop();
+        numbers.resize(kept);
     }
 
     void find_stop(mover& m) {
@@ -23443,8 +23440,8 @@ private:
     PHYSICS_HPP_COLD void sweep_piece(mover& m, const motion& way, const core<D>& piece, const mat<double, D>& axes,
                                       const point<D>& at) {
         const double thickness = inner_radius<Plan::few_corners>(piece);
-        for (const std::uint32_t k : s_.continuous.candidates) {
-            const auto& record = s_.shapes[k];
+        for (const std::uint64_t k : s_.continuous.candidates) {
+            const auto& record = s_.shapes[static_cast<std::uint32_t>(k)];
             const motion other = motion_of(record.body);
             const obstacle o{other,
                              moving_core<D>(piece, way, axes, at, to_point(other.start)),
@@ -23582,14 +23579,15 @@ private:
     bool any_flagged_ = false;
 };
 
-/// Whether a contact is deeper than usual, and where such have been found in this step.
+/// Forgets which bodies the contacts of the last step have found deep in static ones.
 template <class Plan>
 void clear_depths(state<Plan>& s) {
     if constexpr (Plan::sweeps) {
-        s.continuous.depths.clear();
-        s.continuous.depths.resize(s.bodies.slots());
+        for (const std::uint32_t i : s.continuous.deep) s.continuous.depths[i] = {};
+        s.continuous.deep.clear();
     }
 }
+/// Whether a contact is deeper than usual, and the note of it.
 template <class Plan, class Contact>
 bool is_deep(const state<Plan>& s, const Contact& c) {
     if constexpr (Plan::sweeps)
@@ -23604,8 +23602,12 @@ void note_depth(state<Plan>& s, const Contact& c) {
         typename Plan::scalar depth{};
         for (int k = 0; k < c.count; ++k) depth = max(depth, -c.points[k].separation);
         const std::uint32_t a = body_a(s, c), b = body_b(s, c);
-        if (s.bodies[a].type == body_type::static_body) s.continuous.depths[b] = max(s.continuous.depths[b], depth);
-        if (s.bodies[b].type == body_type::static_body) s.continuous.depths[a] = max(s.continuous.depths[a], depth);
+        const auto note = [&](std::uint32_t i) {
+            s.continuous.depths[i] = max(s.continuous.depths[i], depth);
+            s.continuous.deep.push(i);
+        };
+        if (s.bodies[a].type == body_type::static_body) note(b);
+        if (s.bodies[b].type == body_type::static_body) note(a);
     }
 }
 

@@ -70,7 +70,8 @@ PHYSICS_HPP_COLD void measure_body(const state<Plan>& s, std::uint32_t index, bo
 template <class Plan>
 void refresh_extent(state<Plan>& s, std::uint32_t index) {
     if constexpr (Plan::is_continuous) {
-        if (s.continuous.extents.size() < s.bodies.slots()) s.continuous.extents.resize(s.bodies.slots());
+        s.continuous.extents.resize(s.bodies.slots());
+        s.continuous.depths.resize(s.bodies.slots());
         measure_body(s, index, s.continuous.extents[index]);
     }
 }

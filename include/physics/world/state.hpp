@@ -160,10 +160,12 @@ struct continuous_state {
     continuous_report<S> report;
 
     // Scratch of the step.
+    /// How deep each body is in static ones, and which of them are: 0 of all others.
     buffer<S> depths;
+    buffer<std::uint32_t> deep;
     buffer<swept_mover> movers;
     buffer<swept_box<Plan::dimension>> partners;
-    buffer<std::uint32_t> candidates;
+    buffer<std::uint64_t> candidates, spare;
     buffer<S> ahead;
 };
 struct nothing_continuous {};
