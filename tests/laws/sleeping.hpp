@@ -29,9 +29,10 @@ struct bedroom {
         alone = add_box(w, at(5, 0.5));
         fall_asleep();
     }
-    void fall_asleep() {
-        for (int i = 0; i < 512 && w.awake_count() > 0; ++i) run(w, 1);
-        REQUIRE(w.awake_count() == 0);
+    void fall_asleep() { fall_asleep_but(0); }
+    void fall_asleep_but(std::uint32_t kinematic) {
+        for (int i = 0; i < 512 && w.awake_count() > kinematic; ++i) run(w, 1);
+        REQUIRE(w.awake_count() == kinematic);
     }
     [[nodiscard]] bool stack_sleeps() const {
         for (const body_id id : stack)
@@ -154,6 +155,24 @@ CELL_CASE("sleep: on something that moves nobody sleeps; on what stands still th
     run(w, 128);
     CHECK(!w.is_asleep(box));
     CHECK(number(w.linear_velocity(box).x) > 0.9);
+}
+
+CELL_CASE("sleep: what is told to stay where it is wakes nobody, what is told to go on does") {
+    bedroom b;
+    const body_id shelf = b.w.create_body({.type = body_type::kinematic_body, .position = at(-5, 2)});
+    b.w.create_shape(shelf, world::box{vec::filled(S(0.5))});
+    const body_id sleeper = add_box(b.w, at(-5, 3));
+    b.fall_asleep_but(1);
+    REQUIRE(b.w.is_asleep(sleeper));
+    for (int i = 0; i < 4; ++i) {
+        b.w.move_to(shelf, b.w.pose(shelf));
+        run(b.w, 1);
+        CHECK(b.w.is_asleep(sleeper));
+        CHECK(b.w.position(shelf) == at(-5, 2));
+    }
+    b.w.move_to(shelf, {at(-5, 1.9375), {}});
+    CHECK(!b.w.is_asleep(sleeper));
+    CHECK(b.stack_sleeps());
 }
 
 CELL_CASE("sleep: a slow drift in free space goes on for ever; what stands still in it sleeps") {

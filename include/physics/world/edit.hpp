@@ -127,6 +127,15 @@ void set_pose(state<Plan>& s, std::uint32_t index, const transform<typename Plan
     rouse_near(s, index);
 }
 
+/// Wakes what lies on a kinematic body's way, unless it is told to stay where it is.
+template <class Plan>
+void move_to(state<Plan>& s, std::uint32_t index, const transform<typename Plan::scalar, Plan::dimension>& pose) {
+    auto& b = s.bodies[index];
+    b.target = pose;
+    b.has_target = true;
+    if (!(pose == b.pose())) rouse_near(s, index, pose);
+}
+
 template <class Plan>
 void set_type(state<Plan>& s, std::uint32_t index, body_type type) {
     using S = typename Plan::scalar;

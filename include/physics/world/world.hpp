@@ -15,7 +15,8 @@ PHYSICS_HPP_BEGIN
 /// numbers and null, foreign or stale handles with physics::error (see there for builds without exceptions)
 /// and then leaves the world as it was. A copy of a world is a world in the same state, and handles serve both; a
 /// world that was moved from is empty.
-/// Two worlds may be used on two threads. Functions cost O(1) unless they say otherwise.
+/// Two worlds may be used on two threads. Functions cost O(1) unless they say otherwise, and O(contacts of sleepers)
+/// where they wake somebody.
 template <class Recipe>
 class world : public detail::shape_aliases<typename detail::plan_of<Recipe>::type::scalar,
                                            detail::plan_of<Recipe>::type::dimension> {
@@ -60,7 +61,7 @@ public:
     /// O(bodies + shapes + contacts).
     [[nodiscard]] std::uint64_t state_hash() const { return detail::state_hash(state_); }
     [[nodiscard]] const settings_type& settings() const { return state_.settings; }
-    /// Changes the settings from the next step on.
+    /// Changes the settings from the next step on. O(shapes).
     void set_settings(const settings_type& settings) {
         if (detail::check_settings(settings, "set_settings")) detail::change_settings(state_, settings);
     }
@@ -128,10 +129,8 @@ public:
     /// Lets a kinematic body reach a pose by the end of the next step, pushing what is in its way; then it stands.
     void move_to(body_id id, vec position, const rotation& orientation) {
         const auto b = detail::find_kinematic(state_, id, "move_to");
-        if (!b || !detail::check_pose("move_to", position, orientation)) return;
-        state_.bodies[b.index].target = {position, normalized(orientation)};
-        state_.bodies[b.index].has_target = true;
-        detail::rouse_near(state_, b.index, state_.bodies[b.index].target);
+        if (b && detail::check_pose("move_to", position, orientation))
+            detail::move_to(state_, b.index, {position, normalized(orientation)});
     }
     void move_to(body_id id, const transform& pose) { move_to(id, pose.position, pose.rotation); }
 
