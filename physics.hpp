@@ -20092,13 +20092,13 @@ private:
 };
 
 /// Sweeps bodies that go far in a step: farther than half of what their shapes are thick, rotation included, or deep
-/// ones that go farther than what is left of that. They are
-/// swept against static bodies, those that the user flags against moving ones too, along their straight and turning
-/// path, and stopped where they would pass into something by more than half of their thickness: at its surface, with
-/// their velocity, for the next step's contacts to deal with. So nothing passes through, however thin or fast, and what
-/// slides or rolls along a surface is not stopped. What a stopped body loses is the rest of the step's time (see
-/// continuous_report). Of two bodies that are stopped on each other's way, each is stopped by the path that the other
-/// would have taken. What turns by its own inertia (see integrator) is taken to turn about one axis.
+/// ones that go farther than what is left of that. They are swept against static bodies, those that the user flags
+/// against moving ones too, along their straight and turning path, and stopped where they would pass into something by
+/// more than half of their thickness: at its surface, with their velocity, for the next step's contacts to deal with.
+/// So they pass through nothing, however thin, and what slides or rolls along a surface is not stopped. What a stopped
+/// body loses is the rest of the step's time (see continuous_report). Of two bodies that are stopped on each other's
+/// way, each is stopped by the path that the other would have taken. What turns by its own inertia (see integrator) is
+/// taken to turn about one axis.
 /// Cost: about 100 instructions for slow bodies; for fast ones a query and 1 to 20 us for each shape on their way.
 struct swept {
     using stage = physics::stage::continuous;
@@ -21901,8 +21901,8 @@ struct body_def {
     bool rotation_locked = false;
     /// False keeps the body awake, and those that touch it.
     bool can_sleep = true;
-    /// True if the body must not pass through moving bodies either, however fast they are (see swept). Static ones stop
-    /// every body.
+    /// True if moving bodies stop this one too where it goes far in a step (see swept). Static ones stop every body.
+    /// One that is slow itself is not looked after, however fast the others are.
     bool continuous = false;
     /// Anything of the user's; the library never looks at it.
     std::uint64_t user_data = 0;

@@ -47,13 +47,13 @@ private:
 };
 
 /// Sweeps bodies that go far in a step: farther than half of what their shapes are thick, rotation included, or deep
-/// ones that go farther than what is left of that. They are
-/// swept against static bodies, those that the user flags against moving ones too, along their straight and turning
-/// path, and stopped where they would pass into something by more than half of their thickness: at its surface, with
-/// their velocity, for the next step's contacts to deal with. So nothing passes through, however thin or fast, and what
-/// slides or rolls along a surface is not stopped. What a stopped body loses is the rest of the step's time (see
-/// continuous_report). Of two bodies that are stopped on each other's way, each is stopped by the path that the other
-/// would have taken. What turns by its own inertia (see integrator) is taken to turn about one axis.
+/// ones that go farther than what is left of that. They are swept against static bodies, those that the user flags
+/// against moving ones too, along their straight and turning path, and stopped where they would pass into something by
+/// more than half of their thickness: at its surface, with their velocity, for the next step's contacts to deal with.
+/// So they pass through nothing, however thin, and what slides or rolls along a surface is not stopped. What a stopped
+/// body loses is the rest of the step's time (see continuous_report). Of two bodies that are stopped on each other's
+/// way, each is stopped by the path that the other would have taken. What turns by its own inertia (see integrator) is
+/// taken to turn about one axis.
 /// Cost: about 100 instructions for slow bodies; for fast ones a query and 1 to 20 us for each shape on their way.
 struct swept {
     using stage = physics::stage::continuous;

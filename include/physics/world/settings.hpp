@@ -51,8 +51,8 @@ struct body_def {
     bool rotation_locked = false;
     /// False keeps the body awake, and those that touch it.
     bool can_sleep = true;
-    /// True if the body must not pass through moving bodies either, however fast they are (see swept). Static ones stop
-    /// every body.
+    /// True if moving bodies stop this one too where it goes far in a step (see swept). Static ones stop every body.
+    /// One that is slow itself is not looked after, however fast the others are.
     bool continuous = false;
     /// Anything of the user's; the library never looks at it.
     std::uint64_t user_data = 0;
