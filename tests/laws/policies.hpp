@@ -128,9 +128,17 @@ CELL_CASE("policies: a broadphase or a narrowphase that finds the same pairs giv
     CHECK(hash_of_pyramid<reordered>() == hash_of_pyramid<plain>());
 }
 
+/// Where nobody sleeps, so that what stands does so of itself.
+template <class World>
+World wakeful_ground() {
+    typename World::settings_type settings;
+    settings.sleeping.enabled = false;
+    return scenes::grounded<World>(settings);
+}
+
 template <class Recipe>
 void rests_on_the_ground() {
-    auto w = scenes::grounded<physics::world<Recipe>>();
+    auto w = wakeful_ground<physics::world<Recipe>>();
     const auto crate = scenes::add_crate(w, 0, 0.75);
     for (int i = 0; i < 120; ++i) w.step(S(1.0 / 60));
     CHECK(std::abs(cell::number(w.position(crate).y) - 0.5) <= 0.01);
@@ -219,7 +227,7 @@ CELL_CASE("policies: the set of shapes decides what a shape's value costs") {
 template <class Narrowphase>
 void check_stack(double drift, int points) {
     using world = physics::world<of<Narrowphase>>;
-    world w = scenes::grounded<world>();
+    world w = wakeful_ground<world>();
     const physics::body_id top = scenes::stack(w, 5);
     const auto start = w.position(top);
     for (int i = 0; i < 600; ++i) w.step(S(1.0 / 60));

@@ -31,9 +31,15 @@ Rotation turned_about_z(double angle) {
     if constexpr (cell::is_2d) return Rotation::from_angle(S(angle));
     else return Rotation::from_axis_angle({S(0), S(0), S(1)}, S(angle));
 }
+/// Settings of all scenes: nobody sleeps, so that what stands does so of itself.
+world::settings_type wakeful() {
+    world::settings_type settings;
+    settings.sleeping.enabled = false;
+    return settings;
+}
 /// Settings for scenes that have to bounce at any speed.
 world::settings_type weightless() {
-    world::settings_type settings;
+    world::settings_type settings = wakeful();
     settings.gravity = {};
     settings.solver.restitution_slop = S(0);
     return settings;
@@ -342,13 +348,13 @@ void stands(world& w) {
 }
 
 CELL_CASE("a stack of 10 boxes stands for 20 s") {
-    world w = scenes::grounded<world>();
+    world w = scenes::grounded<world>(wakeful());
     scenes::stack(w, 10);
     stands(w);
 }
 
 CELL_CASE("a pyramid of 10 rows stands for 20 s") {
-    world w = scenes::grounded<world>();
+    world w = scenes::grounded<world>(wakeful());
     scenes::pyramid(w, 10);
     stands(w);
 }

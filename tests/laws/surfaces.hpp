@@ -64,10 +64,11 @@ Angular spin(vec axis, double speed) {
     else return axis * S(speed);
 }
 
-/// Gravity 10 on a slope, which falls to the left where the angle is positive.
+/// Gravity 10 on a slope, which falls to the left where the angle is positive. Nobody sleeps: what holds has to hold.
 template <class World>
 World ground(const material& m, double angle = 0) {
     typename World::settings_type settings;
+    settings.sleeping.enabled = false;
     settings.gravity = along(1, -g);
     World w(settings);
     typename World::halfspace plane;
