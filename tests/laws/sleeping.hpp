@@ -263,6 +263,32 @@ CELL_CASE("sleep: a pile that is hit wakes with all its contacts, and none is lo
     CHECK(b.stack_sleeps());
 }
 
+CELL_CASE("sleep: who lies on what stands, though it could move, sleeps on when others wake, and has his contacts once") {
+    bedroom b;
+    const body_id shelf = b.w.create_body({.type = body_type::kinematic_body, .position = at(-5, 2)});
+    b.w.create_shape(shelf, world::box{vec::filled(S(0.5))});
+    const body_id sleeper = add_box(b.w, at(-5, 3));
+    b.w.set_rotation_locked(sleeper, true);
+    run(b.w, 256);
+    REQUIRE(b.w.is_asleep(sleeper));
+    REQUIRE(b.stack_sleeps());
+    const body_id ball = b.w.create_body({.position = at(-2, 1.5), .linear_velocity = along(0, 8)});
+    b.w.create_shape(ball, world::ball{S(0.25)});
+    const auto contacts_of = [&](body_id id) {
+        int count = 0;
+        for (const auto& c : b.w.contacts()) count += c.body_a == id || c.body_b == id;
+        return count;
+    };
+    bool woke = false;
+    for (int i = 0; i < 256; ++i) {
+        run(b.w, 1);
+        woke = woke || b.stack_is_awake();
+        REQUIRE(b.w.is_asleep(sleeper));
+        REQUIRE(contacts_of(sleeper) == 1);
+    }
+    CHECK(woke);
+}
+
 CELL_CASE("sleep: contacts of a sleeper stay where they are on its surface when a new shape moves its centre of mass") {
     bedroom b;
     const auto points = [&] {
@@ -304,6 +330,10 @@ CELL_CASE("sleep: a step that is refused has woken nobody") {
     REQUIRE(refused);
     CHECK(b.stack_sleeps());
     CHECK(b.w.state_hash() == before);
+    // Nor has it left word whom to wake.
+    world other = b.w;
+    other.wake(b.alone);
+    for (const body_id id : b.stack) CHECK(other.is_asleep(id));
     b.w.destroy_body(far);
     run(b.w, 4);
     CHECK(b.stack_is_awake());

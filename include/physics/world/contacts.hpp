@@ -180,9 +180,11 @@ bool find_contacts_of_woken(state<Plan>& s, crew& hands) {
         c.body_b = s.mover_of[body_b(s, c)];
     }
     s.woken_pairs.clear();
+    // Kinematic bodies always count among those that move, but wake nobody.
+    const auto wakes = [&](std::uint32_t i) { return s.bodies[i].is_dynamic() && s.mover_of[i] < s.movers.size(); };
     for (const auto& c : s.sleep.contacts) {
-        const bool wakes = s.mover_of[body_a(s, c)] < s.movers.size() || s.mover_of[body_b(s, c)] < s.movers.size();
-        if (wakes && (s.woken_pairs.empty() || s.woken_pairs.back() < c.key())) s.woken_pairs.push(c.key());
+        if (!wakes(body_a(s, c)) && !wakes(body_b(s, c))) continue;
+        if (s.woken_pairs.empty() || s.woken_pairs.back() < c.key()) s.woken_pairs.push(c.key());
     }
     // What is remembered of the other pairs waits meanwhile.
     s.found.swap(s.woken_contacts);

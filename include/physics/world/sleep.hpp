@@ -12,8 +12,12 @@ template <class Contacts, class Stays, class Out>
 void part_contacts(Contacts& contacts, Stays&& stays, Out&& out) {
     std::uint32_t kept = 0;
     for (std::uint32_t i = 0; i < contacts.size(); ++i) {
-        if (stays(contacts[i])) contacts[kept++] = contacts[i];
-        else out(contacts[i]);
+        if (!stays(contacts[i])) {
+            out(contacts[i]);
+            continue;
+        }
+        if (kept != i) contacts[kept] = contacts[i];
+        ++kept;
     }
     while (contacts.size() > kept) contacts.pop();
 }
@@ -52,31 +56,47 @@ void rise(state<Plan>& s) {
     if (!s.sleep.woken.empty()) s.movers_changed = true;
     s.sleep.woken.clear();
 }
-/// Wakes the island of a body at once, with its contacts.
-template <class Plan>
-void wake(state<Plan>& s, std::uint32_t body) {
-    if constexpr (Plan::sleeps) {
+/// Whether nobody who can be pushed and is awake has a part in a contact.
+template <class Plan, class Contact>
+bool is_of_sleepers(const state<Plan>& s, const Contact& c) {
+    return !s.is_awake_dynamic(body_a(s, c)) && !s.is_awake_dynamic(body_b(s, c));
+}
+/// Wakes the islands of those that each(f) calls f(body) for, at once, with their contacts. O(contacts of sleepers).
+template <class Plan, class Each>
+void wake_islands(state<Plan>& s, Each&& each) {
+    // A step that was refused may have left its list.
+    s.sleep.woken.clear();
+    bool any = false;
+    each([&](std::uint32_t body) {
         if (!s.is_asleep(body)) return;
+        any = true;
         each_of_island(s, body, [&](std::uint32_t i) { s.sleep.woken.push(i); });
         rise(s);
-        s.found.clear();
-        part_contacts(
-            s.sleep.contacts,
-            [&](const auto& c) { return !s.is_awake_dynamic(body_a(s, c)) && !s.is_awake_dynamic(body_b(s, c)); },
-            [&](const auto& c) { s.found.push(c); });
-        merge_contacts(s.contacts, s.found);
-    }
+    });
+    if (!any) return;
+    s.found.clear();
+    part_contacts(
+        s.sleep.contacts, [&](const auto& c) { return is_of_sleepers(s, c); },
+        [&](const auto& c) { s.found.push(c); });
+    merge_contacts(s.contacts, s.found);
+}
+template <class Plan>
+void wake(state<Plan>& s, std::uint32_t body) {
+    if constexpr (Plan::sleeps) wake_islands(s, [&](auto&& f) { f(body); });
 }
 /// Wakes those that touch a body.
 template <class Plan>
 void wake_touching(state<Plan>& s, std::uint32_t body) {
     if constexpr (Plan::sleeps) {
-        buffer<std::uint32_t> touching;
+        auto& touching = s.sleep.near;
+        touching.clear();
         for (const auto& c : s.sleep.contacts) {
             if (body_a(s, c) == body) touching.push(body_b(s, c));
             if (body_b(s, c) == body) touching.push(body_a(s, c));
         }
-        for (const std::uint32_t i : touching) wake(s, i);
+        wake_islands(s, [&](auto&& f) {
+            for (const std::uint32_t i : touching) f(i);
+        });
     }
 }
 /// Something happens to a body: it wakes, or those that lie on it if it never sleeps.
@@ -89,7 +109,8 @@ void rouse(state<Plan>& s, std::uint32_t body) {
 template <class Plan>
 void rouse_near(state<Plan>& s, std::uint32_t body, const transform<typename Plan::scalar, Plan::dimension>& to) {
     if constexpr (Plan::sleeps) {
-        buffer<std::uint32_t> near;
+        auto& near = s.sleep.near;
+        near.clear();
         each_shape(s, body, [&](std::uint32_t, const auto& shape) {
             const auto box = merged(needed_box(s, shape), bounds(shape.shape, to * shape.local));
             each_near(s, box, query_filter{}, [&](std::uint32_t other) {
@@ -97,7 +118,9 @@ void rouse_near(state<Plan>& s, std::uint32_t body, const transform<typename Pla
                 return true;
             });
         });
-        for (const std::uint32_t i : near) wake(s, i);
+        wake_islands(s, [&](auto&& f) {
+            for (const std::uint32_t i : near) f(i);
+        });
     }
 }
 template <class Plan>
@@ -106,7 +129,8 @@ void rouse_near(state<Plan>& s, std::uint32_t body) {
 }
 template <class Plan>
 void wake_all(state<Plan>& s) {
-    if constexpr (Plan::sleeps) s.bodies.each([&](std::uint32_t i, const auto&) { wake(s, i); });
+    if constexpr (Plan::sleeps)
+        wake_islands(s, [&](auto&& f) { s.bodies.each([&](std::uint32_t i, const auto&) { f(i); }); });
 }
 
 template <class Plan>
@@ -154,10 +178,7 @@ template <class Plan>
 void wake_disturbed(state<Plan>& s) {
     if (s.sleep.woken.empty()) return;
     rise(s);
-    part_contacts(
-        s.sleep.contacts,
-        [&](const auto& c) { return !s.is_awake_dynamic(body_a(s, c)) && !s.is_awake_dynamic(body_b(s, c)); },
-        [](const auto&) {});
+    part_contacts(s.sleep.contacts, [&](const auto& c) { return is_of_sleepers(s, c); }, [](const auto&) {});
 }
 
 /// Notes how long each body has been still, and lets islands sleep that have been so for long enough and rest on
@@ -263,8 +284,7 @@ private:
     void take_contacts() {
         s_.found.clear();
         part_contacts(
-            s_.contacts,
-            [&](const auto& c) { return s_.is_awake_dynamic(body_a(s_, c)) || s_.is_awake_dynamic(body_b(s_, c)); },
+            s_.contacts, [&](const auto& c) { return !is_of_sleepers(s_, c); },
             [&](const auto& c) { s_.found.push(c); });
         merge_contacts(s_.sleep.contacts, s_.found);
         if constexpr (Plan::remembers)

@@ -109,8 +109,8 @@ struct sleep_state {
     buffer<std::uint32_t> ring;
     /// Contacts of which no body that can be pushed is awake, in ascending order of their pairs.
     buffer<contact<S, D>> contacts;
-    /// Scratch: who wakes in this step.
-    buffer<std::uint32_t> woken;
+    /// Scratch: who wakes in this step, and who lies where something happens.
+    buffer<std::uint32_t> woken, near;
 
     /// A body has come, awake.
     void start(std::uint32_t body, vec<S, D> center) {
