@@ -5300,8 +5300,8 @@ struct hull_data : geometry_block {
     double tolerance;
     /// How far points lie outside of a face (m) since only so many vertices were wanted.
     double shortfall;
-    /// The largest coordinate by magnitude.
-    double reach;
+    /// The largest coordinate by magnitude, and the largest distance of a vertex from the origin (m).
+    double reach, span;
     /// The distance of the centroid from the nearest face (m).
     double inradius;
     /// A number that hulls with the same vertices share on every system.
@@ -5438,6 +5438,8 @@ const hull_data<R, D>* hull_data<R, D>::make(const hull_outline<D>& outline) {
             if (i < vertices) h->digest = (h->digest ^ scalar_traits<double>::bits(x)) * 0xff51afd7ed558ccdu;
             h->digest ^= h->digest >> 32;
         }
+    h->span = 0;
+    for (std::uint32_t i = 0; i < vertices; ++i) h->span = max(h->span, length(outline.vertices[i]));
     for (std::uint32_t i = 0; i <= faces; ++i) h->template at<std::uint32_t>(begins)[i] = outline.face_begin[i];
     for (std::uint32_t i = 0; i < corners; ++i)
         h->template at<std::uint16_t>(face_corners)[i] = outline.face_vertices[i];
@@ -12912,10 +12914,23 @@ rounded_polygon<S, N> polygon_of(const hull<S, 2>& h, const transform<S, 2>& at)
     p.size = static_cast<S>(data.inradius) + h.radius;
     for (int i = 0; i < p.count; ++i) {
         const auto k = static_cast<std::uint32_t>(i);
-        p.vertex[i] = m * from_point<S>(data.exact_vertex(k)) + at.position;
-        p.normal[i] = m * from_point<S>(data.normal(k));
+        if constexpr (std::same_as<S, hull_real<S>>) {
+            p.vertex[i] = m * data.vertex(k) + at.position;
+            p.normal[i] = m * vec<S, 2>{data.face_normal(0)[k], data.face_normal(1)[k]};
+        } else {
+            p.vertex[i] = m * from_point<S>(data.exact_vertex(k)) + at.position;
+            p.normal[i] = m * from_point<S>(data.normal(k));
+        }
     }
     return p;
+}
+/// Whether circles around the origins of their frames part two hulls.
+template <class S>
+bool are_far_apart(const hull<S, 2>& a, const hull<S, 2>& b, const vec<S, 2>& way, S margin) {
+    const double x = to_double(way.x), y = to_double(way.y);
+    const double reach = (a.geometry->span + b.geometry->span) * (1 + 0x1p-20) + to_double(a.radius) +
+                         to_double(b.radius) + to_double(margin);
+    return x * x + y * y > reach * reach;
 }
 /// By separating edges where both are small.
 template <class A, class S>
@@ -12939,6 +12954,7 @@ void collide(const box<S, 2>& a, const hull<S, 2>& b, const transform<S, 2>& b_i
 }
 template <class S>
 void collide(const hull<S, 2>& a, const hull<S, 2>& b, const transform<S, 2>& b_in_a, S margin, manifold<S, 2>& out) {
+    if (detail::are_far_apart(a, b, b_in_a.position, margin)) return;
     detail::collide_with_hull(a, b, detail::is_small(a) && detail::is_small(b), b_in_a, margin, out);
 }
 

@@ -26,10 +26,23 @@ rounded_polygon<S, N> polygon_of(const hull<S, 2>& h, const transform<S, 2>& at)
     p.size = static_cast<S>(data.inradius) + h.radius;
     for (int i = 0; i < p.count; ++i) {
         const auto k = static_cast<std::uint32_t>(i);
-        p.vertex[i] = m * from_point<S>(data.exact_vertex(k)) + at.position;
-        p.normal[i] = m * from_point<S>(data.normal(k));
+        if constexpr (std::same_as<S, hull_real<S>>) {
+            p.vertex[i] = m * data.vertex(k) + at.position;
+            p.normal[i] = m * vec<S, 2>{data.face_normal(0)[k], data.face_normal(1)[k]};
+        } else {
+            p.vertex[i] = m * from_point<S>(data.exact_vertex(k)) + at.position;
+            p.normal[i] = m * from_point<S>(data.normal(k));
+        }
     }
     return p;
+}
+/// Whether circles around the origins of their frames part two hulls.
+template <class S>
+bool are_far_apart(const hull<S, 2>& a, const hull<S, 2>& b, const vec<S, 2>& way, S margin) {
+    const double x = to_double(way.x), y = to_double(way.y);
+    const double reach = (a.geometry->span + b.geometry->span) * (1 + 0x1p-20) + to_double(a.radius) +
+                         to_double(b.radius) + to_double(margin);
+    return x * x + y * y > reach * reach;
 }
 /// By separating edges where both are small.
 template <class A, class S>
@@ -53,6 +66,7 @@ void collide(const box<S, 2>& a, const hull<S, 2>& b, const transform<S, 2>& b_i
 }
 template <class S>
 void collide(const hull<S, 2>& a, const hull<S, 2>& b, const transform<S, 2>& b_in_a, S margin, manifold<S, 2>& out) {
+    if (detail::are_far_apart(a, b, b_in_a.position, margin)) return;
     detail::collide_with_hull(a, b, detail::is_small(a) && detail::is_small(b), b_in_a, margin, out);
 }
 

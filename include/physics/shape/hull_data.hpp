@@ -51,8 +51,8 @@ struct hull_data : geometry_block {
     double tolerance;
     /// How far points lie outside of a face (m) since only so many vertices were wanted.
     double shortfall;
-    /// The largest coordinate by magnitude.
-    double reach;
+    /// The largest coordinate by magnitude, and the largest distance of a vertex from the origin (m).
+    double reach, span;
     /// The distance of the centroid from the nearest face (m).
     double inradius;
     /// A number that hulls with the same vertices share on every system.
@@ -189,6 +189,8 @@ const hull_data<R, D>* hull_data<R, D>::make(const hull_outline<D>& outline) {
             if (i < vertices) h->digest = (h->digest ^ scalar_traits<double>::bits(x)) * 0xff51afd7ed558ccdu;
             h->digest ^= h->digest >> 32;
         }
+    h->span = 0;
+    for (std::uint32_t i = 0; i < vertices; ++i) h->span = max(h->span, length(outline.vertices[i]));
     for (std::uint32_t i = 0; i <= faces; ++i) h->template at<std::uint32_t>(begins)[i] = outline.face_begin[i];
     for (std::uint32_t i = 0; i < corners; ++i)
         h->template at<std::uint16_t>(face_corners)[i] = outline.face_vertices[i];
