@@ -24162,7 +24162,10 @@ void change_settings(state<Plan>& s, const typename Plan::settings& settings) {
     if (settings.contact_margin != s.settings.contact_margin) s.memories.clear();
     if (!(settings.gravity == s.settings.gravity)) wake_all(s);
     if constexpr (Plan::sleeps)
-        if (!settings.sleeping.enabled) wake_all(s);
+        if (!settings.sleeping.enabled) {
+            wake_all(s);
+            for (auto& still : s.sleep.still) still = {};
+        }
     s.settings = settings;
     configure_broadphase(s);
     s.bodies.each([&](std::uint32_t i, const auto&) { refresh_boxes(s, i); });
@@ -24652,7 +24655,10 @@ search_result search_pairs(state<Plan>& s, const typename Plan::query* queries, 
     if constexpr (Plan::looks_ahead) collide_ahead(s, queries, pairs, first, end, manifolds, collide);
     else collide(queries + first, end - first, s.settings.contact_margin);
     search_result result;
+    const auto mover = [&](std::uint32_t shape) { return s.mover_of[s.shapes[shape].body]; };
     for (const auto& [query, part, m] : manifolds) {
+        // Broadphases need not report two that stand; if one does, nobody has to solve it.
+        if (mover(pairs[first + query].a) == mover(pairs[first + query].b)) continue;
         result.mixed = add_contact(s, pairs[first + query], part, m, to) && result.mixed;
         result.deep = result.deep || is_deep(s, to.back());
     }

@@ -220,7 +220,10 @@ void change_settings(state<Plan>& s, const typename Plan::settings& settings) {
     if (settings.contact_margin != s.settings.contact_margin) s.memories.clear();
     if (!(settings.gravity == s.settings.gravity)) wake_all(s);
     if constexpr (Plan::sleeps)
-        if (!settings.sleeping.enabled) wake_all(s);
+        if (!settings.sleeping.enabled) {
+            wake_all(s);
+            for (auto& still : s.sleep.still) still = {};
+        }
     s.settings = settings;
     configure_broadphase(s);
     s.bodies.each([&](std::uint32_t i, const auto&) { refresh_boxes(s, i); });
