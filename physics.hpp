@@ -12818,8 +12818,8 @@ constexpr bool clip_edges(const rounded_polygon<S, N>& reference, edge_distance<
     return true;
 }
 
-/// Adds the closest pair of a vertex of one polygon and an edge or vertex of the other, for cores that do not
-/// overlap. `parting` is the best of the edges' normals, from a to b, and `parted` how far it parts the cores.
+/// Adds the closest pair of a vertex of one polygon and an edge or vertex of the other; of cores that overlap, how
+/// deep. `parting` is the best of the edges' normals, from a to b, and `parted` how far it parts the cores.
 template <class S, int N>
 constexpr void collide_nearest(const rounded_polygon<S, N>& a, const rounded_polygon<S, N>& b, vec<S, 2> parting,
                                S parted, S rounding, S margin, manifold<S, 2>& out) {
@@ -12849,8 +12849,8 @@ constexpr void collide_nearest(const rounded_polygon<S, N>& a, const rounded_pol
         }
     }
     auto [n, gap] = split(on_b - on_a);
-    // Of points that all but coincide the direction is chance.
-    if (!(gap > S(0)) || distance_along(a, b, n) < parted - rounding) {
+    // Of points that all but coincide the direction is chance; where cores overlap, another vertex may be near.
+    if (!(gap > S(0)) || parted < S(0) || distance_along(a, b, n) < parted - rounding) {
         n = parting;
         gap = parted;
     }
