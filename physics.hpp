@@ -11013,7 +11013,7 @@ inline closest_of<3> closest_on_triangle(const point<3>& a, const point<3>& b, c
     if (b1 >= 0 && b2 <= b1) return {b, j};
     const double c1 = -dot(ab, c), c2 = -dot(ac, c);
     if (c2 >= 0 && c1 <= c2) return {c, k};
-    const point<3> n = cross(ab, ac);
+    const point<3> n = normal_by_shorter_edges(a, b, c);
     const double of_c = dot(n, cross(a, ab)), of_b = dot(n, cross(ac, a)), of_a = dot(n, cross(b, c - b));
     if (of_c <= 0 && a1 >= 0 && b1 <= 0) return closest_on_edge(a, b, i, j);
     if (of_b <= 0 && a2 >= 0 && c2 <= 0) return closest_on_edge(a, c, i, k);
@@ -11101,7 +11101,8 @@ inline closest_of<3> closest_of_simplex(const simplex<3>& s, bool grown) {
         const int i = k < 2 ? k : 0, j = k < 2 ? k + 1 : 2;
         consider(closest_on_grown_triangle(s.vertex[i].w, s.vertex[j].w, d, e[i], e[j], n[k], i, j, 3));
     }
-    if (!grown || flat) {
+    // Of flat ones the faces at the last vertex cover it too.
+    if (!grown) {
         const point<3> behind = cross(e[1] - e[0], e[2] - e[0]);
         if (flat || (dot(behind, s.vertex[0].w) < 0) == (volume > 0))
             consider(closest_on_triangle(s.vertex[0].w, s.vertex[1].w, s.vertex[2].w));
@@ -11215,9 +11216,13 @@ gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double
     constexpr int most_iterations = 128, most_stalls = 4, most_refinements = 8;
     gjk_result<D> r;
     int stalls = 0, refinements = 0;
+    double least_unknown = no_limit, most_parted = 0;
+    raw_array<gjk_result<D>, 1> best;
     // What rounding may do to a coordinate of the vertices.
     const double noise = 0x1p-51 * extent_of(a, b), squared_noise = noise * noise, squared_most = most * most;
     const bool smooth = !a.has_vertices() || !b.shape->has_vertices();
+    // How far apart they must be for a normal that parts them by less than it says to count.
+    const double trusted = (smooth ? 0x1p20 : 0x1p10) * noise;
     const auto gave_up = [&](const point<D>& along, const cso_vertex<D>& farthest) {
         r.beyond = true;
         r.normal = unit(along);
@@ -11263,8 +11268,8 @@ gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double
             break;
         }
         bool done = false;
+        const double gap = vv - vw;
         if (r.at.count > 0) {
-            const double gap = vv - vw;
             done = gap <= tolerance * vv || gap * gap <= squared_noise * vv;
             for (int i = 0; i < r.at.count && !done; ++i)
                 done = smooth ? r.at.vertex[i].w == next.w : r.at.vertex[i].name == next.name;
@@ -11280,6 +11285,10 @@ gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double
             if (r.at.count > 1 && closest.count <= D && !(squared < vv)) {
                 // Rounding lets it come no closer. The normal may still gain: the distance is flat where that is best.
                 const bool taken = closest.vertex[closest.count - 1] == r.at.count - 1;
+                if (gap * gap < 0.5 * least_unknown * vv) {
+                    least_unknown = gap * gap / vv;
+                    stalls = 0;
+                }
                 done = !taken || ++stalls > most_stalls;
             }
             if (done) --r.at.count;
@@ -11297,9 +11306,14 @@ gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double
                 const cso_vertex<D> farther = support_along(a, b, r.normal);
                 const double parted = dot(r.normal, farther.w);
                 if (parted < r.distance - 4 * noise) {
+                    // Beside edges of B - A that all but touch, as near the tip of a cone, the next may part them less.
+                    if (refinements == 0 || parted > most_parted) {
+                        most_parted = parted;
+                        best[0] = r;
+                    }
                     if (r.at.count <= D && refinements++ < most_refinements) {
                         r.at.vertex[r.at.count++] = farther;
-                        const closest_of<D> closest = closest_of_simplex(r.at, false);
+                        const closest_of<D> closest = closest_of_simplex(r.at, true);
                         if (closest.count <= D) r.at.keep(closest);
                         v = closest.at;
                         vv = dot(v, v);
@@ -11307,7 +11321,8 @@ gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double
                         r.distance = 0;
                         continue;
                     }
-                    if (r.distance < (smooth ? 0x1p20 : 0x1p10) * noise || (smooth && !(parted > 0))) {
+                    r = best[0];
+                    if (r.distance < trusted || (smooth && !(most_parted > 0))) {
                         r.overlapping = true;
                         r.normal = {};
                         r.distance = 0;
@@ -11317,6 +11332,8 @@ gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double
             break;
         }
     }
+    // Rounding can't bring together what a normal was seen to part.
+    if (r.overlapping && most_parted > trusted) r = best[0];
     if (cache != nullptr) {
         cache->count = static_cast<std::uint8_t>(r.at.count);
         for (int i = 0; i < r.at.count; ++i) cache->vertex[i] = r.at.vertex[i].name;

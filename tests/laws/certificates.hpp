@@ -20,194 +20,9 @@
 #include <cstdlib>
 #include <memory>
 
-#include "judge.hpp"
+#include "specimens.hpp"
 
 namespace {
-
-using closest = physics::closest_points<S, D>;
-using physics::gjk_cache;
-using hull_geometry = physics::hull_geometry<S, D>;
-using judge::real;
-using state = convex_pair::state;
-
-/// A shape as the library has it and as the judge does.
-struct specimen {
-    convex_body shape;
-    judge::body exact;
-
-    explicit specimen(const convex_body& b) : shape(b), exact(b) {}
-};
-
-/// Classes of shapes to draw from; unequal pairs are of a large one and a small one.
-enum class size_class { common, thin, tiny, huge, large, small };
-constexpr int size_classes = 6;
-
-/// Hulls of all sorts of corners; no hull where the scalar sees no volume.
-inline bool random_hull(cell::dice& dice, double size, reals stretch, convex_body& to) {
-    constexpr solid::kind kinds[] = {solid::kind::cloud, solid::kind::prism, solid::kind::lattice, solid::kind::simplex};
-    const solid s = random_solid(kinds[dice.below(4)], dice, size, stretch);
-    try {
-        to.geometry = hull_geometry::build(s.points.data(), static_cast<std::uint32_t>(s.points.size()));
-    } catch (const physics::error&) {
-        return false;
-    }
-    const S radius = S(dice.below(2) ? size * dice.number(0.01, 0.2) : 0);
-    to.kind = of::hull;
-    to.shape = to.geometry.shape(radius);
-    to.hull = oracle::polytope();
-    for (const vec& v : s.points) to.hull.points.push_back(wide(v));
-    to.hull.radius = cell::number(radius);
-    return true;
-}
-
-/// Shapes of a kind in all classes, built once.
-class pool {
-public:
-    pool(int kind, int each) {
-        cell::dice dice(4000 + static_cast<std::uint64_t>(kind));
-        for (int c = 0; c < size_classes; ++c)
-            while (static_cast<int>(of_[c].size()) < each) {
-                const size_class in = size_class(c);
-                const double size = in == size_class::tiny                                ? 1e-3
-                                    : in == size_class::huge                              ? 1e3
-                                    : in == size_class::large                             ? 100
-                                    : in == size_class::small ? 100 * std::pow(10, dice.number(-4, -2))
-                                    : in == size_class::thin  ? 10
-                                                              : 1;
-                convex_body b;
-                if (kind != of::hull) {
-                    b = random_body(kind, dice, size, in == size_class::thin);
-                } else {
-                    reals stretch{1, 1, 1};
-                    if (in == size_class::thin) stretch[dice.below(D)] = 1e-5;
-                    if (!random_hull(dice, size, stretch, b)) continue;
-                }
-                of_[c].emplace_back(b);
-            }
-    }
-    const specimen& any(size_class c, cell::dice& dice) const {
-        const auto& all = of_[static_cast<int>(c)];
-        return all[static_cast<std::size_t>(dice.below(static_cast<int>(all.size())))];
-    }
-
-private:
-    std::vector<specimen> of_[size_classes];
-};
-
-/// Two specimens as they meet.
-struct meet {
-    const specimen *a, *b;
-    transform b_in_a;
-    state in;
-
-    [[nodiscard]] judge::couple couple() const { return {&a->exact, &b->exact, to_frame(b_in_a)}; }
-    [[nodiscard]] meet swapped() const { return {b, a, inverse(b_in_a), in}; }
-    [[nodiscard]] bool is_round() const { return a->shape.round || b->shape.round; }
-    /// What roundings are relative to: sizes, and how far from their frames the points lie.
-    [[nodiscard]] double reach() const {
-        return double(a->exact.extent + b->exact.extent) + size(to_reals(b_in_a.position)) + (cell::is_fixed ? 1 : 0);
-    }
-    /// What rounding may cost; GJK between round shapes may stall at 1e-10 of the sizes.
-    [[nodiscard]] double tolerance() const {
-        return (is_round() ? 64 * std::fmax(epsilon, 1e-11) : 32 * std::fmax(epsilon, 2.3e-16)) * reach();
-    }
-    /// The same of points. Of round shapes their error goes with the root of the distance's; along faces of 1:10^5 and
-    /// across sizes as unequal as that the vertices of B - A lose digits of double.
-    [[nodiscard]] double of_points() const {
-        const bool lost = in == state::thin || in == state::unequal;
-        return (is_round() ? 2 : 1) * tolerance() + ((is_round() ? 4e-9 : 0) + (lost ? 0x1p13 * 2.3e-16 : 0)) * reach();
-    }
-};
-template <class F>
-void with_shapes(const meet& m, F&& f) {
-    m.a->shape.shape.visit([&](const auto& a) {
-        m.b->shape.shape.visit([&](const auto& b) {
-            if constexpr (requires { separation(a, b, m.b_in_a); }) f(a, b);
-        });
-    });
-}
-inline closest separation_of(const meet& m, gjk_cache* cache = nullptr) {
-    closest c;
-    with_shapes(m, [&](const auto& a, const auto& b) {
-        c = cache ? separation(a, b, m.b_in_a, *cache) : separation(a, b, m.b_in_a);
-    });
-    return c;
-}
-/// B, moved along the normal until the distance along it is the one wanted, by the library's own word.
-inline void place(meet& m, double wanted) {
-    const closest c = separation_of(m);
-    m.b_in_a.position = from_reals(to_reals(m.b_in_a.position) + to_reals(c.normal) * (wanted - cell::number(c.distance)));
-}
-
-inline meet random_meet(const pool& of_a, const pool& of_b, cell::dice& dice) {
-    const state in = state(dice.below(convex_pair::states));
-    const size_class c = in == state::thin   ? size_class::thin
-                         : in == state::tiny ? size_class::tiny
-                         : in == state::huge ? size_class::huge
-                                             : size_class::common;
-    const double scale = c == size_class::thin ? 10 : c == size_class::tiny ? 1e-3 : c == size_class::huge ? 1e3 : 1;
-    const bool unequal = in == state::unequal, large_first = dice.below(2) > 0;
-    meet m{&of_a.any(unequal ? large_first ? size_class::large : size_class::small : c, dice),
-           &of_b.any(unequal ? large_first ? size_class::small : size_class::large : c, dice),
-           {{}, random_rotation(dice)},
-           in};
-    const double least = unequal ? double(std::fmin(m.a->exact.extent, m.b->exact.extent)) : scale;
-    const double apart = double(m.a->exact.extent + m.b->exact.extent);
-    m.b_in_a.position = from_reals(random_direction(dice) * (1.5 * apart));
-    const double gaps[] = {0.25, 0.01, 1e-4, 0, -1e-4, -0.01, -0.1};
-    const double gap = gaps[dice.below(7)] * least;
-    switch (in) {
-        case state::separated: place(m, 0.25 * least * dice.number(0, 4)); break;
-        case state::touching: place(m, 0); break;
-        case state::shallow: place(m, -0.01 * least); break;
-        case state::deep:
-            m.b_in_a.position = from_reals(random_direction(dice) * dice.number(0, 0.15 * scale));
-            break;
-        case state::coincident:
-            if (m.a->shape.kind == m.b->shape.kind) m.b = m.a;
-            m.b_in_a = {};
-            break;
-        case state::thin:
-        case state::tiny:
-        case state::huge:
-        case state::unequal: place(m, gap); break;
-        case state::far: {
-            place(m, gap);
-            const transform at{from_reals(random_direction(dice) * 1e4), random_rotation(dice)};
-            m.b_in_a = relative(at, at * m.b_in_a);
-            break;
-        }
-        case state::tilted: {
-            const double tilt = std::pow(10, -dice.number(3, 8)) * (dice.below(4) > 0);
-            const reals about = cell::is_2d ? reals{0, 0, 1} : unit({dice.number(-1, 1), dice.number(-1, 1), 0});
-            if constexpr (cell::is_2d)
-                m.b_in_a.rotation = rotation_of({S(std::cos(tilt)), S(std::sin(tilt))});
-            else
-                m.b_in_a.rotation = rotation_of({S(about.x * std::sin(tilt / 2)), S(about.y * std::sin(tilt / 2)), S(0),
-                                                 S(std::cos(tilt / 2))});
-            reals aside{dice.number(-0.4, 0.4), dice.number(-0.4, 0.4), 0};
-            aside[D - 1] = 4;
-            m.b_in_a.position = from_reals(aside);
-            const double nearly[] = {0, 1e-6, -1e-6, 0.01, -0.01};
-            place(m, nearly[dice.below(5)]);
-            break;
-        }
-        case state::aligned: {
-            if (m.a->shape.kind == m.b->shape.kind) m.b = m.a;
-            const rotation turns[] = {{}, cell::is_2d ? rotation_of({S(0), S(1), S(0), S(0)})
-                                                      : rotation_of({S(0.5), S(0.5), S(0.5), S(0.5)})};
-            m.b_in_a.rotation = turns[dice.below(2)];
-            const auto& all = m.a->exact.corners;
-            const judge::point corner = all.empty() ? m.a->exact.half
-                                                    : all[static_cast<std::size_t>(dice.below(int(all.size())))];
-            reals step;
-            for (int i = 0; i < D; ++i) step[i] = double(corner[i]) * (dice.below(5) - 2);
-            m.b_in_a.position = from_reals(step);
-            break;
-        }
-    }
-    return m;
-}
 
 namespace law {
 enum name {
@@ -404,6 +219,60 @@ CELL_CASE("certificates: points lie in their hull, but for what its builder take
         CHECK(worst <= (thin < 1e-3 ? 8 : 1));
     }
 }
+
+#if CELL_DIMENSION == 3
+CELL_CASE("certificates: pairs whose answers were once too inexact") {
+    cell::dice dice(78);
+    const auto expect = [&](state in, const convex_body& a, const convex_body& b, reals position, reals axis, double w,
+                            double gap) {
+        const specimen first(a), second(b);
+        const meet m{&first, &second,
+                     {from_reals(position), rotation_of(std::vector<S>{S(axis.x), S(axis.y), S(axis.z), S(w)})}, in};
+        tally here;
+        gjk_cache foreign;
+        for (std::uint64_t i = 0; i < 3000; ++i) judge_meet(m, i, dice, foreign, here);
+        for (const tally::entry& e : here.of) CHECK_MESSAGE(e.broken == 0, e.text);
+        CHECK(std::abs(cell::number(separation_of(m).distance) - gap) <= m.tolerance());
+    };
+    const auto stick = [](reals a, reals b) { return body_of(segment{from_reals(a), from_reals(b), S(0)}); };
+    const auto drum = [](double half, double radius) { return body_of(cylinder<>{S(half), S(radius), S(0)}); };
+    const auto stump = [](double half, double low, double high) {
+        return body_of(cone<>{S(half), S(low), S(high), S(0)});
+    };
+    // Points 2e-9 m off, as the search between two corners of a rim went by a normal of its longer edges.
+    expect(state::far, stick({-0.37916505975198739, 0.36013107092124441, 0.21436966070429975},
+                             {0.28378127625497551, -0.08422881824773909, -0.14523297857765721}),
+           drum(0.1662121478613216, 0.29556167044683024),
+           {0.20601664298710073, 0.3695313701166949, -0.064231633326053139},
+           {-0.66870116542887259, -0.39918519077225834, 0.62579326707360616}, -0.043274954737422128, 0);
+    // The same of a small drum on a large triangle: 1.12 um apart, and overlap() said they meet.
+    expect(state::unequal,
+           body_of(triangle{from_reals({19.378682539058438, 23.0920973472243, -8.2852996249559414}),
+                            from_reals({-25.049831439059567, -21.682857588641582, -4.998462189593984}),
+                            from_reals({-14.489518405339984, 24.363410979721944, -6.0943921327540034}), S(0)}),
+           drum(0.0080515120601994984, 0.0077864271150477329),
+           {4.0205060786873759, 7.6058944875082908, -7.1392463770912551},
+           {-0.29281580791819589, -0.53428386413826179, 0.43762149264381051}, -0.66127685906200051, 1.12007e-6);
+    // A wire whose end touches: the search stalled while its normal was still turning. Points 5e-8 m off.
+    expect(state::thin, drum(1.8919002268695126, 5e-5),
+           stick({-0.85062657289909793, 1.4015401522113171, 1.0236434189808981},
+                 {1.6585976917914678, 1.3001818020247793, 1.7244048848175098e-05}),
+           {1.7492132319752705, 1.8812536234853721, -0.41982856624391784},
+           {0.17752894040828318, 0.22825994857392873, -0.948873836285412}, -0.12656742869926921, 0);
+    // Beside the tip of a cone the normal of an edge may turn where the distance no longer tells.
+    expect(state::unequal, stick({-0.14127900735312687, 0.15050157104695322, 0.06123360924832897},
+                                 {0.049848200672171758, -0.088565480983080952, 0.000350099270919009}),
+           stump(34.439939082304591, 49.543159199086759, 0),
+           {-19.012482544419843, 16.501722654430562, -23.65845132371593},
+           {-0.69548953459371821, 0.45302794602506069, -0.14419780449777939}, -0.53876430892269411, 1.771945e-7);
+    // From some caches a tetrahedron without volume led back to the triangle that it grew from.
+    expect(state::unequal, stick({-0.0027917843185889337, 0.0019192828288756114, 0.0033362028717233158},
+                                 {0.0020239092688412166, -0.0029679044701016954, 0.0013619997993756542}),
+           stump(14.470595759798849, 48.529775480283007, 72.794663220424511),
+           {-69.410205928719435, 11.150135941248738, 23.810671474772938},
+           {0.065024858099308178, 0.40741286104190777, 0.39195669734824795}, -0.82228734387114688, 2.68235e-7);
+}
+#endif
 
 CELL_CASE("certificates: every answer proves itself") {
     const bool told = std::getenv("CERTIFICATE_PAIRS") != nullptr;

@@ -138,7 +138,7 @@ inline closest_of<3> closest_on_triangle(const point<3>& a, const point<3>& b, c
     if (b1 >= 0 && b2 <= b1) return {b, j};
     const double c1 = -dot(ab, c), c2 = -dot(ac, c);
     if (c2 >= 0 && c1 <= c2) return {c, k};
-    const point<3> n = cross(ab, ac);
+    const point<3> n = normal_by_shorter_edges(a, b, c);
     const double of_c = dot(n, cross(a, ab)), of_b = dot(n, cross(ac, a)), of_a = dot(n, cross(b, c - b));
     if (of_c <= 0 && a1 >= 0 && b1 <= 0) return closest_on_edge(a, b, i, j);
     if (of_b <= 0 && a2 >= 0 && c2 <= 0) return closest_on_edge(a, c, i, k);
@@ -226,7 +226,8 @@ inline closest_of<3> closest_of_simplex(const simplex<3>& s, bool grown) {
         const int i = k < 2 ? k : 0, j = k < 2 ? k + 1 : 2;
         consider(closest_on_grown_triangle(s.vertex[i].w, s.vertex[j].w, d, e[i], e[j], n[k], i, j, 3));
     }
-    if (!grown || flat) {
+    // Of flat ones the faces at the last vertex cover it too.
+    if (!grown) {
         const point<3> behind = cross(e[1] - e[0], e[2] - e[0]);
         if (flat || (dot(behind, s.vertex[0].w) < 0) == (volume > 0))
             consider(closest_on_triangle(s.vertex[0].w, s.vertex[1].w, s.vertex[2].w));
