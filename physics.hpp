@@ -10979,10 +10979,13 @@ inline point<3> normal_by_shorter_edges(const point<3>& a, const point<3>& b, co
 }
 
 /// Corrects the weights of a triangle's corners that make the point below the origin, n being across it: what they miss
-/// it by is known better than they are where the triangle is thin, so that one step of Newton is enough.
+/// it by is known better than they are where the triangle is thin, so that one step of Newton is enough. Others' are
+/// exact, and left.
 inline void correct_weights(const point<3>& a, const point<3>& b, const point<3>& c, const point<3>& n,
                             double (&weight)[3]) {
-    const double scale = 1 / dot(n, n);
+    const double squared = dot(n, n), longest = max(max(dot(b - a, b - a), dot(c - b, c - b)), dot(a - c, a - c));
+    if (squared > 0x1p-6 * longest * longest) return;
+    const double scale = 1 / squared;
     const auto missed_by = [&](double of_a, double of_b, double of_c) {
         const point<3> at = a * of_a + b * of_b + c * of_c;
         return at - n * (dot(n, at) * scale);
@@ -11302,7 +11305,7 @@ gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double
             measure(r, v);
             // So near that rounding may have turned the direction of the search: of a normal that does not part them
             // its own support tells more; one that never does is none, and they touch.
-            if (!r.overlapping && r.distance < 0x1p30 * noise) {
+            if (!r.overlapping && r.distance < 0x1p30 * noise) [[unlikely]] {
                 const cso_vertex<D> farther = support_along(a, b, r.normal);
                 const double parted = dot(r.normal, farther.w);
                 if (parted < r.distance - 4 * noise) {
@@ -11333,7 +11336,7 @@ gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double
         }
     }
     // Rounding can't bring together what a normal was seen to part.
-    if (r.overlapping && most_parted > trusted) r = best[0];
+    if (r.overlapping && most_parted > trusted) [[unlikely]] r = best[0];
     if (cache != nullptr) {
         cache->count = static_cast<std::uint8_t>(r.at.count);
         for (int i = 0; i < r.at.count; ++i) cache->vertex[i] = r.at.vertex[i].name;

@@ -186,7 +186,7 @@ gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double
             measure(r, v);
             // So near that rounding may have turned the direction of the search: of a normal that does not part them
             // its own support tells more; one that never does is none, and they touch.
-            if (!r.overlapping && r.distance < 0x1p30 * noise) {
+            if (!r.overlapping && r.distance < 0x1p30 * noise) [[unlikely]] {
                 const cso_vertex<D> farther = support_along(a, b, r.normal);
                 const double parted = dot(r.normal, farther.w);
                 if (parted < r.distance - 4 * noise) {
@@ -217,7 +217,7 @@ gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double
         }
     }
     // Rounding can't bring together what a normal was seen to part.
-    if (r.overlapping && most_parted > trusted) r = best[0];
+    if (r.overlapping && most_parted > trusted) [[unlikely]] r = best[0];
     if (cache != nullptr) {
         cache->count = static_cast<std::uint8_t>(r.at.count);
         for (int i = 0; i < r.at.count; ++i) cache->vertex[i] = r.at.vertex[i].name;

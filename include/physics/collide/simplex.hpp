@@ -104,10 +104,13 @@ inline point<3> normal_by_shorter_edges(const point<3>& a, const point<3>& b, co
 }
 
 /// Corrects the weights of a triangle's corners that make the point below the origin, n being across it: what they miss
-/// it by is known better than they are where the triangle is thin, so that one step of Newton is enough.
+/// it by is known better than they are where the triangle is thin, so that one step of Newton is enough. Others' are
+/// exact, and left.
 inline void correct_weights(const point<3>& a, const point<3>& b, const point<3>& c, const point<3>& n,
                             double (&weight)[3]) {
-    const double scale = 1 / dot(n, n);
+    const double squared = dot(n, n), longest = max(max(dot(b - a, b - a), dot(c - b, c - b)), dot(a - c, a - c));
+    if (squared > 0x1p-6 * longest * longest) return;
+    const double scale = 1 / squared;
     const auto missed_by = [&](double of_a, double of_b, double of_c) {
         const point<3> at = a * of_a + b * of_b + c * of_c;
         return at - n * (dot(n, at) * scale);
