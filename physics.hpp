@@ -3316,6 +3316,10 @@ public:
         std::swap(count_, other.count_);
     }
 
+    void reserve(std::uint32_t slots) {
+        items_.reserve(slots);
+        slots_.reserve(slots);
+    }
     place insert(const T& item) {
         std::uint32_t index = free_;
         if (index == none) {
@@ -22466,8 +22470,18 @@ public:
     shape_pool() = default;
     shape_pool(const shape_pool& other) : base(other) { each_geometry(retain); }
     shape_pool(shape_pool&& other) noexcept = default;
-    shape_pool& operator=(shape_pool other) noexcept {
-        base::swap(other);
+    shape_pool& operator=(const shape_pool& other) {
+        if (this == &other) return *this;
+        // What may fail comes first.
+        base::reserve(other.slots());
+        other.each_geometry(retain);
+        each_geometry(release);
+        base::operator=(other);
+        return *this;
+    }
+    shape_pool& operator=(shape_pool&& other) noexcept {
+        shape_pool taken(std::move(other));
+        base::swap(taken);
         return *this;
     }
     ~shape_pool() { each_geometry(release); }
@@ -23774,7 +23788,7 @@ void rouse_near(state<Plan>& s, std::uint32_t body, const transform<typename Pla
         each_shape(s, body, [&](std::uint32_t, const auto& shape) {
             const auto box = merged(needed_box(s, shape), bounds(shape.shape, to * shape.local));
             each_near(s, box, query_filter{}, [&](std::uint32_t other) {
-                near.push(s.shapes[other].body);
+                if (s.is_asleep(s.shapes[other].body)) near.push(s.shapes[other].body);
                 return true;
             });
         });

@@ -2,50 +2,15 @@
 #include <doctest/doctest.h>
 
 #include <cstdint>
-#include <cstdlib>
-#include <cstring>
-#include <new>
 #include <random>
 #include <tuple>
 #include <vector>
 
-namespace {
-unsigned long calls = 0;
-}
-
-// What the header calls in place of the C library. Its names must be those of std, since it asks for them there.
-namespace std {
-inline void* counted_malloc(std::size_t bytes) { return ++calls, malloc(bytes); }
-inline void* counted_calloc(std::size_t count, std::size_t bytes) { return ++calls, calloc(count, bytes); }
-inline void* counted_realloc(void* memory, std::size_t bytes) { return ++calls, realloc(memory, bytes); }
-}  // namespace std
-#define malloc counted_malloc
-#define calloc counted_calloc
-#define realloc counted_realloc
-#include <physics.hpp>
-#undef malloc
-#undef calloc
-#undef realloc
-
-// Not inlined, as compilers warn of free() for what a new expression gave.
-PHYSICS_HPP_COLD void* operator new(std::size_t bytes) {
-    ++calls;
-    if (void* memory = std::malloc(bytes > 0 ? bytes : 1)) return memory;
-    throw std::bad_alloc();
-}
-PHYSICS_HPP_COLD void operator delete(void* memory) noexcept { std::free(memory); }
-PHYSICS_HPP_COLD void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+#include "counted_memory.hpp"
 
 namespace {
 
 using physics::fixed32;
-
-template <class F>
-unsigned long calls_of(F&& f) {
-    const unsigned long before = calls;
-    f();
-    return calls - before;
-}
 
 /// What a cell of the test works with.
 template <class Scalar, int Dimension>

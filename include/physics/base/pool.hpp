@@ -35,6 +35,10 @@ public:
         std::swap(count_, other.count_);
     }
 
+    void reserve(std::uint32_t slots) {
+        items_.reserve(slots);
+        slots_.reserve(slots);
+    }
     place insert(const T& item) {
         std::uint32_t index = free_;
         if (index == none) {

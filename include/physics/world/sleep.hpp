@@ -114,7 +114,7 @@ void rouse_near(state<Plan>& s, std::uint32_t body, const transform<typename Pla
         each_shape(s, body, [&](std::uint32_t, const auto& shape) {
             const auto box = merged(needed_box(s, shape), bounds(shape.shape, to * shape.local));
             each_near(s, box, query_filter{}, [&](std::uint32_t other) {
-                near.push(s.shapes[other].body);
+                if (s.is_asleep(s.shapes[other].body)) near.push(s.shapes[other].body);
                 return true;
             });
         });

@@ -36,8 +36,18 @@ public:
     shape_pool() = default;
     shape_pool(const shape_pool& other) : base(other) { each_geometry(retain); }
     shape_pool(shape_pool&& other) noexcept = default;
-    shape_pool& operator=(shape_pool other) noexcept {
-        base::swap(other);
+    shape_pool& operator=(const shape_pool& other) {
+        if (this == &other) return *this;
+        // What may fail comes first.
+        base::reserve(other.slots());
+        other.each_geometry(retain);
+        each_geometry(release);
+        base::operator=(other);
+        return *this;
+    }
+    shape_pool& operator=(shape_pool&& other) noexcept {
+        shape_pool taken(std::move(other));
+        base::swap(taken);
         return *this;
     }
     ~shape_pool() { each_geometry(release); }
