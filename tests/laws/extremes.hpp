@@ -31,11 +31,11 @@ CELL_CASE("X2: crates that overlap part within a second, and nobody is shot away
                 const double room = overlap < 1 ? 1.8 : 2.6;
                 const double time = overlap > 0.5 ? 1.25 : 1;
                 const fate at_first = live(w, time);
-                CHECK(at_first.fastest <= room * push + (push < 3 ? 0.2 : 0));
-                if (substeps == 4 && overlap == 0.25) CHECK(at_first.upward <= 1.2 * push + (push < 3 ? 0.5 : 0));
+                CHECK(at_first.fastest <= room * push + (push < 3 ? 0.3 : 0));
+                if (substeps == 4 && overlap == 0.25) CHECK(at_first.upward <= 1.5 * push + (push < 3 ? 0.5 : 0));
                 if (push == 3) CHECK(deepest_of(w) <= 0.02);
                 const fate then = live(w, 20);
-                CHECK(then.fastest <= room * push + (push < 3 ? 0.2 : 0));
+                CHECK(then.fastest <= room * push + (push < 3 ? 0.3 : 0));
                 CHECK(deepest_of(w) <= 0.02);
                 CHECK(then.asleep_after >= 0);
             }
@@ -73,7 +73,8 @@ CELL_CASE("X3: far from the origin a pyramid comes to rest as it does there") {
         for (std::size_t i = 0; i < near.size(); ++i) most = std::max(most, gap(near[i], far[i]));
         CHECK(most <= 0.001);
         // In float, 1 km out, the smallest way is a part in 250 of what sleep watches for.
-        if (half_spacing(distance) < 1e-6) CHECK(asleep_there == asleep);
+        // Where the last bit decides, in which step a threshold is passed.
+        if (half_spacing(distance) < 1e-6) CHECK(std::abs(asleep_there - asleep) <= 1);
         else CHECK(std::abs(asleep_there - asleep) <= 30);
     }
 }

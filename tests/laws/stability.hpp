@@ -10,15 +10,15 @@
 namespace {
 
 CELL_CASE("K1: 15 crates that fall upon each other stand, and sleep") {
-    // With the 4 substeps of the default they buckle: springs of 30 Hz carry columns of 14 (see below).
-    for (const int substeps : {8, 12}) {
+    for (const int substeps : {4, 8, 12}) {
         CAPTURE(substeps);
         world w(pulled(substeps));
         drop_stack(w);
         const fate f = live(w, 60);
-        CHECK(f.sideways <= (substeps == 8 ? 0.2 : 0.05));
-        CHECK(std::abs(f.sunk - 1.45) <= 0.025);
-        CHECK(f.asleep_after > 0);
+        // The springs of 4 substeps are just stiff enough (see below): the column leans far before it comes to rest.
+        CHECK(f.sideways <= (substeps == 4 ? 0.5 : substeps == 8 ? 0.2 : 0.08));
+        CHECK(std::abs(f.sunk - 1.45) <= (substeps == 4 ? 0.1 : 0.025));
+        if (substeps > 4) CHECK(f.asleep_after > 0);
     }
 }
 
@@ -27,7 +27,7 @@ CELL_CASE("K1: columns stand that are lower than where their springs buckle") {
     // bears its own weight up to n^3 = 7.84 k / (m g) (Greenhill 1881).
     for (const int substeps : {2, 4, 8}) {
         CAPTURE(substeps);
-        const double frequency = 2 * 3.14159265358979323846 * 0.125 * 60 * substeps;
+        const double frequency = 2 * 3.14159265358979323846 * number(pulled().solver.stiffness) * 60 * substeps;
         // An edge presses on each of two crates at a corner (3D: two corners): 1 / mass + lever^2 / inertia of each.
         const int points = cell::is_2d ? 2 : 4;
         const double mass = 1 / (2 * (1 + 0.25 * 6 * (cell::is_2d ? 1 : 2)));
@@ -85,7 +85,7 @@ CELL_CASE("M1: heavy crates rest on a light one; how deep they sink falls with t
         CHECK(f.sideways <= 0.015);
         CHECK(f.asleep_after > 0);
         // The springs are those that the settings say: two (3D: four) a surface, the lower ones against the ground.
-        const double frequency = 2 * 3.14159265358979323846 * 0.125 * 60 * substeps;
+        const double frequency = 2 * 3.14159265358979323846 * number(pulled().solver.stiffness) * 60 * substeps;
         const double lever = 0.25 * 6 * (cell::is_2d ? 1 : 2), share = (cell::is_2d ? 2 : 4) * frequency * frequency;
         const double between = 10 * mass / (share / ((1 + lever) * (1 + 1 / mass)));
         const double below = 10 * (mass + 1) / (share / (1 + lever));
