@@ -19771,13 +19771,14 @@ class batch_maker {
 public:
     static constexpr std::uint32_t enough = 512;
 
-    /// is_pushed: of each body, and false for one more.
+    /// is_pushed: of each body, and false for one more. Up to `in_one` bodies and contacts make one batch.
     template <class S, int D>
-    batch_maker(buffer<contact<S, D>>& contacts, const bool* is_pushed, std::uint32_t bodies, arena& scratch)
+    batch_maker(buffer<contact<S, D>>& contacts, const bool* is_pushed, std::uint32_t bodies, arena& scratch,
+                std::uint32_t in_one = enough)
         : scratch_(scratch), is_pushed_(is_pushed), bodies_(bodies), contacts_(contacts.size()) {
         result_.slot_of = scratch.take<std::uint32_t>(bodies);
         result_.order = scratch.take<std::uint32_t>(contacts_);
-        if (bodies_ + contacts_ <= enough) {
+        if (bodies_ + contacts_ <= in_one) {
             put_all_into_one();
             return;
         }
@@ -24457,7 +24458,7 @@ class motion {
     static constexpr int D = Plan::dimension;
 
 public:
-    motion(state<Plan>& s, S h) : state_(s), parts_(parts_of(s)), step_(h) {
+    motion(state<Plan>& s, S h, const crew& hands) : state_(s), parts_(parts_of(s, hands)), step_(h) {
         moved_ = {s.scratch.template take<solver_body<S, D>>(parts_.slots),
                   s.scratch.template take<moving_body<S, D>>(parts_.slots), parts_.slot_of};
     }
@@ -24544,13 +24545,16 @@ private:
         const rotation<S, D> turn = turned(b.rotation, b.velocity.angular * step_);
         rouse_near(state_, i, {b.center + b.velocity.linear * step_ - turn * b.mass.center, turn});
     }
-    static batches parts_of(state<Plan>& s) {
+    static batches parts_of(state<Plan>& s, const crew& hands) {
+        // On one thread, what goes into the second cache is not worth taking apart.
+        const std::uint32_t in_one = hands.is_alone() ? (D == 2 ? 8 : 2) * batch_maker::enough : batch_maker::enough;
+
         const std::uint32_t count = s.movers.size();
         bool* is_pushed = s.scratch.template take<bool>(count + 1);
         for (std::uint32_t k = 0; k < count; ++k)
             is_pushed[k] = s.bodies[s.movers[k]].inverse_mass > inverse_of<S>(0);
         is_pushed[count] = false;
-        return batch_maker(s.found, is_pushed, count, s.scratch).result();
+        return batch_maker(s.found, is_pushed, count, s.scratch, in_one).result();
     }
     bool solve(const batch& part, arena& scratch, crew& hands) {
         scratch.reset();
@@ -25154,7 +25158,7 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, c
         // Blows -> contacts of the islands that they wake.
         if (disturb_sleepers(s, h) && !find_contacts_of_woken(s, hands)) return step_result::bad_mixture;
     inherit_contacts(s, hands);              // last step's       -> warm impulses of what persists
-    motion<Plan> moving(s, h);               // contacts          -> islands, in batches
+    motion<Plan> moving(s, h, hands);        // contacts          -> islands, in batches
     const bool solved = moving.solve(hands); // bodies, forces, contacts -> velocities, poses
     if (!hands.is_sound()) return step_result::bad_executor;
     if (!solved) return step_result::out_of_range;

@@ -39,7 +39,7 @@ public:
         lap.take(1);
         in::inherit_contacts(s_, alone);
         lap.take(2);
-        in::motion<plan> moving(s_, h);
+        in::motion<plan> moving(s_, h, alone);
         lap.take(3);
         fine_ = moving.solve(alone) && fine_;
         lap.take(4);

@@ -66,13 +66,14 @@ class batch_maker {
 public:
     static constexpr std::uint32_t enough = 512;
 
-    /// is_pushed: of each body, and false for one more.
+    /// is_pushed: of each body, and false for one more. Up to `in_one` bodies and contacts make one batch.
     template <class S, int D>
-    batch_maker(buffer<contact<S, D>>& contacts, const bool* is_pushed, std::uint32_t bodies, arena& scratch)
+    batch_maker(buffer<contact<S, D>>& contacts, const bool* is_pushed, std::uint32_t bodies, arena& scratch,
+                std::uint32_t in_one = enough)
         : scratch_(scratch), is_pushed_(is_pushed), bodies_(bodies), contacts_(contacts.size()) {
         result_.slot_of = scratch.take<std::uint32_t>(bodies);
         result_.order = scratch.take<std::uint32_t>(contacts_);
-        if (bodies_ + contacts_ <= enough) {
+        if (bodies_ + contacts_ <= in_one) {
             put_all_into_one();
             return;
         }

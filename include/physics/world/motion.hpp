@@ -141,7 +141,7 @@ class motion {
     static constexpr int D = Plan::dimension;
 
 public:
-    motion(state<Plan>& s, S h) : state_(s), parts_(parts_of(s)), step_(h) {
+    motion(state<Plan>& s, S h, const crew& hands) : state_(s), parts_(parts_of(s, hands)), step_(h) {
         moved_ = {s.scratch.template take<solver_body<S, D>>(parts_.slots),
                   s.scratch.template take<moving_body<S, D>>(parts_.slots), parts_.slot_of};
     }
@@ -228,13 +228,16 @@ private:
         const rotation<S, D> turn = turned(b.rotation, b.velocity.angular * step_);
         rouse_near(state_, i, {b.center + b.velocity.linear * step_ - turn * b.mass.center, turn});
     }
-    static batches parts_of(state<Plan>& s) {
+    static batches parts_of(state<Plan>& s, const crew& hands) {
+        // On one thread, what goes into the second cache is not worth taking apart.
+        const std::uint32_t in_one = hands.is_alone() ? (D == 2 ? 8 : 2) * batch_maker::enough : batch_maker::enough;
+
         const std::uint32_t count = s.movers.size();
         bool* is_pushed = s.scratch.template take<bool>(count + 1);
         for (std::uint32_t k = 0; k < count; ++k)
             is_pushed[k] = s.bodies[s.movers[k]].inverse_mass > inverse_of<S>(0);
         is_pushed[count] = false;
-        return batch_maker(s.found, is_pushed, count, s.scratch).result();
+        return batch_maker(s.found, is_pushed, count, s.scratch, in_one).result();
     }
     bool solve(const batch& part, arena& scratch, crew& hands) {
         scratch.reset();

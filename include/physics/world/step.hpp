@@ -55,7 +55,7 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, c
         // Blows -> contacts of the islands that they wake.
         if (disturb_sleepers(s, h) && !find_contacts_of_woken(s, hands)) return step_result::bad_mixture;
     inherit_contacts(s, hands);              // last step's       -> warm impulses of what persists
-    motion<Plan> moving(s, h);               // contacts          -> islands, in batches
+    motion<Plan> moving(s, h, hands);        // contacts          -> islands, in batches
     const bool solved = moving.solve(hands); // bodies, forces, contacts -> velocities, poses
     if (!hands.is_sound()) return step_result::bad_executor;
     if (!solved) return step_result::out_of_range;
