@@ -53,7 +53,7 @@ CELL_CASE("K2: a pyramid on a base of 20 crates stands, and sleeps") {
 }
 
 CELL_CASE("K5: a house of cards of five floors stands, and sleeps") {
-    // With 4 substeps a third of such houses falls, as the last bits of where their cards lie will have it.
+    // With 4 substeps some such houses fall, as the last bits of where their cards lie will have it.
     world w(pulled(8));
     house_of_cards(w, 5);
     const fate f = live(w, 60);
