@@ -1159,7 +1159,8 @@ public:
     /// Whether all parts have been done so far.
     [[nodiscard]] bool is_sound() const { return sound_; }
 
-    /// Calls f(part, worker) for all parts.
+    /// Calls f(part, worker) for all parts. What the executor leaves out is done here, so that no stage finds anything
+    /// half made before the step is refused.
     template <class F>
     void each(std::uint32_t parts, F&& f) {
         if (is_alone() || parts < 2) {
@@ -1169,7 +1170,11 @@ public:
         done_->clear();
         done_->resize(parts);
         run_(executor_, parts, work(f, done_->begin(), parts, workers_));
-        for (const unsigned char done : *done_) sound_ = sound_ && done != 0;
+        for (std::uint32_t k = 0; k < parts; ++k) {
+            if ((*done_)[k] != 0) continue;
+            sound_ = false;
+            f(k, 0);
+        }
     }
     /// Calls f(first, end, worker) for all of `count` things, in parts of `share`.
     template <class F>
@@ -19712,7 +19717,7 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-inline const std::uint32_t* numbers_below(std::uint32_t count, arena& scratch) {
+inline std::uint32_t* numbers_below(std::uint32_t count, arena& scratch) {
     auto* const numbers = scratch.take<std::uint32_t>(count);
     for (std::uint32_t i = 0; i < count; ++i) numbers[i] = i;
     return numbers;
@@ -19776,8 +19781,6 @@ public:
     batch_maker(buffer<contact<S, D>>& contacts, const bool* is_pushed, std::uint32_t bodies, arena& scratch,
                 std::uint32_t in_one = enough)
         : scratch_(scratch), is_pushed_(is_pushed), bodies_(bodies), contacts_(contacts.size()) {
-        result_.slot_of = scratch.take<std::uint32_t>(bodies);
-        result_.order = scratch.take<std::uint32_t>(contacts_);
         if (bodies_ + contacts_ <= in_one) {
             put_all_into_one();
             return;
@@ -19809,10 +19812,8 @@ private:
         result_.first = new (scratch_.take<batch>(1)) batch{0, bodies_, 0, contacts_};
         result_.count = 1;
         result_.slots = result_.first->slots();
-        for (std::uint32_t n = 0; n < contacts_; ++n) result_.order[n] = n;
-        result_.body_at = scratch_.take<std::uint32_t>(result_.slots);
-        for (std::uint32_t i = 0; i < bodies_; ++i) result_.slot_of[i] = result_.body_at[i] = i;
-        result_.body_at[bodies_] = bodies_;
+        result_.order = numbers_below(contacts_, scratch_);
+        result_.slot_of = result_.body_at = numbers_below(bodies_ + 1, scratch_);
     }
 
     /// Says which batch each body is in.
@@ -19871,6 +19872,8 @@ private:
             at += size;
         }
         result_.slots = slot;
+        result_.order = scratch_.take<std::uint32_t>(contacts_);
+        result_.slot_of = scratch_.take<std::uint32_t>(bodies_);
         result_.body_at = scratch_.take<std::uint32_t>(slot);
         copy_of_ = scratch_.take<std::uint32_t>(bodies_);
         for (std::uint32_t i = 0; i < bodies_; ++i)
@@ -20387,36 +20390,24 @@ namespace detail {
 template <class S>
 class axis_turn {
 public:
-    constexpr explicit axis_turn(S angle) {
-        const S quarter = angle * S(0.25);
-        if (abs(quarter) > S(0.25)) {
-            const auto [s, c] = sine_cosine(angle * S(0.5));
-            half_sine_ = s;
-            half_cosine_ = c;
-            return;
-        }
-        // As turned(), see there.
-        const S t = quarter * tangent_ratio(quarter * quarter), scale = S(1) / (S(1) + t * t);
-        half_sine_ = (t + t) * scale;
-        half_cosine_ = (S(1) - t * t) * scale;
-    }
+    constexpr explicit axis_turn(S angle) : half_(turned(rotation<S, 2>{}, angle * S(0.5))) {}
     /// Turns the frame about its axis number `axis`, and what is seen from it the other way. Does not repair lengths.
     constexpr void apply(int axis, rotation<S, 3>& frame, vec<S, 3>& seen) const {
         const int i = (axis + 1) % 3, j = (axis + 2) % 3;
         const vec<S, 3> q = frame.imaginary();
+        const S s = half_.sine, c = half_.cosine;
         vec<S, 3> r;
-        r[axis] = sum_of_products(frame.w, half_sine_, q[axis], half_cosine_);
-        r[i] = sum_of_products(q[i], half_cosine_, q[j], half_sine_);
-        r[j] = difference_of_products(q[j], half_cosine_, q[i], half_sine_);
-        frame = {r.x, r.y, r.z, difference_of_products(frame.w, half_cosine_, q[axis], half_sine_)};
-        const S double_sine = half_sine_ + half_sine_;
-        const S sine = double_sine * half_cosine_, cosine = S(1) - double_sine * half_sine_, along = seen[i];
+        r[axis] = sum_of_products(frame.w, s, q[axis], c);
+        r[i] = sum_of_products(q[i], c, q[j], s);
+        r[j] = difference_of_products(q[j], c, q[i], s);
+        frame = {r.x, r.y, r.z, difference_of_products(frame.w, c, q[axis], s)};
+        const S sine = (s + s) * c, cosine = S(1) - (s + s) * s, along = seen[i];
         seen[i] = sum_of_products(along, cosine, seen[j], sine);
         seen[j] = difference_of_products(seen[j], cosine, along, sine);
     }
 
 private:
-    S half_sine_{}, half_cosine_{};
+    rotation<S, 2> half_;
 };
 
 /// Turns a body on which no torque acts for a time h. Its energy of motion is split into parts whose motions are known:
@@ -24724,7 +24715,6 @@ bool find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs, crew& hands)
         const search_result is = search_pairs(s, queries, pairs, first, end, s.manifolds[worker], to);
         new (pieces + first / share) piece{worker, before, to.size(), is};
     });
-    if (!hands.is_sound()) return true;
     const std::uint32_t count = (pairs.size() + share - 1) / share;
     search_result all;
     std::uint32_t found = 0;
@@ -25132,15 +25122,14 @@ enum class step_result { done, bad_mixture, out_of_range, bad_executor };
 
 inline void report(step_result result) {
     if (result == step_result::out_of_range)
-        refuse("step", "a velocity", "not finite",
-                       "a force, a speed or a mass is beyond the scalar's range");
+        refuse("step", "a velocity", "not finite", "a force, a speed or a mass is beyond the scalar's range");
     if (result == step_result::bad_executor)
         refuse("step", "executor", "left parts out",
                "it must have a worker at least, and call the work with every part, as a worker below workers()");
     if (result == step_result::bad_mixture)
         refuse("step", "a coefficient of two surfaces", "out of range",
-                       "the mixing rule must give friction and rolling_resistance that are finite and at least 0, "
-                       "and a restitution of 0 to 1");
+               "the mixing rule must give friction and rolling_resistance that are finite and at least 0, "
+               "and a restitution of 0 to 1");
 }
 
 /// Advances a world by h seconds. Each stage reads and writes plain arrays; only this function knows their
@@ -25153,18 +25142,20 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, c
     watch_fast_bodies(s, h);            // velocities        -> boxes of bodies that look ahead
     number_movers(s);                   // bodies            -> which of them move
     const auto& pairs = find_pairs(s);  // boxes             -> pairs, in order
-    if (!find_contacts(s, pairs, hands)) return step_result::bad_mixture;  // pairs, poses -> contacts
+    // Pairs, poses -> contacts with feature ids.
+    if (!find_contacts(s, pairs, hands)) return step_result::bad_mixture;
     if constexpr (Plan::sleeps)
         // Blows -> contacts of the islands that they wake.
         if (disturb_sleepers(s, h) && !find_contacts_of_woken(s, hands)) return step_result::bad_mixture;
-    inherit_contacts(s, hands);              // last step's       -> warm impulses of what persists
-    motion<Plan> moving(s, h, hands);        // contacts          -> islands, in batches
-    const bool solved = moving.solve(hands); // bodies, forces, contacts -> velocities, poses
+    inherit_contacts(s, hands);                // last step's       -> warm impulses of what persists
+    motion<Plan> moving(s, h, hands);          // contacts          -> islands, in batches
+    const bool solved = moving.solve(hands);   // bodies, contacts  -> velocities, poses
     if (!hands.is_sound()) return step_result::bad_executor;
     if (!solved) return step_result::out_of_range;
-    sweep_fast_bodies(s, moving.moved(), h);                       // poses -> poses short of what stops bodies
-    if (!moving.place_shapes()) return step_result::out_of_range;  // poses -> boxes of what has moved
-    moving.finish();                                               // results -> bodies and contacts
+    sweep_fast_bodies(s, moving.moved(), h);   // poses             -> poses short of what stops bodies
+    // Poses -> boxes of what has moved.
+    if (!moving.place_shapes()) return step_result::out_of_range;
+    moving.finish();                           // results           -> bodies and contacts
     return step_result::done;
 }
 
@@ -25733,23 +25724,23 @@ PHYSICS_HPP_END
 PHYSICS_HPP_BEGIN
 
 /// Threads that wait for work: hand one to world::step. Worlds may share a pool, one after the other. Between the parts
-/// of a step workers look for work without sleeping, for some 50 us; then they sleep, so that an idle pool costs
-/// nothing. Handing out work costs about a microsecond.
+/// of a step workers look for work without sleeping, for a while; then they sleep, so that an idle pool costs nothing.
 class thread_pool {
 public:
     /// A pool of so many workers, of whom the caller of run is one; 0: as many as the machine has. At most 256.
-    explicit thread_pool(std::uint32_t workers = 0) {
+    explicit thread_pool(std::uint32_t workers = 0) : thread_pool(nobody{}) {
         if (workers == 0) workers = std::thread::hardware_concurrency();
         if (workers > most) {
             detail::refuse("thread_pool", "workers", static_cast<double>(workers), "it must be at most 256");
             return;
         }
-        workers_ = workers == 0 ? 1 : workers;
-        threads_ = new std::thread[workers_ - 1];
-        for (std::uint32_t k = 1; k < workers_; ++k) threads_[k - 1] = std::thread([this, k] { serve(k); });
+        if (workers < 2) return;
+        threads_ = new std::thread[workers - 1];
+        // The system may refuse a thread and throw: then those before are told to go.
+        for (; workers_ < workers; ++workers_)
+            threads_[workers_ - 1] = std::thread([this, worker = workers_] { serve(worker); });
     }
     ~thread_pool() {
-        if (threads_ == nullptr) return;
         ticket_.store(closed, std::memory_order_release);
         ticket_.notify_all();
         for (std::uint32_t k = 1; k < workers_; ++k) threads_[k - 1].join();
@@ -25770,6 +25761,10 @@ public:
     }
 
 private:
+    /// A pool that is complete, so that it is destroyed whatever happens to those who are to work in it.
+    struct nobody {};
+    explicit thread_pool(nobody) {}
+
     // A ticket says which round of work it is, how many parts that has, and which of them is the next: it is taken in
     // one operation, so that whoever comes late takes nothing, or a part of the next round. None is ever `closed`.
     static constexpr std::uint32_t most = 256, most_parts = (1u << 24) - 2 * most;

@@ -224,12 +224,12 @@ def misuse(tally):
 
 
 def gcc(tally):
-    """the whole matrix, from the parts, with g++ -O2"""
+    """the cells of the matrix that fall to g++, from the parts; all with EVERYTHING=1"""
     build(tally, "gcc", "g++", "parts", "-Doptimization=2", "-Dwerror=true")
 
 
 def clang(tally):
-    """the whole matrix, from the parts, with clang++ -O1"""
+    """the cells of the matrix that fall to clang++, from the parts; all with EVERYTHING=1"""
     build(tally, "clang", "clang++", "parts", "-Doptimization=1", "-Dwerror=true")
 
 

@@ -16,7 +16,7 @@ struct by_two {
 };
 
 const enlisted threads({.name = "ours-2",
-                        .settings = "as ours, by a thread_pool of two workers",
+                        .settings = "as ours, by a thread_pool of two; times are those of the caller, who never sleeps",
                         .order = 3,
                         .make = make_ours<float, physics::soft_step, by_two>});
 

@@ -124,6 +124,22 @@ CELL_CASE("executors: one that leaves out parts, or has no workers, is refused, 
         CHECK(refusal([&] { place.w.step(S(1.0 / 64), *by); }).find("executor") != std::string::npos);
         CHECK(place.w.state_hash() == before);
     }
+    // Also one that begins to in the midst of a step.
+    int rounds = 0;
+    faulty counting{[&rounds](std::uint32_t parts, const physics::work& what) {
+        ++rounds;
+        for (std::uint32_t k = 0; k < parts; ++k) what(k, k % 2);
+    }};
+    world(place.w).step(S(1.0 / 64), counting);
+    REQUIRE(rounds > 3);
+    for (int good = 0; good < rounds; ++good) {
+        int rest = good;
+        faulty tired{[&rest](std::uint32_t parts, const physics::work& what) {
+            for (std::uint32_t k = rest-- == 0; k < parts; ++k) what(k, k % 2);
+        }};
+        CHECK(refusal([&] { place.w.step(S(1.0 / 64), tired); }).find("executor") != std::string::npos);
+        CHECK(place.w.state_hash() == before);
+    }
     // Calls with parts that there are not do nothing, and parts may be done again.
     busy_place alone(12);
     for (int i = 0; i < 4; ++i) alone.w.step(S(1.0 / 64));

@@ -62,7 +62,8 @@ public:
     /// Whether all parts have been done so far.
     [[nodiscard]] bool is_sound() const { return sound_; }
 
-    /// Calls f(part, worker) for all parts.
+    /// Calls f(part, worker) for all parts. What the executor leaves out is done here, so that no stage finds anything
+    /// half made before the step is refused.
     template <class F>
     void each(std::uint32_t parts, F&& f) {
         if (is_alone() || parts < 2) {
@@ -72,7 +73,11 @@ public:
         done_->clear();
         done_->resize(parts);
         run_(executor_, parts, work(f, done_->begin(), parts, workers_));
-        for (const unsigned char done : *done_) sound_ = sound_ && done != 0;
+        for (std::uint32_t k = 0; k < parts; ++k) {
+            if ((*done_)[k] != 0) continue;
+            sound_ = false;
+            f(k, 0);
+        }
     }
     /// Calls f(first, end, worker) for all of `count` things, in parts of `share`.
     template <class F>

@@ -9,23 +9,23 @@
 PHYSICS_HPP_BEGIN
 
 /// Threads that wait for work: hand one to world::step. Worlds may share a pool, one after the other. Between the parts
-/// of a step workers look for work without sleeping, for some 50 us; then they sleep, so that an idle pool costs
-/// nothing. Handing out work costs about a microsecond.
+/// of a step workers look for work without sleeping, for a while; then they sleep, so that an idle pool costs nothing.
 class thread_pool {
 public:
     /// A pool of so many workers, of whom the caller of run is one; 0: as many as the machine has. At most 256.
-    explicit thread_pool(std::uint32_t workers = 0) {
+    explicit thread_pool(std::uint32_t workers = 0) : thread_pool(nobody{}) {
         if (workers == 0) workers = std::thread::hardware_concurrency();
         if (workers > most) {
             detail::refuse("thread_pool", "workers", static_cast<double>(workers), "it must be at most 256");
             return;
         }
-        workers_ = workers == 0 ? 1 : workers;
-        threads_ = new std::thread[workers_ - 1];
-        for (std::uint32_t k = 1; k < workers_; ++k) threads_[k - 1] = std::thread([this, k] { serve(k); });
+        if (workers < 2) return;
+        threads_ = new std::thread[workers - 1];
+        // The system may refuse a thread and throw: then those before are told to go.
+        for (; workers_ < workers; ++workers_)
+            threads_[workers_ - 1] = std::thread([this, worker = workers_] { serve(worker); });
     }
     ~thread_pool() {
-        if (threads_ == nullptr) return;
         ticket_.store(closed, std::memory_order_release);
         ticket_.notify_all();
         for (std::uint32_t k = 1; k < workers_; ++k) threads_[k - 1].join();
@@ -46,6 +46,10 @@ public:
     }
 
 private:
+    /// A pool that is complete, so that it is destroyed whatever happens to those who are to work in it.
+    struct nobody {};
+    explicit thread_pool(nobody) {}
+
     // A ticket says which round of work it is, how many parts that has, and which of them is the next: it is taken in
     // one operation, so that whoever comes late takes nothing, or a part of the next round. None is ever `closed`.
     static constexpr std::uint32_t most = 256, most_parts = (1u << 24) - 2 * most;

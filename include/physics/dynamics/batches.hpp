@@ -7,7 +7,7 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-inline const std::uint32_t* numbers_below(std::uint32_t count, arena& scratch) {
+inline std::uint32_t* numbers_below(std::uint32_t count, arena& scratch) {
     auto* const numbers = scratch.take<std::uint32_t>(count);
     for (std::uint32_t i = 0; i < count; ++i) numbers[i] = i;
     return numbers;
@@ -71,8 +71,6 @@ public:
     batch_maker(buffer<contact<S, D>>& contacts, const bool* is_pushed, std::uint32_t bodies, arena& scratch,
                 std::uint32_t in_one = enough)
         : scratch_(scratch), is_pushed_(is_pushed), bodies_(bodies), contacts_(contacts.size()) {
-        result_.slot_of = scratch.take<std::uint32_t>(bodies);
-        result_.order = scratch.take<std::uint32_t>(contacts_);
         if (bodies_ + contacts_ <= in_one) {
             put_all_into_one();
             return;
@@ -104,10 +102,8 @@ private:
         result_.first = new (scratch_.take<batch>(1)) batch{0, bodies_, 0, contacts_};
         result_.count = 1;
         result_.slots = result_.first->slots();
-        for (std::uint32_t n = 0; n < contacts_; ++n) result_.order[n] = n;
-        result_.body_at = scratch_.take<std::uint32_t>(result_.slots);
-        for (std::uint32_t i = 0; i < bodies_; ++i) result_.slot_of[i] = result_.body_at[i] = i;
-        result_.body_at[bodies_] = bodies_;
+        result_.order = numbers_below(contacts_, scratch_);
+        result_.slot_of = result_.body_at = numbers_below(bodies_ + 1, scratch_);
     }
 
     /// Says which batch each body is in.
@@ -166,6 +162,8 @@ private:
             at += size;
         }
         result_.slots = slot;
+        result_.order = scratch_.take<std::uint32_t>(contacts_);
+        result_.slot_of = scratch_.take<std::uint32_t>(bodies_);
         result_.body_at = scratch_.take<std::uint32_t>(slot);
         copy_of_ = scratch_.take<std::uint32_t>(bodies_);
         for (std::uint32_t i = 0; i < bodies_; ++i)

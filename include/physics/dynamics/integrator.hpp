@@ -12,36 +12,24 @@ namespace detail {
 template <class S>
 class axis_turn {
 public:
-    constexpr explicit axis_turn(S angle) {
-        const S quarter = angle * S(0.25);
-        if (abs(quarter) > S(0.25)) {
-            const auto [s, c] = sine_cosine(angle * S(0.5));
-            half_sine_ = s;
-            half_cosine_ = c;
-            return;
-        }
-        // As turned(), see there.
-        const S t = quarter * tangent_ratio(quarter * quarter), scale = S(1) / (S(1) + t * t);
-        half_sine_ = (t + t) * scale;
-        half_cosine_ = (S(1) - t * t) * scale;
-    }
+    constexpr explicit axis_turn(S angle) : half_(turned(rotation<S, 2>{}, angle * S(0.5))) {}
     /// Turns the frame about its axis number `axis`, and what is seen from it the other way. Does not repair lengths.
     constexpr void apply(int axis, rotation<S, 3>& frame, vec<S, 3>& seen) const {
         const int i = (axis + 1) % 3, j = (axis + 2) % 3;
         const vec<S, 3> q = frame.imaginary();
+        const S s = half_.sine, c = half_.cosine;
         vec<S, 3> r;
-        r[axis] = sum_of_products(frame.w, half_sine_, q[axis], half_cosine_);
-        r[i] = sum_of_products(q[i], half_cosine_, q[j], half_sine_);
-        r[j] = difference_of_products(q[j], half_cosine_, q[i], half_sine_);
-        frame = {r.x, r.y, r.z, difference_of_products(frame.w, half_cosine_, q[axis], half_sine_)};
-        const S double_sine = half_sine_ + half_sine_;
-        const S sine = double_sine * half_cosine_, cosine = S(1) - double_sine * half_sine_, along = seen[i];
+        r[axis] = sum_of_products(frame.w, s, q[axis], c);
+        r[i] = sum_of_products(q[i], c, q[j], s);
+        r[j] = difference_of_products(q[j], c, q[i], s);
+        frame = {r.x, r.y, r.z, difference_of_products(frame.w, c, q[axis], s)};
+        const S sine = (s + s) * c, cosine = S(1) - (s + s) * s, along = seen[i];
         seen[i] = sum_of_products(along, cosine, seen[j], sine);
         seen[j] = difference_of_products(seen[j], cosine, along, sine);
     }
 
 private:
-    S half_sine_{}, half_cosine_{};
+    rotation<S, 2> half_;
 };
 
 /// Turns a body on which no torque acts for a time h. Its energy of motion is split into parts whose motions are known:

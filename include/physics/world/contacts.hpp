@@ -138,7 +138,6 @@ bool find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs, crew& hands)
         const search_result is = search_pairs(s, queries, pairs, first, end, s.manifolds[worker], to);
         new (pieces + first / share) piece{worker, before, to.size(), is};
     });
-    if (!hands.is_sound()) return true;
     const std::uint32_t count = (pairs.size() + share - 1) / share;
     search_result all;
     std::uint32_t found = 0;

@@ -29,15 +29,14 @@ enum class step_result { done, bad_mixture, out_of_range, bad_executor };
 
 inline void report(step_result result) {
     if (result == step_result::out_of_range)
-        refuse("step", "a velocity", "not finite",
-                       "a force, a speed or a mass is beyond the scalar's range");
+        refuse("step", "a velocity", "not finite", "a force, a speed or a mass is beyond the scalar's range");
     if (result == step_result::bad_executor)
         refuse("step", "executor", "left parts out",
                "it must have a worker at least, and call the work with every part, as a worker below workers()");
     if (result == step_result::bad_mixture)
         refuse("step", "a coefficient of two surfaces", "out of range",
-                       "the mixing rule must give friction and rolling_resistance that are finite and at least 0, "
-                       "and a restitution of 0 to 1");
+               "the mixing rule must give friction and rolling_resistance that are finite and at least 0, "
+               "and a restitution of 0 to 1");
 }
 
 /// Advances a world by h seconds. Each stage reads and writes plain arrays; only this function knows their
@@ -50,18 +49,20 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, c
     watch_fast_bodies(s, h);            // velocities        -> boxes of bodies that look ahead
     number_movers(s);                   // bodies            -> which of them move
     const auto& pairs = find_pairs(s);  // boxes             -> pairs, in order
-    if (!find_contacts(s, pairs, hands)) return step_result::bad_mixture;  // pairs, poses -> contacts
+    // Pairs, poses -> contacts with feature ids.
+    if (!find_contacts(s, pairs, hands)) return step_result::bad_mixture;
     if constexpr (Plan::sleeps)
         // Blows -> contacts of the islands that they wake.
         if (disturb_sleepers(s, h) && !find_contacts_of_woken(s, hands)) return step_result::bad_mixture;
-    inherit_contacts(s, hands);              // last step's       -> warm impulses of what persists
-    motion<Plan> moving(s, h, hands);        // contacts          -> islands, in batches
-    const bool solved = moving.solve(hands); // bodies, forces, contacts -> velocities, poses
+    inherit_contacts(s, hands);                // last step's       -> warm impulses of what persists
+    motion<Plan> moving(s, h, hands);          // contacts          -> islands, in batches
+    const bool solved = moving.solve(hands);   // bodies, contacts  -> velocities, poses
     if (!hands.is_sound()) return step_result::bad_executor;
     if (!solved) return step_result::out_of_range;
-    sweep_fast_bodies(s, moving.moved(), h);                       // poses -> poses short of what stops bodies
-    if (!moving.place_shapes()) return step_result::out_of_range;  // poses -> boxes of what has moved
-    moving.finish();                                               // results -> bodies and contacts
+    sweep_fast_bodies(s, moving.moved(), h);   // poses             -> poses short of what stops bodies
+    // Poses -> boxes of what has moved.
+    if (!moving.place_shapes()) return step_result::out_of_range;
+    moving.finish();                           // results           -> bodies and contacts
     return step_result::done;
 }
 
