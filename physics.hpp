@@ -20880,11 +20880,11 @@ struct soft_friction2 {
     /// Of this substep, and of the whole step.
     S impulse[W], total[W];
 
-    /// The change of the impulse where the surfaces slip by v at the middle.
-    PHYSICS_HPP_ALWAYS_INLINE P next(const P& v, const P& load) {
+    /// The change of the impulse where the surfaces slip by v at the middle, under a load of which that share lasts.
+    PHYSICS_HPP_ALWAYS_INLINE P next(const P& v, const P& load, const P& lasting) {
         const P before = P::load(impulse), most = P::load(coefficient) * load;
         const P after = max(min(before - P::load(stop) * v, most), -most);
-        after.store(impulse);
+        (after * lasting).store(impulse);
         (P::load(total) + after).store(total);
         return after - before;
     }
@@ -20896,25 +20896,20 @@ struct slide_lanes {
     P x, y, twist;
 };
 
-/// Last step's friction of the points that are still there.
+/// Last step's friction of the points that are still there and still bear a load.
 template <class S, int D>
 tangential<S, D> friction_of(const contact<S, D>& c) {
     tangential<S, D> sum{};
     for (int k = 0; k < c.count; ++k)
-        if (c.points[k].persisted) sum += c.points[k].friction_impulse;
+        if (c.points[k].persisted && c.points[k].load > S(0)) sum += c.points[k].friction_impulse;
     return sum;
 }
-/// The load of a point, and of a contact's points.
-template <class P, class Point>
-PHYSICS_HPP_ALWAYS_INLINE P load_of(const Point& point) {
-    const P impulse = P::load(point.impulse);
-    return max(impulse, -impulse);
-}
-template <class P, class Point>
-PHYSICS_HPP_ALWAYS_INLINE P load_of(const Point* points, int count) {
-    P load = load_of<P>(points[0]);
-    for (int k = 1; k < count; ++k) load = load + load_of<P>(points[k]);
-    return load;
+/// The loads of a contact's points together.
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE P sum_of(const P* loads, int count) {
+    P sum = loads[0];
+    for (int k = 1; k < count; ++k) sum = sum + loads[k];
+    return sum;
 }
 
 /// Friction of patches in space.
@@ -20958,17 +20953,19 @@ struct soft_patch_friction3 {
     PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> last(const Point*, int) const {
         return {P::load(x), P::load(y), P::load(twist)};
     }
-    /// Their change where the surfaces slip: first it stops the slip at the middle, then the twist.
+    /// Their change where the surfaces slip under loads of which that share lasts: first it stops the slip at the
+    /// middle, then the twist.
     template <class Point>
-    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(const slide_lanes<P>& slip, const Point* points, int count) {
-        const P load = load_of<P>(points, count);
+    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(const slide_lanes<P>& slip, const Point*, const P* loads, int count,
+                                                  const P& lasting) {
+        const P load = sum_of(loads, count);
         const lanes2<P> before = {P::load(x), P::load(y)};
         const lanes2<P> after = stop.next(before, {slip.x, slip.y}, P::load(coefficient) * load);
-        after.x.store(x);
-        after.y.store(y);
+        (after.x * lasting).store(x);
+        (after.y * lasting).store(y);
         const P twisted = P::load(twist), most = P::load(twist_arm) * load;
         const P turned = max(min(twisted - P::load(stop_twist) * slip.twist, most), -most);
-        turned.store(twist);
+        (turned * lasting).store(twist);
         (P::load(total_x) + after.x).store(total_x);
         (P::load(total_y) + after.y).store(total_y);
         (P::load(total_twist) + turned).store(total_twist);
@@ -21013,9 +21010,10 @@ struct soft_point_friction3 {
         answer[5][lane] = turned(c.normal, c.normal, c.normal, c.normal);
         for (int k = 0; k < c.count; ++k) {
             const contact_point<S, 3>& from = c.points[k];
+            const bool bears = from.persisted && from.load > S(0);
             each[k].stop.put(lane, friction3<S>(a, b, from, frame));
-            each[k].x[lane] = from.persisted ? from.friction_impulse.x * share : S(0);
-            each[k].y[lane] = from.persisted ? from.friction_impulse.y * share : S(0);
+            each[k].x[lane] = bears ? from.friction_impulse.x * share : S(0);
+            each[k].y[lane] = bears ? from.friction_impulse.y * share : S(0);
         }
     }
     vec<S, 2> of_point(int lane, int k, S) const { return {each[k].total_x[lane], each[k].total_y[lane]}; }
@@ -21028,16 +21026,17 @@ struct soft_point_friction3 {
         return sum;
     }
     template <class Point>
-    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(slide_lanes<P> slip, const Point* points, int count) {
+    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(slide_lanes<P> slip, const Point* points, const P* loads, int count,
+                                                  const P& lasting) {
         const P zero = P::broadcast(S(0)), mu = P::load(coefficient);
         slide_lanes<P> sum{zero, zero, zero};
         for (int k = 0; k < count; ++k) {
             const P px = P::load(points[k].x), py = P::load(points[k].y);
             const lanes2<P> before = {P::load(each[k].x), P::load(each[k].y)};
             const lanes2<P> v = {slip.x - py * slip.twist, slip.y + px * slip.twist};
-            const lanes2<P> after = each[k].stop.next(before, v, mu * load_of<P>(points[k]));
-            after.x.store(each[k].x);
-            after.y.store(each[k].y);
+            const lanes2<P> after = each[k].stop.next(before, v, mu * loads[k]);
+            (after.x * lasting).store(each[k].x);
+            (after.y * lasting).store(each[k].y);
             (P::load(each[k].total_x) + after.x).store(each[k].total_x);
             (P::load(each[k].total_y) + after.y).store(each[k].total_y);
             slide_lanes<P> by{zero, zero, zero};
@@ -21103,7 +21102,8 @@ struct soft_round {
     softness<S> spring;
     /// At most as fast are overlaps pushed apart (m/s).
     S push_speed;
-    /// Points that meet faster than this (m/s) start the next substep cold: what stopped them is no lasting load.
+    /// Contacts whose middle approaches faster than this (m/s) start the next substep cold: what stopped them is no
+    /// lasting load. All points alike: a pile that lost the load of single corners would lean.
     S impact_speed;
     /// Whether overlaps are pushed apart at all.
     bool pushes;
@@ -21123,7 +21123,7 @@ template <class S, int W, bool Bounces>
 struct soft_point {
     S mass[W];
     S separation[W];
-    /// Of this substep, below 0 where it answered a blow and is no lasting load; and of the whole step.
+    /// Of this substep, after its last round what the next one begins with; and of the whole step.
     S impulse[W], total[W];
 };
 template <class S, int W>
@@ -21146,16 +21146,25 @@ contact_point<S, D> middle_of(const contact<S, D>& c) {
     middle.lever_b *= share;
     return middle;
 }
-/// What the next substep begins with.
-template <class P, class Point>
-PHYSICS_HPP_ALWAYS_INLINE P lasting_impulse(const Point& point) {
-    return max(P::load(point.impulse), P::broadcast(typename P::scalar(0)));
+/// Points are visited across and back, so that no corner answers first in all rounds. The way turns at the first point,
+/// which all lanes have: it is the same whatever contacts share the lanes. Calls f(k, last): whether this is the last
+/// visit of point k.
+template <class F>
+PHYSICS_HPP_ALWAYS_INLINE void across_and_back(int points, F&& f) {
+    for (int i = 1 - points; i < points; ++i) f(i < 0 ? -i : i, i >= 0);
 }
-/// The change of a point's impulse that its speed along the normal asks for.
+/// 0 where surfaces that move at this speed along their normal meet with a blow, 1 elsewhere.
+template <class P, class S = typename P::scalar>
+PHYSICS_HPP_ALWAYS_INLINE P lasting_share(const P& speed, const soft_round<S>& how) {
+    return select_greater(-speed, P::broadcast(how.impact_speed), P::broadcast(S(0)), P::broadcast(S(1)));
+}
+/// The change of a point's impulse that its speed along the normal asks for. The last visit of a round that does not
+/// push tells the load, of which that share lasts.
 template <class P, class Point, class S = typename P::scalar>
-PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& way, const soft_round<S>& how) {
+PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& way, const soft_round<S>& how,
+                                         const P& lasting, bool last, P& load) {
     const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
-    const P gap = P::load(point.separation) + way, mass = P::load(point.mass), before = lasting_impulse<P>(point);
+    const P gap = P::load(point.separation) + way, mass = P::load(point.mass), before = P::load(point.impulse);
     const P closing = gap * P::broadcast(how.inverse_step);
     P bias = zero, mass_scale = one, impulse_scale = zero;
     if (how.pushes) {
@@ -21167,24 +21176,24 @@ PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& 
     const P strength = mass * select_greater(gap, zero, one, mass_scale);
     const P kept = before - before * select_greater(gap, zero, zero, impulse_scale);
     const P impulse = max(kept - strength * (speed + wanted), zero);
-    if (how.pushes) {
+    if (how.pushes || !last) {
         impulse.store(point.impulse);
     } else {
+        load = impulse;
         (P::load(point.total) + impulse).store(point.total);
-        select_greater(-speed, P::broadcast(how.impact_speed), -impulse, impulse).store(point.impulse);
+        (impulse * lasting).store(point.impulse);
     }
     return impulse - before;
 }
-/// The same for a bounce: only of points that have pushed.
+/// The same for a bounce: only of points that have pushed, and no more is taken back than they have.
 template <class P, class Point>
 PHYSICS_HPP_ALWAYS_INLINE P bounce_impulse(Point& point, const P& speed) {
     using S = typename P::scalar;
-    const P zero = P::broadcast(S(0)), before = load_of<P>(point), bounce = P::load(point.bounce);
+    const P zero = P::broadcast(S(0)), before = P::load(point.total), bounce = P::load(point.bounce);
     const P after = max(before - P::load(point.mass) * (speed - bounce), zero);
-    const P total = P::load(point.total);
-    const P change = select_greater(min(bounce, total), zero, after - before, zero);
-    (total + change).store(point.total);
-    return change;
+    const P total = select_greater(min(bounce, before), zero, after, before);
+    total.store(point.total);
+    return total - before;
 }
 
 }  // namespace detail
@@ -21213,6 +21222,8 @@ struct soft_contact2 {
     struct point : soft_point<S, W, Features::restitution> {
         /// The lever that an impulse along the normal has about the middle (m).
         S lever[W];
+        /// How the two speeds answer to such an impulse.
+        I along[W], turn[W];
     };
 
     std::uint32_t a[W], b[W];
@@ -21220,9 +21231,8 @@ struct soft_contact2 {
     /// From the bodies' centres to the middle (m).
     S arm_a[2][W], arm_b[2][W];
     I mass_a[W], mass_b[W], inertia_a[W], inertia_b[W];
-    /// How the two speeds answer to an impulse along the normal and to an angular impulse.
-    I answer[3][W];
-    point points[manifold<S, 2>::capacity];
+    static constexpr int capacity = manifold<S, 2>::capacity;
+    point points[capacity];
     [[no_unique_address]] soft_friction2_of<S, W, Features> friction;
     int point_count = 0;
     /// Whether any point bounces.
@@ -21249,15 +21259,18 @@ struct soft_contact2 {
             arm_b[i][lane] = middle.lever_b[i];
         }
         const I of_a = mul<I>(first.inverse_inertia, turn_a), of_b = mul<I>(second.inverse_inertia, turn_b);
-        answer[0][lane] = first.inverse_mass + second.inverse_mass + mul<I>(of_a, turn_a) + mul<I>(of_b, turn_b);
-        answer[1][lane] = of_a + of_b;
-        answer[2][lane] = first.inverse_inertia + second.inverse_inertia;
+        // How the two speeds answer to an impulse along the normal at the middle and to an angular impulse.
+        const I along = first.inverse_mass + second.inverse_mass + mul<I>(of_a, turn_a) + mul<I>(of_b, turn_b);
+        const I across = of_a + of_b, turn = first.inverse_inertia + second.inverse_inertia;
 
         point_count = point_count < c.count ? c.count : point_count;
         for (int k = 0; k < c.count; ++k) {
             const contact_point<S, 2>& from = c.points[k];
             point& to = points[k];
-            to.lever[lane] = cross(from.lever_a - middle.lever_a, c.normal);
+            const S lever = cross(from.lever_a - middle.lever_a, c.normal);
+            to.lever[lane] = lever;
+            to.along[lane] = along + mul<I>(across, lever);
+            to.turn[lane] = across + mul<I>(turn, lever);
             to.mass[lane] = effective_mass(first, second, from, c.normal);
             to.separation[lane] = from.separation;
             to.impulse[lane] = from.persisted ? from.load : S(0);
@@ -21278,7 +21291,7 @@ struct soft_contact2 {
         for (int k = 0; k < c.count; ++k) {
             contact_point<S, 2>& to = c.points[k];
             to.normal_impulse = points[k].total[lane];
-            to.load = max(points[k].impulse[lane], S(0));
+            to.load = points[k].impulse[lane];
             if constexpr (Features::friction)
                 to.friction_impulse = load > S(0) ? friction.total[lane] * (to.normal_impulse / load) : S(0);
         }
@@ -21293,7 +21306,7 @@ struct soft_contact2 {
         at_b.load(bodies, b);
         P load = P::broadcast(S(0)), moment = load, rub = load;
         for (int k = 0; k < point_count; ++k) {
-            const P impulse = lasting_impulse<P>(points[k]);
+            const P impulse = P::load(points[k].impulse);
             load = load + impulse;
             moment = moment + P::load(points[k].lever) * impulse;
         }
@@ -21304,7 +21317,7 @@ struct soft_contact2 {
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
-    /// One round over the contacts: the points one after the other, then friction by their load. While overlaps are
+    /// One round over the contacts: the points across and back, then friction by their load. While overlaps are
     /// pushed apart friction rests: it would act against what the springs do, and piles would sway.
     void solve(body* bodies, const soft_round<S>& how) {
         if constexpr (Features::rolling_resistance)
@@ -21314,9 +21327,13 @@ struct soft_contact2 {
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const relative_motion speed(f, at_a.velocity, at_b.velocity), way(f, at_a.way, at_b.way);
-        push_points(f, speed, at_a, at_b, [&](point& p, const P& v) { return next_impulse(p, v, way.at(p), how); });
+        const P lasting = lasting_share(speed.along, how);
+        P loads[capacity];
+        push_points(f, speed, at_a, at_b, [&](int k, bool last, const P& v) {
+            return next_impulse(points[k], v, way.at(points[k]), how, lasting, last, loads[k]);
+        });
         if constexpr (Features::friction)
-            if (!how.pushes) rub(f, at_a, at_b);
+            if (!how.pushes) rub(f, loads, lasting, at_a, at_b);
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
@@ -21327,7 +21344,7 @@ struct soft_contact2 {
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const relative_motion speed(f, at_a.velocity, at_b.velocity);
-        push_points(f, speed, at_a, at_b, [](point& p, const P& v) { return bounce_impulse(p, v); });
+        push_points(f, speed, at_a, at_b, [&](int k, bool, const P& v) { return bounce_impulse(points[k], v); });
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
@@ -21362,29 +21379,33 @@ private:
     PHYSICS_HPP_ALWAYS_INLINE void push_points(const frame_lanes& f, relative_motion speed, body_lanes2<P>& at_a,
                                                body_lanes2<P>& at_b, Next&& next) {
         P load = P::broadcast(S(0)), moment = load;
-        for (int k = 0; k < point_count; ++k) {
-            point& p = points[k];
-            const P change = next(p, speed.at(p)), torque = P::load(p.lever) * change;
+        across_and_back(point_count, [&](int k, bool last) {
+            const point& p = points[k];
+            const P change = next(k, last, speed.at(p));
             load = load + change;
-            moment = moment + torque;
-            speed.along = speed.along + answered(0, 1, change, torque);
-            speed.turn = speed.turn + answered(1, 2, change, torque);
-        }
+            moment = moment + P::load(p.lever) * change;
+            speed.along = speed.along + mul<S>(Q::load(p.along), change);
+            speed.turn = speed.turn + mul<S>(Q::load(p.turn), change);
+        });
         push(f, load, P::broadcast(S(0)), moment, at_a, at_b);
     }
-    PHYSICS_HPP_ALWAYS_INLINE P answered(int i, int j, const P& x, const P& y) const {
-        return narrow<S>(product(Q::load(answer[i]), x) + product(Q::load(answer[j]), y));
-    }
     /// Stops the slip at the middle, or lets it slide.
-    PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, body_lanes2<P>& at_a, body_lanes2<P>& at_b) {
+    PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, const P* loads, const P& lasting, body_lanes2<P>& at_a,
+                                       body_lanes2<P>& at_b) {
         const auto& [v_a, w_a] = at_a.velocity;
         const auto& [v_b, w_b] = at_b.velocity;
         P slip =
             lane_difference(f.y, v_b.x - v_a.x, f.x, v_b.y - v_a.y) + lane_difference(f.slide_b, w_b, f.slide_a, w_a);
         if constexpr (Features::surface_velocity)
             if (extras.at != nullptr) slip = slip - P::load(extras.at->along);
-        const P change = friction.next(slip, load_of<P>(points, point_count));
+        const P change = friction.next(slip, sum_of(loads, point_count), lasting);
         push(f, P::broadcast(S(0)), change, P::broadcast(S(0)), at_a, at_b);
+    }
+    /// What the points bear together.
+    PHYSICS_HPP_ALWAYS_INLINE P load() const {
+        P sum = P::load(points[0].impulse);
+        for (int k = 1; k < point_count; ++k) sum = sum + P::load(points[k].impulse);
+        return sum;
     }
     /// Stops the bodies' rolling against each other, or slows it. Apart from the rest, so that contacts without it have
     /// their registers to themselves.
@@ -21394,7 +21415,7 @@ private:
         at_b.load(bodies, b);
         P& w_a = at_a.velocity.angular;
         P& w_b = at_b.velocity.angular;
-        const P by = extras.at->next(w_b - w_a, load_of<P>(points, point_count));
+        const P by = extras.at->next(w_b - w_a, load());
         const P arm = P::load(extras.at->arm), zero = P::broadcast(S(0));
         w_a = select_greater(arm, zero, w_a - mul<S>(Q::load(inertia_a), by), w_a);
         w_b = select_greater(arm, zero, w_b + mul<S>(Q::load(inertia_b), by), w_b);
@@ -21441,6 +21462,8 @@ struct soft_contact3 {
     struct point : soft_point<S, W, Features::restitution> {
         /// Along both tangents, from the middle (m).
         S x[W], y[W];
+        /// How the three speeds answer to an impulse along the normal.
+        I along[W], about_t[W], about_u[W];
     };
 
     std::uint32_t a[W], b[W];
@@ -21448,9 +21471,8 @@ struct soft_contact3 {
     /// From the bodies' centres to the middle (m).
     S arm_a[3][W], arm_b[3][W];
     I mass_a[W], mass_b[W], inertia_a[6][W], inertia_b[6][W];
-    /// How the three speeds answer to an impulse along the normal and to angular impulses about the tangents.
-    I answer[6][W];
-    point points[manifold<S, 3>::capacity];
+    static constexpr int capacity = manifold<S, 3>::capacity;
+    point points[capacity];
     [[no_unique_address]] soft_friction3_of<S, W, Features, Friction> friction;
     int point_count = 0;
     /// Whether any point bounces.
@@ -21482,20 +21504,23 @@ struct soft_contact3 {
             return torque_answer<S>(first.inverse_inertia, of_a, m_a) +
                    torque_answer<S>(second.inverse_inertia, of_b, m_b);
         };
-        answer[0][lane] = first.inverse_mass + second.inverse_mass + both(turn_a, turn_b, turn_a, turn_b);
-        answer[1][lane] = both(turn_a, turn_b, frame.t, frame.t);
-        answer[2][lane] = both(turn_a, turn_b, frame.u, frame.u);
-        answer[3][lane] = both(frame.t, frame.t, frame.t, frame.t);
-        answer[4][lane] = both(frame.t, frame.t, frame.u, frame.u);
-        answer[5][lane] = both(frame.u, frame.u, frame.u, frame.u);
+        // How the three speeds answer to an impulse at the middle and to angular ones about the tangents.
+        const I nn = first.inverse_mass + second.inverse_mass + both(turn_a, turn_b, turn_a, turn_b);
+        const I nt = both(turn_a, turn_b, frame.t, frame.t), nu = both(turn_a, turn_b, frame.u, frame.u);
+        const I tt = both(frame.t, frame.t, frame.t, frame.t), tu = both(frame.t, frame.t, frame.u, frame.u);
+        const I uu = both(frame.u, frame.u, frame.u, frame.u);
 
         point_count = point_count < c.count ? c.count : point_count;
         for (int k = 0; k < c.count; ++k) {
             const contact_point<S, 3>& from = c.points[k];
             const vec<S, 3> offset = from.lever_a - middle.lever_a;
             point& to = points[k];
-            to.x[lane] = dot(offset, frame.t);
-            to.y[lane] = dot(offset, frame.u);
+            const S x = dot(offset, frame.t), y = dot(offset, frame.u);
+            to.x[lane] = x;
+            to.y[lane] = y;
+            to.along[lane] = nn + mul<I>(nt, y) - mul<I>(nu, x);
+            to.about_t[lane] = nt + mul<I>(tt, y) - mul<I>(tu, x);
+            to.about_u[lane] = nu + mul<I>(tu, y) - mul<I>(uu, x);
             to.mass[lane] = effective_mass(first, second, from, c.normal);
             to.separation[lane] = from.separation;
             to.impulse[lane] = from.persisted ? from.load : S(0);
@@ -21512,7 +21537,7 @@ struct soft_contact3 {
         for (int k = 0; k < c.count; ++k) {
             contact_point<S, 3>& to = c.points[k];
             to.normal_impulse = points[k].total[lane];
-            to.load = max(points[k].impulse[lane], S(0));
+            to.load = points[k].impulse[lane];
             if constexpr (Features::friction)
                 to.friction_impulse = friction.of_point(lane, k, load > S(0) ? to.normal_impulse / load : S(0));
         }
@@ -21528,7 +21553,7 @@ struct soft_contact3 {
         at_b.load(bodies, b);
         P load = P::broadcast(S(0)), about_t = load, about_u = load;
         for (int k = 0; k < point_count; ++k)
-            add_push(points[k], lasting_impulse<P>(points[k]), load, about_t, about_u);
+            add_push(points[k], P::load(points[k].impulse), load, about_t, about_u);
         if constexpr (Features::rolling_resistance) {
             if (extras.at != nullptr) {
                 about_t = about_t + P::load(extras.at->rolling::x);
@@ -21547,7 +21572,7 @@ struct soft_contact3 {
         if (moves_b) at_b.store(bodies, b);
     }
 
-    /// One round over the contacts: the points one after the other, then friction by their load. While overlaps are
+    /// One round over the contacts: the points across and back, then friction by their load. While overlaps are
     /// pushed apart friction rests: it would act against what the springs do, and piles would sway.
     void solve(body* bodies, const soft_round<S>& how) {
         if constexpr (Features::rolling_resistance)
@@ -21557,9 +21582,13 @@ struct soft_contact3 {
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const relative_motion speed(f, at_a.velocity, at_b.velocity), way(f, at_a.way, at_b.way);
-        push_points(f, speed, at_a, at_b, [&](point& p, const P& v) { return next_impulse(p, v, way.at(p), how); });
+        const P lasting = lasting_share(speed.along, how);
+        P loads[capacity];
+        push_points(f, speed, at_a, at_b, [&](int k, bool last, const P& v) {
+            return next_impulse(points[k], v, way.at(points[k]), how, lasting, last, loads[k]);
+        });
         if constexpr (Features::friction)
-            if (!how.pushes) rub(f, at_a, at_b);
+            if (!how.pushes) rub(f, loads, lasting, at_a, at_b);
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
@@ -21570,7 +21599,7 @@ struct soft_contact3 {
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const relative_motion speed(f, at_a.velocity, at_b.velocity);
-        push_points(f, speed, at_a, at_b, [](point& p, const P& v) { return bounce_impulse(p, v); });
+        push_points(f, speed, at_a, at_b, [&](int k, bool, const P& v) { return bounce_impulse(points[k], v); });
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
@@ -21615,25 +21644,19 @@ private:
     PHYSICS_HPP_ALWAYS_INLINE void push_points(const frame_lanes& f, relative_motion speed, body_lanes3<P>& at_a,
                                                body_lanes3<P>& at_b, Next&& next) {
         P load = P::broadcast(S(0)), about_t = load, about_u = load;
-        for (int k = 0; k < point_count; ++k) {
-            point& p = points[k];
-            const P change = next(p, speed.at(p));
-            const P of_t = P::load(p.y) * change, of_u = -(P::load(p.x) * change);
-            load = load + change;
-            about_t = about_t + of_t;
-            about_u = about_u + of_u;
-            speed.along = speed.along + answered(0, 1, 2, change, of_t, of_u);
-            speed.about_t = speed.about_t + answered(1, 3, 4, change, of_t, of_u);
-            speed.about_u = speed.about_u + answered(2, 4, 5, change, of_t, of_u);
-        }
+        across_and_back(point_count, [&](int k, bool last) {
+            const point& p = points[k];
+            const P change = next(k, last, speed.at(p));
+            add_push(p, change, load, about_t, about_u);
+            speed.along = speed.along + mul<S>(Q::load(p.along), change);
+            speed.about_t = speed.about_t + mul<S>(Q::load(p.about_t), change);
+            speed.about_u = speed.about_u + mul<S>(Q::load(p.about_u), change);
+        });
         push(f, {f.n.x * load, f.n.y * load, f.n.z * load}, lane_combine(f.t, about_t, f.u, about_u), at_a, at_b);
     }
-    PHYSICS_HPP_ALWAYS_INLINE P answered(int i, int j, int k, const P& x, const P& y, const P& z) const {
-        return narrow<S>(product(Q::load(answer[i]), x) + product(Q::load(answer[j]), y) +
-                         product(Q::load(answer[k]), z));
-    }
     /// Stops the slip, or lets it slide on the cone.
-    PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, body_lanes3<P>& at_a, body_lanes3<P>& at_b) {
+    PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, const P* loads, const P& lasting, body_lanes3<P>& at_a,
+                                       body_lanes3<P>& at_b) {
         const lanes3<P> slipping = at_middle(f, at_a.velocity, at_b.velocity);
         slide_lanes<P> slip = {lane_dot(f.t, slipping), lane_dot(f.u, slipping),
                                lane_dot(f.n, lane_subtract(at_b.velocity.angular, at_a.velocity.angular))};
@@ -21643,8 +21666,14 @@ private:
                 slip.y = slip.y - P::load(extras.at->belt::y);
             }
         }
-        const slide_lanes<P> by = friction.next(slip, points, point_count);
+        const slide_lanes<P> by = friction.next(slip, points, loads, point_count, lasting);
         push(f, lane_combine(f.t, by.x, f.u, by.y), {f.n.x * by.twist, f.n.y * by.twist, f.n.z * by.twist}, at_a, at_b);
+    }
+    /// What the points bear together.
+    PHYSICS_HPP_ALWAYS_INLINE P load() const {
+        P sum = P::load(points[0].impulse);
+        for (int k = 1; k < point_count; ++k) sum = sum + P::load(points[k].impulse);
+        return sum;
     }
     /// Stops the bodies' rolling against each other, or slows it. Apart from the rest, so that contacts without it have
     /// their registers to themselves.
@@ -21655,7 +21684,7 @@ private:
         at_b.load(bodies, b);
         const lanes3<P> turning = lane_subtract(at_b.velocity.angular, at_a.velocity.angular);
         const lanes2<P> rolling = {lane_dot(f.t, turning), lane_dot(f.u, turning)};
-        const lanes2<P> by = extras.at->next(rolling, load_of<P>(points, point_count));
+        const lanes2<P> by = extras.at->next(rolling, load());
         const lanes3<P> moment = lane_combine(f.t, by.x, f.u, by.y);
         const P arm = P::load(extras.at->arm), zero = P::broadcast(S(0));
         const auto where_it_acts = [&](lanes3<P>& w, const lanes3<P>& now) {
@@ -21717,7 +21746,7 @@ struct soft_step_settings {
     S frequency_cap = S(0);
     /// Speed at which overlaps are pushed apart, at most.
     S max_push_speed = S(3);
-    /// Points that meet faster than this within a substep do not push as much in the next one as a matter of course.
+    /// Surfaces that meet faster than this within a substep do not push as much in the next one as a matter of course.
     S impact_speed = S(0.5);
     /// Approaches slower than this do not bounce.
     S restitution_slop = S(0.5);

@@ -31,7 +31,8 @@ struct soft_round {
     softness<S> spring;
     /// At most as fast are overlaps pushed apart (m/s).
     S push_speed;
-    /// Points that meet faster than this (m/s) start the next substep cold: what stopped them is no lasting load.
+    /// Contacts whose middle approaches faster than this (m/s) start the next substep cold: what stopped them is no
+    /// lasting load. All points alike: a pile that lost the load of single corners would lean.
     S impact_speed;
     /// Whether overlaps are pushed apart at all.
     bool pushes;
@@ -51,7 +52,7 @@ template <class S, int W, bool Bounces>
 struct soft_point {
     S mass[W];
     S separation[W];
-    /// Of this substep, below 0 where it answered a blow and is no lasting load; and of the whole step.
+    /// Of this substep, after its last round what the next one begins with; and of the whole step.
     S impulse[W], total[W];
 };
 template <class S, int W>
@@ -74,16 +75,25 @@ contact_point<S, D> middle_of(const contact<S, D>& c) {
     middle.lever_b *= share;
     return middle;
 }
-/// What the next substep begins with.
-template <class P, class Point>
-PHYSICS_HPP_ALWAYS_INLINE P lasting_impulse(const Point& point) {
-    return max(P::load(point.impulse), P::broadcast(typename P::scalar(0)));
+/// Points are visited across and back, so that no corner answers first in all rounds. The way turns at the first point,
+/// which all lanes have: it is the same whatever contacts share the lanes. Calls f(k, last): whether this is the last
+/// visit of point k.
+template <class F>
+PHYSICS_HPP_ALWAYS_INLINE void across_and_back(int points, F&& f) {
+    for (int i = 1 - points; i < points; ++i) f(i < 0 ? -i : i, i >= 0);
 }
-/// The change of a point's impulse that its speed along the normal asks for.
+/// 0 where surfaces that move at this speed along their normal meet with a blow, 1 elsewhere.
+template <class P, class S = typename P::scalar>
+PHYSICS_HPP_ALWAYS_INLINE P lasting_share(const P& speed, const soft_round<S>& how) {
+    return select_greater(-speed, P::broadcast(how.impact_speed), P::broadcast(S(0)), P::broadcast(S(1)));
+}
+/// The change of a point's impulse that its speed along the normal asks for. The last visit of a round that does not
+/// push tells the load, of which that share lasts.
 template <class P, class Point, class S = typename P::scalar>
-PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& way, const soft_round<S>& how) {
+PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& way, const soft_round<S>& how,
+                                         const P& lasting, bool last, P& load) {
     const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
-    const P gap = P::load(point.separation) + way, mass = P::load(point.mass), before = lasting_impulse<P>(point);
+    const P gap = P::load(point.separation) + way, mass = P::load(point.mass), before = P::load(point.impulse);
     const P closing = gap * P::broadcast(how.inverse_step);
     P bias = zero, mass_scale = one, impulse_scale = zero;
     if (how.pushes) {
@@ -95,24 +105,24 @@ PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& 
     const P strength = mass * select_greater(gap, zero, one, mass_scale);
     const P kept = before - before * select_greater(gap, zero, zero, impulse_scale);
     const P impulse = max(kept - strength * (speed + wanted), zero);
-    if (how.pushes) {
+    if (how.pushes || !last) {
         impulse.store(point.impulse);
     } else {
+        load = impulse;
         (P::load(point.total) + impulse).store(point.total);
-        select_greater(-speed, P::broadcast(how.impact_speed), -impulse, impulse).store(point.impulse);
+        (impulse * lasting).store(point.impulse);
     }
     return impulse - before;
 }
-/// The same for a bounce: only of points that have pushed.
+/// The same for a bounce: only of points that have pushed, and no more is taken back than they have.
 template <class P, class Point>
 PHYSICS_HPP_ALWAYS_INLINE P bounce_impulse(Point& point, const P& speed) {
     using S = typename P::scalar;
-    const P zero = P::broadcast(S(0)), before = load_of<P>(point), bounce = P::load(point.bounce);
+    const P zero = P::broadcast(S(0)), before = P::load(point.total), bounce = P::load(point.bounce);
     const P after = max(before - P::load(point.mass) * (speed - bounce), zero);
-    const P total = P::load(point.total);
-    const P change = select_greater(min(bounce, total), zero, after - before, zero);
-    (total + change).store(point.total);
-    return change;
+    const P total = select_greater(min(bounce, before), zero, after, before);
+    total.store(point.total);
+    return total - before;
 }
 
 }  // namespace detail

@@ -20,6 +20,8 @@ struct soft_contact2 {
     struct point : soft_point<S, W, Features::restitution> {
         /// The lever that an impulse along the normal has about the middle (m).
         S lever[W];
+        /// How the two speeds answer to such an impulse.
+        I along[W], turn[W];
     };
 
     std::uint32_t a[W], b[W];
@@ -27,9 +29,8 @@ struct soft_contact2 {
     /// From the bodies' centres to the middle (m).
     S arm_a[2][W], arm_b[2][W];
     I mass_a[W], mass_b[W], inertia_a[W], inertia_b[W];
-    /// How the two speeds answer to an impulse along the normal and to an angular impulse.
-    I answer[3][W];
-    point points[manifold<S, 2>::capacity];
+    static constexpr int capacity = manifold<S, 2>::capacity;
+    point points[capacity];
     [[no_unique_address]] soft_friction2_of<S, W, Features> friction;
     int point_count = 0;
     /// Whether any point bounces.
@@ -56,15 +57,18 @@ struct soft_contact2 {
             arm_b[i][lane] = middle.lever_b[i];
         }
         const I of_a = mul<I>(first.inverse_inertia, turn_a), of_b = mul<I>(second.inverse_inertia, turn_b);
-        answer[0][lane] = first.inverse_mass + second.inverse_mass + mul<I>(of_a, turn_a) + mul<I>(of_b, turn_b);
-        answer[1][lane] = of_a + of_b;
-        answer[2][lane] = first.inverse_inertia + second.inverse_inertia;
+        // How the two speeds answer to an impulse along the normal at the middle and to an angular impulse.
+        const I along = first.inverse_mass + second.inverse_mass + mul<I>(of_a, turn_a) + mul<I>(of_b, turn_b);
+        const I across = of_a + of_b, turn = first.inverse_inertia + second.inverse_inertia;
 
         point_count = point_count < c.count ? c.count : point_count;
         for (int k = 0; k < c.count; ++k) {
             const contact_point<S, 2>& from = c.points[k];
             point& to = points[k];
-            to.lever[lane] = cross(from.lever_a - middle.lever_a, c.normal);
+            const S lever = cross(from.lever_a - middle.lever_a, c.normal);
+            to.lever[lane] = lever;
+            to.along[lane] = along + mul<I>(across, lever);
+            to.turn[lane] = across + mul<I>(turn, lever);
             to.mass[lane] = effective_mass(first, second, from, c.normal);
             to.separation[lane] = from.separation;
             to.impulse[lane] = from.persisted ? from.load : S(0);
@@ -85,7 +89,7 @@ struct soft_contact2 {
         for (int k = 0; k < c.count; ++k) {
             contact_point<S, 2>& to = c.points[k];
             to.normal_impulse = points[k].total[lane];
-            to.load = max(points[k].impulse[lane], S(0));
+            to.load = points[k].impulse[lane];
             if constexpr (Features::friction)
                 to.friction_impulse = load > S(0) ? friction.total[lane] * (to.normal_impulse / load) : S(0);
         }
@@ -100,7 +104,7 @@ struct soft_contact2 {
         at_b.load(bodies, b);
         P load = P::broadcast(S(0)), moment = load, rub = load;
         for (int k = 0; k < point_count; ++k) {
-            const P impulse = lasting_impulse<P>(points[k]);
+            const P impulse = P::load(points[k].impulse);
             load = load + impulse;
             moment = moment + P::load(points[k].lever) * impulse;
         }
@@ -111,7 +115,7 @@ struct soft_contact2 {
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
-    /// One round over the contacts: the points one after the other, then friction by their load. While overlaps are
+    /// One round over the contacts: the points across and back, then friction by their load. While overlaps are
     /// pushed apart friction rests: it would act against what the springs do, and piles would sway.
     void solve(body* bodies, const soft_round<S>& how) {
         if constexpr (Features::rolling_resistance)
@@ -121,9 +125,13 @@ struct soft_contact2 {
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const relative_motion speed(f, at_a.velocity, at_b.velocity), way(f, at_a.way, at_b.way);
-        push_points(f, speed, at_a, at_b, [&](point& p, const P& v) { return next_impulse(p, v, way.at(p), how); });
+        const P lasting = lasting_share(speed.along, how);
+        P loads[capacity];
+        push_points(f, speed, at_a, at_b, [&](int k, bool last, const P& v) {
+            return next_impulse(points[k], v, way.at(points[k]), how, lasting, last, loads[k]);
+        });
         if constexpr (Features::friction)
-            if (!how.pushes) rub(f, at_a, at_b);
+            if (!how.pushes) rub(f, loads, lasting, at_a, at_b);
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
@@ -134,7 +142,7 @@ struct soft_contact2 {
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const relative_motion speed(f, at_a.velocity, at_b.velocity);
-        push_points(f, speed, at_a, at_b, [](point& p, const P& v) { return bounce_impulse(p, v); });
+        push_points(f, speed, at_a, at_b, [&](int k, bool, const P& v) { return bounce_impulse(points[k], v); });
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
@@ -169,29 +177,33 @@ private:
     PHYSICS_HPP_ALWAYS_INLINE void push_points(const frame_lanes& f, relative_motion speed, body_lanes2<P>& at_a,
                                                body_lanes2<P>& at_b, Next&& next) {
         P load = P::broadcast(S(0)), moment = load;
-        for (int k = 0; k < point_count; ++k) {
-            point& p = points[k];
-            const P change = next(p, speed.at(p)), torque = P::load(p.lever) * change;
+        across_and_back(point_count, [&](int k, bool last) {
+            const point& p = points[k];
+            const P change = next(k, last, speed.at(p));
             load = load + change;
-            moment = moment + torque;
-            speed.along = speed.along + answered(0, 1, change, torque);
-            speed.turn = speed.turn + answered(1, 2, change, torque);
-        }
+            moment = moment + P::load(p.lever) * change;
+            speed.along = speed.along + mul<S>(Q::load(p.along), change);
+            speed.turn = speed.turn + mul<S>(Q::load(p.turn), change);
+        });
         push(f, load, P::broadcast(S(0)), moment, at_a, at_b);
     }
-    PHYSICS_HPP_ALWAYS_INLINE P answered(int i, int j, const P& x, const P& y) const {
-        return narrow<S>(product(Q::load(answer[i]), x) + product(Q::load(answer[j]), y));
-    }
     /// Stops the slip at the middle, or lets it slide.
-    PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, body_lanes2<P>& at_a, body_lanes2<P>& at_b) {
+    PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, const P* loads, const P& lasting, body_lanes2<P>& at_a,
+                                       body_lanes2<P>& at_b) {
         const auto& [v_a, w_a] = at_a.velocity;
         const auto& [v_b, w_b] = at_b.velocity;
         P slip =
             lane_difference(f.y, v_b.x - v_a.x, f.x, v_b.y - v_a.y) + lane_difference(f.slide_b, w_b, f.slide_a, w_a);
         if constexpr (Features::surface_velocity)
             if (extras.at != nullptr) slip = slip - P::load(extras.at->along);
-        const P change = friction.next(slip, load_of<P>(points, point_count));
+        const P change = friction.next(slip, sum_of(loads, point_count), lasting);
         push(f, P::broadcast(S(0)), change, P::broadcast(S(0)), at_a, at_b);
+    }
+    /// What the points bear together.
+    PHYSICS_HPP_ALWAYS_INLINE P load() const {
+        P sum = P::load(points[0].impulse);
+        for (int k = 1; k < point_count; ++k) sum = sum + P::load(points[k].impulse);
+        return sum;
     }
     /// Stops the bodies' rolling against each other, or slows it. Apart from the rest, so that contacts without it have
     /// their registers to themselves.
@@ -201,7 +213,7 @@ private:
         at_b.load(bodies, b);
         P& w_a = at_a.velocity.angular;
         P& w_b = at_b.velocity.angular;
-        const P by = extras.at->next(w_b - w_a, load_of<P>(points, point_count));
+        const P by = extras.at->next(w_b - w_a, load());
         const P arm = P::load(extras.at->arm), zero = P::broadcast(S(0));
         w_a = select_greater(arm, zero, w_a - mul<S>(Q::load(inertia_a), by), w_a);
         w_b = select_greater(arm, zero, w_b + mul<S>(Q::load(inertia_b), by), w_b);

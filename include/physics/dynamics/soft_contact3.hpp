@@ -20,6 +20,8 @@ struct soft_contact3 {
     struct point : soft_point<S, W, Features::restitution> {
         /// Along both tangents, from the middle (m).
         S x[W], y[W];
+        /// How the three speeds answer to an impulse along the normal.
+        I along[W], about_t[W], about_u[W];
     };
 
     std::uint32_t a[W], b[W];
@@ -27,9 +29,8 @@ struct soft_contact3 {
     /// From the bodies' centres to the middle (m).
     S arm_a[3][W], arm_b[3][W];
     I mass_a[W], mass_b[W], inertia_a[6][W], inertia_b[6][W];
-    /// How the three speeds answer to an impulse along the normal and to angular impulses about the tangents.
-    I answer[6][W];
-    point points[manifold<S, 3>::capacity];
+    static constexpr int capacity = manifold<S, 3>::capacity;
+    point points[capacity];
     [[no_unique_address]] soft_friction3_of<S, W, Features, Friction> friction;
     int point_count = 0;
     /// Whether any point bounces.
@@ -61,20 +62,23 @@ struct soft_contact3 {
             return torque_answer<S>(first.inverse_inertia, of_a, m_a) +
                    torque_answer<S>(second.inverse_inertia, of_b, m_b);
         };
-        answer[0][lane] = first.inverse_mass + second.inverse_mass + both(turn_a, turn_b, turn_a, turn_b);
-        answer[1][lane] = both(turn_a, turn_b, frame.t, frame.t);
-        answer[2][lane] = both(turn_a, turn_b, frame.u, frame.u);
-        answer[3][lane] = both(frame.t, frame.t, frame.t, frame.t);
-        answer[4][lane] = both(frame.t, frame.t, frame.u, frame.u);
-        answer[5][lane] = both(frame.u, frame.u, frame.u, frame.u);
+        // How the three speeds answer to an impulse at the middle and to angular ones about the tangents.
+        const I nn = first.inverse_mass + second.inverse_mass + both(turn_a, turn_b, turn_a, turn_b);
+        const I nt = both(turn_a, turn_b, frame.t, frame.t), nu = both(turn_a, turn_b, frame.u, frame.u);
+        const I tt = both(frame.t, frame.t, frame.t, frame.t), tu = both(frame.t, frame.t, frame.u, frame.u);
+        const I uu = both(frame.u, frame.u, frame.u, frame.u);
 
         point_count = point_count < c.count ? c.count : point_count;
         for (int k = 0; k < c.count; ++k) {
             const contact_point<S, 3>& from = c.points[k];
             const vec<S, 3> offset = from.lever_a - middle.lever_a;
             point& to = points[k];
-            to.x[lane] = dot(offset, frame.t);
-            to.y[lane] = dot(offset, frame.u);
+            const S x = dot(offset, frame.t), y = dot(offset, frame.u);
+            to.x[lane] = x;
+            to.y[lane] = y;
+            to.along[lane] = nn + mul<I>(nt, y) - mul<I>(nu, x);
+            to.about_t[lane] = nt + mul<I>(tt, y) - mul<I>(tu, x);
+            to.about_u[lane] = nu + mul<I>(tu, y) - mul<I>(uu, x);
             to.mass[lane] = effective_mass(first, second, from, c.normal);
             to.separation[lane] = from.separation;
             to.impulse[lane] = from.persisted ? from.load : S(0);
@@ -91,7 +95,7 @@ struct soft_contact3 {
         for (int k = 0; k < c.count; ++k) {
             contact_point<S, 3>& to = c.points[k];
             to.normal_impulse = points[k].total[lane];
-            to.load = max(points[k].impulse[lane], S(0));
+            to.load = points[k].impulse[lane];
             if constexpr (Features::friction)
                 to.friction_impulse = friction.of_point(lane, k, load > S(0) ? to.normal_impulse / load : S(0));
         }
@@ -107,7 +111,7 @@ struct soft_contact3 {
         at_b.load(bodies, b);
         P load = P::broadcast(S(0)), about_t = load, about_u = load;
         for (int k = 0; k < point_count; ++k)
-            add_push(points[k], lasting_impulse<P>(points[k]), load, about_t, about_u);
+            add_push(points[k], P::load(points[k].impulse), load, about_t, about_u);
         if constexpr (Features::rolling_resistance) {
             if (extras.at != nullptr) {
                 about_t = about_t + P::load(extras.at->rolling::x);
@@ -126,7 +130,7 @@ struct soft_contact3 {
         if (moves_b) at_b.store(bodies, b);
     }
 
-    /// One round over the contacts: the points one after the other, then friction by their load. While overlaps are
+    /// One round over the contacts: the points across and back, then friction by their load. While overlaps are
     /// pushed apart friction rests: it would act against what the springs do, and piles would sway.
     void solve(body* bodies, const soft_round<S>& how) {
         if constexpr (Features::rolling_resistance)
@@ -136,9 +140,13 @@ struct soft_contact3 {
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const relative_motion speed(f, at_a.velocity, at_b.velocity), way(f, at_a.way, at_b.way);
-        push_points(f, speed, at_a, at_b, [&](point& p, const P& v) { return next_impulse(p, v, way.at(p), how); });
+        const P lasting = lasting_share(speed.along, how);
+        P loads[capacity];
+        push_points(f, speed, at_a, at_b, [&](int k, bool last, const P& v) {
+            return next_impulse(points[k], v, way.at(points[k]), how, lasting, last, loads[k]);
+        });
         if constexpr (Features::friction)
-            if (!how.pushes) rub(f, at_a, at_b);
+            if (!how.pushes) rub(f, loads, lasting, at_a, at_b);
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
@@ -149,7 +157,7 @@ struct soft_contact3 {
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const relative_motion speed(f, at_a.velocity, at_b.velocity);
-        push_points(f, speed, at_a, at_b, [](point& p, const P& v) { return bounce_impulse(p, v); });
+        push_points(f, speed, at_a, at_b, [&](int k, bool, const P& v) { return bounce_impulse(points[k], v); });
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
@@ -194,25 +202,19 @@ private:
     PHYSICS_HPP_ALWAYS_INLINE void push_points(const frame_lanes& f, relative_motion speed, body_lanes3<P>& at_a,
                                                body_lanes3<P>& at_b, Next&& next) {
         P load = P::broadcast(S(0)), about_t = load, about_u = load;
-        for (int k = 0; k < point_count; ++k) {
-            point& p = points[k];
-            const P change = next(p, speed.at(p));
-            const P of_t = P::load(p.y) * change, of_u = -(P::load(p.x) * change);
-            load = load + change;
-            about_t = about_t + of_t;
-            about_u = about_u + of_u;
-            speed.along = speed.along + answered(0, 1, 2, change, of_t, of_u);
-            speed.about_t = speed.about_t + answered(1, 3, 4, change, of_t, of_u);
-            speed.about_u = speed.about_u + answered(2, 4, 5, change, of_t, of_u);
-        }
+        across_and_back(point_count, [&](int k, bool last) {
+            const point& p = points[k];
+            const P change = next(k, last, speed.at(p));
+            add_push(p, change, load, about_t, about_u);
+            speed.along = speed.along + mul<S>(Q::load(p.along), change);
+            speed.about_t = speed.about_t + mul<S>(Q::load(p.about_t), change);
+            speed.about_u = speed.about_u + mul<S>(Q::load(p.about_u), change);
+        });
         push(f, {f.n.x * load, f.n.y * load, f.n.z * load}, lane_combine(f.t, about_t, f.u, about_u), at_a, at_b);
     }
-    PHYSICS_HPP_ALWAYS_INLINE P answered(int i, int j, int k, const P& x, const P& y, const P& z) const {
-        return narrow<S>(product(Q::load(answer[i]), x) + product(Q::load(answer[j]), y) +
-                         product(Q::load(answer[k]), z));
-    }
     /// Stops the slip, or lets it slide on the cone.
-    PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, body_lanes3<P>& at_a, body_lanes3<P>& at_b) {
+    PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, const P* loads, const P& lasting, body_lanes3<P>& at_a,
+                                       body_lanes3<P>& at_b) {
         const lanes3<P> slipping = at_middle(f, at_a.velocity, at_b.velocity);
         slide_lanes<P> slip = {lane_dot(f.t, slipping), lane_dot(f.u, slipping),
                                lane_dot(f.n, lane_subtract(at_b.velocity.angular, at_a.velocity.angular))};
@@ -222,8 +224,14 @@ private:
                 slip.y = slip.y - P::load(extras.at->belt::y);
             }
         }
-        const slide_lanes<P> by = friction.next(slip, points, point_count);
+        const slide_lanes<P> by = friction.next(slip, points, loads, point_count, lasting);
         push(f, lane_combine(f.t, by.x, f.u, by.y), {f.n.x * by.twist, f.n.y * by.twist, f.n.z * by.twist}, at_a, at_b);
+    }
+    /// What the points bear together.
+    PHYSICS_HPP_ALWAYS_INLINE P load() const {
+        P sum = P::load(points[0].impulse);
+        for (int k = 1; k < point_count; ++k) sum = sum + P::load(points[k].impulse);
+        return sum;
     }
     /// Stops the bodies' rolling against each other, or slows it. Apart from the rest, so that contacts without it have
     /// their registers to themselves.
@@ -234,7 +242,7 @@ private:
         at_b.load(bodies, b);
         const lanes3<P> turning = lane_subtract(at_b.velocity.angular, at_a.velocity.angular);
         const lanes2<P> rolling = {lane_dot(f.t, turning), lane_dot(f.u, turning)};
-        const lanes2<P> by = extras.at->next(rolling, load_of<P>(points, point_count));
+        const lanes2<P> by = extras.at->next(rolling, load());
         const lanes3<P> moment = lane_combine(f.t, by.x, f.u, by.y);
         const P arm = P::load(extras.at->arm), zero = P::broadcast(S(0));
         const auto where_it_acts = [&](lanes3<P>& w, const lanes3<P>& now) {

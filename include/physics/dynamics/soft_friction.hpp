@@ -26,11 +26,11 @@ struct soft_friction2 {
     /// Of this substep, and of the whole step.
     S impulse[W], total[W];
 
-    /// The change of the impulse where the surfaces slip by v at the middle.
-    PHYSICS_HPP_ALWAYS_INLINE P next(const P& v, const P& load) {
+    /// The change of the impulse where the surfaces slip by v at the middle, under a load of which that share lasts.
+    PHYSICS_HPP_ALWAYS_INLINE P next(const P& v, const P& load, const P& lasting) {
         const P before = P::load(impulse), most = P::load(coefficient) * load;
         const P after = max(min(before - P::load(stop) * v, most), -most);
-        after.store(impulse);
+        (after * lasting).store(impulse);
         (P::load(total) + after).store(total);
         return after - before;
     }
@@ -42,25 +42,20 @@ struct slide_lanes {
     P x, y, twist;
 };
 
-/// Last step's friction of the points that are still there.
+/// Last step's friction of the points that are still there and still bear a load.
 template <class S, int D>
 tangential<S, D> friction_of(const contact<S, D>& c) {
     tangential<S, D> sum{};
     for (int k = 0; k < c.count; ++k)
-        if (c.points[k].persisted) sum += c.points[k].friction_impulse;
+        if (c.points[k].persisted && c.points[k].load > S(0)) sum += c.points[k].friction_impulse;
     return sum;
 }
-/// The load of a point, and of a contact's points.
-template <class P, class Point>
-PHYSICS_HPP_ALWAYS_INLINE P load_of(const Point& point) {
-    const P impulse = P::load(point.impulse);
-    return max(impulse, -impulse);
-}
-template <class P, class Point>
-PHYSICS_HPP_ALWAYS_INLINE P load_of(const Point* points, int count) {
-    P load = load_of<P>(points[0]);
-    for (int k = 1; k < count; ++k) load = load + load_of<P>(points[k]);
-    return load;
+/// The loads of a contact's points together.
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE P sum_of(const P* loads, int count) {
+    P sum = loads[0];
+    for (int k = 1; k < count; ++k) sum = sum + loads[k];
+    return sum;
 }
 
 /// Friction of patches in space.
@@ -104,17 +99,19 @@ struct soft_patch_friction3 {
     PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> last(const Point*, int) const {
         return {P::load(x), P::load(y), P::load(twist)};
     }
-    /// Their change where the surfaces slip: first it stops the slip at the middle, then the twist.
+    /// Their change where the surfaces slip under loads of which that share lasts: first it stops the slip at the
+    /// middle, then the twist.
     template <class Point>
-    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(const slide_lanes<P>& slip, const Point* points, int count) {
-        const P load = load_of<P>(points, count);
+    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(const slide_lanes<P>& slip, const Point*, const P* loads, int count,
+                                                  const P& lasting) {
+        const P load = sum_of(loads, count);
         const lanes2<P> before = {P::load(x), P::load(y)};
         const lanes2<P> after = stop.next(before, {slip.x, slip.y}, P::load(coefficient) * load);
-        after.x.store(x);
-        after.y.store(y);
+        (after.x * lasting).store(x);
+        (after.y * lasting).store(y);
         const P twisted = P::load(twist), most = P::load(twist_arm) * load;
         const P turned = max(min(twisted - P::load(stop_twist) * slip.twist, most), -most);
-        turned.store(twist);
+        (turned * lasting).store(twist);
         (P::load(total_x) + after.x).store(total_x);
         (P::load(total_y) + after.y).store(total_y);
         (P::load(total_twist) + turned).store(total_twist);
@@ -159,9 +156,10 @@ struct soft_point_friction3 {
         answer[5][lane] = turned(c.normal, c.normal, c.normal, c.normal);
         for (int k = 0; k < c.count; ++k) {
             const contact_point<S, 3>& from = c.points[k];
+            const bool bears = from.persisted && from.load > S(0);
             each[k].stop.put(lane, friction3<S>(a, b, from, frame));
-            each[k].x[lane] = from.persisted ? from.friction_impulse.x * share : S(0);
-            each[k].y[lane] = from.persisted ? from.friction_impulse.y * share : S(0);
+            each[k].x[lane] = bears ? from.friction_impulse.x * share : S(0);
+            each[k].y[lane] = bears ? from.friction_impulse.y * share : S(0);
         }
     }
     vec<S, 2> of_point(int lane, int k, S) const { return {each[k].total_x[lane], each[k].total_y[lane]}; }
@@ -174,16 +172,17 @@ struct soft_point_friction3 {
         return sum;
     }
     template <class Point>
-    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(slide_lanes<P> slip, const Point* points, int count) {
+    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(slide_lanes<P> slip, const Point* points, const P* loads, int count,
+                                                  const P& lasting) {
         const P zero = P::broadcast(S(0)), mu = P::load(coefficient);
         slide_lanes<P> sum{zero, zero, zero};
         for (int k = 0; k < count; ++k) {
             const P px = P::load(points[k].x), py = P::load(points[k].y);
             const lanes2<P> before = {P::load(each[k].x), P::load(each[k].y)};
             const lanes2<P> v = {slip.x - py * slip.twist, slip.y + px * slip.twist};
-            const lanes2<P> after = each[k].stop.next(before, v, mu * load_of<P>(points[k]));
-            after.x.store(each[k].x);
-            after.y.store(each[k].y);
+            const lanes2<P> after = each[k].stop.next(before, v, mu * loads[k]);
+            (after.x * lasting).store(each[k].x);
+            (after.y * lasting).store(each[k].y);
             (P::load(each[k].total_x) + after.x).store(each[k].total_x);
             (P::load(each[k].total_y) + after.y).store(each[k].total_y);
             slide_lanes<P> by{zero, zero, zero};
