@@ -10732,7 +10732,8 @@ void touch_corner(const box_axes<S, W>& boxes, int lane, vec<S, 3> n, S parted, 
 /// Adds the contact of the boxes of a lane, which no axis parts by more than the margin.
 template <class S, int W>
 void touch_boxes(const box_axes<S, W>& boxes, int lane, S margin, manifold<S, 3>& out) {
-    const S gap_a = boxes.face_gap[0][lane], gap_b = boxes.face_gap[1][lane], gap_edges = boxes.edge_gap[lane];
+    const S gap_a = boxes.face_gap[0][lane], gap_b = boxes.face_gap[1][lane];
+    S gap_edges = boxes.edge_gap[lane];
     const S hair = boxes.slack[lane] + boxes.slack[lane];
     const auto meet_at_face = [&](int by) {
         return clip_faces<S>(boxes, lane, by, nullptr, boxes.face_gap[by][lane], margin, out);
@@ -10745,8 +10746,16 @@ void touch_boxes(const box_axes<S, W>& boxes, int lane, S margin, manifold<S, 3>
         const int number = boxes.whole(boxes.edges[lane]);
         edge_normal<S> e{number / 3, number % 3, {}};
         const int u = next_coordinate[e.a], v = next_coordinate[u];
-        const S su = boxes.turn[0][u][e.b][lane] * boxes.scale[number][lane],
-                sv = boxes.turn[0][v][e.b][lane] * boxes.scale[number][lane];
+        S su = boxes.turn[0][u][e.b][lane] * boxes.scale[number][lane],
+          sv = boxes.turn[0][v][e.b][lane] * boxes.scale[number][lane];
+        if constexpr (is_fixed<S>)
+            if (boxes.scale[number][lane] > S(8)) {
+                // What rounding the sine did to the normal's length, it did to the gap.
+                const auto [direction, length] = split(vec<S, 2>{su, sv});
+                su = direction.x;
+                sv = direction.y;
+                gap_edges = gap_edges / length;
+            }
         const S sign =
             sign_of<S>(!(difference_of_products(boxes.center[0][v][lane], su, boxes.center[0][u][lane], sv) < S(0)));
         e.normal[u] = -sv * sign;
@@ -11058,8 +11067,9 @@ inline closest_of<3> closest_on_grown_triangle(const point<3>& a, const point<3>
 }
 
 /// The point of a simplex that is closest to the origin; of count D + 1, and the origin itself, if that lies within.
-/// `grown` says that the last vertex has just been added beyond the closest point of the others.
-inline closest_of<2> closest_of_simplex(const simplex<2>& s, bool) {
+/// `grown` says that the last vertex has just been added beyond the closest point of the others, `doubtful` that all
+/// sides are to be tried, since no sign of an area or volume counts.
+inline closest_of<2> closest_of_simplex(const simplex<2>& s, bool, bool doubtful = false) {
     if (s.count == 1) return {s.vertex[0].w, 0};
     if (s.count == 2) return closest_on_edge(s.vertex[0].w, s.vertex[1].w);
     const point<2> p[3] = {s.vertex[0].w, s.vertex[1].w, s.vertex[2].w};
@@ -11070,7 +11080,7 @@ inline closest_of<2> closest_of_simplex(const simplex<2>& s, bool) {
         const int j = i < 2 ? i + 1 : 0, k = i > 0 ? i - 1 : 2;
         const point<2> e = p[j] - p[i];
         // Where the triangle has no area to speak of, every edge is outside.
-        const bool flat = !(abs(area) > 0x1p-50 * largest(e) * largest(p[k] - p[i]));
+        const bool flat = doubtful || !(abs(area) > 0x1p-50 * largest(e) * largest(p[k] - p[i]));
         if (!flat && (cross(p[i], e) < 0) == (area < 0)) continue;
         const closest_of<2> c = closest_on_edge(p[i], p[j], i, j);
         const double distance = dot(c.at, c.at);
@@ -11086,7 +11096,7 @@ inline closest_of<2> closest_of_simplex(const simplex<2>& s, bool) {
     return best;
 }
 
-inline closest_of<3> closest_of_simplex(const simplex<3>& s, bool grown) {
+inline closest_of<3> closest_of_simplex(const simplex<3>& s, bool grown, bool doubtful = false) {
     if (s.count == 1) return {s.vertex[0].w, 0};
     if (s.count == 2) return closest_on_edge(s.vertex[0].w, s.vertex[1].w);
     if (s.count == 3) {
@@ -11099,7 +11109,7 @@ inline closest_of<3> closest_of_simplex(const simplex<3>& s, bool grown) {
     const point<3> n[3] = {cross(e[0], e[1]), cross(e[1], e[2]), cross(e[2], e[0])};
     const double volume = dot(n[0], e[2]);
     // Where the tetrahedron has no volume to speak of, every face is outside.
-    const bool flat = !(abs(volume) > 0x1p-48 * largest(e[0]) * largest(e[1]) * largest(e[2]));
+    const bool flat = doubtful || !(abs(volume) > 0x1p-48 * largest(e[0]) * largest(e[1]) * largest(e[2]));
     closest_of<3> best;
     double least = 0;
     const auto consider = [&](const closest_of<3>& c) {
@@ -11114,7 +11124,7 @@ inline closest_of<3> closest_of_simplex(const simplex<3>& s, bool grown) {
         consider(closest_on_grown_triangle(s.vertex[i].w, s.vertex[j].w, d, e[i], e[j], n[k], i, j, 3));
     }
     // Of flat ones the faces at the last vertex cover it too.
-    if (!grown) {
+    if (!grown || doubtful) {
         const point<3> behind = cross(e[1] - e[0], e[2] - e[0]);
         if (flat || (dot(behind, s.vertex[0].w) < 0) == (volume > 0))
             consider(closest_on_triangle(s.vertex[0].w, s.vertex[1].w, s.vertex[2].w));
@@ -11225,7 +11235,7 @@ void measure(gjk_result<D>& r, point<D> v) {
 /// interactive 3D environments (2003), 4.3. Cost: 4 to 10 supports of both, 1 or 2 with a cache.
 template <int D>
 gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double tolerance, gjk_cache* cache) {
-    constexpr int most_iterations = 128, most_stalls = 4, most_refinements = 8;
+    constexpr int most_iterations = 128, most_stalls = 8, most_refinements = 8;
     gjk_result<D> r;
     int stalls = 0, refinements = 0;
     double least_unknown = no_limit, most_parted = 0;
@@ -11292,9 +11302,14 @@ gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double
         }
         if (!done) {
             ++r.at.count;
-            const closest_of<D> closest = closest_of_simplex(r.at, r.at.count > 1);
-            const double squared = dot(closest.at, closest.at);
+            closest_of<D> closest = closest_of_simplex(r.at, r.at.count > 1);
+            double squared = dot(closest.at, closest.at);
             if (r.at.count > 1 && closest.count <= D && !(squared < vv)) {
+                // It grew, so it can't have moved away: rounding chose the side.
+                if (squared > 2 * vv) [[unlikely]] {
+                    closest = closest_of_simplex(r.at, true, true);
+                    squared = dot(closest.at, closest.at);
+                }
                 // Rounding lets it come no closer. The normal may still gain: the distance is flat where that is best.
                 const bool taken = closest.vertex[closest.count - 1] == r.at.count - 1;
                 if (gap * gap < 0.5 * least_unknown * vv) {
@@ -11619,10 +11634,12 @@ template <int D>
 void locate(const core<D>& a, const placed_core<D>& b, double size, penetration<D>& p) {
     if (p.located) return;
     p.located = true;
-    // Apart by any gap the same points are closest. Round ones need one across which directions are more than rounding.
+    // Apart by any gap the same points are closest. Round ones need one across which directions are more than rounding,
+    // hulls of floats one above what their supports miss, which rounds sums of three products of floats.
     const bool smooth = !a.has_vertices() || !b.shape->has_vertices();
+    const bool rough = a.kind == core_kind::hull_of_floats || b.shape->kind == core_kind::hull_of_floats;
     placed_core<D> apart = b;
-    apart.at += p.normal * (p.depth + (smooth ? 0x1p-16 : 0x1p-30) * size);
+    apart.at += p.normal * (p.depth + (smooth ? 0x1p-16 : rough ? 0x1p-20 : 0x1p-30) * size);
     gjk_cache near;
     near.count = D;
     for (int i = 0; i < D; ++i) near.vertex[i] = p.names[i];
@@ -12177,6 +12194,8 @@ struct facet {
     /// Unit vector outwards, of a face.
     point<D> normal;
     bool flat = false;
+    /// Of a triangle's edge: the face beside it leads farther out still, and leans.
+    bool leans_out = false;
     /// The number of the face, to name contacts.
     std::uint32_t number = 0;
 };
@@ -12284,6 +12303,10 @@ inline facet<3> triangle_facet(const core<3>& c, const point<3>& n) {
     f.number = 2 + static_cast<std::uint32_t>(out);
     f.corner[0] = c.corner[out];
     f.corner[1] = c.corner[out < 2 ? out + 1 : 0];
+    // Only behind an obtuse corner can it: there n leads out of the triangle's round side beside that of the edge.
+    const point<3> edge = f.corner[1] - f.corner[0], beside = c.corner[out > 0 ? out - 1 : 2] - f.corner[0];
+    f.leans_out =
+        facing * facing < 1 - 1.0 / 128 && dot(n, beside) * dot(edge, edge) > dot(n, edge) * dot(beside, edge);
     return f;
 }
 
@@ -12443,7 +12466,7 @@ bool lies_flat(const facet<D>& f, const point<D>& n) {
     if (f.flat) return dot(f.normal, n) < -1 + 1.0 / 256;
     const point<D> edge = f.corner[1] - f.corner[0];
     const double tilt = dot(edge, n);
-    return tilt * tilt < dot(edge, edge) * (1.0 / 128);
+    return tilt * tilt < dot(edge, edge) * (1.0 / 128) && !f.leans_out;
 }
 
 /// Keeps what the incident facet has within the sides of the reference facet, seen along n, and adds it to `out` where
@@ -12497,7 +12520,8 @@ inline bool clip_facets(const facet<3>& reference, const point<3>& n, double gap
         // At a sharp corner the slack of both edges would lead far beyond it.
         const double turn = dot(before, edge), lengths = dot(before, before) * dot(edge, edge);
         if (reference.count > 2 && count > 0 && turn < 0 && turn * turn > 0.25 * lengths) {
-            const point<3> tip = normalized(before) - normalized(edge);
+            // Across n, since the facet that is cut may lie far below.
+            const point<3> mean = normalized(before) - normalized(edge), tip = mean - n * dot(mean, n);
             cut(tip, from, by.slack * length(tip), facet<3>::most + e);
         }
         before = edge;
@@ -12569,8 +12593,8 @@ inline bool clip_facets(const facet<2>& reference, const point<2>& n, double gap
 template <class S, int D>
 double slack_of(const core_pair<D>& pair) {
     const double size = extent_of(pair.a, pair.placed);
-    // The extents add up all coordinates.
-    const double rounding = static_cast<double>(rounding_of(S(1))) * (is_fixed<S> ? max(size, 1.0) : size * 0.5);
+    // The extents add up all coordinates, which may be the root of D times too much.
+    const double rounding = static_cast<double>(rounding_of(S(1))) * 0.5 * (is_fixed<S> ? max(size, 1.0) : size);
     const double smallest = min(pair.a.thickness + pair.a.radius, pair.b.thickness + pair.b.radius);
     return max(smallest * (1.0 / 512), rounding);
 }

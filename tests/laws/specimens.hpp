@@ -98,6 +98,10 @@ struct meet {
         const bool lost = in == state::thin || in == state::unequal;
         return (is_round() ? 2 : 1) * tolerance() + ((is_round() ? 4e-9 : 0) + (lost ? 0x1p13 * 2.3e-16 : 0)) * reach();
     }
+    /// By how much an answer may fall short of the distance; it exceeds it by no more than the tolerance.
+    [[nodiscard]] double short_of() const {
+        return in == state::thin || in == state::unequal ? of_points() : tolerance();
+    }
 };
 template <class F>
 void with_shapes(const meet& m, F&& f) {

@@ -120,7 +120,8 @@ void touch_corner(const box_axes<S, W>& boxes, int lane, vec<S, 3> n, S parted, 
 /// Adds the contact of the boxes of a lane, which no axis parts by more than the margin.
 template <class S, int W>
 void touch_boxes(const box_axes<S, W>& boxes, int lane, S margin, manifold<S, 3>& out) {
-    const S gap_a = boxes.face_gap[0][lane], gap_b = boxes.face_gap[1][lane], gap_edges = boxes.edge_gap[lane];
+    const S gap_a = boxes.face_gap[0][lane], gap_b = boxes.face_gap[1][lane];
+    S gap_edges = boxes.edge_gap[lane];
     const S hair = boxes.slack[lane] + boxes.slack[lane];
     const auto meet_at_face = [&](int by) {
         return clip_faces<S>(boxes, lane, by, nullptr, boxes.face_gap[by][lane], margin, out);
@@ -133,8 +134,16 @@ void touch_boxes(const box_axes<S, W>& boxes, int lane, S margin, manifold<S, 3>
         const int number = boxes.whole(boxes.edges[lane]);
         edge_normal<S> e{number / 3, number % 3, {}};
         const int u = next_coordinate[e.a], v = next_coordinate[u];
-        const S su = boxes.turn[0][u][e.b][lane] * boxes.scale[number][lane],
-                sv = boxes.turn[0][v][e.b][lane] * boxes.scale[number][lane];
+        S su = boxes.turn[0][u][e.b][lane] * boxes.scale[number][lane],
+          sv = boxes.turn[0][v][e.b][lane] * boxes.scale[number][lane];
+        if constexpr (is_fixed<S>)
+            if (boxes.scale[number][lane] > S(8)) {
+                // What rounding the sine did to the normal's length, it did to the gap.
+                const auto [direction, length] = split(vec<S, 2>{su, sv});
+                su = direction.x;
+                sv = direction.y;
+                gap_edges = gap_edges / length;
+            }
         const S sign =
             sign_of<S>(!(difference_of_products(boxes.center[0][v][lane], su, boxes.center[0][u][lane], sv) < S(0)));
         e.normal[u] = -sv * sign;

@@ -261,10 +261,12 @@ template <int D>
 void locate(const core<D>& a, const placed_core<D>& b, double size, penetration<D>& p) {
     if (p.located) return;
     p.located = true;
-    // Apart by any gap the same points are closest. Round ones need one across which directions are more than rounding.
+    // Apart by any gap the same points are closest. Round ones need one across which directions are more than rounding,
+    // hulls of floats one above what their supports miss, which rounds sums of three products of floats.
     const bool smooth = !a.has_vertices() || !b.shape->has_vertices();
+    const bool rough = a.kind == core_kind::hull_of_floats || b.shape->kind == core_kind::hull_of_floats;
     placed_core<D> apart = b;
-    apart.at += p.normal * (p.depth + (smooth ? 0x1p-16 : 0x1p-30) * size);
+    apart.at += p.normal * (p.depth + (smooth ? 0x1p-16 : rough ? 0x1p-20 : 0x1p-30) * size);
     gjk_cache near;
     near.count = D;
     for (int i = 0; i < D; ++i) near.vertex[i] = p.names[i];

@@ -20,6 +20,8 @@ struct facet {
     /// Unit vector outwards, of a face.
     point<D> normal;
     bool flat = false;
+    /// Of a triangle's edge: the face beside it leads farther out still, and leans.
+    bool leans_out = false;
     /// The number of the face, to name contacts.
     std::uint32_t number = 0;
 };
@@ -127,6 +129,10 @@ inline facet<3> triangle_facet(const core<3>& c, const point<3>& n) {
     f.number = 2 + static_cast<std::uint32_t>(out);
     f.corner[0] = c.corner[out];
     f.corner[1] = c.corner[out < 2 ? out + 1 : 0];
+    // Only behind an obtuse corner can it: there n leads out of the triangle's round side beside that of the edge.
+    const point<3> edge = f.corner[1] - f.corner[0], beside = c.corner[out > 0 ? out - 1 : 2] - f.corner[0];
+    f.leans_out =
+        facing * facing < 1 - 1.0 / 128 && dot(n, beside) * dot(edge, edge) > dot(n, edge) * dot(beside, edge);
     return f;
 }
 

@@ -97,7 +97,7 @@ void measure(gjk_result<D>& r, point<D> v) {
 /// interactive 3D environments (2003), 4.3. Cost: 4 to 10 supports of both, 1 or 2 with a cache.
 template <int D>
 gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double tolerance, gjk_cache* cache) {
-    constexpr int most_iterations = 128, most_stalls = 4, most_refinements = 8;
+    constexpr int most_iterations = 128, most_stalls = 8, most_refinements = 8;
     gjk_result<D> r;
     int stalls = 0, refinements = 0;
     double least_unknown = no_limit, most_parted = 0;
@@ -164,9 +164,14 @@ gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double
         }
         if (!done) {
             ++r.at.count;
-            const closest_of<D> closest = closest_of_simplex(r.at, r.at.count > 1);
-            const double squared = dot(closest.at, closest.at);
+            closest_of<D> closest = closest_of_simplex(r.at, r.at.count > 1);
+            double squared = dot(closest.at, closest.at);
             if (r.at.count > 1 && closest.count <= D && !(squared < vv)) {
+                // It grew, so it can't have moved away: rounding chose the side.
+                if (squared > 2 * vv) [[unlikely]] {
+                    closest = closest_of_simplex(r.at, true, true);
+                    squared = dot(closest.at, closest.at);
+                }
                 // Rounding lets it come no closer. The normal may still gain: the distance is flat where that is best.
                 const bool taken = closest.vertex[closest.count - 1] == r.at.count - 1;
                 if (gap * gap < 0.5 * least_unknown * vv) {

@@ -36,7 +36,7 @@ bool lies_flat(const facet<D>& f, const point<D>& n) {
     if (f.flat) return dot(f.normal, n) < -1 + 1.0 / 256;
     const point<D> edge = f.corner[1] - f.corner[0];
     const double tilt = dot(edge, n);
-    return tilt * tilt < dot(edge, edge) * (1.0 / 128);
+    return tilt * tilt < dot(edge, edge) * (1.0 / 128) && !f.leans_out;
 }
 
 /// Keeps what the incident facet has within the sides of the reference facet, seen along n, and adds it to `out` where
@@ -90,7 +90,8 @@ inline bool clip_facets(const facet<3>& reference, const point<3>& n, double gap
         // At a sharp corner the slack of both edges would lead far beyond it.
         const double turn = dot(before, edge), lengths = dot(before, before) * dot(edge, edge);
         if (reference.count > 2 && count > 0 && turn < 0 && turn * turn > 0.25 * lengths) {
-            const point<3> tip = normalized(before) - normalized(edge);
+            // Across n, since the facet that is cut may lie far below.
+            const point<3> mean = normalized(before) - normalized(edge), tip = mean - n * dot(mean, n);
             cut(tip, from, by.slack * length(tip), facet<3>::most + e);
         }
         before = edge;
@@ -162,8 +163,8 @@ inline bool clip_facets(const facet<2>& reference, const point<2>& n, double gap
 template <class S, int D>
 double slack_of(const core_pair<D>& pair) {
     const double size = extent_of(pair.a, pair.placed);
-    // The extents add up all coordinates.
-    const double rounding = static_cast<double>(rounding_of(S(1))) * (is_fixed<S> ? max(size, 1.0) : size * 0.5);
+    // The extents add up all coordinates, which may be the root of D times too much.
+    const double rounding = static_cast<double>(rounding_of(S(1))) * 0.5 * (is_fixed<S> ? max(size, 1.0) : size);
     const double smallest = min(pair.a.thickness + pair.a.radius, pair.b.thickness + pair.b.radius);
     return max(smallest * (1.0 / 512), rounding);
 }

@@ -174,8 +174,9 @@ inline closest_of<3> closest_on_grown_triangle(const point<3>& a, const point<3>
 }
 
 /// The point of a simplex that is closest to the origin; of count D + 1, and the origin itself, if that lies within.
-/// `grown` says that the last vertex has just been added beyond the closest point of the others.
-inline closest_of<2> closest_of_simplex(const simplex<2>& s, bool) {
+/// `grown` says that the last vertex has just been added beyond the closest point of the others, `doubtful` that all
+/// sides are to be tried, since no sign of an area or volume counts.
+inline closest_of<2> closest_of_simplex(const simplex<2>& s, bool, bool doubtful = false) {
     if (s.count == 1) return {s.vertex[0].w, 0};
     if (s.count == 2) return closest_on_edge(s.vertex[0].w, s.vertex[1].w);
     const point<2> p[3] = {s.vertex[0].w, s.vertex[1].w, s.vertex[2].w};
@@ -186,7 +187,7 @@ inline closest_of<2> closest_of_simplex(const simplex<2>& s, bool) {
         const int j = i < 2 ? i + 1 : 0, k = i > 0 ? i - 1 : 2;
         const point<2> e = p[j] - p[i];
         // Where the triangle has no area to speak of, every edge is outside.
-        const bool flat = !(abs(area) > 0x1p-50 * largest(e) * largest(p[k] - p[i]));
+        const bool flat = doubtful || !(abs(area) > 0x1p-50 * largest(e) * largest(p[k] - p[i]));
         if (!flat && (cross(p[i], e) < 0) == (area < 0)) continue;
         const closest_of<2> c = closest_on_edge(p[i], p[j], i, j);
         const double distance = dot(c.at, c.at);
@@ -202,7 +203,7 @@ inline closest_of<2> closest_of_simplex(const simplex<2>& s, bool) {
     return best;
 }
 
-inline closest_of<3> closest_of_simplex(const simplex<3>& s, bool grown) {
+inline closest_of<3> closest_of_simplex(const simplex<3>& s, bool grown, bool doubtful = false) {
     if (s.count == 1) return {s.vertex[0].w, 0};
     if (s.count == 2) return closest_on_edge(s.vertex[0].w, s.vertex[1].w);
     if (s.count == 3) {
@@ -215,7 +216,7 @@ inline closest_of<3> closest_of_simplex(const simplex<3>& s, bool grown) {
     const point<3> n[3] = {cross(e[0], e[1]), cross(e[1], e[2]), cross(e[2], e[0])};
     const double volume = dot(n[0], e[2]);
     // Where the tetrahedron has no volume to speak of, every face is outside.
-    const bool flat = !(abs(volume) > 0x1p-48 * largest(e[0]) * largest(e[1]) * largest(e[2]));
+    const bool flat = doubtful || !(abs(volume) > 0x1p-48 * largest(e[0]) * largest(e[1]) * largest(e[2]));
     closest_of<3> best;
     double least = 0;
     const auto consider = [&](const closest_of<3>& c) {
@@ -230,7 +231,7 @@ inline closest_of<3> closest_of_simplex(const simplex<3>& s, bool grown) {
         consider(closest_on_grown_triangle(s.vertex[i].w, s.vertex[j].w, d, e[i], e[j], n[k], i, j, 3));
     }
     // Of flat ones the faces at the last vertex cover it too.
-    if (!grown) {
+    if (!grown || doubtful) {
         const point<3> behind = cross(e[1] - e[0], e[2] - e[0]);
         if (flat || (dot(behind, s.vertex[0].w) < 0) == (volume > 0))
             consider(closest_on_triangle(s.vertex[0].w, s.vertex[1].w, s.vertex[2].w));
