@@ -21170,6 +21170,13 @@ contact_point<S, D> middle_of(const contact<S, D>& c) {
     middle.lever_b *= share;
     return middle;
 }
+/// What a contact's points bear together.
+template <class P, class Point>
+PHYSICS_HPP_ALWAYS_INLINE P load_of(const Point* points, int count) {
+    P load = P::load(points[0].impulse);
+    for (int k = 1; k < count; ++k) load = load + P::load(points[k].impulse);
+    return load;
+}
 /// Points are visited across and back, so that no corner answers first in all rounds. The way turns at the first point,
 /// which all lanes have: it is the same whatever contacts share the lanes. Calls f(k, last): whether this is the last
 /// visit of point k.
@@ -21425,12 +21432,6 @@ private:
         const P change = friction.next(slip, sum_of(loads, point_count), lasting);
         push(f, P::broadcast(S(0)), change, P::broadcast(S(0)), at_a, at_b);
     }
-    /// What the points bear together.
-    PHYSICS_HPP_ALWAYS_INLINE P load() const {
-        P sum = P::load(points[0].impulse);
-        for (int k = 1; k < point_count; ++k) sum = sum + P::load(points[k].impulse);
-        return sum;
-    }
     /// Stops the bodies' rolling against each other, or slows it. Apart from the rest, so that contacts without it have
     /// their registers to themselves.
     PHYSICS_HPP_NOINLINE void roll(body* bodies) requires Features::rolling_resistance {
@@ -21439,7 +21440,7 @@ private:
         at_b.load(bodies, b);
         P& w_a = at_a.velocity.angular;
         P& w_b = at_b.velocity.angular;
-        const P by = extras.at->next(w_b - w_a, load());
+        const P by = extras.at->next(w_b - w_a, load_of<P>(points, point_count));
         const P arm = P::load(extras.at->arm), zero = P::broadcast(S(0));
         w_a = select_greater(arm, zero, w_a - mul<S>(Q::load(inertia_a), by), w_a);
         w_b = select_greater(arm, zero, w_b + mul<S>(Q::load(inertia_b), by), w_b);
@@ -21693,12 +21694,6 @@ private:
         const slide_lanes<P> by = friction.next(slip, points, loads, point_count, lasting);
         push(f, lane_combine(f.t, by.x, f.u, by.y), {f.n.x * by.twist, f.n.y * by.twist, f.n.z * by.twist}, at_a, at_b);
     }
-    /// What the points bear together.
-    PHYSICS_HPP_ALWAYS_INLINE P load() const {
-        P sum = P::load(points[0].impulse);
-        for (int k = 1; k < point_count; ++k) sum = sum + P::load(points[k].impulse);
-        return sum;
-    }
     /// Stops the bodies' rolling against each other, or slows it. Apart from the rest, so that contacts without it have
     /// their registers to themselves.
     PHYSICS_HPP_NOINLINE void roll(body* bodies) requires Features::rolling_resistance {
@@ -21708,7 +21703,7 @@ private:
         at_b.load(bodies, b);
         const lanes3<P> turning = lane_subtract(at_b.velocity.angular, at_a.velocity.angular);
         const lanes2<P> rolling = {lane_dot(f.t, turning), lane_dot(f.u, turning)};
-        const lanes2<P> by = extras.at->next(rolling, load());
+        const lanes2<P> by = extras.at->next(rolling, load_of<P>(points, point_count));
         const lanes3<P> moment = lane_combine(f.t, by.x, f.u, by.y);
         const P arm = P::load(extras.at->arm), zero = P::broadcast(S(0));
         const auto where_it_acts = [&](lanes3<P>& w, const lanes3<P>& now) {

@@ -224,12 +224,12 @@ def misuse(tally):
 
 
 def gcc(tally):
-    """the cells of the matrix that fall to g++, from the parts, at -O1; all with EVERYTHING=1"""
+    """the cells of the matrix that fall to g++, from the parts, most at -O1; all with EVERYTHING=1"""
     build(tally, "gcc", "g++", "parts", "-Doptimization=1", "-Dwerror=true")
 
 
 def clang(tally):
-    """the cells of the matrix that fall to clang++, from the parts, at -O0; all with EVERYTHING=1"""
+    """the cells of the matrix that fall to clang++, from the parts, most at -O0; all with EVERYTHING=1"""
     build(tally, "clang", "clang++", "parts", "-Doptimization=0", "-Dwerror=true")
 
 

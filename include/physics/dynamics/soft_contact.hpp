@@ -75,6 +75,13 @@ contact_point<S, D> middle_of(const contact<S, D>& c) {
     middle.lever_b *= share;
     return middle;
 }
+/// What a contact's points bear together.
+template <class P, class Point>
+PHYSICS_HPP_ALWAYS_INLINE P load_of(const Point* points, int count) {
+    P load = P::load(points[0].impulse);
+    for (int k = 1; k < count; ++k) load = load + P::load(points[k].impulse);
+    return load;
+}
 /// Points are visited across and back, so that no corner answers first in all rounds. The way turns at the first point,
 /// which all lanes have: it is the same whatever contacts share the lanes. Calls f(k, last): whether this is the last
 /// visit of point k.

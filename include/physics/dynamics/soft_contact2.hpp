@@ -199,12 +199,6 @@ private:
         const P change = friction.next(slip, sum_of(loads, point_count), lasting);
         push(f, P::broadcast(S(0)), change, P::broadcast(S(0)), at_a, at_b);
     }
-    /// What the points bear together.
-    PHYSICS_HPP_ALWAYS_INLINE P load() const {
-        P sum = P::load(points[0].impulse);
-        for (int k = 1; k < point_count; ++k) sum = sum + P::load(points[k].impulse);
-        return sum;
-    }
     /// Stops the bodies' rolling against each other, or slows it. Apart from the rest, so that contacts without it have
     /// their registers to themselves.
     PHYSICS_HPP_NOINLINE void roll(body* bodies) requires Features::rolling_resistance {
@@ -213,7 +207,7 @@ private:
         at_b.load(bodies, b);
         P& w_a = at_a.velocity.angular;
         P& w_b = at_b.velocity.angular;
-        const P by = extras.at->next(w_b - w_a, load());
+        const P by = extras.at->next(w_b - w_a, load_of<P>(points, point_count));
         const P arm = P::load(extras.at->arm), zero = P::broadcast(S(0));
         w_a = select_greater(arm, zero, w_a - mul<S>(Q::load(inertia_a), by), w_a);
         w_b = select_greater(arm, zero, w_b + mul<S>(Q::load(inertia_b), by), w_b);

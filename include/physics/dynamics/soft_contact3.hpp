@@ -227,12 +227,6 @@ private:
         const slide_lanes<P> by = friction.next(slip, points, loads, point_count, lasting);
         push(f, lane_combine(f.t, by.x, f.u, by.y), {f.n.x * by.twist, f.n.y * by.twist, f.n.z * by.twist}, at_a, at_b);
     }
-    /// What the points bear together.
-    PHYSICS_HPP_ALWAYS_INLINE P load() const {
-        P sum = P::load(points[0].impulse);
-        for (int k = 1; k < point_count; ++k) sum = sum + P::load(points[k].impulse);
-        return sum;
-    }
     /// Stops the bodies' rolling against each other, or slows it. Apart from the rest, so that contacts without it have
     /// their registers to themselves.
     PHYSICS_HPP_NOINLINE void roll(body* bodies) requires Features::rolling_resistance {
@@ -242,7 +236,7 @@ private:
         at_b.load(bodies, b);
         const lanes3<P> turning = lane_subtract(at_b.velocity.angular, at_a.velocity.angular);
         const lanes2<P> rolling = {lane_dot(f.t, turning), lane_dot(f.u, turning)};
-        const lanes2<P> by = extras.at->next(rolling, load());
+        const lanes2<P> by = extras.at->next(rolling, load_of<P>(points, point_count));
         const lanes3<P> moment = lane_combine(f.t, by.x, f.u, by.y);
         const P arm = P::load(extras.at->arm), zero = P::broadcast(S(0));
         const auto where_it_acts = [&](lanes3<P>& w, const lanes3<P>& now) {
