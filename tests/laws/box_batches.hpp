@@ -7,6 +7,7 @@
 #include "reals.hpp"
 
 namespace {
+namespace box_batches_laws {
 
 using box = physics::box<S, D>;
 using manifold = physics::manifold<S, D>;
@@ -176,4 +177,5 @@ void compare_widths() {
 }
 CELL_CASE("box batches: every width gives the same bits") { compare_widths<D>(); }
 
+}  // namespace box_batches_laws
 }  // namespace

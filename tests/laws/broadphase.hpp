@@ -6,6 +6,7 @@
 #include "crowds.hpp"
 
 namespace {
+namespace broadphase_laws {
 
 using pair_list = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
@@ -276,4 +277,5 @@ CELL_CASE("broadphase: a thousand boxes in one place, in a line in order, and th
     });
 }
 
+}  // namespace broadphase_laws
 }  // namespace

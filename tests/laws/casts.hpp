@@ -6,6 +6,7 @@
 #include "reals.hpp"
 
 namespace {
+namespace casts_laws {
 
 using doubles = physics::vec<double, D>;
 using stand = physics::transform<double, D>;
@@ -95,7 +96,7 @@ struct sample {
         if (of == capsule) return f(physics::capsule<S, D>{half.x, half.y}, physics::capsule<double, D>{h.x, h.y});
         if (of == box) return f(physics::box<S, D>{half}, physics::box<double, D>{h});
         if (of == hull) return f(made_of->hull.shape(radius), made_of->exact.shape(r));
-        if (of == egg) return f(::egg<S, D>{half}, ::egg<double, D>{h});
+        if (of == egg) return f(casts_laws::egg<S, D>{half}, casts_laws::egg<double, D>{h});
         return f(special_of(half, radius), special_of(h, r));
     }
     [[nodiscard]] doubles exact_half() const { return physics::detail::to_point(half); }
@@ -770,4 +771,5 @@ CELL_CASE("casts: a sweep leads from its start to its end") {
     }
 }
 
+}  // namespace casts_laws
 }  // namespace

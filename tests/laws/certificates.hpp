@@ -23,6 +23,7 @@
 #include "specimens.hpp"
 
 namespace {
+namespace certificates_laws {
 
 namespace law {
 enum name {
@@ -188,8 +189,8 @@ inline void judge_meet(const meet& m, std::uint64_t number, cell::dice& dice, gj
         }
         case 2:
             with_shapes(m, [&](const auto& a, const auto& b) {
-                const double apart = cell::number(distance(a, b, m.b_in_a).distance);
-                to.note(law::agreed, m, std::abs(apart - std::fmax(exact, 0)), tolerance);
+                const double open = cell::number(distance(a, b, m.b_in_a).distance);
+                to.note(law::agreed, m, std::abs(open - std::fmax(exact, 0)), tolerance);
                 if (std::abs(exact) > tolerance) to.note(law::agreed, m, overlap(a, b, m.b_in_a) != (exact < 0), 0);
             });
             break;
@@ -378,4 +379,5 @@ CELL_CASE("certificates: every answer proves itself") {
     total.print();
 }
 
+}  // namespace certificates_laws
 }  // namespace

@@ -9,6 +9,7 @@
 template struct physics::manifold<cell::scalar, cell::dimension>;
 
 namespace {
+namespace collide_laws {
 
 /// Draws pairs near touching: every kind, size, proportion and alignment that has been trouble somewhere. Each
 /// draw is a statement of its own, since the order within one is the compiler's.
@@ -252,4 +253,5 @@ CELL_CASE("collide: the pair may be anywhere in the world") {
     }
 }
 
+}  // namespace collide_laws
 }  // namespace

@@ -7,6 +7,7 @@
 #include "concave_shapes.hpp"
 
 namespace {
+namespace concave_laws {
 
 /// A set of shapes, with what worlds make of it.
 template <template <class, int> class... Shapes>
@@ -585,4 +586,5 @@ CELL_CASE("concave: compounds pile up on compounds") {
     }
 }
 
+}  // namespace concave_laws
 }  // namespace

@@ -6,6 +6,7 @@
 #include "world_cell.hpp"
 
 namespace {
+namespace continuous_laws {
 
 struct flags : physics::recipe<S, cell::dimension, physics::soft_step> {};
 struct unguarded : physics::recipe<S, cell::dimension, physics::without<physics::feature::continuous>> {};
@@ -479,4 +480,5 @@ CELL_CASE("the flag of a body: kept, copied, hashed, refused where nobody looks 
     CHECK(none.body_count() == 1);
 }
 
+}  // namespace continuous_laws
 }  // namespace

@@ -6,6 +6,7 @@
 #include "world_cell.hpp"
 
 namespace {
+namespace continuous_shapes_laws {
 
 #if CELL_DIMENSION == 2
 using all_shapes = physics::shapes<physics::ball, physics::capsule, physics::box, physics::hull, physics::compound,
@@ -216,4 +217,5 @@ CELL_CASE("a sheet of paper made of a hull, thrown edge on and turning, does not
     }
 }
 
+}  // namespace continuous_shapes_laws
 }  // namespace

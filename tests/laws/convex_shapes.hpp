@@ -10,6 +10,7 @@ template struct physics::cylinder<cell::scalar, 3>;
 template struct physics::cone<cell::scalar, 3>;
 
 namespace {
+namespace convex_shapes_laws {
 
 static_assert(physics::solid_shape_for<segment, S, D> && physics::solid_shape_for<triangle, S, D>);
 static_assert(physics::solid_shape_for<rounded_box, S, D>);
@@ -267,4 +268,5 @@ CELL_CASE("convex shapes: bad numbers are refused by name and value") {
     }
 }
 
+}  // namespace convex_shapes_laws
 }  // namespace

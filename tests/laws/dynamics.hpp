@@ -6,6 +6,7 @@
 #include "impulses.hpp"
 
 namespace {
+namespace dynamics_laws {
 
 /// Velocities of bodies in double.
 struct motion_of {
@@ -333,4 +334,5 @@ CELL_CASE("integrator: velocities advance by what drives a body and by implicit 
     }
 }
 
+}  // namespace dynamics_laws
 }  // namespace

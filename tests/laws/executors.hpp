@@ -9,6 +9,7 @@
 #include "world_cell.hpp"
 
 namespace {
+namespace executors_laws {
 
 /// The last part first, by one worker after the other.
 struct backwards {
@@ -176,4 +177,5 @@ CELL_CASE("executors: an accumulator hands them on") {
     }
 }
 
+}  // namespace executors_laws
 }  // namespace

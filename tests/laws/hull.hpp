@@ -12,6 +12,7 @@ template struct physics::hull<cell::scalar, cell::dimension>;
 template class physics::hull_geometry<cell::scalar, cell::dimension>;
 
 namespace {
+namespace hull_laws {
 
 using hull = physics::hull<S, D>;
 using geometry = physics::hull_geometry<S, D>;
@@ -740,4 +741,5 @@ CELL_CASE("hull: shapes without geometry or with a bad radius are refused") {
     CHECK(geometry::build(array).vertex_count() == D + 1);
 }
 
+}  // namespace hull_laws
 }  // namespace

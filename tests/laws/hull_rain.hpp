@@ -9,6 +9,7 @@
 #include "convex_oracle.hpp"
 
 namespace {
+namespace hull_rain_laws {
 
 struct rain : physics::recipe<cell::scalar, cell::dimension, physics::shapes<physics::hull, physics::box>> {};
 using rainy_world = physics::world<rain>;
@@ -187,4 +188,5 @@ CELL_CASE("hull rain: at rest hulls overlap by at most 5 mm, but for a few wedge
         }
 }
 
+}  // namespace hull_rain_laws
 }  // namespace

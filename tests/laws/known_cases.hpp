@@ -4,6 +4,7 @@
 #include "reals.hpp"
 
 namespace {
+namespace known_cases_laws {
 
 using ball = physics::ball<S, D>;
 using box = physics::box<S, D>;
@@ -461,4 +462,5 @@ CELL_CASE("known cases: rays on the edges and corners of meshes") {
 }
 #endif
 
+}  // namespace known_cases_laws
 }  // namespace

@@ -12,6 +12,7 @@ using accumulator = physics::accumulator<world>;
 template class physics::accumulator<world>;
 
 namespace {
+namespace loop_laws {
 
 /// Step and longest frame in 1/1024 s: exact in every scalar, as is any sum of few.
 accumulator clock_of(int step, int longest_frame) {
@@ -219,4 +220,5 @@ CELL_CASE("loop: a hook or a step that throws ends the call; the time that was d
     CHECK(w.steps() == 4);
 }
 
+}  // namespace loop_laws
 }  // namespace

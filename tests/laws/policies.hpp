@@ -9,6 +9,7 @@
 #include "cell.hpp"
 
 namespace {
+namespace policies_laws {
 
 using S = cell::scalar;
 constexpr int D = cell::dimension;
@@ -250,4 +251,5 @@ CELL_CASE("policies: what a narrowphase remembers is the same with every broadph
           hash_of_pyramid<of<physics::incremental_manifolds>>());
 }
 
+}  // namespace policies_laws
 }  // namespace

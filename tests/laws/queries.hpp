@@ -6,6 +6,7 @@
 #include "crowds.hpp"
 
 namespace {
+namespace queries_laws {
 
 using ray = physics::ray<S, D>;
 using hit = physics::proxy_hit<S>;
@@ -329,4 +330,5 @@ CELL_CASE("queries: bad ones are refused by name") {
     });
 }
 
+}  // namespace queries_laws
 }  // namespace

@@ -8,6 +8,7 @@
 #include "reals.hpp"
 
 namespace {
+namespace rays_laws {
 
 using doubles = physics::vec<double, D>;
 using local_ray = physics::detail::local_ray<D>;
@@ -413,4 +414,5 @@ CELL_CASE("rays: none passes between the parts of a surface") {
     }
 }
 
+}  // namespace rays_laws
 }  // namespace

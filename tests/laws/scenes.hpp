@@ -8,6 +8,7 @@
 #include "cell.hpp"
 
 namespace {
+namespace scenes_laws {
 
 struct scene : physics::recipe<cell::scalar, cell::dimension> {};
 using world = physics::world<scene>;
@@ -359,4 +360,5 @@ CELL_CASE("a pyramid of 10 rows stands for 20 s") {
     stands(w);
 }
 
+}  // namespace scenes_laws
 }  // namespace

@@ -9,6 +9,7 @@
 #include "convex_pairs.hpp"
 
 namespace {
+namespace separation_laws {
 
 using hull_geometry = physics::hull_geometry<S, D>;
 
@@ -201,4 +202,5 @@ CELL_CASE("separation: manifolds of every pair agree with the exact distance") {
     });
 }
 
+}  // namespace separation_laws
 }  // namespace

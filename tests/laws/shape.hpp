@@ -13,6 +13,7 @@ template class physics::any_shape<cell::scalar, cell::dimension, physics::ball, 
                                   physics::halfspace>;
 
 namespace {
+namespace shape_laws {
 
 using aabb = cell::space::aabb;
 using mass_properties = cell::space::mass_properties;
@@ -318,4 +319,5 @@ CELL_CASE("shape: a value of the closed set is the shape that went in") {
     }
 }
 
+}  // namespace shape_laws
 }  // namespace

@@ -8,6 +8,7 @@
 #include "world_real.hpp"
 
 namespace {
+namespace sleeping_laws {
 
 struct wakeful : physics::recipe<cell::scalar, cell::dimension, physics::without<physics::feature::sleeping>> {};
 
@@ -405,4 +406,5 @@ CELL_CASE("sleep: sets of numbers are those that links make") {
     }
 }
 
+}  // namespace sleeping_laws
 }  // namespace

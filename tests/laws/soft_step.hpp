@@ -7,6 +7,7 @@
 #include "impulses.hpp"
 
 namespace {
+namespace soft_step_laws {
 
 struct soft : physics::recipe<S, D, physics::soft_step> {};
 using soft_world = physics::world<soft>;
@@ -377,4 +378,5 @@ CELL_CASE("soft step: refuses settings out of range") {
     refused([](auto& s) { s.restitution_slop = S(-1); });
 }
 
+}  // namespace soft_step_laws
 }  // namespace

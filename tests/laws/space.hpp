@@ -13,6 +13,7 @@ template struct physics::aabb<cell::scalar, cell::dimension>;
 template struct physics::space<cell::scalar, cell::dimension>;
 
 namespace {
+namespace space_laws {
 
 using aabb = cell::space::aabb;
 
@@ -257,4 +258,5 @@ CELL_CASE("aabb: overlap, contains, merged and grown agree with their points") {
     }
 }
 
+}  // namespace space_laws
 }  // namespace

@@ -8,6 +8,7 @@
 #include "extremes.hpp"
 
 namespace {
+namespace stability_laws {
 
 CELL_CASE("K1: 15 crates that fall upon each other stand, and sleep") {
     for (const int substeps : {4, 8, 12}) {
@@ -149,4 +150,5 @@ CELL_CASE("a plate that lies on 400 boxes touches all of them from the first ste
     CHECK(gap(w.orientation(plate), world::rotation{}) <= 1e-4);
 }
 
+}  // namespace stability_laws
 }  // namespace

@@ -9,6 +9,7 @@
 #include "cell.hpp"
 
 namespace {
+namespace surfaces_laws {
 
 using S = cell::scalar;
 constexpr int D = cell::dimension;
@@ -537,4 +538,5 @@ static_assert(sizeof(extras_of<without<>>) ==
               sizeof(extras_of<without<rolling_resistance>>) + sizeof(extras_of<without<surface_velocity>>));
 static_assert(D == 2 || sizeof(block_of<neither, physics::point_friction>) > sizeof(block_of<neither>));
 
+}  // namespace surfaces_laws
 }  // namespace

@@ -16,6 +16,7 @@
 template class physics::world<scene>;
 
 namespace {
+namespace world_laws {
 
 /// What a world should hold.
 struct model_body {
@@ -384,4 +385,5 @@ CELL_CASE("world: settings hold from the next step on") {
     CHECK(w.contacts().size() == 0);
 }
 
+}  // namespace world_laws
 }  // namespace

@@ -7,6 +7,7 @@
 #include "world_limits.hpp"
 
 namespace {
+namespace world_errors_laws {
 
 /// Every entry that takes a handle, by name.
 template <class Id>
@@ -257,4 +258,5 @@ CELL_CASE("errors: setters, forces and queries refuse numbers out of range") {
     refuses_number(w, "set_gravity_scale", "factor", rule::finite, [&](S bad) { w.set_gravity_scale(s.box, bad); });
 }
 
+}  // namespace world_errors_laws
 }  // namespace

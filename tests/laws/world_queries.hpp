@@ -8,6 +8,7 @@
 #include "world_cell.hpp"
 
 namespace {
+namespace world_queries_laws {
 
 template <class Broadphase>
 struct asked : physics::recipe<S, cell::dimension, Broadphase,
@@ -182,4 +183,5 @@ CELL_CASE("world queries: what is bad is refused by name") {
     }
 }
 
+}  // namespace world_queries_laws
 }  // namespace

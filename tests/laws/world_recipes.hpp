@@ -12,6 +12,7 @@
 #include "world_cell.hpp"
 
 namespace {
+namespace world_recipes_laws {
 
 // What a user writes stands in a namespace of the user's; the library finds the functions by their arguments.
 namespace user {
@@ -311,8 +312,10 @@ CELL_CASE("recipes: a refused step is undone in a solver of many substeps too") 
     w.step(S(1.0 / 64));
 }
 
+}  // namespace world_recipes_laws
 }  // namespace
 
 // Compiles every member.
-template class physics::world<all_own>;
-template class physics::world<of<physics::without<friction, restitution>>>;
+template class physics::world<world_recipes_laws::all_own>;
+template class physics::world<
+    world_recipes_laws::of<physics::without<world_recipes_laws::friction, world_recipes_laws::restitution>>>;
