@@ -21096,9 +21096,9 @@ using soft_friction3_of =
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/dynamics/soft_contact.hpp
+// physics/dynamics/soft_round.hpp
 // =================================================================================================
-// What the contacts of the soft solver have in common in the plane and in space.
+// How the soft solver goes over its contacts.
 
 PHYSICS_HPP_BEGIN
 
@@ -21142,16 +21142,197 @@ struct soft_start {
     S bounce_slop;
 };
 
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/dynamics/soft_whole.hpp
+// =================================================================================================
+// All points of a contact at once.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// The inverse of a symmetric matrix; false where it is nearly singular, and then nothing is written.
+inline bool invert(const double (&m)[2][2], double (&to)[2][2]) {
+    const double det = m[0][0] * m[1][1] - m[0][1] * m[0][1];
+    if (!(det > 1e-4 * m[0][0] * m[1][1])) return false;
+    to[0][0] = m[1][1] / det;
+    to[1][1] = m[0][0] / det;
+    to[0][1] = to[1][0] = -m[0][1] / det;
+    return true;
+}
+inline bool invert(const double (&m)[3][3], double (&to)[3][3]) {
+    const double c0 = m[1][1] * m[2][2] - m[1][2] * m[1][2];
+    const double c1 = m[0][2] * m[1][2] - m[0][1] * m[2][2];
+    const double c2 = m[0][1] * m[1][2] - m[0][2] * m[1][1];
+    const double det = m[0][0] * c0 + m[0][1] * c1 + m[0][2] * c2;
+    if (!(det > 1e-4 * m[0][0] * m[1][1] * m[2][2])) return false;
+    const double share = 1 / det;
+    to[0][0] = c0 * share;
+    to[0][1] = to[1][0] = c1 * share;
+    to[0][2] = to[2][0] = c2 * share;
+    to[1][1] = (m[0][0] * m[2][2] - m[0][2] * m[0][2]) * share;
+    to[1][2] = to[2][1] = (m[0][1] * m[0][2] - m[0][0] * m[1][2]) * share;
+    to[2][2] = (m[0][0] * m[1][1] - m[0][1] * m[0][1]) * share;
+    return true;
+}
+
+/// The speeds of a contact's points follow from D numbers, so that the impulses that stop all of them do too: where
+/// every point touches and goes on pushing, that is the answer, exact and without iterations. Elsewhere points are
+/// visited one by one. It carries heavy loads and keeps columns from swaying, which visits do not. Source: the first
+/// case of Catto's block solver (Box2D, 2006), for any number of points.
+template <class S, int D, int W>
+struct soft_whole {
+    using P = pack<S, W>;
+
+    /// The separation at the middle and its slopes, of the plane that fits the points best.
+    S separation[D][W];
+    /// Less than 0 where points have to be visited.
+    S able[W];
+
+    /// How a contact's points answer to impulses: its D speeds to an impulse along the normal at the middle and to
+    /// angular ones, and what of these an impulse at a point is.
+    struct answers {
+        double speeds[D][D];
+        double levers[manifold<S, D>::capacity][D];
+    };
+    template <class Point>
+    void put(int lane, Point* points, int count, const answers& of) {
+        able[lane] = S(-1);
+        if (count < 2) return;
+        // The middle of the points is the origin of their levers, so that the first speed is no matter of slopes.
+        double fit[D] = {}, spread[D - 1][D - 1] = {};
+        for (int k = 0; k < count; ++k) {
+            const double* lever = of.levers[k];
+            const double gap = to_double(points[k].separation[lane]);
+            fit[0] += gap;
+            for (int i = 1; i < D; ++i) {
+                fit[i] += lever[i] * gap;
+                for (int j = 1; j < D; ++j) spread[i - 1][j - 1] += lever[i] * lever[j];
+            }
+        }
+        fit[0] /= count;
+        double shares[manifold<S, D>::capacity][D];
+        if (!(count < D ? edge(of, fit, spread, shares) : face(count, of, fit, spread, shares))) return;
+        const double most = to_double(scalar_traits<S>::max()) / 4;
+        for (int k = 0; k < count; ++k)
+            for (int i = 0; i < D; ++i)
+                if (!(shares[k][i] < most && shares[k][i] > -most)) return;
+        able[lane] = S(0);
+        for (int i = 0; i < D; ++i) {
+            separation[i][lane] = static_cast<S>(fit[i]);
+            for (int k = 0; k < count; ++k) points[k].share[i][lane] = static_cast<S>(shares[k][i]);
+        }
+    }
+
+private:
+    /// Of points that span the plane of the contact: what stops its D speeds, shared out with the least squares.
+    static bool face(int count, const answers& of, double (&fit)[D], const double (&spread)[D - 1][D - 1],
+                     double (&shares)[manifold<S, D>::capacity][D]) {
+        double stop[D][D], level[D - 1][D - 1];
+        if (!invert(of.speeds, stop) || !flatten(spread, level)) return false;
+        double slopes[D - 1] = {}, rows[D][D];
+        for (int j = 0; j < D; ++j) rows[0][j] = stop[0][j] / count;
+        for (int i = 1; i < D; ++i)
+            for (int k = 1; k < D; ++k) slopes[i - 1] += level[i - 1][k - 1] * fit[k];
+        for (int i = 1; i < D; ++i) {
+            fit[i] = slopes[i - 1];
+            for (int j = 0; j < D; ++j) {
+                rows[i][j] = 0;
+                for (int k = 1; k < D; ++k) rows[i][j] += level[i - 1][k - 1] * stop[k][j];
+            }
+        }
+        for (int k = 0; k < count; ++k)
+            for (int j = 0; j < D; ++j) {
+                shares[k][j] = 0;
+                for (int i = 0; i < D; ++i) shares[k][j] += of.levers[k][i] * rows[i][j];
+            }
+        return true;
+    }
+    /// Of two points in space.
+    static bool edge(const answers& of, double (&fit)[D], const double (&spread)[D - 1][D - 1],
+                     double (&shares)[manifold<S, D>::capacity][D]) {
+        double answer[2][2] = {}, stop[2][2], length = 0;
+        for (int a = 0; a < 2; ++a)
+            for (int b = 0; b < 2; ++b)
+                for (int i = 0; i < D; ++i)
+                    for (int j = 0; j < D; ++j) answer[a][b] += of.levers[a][i] * of.speeds[i][j] * of.levers[b][j];
+        for (int i = 1; i < D; ++i) length += spread[i - 1][i - 1];
+        if (!(length > 0) || !invert(answer, stop)) return false;
+        for (int i = 1; i < D; ++i) fit[i] /= length;
+        for (int k = 0; k < 2; ++k)
+            for (int j = 0; j < D; ++j) shares[k][j] = stop[k][0] * of.levers[0][j] + stop[k][1] * of.levers[1][j];
+        return true;
+    }
+    static bool flatten(const double (&spread)[1][1], double (&to)[1][1]) {
+        if (!(spread[0][0] > 0)) return false;
+        to[0][0] = 1 / spread[0][0];
+        return true;
+    }
+    static bool flatten(const double (&spread)[2][2], double (&to)[2][2]) { return invert(spread, to); }
+
+public:
+    /// The changes of the points' impulses that the speeds ask for. `left` is 1 in lanes that are left to visits, and
+    /// nothing changes there; returns whether any is. `at(k)` is the way at point k.
+    template <class Point, class At>
+    PHYSICS_HPP_ALWAYS_INLINE bool next(Point* points, int count, const soft_round<S>& how, P (&speed)[D],
+                                        const P (&way)[D], P& left, P* changes, At&& at) const {
+        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
+        P ok = P::load(able), kept = one, strength = one;
+        if (how.pushes) {
+            const P rate = P::broadcast(how.spring.rate);
+            for (int i = 0; i < D; ++i) speed[i] = speed[i] + rate * (P::load(separation[i]) + way[i]);
+            kept = P::broadcast(S(1) - how.spring.impulse_scale);
+            strength = P::broadcast(how.spring.mass_scale);
+        }
+        for (int k = 0; k < count; ++k) {
+            const P before = P::load(points[k].impulse), gap = P::load(points[k].separation) + at(k);
+            P asked = P::load(points[k].share[0]) * speed[0];
+            for (int i = 1; i < D; ++i) asked = asked + P::load(points[k].share[i]) * speed[i];
+            changes[k] = how.pushes ? kept * before - strength * asked - before : zero - asked;
+            P good = min(before + changes[k], -gap);
+            // Where the limit of the push binds, what the springs ask for is not flat.
+            if (how.pushes) good = min(good, gap * P::broadcast(how.spring.rate) + P::broadcast(how.push_speed));
+            // Of points that only other lanes have nothing is asked.
+            ok = min(ok, select_greater(P::load(points[k].mass), zero, good, zero));
+        }
+        left = select_greater(zero, ok, one, zero);
+        for (int k = 0; k < count; ++k) {
+            changes[k] = select_greater(zero, ok, zero, changes[k]);
+            (P::load(points[k].impulse) + changes[k]).store(points[k].impulse);
+        }
+        return greater(zero, ok).bits() != 0;
+    }
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/dynamics/soft_contact.hpp
+// =================================================================================================
+// What the contacts of the soft solver have in common in the plane and in space.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
 /// One point of W contacts: where it lies in the plane of the contact, relative to the contact's middle.
-template <class S, int W, bool Bounces>
+template <class S, int D, int W, bool Bounces>
 struct soft_point {
     S mass[W];
     S separation[W];
+    /// What the contact's D speeds ask of it where all points are answered at once.
+    S share[D][W];
     /// Of this substep, after its last round what the next one begins with; and of the whole step.
     S impulse[W], total[W];
 };
-template <class S, int W>
-struct soft_point<S, W, true> : soft_point<S, W, false> {
+template <class S, int D, int W>
+struct soft_point<S, D, W, true> : soft_point<S, D, W, false> {
     /// The speed with which the surfaces part after a bounce (m/s), 0 for none.
     S bounce[W];
 };
@@ -21178,22 +21359,21 @@ PHYSICS_HPP_ALWAYS_INLINE P load_of(const Point* points, int count) {
     return load;
 }
 /// Points are visited across and back, so that no corner answers first in all rounds. The way turns at the first point,
-/// which all lanes have: it is the same whatever contacts share the lanes. Calls f(k, last): whether this is the last
-/// visit of point k.
+/// which all lanes have: it is the same whatever contacts share the lanes.
 template <class F>
 PHYSICS_HPP_ALWAYS_INLINE void across_and_back(int points, F&& f) {
-    for (int i = 1 - points; i < points; ++i) f(i < 0 ? -i : i, i >= 0);
+    for (int i = 1 - points; i < points; ++i) f(i < 0 ? -i : i);
 }
 /// 0 where surfaces that move at this speed along their normal meet with a blow, 1 elsewhere.
 template <class P, class S = typename P::scalar>
 PHYSICS_HPP_ALWAYS_INLINE P lasting_share(const P& speed, const soft_round<S>& how) {
     return select_greater(-speed, P::broadcast(how.impact_speed), P::broadcast(S(0)), P::broadcast(S(1)));
 }
-/// The change of a point's impulse that its speed along the normal asks for. The last visit of a round that does not
-/// push tells the load, of which that share lasts.
+/// The change of a point's impulse that its speed along the normal asks for, in lanes that are left to visits (1, else
+/// 0).
 template <class P, class Point, class S = typename P::scalar>
 PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& way, const soft_round<S>& how,
-                                         const P& lasting, bool last, P& load) {
+                                         const P& left) {
     const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
     const P gap = P::load(point.separation) + way, mass = P::load(point.mass), before = P::load(point.impulse);
     const P closing = gap * P::broadcast(how.inverse_step);
@@ -21204,17 +21384,20 @@ PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& 
         impulse_scale = P::broadcast(how.spring.impulse_scale);
     }
     const P wanted = select_greater(gap, zero, closing, bias);
-    const P strength = mass * select_greater(gap, zero, one, mass_scale);
-    const P kept = before - before * select_greater(gap, zero, zero, impulse_scale);
+    const P strength = left * mass * select_greater(gap, zero, one, mass_scale);
+    const P kept = before - before * left * select_greater(gap, zero, zero, impulse_scale);
     const P impulse = max(kept - strength * (speed + wanted), zero);
-    if (how.pushes || !last) {
-        impulse.store(point.impulse);
-    } else {
-        load = impulse;
-        (P::load(point.total) + impulse).store(point.total);
-        (impulse * lasting).store(point.impulse);
-    }
+    impulse.store(point.impulse);
     return impulse - before;
+}
+/// After a round that does not push: the loads of the points, of which that share lasts.
+template <class P, class Point>
+PHYSICS_HPP_ALWAYS_INLINE void take_loads(Point* points, int count, const P& lasting, P* loads) {
+    for (int k = 0; k < count; ++k) {
+        loads[k] = P::load(points[k].impulse);
+        (P::load(points[k].total) + loads[k]).store(points[k].total);
+        (loads[k] * lasting).store(points[k].impulse);
+    }
 }
 /// The same for a bounce: only of points that have pushed, and no more is taken back than they have.
 template <class P, class Point>
@@ -21250,7 +21433,7 @@ struct soft_contact2 {
     using Q = pack<I, W>;
     using body = solver_body<S, 2>;
 
-    struct point : soft_point<S, W, Features::restitution> {
+    struct point : soft_point<S, 2, W, Features::restitution> {
         /// The lever that an impulse along the normal has about the middle (m).
         S lever[W];
         /// How the two speeds answer to such an impulse.
@@ -21264,6 +21447,7 @@ struct soft_contact2 {
     I mass_a[W], mass_b[W], inertia_a[W], inertia_b[W];
     static constexpr int capacity = manifold<S, 2>::capacity;
     point points[capacity];
+    soft_whole<S, 2, W> whole;
     [[no_unique_address]] soft_friction2_of<S, W, Features> friction;
     int point_count = 0;
     /// Whether any point bounces.
@@ -21294,6 +21478,8 @@ struct soft_contact2 {
         const I along = first.inverse_mass + second.inverse_mass + mul<I>(of_a, turn_a) + mul<I>(of_b, turn_b);
         const I across = of_a + of_b, turn = first.inverse_inertia + second.inverse_inertia;
 
+        typename soft_whole<S, 2, W>::answers answers{
+            {{to_double(along), to_double(across)}, {to_double(across), to_double(turn)}}, {}};
         point_count = point_count < c.count ? c.count : point_count;
         for (int k = 0; k < c.count; ++k) {
             const contact_point<S, 2>& from = c.points[k];
@@ -21302,12 +21488,15 @@ struct soft_contact2 {
             to.lever[lane] = lever;
             to.along[lane] = along + mul<I>(across, lever);
             to.turn[lane] = across + mul<I>(turn, lever);
+            answers.levers[k][0] = 1;
+            answers.levers[k][1] = to_double(lever);
             to.mass[lane] = effective_mass(first, second, from, c.normal);
             to.separation[lane] = from.separation;
             to.impulse[lane] = from.persisted ? from.load : S(0);
             if constexpr (Features::restitution)
                 bounces |= S(0) < (to.bounce[lane] = bounce_of(c, from, first, second, with.bounce_slop, with.step));
         }
+        whole.put(lane, points, c.count, answers);
         if constexpr (Features::friction) {
             friction.coefficient[lane] = c.friction;
             friction.stop[lane] = effective_mass(first, second, middle, tangents<S, 2>(c.normal).t);
@@ -21335,21 +21524,19 @@ struct soft_contact2 {
         body_lanes2<P> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
-        P load = P::broadcast(S(0)), moment = load, rub = load;
-        for (int k = 0; k < point_count; ++k) {
-            const P impulse = P::load(points[k].impulse);
-            load = load + impulse;
-            moment = moment + P::load(points[k].lever) * impulse;
-        }
+        const P zero = P::broadcast(S(0));
+        push_sum sum{zero, zero};
+        P rub = zero;
+        for (int k = 0; k < point_count; ++k) sum.add(points[k], P::load(points[k].impulse));
         if constexpr (Features::friction) rub = P::load(friction.impulse);
         if constexpr (Features::rolling_resistance)
-            if (extras.at != nullptr) moment = moment + P::load(extras.at->impulse);
-        push(f, load, rub, moment, at_a, at_b);
+            if (extras.at != nullptr) sum.moment = sum.moment + P::load(extras.at->impulse);
+        push(f, sum.load, rub, sum.moment, at_a, at_b);
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
-    /// One round over the contacts: the points across and back, then friction by their load. While overlaps are
-    /// pushed apart friction rests: it would act against what the springs do, and piles would sway.
+    /// One round over the contacts: the points at once, or across and back, then friction by their load. While
+    /// overlaps are pushed apart friction rests: it would act against what the springs do, and piles would sway.
     void solve(body* bodies, const soft_round<S>& how) {
         if constexpr (Features::rolling_resistance)
             if (!how.pushes && extras.at != nullptr) roll(bodies);
@@ -21359,12 +21546,24 @@ struct soft_contact2 {
         at_b.load(bodies, b);
         const relative_motion speed(f, at_a.velocity, at_b.velocity), way(f, at_a.way, at_b.way);
         const P lasting = lasting_share(speed.along, how);
-        P loads[capacity];
-        push_points(f, speed, at_a, at_b, [&](int k, bool last, const P& v) {
-            return next_impulse(points[k], v, way.at(points[k]), how, lasting, last, loads[k]);
-        });
-        if constexpr (Features::friction)
-            if (!how.pushes) rub(f, loads, lasting, at_a, at_b);
+        P speeds[] = {speed.along, speed.turn};
+        const P ways[] = {way.along, way.turn};
+        P changes[capacity], left;
+        const bool some_left = whole.next(points, point_count, how, speeds, ways, left, changes,
+                                          [&](int k) { return way.at(points[k]); });
+        const P zero = P::broadcast(S(0));
+        push_sum sum{zero, zero};
+        for (int k = 0; k < point_count; ++k) sum.add(points[k], changes[k]);
+        if (some_left)
+            visit_points(speed, sum, [&](int k, const P& v) {
+                return next_impulse(points[k], v, way.at(points[k]), how, left);
+            });
+        push(f, sum.load, zero, sum.moment, at_a, at_b);
+        if (!how.pushes) {
+            P loads[capacity];
+            take_loads(points, point_count, lasting, loads);
+            if constexpr (Features::friction) rub(f, loads, lasting, at_a, at_b);
+        }
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
@@ -21374,8 +21573,11 @@ struct soft_contact2 {
         body_lanes2<P> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
-        const relative_motion speed(f, at_a.velocity, at_b.velocity);
-        push_points(f, speed, at_a, at_b, [&](int k, bool, const P& v) { return bounce_impulse(points[k], v); });
+        const P zero = P::broadcast(S(0));
+        push_sum sum{zero, zero};
+        visit_points({f, at_a.velocity, at_b.velocity}, sum,
+                     [&](int k, const P& v) { return bounce_impulse(points[k], v); });
+        push(f, sum.load, zero, sum.moment, at_a, at_b);
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
@@ -21406,19 +21608,25 @@ private:
               turn(b.angular - a.angular) {}
         PHYSICS_HPP_ALWAYS_INLINE P at(const point& p) const { return along + P::load(p.lever) * turn; }
     };
+    /// What impulses along the normal at points come to at the middle.
+    struct push_sum {
+        P load, moment;
+
+        PHYSICS_HPP_ALWAYS_INLINE void add(const point& p, const P& impulse) {
+            load = load + impulse;
+            moment = moment + P::load(p.lever) * impulse;
+        }
+    };
+    /// Changes impulses point by point, each by the speed that the ones before left.
     template <class Next>
-    PHYSICS_HPP_ALWAYS_INLINE void push_points(const frame_lanes& f, relative_motion speed, body_lanes2<P>& at_a,
-                                               body_lanes2<P>& at_b, Next&& next) {
-        P load = P::broadcast(S(0)), moment = load;
-        across_and_back(point_count, [&](int k, bool last) {
+    PHYSICS_HPP_ALWAYS_INLINE void visit_points(relative_motion speed, push_sum& sum, Next&& next) {
+        across_and_back(point_count, [&](int k) {
             const point& p = points[k];
-            const P change = next(k, last, speed.at(p));
-            load = load + change;
-            moment = moment + P::load(p.lever) * change;
+            const P change = next(k, speed.at(p));
+            sum.add(p, change);
             speed.along = speed.along + mul<S>(Q::load(p.along), change);
             speed.turn = speed.turn + mul<S>(Q::load(p.turn), change);
         });
-        push(f, load, P::broadcast(S(0)), moment, at_a, at_b);
     }
     /// Stops the slip at the middle, or lets it slide.
     PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, const P* loads, const P& lasting, body_lanes2<P>& at_a,
@@ -21484,7 +21692,7 @@ struct soft_contact3 {
     using Q = pack<I, W>;
     using body = solver_body<S, 3>;
 
-    struct point : soft_point<S, W, Features::restitution> {
+    struct point : soft_point<S, 3, W, Features::restitution> {
         /// Along both tangents, from the middle (m).
         S x[W], y[W];
         /// How the three speeds answer to an impulse along the normal.
@@ -21498,6 +21706,7 @@ struct soft_contact3 {
     I mass_a[W], mass_b[W], inertia_a[6][W], inertia_b[6][W];
     static constexpr int capacity = manifold<S, 3>::capacity;
     point points[capacity];
+    soft_whole<S, 3, W> whole;
     [[no_unique_address]] soft_friction3_of<S, W, Features, Friction> friction;
     int point_count = 0;
     /// Whether any point bounces.
@@ -21535,6 +21744,9 @@ struct soft_contact3 {
         const I tt = both(frame.t, frame.t, frame.t, frame.t), tu = both(frame.t, frame.t, frame.u, frame.u);
         const I uu = both(frame.u, frame.u, frame.u, frame.u);
 
+        const double s_nt = to_double(nt), s_nu = to_double(nu), s_tu = to_double(tu);
+        typename soft_whole<S, 3, W>::answers answers{
+            {{to_double(nn), s_nt, s_nu}, {s_nt, to_double(tt), s_tu}, {s_nu, s_tu, to_double(uu)}}, {}};
         point_count = point_count < c.count ? c.count : point_count;
         for (int k = 0; k < c.count; ++k) {
             const contact_point<S, 3>& from = c.points[k];
@@ -21546,12 +21758,16 @@ struct soft_contact3 {
             to.along[lane] = nn + mul<I>(nt, y) - mul<I>(nu, x);
             to.about_t[lane] = nt + mul<I>(tt, y) - mul<I>(tu, x);
             to.about_u[lane] = nu + mul<I>(tu, y) - mul<I>(uu, x);
+            answers.levers[k][0] = 1;
+            answers.levers[k][1] = to_double(y);
+            answers.levers[k][2] = -to_double(x);
             to.mass[lane] = effective_mass(first, second, from, c.normal);
             to.separation[lane] = from.separation;
             to.impulse[lane] = from.persisted ? from.load : S(0);
             if constexpr (Features::restitution)
                 bounces |= S(0) < (to.bounce[lane] = bounce_of(c, from, first, second, with.bounce_slop, with.step));
         }
+        whole.put(lane, points, c.count, answers);
         if constexpr (Features::friction) friction.put(lane, c, middle, first, second, frame, points, with.share);
         extras.put(lane, c, first, second, with.share, scratch);
     }
@@ -21576,17 +21792,17 @@ struct soft_contact3 {
         body_lanes3<P> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
-        P load = P::broadcast(S(0)), about_t = load, about_u = load;
-        for (int k = 0; k < point_count; ++k)
-            add_push(points[k], P::load(points[k].impulse), load, about_t, about_u);
+        const P zero = P::broadcast(S(0));
+        push_sum sum{zero, zero, zero};
+        for (int k = 0; k < point_count; ++k) sum.add(points[k], P::load(points[k].impulse));
         if constexpr (Features::rolling_resistance) {
             if (extras.at != nullptr) {
-                about_t = about_t + P::load(extras.at->rolling::x);
-                about_u = about_u + P::load(extras.at->rolling::y);
+                sum.about_t = sum.about_t + P::load(extras.at->rolling::x);
+                sum.about_u = sum.about_u + P::load(extras.at->rolling::y);
             }
         }
-        lanes3<P> impulse = {f.n.x * load, f.n.y * load, f.n.z * load};
-        lanes3<P> moment = lane_combine(f.t, about_t, f.u, about_u);
+        lanes3<P> impulse = {f.n.x * sum.load, f.n.y * sum.load, f.n.z * sum.load};
+        lanes3<P> moment = lane_combine(f.t, sum.about_t, f.u, sum.about_u);
         if constexpr (Features::friction) {
             const slide_lanes<P> last = friction.last(points, point_count);
             impulse = lane_add(impulse, lane_combine(f.t, last.x, f.u, last.y));
@@ -21597,8 +21813,8 @@ struct soft_contact3 {
         if (moves_b) at_b.store(bodies, b);
     }
 
-    /// One round over the contacts: the points across and back, then friction by their load. While overlaps are
-    /// pushed apart friction rests: it would act against what the springs do, and piles would sway.
+    /// One round over the contacts: the points at once, or across and back, then friction by their load. While
+    /// overlaps are pushed apart friction rests: it would act against what the springs do, and piles would sway.
     void solve(body* bodies, const soft_round<S>& how) {
         if constexpr (Features::rolling_resistance)
             if (!how.pushes && extras.at != nullptr) roll(bodies);
@@ -21608,12 +21824,24 @@ struct soft_contact3 {
         at_b.load(bodies, b);
         const relative_motion speed(f, at_a.velocity, at_b.velocity), way(f, at_a.way, at_b.way);
         const P lasting = lasting_share(speed.along, how);
-        P loads[capacity];
-        push_points(f, speed, at_a, at_b, [&](int k, bool last, const P& v) {
-            return next_impulse(points[k], v, way.at(points[k]), how, lasting, last, loads[k]);
-        });
-        if constexpr (Features::friction)
-            if (!how.pushes) rub(f, loads, lasting, at_a, at_b);
+        P speeds[] = {speed.along, speed.about_t, speed.about_u};
+        const P ways[] = {way.along, way.about_t, way.about_u};
+        P changes[capacity], left;
+        const bool some_left = whole.next(points, point_count, how, speeds, ways, left, changes,
+                                          [&](int k) { return way.at(points[k]); });
+        const P zero = P::broadcast(S(0));
+        push_sum sum{zero, zero, zero};
+        for (int k = 0; k < point_count; ++k) sum.add(points[k], changes[k]);
+        if (some_left)
+            visit_points(speed, sum, [&](int k, const P& v) {
+                return next_impulse(points[k], v, way.at(points[k]), how, left);
+            });
+        push(f, sum, at_a, at_b);
+        if (!how.pushes) {
+            P loads[capacity];
+            take_loads(points, point_count, lasting, loads);
+            if constexpr (Features::friction) rub(f, loads, lasting, at_a, at_b);
+        }
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
@@ -21623,8 +21851,11 @@ struct soft_contact3 {
         body_lanes3<P> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
-        const relative_motion speed(f, at_a.velocity, at_b.velocity);
-        push_points(f, speed, at_a, at_b, [&](int k, bool, const P& v) { return bounce_impulse(points[k], v); });
+        const P zero = P::broadcast(S(0));
+        push_sum sum{zero, zero, zero};
+        visit_points({f, at_a.velocity, at_b.velocity}, sum,
+                     [&](int k, const P& v) { return bounce_impulse(points[k], v); });
+        push(f, sum, at_a, at_b);
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
@@ -21660,24 +21891,27 @@ private:
         return lane_subtract(lane_add(b.linear, lane_cross(b.angular, f.arm_b)),
                              lane_add(a.linear, lane_cross(a.angular, f.arm_a)));
     }
-    PHYSICS_HPP_ALWAYS_INLINE static void add_push(const point& p, const P& impulse, P& load, P& about_t, P& about_u) {
-        load = load + impulse;
-        about_t = about_t + P::load(p.y) * impulse;
-        about_u = about_u - P::load(p.x) * impulse;
-    }
+    /// What impulses along the normal at points come to at the middle.
+    struct push_sum {
+        P load, about_t, about_u;
+
+        PHYSICS_HPP_ALWAYS_INLINE void add(const point& p, const P& impulse) {
+            load = load + impulse;
+            about_t = about_t + P::load(p.y) * impulse;
+            about_u = about_u - P::load(p.x) * impulse;
+        }
+    };
+    /// Changes impulses point by point, each by the speed that the ones before left.
     template <class Next>
-    PHYSICS_HPP_ALWAYS_INLINE void push_points(const frame_lanes& f, relative_motion speed, body_lanes3<P>& at_a,
-                                               body_lanes3<P>& at_b, Next&& next) {
-        P load = P::broadcast(S(0)), about_t = load, about_u = load;
-        across_and_back(point_count, [&](int k, bool last) {
+    PHYSICS_HPP_ALWAYS_INLINE void visit_points(relative_motion speed, push_sum& sum, Next&& next) {
+        across_and_back(point_count, [&](int k) {
             const point& p = points[k];
-            const P change = next(k, last, speed.at(p));
-            add_push(p, change, load, about_t, about_u);
+            const P change = next(k, speed.at(p));
+            sum.add(p, change);
             speed.along = speed.along + mul<S>(Q::load(p.along), change);
             speed.about_t = speed.about_t + mul<S>(Q::load(p.about_t), change);
             speed.about_u = speed.about_u + mul<S>(Q::load(p.about_u), change);
         });
-        push(f, {f.n.x * load, f.n.y * load, f.n.z * load}, lane_combine(f.t, about_t, f.u, about_u), at_a, at_b);
     }
     /// Stops the slip, or lets it slide on the cone.
     PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, const P* loads, const P& lasting, body_lanes3<P>& at_a,
@@ -21714,6 +21948,11 @@ private:
         where_it_acts(at_b.velocity.angular, lane_add(at_b.velocity.angular, turned_by(inertia_b, moment)));
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
+    }
+    PHYSICS_HPP_ALWAYS_INLINE void push(const frame_lanes& f, const push_sum& sum, body_lanes3<P>& at_a,
+                                        body_lanes3<P>& at_b) const {
+        push(f, {f.n.x * sum.load, f.n.y * sum.load, f.n.z * sum.load},
+             lane_combine(f.t, sum.about_t, f.u, sum.about_u), at_a, at_b);
     }
     /// An impulse at the middle and an angular impulse, from A on B.
     PHYSICS_HPP_ALWAYS_INLINE void push(const frame_lanes& f, const lanes3<P>& impulse, const lanes3<P>& moment,
@@ -21758,7 +21997,7 @@ struct soft_step_settings {
     int substeps = 4;
     /// Frequency of the springs that push overlaps apart, as a part of the substeps' rate: work buys stiffness. With
     /// less a column of 15 crates buckles at 4 substeps, with more heavy loads and wide piles tremble.
-    S stiffness = S(0.15625);
+    S stiffness = S(0.2);
     /// Their damping ratio.
     S damping_ratio = S(10);
     /// The frequency is no higher than this (Hz); 0: no limit.

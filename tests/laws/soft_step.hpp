@@ -189,6 +189,7 @@ inline void enrich(cell::dice& dice, problem& p) {
             point.separation = dice.real(-0.02, 0.02);
             point.persisted = dice.below(2) != 0;
             point.normal_impulse = dice.real(0, 1);
+            point.load = point.persisted ? dice.real(0, 2) : S(0);
             draw(dice, point.friction_impulse);
         }
     }
@@ -214,6 +215,50 @@ void compare_widths() {
 }
 CELL_CASE("soft step: every width of the lanes gives the same bits, of contacts of all sizes, rolling and driven") {
     compare_widths<S>();
+}
+
+CELL_CASE("soft step: where all points of a contact go on pushing, a round stops all of them, whatever their places") {
+    cell::dice dice(404);
+    for (int run = 0; run < 200; ++run) {
+        problem p = random_problem(dice, 1, 0, run % 2 != 0);
+        p.contacts[0].body_a = static_cast<std::uint32_t>(dice.below(2));
+        p.contacts[0].body_b = 2;
+        contact& c = p.contacts[0];
+        c.count = 2 + dice.below(physics::manifold<S, D>::capacity - 1);
+        for (auto& b : p.bodies) b.velocity = {};
+        const auto first = c.points[0];
+        double wanted[physics::manifold<S, D>::capacity], sum = 0;
+        for (int k = 0; k < c.count; ++k) {
+            // Corners of a patch of any shape, under a load that leans.
+            const double angle =
+                2 * 3.14159265358979323846 * (k + (cell::is_2d ? 0 : dice.number(-0.2, 0.2))) / c.count;
+            const reals n = to_reals(c.normal), t = to_reals(physics::tangents<S, D>(c.normal).t);
+            const vec aside = from_reals(t * (0.3 * std::cos(angle)) +
+                                         (cell::is_2d ? reals{} : cross(n, t) * (0.2 * std::sin(angle))));
+            c.points[k].lever_a = first.lever_a + aside;
+            c.points[k].lever_b = first.lever_b + aside;
+            c.points[k].separation = S(-0.01);
+            c.points[k].persisted = true;
+            c.points[k].load = S(1);
+            wanted[k] = 1 + 0.3 * std::cos(angle);
+            sum += wanted[k];
+        }
+        const auto points = points_of(p);
+        for (std::size_t k = 0; k < points.size(); ++k)
+            for (const side_of& side : points[k].sides) {
+                const reals impulse = points[k].normal * (-side.sign * wanted[k]);
+                auto& velocity = p.bodies[side.body].velocity;
+                velocity.linear += from_reals(impulse * side.inverse_mass);
+                velocity.angular += to_angular(side.turn(cross(side.lever, impulse)));
+            }
+        solve_softly<physics::detail::native_width<S>, frictionless>(p, 1);
+        double borne = 0;
+        for (std::size_t k = 0; k < points.size(); ++k) {
+            borne += cell::number(c.points[k].normal_impulse);
+            REQUIRE(std::abs(dot(slip_of(p.bodies, points[k]), points[k].normal)) <= 4096 * epsilon);
+        }
+        REQUIRE(std::abs(borne - sum) <= 4096 * epsilon);
+    }
 }
 
 /// Gravity 10 on a tilted plane.

@@ -16,9 +16,8 @@ CELL_CASE("K1: 15 crates that fall upon each other stand, and sleep") {
         world w(pulled(substeps));
         drop_stack(w);
         const fate f = live(w, 60);
-        // The springs of 4 substeps are just stiff enough (see below).
-        CHECK(f.sideways <= (substeps == 4 ? 0.05 : 0.02));
-        CHECK(std::abs(f.sunk - 1.45) <= (substeps == 4 ? 0.06 : 0.02));
+        CHECK(f.sideways <= 0.02);
+        CHECK(std::abs(f.sunk - 1.45) <= (substeps == 4 ? 0.04 : 0.02));
         CHECK(f.asleep_after > 0);
     }
 }
@@ -48,7 +47,7 @@ CELL_CASE("K2: a pyramid on a base of 20 crates stands, and sleeps") {
     lay_pyramid(w, 20);
     const fate f = live(w, 60);
     CHECK(f.sideways <= 0.05);
-    CHECK(f.sunk <= 0.04);
+    CHECK(f.sunk <= 0.03);
     CHECK(f.fastest <= 0.5);
     CHECK(f.asleep_after > 0);
 }
@@ -71,8 +70,8 @@ CELL_CASE("M1: heavy crates rest on a light one; how deep they sink falls with t
         int substeps;
         double most;
     };
-    for (const load& l : {load{1, 4, 0.002}, load{100, 4, 0.075}, load{100, 8, 0.02}, load{100, 16, 0.005},
-                          load{1000, 32, 0.015}, load{10000, 128, 0.012}}) {
+    for (const load& l : {load{1, 4, 0.001}, load{100, 4, 0.025}, load{100, 8, 0.006}, load{100, 16, 0.0016},
+                          load{1000, 16, 0.015}, load{1000, 32, 0.004}, load{10000, 128, 0.012}}) {
         const double mass = l.mass, most = l.most;
         const int substeps = l.substeps;
         CAPTURE(mass);
@@ -101,7 +100,7 @@ CELL_CASE("M2: ten crates stand under the weight of a heavy one at the top") {
         double mass;
         int substeps;
     };
-    for (const load& l : {load{10, 8}, load{100, 16}, load{300, 32}, load{1000, 64}}) {
+    for (const load& l : {load{10, 8}, load{300, 16}, load{1000, 32}}) {
         CAPTURE(l.mass);
         world w(pulled(l.substeps));
         add_floor(w);

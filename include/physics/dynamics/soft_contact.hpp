@@ -4,59 +4,24 @@
 #include "physics/dynamics/body_lanes.hpp"
 #include "physics/dynamics/restitution.hpp"
 #include "physics/dynamics/soft_friction.hpp"
+#include "physics/dynamics/soft_whole.hpp"
 
 PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// A damped spring as a constraint: which share of its error is removed a second, and what is left of impulses. Source:
-/// Catto, Soft constraints (GDC 2011).
-template <class S>
-struct softness {
-    S rate{}, mass_scale = S(1), impulse_scale{};
-
-    /// Of a frequency (Hz), a damping ratio and a time step (s).
-    static softness of(S frequency, S damping_ratio, S h) {
-        const S omega = S(6.283185307179586) * frequency;
-        const S a = S(2) * damping_ratio + h * omega, b = h * omega * a, c = S(1) / (S(1) + b);
-        return {omega / a, b * c, c};
-    }
-};
-
-/// How a round over the contacts goes.
-template <class S>
-struct soft_round {
-    /// 1 / s: gaps may close within a substep.
-    S inverse_step;
-    softness<S> spring;
-    /// At most as fast are overlaps pushed apart (m/s).
-    S push_speed;
-    /// Contacts whose middle approaches faster than this (m/s) start the next substep cold: what stopped them is no
-    /// lasting load. All points alike: a pile that lost the load of single corners would lean.
-    S impact_speed;
-    /// Whether overlaps are pushed apart at all.
-    bool pushes;
-};
-
-/// What contacts are written with.
-template <class S>
-struct soft_start {
-    /// Length of the step (s), and which part of its impulses a substep begins with.
-    S step, share;
-    /// Approaches slower than this do not bounce (m/s).
-    S bounce_slop;
-};
-
 /// One point of W contacts: where it lies in the plane of the contact, relative to the contact's middle.
-template <class S, int W, bool Bounces>
+template <class S, int D, int W, bool Bounces>
 struct soft_point {
     S mass[W];
     S separation[W];
+    /// What the contact's D speeds ask of it where all points are answered at once.
+    S share[D][W];
     /// Of this substep, after its last round what the next one begins with; and of the whole step.
     S impulse[W], total[W];
 };
-template <class S, int W>
-struct soft_point<S, W, true> : soft_point<S, W, false> {
+template <class S, int D, int W>
+struct soft_point<S, D, W, true> : soft_point<S, D, W, false> {
     /// The speed with which the surfaces part after a bounce (m/s), 0 for none.
     S bounce[W];
 };
@@ -83,22 +48,21 @@ PHYSICS_HPP_ALWAYS_INLINE P load_of(const Point* points, int count) {
     return load;
 }
 /// Points are visited across and back, so that no corner answers first in all rounds. The way turns at the first point,
-/// which all lanes have: it is the same whatever contacts share the lanes. Calls f(k, last): whether this is the last
-/// visit of point k.
+/// which all lanes have: it is the same whatever contacts share the lanes.
 template <class F>
 PHYSICS_HPP_ALWAYS_INLINE void across_and_back(int points, F&& f) {
-    for (int i = 1 - points; i < points; ++i) f(i < 0 ? -i : i, i >= 0);
+    for (int i = 1 - points; i < points; ++i) f(i < 0 ? -i : i);
 }
 /// 0 where surfaces that move at this speed along their normal meet with a blow, 1 elsewhere.
 template <class P, class S = typename P::scalar>
 PHYSICS_HPP_ALWAYS_INLINE P lasting_share(const P& speed, const soft_round<S>& how) {
     return select_greater(-speed, P::broadcast(how.impact_speed), P::broadcast(S(0)), P::broadcast(S(1)));
 }
-/// The change of a point's impulse that its speed along the normal asks for. The last visit of a round that does not
-/// push tells the load, of which that share lasts.
+/// The change of a point's impulse that its speed along the normal asks for, in lanes that are left to visits (1, else
+/// 0).
 template <class P, class Point, class S = typename P::scalar>
 PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& way, const soft_round<S>& how,
-                                         const P& lasting, bool last, P& load) {
+                                         const P& left) {
     const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
     const P gap = P::load(point.separation) + way, mass = P::load(point.mass), before = P::load(point.impulse);
     const P closing = gap * P::broadcast(how.inverse_step);
@@ -109,17 +73,20 @@ PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& 
         impulse_scale = P::broadcast(how.spring.impulse_scale);
     }
     const P wanted = select_greater(gap, zero, closing, bias);
-    const P strength = mass * select_greater(gap, zero, one, mass_scale);
-    const P kept = before - before * select_greater(gap, zero, zero, impulse_scale);
+    const P strength = left * mass * select_greater(gap, zero, one, mass_scale);
+    const P kept = before - before * left * select_greater(gap, zero, zero, impulse_scale);
     const P impulse = max(kept - strength * (speed + wanted), zero);
-    if (how.pushes || !last) {
-        impulse.store(point.impulse);
-    } else {
-        load = impulse;
-        (P::load(point.total) + impulse).store(point.total);
-        (impulse * lasting).store(point.impulse);
-    }
+    impulse.store(point.impulse);
     return impulse - before;
+}
+/// After a round that does not push: the loads of the points, of which that share lasts.
+template <class P, class Point>
+PHYSICS_HPP_ALWAYS_INLINE void take_loads(Point* points, int count, const P& lasting, P* loads) {
+    for (int k = 0; k < count; ++k) {
+        loads[k] = P::load(points[k].impulse);
+        (P::load(points[k].total) + loads[k]).store(points[k].total);
+        (loads[k] * lasting).store(points[k].impulse);
+    }
 }
 /// The same for a bounce: only of points that have pushed, and no more is taken back than they have.
 template <class P, class Point>

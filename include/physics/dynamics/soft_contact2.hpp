@@ -17,7 +17,7 @@ struct soft_contact2 {
     using Q = pack<I, W>;
     using body = solver_body<S, 2>;
 
-    struct point : soft_point<S, W, Features::restitution> {
+    struct point : soft_point<S, 2, W, Features::restitution> {
         /// The lever that an impulse along the normal has about the middle (m).
         S lever[W];
         /// How the two speeds answer to such an impulse.
@@ -31,6 +31,7 @@ struct soft_contact2 {
     I mass_a[W], mass_b[W], inertia_a[W], inertia_b[W];
     static constexpr int capacity = manifold<S, 2>::capacity;
     point points[capacity];
+    soft_whole<S, 2, W> whole;
     [[no_unique_address]] soft_friction2_of<S, W, Features> friction;
     int point_count = 0;
     /// Whether any point bounces.
@@ -61,6 +62,8 @@ struct soft_contact2 {
         const I along = first.inverse_mass + second.inverse_mass + mul<I>(of_a, turn_a) + mul<I>(of_b, turn_b);
         const I across = of_a + of_b, turn = first.inverse_inertia + second.inverse_inertia;
 
+        typename soft_whole<S, 2, W>::answers answers{
+            {{to_double(along), to_double(across)}, {to_double(across), to_double(turn)}}, {}};
         point_count = point_count < c.count ? c.count : point_count;
         for (int k = 0; k < c.count; ++k) {
             const contact_point<S, 2>& from = c.points[k];
@@ -69,12 +72,15 @@ struct soft_contact2 {
             to.lever[lane] = lever;
             to.along[lane] = along + mul<I>(across, lever);
             to.turn[lane] = across + mul<I>(turn, lever);
+            answers.levers[k][0] = 1;
+            answers.levers[k][1] = to_double(lever);
             to.mass[lane] = effective_mass(first, second, from, c.normal);
             to.separation[lane] = from.separation;
             to.impulse[lane] = from.persisted ? from.load : S(0);
             if constexpr (Features::restitution)
                 bounces |= S(0) < (to.bounce[lane] = bounce_of(c, from, first, second, with.bounce_slop, with.step));
         }
+        whole.put(lane, points, c.count, answers);
         if constexpr (Features::friction) {
             friction.coefficient[lane] = c.friction;
             friction.stop[lane] = effective_mass(first, second, middle, tangents<S, 2>(c.normal).t);
@@ -102,21 +108,19 @@ struct soft_contact2 {
         body_lanes2<P> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
-        P load = P::broadcast(S(0)), moment = load, rub = load;
-        for (int k = 0; k < point_count; ++k) {
-            const P impulse = P::load(points[k].impulse);
-            load = load + impulse;
-            moment = moment + P::load(points[k].lever) * impulse;
-        }
+        const P zero = P::broadcast(S(0));
+        push_sum sum{zero, zero};
+        P rub = zero;
+        for (int k = 0; k < point_count; ++k) sum.add(points[k], P::load(points[k].impulse));
         if constexpr (Features::friction) rub = P::load(friction.impulse);
         if constexpr (Features::rolling_resistance)
-            if (extras.at != nullptr) moment = moment + P::load(extras.at->impulse);
-        push(f, load, rub, moment, at_a, at_b);
+            if (extras.at != nullptr) sum.moment = sum.moment + P::load(extras.at->impulse);
+        push(f, sum.load, rub, sum.moment, at_a, at_b);
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
-    /// One round over the contacts: the points across and back, then friction by their load. While overlaps are
-    /// pushed apart friction rests: it would act against what the springs do, and piles would sway.
+    /// One round over the contacts: the points at once, or across and back, then friction by their load. While
+    /// overlaps are pushed apart friction rests: it would act against what the springs do, and piles would sway.
     void solve(body* bodies, const soft_round<S>& how) {
         if constexpr (Features::rolling_resistance)
             if (!how.pushes && extras.at != nullptr) roll(bodies);
@@ -126,12 +130,24 @@ struct soft_contact2 {
         at_b.load(bodies, b);
         const relative_motion speed(f, at_a.velocity, at_b.velocity), way(f, at_a.way, at_b.way);
         const P lasting = lasting_share(speed.along, how);
-        P loads[capacity];
-        push_points(f, speed, at_a, at_b, [&](int k, bool last, const P& v) {
-            return next_impulse(points[k], v, way.at(points[k]), how, lasting, last, loads[k]);
-        });
-        if constexpr (Features::friction)
-            if (!how.pushes) rub(f, loads, lasting, at_a, at_b);
+        P speeds[] = {speed.along, speed.turn};
+        const P ways[] = {way.along, way.turn};
+        P changes[capacity], left;
+        const bool some_left = whole.next(points, point_count, how, speeds, ways, left, changes,
+                                          [&](int k) { return way.at(points[k]); });
+        const P zero = P::broadcast(S(0));
+        push_sum sum{zero, zero};
+        for (int k = 0; k < point_count; ++k) sum.add(points[k], changes[k]);
+        if (some_left)
+            visit_points(speed, sum, [&](int k, const P& v) {
+                return next_impulse(points[k], v, way.at(points[k]), how, left);
+            });
+        push(f, sum.load, zero, sum.moment, at_a, at_b);
+        if (!how.pushes) {
+            P loads[capacity];
+            take_loads(points, point_count, lasting, loads);
+            if constexpr (Features::friction) rub(f, loads, lasting, at_a, at_b);
+        }
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
@@ -141,8 +157,11 @@ struct soft_contact2 {
         body_lanes2<P> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
-        const relative_motion speed(f, at_a.velocity, at_b.velocity);
-        push_points(f, speed, at_a, at_b, [&](int k, bool, const P& v) { return bounce_impulse(points[k], v); });
+        const P zero = P::broadcast(S(0));
+        push_sum sum{zero, zero};
+        visit_points({f, at_a.velocity, at_b.velocity}, sum,
+                     [&](int k, const P& v) { return bounce_impulse(points[k], v); });
+        push(f, sum.load, zero, sum.moment, at_a, at_b);
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
@@ -173,19 +192,25 @@ private:
               turn(b.angular - a.angular) {}
         PHYSICS_HPP_ALWAYS_INLINE P at(const point& p) const { return along + P::load(p.lever) * turn; }
     };
+    /// What impulses along the normal at points come to at the middle.
+    struct push_sum {
+        P load, moment;
+
+        PHYSICS_HPP_ALWAYS_INLINE void add(const point& p, const P& impulse) {
+            load = load + impulse;
+            moment = moment + P::load(p.lever) * impulse;
+        }
+    };
+    /// Changes impulses point by point, each by the speed that the ones before left.
     template <class Next>
-    PHYSICS_HPP_ALWAYS_INLINE void push_points(const frame_lanes& f, relative_motion speed, body_lanes2<P>& at_a,
-                                               body_lanes2<P>& at_b, Next&& next) {
-        P load = P::broadcast(S(0)), moment = load;
-        across_and_back(point_count, [&](int k, bool last) {
+    PHYSICS_HPP_ALWAYS_INLINE void visit_points(relative_motion speed, push_sum& sum, Next&& next) {
+        across_and_back(point_count, [&](int k) {
             const point& p = points[k];
-            const P change = next(k, last, speed.at(p));
-            load = load + change;
-            moment = moment + P::load(p.lever) * change;
+            const P change = next(k, speed.at(p));
+            sum.add(p, change);
             speed.along = speed.along + mul<S>(Q::load(p.along), change);
             speed.turn = speed.turn + mul<S>(Q::load(p.turn), change);
         });
-        push(f, load, P::broadcast(S(0)), moment, at_a, at_b);
     }
     /// Stops the slip at the middle, or lets it slide.
     PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, const P* loads, const P& lasting, body_lanes2<P>& at_a,

@@ -17,7 +17,7 @@ struct soft_contact3 {
     using Q = pack<I, W>;
     using body = solver_body<S, 3>;
 
-    struct point : soft_point<S, W, Features::restitution> {
+    struct point : soft_point<S, 3, W, Features::restitution> {
         /// Along both tangents, from the middle (m).
         S x[W], y[W];
         /// How the three speeds answer to an impulse along the normal.
@@ -31,6 +31,7 @@ struct soft_contact3 {
     I mass_a[W], mass_b[W], inertia_a[6][W], inertia_b[6][W];
     static constexpr int capacity = manifold<S, 3>::capacity;
     point points[capacity];
+    soft_whole<S, 3, W> whole;
     [[no_unique_address]] soft_friction3_of<S, W, Features, Friction> friction;
     int point_count = 0;
     /// Whether any point bounces.
@@ -68,6 +69,9 @@ struct soft_contact3 {
         const I tt = both(frame.t, frame.t, frame.t, frame.t), tu = both(frame.t, frame.t, frame.u, frame.u);
         const I uu = both(frame.u, frame.u, frame.u, frame.u);
 
+        const double s_nt = to_double(nt), s_nu = to_double(nu), s_tu = to_double(tu);
+        typename soft_whole<S, 3, W>::answers answers{
+            {{to_double(nn), s_nt, s_nu}, {s_nt, to_double(tt), s_tu}, {s_nu, s_tu, to_double(uu)}}, {}};
         point_count = point_count < c.count ? c.count : point_count;
         for (int k = 0; k < c.count; ++k) {
             const contact_point<S, 3>& from = c.points[k];
@@ -79,12 +83,16 @@ struct soft_contact3 {
             to.along[lane] = nn + mul<I>(nt, y) - mul<I>(nu, x);
             to.about_t[lane] = nt + mul<I>(tt, y) - mul<I>(tu, x);
             to.about_u[lane] = nu + mul<I>(tu, y) - mul<I>(uu, x);
+            answers.levers[k][0] = 1;
+            answers.levers[k][1] = to_double(y);
+            answers.levers[k][2] = -to_double(x);
             to.mass[lane] = effective_mass(first, second, from, c.normal);
             to.separation[lane] = from.separation;
             to.impulse[lane] = from.persisted ? from.load : S(0);
             if constexpr (Features::restitution)
                 bounces |= S(0) < (to.bounce[lane] = bounce_of(c, from, first, second, with.bounce_slop, with.step));
         }
+        whole.put(lane, points, c.count, answers);
         if constexpr (Features::friction) friction.put(lane, c, middle, first, second, frame, points, with.share);
         extras.put(lane, c, first, second, with.share, scratch);
     }
@@ -109,17 +117,17 @@ struct soft_contact3 {
         body_lanes3<P> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
-        P load = P::broadcast(S(0)), about_t = load, about_u = load;
-        for (int k = 0; k < point_count; ++k)
-            add_push(points[k], P::load(points[k].impulse), load, about_t, about_u);
+        const P zero = P::broadcast(S(0));
+        push_sum sum{zero, zero, zero};
+        for (int k = 0; k < point_count; ++k) sum.add(points[k], P::load(points[k].impulse));
         if constexpr (Features::rolling_resistance) {
             if (extras.at != nullptr) {
-                about_t = about_t + P::load(extras.at->rolling::x);
-                about_u = about_u + P::load(extras.at->rolling::y);
+                sum.about_t = sum.about_t + P::load(extras.at->rolling::x);
+                sum.about_u = sum.about_u + P::load(extras.at->rolling::y);
             }
         }
-        lanes3<P> impulse = {f.n.x * load, f.n.y * load, f.n.z * load};
-        lanes3<P> moment = lane_combine(f.t, about_t, f.u, about_u);
+        lanes3<P> impulse = {f.n.x * sum.load, f.n.y * sum.load, f.n.z * sum.load};
+        lanes3<P> moment = lane_combine(f.t, sum.about_t, f.u, sum.about_u);
         if constexpr (Features::friction) {
             const slide_lanes<P> last = friction.last(points, point_count);
             impulse = lane_add(impulse, lane_combine(f.t, last.x, f.u, last.y));
@@ -130,8 +138,8 @@ struct soft_contact3 {
         if (moves_b) at_b.store(bodies, b);
     }
 
-    /// One round over the contacts: the points across and back, then friction by their load. While overlaps are
-    /// pushed apart friction rests: it would act against what the springs do, and piles would sway.
+    /// One round over the contacts: the points at once, or across and back, then friction by their load. While
+    /// overlaps are pushed apart friction rests: it would act against what the springs do, and piles would sway.
     void solve(body* bodies, const soft_round<S>& how) {
         if constexpr (Features::rolling_resistance)
             if (!how.pushes && extras.at != nullptr) roll(bodies);
@@ -141,12 +149,24 @@ struct soft_contact3 {
         at_b.load(bodies, b);
         const relative_motion speed(f, at_a.velocity, at_b.velocity), way(f, at_a.way, at_b.way);
         const P lasting = lasting_share(speed.along, how);
-        P loads[capacity];
-        push_points(f, speed, at_a, at_b, [&](int k, bool last, const P& v) {
-            return next_impulse(points[k], v, way.at(points[k]), how, lasting, last, loads[k]);
-        });
-        if constexpr (Features::friction)
-            if (!how.pushes) rub(f, loads, lasting, at_a, at_b);
+        P speeds[] = {speed.along, speed.about_t, speed.about_u};
+        const P ways[] = {way.along, way.about_t, way.about_u};
+        P changes[capacity], left;
+        const bool some_left = whole.next(points, point_count, how, speeds, ways, left, changes,
+                                          [&](int k) { return way.at(points[k]); });
+        const P zero = P::broadcast(S(0));
+        push_sum sum{zero, zero, zero};
+        for (int k = 0; k < point_count; ++k) sum.add(points[k], changes[k]);
+        if (some_left)
+            visit_points(speed, sum, [&](int k, const P& v) {
+                return next_impulse(points[k], v, way.at(points[k]), how, left);
+            });
+        push(f, sum, at_a, at_b);
+        if (!how.pushes) {
+            P loads[capacity];
+            take_loads(points, point_count, lasting, loads);
+            if constexpr (Features::friction) rub(f, loads, lasting, at_a, at_b);
+        }
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
@@ -156,8 +176,11 @@ struct soft_contact3 {
         body_lanes3<P> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
-        const relative_motion speed(f, at_a.velocity, at_b.velocity);
-        push_points(f, speed, at_a, at_b, [&](int k, bool, const P& v) { return bounce_impulse(points[k], v); });
+        const P zero = P::broadcast(S(0));
+        push_sum sum{zero, zero, zero};
+        visit_points({f, at_a.velocity, at_b.velocity}, sum,
+                     [&](int k, const P& v) { return bounce_impulse(points[k], v); });
+        push(f, sum, at_a, at_b);
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
@@ -193,24 +216,27 @@ private:
         return lane_subtract(lane_add(b.linear, lane_cross(b.angular, f.arm_b)),
                              lane_add(a.linear, lane_cross(a.angular, f.arm_a)));
     }
-    PHYSICS_HPP_ALWAYS_INLINE static void add_push(const point& p, const P& impulse, P& load, P& about_t, P& about_u) {
-        load = load + impulse;
-        about_t = about_t + P::load(p.y) * impulse;
-        about_u = about_u - P::load(p.x) * impulse;
-    }
+    /// What impulses along the normal at points come to at the middle.
+    struct push_sum {
+        P load, about_t, about_u;
+
+        PHYSICS_HPP_ALWAYS_INLINE void add(const point& p, const P& impulse) {
+            load = load + impulse;
+            about_t = about_t + P::load(p.y) * impulse;
+            about_u = about_u - P::load(p.x) * impulse;
+        }
+    };
+    /// Changes impulses point by point, each by the speed that the ones before left.
     template <class Next>
-    PHYSICS_HPP_ALWAYS_INLINE void push_points(const frame_lanes& f, relative_motion speed, body_lanes3<P>& at_a,
-                                               body_lanes3<P>& at_b, Next&& next) {
-        P load = P::broadcast(S(0)), about_t = load, about_u = load;
-        across_and_back(point_count, [&](int k, bool last) {
+    PHYSICS_HPP_ALWAYS_INLINE void visit_points(relative_motion speed, push_sum& sum, Next&& next) {
+        across_and_back(point_count, [&](int k) {
             const point& p = points[k];
-            const P change = next(k, last, speed.at(p));
-            add_push(p, change, load, about_t, about_u);
+            const P change = next(k, speed.at(p));
+            sum.add(p, change);
             speed.along = speed.along + mul<S>(Q::load(p.along), change);
             speed.about_t = speed.about_t + mul<S>(Q::load(p.about_t), change);
             speed.about_u = speed.about_u + mul<S>(Q::load(p.about_u), change);
         });
-        push(f, {f.n.x * load, f.n.y * load, f.n.z * load}, lane_combine(f.t, about_t, f.u, about_u), at_a, at_b);
     }
     /// Stops the slip, or lets it slide on the cone.
     PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, const P* loads, const P& lasting, body_lanes3<P>& at_a,
@@ -247,6 +273,11 @@ private:
         where_it_acts(at_b.velocity.angular, lane_add(at_b.velocity.angular, turned_by(inertia_b, moment)));
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
+    }
+    PHYSICS_HPP_ALWAYS_INLINE void push(const frame_lanes& f, const push_sum& sum, body_lanes3<P>& at_a,
+                                        body_lanes3<P>& at_b) const {
+        push(f, {f.n.x * sum.load, f.n.y * sum.load, f.n.z * sum.load},
+             lane_combine(f.t, sum.about_t, f.u, sum.about_u), at_a, at_b);
     }
     /// An impulse at the middle and an angular impulse, from A on B.
     PHYSICS_HPP_ALWAYS_INLINE void push(const frame_lanes& f, const lanes3<P>& impulse, const lanes3<P>& moment,

@@ -17,7 +17,7 @@ struct soft_step_settings {
     int substeps = 4;
     /// Frequency of the springs that push overlaps apart, as a part of the substeps' rate: work buys stiffness. With
     /// less a column of 15 crates buckles at 4 substeps, with more heavy loads and wide piles tremble.
-    S stiffness = S(0.15625);
+    S stiffness = S(0.2);
     /// Their damping ratio.
     S damping_ratio = S(10);
     /// The frequency is no higher than this (Hz); 0: no limit.

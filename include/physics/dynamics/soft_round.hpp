@@ -1,0 +1,50 @@
+// How the soft solver goes over its contacts.
+#pragma once
+
+#include "physics/base/math.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// A damped spring as a constraint: which share of its error is removed a second, and what is left of impulses. Source:
+/// Catto, Soft constraints (GDC 2011).
+template <class S>
+struct softness {
+    S rate{}, mass_scale = S(1), impulse_scale{};
+
+    /// Of a frequency (Hz), a damping ratio and a time step (s).
+    static softness of(S frequency, S damping_ratio, S h) {
+        const S omega = S(6.283185307179586) * frequency;
+        const S a = S(2) * damping_ratio + h * omega, b = h * omega * a, c = S(1) / (S(1) + b);
+        return {omega / a, b * c, c};
+    }
+};
+
+/// How a round over the contacts goes.
+template <class S>
+struct soft_round {
+    /// 1 / s: gaps may close within a substep.
+    S inverse_step;
+    softness<S> spring;
+    /// At most as fast are overlaps pushed apart (m/s).
+    S push_speed;
+    /// Contacts whose middle approaches faster than this (m/s) start the next substep cold: what stopped them is no
+    /// lasting load. All points alike: a pile that lost the load of single corners would lean.
+    S impact_speed;
+    /// Whether overlaps are pushed apart at all.
+    bool pushes;
+};
+
+/// What contacts are written with.
+template <class S>
+struct soft_start {
+    /// Length of the step (s), and which part of its impulses a substep begins with.
+    S step, share;
+    /// Approaches slower than this do not bounce (m/s).
+    S bounce_slop;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
