@@ -261,6 +261,32 @@ CELL_CASE("soft step: where all points of a contact go on pushing, a round stops
     }
 }
 
+CELL_CASE("soft step: points at all but one place, at different depths, push no harder than one") {
+    cell::dice dice(405);
+    for (int run = 0; run < 400; ++run) {
+        problem p = random_problem(dice, 1, 0, run % 2 != 0);
+        contact& c = p.contacts[0];
+        c.count = 2 + dice.below(physics::manifold<S, D>::capacity - 1);
+        for (auto& b : p.bodies) b.velocity = {};
+        const auto first = c.points[0];
+        const double apart = std::pow(10, dice.number(-12, -1));
+        for (int k = 0; k < c.count; ++k) {
+            const vec aside = from_reals(random_direction(dice) * apart);
+            c.points[k].lever_a = first.lever_a + aside;
+            c.points[k].lever_b = first.lever_b + aside;
+            c.points[k].separation = dice.real(-0.02, 0);
+            c.points[k].persisted = true;
+            c.points[k].load = dice.real(0, 0.01);
+        }
+        solve_softly<physics::detail::native_width<S>, frictionless>(p, 4);
+        for (const point_of& q : points_of(p)) {
+            // Faster than pushed apart, and than the loads that they begin with come to, nothing moves.
+            REQUIRE(q.impulse <= 2);
+            REQUIRE(size(slip_of(p.bodies, q)) <= 2);
+        }
+    }
+}
+
 /// Gravity 10 on a tilted plane.
 soft_world soft_slope(double angle, double friction, double restitution = 0) {
     soft_world::settings_type settings;

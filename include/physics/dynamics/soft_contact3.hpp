@@ -69,9 +69,10 @@ struct soft_contact3 {
         const I tt = both(frame.t, frame.t, frame.t, frame.t), tu = both(frame.t, frame.t, frame.u, frame.u);
         const I uu = both(frame.u, frame.u, frame.u, frame.u);
 
-        const double s_nt = to_double(nt), s_nu = to_double(nu), s_tu = to_double(tu);
-        typename soft_whole<S, 3, W>::answers answers{
-            {{to_double(nn), s_nt, s_nu}, {s_nt, to_double(tt), s_tu}, {s_nu, s_tu, to_double(uu)}}, {}};
+        typename soft_whole<S, 3, W>::answers answers{{{to_double(nn), to_double(nt), to_double(nu)},
+                                                       {to_double(nt), to_double(tt), to_double(tu)},
+                                                       {to_double(nu), to_double(tu), to_double(uu)}},
+                                                      {}};
         point_count = point_count < c.count ? c.count : point_count;
         for (int k = 0; k < c.count; ++k) {
             const contact_point<S, 3>& from = c.points[k];

@@ -81,12 +81,46 @@ struct soft_whole {
             for (int k = 0; k < count; ++k) points[k].share[i][lane] = static_cast<S>(shares[k][i]);
         }
     }
+    /// The changes of the points' impulses that the speeds ask for. `left` is 1 in lanes that are left to visits, and
+    /// nothing changes there; returns whether any is. `at(k)` is the way at point k.
+    template <class Point, class At>
+    PHYSICS_HPP_ALWAYS_INLINE bool next(Point* points, int count, const soft_round<S>& how, P (&speed)[D],
+                                        const P (&way)[D], P& left, P* changes, At&& at) const {
+        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
+        P ok = P::load(able), kept = one, strength = one;
+        if (how.pushes) {
+            const P rate = P::broadcast(how.spring.rate);
+            for (int i = 0; i < D; ++i) speed[i] = speed[i] + rate * (P::load(separation[i]) + way[i]);
+            kept = P::broadcast(S(1) - how.spring.impulse_scale);
+            strength = P::broadcast(how.spring.mass_scale);
+        }
+        for (int k = 0; k < count; ++k) {
+            const P before = P::load(points[k].impulse), gap = P::load(points[k].separation) + at(k);
+            P asked = P::load(points[k].share[0]) * speed[0];
+            for (int i = 1; i < D; ++i) asked = asked + P::load(points[k].share[i]) * speed[i];
+            changes[k] = how.pushes ? kept * before - strength * asked - before : zero - asked;
+            P good = min(before + changes[k], -gap);
+            // Where the limit of the push binds, what the springs ask for is not flat.
+            if (how.pushes) good = min(good, gap * P::broadcast(how.spring.rate) + P::broadcast(how.push_speed));
+            // Of points that only other lanes have nothing is asked.
+            ok = min(ok, select_greater(P::load(points[k].mass), zero, good, zero));
+        }
+        left = select_greater(zero, ok, one, zero);
+        for (int k = 0; k < count; ++k) {
+            changes[k] = select_greater(zero, ok, zero, changes[k]);
+            (P::load(points[k].impulse) + changes[k]).store(points[k].impulse);
+        }
+        return greater(zero, ok).bits() != 0;
+    }
 
 private:
     /// Of points that span the plane of the contact: what stops its D speeds, shared out with the least squares.
     static bool face(int count, const answers& of, double (&fit)[D], const double (&spread)[D - 1][D - 1],
                      double (&shares)[manifold<S, D>::capacity][D]) {
         double stop[D][D], level[D - 1][D - 1];
+        // Points that are all but one would share a turn out in huge impulses.
+        for (int i = 1; i < D; ++i)
+            if (!(spread[i - 1][i - 1] * of.speeds[i][i] > 1e-3 * of.speeds[0][0])) return false;
         if (!invert(of.speeds, stop) || !flatten(spread, level)) return false;
         double slopes[D - 1] = {}, rows[D][D];
         for (int j = 0; j < D; ++j) rows[0][j] = stop[0][j] / count;
@@ -122,44 +156,10 @@ private:
         return true;
     }
     static bool flatten(const double (&spread)[1][1], double (&to)[1][1]) {
-        if (!(spread[0][0] > 0)) return false;
         to[0][0] = 1 / spread[0][0];
         return true;
     }
     static bool flatten(const double (&spread)[2][2], double (&to)[2][2]) { return invert(spread, to); }
-
-public:
-    /// The changes of the points' impulses that the speeds ask for. `left` is 1 in lanes that are left to visits, and
-    /// nothing changes there; returns whether any is. `at(k)` is the way at point k.
-    template <class Point, class At>
-    PHYSICS_HPP_ALWAYS_INLINE bool next(Point* points, int count, const soft_round<S>& how, P (&speed)[D],
-                                        const P (&way)[D], P& left, P* changes, At&& at) const {
-        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
-        P ok = P::load(able), kept = one, strength = one;
-        if (how.pushes) {
-            const P rate = P::broadcast(how.spring.rate);
-            for (int i = 0; i < D; ++i) speed[i] = speed[i] + rate * (P::load(separation[i]) + way[i]);
-            kept = P::broadcast(S(1) - how.spring.impulse_scale);
-            strength = P::broadcast(how.spring.mass_scale);
-        }
-        for (int k = 0; k < count; ++k) {
-            const P before = P::load(points[k].impulse), gap = P::load(points[k].separation) + at(k);
-            P asked = P::load(points[k].share[0]) * speed[0];
-            for (int i = 1; i < D; ++i) asked = asked + P::load(points[k].share[i]) * speed[i];
-            changes[k] = how.pushes ? kept * before - strength * asked - before : zero - asked;
-            P good = min(before + changes[k], -gap);
-            // Where the limit of the push binds, what the springs ask for is not flat.
-            if (how.pushes) good = min(good, gap * P::broadcast(how.spring.rate) + P::broadcast(how.push_speed));
-            // Of points that only other lanes have nothing is asked.
-            ok = min(ok, select_greater(P::load(points[k].mass), zero, good, zero));
-        }
-        left = select_greater(zero, ok, one, zero);
-        for (int k = 0; k < count; ++k) {
-            changes[k] = select_greater(zero, ok, zero, changes[k]);
-            (P::load(points[k].impulse) + changes[k]).store(points[k].impulse);
-        }
-        return greater(zero, ok).bits() != 0;
-    }
 };
 
 }  // namespace detail
