@@ -1,5 +1,5 @@
 // One cell of the matrix, a scalar in a dimension: its types, how near is near in it, and its test cases' names.
-// Each unit of the matrix defines CELL_SCALAR, CELL_DIMENSION and CELL_NAME, and includes this and one floor's laws.
+// Each unit of the matrix defines CELL_SCALAR, CELL_DIMENSION and CELL_NAME, and includes this and a group of laws.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -15,7 +15,7 @@
 /// A test case of this cell, named for example `float/2D: rotation: inverse undoes`.
 #define CELL_CASE(name) TEST_CASE(CELL_NAME ": " name)
 
-// Unnamed, like all that depends on it: the cells of a floor link into one program.
+// Unnamed, like all that depends on it: the cells of a group link into one program.
 namespace {
 
 struct cell {

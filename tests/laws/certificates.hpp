@@ -12,7 +12,7 @@
 //
 // CERTIFICATE_PAIRS in the environment (default 600) says how many pairs of each two kinds; with that, a line for each
 // two kinds is printed. For example a million of each, and what was the worst:
-//     CERTIFICATE_PAIRS=1000000 build/gcc/tests/certificates --test-case='double/3D: *'
+//     CERTIFICATE_PAIRS=1000000 build/clang/tests/shapes --test-case='double/3D: certificates: every*'
 // CERTIFICATE_KINDS=capsule,hull limits it to two kinds, CERTIFICATE_SEED=n draws other pairs.
 #pragma once
 

@@ -79,15 +79,6 @@ PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& 
     impulse.store(point.impulse);
     return impulse - before;
 }
-/// After a round that does not push: the loads of the points, of which that share lasts.
-template <class P, class Point>
-PHYSICS_HPP_ALWAYS_INLINE void take_loads(Point* points, int count, const P& lasting, P* loads) {
-    for (int k = 0; k < count; ++k) {
-        loads[k] = P::load(points[k].impulse);
-        (P::load(points[k].total) + loads[k]).store(points[k].total);
-        (loads[k] * lasting).store(points[k].impulse);
-    }
-}
 /// The same for a bounce: only of points that have pushed, and no more is taken back than they have.
 template <class P, class Point>
 PHYSICS_HPP_ALWAYS_INLINE P bounce_impulse(Point& point, const P& speed) {
@@ -97,6 +88,15 @@ PHYSICS_HPP_ALWAYS_INLINE P bounce_impulse(Point& point, const P& speed) {
     const P total = select_greater(min(bounce, before), zero, after, before);
     total.store(point.total);
     return total - before;
+}
+/// After a round that does not push: the loads of the points, of which that share lasts.
+template <class P, class Point>
+PHYSICS_HPP_ALWAYS_INLINE void take_loads(Point* points, int count, const P& lasting, P* loads) {
+    for (int k = 0; k < count; ++k) {
+        loads[k] = P::load(points[k].impulse);
+        (P::load(points[k].total) + loads[k]).store(points[k].total);
+        (loads[k] * lasting).store(points[k].impulse);
+    }
 }
 
 }  // namespace detail

@@ -62,8 +62,7 @@ struct soft_contact2 {
         const I along = first.inverse_mass + second.inverse_mass + mul<I>(of_a, turn_a) + mul<I>(of_b, turn_b);
         const I across = of_a + of_b, turn = first.inverse_inertia + second.inverse_inertia;
 
-        typename soft_whole<S, 2, W>::answers answers{
-            {{to_double(along), to_double(across)}, {to_double(across), to_double(turn)}}, {}};
+        vec<double, 2> levers[capacity], answers[capacity];
         point_count = point_count < c.count ? c.count : point_count;
         for (int k = 0; k < c.count; ++k) {
             const contact_point<S, 2>& from = c.points[k];
@@ -72,15 +71,16 @@ struct soft_contact2 {
             to.lever[lane] = lever;
             to.along[lane] = along + mul<I>(across, lever);
             to.turn[lane] = across + mul<I>(turn, lever);
-            answers.levers[k][0] = 1;
-            answers.levers[k][1] = to_double(lever);
+            levers[k] = {1, to_double(lever)};
+            answers[k] = {to_double(to.along[lane]), to_double(to.turn[lane])};
             to.mass[lane] = effective_mass(first, second, from, c.normal);
             to.separation[lane] = from.separation;
             to.impulse[lane] = from.persisted ? from.load : S(0);
             if constexpr (Features::restitution)
                 bounces |= S(0) < (to.bounce[lane] = bounce_of(c, from, first, second, with.bounce_slop, with.step));
         }
-        whole.put(lane, points, c.count, answers);
+        whole.able[lane] = S(-1);
+        if (c.count == 2) whole.put_edge(lane, points, levers, answers);
         if constexpr (Features::friction) {
             friction.coefficient[lane] = c.friction;
             friction.stop[lane] = effective_mass(first, second, middle, tangents<S, 2>(c.normal).t);
@@ -132,13 +132,10 @@ struct soft_contact2 {
         const P lasting = lasting_share(speed.along, how);
         P speeds[] = {speed.along, speed.turn};
         const P ways[] = {way.along, way.turn};
-        P changes[capacity], left;
-        const bool some_left = whole.next(points, point_count, how, speeds, ways, left, changes,
-                                          [&](int k) { return way.at(points[k]); });
         const P zero = P::broadcast(S(0));
         push_sum sum{zero, zero};
-        for (int k = 0; k < point_count; ++k) sum.add(points[k], changes[k]);
-        if (some_left)
+        P left;
+        if (whole.push(points, point_count, how, speeds, ways, left, sum, [&](int k) { return way.at(points[k]); }))
             visit_points(speed, sum, [&](int k, const P& v) {
                 return next_impulse(points[k], v, way.at(points[k]), how, left);
             });

@@ -69,10 +69,7 @@ struct soft_contact3 {
         const I tt = both(frame.t, frame.t, frame.t, frame.t), tu = both(frame.t, frame.t, frame.u, frame.u);
         const I uu = both(frame.u, frame.u, frame.u, frame.u);
 
-        typename soft_whole<S, 3, W>::answers answers{{{to_double(nn), to_double(nt), to_double(nu)},
-                                                       {to_double(nt), to_double(tt), to_double(tu)},
-                                                       {to_double(nu), to_double(tu), to_double(uu)}},
-                                                      {}};
+        vec<double, 3> levers[capacity], answers[capacity];
         point_count = point_count < c.count ? c.count : point_count;
         for (int k = 0; k < c.count; ++k) {
             const contact_point<S, 3>& from = c.points[k];
@@ -84,16 +81,19 @@ struct soft_contact3 {
             to.along[lane] = nn + mul<I>(nt, y) - mul<I>(nu, x);
             to.about_t[lane] = nt + mul<I>(tt, y) - mul<I>(tu, x);
             to.about_u[lane] = nu + mul<I>(tu, y) - mul<I>(uu, x);
-            answers.levers[k][0] = 1;
-            answers.levers[k][1] = to_double(y);
-            answers.levers[k][2] = -to_double(x);
+            levers[k] = {1, to_double(y), -to_double(x)};
+            answers[k] = {to_double(to.along[lane]), to_double(to.about_t[lane]), to_double(to.about_u[lane])};
             to.mass[lane] = effective_mass(first, second, from, c.normal);
             to.separation[lane] = from.separation;
             to.impulse[lane] = from.persisted ? from.load : S(0);
             if constexpr (Features::restitution)
                 bounces |= S(0) < (to.bounce[lane] = bounce_of(c, from, first, second, with.bounce_slop, with.step));
         }
-        whole.put(lane, points, c.count, answers);
+        whole.able[lane] = S(-1);
+        if (c.count == 2) whole.put_edge(lane, points, levers, answers);
+        if (c.count > 2)
+            whole.put_face(lane, points, c.count, levers, {to_double(nn), to_double(tt), to_double(uu), to_double(nt),
+                                                           to_double(nu), to_double(tu)});
         if constexpr (Features::friction) friction.put(lane, c, middle, first, second, frame, points, with.share);
         extras.put(lane, c, first, second, with.share, scratch);
     }
@@ -152,13 +152,10 @@ struct soft_contact3 {
         const P lasting = lasting_share(speed.along, how);
         P speeds[] = {speed.along, speed.about_t, speed.about_u};
         const P ways[] = {way.along, way.about_t, way.about_u};
-        P changes[capacity], left;
-        const bool some_left = whole.next(points, point_count, how, speeds, ways, left, changes,
-                                          [&](int k) { return way.at(points[k]); });
         const P zero = P::broadcast(S(0));
         push_sum sum{zero, zero, zero};
-        for (int k = 0; k < point_count; ++k) sum.add(points[k], changes[k]);
-        if (some_left)
+        P left;
+        if (whole.push(points, point_count, how, speeds, ways, left, sum, [&](int k) { return way.at(points[k]); }))
             visit_points(speed, sum, [&](int k, const P& v) {
                 return next_impulse(points[k], v, way.at(points[k]), how, left);
             });

@@ -1,7 +1,7 @@
 // How the soft solver goes over its contacts.
 #pragma once
 
-#include "physics/base/math.hpp"
+#include "physics/base/config.hpp"
 
 PHYSICS_HPP_BEGIN
 

@@ -4,40 +4,16 @@
 #include "physics/base/pack_mask.hpp"
 #include "physics/collide/manifold.hpp"
 #include "physics/dynamics/soft_round.hpp"
+#include "physics/space/mat.hpp"
 
 PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// The inverse of a symmetric matrix; false where it is nearly singular, and then nothing is written.
-inline bool invert(const double (&m)[2][2], double (&to)[2][2]) {
-    const double det = m[0][0] * m[1][1] - m[0][1] * m[0][1];
-    if (!(det > 1e-4 * m[0][0] * m[1][1])) return false;
-    to[0][0] = m[1][1] / det;
-    to[1][1] = m[0][0] / det;
-    to[0][1] = to[1][0] = -m[0][1] / det;
-    return true;
-}
-inline bool invert(const double (&m)[3][3], double (&to)[3][3]) {
-    const double c0 = m[1][1] * m[2][2] - m[1][2] * m[1][2];
-    const double c1 = m[0][2] * m[1][2] - m[0][1] * m[2][2];
-    const double c2 = m[0][1] * m[1][2] - m[0][2] * m[1][1];
-    const double det = m[0][0] * c0 + m[0][1] * c1 + m[0][2] * c2;
-    if (!(det > 1e-4 * m[0][0] * m[1][1] * m[2][2])) return false;
-    const double share = 1 / det;
-    to[0][0] = c0 * share;
-    to[0][1] = to[1][0] = c1 * share;
-    to[0][2] = to[2][0] = c2 * share;
-    to[1][1] = (m[0][0] * m[2][2] - m[0][2] * m[0][2]) * share;
-    to[1][2] = to[2][1] = (m[0][1] * m[0][2] - m[0][0] * m[1][2]) * share;
-    to[2][2] = (m[0][0] * m[1][1] - m[0][1] * m[0][1]) * share;
-    return true;
-}
-
 /// The speeds of a contact's points follow from D numbers, so that the impulses that stop all of them do too: where
 /// every point touches and goes on pushing, that is the answer, exact and without iterations. Elsewhere points are
 /// visited one by one. It carries heavy loads and keeps columns from swaying, which visits do not. Source: the first
-/// case of Catto's block solver (Box2D, 2006), for any number of points.
+/// case of the block solver of Catto's Box2D 2, for any number of points.
 template <class S, int D, int W>
 struct soft_whole {
     using P = pack<S, W>;
@@ -47,47 +23,59 @@ struct soft_whole {
     /// Less than 0 where points have to be visited.
     S able[W];
 
-    /// How a contact's points answer to impulses: its D speeds to an impulse along the normal at the middle and to
-    /// angular ones, and what of these an impulse at a point is.
-    struct answers {
-        double speeds[D][D];
-        double levers[manifold<S, D>::capacity][D];
-    };
+    static constexpr int capacity = manifold<S, D>::capacity;
+    using row = vec<double, D>;
+
+    /// Two points: `levers` are what an impulse at each is at the middle, along the normal and about the tangents;
+    /// `answers` how the speeds answer to it.
     template <class Point>
-    void put(int lane, Point* points, int count, const answers& of) {
-        able[lane] = S(-1);
-        if (count < 2) return;
-        // The middle of the points is the origin of their levers, so that the first speed is no matter of slopes.
-        double fit[D] = {}, spread[D - 1][D - 1] = {};
-        for (int k = 0; k < count; ++k) {
-            const double* lever = of.levers[k];
-            const double gap = to_double(points[k].separation[lane]);
-            fit[0] += gap;
-            for (int i = 1; i < D; ++i) {
-                fit[i] += lever[i] * gap;
-                for (int j = 1; j < D; ++j) spread[i - 1][j - 1] += lever[i] * lever[j];
-            }
-        }
-        fit[0] /= count;
-        double shares[manifold<S, D>::capacity][D];
-        if (!(count < D ? edge(of, fit, spread, shares) : face(count, of, fit, spread, shares))) return;
-        const double most = to_double(scalar_traits<S>::max()) / 4;
-        for (int k = 0; k < count; ++k)
-            for (int i = 0; i < D; ++i)
-                if (!(shares[k][i] < most && shares[k][i] > -most)) return;
-        able[lane] = S(0);
-        for (int i = 0; i < D; ++i) {
-            separation[i][lane] = static_cast<S>(fit[i]);
-            for (int k = 0; k < count; ++k) points[k].share[i][lane] = static_cast<S>(shares[k][i]);
-        }
+    void put_edge(int lane, Point* points, const row (&levers)[capacity], const row (&answers)[capacity]) {
+        const double own[] = {dot(levers[0], answers[0]), dot(levers[1], answers[1])};
+        const double other = dot(levers[0], answers[1]), determinant = own[0] * own[1] - other * other;
+        // Points that are all but one would share a turn out in huge impulses.
+        if (!(determinant > 1e-4 * own[0] * own[1])) return;
+        // The middle of the points is the origin: but for the sign both lie as far from it.
+        const row half = (levers[0] - levers[1]) * 0.5;
+        const double gaps[] = {to_double(points[0].separation[lane]), to_double(points[1].separation[lane])};
+        row plane = half * ((gaps[0] - gaps[1]) / (2 * dot(half, half)));
+        plane[0] = 0.5 * (gaps[0] + gaps[1]);
+        row shares[capacity];
+        for (int k = 0; k < 2; ++k) shares[k] = (levers[k] * own[1 - k] - levers[1 - k] * other) / determinant;
+        write(lane, points, 2, plane, shares);
     }
-    /// The changes of the points' impulses that the speeds ask for. `left` is 1 in lanes that are left to visits, and
-    /// nothing changes there; returns whether any is. `at(k)` is the way at point k.
-    template <class Point, class At>
-    PHYSICS_HPP_ALWAYS_INLINE bool next(Point* points, int count, const soft_round<S>& how, P (&speed)[D],
-                                        const P (&way)[D], P& left, P* changes, At&& at) const {
+    /// More points, which span the plane of the contact: what stops its speeds, shared out with the least squares.
+    /// `answers` tells how the speeds answer to an impulse along the normal at the middle and to angular ones.
+    template <class Point>
+    void put_face(int lane, Point* points, int count, const row (&levers)[capacity], const symmetric<double>& answers) {
+        double xx = 0, xy = 0, yy = 0;
+        for (int k = 0; k < count; ++k) {
+            xx += levers[k].y * levers[k].y;
+            xy += levers[k].y * levers[k].z;
+            yy += levers[k].z * levers[k].z;
+        }
+        const double determinant = xx * yy - xy * xy, small = 1e-3 * answers.xx;
+        if (!(xx * answers.yy > small && yy * answers.zz > small && determinant > 1e-4 * xx * yy)) return;
+        const symmetric<double> stop = inverse<double>(answers);
+        const auto is_apart = [](double answer, double stopped) { return stopped > 0 && answer * stopped < 1e4; };
+        if (!is_apart(answers.xx, stop.xx) || !is_apart(answers.yy, stop.yy) || !is_apart(answers.zz, stop.zz)) return;
+        row plane{}, shares[capacity];
+        for (int k = 0; k < count; ++k) {
+            const row part = {1.0 / count, (yy * levers[k].y - xy * levers[k].z) / determinant,
+                              (xx * levers[k].z - xy * levers[k].y) / determinant};
+            plane += part * to_double(points[k].separation[lane]);
+            shares[k] = times(stop, part);
+        }
+        write(lane, points, count, plane, shares);
+    }
+    /// Answers the speeds, and adds what that comes to to the sum. `left` is 1 in lanes that are left to visits, where
+    /// nothing changes; returns whether any is. `at(k)` is the way at point k.
+    template <class Point, class Sum, class At>
+    PHYSICS_HPP_ALWAYS_INLINE bool push(Point* points, int count, const soft_round<S>& how, P (&speed)[D],
+                                        const P (&way)[D], P& left, Sum& sum, At&& at) const {
         const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
-        P ok = P::load(able), kept = one, strength = one;
+        left = one;
+        if (count == 1) return true;
+        P ok = P::load(able), kept = one, strength = one, changes[capacity];
         if (how.pushes) {
             const P rate = P::broadcast(how.spring.rate);
             for (int i = 0; i < D; ++i) speed[i] = speed[i] + rate * (P::load(separation[i]) + way[i]);
@@ -107,59 +95,26 @@ struct soft_whole {
         }
         left = select_greater(zero, ok, one, zero);
         for (int k = 0; k < count; ++k) {
-            changes[k] = select_greater(zero, ok, zero, changes[k]);
-            (P::load(points[k].impulse) + changes[k]).store(points[k].impulse);
+            const P change = select_greater(zero, ok, zero, changes[k]);
+            (P::load(points[k].impulse) + change).store(points[k].impulse);
+            sum.add(points[k], change);
         }
         return greater(zero, ok).bits() != 0;
     }
 
 private:
-    /// Of points that span the plane of the contact: what stops its D speeds, shared out with the least squares.
-    static bool face(int count, const answers& of, double (&fit)[D], const double (&spread)[D - 1][D - 1],
-                     double (&shares)[manifold<S, D>::capacity][D]) {
-        double stop[D][D], level[D - 1][D - 1];
-        // Points that are all but one would share a turn out in huge impulses.
-        for (int i = 1; i < D; ++i)
-            if (!(spread[i - 1][i - 1] * of.speeds[i][i] > 1e-3 * of.speeds[0][0])) return false;
-        if (!invert(of.speeds, stop) || !flatten(spread, level)) return false;
-        double slopes[D - 1] = {}, rows[D][D];
-        for (int j = 0; j < D; ++j) rows[0][j] = stop[0][j] / count;
-        for (int i = 1; i < D; ++i)
-            for (int k = 1; k < D; ++k) slopes[i - 1] += level[i - 1][k - 1] * fit[k];
-        for (int i = 1; i < D; ++i) {
-            fit[i] = slopes[i - 1];
-            for (int j = 0; j < D; ++j) {
-                rows[i][j] = 0;
-                for (int k = 1; k < D; ++k) rows[i][j] += level[i - 1][k - 1] * stop[k][j];
-            }
-        }
+    template <class Point>
+    void write(int lane, Point* points, int count, const row& plane, const row (&shares)[capacity]) {
+        const double most = to_double(scalar_traits<S>::max()) / 4;
         for (int k = 0; k < count; ++k)
-            for (int j = 0; j < D; ++j) {
-                shares[k][j] = 0;
-                for (int i = 0; i < D; ++i) shares[k][j] += of.levers[k][i] * rows[i][j];
-            }
-        return true;
+            for (int i = 0; i < D; ++i)
+                if (!(shares[k][i] < most && shares[k][i] > -most)) return;
+        able[lane] = S(0);
+        for (int i = 0; i < D; ++i) {
+            separation[i][lane] = static_cast<S>(plane[i]);
+            for (int k = 0; k < count; ++k) points[k].share[i][lane] = static_cast<S>(shares[k][i]);
+        }
     }
-    /// Of two points in space.
-    static bool edge(const answers& of, double (&fit)[D], const double (&spread)[D - 1][D - 1],
-                     double (&shares)[manifold<S, D>::capacity][D]) {
-        double answer[2][2] = {}, stop[2][2], length = 0;
-        for (int a = 0; a < 2; ++a)
-            for (int b = 0; b < 2; ++b)
-                for (int i = 0; i < D; ++i)
-                    for (int j = 0; j < D; ++j) answer[a][b] += of.levers[a][i] * of.speeds[i][j] * of.levers[b][j];
-        for (int i = 1; i < D; ++i) length += spread[i - 1][i - 1];
-        if (!(length > 0) || !invert(answer, stop)) return false;
-        for (int i = 1; i < D; ++i) fit[i] /= length;
-        for (int k = 0; k < 2; ++k)
-            for (int j = 0; j < D; ++j) shares[k][j] = stop[k][0] * of.levers[0][j] + stop[k][1] * of.levers[1][j];
-        return true;
-    }
-    static bool flatten(const double (&spread)[1][1], double (&to)[1][1]) {
-        to[0][0] = 1 / spread[0][0];
-        return true;
-    }
-    static bool flatten(const double (&spread)[2][2], double (&to)[2][2]) { return invert(spread, to); }
 };
 
 }  // namespace detail
