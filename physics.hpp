@@ -19579,7 +19579,14 @@ template <class S>
 struct tangents3 {
     vec<S, 3> t, u;
 
-    constexpr explicit tangents3(vec<S, 3> normal) : t(perpendicular(normal)), u(cross(normal, t)) {}
+    constexpr explicit tangents3(vec<S, 3> n) {
+        // The branch keeps the longer of two candidates, so that its length is at least sqrt(1/2).
+        const bool flat = abs(n.x) > abs(n.z);
+        const S from = flat ? n.y : n.z, to = flat ? n.x : n.y;
+        const S size = root<S>(product(from, from) + product(to, to)), back = -from / size, on = to / size;
+        t = flat ? vec<S, 3>{back, on, S(0)} : vec<S, 3>{S(0), back, on};
+        u = cross(n, t);
+    }
     [[nodiscard]] constexpr vec<S, 2> components(vec<S, 3> v) const { return {dot(t, v), dot(u, v)}; }
     [[nodiscard]] constexpr vec<S, 3> combine(vec<S, 2> along) const { return t * along.x + u * along.y; }
 };
@@ -20008,6 +20015,34 @@ struct body_lanes2 {
                quad<P>{velocity.linear.x, velocity.linear.y, velocity.angular, way.linear.x});
     }
 };
+/// Writes how bodies in space answer to impulses into lanes.
+template <class S, int W>
+PHYSICS_HPP_ALWAYS_INLINE void load_answers(const solver_body<S, 3>* bodies, const std::uint32_t (&index)[W],
+                                            inverse_of<S> (&mass)[W], inverse_of<S> (&inertia)[6][W]) {
+    if constexpr (std::is_floating_point_v<S>) {
+        using P = pack<S, W>;
+        constexpr int stride = sizeof(solver_body<S, 3>) / sizeof(S);
+        const auto* first = reinterpret_cast<const S*>(bodies);
+        const quad<P> a = load4<P>(indexed_rows<const S, stride>{first + 12, index});
+        const quad<P> b = load4<P>(indexed_rows<const S, stride>{first + 16, index});
+        a.x.store(mass);
+        a.y.store(inertia[0]);
+        a.z.store(inertia[1]);
+        a.w.store(inertia[2]);
+        b.x.store(inertia[3]);
+        b.y.store(inertia[4]);
+        b.z.store(inertia[5]);
+    } else {
+        for (int lane = 0; lane < W; ++lane) {
+            const solver_body<S, 3>& of = bodies[index[lane]];
+            const auto& m = of.inverse_inertia;
+            const inverse_of<S> six[] = {m.xx, m.yy, m.zz, m.xy, m.xz, m.yz};
+            mass[lane] = of.inverse_mass;
+            for (int i = 0; i < 6; ++i) inertia[i][lane] = six[i];
+        }
+    }
+}
+
 template <class P>
 struct body_lanes3 {
     using S = typename P::scalar;
@@ -20711,6 +20746,121 @@ struct sequential_impulse {
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/dynamics/soft_prepare.hpp
+// =================================================================================================
+// What preparing the soft solver's contacts in lanes is made of.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// What contacts are prepared in: floats as they are; other scalars by way of double, which has room for products of
+/// inverse masses.
+template <class S, int W>
+using preparing = pack<std::conditional_t<std::is_floating_point_v<S>, S, double>, W>;
+
+template <class K, class T>
+PHYSICS_HPP_ALWAYS_INLINE K lanes_from(const T* from) {
+    if constexpr (std::is_same_v<typename K::scalar, T>) {
+        return K::load(from);
+    } else {
+        K lanes;
+        for (int i = 0; i < K::width; ++i) lanes.set_lane(i, to_double(from[i]));
+        return lanes;
+    }
+}
+template <class K, class T>
+PHYSICS_HPP_ALWAYS_INLINE void put_lanes(const K& lanes, T* to) {
+    if constexpr (std::is_same_v<typename K::scalar, T>)
+        lanes.store(to);
+    else
+        for (int i = 0; i < K::width; ++i) to[i] = static_cast<T>(lanes.lane(i));
+}
+template <class K, class T>
+PHYSICS_HPP_ALWAYS_INLINE lanes3<K> lanes3_from(const T (&from)[3][K::width]) {
+    return {lanes_from<K>(from[0]), lanes_from<K>(from[1]), lanes_from<K>(from[2])};
+}
+
+/// a / b where b is greater than 0, else 0.
+template <class K>
+PHYSICS_HPP_ALWAYS_INLINE K lane_share(const K& a, const K& b) {
+    using C = typename K::scalar;
+    const K zero = K::broadcast(C(0)), one = K::broadcast(C(1));
+    return select_greater(b, zero, a / select_greater(b, zero, b, one), zero);
+}
+template <class K>
+PHYSICS_HPP_ALWAYS_INLINE K lane_reciprocal(const K& x) {
+    return lane_share(K::broadcast(typename K::scalar(1)), x);
+}
+
+template <class K>
+struct symmetric_lanes {
+    K xx, yy, zz, xy, xz, yz;
+
+    template <class T>
+    PHYSICS_HPP_ALWAYS_INLINE static symmetric_lanes load(const T (&from)[6][K::width]) {
+        return {lanes_from<K>(from[0]), lanes_from<K>(from[1]), lanes_from<K>(from[2]),
+                lanes_from<K>(from[3]), lanes_from<K>(from[4]), lanes_from<K>(from[5])};
+    }
+};
+template <class K>
+PHYSICS_HPP_ALWAYS_INLINE symmetric_lanes<K> lane_add(const symmetric_lanes<K>& a, const symmetric_lanes<K>& b) {
+    return {a.xx + b.xx, a.yy + b.yy, a.zz + b.zz, a.xy + b.xy, a.xz + b.xz, a.yz + b.yz};
+}
+template <class K>
+PHYSICS_HPP_ALWAYS_INLINE lanes3<K> lane_times(const symmetric_lanes<K>& m, const lanes3<K>& v) {
+    return {m.xx * v.x + m.xy * v.y + m.xz * v.z, m.xy * v.x + m.yy * v.y + m.yz * v.z,
+            m.xz * v.x + m.yz * v.y + m.zz * v.z};
+}
+/// The inverse of positive definite matrices; of others anything. By L D L^T, as in mat.hpp.
+template <class K>
+PHYSICS_HPP_ALWAYS_INLINE symmetric_lanes<K> lane_inverse(const symmetric_lanes<K>& m) {
+    const K e1 = lane_reciprocal(m.xx), l21 = m.xy * e1, l31 = m.xz * e1;
+    const K e2 = lane_reciprocal(m.yy - l21 * m.xy), left = m.yz - l21 * m.xz, l32 = left * e2;
+    const K e3 = lane_reciprocal(m.zz - l31 * m.xz - l32 * left);
+    const K m31 = l21 * l32 - l31, xz = e3 * m31, yz = -(e3 * l32), xy = -(e2 * l21) - xz * l32;
+    return {e1 + e2 * l21 * l21 + xz * m31, e2 - yz * l32, e3, xy, xz, yz};
+}
+
+/// What is gathered from W contacts, to be prepared together: where their points are from their middles, in world axes,
+/// 1 for each point that there is, and how many there are.
+template <class S, int D, int W>
+struct gathered_points {
+    static constexpr int capacity = manifold<S, D>::capacity;
+
+    S offset[capacity][D][W] = {};
+    S there[capacity][W] = {};
+    S count[W] = {};
+};
+
+/// W contacts in space, and how their bodies answer to impulses at the middles.
+template <class K>
+struct contact_lanes3 {
+    lanes3<K> n, t, u, arm_a, arm_b;
+    K mass;
+    symmetric_lanes<K> inertia_a, inertia_b;
+
+    /// How fast B turns about some axes against A by angular impulses about others.
+    PHYSICS_HPP_ALWAYS_INLINE K turned(const lanes3<K>& of_a, const lanes3<K>& of_b, const lanes3<K>& about_a,
+                                       const lanes3<K>& about_b) const {
+        return lane_dot(lane_times(inertia_a, of_a), about_a) + lane_dot(lane_times(inertia_b, of_b), about_b);
+    }
+};
+
+/// The first tangent of normals in space, as tangents3 has it.
+template <class K>
+PHYSICS_HPP_ALWAYS_INLINE lanes3<K> lane_tangent(const lanes3<K>& n) {
+    const K zero = K::broadcast(typename K::scalar(0)), x = lane_abs(n.x), z = lane_abs(n.z);
+    const K from = select_greater(x, z, n.y, n.z), to = select_greater(x, z, n.x, n.y);
+    const K length = lane_length(from, to), back = lane_share(-from, length), on = lane_share(to, length);
+    return {select_greater(x, z, back, zero), select_greater(x, z, on, back), select_greater(x, z, zero, on)};
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/dynamics/soft_extras.hpp
 // =================================================================================================
 // What only some contacts of the soft solver have, in lanes: running surfaces, resistance to rolling.
@@ -20731,6 +20881,17 @@ struct cone_lanes {
         xy[lane] = cone.xy;
         yy[lane] = cone.yy;
         slip[lane] = cone.slip;
+    }
+    /// Of the speeds' answers to unit impulses, as circular_cone.
+    template <class K>
+    PHYSICS_HPP_ALWAYS_INLINE void prepare(const K& kxx, const K& kxy, const K& kyy) {
+        using C = typename K::scalar;
+        const K determinant = kxx * kyy - kxy * kxy, half = K::broadcast(C(0.5));
+        put_lanes(lane_share(kyy, determinant), xx);
+        put_lanes(lane_share(-kxy, determinant), xy);
+        put_lanes(lane_share(kxx, determinant), yy);
+        const K zero = K::broadcast(C(0)), greatest = half * (kxx + kyy) + lane_length(half * (kxx - kyy), kxy);
+        put_lanes(select_greater(determinant, zero, lane_reciprocal(greatest), zero), slip);
     }
     /// The impulses that follow those before where the speeds are v: they stop them, or slide on the cone.
     PHYSICS_HPP_ALWAYS_INLINE lanes2<P> next(const lanes2<P>& before, const lanes2<P>& v, const P& limit) const {
@@ -20936,11 +21097,20 @@ PHYSICS_HPP_ALWAYS_INLINE P sum_of(const P* loads, int count) {
     return sum;
 }
 
+/// The impulses that stop a slip at these levers.
+template <class K, class S, int W>
+PHYSICS_HPP_ALWAYS_INLINE void prepare_cone(const contact_lanes3<K>& c, const lanes3<K>& arm_a, const lanes3<K>& arm_b,
+                                            cone_lanes<S, W>& stop) {
+    const lanes3<K> t_a = lane_cross(arm_a, c.t), t_b = lane_cross(arm_b, c.t);
+    const lanes3<K> u_a = lane_cross(arm_a, c.u), u_b = lane_cross(arm_b, c.u);
+    stop.prepare(c.mass + c.turned(t_a, t_b, t_a, t_b), c.turned(t_a, t_b, u_a, u_b),
+                 c.mass + c.turned(u_a, u_b, u_a, u_b));
+}
+
 /// Friction of patches in space.
 template <class S, int W>
 struct soft_patch_friction3 {
     using P = pack<S, W>;
-    using body = solver_body<S, 3>;
 
     /// The largest friction for an impulse of 1, at the middle and, an angular impulse, about the normal (m).
     S coefficient[W], twist_arm[W];
@@ -20951,23 +21121,22 @@ struct soft_patch_friction3 {
     S x[W], y[W], twist[W];
     S total_x[W], total_y[W], total_twist[W];
 
-    /// Writes a contact, whose points have been written, into a lane.
-    template <class Point>
-    void put(int lane, const contact<S, 3>& c, const contact_point<S, 3>& middle, const body& a, const body& b,
-             const tangents<S, 3>& frame, const Point* points, S share) {
-        using I = inverse_of<S>;
-        S reach = S(0);
-        for (int k = 0; k < c.count; ++k) reach += length(vec<S, 2>{points[k].x[lane], points[k].y[lane]});
+    void put(int lane, const contact<S, 3>& c, S share) {
         coefficient[lane] = c.friction;
-        twist_arm[lane] = c.friction * reach / S(c.count);
-        stop.put(lane, friction3<S>(a, b, middle, frame));
-        const I twisted = torque_answer<S>(a.inverse_inertia, c.normal, c.normal) +
-                          torque_answer<S>(b.inverse_inertia, c.normal, c.normal);
-        stop_twist[lane] = twisted > I(0) ? reciprocal<S>(twisted) : S(0);
         const vec<S, 2> before = friction_of(c);
         x[lane] = before.x * share;
         y[lane] = before.y * share;
         twist[lane] = c.twist_impulse * share;
+    }
+    /// Works out the rest in lanes.
+    template <class K, class Point>
+    PHYSICS_HPP_ALWAYS_INLINE void prepare(const contact_lanes3<K>& c, const Point* points, int most, const K& count) {
+        K reach = K::broadcast(typename K::scalar(0));
+        for (int k = 0; k < most; ++k)
+            reach = reach + lane_length(lanes_from<K>(points[k].x), lanes_from<K>(points[k].y));
+        put_lanes(lane_share(lanes_from<K>(coefficient) * reach, count), twist_arm);
+        prepare_cone(c, c.arm_a, c.arm_b, stop);
+        put_lanes(lane_reciprocal(c.turned(c.n, c.n, c.n, c.n)), stop_twist);
     }
     /// The impulse of point k, which bears that part of the load; and the one about the normal.
     vec<S, 2> of_point(int lane, int, S part) const { return {total_x[lane] * part, total_y[lane] * part}; }
@@ -21002,7 +21171,6 @@ template <class S, int W>
 struct soft_point_friction3 {
     using P = pack<S, W>;
     using Q = pack<inverse_of<S>, W>;
-    using body = solver_body<S, 3>;
 
     struct point {
         cone_lanes<S, W> stop;
@@ -21015,29 +21183,29 @@ struct soft_point_friction3 {
     inverse_of<S> answer[6][W];
     point each[manifold<S, 3>::capacity];
 
-    template <class Point>
-    void put(int lane, const contact<S, 3>& c, const contact_point<S, 3>& middle, const body& a, const body& b,
-             const tangents<S, 3>& frame, const Point*, S share) {
+    void put(int lane, const contact<S, 3>& c, S share) {
         coefficient[lane] = c.friction;
-        const auto turned = [&](vec<S, 3> of_a, vec<S, 3> of_b, vec<S, 3> about_a, vec<S, 3> about_b) {
-            return torque_answer<S>(a.inverse_inertia, of_a, about_a) +
-                   torque_answer<S>(b.inverse_inertia, of_b, about_b);
-        };
-        const vec<S, 3> t_a = cross(middle.lever_a, frame.t), t_b = cross(middle.lever_b, frame.t);
-        const vec<S, 3> u_a = cross(middle.lever_a, frame.u), u_b = cross(middle.lever_b, frame.u);
-        const inverse_of<S> m = a.inverse_mass + b.inverse_mass;
-        answer[0][lane] = m + turned(t_a, t_b, t_a, t_b);
-        answer[1][lane] = turned(t_a, t_b, u_a, u_b);
-        answer[2][lane] = turned(t_a, t_b, c.normal, c.normal);
-        answer[3][lane] = m + turned(u_a, u_b, u_a, u_b);
-        answer[4][lane] = turned(u_a, u_b, c.normal, c.normal);
-        answer[5][lane] = turned(c.normal, c.normal, c.normal, c.normal);
         for (int k = 0; k < c.count; ++k) {
             const contact_point<S, 3>& from = c.points[k];
             const bool bears = from.persisted && from.load > S(0);
-            each[k].stop.put(lane, friction3<S>(a, b, from, frame));
             each[k].x[lane] = bears ? from.friction_impulse.x * share : S(0);
             each[k].y[lane] = bears ? from.friction_impulse.y * share : S(0);
+        }
+    }
+    template <class K, class Point>
+    PHYSICS_HPP_ALWAYS_INLINE void prepare(const contact_lanes3<K>& c, const Point* points, int most, const K&) {
+        const lanes3<K> t_a = lane_cross(c.arm_a, c.t), t_b = lane_cross(c.arm_b, c.t);
+        const lanes3<K> u_a = lane_cross(c.arm_a, c.u), u_b = lane_cross(c.arm_b, c.u);
+        put_lanes(c.mass + c.turned(t_a, t_b, t_a, t_b), answer[0]);
+        put_lanes(c.turned(t_a, t_b, u_a, u_b), answer[1]);
+        put_lanes(c.turned(t_a, t_b, c.n, c.n), answer[2]);
+        put_lanes(c.mass + c.turned(u_a, u_b, u_a, u_b), answer[3]);
+        put_lanes(c.turned(u_a, u_b, c.n, c.n), answer[4]);
+        put_lanes(c.turned(c.n, c.n, c.n, c.n), answer[5]);
+        for (int k = 0; k < most; ++k) {
+            const lanes3<K> offset =
+                lane_combine(c.t, lanes_from<K>(points[k].x), c.u, lanes_from<K>(points[k].y));
+            prepare_cone(c, lane_add(c.arm_a, offset), lane_add(c.arm_b, offset), each[k].stop);
         }
     }
     vec<S, 2> of_point(int lane, int k, S) const { return {each[k].total_x[lane], each[k].total_y[lane]}; }
@@ -21169,48 +21337,78 @@ struct soft_whole {
     S able[W];
 
     static constexpr int capacity = manifold<S, D>::capacity;
-    using row = vec<double, D>;
 
-    /// Two points: `levers` are what an impulse at each is at the middle, along the normal and about the tangents;
-    /// `answers` how the speeds answer to it.
-    template <class Point>
-    void put_edge(int lane, Point* points, const row (&levers)[capacity], const row (&answers)[capacity]) {
-        const double own[] = {dot(levers[0], answers[0]), dot(levers[1], answers[1])};
-        const double other = dot(levers[0], answers[1]), determinant = own[0] * own[1] - other * other;
-        // Points that are all but one would share a turn out in huge impulses.
-        if (!(determinant > 1e-4 * own[0] * own[1])) return;
-        // The middle of the points is the origin: but for the sign both lie as far from it.
-        const row half = (levers[0] - levers[1]) * 0.5;
-        const double gaps[] = {to_double(points[0].separation[lane]), to_double(points[1].separation[lane])};
-        row plane = half * ((gaps[0] - gaps[1]) / (2 * dot(half, half)));
-        plane[0] = 0.5 * (gaps[0] + gaps[1]);
-        row shares[capacity];
-        for (int k = 0; k < 2; ++k) shares[k] = (levers[k] * own[1 - k] - levers[1 - k] * other) / determinant;
-        write(lane, points, 2, plane, shares);
+    void clear() {
+        for (S& lane : able) lane = S(-1);
     }
-    /// More points, which span the plane of the contact: what stops its speeds, shared out with the least squares.
-    /// `answers` tells how the speeds answer to an impulse along the normal at the middle and to angular ones.
-    template <class Point>
-    void put_face(int lane, Point* points, int count, const row (&levers)[capacity], const symmetric<double>& answers) {
-        double xx = 0, xy = 0, yy = 0;
-        for (int k = 0; k < count; ++k) {
-            xx += levers[k].y * levers[k].y;
-            xy += levers[k].y * levers[k].z;
-            yy += levers[k].z * levers[k].z;
+    /// Works out the shares of the lanes that have so many points: `levers` are what an impulse at each point is at the
+    /// middle, along the normal and about the tangents; `answers` how the speeds answer to it, and `own` how the speed
+    /// of the point itself does.
+    template <class K, class Point>
+    PHYSICS_HPP_ALWAYS_INLINE void prepare_edge(Point* points, const K (&levers)[capacity][D],
+                                                const K (&answers)[capacity][D], const K (&own)[capacity],
+                                                const K& count) {
+        using C = typename K::scalar;
+        const K zero = K::broadcast(C(0)), half = K::broadcast(C(0.5));
+        K other = answers[1][0], apart = zero, plane[D], shares[capacity][D];
+        for (int i = 1; i < D; ++i) {
+            other = other + levers[0][i] * answers[1][i];
+            plane[i] = half * (levers[0][i] - levers[1][i]);
+            apart = apart + plane[i] * plane[i];
         }
-        const double determinant = xx * yy - xy * xy, small = 1e-3 * answers.xx;
-        if (!(xx * answers.yy > small && yy * answers.zz > small && determinant > 1e-4 * xx * yy)) return;
-        const symmetric<double> stop = inverse<double>(answers);
-        const auto is_apart = [](double answer, double stopped) { return stopped > 0 && answer * stopped < 1e4; };
-        if (!is_apart(answers.xx, stop.xx) || !is_apart(answers.yy, stop.yy) || !is_apart(answers.zz, stop.zz)) return;
-        row plane{}, shares[capacity];
-        for (int k = 0; k < count; ++k) {
-            const row part = {1.0 / count, (yy * levers[k].y - xy * levers[k].z) / determinant,
-                              (xx * levers[k].z - xy * levers[k].y) / determinant};
-            plane += part * to_double(points[k].separation[lane]);
-            shares[k] = times(stop, part);
+        // The middle of the points is the origin: but for the sign both lie as far from it.
+        const K gaps[] = {lanes_from<K>(points[0].separation), lanes_from<K>(points[1].separation)};
+        const K slope = lane_share(half * (gaps[0] - gaps[1]), apart);
+        plane[0] = half * (gaps[0] + gaps[1]);
+        for (int i = 1; i < D; ++i) plane[i] = slope * plane[i];
+        const K square = own[0] * own[1], determinant = square - other * other;
+        for (int k = 0; k < 2; ++k)
+            for (int i = 0; i < D; ++i)
+                shares[k][i] = lane_share(levers[k][i] * own[1 - k] - levers[1 - k][i] * other, determinant);
+        // Points that are all but one would share a turn out in huge impulses.
+        K ok = select_greater(determinant, K::broadcast(C(1e-4)) * square, K::broadcast(C(1)), zero);
+        ok = select_greater(K::broadcast(C(2.5)), count, select_greater(count, K::broadcast(C(1.5)), ok, zero), zero);
+        write(points, 2, ok, plane, shares);
+    }
+    /// The same for more points, which span the plane of the contact: what stops its speeds, shared out with the least
+    /// squares. `speeds` tells how these answer to an impulse along the normal at the middle and to angular ones.
+    template <class K, class Point>
+    PHYSICS_HPP_ALWAYS_INLINE void prepare_face(Point* points, int most, const K (&levers)[capacity][D],
+                                                const K (&there)[capacity], const symmetric_lanes<K>& speeds,
+                                                const K& count) {
+        using C = typename K::scalar;
+        const K zero = K::broadcast(C(0)), one = K::broadcast(C(1)), share = lane_reciprocal(count);
+        K xx = zero, xy = zero, yy = zero;
+        for (int k = 0; k < most; ++k) {
+            xx = xx + levers[k][1] * levers[k][1];
+            xy = xy + levers[k][1] * levers[k][2];
+            yy = yy + levers[k][2] * levers[k][2];
         }
-        write(lane, points, count, plane, shares);
+        const K determinant = xx * yy - xy * xy, small = K::broadcast(C(1e-3)) * speeds.xx;
+        K ok = select_greater(determinant, K::broadcast(C(1e-4)) * xx * yy, one, zero);
+        ok = select_greater(xx * speeds.yy, small, select_greater(yy * speeds.zz, small, ok, zero), zero);
+        ok = select_greater(count, K::broadcast(C(2.5)), ok, zero);
+        const symmetric_lanes<K> stop = lane_inverse(speeds);
+        const auto tell_apart = [&](const K& answer, const K& stopped) {
+            ok = select_greater(K::broadcast(C(1e4)), answer * stopped, select_greater(stopped, zero, ok, zero), zero);
+        };
+        tell_apart(speeds.xx, stop.xx);
+        tell_apart(speeds.yy, stop.yy);
+        tell_apart(speeds.zz, stop.zz);
+        K plane[D] = {zero, zero, zero}, shares[capacity][D];
+        for (int k = 0; k < most; ++k) {
+            const K y = levers[k][1], z = levers[k][2], gap = lanes_from<K>(points[k].separation);
+            const lanes3<K> part = {there[k] * share, lane_share(yy * y - xy * z, determinant),
+                                    lane_share(xx * z - xy * y, determinant)};
+            plane[0] = plane[0] + part.x * gap;
+            plane[1] = plane[1] + part.y * gap;
+            plane[2] = plane[2] + part.z * gap;
+            const lanes3<K> of = lane_times(stop, part);
+            shares[k][0] = of.x;
+            shares[k][1] = of.y;
+            shares[k][2] = of.z;
+        }
+        write(points, most, ok, plane, shares);
     }
     /// Answers the speeds, and adds what that comes to to the sum. `left` is 1 in lanes that are left to visits, where
     /// nothing changes; returns whether any is. `at(k)` is the way at point k.
@@ -21248,16 +21446,21 @@ struct soft_whole {
     }
 
 private:
-    template <class Point>
-    void write(int lane, Point* points, int count, const row& plane, const row (&shares)[capacity]) {
-        const double most = to_double(scalar_traits<S>::max()) / 4;
+    /// Writes the lanes that are ok (1, else 0), but for those whose shares the scalar cannot hold.
+    template <class K, class Point>
+    PHYSICS_HPP_ALWAYS_INLINE void write(Point* points, int count, K ok, const K (&plane)[D],
+                                         const K (&shares)[capacity][D]) {
+        using C = typename K::scalar;
+        const K zero = K::broadcast(C(0)), most = K::broadcast(C(to_double(scalar_traits<S>::max()) / 4));
         for (int k = 0; k < count; ++k)
-            for (int i = 0; i < D; ++i)
-                if (!(shares[k][i] < most && shares[k][i] > -most)) return;
-        able[lane] = S(0);
+            for (int i = 0; i < D; ++i) ok = select_greater(most, lane_abs(shares[k][i]), ok, zero);
+        const auto put = [&](const K& value, S* to) {
+            put_lanes(select_greater(ok, zero, value, lanes_from<K>(to)), to);
+        };
+        put(zero, able);
         for (int i = 0; i < D; ++i) {
-            separation[i][lane] = static_cast<S>(plane[i]);
-            for (int k = 0; k < count; ++k) points[k].share[i][lane] = static_cast<S>(shares[k][i]);
+            put(plane[i], separation[i]);
+            for (int k = 0; k < count; ++k) put(shares[k][i], points[k].share[i]);
         }
     }
 };
@@ -21410,12 +21613,12 @@ struct soft_contact2 {
     bool moves_a = false, moves_b = false;
     [[no_unique_address]] extras_of_block<S, W, 2, Features> extras;
 
-    /// Writes a contact into a lane.
-    void put(int lane, const contact<S, 2>& c, const body* bodies, const soft_start<S>& with, arena& scratch) {
+    /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
+    void put(int lane, const contact<S, 2>& c, const body* bodies, const soft_start<S>& with,
+             gathered_points<S, 2, W>& gathered, arena& scratch) {
         const body& first = bodies[c.body_a];
         const body& second = bodies[c.body_b];
         const contact_point<S, 2> middle = middle_of(c);
-        const S turn_a = cross(middle.lever_a, c.normal), turn_b = cross(middle.lever_b, c.normal);
         a[lane] = c.body_a;
         b[lane] = c.body_b;
         mass_a[lane] = first.inverse_mass;
@@ -21427,36 +21630,62 @@ struct soft_contact2 {
             arm_a[i][lane] = middle.lever_a[i];
             arm_b[i][lane] = middle.lever_b[i];
         }
-        const I of_a = mul<I>(first.inverse_inertia, turn_a), of_b = mul<I>(second.inverse_inertia, turn_b);
-        // How the two speeds answer to an impulse along the normal at the middle and to an angular impulse.
-        const I along = first.inverse_mass + second.inverse_mass + mul<I>(of_a, turn_a) + mul<I>(of_b, turn_b);
-        const I across = of_a + of_b, turn = first.inverse_inertia + second.inverse_inertia;
-
-        vec<double, 2> levers[capacity], answers[capacity];
         point_count = point_count < c.count ? c.count : point_count;
+        gathered.count[lane] = S(c.count);
         for (int k = 0; k < c.count; ++k) {
             const contact_point<S, 2>& from = c.points[k];
-            point& to = points[k];
-            const S lever = cross(from.lever_a - middle.lever_a, c.normal);
-            to.lever[lane] = lever;
-            to.along[lane] = along + mul<I>(across, lever);
-            to.turn[lane] = across + mul<I>(turn, lever);
-            levers[k] = {1, to_double(lever)};
-            answers[k] = {to_double(to.along[lane]), to_double(to.turn[lane])};
-            to.mass[lane] = effective_mass(first, second, from, c.normal);
-            to.separation[lane] = from.separation;
-            to.impulse[lane] = from.persisted ? from.load : S(0);
+            const vec<S, 2> offset = from.lever_a - middle.lever_a;
+            for (int i = 0; i < 2; ++i) gathered.offset[k][i][lane] = offset[i];
+            gathered.there[k][lane] = S(1);
+            points[k].separation[lane] = from.separation;
+            points[k].impulse[lane] = from.persisted ? from.load : S(0);
             if constexpr (Features::restitution)
-                bounces |= S(0) < (to.bounce[lane] = bounce_of(c, from, first, second, with.bounce_slop, with.step));
+                bounces |=
+                    S(0) < (points[k].bounce[lane] = bounce_of(c, from, first, second, with.bounce_slop, with.step));
         }
-        whole.able[lane] = S(-1);
-        if (c.count == 2) whole.put_edge(lane, points, levers, answers);
         if constexpr (Features::friction) {
             friction.coefficient[lane] = c.friction;
-            friction.stop[lane] = effective_mass(first, second, middle, tangents<S, 2>(c.normal).t);
             friction.impulse[lane] = friction_of(c) * with.share;
         }
         extras.put(lane, c, first, second, with.share, scratch);
+    }
+    /// Works out, once all lanes have been written, what the rounds need.
+    void prepare(const body*, const gathered_points<S, 2, W>& gathered) {
+        using K = preparing<S, W>;
+        using C = typename K::scalar;
+        const K n_x = lanes_from<K>(normal[0]), n_y = lanes_from<K>(normal[1]);
+        const K a_x = lanes_from<K>(arm_a[0]), a_y = lanes_from<K>(arm_a[1]);
+        const K b_x = lanes_from<K>(arm_b[0]), b_y = lanes_from<K>(arm_b[1]);
+        const K turn_a = a_x * n_y - a_y * n_x, turn_b = b_x * n_y - b_y * n_x;
+        const K mass = lanes_from<K>(mass_a) + lanes_from<K>(mass_b);
+        const K of_a = lanes_from<K>(inertia_a), of_b = lanes_from<K>(inertia_b);
+        // How the two speeds answer to an impulse along the normal at the middle and to an angular impulse.
+        const K along = mass + of_a * turn_a * turn_a + of_b * turn_b * turn_b;
+        const K across = of_a * turn_a + of_b * turn_b, turn = of_a + of_b;
+
+        const K zero = K::broadcast(C(0)), one = K::broadcast(C(1));
+        K levers[capacity][2], answers[capacity][2], own[capacity];
+        for (int k = 0; k < point_count; ++k) {
+            const auto& offset = gathered.offset[k];
+            const K lever = lanes_from<K>(offset[0]) * n_y - lanes_from<K>(offset[1]) * n_x;
+            levers[k][0] = one;
+            levers[k][1] = lever;
+            answers[k][0] = along + across * lever;
+            answers[k][1] = across + turn * lever;
+            // Turning only adds to it, whatever rounding says.
+            own[k] = max(answers[k][0] + answers[k][1] * lever, mass);
+            point& to = points[k];
+            put_lanes(lever, to.lever);
+            put_lanes(answers[k][0], to.along);
+            put_lanes(answers[k][1], to.turn);
+            put_lanes(select_greater(lanes_from<K>(gathered.there[k]), zero, lane_reciprocal(own[k]), zero), to.mass);
+        }
+        whole.clear();
+        if (point_count == 2) whole.prepare_edge(points, levers, answers, own, lanes_from<K>(gathered.count));
+        if constexpr (Features::friction) {
+            const K slide_a = a_x * n_x + a_y * n_y, slide_b = b_x * n_x + b_y * n_y;
+            put_lanes(lane_reciprocal(mass + of_a * slide_a * slide_a + of_b * slide_b * slide_b), friction.stop);
+        }
     }
     /// Hands the impulses back. Friction is shared as the points share the load.
     void take(int lane, contact<S, 2>& c) const {
@@ -21666,62 +21895,93 @@ struct soft_contact3 {
     bool moves_a = false, moves_b = false;
     [[no_unique_address]] extras_of_block<S, W, 3, Features> extras;
 
-    /// Writes a contact into a lane.
-    void put(int lane, const contact<S, 3>& c, const body* bodies, const soft_start<S>& with, arena& scratch) {
+    /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
+    void put(int lane, const contact<S, 3>& c, const body* bodies, const soft_start<S>& with,
+             gathered_points<S, 3, W>& gathered, arena& scratch) {
         const body& first = bodies[c.body_a];
         const body& second = bodies[c.body_b];
-        const tangents<S, 3> frame(c.normal);
         const contact_point<S, 3> middle = middle_of(c);
-        const vec<S, 3> turn_a = cross(middle.lever_a, c.normal), turn_b = cross(middle.lever_b, c.normal);
         a[lane] = c.body_a;
         b[lane] = c.body_b;
-        mass_a[lane] = first.inverse_mass;
-        mass_b[lane] = second.inverse_mass;
         for (int i = 0; i < 3; ++i) {
             normal[i][lane] = c.normal[i];
-            tangent[i][lane] = frame.t[i];
             arm_a[i][lane] = middle.lever_a[i];
             arm_b[i][lane] = middle.lever_b[i];
         }
-        put_inertia(lane, first.inverse_inertia, inertia_a);
-        put_inertia(lane, second.inverse_inertia, inertia_b);
-        const auto both = [&](vec<S, 3> of_a, vec<S, 3> of_b, vec<S, 3> m_a, vec<S, 3> m_b) {
-            return torque_answer<S>(first.inverse_inertia, of_a, m_a) +
-                   torque_answer<S>(second.inverse_inertia, of_b, m_b);
-        };
-        // How the three speeds answer to an impulse at the middle and to angular ones about the tangents.
-        const I nn = first.inverse_mass + second.inverse_mass + both(turn_a, turn_b, turn_a, turn_b);
-        const I nt = both(turn_a, turn_b, frame.t, frame.t), nu = both(turn_a, turn_b, frame.u, frame.u);
-        const I tt = both(frame.t, frame.t, frame.t, frame.t), tu = both(frame.t, frame.t, frame.u, frame.u);
-        const I uu = both(frame.u, frame.u, frame.u, frame.u);
-
-        vec<double, 3> levers[capacity], answers[capacity];
         point_count = point_count < c.count ? c.count : point_count;
+        gathered.count[lane] = S(c.count);
         for (int k = 0; k < c.count; ++k) {
             const contact_point<S, 3>& from = c.points[k];
             const vec<S, 3> offset = from.lever_a - middle.lever_a;
-            point& to = points[k];
-            const S x = dot(offset, frame.t), y = dot(offset, frame.u);
-            to.x[lane] = x;
-            to.y[lane] = y;
-            to.along[lane] = nn + mul<I>(nt, y) - mul<I>(nu, x);
-            to.about_t[lane] = nt + mul<I>(tt, y) - mul<I>(tu, x);
-            to.about_u[lane] = nu + mul<I>(tu, y) - mul<I>(uu, x);
-            levers[k] = {1, to_double(y), -to_double(x)};
-            answers[k] = {to_double(to.along[lane]), to_double(to.about_t[lane]), to_double(to.about_u[lane])};
-            to.mass[lane] = effective_mass(first, second, from, c.normal);
-            to.separation[lane] = from.separation;
-            to.impulse[lane] = from.persisted ? from.load : S(0);
+            for (int i = 0; i < 3; ++i) gathered.offset[k][i][lane] = offset[i];
+            gathered.there[k][lane] = S(1);
+            points[k].separation[lane] = from.separation;
+            points[k].impulse[lane] = from.persisted ? from.load : S(0);
             if constexpr (Features::restitution)
-                bounces |= S(0) < (to.bounce[lane] = bounce_of(c, from, first, second, with.bounce_slop, with.step));
+                bounces |=
+                    S(0) < (points[k].bounce[lane] = bounce_of(c, from, first, second, with.bounce_slop, with.step));
         }
-        whole.able[lane] = S(-1);
-        if (c.count == 2) whole.put_edge(lane, points, levers, answers);
-        if (c.count > 2)
-            whole.put_face(lane, points, c.count, levers, {to_double(nn), to_double(tt), to_double(uu), to_double(nt),
-                                                           to_double(nu), to_double(tu)});
-        if constexpr (Features::friction) friction.put(lane, c, middle, first, second, frame, points, with.share);
+        if constexpr (Features::friction) friction.put(lane, c, with.share);
         extras.put(lane, c, first, second, with.share, scratch);
+    }
+    /// Works out, once all lanes have been written, what the rounds need.
+    void prepare(const body* bodies, const gathered_points<S, 3, W>& gathered) {
+        load_answers(bodies, a, mass_a, inertia_a);
+        load_answers(bodies, b, mass_b, inertia_b);
+        using K = preparing<S, W>;
+        const lanes3<K> n = lanes3_from<K>(normal), t = lane_tangent(n);
+        const contact_lanes3<K> c = {n,
+                                     t,
+                                     lane_cross(n, t),
+                                     lanes3_from<K>(arm_a),
+                                     lanes3_from<K>(arm_b),
+                                     lanes_from<K>(mass_a) + lanes_from<K>(mass_b),
+                                     symmetric_lanes<K>::load(inertia_a),
+                                     symmetric_lanes<K>::load(inertia_b)};
+        put_lanes(t.x, tangent[0]);
+        put_lanes(t.y, tangent[1]);
+        put_lanes(t.z, tangent[2]);
+        // How the three speeds answer to an impulse at the middle and to angular ones about the tangents.
+        const lanes3<K> turn_a = lane_cross(c.arm_a, n), turn_b = lane_cross(c.arm_b, n);
+        const lanes3<K> by_a = lane_times(c.inertia_a, turn_a), by_b = lane_times(c.inertia_b, turn_b);
+        const symmetric_lanes<K> inertia = lane_add(c.inertia_a, c.inertia_b);
+        const lanes3<K> by_n = lane_add(by_a, by_b), by_t = lane_times(inertia, t), by_u = lane_times(inertia, c.u);
+        const symmetric_lanes<K> speeds = {c.mass + lane_dot(turn_a, by_a) + lane_dot(turn_b, by_b),
+                                           lane_dot(t, by_t),
+                                           lane_dot(c.u, by_u),
+                                           lane_dot(t, by_n),
+                                           lane_dot(c.u, by_n),
+                                           lane_dot(c.u, by_t)};
+
+        using C = typename K::scalar;
+        const K zero = K::broadcast(C(0));
+        K levers[capacity][3], answers[capacity][3], own[capacity], there[capacity];
+        for (int k = 0; k < point_count; ++k) {
+            const lanes3<K> offset = lanes3_from<K>(gathered.offset[k]);
+            const K x = lane_dot(offset, t), y = lane_dot(offset, c.u);
+            const lanes3<K> of = lane_times(speeds, lanes3<K>{K::broadcast(C(1)), y, -x});
+            levers[k][0] = K::broadcast(C(1));
+            levers[k][1] = y;
+            levers[k][2] = -x;
+            answers[k][0] = of.x;
+            answers[k][1] = of.y;
+            answers[k][2] = of.z;
+            // Turning only adds to it, whatever rounding says.
+            own[k] = max(of.x + y * of.y - x * of.z, c.mass);
+            there[k] = lanes_from<K>(gathered.there[k]);
+            point& to = points[k];
+            put_lanes(x, to.x);
+            put_lanes(y, to.y);
+            put_lanes(of.x, to.along);
+            put_lanes(of.y, to.about_t);
+            put_lanes(of.z, to.about_u);
+            put_lanes(select_greater(there[k], zero, lane_reciprocal(own[k]), zero), to.mass);
+        }
+        whole.clear();
+        const K count = lanes_from<K>(gathered.count);
+        if (point_count > 1) whole.prepare_edge(points, levers, answers, own, count);
+        if (point_count > 2) whole.prepare_face(points, point_count, levers, there, speeds, count);
+        if constexpr (Features::friction) friction.prepare(c, points, point_count, count);
     }
     /// Hands the impulses back.
     void take(int lane, contact<S, 3>& c) const {
@@ -21922,10 +22182,6 @@ private:
         };
         return {row(xx, xy, xz), row(xy, yy, yz), row(xz, yz, zz)};
     }
-    static void put_inertia(int lane, const symmetric<I>& m, I (&to)[6][W]) {
-        const I six[] = {m.xx, m.yy, m.zz, m.xy, m.xz, m.yz};
-        for (int i = 0; i < 6; ++i) to[i][lane] = six[i];
-    }
 };
 
 }  // namespace detail
@@ -22105,11 +22361,14 @@ struct soft_step_with {
                          const contact_list<S, D>& contacts, solver_bodies<S, D> bodies,
                          const detail::soft_start<S>& with, arena& scratch) {
             block& to = *new (&place) block{};
-            for (std::uint32_t lane = 0; lane < std::uint32_t{width}; ++lane) {
-                numbers[lane] = lane < used ? order[lane] : none;
-                if (lane < used) to.put(static_cast<int>(lane), contacts[order[lane]], bodies.first, with, scratch);
+            detail::gathered_points<S, D, width> gathered;
+            for (int lane = 0; lane < width; ++lane) {
+                const bool has = static_cast<std::uint32_t>(lane) < used;
+                numbers[lane] = has ? order[lane] : none;
+                if (has) to.put(lane, contacts[order[lane]], bodies.first, with, gathered, scratch);
                 else to.a[lane] = to.b[lane] = bodies.spare();
             }
+            to.prepare(bodies.first, gathered);
             to.moves_a = bodies[to.a[0]].inverse_mass > inverse_of<S>(0);
             to.moves_b = bodies[to.b[0]].inverse_mass > inverse_of<S>(0);
         }

@@ -1,34 +1,17 @@
 // Laws of the soft step solver: colours, lanes, conservation, and scenes with exact answers.
 #pragma once
 
-#include <cstring>
-
 #include "../../samples/scenes.hpp"
-#include "impulses.hpp"
+#include "soft_contacts.hpp"
 
 namespace {
 namespace soft_step_laws {
 
+using soft_contacts_laws::solve_softly;
+
 struct soft : physics::recipe<S, D, physics::soft_step> {};
 using soft_world = physics::world<soft>;
 using physics::body_id;
-
-template <int Width, class Features = complete, class Solver = physics::soft_step>
-void solve_softly(problem& p, int substeps) {
-    struct still {
-        void advance_velocities(S) {}
-        void advance_poses(S) {}
-    };
-    physics::arena scratch;
-    physics::soft_step_settings<S> settings;
-    settings.substeps = substeps;
-    // One body more, which is nobody.
-    p.bodies.push_back({});
-    const physics::solver_bodies<S, D> bodies{p.bodies.data(), static_cast<std::uint32_t>(p.bodies.size())};
-    Solver::template in<cell::space, Features, Width>::solve(bodies, {p.contacts, scratch}, settings, S(1.0 / 64), scratch,
-                                                                still{});
-    p.bodies.pop_back();
-}
 
 CELL_CASE("colours: every contact has one, and no two of a colour push the same body but in the last") {
     cell::dice dice(400);
@@ -146,144 +129,6 @@ CELL_CASE("soft step: impulses between bodies keep linear and angular momentum")
         const momenta after = momenta_of(p);
         REQUIRE(size(after.linear - before.linear) <= 512 * epsilon);
         REQUIRE(size(after.angular - before.angular) <= 4096 * epsilon);
-    }
-}
-
-/// Of a problem after some substeps: all velocities and impulses.
-template <int Width, class Solver>
-std::vector<S> answer_in_lanes(problem p) {
-    solve_softly<Width, complete, Solver>(p, 3);
-    std::vector<S> all;
-    const auto add = [&](const auto& part) {
-        const std::size_t size = sizeof part / sizeof(S);
-        all.resize(all.size() + size);
-        std::memcpy(&all[all.size() - size], &part, sizeof part);
-    };
-    for (const auto& b : p.bodies) add(b.velocity);
-    for (const contact& c : p.contacts) {
-        add(c.twist_impulse);
-        add(c.rolling_impulse);
-        for (int k = 0; k < c.count; ++k) {
-            add(c.points[k].normal_impulse);
-            add(c.points[k].friction_impulse);
-        }
-    }
-    return all;
-}
-/// Gives contacts up to as many points as there may be, some of them with surfaces that run or resist rolling.
-inline void enrich(cell::dice& dice, problem& p) {
-    for (contact& c : p.contacts) {
-        c.restitution = dice.real(0, 1);
-        if (dice.below(3) == 0) c.rolling_resistance = dice.real(0, 0.1);
-        if (dice.below(3) == 0) draw(dice, c.surface_velocity);
-        const physics::tangents<S, D> frame(c.normal);
-        const auto first = c.points[0];
-        c.count = 1 + dice.below(physics::manifold<S, D>::capacity);
-        for (int k = 0; k < c.count; ++k) {
-            auto& point = c.points[k];
-            physics::tangential<S, D> offset{};
-            if (k > 0) draw(dice, offset);
-            const vec aside = frame.combine(offset) * S(0.25);
-            point.lever_a = first.lever_a + aside;
-            point.lever_b = first.lever_b + aside;
-            point.separation = dice.real(-0.02, 0.02);
-            point.persisted = dice.below(2) != 0;
-            point.normal_impulse = dice.real(0, 1);
-            point.load = point.persisted ? dice.real(0, 2) : S(0);
-            draw(dice, point.friction_impulse);
-        }
-    }
-}
-template <class Solver>
-void compare_widths(std::uint64_t seed) {
-    cell::dice dice(seed);
-    for (int run = 0; run < 60; ++run) {
-        problem p = random_problem(dice, 1 + run % 20, 0.6, run % 2 != 0);
-        enrich(dice, p);
-        const auto one = answer_in_lanes<1, Solver>(p), four = answer_in_lanes<4, Solver>(p);
-        const auto eight = answer_in_lanes<8, Solver>(p);
-        REQUIRE(std::memcmp(one.data(), four.data(), one.size() * sizeof(S)) == 0);
-        REQUIRE(std::memcmp(one.data(), eight.data(), one.size() * sizeof(S)) == 0);
-    }
-}
-template <class T>
-void compare_widths() {
-    if constexpr (std::is_floating_point_v<T>) {
-        compare_widths<physics::soft_step>(402);
-        compare_widths<physics::soft_step_with<physics::point_friction>>(403);
-    }
-}
-CELL_CASE("soft step: every width of the lanes gives the same bits, of contacts of all sizes, rolling and driven") {
-    compare_widths<S>();
-}
-
-CELL_CASE("soft step: where all points of a contact go on pushing, a round stops all of them, whatever their places") {
-    cell::dice dice(404);
-    for (int run = 0; run < 200; ++run) {
-        problem p = random_problem(dice, 1, 0, run % 2 != 0);
-        p.contacts[0].body_a = static_cast<std::uint32_t>(dice.below(2));
-        p.contacts[0].body_b = 2;
-        contact& c = p.contacts[0];
-        c.count = 2 + dice.below(physics::manifold<S, D>::capacity - 1);
-        for (auto& b : p.bodies) b.velocity = {};
-        const auto first = c.points[0];
-        double wanted[physics::manifold<S, D>::capacity], sum = 0;
-        for (int k = 0; k < c.count; ++k) {
-            // Corners of a patch of any shape, under a load that leans.
-            const double angle =
-                2 * 3.14159265358979323846 * (k + (cell::is_2d ? 0 : dice.number(-0.2, 0.2))) / c.count;
-            const reals n = to_reals(c.normal), t = to_reals(physics::tangents<S, D>(c.normal).t);
-            const vec aside = from_reals(t * (0.3 * std::cos(angle)) +
-                                         (cell::is_2d ? reals{} : cross(n, t) * (0.2 * std::sin(angle))));
-            c.points[k].lever_a = first.lever_a + aside;
-            c.points[k].lever_b = first.lever_b + aside;
-            c.points[k].separation = S(-0.01);
-            c.points[k].persisted = true;
-            c.points[k].load = S(1);
-            wanted[k] = 1 + 0.3 * std::cos(angle);
-            sum += wanted[k];
-        }
-        const auto points = points_of(p);
-        for (std::size_t k = 0; k < points.size(); ++k)
-            for (const side_of& side : points[k].sides) {
-                const reals impulse = points[k].normal * (-side.sign * wanted[k]);
-                auto& velocity = p.bodies[side.body].velocity;
-                velocity.linear += from_reals(impulse * side.inverse_mass);
-                velocity.angular += to_angular(side.turn(cross(side.lever, impulse)));
-            }
-        solve_softly<physics::detail::native_width<S>, frictionless>(p, 1);
-        double borne = 0;
-        for (std::size_t k = 0; k < points.size(); ++k) {
-            borne += cell::number(c.points[k].normal_impulse);
-            REQUIRE(std::abs(dot(slip_of(p.bodies, points[k]), points[k].normal)) <= 4096 * epsilon);
-        }
-        REQUIRE(std::abs(borne - sum) <= 4096 * epsilon);
-    }
-}
-
-CELL_CASE("soft step: points at all but one place, at different depths, push no harder than one") {
-    cell::dice dice(405);
-    for (int run = 0; run < 400; ++run) {
-        problem p = random_problem(dice, 1, 0, run % 2 != 0);
-        contact& c = p.contacts[0];
-        c.count = 2 + dice.below(physics::manifold<S, D>::capacity - 1);
-        for (auto& b : p.bodies) b.velocity = {};
-        const auto first = c.points[0];
-        const double apart = std::pow(10, dice.number(-12, -1));
-        for (int k = 0; k < c.count; ++k) {
-            const vec aside = from_reals(random_direction(dice) * apart);
-            c.points[k].lever_a = first.lever_a + aside;
-            c.points[k].lever_b = first.lever_b + aside;
-            c.points[k].separation = dice.real(-0.02, 0);
-            c.points[k].persisted = true;
-            c.points[k].load = dice.real(0, 0.01);
-        }
-        solve_softly<physics::detail::native_width<S>, frictionless>(p, 4);
-        for (const point_of& q : points_of(p)) {
-            // Faster than pushed apart, and than the loads that they begin with come to, nothing moves.
-            REQUIRE(q.impulse <= 2);
-            REQUIRE(size(slip_of(p.bodies, q)) <= 2);
-        }
     }
 }
 

@@ -74,6 +74,34 @@ struct body_lanes2 {
                quad<P>{velocity.linear.x, velocity.linear.y, velocity.angular, way.linear.x});
     }
 };
+/// Writes how bodies in space answer to impulses into lanes.
+template <class S, int W>
+PHYSICS_HPP_ALWAYS_INLINE void load_answers(const solver_body<S, 3>* bodies, const std::uint32_t (&index)[W],
+                                            inverse_of<S> (&mass)[W], inverse_of<S> (&inertia)[6][W]) {
+    if constexpr (std::is_floating_point_v<S>) {
+        using P = pack<S, W>;
+        constexpr int stride = sizeof(solver_body<S, 3>) / sizeof(S);
+        const auto* first = reinterpret_cast<const S*>(bodies);
+        const quad<P> a = load4<P>(indexed_rows<const S, stride>{first + 12, index});
+        const quad<P> b = load4<P>(indexed_rows<const S, stride>{first + 16, index});
+        a.x.store(mass);
+        a.y.store(inertia[0]);
+        a.z.store(inertia[1]);
+        a.w.store(inertia[2]);
+        b.x.store(inertia[3]);
+        b.y.store(inertia[4]);
+        b.z.store(inertia[5]);
+    } else {
+        for (int lane = 0; lane < W; ++lane) {
+            const solver_body<S, 3>& of = bodies[index[lane]];
+            const auto& m = of.inverse_inertia;
+            const inverse_of<S> six[] = {m.xx, m.yy, m.zz, m.xy, m.xz, m.yz};
+            mass[lane] = of.inverse_mass;
+            for (int i = 0; i < 6; ++i) inertia[i][lane] = six[i];
+        }
+    }
+}
+
 template <class P>
 struct body_lanes3 {
     using S = typename P::scalar;

@@ -72,7 +72,14 @@ template <class S>
 struct tangents3 {
     vec<S, 3> t, u;
 
-    constexpr explicit tangents3(vec<S, 3> normal) : t(perpendicular(normal)), u(cross(normal, t)) {}
+    constexpr explicit tangents3(vec<S, 3> n) {
+        // The branch keeps the longer of two candidates, so that its length is at least sqrt(1/2).
+        const bool flat = abs(n.x) > abs(n.z);
+        const S from = flat ? n.y : n.z, to = flat ? n.x : n.y;
+        const S size = root<S>(product(from, from) + product(to, to)), back = -from / size, on = to / size;
+        t = flat ? vec<S, 3>{back, on, S(0)} : vec<S, 3>{S(0), back, on};
+        u = cross(n, t);
+    }
     [[nodiscard]] constexpr vec<S, 2> components(vec<S, 3> v) const { return {dot(t, v), dot(u, v)}; }
     [[nodiscard]] constexpr vec<S, 3> combine(vec<S, 2> along) const { return t * along.x + u * along.y; }
 };

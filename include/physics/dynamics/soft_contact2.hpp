@@ -40,12 +40,12 @@ struct soft_contact2 {
     bool moves_a = false, moves_b = false;
     [[no_unique_address]] extras_of_block<S, W, 2, Features> extras;
 
-    /// Writes a contact into a lane.
-    void put(int lane, const contact<S, 2>& c, const body* bodies, const soft_start<S>& with, arena& scratch) {
+    /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
+    void put(int lane, const contact<S, 2>& c, const body* bodies, const soft_start<S>& with,
+             gathered_points<S, 2, W>& gathered, arena& scratch) {
         const body& first = bodies[c.body_a];
         const body& second = bodies[c.body_b];
         const contact_point<S, 2> middle = middle_of(c);
-        const S turn_a = cross(middle.lever_a, c.normal), turn_b = cross(middle.lever_b, c.normal);
         a[lane] = c.body_a;
         b[lane] = c.body_b;
         mass_a[lane] = first.inverse_mass;
@@ -57,36 +57,62 @@ struct soft_contact2 {
             arm_a[i][lane] = middle.lever_a[i];
             arm_b[i][lane] = middle.lever_b[i];
         }
-        const I of_a = mul<I>(first.inverse_inertia, turn_a), of_b = mul<I>(second.inverse_inertia, turn_b);
-        // How the two speeds answer to an impulse along the normal at the middle and to an angular impulse.
-        const I along = first.inverse_mass + second.inverse_mass + mul<I>(of_a, turn_a) + mul<I>(of_b, turn_b);
-        const I across = of_a + of_b, turn = first.inverse_inertia + second.inverse_inertia;
-
-        vec<double, 2> levers[capacity], answers[capacity];
         point_count = point_count < c.count ? c.count : point_count;
+        gathered.count[lane] = S(c.count);
         for (int k = 0; k < c.count; ++k) {
             const contact_point<S, 2>& from = c.points[k];
-            point& to = points[k];
-            const S lever = cross(from.lever_a - middle.lever_a, c.normal);
-            to.lever[lane] = lever;
-            to.along[lane] = along + mul<I>(across, lever);
-            to.turn[lane] = across + mul<I>(turn, lever);
-            levers[k] = {1, to_double(lever)};
-            answers[k] = {to_double(to.along[lane]), to_double(to.turn[lane])};
-            to.mass[lane] = effective_mass(first, second, from, c.normal);
-            to.separation[lane] = from.separation;
-            to.impulse[lane] = from.persisted ? from.load : S(0);
+            const vec<S, 2> offset = from.lever_a - middle.lever_a;
+            for (int i = 0; i < 2; ++i) gathered.offset[k][i][lane] = offset[i];
+            gathered.there[k][lane] = S(1);
+            points[k].separation[lane] = from.separation;
+            points[k].impulse[lane] = from.persisted ? from.load : S(0);
             if constexpr (Features::restitution)
-                bounces |= S(0) < (to.bounce[lane] = bounce_of(c, from, first, second, with.bounce_slop, with.step));
+                bounces |=
+                    S(0) < (points[k].bounce[lane] = bounce_of(c, from, first, second, with.bounce_slop, with.step));
         }
-        whole.able[lane] = S(-1);
-        if (c.count == 2) whole.put_edge(lane, points, levers, answers);
         if constexpr (Features::friction) {
             friction.coefficient[lane] = c.friction;
-            friction.stop[lane] = effective_mass(first, second, middle, tangents<S, 2>(c.normal).t);
             friction.impulse[lane] = friction_of(c) * with.share;
         }
         extras.put(lane, c, first, second, with.share, scratch);
+    }
+    /// Works out, once all lanes have been written, what the rounds need.
+    void prepare(const body*, const gathered_points<S, 2, W>& gathered) {
+        using K = preparing<S, W>;
+        using C = typename K::scalar;
+        const K n_x = lanes_from<K>(normal[0]), n_y = lanes_from<K>(normal[1]);
+        const K a_x = lanes_from<K>(arm_a[0]), a_y = lanes_from<K>(arm_a[1]);
+        const K b_x = lanes_from<K>(arm_b[0]), b_y = lanes_from<K>(arm_b[1]);
+        const K turn_a = a_x * n_y - a_y * n_x, turn_b = b_x * n_y - b_y * n_x;
+        const K mass = lanes_from<K>(mass_a) + lanes_from<K>(mass_b);
+        const K of_a = lanes_from<K>(inertia_a), of_b = lanes_from<K>(inertia_b);
+        // How the two speeds answer to an impulse along the normal at the middle and to an angular impulse.
+        const K along = mass + of_a * turn_a * turn_a + of_b * turn_b * turn_b;
+        const K across = of_a * turn_a + of_b * turn_b, turn = of_a + of_b;
+
+        const K zero = K::broadcast(C(0)), one = K::broadcast(C(1));
+        K levers[capacity][2], answers[capacity][2], own[capacity];
+        for (int k = 0; k < point_count; ++k) {
+            const auto& offset = gathered.offset[k];
+            const K lever = lanes_from<K>(offset[0]) * n_y - lanes_from<K>(offset[1]) * n_x;
+            levers[k][0] = one;
+            levers[k][1] = lever;
+            answers[k][0] = along + across * lever;
+            answers[k][1] = across + turn * lever;
+            // Turning only adds to it, whatever rounding says.
+            own[k] = max(answers[k][0] + answers[k][1] * lever, mass);
+            point& to = points[k];
+            put_lanes(lever, to.lever);
+            put_lanes(answers[k][0], to.along);
+            put_lanes(answers[k][1], to.turn);
+            put_lanes(select_greater(lanes_from<K>(gathered.there[k]), zero, lane_reciprocal(own[k]), zero), to.mass);
+        }
+        whole.clear();
+        if (point_count == 2) whole.prepare_edge(points, levers, answers, own, lanes_from<K>(gathered.count));
+        if constexpr (Features::friction) {
+            const K slide_a = a_x * n_x + a_y * n_y, slide_b = b_x * n_x + b_y * n_y;
+            put_lanes(lane_reciprocal(mass + of_a * slide_a * slide_a + of_b * slide_b * slide_b), friction.stop);
+        }
     }
     /// Hands the impulses back. Friction is shared as the points share the load.
     void take(int lane, contact<S, 2>& c) const {

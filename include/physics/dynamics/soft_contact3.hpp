@@ -40,62 +40,93 @@ struct soft_contact3 {
     bool moves_a = false, moves_b = false;
     [[no_unique_address]] extras_of_block<S, W, 3, Features> extras;
 
-    /// Writes a contact into a lane.
-    void put(int lane, const contact<S, 3>& c, const body* bodies, const soft_start<S>& with, arena& scratch) {
+    /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
+    void put(int lane, const contact<S, 3>& c, const body* bodies, const soft_start<S>& with,
+             gathered_points<S, 3, W>& gathered, arena& scratch) {
         const body& first = bodies[c.body_a];
         const body& second = bodies[c.body_b];
-        const tangents<S, 3> frame(c.normal);
         const contact_point<S, 3> middle = middle_of(c);
-        const vec<S, 3> turn_a = cross(middle.lever_a, c.normal), turn_b = cross(middle.lever_b, c.normal);
         a[lane] = c.body_a;
         b[lane] = c.body_b;
-        mass_a[lane] = first.inverse_mass;
-        mass_b[lane] = second.inverse_mass;
         for (int i = 0; i < 3; ++i) {
             normal[i][lane] = c.normal[i];
-            tangent[i][lane] = frame.t[i];
             arm_a[i][lane] = middle.lever_a[i];
             arm_b[i][lane] = middle.lever_b[i];
         }
-        put_inertia(lane, first.inverse_inertia, inertia_a);
-        put_inertia(lane, second.inverse_inertia, inertia_b);
-        const auto both = [&](vec<S, 3> of_a, vec<S, 3> of_b, vec<S, 3> m_a, vec<S, 3> m_b) {
-            return torque_answer<S>(first.inverse_inertia, of_a, m_a) +
-                   torque_answer<S>(second.inverse_inertia, of_b, m_b);
-        };
-        // How the three speeds answer to an impulse at the middle and to angular ones about the tangents.
-        const I nn = first.inverse_mass + second.inverse_mass + both(turn_a, turn_b, turn_a, turn_b);
-        const I nt = both(turn_a, turn_b, frame.t, frame.t), nu = both(turn_a, turn_b, frame.u, frame.u);
-        const I tt = both(frame.t, frame.t, frame.t, frame.t), tu = both(frame.t, frame.t, frame.u, frame.u);
-        const I uu = both(frame.u, frame.u, frame.u, frame.u);
-
-        vec<double, 3> levers[capacity], answers[capacity];
         point_count = point_count < c.count ? c.count : point_count;
+        gathered.count[lane] = S(c.count);
         for (int k = 0; k < c.count; ++k) {
             const contact_point<S, 3>& from = c.points[k];
             const vec<S, 3> offset = from.lever_a - middle.lever_a;
-            point& to = points[k];
-            const S x = dot(offset, frame.t), y = dot(offset, frame.u);
-            to.x[lane] = x;
-            to.y[lane] = y;
-            to.along[lane] = nn + mul<I>(nt, y) - mul<I>(nu, x);
-            to.about_t[lane] = nt + mul<I>(tt, y) - mul<I>(tu, x);
-            to.about_u[lane] = nu + mul<I>(tu, y) - mul<I>(uu, x);
-            levers[k] = {1, to_double(y), -to_double(x)};
-            answers[k] = {to_double(to.along[lane]), to_double(to.about_t[lane]), to_double(to.about_u[lane])};
-            to.mass[lane] = effective_mass(first, second, from, c.normal);
-            to.separation[lane] = from.separation;
-            to.impulse[lane] = from.persisted ? from.load : S(0);
+            for (int i = 0; i < 3; ++i) gathered.offset[k][i][lane] = offset[i];
+            gathered.there[k][lane] = S(1);
+            points[k].separation[lane] = from.separation;
+            points[k].impulse[lane] = from.persisted ? from.load : S(0);
             if constexpr (Features::restitution)
-                bounces |= S(0) < (to.bounce[lane] = bounce_of(c, from, first, second, with.bounce_slop, with.step));
+                bounces |=
+                    S(0) < (points[k].bounce[lane] = bounce_of(c, from, first, second, with.bounce_slop, with.step));
         }
-        whole.able[lane] = S(-1);
-        if (c.count == 2) whole.put_edge(lane, points, levers, answers);
-        if (c.count > 2)
-            whole.put_face(lane, points, c.count, levers, {to_double(nn), to_double(tt), to_double(uu), to_double(nt),
-                                                           to_double(nu), to_double(tu)});
-        if constexpr (Features::friction) friction.put(lane, c, middle, first, second, frame, points, with.share);
+        if constexpr (Features::friction) friction.put(lane, c, with.share);
         extras.put(lane, c, first, second, with.share, scratch);
+    }
+    /// Works out, once all lanes have been written, what the rounds need.
+    void prepare(const body* bodies, const gathered_points<S, 3, W>& gathered) {
+        load_answers(bodies, a, mass_a, inertia_a);
+        load_answers(bodies, b, mass_b, inertia_b);
+        using K = preparing<S, W>;
+        const lanes3<K> n = lanes3_from<K>(normal), t = lane_tangent(n);
+        const contact_lanes3<K> c = {n,
+                                     t,
+                                     lane_cross(n, t),
+                                     lanes3_from<K>(arm_a),
+                                     lanes3_from<K>(arm_b),
+                                     lanes_from<K>(mass_a) + lanes_from<K>(mass_b),
+                                     symmetric_lanes<K>::load(inertia_a),
+                                     symmetric_lanes<K>::load(inertia_b)};
+        put_lanes(t.x, tangent[0]);
+        put_lanes(t.y, tangent[1]);
+        put_lanes(t.z, tangent[2]);
+        // How the three speeds answer to an impulse at the middle and to angular ones about the tangents.
+        const lanes3<K> turn_a = lane_cross(c.arm_a, n), turn_b = lane_cross(c.arm_b, n);
+        const lanes3<K> by_a = lane_times(c.inertia_a, turn_a), by_b = lane_times(c.inertia_b, turn_b);
+        const symmetric_lanes<K> inertia = lane_add(c.inertia_a, c.inertia_b);
+        const lanes3<K> by_n = lane_add(by_a, by_b), by_t = lane_times(inertia, t), by_u = lane_times(inertia, c.u);
+        const symmetric_lanes<K> speeds = {c.mass + lane_dot(turn_a, by_a) + lane_dot(turn_b, by_b),
+                                           lane_dot(t, by_t),
+                                           lane_dot(c.u, by_u),
+                                           lane_dot(t, by_n),
+                                           lane_dot(c.u, by_n),
+                                           lane_dot(c.u, by_t)};
+
+        using C = typename K::scalar;
+        const K zero = K::broadcast(C(0));
+        K levers[capacity][3], answers[capacity][3], own[capacity], there[capacity];
+        for (int k = 0; k < point_count; ++k) {
+            const lanes3<K> offset = lanes3_from<K>(gathered.offset[k]);
+            const K x = lane_dot(offset, t), y = lane_dot(offset, c.u);
+            const lanes3<K> of = lane_times(speeds, lanes3<K>{K::broadcast(C(1)), y, -x});
+            levers[k][0] = K::broadcast(C(1));
+            levers[k][1] = y;
+            levers[k][2] = -x;
+            answers[k][0] = of.x;
+            answers[k][1] = of.y;
+            answers[k][2] = of.z;
+            // Turning only adds to it, whatever rounding says.
+            own[k] = max(of.x + y * of.y - x * of.z, c.mass);
+            there[k] = lanes_from<K>(gathered.there[k]);
+            point& to = points[k];
+            put_lanes(x, to.x);
+            put_lanes(y, to.y);
+            put_lanes(of.x, to.along);
+            put_lanes(of.y, to.about_t);
+            put_lanes(of.z, to.about_u);
+            put_lanes(select_greater(there[k], zero, lane_reciprocal(own[k]), zero), to.mass);
+        }
+        whole.clear();
+        const K count = lanes_from<K>(gathered.count);
+        if (point_count > 1) whole.prepare_edge(points, levers, answers, own, count);
+        if (point_count > 2) whole.prepare_face(points, point_count, levers, there, speeds, count);
+        if constexpr (Features::friction) friction.prepare(c, points, point_count, count);
     }
     /// Hands the impulses back.
     void take(int lane, contact<S, 3>& c) const {
@@ -295,10 +326,6 @@ private:
             return narrow<S>(product(x, moment.x) + product(y, moment.y) + product(z, moment.z));
         };
         return {row(xx, xy, xz), row(xy, yy, yz), row(xz, yz, zz)};
-    }
-    static void put_inertia(int lane, const symmetric<I>& m, I (&to)[6][W]) {
-        const I six[] = {m.xx, m.yy, m.zz, m.xy, m.xz, m.yz};
-        for (int i = 0; i < 6; ++i) to[i][lane] = six[i];
     }
 };
 

@@ -3,8 +3,8 @@
 
 #include "physics/base/arena.hpp"
 #include "physics/base/probe.hpp"
-#include "physics/dynamics/body_lanes.hpp"
 #include "physics/dynamics/friction.hpp"
+#include "physics/dynamics/soft_prepare.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -22,6 +22,17 @@ struct cone_lanes {
         xy[lane] = cone.xy;
         yy[lane] = cone.yy;
         slip[lane] = cone.slip;
+    }
+    /// Of the speeds' answers to unit impulses, as circular_cone.
+    template <class K>
+    PHYSICS_HPP_ALWAYS_INLINE void prepare(const K& kxx, const K& kxy, const K& kyy) {
+        using C = typename K::scalar;
+        const K determinant = kxx * kyy - kxy * kxy, half = K::broadcast(C(0.5));
+        put_lanes(lane_share(kyy, determinant), xx);
+        put_lanes(lane_share(-kxy, determinant), xy);
+        put_lanes(lane_share(kxx, determinant), yy);
+        const K zero = K::broadcast(C(0)), greatest = half * (kxx + kyy) + lane_length(half * (kxx - kyy), kxy);
+        put_lanes(select_greater(determinant, zero, lane_reciprocal(greatest), zero), slip);
     }
     /// The impulses that follow those before where the speeds are v: they stop them, or slide on the cone.
     PHYSICS_HPP_ALWAYS_INLINE lanes2<P> next(const lanes2<P>& before, const lanes2<P>& v, const P& limit) const {

@@ -58,11 +58,20 @@ PHYSICS_HPP_ALWAYS_INLINE P sum_of(const P* loads, int count) {
     return sum;
 }
 
+/// The impulses that stop a slip at these levers.
+template <class K, class S, int W>
+PHYSICS_HPP_ALWAYS_INLINE void prepare_cone(const contact_lanes3<K>& c, const lanes3<K>& arm_a, const lanes3<K>& arm_b,
+                                            cone_lanes<S, W>& stop) {
+    const lanes3<K> t_a = lane_cross(arm_a, c.t), t_b = lane_cross(arm_b, c.t);
+    const lanes3<K> u_a = lane_cross(arm_a, c.u), u_b = lane_cross(arm_b, c.u);
+    stop.prepare(c.mass + c.turned(t_a, t_b, t_a, t_b), c.turned(t_a, t_b, u_a, u_b),
+                 c.mass + c.turned(u_a, u_b, u_a, u_b));
+}
+
 /// Friction of patches in space.
 template <class S, int W>
 struct soft_patch_friction3 {
     using P = pack<S, W>;
-    using body = solver_body<S, 3>;
 
     /// The largest friction for an impulse of 1, at the middle and, an angular impulse, about the normal (m).
     S coefficient[W], twist_arm[W];
@@ -73,23 +82,22 @@ struct soft_patch_friction3 {
     S x[W], y[W], twist[W];
     S total_x[W], total_y[W], total_twist[W];
 
-    /// Writes a contact, whose points have been written, into a lane.
-    template <class Point>
-    void put(int lane, const contact<S, 3>& c, const contact_point<S, 3>& middle, const body& a, const body& b,
-             const tangents<S, 3>& frame, const Point* points, S share) {
-        using I = inverse_of<S>;
-        S reach = S(0);
-        for (int k = 0; k < c.count; ++k) reach += length(vec<S, 2>{points[k].x[lane], points[k].y[lane]});
+    void put(int lane, const contact<S, 3>& c, S share) {
         coefficient[lane] = c.friction;
-        twist_arm[lane] = c.friction * reach / S(c.count);
-        stop.put(lane, friction3<S>(a, b, middle, frame));
-        const I twisted = torque_answer<S>(a.inverse_inertia, c.normal, c.normal) +
-                          torque_answer<S>(b.inverse_inertia, c.normal, c.normal);
-        stop_twist[lane] = twisted > I(0) ? reciprocal<S>(twisted) : S(0);
         const vec<S, 2> before = friction_of(c);
         x[lane] = before.x * share;
         y[lane] = before.y * share;
         twist[lane] = c.twist_impulse * share;
+    }
+    /// Works out the rest in lanes.
+    template <class K, class Point>
+    PHYSICS_HPP_ALWAYS_INLINE void prepare(const contact_lanes3<K>& c, const Point* points, int most, const K& count) {
+        K reach = K::broadcast(typename K::scalar(0));
+        for (int k = 0; k < most; ++k)
+            reach = reach + lane_length(lanes_from<K>(points[k].x), lanes_from<K>(points[k].y));
+        put_lanes(lane_share(lanes_from<K>(coefficient) * reach, count), twist_arm);
+        prepare_cone(c, c.arm_a, c.arm_b, stop);
+        put_lanes(lane_reciprocal(c.turned(c.n, c.n, c.n, c.n)), stop_twist);
     }
     /// The impulse of point k, which bears that part of the load; and the one about the normal.
     vec<S, 2> of_point(int lane, int, S part) const { return {total_x[lane] * part, total_y[lane] * part}; }
@@ -124,7 +132,6 @@ template <class S, int W>
 struct soft_point_friction3 {
     using P = pack<S, W>;
     using Q = pack<inverse_of<S>, W>;
-    using body = solver_body<S, 3>;
 
     struct point {
         cone_lanes<S, W> stop;
@@ -137,29 +144,29 @@ struct soft_point_friction3 {
     inverse_of<S> answer[6][W];
     point each[manifold<S, 3>::capacity];
 
-    template <class Point>
-    void put(int lane, const contact<S, 3>& c, const contact_point<S, 3>& middle, const body& a, const body& b,
-             const tangents<S, 3>& frame, const Point*, S share) {
+    void put(int lane, const contact<S, 3>& c, S share) {
         coefficient[lane] = c.friction;
-        const auto turned = [&](vec<S, 3> of_a, vec<S, 3> of_b, vec<S, 3> about_a, vec<S, 3> about_b) {
-            return torque_answer<S>(a.inverse_inertia, of_a, about_a) +
-                   torque_answer<S>(b.inverse_inertia, of_b, about_b);
-        };
-        const vec<S, 3> t_a = cross(middle.lever_a, frame.t), t_b = cross(middle.lever_b, frame.t);
-        const vec<S, 3> u_a = cross(middle.lever_a, frame.u), u_b = cross(middle.lever_b, frame.u);
-        const inverse_of<S> m = a.inverse_mass + b.inverse_mass;
-        answer[0][lane] = m + turned(t_a, t_b, t_a, t_b);
-        answer[1][lane] = turned(t_a, t_b, u_a, u_b);
-        answer[2][lane] = turned(t_a, t_b, c.normal, c.normal);
-        answer[3][lane] = m + turned(u_a, u_b, u_a, u_b);
-        answer[4][lane] = turned(u_a, u_b, c.normal, c.normal);
-        answer[5][lane] = turned(c.normal, c.normal, c.normal, c.normal);
         for (int k = 0; k < c.count; ++k) {
             const contact_point<S, 3>& from = c.points[k];
             const bool bears = from.persisted && from.load > S(0);
-            each[k].stop.put(lane, friction3<S>(a, b, from, frame));
             each[k].x[lane] = bears ? from.friction_impulse.x * share : S(0);
             each[k].y[lane] = bears ? from.friction_impulse.y * share : S(0);
+        }
+    }
+    template <class K, class Point>
+    PHYSICS_HPP_ALWAYS_INLINE void prepare(const contact_lanes3<K>& c, const Point* points, int most, const K&) {
+        const lanes3<K> t_a = lane_cross(c.arm_a, c.t), t_b = lane_cross(c.arm_b, c.t);
+        const lanes3<K> u_a = lane_cross(c.arm_a, c.u), u_b = lane_cross(c.arm_b, c.u);
+        put_lanes(c.mass + c.turned(t_a, t_b, t_a, t_b), answer[0]);
+        put_lanes(c.turned(t_a, t_b, u_a, u_b), answer[1]);
+        put_lanes(c.turned(t_a, t_b, c.n, c.n), answer[2]);
+        put_lanes(c.mass + c.turned(u_a, u_b, u_a, u_b), answer[3]);
+        put_lanes(c.turned(u_a, u_b, c.n, c.n), answer[4]);
+        put_lanes(c.turned(c.n, c.n, c.n, c.n), answer[5]);
+        for (int k = 0; k < most; ++k) {
+            const lanes3<K> offset =
+                lane_combine(c.t, lanes_from<K>(points[k].x), c.u, lanes_from<K>(points[k].y));
+            prepare_cone(c, lane_add(c.arm_a, offset), lane_add(c.arm_b, offset), each[k].stop);
         }
     }
     vec<S, 2> of_point(int lane, int k, S) const { return {each[k].total_x[lane], each[k].total_y[lane]}; }

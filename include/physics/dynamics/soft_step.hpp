@@ -176,11 +176,14 @@ struct soft_step_with {
                          const contact_list<S, D>& contacts, solver_bodies<S, D> bodies,
                          const detail::soft_start<S>& with, arena& scratch) {
             block& to = *new (&place) block{};
-            for (std::uint32_t lane = 0; lane < std::uint32_t{width}; ++lane) {
-                numbers[lane] = lane < used ? order[lane] : none;
-                if (lane < used) to.put(static_cast<int>(lane), contacts[order[lane]], bodies.first, with, scratch);
+            detail::gathered_points<S, D, width> gathered;
+            for (int lane = 0; lane < width; ++lane) {
+                const bool has = static_cast<std::uint32_t>(lane) < used;
+                numbers[lane] = has ? order[lane] : none;
+                if (has) to.put(lane, contacts[order[lane]], bodies.first, with, gathered, scratch);
                 else to.a[lane] = to.b[lane] = bodies.spare();
             }
+            to.prepare(bodies.first, gathered);
             to.moves_a = bodies[to.a[0]].inverse_mass > inverse_of<S>(0);
             to.moves_b = bodies[to.b[0]].inverse_mass > inverse_of<S>(0);
         }

@@ -1,10 +1,8 @@
 // All points of a contact at once.
 #pragma once
 
-#include "physics/base/pack_mask.hpp"
-#include "physics/collide/manifold.hpp"
+#include "physics/dynamics/soft_prepare.hpp"
 #include "physics/dynamics/soft_round.hpp"
-#include "physics/space/mat.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -24,48 +22,78 @@ struct soft_whole {
     S able[W];
 
     static constexpr int capacity = manifold<S, D>::capacity;
-    using row = vec<double, D>;
 
-    /// Two points: `levers` are what an impulse at each is at the middle, along the normal and about the tangents;
-    /// `answers` how the speeds answer to it.
-    template <class Point>
-    void put_edge(int lane, Point* points, const row (&levers)[capacity], const row (&answers)[capacity]) {
-        const double own[] = {dot(levers[0], answers[0]), dot(levers[1], answers[1])};
-        const double other = dot(levers[0], answers[1]), determinant = own[0] * own[1] - other * other;
-        // Points that are all but one would share a turn out in huge impulses.
-        if (!(determinant > 1e-4 * own[0] * own[1])) return;
-        // The middle of the points is the origin: but for the sign both lie as far from it.
-        const row half = (levers[0] - levers[1]) * 0.5;
-        const double gaps[] = {to_double(points[0].separation[lane]), to_double(points[1].separation[lane])};
-        row plane = half * ((gaps[0] - gaps[1]) / (2 * dot(half, half)));
-        plane[0] = 0.5 * (gaps[0] + gaps[1]);
-        row shares[capacity];
-        for (int k = 0; k < 2; ++k) shares[k] = (levers[k] * own[1 - k] - levers[1 - k] * other) / determinant;
-        write(lane, points, 2, plane, shares);
+    void clear() {
+        for (S& lane : able) lane = S(-1);
     }
-    /// More points, which span the plane of the contact: what stops its speeds, shared out with the least squares.
-    /// `answers` tells how the speeds answer to an impulse along the normal at the middle and to angular ones.
-    template <class Point>
-    void put_face(int lane, Point* points, int count, const row (&levers)[capacity], const symmetric<double>& answers) {
-        double xx = 0, xy = 0, yy = 0;
-        for (int k = 0; k < count; ++k) {
-            xx += levers[k].y * levers[k].y;
-            xy += levers[k].y * levers[k].z;
-            yy += levers[k].z * levers[k].z;
+    /// Works out the shares of the lanes that have so many points: `levers` are what an impulse at each point is at the
+    /// middle, along the normal and about the tangents; `answers` how the speeds answer to it, and `own` how the speed
+    /// of the point itself does.
+    template <class K, class Point>
+    PHYSICS_HPP_ALWAYS_INLINE void prepare_edge(Point* points, const K (&levers)[capacity][D],
+                                                const K (&answers)[capacity][D], const K (&own)[capacity],
+                                                const K& count) {
+        using C = typename K::scalar;
+        const K zero = K::broadcast(C(0)), half = K::broadcast(C(0.5));
+        K other = answers[1][0], apart = zero, plane[D], shares[capacity][D];
+        for (int i = 1; i < D; ++i) {
+            other = other + levers[0][i] * answers[1][i];
+            plane[i] = half * (levers[0][i] - levers[1][i]);
+            apart = apart + plane[i] * plane[i];
         }
-        const double determinant = xx * yy - xy * xy, small = 1e-3 * answers.xx;
-        if (!(xx * answers.yy > small && yy * answers.zz > small && determinant > 1e-4 * xx * yy)) return;
-        const symmetric<double> stop = inverse<double>(answers);
-        const auto is_apart = [](double answer, double stopped) { return stopped > 0 && answer * stopped < 1e4; };
-        if (!is_apart(answers.xx, stop.xx) || !is_apart(answers.yy, stop.yy) || !is_apart(answers.zz, stop.zz)) return;
-        row plane{}, shares[capacity];
-        for (int k = 0; k < count; ++k) {
-            const row part = {1.0 / count, (yy * levers[k].y - xy * levers[k].z) / determinant,
-                              (xx * levers[k].z - xy * levers[k].y) / determinant};
-            plane += part * to_double(points[k].separation[lane]);
-            shares[k] = times(stop, part);
+        // The middle of the points is the origin: but for the sign both lie as far from it.
+        const K gaps[] = {lanes_from<K>(points[0].separation), lanes_from<K>(points[1].separation)};
+        const K slope = lane_share(half * (gaps[0] - gaps[1]), apart);
+        plane[0] = half * (gaps[0] + gaps[1]);
+        for (int i = 1; i < D; ++i) plane[i] = slope * plane[i];
+        const K square = own[0] * own[1], determinant = square - other * other;
+        for (int k = 0; k < 2; ++k)
+            for (int i = 0; i < D; ++i)
+                shares[k][i] = lane_share(levers[k][i] * own[1 - k] - levers[1 - k][i] * other, determinant);
+        // Points that are all but one would share a turn out in huge impulses.
+        K ok = select_greater(determinant, K::broadcast(C(1e-4)) * square, K::broadcast(C(1)), zero);
+        ok = select_greater(K::broadcast(C(2.5)), count, select_greater(count, K::broadcast(C(1.5)), ok, zero), zero);
+        write(points, 2, ok, plane, shares);
+    }
+    /// The same for more points, which span the plane of the contact: what stops its speeds, shared out with the least
+    /// squares. `speeds` tells how these answer to an impulse along the normal at the middle and to angular ones.
+    template <class K, class Point>
+    PHYSICS_HPP_ALWAYS_INLINE void prepare_face(Point* points, int most, const K (&levers)[capacity][D],
+                                                const K (&there)[capacity], const symmetric_lanes<K>& speeds,
+                                                const K& count) {
+        using C = typename K::scalar;
+        const K zero = K::broadcast(C(0)), one = K::broadcast(C(1)), share = lane_reciprocal(count);
+        K xx = zero, xy = zero, yy = zero;
+        for (int k = 0; k < most; ++k) {
+            xx = xx + levers[k][1] * levers[k][1];
+            xy = xy + levers[k][1] * levers[k][2];
+            yy = yy + levers[k][2] * levers[k][2];
         }
-        write(lane, points, count, plane, shares);
+        const K determinant = xx * yy - xy * xy, small = K::broadcast(C(1e-3)) * speeds.xx;
+        K ok = select_greater(determinant, K::broadcast(C(1e-4)) * xx * yy, one, zero);
+        ok = select_greater(xx * speeds.yy, small, select_greater(yy * speeds.zz, small, ok, zero), zero);
+        ok = select_greater(count, K::broadcast(C(2.5)), ok, zero);
+        const symmetric_lanes<K> stop = lane_inverse(speeds);
+        const auto tell_apart = [&](const K& answer, const K& stopped) {
+            ok = select_greater(K::broadcast(C(1e4)), answer * stopped, select_greater(stopped, zero, ok, zero), zero);
+        };
+        tell_apart(speeds.xx, stop.xx);
+        tell_apart(speeds.yy, stop.yy);
+        tell_apart(speeds.zz, stop.zz);
+        K plane[D] = {zero, zero, zero}, shares[capacity][D];
+        for (int k = 0; k < most; ++k) {
+            const K y = levers[k][1], z = levers[k][2], gap = lanes_from<K>(points[k].separation);
+            const lanes3<K> part = {there[k] * share, lane_share(yy * y - xy * z, determinant),
+                                    lane_share(xx * z - xy * y, determinant)};
+            plane[0] = plane[0] + part.x * gap;
+            plane[1] = plane[1] + part.y * gap;
+            plane[2] = plane[2] + part.z * gap;
+            const lanes3<K> of = lane_times(stop, part);
+            shares[k][0] = of.x;
+            shares[k][1] = of.y;
+            shares[k][2] = of.z;
+        }
+        write(points, most, ok, plane, shares);
     }
     /// Answers the speeds, and adds what that comes to to the sum. `left` is 1 in lanes that are left to visits, where
     /// nothing changes; returns whether any is. `at(k)` is the way at point k.
@@ -103,16 +131,21 @@ struct soft_whole {
     }
 
 private:
-    template <class Point>
-    void write(int lane, Point* points, int count, const row& plane, const row (&shares)[capacity]) {
-        const double most = to_double(scalar_traits<S>::max()) / 4;
+    /// Writes the lanes that are ok (1, else 0), but for those whose shares the scalar cannot hold.
+    template <class K, class Point>
+    PHYSICS_HPP_ALWAYS_INLINE void write(Point* points, int count, K ok, const K (&plane)[D],
+                                         const K (&shares)[capacity][D]) {
+        using C = typename K::scalar;
+        const K zero = K::broadcast(C(0)), most = K::broadcast(C(to_double(scalar_traits<S>::max()) / 4));
         for (int k = 0; k < count; ++k)
-            for (int i = 0; i < D; ++i)
-                if (!(shares[k][i] < most && shares[k][i] > -most)) return;
-        able[lane] = S(0);
+            for (int i = 0; i < D; ++i) ok = select_greater(most, lane_abs(shares[k][i]), ok, zero);
+        const auto put = [&](const K& value, S* to) {
+            put_lanes(select_greater(ok, zero, value, lanes_from<K>(to)), to);
+        };
+        put(zero, able);
         for (int i = 0; i < D; ++i) {
-            separation[i][lane] = static_cast<S>(plane[i]);
-            for (int k = 0; k < count; ++k) points[k].share[i][lane] = static_cast<S>(shares[k][i]);
+            put(plane[i], separation[i]);
+            for (int k = 0; k < count; ++k) put(shares[k][i], points[k].share[i]);
         }
     }
 };

@@ -1,0 +1,115 @@
+// What preparing the soft solver's contacts in lanes is made of.
+#pragma once
+
+#include "physics/dynamics/body_lanes.hpp"
+#include "physics/dynamics/contact.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// What contacts are prepared in: floats as they are; other scalars by way of double, which has room for products of
+/// inverse masses.
+template <class S, int W>
+using preparing = pack<std::conditional_t<std::is_floating_point_v<S>, S, double>, W>;
+
+template <class K, class T>
+PHYSICS_HPP_ALWAYS_INLINE K lanes_from(const T* from) {
+    if constexpr (std::is_same_v<typename K::scalar, T>) {
+        return K::load(from);
+    } else {
+        K lanes;
+        for (int i = 0; i < K::width; ++i) lanes.set_lane(i, to_double(from[i]));
+        return lanes;
+    }
+}
+template <class K, class T>
+PHYSICS_HPP_ALWAYS_INLINE void put_lanes(const K& lanes, T* to) {
+    if constexpr (std::is_same_v<typename K::scalar, T>)
+        lanes.store(to);
+    else
+        for (int i = 0; i < K::width; ++i) to[i] = static_cast<T>(lanes.lane(i));
+}
+template <class K, class T>
+PHYSICS_HPP_ALWAYS_INLINE lanes3<K> lanes3_from(const T (&from)[3][K::width]) {
+    return {lanes_from<K>(from[0]), lanes_from<K>(from[1]), lanes_from<K>(from[2])};
+}
+
+/// a / b where b is greater than 0, else 0.
+template <class K>
+PHYSICS_HPP_ALWAYS_INLINE K lane_share(const K& a, const K& b) {
+    using C = typename K::scalar;
+    const K zero = K::broadcast(C(0)), one = K::broadcast(C(1));
+    return select_greater(b, zero, a / select_greater(b, zero, b, one), zero);
+}
+template <class K>
+PHYSICS_HPP_ALWAYS_INLINE K lane_reciprocal(const K& x) {
+    return lane_share(K::broadcast(typename K::scalar(1)), x);
+}
+
+template <class K>
+struct symmetric_lanes {
+    K xx, yy, zz, xy, xz, yz;
+
+    template <class T>
+    PHYSICS_HPP_ALWAYS_INLINE static symmetric_lanes load(const T (&from)[6][K::width]) {
+        return {lanes_from<K>(from[0]), lanes_from<K>(from[1]), lanes_from<K>(from[2]),
+                lanes_from<K>(from[3]), lanes_from<K>(from[4]), lanes_from<K>(from[5])};
+    }
+};
+template <class K>
+PHYSICS_HPP_ALWAYS_INLINE symmetric_lanes<K> lane_add(const symmetric_lanes<K>& a, const symmetric_lanes<K>& b) {
+    return {a.xx + b.xx, a.yy + b.yy, a.zz + b.zz, a.xy + b.xy, a.xz + b.xz, a.yz + b.yz};
+}
+template <class K>
+PHYSICS_HPP_ALWAYS_INLINE lanes3<K> lane_times(const symmetric_lanes<K>& m, const lanes3<K>& v) {
+    return {m.xx * v.x + m.xy * v.y + m.xz * v.z, m.xy * v.x + m.yy * v.y + m.yz * v.z,
+            m.xz * v.x + m.yz * v.y + m.zz * v.z};
+}
+/// The inverse of positive definite matrices; of others anything. By L D L^T, as in mat.hpp.
+template <class K>
+PHYSICS_HPP_ALWAYS_INLINE symmetric_lanes<K> lane_inverse(const symmetric_lanes<K>& m) {
+    const K e1 = lane_reciprocal(m.xx), l21 = m.xy * e1, l31 = m.xz * e1;
+    const K e2 = lane_reciprocal(m.yy - l21 * m.xy), left = m.yz - l21 * m.xz, l32 = left * e2;
+    const K e3 = lane_reciprocal(m.zz - l31 * m.xz - l32 * left);
+    const K m31 = l21 * l32 - l31, xz = e3 * m31, yz = -(e3 * l32), xy = -(e2 * l21) - xz * l32;
+    return {e1 + e2 * l21 * l21 + xz * m31, e2 - yz * l32, e3, xy, xz, yz};
+}
+
+/// What is gathered from W contacts, to be prepared together: where their points are from their middles, in world axes,
+/// 1 for each point that there is, and how many there are.
+template <class S, int D, int W>
+struct gathered_points {
+    static constexpr int capacity = manifold<S, D>::capacity;
+
+    S offset[capacity][D][W] = {};
+    S there[capacity][W] = {};
+    S count[W] = {};
+};
+
+/// W contacts in space, and how their bodies answer to impulses at the middles.
+template <class K>
+struct contact_lanes3 {
+    lanes3<K> n, t, u, arm_a, arm_b;
+    K mass;
+    symmetric_lanes<K> inertia_a, inertia_b;
+
+    /// How fast B turns about some axes against A by angular impulses about others.
+    PHYSICS_HPP_ALWAYS_INLINE K turned(const lanes3<K>& of_a, const lanes3<K>& of_b, const lanes3<K>& about_a,
+                                       const lanes3<K>& about_b) const {
+        return lane_dot(lane_times(inertia_a, of_a), about_a) + lane_dot(lane_times(inertia_b, of_b), about_b);
+    }
+};
+
+/// The first tangent of normals in space, as tangents3 has it.
+template <class K>
+PHYSICS_HPP_ALWAYS_INLINE lanes3<K> lane_tangent(const lanes3<K>& n) {
+    const K zero = K::broadcast(typename K::scalar(0)), x = lane_abs(n.x), z = lane_abs(n.z);
+    const K from = select_greater(x, z, n.y, n.z), to = select_greater(x, z, n.x, n.y);
+    const K length = lane_length(from, to), back = lane_share(-from, length), on = lane_share(to, length);
+    return {select_greater(x, z, back, zero), select_greater(x, z, on, back), select_greater(x, z, zero, on)};
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
