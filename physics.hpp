@@ -3118,15 +3118,14 @@ PHYSICS_HPP_ALWAYS_INLINE P lane_length(const P& a, const P& b) {
         return {root<typename P::scalar>(product(a.value, a.value) + product(b.value, b.value))};
     else return sqrt(a * a + b * b);
 }
-/// The greatest of eight lanes, or of one.
-template <class P>
-PHYSICS_HPP_ALWAYS_INLINE typename P::scalar greatest_lane(const P& x) {
-    if constexpr (P::width == 1) {
-        return x.value;
-    } else {
-        const auto half = max(x.low, x.high);
-        return max(max(half.lane(0), half.lane(1)), max(half.lane(2), half.lane(3)));
-    }
+/// The greatest lane.
+template <class S, int W, int Bytes>
+PHYSICS_HPP_ALWAYS_INLINE S greatest_lane(const pack<S, W, Bytes>& x) {
+    if constexpr (W == 1) return x.value;
+    else if constexpr (requires { x.low; }) return greatest_lane(max(x.low, x.high));
+    else if constexpr (W == 2) return max(x.lane(0), x.lane(1));
+    else if constexpr (sizeof x == 32) return greatest_lane(max(half_of<false>(x), half_of<true>(x)));
+    else return max(max(x.lane(0), x.lane(2)), max(x.lane(1), x.lane(3)));
 }
 
 }  // namespace detail
@@ -6594,15 +6593,8 @@ void vertex_ranges(const hull_data<R, D>& h, const vec<R, D> (&rows)[D], vec<R, 
             low = min(low, here);
             high = max(high, here);
         }
-        R least[width], most[width];
-        low.store(least);
-        high.store(most);
-        for (int i = 1; i < width; ++i) {
-            least[0] = least[i] < least[0] ? least[i] : least[0];
-            most[0] = most[i] > most[0] ? most[i] : most[0];
-        }
-        lower[axis] = least[0];
-        upper[axis] = most[0];
+        lower[axis] = -greatest_lane(-low);
+        upper[axis] = greatest_lane(high);
     }
 }
 
@@ -12777,30 +12769,66 @@ namespace detail {
 /// vertices make a segment with two opposite edges. N: room for vertices, 4 or 8.
 template <class S, int N = 4>
 struct rounded_polygon {
-    vec<S, 2> vertex[N];
-    vec<S, 2> normal[N];
+    /// Vertices and the normals of edges, in rows that are filled up with the last ones.
+    S vertices[2][N];
+    S normals[2][N];
     int count = 0;
     S radius{};
     S size{};
 
-    constexpr int next(int i) const { return i + 1 < count ? i + 1 : 0; }
+    PHYSICS_HPP_ALWAYS_INLINE vec<S, 2> vertex(int i) const { return {vertices[0][i], vertices[1][i]}; }
+    PHYSICS_HPP_ALWAYS_INLINE vec<S, 2> normal(int i) const { return {normals[0][i], normals[1][i]}; }
+    PHYSICS_HPP_ALWAYS_INLINE int next(int i) const { return i + 1 < count ? i + 1 : 0; }
+    PHYSICS_HPP_ALWAYS_INLINE void set(int i, vec<S, 2> vertex, vec<S, 2> normal) {
+        vertices[0][i] = vertex.x;
+        vertices[1][i] = vertex.y;
+        normals[0][i] = normal.x;
+        normals[1][i] = normal.y;
+    }
+    PHYSICS_HPP_ALWAYS_INLINE void fill_up() {
+        for (int i = count; i < N; ++i) set(i, vertex(count - 1), normal(count - 1));
+    }
+
+    /// As many edges as are looked at together.
+    static constexpr int width = native_width<S> < N ? native_width<S> : N;
+    using lanes = pack<S, width>;
+    /// Calls f(first, x, y) for groups of edges with their normals.
+    template <class F>
+    PHYSICS_HPP_ALWAYS_INLINE void each_normals(F&& f) const {
+        for (int i = 0; i < count; i += width) f(i, lanes::load(normals[0] + i), lanes::load(normals[1] + i));
+    }
 };
 
 template <int N = 4, class S>
-constexpr rounded_polygon<S, N> polygon_of(const box<S, 2>& b, const transform<S, 2>& at) {
+rounded_polygon<S, N> polygon_of(const box<S, 2>& b, const transform<S, 2>& at) {
     const mat<S, 2> m = matrix(at.rotation);
     const vec<S, 2> x = m.column[0] * b.half_extents.x, y = m.column[1] * b.half_extents.y, p = at.position;
-    return {{p - x - y, p + x - y, p + x + y, p - x + y},
-            {-m.column[1], m.column[0], m.column[1], -m.column[0]},
-            4,
-            S(0),
-            min(b.half_extents.x, b.half_extents.y)};
+    rounded_polygon<S, N> result;
+    result.set(0, p - x - y, -m.column[1]);
+    result.set(1, p + x - y, m.column[0]);
+    result.set(2, p + x + y, m.column[1]);
+    result.set(3, p - x + y, -m.column[0]);
+    result.count = 4;
+    result.size = min(b.half_extents.x, b.half_extents.y);
+    result.fill_up();
+    return result;
 }
 template <int N = 4, class S>
-constexpr rounded_polygon<S, N> polygon_of(const capsule<S, 2>& c, const transform<S, 2>& at) {
+rounded_polygon<S, N> polygon_of(const capsule<S, 2>& c, const transform<S, 2>& at) {
     const mat<S, 2> m = matrix(at.rotation);
     const vec<S, 2> x = m.column[0] * c.half_length;
-    return {{at.position - x, at.position + x}, {-m.column[1], m.column[1]}, 2, c.radius, c.radius};
+    rounded_polygon<S, N> result;
+    result.set(0, at.position - x, -m.column[1]);
+    result.set(1, at.position + x, m.column[1]);
+    result.count = 2;
+    result.radius = result.size = c.radius;
+    result.fill_up();
+    return result;
+}
+/// In its own frame.
+template <int N = 4, class Shape>
+auto polygon_of(const Shape& shape) {
+    return polygon_of<N>(shape, {});
 }
 
 /// The edge of a from which b lies farthest, and how far.
@@ -12810,21 +12838,43 @@ struct edge_distance {
     S distance{};
 };
 template <class S, int N>
-constexpr edge_distance<S> farthest_edge(const rounded_polygon<S, N>& a, const rounded_polygon<S, N>& b) {
-    edge_distance<S> best;
-    for (int i = 0; i < a.count; ++i) {
-        S nearest = dot(a.normal[i], b.vertex[0] - a.vertex[i]);
-        for (int j = 1; j < b.count; ++j) nearest = min(nearest, dot(a.normal[i], b.vertex[j] - a.vertex[i]));
-        if (i == 0 || nearest > best.distance) best = {i, nearest};
-    }
+edge_distance<S> farthest_edge(const rounded_polygon<S, N>& a, const rounded_polygon<S, N>& b) {
+    using P = typename rounded_polygon<S, N>::lanes;
+    S distances[N];
+    a.each_normals([&](int first, const P& x, const P& y) {
+        const P from_x = P::load(a.vertices[0] + first), from_y = P::load(a.vertices[1] + first);
+        const auto height = [&](int j) {
+            return lane_sum(x, P::broadcast(b.vertices[0][j]) - from_x, y, P::broadcast(b.vertices[1][j]) - from_y);
+        };
+        P nearest = height(0);
+        for (int j = 1; j < b.count; ++j) nearest = min(nearest, height(j));
+        nearest.store(distances + first);
+    });
+    edge_distance<S> best{0, distances[0]};
+    for (int i = 1; i < a.count; ++i)
+        if (distances[i] > best.distance) best = {i, distances[i]};
     return best;
+}
+/// The edge of a that faces a unit vector most. A lower number wins unless another edge is clearly better, so that
+/// rounding does not choose.
+template <class S, int N>
+int facing_edge(const rounded_polygon<S, N>& a, vec<S, 2> n) {
+    using P = typename rounded_polygon<S, N>::lanes;
+    S along[N];
+    a.each_normals([&](int first, const P& x, const P& y) {
+        lane_sum(x, P::broadcast(n.x), y, P::broadcast(n.y)).store(along + first);
+    });
+    int facing = 0;
+    for (int i = 1; i < a.count; ++i)
+        if (along[i] < along[facing] - S(1.0 / 1024)) facing = i;
+    return facing;
 }
 /// How far apart the cores are along a unit vector from a to b.
 template <class S, int N>
-constexpr S distance_along(const rounded_polygon<S, N>& a, const rounded_polygon<S, N>& b, vec<S, 2> n) {
-    S last = dot(n, a.vertex[0]), first = dot(n, b.vertex[0]);
-    for (int i = 1; i < a.count; ++i) last = max(last, dot(n, a.vertex[i]));
-    for (int i = 1; i < b.count; ++i) first = min(first, dot(n, b.vertex[i]));
+S distance_along(const rounded_polygon<S, N>& a, const rounded_polygon<S, N>& b, vec<S, 2> n) {
+    S last = dot(n, a.vertex(0)), first = dot(n, b.vertex(0));
+    for (int i = 1; i < a.count; ++i) last = max(last, dot(n, a.vertex(i)));
+    for (int i = 1; i < b.count; ++i) first = min(first, dot(n, b.vertex(i)));
     return first - last;
 }
 
@@ -12832,20 +12882,17 @@ constexpr S distance_along(const rounded_polygon<S, N>& a, const rounded_polygon
 /// that are left. False, with nothing added, if the point in which the edge finds `incident` closest was cut
 /// off: then the edge's normal is not the direction of least distance.
 template <class S, int N>
-constexpr bool clip_edges(const rounded_polygon<S, N>& reference, edge_distance<S> found,
+bool clip_edges(const rounded_polygon<S, N>& reference, edge_distance<S> found,
                           const rounded_polygon<S, N>& incident, bool flip, S slack, S margin, manifold<S, 2>& out) {
     const int edge = found.edge;
-    const vec<S, 2> n = reference.normal[edge], t{-n.y, n.x}, from = reference.vertex[edge];
-    int facing = 0;
-    // A lower number wins unless another edge is clearly better, so that rounding does not choose.
-    for (int i = 1; i < incident.count; ++i)
-        if (dot(incident.normal[i], n) < dot(incident.normal[facing], n) - S(1.0 / 1024)) facing = i;
+    const vec<S, 2> n = reference.normal(edge), t{-n.y, n.x}, from = reference.vertex(edge);
+    const int facing = facing_edge(incident, n);
 
     // Along the reference edge the incident edge runs backwards: its end comes first.
-    const vec<S, 2> first = incident.vertex[incident.next(facing)] - from, last = incident.vertex[facing] - from;
+    const vec<S, 2> first = incident.vertex(incident.next(facing)) - from, last = incident.vertex(facing) - from;
     const S at_first = dot(first, t), at_last = dot(last, t), span = at_last - at_first;
     // Reference ends are a little farther out, so that rounding does not cut the corners of equal boxes.
-    const S low = -slack, high = dot(reference.vertex[reference.next(edge)] - from, t) + slack;
+    const S low = -slack, high = dot(reference.vertex(reference.next(edge)) - from, t) + slack;
     if (at_first > high || at_last < low) return false;
     const auto point_at = [&](S at) {
         return span > S(0) ? first + (last - first) * clamp((at - at_first) / span, S(0), S(1)) : first;
@@ -12855,7 +12902,7 @@ constexpr bool clip_edges(const rounded_polygon<S, N>& reference, edge_distance<
     const int deeper = gaps[1] < gaps[0] ? 1 : 0;
     if (gaps[deeper] > found.distance + slack + slack) return false;
     // A round edge leads its surface along its own normal: beyond five degrees of tilt only the deeper end touches.
-    const bool flat = !(incident.radius > S(0)) || dot(incident.normal[facing], n) < S(-1 + 1.0 / 256);
+    const bool flat = !(incident.radius > S(0)) || dot(incident.normal(facing), n) < S(-1 + 1.0 / 256);
 
     out.normal = flip ? -n : n;
     for (int k = 0; k < 2; ++k) {
@@ -12874,7 +12921,7 @@ constexpr bool clip_edges(const rounded_polygon<S, N>& reference, edge_distance<
 /// Adds the closest pair of a vertex of one polygon and an edge or vertex of the other; of cores that overlap, how
 /// deep. `parting` is the best of the edges' normals, from a to b, and `parted` how far it parts the cores.
 template <class S, int N>
-constexpr void collide_nearest(const rounded_polygon<S, N>& a, const rounded_polygon<S, N>& b, vec<S, 2> parting,
+void collide_nearest(const rounded_polygon<S, N>& a, const rounded_polygon<S, N>& b, vec<S, 2> parting,
                                S parted, S rounding, S margin, manifold<S, 2>& out) {
     vec<S, 2> on_a, on_b;
     wide_of<S> best{};
@@ -12883,9 +12930,9 @@ constexpr void collide_nearest(const rounded_polygon<S, N>& a, const rounded_pol
         const rounded_polygon<S, N>& edges = flip ? b : a;
         const rounded_polygon<S, N>& vertices = flip ? a : b;
         for (int i = 0; i < edges.count; ++i) {
-            const vec<S, 2> from = edges.vertex[i], to = edges.vertex[edges.next(i)];
+            const vec<S, 2> from = edges.vertex(i), to = edges.vertex(edges.next(i));
             for (int j = 0; j < vertices.count; ++j) {
-                const vec<S, 2> v = vertices.vertex[j];
+                const vec<S, 2> v = vertices.vertex(j);
                 const S t = closest_parameter(from, to, v);
                 const vec<S, 2> p = t < S(1) ? from + (to - from) * t : to;
                 const wide_of<S> distance = length_squared(v - p);
@@ -12918,7 +12965,7 @@ constexpr void collide_nearest(const rounded_polygon<S, N>& a, const rounded_pol
 /// where a corner meets a corner. The result lies in the frame of a and b's vertices. To keep the features of
 /// bodies at rest, contacts may deviate by 1/512 of the smaller size, never more.
 template <class S, int N>
-constexpr void collide_polygons(const detail::rounded_polygon<S, N>& a, const detail::rounded_polygon<S, N>& b,
+void collide_polygons(const detail::rounded_polygon<S, N>& a, const detail::rounded_polygon<S, N>& b,
                                 S margin, manifold<S, 2>& out) {
     const S reach = a.radius + b.radius + margin;
     const auto from_a = detail::farthest_edge(a, b);
@@ -12927,14 +12974,14 @@ constexpr void collide_polygons(const detail::rounded_polygon<S, N>& a, const de
     if (from_b.distance > reach) return;
 
     // A preference for a's edge keeps the reference from flipping between two that are alike.
-    const S rounding = detail::rounding_of(largest(a.vertex[0]) + largest(b.vertex[0]));
+    const S rounding = detail::rounding_of(largest(a.vertex(0)) + largest(b.vertex(0)));
     const S slack = max(min(a.size, b.size) * S(1.0 / 1024), rounding);
     const bool better_b = from_b.distance > from_a.distance;
     if (!(from_b.distance > from_a.distance + slack + slack) &&
         detail::clip_edges(a, from_a, b, false, slack, margin, out))
         return;
     if (better_b && detail::clip_edges(b, from_b, a, true, slack, margin, out)) return;
-    detail::collide_nearest(a, b, better_b ? -b.normal[from_b.edge] : a.normal[from_a.edge],
+    detail::collide_nearest(a, b, better_b ? -b.normal(from_b.edge) : a.normal(from_a.edge),
                             better_b ? from_b.distance : from_a.distance, rounding, margin, out);
 }
 
@@ -12957,23 +13004,44 @@ bool is_small(const hull<S, 2>& h) {
     return h.geometry->vertex_count <= std::uint32_t{most_separating_edges} &&
            h.geometry->inradius > 0x1p-7 * h.geometry->reach;
 }
+/// In its own frame, and in another one.
 template <int N, class S>
-rounded_polygon<S, N> polygon_of(const hull<S, 2>& h, const transform<S, 2>& at) {
+rounded_polygon<S, N> polygon_of(const hull<S, 2>& h) {
     const auto& data = *h.geometry;
-    const mat<S, 2> m = matrix(at.rotation);
     rounded_polygon<S, N> p;
     p.count = static_cast<int>(data.vertex_count);
     p.radius = h.radius;
     p.size = static_cast<S>(data.inradius) + h.radius;
-    for (int i = 0; i < p.count; ++i) {
-        const auto k = static_cast<std::uint32_t>(i);
-        if constexpr (std::same_as<S, hull_real<S>>) {
-            p.vertex[i] = m * data.vertex(k) + at.position;
-            p.normal[i] = m * vec<S, 2>{data.face_normal(0)[k], data.face_normal(1)[k]};
-        } else {
-            p.vertex[i] = m * from_point<S>(data.exact_vertex(k)) + at.position;
-            p.normal[i] = m * from_point<S>(data.normal(k));
+    if constexpr (N == 8 && std::same_as<S, hull_real<S>>) {
+        // Its rows are as long, and filled up in the same way.
+        for (int axis = 0; axis < 2; ++axis) {
+            std::memcpy(p.vertices[axis], data.coordinate(axis), sizeof p.vertices[axis]);
+            std::memcpy(p.normals[axis], data.face_normal(axis), sizeof p.normals[axis]);
         }
+    } else {
+        for (int i = 0; i < p.count; ++i) {
+            const auto k = static_cast<std::uint32_t>(i);
+            p.set(i, from_point<S>(data.exact_vertex(k)), from_point<S>(data.normal(k)));
+        }
+        p.fill_up();
+    }
+    return p;
+}
+template <int N, class S>
+rounded_polygon<S, N> polygon_of(const hull<S, 2>& h, const transform<S, 2>& at) {
+    using P = typename rounded_polygon<S, N>::lanes;
+    rounded_polygon<S, N> p = polygon_of<N>(h);
+    const mat<S, 2> m = matrix(at.rotation);
+    const P xx = P::broadcast(m.column[0].x), xy = P::broadcast(m.column[1].x);
+    const P yx = P::broadcast(m.column[0].y), yy = P::broadcast(m.column[1].y);
+    const P at_x = P::broadcast(at.position.x), at_y = P::broadcast(at.position.y);
+    for (int i = 0; i < N; i += P::width) {
+        const P x = P::load(p.vertices[0] + i), y = P::load(p.vertices[1] + i);
+        const P n_x = P::load(p.normals[0] + i), n_y = P::load(p.normals[1] + i);
+        (lane_sum(xx, x, xy, y) + at_x).store(p.vertices[0] + i);
+        (lane_sum(yx, x, yy, y) + at_y).store(p.vertices[1] + i);
+        lane_sum(xx, n_x, xy, n_y).store(p.normals[0] + i);
+        lane_sum(yx, n_x, yy, n_y).store(p.normals[1] + i);
     }
     return p;
 }
@@ -12990,7 +13058,7 @@ template <class A, class S>
 void collide_with_hull(const A& a, const hull<S, 2>& b, bool small, const transform<S, 2>& b_in_a, S margin,
                        manifold<S, 2>& out) {
     constexpr int most = most_separating_edges;
-    if (small) collide_polygons(polygon_of<most>(a, {}), polygon_of<most>(b, b_in_a), margin, out);
+    if (small) collide_polygons(polygon_of<most>(a), polygon_of<most>(b, b_in_a), margin, out);
     else collide_cores(a, b, b_in_a, margin, nullptr, overlap_method::epa, out);
 }
 
@@ -13248,14 +13316,14 @@ constexpr void collide(const box<S, 2>& a, const halfspace<S, 2>& b, const trans
 }
 
 template <class S>
-constexpr void collide(const capsule<S, 2>& a, const capsule<S, 2>& b, const transform<S, 2>& b_in_a, S margin,
-                       manifold<S, 2>& out) {
-    collide_polygons(detail::polygon_of(a, {}), detail::polygon_of(b, b_in_a), margin, out);
+void collide(const capsule<S, 2>& a, const capsule<S, 2>& b, const transform<S, 2>& b_in_a, S margin,
+             manifold<S, 2>& out) {
+    collide_polygons(detail::polygon_of(a), detail::polygon_of(b, b_in_a), margin, out);
 }
 template <class S>
-constexpr void collide(const capsule<S, 2>& a, const box<S, 2>& b, const transform<S, 2>& b_in_a, S margin,
-                       manifold<S, 2>& out) {
-    collide_polygons(detail::polygon_of(a, {}), detail::polygon_of(b, b_in_a), margin, out);
+void collide(const capsule<S, 2>& a, const box<S, 2>& b, const transform<S, 2>& b_in_a, S margin,
+             manifold<S, 2>& out) {
+    collide_polygons(detail::polygon_of(a), detail::polygon_of(b, b_in_a), margin, out);
 }
 
 PHYSICS_HPP_END

@@ -55,15 +55,14 @@ PHYSICS_HPP_ALWAYS_INLINE P lane_length(const P& a, const P& b) {
         return {root<typename P::scalar>(product(a.value, a.value) + product(b.value, b.value))};
     else return sqrt(a * a + b * b);
 }
-/// The greatest of eight lanes, or of one.
-template <class P>
-PHYSICS_HPP_ALWAYS_INLINE typename P::scalar greatest_lane(const P& x) {
-    if constexpr (P::width == 1) {
-        return x.value;
-    } else {
-        const auto half = max(x.low, x.high);
-        return max(max(half.lane(0), half.lane(1)), max(half.lane(2), half.lane(3)));
-    }
+/// The greatest lane.
+template <class S, int W, int Bytes>
+PHYSICS_HPP_ALWAYS_INLINE S greatest_lane(const pack<S, W, Bytes>& x) {
+    if constexpr (W == 1) return x.value;
+    else if constexpr (requires { x.low; }) return greatest_lane(max(x.low, x.high));
+    else if constexpr (W == 2) return max(x.lane(0), x.lane(1));
+    else if constexpr (sizeof x == 32) return greatest_lane(max(half_of<false>(x), half_of<true>(x)));
+    else return max(max(x.lane(0), x.lane(2)), max(x.lane(1), x.lane(3)));
 }
 
 }  // namespace detail

@@ -24,14 +24,14 @@ constexpr void collide(const box<S, 2>& a, const halfspace<S, 2>& b, const trans
 }
 
 template <class S>
-constexpr void collide(const capsule<S, 2>& a, const capsule<S, 2>& b, const transform<S, 2>& b_in_a, S margin,
-                       manifold<S, 2>& out) {
-    collide_polygons(detail::polygon_of(a, {}), detail::polygon_of(b, b_in_a), margin, out);
+void collide(const capsule<S, 2>& a, const capsule<S, 2>& b, const transform<S, 2>& b_in_a, S margin,
+             manifold<S, 2>& out) {
+    collide_polygons(detail::polygon_of(a), detail::polygon_of(b, b_in_a), margin, out);
 }
 template <class S>
-constexpr void collide(const capsule<S, 2>& a, const box<S, 2>& b, const transform<S, 2>& b_in_a, S margin,
-                       manifold<S, 2>& out) {
-    collide_polygons(detail::polygon_of(a, {}), detail::polygon_of(b, b_in_a), margin, out);
+void collide(const capsule<S, 2>& a, const box<S, 2>& b, const transform<S, 2>& b_in_a, S margin,
+             manifold<S, 2>& out) {
+    collide_polygons(detail::polygon_of(a), detail::polygon_of(b, b_in_a), margin, out);
 }
 
 PHYSICS_HPP_END

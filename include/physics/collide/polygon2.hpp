@@ -1,6 +1,7 @@
 // Contact of rounded polygons in the plane: boxes, capsules, small hulls.
 #pragma once
 
+#include "physics/base/lane_math.hpp"
 #include "physics/collide/manifold.hpp"
 #include "physics/collide/segment.hpp"
 #include "physics/shape/shapes.hpp"
@@ -13,30 +14,66 @@ namespace detail {
 /// vertices make a segment with two opposite edges. N: room for vertices, 4 or 8.
 template <class S, int N = 4>
 struct rounded_polygon {
-    vec<S, 2> vertex[N];
-    vec<S, 2> normal[N];
+    /// Vertices and the normals of edges, in rows that are filled up with the last ones.
+    S vertices[2][N];
+    S normals[2][N];
     int count = 0;
     S radius{};
     S size{};
 
-    constexpr int next(int i) const { return i + 1 < count ? i + 1 : 0; }
+    PHYSICS_HPP_ALWAYS_INLINE vec<S, 2> vertex(int i) const { return {vertices[0][i], vertices[1][i]}; }
+    PHYSICS_HPP_ALWAYS_INLINE vec<S, 2> normal(int i) const { return {normals[0][i], normals[1][i]}; }
+    PHYSICS_HPP_ALWAYS_INLINE int next(int i) const { return i + 1 < count ? i + 1 : 0; }
+    PHYSICS_HPP_ALWAYS_INLINE void set(int i, vec<S, 2> vertex, vec<S, 2> normal) {
+        vertices[0][i] = vertex.x;
+        vertices[1][i] = vertex.y;
+        normals[0][i] = normal.x;
+        normals[1][i] = normal.y;
+    }
+    PHYSICS_HPP_ALWAYS_INLINE void fill_up() {
+        for (int i = count; i < N; ++i) set(i, vertex(count - 1), normal(count - 1));
+    }
+
+    /// As many edges as are looked at together.
+    static constexpr int width = native_width<S> < N ? native_width<S> : N;
+    using lanes = pack<S, width>;
+    /// Calls f(first, x, y) for groups of edges with their normals.
+    template <class F>
+    PHYSICS_HPP_ALWAYS_INLINE void each_normals(F&& f) const {
+        for (int i = 0; i < count; i += width) f(i, lanes::load(normals[0] + i), lanes::load(normals[1] + i));
+    }
 };
 
 template <int N = 4, class S>
-constexpr rounded_polygon<S, N> polygon_of(const box<S, 2>& b, const transform<S, 2>& at) {
+rounded_polygon<S, N> polygon_of(const box<S, 2>& b, const transform<S, 2>& at) {
     const mat<S, 2> m = matrix(at.rotation);
     const vec<S, 2> x = m.column[0] * b.half_extents.x, y = m.column[1] * b.half_extents.y, p = at.position;
-    return {{p - x - y, p + x - y, p + x + y, p - x + y},
-            {-m.column[1], m.column[0], m.column[1], -m.column[0]},
-            4,
-            S(0),
-            min(b.half_extents.x, b.half_extents.y)};
+    rounded_polygon<S, N> result;
+    result.set(0, p - x - y, -m.column[1]);
+    result.set(1, p + x - y, m.column[0]);
+    result.set(2, p + x + y, m.column[1]);
+    result.set(3, p - x + y, -m.column[0]);
+    result.count = 4;
+    result.size = min(b.half_extents.x, b.half_extents.y);
+    result.fill_up();
+    return result;
 }
 template <int N = 4, class S>
-constexpr rounded_polygon<S, N> polygon_of(const capsule<S, 2>& c, const transform<S, 2>& at) {
+rounded_polygon<S, N> polygon_of(const capsule<S, 2>& c, const transform<S, 2>& at) {
     const mat<S, 2> m = matrix(at.rotation);
     const vec<S, 2> x = m.column[0] * c.half_length;
-    return {{at.position - x, at.position + x}, {-m.column[1], m.column[1]}, 2, c.radius, c.radius};
+    rounded_polygon<S, N> result;
+    result.set(0, at.position - x, -m.column[1]);
+    result.set(1, at.position + x, m.column[1]);
+    result.count = 2;
+    result.radius = result.size = c.radius;
+    result.fill_up();
+    return result;
+}
+/// In its own frame.
+template <int N = 4, class Shape>
+auto polygon_of(const Shape& shape) {
+    return polygon_of<N>(shape, {});
 }
 
 /// The edge of a from which b lies farthest, and how far.
@@ -46,21 +83,43 @@ struct edge_distance {
     S distance{};
 };
 template <class S, int N>
-constexpr edge_distance<S> farthest_edge(const rounded_polygon<S, N>& a, const rounded_polygon<S, N>& b) {
-    edge_distance<S> best;
-    for (int i = 0; i < a.count; ++i) {
-        S nearest = dot(a.normal[i], b.vertex[0] - a.vertex[i]);
-        for (int j = 1; j < b.count; ++j) nearest = min(nearest, dot(a.normal[i], b.vertex[j] - a.vertex[i]));
-        if (i == 0 || nearest > best.distance) best = {i, nearest};
-    }
+edge_distance<S> farthest_edge(const rounded_polygon<S, N>& a, const rounded_polygon<S, N>& b) {
+    using P = typename rounded_polygon<S, N>::lanes;
+    S distances[N];
+    a.each_normals([&](int first, const P& x, const P& y) {
+        const P from_x = P::load(a.vertices[0] + first), from_y = P::load(a.vertices[1] + first);
+        const auto height = [&](int j) {
+            return lane_sum(x, P::broadcast(b.vertices[0][j]) - from_x, y, P::broadcast(b.vertices[1][j]) - from_y);
+        };
+        P nearest = height(0);
+        for (int j = 1; j < b.count; ++j) nearest = min(nearest, height(j));
+        nearest.store(distances + first);
+    });
+    edge_distance<S> best{0, distances[0]};
+    for (int i = 1; i < a.count; ++i)
+        if (distances[i] > best.distance) best = {i, distances[i]};
     return best;
+}
+/// The edge of a that faces a unit vector most. A lower number wins unless another edge is clearly better, so that
+/// rounding does not choose.
+template <class S, int N>
+int facing_edge(const rounded_polygon<S, N>& a, vec<S, 2> n) {
+    using P = typename rounded_polygon<S, N>::lanes;
+    S along[N];
+    a.each_normals([&](int first, const P& x, const P& y) {
+        lane_sum(x, P::broadcast(n.x), y, P::broadcast(n.y)).store(along + first);
+    });
+    int facing = 0;
+    for (int i = 1; i < a.count; ++i)
+        if (along[i] < along[facing] - S(1.0 / 1024)) facing = i;
+    return facing;
 }
 /// How far apart the cores are along a unit vector from a to b.
 template <class S, int N>
-constexpr S distance_along(const rounded_polygon<S, N>& a, const rounded_polygon<S, N>& b, vec<S, 2> n) {
-    S last = dot(n, a.vertex[0]), first = dot(n, b.vertex[0]);
-    for (int i = 1; i < a.count; ++i) last = max(last, dot(n, a.vertex[i]));
-    for (int i = 1; i < b.count; ++i) first = min(first, dot(n, b.vertex[i]));
+S distance_along(const rounded_polygon<S, N>& a, const rounded_polygon<S, N>& b, vec<S, 2> n) {
+    S last = dot(n, a.vertex(0)), first = dot(n, b.vertex(0));
+    for (int i = 1; i < a.count; ++i) last = max(last, dot(n, a.vertex(i)));
+    for (int i = 1; i < b.count; ++i) first = min(first, dot(n, b.vertex(i)));
     return first - last;
 }
 
@@ -68,20 +127,17 @@ constexpr S distance_along(const rounded_polygon<S, N>& a, const rounded_polygon
 /// that are left. False, with nothing added, if the point in which the edge finds `incident` closest was cut
 /// off: then the edge's normal is not the direction of least distance.
 template <class S, int N>
-constexpr bool clip_edges(const rounded_polygon<S, N>& reference, edge_distance<S> found,
+bool clip_edges(const rounded_polygon<S, N>& reference, edge_distance<S> found,
                           const rounded_polygon<S, N>& incident, bool flip, S slack, S margin, manifold<S, 2>& out) {
     const int edge = found.edge;
-    const vec<S, 2> n = reference.normal[edge], t{-n.y, n.x}, from = reference.vertex[edge];
-    int facing = 0;
-    // A lower number wins unless another edge is clearly better, so that rounding does not choose.
-    for (int i = 1; i < incident.count; ++i)
-        if (dot(incident.normal[i], n) < dot(incident.normal[facing], n) - S(1.0 / 1024)) facing = i;
+    const vec<S, 2> n = reference.normal(edge), t{-n.y, n.x}, from = reference.vertex(edge);
+    const int facing = facing_edge(incident, n);
 
     // Along the reference edge the incident edge runs backwards: its end comes first.
-    const vec<S, 2> first = incident.vertex[incident.next(facing)] - from, last = incident.vertex[facing] - from;
+    const vec<S, 2> first = incident.vertex(incident.next(facing)) - from, last = incident.vertex(facing) - from;
     const S at_first = dot(first, t), at_last = dot(last, t), span = at_last - at_first;
     // Reference ends are a little farther out, so that rounding does not cut the corners of equal boxes.
-    const S low = -slack, high = dot(reference.vertex[reference.next(edge)] - from, t) + slack;
+    const S low = -slack, high = dot(reference.vertex(reference.next(edge)) - from, t) + slack;
     if (at_first > high || at_last < low) return false;
     const auto point_at = [&](S at) {
         return span > S(0) ? first + (last - first) * clamp((at - at_first) / span, S(0), S(1)) : first;
@@ -91,7 +147,7 @@ constexpr bool clip_edges(const rounded_polygon<S, N>& reference, edge_distance<
     const int deeper = gaps[1] < gaps[0] ? 1 : 0;
     if (gaps[deeper] > found.distance + slack + slack) return false;
     // A round edge leads its surface along its own normal: beyond five degrees of tilt only the deeper end touches.
-    const bool flat = !(incident.radius > S(0)) || dot(incident.normal[facing], n) < S(-1 + 1.0 / 256);
+    const bool flat = !(incident.radius > S(0)) || dot(incident.normal(facing), n) < S(-1 + 1.0 / 256);
 
     out.normal = flip ? -n : n;
     for (int k = 0; k < 2; ++k) {
@@ -110,7 +166,7 @@ constexpr bool clip_edges(const rounded_polygon<S, N>& reference, edge_distance<
 /// Adds the closest pair of a vertex of one polygon and an edge or vertex of the other; of cores that overlap, how
 /// deep. `parting` is the best of the edges' normals, from a to b, and `parted` how far it parts the cores.
 template <class S, int N>
-constexpr void collide_nearest(const rounded_polygon<S, N>& a, const rounded_polygon<S, N>& b, vec<S, 2> parting,
+void collide_nearest(const rounded_polygon<S, N>& a, const rounded_polygon<S, N>& b, vec<S, 2> parting,
                                S parted, S rounding, S margin, manifold<S, 2>& out) {
     vec<S, 2> on_a, on_b;
     wide_of<S> best{};
@@ -119,9 +175,9 @@ constexpr void collide_nearest(const rounded_polygon<S, N>& a, const rounded_pol
         const rounded_polygon<S, N>& edges = flip ? b : a;
         const rounded_polygon<S, N>& vertices = flip ? a : b;
         for (int i = 0; i < edges.count; ++i) {
-            const vec<S, 2> from = edges.vertex[i], to = edges.vertex[edges.next(i)];
+            const vec<S, 2> from = edges.vertex(i), to = edges.vertex(edges.next(i));
             for (int j = 0; j < vertices.count; ++j) {
-                const vec<S, 2> v = vertices.vertex[j];
+                const vec<S, 2> v = vertices.vertex(j);
                 const S t = closest_parameter(from, to, v);
                 const vec<S, 2> p = t < S(1) ? from + (to - from) * t : to;
                 const wide_of<S> distance = length_squared(v - p);
@@ -154,7 +210,7 @@ constexpr void collide_nearest(const rounded_polygon<S, N>& a, const rounded_pol
 /// where a corner meets a corner. The result lies in the frame of a and b's vertices. To keep the features of
 /// bodies at rest, contacts may deviate by 1/512 of the smaller size, never more.
 template <class S, int N>
-constexpr void collide_polygons(const detail::rounded_polygon<S, N>& a, const detail::rounded_polygon<S, N>& b,
+void collide_polygons(const detail::rounded_polygon<S, N>& a, const detail::rounded_polygon<S, N>& b,
                                 S margin, manifold<S, 2>& out) {
     const S reach = a.radius + b.radius + margin;
     const auto from_a = detail::farthest_edge(a, b);
@@ -163,14 +219,14 @@ constexpr void collide_polygons(const detail::rounded_polygon<S, N>& a, const de
     if (from_b.distance > reach) return;
 
     // A preference for a's edge keeps the reference from flipping between two that are alike.
-    const S rounding = detail::rounding_of(largest(a.vertex[0]) + largest(b.vertex[0]));
+    const S rounding = detail::rounding_of(largest(a.vertex(0)) + largest(b.vertex(0)));
     const S slack = max(min(a.size, b.size) * S(1.0 / 1024), rounding);
     const bool better_b = from_b.distance > from_a.distance;
     if (!(from_b.distance > from_a.distance + slack + slack) &&
         detail::clip_edges(a, from_a, b, false, slack, margin, out))
         return;
     if (better_b && detail::clip_edges(b, from_b, a, true, slack, margin, out)) return;
-    detail::collide_nearest(a, b, better_b ? -b.normal[from_b.edge] : a.normal[from_a.edge],
+    detail::collide_nearest(a, b, better_b ? -b.normal(from_b.edge) : a.normal(from_a.edge),
                             better_b ? from_b.distance : from_a.distance, rounding, margin, out);
 }
 

@@ -133,15 +133,8 @@ void vertex_ranges(const hull_data<R, D>& h, const vec<R, D> (&rows)[D], vec<R, 
             low = min(low, here);
             high = max(high, here);
         }
-        R least[width], most[width];
-        low.store(least);
-        high.store(most);
-        for (int i = 1; i < width; ++i) {
-            least[0] = least[i] < least[0] ? least[i] : least[0];
-            most[0] = most[i] > most[0] ? most[i] : most[0];
-        }
-        lower[axis] = least[0];
-        upper[axis] = most[0];
+        lower[axis] = -greatest_lane(-low);
+        upper[axis] = greatest_lane(high);
     }
 }
 
