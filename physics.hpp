@@ -4621,7 +4621,8 @@ struct geometry_block {
     /// Called, unless null, before the memory goes: with it goes what the block owns.
     void (*gone)(const geometry_block*) = nullptr;
 
-    static constexpr std::size_t alignment = 32;
+    /// That of cache lines.
+    static constexpr std::size_t alignment = 64;
 };
 
 /// A block of so many bytes, owned once, its head constructed and the rest zero.
@@ -5303,23 +5304,27 @@ struct hull_data : geometry_block {
     static constexpr int dimension = D;
     static constexpr std::uint32_t most_vertices = 65535;
 
-    std::uint32_t vertex_count, face_count, edge_count, padded_vertices, padded_faces;
-    /// How far the vertices of a face may be from its plane (m), by the rounding of the numbers that were given.
-    double tolerance;
-    /// How far points lie outside of a face (m) since only so many vertices were wanted.
-    double shortfall;
+    // What each step asks for comes first, in one cache line.
+    std::uint32_t vertex_count, face_count, edge_count;
     /// The largest coordinate by magnitude, and the largest distance of a vertex from the origin (m).
     double reach, span;
     /// The distance of the centroid from the nearest face (m).
     double inradius;
+    /// How far the vertices of a face may be from its plane (m), by the rounding of the numbers that were given.
+    double tolerance;
+    /// How far points lie outside of a face (m) since only so many vertices were wanted.
+    double shortfall;
     /// A number that hulls with the same vertices share on every system.
     std::uint64_t digest;
     vec<double, D> lower, upper, centroid;
     hull_moments moments;
 
-    /// The vertices' coordinates along an axis: padded_vertices numbers.
+    /// How long rows are.
+    [[nodiscard]] std::uint32_t padded_vertices() const { return padded(vertex_count); }
+    [[nodiscard]] std::uint32_t padded_faces() const { return padded(face_count); }
+    /// The vertices' coordinates along an axis: padded_vertices() numbers.
     [[nodiscard]] const R* coordinate(int axis) const {
-        return at<R>(coordinates_) + static_cast<std::uint32_t>(axis) * padded_vertices;
+        return at<R>(first_row()) + static_cast<std::uint32_t>(axis) * padded_vertices();
     }
     [[nodiscard]] vec<R, D> vertex(std::uint32_t i) const {
         vec<R, D> v;
@@ -5334,9 +5339,9 @@ struct hull_data : geometry_block {
     /// The unit outward normal of face i; dot(normal, v) <= offset for every vertex v, up to rounding in double.
     [[nodiscard]] const vec<double, D>& normal(std::uint32_t i) const { return at<vec<double, D>>(normals_)[i]; }
     [[nodiscard]] double offset(std::uint32_t i) const { return at<double>(offsets_)[i]; }
-    /// The normals' components along an axis: padded_faces numbers.
+    /// The normals' components along an axis: padded_faces() numbers.
     [[nodiscard]] const R* face_normal(int axis) const {
-        return at<R>(normal_lanes_) + static_cast<std::uint32_t>(axis) * padded_faces;
+        return coordinate(D) + static_cast<std::uint32_t>(axis) * padded_faces();
     }
     /// The vertices of face i: face_vertices()[face_begin(i)] to before face_vertices()[face_end(i)].
     [[nodiscard]] std::uint32_t face_begin(std::uint32_t i) const { return at<std::uint32_t>(face_begin_)[i]; }
@@ -5374,8 +5379,11 @@ struct hull_data : geometry_block {
     static const hull_data* make(const hull_outline<D>& outline);
 
 private:
-    std::size_t coordinates_, normals_, offsets_, normal_lanes_, face_begin_, face_vertices_, neighbours_begin_,
-        neighbours_, edges_;
+    std::size_t normals_, offsets_, face_begin_, face_vertices_, neighbours_begin_, neighbours_, edges_;
+
+    /// Where the rows of coordinates begin, and after them those of normals.
+    static constexpr std::size_t first_row() { return (sizeof(hull_data) + alignment - 1) / alignment * alignment; }
+    static std::uint32_t padded(std::uint32_t n) { return (n + 7) & ~std::uint32_t{7}; }
 
     template <class T>
     [[nodiscard]] const T* at(std::size_t offset) const {
@@ -5392,20 +5400,16 @@ private:
     PHYSICS_HPP_COLD void straighten(buffer<std::uint32_t>& seen_by, buffer<std::uint32_t>& todo);
 };
 
-inline std::uint32_t padded_to_8(std::uint32_t n) { return (n + 7) & ~std::uint32_t{7}; }
-
 template <class R, int D>
 const hull_data<R, D>* hull_data<R, D>::make(const hull_outline<D>& outline) {
     const std::uint32_t vertices = outline.vertices.size(), faces = outline.face_count();
     const std::uint32_t corners = outline.face_vertices.size();
-    std::size_t end = sizeof(hull_data);
+    std::size_t end = first_row() + std::size_t{D} * (padded(vertices) + padded(faces)) * sizeof(R);
     const auto place = [&](std::size_t count, std::size_t bytes) {
         const std::size_t begin = (end + 31) & ~std::size_t{31};
         end = begin + count * bytes;
         return begin;
     };
-    const std::size_t coordinates = place(std::size_t{D} * padded_to_8(vertices), sizeof(R));
-    const std::size_t normal_lanes = place(std::size_t{D} * padded_to_8(faces), sizeof(R));
     const std::size_t normals = place(faces, sizeof(vec<double, D>)), offsets = place(faces, sizeof(double));
     const std::size_t begins = place(std::size_t{faces} + 1, sizeof(std::uint32_t));
     const std::size_t neighbour_begins = place(std::size_t{vertices} + 1, sizeof(std::uint32_t));
@@ -5418,12 +5422,8 @@ const hull_data<R, D>* hull_data<R, D>::make(const hull_outline<D>& outline) {
     h->vertex_count = vertices;
     h->face_count = faces;
     h->edge_count = outline.edges.size();
-    h->padded_vertices = padded_to_8(vertices);
-    h->padded_faces = padded_to_8(faces);
     h->tolerance = outline.tolerance;
     h->shortfall = outline.shortfall;
-    h->coordinates_ = coordinates;
-    h->normal_lanes_ = normal_lanes;
     h->normals_ = normals;
     h->offsets_ = offsets;
     h->face_begin_ = begins;
@@ -5435,11 +5435,11 @@ const hull_data<R, D>* hull_data<R, D>::make(const hull_outline<D>& outline) {
     h->lower = h->upper = outline.vertices[0];
     h->reach = 0;
     h->digest = vertices;
-    for (std::uint32_t i = 0; i < h->padded_vertices; ++i)
+    const std::uint32_t row = h->padded_vertices();
+    for (std::uint32_t i = 0; i < row; ++i)
         for (int axis = 0; axis < D; ++axis) {
             const double x = outline.vertices[i < vertices ? i : vertices - 1][axis];
-            h->template at<R>(coordinates)[static_cast<std::uint32_t>(axis) * h->padded_vertices + i] =
-                static_cast<R>(x);
+            h->template at<R>(first_row())[static_cast<std::uint32_t>(axis) * row + i] = static_cast<R>(x);
             h->lower[axis] = min(h->lower[axis], x);
             h->upper[axis] = max(h->upper[axis], x);
             h->reach = max(h->reach, abs(x));
@@ -5491,9 +5491,10 @@ void hull_data<R, D>::link(const hull_outline<D>& outline) {
 template <class R, int D>
 void hull_data<R, D>::set_normal(std::uint32_t f, const vec<double, D>& n) {
     at<vec<double, D>>(normals_)[f] = n;
-    for (std::uint32_t i = f; i < (f + 1 < face_count ? f + 1 : padded_faces); ++i)
+    R* const components = at<R>(first_row()) + std::uint32_t{D} * padded_vertices();
+    for (std::uint32_t i = f; i < (f + 1 < face_count ? f + 1 : padded_faces()); ++i)
         for (int axis = 0; axis < D; ++axis)
-            at<R>(normal_lanes_)[static_cast<std::uint32_t>(axis) * padded_faces + i] = static_cast<R>(n[axis]);
+            components[static_cast<std::uint32_t>(axis) * padded_faces() + i] = static_cast<R>(n[axis]);
 }
 
 /// An offset that no vertex exceeds. Faces that were merged have vertices above and below their planes, and rounding
@@ -6588,7 +6589,7 @@ void vertex_ranges(const hull_data<R, D>& h, const vec<R, D> (&rows)[D], vec<R, 
             return sum;
         };
         lanes low = height(0), high = low;
-        for (std::uint32_t i = width; i < h.padded_vertices; i += width) {
+        for (std::uint32_t i = width; i < h.padded_vertices(); i += width) {
             const lanes here = height(i);
             low = min(low, here);
             high = max(high, here);
@@ -6656,7 +6657,7 @@ vec<S, D> support(const hull<S, D>& h, vec<S, D> direction) {
         rows[i] = h.geometry->coordinate(i);
         d[i] = static_cast<double>(direction[i]);
     }
-    const std::uint32_t farthest = detail::farthest_vertex(rows, h.geometry->padded_vertices, d);
+    const std::uint32_t farthest = detail::farthest_vertex(rows, h.geometry->padded_vertices(), d);
     const vec<double, D> v = h.geometry->exact_vertex(farthest);
     vec<S, D> p;
     for (int i = 0; i < D; ++i) p[i] = S(v[i]);
@@ -7117,7 +7118,7 @@ detail::core<D> core_of(const hull<S, D>& b) {
     detail::core<D> c;
     c.kind = std::is_same_v<detail::hull_real<S>, float> ? detail::core_kind::hull_of_floats
                                                          : detail::core_kind::hull_of_doubles;
-    c.count = h.padded_vertices;
+    c.count = h.padded_vertices();
     c.radius = detail::to_double(b.radius);
     c.data = &h;
     for (int i = 0; i < D; ++i) {
@@ -12198,7 +12199,7 @@ template <class R>
 facet<3> hull_facet(const hull_data<R, 3>& h, const point<3>& n) {
     const R* const rows[3] = {h.face_normal(0), h.face_normal(1), h.face_normal(2)};
     facet<3> f;
-    f.number = farthest_vertex<R, 3>(rows, h.padded_faces, n);
+    f.number = farthest_vertex<R, 3>(rows, h.padded_faces(), n);
     f.normal = h.normal(f.number);
     f.flat = true;
     const std::uint32_t begin = h.face_begin(f.number), count = h.face_end(f.number) - begin;
@@ -12214,7 +12215,7 @@ template <class R>
 facet<2> hull_facet(const hull_data<R, 2>& h, const point<2>& n) {
     const R* const rows[2] = {h.face_normal(0), h.face_normal(1)};
     facet<2> f;
-    f.number = farthest_vertex<R, 2>(rows, h.padded_faces, n);
+    f.number = farthest_vertex<R, 2>(rows, h.padded_faces(), n);
     f.normal = h.normal(f.number);
     f.flat = true;
     f.count = 2;

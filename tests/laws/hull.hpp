@@ -58,14 +58,14 @@ inline std::string fault(const geometry& g, const points& input, double slack = 
     }
     if (at(h.lower).x != low.x || at(h.upper).x != high.x || at(h.lower).y != low.y || at(h.upper).z != high.z)
         return "bounds";
-    if (h.padded_vertices % 8 || h.padded_vertices < h.vertex_count || h.padded_faces % 8) return "padding";
+    if (h.padded_vertices() % 8 || h.padded_vertices() < h.vertex_count || h.padded_faces() % 8) return "padding";
     for (int k = 0; k < D; ++k) {
         if (reinterpret_cast<std::uintptr_t>(h.coordinate(0)) % 32 ||
             reinterpret_cast<std::uintptr_t>(h.face_normal(0)) % 32)
             return "alignment";
-        for (std::uint32_t i = h.vertex_count; i < h.padded_vertices; ++i)
+        for (std::uint32_t i = h.vertex_count; i < h.padded_vertices(); ++i)
             if (h.coordinate(k)[i] != h.coordinate(k)[h.vertex_count - 1]) return "padding is no vertex";
-        for (std::uint32_t i = 0; i < h.padded_faces; ++i) {
+        for (std::uint32_t i = 0; i < h.padded_faces(); ++i) {
             const double n = h.normal(std::min(i, h.face_count - 1))[k];
             if (h.face_normal(k)[i] != static_cast<std::remove_cvref_t<decltype(*h.face_normal(k))>>(n))
                 return "lanes of normals differ";

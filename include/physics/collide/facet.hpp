@@ -32,7 +32,7 @@ template <class R>
 facet<3> hull_facet(const hull_data<R, 3>& h, const point<3>& n) {
     const R* const rows[3] = {h.face_normal(0), h.face_normal(1), h.face_normal(2)};
     facet<3> f;
-    f.number = farthest_vertex<R, 3>(rows, h.padded_faces, n);
+    f.number = farthest_vertex<R, 3>(rows, h.padded_faces(), n);
     f.normal = h.normal(f.number);
     f.flat = true;
     const std::uint32_t begin = h.face_begin(f.number), count = h.face_end(f.number) - begin;
@@ -48,7 +48,7 @@ template <class R>
 facet<2> hull_facet(const hull_data<R, 2>& h, const point<2>& n) {
     const R* const rows[2] = {h.face_normal(0), h.face_normal(1)};
     facet<2> f;
-    f.number = farthest_vertex<R, 2>(rows, h.padded_faces, n);
+    f.number = farthest_vertex<R, 2>(rows, h.padded_faces(), n);
     f.normal = h.normal(f.number);
     f.flat = true;
     f.count = 2;

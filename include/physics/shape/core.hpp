@@ -226,7 +226,7 @@ detail::core<D> core_of(const hull<S, D>& b) {
     detail::core<D> c;
     c.kind = std::is_same_v<detail::hull_real<S>, float> ? detail::core_kind::hull_of_floats
                                                          : detail::core_kind::hull_of_doubles;
-    c.count = h.padded_vertices;
+    c.count = h.padded_vertices();
     c.radius = detail::to_double(b.radius);
     c.data = &h;
     for (int i = 0; i < D; ++i) {

@@ -26,7 +26,8 @@ struct geometry_block {
     /// Called, unless null, before the memory goes: with it goes what the block owns.
     void (*gone)(const geometry_block*) = nullptr;
 
-    static constexpr std::size_t alignment = 32;
+    /// That of cache lines.
+    static constexpr std::size_t alignment = 64;
 };
 
 /// A block of so many bytes, owned once, its head constructed and the rest zero.

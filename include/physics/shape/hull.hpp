@@ -128,7 +128,7 @@ void vertex_ranges(const hull_data<R, D>& h, const vec<R, D> (&rows)[D], vec<R, 
             return sum;
         };
         lanes low = height(0), high = low;
-        for (std::uint32_t i = width; i < h.padded_vertices; i += width) {
+        for (std::uint32_t i = width; i < h.padded_vertices(); i += width) {
             const lanes here = height(i);
             low = min(low, here);
             high = max(high, here);
@@ -196,7 +196,7 @@ vec<S, D> support(const hull<S, D>& h, vec<S, D> direction) {
         rows[i] = h.geometry->coordinate(i);
         d[i] = static_cast<double>(direction[i]);
     }
-    const std::uint32_t farthest = detail::farthest_vertex(rows, h.geometry->padded_vertices, d);
+    const std::uint32_t farthest = detail::farthest_vertex(rows, h.geometry->padded_vertices(), d);
     const vec<double, D> v = h.geometry->exact_vertex(farthest);
     vec<S, D> p;
     for (int i = 0; i < D; ++i) p[i] = S(v[i]);
