@@ -12841,7 +12841,7 @@ struct edge_distance {
 template <class S, int N>
 edge_distance<S> farthest_edge(const rounded_polygon<S, N>& a, const rounded_polygon<S, N>& b) {
     using P = typename rounded_polygon<S, N>::lanes;
-    S distances[N];
+    S distances[N] = {};
     a.each_normals([&](int first, const P& x, const P& y) {
         const P from_x = P::load(a.vertices[0] + first), from_y = P::load(a.vertices[1] + first);
         const auto height = [&](int j) {
@@ -12861,7 +12861,7 @@ edge_distance<S> farthest_edge(const rounded_polygon<S, N>& a, const rounded_pol
 template <class S, int N>
 int facing_edge(const rounded_polygon<S, N>& a, vec<S, 2> n) {
     using P = typename rounded_polygon<S, N>::lanes;
-    S along[N];
+    S along[N] = {};
     a.each_normals([&](int first, const P& x, const P& y) {
         lane_sum(x, P::broadcast(n.x), y, P::broadcast(n.y)).store(along + first);
     });
@@ -19400,11 +19400,18 @@ struct body {
     [[nodiscard]] constexpr bool is_pushed() const { return !(force == vec<S, D>{} && torque == angular<S, D>{}); }
 };
 
+namespace detail {
+struct turns_at_once {};
+}
+
 /// What an integrator sees of a body: where it is while a step lasts, and what drives it.
 template <class S, int D>
 struct moving_body {
     vec<S, D> center;
     physics::rotation<S, D> rotation;
+    /// In the plane, by which angle it is turned as the step ends: angles add up, so that one turn serves all parts of
+    /// the step.
+    [[no_unique_address]] std::conditional_t<D == 2, S, detail::turns_at_once> turn{};
     /// By gravity, forces and torques (m/s^2, rad/s^2), in world axes.
     vec<S, D> acceleration;
     angular<S, D> angular_acceleration{};
@@ -20560,9 +20567,6 @@ constexpr void turn_freely(moving_body<S, 3>& b, vec<S, 3>& angular_velocity, S 
     b.rotation = turned(axes, angle) * inverse(top.spin.axes);
     angular_velocity = b.rotation * times(top.inverse_inertia, inverse_rotate(b.rotation, momentum));
 }
-/// In the plane nothing precesses.
-template <class S>
-constexpr void turn_freely(moving_body<S, 2>&, S, S) {}
 
 }  // namespace detail
 
@@ -20587,7 +20591,8 @@ struct semi_implicit_euler {
         /// Advances the pose of a body by its velocity, and the angular velocity of a free top with it.
         static constexpr void advance_pose(moving_body<S, D>& b, twist<S, D>& v, S h) {
             b.center += v.linear * h;
-            if (b.top) detail::turn_freely(b, v.angular, h);
+            if constexpr (D == 2) b.turn += v.angular * h;
+            else if (b.top) detail::turn_freely(b, v.angular, h);
             else b.rotation = turned(b.rotation, v.angular * h);
         }
 
@@ -24935,8 +24940,11 @@ public:
         for (std::uint32_t k = 0; k < count_; ++k) integrator::advance_pose(moving_[k], bodies_[k].velocity, h);
     }
 
-    /// Whether all that moved is where numbers reach.
-    [[nodiscard]] bool is_finite() const {
+    /// Ends the step. False if something that moved is where numbers do not reach.
+    [[nodiscard]] bool finish() {
+        if constexpr (D == 2)
+            for (std::uint32_t k = 0; k < count_; ++k)
+                if (moving_[k].turn != S(0)) moving_[k].rotation = turned(moving_[k].rotation, moving_[k].turn);
         for (std::uint32_t k = 0; k < count_; ++k)
             if (!physics::is_finite(moving_[k].center) || !physics::is_finite(moving_[k].rotation) ||
                 !physics::is_finite(bodies_[k].velocity.linear) || !physics::is_finite(bodies_[k].velocity.angular))
@@ -24952,7 +24960,9 @@ private:
         const body<S, D>& b = member(k);
         solver_body<S, D>& seen = *new (bodies_ + k)
             solver_body<S, D>{b.velocity, {}, b.inverse_mass, in_world(b.inverse_inertia, b.rotation)};
-        moving_body<S, D>& m = *new (moving_ + k) moving_body<S, D>{b.center, b.rotation, {}};
+        moving_body<S, D>& m = *new (moving_ + k) moving_body<S, D>{};
+        m.center = b.center;
+        m.rotation = b.rotation;
         if (b.has_target) {
             seen.velocity.linear = (b.target * b.mass.center - b.center) / step_;
             seen.velocity.angular = rotation_vector(b.target.rotation * inverse(b.rotation)) / step_;
@@ -25120,7 +25130,7 @@ private:
         if constexpr (requires { Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving, hands); })
             Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving, hands);
         else Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving);
-        return moving.is_finite();
+        return moving.finish();
     }
     [[nodiscard]] transform<S, D> pose_of(std::uint32_t k) const {
         const body<S, D>& b = state_.bodies[state_.movers[k]];

@@ -85,7 +85,7 @@ struct edge_distance {
 template <class S, int N>
 edge_distance<S> farthest_edge(const rounded_polygon<S, N>& a, const rounded_polygon<S, N>& b) {
     using P = typename rounded_polygon<S, N>::lanes;
-    S distances[N];
+    S distances[N] = {};
     a.each_normals([&](int first, const P& x, const P& y) {
         const P from_x = P::load(a.vertices[0] + first), from_y = P::load(a.vertices[1] + first);
         const auto height = [&](int j) {
@@ -105,7 +105,7 @@ edge_distance<S> farthest_edge(const rounded_polygon<S, N>& a, const rounded_pol
 template <class S, int N>
 int facing_edge(const rounded_polygon<S, N>& a, vec<S, 2> n) {
     using P = typename rounded_polygon<S, N>::lanes;
-    S along[N];
+    S along[N] = {};
     a.each_normals([&](int first, const P& x, const P& y) {
         lane_sum(x, P::broadcast(n.x), y, P::broadcast(n.y)).store(along + first);
     });

@@ -57,11 +57,18 @@ struct body {
     [[nodiscard]] constexpr bool is_pushed() const { return !(force == vec<S, D>{} && torque == angular<S, D>{}); }
 };
 
+namespace detail {
+struct turns_at_once {};
+}
+
 /// What an integrator sees of a body: where it is while a step lasts, and what drives it.
 template <class S, int D>
 struct moving_body {
     vec<S, D> center;
     physics::rotation<S, D> rotation;
+    /// In the plane, by which angle it is turned as the step ends: angles add up, so that one turn serves all parts of
+    /// the step.
+    [[no_unique_address]] std::conditional_t<D == 2, S, detail::turns_at_once> turn{};
     /// By gravity, forces and torques (m/s^2, rad/s^2), in world axes.
     vec<S, D> acceleration;
     angular<S, D> angular_acceleration{};

@@ -54,9 +54,6 @@ constexpr void turn_freely(moving_body<S, 3>& b, vec<S, 3>& angular_velocity, S 
     b.rotation = turned(axes, angle) * inverse(top.spin.axes);
     angular_velocity = b.rotation * times(top.inverse_inertia, inverse_rotate(b.rotation, momentum));
 }
-/// In the plane nothing precesses.
-template <class S>
-constexpr void turn_freely(moving_body<S, 2>&, S, S) {}
 
 }  // namespace detail
 
@@ -81,7 +78,8 @@ struct semi_implicit_euler {
         /// Advances the pose of a body by its velocity, and the angular velocity of a free top with it.
         static constexpr void advance_pose(moving_body<S, D>& b, twist<S, D>& v, S h) {
             b.center += v.linear * h;
-            if (b.top) detail::turn_freely(b, v.angular, h);
+            if constexpr (D == 2) b.turn += v.angular * h;
+            else if (b.top) detail::turn_freely(b, v.angular, h);
             else b.rotation = turned(b.rotation, v.angular * h);
         }
 

@@ -62,8 +62,11 @@ public:
         for (std::uint32_t k = 0; k < count_; ++k) integrator::advance_pose(moving_[k], bodies_[k].velocity, h);
     }
 
-    /// Whether all that moved is where numbers reach.
-    [[nodiscard]] bool is_finite() const {
+    /// Ends the step. False if something that moved is where numbers do not reach.
+    [[nodiscard]] bool finish() {
+        if constexpr (D == 2)
+            for (std::uint32_t k = 0; k < count_; ++k)
+                if (moving_[k].turn != S(0)) moving_[k].rotation = turned(moving_[k].rotation, moving_[k].turn);
         for (std::uint32_t k = 0; k < count_; ++k)
             if (!physics::is_finite(moving_[k].center) || !physics::is_finite(moving_[k].rotation) ||
                 !physics::is_finite(bodies_[k].velocity.linear) || !physics::is_finite(bodies_[k].velocity.angular))
@@ -79,7 +82,9 @@ private:
         const body<S, D>& b = member(k);
         solver_body<S, D>& seen = *new (bodies_ + k)
             solver_body<S, D>{b.velocity, {}, b.inverse_mass, in_world(b.inverse_inertia, b.rotation)};
-        moving_body<S, D>& m = *new (moving_ + k) moving_body<S, D>{b.center, b.rotation, {}};
+        moving_body<S, D>& m = *new (moving_ + k) moving_body<S, D>{};
+        m.center = b.center;
+        m.rotation = b.rotation;
         if (b.has_target) {
             seen.velocity.linear = (b.target * b.mass.center - b.center) / step_;
             seen.velocity.angular = rotation_vector(b.target.rotation * inverse(b.rotation)) / step_;
@@ -247,7 +252,7 @@ private:
         if constexpr (requires { Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving, hands); })
             Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving, hands);
         else Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving);
-        return moving.is_finite();
+        return moving.finish();
     }
     [[nodiscard]] transform<S, D> pose_of(std::uint32_t k) const {
         const body<S, D>& b = state_.bodies[state_.movers[k]];
