@@ -20876,6 +20876,15 @@ struct symmetric_lanes {
         return {lanes_from<K>(from[0]), lanes_from<K>(from[1]), lanes_from<K>(from[2]),
                 lanes_from<K>(from[3]), lanes_from<K>(from[4]), lanes_from<K>(from[5])};
     }
+    template <class T>
+    PHYSICS_HPP_ALWAYS_INLINE void store(T (&to)[6][K::width]) const {
+        put_lanes(xx, to[0]);
+        put_lanes(yy, to[1]);
+        put_lanes(zz, to[2]);
+        put_lanes(xy, to[3]);
+        put_lanes(xz, to[4]);
+        put_lanes(yz, to[5]);
+    }
 };
 template <class K>
 PHYSICS_HPP_ALWAYS_INLINE symmetric_lanes<K> lane_add(const symmetric_lanes<K>& a, const symmetric_lanes<K>& b) {
@@ -21552,8 +21561,8 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// One point of W contacts: where it lies in the plane of the contact, relative to the contact's middle.
-template <class S, int D, int W, bool Bounces>
+/// One point of W contacts.
+template <class S, int D, int W>
 struct soft_point {
     S mass[W];
     S separation[W];
@@ -21562,11 +21571,14 @@ struct soft_point {
     /// Of this substep, after its last round what the next one begins with; and of the whole step.
     S impulse[W], total[W];
 };
+/// The speeds with which the surfaces part at points after a bounce (m/s), 0 for none.
 template <class S, int D, int W>
-struct soft_point<S, D, W, true> : soft_point<S, D, W, false> {
-    /// The speed with which the surfaces part after a bounce (m/s), 0 for none.
-    S bounce[W];
+struct soft_bounces {
+    S speed[manifold<S, D>::capacity][W];
 };
+struct no_soft_bounces {};
+template <class S, int D, int W, class Features>
+using soft_bounces_of = std::conditional_t<Features::restitution, soft_bounces<S, D, W>, no_soft_bounces>;
 
 /// The middle of a contact's points.
 template <class S, int D>
@@ -21623,9 +21635,9 @@ PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& 
 }
 /// The same for a bounce: only of points that have pushed, and no more is taken back than they have.
 template <class P, class Point>
-PHYSICS_HPP_ALWAYS_INLINE P bounce_impulse(Point& point, const P& speed) {
+PHYSICS_HPP_ALWAYS_INLINE P bounce_impulse(Point& point, const P& bounce, const P& speed) {
     using S = typename P::scalar;
-    const P zero = P::broadcast(S(0)), before = P::load(point.total), bounce = P::load(point.bounce);
+    const P zero = P::broadcast(S(0)), before = P::load(point.total);
     const P after = max(before - P::load(point.mass) * (speed - bounce), zero);
     const P total = select_greater(min(bounce, before), zero, after, before);
     total.store(point.total);
@@ -21664,11 +21676,9 @@ struct soft_contact2 {
     using Q = pack<I, W>;
     using body = solver_body<S, 2>;
 
-    struct point : soft_point<S, 2, W, Features::restitution> {
+    struct point : soft_point<S, 2, W> {
         /// The lever that an impulse along the normal has about the middle (m).
         S lever[W];
-        /// How the two speeds answer to such an impulse.
-        I along[W], turn[W];
     };
 
     std::uint32_t a[W], b[W];
@@ -21686,6 +21696,10 @@ struct soft_contact2 {
     /// Whether the contacts push their bodies, which is the same for all lanes.
     bool moves_a = false, moves_b = false;
     [[no_unique_address]] extras_of_block<S, W, 2, Features> extras;
+    // What most rounds do not ask for comes last, and stays out of their caches.
+    /// How the two speeds answer to an impulse along the normal at the middle and to an angular one: xx, xy, yy.
+    I answers[3][W];
+    [[no_unique_address]] soft_bounces_of<S, 2, W, Features> bounce_to;
 
     /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
     void put(int lane, const contact<S, 2>& c, const body* bodies, const soft_start<S>& with,
@@ -21715,7 +21729,7 @@ struct soft_contact2 {
             points[k].impulse[lane] = from.persisted ? from.load : S(0);
             if constexpr (Features::restitution)
                 bounces |=
-                    S(0) < (points[k].bounce[lane] = bounce_of(c, from, first, second, with.bounce_slop, with.step));
+                    S(0) < (bounce_to.speed[k][lane] = bounce_of(c, from, first, second, with.bounce_slop, with.step));
         }
         if constexpr (Features::friction) {
             friction.coefficient[lane] = c.friction;
@@ -21733,29 +21747,29 @@ struct soft_contact2 {
         const K turn_a = a_x * n_y - a_y * n_x, turn_b = b_x * n_y - b_y * n_x;
         const K mass = lanes_from<K>(mass_a) + lanes_from<K>(mass_b);
         const K of_a = lanes_from<K>(inertia_a), of_b = lanes_from<K>(inertia_b);
-        // How the two speeds answer to an impulse along the normal at the middle and to an angular impulse.
         const K along = mass + of_a * turn_a * turn_a + of_b * turn_b * turn_b;
         const K across = of_a * turn_a + of_b * turn_b, turn = of_a + of_b;
+        put_lanes(along, answers[0]);
+        put_lanes(across, answers[1]);
+        put_lanes(turn, answers[2]);
 
         const K zero = K::broadcast(C(0)), one = K::broadcast(C(1));
-        K levers[capacity][2], answers[capacity][2], own[capacity];
+        K levers[capacity][2], of_points[capacity][2], own[capacity];
         for (int k = 0; k < point_count; ++k) {
             const auto& offset = gathered.offset[k];
             const K lever = lanes_from<K>(offset[0]) * n_y - lanes_from<K>(offset[1]) * n_x;
             levers[k][0] = one;
             levers[k][1] = lever;
-            answers[k][0] = along + across * lever;
-            answers[k][1] = across + turn * lever;
+            of_points[k][0] = along + across * lever;
+            of_points[k][1] = across + turn * lever;
             // Turning only adds to it, whatever rounding says.
-            own[k] = max(answers[k][0] + answers[k][1] * lever, mass);
+            own[k] = max(of_points[k][0] + of_points[k][1] * lever, mass);
             point& to = points[k];
             put_lanes(lever, to.lever);
-            put_lanes(answers[k][0], to.along);
-            put_lanes(answers[k][1], to.turn);
             put_lanes(select_greater(lanes_from<K>(gathered.there[k]), zero, lane_reciprocal(own[k]), zero), to.mass);
         }
         whole.clear();
-        if (point_count == 2) whole.prepare_edge(points, levers, answers, own, lanes_from<K>(gathered.count));
+        if (point_count == 2) whole.prepare_edge(points, levers, of_points, own, lanes_from<K>(gathered.count));
         if constexpr (Features::friction) {
             const K slide_a = a_x * n_x + a_y * n_y, slide_b = b_x * n_x + b_y * n_y;
             put_lanes(lane_reciprocal(mass + of_a * slide_a * slide_a + of_b * slide_b * slide_b), friction.stop);
@@ -21830,7 +21844,7 @@ struct soft_contact2 {
         const P zero = P::broadcast(S(0));
         push_sum sum{zero, zero};
         visit_points({f, at_a.velocity, at_b.velocity}, sum,
-                     [&](int k, const P& v) { return bounce_impulse(points[k], v); });
+                     [&](int k, const P& v) { return bounce_impulse(points[k], P::load(bounce_to.speed[k]), v); });
         push(f, sum.load, zero, sum.moment, at_a, at_b);
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
@@ -21878,8 +21892,10 @@ private:
             const point& p = points[k];
             const P change = next(k, speed.at(p));
             sum.add(p, change);
-            speed.along = speed.along + mul<S>(Q::load(p.along), change);
-            speed.turn = speed.turn + mul<S>(Q::load(p.turn), change);
+            const P moment = P::load(p.lever) * change;
+            const Q xx = Q::load(answers[0]), xy = Q::load(answers[1]), yy = Q::load(answers[2]);
+            speed.along = speed.along + narrow<S>(product(xx, change) + product(xy, moment));
+            speed.turn = speed.turn + narrow<S>(product(xy, change) + product(yy, moment));
         });
     }
     /// Stops the slip at the middle, or lets it slide.
@@ -21946,11 +21962,9 @@ struct soft_contact3 {
     using Q = pack<I, W>;
     using body = solver_body<S, 3>;
 
-    struct point : soft_point<S, 3, W, Features::restitution> {
+    struct point : soft_point<S, 3, W> {
         /// Along both tangents, from the middle (m).
         S x[W], y[W];
-        /// How the three speeds answer to an impulse along the normal.
-        I along[W], about_t[W], about_u[W];
     };
 
     std::uint32_t a[W], b[W];
@@ -21968,6 +21982,10 @@ struct soft_contact3 {
     /// Whether the contacts push their bodies, which is the same for all lanes.
     bool moves_a = false, moves_b = false;
     [[no_unique_address]] extras_of_block<S, W, 3, Features> extras;
+    // What most rounds do not ask for comes last, and stays out of their caches.
+    /// How the three speeds answer to an impulse at the middle and to angular ones: xx, yy, zz, xy, xz, yz.
+    I answers[6][W];
+    [[no_unique_address]] soft_bounces_of<S, 3, W, Features> bounce_to;
 
     /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
     void put(int lane, const contact<S, 3>& c, const body* bodies, const soft_start<S>& with,
@@ -21993,7 +22011,7 @@ struct soft_contact3 {
             points[k].impulse[lane] = from.persisted ? from.load : S(0);
             if constexpr (Features::restitution)
                 bounces |=
-                    S(0) < (points[k].bounce[lane] = bounce_of(c, from, first, second, with.bounce_slop, with.step));
+                    S(0) < (bounce_to.speed[k][lane] = bounce_of(c, from, first, second, with.bounce_slop, with.step));
         }
         if constexpr (Features::friction) friction.put(lane, c, with.share);
         extras.put(lane, c, first, second, with.share, scratch);
@@ -22027,9 +22045,11 @@ struct soft_contact3 {
                                            lane_dot(c.u, by_n),
                                            lane_dot(c.u, by_t)};
 
+        speeds.store(answers);
+
         using C = typename K::scalar;
         const K zero = K::broadcast(C(0));
-        K levers[capacity][3], answers[capacity][3], own[capacity], there[capacity];
+        K levers[capacity][3], of_points[capacity][3], own[capacity], there[capacity];
         for (int k = 0; k < point_count; ++k) {
             const lanes3<K> offset = lanes3_from<K>(gathered.offset[k]);
             const K x = lane_dot(offset, t), y = lane_dot(offset, c.u);
@@ -22037,23 +22057,20 @@ struct soft_contact3 {
             levers[k][0] = K::broadcast(C(1));
             levers[k][1] = y;
             levers[k][2] = -x;
-            answers[k][0] = of.x;
-            answers[k][1] = of.y;
-            answers[k][2] = of.z;
+            of_points[k][0] = of.x;
+            of_points[k][1] = of.y;
+            of_points[k][2] = of.z;
             // Turning only adds to it, whatever rounding says.
             own[k] = max(of.x + y * of.y - x * of.z, c.mass);
             there[k] = lanes_from<K>(gathered.there[k]);
             point& to = points[k];
             put_lanes(x, to.x);
             put_lanes(y, to.y);
-            put_lanes(of.x, to.along);
-            put_lanes(of.y, to.about_t);
-            put_lanes(of.z, to.about_u);
             put_lanes(select_greater(there[k], zero, lane_reciprocal(own[k]), zero), to.mass);
         }
         whole.clear();
         const K count = lanes_from<K>(gathered.count);
-        if (point_count > 1) whole.prepare_edge(points, levers, answers, own, count);
+        if (point_count > 1) whole.prepare_edge(points, levers, of_points, own, count);
         if (point_count > 2) whole.prepare_face(points, point_count, levers, there, speeds, count);
         if constexpr (Features::friction) friction.prepare(c, points, point_count, count);
     }
@@ -22137,7 +22154,7 @@ struct soft_contact3 {
         const P zero = P::broadcast(S(0));
         push_sum sum{zero, zero, zero};
         visit_points({f, at_a.velocity, at_b.velocity}, sum,
-                     [&](int k, const P& v) { return bounce_impulse(points[k], v); });
+                     [&](int k, const P& v) { return bounce_impulse(points[k], P::load(bounce_to.speed[k]), v); });
         push(f, sum, at_a, at_b);
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
@@ -22191,9 +22208,10 @@ private:
             const point& p = points[k];
             const P change = next(k, speed.at(p));
             sum.add(p, change);
-            speed.along = speed.along + mul<S>(Q::load(p.along), change);
-            speed.about_t = speed.about_t + mul<S>(Q::load(p.about_t), change);
-            speed.about_u = speed.about_u + mul<S>(Q::load(p.about_u), change);
+            const lanes3<P> by = times(answers, {change, P::load(p.y) * change, -(P::load(p.x) * change)});
+            speed.along = speed.along + by.x;
+            speed.about_t = speed.about_t + by.y;
+            speed.about_u = speed.about_u + by.z;
         });
     }
     /// Stops the slip, or lets it slide on the cone.
@@ -22227,8 +22245,8 @@ private:
             w = {select_greater(arm, zero, now.x, w.x), select_greater(arm, zero, now.y, w.y),
                  select_greater(arm, zero, now.z, w.z)};
         };
-        where_it_acts(at_a.velocity.angular, lane_subtract(at_a.velocity.angular, turned_by(inertia_a, moment)));
-        where_it_acts(at_b.velocity.angular, lane_add(at_b.velocity.angular, turned_by(inertia_b, moment)));
+        where_it_acts(at_a.velocity.angular, lane_subtract(at_a.velocity.angular, times(inertia_a, moment)));
+        where_it_acts(at_b.velocity.angular, lane_add(at_b.velocity.angular, times(inertia_b, moment)));
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
@@ -22245,14 +22263,14 @@ private:
         auto& [v_b, w_b] = at_b.velocity;
         v_a = {v_a.x - mul<S>(m_a, impulse.x), v_a.y - mul<S>(m_a, impulse.y), v_a.z - mul<S>(m_a, impulse.z)};
         v_b = {v_b.x + mul<S>(m_b, impulse.x), v_b.y + mul<S>(m_b, impulse.y), v_b.z + mul<S>(m_b, impulse.z)};
-        w_a = lane_subtract(w_a, turned_by(inertia_a, lane_add(lane_cross(f.arm_a, impulse), moment)));
-        w_b = lane_add(w_b, turned_by(inertia_b, lane_add(lane_cross(f.arm_b, impulse), moment)));
+        w_a = lane_subtract(w_a, times(inertia_a, lane_add(lane_cross(f.arm_a, impulse), moment)));
+        w_b = lane_add(w_b, times(inertia_b, lane_add(lane_cross(f.arm_b, impulse), moment)));
     }
-    PHYSICS_HPP_ALWAYS_INLINE static lanes3<P> turned_by(const I (&inertia)[6][W], const lanes3<P>& moment) {
-        const Q xx = Q::load(inertia[0]), yy = Q::load(inertia[1]), zz = Q::load(inertia[2]);
-        const Q xy = Q::load(inertia[3]), xz = Q::load(inertia[4]), yz = Q::load(inertia[5]);
+    PHYSICS_HPP_ALWAYS_INLINE static lanes3<P> times(const I (&matrix)[6][W], const lanes3<P>& v) {
+        const Q xx = Q::load(matrix[0]), yy = Q::load(matrix[1]), zz = Q::load(matrix[2]);
+        const Q xy = Q::load(matrix[3]), xz = Q::load(matrix[4]), yz = Q::load(matrix[5]);
         const auto row = [&](const Q& x, const Q& y, const Q& z) {
-            return narrow<S>(product(x, moment.x) + product(y, moment.y) + product(z, moment.z));
+            return narrow<S>(product(x, v.x) + product(y, v.y) + product(z, v.z));
         };
         return {row(xx, xy, xz), row(xy, yy, yz), row(xz, yz, zz)};
     }

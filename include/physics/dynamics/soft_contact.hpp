@@ -10,8 +10,8 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// One point of W contacts: where it lies in the plane of the contact, relative to the contact's middle.
-template <class S, int D, int W, bool Bounces>
+/// One point of W contacts.
+template <class S, int D, int W>
 struct soft_point {
     S mass[W];
     S separation[W];
@@ -20,11 +20,14 @@ struct soft_point {
     /// Of this substep, after its last round what the next one begins with; and of the whole step.
     S impulse[W], total[W];
 };
+/// The speeds with which the surfaces part at points after a bounce (m/s), 0 for none.
 template <class S, int D, int W>
-struct soft_point<S, D, W, true> : soft_point<S, D, W, false> {
-    /// The speed with which the surfaces part after a bounce (m/s), 0 for none.
-    S bounce[W];
+struct soft_bounces {
+    S speed[manifold<S, D>::capacity][W];
 };
+struct no_soft_bounces {};
+template <class S, int D, int W, class Features>
+using soft_bounces_of = std::conditional_t<Features::restitution, soft_bounces<S, D, W>, no_soft_bounces>;
 
 /// The middle of a contact's points.
 template <class S, int D>
@@ -81,9 +84,9 @@ PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& 
 }
 /// The same for a bounce: only of points that have pushed, and no more is taken back than they have.
 template <class P, class Point>
-PHYSICS_HPP_ALWAYS_INLINE P bounce_impulse(Point& point, const P& speed) {
+PHYSICS_HPP_ALWAYS_INLINE P bounce_impulse(Point& point, const P& bounce, const P& speed) {
     using S = typename P::scalar;
-    const P zero = P::broadcast(S(0)), before = P::load(point.total), bounce = P::load(point.bounce);
+    const P zero = P::broadcast(S(0)), before = P::load(point.total);
     const P after = max(before - P::load(point.mass) * (speed - bounce), zero);
     const P total = select_greater(min(bounce, before), zero, after, before);
     total.store(point.total);

@@ -17,11 +17,9 @@ struct soft_contact2 {
     using Q = pack<I, W>;
     using body = solver_body<S, 2>;
 
-    struct point : soft_point<S, 2, W, Features::restitution> {
+    struct point : soft_point<S, 2, W> {
         /// The lever that an impulse along the normal has about the middle (m).
         S lever[W];
-        /// How the two speeds answer to such an impulse.
-        I along[W], turn[W];
     };
 
     std::uint32_t a[W], b[W];
@@ -39,6 +37,10 @@ struct soft_contact2 {
     /// Whether the contacts push their bodies, which is the same for all lanes.
     bool moves_a = false, moves_b = false;
     [[no_unique_address]] extras_of_block<S, W, 2, Features> extras;
+    // What most rounds do not ask for comes last, and stays out of their caches.
+    /// How the two speeds answer to an impulse along the normal at the middle and to an angular one: xx, xy, yy.
+    I answers[3][W];
+    [[no_unique_address]] soft_bounces_of<S, 2, W, Features> bounce_to;
 
     /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
     void put(int lane, const contact<S, 2>& c, const body* bodies, const soft_start<S>& with,
@@ -68,7 +70,7 @@ struct soft_contact2 {
             points[k].impulse[lane] = from.persisted ? from.load : S(0);
             if constexpr (Features::restitution)
                 bounces |=
-                    S(0) < (points[k].bounce[lane] = bounce_of(c, from, first, second, with.bounce_slop, with.step));
+                    S(0) < (bounce_to.speed[k][lane] = bounce_of(c, from, first, second, with.bounce_slop, with.step));
         }
         if constexpr (Features::friction) {
             friction.coefficient[lane] = c.friction;
@@ -86,29 +88,29 @@ struct soft_contact2 {
         const K turn_a = a_x * n_y - a_y * n_x, turn_b = b_x * n_y - b_y * n_x;
         const K mass = lanes_from<K>(mass_a) + lanes_from<K>(mass_b);
         const K of_a = lanes_from<K>(inertia_a), of_b = lanes_from<K>(inertia_b);
-        // How the two speeds answer to an impulse along the normal at the middle and to an angular impulse.
         const K along = mass + of_a * turn_a * turn_a + of_b * turn_b * turn_b;
         const K across = of_a * turn_a + of_b * turn_b, turn = of_a + of_b;
+        put_lanes(along, answers[0]);
+        put_lanes(across, answers[1]);
+        put_lanes(turn, answers[2]);
 
         const K zero = K::broadcast(C(0)), one = K::broadcast(C(1));
-        K levers[capacity][2], answers[capacity][2], own[capacity];
+        K levers[capacity][2], of_points[capacity][2], own[capacity];
         for (int k = 0; k < point_count; ++k) {
             const auto& offset = gathered.offset[k];
             const K lever = lanes_from<K>(offset[0]) * n_y - lanes_from<K>(offset[1]) * n_x;
             levers[k][0] = one;
             levers[k][1] = lever;
-            answers[k][0] = along + across * lever;
-            answers[k][1] = across + turn * lever;
+            of_points[k][0] = along + across * lever;
+            of_points[k][1] = across + turn * lever;
             // Turning only adds to it, whatever rounding says.
-            own[k] = max(answers[k][0] + answers[k][1] * lever, mass);
+            own[k] = max(of_points[k][0] + of_points[k][1] * lever, mass);
             point& to = points[k];
             put_lanes(lever, to.lever);
-            put_lanes(answers[k][0], to.along);
-            put_lanes(answers[k][1], to.turn);
             put_lanes(select_greater(lanes_from<K>(gathered.there[k]), zero, lane_reciprocal(own[k]), zero), to.mass);
         }
         whole.clear();
-        if (point_count == 2) whole.prepare_edge(points, levers, answers, own, lanes_from<K>(gathered.count));
+        if (point_count == 2) whole.prepare_edge(points, levers, of_points, own, lanes_from<K>(gathered.count));
         if constexpr (Features::friction) {
             const K slide_a = a_x * n_x + a_y * n_y, slide_b = b_x * n_x + b_y * n_y;
             put_lanes(lane_reciprocal(mass + of_a * slide_a * slide_a + of_b * slide_b * slide_b), friction.stop);
@@ -183,7 +185,7 @@ struct soft_contact2 {
         const P zero = P::broadcast(S(0));
         push_sum sum{zero, zero};
         visit_points({f, at_a.velocity, at_b.velocity}, sum,
-                     [&](int k, const P& v) { return bounce_impulse(points[k], v); });
+                     [&](int k, const P& v) { return bounce_impulse(points[k], P::load(bounce_to.speed[k]), v); });
         push(f, sum.load, zero, sum.moment, at_a, at_b);
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
@@ -231,8 +233,10 @@ private:
             const point& p = points[k];
             const P change = next(k, speed.at(p));
             sum.add(p, change);
-            speed.along = speed.along + mul<S>(Q::load(p.along), change);
-            speed.turn = speed.turn + mul<S>(Q::load(p.turn), change);
+            const P moment = P::load(p.lever) * change;
+            const Q xx = Q::load(answers[0]), xy = Q::load(answers[1]), yy = Q::load(answers[2]);
+            speed.along = speed.along + narrow<S>(product(xx, change) + product(xy, moment));
+            speed.turn = speed.turn + narrow<S>(product(xy, change) + product(yy, moment));
         });
     }
     /// Stops the slip at the middle, or lets it slide.

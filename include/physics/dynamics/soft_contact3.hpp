@@ -17,11 +17,9 @@ struct soft_contact3 {
     using Q = pack<I, W>;
     using body = solver_body<S, 3>;
 
-    struct point : soft_point<S, 3, W, Features::restitution> {
+    struct point : soft_point<S, 3, W> {
         /// Along both tangents, from the middle (m).
         S x[W], y[W];
-        /// How the three speeds answer to an impulse along the normal.
-        I along[W], about_t[W], about_u[W];
     };
 
     std::uint32_t a[W], b[W];
@@ -39,6 +37,10 @@ struct soft_contact3 {
     /// Whether the contacts push their bodies, which is the same for all lanes.
     bool moves_a = false, moves_b = false;
     [[no_unique_address]] extras_of_block<S, W, 3, Features> extras;
+    // What most rounds do not ask for comes last, and stays out of their caches.
+    /// How the three speeds answer to an impulse at the middle and to angular ones: xx, yy, zz, xy, xz, yz.
+    I answers[6][W];
+    [[no_unique_address]] soft_bounces_of<S, 3, W, Features> bounce_to;
 
     /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
     void put(int lane, const contact<S, 3>& c, const body* bodies, const soft_start<S>& with,
@@ -64,7 +66,7 @@ struct soft_contact3 {
             points[k].impulse[lane] = from.persisted ? from.load : S(0);
             if constexpr (Features::restitution)
                 bounces |=
-                    S(0) < (points[k].bounce[lane] = bounce_of(c, from, first, second, with.bounce_slop, with.step));
+                    S(0) < (bounce_to.speed[k][lane] = bounce_of(c, from, first, second, with.bounce_slop, with.step));
         }
         if constexpr (Features::friction) friction.put(lane, c, with.share);
         extras.put(lane, c, first, second, with.share, scratch);
@@ -98,9 +100,11 @@ struct soft_contact3 {
                                            lane_dot(c.u, by_n),
                                            lane_dot(c.u, by_t)};
 
+        speeds.store(answers);
+
         using C = typename K::scalar;
         const K zero = K::broadcast(C(0));
-        K levers[capacity][3], answers[capacity][3], own[capacity], there[capacity];
+        K levers[capacity][3], of_points[capacity][3], own[capacity], there[capacity];
         for (int k = 0; k < point_count; ++k) {
             const lanes3<K> offset = lanes3_from<K>(gathered.offset[k]);
             const K x = lane_dot(offset, t), y = lane_dot(offset, c.u);
@@ -108,23 +112,20 @@ struct soft_contact3 {
             levers[k][0] = K::broadcast(C(1));
             levers[k][1] = y;
             levers[k][2] = -x;
-            answers[k][0] = of.x;
-            answers[k][1] = of.y;
-            answers[k][2] = of.z;
+            of_points[k][0] = of.x;
+            of_points[k][1] = of.y;
+            of_points[k][2] = of.z;
             // Turning only adds to it, whatever rounding says.
             own[k] = max(of.x + y * of.y - x * of.z, c.mass);
             there[k] = lanes_from<K>(gathered.there[k]);
             point& to = points[k];
             put_lanes(x, to.x);
             put_lanes(y, to.y);
-            put_lanes(of.x, to.along);
-            put_lanes(of.y, to.about_t);
-            put_lanes(of.z, to.about_u);
             put_lanes(select_greater(there[k], zero, lane_reciprocal(own[k]), zero), to.mass);
         }
         whole.clear();
         const K count = lanes_from<K>(gathered.count);
-        if (point_count > 1) whole.prepare_edge(points, levers, answers, own, count);
+        if (point_count > 1) whole.prepare_edge(points, levers, of_points, own, count);
         if (point_count > 2) whole.prepare_face(points, point_count, levers, there, speeds, count);
         if constexpr (Features::friction) friction.prepare(c, points, point_count, count);
     }
@@ -208,7 +209,7 @@ struct soft_contact3 {
         const P zero = P::broadcast(S(0));
         push_sum sum{zero, zero, zero};
         visit_points({f, at_a.velocity, at_b.velocity}, sum,
-                     [&](int k, const P& v) { return bounce_impulse(points[k], v); });
+                     [&](int k, const P& v) { return bounce_impulse(points[k], P::load(bounce_to.speed[k]), v); });
         push(f, sum, at_a, at_b);
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
@@ -262,9 +263,10 @@ private:
             const point& p = points[k];
             const P change = next(k, speed.at(p));
             sum.add(p, change);
-            speed.along = speed.along + mul<S>(Q::load(p.along), change);
-            speed.about_t = speed.about_t + mul<S>(Q::load(p.about_t), change);
-            speed.about_u = speed.about_u + mul<S>(Q::load(p.about_u), change);
+            const lanes3<P> by = times(answers, {change, P::load(p.y) * change, -(P::load(p.x) * change)});
+            speed.along = speed.along + by.x;
+            speed.about_t = speed.about_t + by.y;
+            speed.about_u = speed.about_u + by.z;
         });
     }
     /// Stops the slip, or lets it slide on the cone.
@@ -298,8 +300,8 @@ private:
             w = {select_greater(arm, zero, now.x, w.x), select_greater(arm, zero, now.y, w.y),
                  select_greater(arm, zero, now.z, w.z)};
         };
-        where_it_acts(at_a.velocity.angular, lane_subtract(at_a.velocity.angular, turned_by(inertia_a, moment)));
-        where_it_acts(at_b.velocity.angular, lane_add(at_b.velocity.angular, turned_by(inertia_b, moment)));
+        where_it_acts(at_a.velocity.angular, lane_subtract(at_a.velocity.angular, times(inertia_a, moment)));
+        where_it_acts(at_b.velocity.angular, lane_add(at_b.velocity.angular, times(inertia_b, moment)));
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
@@ -316,14 +318,14 @@ private:
         auto& [v_b, w_b] = at_b.velocity;
         v_a = {v_a.x - mul<S>(m_a, impulse.x), v_a.y - mul<S>(m_a, impulse.y), v_a.z - mul<S>(m_a, impulse.z)};
         v_b = {v_b.x + mul<S>(m_b, impulse.x), v_b.y + mul<S>(m_b, impulse.y), v_b.z + mul<S>(m_b, impulse.z)};
-        w_a = lane_subtract(w_a, turned_by(inertia_a, lane_add(lane_cross(f.arm_a, impulse), moment)));
-        w_b = lane_add(w_b, turned_by(inertia_b, lane_add(lane_cross(f.arm_b, impulse), moment)));
+        w_a = lane_subtract(w_a, times(inertia_a, lane_add(lane_cross(f.arm_a, impulse), moment)));
+        w_b = lane_add(w_b, times(inertia_b, lane_add(lane_cross(f.arm_b, impulse), moment)));
     }
-    PHYSICS_HPP_ALWAYS_INLINE static lanes3<P> turned_by(const I (&inertia)[6][W], const lanes3<P>& moment) {
-        const Q xx = Q::load(inertia[0]), yy = Q::load(inertia[1]), zz = Q::load(inertia[2]);
-        const Q xy = Q::load(inertia[3]), xz = Q::load(inertia[4]), yz = Q::load(inertia[5]);
+    PHYSICS_HPP_ALWAYS_INLINE static lanes3<P> times(const I (&matrix)[6][W], const lanes3<P>& v) {
+        const Q xx = Q::load(matrix[0]), yy = Q::load(matrix[1]), zz = Q::load(matrix[2]);
+        const Q xy = Q::load(matrix[3]), xz = Q::load(matrix[4]), yz = Q::load(matrix[5]);
         const auto row = [&](const Q& x, const Q& y, const Q& z) {
-            return narrow<S>(product(x, moment.x) + product(y, moment.y) + product(z, moment.z));
+            return narrow<S>(product(x, v.x) + product(y, v.y) + product(z, v.z));
         };
         return {row(xx, xy, xz), row(xy, yy, yz), row(xz, yz, zz)};
     }

@@ -56,6 +56,15 @@ struct symmetric_lanes {
         return {lanes_from<K>(from[0]), lanes_from<K>(from[1]), lanes_from<K>(from[2]),
                 lanes_from<K>(from[3]), lanes_from<K>(from[4]), lanes_from<K>(from[5])};
     }
+    template <class T>
+    PHYSICS_HPP_ALWAYS_INLINE void store(T (&to)[6][K::width]) const {
+        put_lanes(xx, to[0]);
+        put_lanes(yy, to[1]);
+        put_lanes(zz, to[2]);
+        put_lanes(xy, to[3]);
+        put_lanes(xz, to[4]);
+        put_lanes(yz, to[5]);
+    }
 };
 template <class K>
 PHYSICS_HPP_ALWAYS_INLINE symmetric_lanes<K> lane_add(const symmetric_lanes<K>& a, const symmetric_lanes<K>& b) {
