@@ -43,6 +43,8 @@
 //   PHYSICS_HPP_NONDETERMINISTIC  accept fast-math, x87 and contraction; the bits then depend on the build
 //   PHYSICS_HPP_AUDIT             count every fixed-point overflow (see overflow_count)
 //   PHYSICS_HPP_NO_INT128         take the portable 128-bit path even where the compiler has __int128
+//   PHYSICS_HPP_RUNTIME_AVX2      compile the kernels of the contact solver for AVX2 as well, and take these where the
+//                                 processor has it, with the same bits: for units that are not compiled for AVX2
 
 #if defined(_MSVC_LANG)
 #define PHYSICS_HPP_CPLUSPLUS _MSVC_LANG
@@ -98,9 +100,17 @@
 #else
 #define PHYSICS_HPP_ABI_FLOAT
 #endif
-#define PHYSICS_HPP_JOIN_(a, b, c, d) a##b##c##d
-#define PHYSICS_HPP_JOIN(a, b, c, d) PHYSICS_HPP_JOIN_(a, b, c, d)
-#define PHYSICS_HPP_ABI PHYSICS_HPP_JOIN(v0_1, PHYSICS_HPP_ABI_WIDE, PHYSICS_HPP_ABI_AUDIT, PHYSICS_HPP_ABI_FLOAT)
+#if defined(PHYSICS_HPP_RUNTIME_AVX2) && defined(__GNUC__) && defined(__SSE2__) && !defined(__AVX2__)
+#define PHYSICS_HPP_AVX2_KERNELS 1
+#define PHYSICS_HPP_ABI_LANES _avx2
+#else
+#define PHYSICS_HPP_AVX2_KERNELS 0
+#define PHYSICS_HPP_ABI_LANES
+#endif
+#define PHYSICS_HPP_JOIN_(a, b, c, d, e) a##b##c##d##e
+#define PHYSICS_HPP_JOIN(a, b, c, d, e) PHYSICS_HPP_JOIN_(a, b, c, d, e)
+#define PHYSICS_HPP_ABI \
+    PHYSICS_HPP_JOIN(v0_1, PHYSICS_HPP_ABI_WIDE, PHYSICS_HPP_ABI_AUDIT, PHYSICS_HPP_ABI_FLOAT, PHYSICS_HPP_ABI_LANES)
 
 // The determinism region. Compilers fuse a * b + c into one rounding where the target has such an
 // instruction (gcc also under -std=c++20), so each part of the library opens a region that forbids it.
@@ -2699,10 +2709,13 @@ PHYSICS_HPP_END
 // registers at every optimisation level, and makes calls between functions of different targets harmless.
 #if defined(__GNUC__) || defined(__clang__)
 #define PHYSICS_HPP_ALWAYS_INLINE inline __attribute__((always_inline))
+#define PHYSICS_HPP_INLINE_LAMBDA __attribute__((always_inline))
 #elif defined(_MSC_VER)
 #define PHYSICS_HPP_ALWAYS_INLINE __forceinline
+#define PHYSICS_HPP_INLINE_LAMBDA
 #else
 #define PHYSICS_HPP_ALWAYS_INLINE inline
+#define PHYSICS_HPP_INLINE_LAMBDA
 #endif
 
 PHYSICS_HPP_BEGIN
@@ -2908,6 +2921,12 @@ struct pack<S, W, Bytes> {
     }
 };
 
+/// Lanes of kernels that may be compiled for wider registers than the unit is: as many as fill one are one vector.
+template <class S, int W>
+inline constexpr bool is_wide_kernel = PHYSICS_HPP_AVX2_KERNELS != 0 && is_vector<S, W, 32>;
+template <class S, int W>
+using kernel_pack = pack<S, W, (is_wide_kernel<S, W> ? 32 : vector_bytes)>;
+
 #if PHYSICS_HPP_VECTOR_BYTES > 0
 
 #if defined(__has_builtin)
@@ -3041,6 +3060,12 @@ struct pack_mask<S, W, Bytes> {
         else if constexpr (sizeof(S) == 4)
             return static_cast<std::uint32_t>(__builtin_ia32_movmskps256(reinterpret_cast<lanes>(value)));
         else return static_cast<std::uint32_t>(__builtin_ia32_movmskpd256(reinterpret_cast<lanes>(value)));
+#else
+        else {
+            // Kernels for wider registers than the unit's, in whose code those instructions can't be named.
+            const pack<S, W, Bytes> all{reinterpret_cast<lanes>(value)};
+            return signs(half_of<false>(all)) | signs(half_of<true>(all)) << (W / 2);
+        }
 #endif
 #else
         std::uint32_t result = 0;
@@ -3048,6 +3073,15 @@ struct pack_mask<S, W, Bytes> {
         return result;
 #endif
     }
+
+private:
+#if defined(__SSE2__) && !defined(__AVX2__)
+    template <class Half>
+    PHYSICS_HPP_ALWAYS_INLINE static std::uint32_t signs(const Half& of) {
+        if constexpr (sizeof(S) == 4) return static_cast<std::uint32_t>(__builtin_ia32_movmskps(of.value));
+        else return static_cast<std::uint32_t>(__builtin_ia32_movmskpd(of.value));
+    }
+#endif
 };
 
 #endif
@@ -20096,7 +20130,7 @@ template <class S, int W>
 PHYSICS_HPP_ALWAYS_INLINE void load_answers(const solver_body<S, 3>* bodies, const std::uint32_t (&index)[W],
                                             inverse_of<S> (&mass)[W], inverse_of<S> (&inertia)[6][W]) {
     if constexpr (std::is_floating_point_v<S>) {
-        using P = pack<S, W>;
+        using P = kernel_pack<S, W>;
         constexpr int stride = sizeof(solver_body<S, 3>) / sizeof(S);
         const auto* first = reinterpret_cast<const S*>(bodies);
         const quad<P> a = load4<P>(indexed_rows<const S, stride>{first + 12, index});
@@ -20831,7 +20865,7 @@ namespace detail {
 /// What contacts are prepared in: floats as they are; other scalars by way of double, which has room for products of
 /// inverse masses.
 template <class S, int W>
-using preparing = pack<std::conditional_t<std::is_floating_point_v<S>, S, double>, W>;
+using preparing = kernel_pack<std::conditional_t<std::is_floating_point_v<S>, S, double>, W>;
 
 template <class K, class T>
 PHYSICS_HPP_ALWAYS_INLINE K lanes_from(const T* from) {
@@ -20955,7 +20989,7 @@ namespace detail {
 /// A circular cone in lanes.
 template <class S, int W>
 struct cone_lanes {
-    using P = pack<S, W>;
+    using P = kernel_pack<S, W>;
 
     S xx[W], xy[W], yy[W], slip[W];
 
@@ -21011,7 +21045,7 @@ struct belt_lanes<S, W, 3> {
 /// neighbours.
 template <class S, int W, int D>
 struct rolling_lanes {
-    using P = pack<S, W>;
+    using P = kernel_pack<S, W>;
 
     S arm[W], inertia[W];
     /// Of this substep, and of the whole step.
@@ -21035,7 +21069,7 @@ struct rolling_lanes {
 };
 template <class S, int W>
 struct rolling_lanes<S, W, 3> {
-    using P = pack<S, W>;
+    using P = kernel_pack<S, W>;
 
     S arm[W];
     cone_lanes<S, W> stop;
@@ -21142,7 +21176,7 @@ struct no_soft_friction {};
 /// In the plane: an impulse along the tangent at the middle.
 template <class S, int W>
 struct soft_friction2 {
-    using P = pack<S, W>;
+    using P = kernel_pack<S, W>;
 
     S coefficient[W], stop[W];
     /// Of this substep, and of the whole step.
@@ -21193,7 +21227,7 @@ PHYSICS_HPP_ALWAYS_INLINE void prepare_cone(const contact_lanes3<K>& c, const la
 /// Friction of patches in space.
 template <class S, int W>
 struct soft_patch_friction3 {
-    using P = pack<S, W>;
+    using P = kernel_pack<S, W>;
 
     /// The largest friction for an impulse of 1, at the middle and, an angular impulse, about the normal (m).
     S coefficient[W], twist_arm[W];
@@ -21252,8 +21286,8 @@ struct soft_patch_friction3 {
 /// Friction of points in space: each on its own cone, one after the other.
 template <class S, int W>
 struct soft_point_friction3 {
-    using P = pack<S, W>;
-    using Q = pack<inverse_of<S>, W>;
+    using P = kernel_pack<S, W>;
+    using Q = kernel_pack<inverse_of<S>, W>;
 
     struct point {
         cone_lanes<S, W> stop;
@@ -21301,9 +21335,10 @@ struct soft_point_friction3 {
         return sum;
     }
     template <class Point>
-    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(slide_lanes<P> slip, const Point* points, const P* loads, int count,
-                                                  const P& lasting) {
+    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(const slide_lanes<P>& start, const Point* points, const P* loads,
+                                                  int count, const P& lasting) {
         const P zero = P::broadcast(S(0)), mu = P::load(coefficient);
+        slide_lanes<P> slip = start;
         slide_lanes<P> sum{zero, zero, zero};
         for (int k = 0; k < count; ++k) {
             const P px = P::load(points[k].x), py = P::load(points[k].y);
@@ -21412,7 +21447,7 @@ namespace detail {
 /// case of the block solver of Catto's Box2D 2, for any number of points.
 template <class S, int D, int W>
 struct soft_whole {
-    using P = pack<S, W>;
+    using P = kernel_pack<S, W>;
 
     /// The separation at the middle and its slopes, of the plane that fits the points best.
     S separation[D][W];
@@ -21472,7 +21507,7 @@ struct soft_whole {
         ok = select_greater(xx * speeds.yy, small, select_greater(yy * speeds.zz, small, ok, zero), zero);
         ok = select_greater(count, K::broadcast(C(2.5)), ok, zero);
         const symmetric_lanes<K> stop = lane_inverse(speeds);
-        const auto tell_apart = [&](const K& answer, const K& stopped) {
+        const auto tell_apart = [&](const K& answer, const K& stopped) PHYSICS_HPP_INLINE_LAMBDA {
             ok = select_greater(K::broadcast(C(1e4)), answer * stopped, select_greater(stopped, zero, ok, zero), zero);
         };
         tell_apart(speeds.xx, stop.xx);
@@ -21529,15 +21564,16 @@ struct soft_whole {
     }
 
 private:
-    /// Writes the lanes that are ok (1, else 0), but for those whose shares the scalar cannot hold.
+    /// Writes the lanes that are good (1, else 0), but for those whose shares the scalar cannot hold.
     template <class K, class Point>
-    PHYSICS_HPP_ALWAYS_INLINE void write(Point* points, int count, K ok, const K (&plane)[D],
+    PHYSICS_HPP_ALWAYS_INLINE void write(Point* points, int count, const K& good, const K (&plane)[D],
                                          const K (&shares)[capacity][D]) {
         using C = typename K::scalar;
         const K zero = K::broadcast(C(0)), most = K::broadcast(C(to_double(scalar_traits<S>::max()) / 4));
+        K ok = good;
         for (int k = 0; k < count; ++k)
             for (int i = 0; i < D; ++i) ok = select_greater(most, lane_abs(shares[k][i]), ok, zero);
-        const auto put = [&](const K& value, S* to) {
+        const auto put = [&](const K& value, S* to) PHYSICS_HPP_INLINE_LAMBDA {
             put_lanes(select_greater(ok, zero, value, lanes_from<K>(to)), to);
         };
         put(zero, able);
@@ -21672,8 +21708,8 @@ namespace detail {
 template <class S, int W, class Features>
 struct soft_contact2 {
     using I = inverse_of<S>;
-    using P = pack<S, W>;
-    using Q = pack<I, W>;
+    using P = kernel_pack<S, W>;
+    using Q = kernel_pack<I, W>;
     using body = solver_body<S, 2>;
 
     struct point : soft_point<S, 2, W> {
@@ -21738,7 +21774,7 @@ struct soft_contact2 {
         extras.put(lane, c, first, second, with.share, scratch);
     }
     /// Works out, once all lanes have been written, what the rounds need.
-    void prepare(const body*, const gathered_points<S, 2, W>& gathered) {
+    PHYSICS_HPP_ALWAYS_INLINE void prepare(const body*, const gathered_points<S, 2, W>& gathered) {
         using K = preparing<S, W>;
         using C = typename K::scalar;
         const K n_x = lanes_from<K>(normal[0]), n_y = lanes_from<K>(normal[1]);
@@ -21790,7 +21826,7 @@ struct soft_contact2 {
     }
 
     /// Gives the bodies the impulses of the last substep at once.
-    void warm_start(body* bodies) const {
+    PHYSICS_HPP_ALWAYS_INLINE void warm_start(body* bodies) const {
         const frame_lanes f(*this);
         body_lanes2<P> at_a, at_b;
         at_a.load(bodies, a);
@@ -21808,7 +21844,7 @@ struct soft_contact2 {
     }
     /// One round over the contacts: the points at once, or across and back, then friction by their load. While
     /// overlaps are pushed apart friction rests: it would act against what the springs do, and piles would sway.
-    void solve(body* bodies, const soft_round<S>& how) {
+    PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const soft_round<S>& how) {
         if constexpr (Features::rolling_resistance)
             if (!how.pushes && extras.at != nullptr) roll(bodies);
         const frame_lanes f(*this);
@@ -21822,9 +21858,10 @@ struct soft_contact2 {
         const P zero = P::broadcast(S(0));
         push_sum sum{zero, zero};
         P left;
-        if (whole.push(points, point_count, how, speeds, ways, left, sum, [&](int k) { return way.at(points[k]); }))
-            visit_points(speed, sum, [&](int k, const P& v) {
-                return next_impulse(points[k], v, way.at(points[k]), how, left);
+        const auto way_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return way.at(points[k]); };
+        if (whole.push(points, point_count, how, speeds, ways, left, sum, way_at))
+            visit_points(speed, sum, [&](int k, const P& v) PHYSICS_HPP_INLINE_LAMBDA {
+                return next_impulse(points[k], v, way_at(k), how, left);
             });
         push(f, sum.load, zero, sum.moment, at_a, at_b);
         if (!how.pushes) {
@@ -21835,16 +21872,16 @@ struct soft_contact2 {
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
-    void bounce(body* bodies) requires Features::restitution {
-        if (!bounces) return;
+    PHYSICS_HPP_ALWAYS_INLINE void bounce(body* bodies) requires Features::restitution {
         const frame_lanes f(*this);
         body_lanes2<P> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const P zero = P::broadcast(S(0));
         push_sum sum{zero, zero};
-        visit_points({f, at_a.velocity, at_b.velocity}, sum,
-                     [&](int k, const P& v) { return bounce_impulse(points[k], P::load(bounce_to.speed[k]), v); });
+        visit_points({f, at_a.velocity, at_b.velocity}, sum, [&](int k, const P& v) PHYSICS_HPP_INLINE_LAMBDA {
+            return bounce_impulse(points[k], P::load(bounce_to.speed[k]), v);
+        });
         push(f, sum.load, zero, sum.moment, at_a, at_b);
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
@@ -21887,8 +21924,9 @@ private:
     };
     /// Changes impulses point by point, each by the speed that the ones before left.
     template <class Next>
-    PHYSICS_HPP_ALWAYS_INLINE void visit_points(relative_motion speed, push_sum& sum, Next&& next) {
-        across_and_back(point_count, [&](int k) {
+    PHYSICS_HPP_ALWAYS_INLINE void visit_points(const relative_motion& start, push_sum& sum, Next&& next) {
+        relative_motion speed = start;
+        across_and_back(point_count, [&](int k) PHYSICS_HPP_INLINE_LAMBDA {
             const point& p = points[k];
             const P change = next(k, speed.at(p));
             sum.add(p, change);
@@ -21958,8 +21996,8 @@ namespace detail {
 template <class S, int W, class Features, class Friction = patch_friction>
 struct soft_contact3 {
     using I = inverse_of<S>;
-    using P = pack<S, W>;
-    using Q = pack<I, W>;
+    using P = kernel_pack<S, W>;
+    using Q = kernel_pack<I, W>;
     using body = solver_body<S, 3>;
 
     struct point : soft_point<S, 3, W> {
@@ -22017,7 +22055,7 @@ struct soft_contact3 {
         extras.put(lane, c, first, second, with.share, scratch);
     }
     /// Works out, once all lanes have been written, what the rounds need.
-    void prepare(const body* bodies, const gathered_points<S, 3, W>& gathered) {
+    PHYSICS_HPP_ALWAYS_INLINE void prepare(const body* bodies, const gathered_points<S, 3, W>& gathered) {
         load_answers(bodies, a, mass_a, inertia_a);
         load_answers(bodies, b, mass_b, inertia_b);
         using K = preparing<S, W>;
@@ -22090,7 +22128,7 @@ struct soft_contact3 {
     }
 
     /// Gives the bodies the impulses of the last substep at once.
-    void warm_start(body* bodies) const {
+    PHYSICS_HPP_ALWAYS_INLINE void warm_start(body* bodies) const {
         frame_lanes f(*this);
         body_lanes3<P> at_a, at_b;
         at_a.load(bodies, a);
@@ -22118,7 +22156,7 @@ struct soft_contact3 {
 
     /// One round over the contacts: the points at once, or across and back, then friction by their load. While
     /// overlaps are pushed apart friction rests: it would act against what the springs do, and piles would sway.
-    void solve(body* bodies, const soft_round<S>& how) {
+    PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const soft_round<S>& how) {
         if constexpr (Features::rolling_resistance)
             if (!how.pushes && extras.at != nullptr) roll(bodies);
         frame_lanes f(*this);
@@ -22132,9 +22170,10 @@ struct soft_contact3 {
         const P zero = P::broadcast(S(0));
         push_sum sum{zero, zero, zero};
         P left;
-        if (whole.push(points, point_count, how, speeds, ways, left, sum, [&](int k) { return way.at(points[k]); }))
-            visit_points(speed, sum, [&](int k, const P& v) {
-                return next_impulse(points[k], v, way.at(points[k]), how, left);
+        const auto way_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return way.at(points[k]); };
+        if (whole.push(points, point_count, how, speeds, ways, left, sum, way_at))
+            visit_points(speed, sum, [&](int k, const P& v) PHYSICS_HPP_INLINE_LAMBDA {
+                return next_impulse(points[k], v, way_at(k), how, left);
             });
         push(f, sum, at_a, at_b);
         if (!how.pushes) {
@@ -22145,16 +22184,16 @@ struct soft_contact3 {
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
-    void bounce(body* bodies) requires Features::restitution {
-        if (!bounces) return;
+    PHYSICS_HPP_ALWAYS_INLINE void bounce(body* bodies) requires Features::restitution {
         frame_lanes f(*this);
         body_lanes3<P> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const P zero = P::broadcast(S(0));
         push_sum sum{zero, zero, zero};
-        visit_points({f, at_a.velocity, at_b.velocity}, sum,
-                     [&](int k, const P& v) { return bounce_impulse(points[k], P::load(bounce_to.speed[k]), v); });
+        visit_points({f, at_a.velocity, at_b.velocity}, sum, [&](int k, const P& v) PHYSICS_HPP_INLINE_LAMBDA {
+            return bounce_impulse(points[k], P::load(bounce_to.speed[k]), v);
+        });
         push(f, sum, at_a, at_b);
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
@@ -22203,8 +22242,9 @@ private:
     };
     /// Changes impulses point by point, each by the speed that the ones before left.
     template <class Next>
-    PHYSICS_HPP_ALWAYS_INLINE void visit_points(relative_motion speed, push_sum& sum, Next&& next) {
-        across_and_back(point_count, [&](int k) {
+    PHYSICS_HPP_ALWAYS_INLINE void visit_points(const relative_motion& start, push_sum& sum, Next&& next) {
+        relative_motion speed = start;
+        across_and_back(point_count, [&](int k) PHYSICS_HPP_INLINE_LAMBDA {
             const point& p = points[k];
             const P change = next(k, speed.at(p));
             sum.add(p, change);
@@ -22241,7 +22281,7 @@ private:
         const lanes2<P> by = extras.at->next(rolling, load_of<P>(points, point_count));
         const lanes3<P> moment = lane_combine(f.t, by.x, f.u, by.y);
         const P arm = P::load(extras.at->arm), zero = P::broadcast(S(0));
-        const auto where_it_acts = [&](lanes3<P>& w, const lanes3<P>& now) {
+        const auto where_it_acts = [&](lanes3<P>& w, const lanes3<P>& now) PHYSICS_HPP_INLINE_LAMBDA {
             w = {select_greater(arm, zero, now.x, w.x), select_greater(arm, zero, now.y, w.y),
                  select_greater(arm, zero, now.z, w.z)};
         };
@@ -22269,12 +22309,68 @@ private:
     PHYSICS_HPP_ALWAYS_INLINE static lanes3<P> times(const I (&matrix)[6][W], const lanes3<P>& v) {
         const Q xx = Q::load(matrix[0]), yy = Q::load(matrix[1]), zz = Q::load(matrix[2]);
         const Q xy = Q::load(matrix[3]), xz = Q::load(matrix[4]), yz = Q::load(matrix[5]);
-        const auto row = [&](const Q& x, const Q& y, const Q& z) {
+        const auto row = [&](const Q& x, const Q& y, const Q& z) PHYSICS_HPP_INLINE_LAMBDA {
             return narrow<S>(product(x, v.x) + product(y, v.y) + product(z, v.z));
         };
         return {row(xx, xy, xz), row(xy, yy, yz), row(xz, yz, zz)};
     }
 };
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/dynamics/soft_kernels.hpp
+// =================================================================================================
+// The kernels of the soft solver: what it does with a block of contacts.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Kernels as the unit is compiled.
+template <class Block>
+struct soft_kernels {
+    using body = typename Block::body;
+
+    template <class Gathered>
+    static void prepare(Block& block, const body* bodies, const Gathered& gathered) {
+        block.prepare(bodies, gathered);
+    }
+    static void warm_start(Block& block, body* bodies) { block.warm_start(bodies); }
+    template <class Round>
+    static void solve(Block& block, body* bodies, const Round& how) {
+        block.solve(bodies, how);
+    }
+    static void bounce(Block& block, body* bodies) { block.bounce(bodies); }
+};
+
+#if PHYSICS_HPP_AVX2_KERNELS
+// Without fma, which would change bits.
+#define PHYSICS_HPP_AVX2_KERNEL __attribute__((noinline, target("avx2"))) static
+
+/// The same for AVX2, where the unit is compiled for less.
+template <class Block>
+struct avx2_kernels {
+    using body = typename Block::body;
+
+    template <class Gathered>
+    PHYSICS_HPP_AVX2_KERNEL void prepare(Block& block, const body* bodies, const Gathered& gathered) {
+        block.prepare(bodies, gathered);
+    }
+    PHYSICS_HPP_AVX2_KERNEL void warm_start(Block& block, body* bodies) { block.warm_start(bodies); }
+    template <class Round>
+    PHYSICS_HPP_AVX2_KERNEL void solve(Block& block, body* bodies, const Round& how) {
+        block.solve(bodies, how);
+    }
+    PHYSICS_HPP_AVX2_KERNEL void bounce(Block& block, body* bodies) { block.bounce(bodies); }
+};
+
+inline bool has_avx2() { return __builtin_cpu_supports("avx2") != 0; }
+
+#undef PHYSICS_HPP_AVX2_KERNEL
+#endif
 
 }  // namespace detail
 
@@ -22331,7 +22427,8 @@ struct soft_step_with {
     using stage = physics::stage::solver;
 
     /// Width: how many contacts go in lanes at a time; every width gives the same bits.
-    template <class Space, class Features, int Width = detail::native_width<typename Space::scalar>>
+    template <class Space, class Features, int Width = detail::native_width<typename Space::scalar>,
+              template <class> class Kernels = detail::soft_kernels>
         requires(std::same_as<Friction, patch_friction> || std::same_as<Friction, point_friction>)
     class in {
     public:
@@ -22344,6 +22441,13 @@ struct soft_step_with {
         template <class Motion>
         static void solve(solver_bodies<S, D> all, contact_list<S, D> contacts, const settings& with, S h,
                           arena& scratch, Motion&& motion, detail::crew& hands) {
+#if PHYSICS_HPP_AVX2_KERNELS
+            if constexpr (Width > 1 && Width == detail::native_width<S>)
+                if (detail::has_avx2()) {
+                    using wide = in<Space, Features, 2 * Width, detail::avx2_kernels>;
+                    return wide::solve(all, contacts, with, h, scratch, motion, hands);
+                }
+#endif
             solver_body<S, D>* const bodies = all.first;
             const blocks_in_colours blocks = pack(contacts, all, {h, S(1) / S(with.substeps), with.restitution_slop},
                                                   scratch);
@@ -22357,16 +22461,19 @@ struct soft_step_with {
             relax.pushes = false;
             for (int i = 0; i < with.substeps; ++i) {
                 motion.advance_velocities(part);
-                blocks.each(hands, [bodies](block& b) { b.warm_start(bodies); });
-                blocks.each(hands, [bodies, &press](block& b) { b.solve(bodies, press); });
+                blocks.each(hands, [bodies](block& b) { kernels::warm_start(b, bodies); });
+                blocks.each(hands, [bodies, &press](block& b) { kernels::solve(b, bodies, press); });
                 for (std::uint32_t k = 0; k < all.nobody(); ++k) {
                     bodies[k].way.linear += bodies[k].velocity.linear * part;
                     bodies[k].way.angular += bodies[k].velocity.angular * part;
                 }
                 motion.advance_poses(part);
-                blocks.each(hands, [bodies, &relax](block& b) { b.solve(bodies, relax); });
+                blocks.each(hands, [bodies, &relax](block& b) { kernels::solve(b, bodies, relax); });
             }
-            if constexpr (Features::restitution) blocks.each(hands, [bodies](block& b) { b.bounce(bodies); });
+            if constexpr (Features::restitution)
+                blocks.each(hands, [bodies](block& b) {
+                    if (b.bounces) kernels::bounce(b, bodies);
+                });
             hands.each_part(blocks.count(), share, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
                 for (std::uint32_t k = first; k < end; ++k) blocks.take(k, contacts);
             });
@@ -22383,6 +22490,7 @@ struct soft_step_with {
         static constexpr std::uint32_t none = 0xffffffffu;
         using block = std::conditional_t<D == 2, detail::soft_contact2<S, width, Features>,
                                          detail::soft_contact3<S, width, Features, Friction>>;
+        using kernels = Kernels<block>;
 
         /// So many blocks are worth handing to somebody else.
         static constexpr std::uint32_t share = 16;
@@ -22460,7 +22568,7 @@ struct soft_step_with {
                 if (has) to.put(lane, contacts[order[lane]], bodies.first, with, gathered, scratch);
                 else to.a[lane] = to.b[lane] = bodies.spare();
             }
-            to.prepare(bodies.first, gathered);
+            kernels::prepare(to, bodies.first, gathered);
             to.moves_a = bodies[to.a[0]].inverse_mass > inverse_of<S>(0);
             to.moves_b = bodies[to.b[0]].inverse_mass > inverse_of<S>(0);
         }

@@ -171,6 +171,7 @@
 #include "physics/dynamics/soft_contact.hpp"
 #include "physics/dynamics/soft_contact2.hpp"
 #include "physics/dynamics/soft_contact3.hpp"
+#include "physics/dynamics/soft_kernels.hpp"
 #include "physics/dynamics/soft_extras.hpp"
 #include "physics/dynamics/soft_friction.hpp"
 #include "physics/dynamics/soft_step.hpp"

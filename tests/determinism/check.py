@@ -28,8 +28,8 @@ BUILDS = [
     ("clang++", "-O3", "-march=native", PARTS),
     ("g++", "-O0", PARTS),
     ("clang++", "-O2", PARTS),
-    ("g++", "-O2", SINGLE, "-DPHYSICS_HPP_NO_INT128"),
-    ("clang++", "-O1", SINGLE, "-DPHYSICS_HPP_NO_INT128"),
+    ("g++", "-O2", SINGLE, "-DPHYSICS_HPP_NO_INT128", "-DPHYSICS_HPP_RUNTIME_AVX2"),
+    ("clang++", "-O1", SINGLE, "-DPHYSICS_HPP_NO_INT128", "-DPHYSICS_HPP_RUNTIME_AVX2"),
 ]
 # For time, only with EVERYTHING=1 in the environment.
 MORE_BUILDS = [

@@ -12,6 +12,8 @@
 //   PHYSICS_HPP_NONDETERMINISTIC  accept fast-math, x87 and contraction; the bits then depend on the build
 //   PHYSICS_HPP_AUDIT             count every fixed-point overflow (see overflow_count)
 //   PHYSICS_HPP_NO_INT128         take the portable 128-bit path even where the compiler has __int128
+//   PHYSICS_HPP_RUNTIME_AVX2      compile the kernels of the contact solver for AVX2 as well, and take these where the
+//                                 processor has it, with the same bits: for units that are not compiled for AVX2
 
 #if defined(_MSVC_LANG)
 #define PHYSICS_HPP_CPLUSPLUS _MSVC_LANG
@@ -67,9 +69,17 @@
 #else
 #define PHYSICS_HPP_ABI_FLOAT
 #endif
-#define PHYSICS_HPP_JOIN_(a, b, c, d) a##b##c##d
-#define PHYSICS_HPP_JOIN(a, b, c, d) PHYSICS_HPP_JOIN_(a, b, c, d)
-#define PHYSICS_HPP_ABI PHYSICS_HPP_JOIN(v0_1, PHYSICS_HPP_ABI_WIDE, PHYSICS_HPP_ABI_AUDIT, PHYSICS_HPP_ABI_FLOAT)
+#if defined(PHYSICS_HPP_RUNTIME_AVX2) && defined(__GNUC__) && defined(__SSE2__) && !defined(__AVX2__)
+#define PHYSICS_HPP_AVX2_KERNELS 1
+#define PHYSICS_HPP_ABI_LANES _avx2
+#else
+#define PHYSICS_HPP_AVX2_KERNELS 0
+#define PHYSICS_HPP_ABI_LANES
+#endif
+#define PHYSICS_HPP_JOIN_(a, b, c, d, e) a##b##c##d##e
+#define PHYSICS_HPP_JOIN(a, b, c, d, e) PHYSICS_HPP_JOIN_(a, b, c, d, e)
+#define PHYSICS_HPP_ABI \
+    PHYSICS_HPP_JOIN(v0_1, PHYSICS_HPP_ABI_WIDE, PHYSICS_HPP_ABI_AUDIT, PHYSICS_HPP_ABI_FLOAT, PHYSICS_HPP_ABI_LANES)
 
 // The determinism region. Compilers fuse a * b + c into one rounding where the target has such an
 // instruction (gcc also under -std=c++20), so each part of the library opens a region that forbids it.

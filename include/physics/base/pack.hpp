@@ -23,10 +23,13 @@
 // registers at every optimisation level, and makes calls between functions of different targets harmless.
 #if defined(__GNUC__) || defined(__clang__)
 #define PHYSICS_HPP_ALWAYS_INLINE inline __attribute__((always_inline))
+#define PHYSICS_HPP_INLINE_LAMBDA __attribute__((always_inline))
 #elif defined(_MSC_VER)
 #define PHYSICS_HPP_ALWAYS_INLINE __forceinline
+#define PHYSICS_HPP_INLINE_LAMBDA
 #else
 #define PHYSICS_HPP_ALWAYS_INLINE inline
+#define PHYSICS_HPP_INLINE_LAMBDA
 #endif
 
 PHYSICS_HPP_BEGIN
@@ -231,6 +234,12 @@ struct pack<S, W, Bytes> {
         return narrow<R>(product(a, b));
     }
 };
+
+/// Lanes of kernels that may be compiled for wider registers than the unit is: as many as fill one are one vector.
+template <class S, int W>
+inline constexpr bool is_wide_kernel = PHYSICS_HPP_AVX2_KERNELS != 0 && is_vector<S, W, 32>;
+template <class S, int W>
+using kernel_pack = pack<S, W, (is_wide_kernel<S, W> ? 32 : vector_bytes)>;
 
 #if PHYSICS_HPP_VECTOR_BYTES > 0
 

@@ -55,6 +55,12 @@ struct pack_mask<S, W, Bytes> {
         else if constexpr (sizeof(S) == 4)
             return static_cast<std::uint32_t>(__builtin_ia32_movmskps256(reinterpret_cast<lanes>(value)));
         else return static_cast<std::uint32_t>(__builtin_ia32_movmskpd256(reinterpret_cast<lanes>(value)));
+#else
+        else {
+            // Kernels for wider registers than the unit's, in whose code those instructions can't be named.
+            const pack<S, W, Bytes> all{reinterpret_cast<lanes>(value)};
+            return signs(half_of<false>(all)) | signs(half_of<true>(all)) << (W / 2);
+        }
 #endif
 #else
         std::uint32_t result = 0;
@@ -62,6 +68,15 @@ struct pack_mask<S, W, Bytes> {
         return result;
 #endif
     }
+
+private:
+#if defined(__SSE2__) && !defined(__AVX2__)
+    template <class Half>
+    PHYSICS_HPP_ALWAYS_INLINE static std::uint32_t signs(const Half& of) {
+        if constexpr (sizeof(S) == 4) return static_cast<std::uint32_t>(__builtin_ia32_movmskps(of.value));
+        else return static_cast<std::uint32_t>(__builtin_ia32_movmskpd(of.value));
+    }
+#endif
 };
 
 #endif

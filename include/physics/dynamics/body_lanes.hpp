@@ -79,7 +79,7 @@ template <class S, int W>
 PHYSICS_HPP_ALWAYS_INLINE void load_answers(const solver_body<S, 3>* bodies, const std::uint32_t (&index)[W],
                                             inverse_of<S> (&mass)[W], inverse_of<S> (&inertia)[6][W]) {
     if constexpr (std::is_floating_point_v<S>) {
-        using P = pack<S, W>;
+        using P = kernel_pack<S, W>;
         constexpr int stride = sizeof(solver_body<S, 3>) / sizeof(S);
         const auto* first = reinterpret_cast<const S*>(bodies);
         const quad<P> a = load4<P>(indexed_rows<const S, stride>{first + 12, index});

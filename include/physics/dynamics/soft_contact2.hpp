@@ -13,8 +13,8 @@ namespace detail {
 template <class S, int W, class Features>
 struct soft_contact2 {
     using I = inverse_of<S>;
-    using P = pack<S, W>;
-    using Q = pack<I, W>;
+    using P = kernel_pack<S, W>;
+    using Q = kernel_pack<I, W>;
     using body = solver_body<S, 2>;
 
     struct point : soft_point<S, 2, W> {
@@ -79,7 +79,7 @@ struct soft_contact2 {
         extras.put(lane, c, first, second, with.share, scratch);
     }
     /// Works out, once all lanes have been written, what the rounds need.
-    void prepare(const body*, const gathered_points<S, 2, W>& gathered) {
+    PHYSICS_HPP_ALWAYS_INLINE void prepare(const body*, const gathered_points<S, 2, W>& gathered) {
         using K = preparing<S, W>;
         using C = typename K::scalar;
         const K n_x = lanes_from<K>(normal[0]), n_y = lanes_from<K>(normal[1]);
@@ -131,7 +131,7 @@ struct soft_contact2 {
     }
 
     /// Gives the bodies the impulses of the last substep at once.
-    void warm_start(body* bodies) const {
+    PHYSICS_HPP_ALWAYS_INLINE void warm_start(body* bodies) const {
         const frame_lanes f(*this);
         body_lanes2<P> at_a, at_b;
         at_a.load(bodies, a);
@@ -149,7 +149,7 @@ struct soft_contact2 {
     }
     /// One round over the contacts: the points at once, or across and back, then friction by their load. While
     /// overlaps are pushed apart friction rests: it would act against what the springs do, and piles would sway.
-    void solve(body* bodies, const soft_round<S>& how) {
+    PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const soft_round<S>& how) {
         if constexpr (Features::rolling_resistance)
             if (!how.pushes && extras.at != nullptr) roll(bodies);
         const frame_lanes f(*this);
@@ -163,9 +163,10 @@ struct soft_contact2 {
         const P zero = P::broadcast(S(0));
         push_sum sum{zero, zero};
         P left;
-        if (whole.push(points, point_count, how, speeds, ways, left, sum, [&](int k) { return way.at(points[k]); }))
-            visit_points(speed, sum, [&](int k, const P& v) {
-                return next_impulse(points[k], v, way.at(points[k]), how, left);
+        const auto way_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return way.at(points[k]); };
+        if (whole.push(points, point_count, how, speeds, ways, left, sum, way_at))
+            visit_points(speed, sum, [&](int k, const P& v) PHYSICS_HPP_INLINE_LAMBDA {
+                return next_impulse(points[k], v, way_at(k), how, left);
             });
         push(f, sum.load, zero, sum.moment, at_a, at_b);
         if (!how.pushes) {
@@ -176,16 +177,16 @@ struct soft_contact2 {
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
-    void bounce(body* bodies) requires Features::restitution {
-        if (!bounces) return;
+    PHYSICS_HPP_ALWAYS_INLINE void bounce(body* bodies) requires Features::restitution {
         const frame_lanes f(*this);
         body_lanes2<P> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const P zero = P::broadcast(S(0));
         push_sum sum{zero, zero};
-        visit_points({f, at_a.velocity, at_b.velocity}, sum,
-                     [&](int k, const P& v) { return bounce_impulse(points[k], P::load(bounce_to.speed[k]), v); });
+        visit_points({f, at_a.velocity, at_b.velocity}, sum, [&](int k, const P& v) PHYSICS_HPP_INLINE_LAMBDA {
+            return bounce_impulse(points[k], P::load(bounce_to.speed[k]), v);
+        });
         push(f, sum.load, zero, sum.moment, at_a, at_b);
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
@@ -228,8 +229,9 @@ private:
     };
     /// Changes impulses point by point, each by the speed that the ones before left.
     template <class Next>
-    PHYSICS_HPP_ALWAYS_INLINE void visit_points(relative_motion speed, push_sum& sum, Next&& next) {
-        across_and_back(point_count, [&](int k) {
+    PHYSICS_HPP_ALWAYS_INLINE void visit_points(const relative_motion& start, push_sum& sum, Next&& next) {
+        relative_motion speed = start;
+        across_and_back(point_count, [&](int k) PHYSICS_HPP_INLINE_LAMBDA {
             const point& p = points[k];
             const P change = next(k, speed.at(p));
             sum.add(p, change);

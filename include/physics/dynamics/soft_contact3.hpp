@@ -13,8 +13,8 @@ namespace detail {
 template <class S, int W, class Features, class Friction = patch_friction>
 struct soft_contact3 {
     using I = inverse_of<S>;
-    using P = pack<S, W>;
-    using Q = pack<I, W>;
+    using P = kernel_pack<S, W>;
+    using Q = kernel_pack<I, W>;
     using body = solver_body<S, 3>;
 
     struct point : soft_point<S, 3, W> {
@@ -72,7 +72,7 @@ struct soft_contact3 {
         extras.put(lane, c, first, second, with.share, scratch);
     }
     /// Works out, once all lanes have been written, what the rounds need.
-    void prepare(const body* bodies, const gathered_points<S, 3, W>& gathered) {
+    PHYSICS_HPP_ALWAYS_INLINE void prepare(const body* bodies, const gathered_points<S, 3, W>& gathered) {
         load_answers(bodies, a, mass_a, inertia_a);
         load_answers(bodies, b, mass_b, inertia_b);
         using K = preparing<S, W>;
@@ -145,7 +145,7 @@ struct soft_contact3 {
     }
 
     /// Gives the bodies the impulses of the last substep at once.
-    void warm_start(body* bodies) const {
+    PHYSICS_HPP_ALWAYS_INLINE void warm_start(body* bodies) const {
         frame_lanes f(*this);
         body_lanes3<P> at_a, at_b;
         at_a.load(bodies, a);
@@ -173,7 +173,7 @@ struct soft_contact3 {
 
     /// One round over the contacts: the points at once, or across and back, then friction by their load. While
     /// overlaps are pushed apart friction rests: it would act against what the springs do, and piles would sway.
-    void solve(body* bodies, const soft_round<S>& how) {
+    PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const soft_round<S>& how) {
         if constexpr (Features::rolling_resistance)
             if (!how.pushes && extras.at != nullptr) roll(bodies);
         frame_lanes f(*this);
@@ -187,9 +187,10 @@ struct soft_contact3 {
         const P zero = P::broadcast(S(0));
         push_sum sum{zero, zero, zero};
         P left;
-        if (whole.push(points, point_count, how, speeds, ways, left, sum, [&](int k) { return way.at(points[k]); }))
-            visit_points(speed, sum, [&](int k, const P& v) {
-                return next_impulse(points[k], v, way.at(points[k]), how, left);
+        const auto way_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return way.at(points[k]); };
+        if (whole.push(points, point_count, how, speeds, ways, left, sum, way_at))
+            visit_points(speed, sum, [&](int k, const P& v) PHYSICS_HPP_INLINE_LAMBDA {
+                return next_impulse(points[k], v, way_at(k), how, left);
             });
         push(f, sum, at_a, at_b);
         if (!how.pushes) {
@@ -200,16 +201,16 @@ struct soft_contact3 {
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
-    void bounce(body* bodies) requires Features::restitution {
-        if (!bounces) return;
+    PHYSICS_HPP_ALWAYS_INLINE void bounce(body* bodies) requires Features::restitution {
         frame_lanes f(*this);
         body_lanes3<P> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const P zero = P::broadcast(S(0));
         push_sum sum{zero, zero, zero};
-        visit_points({f, at_a.velocity, at_b.velocity}, sum,
-                     [&](int k, const P& v) { return bounce_impulse(points[k], P::load(bounce_to.speed[k]), v); });
+        visit_points({f, at_a.velocity, at_b.velocity}, sum, [&](int k, const P& v) PHYSICS_HPP_INLINE_LAMBDA {
+            return bounce_impulse(points[k], P::load(bounce_to.speed[k]), v);
+        });
         push(f, sum, at_a, at_b);
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
@@ -258,8 +259,9 @@ private:
     };
     /// Changes impulses point by point, each by the speed that the ones before left.
     template <class Next>
-    PHYSICS_HPP_ALWAYS_INLINE void visit_points(relative_motion speed, push_sum& sum, Next&& next) {
-        across_and_back(point_count, [&](int k) {
+    PHYSICS_HPP_ALWAYS_INLINE void visit_points(const relative_motion& start, push_sum& sum, Next&& next) {
+        relative_motion speed = start;
+        across_and_back(point_count, [&](int k) PHYSICS_HPP_INLINE_LAMBDA {
             const point& p = points[k];
             const P change = next(k, speed.at(p));
             sum.add(p, change);
@@ -296,7 +298,7 @@ private:
         const lanes2<P> by = extras.at->next(rolling, load_of<P>(points, point_count));
         const lanes3<P> moment = lane_combine(f.t, by.x, f.u, by.y);
         const P arm = P::load(extras.at->arm), zero = P::broadcast(S(0));
-        const auto where_it_acts = [&](lanes3<P>& w, const lanes3<P>& now) {
+        const auto where_it_acts = [&](lanes3<P>& w, const lanes3<P>& now) PHYSICS_HPP_INLINE_LAMBDA {
             w = {select_greater(arm, zero, now.x, w.x), select_greater(arm, zero, now.y, w.y),
                  select_greater(arm, zero, now.z, w.z)};
         };
@@ -324,7 +326,7 @@ private:
     PHYSICS_HPP_ALWAYS_INLINE static lanes3<P> times(const I (&matrix)[6][W], const lanes3<P>& v) {
         const Q xx = Q::load(matrix[0]), yy = Q::load(matrix[1]), zz = Q::load(matrix[2]);
         const Q xy = Q::load(matrix[3]), xz = Q::load(matrix[4]), yz = Q::load(matrix[5]);
-        const auto row = [&](const Q& x, const Q& y, const Q& z) {
+        const auto row = [&](const Q& x, const Q& y, const Q& z) PHYSICS_HPP_INLINE_LAMBDA {
             return narrow<S>(product(x, v.x) + product(y, v.y) + product(z, v.z));
         };
         return {row(xx, xy, xz), row(xy, yy, yz), row(xz, yz, zz)};

@@ -13,7 +13,7 @@ namespace detail {
 /// A circular cone in lanes.
 template <class S, int W>
 struct cone_lanes {
-    using P = pack<S, W>;
+    using P = kernel_pack<S, W>;
 
     S xx[W], xy[W], yy[W], slip[W];
 
@@ -69,7 +69,7 @@ struct belt_lanes<S, W, 3> {
 /// neighbours.
 template <class S, int W, int D>
 struct rolling_lanes {
-    using P = pack<S, W>;
+    using P = kernel_pack<S, W>;
 
     S arm[W], inertia[W];
     /// Of this substep, and of the whole step.
@@ -93,7 +93,7 @@ struct rolling_lanes {
 };
 template <class S, int W>
 struct rolling_lanes<S, W, 3> {
-    using P = pack<S, W>;
+    using P = kernel_pack<S, W>;
 
     S arm[W];
     cone_lanes<S, W> stop;

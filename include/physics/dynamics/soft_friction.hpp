@@ -20,7 +20,7 @@ struct no_soft_friction {};
 /// In the plane: an impulse along the tangent at the middle.
 template <class S, int W>
 struct soft_friction2 {
-    using P = pack<S, W>;
+    using P = kernel_pack<S, W>;
 
     S coefficient[W], stop[W];
     /// Of this substep, and of the whole step.
@@ -71,7 +71,7 @@ PHYSICS_HPP_ALWAYS_INLINE void prepare_cone(const contact_lanes3<K>& c, const la
 /// Friction of patches in space.
 template <class S, int W>
 struct soft_patch_friction3 {
-    using P = pack<S, W>;
+    using P = kernel_pack<S, W>;
 
     /// The largest friction for an impulse of 1, at the middle and, an angular impulse, about the normal (m).
     S coefficient[W], twist_arm[W];
@@ -130,8 +130,8 @@ struct soft_patch_friction3 {
 /// Friction of points in space: each on its own cone, one after the other.
 template <class S, int W>
 struct soft_point_friction3 {
-    using P = pack<S, W>;
-    using Q = pack<inverse_of<S>, W>;
+    using P = kernel_pack<S, W>;
+    using Q = kernel_pack<inverse_of<S>, W>;
 
     struct point {
         cone_lanes<S, W> stop;
@@ -179,9 +179,10 @@ struct soft_point_friction3 {
         return sum;
     }
     template <class Point>
-    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(slide_lanes<P> slip, const Point* points, const P* loads, int count,
-                                                  const P& lasting) {
+    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(const slide_lanes<P>& start, const Point* points, const P* loads,
+                                                  int count, const P& lasting) {
         const P zero = P::broadcast(S(0)), mu = P::load(coefficient);
+        slide_lanes<P> slip = start;
         slide_lanes<P> sum{zero, zero, zero};
         for (int k = 0; k < count; ++k) {
             const P px = P::load(points[k].x), py = P::load(points[k].y);

@@ -11,7 +11,7 @@ namespace detail {
 /// What contacts are prepared in: floats as they are; other scalars by way of double, which has room for products of
 /// inverse masses.
 template <class S, int W>
-using preparing = pack<std::conditional_t<std::is_floating_point_v<S>, S, double>, W>;
+using preparing = kernel_pack<std::conditional_t<std::is_floating_point_v<S>, S, double>, W>;
 
 template <class K, class T>
 PHYSICS_HPP_ALWAYS_INLINE K lanes_from(const T* from) {

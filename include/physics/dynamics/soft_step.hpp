@@ -4,8 +4,7 @@
 #include "physics/base/crew.hpp"
 #include "physics/base/stage.hpp"
 #include "physics/dynamics/contact_graph.hpp"
-#include "physics/dynamics/soft_contact2.hpp"
-#include "physics/dynamics/soft_contact3.hpp"
+#include "physics/dynamics/soft_kernels.hpp"
 #include "physics/space/check.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -54,7 +53,8 @@ struct soft_step_with {
     using stage = physics::stage::solver;
 
     /// Width: how many contacts go in lanes at a time; every width gives the same bits.
-    template <class Space, class Features, int Width = detail::native_width<typename Space::scalar>>
+    template <class Space, class Features, int Width = detail::native_width<typename Space::scalar>,
+              template <class> class Kernels = detail::soft_kernels>
         requires(std::same_as<Friction, patch_friction> || std::same_as<Friction, point_friction>)
     class in {
     public:
@@ -67,6 +67,13 @@ struct soft_step_with {
         template <class Motion>
         static void solve(solver_bodies<S, D> all, contact_list<S, D> contacts, const settings& with, S h,
                           arena& scratch, Motion&& motion, detail::crew& hands) {
+#if PHYSICS_HPP_AVX2_KERNELS
+            if constexpr (Width > 1 && Width == detail::native_width<S>)
+                if (detail::has_avx2()) {
+                    using wide = in<Space, Features, 2 * Width, detail::avx2_kernels>;
+                    return wide::solve(all, contacts, with, h, scratch, motion, hands);
+                }
+#endif
             solver_body<S, D>* const bodies = all.first;
             const blocks_in_colours blocks = pack(contacts, all, {h, S(1) / S(with.substeps), with.restitution_slop},
                                                   scratch);
@@ -80,16 +87,19 @@ struct soft_step_with {
             relax.pushes = false;
             for (int i = 0; i < with.substeps; ++i) {
                 motion.advance_velocities(part);
-                blocks.each(hands, [bodies](block& b) { b.warm_start(bodies); });
-                blocks.each(hands, [bodies, &press](block& b) { b.solve(bodies, press); });
+                blocks.each(hands, [bodies](block& b) { kernels::warm_start(b, bodies); });
+                blocks.each(hands, [bodies, &press](block& b) { kernels::solve(b, bodies, press); });
                 for (std::uint32_t k = 0; k < all.nobody(); ++k) {
                     bodies[k].way.linear += bodies[k].velocity.linear * part;
                     bodies[k].way.angular += bodies[k].velocity.angular * part;
                 }
                 motion.advance_poses(part);
-                blocks.each(hands, [bodies, &relax](block& b) { b.solve(bodies, relax); });
+                blocks.each(hands, [bodies, &relax](block& b) { kernels::solve(b, bodies, relax); });
             }
-            if constexpr (Features::restitution) blocks.each(hands, [bodies](block& b) { b.bounce(bodies); });
+            if constexpr (Features::restitution)
+                blocks.each(hands, [bodies](block& b) {
+                    if (b.bounces) kernels::bounce(b, bodies);
+                });
             hands.each_part(blocks.count(), share, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
                 for (std::uint32_t k = first; k < end; ++k) blocks.take(k, contacts);
             });
@@ -106,6 +116,7 @@ struct soft_step_with {
         static constexpr std::uint32_t none = 0xffffffffu;
         using block = std::conditional_t<D == 2, detail::soft_contact2<S, width, Features>,
                                          detail::soft_contact3<S, width, Features, Friction>>;
+        using kernels = Kernels<block>;
 
         /// So many blocks are worth handing to somebody else.
         static constexpr std::uint32_t share = 16;
@@ -183,7 +194,7 @@ struct soft_step_with {
                 if (has) to.put(lane, contacts[order[lane]], bodies.first, with, gathered, scratch);
                 else to.a[lane] = to.b[lane] = bodies.spare();
             }
-            to.prepare(bodies.first, gathered);
+            kernels::prepare(to, bodies.first, gathered);
             to.moves_a = bodies[to.a[0]].inverse_mass > inverse_of<S>(0);
             to.moves_b = bodies[to.b[0]].inverse_mass > inverse_of<S>(0);
         }

@@ -14,7 +14,7 @@ namespace detail {
 /// case of the block solver of Catto's Box2D 2, for any number of points.
 template <class S, int D, int W>
 struct soft_whole {
-    using P = pack<S, W>;
+    using P = kernel_pack<S, W>;
 
     /// The separation at the middle and its slopes, of the plane that fits the points best.
     S separation[D][W];
@@ -74,7 +74,7 @@ struct soft_whole {
         ok = select_greater(xx * speeds.yy, small, select_greater(yy * speeds.zz, small, ok, zero), zero);
         ok = select_greater(count, K::broadcast(C(2.5)), ok, zero);
         const symmetric_lanes<K> stop = lane_inverse(speeds);
-        const auto tell_apart = [&](const K& answer, const K& stopped) {
+        const auto tell_apart = [&](const K& answer, const K& stopped) PHYSICS_HPP_INLINE_LAMBDA {
             ok = select_greater(K::broadcast(C(1e4)), answer * stopped, select_greater(stopped, zero, ok, zero), zero);
         };
         tell_apart(speeds.xx, stop.xx);
@@ -131,15 +131,16 @@ struct soft_whole {
     }
 
 private:
-    /// Writes the lanes that are ok (1, else 0), but for those whose shares the scalar cannot hold.
+    /// Writes the lanes that are good (1, else 0), but for those whose shares the scalar cannot hold.
     template <class K, class Point>
-    PHYSICS_HPP_ALWAYS_INLINE void write(Point* points, int count, K ok, const K (&plane)[D],
+    PHYSICS_HPP_ALWAYS_INLINE void write(Point* points, int count, const K& good, const K (&plane)[D],
                                          const K (&shares)[capacity][D]) {
         using C = typename K::scalar;
         const K zero = K::broadcast(C(0)), most = K::broadcast(C(to_double(scalar_traits<S>::max()) / 4));
+        K ok = good;
         for (int k = 0; k < count; ++k)
             for (int i = 0; i < D; ++i) ok = select_greater(most, lane_abs(shares[k][i]), ok, zero);
-        const auto put = [&](const K& value, S* to) {
+        const auto put = [&](const K& value, S* to) PHYSICS_HPP_INLINE_LAMBDA {
             put_lanes(select_greater(ok, zero, value, lanes_from<K>(to)), to);
         };
         put(zero, able);

@@ -1,0 +1,56 @@
+// The kernels of the soft solver: what it does with a block of contacts.
+#pragma once
+
+#include "physics/dynamics/soft_contact2.hpp"
+#include "physics/dynamics/soft_contact3.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Kernels as the unit is compiled.
+template <class Block>
+struct soft_kernels {
+    using body = typename Block::body;
+
+    template <class Gathered>
+    static void prepare(Block& block, const body* bodies, const Gathered& gathered) {
+        block.prepare(bodies, gathered);
+    }
+    static void warm_start(Block& block, body* bodies) { block.warm_start(bodies); }
+    template <class Round>
+    static void solve(Block& block, body* bodies, const Round& how) {
+        block.solve(bodies, how);
+    }
+    static void bounce(Block& block, body* bodies) { block.bounce(bodies); }
+};
+
+#if PHYSICS_HPP_AVX2_KERNELS
+// Without fma, which would change bits.
+#define PHYSICS_HPP_AVX2_KERNEL __attribute__((noinline, target("avx2"))) static
+
+/// The same for AVX2, where the unit is compiled for less.
+template <class Block>
+struct avx2_kernels {
+    using body = typename Block::body;
+
+    template <class Gathered>
+    PHYSICS_HPP_AVX2_KERNEL void prepare(Block& block, const body* bodies, const Gathered& gathered) {
+        block.prepare(bodies, gathered);
+    }
+    PHYSICS_HPP_AVX2_KERNEL void warm_start(Block& block, body* bodies) { block.warm_start(bodies); }
+    template <class Round>
+    PHYSICS_HPP_AVX2_KERNEL void solve(Block& block, body* bodies, const Round& how) {
+        block.solve(bodies, how);
+    }
+    PHYSICS_HPP_AVX2_KERNEL void bounce(Block& block, body* bodies) { block.bounce(bodies); }
+};
+
+inline bool has_avx2() { return __builtin_cpu_supports("avx2") != 0; }
+
+#undef PHYSICS_HPP_AVX2_KERNEL
+#endif
+
+}  // namespace detail
+
+PHYSICS_HPP_END
