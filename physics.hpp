@@ -373,6 +373,10 @@ public:
         return *this;
     }
     operator T() const { return value_; }
+    template <class Self, class F>
+    static void each_part(Self& self, F&& f) {
+        f(self.value_);
+    }
     T operator++() { return ++value_; }
     T operator--() { return --value_; }
 
@@ -491,6 +495,11 @@ public:
     bool operator[](std::uint32_t i) const { return (words_[i / 64] >> i % 64 & 1) != 0; }
     void set(std::uint32_t i) { words_[i / 64] |= std::uint64_t{1} << i % 64; }
     void clear(std::uint32_t i) { words_[i / 64] &= ~(std::uint64_t{1} << i % 64); }
+
+    template <class Self, class F>
+    static void each_part(Self& self, F&& f) {
+        f(self.words_);
+    }
 
 private:
     buffer<std::uint64_t> words_;
@@ -3167,6 +3176,51 @@ PHYSICS_HPP_ALWAYS_INLINE S greatest_lane(const pack<S, W, Bytes>& x) {
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/base/lasting.hpp
+// =================================================================================================
+// What of a state lasts from step to step, named part by part: what an image of it is made of.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Stands for whatever asks for parts.
+struct asks_for_parts {
+    template <class Part>
+    void operator()(Part&) const;
+};
+
+/// A class whose `static void each_part(self, f)` calls f(part), for self const or not and always in the same order,
+/// for everything in it that lasts from step to step: buffers, plain values, and other such classes. Copied as bytes to
+/// another object, at other addresses, they must mean the same: no pointer is among them, unless somebody keeps what
+/// it points to. Scratch, which no step hands to the next one, is no part. A class derived from one with parts says
+/// anew which are its own.
+template <class T>
+concept names_parts = requires(T& self) { T::each_part(self, asks_for_parts{}); };
+
+template <class T>
+inline constexpr bool is_buffer = false;
+template <class T>
+inline constexpr bool is_buffer<buffer<T>> = true;
+
+/// Calls f for each buffer and each plain value that something is made of, parts of parts included, in order.
+template <class Part, class F>
+void each_piece_of(Part& part, F&& f) {
+    using T = std::remove_const_t<Part>;
+    if constexpr (names_parts<T>) {
+        T::each_part(part, [&](auto& inner) { each_piece_of(inner, f); });
+    } else if constexpr (!std::is_empty_v<T>) {
+        static_assert(is_buffer<T> || std::is_trivially_copyable_v<T>,
+                      "physics::detail::each_piece_of: what lasts is a buffer, a plain value, or names its parts");
+        f(part);
+    }
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/base/pack_rows.hpp
 // =================================================================================================
 // Rows of four scalars into lanes and back: how kernels read and write bodies.
@@ -3410,6 +3464,15 @@ public:
     template <class F>
     void each(F&& f) const {
         for (std::uint32_t i = next(0); i < slots(); i = next(i + 1)) f(i, items_[i]);
+    }
+
+    /// What lasts of it, see base/lasting.hpp.
+    template <class Self, class F>
+    static void each_part(Self& self, F&& f) {
+        f(self.items_);
+        f(self.slots_);
+        f(self.free_);
+        f(self.count_);
     }
 
 private:
@@ -16228,6 +16291,19 @@ public:
         any_given_up_ = false;
     }
 
+    template <class Self, class F>
+    static void each_part(Self& self, F&& f) {
+        f(self.settings);
+        f(self.boxes_);
+        f(self.entries_);
+        f(self.changed_);
+        f(self.unseen_);
+        f(self.used_);
+        f(self.stale_);
+        f(self.count_);
+        f(self.any_given_up_);
+    }
+
 private:
     struct entry {
         proxy_filter filter;
@@ -16276,9 +16352,10 @@ constexpr bool operator<(proxy_pair x, proxy_pair y) {
 ///   pairs(accept)        a buffer of all pairs of overlapping boxes for which may_meet(filter, filter) and
 ///                        accept(a, b) are true, each once, in ascending order; pairs of boxes that are close may be
 ///                        among them
-/// and, if it likes, configure(broadphase_settings) and update(), which is called when boxes have moved, so that
-/// queries see them. A policy is a type with `using stage = physics::stage::broadphase` and such a class as
-/// `in<Space>`: of your own, or an indexed_broadphase around an index of your own.
+/// and, if it likes, configure(broadphase_settings), update(), which is called when boxes have moved, so that queries
+/// see them, and each_part(self, f), which names what lasts of it, for images of worlds (see base/lasting.hpp).
+/// A policy is a type with `using stage = physics::stage::broadphase` and such a class as `in<Space>`: of your own, or
+/// an indexed_broadphase around an index of your own.
 template <class B, class Space>
 concept broadphase_for = std::copyable<B> && std::default_initializable<B> &&
     requires(B b, std::uint32_t id, const typename Space::aabb box, const typename Space::vec way,
@@ -16353,8 +16430,17 @@ public:
         pairs_.swap(next_);
     }
 
+    template <class Self, class F>
+    static void each_part(Self& self, F&& f) {
+        f(self.pairs_);
+        f(self.begun_);
+        f(self.ended_);
+    }
+
 private:
-    buffer<proxy_pair> pairs_, next_, begun_, ended_;
+    buffer<proxy_pair> pairs_, begun_, ended_;
+    // Scratch of a search.
+    buffer<proxy_pair> next_;
     buffer<std::uint64_t> found_, spare_;
     int bits_ = 0;
 };
@@ -16503,7 +16589,8 @@ PHYSICS_HPP_BEGIN
 ///                                     all.may_meet(a, b)
 ///   each_near(all, box, visit)        visit(id) where the box may overlap, until it returns false; or, of an index
 ///                                     that keeps them itself, visit(candidate) with filter and box
-/// and, where it knows a better way than to search boxes, each_along, each_around, each_inside (see tree_index).
+/// and, where it knows a better way than to search boxes, each_along, each_around, each_inside (see tree_index), and
+/// each_part(self, f), for images of worlds (see base/lasting.hpp).
 template <class Space, class Index>
 class indexed_broadphase {
 public:
@@ -16703,6 +16790,15 @@ public:
                 return true;
             });
         return count;
+    }
+
+    /// What lasts of it, see base/lasting.hpp: of an index that names its parts, or has none.
+    template <class Self, class F>
+        requires(detail::names_parts<Index> || std::is_empty_v<Index>)
+    static void each_part(Self& self, F&& f) {
+        f(self.all_);
+        f(self.index_);
+        f(self.pairs_);
     }
 
 private:
@@ -17251,6 +17347,21 @@ public:
         }
     }
 
+    template <class Self, class F>
+    static void each_part(Self& self, F&& f) {
+        f(self.keys_);
+        f(self.blocks_);
+        f(self.reaches_);
+        f(self.before_);
+        f(self.starts_);
+        f(self.live_);
+        f(self.used_);
+        f(self.axis_);
+        f(self.usual_size_);
+        f(self.width_);
+        f(self.middle_);
+    }
+
 private:
     [[nodiscard]] int levels() const { return static_cast<int>(starts_.size()); }
     [[nodiscard]] float begins(std::uint32_t b) const { return blocks_[b].lower[axis_][0]; }
@@ -17304,11 +17415,8 @@ private:
     }
 
     /// Where boxes begin, as integers that sort alike, above their proxies.
-    buffer<std::uint64_t> keys_, spare_;
+    buffer<std::uint64_t> keys_;
     buffer<block> blocks_;
-    /// While everything is sorted.
-    buffer<std::uint32_t> ids_;
-    buffer<box> boxes_;
     /// How far blocks reach, level by level.
     buffer<float> reaches_;
     /// How far any block up to this one reaches.
@@ -17318,6 +17426,10 @@ private:
     reset_on_move<std::uint32_t> live_, used_;
     int axis_ = 0;
     float usual_size_ = 1, width_ = 0, middle_[D]{};
+    // Scratch, while everything is sorted.
+    buffer<std::uint64_t> spare_;
+    buffer<std::uint32_t> ids_;
+    buffer<box> boxes_;
 };
 
 }  // namespace detail
@@ -17682,6 +17794,12 @@ public:
         return moved;
     }
 
+    template <class Self, class F>
+    static void each_part(Self& self, F&& f) {
+        f(self.blocks_);
+        f(self.free_);
+    }
+
 private:
     static void set_bit(std::uint8_t& bits, std::uint32_t bit, bool value) {
         bits = static_cast<std::uint8_t>((bits & ~(1u << bit)) | (value ? 1u << bit : 0u));
@@ -17990,6 +18108,19 @@ public:
     void each_loose(F&&) const {}
     [[nodiscard]] const typename Space::vec& origin() const { return origin_; }
 
+    template <class Self, class F>
+    static void each_part(Self& self, F&& f) {
+        f(self.cells_);
+        f(self.blocks_);
+        f(self.levels_);
+        f(self.places_);
+        f(self.touched_);
+        f(self.origin_);
+        f(self.packed_);
+        f(self.movable_);
+        f(self.wear_);
+    }
+
 private:
     /// Below and above the level that most boxes are in; the last one has no bounds, and one cell.
     static constexpr std::uint32_t finer = 4, coarser = 4, level_count = finer + coarser + 2, usual = finer;
@@ -18203,7 +18334,10 @@ private:
     cell_blocks<D> blocks_;
     buffer<cell_level<D>> levels_;
     /// By proxy: its slot, eight a block.
-    buffer<std::uint32_t> places_, touched_;
+    buffer<std::uint32_t> places_;
+    /// The blocks with a box that has moved, while pairs are searched, and where the caller threw out of it.
+    buffer<std::uint32_t> touched_;
+    // Scratch.
     buffer<std::uint64_t> keys_, spare_;
     typename Space::vec origin_{};
     /// How many there were when cells were arranged, and how many are movable.
@@ -18428,6 +18562,18 @@ public:
         }
     }
 
+    template <class Self, class F>
+    static void each_part(Self& self, F&& f) {
+        f(self.nodes_);
+        f(self.ids_);
+        f(self.filters_);
+        f(self.marks_);
+        f(self.starts_);
+        f(self.levels_);
+        f(self.live_);
+        f(self.marked_);
+    }
+
 private:
     void fetch(int level, std::uint32_t n) const {
         const char* from = reinterpret_cast<const char*>(&node(level, n));
@@ -18601,6 +18747,13 @@ public:
             [&](float key) { return key > reach; }, [&](const auto& c) { reach = above_square<S>(visit(c)); });
     }
 
+    template <class Self, class F>
+    static void each_part(Self& self, F&& f) {
+        for (auto& k : self.kinds_) f(k);
+        f(self.places_);
+        f(self.origin_);
+    }
+
 private:
     /// What is in a slot; of float the box in the lane is the exact one, and near in memory.
     static candidate<Space> candidate_in(const table& all, const tree& t, std::uint32_t slot) {
@@ -18650,6 +18803,15 @@ private:
         buffer<std::uint32_t> tail;
         /// The sides of the boxes around leaves of the main tree, and above: as they are, and as they were packed.
         double size = 0, packed_size = 0;
+
+        template <class Self, class F>
+        static void each_part(Self& self, F&& f) {
+            f(self.main);
+            f(self.young);
+            f(self.tail);
+            f(self.size);
+            f(self.packed_size);
+        }
     };
 
     auto box_of(const table& all, std::uint32_t id) const { return enclosing(all.box(id), origin_); }
@@ -18799,6 +18961,7 @@ private:
     /// By proxy: a place in the main tree, in the young one or in the tail of its kind.
     buffer<std::uint32_t> places_;
     typename Space::vec origin_{};
+    // Scratch.
     buffer<std::uint64_t> keys_, spare_;
     buffer<packed_item> items_, spare_items_;
     buffer<std::uint32_t> touched_;
@@ -18880,6 +19043,11 @@ public:
     bool adapt(const cell_level<D>*, std::uint32_t) { return false; }
     [[nodiscard]] std::uint32_t head(std::uint64_t key) const { return heads_[static_cast<std::uint32_t>(key)]; }
     std::uint32_t& at(std::uint64_t key) { return heads_[static_cast<std::uint32_t>(key)]; }
+
+    template <class Self, class F>
+    static void each_part(Self& self, F&& f) {
+        f(self.heads_);
+    }
 
 private:
     buffer<std::uint32_t> heads_;
@@ -18969,6 +19137,13 @@ public:
         return entries_[i].head;
     }
 
+    template <class Self, class F>
+    static void each_part(Self& self, F&& f) {
+        f(self.entries_);
+        f(self.stretch_);
+        f(self.used_);
+    }
+
 private:
     static constexpr int bits = 20;
     static constexpr std::uint64_t no_key = ~std::uint64_t{0};
@@ -18995,10 +19170,12 @@ private:
             if (e.head != no_block) at(e.key) = e.head;
     }
 
-    buffer<entry> entries_, spare_;
+    buffer<entry> entries_;
     /// By level, how much wider a cell is than its boxes may be.
     buffer<float> stretch_;
     reset_on_move<std::uint32_t> used_;
+    /// Scratch.
+    buffer<entry> spare_;
 };
 
 }  // namespace detail
@@ -19202,18 +19379,33 @@ public:
     }
     [[nodiscard]] const typename Space::vec& origin() const { return origin_; }
 
+    template <class Self, class F>
+    static void each_part(Self& self, F&& f) {
+        for (auto& k : self.kinds_) f(k);
+        f(self.places_);
+        f(self.origin_);
+    }
+
 private:
     static constexpr std::uint32_t tail_place = 1u << 31;
 
     struct kind {
         detail::axis_order<D> order;
         buffer<std::uint32_t> tail;
-        /// By block, a bit for each box that has moved; all 0 but while pairs are searched.
-        buffer<std::uint8_t> moved;
         /// So many moves at once have been too many for small steps.
         std::uint32_t too_many = 1u << 31;
         /// Moves in small steps: after many, another axis may be better.
         std::uint64_t since_sorted = 0;
+        /// Scratch: by block, a bit for each box that has moved; all 0 but while pairs are searched.
+        buffer<std::uint8_t> moved;
+
+        template <class Self, class F>
+        static void each_part(Self& self, F&& f) {
+            f(self.order);
+            f(self.tail);
+            f(self.too_many);
+            f(self.since_sorted);
+        }
     };
 
     box box_of(const table& all, std::uint32_t id) const { return enclosing(all.box(id), origin_); }
@@ -19256,6 +19448,7 @@ private:
     /// By proxy: its slot in the order of its kind, or in the tail.
     buffer<std::uint32_t> places_;
     typename Space::vec origin_{};
+    /// Whether the scratch of kinds is in use, or was left so.
     bool searching_ = false;
 };
 
@@ -23183,10 +23376,11 @@ public:
         base::erase(index);
     }
 
-private:
-    void each_geometry(void (*change)(const geometry_block*)) const {
+    /// Calls f with the block of geometry of each shape, null for those that have none.
+    template <class F>
+    void each_geometry(F&& f) const {
         if constexpr (Plan::shape::has_geometry)
-            base::each([&](std::uint32_t, const auto& record) { change(record.shape.geometry()); });
+            base::each([&](std::uint32_t, const auto& record) { f(record.shape.geometry()); });
     }
 };
 
@@ -23225,6 +23419,11 @@ struct pair_memories {
             items.pop();
         }
     }
+    template <class Self, class F>
+    static void each_part(Self& self, F&& f) {
+        f(self.pairs);
+        f(self.items);
+    }
 };
 
 /// Stands for the next sleeper of a body that is awake.
@@ -23254,6 +23453,13 @@ struct sleep_state {
         still[body] = {};
         since[body] = center;
         ring[body] = no_sleeper;
+    }
+    template <class Self, class F>
+    static void each_part(Self& self, F&& f) {
+        f(self.still);
+        f(self.since);
+        f(self.ring);
+        f(self.contacts);
     }
 };
 struct no_sleep_state {};
@@ -23291,6 +23497,12 @@ struct continuous_state {
     buffer<body_extent<S>> extents;
     continuous_report<S> report;
 
+    template <class Self, class F>
+    static void each_part(Self& self, F&& f) {
+        f(self.extents);
+        f(self.report);
+    }
+
     // Scratch of the step.
     /// How deep each body is in static ones, and which of them are: 0 of all others.
     buffer<S> depths;
@@ -23327,7 +23539,26 @@ struct state {
     [[no_unique_address]] std::conditional_t<Plan::is_continuous, continuous_state<Plan>, nothing_continuous>
         continuous;
     std::uint64_t steps = 0;
+    /// By which handles know the world; no part of what lasts, so that they serve it whatever state it is brought to.
     std::uint16_t tag = 0;
+
+    /// What lasts, see base/lasting.hpp.
+    template <class Self, class F>
+    static void each_part(Self& self, F&& f) {
+        f(self.settings);
+        f(self.bodies);
+        f(self.shapes);
+        f(self.broadphase);
+        f(self.contacts);
+        f(self.contact_starts);
+        f(self.movers);
+        f(self.mover_of);
+        f(self.movers_changed);
+        f(self.memories);
+        f(self.sleep);
+        f(self.continuous);
+        f(self.steps);
+    }
 
     // Scratch of the step: nothing in it outlives one.
     buffer<contact<S, D>> found;
@@ -23348,6 +23579,14 @@ struct state {
     }
     [[nodiscard]] bool is_awake_dynamic(std::uint32_t body) const {
         return bodies[body].is_dynamic() && !is_asleep(body);
+    }
+};
+
+/// The inside of a world, for what stands beside it.
+struct world_access {
+    template <class World>
+    static auto& state_of(World& w) {
+        return w.state_;
     }
 };
 
@@ -23499,7 +23738,6 @@ template <class Plan>
 void refresh_extent(state<Plan>& s, std::uint32_t index) {
     if constexpr (Plan::is_continuous) {
         s.continuous.extents.resize(s.bodies.slots());
-        s.continuous.depths.resize(s.bodies.slots());
         measure_body(s, index, s.continuous.extents[index]);
     }
 }
@@ -24323,6 +24561,7 @@ void clear_depths(state<Plan>& s) {
     if constexpr (Plan::sweeps) {
         for (const std::uint32_t i : s.continuous.deep) s.continuous.depths[i] = {};
         s.continuous.deep.clear();
+        s.continuous.depths.resize(s.bodies.slots());
     }
 }
 /// Whether a contact is deeper than usual, and the note of it.
@@ -25666,6 +25905,199 @@ std::uint64_t state_hash(const state<Plan>& s) {
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/world/image.hpp
+// =================================================================================================
+// Images of a world's state: all that lasts from step to step, in one block of memory.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// One of the owners of some blocks of geometry.
+class geometry_keeper {
+public:
+    geometry_keeper() = default;
+    geometry_keeper(const geometry_keeper& other) : blocks_(other.blocks_) { each(retain); }
+    geometry_keeper(geometry_keeper&&) noexcept = default;
+    geometry_keeper& operator=(const geometry_keeper& other) {
+        if (this == &other) return *this;
+        // What may fail comes first.
+        blocks_.reserve(other.blocks_.size());
+        other.each(retain);
+        each(release);
+        blocks_ = other.blocks_;
+        return *this;
+    }
+    geometry_keeper& operator=(geometry_keeper&& other) noexcept {
+        geometry_keeper taken(std::move(other));
+        blocks_.swap(taken.blocks_);
+        return *this;
+    }
+    ~geometry_keeper() { each(release); }
+
+    /// Makes room for what these shapes refer to.
+    template <class Shapes>
+    void reserve(const Shapes& shapes) {
+        std::uint32_t count = 0;
+        shapes.each_geometry([&](const geometry_block* block) { count += block != nullptr; });
+        blocks_.reserve(count);
+    }
+    /// Keeps that instead.
+    template <class Shapes>
+    void keep(const Shapes& shapes) {
+        // First, so that what stays has an owner all the while.
+        shapes.each_geometry(retain);
+        each(release);
+        blocks_.clear();
+        shapes.each_geometry([&](const geometry_block* block) {
+            if (block != nullptr) blocks_.push(block);
+        });
+    }
+
+private:
+    void each(void (*change)(const geometry_block*)) const {
+        for (const geometry_block* block : blocks_) change(block);
+    }
+
+    buffer<const geometry_block*> blocks_;
+};
+
+/// Says in one sentence why there can be no image of a world.
+template <class Plan>
+struct image_audit {
+    static constexpr bool has_parts = names_parts<typename Plan::broadphase>;
+    static constexpr bool is_plain = std::is_trivially_copyable_v<typename Plan::settings>;
+    static_assert(has_parts,
+                  "physics::recipe: no image of the world can be made, as the broadphase does not name what lasts of "
+                  "it; its in<Space> needs a static each_part(self, f)");
+    static_assert(is_plain,
+                  "physics::recipe: no image of the world can be made, as the solver's settings are not trivially "
+                  "copyable");
+};
+
+/// What lasts of a world from step to step, copied piece by piece into one block that holds no address of its own
+/// memory: of buffers how many values they have, and these; what lies behind them for growth stays out, and so does
+/// scratch. Written over a world of the same recipe, of whatever history, it brings back the state with its numbers,
+/// generations and settings: the steps that follow have the same bits. The world keeps its tag, so that those handles
+/// serve it that did before. Shapes share their geometry with the image, which is one of its owners.
+/// For the process that made it: no format to store. Cost: that of copying the bytes, and some ns for each shape with
+/// geometry.
+template <class Plan>
+class state_image {
+    using audit = image_audit<Plan>;
+    static_assert(sizeof(audit) > 0);
+
+public:
+    /// Makes this the image of a world as it is now. Takes memory only where the image has not been so large before.
+    void save(const state<Plan>& s) {
+        std::uint64_t units = 0;
+        each_piece(s, [&](const auto& piece) { units += units_of(piece); });
+        if (units > 0xffffffffu) {
+            // As for buffers: there is no such memory.
+            refuse("image", "memory", static_cast<double>(units) * sizeof(unit), "the bytes are not available");
+            std::abort();
+        }
+        // What may fail comes first.
+        units_.reserve(static_cast<std::uint32_t>(units));
+        geometry_.reserve(s.shapes);
+        units_.clear();
+        each_piece(s, [&](const auto& piece) { write(piece); });
+        geometry_.keep(s.shapes);
+    }
+
+    /// Brings a world to the state that was saved. Takes memory only where the world has not had so much before.
+    /// Refused, with nothing changed, if nothing was saved or a query of the world is under way.
+    bool restore(state<Plan>& s) const {
+        if (units_.empty()) return refuse("restore", "image", "empty", "it must have been saved");
+        if (!query_scope::allows_change(&s.broadphase, "restore")) return false;
+        // What may fail comes first.
+        const unit* from = units_.begin();
+        each_piece(s, [&](auto& piece) { from = make_room(piece, from); });
+        s.shapes.each_geometry(release);
+        from = units_.begin();
+        each_piece(s, [&](auto& piece) { from = read(piece, from); });
+        s.shapes.each_geometry(retain);
+        return true;
+    }
+
+    /// The block, and its bytes.
+    [[nodiscard]] const void* data() const { return units_.begin(); }
+    [[nodiscard]] std::size_t size() const { return std::size_t{units_.size()} * sizeof(unit); }
+
+private:
+    /// Pieces begin at multiples of it, and so do numbers of values and these.
+    struct alignas(16) unit {
+        unsigned char bytes[16];
+    };
+    static constexpr std::uint32_t units_for(std::size_t bytes) {
+        return static_cast<std::uint32_t>((bytes + sizeof(unit) - 1) / sizeof(unit));
+    }
+    template <class T>
+    static std::uint64_t units_of(const T&) {
+        return units_for(sizeof(T));
+    }
+    template <class T>
+    static std::uint64_t units_of(const buffer<T>& piece) {
+        return std::uint64_t{1} + units_for(std::size_t{piece.size()} * sizeof(T));
+    }
+
+    /// Nothing of what was refused above, so that nothing else is said of it.
+    template <class State, class F>
+    static void each_piece(State& s, F&& f) {
+        if constexpr (audit::has_parts && audit::is_plain) each_piece_of(s, f);
+    }
+    void write(const void* from, std::size_t bytes) {
+        if (bytes == 0) return;
+        unit* const to = units_.extend(units_for(bytes));
+        // What is behind the last byte.
+        units_.back() = {};
+        std::memcpy(to, from, bytes);
+    }
+    template <class T>
+    void write(const T& piece) {
+        write(&piece, sizeof(T));
+    }
+    template <class T>
+    void write(const buffer<T>& piece) {
+        write(piece.size());
+        write(piece.begin(), std::size_t{piece.size()} * sizeof(T));
+    }
+    static const unit* read(void* to, std::size_t bytes, const unit* from) {
+        if (bytes > 0) std::memcpy(to, from, bytes);
+        return from + units_for(bytes);
+    }
+    template <class T>
+    static const unit* read(T& piece, const unit* from) {
+        return read(&piece, sizeof(T), from);
+    }
+    template <class T>
+    static const unit* read(buffer<T>& piece, const unit* from) {
+        std::uint32_t count = 0;
+        from = read(count, from);
+        piece.clear();
+        return read(piece.extend(count), std::size_t{count} * sizeof(T), from);
+    }
+    template <class T>
+    static const unit* make_room(T&, const unit* from) {
+        return from + units_for(sizeof(T));
+    }
+    template <class T>
+    static const unit* make_room(buffer<T>& piece, const unit* from) {
+        std::uint32_t count = 0;
+        from = read(count, from);
+        piece.reserve(count);
+        return from + units_for(std::size_t{count} * sizeof(T));
+    }
+
+    buffer<unit> units_;
+    geometry_keeper geometry_;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/world/ranges.hpp
 // =================================================================================================
 // What a loop over a world's bodies and contacts walks along.
@@ -25890,6 +26322,7 @@ PHYSICS_HPP_BEGIN
 template <class Recipe>
 class world : public detail::shape_aliases<typename detail::plan_of<Recipe>::type::scalar,
                                            detail::plan_of<Recipe>::type::dimension> {
+    friend detail::world_access;
     using plan = typename detail::plan_of<Recipe>::type;
     static_assert(sizeof(detail::audit<Recipe>) > 0);
 

@@ -225,6 +225,43 @@ TEST_CASE_TEMPLATE_DEFINE("allocations: none while things rest", Recipe, rest) {
     CHECK(calls_of([&] { steps(100); }) == 0);
 }
 
+TEST_CASE_TEMPLATE_DEFINE("allocations: none to save and to restore where there was room", Recipe, images) {
+    constexpr int count = 120;
+    using physics::detail::world_access;
+    playground<Recipe> p(true);
+    p.play(30);
+    physics::detail::state_image<typename physics::detail::plan_of<Recipe>::type> first, last;
+    CHECK(calls_of([&] { first.save(world_access::state_of(p.arena)); }) > 0);
+    p.play(count);
+    last.save(world_access::state_of(p.arena));
+    const std::uint64_t end = p.arena.state_hash();
+    // Stages swap arrays with those of the step before: after two runs both have grown.
+    for (const bool grown : {false, true}) {
+        CHECK(calls_of([&] { CHECK(first.restore(world_access::state_of(p.arena))); }) == 0);
+        const auto again = p.play(count);
+        is_lively<Recipe>(again, true);
+        CHECK(again.hash == end);
+        if (grown) CHECK(again.calls == 0);
+        // Forth and back: to where there is less, and to where there is more.
+        for (int i = 0; i < 3; ++i) {
+            CHECK(calls_of([&] { CHECK(first.restore(world_access::state_of(p.arena))); }) == 0);
+            CHECK(calls_of([&] { CHECK(last.restore(world_access::state_of(p.arena))); }) == 0);
+            CHECK(p.arena.state_hash() == end);
+        }
+    }
+    // An image that has been as large makes room for none again.
+    for (int i = 0; i < 3; ++i) {
+        CHECK(calls_of([&] { last.save(world_access::state_of(p.arena)); }) == 0);
+        p.play(8);
+        CHECK(calls_of([&] { CHECK(last.restore(world_access::state_of(p.arena))); }) == 0);
+    }
+    physics::world<Recipe> fresh;
+    for (const bool grown : {false, true})
+        for (const auto* of : {&first, &last})
+            CHECK((calls_of([&] { CHECK(of->restore(world_access::state_of(fresh))); }) == 0) == grown);
+    CHECK(fresh.state_hash() == p.arena.state_hash());
+}
+
 template <class Broadphase, class S, int D>
 void moves_in_place() {
     using space = physics::space<S, D>;
@@ -270,6 +307,7 @@ TEST_CASE_TEMPLATE("allocations: none in searches of a broadphase that earlier o
 }
 
 TEST_CASE_TEMPLATE_INVOKE(steps, cell<float, 2>, cell<float, 3>, cell<fixed32, 2>, others);
+TEST_CASE_TEMPLATE_INVOKE(images, cell<float, 2>, cell<float, 3>, cell<fixed32, 2>, others);
 TEST_CASE_TEMPLATE_INVOKE(rest, cell<float, 2>, cell<float, 3>, cell<fixed32, 2>);
 
 }  // namespace

@@ -131,6 +131,10 @@ public:
         return *this;
     }
     operator T() const { return value_; }
+    template <class Self, class F>
+    static void each_part(Self& self, F&& f) {
+        f(self.value_);
+    }
     T operator++() { return ++value_; }
     T operator--() { return --value_; }
 

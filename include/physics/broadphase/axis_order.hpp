@@ -176,6 +176,21 @@ public:
         }
     }
 
+    template <class Self, class F>
+    static void each_part(Self& self, F&& f) {
+        f(self.keys_);
+        f(self.blocks_);
+        f(self.reaches_);
+        f(self.before_);
+        f(self.starts_);
+        f(self.live_);
+        f(self.used_);
+        f(self.axis_);
+        f(self.usual_size_);
+        f(self.width_);
+        f(self.middle_);
+    }
+
 private:
     [[nodiscard]] int levels() const { return static_cast<int>(starts_.size()); }
     [[nodiscard]] float begins(std::uint32_t b) const { return blocks_[b].lower[axis_][0]; }
@@ -229,11 +244,8 @@ private:
     }
 
     /// Where boxes begin, as integers that sort alike, above their proxies.
-    buffer<std::uint64_t> keys_, spare_;
+    buffer<std::uint64_t> keys_;
     buffer<block> blocks_;
-    /// While everything is sorted.
-    buffer<std::uint32_t> ids_;
-    buffer<box> boxes_;
     /// How far blocks reach, level by level.
     buffer<float> reaches_;
     /// How far any block up to this one reaches.
@@ -243,6 +255,10 @@ private:
     reset_on_move<std::uint32_t> live_, used_;
     int axis_ = 0;
     float usual_size_ = 1, width_ = 0, middle_[D]{};
+    // Scratch, while everything is sorted.
+    buffer<std::uint64_t> spare_;
+    buffer<std::uint32_t> ids_;
+    buffer<box> boxes_;
 };
 
 }  // namespace detail

@@ -77,6 +77,12 @@ public:
         return moved;
     }
 
+    template <class Self, class F>
+    static void each_part(Self& self, F&& f) {
+        f(self.blocks_);
+        f(self.free_);
+    }
+
 private:
     static void set_bit(std::uint8_t& bits, std::uint32_t bit, bool value) {
         bits = static_cast<std::uint8_t>((bits & ~(1u << bit)) | (value ? 1u << bit : 0u));

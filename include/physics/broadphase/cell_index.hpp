@@ -129,6 +129,19 @@ public:
     void each_loose(F&&) const {}
     [[nodiscard]] const typename Space::vec& origin() const { return origin_; }
 
+    template <class Self, class F>
+    static void each_part(Self& self, F&& f) {
+        f(self.cells_);
+        f(self.blocks_);
+        f(self.levels_);
+        f(self.places_);
+        f(self.touched_);
+        f(self.origin_);
+        f(self.packed_);
+        f(self.movable_);
+        f(self.wear_);
+    }
+
 private:
     /// Below and above the level that most boxes are in; the last one has no bounds, and one cell.
     static constexpr std::uint32_t finer = 4, coarser = 4, level_count = finer + coarser + 2, usual = finer;
@@ -342,7 +355,10 @@ private:
     cell_blocks<D> blocks_;
     buffer<cell_level<D>> levels_;
     /// By proxy: its slot, eight a block.
-    buffer<std::uint32_t> places_, touched_;
+    buffer<std::uint32_t> places_;
+    /// The blocks with a box that has moved, while pairs are searched, and where the caller threw out of it.
+    buffer<std::uint32_t> touched_;
+    // Scratch.
     buffer<std::uint64_t> keys_, spare_;
     typename Space::vec origin_{};
     /// How many there were when cells were arranged, and how many are movable.

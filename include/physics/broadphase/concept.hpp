@@ -24,9 +24,10 @@ constexpr bool operator<(proxy_pair x, proxy_pair y) {
 ///   pairs(accept)        a buffer of all pairs of overlapping boxes for which may_meet(filter, filter) and
 ///                        accept(a, b) are true, each once, in ascending order; pairs of boxes that are close may be
 ///                        among them
-/// and, if it likes, configure(broadphase_settings) and update(), which is called when boxes have moved, so that
-/// queries see them. A policy is a type with `using stage = physics::stage::broadphase` and such a class as
-/// `in<Space>`: of your own, or an indexed_broadphase around an index of your own.
+/// and, if it likes, configure(broadphase_settings), update(), which is called when boxes have moved, so that queries
+/// see them, and each_part(self, f), which names what lasts of it, for images of worlds (see base/lasting.hpp).
+/// A policy is a type with `using stage = physics::stage::broadphase` and such a class as `in<Space>`: of your own, or
+/// an indexed_broadphase around an index of your own.
 template <class B, class Space>
 concept broadphase_for = std::copyable<B> && std::default_initializable<B> &&
     requires(B b, std::uint32_t id, const typename Space::aabb box, const typename Space::vec way,

@@ -59,6 +59,13 @@ public:
         return entries_[i].head;
     }
 
+    template <class Self, class F>
+    static void each_part(Self& self, F&& f) {
+        f(self.entries_);
+        f(self.stretch_);
+        f(self.used_);
+    }
+
 private:
     static constexpr int bits = 20;
     static constexpr std::uint64_t no_key = ~std::uint64_t{0};
@@ -85,10 +92,12 @@ private:
             if (e.head != no_block) at(e.key) = e.head;
     }
 
-    buffer<entry> entries_, spare_;
+    buffer<entry> entries_;
     /// By level, how much wider a cell is than its boxes may be.
     buffer<float> stretch_;
     reset_on_move<std::uint32_t> used_;
+    /// Scratch.
+    buffer<entry> spare_;
 };
 
 }  // namespace detail

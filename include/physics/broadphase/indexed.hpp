@@ -1,6 +1,7 @@
 // A broadphase made of an index of boxes: what all that the library ships have in common.
 #pragma once
 
+#include "physics/base/lasting.hpp"
 #include "physics/broadphase/guard.hpp"
 #include "physics/broadphase/pair_set.hpp"
 #include "physics/broadphase/queries.hpp"
@@ -20,7 +21,8 @@ PHYSICS_HPP_BEGIN
 ///                                     all.may_meet(a, b)
 ///   each_near(all, box, visit)        visit(id) where the box may overlap, until it returns false; or, of an index
 ///                                     that keeps them itself, visit(candidate) with filter and box
-/// and, where it knows a better way than to search boxes, each_along, each_around, each_inside (see tree_index).
+/// and, where it knows a better way than to search boxes, each_along, each_around, each_inside (see tree_index), and
+/// each_part(self, f), for images of worlds (see base/lasting.hpp).
 template <class Space, class Index>
 class indexed_broadphase {
 public:
@@ -220,6 +222,15 @@ public:
                 return true;
             });
         return count;
+    }
+
+    /// What lasts of it, see base/lasting.hpp: of an index that names its parts, or has none.
+    template <class Self, class F>
+        requires(detail::names_parts<Index> || std::is_empty_v<Index>)
+    static void each_part(Self& self, F&& f) {
+        f(self.all_);
+        f(self.index_);
+        f(self.pairs_);
     }
 
 private:

@@ -213,6 +213,18 @@ public:
         }
     }
 
+    template <class Self, class F>
+    static void each_part(Self& self, F&& f) {
+        f(self.nodes_);
+        f(self.ids_);
+        f(self.filters_);
+        f(self.marks_);
+        f(self.starts_);
+        f(self.levels_);
+        f(self.live_);
+        f(self.marked_);
+    }
+
 private:
     void fetch(int level, std::uint32_t n) const {
         const char* from = reinterpret_cast<const char*>(&node(level, n));

@@ -62,8 +62,17 @@ public:
         pairs_.swap(next_);
     }
 
+    template <class Self, class F>
+    static void each_part(Self& self, F&& f) {
+        f(self.pairs_);
+        f(self.begun_);
+        f(self.ended_);
+    }
+
 private:
-    buffer<proxy_pair> pairs_, next_, begun_, ended_;
+    buffer<proxy_pair> pairs_, begun_, ended_;
+    // Scratch of a search.
+    buffer<proxy_pair> next_;
     buffer<std::uint64_t> found_, spare_;
     int bits_ = 0;
 };

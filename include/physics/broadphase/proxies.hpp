@@ -147,6 +147,19 @@ public:
         any_given_up_ = false;
     }
 
+    template <class Self, class F>
+    static void each_part(Self& self, F&& f) {
+        f(self.settings);
+        f(self.boxes_);
+        f(self.entries_);
+        f(self.changed_);
+        f(self.unseen_);
+        f(self.used_);
+        f(self.stale_);
+        f(self.count_);
+        f(self.any_given_up_);
+    }
+
 private:
     struct entry {
         proxy_filter filter;

@@ -179,18 +179,33 @@ public:
     }
     [[nodiscard]] const typename Space::vec& origin() const { return origin_; }
 
+    template <class Self, class F>
+    static void each_part(Self& self, F&& f) {
+        for (auto& k : self.kinds_) f(k);
+        f(self.places_);
+        f(self.origin_);
+    }
+
 private:
     static constexpr std::uint32_t tail_place = 1u << 31;
 
     struct kind {
         detail::axis_order<D> order;
         buffer<std::uint32_t> tail;
-        /// By block, a bit for each box that has moved; all 0 but while pairs are searched.
-        buffer<std::uint8_t> moved;
         /// So many moves at once have been too many for small steps.
         std::uint32_t too_many = 1u << 31;
         /// Moves in small steps: after many, another axis may be better.
         std::uint64_t since_sorted = 0;
+        /// Scratch: by block, a bit for each box that has moved; all 0 but while pairs are searched.
+        buffer<std::uint8_t> moved;
+
+        template <class Self, class F>
+        static void each_part(Self& self, F&& f) {
+            f(self.order);
+            f(self.tail);
+            f(self.too_many);
+            f(self.since_sorted);
+        }
     };
 
     box box_of(const table& all, std::uint32_t id) const { return enclosing(all.box(id), origin_); }
@@ -233,6 +248,7 @@ private:
     /// By proxy: its slot in the order of its kind, or in the tail.
     buffer<std::uint32_t> places_;
     typename Space::vec origin_{};
+    /// Whether the scratch of kinds is in use, or was left so.
     bool searching_ = false;
 };
 

@@ -147,6 +147,13 @@ public:
             [&](float key) { return key > reach; }, [&](const auto& c) { reach = above_square<S>(visit(c)); });
     }
 
+    template <class Self, class F>
+    static void each_part(Self& self, F&& f) {
+        for (auto& k : self.kinds_) f(k);
+        f(self.places_);
+        f(self.origin_);
+    }
+
 private:
     /// What is in a slot; of float the box in the lane is the exact one, and near in memory.
     static candidate<Space> candidate_in(const table& all, const tree& t, std::uint32_t slot) {
@@ -196,6 +203,15 @@ private:
         buffer<std::uint32_t> tail;
         /// The sides of the boxes around leaves of the main tree, and above: as they are, and as they were packed.
         double size = 0, packed_size = 0;
+
+        template <class Self, class F>
+        static void each_part(Self& self, F&& f) {
+            f(self.main);
+            f(self.young);
+            f(self.tail);
+            f(self.size);
+            f(self.packed_size);
+        }
     };
 
     auto box_of(const table& all, std::uint32_t id) const { return enclosing(all.box(id), origin_); }
@@ -345,6 +361,7 @@ private:
     /// By proxy: a place in the main tree, in the young one or in the tail of its kind.
     buffer<std::uint32_t> places_;
     typename Space::vec origin_{};
+    // Scratch.
     buffer<std::uint64_t> keys_, spare_;
     buffer<packed_item> items_, spare_items_;
     buffer<std::uint32_t> touched_;

@@ -318,6 +318,7 @@ void clear_depths(state<Plan>& s) {
     if constexpr (Plan::sweeps) {
         for (const std::uint32_t i : s.continuous.deep) s.continuous.depths[i] = {};
         s.continuous.deep.clear();
+        s.continuous.depths.resize(s.bodies.slots());
     }
 }
 /// Whether a contact is deeper than usual, and the note of it.

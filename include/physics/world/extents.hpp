@@ -71,7 +71,6 @@ template <class Plan>
 void refresh_extent(state<Plan>& s, std::uint32_t index) {
     if constexpr (Plan::is_continuous) {
         s.continuous.extents.resize(s.bodies.slots());
-        s.continuous.depths.resize(s.bodies.slots());
         measure_body(s, index, s.continuous.extents[index]);
     }
 }

@@ -61,10 +61,11 @@ public:
         base::erase(index);
     }
 
-private:
-    void each_geometry(void (*change)(const geometry_block*)) const {
+    /// Calls f with the block of geometry of each shape, null for those that have none.
+    template <class F>
+    void each_geometry(F&& f) const {
         if constexpr (Plan::shape::has_geometry)
-            base::each([&](std::uint32_t, const auto& record) { change(record.shape.geometry()); });
+            base::each([&](std::uint32_t, const auto& record) { f(record.shape.geometry()); });
     }
 };
 
@@ -103,6 +104,11 @@ struct pair_memories {
             items.pop();
         }
     }
+    template <class Self, class F>
+    static void each_part(Self& self, F&& f) {
+        f(self.pairs);
+        f(self.items);
+    }
 };
 
 /// Stands for the next sleeper of a body that is awake.
@@ -132,6 +138,13 @@ struct sleep_state {
         still[body] = {};
         since[body] = center;
         ring[body] = no_sleeper;
+    }
+    template <class Self, class F>
+    static void each_part(Self& self, F&& f) {
+        f(self.still);
+        f(self.since);
+        f(self.ring);
+        f(self.contacts);
     }
 };
 struct no_sleep_state {};
@@ -169,6 +182,12 @@ struct continuous_state {
     buffer<body_extent<S>> extents;
     continuous_report<S> report;
 
+    template <class Self, class F>
+    static void each_part(Self& self, F&& f) {
+        f(self.extents);
+        f(self.report);
+    }
+
     // Scratch of the step.
     /// How deep each body is in static ones, and which of them are: 0 of all others.
     buffer<S> depths;
@@ -205,7 +224,26 @@ struct state {
     [[no_unique_address]] std::conditional_t<Plan::is_continuous, continuous_state<Plan>, nothing_continuous>
         continuous;
     std::uint64_t steps = 0;
+    /// By which handles know the world; no part of what lasts, so that they serve it whatever state it is brought to.
     std::uint16_t tag = 0;
+
+    /// What lasts, see base/lasting.hpp.
+    template <class Self, class F>
+    static void each_part(Self& self, F&& f) {
+        f(self.settings);
+        f(self.bodies);
+        f(self.shapes);
+        f(self.broadphase);
+        f(self.contacts);
+        f(self.contact_starts);
+        f(self.movers);
+        f(self.mover_of);
+        f(self.movers_changed);
+        f(self.memories);
+        f(self.sleep);
+        f(self.continuous);
+        f(self.steps);
+    }
 
     // Scratch of the step: nothing in it outlives one.
     buffer<contact<S, D>> found;
@@ -226,6 +264,14 @@ struct state {
     }
     [[nodiscard]] bool is_awake_dynamic(std::uint32_t body) const {
         return bodies[body].is_dynamic() && !is_asleep(body);
+    }
+};
+
+/// The inside of a world, for what stands beside it.
+struct world_access {
+    template <class World>
+    static auto& state_of(World& w) {
+        return w.state_;
     }
 };
 

@@ -20,6 +20,7 @@ PHYSICS_HPP_BEGIN
 template <class Recipe>
 class world : public detail::shape_aliases<typename detail::plan_of<Recipe>::type::scalar,
                                            detail::plan_of<Recipe>::type::dimension> {
+    friend detail::world_access;
     using plan = typename detail::plan_of<Recipe>::type;
     static_assert(sizeof(detail::audit<Recipe>) > 0);
 
