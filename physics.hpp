@@ -11078,35 +11078,62 @@ closest_of<D> closest_on_edge(const point<D>& a, const point<D>& b, int i = 0, i
     return {at, i, j, t};
 }
 
+/// The cross product of two sides of a triangle; `longest` is the third. Where it is thin, rounding turns that towards
+/// the longest side, along which it would show: there all of it is taken away.
+inline point<3> across_sides(const point<3>& e, const point<3>& f, double ee, double ff, const point<3>& longest,
+                             double squared_longest) {
+    const point<3> n = cross(e, f);
+    if (dot(n, n) > 0x1p-8 * ee * ff) return n;
+    return squared_longest > 0 ? n - longest * (dot(n, longest) / squared_longest) : n;
+}
 /// (b - a) x (c - a) from the two shorter edges, which give the better normal where the triangle is thin.
 inline point<3> normal_by_shorter_edges(const point<3>& a, const point<3>& b, const point<3>& c) {
     const point<3> ab = b - a, bc = c - b, ca = a - c;
     const double of_ab = dot(ab, ab), of_bc = dot(bc, bc), of_ca = dot(ca, ca);
-    if (of_ab > of_bc && of_ab > of_ca) return cross(bc, ca);
-    return of_bc > of_ca ? cross(ca, ab) : cross(ab, bc);
+    if (of_ab > of_bc && of_ab > of_ca) return across_sides(bc, ca, of_bc, of_ca, ab, of_ab);
+    if (of_bc > of_ca) return across_sides(ca, ab, of_ca, of_ab, bc, of_bc);
+    return across_sides(ab, bc, of_ab, of_bc, ca, of_ca);
 }
 
 /// Corrects the weights of a triangle's corners that make the point below the origin, n being across it: what they miss
-/// it by is known better than they are where the triangle is thin, so that one step of Newton is enough. Others' are
-/// exact, and left.
+/// it by is known better than they are where the triangle is thin, so that steps of Newton help; without area one edge
+/// has it all. Others' are exact, and left.
 inline void correct_weights(const point<3>& a, const point<3>& b, const point<3>& c, const point<3>& n,
                             double (&weight)[3]) {
+    constexpr int most_steps = 4;
     const double squared = dot(n, n), longest = max(max(dot(b - a, b - a), dot(c - b, c - b)), dot(a - c, a - c));
     if (squared > 0x1p-6 * longest * longest) return;
-    const double scale = 1 / squared;
+    const double scale = squared > 0 ? 1 / squared : 0;
     const auto missed_by = [&](double of_a, double of_b, double of_c) {
         const point<3> at = a * of_a + b * of_b + c * of_c;
         return at - n * (dot(n, at) * scale);
     };
-    const point<3> missed = missed_by(weight[0], weight[1], weight[2]), turned = cross(missed, n) * scale;
-    const double of_a = weight[0] - dot(c - b, turned), of_b = weight[1] - dot(a - c, turned),
-                 of_c = weight[2] - dot(b - a, turned);
-    // Of a triangle without area it may be none.
-    const point<3> left = missed_by(of_a, of_b, of_c);
-    if (!(dot(left, left) < dot(missed, missed))) return;
-    weight[0] = of_a;
-    weight[1] = of_b;
-    weight[2] = of_c;
+    point<3> missed = missed_by(weight[0], weight[1], weight[2]);
+    for (int i = 0; i < most_steps; ++i) {
+        const point<3> turned = cross(missed, n) * scale;
+        const double of_a = weight[0] - dot(c - b, turned), of_b = weight[1] - dot(a - c, turned),
+                     of_c = 1 - of_a - of_b;
+        const point<3> left = missed_by(of_a, of_b, of_c);
+        if (!(dot(left, left) < dot(missed, missed))) break;
+        weight[0] = of_a;
+        weight[1] = of_b;
+        weight[2] = of_c;
+        missed = left;
+    }
+    const double noise = 0x1p-49 * max(max(largest(a), largest(b)), largest(c));
+    const bool within = min(min(weight[0], weight[1]), weight[2]) >= 0;
+    if (within && dot(missed, missed) <= noise * noise) return;
+    double least = within ? dot(missed, missed) : 1e300;
+    const closest_of<3> edges[3] = {closest_on_edge(a, b, 0, 1), closest_on_edge(b, c, 1, 2),
+                                    closest_on_edge(c, a, 2, 0)};
+    for (const closest_of<3>& on : edges) {
+        double by_edge[3] = {};
+        for (int i = 0; i < on.count; ++i) by_edge[on.vertex[i]] = on.weight[i];
+        const point<3> left = missed_by(by_edge[0], by_edge[1], by_edge[2]);
+        if (!(dot(left, left) < least)) continue;
+        least = dot(left, left);
+        for (int i = 0; i < 3; ++i) weight[i] = by_edge[i];
+    }
 }
 
 inline closest_of<3> nearer(const closest_of<3>& a, const closest_of<3>& b) {
@@ -11164,13 +11191,14 @@ inline closest_of<2> closest_of_simplex(const simplex<2>& s, bool, bool doubtful
     if (s.count == 2) return closest_on_edge(s.vertex[0].w, s.vertex[1].w);
     const point<2> p[3] = {s.vertex[0].w, s.vertex[1].w, s.vertex[2].w};
     const double area = cross(p[1] - p[0], p[2] - p[0]);
+    const double noise = 0x1p-50 * max(max(largest(p[0]), largest(p[1])), largest(p[2]));
     closest_of<2> best;
     double least = 0;
     for (int i = 0; i < 3; ++i) {
         const int j = i < 2 ? i + 1 : 0, k = i > 0 ? i - 1 : 2;
         const point<2> e = p[j] - p[i];
         // Where the triangle has no area to speak of, every edge is outside.
-        const bool flat = doubtful || !(abs(area) > 0x1p-50 * largest(e) * largest(p[k] - p[i]));
+        const bool flat = doubtful || !(abs(area) > noise * max(largest(e), largest(p[k] - p[i])));
         if (!flat && (cross(p[i], e) < 0) == (area < 0)) continue;
         const closest_of<2> c = closest_on_edge(p[i], p[j], i, j);
         const double distance = dot(c.at, c.at);
@@ -11198,8 +11226,12 @@ inline closest_of<3> closest_of_simplex(const simplex<3>& s, bool grown, bool do
     const point<3> e[3] = {s.vertex[0].w - d, s.vertex[1].w - d, s.vertex[2].w - d};
     const point<3> n[3] = {cross(e[0], e[1]), cross(e[1], e[2]), cross(e[2], e[0])};
     const double volume = dot(n[0], e[2]);
-    // Where the tetrahedron has no volume to speak of, every face is outside.
-    const bool flat = doubtful || !(abs(volume) > 0x1p-48 * largest(e[0]) * largest(e[1]) * largest(e[2]));
+    // Where the tetrahedron has no volume to speak of, or is no thicker than its corners are rounded, every face is
+    // outside.
+    const double l[3] = {largest(e[0]), largest(e[1]), largest(e[2])};
+    const double area = max(max(largest(n[0]), largest(n[1])), largest(n[2]));
+    const double noise = 0x1p-50 * (largest(d) + max(max(l[0], l[1]), l[2]));
+    const bool flat = doubtful || !(abs(volume) > max(noise * area, 0x1p-48 * l[0] * l[1] * l[2]));
     closest_of<3> best;
     double least = 0;
     const auto consider = [&](const closest_of<3>& c) {
@@ -11267,6 +11299,9 @@ struct gjk_result {
     bool overlapping = false;
     /// The search ended since the distance exceeds what was asked for.
     bool beyond = false;
+    /// The normal may part them by less than the distance says; if it does, and they are in `doubt` or it does not part
+    /// them at all, they touch.
+    bool askew = false, doubt = false;
     query_status status = query_status::converged;
 };
 
@@ -11320,11 +11355,9 @@ void measure(gjk_result<D>& r, point<D> v) {
     r.distance = distance;
 }
 
-/// The distance of two cores, in A's frame; gives up as soon as it is known to exceed `most`, and ends where it is
-/// known within the part `tolerance`. Source: Gilbert, Johnson, Keerthi (1988); van den Bergen, Collision detection in
-/// interactive 3D environments (2003), 4.3. Cost: 4 to 10 supports of both, 1 or 2 with a cache.
+/// GJK itself; see gjk().
 template <int D>
-gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double tolerance, gjk_cache* cache) {
+gjk_result<D> search(const core<D>& a, const placed_core<D>& b, double most, double tolerance, gjk_cache* cache) {
     constexpr int most_iterations = 128, most_stalls = 8, most_refinements = 8;
     gjk_result<D> r;
     int stalls = 0, refinements = 0;
@@ -11417,6 +11450,7 @@ gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double
         }
         if (done) {
             measure(r, v);
+            const bool leaves_before = vw < vv * (1 - 2 * tolerance) - 4 * noise * r.distance;
             // So near that rounding may have turned the direction of the search: of a normal that does not part them
             // its own support tells more; one that never does is none, and they touch.
             if (!r.overlapping && r.distance < 0x1p30 * noise) [[unlikely]] {
@@ -11439,13 +11473,11 @@ gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double
                         continue;
                     }
                     r = best[0];
-                    if (r.distance < trusted || (smooth && !(most_parted > 0))) {
-                        r.overlapping = true;
-                        r.normal = {};
-                        r.distance = 0;
-                    }
+                    r.askew = true;
+                    r.doubt = r.distance < trusted || (smooth && !(most_parted > 0));
                 }
             }
+            r.askew = !r.overlapping && (r.askew || leaves_before);
             break;
         }
     }
@@ -11455,6 +11487,61 @@ gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double
         cache->count = static_cast<std::uint8_t>(r.at.count);
         for (int i = 0; i < r.at.count; ++i) cache->vertex[i] = r.at.vertex[i].name;
         for (int i = 0; i < D; ++i) cache->axis[i] = static_cast<float>(r.normal[i]);
+    }
+    return r;
+}
+
+/// Mends a normal that rounding turned, as what parts the two is short beside them: parted farther along it, the normal
+/// between the same features is told by a longer vector. Each step is as long as the last one was exact. Takes how far
+/// a normal is wanted to part them, and how far this one does, which grows.
+inline void straighten(const core<3>& a, const placed_core<3>& b, double wanted, double& parted, gjk_result<3>& r) {
+    constexpr double longer = 0x1p8;
+    const double most = max(0.25 * extent_of(a, b), r.distance);
+    gjk_cache near;
+    near.count = static_cast<std::uint8_t>(r.at.count);
+    for (int i = 0; i < r.at.count; ++i) near.vertex[i] = r.at.vertex[i].name;
+    point<3> n = r.normal;
+    for (double step = r.distance * longer; parted < wanted; step *= longer) {
+        placed_core<3> apart = b;
+        apart.at += n * min(step, most);
+        for (int i = 0; i < 3; ++i) near.axis[i] = static_cast<float>(n[i]);
+        const gjk_result<3> found = search(a, apart, no_limit, 0x1p-54, &near);
+        if (found.overlapping) return;
+        n = found.normal;
+        const double here = dot(n, support_along(a, b, n).w);
+        if (here > parted) parted = here, r.normal = n;
+        if (step >= most) return;
+    }
+}
+/// The same in the plane: across the edge from what lies before the normal to the end below the origin, or the farther
+/// one.
+inline void straighten(const core<2>& a, const placed_core<2>& b, double wanted, double& parted, gjk_result<2>& r) {
+    constexpr int most_steps = 8;
+    point<2> from = r.at.vertex[0].w, to = r.at.vertex[r.at.count > 1 ? 1 : 0].w, n = r.normal;
+    for (int i = 0; i < most_steps && parted < wanted; ++i) {
+        const point<2> before = support_along(a, b, n).w, e = before - from, f = before - to;
+        const bool below_e = dot(before, e) > 0, below_f = dot(before, f) > 0;
+        const bool keeps_from = below_e != below_f ? below_e : dot(e, e) > dot(f, f);
+        const point<2> across = unit(perpendicular(keeps_from ? e : f));
+        n = dot(across, n) < 0 ? -across : across;
+        (keeps_from ? to : from) = before;
+        const double here = dot(n, support_along(a, b, n).w);
+        if (here > parted) parted = here, r.normal = n;
+    }
+}
+
+/// The distance of two cores, in A's frame; gives up as soon as it is known to exceed `most`, and ends where it is
+/// known within the part `tolerance`. Source: Gilbert, Johnson, Keerthi (1988); van den Bergen, Collision detection in
+/// interactive 3D environments (2003), 4.3. Cost: 4 to 10 supports of both, 1 or 2 with a cache.
+template <int D>
+gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double tolerance, gjk_cache* cache) {
+    gjk_result<D> r = search(a, b, most, tolerance, cache);
+    if (r.askew) [[unlikely]] {
+        const double wanted = r.distance - 0x1p-49 * extent_of(a, b);
+        double parted = dot(r.normal, support_along(a, b, r.normal).w);
+        if (parted < wanted) straighten(a, b, wanted, parted, r);
+        if (parted >= wanted) r.distance = min(r.distance, parted);
+        else if (r.doubt || !(parted > 0)) r.overlapping = true, r.normal = {}, r.distance = 0;
     }
     return r;
 }
@@ -11749,13 +11836,17 @@ inline void sharpen(const core<3>& a, const placed_core<3>& b, double noise, pen
         of_b[i] = b.shape->vertex(p.names[i] & 0xffffu).at;
     }
     point<3> edge[3];
+    double squared[3];
     int longest = 0;
     for (int i = 0; i < 3; ++i) {
         const int j = i < 2 ? i + 1 : 0;
         edge[i] = b.axes * (of_b[j] - of_b[i]) - (of_a[j] - of_a[i]);
-        if (dot(edge[i], edge[i]) > dot(edge[longest], edge[longest])) longest = i;
+        squared[i] = dot(edge[i], edge[i]);
+        if (squared[i] > squared[longest]) longest = i;
     }
-    const point<3> n = unit(cross(edge[longest < 2 ? longest + 1 : 0], edge[longest > 0 ? longest - 1 : 2]));
+    const int next = longest < 2 ? longest + 1 : 0, last = longest > 0 ? longest - 1 : 2;
+    const point<3> n =
+        unit(across_sides(edge[next], edge[last], squared[next], squared[last], edge[longest], squared[longest]));
     const point<3> m = dot(n, p.normal) < 0 ? -n : n;
     if (!(dot(m, p.normal) > 0.999999)) return;
     const double depth = -dot(m, support_along(a, b, m).w);
@@ -11782,6 +11873,17 @@ inline void shorten(const core<3>& a, const placed_core<3>& b, double size, doub
     }
 }
 
+/// Of cores that touch and no more: where GJK saw them do so.
+template <int D>
+void keep_touching(const simplex<D>& from, double noise, penetration<D>& p) {
+    point<D> left;
+    for (int i = 0; i < from.count; ++i) left += from.vertex[i].w * from.weight[i];
+    if (!(largest(left) <= noise)) return;
+    p.on_a = from.on_a();
+    for (int i = 0; i < 3; ++i) p.names[i] = from.vertex[i < from.count ? i : 0].name;
+    p.located = true;
+}
+
 /// The penetration of two cores that GJK found to overlap; `from` is where it ended, `tolerance` (m) ends the search
 /// of round ones. Source: van den Bergen, Proximity queries and penetration depth computation on 3D game objects
 /// (2001), with the hull of Barber, Dobkin, Huhdanpaa, The quickhull algorithm (1996). Cost: 5 to 60 supports.
@@ -11793,8 +11895,14 @@ inline penetration<3> epa(const core<3>& a, const placed_core<3>& b, const simpl
     point<3> flat;
     if (!make_tetrahedron(a, b, from, noise, grid, first, flat)) {
         best.normal = dot(flat, b.at) < 0 ? -flat : flat;
-        best.on_a = from.count < 4 ? from.on_a() : from.vertex[0].on_a;
-        for (int i = 0; i < 3; ++i) best.names[i] = from.vertex[i < from.count ? i : 0].name;
+        simplex<3> touching = from;
+        touching.keep(closest_of_simplex(from, false, true));
+        if (touching.count == 3) {
+            const point<3>&u = touching.vertex[0].w, &v = touching.vertex[1].w, &w = touching.vertex[2].w;
+            correct_weights(u, v, w, normal_by_shorter_edges(u, v, w), touching.weight);
+        }
+        best.on_a = touching.on_a();
+        for (int i = 0; i < 3; ++i) best.names[i] = touching.vertex[i < touching.count ? i : 0].name;
         return best;
     }
     cso_hull hull(grid, size, first);
@@ -11828,6 +11936,7 @@ inline penetration<3> epa(const core<3>& a, const placed_core<3>& b, const simpl
             if (!(tolerance * length > 0x1p-48 * size * size * size)) sharpen(a, b, noise, best);
             if (!converged) shorten(a, b, size, tolerance, best);
             best.located = at.count == 3 && converged;
+            if (!best.located && best.depth <= 0.25 * noise && from.count < 4) keep_touching(from, 0.25 * noise, best);
             return best;
         }
         hull.add(next, f);
@@ -11868,6 +11977,14 @@ public:
         for (int i = 1; i < count_; ++i)
             if (distance(i) < distance(best)) best = i;
         return best;
+    }
+    /// Takes another distance for an edge; false if that is what it was. Short edges have normals that are not quite
+    /// what their ends say exactly.
+    bool correct(int i, double distance) {
+        double& now = rings_[now_][i].distance;
+        const bool changed = distance != now;
+        now = distance;
+        return changed;
     }
     /// Adds a vertex that lies beyond the edge `seen`; what it sees besides goes too.
     void add(const cso_vertex<2>& v, int seen, const orientation& grid) {
@@ -11940,8 +12057,10 @@ inline penetration<2> epa(const core<2>& a, const placed_core<2>& b, const simpl
     point<2> flat;
     if (!make_triangle(a, b, from, noise, grid, first, flat)) {
         best.normal = dot(flat, b.at) < 0 ? -flat : flat;
-        best.on_a = from.count < 3 ? from.on_a() : from.vertex[0].on_a;
-        for (int i = 0; i < 3; ++i) best.names[i] = from.vertex[i < from.count ? i : 0].name;
+        simplex<2> touching = from;
+        touching.keep(closest_of_simplex(from, false, true));
+        best.on_a = touching.on_a();
+        for (int i = 0; i < 3; ++i) best.names[i] = touching.vertex[i < touching.count ? i : 0].name;
         return best;
     }
     cso_polygon hull(first[0], first[1], first[2]);
@@ -11952,7 +12071,11 @@ inline penetration<2> epa(const core<2>& a, const placed_core<2>& b, const simpl
         const double h = dot(n, next.w);
         const cso_vertex<2> p = hull.vertex(f);
         const cso_vertex<2> q = hull.vertex(hull.after(f));
-        const bool converged = h - hull.distance(f) <= tolerance || grid.of(p.w, q.w, next.w) >= 0;
+        bool converged = h - hull.distance(f) <= tolerance;
+        if (!converged && grid.of(p.w, q.w, next.w) >= 0) {
+            if (hull.correct(f, h)) continue;
+            converged = true;
+        }
         if (converged || hull.full()) {
             if (!converged) best.status = query_status::iteration_limit;
             best.normal = -n;
@@ -11962,6 +12085,7 @@ inline penetration<2> epa(const core<2>& a, const placed_core<2>& b, const simpl
             best.names[0] = p.name;
             best.names[1] = best.names[2] = q.name;
             best.located = at.count == 2;
+            if (!best.located && best.depth <= 0.25 * noise && from.count < 3) keep_touching(from, 0.25 * noise, best);
             return best;
         }
         hull.add(next, f, grid);
@@ -12250,7 +12374,8 @@ closest_points<S, D> distance(const A& a, const B& b, const transform<S, D>& b_i
     return detail::distance<S>(detail::core_pair<D>(a, b, b_in_a), nullptr);
 }
 
-/// Whether two convex shapes share a point. Cost: GJK until an axis parts them.
+/// Whether two convex shapes share a point; true as well for some that are apart by less than 5e-13 of their sizes and
+/// distances, round ones 5e-10. Cost: GJK until an axis parts them.
 template <class A, class B, class S, int D>
     requires detail::has_core<A> && detail::has_core<B>
 bool overlap(const A& a, const B& b, const transform<S, D>& b_in_a, gjk_cache& cache) {
@@ -13616,9 +13741,21 @@ constexpr void collide(const capsule<S, 3>& a, const box<S, 3>& b, const transfo
     // A corner of the box beside the axis: rounding must not tilt the normal along the axis.
     if (abs(at) < s.half && offset.x != S(0) && offset.y != S(0) && offset.z != S(0))
         n = normalized(n - s.direction * dot(s.direction, n));
-    // Of points that all but coincide the direction is chance.
-    const S parted = dot(n, s.middle) - dot(abs(n), h) - s.reach(n);
+    // Of points that all but coincide the direction is chance; of near ones it is rounded: try what is across the axis
+    // or an edge.
+    const auto parted_along = [&](vec<S, 3> m) { return dot(m, s.middle) - dot(abs(m), h) - s.reach(m); };
+    S parted = parted_along(n);
     if (!(gap > S(0)) || parted < gap - rounding) {
+        const vec<S, 3> across_axis = n - s.direction * dot(s.direction, n);
+        for (int i = 0; i < 4 && gap > S(0); ++i) {
+            vec<S, 3> m = i < 3 ? n : across_axis;
+            if (i < 3) m[i] = S(0);
+            m = normalized(m);
+            const S by = parted_along(m);
+            if (!(by > parted)) continue;
+            n = m;
+            parted = gap = by;
+        }
         const auto best = detail::part_from_box(s, h, slack);
         if (!(gap > S(0)) || best.gap > parted) {
             n = best.normal;

@@ -189,9 +189,21 @@ constexpr void collide(const capsule<S, 3>& a, const box<S, 3>& b, const transfo
     // A corner of the box beside the axis: rounding must not tilt the normal along the axis.
     if (abs(at) < s.half && offset.x != S(0) && offset.y != S(0) && offset.z != S(0))
         n = normalized(n - s.direction * dot(s.direction, n));
-    // Of points that all but coincide the direction is chance.
-    const S parted = dot(n, s.middle) - dot(abs(n), h) - s.reach(n);
+    // Of points that all but coincide the direction is chance; of near ones it is rounded: try what is across the axis
+    // or an edge.
+    const auto parted_along = [&](vec<S, 3> m) { return dot(m, s.middle) - dot(abs(m), h) - s.reach(m); };
+    S parted = parted_along(n);
     if (!(gap > S(0)) || parted < gap - rounding) {
+        const vec<S, 3> across_axis = n - s.direction * dot(s.direction, n);
+        for (int i = 0; i < 4 && gap > S(0); ++i) {
+            vec<S, 3> m = i < 3 ? n : across_axis;
+            if (i < 3) m[i] = S(0);
+            m = normalized(m);
+            const S by = parted_along(m);
+            if (!(by > parted)) continue;
+            n = m;
+            parted = gap = by;
+        }
         const auto best = detail::part_from_box(s, h, slack);
         if (!(gap > S(0)) || best.gap > parted) {
             n = best.normal;

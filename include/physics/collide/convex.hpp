@@ -166,7 +166,8 @@ closest_points<S, D> distance(const A& a, const B& b, const transform<S, D>& b_i
     return detail::distance<S>(detail::core_pair<D>(a, b, b_in_a), nullptr);
 }
 
-/// Whether two convex shapes share a point. Cost: GJK until an axis parts them.
+/// Whether two convex shapes share a point; true as well for some that are apart by less than 5e-13 of their sizes and
+/// distances, round ones 5e-10. Cost: GJK until an axis parts them.
 template <class A, class B, class S, int D>
     requires detail::has_core<A> && detail::has_core<B>
 bool overlap(const A& a, const B& b, const transform<S, D>& b_in_a, gjk_cache& cache) {

@@ -29,6 +29,14 @@ public:
             if (distance(i) < distance(best)) best = i;
         return best;
     }
+    /// Takes another distance for an edge; false if that is what it was. Short edges have normals that are not quite
+    /// what their ends say exactly.
+    bool correct(int i, double distance) {
+        double& now = rings_[now_][i].distance;
+        const bool changed = distance != now;
+        now = distance;
+        return changed;
+    }
     /// Adds a vertex that lies beyond the edge `seen`; what it sees besides goes too.
     void add(const cso_vertex<2>& v, int seen, const orientation& grid) {
         const auto before = [&](int i) { return i > 0 ? i - 1 : count_ - 1; };
@@ -100,8 +108,10 @@ inline penetration<2> epa(const core<2>& a, const placed_core<2>& b, const simpl
     point<2> flat;
     if (!make_triangle(a, b, from, noise, grid, first, flat)) {
         best.normal = dot(flat, b.at) < 0 ? -flat : flat;
-        best.on_a = from.count < 3 ? from.on_a() : from.vertex[0].on_a;
-        for (int i = 0; i < 3; ++i) best.names[i] = from.vertex[i < from.count ? i : 0].name;
+        simplex<2> touching = from;
+        touching.keep(closest_of_simplex(from, false, true));
+        best.on_a = touching.on_a();
+        for (int i = 0; i < 3; ++i) best.names[i] = touching.vertex[i < touching.count ? i : 0].name;
         return best;
     }
     cso_polygon hull(first[0], first[1], first[2]);
@@ -112,7 +122,11 @@ inline penetration<2> epa(const core<2>& a, const placed_core<2>& b, const simpl
         const double h = dot(n, next.w);
         const cso_vertex<2> p = hull.vertex(f);
         const cso_vertex<2> q = hull.vertex(hull.after(f));
-        const bool converged = h - hull.distance(f) <= tolerance || grid.of(p.w, q.w, next.w) >= 0;
+        bool converged = h - hull.distance(f) <= tolerance;
+        if (!converged && grid.of(p.w, q.w, next.w) >= 0) {
+            if (hull.correct(f, h)) continue;
+            converged = true;
+        }
         if (converged || hull.full()) {
             if (!converged) best.status = query_status::iteration_limit;
             best.normal = -n;
@@ -122,6 +136,7 @@ inline penetration<2> epa(const core<2>& a, const placed_core<2>& b, const simpl
             best.names[0] = p.name;
             best.names[1] = best.names[2] = q.name;
             best.located = at.count == 2;
+            if (!best.located && best.depth <= 0.25 * noise && from.count < 3) keep_touching(from, 0.25 * noise, best);
             return best;
         }
         hull.add(next, f, grid);

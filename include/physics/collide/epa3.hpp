@@ -286,13 +286,17 @@ inline void sharpen(const core<3>& a, const placed_core<3>& b, double noise, pen
         of_b[i] = b.shape->vertex(p.names[i] & 0xffffu).at;
     }
     point<3> edge[3];
+    double squared[3];
     int longest = 0;
     for (int i = 0; i < 3; ++i) {
         const int j = i < 2 ? i + 1 : 0;
         edge[i] = b.axes * (of_b[j] - of_b[i]) - (of_a[j] - of_a[i]);
-        if (dot(edge[i], edge[i]) > dot(edge[longest], edge[longest])) longest = i;
+        squared[i] = dot(edge[i], edge[i]);
+        if (squared[i] > squared[longest]) longest = i;
     }
-    const point<3> n = unit(cross(edge[longest < 2 ? longest + 1 : 0], edge[longest > 0 ? longest - 1 : 2]));
+    const int next = longest < 2 ? longest + 1 : 0, last = longest > 0 ? longest - 1 : 2;
+    const point<3> n =
+        unit(across_sides(edge[next], edge[last], squared[next], squared[last], edge[longest], squared[longest]));
     const point<3> m = dot(n, p.normal) < 0 ? -n : n;
     if (!(dot(m, p.normal) > 0.999999)) return;
     const double depth = -dot(m, support_along(a, b, m).w);
@@ -319,6 +323,17 @@ inline void shorten(const core<3>& a, const placed_core<3>& b, double size, doub
     }
 }
 
+/// Of cores that touch and no more: where GJK saw them do so.
+template <int D>
+void keep_touching(const simplex<D>& from, double noise, penetration<D>& p) {
+    point<D> left;
+    for (int i = 0; i < from.count; ++i) left += from.vertex[i].w * from.weight[i];
+    if (!(largest(left) <= noise)) return;
+    p.on_a = from.on_a();
+    for (int i = 0; i < 3; ++i) p.names[i] = from.vertex[i < from.count ? i : 0].name;
+    p.located = true;
+}
+
 /// The penetration of two cores that GJK found to overlap; `from` is where it ended, `tolerance` (m) ends the search
 /// of round ones. Source: van den Bergen, Proximity queries and penetration depth computation on 3D game objects
 /// (2001), with the hull of Barber, Dobkin, Huhdanpaa, The quickhull algorithm (1996). Cost: 5 to 60 supports.
@@ -330,8 +345,14 @@ inline penetration<3> epa(const core<3>& a, const placed_core<3>& b, const simpl
     point<3> flat;
     if (!make_tetrahedron(a, b, from, noise, grid, first, flat)) {
         best.normal = dot(flat, b.at) < 0 ? -flat : flat;
-        best.on_a = from.count < 4 ? from.on_a() : from.vertex[0].on_a;
-        for (int i = 0; i < 3; ++i) best.names[i] = from.vertex[i < from.count ? i : 0].name;
+        simplex<3> touching = from;
+        touching.keep(closest_of_simplex(from, false, true));
+        if (touching.count == 3) {
+            const point<3>&u = touching.vertex[0].w, &v = touching.vertex[1].w, &w = touching.vertex[2].w;
+            correct_weights(u, v, w, normal_by_shorter_edges(u, v, w), touching.weight);
+        }
+        best.on_a = touching.on_a();
+        for (int i = 0; i < 3; ++i) best.names[i] = touching.vertex[i < touching.count ? i : 0].name;
         return best;
     }
     cso_hull hull(grid, size, first);
@@ -365,6 +386,7 @@ inline penetration<3> epa(const core<3>& a, const placed_core<3>& b, const simpl
             if (!(tolerance * length > 0x1p-48 * size * size * size)) sharpen(a, b, noise, best);
             if (!converged) shorten(a, b, size, tolerance, best);
             best.located = at.count == 3 && converged;
+            if (!best.located && best.depth <= 0.25 * noise && from.count < 4) keep_touching(from, 0.25 * noise, best);
             return best;
         }
         hull.add(next, f);

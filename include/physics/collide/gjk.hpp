@@ -39,6 +39,9 @@ struct gjk_result {
     bool overlapping = false;
     /// The search ended since the distance exceeds what was asked for.
     bool beyond = false;
+    /// The normal may part them by less than the distance says; if it does, and they are in `doubt` or it does not part
+    /// them at all, they touch.
+    bool askew = false, doubt = false;
     query_status status = query_status::converged;
 };
 
@@ -92,11 +95,9 @@ void measure(gjk_result<D>& r, point<D> v) {
     r.distance = distance;
 }
 
-/// The distance of two cores, in A's frame; gives up as soon as it is known to exceed `most`, and ends where it is
-/// known within the part `tolerance`. Source: Gilbert, Johnson, Keerthi (1988); van den Bergen, Collision detection in
-/// interactive 3D environments (2003), 4.3. Cost: 4 to 10 supports of both, 1 or 2 with a cache.
+/// GJK itself; see gjk().
 template <int D>
-gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double tolerance, gjk_cache* cache) {
+gjk_result<D> search(const core<D>& a, const placed_core<D>& b, double most, double tolerance, gjk_cache* cache) {
     constexpr int most_iterations = 128, most_stalls = 8, most_refinements = 8;
     gjk_result<D> r;
     int stalls = 0, refinements = 0;
@@ -189,6 +190,7 @@ gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double
         }
         if (done) {
             measure(r, v);
+            const bool leaves_before = vw < vv * (1 - 2 * tolerance) - 4 * noise * r.distance;
             // So near that rounding may have turned the direction of the search: of a normal that does not part them
             // its own support tells more; one that never does is none, and they touch.
             if (!r.overlapping && r.distance < 0x1p30 * noise) [[unlikely]] {
@@ -211,13 +213,11 @@ gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double
                         continue;
                     }
                     r = best[0];
-                    if (r.distance < trusted || (smooth && !(most_parted > 0))) {
-                        r.overlapping = true;
-                        r.normal = {};
-                        r.distance = 0;
-                    }
+                    r.askew = true;
+                    r.doubt = r.distance < trusted || (smooth && !(most_parted > 0));
                 }
             }
+            r.askew = !r.overlapping && (r.askew || leaves_before);
             break;
         }
     }
@@ -227,6 +227,61 @@ gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double
         cache->count = static_cast<std::uint8_t>(r.at.count);
         for (int i = 0; i < r.at.count; ++i) cache->vertex[i] = r.at.vertex[i].name;
         for (int i = 0; i < D; ++i) cache->axis[i] = static_cast<float>(r.normal[i]);
+    }
+    return r;
+}
+
+/// Mends a normal that rounding turned, as what parts the two is short beside them: parted farther along it, the normal
+/// between the same features is told by a longer vector. Each step is as long as the last one was exact. Takes how far
+/// a normal is wanted to part them, and how far this one does, which grows.
+inline void straighten(const core<3>& a, const placed_core<3>& b, double wanted, double& parted, gjk_result<3>& r) {
+    constexpr double longer = 0x1p8;
+    const double most = max(0.25 * extent_of(a, b), r.distance);
+    gjk_cache near;
+    near.count = static_cast<std::uint8_t>(r.at.count);
+    for (int i = 0; i < r.at.count; ++i) near.vertex[i] = r.at.vertex[i].name;
+    point<3> n = r.normal;
+    for (double step = r.distance * longer; parted < wanted; step *= longer) {
+        placed_core<3> apart = b;
+        apart.at += n * min(step, most);
+        for (int i = 0; i < 3; ++i) near.axis[i] = static_cast<float>(n[i]);
+        const gjk_result<3> found = search(a, apart, no_limit, 0x1p-54, &near);
+        if (found.overlapping) return;
+        n = found.normal;
+        const double here = dot(n, support_along(a, b, n).w);
+        if (here > parted) parted = here, r.normal = n;
+        if (step >= most) return;
+    }
+}
+/// The same in the plane: across the edge from what lies before the normal to the end below the origin, or the farther
+/// one.
+inline void straighten(const core<2>& a, const placed_core<2>& b, double wanted, double& parted, gjk_result<2>& r) {
+    constexpr int most_steps = 8;
+    point<2> from = r.at.vertex[0].w, to = r.at.vertex[r.at.count > 1 ? 1 : 0].w, n = r.normal;
+    for (int i = 0; i < most_steps && parted < wanted; ++i) {
+        const point<2> before = support_along(a, b, n).w, e = before - from, f = before - to;
+        const bool below_e = dot(before, e) > 0, below_f = dot(before, f) > 0;
+        const bool keeps_from = below_e != below_f ? below_e : dot(e, e) > dot(f, f);
+        const point<2> across = unit(perpendicular(keeps_from ? e : f));
+        n = dot(across, n) < 0 ? -across : across;
+        (keeps_from ? to : from) = before;
+        const double here = dot(n, support_along(a, b, n).w);
+        if (here > parted) parted = here, r.normal = n;
+    }
+}
+
+/// The distance of two cores, in A's frame; gives up as soon as it is known to exceed `most`, and ends where it is
+/// known within the part `tolerance`. Source: Gilbert, Johnson, Keerthi (1988); van den Bergen, Collision detection in
+/// interactive 3D environments (2003), 4.3. Cost: 4 to 10 supports of both, 1 or 2 with a cache.
+template <int D>
+gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double tolerance, gjk_cache* cache) {
+    gjk_result<D> r = search(a, b, most, tolerance, cache);
+    if (r.askew) [[unlikely]] {
+        const double wanted = r.distance - 0x1p-49 * extent_of(a, b);
+        double parted = dot(r.normal, support_along(a, b, r.normal).w);
+        if (parted < wanted) straighten(a, b, wanted, parted, r);
+        if (parted >= wanted) r.distance = min(r.distance, parted);
+        else if (r.doubt || !(parted > 0)) r.overlapping = true, r.normal = {}, r.distance = 0;
     }
     return r;
 }

@@ -95,35 +95,62 @@ closest_of<D> closest_on_edge(const point<D>& a, const point<D>& b, int i = 0, i
     return {at, i, j, t};
 }
 
+/// The cross product of two sides of a triangle; `longest` is the third. Where it is thin, rounding turns that towards
+/// the longest side, along which it would show: there all of it is taken away.
+inline point<3> across_sides(const point<3>& e, const point<3>& f, double ee, double ff, const point<3>& longest,
+                             double squared_longest) {
+    const point<3> n = cross(e, f);
+    if (dot(n, n) > 0x1p-8 * ee * ff) return n;
+    return squared_longest > 0 ? n - longest * (dot(n, longest) / squared_longest) : n;
+}
 /// (b - a) x (c - a) from the two shorter edges, which give the better normal where the triangle is thin.
 inline point<3> normal_by_shorter_edges(const point<3>& a, const point<3>& b, const point<3>& c) {
     const point<3> ab = b - a, bc = c - b, ca = a - c;
     const double of_ab = dot(ab, ab), of_bc = dot(bc, bc), of_ca = dot(ca, ca);
-    if (of_ab > of_bc && of_ab > of_ca) return cross(bc, ca);
-    return of_bc > of_ca ? cross(ca, ab) : cross(ab, bc);
+    if (of_ab > of_bc && of_ab > of_ca) return across_sides(bc, ca, of_bc, of_ca, ab, of_ab);
+    if (of_bc > of_ca) return across_sides(ca, ab, of_ca, of_ab, bc, of_bc);
+    return across_sides(ab, bc, of_ab, of_bc, ca, of_ca);
 }
 
 /// Corrects the weights of a triangle's corners that make the point below the origin, n being across it: what they miss
-/// it by is known better than they are where the triangle is thin, so that one step of Newton is enough. Others' are
-/// exact, and left.
+/// it by is known better than they are where the triangle is thin, so that steps of Newton help; without area one edge
+/// has it all. Others' are exact, and left.
 inline void correct_weights(const point<3>& a, const point<3>& b, const point<3>& c, const point<3>& n,
                             double (&weight)[3]) {
+    constexpr int most_steps = 4;
     const double squared = dot(n, n), longest = max(max(dot(b - a, b - a), dot(c - b, c - b)), dot(a - c, a - c));
     if (squared > 0x1p-6 * longest * longest) return;
-    const double scale = 1 / squared;
+    const double scale = squared > 0 ? 1 / squared : 0;
     const auto missed_by = [&](double of_a, double of_b, double of_c) {
         const point<3> at = a * of_a + b * of_b + c * of_c;
         return at - n * (dot(n, at) * scale);
     };
-    const point<3> missed = missed_by(weight[0], weight[1], weight[2]), turned = cross(missed, n) * scale;
-    const double of_a = weight[0] - dot(c - b, turned), of_b = weight[1] - dot(a - c, turned),
-                 of_c = weight[2] - dot(b - a, turned);
-    // Of a triangle without area it may be none.
-    const point<3> left = missed_by(of_a, of_b, of_c);
-    if (!(dot(left, left) < dot(missed, missed))) return;
-    weight[0] = of_a;
-    weight[1] = of_b;
-    weight[2] = of_c;
+    point<3> missed = missed_by(weight[0], weight[1], weight[2]);
+    for (int i = 0; i < most_steps; ++i) {
+        const point<3> turned = cross(missed, n) * scale;
+        const double of_a = weight[0] - dot(c - b, turned), of_b = weight[1] - dot(a - c, turned),
+                     of_c = 1 - of_a - of_b;
+        const point<3> left = missed_by(of_a, of_b, of_c);
+        if (!(dot(left, left) < dot(missed, missed))) break;
+        weight[0] = of_a;
+        weight[1] = of_b;
+        weight[2] = of_c;
+        missed = left;
+    }
+    const double noise = 0x1p-49 * max(max(largest(a), largest(b)), largest(c));
+    const bool within = min(min(weight[0], weight[1]), weight[2]) >= 0;
+    if (within && dot(missed, missed) <= noise * noise) return;
+    double least = within ? dot(missed, missed) : 1e300;
+    const closest_of<3> edges[3] = {closest_on_edge(a, b, 0, 1), closest_on_edge(b, c, 1, 2),
+                                    closest_on_edge(c, a, 2, 0)};
+    for (const closest_of<3>& on : edges) {
+        double by_edge[3] = {};
+        for (int i = 0; i < on.count; ++i) by_edge[on.vertex[i]] = on.weight[i];
+        const point<3> left = missed_by(by_edge[0], by_edge[1], by_edge[2]);
+        if (!(dot(left, left) < least)) continue;
+        least = dot(left, left);
+        for (int i = 0; i < 3; ++i) weight[i] = by_edge[i];
+    }
 }
 
 inline closest_of<3> nearer(const closest_of<3>& a, const closest_of<3>& b) {
@@ -181,13 +208,14 @@ inline closest_of<2> closest_of_simplex(const simplex<2>& s, bool, bool doubtful
     if (s.count == 2) return closest_on_edge(s.vertex[0].w, s.vertex[1].w);
     const point<2> p[3] = {s.vertex[0].w, s.vertex[1].w, s.vertex[2].w};
     const double area = cross(p[1] - p[0], p[2] - p[0]);
+    const double noise = 0x1p-50 * max(max(largest(p[0]), largest(p[1])), largest(p[2]));
     closest_of<2> best;
     double least = 0;
     for (int i = 0; i < 3; ++i) {
         const int j = i < 2 ? i + 1 : 0, k = i > 0 ? i - 1 : 2;
         const point<2> e = p[j] - p[i];
         // Where the triangle has no area to speak of, every edge is outside.
-        const bool flat = doubtful || !(abs(area) > 0x1p-50 * largest(e) * largest(p[k] - p[i]));
+        const bool flat = doubtful || !(abs(area) > noise * max(largest(e), largest(p[k] - p[i])));
         if (!flat && (cross(p[i], e) < 0) == (area < 0)) continue;
         const closest_of<2> c = closest_on_edge(p[i], p[j], i, j);
         const double distance = dot(c.at, c.at);
@@ -215,8 +243,12 @@ inline closest_of<3> closest_of_simplex(const simplex<3>& s, bool grown, bool do
     const point<3> e[3] = {s.vertex[0].w - d, s.vertex[1].w - d, s.vertex[2].w - d};
     const point<3> n[3] = {cross(e[0], e[1]), cross(e[1], e[2]), cross(e[2], e[0])};
     const double volume = dot(n[0], e[2]);
-    // Where the tetrahedron has no volume to speak of, every face is outside.
-    const bool flat = doubtful || !(abs(volume) > 0x1p-48 * largest(e[0]) * largest(e[1]) * largest(e[2]));
+    // Where the tetrahedron has no volume to speak of, or is no thicker than its corners are rounded, every face is
+    // outside.
+    const double l[3] = {largest(e[0]), largest(e[1]), largest(e[2])};
+    const double area = max(max(largest(n[0]), largest(n[1])), largest(n[2]));
+    const double noise = 0x1p-50 * (largest(d) + max(max(l[0], l[1]), l[2]));
+    const bool flat = doubtful || !(abs(volume) > max(noise * area, 0x1p-48 * l[0] * l[1] * l[2]));
     closest_of<3> best;
     double least = 0;
     const auto consider = [&](const closest_of<3>& c) {
