@@ -173,28 +173,44 @@ convex_body body_of(const cone<T>& c) {
     return b;
 }
 
-/// A body of a kind, of about a size; thin ones are so along one axis, by 1e-5.
-inline convex_body random_body(int kind, cell::dice& dice, double size, bool thin = false) {
+/// What is special about a body that is drawn.
+struct body_wish {
+    /// Thin along one axis, by 1e-5 of its size.
+    bool thin = false;
+    /// The radius around it, where its kind has one; negative: any or none.
+    double radius = -1;
+    /// All numbers are multiples of that; 0: any numbers.
+    double step = 0;
+};
+/// A body of a kind, of about a size.
+inline convex_body random_body(int kind, cell::dice& dice, double size, body_wish wish = {}) {
+    const bool thin = wish.thin;
+    const auto stepped = [&](double a) { return wish.step > 0 ? std::ceil(a / wish.step) * wish.step : a; };
     reals half;
-    for (int i = 0; i < D; ++i) half[i] = size * dice.number(0.125, 0.5);
+    for (int i = 0; i < D; ++i) half[i] = stepped(size * dice.number(0.125, 0.5));
     if (thin) half[dice.below(D)] = size * 0.5e-5;
     const bool rounded = dice.below(2) > 0;
-    const S radius = S(rounded ? size * dice.number(0.01, 0.2) : 0), x = S(half.x), y = S(half.y);
+    const auto radius_of = [&](bool any) {
+        const double r = any ? stepped(size * dice.number(0.01, 0.2)) : 0;
+        return S(wish.radius >= 0 ? wish.radius : r);
+    };
+    const S radius = radius_of(rounded), x = S(half.x), y = S(half.y);
     const auto anywhere = [&] {
         const reals d = random_direction(dice);
-        return from_reals({d.x * half.x, d.y * half.y, d.z * half.z});
+        return from_reals({stepped(d.x * half.x), stepped(d.y * half.y), stepped(d.z * half.z)});
     };
     switch (kind) {
         case of::ball:
             return body_of(ball{x});
         case of::capsule:
-            return body_of(physics::capsule<S, D>{x, y});
+            return body_of(physics::capsule<S, D>{x, wish.radius >= 0 ? radius : y});
         case of::box:
             return body_of(box{from_reals(half)});
         case of::rounded_box:
-            return body_of(rounded_box{from_reals(half), S(size * dice.number(0.01, 0.2))});
+            return body_of(rounded_box{from_reals(half), radius_of(true)});
         case of::segment: {
-            const vec aside = from_reals(random_direction(dice) * (0.3 * size)), a = anywhere() + aside;
+            const reals way = random_direction(dice) * (0.3 * size);
+            const vec aside = from_reals({stepped(way.x), stepped(way.y), stepped(way.z)}), a = anywhere() + aside;
             return body_of(segment{a, aside - a, radius});
         }
         case of::triangle:
@@ -276,8 +292,8 @@ inline const char* name_of(meeting in) {
 }
 inline convex_encounter random_encounter(int kind_a, int kind_b, meeting in, cell::dice& dice) {
     const double scale = in == meeting::tiny ? 1e-3 : in == meeting::huge ? 1e3 : in == meeting::thin ? 10 : 1;
-    convex_encounter e{random_body(kind_a, dice, scale, in == meeting::thin),
-                       random_body(kind_b, dice, scale, in == meeting::thin), {{}, random_rotation(dice)}};
+    convex_encounter e{random_body(kind_a, dice, scale, {.thin = in == meeting::thin}),
+                       random_body(kind_b, dice, scale, {.thin = in == meeting::thin}), {{}, random_rotation(dice)}};
     reals n = random_direction(dice);
     // Along the axes, and with axes parallel or across, they meet by faces, sides and edges.
     if (dice.below(3) == 0) {

@@ -133,7 +133,7 @@ CELL_CASE("convex shapes: queries of a halfspace are exact, in both orders") {
     for (int kind = of::ball; kind < convex_set::kinds; ++kind)
         for (int i = 0; i < 200; ++i) {
             const double scale = i % 4 == 3 ? 100 : 1;
-            const convex_body a = random_body(kind, dice, scale, i % 8 == 7);
+            const convex_body a = random_body(kind, dice, scale, {.thin = i % 8 == 7});
             const halfspace ground{from_reals(random_direction(dice)), dice.real(-scale, scale)};
             const transform at{from_reals(random_direction(dice) * scale), random_rotation(dice)};
             const oracle::frame frame = to_frame(at);

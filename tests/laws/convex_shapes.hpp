@@ -23,7 +23,7 @@ void each_new_body(std::uint64_t seed, int times, F&& f) {
     for (int i = 0; i < times; ++i)
         for (int kind = of::segment; kind < convex_set::kinds; ++kind) {
             CAPTURE(convex_name(kind));
-            const convex_body b = random_body(kind, dice, i % 4 == 3 ? 10 : 1, i % 8 == 7);
+            const convex_body b = random_body(kind, dice, i % 4 == 3 ? 10 : 1, {.thin = i % 8 == 7});
             b.shape.visit([&](const auto& shape) {
                 using shape_type = std::remove_cvref_t<decltype(shape)>;
                 if constexpr (physics::solid_shape_for<shape_type, S, D>) f(b, shape, dice);

@@ -1,7 +1,7 @@
 // Pairs of convex shapes to be judged by certificates: each shape as the library has it and as the judge does.
 #pragma once
 
-#include "judge.hpp"
+#include "features.hpp"
 
 namespace {
 
@@ -9,7 +9,6 @@ using closest = physics::closest_points<S, D>;
 using physics::gjk_cache;
 using hull_geometry = physics::hull_geometry<S, D>;
 using judge::real;
-using state = convex_pair::state;
 
 /// A shape as the library has it and as the judge does.
 struct specimen {
@@ -19,20 +18,40 @@ struct specimen {
     explicit specimen(const convex_body& b) : shape(b), exact(b) {}
 };
 
-/// Classes of shapes to draw from; unequal pairs are of a large one and a small one.
-enum class size_class { common, thin, tiny, huge, large, small };
-constexpr int size_classes = 6;
+/// How two shapes meet; the first ones as in convex_pair. In `ratio` one is 10^4 to 10^6 times as large as the other:
+/// up to 1 km against 1 mm, in every scalar. In `swollen` the radius is 10^3 to 10^5 times as large as the core: 1 mm,
+/// and 1 to 100 m around it. In `leaning` and `exact` a corner, edge or face of the one meets one of the other, of any
+/// size: 10^-7 to 10^-3 rad from flat, or exactly where the numbers allow it.
+enum class state {
+    separated, touching, shallow, deep, coincident, thin, tiny, huge, far, unequal, tilted, aligned, ratio, swollen,
+    leaning, exact
+};
+constexpr int states = 16;
+inline const char* name_of(state in) {
+    constexpr const char* names[] = {"ratio", "swollen", "leaning", "exact"};
+    const int i = static_cast<int>(in) - convex_pair::states;
+    return i < 0 ? name_of(convex_pair::state(in)) : names[i];
+}
+
+/// Classes of shapes to draw from; unequal pairs are of a large one and a small one, pairs of a ratio of a huge one and
+/// a mite. Those of `grid` have numbers that are multiples of 1/64.
+enum class size_class { common, thin, tiny, huge, large, small, mite, swollen, grid };
+constexpr int size_classes = 9;
 
 /// Hulls of all sorts of corners; no hull where the scalar sees no volume.
-inline bool random_hull(cell::dice& dice, double size, reals stretch, convex_body& to) {
+inline bool random_hull(cell::dice& dice, double size, reals stretch, body_wish wish, convex_body& to) {
     constexpr solid::kind kinds[] = {solid::kind::cloud, solid::kind::prism, solid::kind::lattice, solid::kind::simplex};
-    const solid s = random_solid(kinds[dice.below(4)], dice, size, stretch);
+    solid s = random_solid(kinds[dice.below(4)], dice, size, stretch);
+    if (wish.step > 0)
+        for (vec& v : s.points)
+            for (int i = 0; i < D; ++i) v[i] = S(std::round(cell::number(v[i]) / wish.step) * wish.step);
     try {
         to.geometry = hull_geometry::build(s.points.data(), static_cast<std::uint32_t>(s.points.size()));
     } catch (const physics::error&) {
         return false;
     }
-    const S radius = S(dice.below(2) ? size * dice.number(0.01, 0.2) : 0);
+    const double any_radius = dice.below(2) ? size * dice.number(0.01, 0.2) : 0;
+    const S radius = S(wish.radius >= 0 ? wish.radius : any_radius);
     to.kind = of::hull;
     to.shape = to.geometry.shape(radius);
     to.hull = oracle::polytope();
@@ -49,19 +68,17 @@ public:
         for (int c = 0; c < size_classes; ++c)
             while (static_cast<int>(of_[c].size()) < each) {
                 const size_class in = size_class(c);
-                const double size = in == size_class::tiny                                ? 1e-3
-                                    : in == size_class::huge                              ? 1e3
-                                    : in == size_class::large                             ? 100
-                                    : in == size_class::small ? 100 * std::pow(10, dice.number(-4, -2))
-                                    : in == size_class::thin  ? 10
-                                                              : 1;
+                const double size = size_of(in, dice);
+                const body_wish wish{in == size_class::thin,
+                                     in == size_class::swollen ? size * std::pow(10, dice.number(3, 5)) : -1,
+                                     in == size_class::grid ? 1.0 / 64 : 0};
                 convex_body b;
                 if (kind != of::hull) {
-                    b = random_body(kind, dice, size, in == size_class::thin);
+                    b = random_body(kind, dice, size, wish);
                 } else {
                     reals stretch{1, 1, 1};
                     if (in == size_class::thin) stretch[dice.below(D)] = 1e-5;
-                    if (!random_hull(dice, size, stretch, b)) continue;
+                    if (!random_hull(dice, size, stretch, wish, b)) continue;
                 }
                 of_[c].emplace_back(b);
             }
@@ -72,6 +89,19 @@ public:
     }
 
 private:
+    static double size_of(size_class in, cell::dice& dice) {
+        switch (in) {
+            case size_class::thin: return 10;
+            case size_class::tiny:
+            case size_class::swollen: return 1e-3;
+            case size_class::huge: return 1e3;
+            case size_class::large: return 100;
+            case size_class::small: return 100 * std::pow(10, dice.number(-4, -2));
+            case size_class::mite: return 1e3 * std::pow(10, dice.number(-6, -4));
+            default: return 1;
+        }
+    }
+
     std::vector<specimen> of_[size_classes];
 };
 
@@ -80,9 +110,12 @@ struct meet {
     const specimen *a, *b;
     transform b_in_a;
     state in;
+    /// One is thin, or small beside the other: along faces of 1:10^5 and across sizes as unequal as that the vertices
+    /// of B - A lose digits of double.
+    bool uneven = in == state::thin || in == state::unequal || in == state::ratio;
 
     [[nodiscard]] judge::couple couple() const { return {&a->exact, &b->exact, to_frame(b_in_a)}; }
-    [[nodiscard]] meet swapped() const { return {b, a, inverse(b_in_a), in}; }
+    [[nodiscard]] meet swapped() const { return {b, a, inverse(b_in_a), in, uneven}; }
     [[nodiscard]] bool is_round() const { return a->shape.round || b->shape.round; }
     /// What roundings are relative to: sizes, and how far from their frames the points lie.
     [[nodiscard]] double reach() const {
@@ -92,16 +125,13 @@ struct meet {
     [[nodiscard]] double tolerance() const {
         return (is_round() ? 64 * std::fmax(epsilon, 1e-11) : 32 * std::fmax(epsilon, 2.3e-16)) * reach();
     }
-    /// The same of points. Of round shapes their error goes with the root of the distance's; along faces of 1:10^5 and
-    /// across sizes as unequal as that the vertices of B - A lose digits of double.
+    /// The same of points. Of round shapes their error goes with the root of the distance's.
     [[nodiscard]] double of_points() const {
-        const bool lost = in == state::thin || in == state::unequal;
-        return (is_round() ? 2 : 1) * tolerance() + ((is_round() ? 4e-9 : 0) + (lost ? 0x1p13 * 2.3e-16 : 0)) * reach();
+        const double lost = (is_round() ? 4e-9 : 0) + (uneven ? 0x1p13 * 2.3e-16 : 0);
+        return (is_round() ? 2 : 1) * tolerance() + lost * reach();
     }
     /// By how much an answer may fall short of the distance; it exceeds it by no more than the tolerance.
-    [[nodiscard]] double short_of() const {
-        return in == state::thin || in == state::unequal ? of_points() : tolerance();
-    }
+    [[nodiscard]] double short_of() const { return uneven ? of_points() : tolerance(); }
 };
 template <class F>
 void with_shapes(const meet& m, F&& f) {
@@ -124,18 +154,79 @@ inline void place(meet& m, double wanted) {
     m.b_in_a.position = from_reals(to_reals(m.b_in_a.position) + to_reals(c.normal) * (wanted - cell::number(c.distance)));
 }
 
-inline meet random_meet(const pool& of_a, const pool& of_b, cell::dice& dice) {
-    const state in = state(dice.below(convex_pair::states));
-    const size_class c = in == state::thin   ? size_class::thin
-                         : in == state::tiny ? size_class::tiny
-                         : in == state::huge ? size_class::huge
-                                             : size_class::common;
-    const double scale = c == size_class::thin ? 10 : c == size_class::tiny ? 1e-3 : c == size_class::huge ? 1e3 : 1;
-    const bool unequal = in == state::unequal, large_first = dice.below(2) > 0;
-    meet m{&of_a.any(unequal ? large_first ? size_class::large : size_class::small : c, dice),
-           &of_b.any(unequal ? large_first ? size_class::small : size_class::large : c, dice),
-           {{}, random_rotation(dice)},
-           in};
+/// A point of a corner, edge or face of A is laid on one of B, and turned so that both are flat on each other or lean
+/// by 10^-7 to 10^-3 rad; or, with numbers as round as may be, as any exact rotation has it.
+inline void meet_by_features(meet& m, bool leaning, cell::dice& dice) {
+    using judge::point;
+    const judge::body &a = m.a->exact, &b = m.b->exact;
+    const point n = outward(a, dice);
+    const auto corners_a = farthest_corners(a, n, dice);
+    point out_of_b;
+    if (!leaning && dice.below(2)) {
+        m.b_in_a.rotation = judge::exact_rotation(dice);
+        // Flat on each other, or, with B on the inside, in each other.
+        out_of_b = judge::unrotate(to_frame(m.b_in_a), dice.below(4) ? -n : n);
+    } else {
+        const real angle = leaning ? std::pow(real(10), -real(dice.number(3, 7))) * (dice.below(2) ? 1 : -1) : 0;
+        out_of_b = outward(b, dice);
+        const point s = tangent(b, farthest_corners(b, out_of_b, dice), out_of_b, dice);
+        const point t = tangent(a, corners_a, n, dice);
+        m.b_in_a.rotation = judge::rotation_between(out_of_b, s, -n, t, angle, dice);
+    }
+    const oracle::frame at = to_frame(m.b_in_a);
+    const point p = judge::mean_of_some(corners_a, dice);
+    const point q = at.rotate(judge::mean_of_some(farthest_corners(b, out_of_b, dice), dice));
+    const double gaps[] = {0, 0, 0, 1e-6, -1e-6, 1e-3, -1e-3, -0.1};
+    const real gap = real(gaps[dice.below(8)]) * std::min(a.thin, b.thin);
+    // Now and then it is the cores that touch.
+    const real radii = dice.below(8) ? a.radius + b.radius : 0;
+    m.b_in_a.position = from_reals(narrow(p - q + n * (radii + gap)));
+}
+
+/// The sizes of two that meet so.
+struct class_pair {
+    size_class a, b;
+};
+inline class_pair random_classes(state in, cell::dice& dice) {
+    using of_size = size_class;
+    class_pair c{of_size::common, of_size::common};
+    switch (in) {
+        case state::thin: return {of_size::thin, of_size::thin};
+        case state::tiny: return {of_size::tiny, of_size::tiny};
+        case state::huge: return {of_size::huge, of_size::huge};
+        case state::unequal: c = {of_size::large, of_size::small}; break;
+        case state::ratio: c = {of_size::huge, of_size::mite}; break;
+        case state::swollen: {
+            constexpr of_size others[] = {of_size::swollen, of_size::tiny, of_size::common, of_size::large};
+            c = {of_size::swollen, others[dice.below(4)]};
+            break;
+        }
+        case state::leaning:
+        case state::exact: {
+            constexpr class_pair of_two[] = {
+                {of_size::grid, of_size::grid},    {of_size::grid, of_size::grid},   {of_size::common, of_size::common},
+                {of_size::thin, of_size::thin},    {of_size::common, of_size::thin}, {of_size::large, of_size::small},
+                {of_size::huge, of_size::mite},    {of_size::huge, of_size::tiny},   {of_size::tiny, of_size::common},
+                {of_size::swollen, of_size::grid}, {of_size::thin, of_size::swollen}};
+            c = of_two[dice.below(11)];
+            break;
+        }
+        default: return c;
+    }
+    return dice.below(2) ? c : class_pair{c.b, c.a};
+}
+
+inline meet random_meet(const pool& of_a, const pool& of_b, state in, cell::dice& dice) {
+    const class_pair c = random_classes(in, dice);
+    const double scale = in == state::thin ? 10 : in == state::tiny ? 1e-3 : in == state::huge ? 1e3 : 1;
+    meet m{&of_a.any(c.a, dice), &of_b.any(c.b, dice), {{}, random_rotation(dice)}, in};
+    const bool unequal = in == state::unequal || in == state::ratio || in == state::swollen;
+    if (in == state::leaning || in == state::exact) {
+        const auto thin_or_small = [](size_class s) { return s != size_class::common && s != size_class::grid; };
+        m.uneven = thin_or_small(c.a) || thin_or_small(c.b);
+        meet_by_features(m, in == state::leaning, dice);
+        return m;
+    }
     const double least = unequal ? double(std::fmin(m.a->exact.extent, m.b->exact.extent)) : scale;
     const double apart = double(m.a->exact.extent + m.b->exact.extent);
     m.b_in_a.position = from_reals(random_direction(dice) * (1.5 * apart));
@@ -155,7 +246,21 @@ inline meet random_meet(const pool& of_a, const pool& of_b, cell::dice& dice) {
         case state::thin:
         case state::tiny:
         case state::huge:
-        case state::unequal: place(m, gap); break;
+        case state::unequal:
+        case state::ratio: place(m, gap); break;
+        case state::swollen: {
+            place(m, gap);
+            const judge::body &a = m.a->exact, &b = m.b->exact;
+            const double cores = double(std::fmin(a.extent - a.radius, b.extent - b.radius));
+            // Around where the cores themselves touch, and deep in each other.
+            const double about[] = {0, 1e-3, -1e-3, -0.1};
+            const int way = dice.below(8);
+            if (way < 4) place(m, about[way] * cores - double(m.couple().radii()));
+            if (way == 4) m.b_in_a.position = from_reals(random_direction(dice) * (dice.number(0, 0.3) * cores));
+            break;
+        }
+        case state::leaning:
+        case state::exact: break;
         case state::far: {
             place(m, gap);
             const transform at{from_reals(random_direction(dice) * 1e4), random_rotation(dice)};
