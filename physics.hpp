@@ -20085,6 +20085,18 @@ void inherit_impulses(const contact<S, D>& old, const tangents<S, D>& frame, con
         c.rolling_impulse = same_moment(old_frame, frame, old.rolling_impulse);
 }
 
+/// Scales what acted in a step as if it had been so many times as long.
+template <class S, int D>
+void scale_impulses(contact<S, D>& c, S ratio) {
+    c.twist_impulse *= ratio;
+    c.rolling_impulse *= ratio;
+    for (int k = 0; k < c.count; ++k) {
+        c.points[k].normal_impulse *= ratio;
+        c.points[k].friction_impulse *= ratio;
+        c.points[k].load *= ratio;
+    }
+}
+
 /// Hands the impulses of last step's contacts to the same features of some of this step's. Both lists are in ascending
 /// order of their pairs, so one walk along both finds the matches: O(n), no hashing; a pair of several contacts is
 /// searched whole. Points that are new start from zero: only what outlives a step is warm.
@@ -23676,6 +23688,8 @@ struct state {
     [[no_unique_address]] std::conditional_t<Plan::is_continuous, continuous_state<Plan>, nothing_continuous>
         continuous;
     std::uint64_t steps = 0;
+    /// Length of the last step (s), in which the contacts' impulses acted.
+    S last_step{};
     /// By which handles know the world; no part of what lasts, so that they serve it whatever state it is brought to.
     std::uint16_t tag = 0;
 
@@ -23695,6 +23709,7 @@ struct state {
         f(self.sleep);
         f(self.continuous);
         f(self.steps);
+        f(self.last_step);
     }
 
     // Scratch of the step: nothing in it outlives one.
@@ -23726,6 +23741,13 @@ struct world_access {
         return w.state_;
     }
 };
+
+/// How long a step is, compared to the last one.
+template <class Plan>
+typename Plan::scalar stretch_of_step(const state<Plan>& s, typename Plan::scalar h) {
+    using S = typename Plan::scalar;
+    return s.last_step > S(0) && s.last_step != h ? h / s.last_step : S(1);
+}
 
 template <class Plan>
 continuous_report<typename Plan::scalar> report_of(const state<Plan>& s) {
@@ -25598,6 +25620,10 @@ public:
         state_.contacts.swap(state_.found);
         state_.memories.swap(state_.found_memories);
         ++state_.steps;
+        if constexpr (Plan::sleeps)
+            if (const S stretch = stretch_of_step(state_, step_); stretch != S(1))
+                for (auto& c : state_.sleep.contacts) scale_impulses(c, stretch);
+        state_.last_step = step_;
         if constexpr (Plan::sleeps) {
             wake_disturbed(state_);
             for (const std::uint32_t i : state_.movers) rouse_ahead(i);
@@ -25819,11 +25845,14 @@ bool find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs, crew& hands)
     return all.mixed;
 }
 
-/// Hands on the impulses of the last step's contacts.
+/// Hands on the impulses of the last step's contacts: they held loads, which a longer step holds by larger ones.
 template <class Plan>
-void inherit_contacts(state<Plan>& s, crew& hands) {
+void inherit_contacts(state<Plan>& s, typename Plan::scalar h, crew& hands) {
+    const auto stretch = stretch_of_step(s, h);
     hands.each_part(s.found.size(), 256, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
         inherit_impulses(s.contacts, s.found.begin() + first, s.found.begin() + end);
+        if (stretch == typename Plan::scalar(1)) return;
+        for (std::uint32_t i = first; i < end; ++i) scale_impulses(s.found[i], stretch);
     });
 }
 
@@ -26018,6 +26047,7 @@ std::uint64_t state_hash(const state<Plan>& s) {
     h.add(s.steps);
     add_all(s.bodies);
     add_all(s.shapes);
+    h.add(s.last_step);
     h.add(std::uint64_t{s.contacts.size()});
     for (const auto& c : s.contacts) h.add(hash_of(std::uint64_t{c.shape_a} << 32 | c.shape_b, c));
     if constexpr (Plan::sleeps) {
@@ -26417,7 +26447,7 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, c
     if constexpr (Plan::sleeps)
         // Blows -> contacts of the islands that they wake.
         if (disturb_sleepers(s, h) && !find_contacts_of_woken(s, hands)) return step_result::bad_mixture;
-    inherit_contacts(s, hands);                // last step's       -> warm impulses of what persists
+    inherit_contacts(s, h, hands);             // last step's       -> warm impulses of what persists
     motion<Plan> moving(s, h, hands);          // contacts          -> islands, in batches
     const bool solved = moving.solve(hands);   // bodies, contacts  -> velocities, poses
     if (!hands.is_sound()) return step_result::bad_executor;

@@ -138,6 +138,18 @@ void inherit_impulses(const contact<S, D>& old, const tangents<S, D>& frame, con
         c.rolling_impulse = same_moment(old_frame, frame, old.rolling_impulse);
 }
 
+/// Scales what acted in a step as if it had been so many times as long.
+template <class S, int D>
+void scale_impulses(contact<S, D>& c, S ratio) {
+    c.twist_impulse *= ratio;
+    c.rolling_impulse *= ratio;
+    for (int k = 0; k < c.count; ++k) {
+        c.points[k].normal_impulse *= ratio;
+        c.points[k].friction_impulse *= ratio;
+        c.points[k].load *= ratio;
+    }
+}
+
 /// Hands the impulses of last step's contacts to the same features of some of this step's. Both lists are in ascending
 /// order of their pairs, so one walk along both finds the matches: O(n), no hashing; a pair of several contacts is
 /// searched whole. Points that are new start from zero: only what outlives a step is warm.

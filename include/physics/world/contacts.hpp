@@ -165,11 +165,14 @@ bool find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs, crew& hands)
     return all.mixed;
 }
 
-/// Hands on the impulses of the last step's contacts.
+/// Hands on the impulses of the last step's contacts: they held loads, which a longer step holds by larger ones.
 template <class Plan>
-void inherit_contacts(state<Plan>& s, crew& hands) {
+void inherit_contacts(state<Plan>& s, typename Plan::scalar h, crew& hands) {
+    const auto stretch = stretch_of_step(s, h);
     hands.each_part(s.found.size(), 256, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
         inherit_impulses(s.contacts, s.found.begin() + first, s.found.begin() + end);
+        if (stretch == typename Plan::scalar(1)) return;
+        for (std::uint32_t i = first; i < end; ++i) scale_impulses(s.found[i], stretch);
     });
 }
 

@@ -218,6 +218,10 @@ public:
         state_.contacts.swap(state_.found);
         state_.memories.swap(state_.found_memories);
         ++state_.steps;
+        if constexpr (Plan::sleeps)
+            if (const S stretch = stretch_of_step(state_, step_); stretch != S(1))
+                for (auto& c : state_.sleep.contacts) scale_impulses(c, stretch);
+        state_.last_step = step_;
         if constexpr (Plan::sleeps) {
             wake_disturbed(state_);
             for (const std::uint32_t i : state_.movers) rouse_ahead(i);

@@ -224,6 +224,8 @@ struct state {
     [[no_unique_address]] std::conditional_t<Plan::is_continuous, continuous_state<Plan>, nothing_continuous>
         continuous;
     std::uint64_t steps = 0;
+    /// Length of the last step (s), in which the contacts' impulses acted.
+    S last_step{};
     /// By which handles know the world; no part of what lasts, so that they serve it whatever state it is brought to.
     std::uint16_t tag = 0;
 
@@ -243,6 +245,7 @@ struct state {
         f(self.sleep);
         f(self.continuous);
         f(self.steps);
+        f(self.last_step);
     }
 
     // Scratch of the step: nothing in it outlives one.
@@ -274,6 +277,13 @@ struct world_access {
         return w.state_;
     }
 };
+
+/// How long a step is, compared to the last one.
+template <class Plan>
+typename Plan::scalar stretch_of_step(const state<Plan>& s, typename Plan::scalar h) {
+    using S = typename Plan::scalar;
+    return s.last_step > S(0) && s.last_step != h ? h / s.last_step : S(1);
+}
 
 template <class Plan>
 continuous_report<typename Plan::scalar> report_of(const state<Plan>& s) {

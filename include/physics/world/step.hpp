@@ -54,7 +54,7 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, c
     if constexpr (Plan::sleeps)
         // Blows -> contacts of the islands that they wake.
         if (disturb_sleepers(s, h) && !find_contacts_of_woken(s, hands)) return step_result::bad_mixture;
-    inherit_contacts(s, hands);                // last step's       -> warm impulses of what persists
+    inherit_contacts(s, h, hands);             // last step's       -> warm impulses of what persists
     motion<Plan> moving(s, h, hands);          // contacts          -> islands, in batches
     const bool solved = moving.solve(hands);   // bodies, contacts  -> velocities, poses
     if (!hands.is_sound()) return step_result::bad_executor;
