@@ -1,5 +1,5 @@
-// Where our time goes: the library's step with a clock between its stages. It knows the inside of the library, and is
-// kept apart from what only uses it.
+// Where our time goes: the library's step, watched by a clock. It knows the inside of the library, and is kept apart
+// from what only uses it.
 #include <array>
 
 #include "../timing.hpp"
@@ -23,31 +23,15 @@ public:
     void drive(int body, const triple& velocity, const triple& spin) override {
         s_.bodies[ids_[static_cast<std::size_t>(body)].index].velocity = {to_vec<S, D>(velocity), to_spin<S, D>(spin)};
     }
-    /// As physics::detail::step.
     void step(double dt) override {
-        namespace in = physics::detail;
-        const auto h = static_cast<S>(dt);
-        laps lap(ns_);
-        in::crew alone;
-        in::start_step(s_, alone);
-        in::watch_fast_bodies(s_, h);
-        in::number_movers(s_);
-        const auto& pairs = in::find_pairs(s_);
-        lap.take(0);
-        fine_ = in::find_contacts(s_, pairs, alone) && fine_;
-        if (in::disturb_sleepers(s_, h)) fine_ = in::find_contacts_of_woken(s_, alone) && fine_;
-        lap.take(1);
-        in::inherit_contacts(s_, alone);
-        lap.take(2);
-        in::motion<plan> moving(s_, h, alone);
-        lap.take(3);
-        fine_ = moving.solve(alone) && fine_;
-        lap.take(4);
-        if (fine_) sweep_fast_bodies(s_, moving.moved(), h);
-        fine_ = fine_ && moving.place_shapes();
-        lap.take(5);
-        if (fine_) moving.finish();
-        lap.take(6);
+        const stopwatch clock;
+        double last = 0;
+        const auto lap = [&](physics::detail::stage ended) {
+            const double now = clock.ns();
+            ns_[static_cast<std::size_t>(ended)] += now - last;
+            last = now;
+        };
+        physics::detail::report(physics::detail::step(s_, static_cast<S>(dt), {}, lap));
     }
     void read(std::vector<state>& states) const override {
         states.clear();
@@ -71,25 +55,9 @@ public:
 private:
     using plan = typename physics::detail::plan_of<lineup<S, D, Solver>>::type;
 
-    class laps {
-    public:
-        explicit laps(std::array<double, 7>& ns) : ns_(ns) {}
-        void take(std::size_t stage) {
-            const double now = clock_.ns();
-            ns_[stage] += now - last_;
-            last_ = now;
-        }
-
-    private:
-        std::array<double, 7>& ns_;
-        stopwatch clock_;
-        double last_ = 0;
-    };
-
     physics::detail::state<plan> s_;
     std::vector<physics::body_id> ids_;
     std::array<double, 7> ns_ = {};
-    bool fine_ = true;
 };
 
 const enlisted here({.name = "ours-staged",

@@ -39,30 +39,45 @@ inline void report(step_result result) {
                "and a restitution of 0 to 1");
 }
 
+/// What a step consists of, for whoever measures it.
+enum class stage { find_pairs, find_contacts, inherit_impulses, make_batches, solve, place_shapes, finish };
+
+/// Told of each stage as it ends; this one is told in vain.
+struct unwatched {
+    void operator()(stage) const {}
+};
+
 /// Advances a world by h seconds. Each stage reads and writes plain arrays; only this function knows their
 /// order. Refused if surfaces do not mix, or if a velocity or a position would leave the range of numbers.
 /// Not inlined, so that no arithmetic moves out of the caller's float_control_scope.
-template <class Plan>
-PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, crew hands) {
+template <class Plan, class Watch = unwatched>
+PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, crew hands, Watch done = {}) {
     if (hands.workers() == 0) return step_result::bad_executor;
     start_step(s, hands);
     watch_fast_bodies(s, h);            // velocities        -> boxes of bodies that look ahead
     number_movers(s);                   // bodies            -> which of them move
     const auto& pairs = find_pairs(s);  // boxes             -> pairs, in order
+    done(stage::find_pairs);
     // Pairs, poses -> contacts with feature ids.
     if (!find_contacts(s, pairs, hands)) return step_result::bad_mixture;
     if constexpr (Plan::sleeps)
         // Blows -> contacts of the islands that they wake.
         if (disturb_sleepers(s, h) && !find_contacts_of_woken(s, hands)) return step_result::bad_mixture;
+    done(stage::find_contacts);
     inherit_contacts(s, h, hands);             // last step's       -> warm impulses of what persists
+    done(stage::inherit_impulses);
     motion<Plan> moving(s, h, hands);          // contacts          -> islands, in batches
+    done(stage::make_batches);
     const bool solved = moving.solve(hands);   // bodies, contacts  -> velocities, poses
+    done(stage::solve);
     if (!hands.is_sound()) return step_result::bad_executor;
     if (!solved) return step_result::out_of_range;
     sweep_fast_bodies(s, moving.moved(), h);   // poses             -> poses short of what stops bodies
     // Poses -> boxes of what has moved.
     if (!moving.place_shapes()) return step_result::out_of_range;
+    done(stage::place_shapes);
     moving.finish();                           // results           -> bodies and contacts
+    done(stage::finish);
     return step_result::done;
 }
 
