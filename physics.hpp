@@ -16597,9 +16597,11 @@ PHYSICS_HPP_BEGIN
 struct query_filter {
     std::uint32_t category = 1;
     std::uint32_t mask = 0xffffffffu;
+    /// Whether it sees movable ones too; of a world these are the shapes of dynamic bodies that are awake.
+    bool movable = true;
 
     [[nodiscard]] constexpr bool sees(const proxy_filter& p) const {
-        return (p.category & mask) != 0 && (category & p.mask) != 0;
+        return (p.category & mask) != 0 && (category & p.mask) != 0 && (movable || !p.movable);
     }
 };
 
@@ -16726,8 +16728,9 @@ PHYSICS_HPP_BEGIN
 ///                                     all.may_meet(a, b)
 ///   each_near(all, box, visit)        visit(id) where the box may overlap, until it returns false; or, of an index
 ///                                     that keeps them itself, visit(candidate) with filter and box
-/// and, where it knows a better way than to search boxes, each_along, each_around, each_inside (see tree_index), and
-/// each_part(self, f), for images of worlds (see base/lasting.hpp).
+/// and, where it knows a better way than to search boxes, each_along, each_around, each_inside (see tree_index),
+/// each_fixed_near, which is each_near for those that are not movable, and each_part(self, f), for images of worlds
+/// (see base/lasting.hpp).
 template <class Space, class Index>
 class indexed_broadphase {
 public:
@@ -16804,10 +16807,13 @@ public:
     void each_overlapping(const aabb& box, const query_filter& filter, Visit&& visit) const {
         if (!check_box("each_overlapping", box)) return;
         const detail::query_scope scope(this);
-        index_.each_near(all_, box, [&](const auto& at) {
+        const auto see = [&](const auto& at) {
             const auto& c = all_.candidate_at(at);
             return !filter.sees(c.filter) || !overlap(c.box, box) || go_on(visit, c.id);
-        });
+        };
+        if constexpr (requires { index_.each_fixed_near(all_, box, see); })
+            if (!filter.movable) return index_.each_fixed_near(all_, box, see);
+        index_.each_near(all_, box, see);
     }
     /// Writes up to `most` of them to `out` instead; returns how many there are.
     std::uint32_t overlapping(const aabb& box, const query_filter& filter, std::uint32_t* out,
@@ -18854,14 +18860,20 @@ public:
     void each_near(const table& all, const typename Space::aabb& box, Visit&& visit) const {
         const float_box<D> reach = enclosing(box, origin_);
         each_where(
-            all, [&](const auto& block) { return block.overlapping(reach); }, visit);
+            all, 2, [&](const auto& block) { return block.overlapping(reach); }, visit);
+    }
+    template <class Visit>
+    void each_fixed_near(const table& all, const typename Space::aabb& box, Visit&& visit) const {
+        const float_box<D> reach = enclosing(box, origin_);
+        each_where(
+            all, 1, [&](const auto& block) { return block.overlapping(reach); }, visit);
     }
     /// The same for every proxy that may not lie wholly beyond a plane.
     template <class Visit>
     void each_inside(const table& all, const bounding_plane<S, D>* planes, std::uint32_t count, Visit&& visit) const {
         const float_region<D> region(planes, count, origin_);
         each_where(
-            all, [&](const auto& block) { return region.reaches(block); }, visit);
+            all, 2, [&](const auto& block) { return region.reaches(block); }, visit);
     }
     /// Calls visit(id) for proxies that the ray may meet, the first ones early. It returns how far along the
     /// translation the search is to go on.
@@ -18907,10 +18919,12 @@ private:
             return c;
         }
     }
+    /// Searches so many kinds, of which what is fixed is the first.
     template <class Test, class Visit>
-    void each_where(const table& all, Test&& test, Visit&& visit) const {
+    void each_where(const table& all, int kinds, Test&& test, Visit&& visit) const {
         bool on = true;
-        for (const kind& k : kinds_) {
+        for (int m = 0; m < kinds; ++m) {
+            const kind& k = kinds_[m];
             for (const tree* t : {&k.main, &k.young})
                 t->search(
                     0, [&](const auto& block) { return on ? test(block) : 0u; },
@@ -24532,7 +24546,7 @@ private:
             if (!everything && s_.bodies[record.body].type != body_type::static_body) return;
             if (may_meet(own, filter_of(s_, record))) found.push(shape);
         };
-        each_near(s_, box, query_filter{0xffffffffu, 0xffffffffu}, add);
+        each_near(s_, box, query_filter{.category = 0xffffffffu, .movable = everything}, add);
         if (everything)
             for (const auto& partner : s_.continuous.partners)
                 if (overlap(partner.box, way))

@@ -1,6 +1,7 @@
 // The library as a contestant.
 #pragma once
 
+#include <map>
 #include <physics.hpp>
 
 #include "engine.hpp"
@@ -69,23 +70,37 @@ physics::body_def<S, D> def_of(const body& b) {
     def.angular_velocity = to_spin<S, D>(b.spin);
     return def;
 }
-/// Calls create(shape, def) with the shape in the library's type.
-template <class S, int D, class Create>
-void make_shape(const shape& s, Create&& create) {
-    physics::shape_def<S, D> def;
-    def.position = to_vec<S, D>(s.at);
-    def.rotation = to_rotation<S, D>(s.rotation);
-    def.density = S(s.density);
-    def.material = {S(s.friction), S(s.restitution)};
-    if (s.kind == form::ball) return create(physics::ball<S, D>{S(s.radius)}, def);
-    if (s.kind == form::capsule) return create(physics::capsule<S, D>{S(s.half[0]), S(s.radius)}, def);
-    if (s.kind == form::box) return create(physics::box<S, D>{to_vec<S, D>(s.half)}, def);
-    std::vector<physics::vec<S, D>> points;
-    for (const triple& p : s.points) points.push_back(to_vec<S, D>(p));
-    const auto built =
-        physics::hull_geometry<S, D>::build(points.data(), static_cast<std::uint32_t>(points.size()));
-    create(built.shape(), def);
-}
+/// Shapes in the library's types; hulls of the same points share their geometry.
+template <class S, int D>
+class shape_maker {
+public:
+    /// Calls create(shape, def).
+    template <class Create>
+    void make(const shape& s, Create&& create) {
+        physics::shape_def<S, D> def;
+        def.position = to_vec<S, D>(s.at);
+        def.rotation = to_rotation<S, D>(s.rotation);
+        def.density = S(s.density);
+        def.material = {S(s.friction), S(s.restitution)};
+        if (s.kind == form::ball) create(physics::ball<S, D>{S(s.radius)}, def);
+        else if (s.kind == form::capsule) create(physics::capsule<S, D>{S(s.half[0]), S(s.radius)}, def);
+        else if (s.kind == form::box) create(physics::box<S, D>{to_vec<S, D>(s.half)}, def);
+        else create(hull_of(s.points), def);
+    }
+
+private:
+    physics::hull<S, D> hull_of(const std::vector<triple>& corners) {
+        const auto known = hulls_.find(corners);
+        if (known != hulls_.end()) return known->second.shape();
+        std::vector<physics::vec<S, D>> points;
+        for (const triple& p : corners) points.push_back(to_vec<S, D>(p));
+        const auto built =
+            physics::hull_geometry<S, D>::build(points.data(), static_cast<std::uint32_t>(points.size()));
+        return hulls_.emplace(corners, built).first->second.shape();
+    }
+
+    std::map<std::vector<triple>, physics::hull_geometry<S, D>> hulls_;
+};
 
 /// Steps on the caller's thread alone.
 struct by_oneself {
@@ -104,7 +119,7 @@ public:
     void add(const body& b) override {
         ids_.push_back(world_->create_body(def_of<S, D>(b)));
         for (const shape& s : b.shapes)
-            make_shape<S, D>(s, [&](const auto& it, const auto& def) {
+            maker_.make(s, [&](const auto& it, const auto& def) {
                 static_cast<void>(world_->create_shape(ids_.back(), it, def));
             });
     }
@@ -138,6 +153,7 @@ private:
 
     std::unique_ptr<world> world_;
     std::vector<physics::body_id> ids_;
+    shape_maker<S, D> maker_;
     Way way_;
 };
 

@@ -16,7 +16,7 @@ public:
     void add(const body& b) override {
         ids_.push_back(physics::detail::create_body(s_, def_of<S, D>(b)));
         for (const shape& s : b.shapes)
-            make_shape<S, D>(s, [&](const auto& it, const auto& def) {
+            maker_.make(s, [&](const auto& it, const auto& def) {
                 static_cast<void>(physics::detail::create_shape(s_, ids_.back(), it, def));
             });
     }
@@ -57,6 +57,7 @@ private:
 
     physics::detail::state<plan> s_;
     std::vector<physics::body_id> ids_;
+    shape_maker<S, D> maker_;
     std::array<double, 7> ns_ = {};
 };
 

@@ -69,7 +69,11 @@ inline physics::query_filter filter_in(cell::dice& dice) {
     physics::query_filter f;
     if (dice.below(3) == 0) f.mask = static_cast<std::uint32_t>(dice.below(16));
     if (dice.below(3) == 0) f.category = 1u << dice.below(4);
+    f.movable = dice.below(3) != 0;
     return f;
+}
+inline bool is_seen(const physics::proxy_filter& p, const physics::query_filter& by) {
+    return (p.category & by.mask) && (p.mask & by.category) && (by.movable || !p.movable);
 }
 
 CELL_CASE("queries: boxes and points find what a comparison of all boxes finds") {
@@ -86,8 +90,7 @@ CELL_CASE("queries: boxes and points find what a comparison of all boxes finds")
                 if (i % 2) tested.each_overlapping(box, filter, add);
                 else tested.each_at(at, filter, add);
                 for (const auto& [id, m] : c.members)
-                    if (share_a_point(m.wide, box) && (m.filter.category & filter.mask) &&
-                        (m.filter.mask & filter.category))
+                    if (share_a_point(m.wide, box) && is_seen(m.filter, filter))
                         expected.push_back(id);
                 REQUIRE(sorted(here) == expected);
                 found += here.size();
@@ -173,8 +176,7 @@ CELL_CASE("queries: the nearest few, in order, and none beyond reach") {
                         if (at[k] > m.wide.upper[k]) apart[k] = at[k] - m.wide.upper[k];
                     }
                     const auto square = length_squared(apart);
-                    if ((m.filter.category & filter.mask) && (m.filter.mask & filter.category) &&
-                        !(square > physics::product(reach, reach)))
+                    if (is_seen(m.filter, filter) && !(square > physics::product(reach, reach)))
                         expected.emplace_back(square, id);
                 }
                 std::sort(expected.begin(), expected.end(), [](const auto& a, const auto& b) {

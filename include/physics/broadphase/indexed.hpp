@@ -21,8 +21,9 @@ PHYSICS_HPP_BEGIN
 ///                                     all.may_meet(a, b)
 ///   each_near(all, box, visit)        visit(id) where the box may overlap, until it returns false; or, of an index
 ///                                     that keeps them itself, visit(candidate) with filter and box
-/// and, where it knows a better way than to search boxes, each_along, each_around, each_inside (see tree_index), and
-/// each_part(self, f), for images of worlds (see base/lasting.hpp).
+/// and, where it knows a better way than to search boxes, each_along, each_around, each_inside (see tree_index),
+/// each_fixed_near, which is each_near for those that are not movable, and each_part(self, f), for images of worlds
+/// (see base/lasting.hpp).
 template <class Space, class Index>
 class indexed_broadphase {
 public:
@@ -99,10 +100,13 @@ public:
     void each_overlapping(const aabb& box, const query_filter& filter, Visit&& visit) const {
         if (!check_box("each_overlapping", box)) return;
         const detail::query_scope scope(this);
-        index_.each_near(all_, box, [&](const auto& at) {
+        const auto see = [&](const auto& at) {
             const auto& c = all_.candidate_at(at);
             return !filter.sees(c.filter) || !overlap(c.box, box) || go_on(visit, c.id);
-        });
+        };
+        if constexpr (requires { index_.each_fixed_near(all_, box, see); })
+            if (!filter.movable) return index_.each_fixed_near(all_, box, see);
+        index_.each_near(all_, box, see);
     }
     /// Writes up to `most` of them to `out` instead; returns how many there are.
     std::uint32_t overlapping(const aabb& box, const query_filter& filter, std::uint32_t* out,

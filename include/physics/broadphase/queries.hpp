@@ -9,9 +9,11 @@ PHYSICS_HPP_BEGIN
 struct query_filter {
     std::uint32_t category = 1;
     std::uint32_t mask = 0xffffffffu;
+    /// Whether it sees movable ones too; of a world these are the shapes of dynamic bodies that are awake.
+    bool movable = true;
 
     [[nodiscard]] constexpr bool sees(const proxy_filter& p) const {
-        return (p.category & mask) != 0 && (category & p.mask) != 0;
+        return (p.category & mask) != 0 && (category & p.mask) != 0 && (movable || !p.movable);
     }
 };
 

@@ -117,14 +117,20 @@ public:
     void each_near(const table& all, const typename Space::aabb& box, Visit&& visit) const {
         const float_box<D> reach = enclosing(box, origin_);
         each_where(
-            all, [&](const auto& block) { return block.overlapping(reach); }, visit);
+            all, 2, [&](const auto& block) { return block.overlapping(reach); }, visit);
+    }
+    template <class Visit>
+    void each_fixed_near(const table& all, const typename Space::aabb& box, Visit&& visit) const {
+        const float_box<D> reach = enclosing(box, origin_);
+        each_where(
+            all, 1, [&](const auto& block) { return block.overlapping(reach); }, visit);
     }
     /// The same for every proxy that may not lie wholly beyond a plane.
     template <class Visit>
     void each_inside(const table& all, const bounding_plane<S, D>* planes, std::uint32_t count, Visit&& visit) const {
         const float_region<D> region(planes, count, origin_);
         each_where(
-            all, [&](const auto& block) { return region.reaches(block); }, visit);
+            all, 2, [&](const auto& block) { return region.reaches(block); }, visit);
     }
     /// Calls visit(id) for proxies that the ray may meet, the first ones early. It returns how far along the
     /// translation the search is to go on.
@@ -170,10 +176,12 @@ private:
             return c;
         }
     }
+    /// Searches so many kinds, of which what is fixed is the first.
     template <class Test, class Visit>
-    void each_where(const table& all, Test&& test, Visit&& visit) const {
+    void each_where(const table& all, int kinds, Test&& test, Visit&& visit) const {
         bool on = true;
-        for (const kind& k : kinds_) {
+        for (int m = 0; m < kinds; ++m) {
+            const kind& k = kinds_[m];
             for (const tree* t : {&k.main, &k.young})
                 t->search(
                     0, [&](const auto& block) { return on ? test(block) : 0u; },

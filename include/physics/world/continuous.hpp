@@ -130,7 +130,7 @@ private:
             if (!everything && s_.bodies[record.body].type != body_type::static_body) return;
             if (may_meet(own, filter_of(s_, record))) found.push(shape);
         };
-        each_near(s_, box, query_filter{0xffffffffu, 0xffffffffu}, add);
+        each_near(s_, box, query_filter{.category = 0xffffffffu, .movable = everything}, add);
         if (everything)
             for (const auto& partner : s_.continuous.partners)
                 if (overlap(partner.box, way))
