@@ -20558,29 +20558,39 @@ struct contact_colours {
     bool last_is_serial = false;
 };
 
+/// Whether a contact is about to push: it has, or its surfaces overlap.
+template <class S, int D>
+bool is_active(const contact<S, D>& c) {
+    bool active = false;
+    for (int k = 0; k < c.count; ++k) active |= c.points[k].load > S(0) || !(c.points[k].separation > S(0));
+    return active;
+}
+
 /// Colours contacts greedily in their order: first those between two bodies that can be pushed, then in colours of
 /// their own those that push only A and those that push only B, so that what holds the pile acts last, and all of a
-/// colour push the same sides. O(contacts). Source: Catto, Solver2D (2024); greedy edge colouring.
+/// colour push the same sides. Within a colour those that are about to push come first, so that lanes have the same to
+/// do. O(contacts). Source: Catto, Solver2D (2024); greedy edge colouring.
 template <class S, int D>
 contact_colours colour(const contact_list<S, D>& contacts, solver_bodies<S, D> bodies, arena& scratch) {
     const std::uint32_t count = contacts.size();
     auto* used = scratch.template take<std::uint64_t>(bodies.count);
-    // Until a contact has its colour, which sides it pushes.
+    // Until a contact has its colour, which sides it pushes; and with either, whether it is idle.
     auto* colour_of = scratch.template take<std::uint8_t>(count);
     contact_colours result;
     result.order = scratch.template take<std::uint32_t>(count);
     std::uint32_t sizes[contact_colours::most] = {}, first = 0;
     constexpr std::uint32_t serial = contact_colours::most - 1;
-    constexpr std::uint8_t waits = 128, pushes_a = 1, pushes_b = 2, pushes_both = 3;
+    constexpr std::uint8_t waits = 128, idle = 64, pushes_a = 1, pushes_b = 2, pushes_both = 3;
     const auto is_pushed = [&](std::uint32_t i) { return bodies[i].inverse_mass > inverse_of<S>(0); };
     for (std::uint32_t i = 0; i < count; ++i)
-        colour_of[i] = static_cast<std::uint8_t>(waits | (is_pushed(contacts[i].body_a) ? pushes_a : 0) |
+        colour_of[i] = static_cast<std::uint8_t>(waits | (is_active(contacts[i]) ? 0 : idle) |
+                                                 (is_pushed(contacts[i].body_a) ? pushes_a : 0) |
                                                  (is_pushed(contacts[i].body_b) ? pushes_b : 0));
     for (const std::uint8_t sides : {pushes_both, pushes_a, pushes_b, std::uint8_t{0}}) {
         for (std::uint32_t i = 0; i < bodies.count; ++i) used[i] = 0;
         std::uint32_t end = first;
         for (std::uint32_t i = 0; i < count; ++i) {
-            if (colour_of[i] != (waits | sides)) continue;
+            if ((colour_of[i] & ~idle) != (waits | sides)) continue;
             const auto& c = contacts[i];
             const bool a = (sides & pushes_a) != 0, b = (sides & pushes_b) != 0;
             const std::uint64_t taken = (a ? used[c.body_a] : 0) | (b ? used[c.body_b] : 0);
@@ -20591,7 +20601,7 @@ contact_colours colour(const contact_list<S, D>& contacts, solver_bodies<S, D> b
                 if (b) used[c.body_b] |= std::uint64_t{1} << free;
                 end = end > colour + 1 ? end : colour + 1;
             }
-            colour_of[i] = static_cast<std::uint8_t>(colour);
+            colour_of[i] = static_cast<std::uint8_t>(colour | (colour_of[i] & idle));
             ++sizes[colour];
         }
         first = end;
@@ -20605,7 +20615,9 @@ contact_colours colour(const contact_list<S, D>& contacts, solver_bodies<S, D> b
         at += sizes[k];
     }
     result.begin[result.count] = at;
-    for (std::uint32_t i = 0; i < count; ++i) result.order[place[colour_of[i]]++] = i;
+    for (const std::uint8_t kind : {std::uint8_t{0}, idle})
+        for (std::uint32_t i = 0; i < count; ++i)
+            if ((colour_of[i] & idle) == kind) result.order[place[colour_of[i] & ~idle]++] = i;
     return result;
 }
 
@@ -21538,6 +21550,8 @@ struct soft_friction2 {
     /// Of this substep, and of the whole step.
     S impulse[W], total[W];
 
+    /// More than 0 where it holds anything.
+    PHYSICS_HPP_ALWAYS_INLINE P held(int) const { return lane_abs(P::load(impulse)); }
     /// The change of the impulse where the surfaces slip by v at the middle, under a load of which that share lasts.
     PHYSICS_HPP_ALWAYS_INLINE P next(const P& v, const P& load, const P& lasting) {
         const P before = P::load(impulse), most = P::load(coefficient) * load;
@@ -21614,6 +21628,10 @@ struct soft_patch_friction3 {
     /// The impulse of point k, which bears that part of the load; and the one about the normal.
     vec<S, 2> of_point(int lane, int, S part) const { return {total_x[lane] * part, total_y[lane] * part}; }
     S about_normal(int lane) const { return total_twist[lane]; }
+    /// More than 0 where it holds anything.
+    PHYSICS_HPP_ALWAYS_INLINE P held(int) const {
+        return max(lane_abs(P::load(x)), max(lane_abs(P::load(y)), lane_abs(P::load(twist))));
+    }
     /// The impulses so far.
     template <class Point>
     PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> last(const Point*, int) const {
@@ -21683,6 +21701,12 @@ struct soft_point_friction3 {
     }
     vec<S, 2> of_point(int lane, int k, S) const { return {each[k].total_x[lane], each[k].total_y[lane]}; }
     S about_normal(int) const { return S(0); }
+    PHYSICS_HPP_ALWAYS_INLINE P held(int count) const {
+        P most = P::broadcast(S(0));
+        for (int k = 0; k < count; ++k)
+            most = max(most, max(lane_abs(P::load(each[k].x)), lane_abs(P::load(each[k].y))));
+        return most;
+    }
     template <class Point>
     PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> last(const Point* points, int count) const {
         const P zero = P::broadcast(S(0));
@@ -21797,6 +21821,22 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
+/// Whether visits would change nothing in these lanes (1, else 0): no point has pushed, and none closes its gap within
+/// the substep.
+template <class P, class Point, class S, class At, class SpeedAt>
+PHYSICS_HPP_ALWAYS_INLINE bool are_idle(const Point* points, int count, const soft_round<S>& how, const P& lanes,
+                                        At&& at, SpeedAt&& speed_at) {
+    const P zero = P::broadcast(S(0)), per_step = P::broadcast(how.inverse_step);
+    P busy = zero;
+    for (int k = 0; k < count; ++k) {
+        const P gap = P::load(points[k].separation) + at(k), closing = speed_at(k) + gap * per_step;
+        const P needed = max(P::load(points[k].impulse), -min(gap, closing));
+        // Of points that only other lanes have nothing is asked.
+        busy = max(busy, select_greater(P::load(points[k].mass), zero, needed, zero));
+    }
+    return greater(lanes * busy, zero).bits() == 0;
+}
+
 /// The speeds of a contact's points follow from D numbers, so that the impulses that stop all of them do too: where
 /// every point touches and goes on pushing, that is the answer, exact and without iterations. Elsewhere points are
 /// visited one by one. It carries heavy loads and keeps columns from swaying, which visits do not. Source: the first
@@ -21886,9 +21926,9 @@ struct soft_whole {
     }
     /// Answers the speeds, and adds what that comes to to the sum. `left` is 1 in lanes that are left to visits, where
     /// nothing changes; returns whether any is. `at(k)` is the way at point k.
-    template <class Point, class Sum, class At>
+    template <class Point, class Sum, class At, class SpeedAt>
     PHYSICS_HPP_ALWAYS_INLINE bool push(Point* points, int count, const soft_round<S>& how, P (&speed)[D],
-                                        const P (&way)[D], P& left, Sum& sum, At&& at) const {
+                                        const P (&way)[D], P& left, Sum& sum, At&& at, SpeedAt&& speed_at) const {
         const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
         left = one;
         if (count == 1) return true;
@@ -21911,12 +21951,13 @@ struct soft_whole {
             ok = min(ok, select_greater(P::load(points[k].mass), zero, good, zero));
         }
         left = select_greater(zero, ok, one, zero);
+        const bool any_left = greater(zero, ok).bits() != 0 && !are_idle(points, count, how, left, at, speed_at);
         for (int k = 0; k < count; ++k) {
             const P change = select_greater(zero, ok, zero, changes[k]);
             (P::load(points[k].impulse) + change).store(points[k].impulse);
             sum.add(points[k], change);
         }
-        return greater(zero, ok).bits() != 0;
+        return any_left;
     }
 
 private:
@@ -21992,6 +22033,15 @@ PHYSICS_HPP_ALWAYS_INLINE P load_of(const Point* points, int count) {
     P load = P::load(points[0].impulse);
     for (int k = 1; k < count; ++k) load = load + P::load(points[k].impulse);
     return load;
+}
+/// Whether nothing has to be given to any lane of a block when a substep begins, nor be taken back.
+template <class P, class Block>
+PHYSICS_HPP_ALWAYS_INLINE bool bears_nothing(const Block& block) {
+    P most = load_of<P>(block.points, block.point_count);
+    if constexpr (requires { block.friction.held(1); }) most = max(most, block.friction.held(block.point_count));
+    if constexpr (requires { block.extras.at; })
+        if (block.extras.at != nullptr) return false;
+    return greater(most, P::broadcast(typename P::scalar(0))).bits() == 0;
 }
 /// Points are visited across and back, so that no corner answers first in all rounds. The way turns at the first point,
 /// which all lanes have: it is the same whatever contacts share the lanes.
@@ -22183,6 +22233,7 @@ struct soft_contact2 {
 
     /// Gives the bodies the impulses of the last substep at once.
     PHYSICS_HPP_ALWAYS_INLINE void warm_start(body* bodies) const {
+        if (bears_nothing<P>(*this)) return;
         const frame_lanes f(*this);
         body_lanes2<P> at_a, at_b;
         at_a.load(bodies, a);
@@ -22208,14 +22259,16 @@ struct soft_contact2 {
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const relative_motion speed(f, at_a.velocity, at_b.velocity), way(f, at_a.way, at_b.way);
+        const auto way_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return way.at(points[k]); };
+        const auto speed_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); };
+        if (bears_nothing<P>(*this) && are_idle(points, point_count, how, P::broadcast(S(1)), way_at, speed_at)) return;
         const P lasting = lasting_share(speed.along, how);
         P speeds[] = {speed.along, speed.turn};
         const P ways[] = {way.along, way.turn};
         const P zero = P::broadcast(S(0));
         push_sum sum{zero, zero};
         P left;
-        const auto way_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return way.at(points[k]); };
-        if (whole.push(points, point_count, how, speeds, ways, left, sum, way_at))
+        if (whole.push(points, point_count, how, speeds, ways, left, sum, way_at, speed_at))
             visit_points(speed, sum, [&](int k, const P& v) PHYSICS_HPP_INLINE_LAMBDA {
                 return next_impulse(points[k], v, way_at(k), how, left);
             });
@@ -22485,6 +22538,7 @@ struct soft_contact3 {
 
     /// Gives the bodies the impulses of the last substep at once.
     PHYSICS_HPP_ALWAYS_INLINE void warm_start(body* bodies) const {
+        if (bears_nothing<P>(*this)) return;
         frame_lanes f(*this);
         body_lanes3<P> at_a, at_b;
         at_a.load(bodies, a);
@@ -22520,14 +22574,16 @@ struct soft_contact3 {
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const relative_motion speed(f, at_a.velocity, at_b.velocity), way(f, at_a.way, at_b.way);
+        const auto way_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return way.at(points[k]); };
+        const auto speed_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); };
+        if (bears_nothing<P>(*this) && are_idle(points, point_count, how, P::broadcast(S(1)), way_at, speed_at)) return;
         const P lasting = lasting_share(speed.along, how);
         P speeds[] = {speed.along, speed.about_t, speed.about_u};
         const P ways[] = {way.along, way.about_t, way.about_u};
         const P zero = P::broadcast(S(0));
         push_sum sum{zero, zero, zero};
         P left;
-        const auto way_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return way.at(points[k]); };
-        if (whole.push(points, point_count, how, speeds, ways, left, sum, way_at))
+        if (whole.push(points, point_count, how, speeds, ways, left, sum, way_at, speed_at))
             visit_points(speed, sum, [&](int k, const P& v) PHYSICS_HPP_INLINE_LAMBDA {
                 return next_impulse(points[k], v, way_at(k), how, left);
             });
@@ -25469,9 +25525,13 @@ public:
 
     void advance_velocities(S h) {
         if (free_count_ > 0) thrust(step_ / h);
-        for (std::uint32_t k = 0; k < count_; ++k)
-            if (bodies_[k].inverse_mass > inverse_of<S>(0))
-                integrator::advance_velocity(bodies_[k].velocity, moving_[k], h);
+        for (std::uint32_t k = 0; k < count_; ++k) {
+            if (!(bodies_[k].inverse_mass > inverse_of<S>(0))) continue;
+            integrator::advance_velocity(bodies_[k].velocity, moving_[k], h);
+            // -0 becomes 0, which no impulse of 0 changes: so the bits are the same whether solvers give it or not.
+            bodies_[k].velocity.linear += vec<S, D>{};
+            bodies_[k].velocity.angular += angular<S, D>{};
+        }
         if (free_count_ > 0) thrust(S(0));
     }
     void advance_poses(S h) {

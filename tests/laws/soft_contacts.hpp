@@ -166,6 +166,25 @@ CELL_CASE("soft contacts: what is prepared in lanes is what each contact's own f
     check_prepared<physics::point_friction>(409);
 }
 
+/// Takes the loads from most contacts, and parts their surfaces, some so little that they meet within the step. Bodies
+/// keep still along some axes.
+inline void unload(cell::dice& dice, problem& p) {
+    for (auto& b : p.bodies)
+        for (int i = 0; i < D; ++i)
+            if (dice.below(2) == 0) b.velocity.linear[i] = S(0);
+    for (contact& c : p.contacts) {
+        if (dice.below(4) == 0) continue;
+        if (dice.below(2) == 0) c.rolling_resistance = S(0);
+        if (dice.below(2) == 0) c.surface_velocity = {};
+        const S gap = dice.below(3) == 0 ? S(0.001) : S(0.1);
+        for (int k = 0; k < c.count; ++k) {
+            c.points[k].separation = gap + dice.real(0, 0.02);
+            c.points[k].persisted = false;
+            c.points[k].load = S(0);
+        }
+    }
+}
+
 /// Of a problem after some substeps: all velocities and impulses.
 template <int Width, class Solver>
 std::vector<S> answer_in_lanes(problem p) {
@@ -190,9 +209,10 @@ std::vector<S> answer_in_lanes(problem p) {
 template <class Solver>
 void compare_widths(std::uint64_t seed) {
     cell::dice dice(seed);
-    for (int run = 0; run < 60; ++run) {
+    for (int run = 0; run < 180; ++run) {
         problem p = random_problem(dice, 1 + run % 20, 0.6, run % 2 != 0);
         enrich(dice, p);
+        if (run % 3 != 0) unload(dice, p);
         const auto one = answer_in_lanes<1, Solver>(p), four = answer_in_lanes<4, Solver>(p);
         const auto eight = answer_in_lanes<8, Solver>(p);
         REQUIRE(std::memcmp(one.data(), four.data(), one.size() * sizeof(S)) == 0);
@@ -206,7 +226,7 @@ void compare_widths() {
         compare_widths<physics::soft_step_with<physics::point_friction>>(403);
     }
 }
-CELL_CASE("soft contacts: every width of the lanes gives the same bits, of contacts of all sizes, rolling and driven") {
+CELL_CASE("soft contacts: every width of the lanes gives the same bits, whatever the contacts do") {
     compare_widths<S>();
 }
 

@@ -22,29 +22,39 @@ struct contact_colours {
     bool last_is_serial = false;
 };
 
+/// Whether a contact is about to push: it has, or its surfaces overlap.
+template <class S, int D>
+bool is_active(const contact<S, D>& c) {
+    bool active = false;
+    for (int k = 0; k < c.count; ++k) active |= c.points[k].load > S(0) || !(c.points[k].separation > S(0));
+    return active;
+}
+
 /// Colours contacts greedily in their order: first those between two bodies that can be pushed, then in colours of
 /// their own those that push only A and those that push only B, so that what holds the pile acts last, and all of a
-/// colour push the same sides. O(contacts). Source: Catto, Solver2D (2024); greedy edge colouring.
+/// colour push the same sides. Within a colour those that are about to push come first, so that lanes have the same to
+/// do. O(contacts). Source: Catto, Solver2D (2024); greedy edge colouring.
 template <class S, int D>
 contact_colours colour(const contact_list<S, D>& contacts, solver_bodies<S, D> bodies, arena& scratch) {
     const std::uint32_t count = contacts.size();
     auto* used = scratch.template take<std::uint64_t>(bodies.count);
-    // Until a contact has its colour, which sides it pushes.
+    // Until a contact has its colour, which sides it pushes; and with either, whether it is idle.
     auto* colour_of = scratch.template take<std::uint8_t>(count);
     contact_colours result;
     result.order = scratch.template take<std::uint32_t>(count);
     std::uint32_t sizes[contact_colours::most] = {}, first = 0;
     constexpr std::uint32_t serial = contact_colours::most - 1;
-    constexpr std::uint8_t waits = 128, pushes_a = 1, pushes_b = 2, pushes_both = 3;
+    constexpr std::uint8_t waits = 128, idle = 64, pushes_a = 1, pushes_b = 2, pushes_both = 3;
     const auto is_pushed = [&](std::uint32_t i) { return bodies[i].inverse_mass > inverse_of<S>(0); };
     for (std::uint32_t i = 0; i < count; ++i)
-        colour_of[i] = static_cast<std::uint8_t>(waits | (is_pushed(contacts[i].body_a) ? pushes_a : 0) |
+        colour_of[i] = static_cast<std::uint8_t>(waits | (is_active(contacts[i]) ? 0 : idle) |
+                                                 (is_pushed(contacts[i].body_a) ? pushes_a : 0) |
                                                  (is_pushed(contacts[i].body_b) ? pushes_b : 0));
     for (const std::uint8_t sides : {pushes_both, pushes_a, pushes_b, std::uint8_t{0}}) {
         for (std::uint32_t i = 0; i < bodies.count; ++i) used[i] = 0;
         std::uint32_t end = first;
         for (std::uint32_t i = 0; i < count; ++i) {
-            if (colour_of[i] != (waits | sides)) continue;
+            if ((colour_of[i] & ~idle) != (waits | sides)) continue;
             const auto& c = contacts[i];
             const bool a = (sides & pushes_a) != 0, b = (sides & pushes_b) != 0;
             const std::uint64_t taken = (a ? used[c.body_a] : 0) | (b ? used[c.body_b] : 0);
@@ -55,7 +65,7 @@ contact_colours colour(const contact_list<S, D>& contacts, solver_bodies<S, D> b
                 if (b) used[c.body_b] |= std::uint64_t{1} << free;
                 end = end > colour + 1 ? end : colour + 1;
             }
-            colour_of[i] = static_cast<std::uint8_t>(colour);
+            colour_of[i] = static_cast<std::uint8_t>(colour | (colour_of[i] & idle));
             ++sizes[colour];
         }
         first = end;
@@ -69,7 +79,9 @@ contact_colours colour(const contact_list<S, D>& contacts, solver_bodies<S, D> b
         at += sizes[k];
     }
     result.begin[result.count] = at;
-    for (std::uint32_t i = 0; i < count; ++i) result.order[place[colour_of[i]]++] = i;
+    for (const std::uint8_t kind : {std::uint8_t{0}, idle})
+        for (std::uint32_t i = 0; i < count; ++i)
+            if ((colour_of[i] & idle) == kind) result.order[place[colour_of[i] & ~idle]++] = i;
     return result;
 }
 

@@ -50,6 +50,15 @@ PHYSICS_HPP_ALWAYS_INLINE P load_of(const Point* points, int count) {
     for (int k = 1; k < count; ++k) load = load + P::load(points[k].impulse);
     return load;
 }
+/// Whether nothing has to be given to any lane of a block when a substep begins, nor be taken back.
+template <class P, class Block>
+PHYSICS_HPP_ALWAYS_INLINE bool bears_nothing(const Block& block) {
+    P most = load_of<P>(block.points, block.point_count);
+    if constexpr (requires { block.friction.held(1); }) most = max(most, block.friction.held(block.point_count));
+    if constexpr (requires { block.extras.at; })
+        if (block.extras.at != nullptr) return false;
+    return greater(most, P::broadcast(typename P::scalar(0))).bits() == 0;
+}
 /// Points are visited across and back, so that no corner answers first in all rounds. The way turns at the first point,
 /// which all lanes have: it is the same whatever contacts share the lanes.
 template <class F>

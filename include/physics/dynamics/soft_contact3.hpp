@@ -146,6 +146,7 @@ struct soft_contact3 {
 
     /// Gives the bodies the impulses of the last substep at once.
     PHYSICS_HPP_ALWAYS_INLINE void warm_start(body* bodies) const {
+        if (bears_nothing<P>(*this)) return;
         frame_lanes f(*this);
         body_lanes3<P> at_a, at_b;
         at_a.load(bodies, a);
@@ -181,14 +182,16 @@ struct soft_contact3 {
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const relative_motion speed(f, at_a.velocity, at_b.velocity), way(f, at_a.way, at_b.way);
+        const auto way_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return way.at(points[k]); };
+        const auto speed_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); };
+        if (bears_nothing<P>(*this) && are_idle(points, point_count, how, P::broadcast(S(1)), way_at, speed_at)) return;
         const P lasting = lasting_share(speed.along, how);
         P speeds[] = {speed.along, speed.about_t, speed.about_u};
         const P ways[] = {way.along, way.about_t, way.about_u};
         const P zero = P::broadcast(S(0));
         push_sum sum{zero, zero, zero};
         P left;
-        const auto way_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return way.at(points[k]); };
-        if (whole.push(points, point_count, how, speeds, ways, left, sum, way_at))
+        if (whole.push(points, point_count, how, speeds, ways, left, sum, way_at, speed_at))
             visit_points(speed, sum, [&](int k, const P& v) PHYSICS_HPP_INLINE_LAMBDA {
                 return next_impulse(points[k], v, way_at(k), how, left);
             });

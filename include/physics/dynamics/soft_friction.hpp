@@ -26,6 +26,8 @@ struct soft_friction2 {
     /// Of this substep, and of the whole step.
     S impulse[W], total[W];
 
+    /// More than 0 where it holds anything.
+    PHYSICS_HPP_ALWAYS_INLINE P held(int) const { return lane_abs(P::load(impulse)); }
     /// The change of the impulse where the surfaces slip by v at the middle, under a load of which that share lasts.
     PHYSICS_HPP_ALWAYS_INLINE P next(const P& v, const P& load, const P& lasting) {
         const P before = P::load(impulse), most = P::load(coefficient) * load;
@@ -102,6 +104,10 @@ struct soft_patch_friction3 {
     /// The impulse of point k, which bears that part of the load; and the one about the normal.
     vec<S, 2> of_point(int lane, int, S part) const { return {total_x[lane] * part, total_y[lane] * part}; }
     S about_normal(int lane) const { return total_twist[lane]; }
+    /// More than 0 where it holds anything.
+    PHYSICS_HPP_ALWAYS_INLINE P held(int) const {
+        return max(lane_abs(P::load(x)), max(lane_abs(P::load(y)), lane_abs(P::load(twist))));
+    }
     /// The impulses so far.
     template <class Point>
     PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> last(const Point*, int) const {
@@ -171,6 +177,12 @@ struct soft_point_friction3 {
     }
     vec<S, 2> of_point(int lane, int k, S) const { return {each[k].total_x[lane], each[k].total_y[lane]}; }
     S about_normal(int) const { return S(0); }
+    PHYSICS_HPP_ALWAYS_INLINE P held(int count) const {
+        P most = P::broadcast(S(0));
+        for (int k = 0; k < count; ++k)
+            most = max(most, max(lane_abs(P::load(each[k].x)), lane_abs(P::load(each[k].y))));
+        return most;
+    }
     template <class Point>
     PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> last(const Point* points, int count) const {
         const P zero = P::broadcast(S(0));

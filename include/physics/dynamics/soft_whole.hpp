@@ -8,6 +8,22 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
+/// Whether visits would change nothing in these lanes (1, else 0): no point has pushed, and none closes its gap within
+/// the substep.
+template <class P, class Point, class S, class At, class SpeedAt>
+PHYSICS_HPP_ALWAYS_INLINE bool are_idle(const Point* points, int count, const soft_round<S>& how, const P& lanes,
+                                        At&& at, SpeedAt&& speed_at) {
+    const P zero = P::broadcast(S(0)), per_step = P::broadcast(how.inverse_step);
+    P busy = zero;
+    for (int k = 0; k < count; ++k) {
+        const P gap = P::load(points[k].separation) + at(k), closing = speed_at(k) + gap * per_step;
+        const P needed = max(P::load(points[k].impulse), -min(gap, closing));
+        // Of points that only other lanes have nothing is asked.
+        busy = max(busy, select_greater(P::load(points[k].mass), zero, needed, zero));
+    }
+    return greater(lanes * busy, zero).bits() == 0;
+}
+
 /// The speeds of a contact's points follow from D numbers, so that the impulses that stop all of them do too: where
 /// every point touches and goes on pushing, that is the answer, exact and without iterations. Elsewhere points are
 /// visited one by one. It carries heavy loads and keeps columns from swaying, which visits do not. Source: the first
@@ -97,9 +113,9 @@ struct soft_whole {
     }
     /// Answers the speeds, and adds what that comes to to the sum. `left` is 1 in lanes that are left to visits, where
     /// nothing changes; returns whether any is. `at(k)` is the way at point k.
-    template <class Point, class Sum, class At>
+    template <class Point, class Sum, class At, class SpeedAt>
     PHYSICS_HPP_ALWAYS_INLINE bool push(Point* points, int count, const soft_round<S>& how, P (&speed)[D],
-                                        const P (&way)[D], P& left, Sum& sum, At&& at) const {
+                                        const P (&way)[D], P& left, Sum& sum, At&& at, SpeedAt&& speed_at) const {
         const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
         left = one;
         if (count == 1) return true;
@@ -122,12 +138,13 @@ struct soft_whole {
             ok = min(ok, select_greater(P::load(points[k].mass), zero, good, zero));
         }
         left = select_greater(zero, ok, one, zero);
+        const bool any_left = greater(zero, ok).bits() != 0 && !are_idle(points, count, how, left, at, speed_at);
         for (int k = 0; k < count; ++k) {
             const P change = select_greater(zero, ok, zero, changes[k]);
             (P::load(points[k].impulse) + change).store(points[k].impulse);
             sum.add(points[k], change);
         }
-        return greater(zero, ok).bits() != 0;
+        return any_left;
     }
 
 private:

@@ -53,9 +53,13 @@ public:
 
     void advance_velocities(S h) {
         if (free_count_ > 0) thrust(step_ / h);
-        for (std::uint32_t k = 0; k < count_; ++k)
-            if (bodies_[k].inverse_mass > inverse_of<S>(0))
-                integrator::advance_velocity(bodies_[k].velocity, moving_[k], h);
+        for (std::uint32_t k = 0; k < count_; ++k) {
+            if (!(bodies_[k].inverse_mass > inverse_of<S>(0))) continue;
+            integrator::advance_velocity(bodies_[k].velocity, moving_[k], h);
+            // -0 becomes 0, which no impulse of 0 changes: so the bits are the same whether solvers give it or not.
+            bodies_[k].velocity.linear += vec<S, D>{};
+            bodies_[k].velocity.angular += angular<S, D>{};
+        }
         if (free_count_ > 0) thrust(S(0));
     }
     void advance_poses(S h) {
