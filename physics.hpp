@@ -21792,8 +21792,8 @@ struct soft_round {
     softness<S> spring;
     /// At most as fast are overlaps pushed apart (m/s).
     S push_speed;
-    /// Contacts whose middle approaches faster than this (m/s) start the next substep cold: what stopped them is no
-    /// lasting load. All points alike: a pile that lost the load of single corners would lean.
+    /// Contacts whose middle approaches faster than this (m/s) start the next substep with what they held before: what
+    /// stopped them is no lasting load. All points alike: a pile that lost the load of single corners would lean.
     S impact_speed;
     /// Whether overlaps are pushed apart at all.
     bool pushes;
@@ -22049,10 +22049,14 @@ template <class F>
 PHYSICS_HPP_ALWAYS_INLINE void across_and_back(int points, F&& f) {
     for (int i = 1 - points; i < points; ++i) f(i < 0 ? -i : i);
 }
-/// 0 where surfaces that move at this speed along their normal meet with a blow, 1 elsewhere.
+/// How much of a load lasts where surfaces move at this speed along their normal: all of it, but where they meet with a
+/// blow no more than was held before the blow.
 template <class P, class S = typename P::scalar>
-PHYSICS_HPP_ALWAYS_INLINE P lasting_share(const P& speed, const soft_round<S>& how) {
-    return select_greater(-speed, P::broadcast(how.impact_speed), P::broadcast(S(0)), P::broadcast(S(1)));
+PHYSICS_HPP_ALWAYS_INLINE P lasting_share(const P& speed, const P& held, const P& load, const soft_round<S>& how) {
+    const P one = P::broadcast(S(1)), most = P::broadcast(how.impact_speed);
+    if (greater(-speed, most).bits() == 0) return one;
+    const P share = select_greater(load, held, held / select_greater(load, held, load, one), one);
+    return select_greater(-speed, most, share, one);
 }
 /// The change of a point's impulse that its speed along the normal asks for, in lanes that are left to visits (1, else
 /// 0).
@@ -22132,6 +22136,8 @@ struct soft_contact2 {
     point points[capacity];
     soft_whole<S, 2, W> whole;
     [[no_unique_address]] soft_friction2_of<S, W, Features> friction;
+    /// What the points bore together as the substep began.
+    S held[W];
     int point_count = 0;
     /// Whether any point bounces.
     bool bounces = false;
@@ -22232,7 +22238,8 @@ struct soft_contact2 {
     }
 
     /// Gives the bodies the impulses of the last substep at once.
-    PHYSICS_HPP_ALWAYS_INLINE void warm_start(body* bodies) const {
+    PHYSICS_HPP_ALWAYS_INLINE void warm_start(body* bodies) {
+        load_of<P>(points, point_count).store(held);
         if (bears_nothing<P>(*this)) return;
         const frame_lanes f(*this);
         body_lanes2<P> at_a, at_b;
@@ -22262,7 +22269,6 @@ struct soft_contact2 {
         const auto way_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return way.at(points[k]); };
         const auto speed_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); };
         if (bears_nothing<P>(*this) && are_idle(points, point_count, how, P::broadcast(S(1)), way_at, speed_at)) return;
-        const P lasting = lasting_share(speed.along, how);
         P speeds[] = {speed.along, speed.turn};
         const P ways[] = {way.along, way.turn};
         const P zero = P::broadcast(S(0));
@@ -22275,6 +22281,7 @@ struct soft_contact2 {
         push(f, sum.load, zero, sum.moment, at_a, at_b);
         if (!how.pushes) {
             P loads[capacity];
+            const P lasting = lasting_share(speed.along, P::load(held), load_of<P>(points, point_count), how);
             take_loads(points, point_count, lasting, loads);
             if constexpr (Features::friction) rub(f, loads, lasting, at_a, at_b);
         }
@@ -22423,6 +22430,8 @@ struct soft_contact3 {
     point points[capacity];
     soft_whole<S, 3, W> whole;
     [[no_unique_address]] soft_friction3_of<S, W, Features, Friction> friction;
+    /// What the points bore together as the substep began.
+    S held[W];
     int point_count = 0;
     /// Whether any point bounces.
     bool bounces = false;
@@ -22537,7 +22546,8 @@ struct soft_contact3 {
     }
 
     /// Gives the bodies the impulses of the last substep at once.
-    PHYSICS_HPP_ALWAYS_INLINE void warm_start(body* bodies) const {
+    PHYSICS_HPP_ALWAYS_INLINE void warm_start(body* bodies) {
+        load_of<P>(points, point_count).store(held);
         if (bears_nothing<P>(*this)) return;
         frame_lanes f(*this);
         body_lanes3<P> at_a, at_b;
@@ -22577,7 +22587,6 @@ struct soft_contact3 {
         const auto way_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return way.at(points[k]); };
         const auto speed_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); };
         if (bears_nothing<P>(*this) && are_idle(points, point_count, how, P::broadcast(S(1)), way_at, speed_at)) return;
-        const P lasting = lasting_share(speed.along, how);
         P speeds[] = {speed.along, speed.about_t, speed.about_u};
         const P ways[] = {way.along, way.about_t, way.about_u};
         const P zero = P::broadcast(S(0));
@@ -22590,6 +22599,7 @@ struct soft_contact3 {
         push(f, sum, at_a, at_b);
         if (!how.pushes) {
             P loads[capacity];
+            const P lasting = lasting_share(speed.along, P::load(held), load_of<P>(points, point_count), how);
             take_loads(points, point_count, lasting, loads);
             if constexpr (Features::friction) rub(f, loads, lasting, at_a, at_b);
         }
@@ -22809,7 +22819,8 @@ struct soft_step_settings {
     S frequency_cap = S(0);
     /// Speed at which overlaps are pushed apart, at most.
     S max_push_speed = S(3);
-    /// Surfaces that meet faster than this within a substep do not push as much in the next one as a matter of course.
+    /// Surfaces that meet faster than this within a substep begin the next one with no more than they held before. With
+    /// more, piles that are hit overlap less, and spring back more.
     S impact_speed = S(0.5);
     /// Approaches slower than this do not bounce.
     S restitution_slop = S(0.5);

@@ -227,6 +227,28 @@ CELL_CASE("soft step: bounces give back their share, and none gains") {
     }
 }
 
+CELL_CASE("soft step: what stops a blow is no lasting load: two boxes that fall as a stack hardly spring apart") {
+    for (const double speed : {1.0, 3.0, 10.0}) {
+        soft_world w = scenes::grounded<soft_world>();
+        std::vector<body_id> boxes;
+        for (int i = 0; i < 2; ++i) {
+            soft_world::body_def def;
+            def.position.y = S(0.55 + i);
+            def.linear_velocity.y = S(-speed);
+            boxes.push_back(w.create_body(def));
+            w.create_shape(boxes.back(), soft_world::box{vec::filled(S(0.5))});
+        }
+        double back = 0;
+        for (int i = 0; i < 60; ++i) {
+            w.step(S(1.0 / 60));
+            for (const body_id b : boxes) back = std::max(back, cell::number(w.linear_velocity(b).y));
+        }
+        CAPTURE(speed);
+        CHECK(back <= 0.2 * speed);
+        CHECK(std::abs(cell::number(w.position(boxes[1]).y) - 1.5) <= 0.01);
+    }
+}
+
 /// The greatest overlap of all contacts (m).
 inline double deepest_overlap(const soft_world& w) {
     double deepest = 0;

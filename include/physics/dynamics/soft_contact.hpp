@@ -65,10 +65,14 @@ template <class F>
 PHYSICS_HPP_ALWAYS_INLINE void across_and_back(int points, F&& f) {
     for (int i = 1 - points; i < points; ++i) f(i < 0 ? -i : i);
 }
-/// 0 where surfaces that move at this speed along their normal meet with a blow, 1 elsewhere.
+/// How much of a load lasts where surfaces move at this speed along their normal: all of it, but where they meet with a
+/// blow no more than was held before the blow.
 template <class P, class S = typename P::scalar>
-PHYSICS_HPP_ALWAYS_INLINE P lasting_share(const P& speed, const soft_round<S>& how) {
-    return select_greater(-speed, P::broadcast(how.impact_speed), P::broadcast(S(0)), P::broadcast(S(1)));
+PHYSICS_HPP_ALWAYS_INLINE P lasting_share(const P& speed, const P& held, const P& load, const soft_round<S>& how) {
+    const P one = P::broadcast(S(1)), most = P::broadcast(how.impact_speed);
+    if (greater(-speed, most).bits() == 0) return one;
+    const P share = select_greater(load, held, held / select_greater(load, held, load, one), one);
+    return select_greater(-speed, most, share, one);
 }
 /// The change of a point's impulse that its speed along the normal asks for, in lanes that are left to visits (1, else
 /// 0).

@@ -31,6 +31,8 @@ struct soft_contact2 {
     point points[capacity];
     soft_whole<S, 2, W> whole;
     [[no_unique_address]] soft_friction2_of<S, W, Features> friction;
+    /// What the points bore together as the substep began.
+    S held[W];
     int point_count = 0;
     /// Whether any point bounces.
     bool bounces = false;
@@ -131,7 +133,8 @@ struct soft_contact2 {
     }
 
     /// Gives the bodies the impulses of the last substep at once.
-    PHYSICS_HPP_ALWAYS_INLINE void warm_start(body* bodies) const {
+    PHYSICS_HPP_ALWAYS_INLINE void warm_start(body* bodies) {
+        load_of<P>(points, point_count).store(held);
         if (bears_nothing<P>(*this)) return;
         const frame_lanes f(*this);
         body_lanes2<P> at_a, at_b;
@@ -161,7 +164,6 @@ struct soft_contact2 {
         const auto way_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return way.at(points[k]); };
         const auto speed_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); };
         if (bears_nothing<P>(*this) && are_idle(points, point_count, how, P::broadcast(S(1)), way_at, speed_at)) return;
-        const P lasting = lasting_share(speed.along, how);
         P speeds[] = {speed.along, speed.turn};
         const P ways[] = {way.along, way.turn};
         const P zero = P::broadcast(S(0));
@@ -174,6 +176,7 @@ struct soft_contact2 {
         push(f, sum.load, zero, sum.moment, at_a, at_b);
         if (!how.pushes) {
             P loads[capacity];
+            const P lasting = lasting_share(speed.along, P::load(held), load_of<P>(points, point_count), how);
             take_loads(points, point_count, lasting, loads);
             if constexpr (Features::friction) rub(f, loads, lasting, at_a, at_b);
         }

@@ -31,6 +31,8 @@ struct soft_contact3 {
     point points[capacity];
     soft_whole<S, 3, W> whole;
     [[no_unique_address]] soft_friction3_of<S, W, Features, Friction> friction;
+    /// What the points bore together as the substep began.
+    S held[W];
     int point_count = 0;
     /// Whether any point bounces.
     bool bounces = false;
@@ -145,7 +147,8 @@ struct soft_contact3 {
     }
 
     /// Gives the bodies the impulses of the last substep at once.
-    PHYSICS_HPP_ALWAYS_INLINE void warm_start(body* bodies) const {
+    PHYSICS_HPP_ALWAYS_INLINE void warm_start(body* bodies) {
+        load_of<P>(points, point_count).store(held);
         if (bears_nothing<P>(*this)) return;
         frame_lanes f(*this);
         body_lanes3<P> at_a, at_b;
@@ -185,7 +188,6 @@ struct soft_contact3 {
         const auto way_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return way.at(points[k]); };
         const auto speed_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); };
         if (bears_nothing<P>(*this) && are_idle(points, point_count, how, P::broadcast(S(1)), way_at, speed_at)) return;
-        const P lasting = lasting_share(speed.along, how);
         P speeds[] = {speed.along, speed.about_t, speed.about_u};
         const P ways[] = {way.along, way.about_t, way.about_u};
         const P zero = P::broadcast(S(0));
@@ -198,6 +200,7 @@ struct soft_contact3 {
         push(f, sum, at_a, at_b);
         if (!how.pushes) {
             P loads[capacity];
+            const P lasting = lasting_share(speed.along, P::load(held), load_of<P>(points, point_count), how);
             take_loads(points, point_count, lasting, loads);
             if constexpr (Features::friction) rub(f, loads, lasting, at_a, at_b);
         }

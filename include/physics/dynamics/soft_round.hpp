@@ -29,8 +29,8 @@ struct soft_round {
     softness<S> spring;
     /// At most as fast are overlaps pushed apart (m/s).
     S push_speed;
-    /// Contacts whose middle approaches faster than this (m/s) start the next substep cold: what stopped them is no
-    /// lasting load. All points alike: a pile that lost the load of single corners would lean.
+    /// Contacts whose middle approaches faster than this (m/s) start the next substep with what they held before: what
+    /// stopped them is no lasting load. All points alike: a pile that lost the load of single corners would lean.
     S impact_speed;
     /// Whether overlaps are pushed apart at all.
     bool pushes;
