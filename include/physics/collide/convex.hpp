@@ -118,8 +118,11 @@ closest_points<S, D> rounded(const core_pair<D>& pair, core_separation<D> s) {
 
 /// How far apart two convex shapes are, and where they are closest; or how deep they overlap, and how to part them.
 /// Exact to a few roundings of the shapes' sizes: those of double for polytopes, with a radius or without; cylinders
-/// and cones to 1e-8 of their sizes or to roundings of S, whichever is more. Source: GJK and, where cores overlap, EPA
-/// (see gjk.hpp, epa3.hpp). Cost: 0.1-0.5 us apart, 0.5-4 us where they overlap; hulls of more than 32 vertices more.
+/// and cones to 1e-8 of their sizes or to roundings of S, whichever is more. Of 45 million random pairs in space
+/// (touching, thin, far, one a million times as large) five were worse in double, one in float, none in fixed point:
+/// round ones up to 2.4 times that, and where sizes are a million to one normals part them by 1e-10 m less than they
+/// say. Source: GJK and, where cores overlap, EPA (see gjk.hpp, epa3.hpp). Cost: 0.1-0.5 us apart, 0.5-4 us where they
+/// overlap; hulls of more than 32 vertices more.
 /// `cache` makes the next call for the same pair cheaper where the two have moved little.
 template <class A, class B, class S, int D>
     requires detail::has_core<A> && detail::has_core<B>
