@@ -26,7 +26,7 @@ public:
     void step(double dt) override {
         const stopwatch clock;
         double last = 0;
-        const auto lap = [&](physics::detail::stage ended) {
+        const auto lap = [&](physics::detail::step_stage ended) {
             const double now = clock.ns();
             ns_[static_cast<std::size_t>(ended)] += now - last;
             last = now;

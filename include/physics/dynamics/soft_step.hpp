@@ -23,8 +23,8 @@ struct soft_step_settings {
     S frequency_cap = S(0);
     /// Speed at which overlaps are pushed apart, at most.
     S max_push_speed = S(3);
-    /// Surfaces that meet faster than this within a substep begin the next one with no more than they held before. With
-    /// more, piles that are hit overlap less, and spring back more.
+    /// Surfaces that meet faster than this within a substep begin the next one with no more than they held before.
+    /// The higher it is, the less piles overlap that are hit, and the more they spring back.
     S impact_speed = S(0.5);
     /// Approaches slower than this do not bounce.
     S restitution_slop = S(0.5);

@@ -40,11 +40,11 @@ inline void report(step_result result) {
 }
 
 /// What a step consists of, for whoever measures it.
-enum class stage { find_pairs, find_contacts, inherit_impulses, make_batches, solve, place_shapes, finish };
+enum class step_stage { find_pairs, find_contacts, inherit_impulses, make_batches, solve, place_shapes, finish };
 
 /// Told of each stage as it ends; this one is told in vain.
 struct unwatched {
-    void operator()(stage) const {}
+    void operator()(step_stage) const {}
 };
 
 /// Advances a world by h seconds. Each stage reads and writes plain arrays; only this function knows their
@@ -57,27 +57,27 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, c
     watch_fast_bodies(s, h);            // velocities        -> boxes of bodies that look ahead
     number_movers(s);                   // bodies            -> which of them move
     const auto& pairs = find_pairs(s);  // boxes             -> pairs, in order
-    done(stage::find_pairs);
+    done(step_stage::find_pairs);
     // Pairs, poses -> contacts with feature ids.
     if (!find_contacts(s, pairs, hands)) return step_result::bad_mixture;
     if constexpr (Plan::sleeps)
         // Blows -> contacts of the islands that they wake.
         if (disturb_sleepers(s, h) && !find_contacts_of_woken(s, hands)) return step_result::bad_mixture;
-    done(stage::find_contacts);
+    done(step_stage::find_contacts);
     inherit_contacts(s, h, hands);             // last step's       -> warm impulses of what persists
-    done(stage::inherit_impulses);
+    done(step_stage::inherit_impulses);
     motion<Plan> moving(s, h, hands);          // contacts          -> islands, in batches
-    done(stage::make_batches);
+    done(step_stage::make_batches);
     const bool solved = moving.solve(hands);   // bodies, contacts  -> velocities, poses
-    done(stage::solve);
+    done(step_stage::solve);
     if (!hands.is_sound()) return step_result::bad_executor;
     if (!solved) return step_result::out_of_range;
     sweep_fast_bodies(s, moving.moved(), h);   // poses             -> poses short of what stops bodies
     // Poses -> boxes of what has moved.
     if (!moving.place_shapes()) return step_result::out_of_range;
-    done(stage::place_shapes);
+    done(step_stage::place_shapes);
     moving.finish();                           // results           -> bodies and contacts
-    done(stage::finish);
+    done(step_stage::finish);
     return step_result::done;
 }
 
