@@ -3954,6 +3954,20 @@ bool check_finite(const char* function, const char* field, vec<S, D> value) {
     }
     return true;
 }
+/// What a recipe leaves out must be 0.
+template <class S>
+bool check_left_out(const char* function, const char* field, S value) {
+    return value == S(0) || refuse(function, field, static_cast<double>(value), "the recipe leaves it out");
+}
+template <class S, int D>
+bool check_left_out(const char* function, const char* field, vec<S, D> value) {
+    for (int i = 0; i < D; ++i) {
+        if (value[i] == S(0)) continue;
+        const char component[] = {'.', "xyz"[i], '\0'};
+        return refuse(function, field, component, static_cast<double>(value[i]), "the recipe leaves it out");
+    }
+    return true;
+}
 template <class S>
 bool check_positive(const char* function, const char* field, S value) {
     return check_finite(function, field, value) &&
@@ -19848,6 +19862,70 @@ struct moved_bodies {
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/dynamics/features.hpp
+// =================================================================================================
+// What contacts and surfaces can do, and what a recipe leaves out of it.
+
+PHYSICS_HPP_BEGIN
+
+/// Features that a recipe can leave out; what is left out costs nothing.
+namespace feature {
+/// Coulomb friction of contacts. Without it no surface drives another either.
+struct friction {};
+/// Bouncing.
+struct restitution {};
+/// Islands that are still leave the step until they are touched.
+struct sleeping {};
+/// Resistance to rolling.
+struct rolling_resistance {};
+/// Surfaces that run, as conveyor belts do.
+struct surface_velocity {};
+/// Looking after fast bodies on their way through a step.
+struct continuous {};
+}  // namespace feature
+
+/// Leaves features out: without<feature::friction, feature::restitution>.
+template <class... Features>
+struct without {
+    using stage = physics::stage::features;
+private:
+    template <class Feature>
+    static constexpr bool lacks = (std::same_as<Features, Feature> || ...);
+    template <class Any, class... Known>
+    static constexpr bool is_one_of = (std::same_as<Any, Known> || ...);
+
+public:
+    static constexpr bool friction = !lacks<feature::friction>;
+    static constexpr bool restitution = !lacks<feature::restitution>;
+    static constexpr bool rolling_resistance = !lacks<feature::rolling_resistance>;
+    static constexpr bool surface_velocity = friction && !lacks<feature::surface_velocity>;
+    static constexpr bool sleeping = !lacks<feature::sleeping>;
+    static constexpr bool continuous = !lacks<feature::continuous>;
+    static constexpr bool known = (is_one_of<Features, feature::friction, feature::restitution,
+                                             feature::rolling_resistance, feature::surface_velocity,
+                                             feature::sleeping, feature::continuous> &&
+                                   ...);
+};
+
+namespace detail {
+
+/// Stands where a value is left out: it takes no room, is not written, and reads as 0. Nth tells two in one struct
+/// apart, which would take room for that.
+template <class T, class Feature, int Nth>
+struct left_out {
+    constexpr left_out() = default;
+    constexpr explicit left_out(const T&) {}
+    constexpr operator T() const { return T{}; }
+};
+/// A value that is there if `Kept`.
+template <bool Kept, class T, class Feature, int Nth = 0>
+using kept_if = std::conditional_t<Kept, T, left_out<T, Feature, Nth>>;
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/dynamics/material.hpp
 // =================================================================================================
 // What surfaces are made of, and what two of them make of a contact.
@@ -19858,7 +19936,8 @@ PHYSICS_HPP_BEGIN
 template <class S, int D>
 using surface_motion = std::conditional_t<D == 2, S, vec<S, 3>>;
 
-/// How a shape's surface answers to contact. What two surfaces make of it is the recipe's mixing rule.
+/// How a shape's surface answers to contact. What two surfaces make of it is the recipe's mixing rule. What the recipe
+/// leaves out must stay 0; friction, which has a default, then counts for nothing.
 template <class S, int D>
 struct material {
     /// Coulomb friction coefficient, at least 0.
@@ -19921,6 +20000,26 @@ struct product_mixing {
 
 namespace detail {
 
+/// As much of a material as a recipe keeps.
+template <class S, int D, class Features>
+struct kept_material {
+    [[no_unique_address]] kept_if<Features::friction, S, feature::friction> friction{};
+    [[no_unique_address]] kept_if<Features::restitution, S, feature::restitution> restitution{};
+    [[no_unique_address]] kept_if<Features::rolling_resistance, S, feature::rolling_resistance> rolling_resistance{};
+    [[no_unique_address]] kept_if<Features::surface_velocity, surface_motion<S, D>, feature::surface_velocity>
+        surface_velocity{};
+
+    constexpr kept_material() = default;
+    constexpr explicit kept_material(const material<S, D>& m)
+        : friction(m.friction),
+          restitution(m.restitution),
+          rolling_resistance(m.rolling_resistance),
+          surface_velocity(m.surface_velocity) {}
+    [[nodiscard]] constexpr material<S, D> whole() const {
+        return {friction, restitution, rolling_resistance, surface_velocity};
+    }
+};
+
 /// A rule that does the same to all three coefficients: Same::of(a, b).
 template <class Same>
 struct mixing_by {
@@ -19976,26 +20075,29 @@ PHYSICS_HPP_BEGIN
 template <class S, int D>
 using tangential = std::conditional_t<D == 2, S, vec<S, 2>>;
 
-/// One point of a contact.
+/// Levers from the centres of mass of A and B to a point, in world axes (m).
 template <class S, int D>
+struct levers {
+    vec<S, D> a, b;
+};
+
+/// One point of a contact.
+template <class S, int D, class Features = without<>>
 struct contact_point {
-    /// Lever from the centre of mass of either body to the point, in world axes (m).
-    vec<S, D> lever_a;
-    vec<S, D> lever_b;
+    /// From the origin of shape A, in world axes (m).
+    vec<S, D> position;
     /// Distance of the surfaces along the normal (m); negative where they overlap.
     S separation{};
     /// Sum of the impulses of the last step along the normal, at least 0, and along the tangents (N s).
     S normal_impulse{};
-    physics::tangential<S, D> friction_impulse{};
+    [[no_unique_address]] detail::kept_if<Features::friction, tangential<S, D>, feature::friction> friction_impulse{};
     /// The impulse along the normal of the last substep, where a solver takes several (N s).
     S load{};
     std::uint32_t feature = 0;
-    /// True if the same features touched in the step before.
-    bool persisted = false;
 };
 
-/// Two shapes of different bodies that touch or are about to.
-template <class S, int D>
+/// Two shapes of different bodies that touch or are about to. Without a feature it has not what belongs to that.
+template <class S, int D, class Features = without<>>
 struct contact {
     /// Numbers of the shapes; the normal points from A to B.
     std::uint32_t shape_a, shape_b;
@@ -20004,19 +20106,31 @@ struct contact {
     /// Which part of a concave shape touches; 0 of convex ones.
     std::uint32_t part = 0;
     vec<S, D> normal;
-    contact_point<S, D> points[manifold<S, D>::capacity] = {};
-    int count = 0;
-    /// Angular impulse of friction about the normal, where the solver lets contacts resist twisting (N m s).
-    S twist_impulse{};
-    /// Angular impulse that resists rolling: about z in the plane, about both tangents in space (N m s).
-    physics::tangential<S, D> rolling_impulse{};
+    /// From the centre of mass of either body to the origin of shape A, in world axes (m).
+    vec<S, D> arm_a, arm_b;
+    std::uint8_t count = 0;
+    /// Of each point a bit: 1 if the same features touched in the step before.
+    std::uint8_t lasting = 0;
+    contact_point<S, D, Features> points[manifold<S, D>::capacity] = {};
     /// Of both surfaces together.
-    S friction{};
-    S restitution{};
-    S rolling_resistance{};
+    [[no_unique_address]] detail::kept_if<Features::friction, S, feature::friction> friction{};
+    [[no_unique_address]] detail::kept_if<Features::restitution, S, feature::restitution> restitution{};
+    [[no_unique_address]] detail::kept_if<Features::rolling_resistance, S, feature::rolling_resistance>
+        rolling_resistance{};
     /// How fast B slides over A along the tangents where the surfaces themselves do not slip (m/s).
-    physics::tangential<S, D> surface_velocity{};
+    [[no_unique_address]] detail::kept_if<Features::surface_velocity, tangential<S, D>, feature::surface_velocity>
+        surface_velocity{};
+    /// Angular impulse of friction about the normal, where the solver lets contacts resist twisting (N m s).
+    [[no_unique_address]] detail::kept_if<Features::friction && D == 3, S, feature::friction, 1> twist_impulse{};
+    /// Angular impulse that resists rolling: about z in the plane, about both tangents in space (N m s).
+    [[no_unique_address]] detail::kept_if<Features::rolling_resistance, tangential<S, D>, feature::rolling_resistance,
+                                          1>
+        rolling_impulse{};
 
+    [[nodiscard]] constexpr physics::levers<S, D> levers(int k) const {
+        return {arm_a + points[k].position, arm_b + points[k].position};
+    }
+    [[nodiscard]] constexpr bool persisted(int k) const { return (lasting >> k & 1) != 0; }
     [[nodiscard]] constexpr proxy_pair key() const {
         return shape_a < shape_b ? proxy_pair{shape_a, shape_b} : proxy_pair{shape_b, shape_a};
     }
@@ -20063,17 +20177,19 @@ constexpr vec<S, 2> driven(const tangents3<S>& frame, const rotation<S, 3>& turn
     return frame.components(turn_a * of_a - turn_b * of_b);
 }
 
-/// Hands the impulse of the same feature in an old contact to a point.
-template <class S, int D>
-void inherit_impulse(const contact<S, D>& old, const tangents<S, D>& old_frame, const tangents<S, D>& frame,
-                     contact_point<S, D>& point) {
-    for (int j = 0; j < old.count && !point.persisted; ++j) {
+/// Hands the impulse of the same feature in an old contact to a point; true if there is one.
+template <class S, int D, class Features>
+bool inherit_impulse(const contact<S, D, Features>& old, const tangents<S, D>& old_frame, const tangents<S, D>& frame,
+                     contact_point<S, D, Features>& point) {
+    for (int j = 0; j < old.count; ++j) {
         if (old.points[j].feature != point.feature) continue;
         point.normal_impulse = old.points[j].normal_impulse;
         point.load = old.points[j].load;
-        point.friction_impulse = frame.components(old_frame.combine(old.points[j].friction_impulse));
-        point.persisted = true;
+        if constexpr (Features::friction)
+            point.friction_impulse = frame.components(old_frame.combine(old.points[j].friction_impulse));
+        return true;
     }
+    return false;
 }
 
 /// What resisted rolling about old tangents, about new ones; in the plane they all turn about z.
@@ -20087,29 +20203,27 @@ constexpr vec<S, 2> same_moment(const tangents3<S>& old, const tangents3<S>& fra
 }
 
 /// Hands the impulses of the same features in an old contact to a contact.
-template <class S, int D>
-void inherit_impulses(const contact<S, D>& old, const tangents<S, D>& frame, contact<S, D>& c) {
+template <class S, int D, class Features>
+void inherit_impulses(const contact<S, D, Features>& old, const tangents<S, D>& frame, contact<S, D, Features>& c) {
     const tangents<S, D> old_frame(old.normal);
-    bool persisted = false;
-    for (int k = 0; k < c.count; ++k) {
-        const bool before = c.points[k].persisted;
-        inherit_impulse(old, old_frame, frame, c.points[k]);
-        persisted = persisted || before != c.points[k].persisted;
-    }
-    if (!persisted) return;
-    c.twist_impulse = old.twist_impulse;
-    if (c.rolling_resistance > S(0))
-        c.rolling_impulse = same_moment(old_frame, frame, old.rolling_impulse);
+    const std::uint8_t before = c.lasting;
+    for (int k = 0; k < c.count; ++k)
+        if (!c.persisted(k) && inherit_impulse(old, old_frame, frame, c.points[k]))
+            c.lasting = static_cast<std::uint8_t>(c.lasting | 1 << k);
+    if (c.lasting == before) return;
+    if constexpr (Features::friction && D == 3) c.twist_impulse = old.twist_impulse;
+    if constexpr (Features::rolling_resistance)
+        if (c.rolling_resistance > S(0)) c.rolling_impulse = same_moment(old_frame, frame, old.rolling_impulse);
 }
 
 /// Scales what acted in a step as if it had been so many times as long.
-template <class S, int D>
-void scale_impulses(contact<S, D>& c, S ratio) {
-    c.twist_impulse *= ratio;
-    c.rolling_impulse *= ratio;
+template <class S, int D, class Features>
+void scale_impulses(contact<S, D, Features>& c, S ratio) {
+    if constexpr (Features::friction && D == 3) c.twist_impulse *= ratio;
+    if constexpr (Features::rolling_resistance) c.rolling_impulse *= ratio;
     for (int k = 0; k < c.count; ++k) {
         c.points[k].normal_impulse *= ratio;
-        c.points[k].friction_impulse *= ratio;
+        if constexpr (Features::friction) c.points[k].friction_impulse *= ratio;
         c.points[k].load *= ratio;
     }
 }
@@ -20117,8 +20231,9 @@ void scale_impulses(contact<S, D>& c, S ratio) {
 /// Hands the impulses of last step's contacts to the same features of some of this step's. Both lists are in ascending
 /// order of their pairs, so one walk along both finds the matches: O(n), no hashing; a pair of several contacts is
 /// searched whole. Points that are new start from zero: only what outlives a step is warm.
-template <class S, int D>
-void inherit_impulses(const buffer<contact<S, D>>& before, contact<S, D>* first, const contact<S, D>* end) {
+template <class S, int D, class Features>
+void inherit_impulses(const buffer<contact<S, D, Features>>& before, contact<S, D, Features>* first,
+                      const contact<S, D, Features>* end) {
     if (first == end) return;
     std::uint32_t i = 0;
     for (std::uint32_t size = before.size(); size > 0;) {
@@ -20194,12 +20309,12 @@ private:
 
 /// True if two bodies of these velocities touch within two steps of h, or would if something drew them together by
 /// `slack` (m) more. Two, since the last round of a solver looks ahead as far as another part of a step.
-template <class S, int D>
-bool comes_to_touch(const contact<S, D>& c, const twist<S, D>& a, const twist<S, D>& b, S h, S slack) {
+template <class S, int D, class Features>
+bool comes_to_touch(const contact<S, D, Features>& c, const twist<S, D>& a, const twist<S, D>& b, S h, S slack) {
     for (int k = 0; k < c.count; ++k) {
-        const contact_point<S, D>& p = c.points[k];
-        const S speed = dot(c.normal, velocity_at(b, p.lever_b) - velocity_at(a, p.lever_a));
-        if (p.separation + min(speed, S(0)) * (h + h) <= slack) return true;
+        const auto [to_a, to_b] = c.levers(k);
+        const S speed = dot(c.normal, velocity_at(b, to_b) - velocity_at(a, to_a));
+        if (c.points[k].separation + min(speed, S(0)) * (h + h) <= slack) return true;
     }
     return false;
 }
@@ -20226,20 +20341,22 @@ inline std::uint32_t* numbers_below(std::uint32_t count, arena& scratch) {
 }  // namespace detail
 
 /// Contacts that a solver is to solve, of a longer list.
-template <class S, int D>
+template <class S, int D, class Features = without<>>
 class contact_list {
+    using contact = physics::contact<S, D, Features>;
+
 public:
-    contact_list(contact<S, D>* all, const std::uint32_t* numbers, std::uint32_t count)
+    contact_list(contact* all, const std::uint32_t* numbers, std::uint32_t count)
         : all_(all), numbers_(numbers), count_(count) {}
     /// All contacts of a buffer.
-    contact_list(buffer<contact<S, D>>& all, arena& scratch)
+    contact_list(buffer<contact>& all, arena& scratch)
         : all_(all.begin()), numbers_(detail::numbers_below(all.size(), scratch)), count_(all.size()) {}
 
     [[nodiscard]] std::uint32_t size() const { return count_; }
-    contact<S, D>& operator[](std::uint32_t i) const { return all_[numbers_[i]]; }
+    contact& operator[](std::uint32_t i) const { return all_[numbers_[i]]; }
 
 private:
-    contact<S, D>* all_;
+    contact* all_;
     const std::uint32_t* numbers_;
     std::uint32_t count_;
 };
@@ -20277,8 +20394,8 @@ public:
     static constexpr std::uint32_t enough = 512;
 
     /// is_pushed: of each body, and false for one more. Up to `in_one` bodies and contacts make one batch.
-    template <class S, int D>
-    batch_maker(buffer<contact<S, D>>& contacts, const bool* is_pushed, std::uint32_t bodies, arena& scratch,
+    template <class S, int D, class Features>
+    batch_maker(buffer<contact<S, D, Features>>& contacts, const bool* is_pushed, std::uint32_t bodies, arena& scratch,
                 std::uint32_t in_one = enough)
         : scratch_(scratch), is_pushed_(is_pushed), bodies_(bodies), contacts_(contacts.size()) {
         if (bodies_ + contacts_ <= in_one) {
@@ -20562,8 +20679,8 @@ struct contact_colours {
 };
 
 /// Whether a contact is about to push: it has, or its surfaces overlap.
-template <class S, int D>
-bool is_active(const contact<S, D>& c) {
+template <class S, int D, class Features>
+bool is_active(const contact<S, D, Features>& c) {
     bool active = false;
     for (int k = 0; k < c.count; ++k) active |= c.points[k].load > S(0) || !(c.points[k].separation > S(0));
     return active;
@@ -20573,8 +20690,8 @@ bool is_active(const contact<S, D>& c) {
 /// their own those that push only A and those that push only B, so that what holds the pile acts last, and all of a
 /// colour push the same sides. Within a colour those that are about to push come first, so that lanes have the same to
 /// do. O(contacts). Source: Catto, Solver2D (2024); greedy edge colouring.
-template <class S, int D>
-contact_colours colour(const contact_list<S, D>& contacts, solver_bodies<S, D> bodies, arena& scratch) {
+template <class S, int D, class Features>
+contact_colours colour(const contact_list<S, D, Features>& contacts, solver_bodies<S, D> bodies, arena& scratch) {
     const std::uint32_t count = contacts.size();
     auto* used = scratch.template take<std::uint64_t>(bodies.count);
     // Until a contact has its colour, which sides it pushes; and with either, whether it is idle.
@@ -20794,17 +20911,16 @@ constexpr inverse_of<S> angular_answer(const symmetric<inverse_of<S>>& inverse_i
 
 /// Both bodies' answer along m to a unit impulse along n at a contact point.
 template <class S, int D>
-constexpr inverse_of<S> answer(const solver_body<S, D>& a, const solver_body<S, D>& b, const contact_point<S, D>& p,
+constexpr inverse_of<S> answer(const solver_body<S, D>& a, const solver_body<S, D>& b, const levers<S, D>& to,
                                vec<S, D> n, vec<S, D> m) {
-    return angular_answer<S>(a.inverse_inertia, p.lever_a, n, m) +
-           angular_answer<S>(b.inverse_inertia, p.lever_b, n, m);
+    return angular_answer<S>(a.inverse_inertia, to.a, n, m) + angular_answer<S>(b.inverse_inertia, to.b, n, m);
 }
 
 /// The effective mass along n: the impulse that changes the relative velocity along n by 1.
 template <class S, int D>
-constexpr S effective_mass(const solver_body<S, D>& a, const solver_body<S, D>& b, const contact_point<S, D>& p,
+constexpr S effective_mass(const solver_body<S, D>& a, const solver_body<S, D>& b, const levers<S, D>& to,
                            vec<S, D> n) {
-    const inverse_of<S> k = a.inverse_mass + b.inverse_mass + answer(a, b, p, n, n);
+    const inverse_of<S> k = a.inverse_mass + b.inverse_mass + answer(a, b, to, n, n);
     return k > inverse_of<S>(0) ? reciprocal<S>(k) : S(0);
 }
 
@@ -20816,9 +20932,9 @@ struct friction2 {
     S mass{};
 
     constexpr friction2() = default;
-    constexpr friction2(const solver_body<S, 2>& a, const solver_body<S, 2>& b, const contact_point<S, 2>& p,
+    constexpr friction2(const solver_body<S, 2>& a, const solver_body<S, 2>& b, const levers<S, 2>& to,
                         const tangents2<S>& frame)
-        : mass(detail::effective_mass(a, b, p, frame.t)) {}
+        : mass(detail::effective_mass(a, b, to, frame.t)) {}
 
     /// The accumulated impulse that stops the slip v, or the largest that friction can give.
     [[nodiscard]] constexpr S next(S impulse, S v, S limit) const { return clamp(impulse - mass * v, -limit, limit); }
@@ -20860,11 +20976,11 @@ struct circular_cone {
 template <class S>
 struct friction3 : circular_cone<S> {
     constexpr friction3() = default;
-    constexpr friction3(const solver_body<S, 3>& a, const solver_body<S, 3>& b, const contact_point<S, 3>& p,
+    constexpr friction3(const solver_body<S, 3>& a, const solver_body<S, 3>& b, const levers<S, 3>& to,
                         const tangents3<S>& frame)
-        : circular_cone<S>(a.inverse_mass + b.inverse_mass + detail::answer(a, b, p, frame.t, frame.t),
-                           detail::answer(a, b, p, frame.t, frame.u),
-                           a.inverse_mass + b.inverse_mass + detail::answer(a, b, p, frame.u, frame.u)) {}
+        : circular_cone<S>(a.inverse_mass + b.inverse_mass + detail::answer(a, b, to, frame.t, frame.t),
+                           detail::answer(a, b, to, frame.t, frame.u),
+                           a.inverse_mass + b.inverse_mass + detail::answer(a, b, to, frame.u, frame.u)) {}
 };
 
 /// Friction of a point in D dimensions.
@@ -21019,14 +21135,15 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// The speed with which the surfaces part at a point after they have met; 0 where nothing bounces.
-template <class S, int D>
-S bounce_of(const contact<S, D>& c, const contact_point<S, D>& p, const solver_body<S, D>& a,
-            const solver_body<S, D>& b, S slop, S h) {
+/// The speed with which the surfaces part at point k after they have met; 0 where nothing bounces.
+template <class S, int D, class Features>
+S bounce_of(const contact<S, D, Features>& c, int k, const solver_body<S, D>& a, const solver_body<S, D>& b, S slop,
+            S h) {
     if (!(c.restitution > S(0))) return S(0);
     // A bounce starts where the gap is: the speed that closes it first would be lost.
-    const S speed = dot(c.normal, velocity_at(b.velocity, p.lever_b) - velocity_at(a.velocity, p.lever_a));
-    const bool meets = p.separation + speed * h < S(0);
+    const auto [to_a, to_b] = c.levers(k);
+    const S speed = dot(c.normal, velocity_at(b.velocity, to_b) - velocity_at(a.velocity, to_a));
+    const bool meets = c.points[k].separation + speed * h < S(0);
     return meets && -speed > slop ? -(c.restitution * speed) : S(0);
 }
 
@@ -21084,10 +21201,11 @@ struct sequential_impulse {
         using S = typename Space::scalar;
         static constexpr int D = Space::dimension;
         using settings = sequential_impulse_settings<S>;
+        using contact = physics::contact<S, D, Features>;
 
         /// Advances velocities and poses by h: `motion` offers advance_velocities(h) and advance_poses(h).
         template <class Motion>
-        static void solve(solver_bodies<S, D> bodies, contact_list<S, D> contacts, const settings& with, S h,
+        static void solve(solver_bodies<S, D> bodies, contact_list<S, D, Features> contacts, const settings& with, S h,
                           arena& scratch, Motion&& motion) {
             block* blocks = scratch.template take<block>(contacts.size());
             for (std::uint32_t i = 0; i < contacts.size(); ++i) new (blocks + i) block(contacts[i], bodies, with, h);
@@ -21107,7 +21225,7 @@ struct sequential_impulse {
     private:
         struct no_friction {
             constexpr no_friction() = default;
-            constexpr no_friction(const solver_body<S, D>&, const solver_body<S, D>&, const contact_point<S, D>&,
+            constexpr no_friction(const solver_body<S, D>&, const solver_body<S, D>&, const levers<S, D>&,
                                   const tangents<S, D>&) {}
         };
         struct no_rolling {};
@@ -21124,44 +21242,47 @@ struct sequential_impulse {
                 rolling{};
             row rows[manifold<S, D>::capacity];
 
-            block(const contact<S, D>& c, solver_bodies<S, D> bodies, const settings& with, S h)
+            block(const contact& c, solver_bodies<S, D> bodies, const settings& with, S h)
                 : frame(c.normal) {
                 const solver_body<S, D>& a = bodies[c.body_a];
                 const solver_body<S, D>& b = bodies[c.body_b];
                 if constexpr (Features::rolling_resistance)
                     if (c.rolling_resistance > S(0)) rolling = {a, b, frame};
                 for (int k = 0; k < c.count; ++k) {
-                    const contact_point<S, D>& p = c.points[k];
-                    rows[k] = {
-                        {a, b, p, frame}, detail::effective_mass(a, b, p, c.normal), target_speed(c, p, a, b, with, h)};
+                    const levers<S, D> to = c.levers(k);
+                    rows[k] = {{a, b, to, frame},
+                               detail::effective_mass(a, b, to, c.normal),
+                               target_speed(c, k, a, b, with, h)};
                 }
             }
         };
 
         /// Apart, the surfaces may close the gap; overlapping, they part slowly; a bounce parts them with its
         /// share of the approach.
-        static S target_speed(const contact<S, D>& c, const contact_point<S, D>& p, const solver_body<S, D>& a,
-                              const solver_body<S, D>& b, const settings& with, S h) {
-            S target = -p.separation / h;
-            if (p.separation < S(0)) {
-                const S overlap = max(-p.separation - with.penetration_slop, S(0));
+        static S target_speed(const contact& c, int k, const solver_body<S, D>& a, const solver_body<S, D>& b,
+                              const settings& with, S h) {
+            const S separation = c.points[k].separation;
+            S target = -separation / h;
+            if (separation < S(0)) {
+                const S overlap = max(-separation - with.penetration_slop, S(0));
                 target = min(overlap * with.baumgarte / h, with.max_push_speed);
             }
             if constexpr (Features::restitution) {
-                const S bounce = detail::bounce_of(c, p, a, b, with.restitution_slop, h);
+                const S bounce = detail::bounce_of(c, k, a, b, with.restitution_slop, h);
                 if (bounce > S(0)) target = max(target, bounce);
             }
             return target;
         }
 
-        static void warm_start(const contact<S, D>& c, const block& with, solver_bodies<S, D> bodies) {
+        static void warm_start(const contact& c, const block& with, solver_bodies<S, D> bodies) {
             for (int k = 0; k < c.count; ++k) {
-                const contact_point<S, D>& p = c.points[k];
-                if (!p.persisted) continue;
+                const auto& p = c.points[k];
+                const auto [to_a, to_b] = c.levers(k);
+                if (!c.persisted(k)) continue;
                 vec<S, D> impulse = c.normal * p.normal_impulse;
                 if constexpr (Features::friction) impulse += with.frame.combine(p.friction_impulse);
-                bodies[c.body_a].apply(-impulse, p.lever_a);
-                bodies[c.body_b].apply(impulse, p.lever_b);
+                bodies[c.body_a].apply(-impulse, to_a);
+                bodies[c.body_b].apply(impulse, to_b);
             }
             if constexpr (Features::rolling_resistance)
                 if (c.rolling_resistance > S(0))
@@ -21173,7 +21294,7 @@ struct sequential_impulse {
             a.velocity.angular -= times(a.inverse_inertia, moment);
             b.velocity.angular += times(b.inverse_inertia, moment);
         }
-        static void resist_rolling(contact<S, D>& c, const block& with, solver_body<S, D>& a, solver_body<S, D>& b) {
+        static void resist_rolling(contact& c, const block& with, solver_body<S, D>& a, solver_body<S, D>& b) {
             S load = S(0);
             for (int k = 0; k < c.count; ++k) load += c.points[k].normal_impulse;
             const auto w = with.rolling.components(with.frame, b.velocity.angular - a.velocity.angular);
@@ -21182,7 +21303,7 @@ struct sequential_impulse {
             c.rolling_impulse = impulse;
         }
 
-        static void solve_contact(contact<S, D>& c, const block& with, solver_bodies<S, D> bodies, bool back) {
+        static void solve_contact(contact& c, const block& with, solver_bodies<S, D> bodies, bool back) {
             solver_body<S, D>& a = bodies[c.body_a];
             solver_body<S, D>& b = bodies[c.body_b];
             if constexpr (Features::rolling_resistance)
@@ -21191,16 +21312,17 @@ struct sequential_impulse {
                 const auto& frame = with.frame;
                 for (int i = 0; i < c.count; ++i) {
                     const int k = back ? c.count - 1 - i : i;
-                    contact_point<S, D>& p = c.points[k];
-                    const vec<S, D> v = velocity_at(b.velocity, p.lever_b) - velocity_at(a.velocity, p.lever_a);
+                    auto& p = c.points[k];
+                    const auto [to_a, to_b] = c.levers(k);
+                    const vec<S, D> v = velocity_at(b.velocity, to_b) - velocity_at(a.velocity, to_a);
                     auto slip = frame.components(v);
                     if constexpr (Features::surface_velocity) slip -= c.surface_velocity;
                     const auto impulse =
                         with.rows[k].friction.next(p.friction_impulse, slip, c.friction * p.normal_impulse);
                     const vec<S, D> change = frame.combine(impulse - p.friction_impulse);
                     p.friction_impulse = impulse;
-                    a.apply(-change, p.lever_a);
-                    b.apply(change, p.lever_b);
+                    a.apply(-change, to_a);
+                    b.apply(change, to_b);
                 }
             }
             // Normals last: not sinking in matters more than not sliding. Across and back, because the points of
@@ -21209,14 +21331,15 @@ struct sequential_impulse {
             for (int i = 0; i < visits; ++i) {
                 const int across = i < c.count ? i : visits - 1 - i;
                 const int k = back ? c.count - 1 - across : across;
-                contact_point<S, D>& p = c.points[k];
-                const vec<S, D> v = velocity_at(b.velocity, p.lever_b) - velocity_at(a.velocity, p.lever_a);
+                auto& p = c.points[k];
+                const auto [to_a, to_b] = c.levers(k);
+                const vec<S, D> v = velocity_at(b.velocity, to_b) - velocity_at(a.velocity, to_a);
                 const S impulse = max(
                     p.normal_impulse + with.rows[k].normal_mass * (with.rows[k].target_speed - dot(c.normal, v)), S(0));
                 const vec<S, D> change = c.normal * (impulse - p.normal_impulse);
                 p.normal_impulse = impulse;
-                a.apply(-change, p.lever_a);
-                b.apply(change, p.lever_b);
+                a.apply(-change, to_a);
+                b.apply(change, to_b);
             }
         }
     };
@@ -21400,13 +21523,15 @@ template <class S, int W, int D>
 struct belt_lanes {
     S along[W];
 
-    void put(int lane, const contact<S, 2>& c) { along[lane] = c.surface_velocity; }
+    template <class Features>
+    void put(int lane, const contact<S, 2, Features>& c) { along[lane] = c.surface_velocity; }
 };
 template <class S, int W>
 struct belt_lanes<S, W, 3> {
     S x[W], y[W];
 
-    void put(int lane, const contact<S, 3>& c) {
+    template <class Features>
+    void put(int lane, const contact<S, 3, Features>& c) {
         x[lane] = c.surface_velocity.x;
         y[lane] = c.surface_velocity.y;
     }
@@ -21422,12 +21547,14 @@ struct rolling_lanes {
     /// Of this substep, and of the whole step.
     S impulse[W], total[W];
 
-    void put(int lane, const contact<S, 2>& c, const rolling2<S>& with, S share) {
+    template <class Features>
+    void put(int lane, const contact<S, 2, Features>& c, const rolling2<S>& with, S share) {
         arm[lane] = c.rolling_resistance;
         inertia[lane] = with.inertia;
         impulse[lane] = c.rolling_impulse * share;
     }
-    void take(int lane, contact<S, 2>& c) const { c.rolling_impulse = total[lane]; }
+    template <class Features>
+    void take(int lane, contact<S, 2, Features>& c) const { c.rolling_impulse = total[lane]; }
     /// The change of the angular impulse where B turns by w against A.
     PHYSICS_HPP_ALWAYS_INLINE P next(const P& w, const P& load) {
         const P before = P::load(impulse), reach = P::load(arm), most = reach * load, zero = P::broadcast(S(0));
@@ -21446,13 +21573,15 @@ struct rolling_lanes<S, W, 3> {
     cone_lanes<S, W> stop;
     S x[W], y[W], total_x[W], total_y[W];
 
-    void put(int lane, const contact<S, 3>& c, const rolling3<S>& with, S share) {
+    template <class Features>
+    void put(int lane, const contact<S, 3, Features>& c, const rolling3<S>& with, S share) {
         arm[lane] = c.rolling_resistance;
         stop.put(lane, with);
         x[lane] = c.rolling_impulse.x * share;
         y[lane] = c.rolling_impulse.y * share;
     }
-    void take(int lane, contact<S, 3>& c) const { c.rolling_impulse = {total_x[lane], total_y[lane]}; }
+    template <class Features>
+    void take(int lane, contact<S, 3, Features>& c) const { c.rolling_impulse = {total_x[lane], total_y[lane]}; }
     PHYSICS_HPP_ALWAYS_INLINE lanes2<P> next(const lanes2<P>& w, const P& load) {
         const lanes2<P> before = {P::load(x), P::load(y)};
         const P reach = P::load(arm), zero = P::broadcast(S(0));
@@ -21467,23 +21596,24 @@ struct rolling_lanes<S, W, 3> {
     }
 };
 
-/// What a recipe leaves out.
+/// In place of what a recipe leaves out.
 template <int Which>
-struct left_out {};
+struct nothing {};
 
 /// What few contacts have lies apart from their block, so that the others pay for a look at a pointer.
 template <class S, int W, int D, class Features>
 struct soft_extras
-    : std::conditional_t<Features::rolling_resistance, rolling_lanes<S, W, D>, left_out<0>>,
-      std::conditional_t<Features::surface_velocity, belt_lanes<S, W, D>, left_out<1>> {
+    : std::conditional_t<Features::rolling_resistance, rolling_lanes<S, W, D>, nothing<0>>,
+      std::conditional_t<Features::surface_velocity, belt_lanes<S, W, D>, nothing<1>> {
     using rolling = rolling_lanes<S, W, D>;
     using belt = belt_lanes<S, W, D>;
 
-    static bool needed_by(const contact<S, D>& c) {
+    static bool needed_by(const contact<S, D, Features>& c) {
         return (Features::rolling_resistance && c.rolling_resistance > S(0)) ||
                (Features::surface_velocity && c.surface_velocity != tangential<S, D>{});
     }
-    void put(int lane, const contact<S, D>& c, const solver_body<S, D>& a, const solver_body<S, D>& b, S share) {
+    void put(int lane, const contact<S, D, Features>& c, const solver_body<S, D>& a, const solver_body<S, D>& b,
+             S share) {
         if constexpr (Features::rolling_resistance)
             if (c.rolling_resistance > S(0))
                 rolling::put(lane, c, rolling_at<S, D>(a, b, tangents<S, D>(c.normal)), share);
@@ -21498,17 +21628,17 @@ struct extras_of_block {
 
     extras* at = nullptr;
 
-    void put(int lane, const contact<S, D>& c, const solver_body<S, D>& a, const solver_body<S, D>& b, S share,
-             arena& scratch) {
+    void put(int lane, const contact<S, D, Features>& c, const solver_body<S, D>& a, const solver_body<S, D>& b,
+             S share, arena& scratch) {
         if (extras::needed_by(c)) add(lane, c, a, b, share, scratch);
     }
-    void take(int lane, contact<S, D>& c) const {
+    void take(int lane, contact<S, D, Features>& c) const {
         if constexpr (Features::rolling_resistance)
             if (at != nullptr) at->extras::rolling::take(lane, c);
     }
 
 private:
-    PHYSICS_HPP_NOINLINE void add(int lane, const contact<S, D>& c, const solver_body<S, D>& a,
+    PHYSICS_HPP_NOINLINE void add(int lane, const contact<S, D, Features>& c, const solver_body<S, D>& a,
                                   const solver_body<S, D>& b, S share, arena& scratch) {
         if (at == nullptr) at = new (scratch.template take<extras>(1)) extras{};
         at->put(lane, c, a, b, share);
@@ -21517,8 +21647,8 @@ private:
 template <class S, int W, int D, class Features>
     requires(!Features::rolling_resistance && !Features::surface_velocity)
 struct extras_of_block<S, W, D, Features> {
-    void put(int, const contact<S, D>&, const solver_body<S, D>&, const solver_body<S, D>&, S, arena&) {}
-    void take(int, contact<S, D>&) const {}
+    void put(int, const contact<S, D, Features>&, const solver_body<S, D>&, const solver_body<S, D>&, S, arena&) {}
+    void take(int, contact<S, D, Features>&) const {}
 };
 
 }  // namespace detail
@@ -21572,11 +21702,11 @@ struct slide_lanes {
 };
 
 /// Last step's friction of the points that are still there and still bear a load.
-template <class S, int D>
-tangential<S, D> friction_of(const contact<S, D>& c) {
+template <class S, int D, class Features>
+tangential<S, D> friction_of(const contact<S, D, Features>& c) {
     tangential<S, D> sum{};
     for (int k = 0; k < c.count; ++k)
-        if (c.points[k].persisted && c.points[k].load > S(0)) sum += c.points[k].friction_impulse;
+        if (c.persisted(k) && c.points[k].load > S(0)) sum += c.points[k].friction_impulse;
     return sum;
 }
 /// The loads of a contact's points together.
@@ -21611,7 +21741,8 @@ struct soft_patch_friction3 {
     S x[W], y[W], twist[W];
     S total_x[W], total_y[W], total_twist[W];
 
-    void put(int lane, const contact<S, 3>& c, S share) {
+    template <class Features>
+    void put(int lane, const contact<S, 3, Features>& c, S share) {
         coefficient[lane] = c.friction;
         const vec<S, 2> before = friction_of(c);
         x[lane] = before.x * share;
@@ -21677,11 +21808,12 @@ struct soft_point_friction3 {
     inverse_of<S> answer[6][W];
     point each[manifold<S, 3>::capacity];
 
-    void put(int lane, const contact<S, 3>& c, S share) {
+    template <class Features>
+    void put(int lane, const contact<S, 3, Features>& c, S share) {
         coefficient[lane] = c.friction;
         for (int k = 0; k < c.count; ++k) {
-            const contact_point<S, 3>& from = c.points[k];
-            const bool bears = from.persisted && from.load > S(0);
+            const auto& from = c.points[k];
+            const bool bears = c.persisted(k) && from.load > S(0);
             each[k].x[lane] = bears ? from.friction_impulse.x * share : S(0);
             each[k].y[lane] = bears ? from.friction_impulse.y * share : S(0);
         }
@@ -22016,19 +22148,12 @@ struct no_soft_bounces {};
 template <class S, int D, int W, class Features>
 using soft_bounces_of = std::conditional_t<Features::restitution, soft_bounces<S, D, W>, no_soft_bounces>;
 
-/// The middle of a contact's points.
-template <class S, int D>
-contact_point<S, D> middle_of(const contact<S, D>& c) {
-    contact_point<S, D> middle = c.points[0];
-    if (c.count == 1) return middle;
-    for (int k = 1; k < c.count; ++k) {
-        middle.lever_a += c.points[k].lever_a;
-        middle.lever_b += c.points[k].lever_b;
-    }
-    const S share = S(1) / S(c.count);
-    middle.lever_a *= share;
-    middle.lever_b *= share;
-    return middle;
+/// The middle of a contact's points, from where these are given.
+template <class S, int D, class Features>
+vec<S, D> middle_of(const contact<S, D, Features>& c) {
+    vec<S, D> middle = c.points[0].position;
+    for (int k = 1; k < c.count; ++k) middle += c.points[k].position;
+    return c.count == 1 ? middle : middle * (S(1) / S(c.count));
 }
 /// What a contact's points bear together.
 template <class P, class Point>
@@ -22153,11 +22278,11 @@ struct soft_contact2 {
     [[no_unique_address]] soft_bounces_of<S, 2, W, Features> bounce_to;
 
     /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
-    void put(int lane, const contact<S, 2>& c, const body* bodies, const soft_start<S>& with,
+    void put(int lane, const contact<S, 2, Features>& c, const body* bodies, const soft_start<S>& with,
              gathered_points<S, 2, W>& gathered, arena& scratch) {
         const body& first = bodies[c.body_a];
         const body& second = bodies[c.body_b];
-        const contact_point<S, 2> middle = middle_of(c);
+        const vec<S, 2> middle = middle_of(c), to_a = c.arm_a + middle, to_b = c.arm_b + middle;
         a[lane] = c.body_a;
         b[lane] = c.body_b;
         mass_a[lane] = first.inverse_mass;
@@ -22166,21 +22291,21 @@ struct soft_contact2 {
         inertia_b[lane] = second.inverse_inertia;
         for (int i = 0; i < 2; ++i) {
             normal[i][lane] = c.normal[i];
-            arm_a[i][lane] = middle.lever_a[i];
-            arm_b[i][lane] = middle.lever_b[i];
+            arm_a[i][lane] = to_a[i];
+            arm_b[i][lane] = to_b[i];
         }
         point_count = point_count < c.count ? c.count : point_count;
         gathered.count[lane] = S(c.count);
         for (int k = 0; k < c.count; ++k) {
-            const contact_point<S, 2>& from = c.points[k];
-            const vec<S, 2> offset = from.lever_a - middle.lever_a;
+            const auto& from = c.points[k];
+            const vec<S, 2> offset = from.position - middle;
             for (int i = 0; i < 2; ++i) gathered.offset[k][i][lane] = offset[i];
             gathered.there[k][lane] = S(1);
             points[k].separation[lane] = from.separation;
-            points[k].impulse[lane] = from.persisted ? from.load : S(0);
+            points[k].impulse[lane] = c.persisted(k) ? from.load : S(0);
             if constexpr (Features::restitution)
                 bounces |=
-                    S(0) < (bounce_to.speed[k][lane] = bounce_of(c, from, first, second, with.bounce_slop, with.step));
+                    S(0) < (bounce_to.speed[k][lane] = bounce_of(c, k, first, second, with.bounce_slop, with.step));
         }
         if constexpr (Features::friction) {
             friction.coefficient[lane] = c.friction;
@@ -22227,11 +22352,11 @@ struct soft_contact2 {
         }
     }
     /// Hands the impulses back. Friction is shared as the points share the load.
-    void take(int lane, contact<S, 2>& c) const {
+    void take(int lane, contact<S, 2, Features>& c) const {
         S load = S(0);
         for (int k = 0; k < c.count; ++k) load += points[k].total[lane];
         for (int k = 0; k < c.count; ++k) {
-            contact_point<S, 2>& to = c.points[k];
+            auto& to = c.points[k];
             to.normal_impulse = points[k].total[lane];
             to.load = points[k].impulse[lane];
             if constexpr (Features::friction)
@@ -22447,30 +22572,30 @@ struct soft_contact3 {
     [[no_unique_address]] soft_bounces_of<S, 3, W, Features> bounce_to;
 
     /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
-    void put(int lane, const contact<S, 3>& c, const body* bodies, const soft_start<S>& with,
+    void put(int lane, const contact<S, 3, Features>& c, const body* bodies, const soft_start<S>& with,
              gathered_points<S, 3, W>& gathered, arena& scratch) {
         const body& first = bodies[c.body_a];
         const body& second = bodies[c.body_b];
-        const contact_point<S, 3> middle = middle_of(c);
+        const vec<S, 3> middle = middle_of(c), to_a = c.arm_a + middle, to_b = c.arm_b + middle;
         a[lane] = c.body_a;
         b[lane] = c.body_b;
         for (int i = 0; i < 3; ++i) {
             normal[i][lane] = c.normal[i];
-            arm_a[i][lane] = middle.lever_a[i];
-            arm_b[i][lane] = middle.lever_b[i];
+            arm_a[i][lane] = to_a[i];
+            arm_b[i][lane] = to_b[i];
         }
         point_count = point_count < c.count ? c.count : point_count;
         gathered.count[lane] = S(c.count);
         for (int k = 0; k < c.count; ++k) {
-            const contact_point<S, 3>& from = c.points[k];
-            const vec<S, 3> offset = from.lever_a - middle.lever_a;
+            const auto& from = c.points[k];
+            const vec<S, 3> offset = from.position - middle;
             for (int i = 0; i < 3; ++i) gathered.offset[k][i][lane] = offset[i];
             gathered.there[k][lane] = S(1);
             points[k].separation[lane] = from.separation;
-            points[k].impulse[lane] = from.persisted ? from.load : S(0);
+            points[k].impulse[lane] = c.persisted(k) ? from.load : S(0);
             if constexpr (Features::restitution)
                 bounces |=
-                    S(0) < (bounce_to.speed[k][lane] = bounce_of(c, from, first, second, with.bounce_slop, with.step));
+                    S(0) < (bounce_to.speed[k][lane] = bounce_of(c, k, first, second, with.bounce_slop, with.step));
         }
         if constexpr (Features::friction) friction.put(lane, c, with.share);
         extras.put(lane, c, first, second, with.share, scratch);
@@ -22534,11 +22659,11 @@ struct soft_contact3 {
         if constexpr (Features::friction) friction.prepare(c, points, point_count, count);
     }
     /// Hands the impulses back.
-    void take(int lane, contact<S, 3>& c) const {
+    void take(int lane, contact<S, 3, Features>& c) const {
         S load = S(0);
         for (int k = 0; k < c.count; ++k) load += points[k].total[lane];
         for (int k = 0; k < c.count; ++k) {
-            contact_point<S, 3>& to = c.points[k];
+            auto& to = c.points[k];
             to.normal_impulse = points[k].total[lane];
             to.load = points[k].impulse[lane];
             if constexpr (Features::friction)
@@ -22865,7 +22990,7 @@ struct soft_step_with {
         /// Advances velocities and poses by h: `motion` offers advance_velocities(h) and advance_poses(h). With several
         /// hands, contacts of one colour are shared out.
         template <class Motion>
-        static void solve(solver_bodies<S, D> all, contact_list<S, D> contacts, const settings& with, S h,
+        static void solve(solver_bodies<S, D> all, contact_list<S, D, Features> contacts, const settings& with, S h,
                           arena& scratch, Motion&& motion, detail::crew& hands) {
 #if PHYSICS_HPP_AVX2_KERNELS
             if constexpr (Width > 1 && Width == detail::native_width<S>)
@@ -22905,7 +23030,7 @@ struct soft_step_with {
             });
         }
         template <class Motion>
-        static void solve(solver_bodies<S, D> all, contact_list<S, D> contacts, const settings& with, S h,
+        static void solve(solver_bodies<S, D> all, contact_list<S, D, Features> contacts, const settings& with, S h,
                           arena& scratch, Motion&& motion) {
             detail::crew nobody_else;
             solve(all, contacts, with, h, scratch, motion, nobody_else);
@@ -22948,13 +23073,13 @@ struct soft_step_with {
                 }
             }
             /// Hands a block's impulses to its contacts.
-            void take(std::uint32_t k, const contact_list<S, D>& contacts) const {
+            void take(std::uint32_t k, const contact_list<S, D, Features>& contacts) const {
                 for (int lane = 0; lane < width; ++lane)
                     if (const std::uint32_t n = numbers[k * width + static_cast<std::uint32_t>(lane)]; n != none)
                         first[k].take(lane, contacts[n]);
             }
         };
-        static blocks_in_colours pack(const contact_list<S, D>& contacts, solver_bodies<S, D> bodies,
+        static blocks_in_colours pack(const contact_list<S, D, Features>& contacts, solver_bodies<S, D> bodies,
                                       const detail::soft_start<S>& with, arena& scratch) {
             const detail::contact_colours colours = detail::colour(contacts, bodies, scratch);
             blocks_in_colours result;
@@ -22984,7 +23109,7 @@ struct soft_step_with {
             return result;
         }
         static void fill(block& place, std::uint32_t* numbers, const std::uint32_t* order, std::uint32_t used,
-                         const contact_list<S, D>& contacts, solver_bodies<S, D> bodies,
+                         const contact_list<S, D, Features>& contacts, solver_bodies<S, D> bodies,
                          const detail::soft_start<S>& with, arena& scratch) {
             block& to = *new (&place) block{};
             detail::gathered_points<S, D, width> gathered;
@@ -23156,45 +23281,6 @@ struct shapes {
     using stage = physics::stage::shapes;
 };
 
-/// Features that a recipe can leave out; what is left out costs nothing.
-namespace feature {
-/// Coulomb friction of contacts. Without it no surface drives another either.
-struct friction {};
-/// Bouncing.
-struct restitution {};
-/// Islands that are still leave the step until they are touched.
-struct sleeping {};
-/// Resistance to rolling.
-struct rolling_resistance {};
-/// Surfaces that run, as conveyor belts do.
-struct surface_velocity {};
-/// Looking after fast bodies on their way through a step.
-struct continuous {};
-}  // namespace feature
-
-/// Leaves features out: without<feature::friction, feature::restitution>.
-template <class... Features>
-struct without {
-    using stage = physics::stage::features;
-private:
-    template <class Feature>
-    static constexpr bool lacks = (std::same_as<Features, Feature> || ...);
-    template <class Any, class... Known>
-    static constexpr bool is_one_of = (std::same_as<Any, Known> || ...);
-
-public:
-    static constexpr bool friction = !lacks<feature::friction>;
-    static constexpr bool restitution = !lacks<feature::restitution>;
-    static constexpr bool rolling_resistance = !lacks<feature::rolling_resistance>;
-    static constexpr bool surface_velocity = friction && !lacks<feature::surface_velocity>;
-    static constexpr bool sleeping = !lacks<feature::sleeping>;
-    static constexpr bool continuous = !lacks<feature::continuous>;
-    static constexpr bool known = (is_one_of<Features, feature::friction, feature::restitution,
-                                             feature::rolling_resistance, feature::surface_velocity,
-                                             feature::sleeping, feature::continuous> &&
-                                   ...);
-};
-
 namespace detail {
 
 /// The stage of a policy; void for a type that names none.
@@ -23280,6 +23366,7 @@ struct plan<S, D, shapes<Shapes...>, Policies...> {
     static constexpr int dimension = D;
     using space = physics::space<S, D>;
     using features = typename policy_for<stage::features, without<>, Policies...>::type;
+    using contact = physics::contact<S, D, features>;
     using shape = any_shape<S, D, Shapes...>;
     using query = narrowphase_query<S, D, Shapes...>;
     using broadphase = typename policy_for<stage::broadphase, dynamic_tree, Policies...>::type::template in<space>;
@@ -23419,7 +23506,7 @@ struct any_motion {
 /// What a solver must offer: settings with a function check(settings, function) like that of shapes, and
 /// solve(bodies, contacts, settings, h, scratch, motion).
 template <class Policy, class S, int D, class Features>
-concept solver_policy = requires(solver_bodies<S, D> bodies, contact_list<S, D> contacts, arena scratch,
+concept solver_policy = requires(solver_bodies<S, D> bodies, contact_list<S, D, Features> contacts, arena scratch,
                                  any_motion<S> motion,
                                  const typename Policy::template in<space<S, D>, Features>::settings settings) {
     { check(settings, "function") } -> std::same_as<bool>;
@@ -23567,7 +23654,7 @@ struct shape_record {
     /// Where it is in the world, and its origin relative to the body's centre of mass, in world axes.
     transform<S, D> pose;
     vec<S, D> arm;
-    physics::material<S, D> material;
+    [[no_unique_address]] kept_material<S, D, typename Plan::features> material;
     S density{};
     std::uint32_t body = 0;
     /// The next shape of the same body.
@@ -23663,8 +23750,11 @@ struct pair_memories {
 inline constexpr std::uint32_t no_sleeper = 0xffffffffu;
 
 /// Who sleeps. Arrays by the numbers of bodies.
-template <class S, int D>
+template <class Plan>
 struct sleep_state {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+
     /// For how long each body has been still (s), up to the time that it takes to fall asleep.
     buffer<S> still;
     /// Where its centre of mass was when it became so.
@@ -23672,7 +23762,7 @@ struct sleep_state {
     /// Of each sleeper the next one of its island, in a ring.
     buffer<std::uint32_t> ring;
     /// Contacts of which no body that can be pushed is awake, in ascending order of their pairs.
-    buffer<contact<S, D>> contacts;
+    buffer<typename Plan::contact> contacts;
     /// Scratch: who wakes in this step, and who lies where something happens.
     buffer<std::uint32_t> woken, near;
 
@@ -23758,7 +23848,7 @@ struct state {
     shape_pool<Plan> shapes;
     typename Plan::broadphase broadphase;
     /// Contacts of the last step that push somebody who is awake, in ascending order of their pairs.
-    buffer<contact<S, D>> contacts;
+    buffer<typename Plan::contact> contacts;
     /// Where the centres of bodies were, and how bodies were turned, when these contacts were found.
     buffer<transform<S, D>> contact_starts;
     /// Numbers of the bodies that move and are awake, and of each body its number among them: how many there are if it
@@ -23768,7 +23858,7 @@ struct state {
     bool movers_changed = true;
     /// What the narrowphase remembers of the last step's pairs.
     pair_memories<Plan> memories;
-    [[no_unique_address]] std::conditional_t<Plan::sleeps, sleep_state<S, D>, no_sleep_state> sleep;
+    [[no_unique_address]] std::conditional_t<Plan::sleeps, sleep_state<Plan>, no_sleep_state> sleep;
     [[no_unique_address]] std::conditional_t<Plan::is_continuous, continuous_state<Plan>, nothing_continuous>
         continuous;
     std::uint64_t steps = 0;
@@ -23797,16 +23887,16 @@ struct state {
     }
 
     // Scratch of the step: nothing in it outlives one.
-    buffer<contact<S, D>> found;
+    buffer<typename Plan::contact> found;
     pair_memories<Plan> found_memories;
     buffer<proxy_pair> woken_pairs;
-    buffer<contact<S, D>> woken_contacts;
+    buffer<typename Plan::contact> woken_contacts;
     pair_memories<Plan> woken_memories;
     arena scratch;
     per_worker<arena> batch_scratch;
     /// What each worker has found.
     per_worker<manifold_list<S, D>> manifolds;
-    per_worker<buffer<contact<S, D>>> found_by;
+    per_worker<buffer<typename Plan::contact>> found_by;
     buffer<unsigned char> parts_done;
 
     [[nodiscard]] bool is_asleep(std::uint32_t body) const {
@@ -24061,11 +24151,11 @@ void set_mass_properties(state<Plan>& s, std::uint32_t index,
         const vec<S, Plan::dimension> center = b.pose() * mass.center, shift = mass.center - b.mass.center;
         b.velocity.linear += cross(b.velocity.angular, center - b.center);
         b.center = center;
-        for (auto& c : s.contacts)
-            for (int k = 0; k < c.count; ++k) {
-                if (body_a(s, c) == index) c.points[k].lever_a -= s.contact_starts[index].rotation * shift;
-                if (body_b(s, c) == index) c.points[k].lever_b -= s.contact_starts[index].rotation * shift;
-            }
+        const vec<S, Plan::dimension> turned_shift = s.contact_starts[index].rotation * shift;
+        for (auto& c : s.contacts) {
+            if (body_a(s, c) == index) c.arm_a -= turned_shift;
+            if (body_b(s, c) == index) c.arm_b -= turned_shift;
+        }
     }
     b.mass = mass;
     each_shape(s, index, [&](std::uint32_t, auto& shape) { locate(shape, b.pose(), b.center); });
@@ -24199,15 +24289,19 @@ bool check_continuous(const char* function, bool continuous) {
     return !continuous || Plan::is_continuous ||
            refuse(function, "continuous", "true", "the recipe leaves continuous collision out");
 }
-template <class S, int D>
+template <class Plan, class S, int D>
 bool check_material(const char* function, const material<S, D>& m) {
+    using features = typename Plan::features;
     if (!check_not_negative(function, "friction", m.friction) ||
         !check_not_negative(function, "restitution", m.restitution) ||
         !check_not_negative(function, "rolling_resistance", m.rolling_resistance) ||
         !check_finite(function, "surface_velocity", m.surface_velocity))
         return false;
-    return !(m.restitution > S(1)) ||
-           refuse(function, "restitution", static_cast<double>(m.restitution), "it must be at most 1");
+    if (m.restitution > S(1))
+        return refuse(function, "restitution", static_cast<double>(m.restitution), "it must be at most 1");
+    return (features::restitution || check_left_out(function, "restitution", m.restitution)) &&
+           (features::rolling_resistance || check_left_out(function, "rolling_resistance", m.rolling_resistance)) &&
+           (features::surface_velocity || check_left_out(function, "surface_velocity", m.surface_velocity));
 }
 template <class Settings>
 bool check_settings(const Settings& with, const char* function) {
@@ -25098,10 +25192,10 @@ private:
     struct sides {
         std::uint32_t a, b;
     };
-    [[nodiscard]] sides movers_of(const contact<S, D>& c) const {
+    [[nodiscard]] sides movers_of(const typename Plan::contact& c) const {
         return {s_.mover_of[body_a(s_, c)], s_.mover_of[body_b(s_, c)]};
     }
-    [[nodiscard]] bool touch(const contact<S, D>& c, S slack) const {
+    [[nodiscard]] bool touch(const typename Plan::contact& c, S slack) const {
         return comes_to_touch(c, s_.bodies[body_a(s_, c)].velocity, s_.bodies[body_b(s_, c)].velocity, step_, slack);
     }
     void judge(std::uint32_t k, island& of) {
@@ -25214,7 +25308,7 @@ shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape,
     const char* f = "create_shape";
     const found at = find_body(s, body, f);
     if (!at || !check(shape, f) || !check_pose(f, def.position, def.rotation) ||
-        !check_not_negative(f, "density", def.density) || !check_material(f, def.material))
+        !check_not_negative(f, "density", def.density) || !check_material<Plan>(f, def.material))
         return {};
     const auto& owner = s.bodies[at.index];
     if (!solid_shape_for<Shape, S, Plan::dimension> && owner.is_dynamic()) {
@@ -25224,7 +25318,7 @@ shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape,
     shape_record<Plan> record;
     record.shape = shape;
     record.local = {def.position, normalized(def.rotation)};
-    record.material = def.material;
+    record.material = decltype(record.material)(def.material);
     record.density = def.density;
     record.body = at.index;
     record.next = owner.first_shape;
@@ -25741,7 +25835,8 @@ private:
     bool solve(const batch& part, arena& scratch, crew& hands) {
         scratch.reset();
         batch_motion<Plan> moving(state_, parts_, part, moved_, step_, scratch);
-        const contact_list<S, D> contacts(state_.found.begin(), parts_.order + part.contacts, part.end - part.contacts);
+        const contact_list<S, D, typename Plan::features> contacts(state_.found.begin(), parts_.order + part.contacts,
+                                                                   part.end - part.contacts);
         const auto& with = state_.settings.solver;
         if constexpr (requires { Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving, hands); })
             Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving, hands);
@@ -25809,46 +25904,48 @@ auto* recall_pairs(state<Plan>& s, const buffer<proxy_pair>& pairs) {
 
 /// How running surfaces drive. Apart from the rest, since few do.
 template <class Plan>
-PHYSICS_HPP_NOINLINE void drive(contact<typename Plan::scalar, Plan::dimension>& c, const shape_record<Plan>& a,
+PHYSICS_HPP_NOINLINE void drive(typename Plan::contact& c, const shape_record<Plan>& a,
                                 const shape_record<Plan>& b) {
     c.surface_velocity = driven(tangents<typename Plan::scalar, Plan::dimension>(c.normal), a.pose.rotation,
                                 a.material.surface_velocity, b.pose.rotation, b.material.surface_velocity);
 }
 /// What both surfaces make of a contact of A and B; false if the recipe's rule gives what no solver takes.
 template <class Plan>
-bool mix_surfaces(contact<typename Plan::scalar, Plan::dimension>& c, const shape_record<Plan>& a,
+bool mix_surfaces(typename Plan::contact& c, const shape_record<Plan>& a,
                   const shape_record<Plan>& b) {
     using S = typename Plan::scalar;
-    constexpr int D = Plan::dimension;
+    using features = typename Plan::features;
     const auto is_good = [](S x) { return x >= S(0) && is_finite(x); };
-    c.friction = Plan::mixing::friction(a.material, b.material);
-    c.restitution = Plan::mixing::restitution(a.material, b.material);
-    if constexpr (Plan::features::rolling_resistance)
-        c.rolling_resistance = Plan::mixing::rolling_resistance(a.material, b.material);
-    if constexpr (Plan::features::surface_velocity) {
-        const surface_motion<S, D> still{};
-        if (a.material.surface_velocity != still || b.material.surface_velocity != still) drive(c, a, b);
+    const material<S, Plan::dimension> of_a = a.material.whole(), of_b = b.material.whole();
+    bool good = true;
+    if constexpr (features::friction) good = is_good(c.friction = Plan::mixing::friction(of_a, of_b));
+    if constexpr (features::restitution) {
+        c.restitution = Plan::mixing::restitution(of_a, of_b);
+        good = good && is_good(c.restitution) && !(c.restitution > S(1));
     }
-    return is_good(c.friction) && is_good(c.restitution) && !(c.restitution > S(1)) && is_good(c.rolling_resistance);
+    if constexpr (features::rolling_resistance)
+        good = is_good(c.rolling_resistance = Plan::mixing::rolling_resistance(of_a, of_b)) && good;
+    if constexpr (features::surface_velocity) {
+        const surface_motion<S, Plan::dimension> still{};
+        if (of_a.surface_velocity != still || of_b.surface_velocity != still) drive(c, a, b);
+    }
+    return good;
 }
 
 /// Adds the contacts of a manifold between the shapes of a pair. False if their surfaces do not mix.
 template <class Plan, class Manifold>
 bool add_contact(const state<Plan>& s, proxy_pair pair, std::uint32_t part, const Manifold& m,
-                 buffer<contact<typename Plan::scalar, Plan::dimension>>& to) {
+                 buffer<typename Plan::contact>& to) {
     using S = typename Plan::scalar;
     constexpr int D = Plan::dimension;
     const proxy_pair p = in_order_of_kinds(s, pair);
     const auto& a = s.shapes[p.a];
     const auto& b = s.shapes[p.b];
     const rotation<S, D> turn = a.pose.rotation;
-    const vec<S, D> from_b = b.arm + (a.pose.position - b.pose.position);
-    contact<S, D>& c = to.emplace(p.a, p.b, s.mover_of[a.body], s.mover_of[b.body], part, turn * m.normal);
-    c.count = m.count;
+    auto& c = to.emplace(p.a, p.b, s.mover_of[a.body], s.mover_of[b.body], part, turn * m.normal, a.arm,
+                         b.arm + (a.pose.position - b.pose.position), static_cast<std::uint8_t>(m.count));
     for (int k = 0; k < m.count; ++k) {
-        const vec<S, D> at = turn * m.points[k].position;
-        c.points[k].lever_a = a.arm + at;
-        c.points[k].lever_b = from_b + at;
+        c.points[k].position = turn * m.points[k].position;
         c.points[k].separation = m.points[k].separation;
         c.points[k].feature = m.points[k].feature;
     }
@@ -25864,7 +25961,7 @@ template <class Plan>
 search_result search_pairs(state<Plan>& s, const typename Plan::query* queries, const buffer<proxy_pair>& pairs,
                            std::uint32_t first, std::uint32_t end,
                            manifold_list<typename Plan::scalar, Plan::dimension>& manifolds,
-                           buffer<contact<typename Plan::scalar, Plan::dimension>>& to) {
+                           buffer<typename Plan::contact>& to) {
     using S = typename Plan::scalar;
     manifolds.clear();
     const auto collide = [&](const auto* some, std::uint32_t count, S within) {
@@ -25890,7 +25987,7 @@ template <class Plan>
 bool find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs, crew& hands) {
     // So many pairs that what is found of them is still in the caches when it becomes contacts.
     constexpr std::uint32_t share = 256;
-    using contact = physics::contact<typename Plan::scalar, Plan::dimension>;
+    using contact = typename Plan::contact;
     struct piece {
         std::uint32_t worker, first, end;
         search_result is;
@@ -26044,10 +26141,11 @@ public:
     void add(const shape_record<Plan>& s) {
         add(static_cast<std::uint64_t>(s.shape.kind()) << 32 | s.body);
         add(s.local);
-        add(s.material.friction);
-        add(s.material.restitution);
-        add(s.material.rolling_resistance);
-        add(s.material.surface_velocity);
+        const auto material = s.material.whole();
+        add(material.friction);
+        add(material.restitution);
+        add(material.rolling_resistance);
+        add(material.surface_velocity);
         add(s.density);
         const auto box = bounds(s.shape, s.local);
         add(box.lower);
@@ -26056,17 +26154,17 @@ public:
             if constexpr (refers_to_geometry<std::remove_cvref_t<decltype(shape)>>) add(shape.geometry->digest);
         });
     }
-    template <class S, int D>
-    void add(const contact<S, D>& c) {
+    template <class S, int D, class Features>
+    void add(const contact<S, D, Features>& c) {
         add(c.normal);
-        add(c.twist_impulse);
-        add(c.rolling_impulse);
+        add(S(c.twist_impulse));
+        add(tangential<S, D>(c.rolling_impulse));
         add(static_cast<std::uint64_t>(c.count) | std::uint64_t{c.part} << 32);
         for (int k = 0; k < c.count; ++k) {
             add(std::uint64_t{c.points[k].feature});
             add(c.points[k].normal_impulse);
             add(c.points[k].load);
-            add(c.points[k].friction_impulse);
+            add(tangential<S, D>(c.points[k].friction_impulse));
         }
     }
     /// The manifold follows from the rest.
@@ -26418,7 +26516,7 @@ private:
 };
 
 template <class Plan>
-auto view_of(const state<Plan>& s, const contact<typename Plan::scalar, Plan::dimension>& c) {
+auto view_of(const state<Plan>& s, const typename Plan::contact& c) {
     using S = typename Plan::scalar;
     constexpr int D = Plan::dimension;
     const std::uint32_t at_a = body_a(s, c), at_b = body_b(s, c);
@@ -26430,11 +26528,12 @@ auto view_of(const state<Plan>& s, const contact<typename Plan::scalar, Plan::di
         c.part, c.normal, tangents<S, D>(c.normal), {}, c.count, c.friction, c.restitution, c.rolling_resistance,
         c.surface_velocity, c.twist_impulse, c.rolling_impulse};
     for (int k = 0; k < c.count; ++k) {
-        const contact_point<S, D>& p = c.points[k];
-        const vec<S, D> local_a = inverse_rotate(s.contact_starts[at_a].rotation, p.lever_a) + a.mass.center;
-        const vec<S, D> local_b = inverse_rotate(s.contact_starts[at_b].rotation, p.lever_b) + b.mass.center;
+        const auto& p = c.points[k];
+        const auto [to_a, to_b] = c.levers(k);
+        const vec<S, D> local_a = inverse_rotate(s.contact_starts[at_a].rotation, to_a) + a.mass.center;
+        const vec<S, D> local_b = inverse_rotate(s.contact_starts[at_b].rotation, to_b) + b.mass.center;
         view.points[k] = {a.pose() * local_a, local_a,    local_b, p.separation, p.normal_impulse,
-                          p.friction_impulse, p.persisted};
+                          p.friction_impulse, c.persisted(k)};
     }
     return view;
 }
@@ -26875,14 +26974,14 @@ public:
         return get(id, "local_pose", [](const auto& s) { return s.local; });
     }
     [[nodiscard]] material surface(shape_id id) const {
-        return get(id, "surface", [](const auto& s) { return s.material; });
+        return get(id, "surface", [](const auto& s) { return s.material.whole(); });
     }
     /// Changes a shape's material from the next step on.
     void set_surface(shape_id id, const material& m) {
         const auto s = detail::find_shape(state_, id, "set_surface");
-        if (!s || !detail::check_material("set_surface", m)) return;
+        if (!s || !detail::check_material<plan>("set_surface", m)) return;
         detail::rouse(state_, state_.shapes[s.index].body);
-        state_.shapes[s.index].material = m;
+        state_.shapes[s.index].material = decltype(state_.shapes[s.index].material)(m);
     }
     [[nodiscard]] std::uint64_t user_data(shape_id id) const {
         return get(id, "user_data", [](const auto& s) { return s.user_data; });

@@ -162,6 +162,7 @@
 #include "physics/dynamics/contact.hpp"
 #include "physics/dynamics/contact_graph.hpp"
 #include "physics/dynamics/continuous.hpp"
+#include "physics/dynamics/features.hpp"
 #include "physics/dynamics/free_spin.hpp"
 #include "physics/dynamics/friction.hpp"
 #include "physics/dynamics/integrator.hpp"

@@ -179,7 +179,7 @@ CELL_CASE("solver: what it converged to is its answer to the next step's warm st
         problem again = start;
         for (std::uint32_t i = 0; i < again.contacts.size(); ++i) {
             again.contacts[i] = p.contacts[i];
-            for (int k = 0; k < again.contacts[i].count; ++k) again.contacts[i].points[k].persisted = true;
+            again.contacts[i].lasting = 255;
         }
         solve<complete>(again, 1);
         for (std::size_t i = 0; i < p.bodies.size(); ++i)
@@ -242,7 +242,7 @@ CELL_CASE("contact: impulses go to the same features of the same pair, as a sear
                     c.shape_a = turned_round ? b : a;
                     c.shape_b = turned_round ? a : b;
                     c.normal = from_reals(random_direction(dice));
-                    c.count = 1 + dice.below(physics::manifold<S, D>::capacity);
+                    c.count = number_of(1 + dice.below(physics::manifold<S, D>::capacity));
                     for (int k = 0; k < c.count; ++k)
                         c.points[k].feature = static_cast<std::uint32_t>(4 * dice.below(2) + k);
                     list.push(c);
@@ -266,7 +266,7 @@ CELL_CASE("contact: impulses go to the same features of the same pair, as a sear
                             match = &old.points[j];
                             friction = friction_of(old, old.points[j]);
                         }
-                REQUIRE(c.points[k].persisted == (match != nullptr));
+                REQUIRE(c.persisted(k) == (match != nullptr));
                 REQUIRE(c.points[k].normal_impulse == (match ? match->normal_impulse : S(0)));
                 // In world axes, less what the new normal takes.
                 const reals n = to_reals(c.normal), kept = friction - n * dot(n, friction);

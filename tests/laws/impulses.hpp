@@ -22,6 +22,38 @@ struct problem {
     std::vector<physics::inertia<S, D>> inertias;
 };
 
+inline std::uint8_t number_of(int count) { return static_cast<std::uint8_t>(count); }
+
+/// Copies what contacts with and without features have in common.
+template <class To, class From>
+void copy_common(To& to, const From& from) {
+    to.body_a = from.body_a;
+    to.body_b = from.body_b;
+    to.normal = from.normal;
+    to.arm_a = from.arm_a;
+    to.arm_b = from.arm_b;
+    to.count = from.count;
+    to.lasting = from.lasting;
+    for (int k = 0; k < from.count; ++k) {
+        to.points[k].position = from.points[k].position;
+        to.points[k].separation = from.points[k].separation;
+        to.points[k].normal_impulse = from.points[k].normal_impulse;
+        to.points[k].load = from.points[k].load;
+    }
+}
+/// Calls f with the contacts of a problem as a solver of these features takes them, and takes over what becomes of them.
+template <class Features, class F>
+void with_contacts(problem& p, F&& f) {
+    if constexpr (std::is_same_v<Features, complete>) {
+        f(p.contacts);
+    } else {
+        physics::buffer<physics::contact<S, D, Features>> contacts;
+        for (const contact& c : p.contacts) copy_common(contacts.emplace(), c);
+        f(contacts);
+        for (std::uint32_t i = 0; i < contacts.size(); ++i) copy_common(p.contacts[i], contacts[i]);
+    }
+}
+
 template <class Features>
 void solve(problem& p, int rounds) {
     struct still {
@@ -31,7 +63,9 @@ void solve(problem& p, int rounds) {
     physics::arena scratch;
     p.settings.iterations = rounds;
     const physics::solver_bodies<S, D> bodies{p.bodies.data(), static_cast<std::uint32_t>(p.bodies.size())};
-    solver<Features>::solve(bodies, {p.contacts, scratch}, p.settings, S(1.0 / 64), scratch, still{});
+    with_contacts<Features>(p, [&](auto& contacts) {
+        solver<Features>::solve(bodies, {contacts, scratch}, p.settings, S(1.0 / 64), scratch, still{});
+    });
 }
 
 /// The part of a contact point that acts on one of its bodies, in double.
@@ -73,9 +107,10 @@ inline std::vector<point_of> points_of(const problem& p) {
     for (const contact& c : p.contacts)
         for (int k = 0; k < c.count; ++k) {
             const auto& q = c.points[k];
+            const auto [to_a, to_b] = c.levers(k);
             // Only gaps: how overlaps and bounces set the target has a law of its own.
             const double target = -cell::number(q.separation) * 64;
-            all.push_back({{{p.bodies, c.body_a, q.lever_a, -1}, {p.bodies, c.body_b, q.lever_b, 1}},
+            all.push_back({{{p.bodies, c.body_a, to_a, -1}, {p.bodies, c.body_b, to_b, 1}},
                            to_reals(c.normal),
                            friction_of(c, q),
                            target,
@@ -136,8 +171,8 @@ inline problem random_problem(cell::dice& dice, int points, double friction, boo
         c.normal = normalized(from_reals(random_direction(dice)));
         c.count = 1;
         const reals at = random_direction(dice);
-        c.points[0].lever_a = from_reals(at - p.places[c.body_a]);
-        c.points[0].lever_b = from_reals(at - p.places[c.body_b]);
+        c.arm_a = from_reals(at - p.places[c.body_a]);
+        c.arm_b = from_reals(at - p.places[c.body_b]);
         c.points[0].separation = dice.real(0, 0.02);
         c.friction = S(friction);
         p.contacts.push(c);

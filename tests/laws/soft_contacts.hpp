@@ -21,7 +21,9 @@ void solve_softly(problem& p, int substeps) {
     p.bodies.push_back({});
     const physics::solver_bodies<S, D> bodies{p.bodies.data(), static_cast<std::uint32_t>(p.bodies.size())};
     using solver_in = typename Solver::template in<cell::space, Features, Width>;
-    solver_in::solve(bodies, {p.contacts, scratch}, settings, S(1.0 / 64), scratch, still{});
+    with_contacts<Features>(p, [&](auto& contacts) {
+        solver_in::solve(bodies, {contacts, scratch}, settings, S(1.0 / 64), scratch, still{});
+    });
     p.bodies.pop_back();
 }
 
@@ -33,18 +35,17 @@ inline void enrich(cell::dice& dice, problem& p) {
         if (dice.below(3) == 0) draw(dice, c.surface_velocity);
         const physics::tangents<S, D> frame(c.normal);
         const auto first = c.points[0];
-        c.count = 1 + dice.below(physics::manifold<S, D>::capacity);
+        c.count = number_of(1 + dice.below(physics::manifold<S, D>::capacity));
         for (int k = 0; k < c.count; ++k) {
             auto& point = c.points[k];
             physics::tangential<S, D> offset{};
             if (k > 0) draw(dice, offset);
             const vec aside = frame.combine(offset) * S(0.25);
-            point.lever_a = first.lever_a + aside;
-            point.lever_b = first.lever_b + aside;
+            point.position = first.position + aside;
             point.separation = dice.real(-0.02, 0.02);
-            point.persisted = dice.below(2) != 0;
+            c.lasting = static_cast<std::uint8_t>(c.lasting | dice.below(2) << k);
             point.normal_impulse = dice.real(0, 1);
-            point.load = point.persisted ? dice.real(0, 2) : S(0);
+            point.load = c.persisted(k) ? dice.real(0, 2) : S(0);
             draw(dice, point.friction_impulse);
         }
     }
@@ -55,8 +56,8 @@ struct sides_at {
     side_of a, b;
 
     sides_at(const problem& p, const contact& c, vec offset)
-        : a(p.bodies, c.body_a, c.points[0].lever_a + offset, -1),
-          b(p.bodies, c.body_b, c.points[0].lever_b + offset, 1) {}
+        : a(p.bodies, c.body_a, c.levers(0).a + offset, -1),
+          b(p.bodies, c.body_b, c.levers(0).b + offset, 1) {}
     /// The velocity that an impulse gives to B's side, seen from A's, at another place; and the angular one.
     reals velocity(reals impulse, const sides_at& at) const {
         return impulse * (a.inverse_mass + b.inverse_mass) + cross(a.turn(cross(a.lever, impulse)), at.a.lever) +
@@ -90,14 +91,14 @@ void check_cone(const Stop& stop, int lane, const sides_at& at, reals t, reals u
 template <class Block>
 void check_lane(const Block& block, int lane, const problem& p, const contact& c) {
     vec center{};
-    for (int k = 0; k < c.count; ++k) center += c.points[k].lever_a - c.points[0].lever_a;
+    for (int k = 0; k < c.count; ++k) center += c.points[k].position - c.points[0].position;
     center *= S(1) / S(c.count);
     const sides_at middle(p, c, center);
     const physics::tangents<S, D> frame(c.normal);
     const reals n = to_reals(c.normal), t = to_reals(frame.t), u = cell::is_2d ? reals{} : cross(n, t);
     for (int k = 0; k < c.count; ++k) {
-        const sides_at here(p, c, c.points[k].lever_a - c.points[0].lever_a);
-        const reals offset = to_reals(c.points[k].lever_a - c.points[0].lever_a - center);
+        const sides_at here(p, c, c.points[k].position - c.points[0].position);
+        const reals offset = to_reals(c.points[k].position - c.points[0].position - center);
         const auto& point = block.points[k];
         same(cell::number(point.mass[lane]) * dot(n, here.velocity(n, here)), 1, 8);
         REQUIRE(point.separation[lane] == c.points[k].separation);
@@ -125,11 +126,11 @@ void check_lane(const Block& block, int lane, const problem& p, const contact& c
         same(cell::number(block.friction.stop_twist[lane]) * dot(n, middle.spin_about(n)), 1, 4);
         double reach = 0;
         for (int k = 0; k < c.count; ++k)
-            reach += size(to_reals(c.points[k].lever_a - c.points[0].lever_a - center)) / c.count;
+            reach += size(to_reals(c.points[k].position - c.points[0].position - center)) / c.count;
         same(cell::number(block.friction.twist_arm[lane]), cell::number(c.friction) * reach);
     } else {
         for (int k = 0; k < c.count; ++k)
-            check_cone(block.friction.each[k].stop, lane, sides_at(p, c, c.points[k].lever_a - c.points[0].lever_a), t,
+            check_cone(block.friction.each[k].stop, lane, sides_at(p, c, c.points[k].position - c.points[0].position), t,
                        u);
     }
 }
@@ -177,9 +178,9 @@ inline void unload(cell::dice& dice, problem& p) {
         if (dice.below(2) == 0) c.rolling_resistance = S(0);
         if (dice.below(2) == 0) c.surface_velocity = {};
         const S gap = dice.below(3) == 0 ? S(0.001) : S(0.1);
+        c.lasting = 0;
         for (int k = 0; k < c.count; ++k) {
             c.points[k].separation = gap + dice.real(0, 0.02);
-            c.points[k].persisted = false;
             c.points[k].load = S(0);
         }
     }
@@ -197,7 +198,7 @@ std::vector<S> answer_in_lanes(problem p) {
     };
     for (const auto& b : p.bodies) add(b.velocity);
     for (const contact& c : p.contacts) {
-        add(c.twist_impulse);
+        add(S(c.twist_impulse));
         add(c.rolling_impulse);
         for (int k = 0; k < c.count; ++k) {
             add(c.points[k].normal_impulse);
@@ -237,7 +238,8 @@ CELL_CASE("soft contacts: where all points of a contact go on pushing, a round s
         p.contacts[0].body_a = static_cast<std::uint32_t>(dice.below(2));
         p.contacts[0].body_b = 2;
         contact& c = p.contacts[0];
-        c.count = 2 + dice.below(physics::manifold<S, D>::capacity - 1);
+        c.count = number_of(2 + dice.below(physics::manifold<S, D>::capacity - 1));
+        c.lasting = 255;
         for (auto& b : p.bodies) b.velocity = {};
         const auto first = c.points[0];
         double wanted[physics::manifold<S, D>::capacity], sum = 0;
@@ -248,10 +250,8 @@ CELL_CASE("soft contacts: where all points of a contact go on pushing, a round s
             const reals n = to_reals(c.normal), t = to_reals(physics::tangents<S, D>(c.normal).t);
             const vec aside = from_reals(t * (0.3 * std::cos(angle)) +
                                          (cell::is_2d ? reals{} : cross(n, t) * (0.2 * std::sin(angle))));
-            c.points[k].lever_a = first.lever_a + aside;
-            c.points[k].lever_b = first.lever_b + aside;
+            c.points[k].position = first.position + aside;
             c.points[k].separation = S(-0.01);
-            c.points[k].persisted = true;
             c.points[k].load = S(1);
             wanted[k] = 1 + 0.3 * std::cos(angle);
             sum += wanted[k];
@@ -279,16 +279,15 @@ CELL_CASE("soft contacts: points at all but one place, at different depths, push
     for (int run = 0; run < 400; ++run) {
         problem p = random_problem(dice, 1, 0, run % 2 != 0);
         contact& c = p.contacts[0];
-        c.count = 2 + dice.below(physics::manifold<S, D>::capacity - 1);
+        c.count = number_of(2 + dice.below(physics::manifold<S, D>::capacity - 1));
+        c.lasting = 255;
         for (auto& b : p.bodies) b.velocity = {};
         const auto first = c.points[0];
         const double apart = std::pow(10, dice.number(-12, -1));
         for (int k = 0; k < c.count; ++k) {
             const vec aside = from_reals(random_direction(dice) * apart);
-            c.points[k].lever_a = first.lever_a + aside;
-            c.points[k].lever_b = first.lever_b + aside;
+            c.points[k].position = first.position + aside;
             c.points[k].separation = dice.real(-0.02, 0);
-            c.points[k].persisted = true;
             c.points[k].load = dice.real(0, 0.01);
         }
         solve_softly<physics::detail::native_width<S>, frictionless>(p, 4);

@@ -504,23 +504,64 @@ using physics::feature::rolling_resistance;
 using physics::feature::surface_velocity;
 using physics::without;
 
-CELL_CASE("features: without them neither resistance nor belts act, whatever the surfaces say") {
+/// The sentence with which a recipe refuses a material, if it does.
+template <class Recipe>
+std::string refusal_of(const material& m) {
+    physics::world<Recipe> w;
+    const body_id id = w.create_body({});
+    const shape_id shape = w.create_shape(id, physics::ball<S, D>{S(0.5)});
+    const std::uint64_t before = w.state_hash();
+    std::string said;
+    try {
+        w.set_surface(shape, m);
+    } catch (const physics::error& e) {
+        said = e.what();
+        CHECK(w.state_hash() == before);
+    }
+    return said;
+}
+CELL_CASE("features: surfaces cannot ask for what the recipe leaves out") {
+    const material resists{.rolling_resistance = S(0.25)}, runs{.surface_velocity = running(along(0, 5))};
+    const material bounces{.restitution = S(0.5)}, rubs{.friction = S(0.5)};
+    using no_friction = of<without<physics::feature::friction>>;
+    CHECK(refusal_of<of<without<rolling_resistance>>>(resists) ==
+          "physics: set_surface: rolling_resistance is 0.25; the recipe leaves it out");
+    CHECK(refusal_of<of<without<physics::feature::restitution>>>(bounces) ==
+          "physics: set_surface: restitution is 0.5; the recipe leaves it out");
+    CHECK(refusal_of<of<without<surface_velocity>>>(runs).find("the recipe leaves it out") != std::string::npos);
+    CHECK(refusal_of<no_friction>(runs).find("surface_velocity") != std::string::npos);
+    CHECK(refusal_of<no_friction>(rubs).empty());
+    for (const material& m : {resists, runs, bounces, rubs}) CHECK(refusal_of<of<>>(m).empty());
+}
+CELL_CASE("features: without them neither resistance nor belts nor friction act") {
     const auto speeds = [](auto&& w) {
         const body_id id = ball(w, 0.5);
         run(w, 64);
         roll(w, id, along(0, 1), 4, 0.5);
         run(w, 64);
-        CHECK((*w.contacts().begin()).rolling_impulse == physics::tangential<S, D>{});
+        CHECK(((*w.contacts().begin()).rolling_impulse == physics::tangential<S, D>{}));
         return number(w.linear_velocity(id).x);
     };
-    const material resists{.friction = S(0.6), .rolling_resistance = S(0.25)};
-    const material runs{.friction = S(0.6), .surface_velocity = running(along(0, 5))};
-    CHECK(std::abs(speeds(ground<made_of<without<rolling_resistance>>>(resists)) - 4) <= 0.01);
-    CHECK(std::abs(speeds(ground<made_of<physics::soft_step, without<rolling_resistance>>>(resists)) - 4) <= 0.01);
-    CHECK(std::abs(speeds(ground<made_of<without<surface_velocity>>>(runs)) - 4) <= 0.01);
-    CHECK(std::abs(speeds(ground<made_of<physics::soft_step, without<surface_velocity>>>(runs)) - 4) <= 0.01);
-    CHECK(std::abs(speeds(ground<made_of<physics::soft_step, without<physics::feature::friction>>>(runs)) - 4) <= 0.01);
+    const material plain{.friction = S(0.6)};
+    CHECK(std::abs(speeds(ground<made_of<without<rolling_resistance>>>(plain)) - 4) <= 0.01);
+    CHECK(std::abs(speeds(ground<made_of<physics::soft_step, without<rolling_resistance>>>(plain)) - 4) <= 0.01);
+    CHECK(std::abs(speeds(ground<made_of<without<surface_velocity>>>(plain)) - 4) <= 0.01);
+    CHECK(std::abs(speeds(ground<made_of<physics::soft_step, without<surface_velocity>>>(plain)) - 4) <= 0.01);
+    CHECK(std::abs(speeds(ground<made_of<physics::soft_step, without<physics::feature::friction>>>(plain)) - 4) <= 0.01);
 }
+
+/// What a recipe leaves out takes no byte of its contacts and shapes.
+template <class Features>
+using contact_of = physics::contact<S, D, Features>;
+template <class Features>
+using kept_by = physics::detail::kept_material<S, D, Features>;
+using bare = without<physics::feature::friction, physics::feature::restitution, rolling_resistance>;
+static_assert(sizeof(contact_of<bare>) + sizeof(S) * (D == 2 ? 7 : 16) == sizeof(contact_of<without<>>));
+static_assert(sizeof(contact_of<without<physics::feature::restitution>>) < sizeof(contact_of<without<>>));
+static_assert(sizeof(kept_by<without<>>) == sizeof(material));
+static_assert(sizeof(kept_by<without<physics::feature::friction>>) == sizeof(S) * 2);
+static_assert(sizeof(kept_by<without<physics::feature::restitution>>) == sizeof(material) - sizeof(S));
+static_assert(std::is_empty_v<kept_by<bare>>);
 
 /// Bytes of a block of the soft solver, and of what only some contacts have.
 template <class Features, class Friction = physics::patch_friction>

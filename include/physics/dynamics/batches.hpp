@@ -16,20 +16,22 @@ inline std::uint32_t* numbers_below(std::uint32_t count, arena& scratch) {
 }  // namespace detail
 
 /// Contacts that a solver is to solve, of a longer list.
-template <class S, int D>
+template <class S, int D, class Features = without<>>
 class contact_list {
+    using contact = physics::contact<S, D, Features>;
+
 public:
-    contact_list(contact<S, D>* all, const std::uint32_t* numbers, std::uint32_t count)
+    contact_list(contact* all, const std::uint32_t* numbers, std::uint32_t count)
         : all_(all), numbers_(numbers), count_(count) {}
     /// All contacts of a buffer.
-    contact_list(buffer<contact<S, D>>& all, arena& scratch)
+    contact_list(buffer<contact>& all, arena& scratch)
         : all_(all.begin()), numbers_(detail::numbers_below(all.size(), scratch)), count_(all.size()) {}
 
     [[nodiscard]] std::uint32_t size() const { return count_; }
-    contact<S, D>& operator[](std::uint32_t i) const { return all_[numbers_[i]]; }
+    contact& operator[](std::uint32_t i) const { return all_[numbers_[i]]; }
 
 private:
-    contact<S, D>* all_;
+    contact* all_;
     const std::uint32_t* numbers_;
     std::uint32_t count_;
 };
@@ -67,8 +69,8 @@ public:
     static constexpr std::uint32_t enough = 512;
 
     /// is_pushed: of each body, and false for one more. Up to `in_one` bodies and contacts make one batch.
-    template <class S, int D>
-    batch_maker(buffer<contact<S, D>>& contacts, const bool* is_pushed, std::uint32_t bodies, arena& scratch,
+    template <class S, int D, class Features>
+    batch_maker(buffer<contact<S, D, Features>>& contacts, const bool* is_pushed, std::uint32_t bodies, arena& scratch,
                 std::uint32_t in_one = enough)
         : scratch_(scratch), is_pushed_(is_pushed), bodies_(bodies), contacts_(contacts.size()) {
         if (bodies_ + contacts_ <= in_one) {

@@ -12,26 +12,29 @@ PHYSICS_HPP_BEGIN
 template <class S, int D>
 using tangential = std::conditional_t<D == 2, S, vec<S, 2>>;
 
-/// One point of a contact.
+/// Levers from the centres of mass of A and B to a point, in world axes (m).
 template <class S, int D>
+struct levers {
+    vec<S, D> a, b;
+};
+
+/// One point of a contact.
+template <class S, int D, class Features = without<>>
 struct contact_point {
-    /// Lever from the centre of mass of either body to the point, in world axes (m).
-    vec<S, D> lever_a;
-    vec<S, D> lever_b;
+    /// From the origin of shape A, in world axes (m).
+    vec<S, D> position;
     /// Distance of the surfaces along the normal (m); negative where they overlap.
     S separation{};
     /// Sum of the impulses of the last step along the normal, at least 0, and along the tangents (N s).
     S normal_impulse{};
-    physics::tangential<S, D> friction_impulse{};
+    [[no_unique_address]] detail::kept_if<Features::friction, tangential<S, D>, feature::friction> friction_impulse{};
     /// The impulse along the normal of the last substep, where a solver takes several (N s).
     S load{};
     std::uint32_t feature = 0;
-    /// True if the same features touched in the step before.
-    bool persisted = false;
 };
 
-/// Two shapes of different bodies that touch or are about to.
-template <class S, int D>
+/// Two shapes of different bodies that touch or are about to. Without a feature it has not what belongs to that.
+template <class S, int D, class Features = without<>>
 struct contact {
     /// Numbers of the shapes; the normal points from A to B.
     std::uint32_t shape_a, shape_b;
@@ -40,19 +43,31 @@ struct contact {
     /// Which part of a concave shape touches; 0 of convex ones.
     std::uint32_t part = 0;
     vec<S, D> normal;
-    contact_point<S, D> points[manifold<S, D>::capacity] = {};
-    int count = 0;
-    /// Angular impulse of friction about the normal, where the solver lets contacts resist twisting (N m s).
-    S twist_impulse{};
-    /// Angular impulse that resists rolling: about z in the plane, about both tangents in space (N m s).
-    physics::tangential<S, D> rolling_impulse{};
+    /// From the centre of mass of either body to the origin of shape A, in world axes (m).
+    vec<S, D> arm_a, arm_b;
+    std::uint8_t count = 0;
+    /// Of each point a bit: 1 if the same features touched in the step before.
+    std::uint8_t lasting = 0;
+    contact_point<S, D, Features> points[manifold<S, D>::capacity] = {};
     /// Of both surfaces together.
-    S friction{};
-    S restitution{};
-    S rolling_resistance{};
+    [[no_unique_address]] detail::kept_if<Features::friction, S, feature::friction> friction{};
+    [[no_unique_address]] detail::kept_if<Features::restitution, S, feature::restitution> restitution{};
+    [[no_unique_address]] detail::kept_if<Features::rolling_resistance, S, feature::rolling_resistance>
+        rolling_resistance{};
     /// How fast B slides over A along the tangents where the surfaces themselves do not slip (m/s).
-    physics::tangential<S, D> surface_velocity{};
+    [[no_unique_address]] detail::kept_if<Features::surface_velocity, tangential<S, D>, feature::surface_velocity>
+        surface_velocity{};
+    /// Angular impulse of friction about the normal, where the solver lets contacts resist twisting (N m s).
+    [[no_unique_address]] detail::kept_if<Features::friction && D == 3, S, feature::friction, 1> twist_impulse{};
+    /// Angular impulse that resists rolling: about z in the plane, about both tangents in space (N m s).
+    [[no_unique_address]] detail::kept_if<Features::rolling_resistance, tangential<S, D>, feature::rolling_resistance,
+                                          1>
+        rolling_impulse{};
 
+    [[nodiscard]] constexpr physics::levers<S, D> levers(int k) const {
+        return {arm_a + points[k].position, arm_b + points[k].position};
+    }
+    [[nodiscard]] constexpr bool persisted(int k) const { return (lasting >> k & 1) != 0; }
     [[nodiscard]] constexpr proxy_pair key() const {
         return shape_a < shape_b ? proxy_pair{shape_a, shape_b} : proxy_pair{shape_b, shape_a};
     }
@@ -99,17 +114,19 @@ constexpr vec<S, 2> driven(const tangents3<S>& frame, const rotation<S, 3>& turn
     return frame.components(turn_a * of_a - turn_b * of_b);
 }
 
-/// Hands the impulse of the same feature in an old contact to a point.
-template <class S, int D>
-void inherit_impulse(const contact<S, D>& old, const tangents<S, D>& old_frame, const tangents<S, D>& frame,
-                     contact_point<S, D>& point) {
-    for (int j = 0; j < old.count && !point.persisted; ++j) {
+/// Hands the impulse of the same feature in an old contact to a point; true if there is one.
+template <class S, int D, class Features>
+bool inherit_impulse(const contact<S, D, Features>& old, const tangents<S, D>& old_frame, const tangents<S, D>& frame,
+                     contact_point<S, D, Features>& point) {
+    for (int j = 0; j < old.count; ++j) {
         if (old.points[j].feature != point.feature) continue;
         point.normal_impulse = old.points[j].normal_impulse;
         point.load = old.points[j].load;
-        point.friction_impulse = frame.components(old_frame.combine(old.points[j].friction_impulse));
-        point.persisted = true;
+        if constexpr (Features::friction)
+            point.friction_impulse = frame.components(old_frame.combine(old.points[j].friction_impulse));
+        return true;
     }
+    return false;
 }
 
 /// What resisted rolling about old tangents, about new ones; in the plane they all turn about z.
@@ -123,29 +140,27 @@ constexpr vec<S, 2> same_moment(const tangents3<S>& old, const tangents3<S>& fra
 }
 
 /// Hands the impulses of the same features in an old contact to a contact.
-template <class S, int D>
-void inherit_impulses(const contact<S, D>& old, const tangents<S, D>& frame, contact<S, D>& c) {
+template <class S, int D, class Features>
+void inherit_impulses(const contact<S, D, Features>& old, const tangents<S, D>& frame, contact<S, D, Features>& c) {
     const tangents<S, D> old_frame(old.normal);
-    bool persisted = false;
-    for (int k = 0; k < c.count; ++k) {
-        const bool before = c.points[k].persisted;
-        inherit_impulse(old, old_frame, frame, c.points[k]);
-        persisted = persisted || before != c.points[k].persisted;
-    }
-    if (!persisted) return;
-    c.twist_impulse = old.twist_impulse;
-    if (c.rolling_resistance > S(0))
-        c.rolling_impulse = same_moment(old_frame, frame, old.rolling_impulse);
+    const std::uint8_t before = c.lasting;
+    for (int k = 0; k < c.count; ++k)
+        if (!c.persisted(k) && inherit_impulse(old, old_frame, frame, c.points[k]))
+            c.lasting = static_cast<std::uint8_t>(c.lasting | 1 << k);
+    if (c.lasting == before) return;
+    if constexpr (Features::friction && D == 3) c.twist_impulse = old.twist_impulse;
+    if constexpr (Features::rolling_resistance)
+        if (c.rolling_resistance > S(0)) c.rolling_impulse = same_moment(old_frame, frame, old.rolling_impulse);
 }
 
 /// Scales what acted in a step as if it had been so many times as long.
-template <class S, int D>
-void scale_impulses(contact<S, D>& c, S ratio) {
-    c.twist_impulse *= ratio;
-    c.rolling_impulse *= ratio;
+template <class S, int D, class Features>
+void scale_impulses(contact<S, D, Features>& c, S ratio) {
+    if constexpr (Features::friction && D == 3) c.twist_impulse *= ratio;
+    if constexpr (Features::rolling_resistance) c.rolling_impulse *= ratio;
     for (int k = 0; k < c.count; ++k) {
         c.points[k].normal_impulse *= ratio;
-        c.points[k].friction_impulse *= ratio;
+        if constexpr (Features::friction) c.points[k].friction_impulse *= ratio;
         c.points[k].load *= ratio;
     }
 }
@@ -153,8 +168,9 @@ void scale_impulses(contact<S, D>& c, S ratio) {
 /// Hands the impulses of last step's contacts to the same features of some of this step's. Both lists are in ascending
 /// order of their pairs, so one walk along both finds the matches: O(n), no hashing; a pair of several contacts is
 /// searched whole. Points that are new start from zero: only what outlives a step is warm.
-template <class S, int D>
-void inherit_impulses(const buffer<contact<S, D>>& before, contact<S, D>* first, const contact<S, D>* end) {
+template <class S, int D, class Features>
+void inherit_impulses(const buffer<contact<S, D, Features>>& before, contact<S, D, Features>* first,
+                      const contact<S, D, Features>* end) {
     if (first == end) return;
     std::uint32_t i = 0;
     for (std::uint32_t size = before.size(); size > 0;) {

@@ -23,8 +23,8 @@ struct contact_colours {
 };
 
 /// Whether a contact is about to push: it has, or its surfaces overlap.
-template <class S, int D>
-bool is_active(const contact<S, D>& c) {
+template <class S, int D, class Features>
+bool is_active(const contact<S, D, Features>& c) {
     bool active = false;
     for (int k = 0; k < c.count; ++k) active |= c.points[k].load > S(0) || !(c.points[k].separation > S(0));
     return active;
@@ -34,8 +34,8 @@ bool is_active(const contact<S, D>& c) {
 /// their own those that push only A and those that push only B, so that what holds the pile acts last, and all of a
 /// colour push the same sides. Within a colour those that are about to push come first, so that lanes have the same to
 /// do. O(contacts). Source: Catto, Solver2D (2024); greedy edge colouring.
-template <class S, int D>
-contact_colours colour(const contact_list<S, D>& contacts, solver_bodies<S, D> bodies, arena& scratch) {
+template <class S, int D, class Features>
+contact_colours colour(const contact_list<S, D, Features>& contacts, solver_bodies<S, D> bodies, arena& scratch) {
     const std::uint32_t count = contacts.size();
     auto* used = scratch.template take<std::uint64_t>(bodies.count);
     // Until a contact has its colour, which sides it pushes; and with either, whether it is idle.

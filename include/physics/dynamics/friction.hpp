@@ -33,17 +33,16 @@ constexpr inverse_of<S> angular_answer(const symmetric<inverse_of<S>>& inverse_i
 
 /// Both bodies' answer along m to a unit impulse along n at a contact point.
 template <class S, int D>
-constexpr inverse_of<S> answer(const solver_body<S, D>& a, const solver_body<S, D>& b, const contact_point<S, D>& p,
+constexpr inverse_of<S> answer(const solver_body<S, D>& a, const solver_body<S, D>& b, const levers<S, D>& to,
                                vec<S, D> n, vec<S, D> m) {
-    return angular_answer<S>(a.inverse_inertia, p.lever_a, n, m) +
-           angular_answer<S>(b.inverse_inertia, p.lever_b, n, m);
+    return angular_answer<S>(a.inverse_inertia, to.a, n, m) + angular_answer<S>(b.inverse_inertia, to.b, n, m);
 }
 
 /// The effective mass along n: the impulse that changes the relative velocity along n by 1.
 template <class S, int D>
-constexpr S effective_mass(const solver_body<S, D>& a, const solver_body<S, D>& b, const contact_point<S, D>& p,
+constexpr S effective_mass(const solver_body<S, D>& a, const solver_body<S, D>& b, const levers<S, D>& to,
                            vec<S, D> n) {
-    const inverse_of<S> k = a.inverse_mass + b.inverse_mass + answer(a, b, p, n, n);
+    const inverse_of<S> k = a.inverse_mass + b.inverse_mass + answer(a, b, to, n, n);
     return k > inverse_of<S>(0) ? reciprocal<S>(k) : S(0);
 }
 
@@ -55,9 +54,9 @@ struct friction2 {
     S mass{};
 
     constexpr friction2() = default;
-    constexpr friction2(const solver_body<S, 2>& a, const solver_body<S, 2>& b, const contact_point<S, 2>& p,
+    constexpr friction2(const solver_body<S, 2>& a, const solver_body<S, 2>& b, const levers<S, 2>& to,
                         const tangents2<S>& frame)
-        : mass(detail::effective_mass(a, b, p, frame.t)) {}
+        : mass(detail::effective_mass(a, b, to, frame.t)) {}
 
     /// The accumulated impulse that stops the slip v, or the largest that friction can give.
     [[nodiscard]] constexpr S next(S impulse, S v, S limit) const { return clamp(impulse - mass * v, -limit, limit); }
@@ -99,11 +98,11 @@ struct circular_cone {
 template <class S>
 struct friction3 : circular_cone<S> {
     constexpr friction3() = default;
-    constexpr friction3(const solver_body<S, 3>& a, const solver_body<S, 3>& b, const contact_point<S, 3>& p,
+    constexpr friction3(const solver_body<S, 3>& a, const solver_body<S, 3>& b, const levers<S, 3>& to,
                         const tangents3<S>& frame)
-        : circular_cone<S>(a.inverse_mass + b.inverse_mass + detail::answer(a, b, p, frame.t, frame.t),
-                           detail::answer(a, b, p, frame.t, frame.u),
-                           a.inverse_mass + b.inverse_mass + detail::answer(a, b, p, frame.u, frame.u)) {}
+        : circular_cone<S>(a.inverse_mass + b.inverse_mass + detail::answer(a, b, to, frame.t, frame.t),
+                           detail::answer(a, b, to, frame.t, frame.u),
+                           a.inverse_mass + b.inverse_mass + detail::answer(a, b, to, frame.u, frame.u)) {}
 };
 
 /// Friction of a point in D dimensions.

@@ -1,7 +1,7 @@
 // What surfaces are made of, and what two of them make of a contact.
 #pragma once
 
-#include "physics/base/stage.hpp"
+#include "physics/dynamics/features.hpp"
 #include "physics/space/space.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -10,7 +10,8 @@ PHYSICS_HPP_BEGIN
 template <class S, int D>
 using surface_motion = std::conditional_t<D == 2, S, vec<S, 3>>;
 
-/// How a shape's surface answers to contact. What two surfaces make of it is the recipe's mixing rule.
+/// How a shape's surface answers to contact. What two surfaces make of it is the recipe's mixing rule. What the recipe
+/// leaves out must stay 0; friction, which has a default, then counts for nothing.
 template <class S, int D>
 struct material {
     /// Coulomb friction coefficient, at least 0.
@@ -72,6 +73,26 @@ struct product_mixing {
 };
 
 namespace detail {
+
+/// As much of a material as a recipe keeps.
+template <class S, int D, class Features>
+struct kept_material {
+    [[no_unique_address]] kept_if<Features::friction, S, feature::friction> friction{};
+    [[no_unique_address]] kept_if<Features::restitution, S, feature::restitution> restitution{};
+    [[no_unique_address]] kept_if<Features::rolling_resistance, S, feature::rolling_resistance> rolling_resistance{};
+    [[no_unique_address]] kept_if<Features::surface_velocity, surface_motion<S, D>, feature::surface_velocity>
+        surface_velocity{};
+
+    constexpr kept_material() = default;
+    constexpr explicit kept_material(const material<S, D>& m)
+        : friction(m.friction),
+          restitution(m.restitution),
+          rolling_resistance(m.rolling_resistance),
+          surface_velocity(m.surface_velocity) {}
+    [[nodiscard]] constexpr material<S, D> whole() const {
+        return {friction, restitution, rolling_resistance, surface_velocity};
+    }
+};
 
 /// A rule that does the same to all three coefficients: Same::of(a, b).
 template <class Same>

@@ -52,10 +52,11 @@ struct sequential_impulse {
         using S = typename Space::scalar;
         static constexpr int D = Space::dimension;
         using settings = sequential_impulse_settings<S>;
+        using contact = physics::contact<S, D, Features>;
 
         /// Advances velocities and poses by h: `motion` offers advance_velocities(h) and advance_poses(h).
         template <class Motion>
-        static void solve(solver_bodies<S, D> bodies, contact_list<S, D> contacts, const settings& with, S h,
+        static void solve(solver_bodies<S, D> bodies, contact_list<S, D, Features> contacts, const settings& with, S h,
                           arena& scratch, Motion&& motion) {
             block* blocks = scratch.template take<block>(contacts.size());
             for (std::uint32_t i = 0; i < contacts.size(); ++i) new (blocks + i) block(contacts[i], bodies, with, h);
@@ -75,7 +76,7 @@ struct sequential_impulse {
     private:
         struct no_friction {
             constexpr no_friction() = default;
-            constexpr no_friction(const solver_body<S, D>&, const solver_body<S, D>&, const contact_point<S, D>&,
+            constexpr no_friction(const solver_body<S, D>&, const solver_body<S, D>&, const levers<S, D>&,
                                   const tangents<S, D>&) {}
         };
         struct no_rolling {};
@@ -92,44 +93,47 @@ struct sequential_impulse {
                 rolling{};
             row rows[manifold<S, D>::capacity];
 
-            block(const contact<S, D>& c, solver_bodies<S, D> bodies, const settings& with, S h)
+            block(const contact& c, solver_bodies<S, D> bodies, const settings& with, S h)
                 : frame(c.normal) {
                 const solver_body<S, D>& a = bodies[c.body_a];
                 const solver_body<S, D>& b = bodies[c.body_b];
                 if constexpr (Features::rolling_resistance)
                     if (c.rolling_resistance > S(0)) rolling = {a, b, frame};
                 for (int k = 0; k < c.count; ++k) {
-                    const contact_point<S, D>& p = c.points[k];
-                    rows[k] = {
-                        {a, b, p, frame}, detail::effective_mass(a, b, p, c.normal), target_speed(c, p, a, b, with, h)};
+                    const levers<S, D> to = c.levers(k);
+                    rows[k] = {{a, b, to, frame},
+                               detail::effective_mass(a, b, to, c.normal),
+                               target_speed(c, k, a, b, with, h)};
                 }
             }
         };
 
         /// Apart, the surfaces may close the gap; overlapping, they part slowly; a bounce parts them with its
         /// share of the approach.
-        static S target_speed(const contact<S, D>& c, const contact_point<S, D>& p, const solver_body<S, D>& a,
-                              const solver_body<S, D>& b, const settings& with, S h) {
-            S target = -p.separation / h;
-            if (p.separation < S(0)) {
-                const S overlap = max(-p.separation - with.penetration_slop, S(0));
+        static S target_speed(const contact& c, int k, const solver_body<S, D>& a, const solver_body<S, D>& b,
+                              const settings& with, S h) {
+            const S separation = c.points[k].separation;
+            S target = -separation / h;
+            if (separation < S(0)) {
+                const S overlap = max(-separation - with.penetration_slop, S(0));
                 target = min(overlap * with.baumgarte / h, with.max_push_speed);
             }
             if constexpr (Features::restitution) {
-                const S bounce = detail::bounce_of(c, p, a, b, with.restitution_slop, h);
+                const S bounce = detail::bounce_of(c, k, a, b, with.restitution_slop, h);
                 if (bounce > S(0)) target = max(target, bounce);
             }
             return target;
         }
 
-        static void warm_start(const contact<S, D>& c, const block& with, solver_bodies<S, D> bodies) {
+        static void warm_start(const contact& c, const block& with, solver_bodies<S, D> bodies) {
             for (int k = 0; k < c.count; ++k) {
-                const contact_point<S, D>& p = c.points[k];
-                if (!p.persisted) continue;
+                const auto& p = c.points[k];
+                const auto [to_a, to_b] = c.levers(k);
+                if (!c.persisted(k)) continue;
                 vec<S, D> impulse = c.normal * p.normal_impulse;
                 if constexpr (Features::friction) impulse += with.frame.combine(p.friction_impulse);
-                bodies[c.body_a].apply(-impulse, p.lever_a);
-                bodies[c.body_b].apply(impulse, p.lever_b);
+                bodies[c.body_a].apply(-impulse, to_a);
+                bodies[c.body_b].apply(impulse, to_b);
             }
             if constexpr (Features::rolling_resistance)
                 if (c.rolling_resistance > S(0))
@@ -141,7 +145,7 @@ struct sequential_impulse {
             a.velocity.angular -= times(a.inverse_inertia, moment);
             b.velocity.angular += times(b.inverse_inertia, moment);
         }
-        static void resist_rolling(contact<S, D>& c, const block& with, solver_body<S, D>& a, solver_body<S, D>& b) {
+        static void resist_rolling(contact& c, const block& with, solver_body<S, D>& a, solver_body<S, D>& b) {
             S load = S(0);
             for (int k = 0; k < c.count; ++k) load += c.points[k].normal_impulse;
             const auto w = with.rolling.components(with.frame, b.velocity.angular - a.velocity.angular);
@@ -150,7 +154,7 @@ struct sequential_impulse {
             c.rolling_impulse = impulse;
         }
 
-        static void solve_contact(contact<S, D>& c, const block& with, solver_bodies<S, D> bodies, bool back) {
+        static void solve_contact(contact& c, const block& with, solver_bodies<S, D> bodies, bool back) {
             solver_body<S, D>& a = bodies[c.body_a];
             solver_body<S, D>& b = bodies[c.body_b];
             if constexpr (Features::rolling_resistance)
@@ -159,16 +163,17 @@ struct sequential_impulse {
                 const auto& frame = with.frame;
                 for (int i = 0; i < c.count; ++i) {
                     const int k = back ? c.count - 1 - i : i;
-                    contact_point<S, D>& p = c.points[k];
-                    const vec<S, D> v = velocity_at(b.velocity, p.lever_b) - velocity_at(a.velocity, p.lever_a);
+                    auto& p = c.points[k];
+                    const auto [to_a, to_b] = c.levers(k);
+                    const vec<S, D> v = velocity_at(b.velocity, to_b) - velocity_at(a.velocity, to_a);
                     auto slip = frame.components(v);
                     if constexpr (Features::surface_velocity) slip -= c.surface_velocity;
                     const auto impulse =
                         with.rows[k].friction.next(p.friction_impulse, slip, c.friction * p.normal_impulse);
                     const vec<S, D> change = frame.combine(impulse - p.friction_impulse);
                     p.friction_impulse = impulse;
-                    a.apply(-change, p.lever_a);
-                    b.apply(change, p.lever_b);
+                    a.apply(-change, to_a);
+                    b.apply(change, to_b);
                 }
             }
             // Normals last: not sinking in matters more than not sliding. Across and back, because the points of
@@ -177,14 +182,15 @@ struct sequential_impulse {
             for (int i = 0; i < visits; ++i) {
                 const int across = i < c.count ? i : visits - 1 - i;
                 const int k = back ? c.count - 1 - across : across;
-                contact_point<S, D>& p = c.points[k];
-                const vec<S, D> v = velocity_at(b.velocity, p.lever_b) - velocity_at(a.velocity, p.lever_a);
+                auto& p = c.points[k];
+                const auto [to_a, to_b] = c.levers(k);
+                const vec<S, D> v = velocity_at(b.velocity, to_b) - velocity_at(a.velocity, to_a);
                 const S impulse = max(
                     p.normal_impulse + with.rows[k].normal_mass * (with.rows[k].target_speed - dot(c.normal, v)), S(0));
                 const vec<S, D> change = c.normal * (impulse - p.normal_impulse);
                 p.normal_impulse = impulse;
-                a.apply(-change, p.lever_a);
-                b.apply(change, p.lever_b);
+                a.apply(-change, to_a);
+                b.apply(change, to_b);
             }
         }
     };

@@ -29,19 +29,12 @@ struct no_soft_bounces {};
 template <class S, int D, int W, class Features>
 using soft_bounces_of = std::conditional_t<Features::restitution, soft_bounces<S, D, W>, no_soft_bounces>;
 
-/// The middle of a contact's points.
-template <class S, int D>
-contact_point<S, D> middle_of(const contact<S, D>& c) {
-    contact_point<S, D> middle = c.points[0];
-    if (c.count == 1) return middle;
-    for (int k = 1; k < c.count; ++k) {
-        middle.lever_a += c.points[k].lever_a;
-        middle.lever_b += c.points[k].lever_b;
-    }
-    const S share = S(1) / S(c.count);
-    middle.lever_a *= share;
-    middle.lever_b *= share;
-    return middle;
+/// The middle of a contact's points, from where these are given.
+template <class S, int D, class Features>
+vec<S, D> middle_of(const contact<S, D, Features>& c) {
+    vec<S, D> middle = c.points[0].position;
+    for (int k = 1; k < c.count; ++k) middle += c.points[k].position;
+    return c.count == 1 ? middle : middle * (S(1) / S(c.count));
 }
 /// What a contact's points bear together.
 template <class P, class Point>

@@ -45,11 +45,11 @@ struct soft_contact2 {
     [[no_unique_address]] soft_bounces_of<S, 2, W, Features> bounce_to;
 
     /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
-    void put(int lane, const contact<S, 2>& c, const body* bodies, const soft_start<S>& with,
+    void put(int lane, const contact<S, 2, Features>& c, const body* bodies, const soft_start<S>& with,
              gathered_points<S, 2, W>& gathered, arena& scratch) {
         const body& first = bodies[c.body_a];
         const body& second = bodies[c.body_b];
-        const contact_point<S, 2> middle = middle_of(c);
+        const vec<S, 2> middle = middle_of(c), to_a = c.arm_a + middle, to_b = c.arm_b + middle;
         a[lane] = c.body_a;
         b[lane] = c.body_b;
         mass_a[lane] = first.inverse_mass;
@@ -58,21 +58,21 @@ struct soft_contact2 {
         inertia_b[lane] = second.inverse_inertia;
         for (int i = 0; i < 2; ++i) {
             normal[i][lane] = c.normal[i];
-            arm_a[i][lane] = middle.lever_a[i];
-            arm_b[i][lane] = middle.lever_b[i];
+            arm_a[i][lane] = to_a[i];
+            arm_b[i][lane] = to_b[i];
         }
         point_count = point_count < c.count ? c.count : point_count;
         gathered.count[lane] = S(c.count);
         for (int k = 0; k < c.count; ++k) {
-            const contact_point<S, 2>& from = c.points[k];
-            const vec<S, 2> offset = from.lever_a - middle.lever_a;
+            const auto& from = c.points[k];
+            const vec<S, 2> offset = from.position - middle;
             for (int i = 0; i < 2; ++i) gathered.offset[k][i][lane] = offset[i];
             gathered.there[k][lane] = S(1);
             points[k].separation[lane] = from.separation;
-            points[k].impulse[lane] = from.persisted ? from.load : S(0);
+            points[k].impulse[lane] = c.persisted(k) ? from.load : S(0);
             if constexpr (Features::restitution)
                 bounces |=
-                    S(0) < (bounce_to.speed[k][lane] = bounce_of(c, from, first, second, with.bounce_slop, with.step));
+                    S(0) < (bounce_to.speed[k][lane] = bounce_of(c, k, first, second, with.bounce_slop, with.step));
         }
         if constexpr (Features::friction) {
             friction.coefficient[lane] = c.friction;
@@ -119,11 +119,11 @@ struct soft_contact2 {
         }
     }
     /// Hands the impulses back. Friction is shared as the points share the load.
-    void take(int lane, contact<S, 2>& c) const {
+    void take(int lane, contact<S, 2, Features>& c) const {
         S load = S(0);
         for (int k = 0; k < c.count; ++k) load += points[k].total[lane];
         for (int k = 0; k < c.count; ++k) {
-            contact_point<S, 2>& to = c.points[k];
+            auto& to = c.points[k];
             to.normal_impulse = points[k].total[lane];
             to.load = points[k].impulse[lane];
             if constexpr (Features::friction)

@@ -53,13 +53,15 @@ template <class S, int W, int D>
 struct belt_lanes {
     S along[W];
 
-    void put(int lane, const contact<S, 2>& c) { along[lane] = c.surface_velocity; }
+    template <class Features>
+    void put(int lane, const contact<S, 2, Features>& c) { along[lane] = c.surface_velocity; }
 };
 template <class S, int W>
 struct belt_lanes<S, W, 3> {
     S x[W], y[W];
 
-    void put(int lane, const contact<S, 3>& c) {
+    template <class Features>
+    void put(int lane, const contact<S, 3, Features>& c) {
         x[lane] = c.surface_velocity.x;
         y[lane] = c.surface_velocity.y;
     }
@@ -75,12 +77,14 @@ struct rolling_lanes {
     /// Of this substep, and of the whole step.
     S impulse[W], total[W];
 
-    void put(int lane, const contact<S, 2>& c, const rolling2<S>& with, S share) {
+    template <class Features>
+    void put(int lane, const contact<S, 2, Features>& c, const rolling2<S>& with, S share) {
         arm[lane] = c.rolling_resistance;
         inertia[lane] = with.inertia;
         impulse[lane] = c.rolling_impulse * share;
     }
-    void take(int lane, contact<S, 2>& c) const { c.rolling_impulse = total[lane]; }
+    template <class Features>
+    void take(int lane, contact<S, 2, Features>& c) const { c.rolling_impulse = total[lane]; }
     /// The change of the angular impulse where B turns by w against A.
     PHYSICS_HPP_ALWAYS_INLINE P next(const P& w, const P& load) {
         const P before = P::load(impulse), reach = P::load(arm), most = reach * load, zero = P::broadcast(S(0));
@@ -99,13 +103,15 @@ struct rolling_lanes<S, W, 3> {
     cone_lanes<S, W> stop;
     S x[W], y[W], total_x[W], total_y[W];
 
-    void put(int lane, const contact<S, 3>& c, const rolling3<S>& with, S share) {
+    template <class Features>
+    void put(int lane, const contact<S, 3, Features>& c, const rolling3<S>& with, S share) {
         arm[lane] = c.rolling_resistance;
         stop.put(lane, with);
         x[lane] = c.rolling_impulse.x * share;
         y[lane] = c.rolling_impulse.y * share;
     }
-    void take(int lane, contact<S, 3>& c) const { c.rolling_impulse = {total_x[lane], total_y[lane]}; }
+    template <class Features>
+    void take(int lane, contact<S, 3, Features>& c) const { c.rolling_impulse = {total_x[lane], total_y[lane]}; }
     PHYSICS_HPP_ALWAYS_INLINE lanes2<P> next(const lanes2<P>& w, const P& load) {
         const lanes2<P> before = {P::load(x), P::load(y)};
         const P reach = P::load(arm), zero = P::broadcast(S(0));
@@ -120,23 +126,24 @@ struct rolling_lanes<S, W, 3> {
     }
 };
 
-/// What a recipe leaves out.
+/// In place of what a recipe leaves out.
 template <int Which>
-struct left_out {};
+struct nothing {};
 
 /// What few contacts have lies apart from their block, so that the others pay for a look at a pointer.
 template <class S, int W, int D, class Features>
 struct soft_extras
-    : std::conditional_t<Features::rolling_resistance, rolling_lanes<S, W, D>, left_out<0>>,
-      std::conditional_t<Features::surface_velocity, belt_lanes<S, W, D>, left_out<1>> {
+    : std::conditional_t<Features::rolling_resistance, rolling_lanes<S, W, D>, nothing<0>>,
+      std::conditional_t<Features::surface_velocity, belt_lanes<S, W, D>, nothing<1>> {
     using rolling = rolling_lanes<S, W, D>;
     using belt = belt_lanes<S, W, D>;
 
-    static bool needed_by(const contact<S, D>& c) {
+    static bool needed_by(const contact<S, D, Features>& c) {
         return (Features::rolling_resistance && c.rolling_resistance > S(0)) ||
                (Features::surface_velocity && c.surface_velocity != tangential<S, D>{});
     }
-    void put(int lane, const contact<S, D>& c, const solver_body<S, D>& a, const solver_body<S, D>& b, S share) {
+    void put(int lane, const contact<S, D, Features>& c, const solver_body<S, D>& a, const solver_body<S, D>& b,
+             S share) {
         if constexpr (Features::rolling_resistance)
             if (c.rolling_resistance > S(0))
                 rolling::put(lane, c, rolling_at<S, D>(a, b, tangents<S, D>(c.normal)), share);
@@ -151,17 +158,17 @@ struct extras_of_block {
 
     extras* at = nullptr;
 
-    void put(int lane, const contact<S, D>& c, const solver_body<S, D>& a, const solver_body<S, D>& b, S share,
-             arena& scratch) {
+    void put(int lane, const contact<S, D, Features>& c, const solver_body<S, D>& a, const solver_body<S, D>& b,
+             S share, arena& scratch) {
         if (extras::needed_by(c)) add(lane, c, a, b, share, scratch);
     }
-    void take(int lane, contact<S, D>& c) const {
+    void take(int lane, contact<S, D, Features>& c) const {
         if constexpr (Features::rolling_resistance)
             if (at != nullptr) at->extras::rolling::take(lane, c);
     }
 
 private:
-    PHYSICS_HPP_NOINLINE void add(int lane, const contact<S, D>& c, const solver_body<S, D>& a,
+    PHYSICS_HPP_NOINLINE void add(int lane, const contact<S, D, Features>& c, const solver_body<S, D>& a,
                                   const solver_body<S, D>& b, S share, arena& scratch) {
         if (at == nullptr) at = new (scratch.template take<extras>(1)) extras{};
         at->put(lane, c, a, b, share);
@@ -170,8 +177,8 @@ private:
 template <class S, int W, int D, class Features>
     requires(!Features::rolling_resistance && !Features::surface_velocity)
 struct extras_of_block<S, W, D, Features> {
-    void put(int, const contact<S, D>&, const solver_body<S, D>&, const solver_body<S, D>&, S, arena&) {}
-    void take(int, contact<S, D>&) const {}
+    void put(int, const contact<S, D, Features>&, const solver_body<S, D>&, const solver_body<S, D>&, S, arena&) {}
+    void take(int, contact<S, D, Features>&) const {}
 };
 
 }  // namespace detail

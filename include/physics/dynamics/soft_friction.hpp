@@ -45,11 +45,11 @@ struct slide_lanes {
 };
 
 /// Last step's friction of the points that are still there and still bear a load.
-template <class S, int D>
-tangential<S, D> friction_of(const contact<S, D>& c) {
+template <class S, int D, class Features>
+tangential<S, D> friction_of(const contact<S, D, Features>& c) {
     tangential<S, D> sum{};
     for (int k = 0; k < c.count; ++k)
-        if (c.points[k].persisted && c.points[k].load > S(0)) sum += c.points[k].friction_impulse;
+        if (c.persisted(k) && c.points[k].load > S(0)) sum += c.points[k].friction_impulse;
     return sum;
 }
 /// The loads of a contact's points together.
@@ -84,7 +84,8 @@ struct soft_patch_friction3 {
     S x[W], y[W], twist[W];
     S total_x[W], total_y[W], total_twist[W];
 
-    void put(int lane, const contact<S, 3>& c, S share) {
+    template <class Features>
+    void put(int lane, const contact<S, 3, Features>& c, S share) {
         coefficient[lane] = c.friction;
         const vec<S, 2> before = friction_of(c);
         x[lane] = before.x * share;
@@ -150,11 +151,12 @@ struct soft_point_friction3 {
     inverse_of<S> answer[6][W];
     point each[manifold<S, 3>::capacity];
 
-    void put(int lane, const contact<S, 3>& c, S share) {
+    template <class Features>
+    void put(int lane, const contact<S, 3, Features>& c, S share) {
         coefficient[lane] = c.friction;
         for (int k = 0; k < c.count; ++k) {
-            const contact_point<S, 3>& from = c.points[k];
-            const bool bears = from.persisted && from.load > S(0);
+            const auto& from = c.points[k];
+            const bool bears = c.persisted(k) && from.load > S(0);
             each[k].x[lane] = bears ? from.friction_impulse.x * share : S(0);
             each[k].y[lane] = bears ? from.friction_impulse.y * share : S(0);
         }

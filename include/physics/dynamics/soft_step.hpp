@@ -66,7 +66,7 @@ struct soft_step_with {
         /// Advances velocities and poses by h: `motion` offers advance_velocities(h) and advance_poses(h). With several
         /// hands, contacts of one colour are shared out.
         template <class Motion>
-        static void solve(solver_bodies<S, D> all, contact_list<S, D> contacts, const settings& with, S h,
+        static void solve(solver_bodies<S, D> all, contact_list<S, D, Features> contacts, const settings& with, S h,
                           arena& scratch, Motion&& motion, detail::crew& hands) {
 #if PHYSICS_HPP_AVX2_KERNELS
             if constexpr (Width > 1 && Width == detail::native_width<S>)
@@ -106,7 +106,7 @@ struct soft_step_with {
             });
         }
         template <class Motion>
-        static void solve(solver_bodies<S, D> all, contact_list<S, D> contacts, const settings& with, S h,
+        static void solve(solver_bodies<S, D> all, contact_list<S, D, Features> contacts, const settings& with, S h,
                           arena& scratch, Motion&& motion) {
             detail::crew nobody_else;
             solve(all, contacts, with, h, scratch, motion, nobody_else);
@@ -149,13 +149,13 @@ struct soft_step_with {
                 }
             }
             /// Hands a block's impulses to its contacts.
-            void take(std::uint32_t k, const contact_list<S, D>& contacts) const {
+            void take(std::uint32_t k, const contact_list<S, D, Features>& contacts) const {
                 for (int lane = 0; lane < width; ++lane)
                     if (const std::uint32_t n = numbers[k * width + static_cast<std::uint32_t>(lane)]; n != none)
                         first[k].take(lane, contacts[n]);
             }
         };
-        static blocks_in_colours pack(const contact_list<S, D>& contacts, solver_bodies<S, D> bodies,
+        static blocks_in_colours pack(const contact_list<S, D, Features>& contacts, solver_bodies<S, D> bodies,
                                       const detail::soft_start<S>& with, arena& scratch) {
             const detail::contact_colours colours = detail::colour(contacts, bodies, scratch);
             blocks_in_colours result;
@@ -185,7 +185,7 @@ struct soft_step_with {
             return result;
         }
         static void fill(block& place, std::uint32_t* numbers, const std::uint32_t* order, std::uint32_t used,
-                         const contact_list<S, D>& contacts, solver_bodies<S, D> bodies,
+                         const contact_list<S, D, Features>& contacts, solver_bodies<S, D> bodies,
                          const detail::soft_start<S>& with, arena& scratch) {
             block& to = *new (&place) block{};
             detail::gathered_points<S, D, width> gathered;

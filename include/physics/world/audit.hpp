@@ -105,7 +105,7 @@ struct any_motion {
 /// What a solver must offer: settings with a function check(settings, function) like that of shapes, and
 /// solve(bodies, contacts, settings, h, scratch, motion).
 template <class Policy, class S, int D, class Features>
-concept solver_policy = requires(solver_bodies<S, D> bodies, contact_list<S, D> contacts, arena scratch,
+concept solver_policy = requires(solver_bodies<S, D> bodies, contact_list<S, D, Features> contacts, arena scratch,
                                  any_motion<S> motion,
                                  const typename Policy::template in<space<S, D>, Features>::settings settings) {
     { check(settings, "function") } -> std::same_as<bool>;

@@ -103,15 +103,19 @@ bool check_continuous(const char* function, bool continuous) {
     return !continuous || Plan::is_continuous ||
            refuse(function, "continuous", "true", "the recipe leaves continuous collision out");
 }
-template <class S, int D>
+template <class Plan, class S, int D>
 bool check_material(const char* function, const material<S, D>& m) {
+    using features = typename Plan::features;
     if (!check_not_negative(function, "friction", m.friction) ||
         !check_not_negative(function, "restitution", m.restitution) ||
         !check_not_negative(function, "rolling_resistance", m.rolling_resistance) ||
         !check_finite(function, "surface_velocity", m.surface_velocity))
         return false;
-    return !(m.restitution > S(1)) ||
-           refuse(function, "restitution", static_cast<double>(m.restitution), "it must be at most 1");
+    if (m.restitution > S(1))
+        return refuse(function, "restitution", static_cast<double>(m.restitution), "it must be at most 1");
+    return (features::restitution || check_left_out(function, "restitution", m.restitution)) &&
+           (features::rolling_resistance || check_left_out(function, "rolling_resistance", m.rolling_resistance)) &&
+           (features::surface_velocity || check_left_out(function, "surface_velocity", m.surface_velocity));
 }
 template <class Settings>
 bool check_settings(const Settings& with, const char* function) {

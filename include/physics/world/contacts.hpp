@@ -41,46 +41,48 @@ auto* recall_pairs(state<Plan>& s, const buffer<proxy_pair>& pairs) {
 
 /// How running surfaces drive. Apart from the rest, since few do.
 template <class Plan>
-PHYSICS_HPP_NOINLINE void drive(contact<typename Plan::scalar, Plan::dimension>& c, const shape_record<Plan>& a,
+PHYSICS_HPP_NOINLINE void drive(typename Plan::contact& c, const shape_record<Plan>& a,
                                 const shape_record<Plan>& b) {
     c.surface_velocity = driven(tangents<typename Plan::scalar, Plan::dimension>(c.normal), a.pose.rotation,
                                 a.material.surface_velocity, b.pose.rotation, b.material.surface_velocity);
 }
 /// What both surfaces make of a contact of A and B; false if the recipe's rule gives what no solver takes.
 template <class Plan>
-bool mix_surfaces(contact<typename Plan::scalar, Plan::dimension>& c, const shape_record<Plan>& a,
+bool mix_surfaces(typename Plan::contact& c, const shape_record<Plan>& a,
                   const shape_record<Plan>& b) {
     using S = typename Plan::scalar;
-    constexpr int D = Plan::dimension;
+    using features = typename Plan::features;
     const auto is_good = [](S x) { return x >= S(0) && is_finite(x); };
-    c.friction = Plan::mixing::friction(a.material, b.material);
-    c.restitution = Plan::mixing::restitution(a.material, b.material);
-    if constexpr (Plan::features::rolling_resistance)
-        c.rolling_resistance = Plan::mixing::rolling_resistance(a.material, b.material);
-    if constexpr (Plan::features::surface_velocity) {
-        const surface_motion<S, D> still{};
-        if (a.material.surface_velocity != still || b.material.surface_velocity != still) drive(c, a, b);
+    const material<S, Plan::dimension> of_a = a.material.whole(), of_b = b.material.whole();
+    bool good = true;
+    if constexpr (features::friction) good = is_good(c.friction = Plan::mixing::friction(of_a, of_b));
+    if constexpr (features::restitution) {
+        c.restitution = Plan::mixing::restitution(of_a, of_b);
+        good = good && is_good(c.restitution) && !(c.restitution > S(1));
     }
-    return is_good(c.friction) && is_good(c.restitution) && !(c.restitution > S(1)) && is_good(c.rolling_resistance);
+    if constexpr (features::rolling_resistance)
+        good = is_good(c.rolling_resistance = Plan::mixing::rolling_resistance(of_a, of_b)) && good;
+    if constexpr (features::surface_velocity) {
+        const surface_motion<S, Plan::dimension> still{};
+        if (of_a.surface_velocity != still || of_b.surface_velocity != still) drive(c, a, b);
+    }
+    return good;
 }
 
 /// Adds the contacts of a manifold between the shapes of a pair. False if their surfaces do not mix.
 template <class Plan, class Manifold>
 bool add_contact(const state<Plan>& s, proxy_pair pair, std::uint32_t part, const Manifold& m,
-                 buffer<contact<typename Plan::scalar, Plan::dimension>>& to) {
+                 buffer<typename Plan::contact>& to) {
     using S = typename Plan::scalar;
     constexpr int D = Plan::dimension;
     const proxy_pair p = in_order_of_kinds(s, pair);
     const auto& a = s.shapes[p.a];
     const auto& b = s.shapes[p.b];
     const rotation<S, D> turn = a.pose.rotation;
-    const vec<S, D> from_b = b.arm + (a.pose.position - b.pose.position);
-    contact<S, D>& c = to.emplace(p.a, p.b, s.mover_of[a.body], s.mover_of[b.body], part, turn * m.normal);
-    c.count = m.count;
+    auto& c = to.emplace(p.a, p.b, s.mover_of[a.body], s.mover_of[b.body], part, turn * m.normal, a.arm,
+                         b.arm + (a.pose.position - b.pose.position), static_cast<std::uint8_t>(m.count));
     for (int k = 0; k < m.count; ++k) {
-        const vec<S, D> at = turn * m.points[k].position;
-        c.points[k].lever_a = a.arm + at;
-        c.points[k].lever_b = from_b + at;
+        c.points[k].position = turn * m.points[k].position;
         c.points[k].separation = m.points[k].separation;
         c.points[k].feature = m.points[k].feature;
     }
@@ -96,7 +98,7 @@ template <class Plan>
 search_result search_pairs(state<Plan>& s, const typename Plan::query* queries, const buffer<proxy_pair>& pairs,
                            std::uint32_t first, std::uint32_t end,
                            manifold_list<typename Plan::scalar, Plan::dimension>& manifolds,
-                           buffer<contact<typename Plan::scalar, Plan::dimension>>& to) {
+                           buffer<typename Plan::contact>& to) {
     using S = typename Plan::scalar;
     manifolds.clear();
     const auto collide = [&](const auto* some, std::uint32_t count, S within) {
@@ -122,7 +124,7 @@ template <class Plan>
 bool find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs, crew& hands) {
     // So many pairs that what is found of them is still in the caches when it becomes contacts.
     constexpr std::uint32_t share = 256;
-    using contact = physics::contact<typename Plan::scalar, Plan::dimension>;
+    using contact = typename Plan::contact;
     struct piece {
         std::uint32_t worker, first, end;
         search_result is;

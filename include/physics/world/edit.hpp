@@ -68,7 +68,7 @@ shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape,
     const char* f = "create_shape";
     const found at = find_body(s, body, f);
     if (!at || !check(shape, f) || !check_pose(f, def.position, def.rotation) ||
-        !check_not_negative(f, "density", def.density) || !check_material(f, def.material))
+        !check_not_negative(f, "density", def.density) || !check_material<Plan>(f, def.material))
         return {};
     const auto& owner = s.bodies[at.index];
     if (!solid_shape_for<Shape, S, Plan::dimension> && owner.is_dynamic()) {
@@ -78,7 +78,7 @@ shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape,
     shape_record<Plan> record;
     record.shape = shape;
     record.local = {def.position, normalized(def.rotation)};
-    record.material = def.material;
+    record.material = decltype(record.material)(def.material);
     record.density = def.density;
     record.body = at.index;
     record.next = owner.first_shape;

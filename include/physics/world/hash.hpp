@@ -68,10 +68,11 @@ public:
     void add(const shape_record<Plan>& s) {
         add(static_cast<std::uint64_t>(s.shape.kind()) << 32 | s.body);
         add(s.local);
-        add(s.material.friction);
-        add(s.material.restitution);
-        add(s.material.rolling_resistance);
-        add(s.material.surface_velocity);
+        const auto material = s.material.whole();
+        add(material.friction);
+        add(material.restitution);
+        add(material.rolling_resistance);
+        add(material.surface_velocity);
         add(s.density);
         const auto box = bounds(s.shape, s.local);
         add(box.lower);
@@ -80,17 +81,17 @@ public:
             if constexpr (refers_to_geometry<std::remove_cvref_t<decltype(shape)>>) add(shape.geometry->digest);
         });
     }
-    template <class S, int D>
-    void add(const contact<S, D>& c) {
+    template <class S, int D, class Features>
+    void add(const contact<S, D, Features>& c) {
         add(c.normal);
-        add(c.twist_impulse);
-        add(c.rolling_impulse);
+        add(S(c.twist_impulse));
+        add(tangential<S, D>(c.rolling_impulse));
         add(static_cast<std::uint64_t>(c.count) | std::uint64_t{c.part} << 32);
         for (int k = 0; k < c.count; ++k) {
             add(std::uint64_t{c.points[k].feature});
             add(c.points[k].normal_impulse);
             add(c.points[k].load);
-            add(c.points[k].friction_impulse);
+            add(tangential<S, D>(c.points[k].friction_impulse));
         }
     }
     /// The manifold follows from the rest.

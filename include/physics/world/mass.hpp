@@ -70,11 +70,11 @@ void set_mass_properties(state<Plan>& s, std::uint32_t index,
         const vec<S, Plan::dimension> center = b.pose() * mass.center, shift = mass.center - b.mass.center;
         b.velocity.linear += cross(b.velocity.angular, center - b.center);
         b.center = center;
-        for (auto& c : s.contacts)
-            for (int k = 0; k < c.count; ++k) {
-                if (body_a(s, c) == index) c.points[k].lever_a -= s.contact_starts[index].rotation * shift;
-                if (body_b(s, c) == index) c.points[k].lever_b -= s.contact_starts[index].rotation * shift;
-            }
+        const vec<S, Plan::dimension> turned_shift = s.contact_starts[index].rotation * shift;
+        for (auto& c : s.contacts) {
+            if (body_a(s, c) == index) c.arm_a -= turned_shift;
+            if (body_b(s, c) == index) c.arm_b -= turned_shift;
+        }
     }
     b.mass = mass;
     each_shape(s, index, [&](std::uint32_t, auto& shape) { locate(shape, b.pose(), b.center); });

@@ -255,7 +255,8 @@ private:
     bool solve(const batch& part, arena& scratch, crew& hands) {
         scratch.reset();
         batch_motion<Plan> moving(state_, parts_, part, moved_, step_, scratch);
-        const contact_list<S, D> contacts(state_.found.begin(), parts_.order + part.contacts, part.end - part.contacts);
+        const contact_list<S, D, typename Plan::features> contacts(state_.found.begin(), parts_.order + part.contacts,
+                                                                   part.end - part.contacts);
         const auto& with = state_.settings.solver;
         if constexpr (requires { Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving, hands); })
             Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving, hands);

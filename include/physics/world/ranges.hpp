@@ -64,7 +64,7 @@ private:
 };
 
 template <class Plan>
-auto view_of(const state<Plan>& s, const contact<typename Plan::scalar, Plan::dimension>& c) {
+auto view_of(const state<Plan>& s, const typename Plan::contact& c) {
     using S = typename Plan::scalar;
     constexpr int D = Plan::dimension;
     const std::uint32_t at_a = body_a(s, c), at_b = body_b(s, c);
@@ -76,11 +76,12 @@ auto view_of(const state<Plan>& s, const contact<typename Plan::scalar, Plan::di
         c.part, c.normal, tangents<S, D>(c.normal), {}, c.count, c.friction, c.restitution, c.rolling_resistance,
         c.surface_velocity, c.twist_impulse, c.rolling_impulse};
     for (int k = 0; k < c.count; ++k) {
-        const contact_point<S, D>& p = c.points[k];
-        const vec<S, D> local_a = inverse_rotate(s.contact_starts[at_a].rotation, p.lever_a) + a.mass.center;
-        const vec<S, D> local_b = inverse_rotate(s.contact_starts[at_b].rotation, p.lever_b) + b.mass.center;
+        const auto& p = c.points[k];
+        const auto [to_a, to_b] = c.levers(k);
+        const vec<S, D> local_a = inverse_rotate(s.contact_starts[at_a].rotation, to_a) + a.mass.center;
+        const vec<S, D> local_b = inverse_rotate(s.contact_starts[at_b].rotation, to_b) + b.mass.center;
         view.points[k] = {a.pose() * local_a, local_a,    local_b, p.separation, p.normal_impulse,
-                          p.friction_impulse, p.persisted};
+                          p.friction_impulse, c.persisted(k)};
     }
     return view;
 }

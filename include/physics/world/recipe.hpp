@@ -44,45 +44,6 @@ struct shapes {
     using stage = physics::stage::shapes;
 };
 
-/// Features that a recipe can leave out; what is left out costs nothing.
-namespace feature {
-/// Coulomb friction of contacts. Without it no surface drives another either.
-struct friction {};
-/// Bouncing.
-struct restitution {};
-/// Islands that are still leave the step until they are touched.
-struct sleeping {};
-/// Resistance to rolling.
-struct rolling_resistance {};
-/// Surfaces that run, as conveyor belts do.
-struct surface_velocity {};
-/// Looking after fast bodies on their way through a step.
-struct continuous {};
-}  // namespace feature
-
-/// Leaves features out: without<feature::friction, feature::restitution>.
-template <class... Features>
-struct without {
-    using stage = physics::stage::features;
-private:
-    template <class Feature>
-    static constexpr bool lacks = (std::same_as<Features, Feature> || ...);
-    template <class Any, class... Known>
-    static constexpr bool is_one_of = (std::same_as<Any, Known> || ...);
-
-public:
-    static constexpr bool friction = !lacks<feature::friction>;
-    static constexpr bool restitution = !lacks<feature::restitution>;
-    static constexpr bool rolling_resistance = !lacks<feature::rolling_resistance>;
-    static constexpr bool surface_velocity = friction && !lacks<feature::surface_velocity>;
-    static constexpr bool sleeping = !lacks<feature::sleeping>;
-    static constexpr bool continuous = !lacks<feature::continuous>;
-    static constexpr bool known = (is_one_of<Features, feature::friction, feature::restitution,
-                                             feature::rolling_resistance, feature::surface_velocity,
-                                             feature::sleeping, feature::continuous> &&
-                                   ...);
-};
-
 namespace detail {
 
 /// The stage of a policy; void for a type that names none.
@@ -168,6 +129,7 @@ struct plan<S, D, shapes<Shapes...>, Policies...> {
     static constexpr int dimension = D;
     using space = physics::space<S, D>;
     using features = typename policy_for<stage::features, without<>, Policies...>::type;
+    using contact = physics::contact<S, D, features>;
     using shape = any_shape<S, D, Shapes...>;
     using query = narrowphase_query<S, D, Shapes...>;
     using broadphase = typename policy_for<stage::broadphase, dynamic_tree, Policies...>::type::template in<space>;

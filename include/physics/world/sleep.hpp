@@ -254,10 +254,10 @@ private:
     struct sides {
         std::uint32_t a, b;
     };
-    [[nodiscard]] sides movers_of(const contact<S, D>& c) const {
+    [[nodiscard]] sides movers_of(const typename Plan::contact& c) const {
         return {s_.mover_of[body_a(s_, c)], s_.mover_of[body_b(s_, c)]};
     }
-    [[nodiscard]] bool touch(const contact<S, D>& c, S slack) const {
+    [[nodiscard]] bool touch(const typename Plan::contact& c, S slack) const {
         return comes_to_touch(c, s_.bodies[body_a(s_, c)].velocity, s_.bodies[body_b(s_, c)].velocity, step_, slack);
     }
     void judge(std::uint32_t k, island& of) {

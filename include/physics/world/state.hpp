@@ -19,7 +19,7 @@ struct shape_record {
     /// Where it is in the world, and its origin relative to the body's centre of mass, in world axes.
     transform<S, D> pose;
     vec<S, D> arm;
-    physics::material<S, D> material;
+    [[no_unique_address]] kept_material<S, D, typename Plan::features> material;
     S density{};
     std::uint32_t body = 0;
     /// The next shape of the same body.
@@ -115,8 +115,11 @@ struct pair_memories {
 inline constexpr std::uint32_t no_sleeper = 0xffffffffu;
 
 /// Who sleeps. Arrays by the numbers of bodies.
-template <class S, int D>
+template <class Plan>
 struct sleep_state {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+
     /// For how long each body has been still (s), up to the time that it takes to fall asleep.
     buffer<S> still;
     /// Where its centre of mass was when it became so.
@@ -124,7 +127,7 @@ struct sleep_state {
     /// Of each sleeper the next one of its island, in a ring.
     buffer<std::uint32_t> ring;
     /// Contacts of which no body that can be pushed is awake, in ascending order of their pairs.
-    buffer<contact<S, D>> contacts;
+    buffer<typename Plan::contact> contacts;
     /// Scratch: who wakes in this step, and who lies where something happens.
     buffer<std::uint32_t> woken, near;
 
@@ -210,7 +213,7 @@ struct state {
     shape_pool<Plan> shapes;
     typename Plan::broadphase broadphase;
     /// Contacts of the last step that push somebody who is awake, in ascending order of their pairs.
-    buffer<contact<S, D>> contacts;
+    buffer<typename Plan::contact> contacts;
     /// Where the centres of bodies were, and how bodies were turned, when these contacts were found.
     buffer<transform<S, D>> contact_starts;
     /// Numbers of the bodies that move and are awake, and of each body its number among them: how many there are if it
@@ -220,7 +223,7 @@ struct state {
     bool movers_changed = true;
     /// What the narrowphase remembers of the last step's pairs.
     pair_memories<Plan> memories;
-    [[no_unique_address]] std::conditional_t<Plan::sleeps, sleep_state<S, D>, no_sleep_state> sleep;
+    [[no_unique_address]] std::conditional_t<Plan::sleeps, sleep_state<Plan>, no_sleep_state> sleep;
     [[no_unique_address]] std::conditional_t<Plan::is_continuous, continuous_state<Plan>, nothing_continuous>
         continuous;
     std::uint64_t steps = 0;
@@ -249,16 +252,16 @@ struct state {
     }
 
     // Scratch of the step: nothing in it outlives one.
-    buffer<contact<S, D>> found;
+    buffer<typename Plan::contact> found;
     pair_memories<Plan> found_memories;
     buffer<proxy_pair> woken_pairs;
-    buffer<contact<S, D>> woken_contacts;
+    buffer<typename Plan::contact> woken_contacts;
     pair_memories<Plan> woken_memories;
     arena scratch;
     per_worker<arena> batch_scratch;
     /// What each worker has found.
     per_worker<manifold_list<S, D>> manifolds;
-    per_worker<buffer<contact<S, D>>> found_by;
+    per_worker<buffer<typename Plan::contact>> found_by;
     buffer<unsigned char> parts_done;
 
     [[nodiscard]] bool is_asleep(std::uint32_t body) const {

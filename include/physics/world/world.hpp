@@ -303,14 +303,14 @@ public:
         return get(id, "local_pose", [](const auto& s) { return s.local; });
     }
     [[nodiscard]] material surface(shape_id id) const {
-        return get(id, "surface", [](const auto& s) { return s.material; });
+        return get(id, "surface", [](const auto& s) { return s.material.whole(); });
     }
     /// Changes a shape's material from the next step on.
     void set_surface(shape_id id, const material& m) {
         const auto s = detail::find_shape(state_, id, "set_surface");
-        if (!s || !detail::check_material("set_surface", m)) return;
+        if (!s || !detail::check_material<plan>("set_surface", m)) return;
         detail::rouse(state_, state_.shapes[s.index].body);
-        state_.shapes[s.index].material = m;
+        state_.shapes[s.index].material = decltype(state_.shapes[s.index].material)(m);
     }
     [[nodiscard]] std::uint64_t user_data(shape_id id) const {
         return get(id, "user_data", [](const auto& s) { return s.user_data; });

@@ -1,0 +1,63 @@
+// What contacts and surfaces can do, and what a recipe leaves out of it.
+#pragma once
+
+#include "physics/base/stage.hpp"
+
+PHYSICS_HPP_BEGIN
+
+/// Features that a recipe can leave out; what is left out costs nothing.
+namespace feature {
+/// Coulomb friction of contacts. Without it no surface drives another either.
+struct friction {};
+/// Bouncing.
+struct restitution {};
+/// Islands that are still leave the step until they are touched.
+struct sleeping {};
+/// Resistance to rolling.
+struct rolling_resistance {};
+/// Surfaces that run, as conveyor belts do.
+struct surface_velocity {};
+/// Looking after fast bodies on their way through a step.
+struct continuous {};
+}  // namespace feature
+
+/// Leaves features out: without<feature::friction, feature::restitution>.
+template <class... Features>
+struct without {
+    using stage = physics::stage::features;
+private:
+    template <class Feature>
+    static constexpr bool lacks = (std::same_as<Features, Feature> || ...);
+    template <class Any, class... Known>
+    static constexpr bool is_one_of = (std::same_as<Any, Known> || ...);
+
+public:
+    static constexpr bool friction = !lacks<feature::friction>;
+    static constexpr bool restitution = !lacks<feature::restitution>;
+    static constexpr bool rolling_resistance = !lacks<feature::rolling_resistance>;
+    static constexpr bool surface_velocity = friction && !lacks<feature::surface_velocity>;
+    static constexpr bool sleeping = !lacks<feature::sleeping>;
+    static constexpr bool continuous = !lacks<feature::continuous>;
+    static constexpr bool known = (is_one_of<Features, feature::friction, feature::restitution,
+                                             feature::rolling_resistance, feature::surface_velocity,
+                                             feature::sleeping, feature::continuous> &&
+                                   ...);
+};
+
+namespace detail {
+
+/// Stands where a value is left out: it takes no room, is not written, and reads as 0. Nth tells two in one struct
+/// apart, which would take room for that.
+template <class T, class Feature, int Nth>
+struct left_out {
+    constexpr left_out() = default;
+    constexpr explicit left_out(const T&) {}
+    constexpr operator T() const { return T{}; }
+};
+/// A value that is there if `Kept`.
+template <bool Kept, class T, class Feature, int Nth = 0>
+using kept_if = std::conditional_t<Kept, T, left_out<T, Feature, Nth>>;
+
+}  // namespace detail
+
+PHYSICS_HPP_END
