@@ -23763,6 +23763,8 @@ struct sleep_state {
     buffer<std::uint32_t> ring;
     /// Contacts of which no body that can be pushed is awake, in ascending order of their pairs.
     buffer<typename Plan::contact> contacts;
+    /// Length of the step in which their impulses acted (s).
+    S step{};
     /// Scratch: who wakes in this step, and who lies where something happens.
     buffer<std::uint32_t> woken, near;
 
@@ -23783,6 +23785,7 @@ struct sleep_state {
         f(self.since);
         f(self.ring);
         f(self.contacts);
+        f(self.step);
     }
 };
 struct no_sleep_state {};
@@ -23916,11 +23919,13 @@ struct world_access {
     }
 };
 
-/// How long a step is, compared to the last one.
-template <class Plan>
-typename Plan::scalar stretch_of_step(const state<Plan>& s, typename Plan::scalar h) {
-    using S = typename Plan::scalar;
-    return s.last_step > S(0) && s.last_step != h ? h / s.last_step : S(1);
+/// Scales the impulses of contacts from a step of one length to one of another: they hold loads, which a longer step
+/// holds by larger ones.
+template <class Contact, class S>
+void stretch(Contact* first, const Contact* end, S from, S to) {
+    if (!(from > S(0)) || from == to) return;
+    const S ratio = to / from;
+    for (; first != end; ++first) scale_impulses(*first, ratio);
 }
 
 template <class Plan>
@@ -25016,6 +25021,7 @@ void wake_islands(state<Plan>& s, Each&& each) {
     part_contacts(
         s.sleep.contacts, [&](const auto& c) { return is_of_sleepers(s, c); },
         [&](const auto& c) { s.found.push(c); });
+    stretch(s.found.begin(), s.found.end(), s.sleep.step, s.last_step);
     merge_contacts(s.contacts, s.found);
 }
 template <class Plan>
@@ -25224,6 +25230,8 @@ private:
         part_contacts(
             s_.contacts, [&](const auto& c) { return !is_of_sleepers(s_, c); },
             [&](const auto& c) { s_.found.push(c); });
+        if (s_.sleep.contacts.empty()) s_.sleep.step = step_;
+        stretch(s_.found.begin(), s_.found.end(), step_, s_.sleep.step);
         merge_contacts(s_.sleep.contacts, s_.found);
         if constexpr (Plan::remembers)
             s_.memories.drop([&](std::uint32_t shape) { return s_.is_asleep(s_.shapes[shape].body); });
@@ -25802,9 +25810,6 @@ public:
         state_.contacts.swap(state_.found);
         state_.memories.swap(state_.found_memories);
         ++state_.steps;
-        if constexpr (Plan::sleeps)
-            if (const S stretch = stretch_of_step(state_, step_); stretch != S(1))
-                for (auto& c : state_.sleep.contacts) scale_impulses(c, stretch);
         state_.last_step = step_;
         if constexpr (Plan::sleeps) {
             wake_disturbed(state_);
@@ -26030,14 +26035,12 @@ bool find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs, crew& hands)
     return all.mixed;
 }
 
-/// Hands on the impulses of the last step's contacts: they held loads, which a longer step holds by larger ones.
+/// Hands on the impulses of the last step's contacts.
 template <class Plan>
 void inherit_contacts(state<Plan>& s, typename Plan::scalar h, crew& hands) {
-    const auto stretch = stretch_of_step(s, h);
     hands.each_part(s.found.size(), 256, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
         inherit_impulses(s.contacts, s.found.begin() + first, s.found.begin() + end);
-        if (stretch == typename Plan::scalar(1)) return;
-        for (std::uint32_t i = first; i < end; ++i) scale_impulses(s.found[i], stretch);
+        stretch(s.found.begin() + first, s.found.begin() + end, s.last_step, h);
     });
 }
 
@@ -26061,6 +26064,7 @@ bool find_contacts_of_woken(state<Plan>& s, crew& hands) {
     s.found_memories.swap(s.woken_memories);
     const bool good = find_contacts(s, s.woken_pairs, hands);
     inherit_impulses(s.sleep.contacts, s.found.begin(), s.found.end());
+    stretch(s.found.begin(), s.found.end(), s.sleep.step, s.last_step);
     merge_contacts(s.woken_contacts, s.found);
     s.found.swap(s.woken_contacts);
     s.found_memories.swap(s.woken_memories);
@@ -26242,6 +26246,7 @@ std::uint64_t state_hash(const state<Plan>& s) {
             h.add(s.sleep.since[i]);
             h.add(std::uint64_t{s.sleep.ring[i]});
         });
+        if (!s.sleep.contacts.empty()) h.add(s.sleep.step);
         for (const auto& c : s.sleep.contacts) h.add(hash_of(std::uint64_t{c.shape_a} << 32 | c.shape_b, c));
     }
     if constexpr (Plan::remembers)

@@ -264,6 +264,43 @@ CELL_CASE("sleep: a pile that is hit wakes with all its contacts, and none is lo
     CHECK(b.stack_sleeps());
 }
 
+CELL_CASE("sleep: steps of changing length pass sleepers by, and who wakes in one bears his load at once") {
+    bedroom b(4);
+    const auto loads = [&] {
+        std::vector<double> all;
+        for (const auto& c : b.w.contacts())
+            for (int k = 0; k < c.count; ++k) all.push_back(number(c.points[k].normal_impulse));
+        return all;
+    };
+    const auto before = loads();
+    cell::dice dice(61);
+    for (int i = 0; i < 256; ++i) b.w.step(S(1.0 / (32 << dice.below(3))));
+    // To the bit: nobody has touched them.
+    CHECK(loads() == before);
+    // Woken between two steps, or by a blow within one, the ground bears what lies on it in the first step.
+    const auto borne = [&](const std::vector<body_id>& by) {
+        double sum = 0;
+        for (const auto& c : b.w.contacts())
+            for (const body_id id : by)
+                if ((c.body_a == b.ground && c.body_b == id) || (c.body_b == b.ground && c.body_a == id))
+                    for (int k = 0; k < c.count; ++k) sum += number(c.points[k].normal_impulse);
+        return sum;
+    };
+    for (const double h : {1.0 / 32, 1.0 / 128}) {
+        b.w.wake(b.stack[0]);
+        b.w.step(S(h));
+        CHECK(std::abs(borne(b.stack) / (40 * h) - 1) <= 0.3);
+        b.fall_asleep();
+        b.w.step(S(1.0 / 128));
+        const body_id ball = b.w.create_body({.position = at(5, 1.4), .linear_velocity = along(1, -2)});
+        b.w.create_shape(ball, world::ball{S(0.25)}, {.density = S(0.01)});
+        while (b.w.is_asleep(b.alone)) b.w.step(S(h));
+        CHECK(std::abs(borne({b.alone}) / (10 * h) - 1) <= 0.3);
+        b.w.destroy_body(ball);
+        b.fall_asleep();
+    }
+}
+
 CELL_CASE("sleep: who lies on what stands, though it could move, sleeps on when others wake, and has his contacts once") {
     bedroom b;
     const body_id shelf = b.w.create_body({.type = body_type::kinematic_body, .position = at(-5, 2)});

@@ -167,14 +167,12 @@ bool find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs, crew& hands)
     return all.mixed;
 }
 
-/// Hands on the impulses of the last step's contacts: they held loads, which a longer step holds by larger ones.
+/// Hands on the impulses of the last step's contacts.
 template <class Plan>
 void inherit_contacts(state<Plan>& s, typename Plan::scalar h, crew& hands) {
-    const auto stretch = stretch_of_step(s, h);
     hands.each_part(s.found.size(), 256, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
         inherit_impulses(s.contacts, s.found.begin() + first, s.found.begin() + end);
-        if (stretch == typename Plan::scalar(1)) return;
-        for (std::uint32_t i = first; i < end; ++i) scale_impulses(s.found[i], stretch);
+        stretch(s.found.begin() + first, s.found.begin() + end, s.last_step, h);
     });
 }
 
@@ -198,6 +196,7 @@ bool find_contacts_of_woken(state<Plan>& s, crew& hands) {
     s.found_memories.swap(s.woken_memories);
     const bool good = find_contacts(s, s.woken_pairs, hands);
     inherit_impulses(s.sleep.contacts, s.found.begin(), s.found.end());
+    stretch(s.found.begin(), s.found.end(), s.sleep.step, s.last_step);
     merge_contacts(s.woken_contacts, s.found);
     s.found.swap(s.woken_contacts);
     s.found_memories.swap(s.woken_memories);

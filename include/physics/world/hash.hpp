@@ -169,6 +169,7 @@ std::uint64_t state_hash(const state<Plan>& s) {
             h.add(s.sleep.since[i]);
             h.add(std::uint64_t{s.sleep.ring[i]});
         });
+        if (!s.sleep.contacts.empty()) h.add(s.sleep.step);
         for (const auto& c : s.sleep.contacts) h.add(hash_of(std::uint64_t{c.shape_a} << 32 | c.shape_b, c));
     }
     if constexpr (Plan::remembers)

@@ -222,9 +222,6 @@ public:
         state_.contacts.swap(state_.found);
         state_.memories.swap(state_.found_memories);
         ++state_.steps;
-        if constexpr (Plan::sleeps)
-            if (const S stretch = stretch_of_step(state_, step_); stretch != S(1))
-                for (auto& c : state_.sleep.contacts) scale_impulses(c, stretch);
         state_.last_step = step_;
         if constexpr (Plan::sleeps) {
             wake_disturbed(state_);

@@ -78,6 +78,7 @@ void wake_islands(state<Plan>& s, Each&& each) {
     part_contacts(
         s.sleep.contacts, [&](const auto& c) { return is_of_sleepers(s, c); },
         [&](const auto& c) { s.found.push(c); });
+    stretch(s.found.begin(), s.found.end(), s.sleep.step, s.last_step);
     merge_contacts(s.contacts, s.found);
 }
 template <class Plan>
@@ -286,6 +287,8 @@ private:
         part_contacts(
             s_.contacts, [&](const auto& c) { return !is_of_sleepers(s_, c); },
             [&](const auto& c) { s_.found.push(c); });
+        if (s_.sleep.contacts.empty()) s_.sleep.step = step_;
+        stretch(s_.found.begin(), s_.found.end(), step_, s_.sleep.step);
         merge_contacts(s_.sleep.contacts, s_.found);
         if constexpr (Plan::remembers)
             s_.memories.drop([&](std::uint32_t shape) { return s_.is_asleep(s_.shapes[shape].body); });

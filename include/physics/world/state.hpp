@@ -128,6 +128,8 @@ struct sleep_state {
     buffer<std::uint32_t> ring;
     /// Contacts of which no body that can be pushed is awake, in ascending order of their pairs.
     buffer<typename Plan::contact> contacts;
+    /// Length of the step in which their impulses acted (s).
+    S step{};
     /// Scratch: who wakes in this step, and who lies where something happens.
     buffer<std::uint32_t> woken, near;
 
@@ -148,6 +150,7 @@ struct sleep_state {
         f(self.since);
         f(self.ring);
         f(self.contacts);
+        f(self.step);
     }
 };
 struct no_sleep_state {};
@@ -281,11 +284,13 @@ struct world_access {
     }
 };
 
-/// How long a step is, compared to the last one.
-template <class Plan>
-typename Plan::scalar stretch_of_step(const state<Plan>& s, typename Plan::scalar h) {
-    using S = typename Plan::scalar;
-    return s.last_step > S(0) && s.last_step != h ? h / s.last_step : S(1);
+/// Scales the impulses of contacts from a step of one length to one of another: they hold loads, which a longer step
+/// holds by larger ones.
+template <class Contact, class S>
+void stretch(Contact* first, const Contact* end, S from, S to) {
+    if (!(from > S(0)) || from == to) return;
+    const S ratio = to / from;
+    for (; first != end; ++first) scale_impulses(*first, ratio);
 }
 
 template <class Plan>
