@@ -19795,18 +19795,13 @@ struct body {
     [[nodiscard]] constexpr bool is_pushed() const { return !(force == vec<S, D>{} && torque == angular<S, D>{}); }
 };
 
-namespace detail {
-struct turns_at_once {};
-}
-
-/// What an integrator sees of a body: where it is while a step lasts, and what drives it.
+/// What an integrator sees of a body: where it is, and what drives it.
 template <class S, int D>
 struct moving_body {
+    /// As the step begins; how far the body has come since is added up apart, where far from the origin less is lost.
     vec<S, D> center;
+    /// In the plane as the step begins, in space as it is.
     physics::rotation<S, D> rotation;
-    /// In the plane, by which angle it is turned as the step ends: angles add up, so that one turn serves all parts of
-    /// the step.
-    [[no_unique_address]] std::conditional_t<D == 2, S, detail::turns_at_once> turn{};
     /// By gravity, forces and torques (m/s^2, rad/s^2), in world axes.
     vec<S, D> acceleration;
     angular<S, D> angular_acceleration{};
@@ -19816,8 +19811,8 @@ struct moving_body {
     const body<S, D>* top = nullptr;
 };
 
-/// What a solver sees of a body: velocity, how far it has come in this step if the solver cares, and how it answers to
-/// impulses. Bodies that nothing pushes have the inverse mass 0. The twists come first, so that lanes read them in rows
+/// What a solver sees of a body: velocity, how far it has come in this step (m, rad), and how it answers to impulses.
+/// Bodies that nothing pushes have the inverse mass 0. The twists come first, so that lanes read them in rows
 /// of four scalars.
 template <class S, int D>
 struct alignas(16) solver_body {
@@ -21109,12 +21104,15 @@ struct semi_implicit_euler {
             v.linear = (v.linear + b.acceleration * h) * damped(b.linear_damping, h);
             v.angular = (v.angular + b.angular_acceleration * h) * damped(b.angular_damping, h);
         }
-        /// Advances the pose of a body by its velocity, and the angular velocity of a free top with it.
-        static constexpr void advance_pose(moving_body<S, D>& b, twist<S, D>& v, S h) {
-            b.center += v.linear * h;
-            if constexpr (D == 2) b.turn += v.angular * h;
-            else if (b.top) detail::turn_freely(b, v.angular, h);
-            else b.rotation = turned(b.rotation, v.angular * h);
+        /// Advances a body by its velocity: adds to its way, turns it in space, and the angular velocity of a free top
+        /// with it. In the plane angles add up, so that one turn by the way serves all parts of a step.
+        static constexpr void advance_pose(moving_body<S, D>& b, twist<S, D>& v, twist<S, D>& way, S h) {
+            way.linear += v.linear * h;
+            way.angular += v.angular * h;
+            if constexpr (D == 3) {
+                if (b.top) detail::turn_freely(b, v.angular, h);
+                else b.rotation = turned(b.rotation, v.angular * h);
+            }
         }
 
     private:
@@ -22987,8 +22985,8 @@ struct soft_step_with {
         static constexpr int D = Space::dimension;
         using settings = soft_step_settings<S>;
 
-        /// Advances velocities and poses by h: `motion` offers advance_velocities(h) and advance_poses(h). With several
-        /// hands, contacts of one colour are shared out.
+        /// Advances velocities and poses by h: `motion` offers advance_velocities(h) and advance_poses(h), which adds
+        /// to their ways. With several hands, contacts of a colour are shared out.
         template <class Motion>
         static void solve(solver_bodies<S, D> all, contact_list<S, D, Features> contacts, const settings& with, S h,
                           arena& scratch, Motion&& motion, detail::crew& hands) {
@@ -23014,10 +23012,6 @@ struct soft_step_with {
                 motion.advance_velocities(part);
                 blocks.each(hands, [bodies](block& b) { kernels::warm_start(b, bodies); });
                 blocks.each(hands, [bodies, &press](block& b) { kernels::solve(b, bodies, press); });
-                for (std::uint32_t k = 0; k < all.nobody(); ++k) {
-                    bodies[k].way.linear += bodies[k].velocity.linear * part;
-                    bodies[k].way.angular += bodies[k].velocity.angular * part;
-                }
                 motion.advance_poses(part);
                 blocks.each(hands, [bodies, &relax](block& b) { kernels::solve(b, bodies, relax); });
             }
@@ -23490,11 +23484,12 @@ constexpr bool narrowphase_serves(const shapes<Shapes...>*) {
     return narrowphase_for<Policy, S, D, Shapes...>;
 }
 
-/// What an integrator must offer: advance_velocity(velocity, moving body, h), advance_pose(moving body, velocity, h).
+/// What an integrator must offer: advance_velocity(velocity, moving body, h), advance_pose(moving body, velocity,
+/// way, h).
 template <class Policy, class S, int D>
 concept integrator_policy = requires(moving_body<S, D> b, twist<S, D> v) {
     Policy::template in<space<S, D>>::advance_velocity(v, b, S(1));
-    Policy::template in<space<S, D>>::advance_pose(b, v, S(1));
+    Policy::template in<space<S, D>>::advance_pose(b, v, v, S(1));
 };
 
 /// What a solver asks of the world that it advances.
@@ -25651,14 +25646,18 @@ public:
         if (free_count_ > 0) thrust(S(0));
     }
     void advance_poses(S h) {
-        for (std::uint32_t k = 0; k < count_; ++k) integrator::advance_pose(moving_[k], bodies_[k].velocity, h);
+        for (std::uint32_t k = 0; k < count_; ++k)
+            integrator::advance_pose(moving_[k], bodies_[k].velocity, bodies_[k].way, h);
     }
 
     /// Ends the step. False if something that moved is where numbers do not reach.
     [[nodiscard]] bool finish() {
-        if constexpr (D == 2)
-            for (std::uint32_t k = 0; k < count_; ++k)
-                if (moving_[k].turn != S(0)) moving_[k].rotation = turned(moving_[k].rotation, moving_[k].turn);
+        for (std::uint32_t k = 0; k < count_; ++k) {
+            const twist<S, D>& way = bodies_[k].way;
+            moving_[k].center += way.linear;
+            if constexpr (D == 2)
+                if (way.angular != S(0)) moving_[k].rotation = turned(moving_[k].rotation, way.angular);
+        }
         for (std::uint32_t k = 0; k < count_; ++k)
             if (!physics::is_finite(moving_[k].center) || !physics::is_finite(moving_[k].rotation) ||
                 !physics::is_finite(bodies_[k].velocity.linear) || !physics::is_finite(bodies_[k].velocity.angular))

@@ -67,10 +67,11 @@ struct explicit_euler {
     struct in {
         using body = physics::moving_body<S, D>;
         static void advance_velocity(physics::twist<S, D>& v, const body& b, S h) { v.linear += b.acceleration * h; }
-        static void advance_pose(body& b, physics::twist<S, D>& v, S h) {
+        static void advance_pose(body& b, physics::twist<S, D>& v, physics::twist<S, D>& way, S h) {
             // The velocity at the step's start: what gravity has added since is taken off again.
-            b.center += (v.linear - b.acceleration * h) * h;
-            b.rotation = turned(b.rotation, v.angular * h);
+            way.linear += (v.linear - b.acceleration * h) * h;
+            way.angular += v.angular * h;
+            if constexpr (D == 3) b.rotation = turned(b.rotation, v.angular * h);
         }
     };
 };

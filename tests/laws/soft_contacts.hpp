@@ -10,9 +10,13 @@ namespace soft_contacts_laws {
 
 template <int Width, class Features = complete, class Solver = physics::soft_step>
 void solve_softly(problem& p, int substeps) {
-    struct still {
+    struct drift {
+        problem& p;
+
         void advance_velocities(S) {}
-        void advance_poses(S) {}
+        void advance_poses(S h) {
+            for (auto& b : p.bodies) b.way = {b.way.linear + b.velocity.linear * h, b.way.angular + b.velocity.angular * h};
+        }
     };
     physics::arena scratch;
     physics::soft_step_settings<S> settings;
@@ -22,7 +26,7 @@ void solve_softly(problem& p, int substeps) {
     const physics::solver_bodies<S, D> bodies{p.bodies.data(), static_cast<std::uint32_t>(p.bodies.size())};
     using solver_in = typename Solver::template in<cell::space, Features, Width>;
     with_contacts<Features>(p, [&](auto& contacts) {
-        solver_in::solve(bodies, {contacts, scratch}, settings, S(1.0 / 64), scratch, still{});
+        solver_in::solve(bodies, {contacts, scratch}, settings, S(1.0 / 64), scratch, drift{p});
     });
     p.bodies.pop_back();
 }

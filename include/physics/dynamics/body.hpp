@@ -57,18 +57,13 @@ struct body {
     [[nodiscard]] constexpr bool is_pushed() const { return !(force == vec<S, D>{} && torque == angular<S, D>{}); }
 };
 
-namespace detail {
-struct turns_at_once {};
-}
-
-/// What an integrator sees of a body: where it is while a step lasts, and what drives it.
+/// What an integrator sees of a body: where it is, and what drives it.
 template <class S, int D>
 struct moving_body {
+    /// As the step begins; how far the body has come since is added up apart, where far from the origin less is lost.
     vec<S, D> center;
+    /// In the plane as the step begins, in space as it is.
     physics::rotation<S, D> rotation;
-    /// In the plane, by which angle it is turned as the step ends: angles add up, so that one turn serves all parts of
-    /// the step.
-    [[no_unique_address]] std::conditional_t<D == 2, S, detail::turns_at_once> turn{};
     /// By gravity, forces and torques (m/s^2, rad/s^2), in world axes.
     vec<S, D> acceleration;
     angular<S, D> angular_acceleration{};
@@ -78,8 +73,8 @@ struct moving_body {
     const body<S, D>* top = nullptr;
 };
 
-/// What a solver sees of a body: velocity, how far it has come in this step if the solver cares, and how it answers to
-/// impulses. Bodies that nothing pushes have the inverse mass 0. The twists come first, so that lanes read them in rows
+/// What a solver sees of a body: velocity, how far it has come in this step (m, rad), and how it answers to impulses.
+/// Bodies that nothing pushes have the inverse mass 0. The twists come first, so that lanes read them in rows
 /// of four scalars.
 template <class S, int D>
 struct alignas(16) solver_body {

@@ -75,12 +75,15 @@ struct semi_implicit_euler {
             v.linear = (v.linear + b.acceleration * h) * damped(b.linear_damping, h);
             v.angular = (v.angular + b.angular_acceleration * h) * damped(b.angular_damping, h);
         }
-        /// Advances the pose of a body by its velocity, and the angular velocity of a free top with it.
-        static constexpr void advance_pose(moving_body<S, D>& b, twist<S, D>& v, S h) {
-            b.center += v.linear * h;
-            if constexpr (D == 2) b.turn += v.angular * h;
-            else if (b.top) detail::turn_freely(b, v.angular, h);
-            else b.rotation = turned(b.rotation, v.angular * h);
+        /// Advances a body by its velocity: adds to its way, turns it in space, and the angular velocity of a free top
+        /// with it. In the plane angles add up, so that one turn by the way serves all parts of a step.
+        static constexpr void advance_pose(moving_body<S, D>& b, twist<S, D>& v, twist<S, D>& way, S h) {
+            way.linear += v.linear * h;
+            way.angular += v.angular * h;
+            if constexpr (D == 3) {
+                if (b.top) detail::turn_freely(b, v.angular, h);
+                else b.rotation = turned(b.rotation, v.angular * h);
+            }
         }
 
     private:

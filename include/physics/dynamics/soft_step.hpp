@@ -63,8 +63,8 @@ struct soft_step_with {
         static constexpr int D = Space::dimension;
         using settings = soft_step_settings<S>;
 
-        /// Advances velocities and poses by h: `motion` offers advance_velocities(h) and advance_poses(h). With several
-        /// hands, contacts of one colour are shared out.
+        /// Advances velocities and poses by h: `motion` offers advance_velocities(h) and advance_poses(h), which adds
+        /// to their ways. With several hands, contacts of a colour are shared out.
         template <class Motion>
         static void solve(solver_bodies<S, D> all, contact_list<S, D, Features> contacts, const settings& with, S h,
                           arena& scratch, Motion&& motion, detail::crew& hands) {
@@ -90,10 +90,6 @@ struct soft_step_with {
                 motion.advance_velocities(part);
                 blocks.each(hands, [bodies](block& b) { kernels::warm_start(b, bodies); });
                 blocks.each(hands, [bodies, &press](block& b) { kernels::solve(b, bodies, press); });
-                for (std::uint32_t k = 0; k < all.nobody(); ++k) {
-                    bodies[k].way.linear += bodies[k].velocity.linear * part;
-                    bodies[k].way.angular += bodies[k].velocity.angular * part;
-                }
                 motion.advance_poses(part);
                 blocks.each(hands, [bodies, &relax](block& b) { kernels::solve(b, bodies, relax); });
             }

@@ -89,11 +89,12 @@ constexpr bool narrowphase_serves(const shapes<Shapes...>*) {
     return narrowphase_for<Policy, S, D, Shapes...>;
 }
 
-/// What an integrator must offer: advance_velocity(velocity, moving body, h), advance_pose(moving body, velocity, h).
+/// What an integrator must offer: advance_velocity(velocity, moving body, h), advance_pose(moving body, velocity,
+/// way, h).
 template <class Policy, class S, int D>
 concept integrator_policy = requires(moving_body<S, D> b, twist<S, D> v) {
     Policy::template in<space<S, D>>::advance_velocity(v, b, S(1));
-    Policy::template in<space<S, D>>::advance_pose(b, v, S(1));
+    Policy::template in<space<S, D>>::advance_pose(b, v, v, S(1));
 };
 
 /// What a solver asks of the world that it advances.

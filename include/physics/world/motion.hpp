@@ -63,14 +63,18 @@ public:
         if (free_count_ > 0) thrust(S(0));
     }
     void advance_poses(S h) {
-        for (std::uint32_t k = 0; k < count_; ++k) integrator::advance_pose(moving_[k], bodies_[k].velocity, h);
+        for (std::uint32_t k = 0; k < count_; ++k)
+            integrator::advance_pose(moving_[k], bodies_[k].velocity, bodies_[k].way, h);
     }
 
     /// Ends the step. False if something that moved is where numbers do not reach.
     [[nodiscard]] bool finish() {
-        if constexpr (D == 2)
-            for (std::uint32_t k = 0; k < count_; ++k)
-                if (moving_[k].turn != S(0)) moving_[k].rotation = turned(moving_[k].rotation, moving_[k].turn);
+        for (std::uint32_t k = 0; k < count_; ++k) {
+            const twist<S, D>& way = bodies_[k].way;
+            moving_[k].center += way.linear;
+            if constexpr (D == 2)
+                if (way.angular != S(0)) moving_[k].rotation = turned(moving_[k].rotation, way.angular);
+        }
         for (std::uint32_t k = 0; k < count_; ++k)
             if (!physics::is_finite(moving_[k].center) || !physics::is_finite(moving_[k].rotation) ||
                 !physics::is_finite(bodies_[k].velocity.linear) || !physics::is_finite(bodies_[k].velocity.angular))
