@@ -20400,6 +20400,10 @@ public:
         ends_ = scratch.take<ends>(contacts_);
         for (std::uint32_t n = 0; n < contacts_; ++n) ends_[n] = {contacts[n].body_a, contacts[n].body_b};
         fill();
+        if (result_.count == 1) {
+            put_all_into_one();
+            return;
+        }
         place_bodies();
         for (std::uint32_t k = 0; k < result_.count; ++k) {
             batch& of = result_.first[k];
@@ -20697,23 +20701,31 @@ contact_colours colour(const contact_list<S, D, Features>& contacts, solver_bodi
     constexpr std::uint32_t serial = contact_colours::most - 1;
     constexpr std::uint8_t waits = 128, idle = 64, pushes_a = 1, pushes_b = 2, pushes_both = 3;
     const auto is_pushed = [&](std::uint32_t i) { return bodies[i].inverse_mass > inverse_of<S>(0); };
-    for (std::uint32_t i = 0; i < count; ++i)
-        colour_of[i] = static_cast<std::uint8_t>(waits | (is_active(contacts[i]) ? 0 : idle) |
-                                                 (is_pushed(contacts[i].body_a) ? pushes_a : 0) |
-                                                 (is_pushed(contacts[i].body_b) ? pushes_b : 0));
+    // Contacts are large: one look at each.
+    struct ends {
+        std::uint32_t a, b;
+    };
+    auto* ends_of = scratch.template take<ends>(count);
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const auto& c = contacts[i];
+        ends_of[i] = {c.body_a, c.body_b};
+        colour_of[i] = static_cast<std::uint8_t>(waits | (is_active(c) ? 0 : idle) |
+                                                 (is_pushed(c.body_a) ? pushes_a : 0) |
+                                                 (is_pushed(c.body_b) ? pushes_b : 0));
+    }
     for (const std::uint8_t sides : {pushes_both, pushes_a, pushes_b, std::uint8_t{0}}) {
         for (std::uint32_t i = 0; i < bodies.count; ++i) used[i] = 0;
         std::uint32_t end = first;
         for (std::uint32_t i = 0; i < count; ++i) {
             if ((colour_of[i] & ~idle) != (waits | sides)) continue;
-            const auto& c = contacts[i];
+            const auto [body_a, body_b] = ends_of[i];
             const bool a = (sides & pushes_a) != 0, b = (sides & pushes_b) != 0;
-            const std::uint64_t taken = (a ? used[c.body_a] : 0) | (b ? used[c.body_b] : 0);
+            const std::uint64_t taken = (a ? used[body_a] : 0) | (b ? used[body_b] : 0);
             const auto free = static_cast<std::uint32_t>(std::countr_one(taken));
             const std::uint32_t colour = first + free < serial ? first + free : serial;
             if (colour < serial) {
-                if (a) used[c.body_a] |= std::uint64_t{1} << free;
-                if (b) used[c.body_b] |= std::uint64_t{1} << free;
+                if (a) used[body_a] |= std::uint64_t{1} << free;
+                if (b) used[body_b] |= std::uint64_t{1} << free;
                 end = end > colour + 1 ? end : colour + 1;
             }
             colour_of[i] = static_cast<std::uint8_t>(colour | (colour_of[i] & idle));
@@ -25088,10 +25100,11 @@ auto pull_of(const state<Plan>& s, typename Plan::scalar h) {
 }
 
 /// Lists the sleepers that something comes to touch in this step, with their islands, among those that move; they rise
-/// when the step has succeeded. True if there are any.
+/// when the step has succeeded. True if there are any; if nobody who is awake is near one, there are none.
 template <class Plan>
-bool disturb_sleepers(state<Plan>& s, typename Plan::scalar h) {
+bool disturb_sleepers(state<Plan>& s, bool any_near, typename Plan::scalar h) {
     s.sleep.woken.clear();
+    if (!any_near) return false;
     const auto slack = pull_of(s, h);
     for (const auto& c : s.found) {
         const std::uint32_t a = body_a(s, c), b = body_b(s, c);
@@ -25956,9 +25969,10 @@ bool add_contact(const state<Plan>& s, proxy_pair pair, std::uint32_t part, cons
     return mix_surfaces(c, a, b);
 }
 
-/// What the search of some pairs has come to.
+/// What the search of pairs has come to: whether all surfaces mix, some shape is deep in another, and somebody who is
+/// awake comes near a sleeper.
 struct search_result {
-    bool mixed = true, deep = false;
+    bool mixed = true, deep = false, disturbs = false;
 };
 /// Adds the contacts of some pairs in a row.
 template <class Plan>
@@ -25976,19 +25990,25 @@ search_result search_pairs(state<Plan>& s, const typename Plan::query* queries, 
     if constexpr (Plan::looks_ahead) collide_ahead(s, queries, pairs, first, end, manifolds, collide);
     else collide(queries + first, end - first, s.settings.contact_margin);
     search_result result;
-    const auto mover = [&](std::uint32_t shape) { return s.mover_of[s.shapes[shape].body]; };
     for (const auto& [query, part, m] : manifolds) {
+        const proxy_pair pair = pairs[first + query];
+        const std::uint32_t a = s.shapes[pair.a].body, b = s.shapes[pair.b].body;
         // Broadphases need not report two that stand; if one does, nobody has to solve it.
-        if (mover(pairs[first + query].a) == mover(pairs[first + query].b)) continue;
-        result.mixed = add_contact(s, pairs[first + query], part, m, to) && result.mixed;
+        if (s.mover_of[a] == s.mover_of[b]) continue;
+        result.mixed = add_contact(s, pair, part, m, to) && result.mixed;
         result.deep = result.deep || is_deep(s, to.back());
+        result.disturbs = result.disturbs || s.is_asleep(a) || s.is_asleep(b);
     }
     return result;
 }
 
-/// Narrowphase: contacts of the pairs that touch or nearly do, in the order of the pairs. False if surfaces do not mix.
+/// Narrowphase: contacts of the pairs that touch or nearly do, in the order of the pairs, with the impulses that the
+/// same features had in a step of length `last`, scaled to one of h: they hold loads, which a longer step holds by
+/// larger ones.
 template <class Plan>
-bool find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs, crew& hands) {
+search_result find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs,
+                            const buffer<typename Plan::contact>& before, typename Plan::scalar last,
+                            typename Plan::scalar h, crew& hands) {
     // So many pairs that what is found of them is still in the caches when it becomes contacts.
     constexpr std::uint32_t share = 256;
     using contact = typename Plan::contact;
@@ -26003,9 +26023,11 @@ bool find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs, crew& hands)
         for (std::uint32_t k = 0; k < hands.workers(); ++k) s.found_by[k].clear();
     hands.each_part(pairs.size(), share, [&](std::uint32_t first, std::uint32_t end, std::uint32_t worker) {
         auto& to = hands.is_alone() ? s.found : s.found_by[worker];
-        const std::uint32_t before = to.size();
+        const std::uint32_t start = to.size();
         const search_result is = search_pairs(s, queries, pairs, first, end, s.manifolds[worker], to);
-        new (pieces + first / share) piece{worker, before, to.size(), is};
+        inherit_impulses(before, to.begin() + start, to.end());
+        stretch(to.begin() + start, to.end(), last, h);
+        new (pieces + first / share) piece{worker, start, to.size(), is};
     });
     const std::uint32_t count = (pairs.size() + share - 1) / share;
     search_result all;
@@ -26013,39 +26035,31 @@ bool find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs, crew& hands)
     for (std::uint32_t k = 0; k < count; ++k) {
         all.mixed = all.mixed && pieces[k].is.mixed;
         all.deep = all.deep || pieces[k].is.deep;
+        all.disturbs = all.disturbs || pieces[k].is.disturbs;
         found += pieces[k].end - pieces[k].first;
     }
-    if (!hands.is_alone()) {
-        contact* to = s.found.extend(found);
-        auto** places = s.scratch.template take<contact*>(count);
-        for (std::uint32_t k = 0; k < count; ++k) {
-            places[k] = to;
-            to += pieces[k].end - pieces[k].first;
-        }
+    auto** places = s.scratch.template take<contact*>(count);
+    contact* to = hands.is_alone() ? s.found.begin() : s.found.extend(found);
+    for (std::uint32_t k = 0; k < count; ++k) {
+        places[k] = to;
+        to += pieces[k].end - pieces[k].first;
+    }
+    if (!hands.is_alone())
         hands.each(count, [&](std::uint32_t k, std::uint32_t) {
             const piece& of = pieces[k];
             if (of.end == of.first) return;
             std::memcpy(static_cast<void*>(places[k]), s.found_by[of.worker].begin() + of.first,
                         (of.end - of.first) * sizeof(contact));
         });
-    }
-    if (all.deep)
-        for (const contact& c : s.found) note_depth(s, c);
-    return all.mixed;
+    for (std::uint32_t k = 0; k < count; ++k)
+        for (std::uint32_t i = 0; pieces[k].is.deep && i < pieces[k].end - pieces[k].first; ++i)
+            note_depth(s, places[k][i]);
+    return all;
 }
 
-/// Hands on the impulses of the last step's contacts.
+/// Who is woken brings contacts along: they are found anew, and join the others. False if surfaces do not mix.
 template <class Plan>
-void inherit_contacts(state<Plan>& s, typename Plan::scalar h, crew& hands) {
-    hands.each_part(s.found.size(), 256, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
-        inherit_impulses(s.contacts, s.found.begin() + first, s.found.begin() + end);
-        stretch(s.found.begin() + first, s.found.begin() + end, s.last_step, h);
-    });
-}
-
-/// Who is woken brings contacts along: they are found anew, and join the others.
-template <class Plan>
-bool find_contacts_of_woken(state<Plan>& s, crew& hands) {
+bool find_contacts_of_woken(state<Plan>& s, typename Plan::scalar h, crew& hands) {
     find_numbers(s);
     for (auto& c : s.found) {
         c.body_a = s.mover_of[body_a(s, c)];
@@ -26061,9 +26075,7 @@ bool find_contacts_of_woken(state<Plan>& s, crew& hands) {
     // What is remembered of the other pairs waits meanwhile.
     s.found.swap(s.woken_contacts);
     s.found_memories.swap(s.woken_memories);
-    const bool good = find_contacts(s, s.woken_pairs, hands);
-    inherit_impulses(s.sleep.contacts, s.found.begin(), s.found.end());
-    stretch(s.found.begin(), s.found.end(), s.sleep.step, s.last_step);
+    const bool good = find_contacts(s, s.woken_pairs, s.sleep.contacts, s.sleep.step, h, hands).mixed;
     merge_contacts(s.woken_contacts, s.found);
     s.found.swap(s.woken_contacts);
     s.found_memories.swap(s.woken_memories);
@@ -26624,7 +26636,7 @@ inline void report(step_result result) {
 }
 
 /// What a step consists of, for whoever measures it.
-enum class step_stage { find_pairs, find_contacts, inherit_impulses, make_batches, solve, place_shapes, finish };
+enum class step_stage { find_pairs, find_contacts, make_batches, solve, place_shapes, finish };
 
 /// Told of each stage as it ends; this one is told in vain.
 struct unwatched {
@@ -26642,14 +26654,14 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, c
     number_movers(s);                   // bodies            -> which of them move
     const auto& pairs = find_pairs(s);  // boxes             -> pairs, in order
     done(step_stage::find_pairs);
-    // Pairs, poses -> contacts with feature ids.
-    if (!find_contacts(s, pairs, hands)) return step_result::bad_mixture;
+    // Pairs, poses, last step's contacts -> contacts with feature ids and warm impulses.
+    const search_result found = find_contacts(s, pairs, s.contacts, s.last_step, h, hands);
+    if (!found.mixed) return step_result::bad_mixture;
     if constexpr (Plan::sleeps)
         // Blows -> contacts of the islands that they wake.
-        if (disturb_sleepers(s, h) && !find_contacts_of_woken(s, hands)) return step_result::bad_mixture;
+        if (disturb_sleepers(s, found.disturbs, h) && !find_contacts_of_woken(s, h, hands))
+            return step_result::bad_mixture;
     done(step_stage::find_contacts);
-    inherit_contacts(s, h, hands);             // last step's       -> warm impulses of what persists
-    done(step_stage::inherit_impulses);
     motion<Plan> moving(s, h, hands);          // contacts          -> islands, in batches
     done(step_stage::make_batches);
     const bool solved = moving.solve(hands);   // bodies, contacts  -> velocities, poses

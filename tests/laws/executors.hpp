@@ -132,7 +132,7 @@ CELL_CASE("executors: one that leaves out parts, or has no workers, is refused, 
         for (std::uint32_t k = 0; k < parts; ++k) what(k, k % 2);
     }};
     world(place.w).step(S(1.0 / 64), counting);
-    REQUIRE(rounds > 3);
+    REQUIRE(rounds > 2);
     for (int good = 0; good < rounds; ++good) {
         int rest = good;
         faulty tired{[&rest](std::uint32_t parts, const physics::work& what) {

@@ -80,6 +80,10 @@ public:
         ends_ = scratch.take<ends>(contacts_);
         for (std::uint32_t n = 0; n < contacts_; ++n) ends_[n] = {contacts[n].body_a, contacts[n].body_b};
         fill();
+        if (result_.count == 1) {
+            put_all_into_one();
+            return;
+        }
         place_bodies();
         for (std::uint32_t k = 0; k < result_.count; ++k) {
             batch& of = result_.first[k];

@@ -46,23 +46,31 @@ contact_colours colour(const contact_list<S, D, Features>& contacts, solver_bodi
     constexpr std::uint32_t serial = contact_colours::most - 1;
     constexpr std::uint8_t waits = 128, idle = 64, pushes_a = 1, pushes_b = 2, pushes_both = 3;
     const auto is_pushed = [&](std::uint32_t i) { return bodies[i].inverse_mass > inverse_of<S>(0); };
-    for (std::uint32_t i = 0; i < count; ++i)
-        colour_of[i] = static_cast<std::uint8_t>(waits | (is_active(contacts[i]) ? 0 : idle) |
-                                                 (is_pushed(contacts[i].body_a) ? pushes_a : 0) |
-                                                 (is_pushed(contacts[i].body_b) ? pushes_b : 0));
+    // Contacts are large: one look at each.
+    struct ends {
+        std::uint32_t a, b;
+    };
+    auto* ends_of = scratch.template take<ends>(count);
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const auto& c = contacts[i];
+        ends_of[i] = {c.body_a, c.body_b};
+        colour_of[i] = static_cast<std::uint8_t>(waits | (is_active(c) ? 0 : idle) |
+                                                 (is_pushed(c.body_a) ? pushes_a : 0) |
+                                                 (is_pushed(c.body_b) ? pushes_b : 0));
+    }
     for (const std::uint8_t sides : {pushes_both, pushes_a, pushes_b, std::uint8_t{0}}) {
         for (std::uint32_t i = 0; i < bodies.count; ++i) used[i] = 0;
         std::uint32_t end = first;
         for (std::uint32_t i = 0; i < count; ++i) {
             if ((colour_of[i] & ~idle) != (waits | sides)) continue;
-            const auto& c = contacts[i];
+            const auto [body_a, body_b] = ends_of[i];
             const bool a = (sides & pushes_a) != 0, b = (sides & pushes_b) != 0;
-            const std::uint64_t taken = (a ? used[c.body_a] : 0) | (b ? used[c.body_b] : 0);
+            const std::uint64_t taken = (a ? used[body_a] : 0) | (b ? used[body_b] : 0);
             const auto free = static_cast<std::uint32_t>(std::countr_one(taken));
             const std::uint32_t colour = first + free < serial ? first + free : serial;
             if (colour < serial) {
-                if (a) used[c.body_a] |= std::uint64_t{1} << free;
-                if (b) used[c.body_b] |= std::uint64_t{1} << free;
+                if (a) used[body_a] |= std::uint64_t{1} << free;
+                if (b) used[body_b] |= std::uint64_t{1} << free;
                 end = end > colour + 1 ? end : colour + 1;
             }
             colour_of[i] = static_cast<std::uint8_t>(colour | (colour_of[i] & idle));

@@ -89,9 +89,10 @@ bool add_contact(const state<Plan>& s, proxy_pair pair, std::uint32_t part, cons
     return mix_surfaces(c, a, b);
 }
 
-/// What the search of some pairs has come to.
+/// What the search of pairs has come to: whether all surfaces mix, some shape is deep in another, and somebody who is
+/// awake comes near a sleeper.
 struct search_result {
-    bool mixed = true, deep = false;
+    bool mixed = true, deep = false, disturbs = false;
 };
 /// Adds the contacts of some pairs in a row.
 template <class Plan>
@@ -109,19 +110,25 @@ search_result search_pairs(state<Plan>& s, const typename Plan::query* queries, 
     if constexpr (Plan::looks_ahead) collide_ahead(s, queries, pairs, first, end, manifolds, collide);
     else collide(queries + first, end - first, s.settings.contact_margin);
     search_result result;
-    const auto mover = [&](std::uint32_t shape) { return s.mover_of[s.shapes[shape].body]; };
     for (const auto& [query, part, m] : manifolds) {
+        const proxy_pair pair = pairs[first + query];
+        const std::uint32_t a = s.shapes[pair.a].body, b = s.shapes[pair.b].body;
         // Broadphases need not report two that stand; if one does, nobody has to solve it.
-        if (mover(pairs[first + query].a) == mover(pairs[first + query].b)) continue;
-        result.mixed = add_contact(s, pairs[first + query], part, m, to) && result.mixed;
+        if (s.mover_of[a] == s.mover_of[b]) continue;
+        result.mixed = add_contact(s, pair, part, m, to) && result.mixed;
         result.deep = result.deep || is_deep(s, to.back());
+        result.disturbs = result.disturbs || s.is_asleep(a) || s.is_asleep(b);
     }
     return result;
 }
 
-/// Narrowphase: contacts of the pairs that touch or nearly do, in the order of the pairs. False if surfaces do not mix.
+/// Narrowphase: contacts of the pairs that touch or nearly do, in the order of the pairs, with the impulses that the
+/// same features had in a step of length `last`, scaled to one of h: they hold loads, which a longer step holds by
+/// larger ones.
 template <class Plan>
-bool find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs, crew& hands) {
+search_result find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs,
+                            const buffer<typename Plan::contact>& before, typename Plan::scalar last,
+                            typename Plan::scalar h, crew& hands) {
     // So many pairs that what is found of them is still in the caches when it becomes contacts.
     constexpr std::uint32_t share = 256;
     using contact = typename Plan::contact;
@@ -136,9 +143,11 @@ bool find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs, crew& hands)
         for (std::uint32_t k = 0; k < hands.workers(); ++k) s.found_by[k].clear();
     hands.each_part(pairs.size(), share, [&](std::uint32_t first, std::uint32_t end, std::uint32_t worker) {
         auto& to = hands.is_alone() ? s.found : s.found_by[worker];
-        const std::uint32_t before = to.size();
+        const std::uint32_t start = to.size();
         const search_result is = search_pairs(s, queries, pairs, first, end, s.manifolds[worker], to);
-        new (pieces + first / share) piece{worker, before, to.size(), is};
+        inherit_impulses(before, to.begin() + start, to.end());
+        stretch(to.begin() + start, to.end(), last, h);
+        new (pieces + first / share) piece{worker, start, to.size(), is};
     });
     const std::uint32_t count = (pairs.size() + share - 1) / share;
     search_result all;
@@ -146,39 +155,31 @@ bool find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs, crew& hands)
     for (std::uint32_t k = 0; k < count; ++k) {
         all.mixed = all.mixed && pieces[k].is.mixed;
         all.deep = all.deep || pieces[k].is.deep;
+        all.disturbs = all.disturbs || pieces[k].is.disturbs;
         found += pieces[k].end - pieces[k].first;
     }
-    if (!hands.is_alone()) {
-        contact* to = s.found.extend(found);
-        auto** places = s.scratch.template take<contact*>(count);
-        for (std::uint32_t k = 0; k < count; ++k) {
-            places[k] = to;
-            to += pieces[k].end - pieces[k].first;
-        }
+    auto** places = s.scratch.template take<contact*>(count);
+    contact* to = hands.is_alone() ? s.found.begin() : s.found.extend(found);
+    for (std::uint32_t k = 0; k < count; ++k) {
+        places[k] = to;
+        to += pieces[k].end - pieces[k].first;
+    }
+    if (!hands.is_alone())
         hands.each(count, [&](std::uint32_t k, std::uint32_t) {
             const piece& of = pieces[k];
             if (of.end == of.first) return;
             std::memcpy(static_cast<void*>(places[k]), s.found_by[of.worker].begin() + of.first,
                         (of.end - of.first) * sizeof(contact));
         });
-    }
-    if (all.deep)
-        for (const contact& c : s.found) note_depth(s, c);
-    return all.mixed;
+    for (std::uint32_t k = 0; k < count; ++k)
+        for (std::uint32_t i = 0; pieces[k].is.deep && i < pieces[k].end - pieces[k].first; ++i)
+            note_depth(s, places[k][i]);
+    return all;
 }
 
-/// Hands on the impulses of the last step's contacts.
+/// Who is woken brings contacts along: they are found anew, and join the others. False if surfaces do not mix.
 template <class Plan>
-void inherit_contacts(state<Plan>& s, typename Plan::scalar h, crew& hands) {
-    hands.each_part(s.found.size(), 256, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
-        inherit_impulses(s.contacts, s.found.begin() + first, s.found.begin() + end);
-        stretch(s.found.begin() + first, s.found.begin() + end, s.last_step, h);
-    });
-}
-
-/// Who is woken brings contacts along: they are found anew, and join the others.
-template <class Plan>
-bool find_contacts_of_woken(state<Plan>& s, crew& hands) {
+bool find_contacts_of_woken(state<Plan>& s, typename Plan::scalar h, crew& hands) {
     find_numbers(s);
     for (auto& c : s.found) {
         c.body_a = s.mover_of[body_a(s, c)];
@@ -194,9 +195,7 @@ bool find_contacts_of_woken(state<Plan>& s, crew& hands) {
     // What is remembered of the other pairs waits meanwhile.
     s.found.swap(s.woken_contacts);
     s.found_memories.swap(s.woken_memories);
-    const bool good = find_contacts(s, s.woken_pairs, hands);
-    inherit_impulses(s.sleep.contacts, s.found.begin(), s.found.end());
-    stretch(s.found.begin(), s.found.end(), s.sleep.step, s.last_step);
+    const bool good = find_contacts(s, s.woken_pairs, s.sleep.contacts, s.sleep.step, h, hands).mixed;
     merge_contacts(s.woken_contacts, s.found);
     s.found.swap(s.woken_contacts);
     s.found_memories.swap(s.woken_memories);

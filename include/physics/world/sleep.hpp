@@ -150,10 +150,11 @@ auto pull_of(const state<Plan>& s, typename Plan::scalar h) {
 }
 
 /// Lists the sleepers that something comes to touch in this step, with their islands, among those that move; they rise
-/// when the step has succeeded. True if there are any.
+/// when the step has succeeded. True if there are any; if nobody who is awake is near one, there are none.
 template <class Plan>
-bool disturb_sleepers(state<Plan>& s, typename Plan::scalar h) {
+bool disturb_sleepers(state<Plan>& s, bool any_near, typename Plan::scalar h) {
     s.sleep.woken.clear();
+    if (!any_near) return false;
     const auto slack = pull_of(s, h);
     for (const auto& c : s.found) {
         const std::uint32_t a = body_a(s, c), b = body_b(s, c);

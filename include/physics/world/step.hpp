@@ -40,7 +40,7 @@ inline void report(step_result result) {
 }
 
 /// What a step consists of, for whoever measures it.
-enum class step_stage { find_pairs, find_contacts, inherit_impulses, make_batches, solve, place_shapes, finish };
+enum class step_stage { find_pairs, find_contacts, make_batches, solve, place_shapes, finish };
 
 /// Told of each stage as it ends; this one is told in vain.
 struct unwatched {
@@ -58,14 +58,14 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, c
     number_movers(s);                   // bodies            -> which of them move
     const auto& pairs = find_pairs(s);  // boxes             -> pairs, in order
     done(step_stage::find_pairs);
-    // Pairs, poses -> contacts with feature ids.
-    if (!find_contacts(s, pairs, hands)) return step_result::bad_mixture;
+    // Pairs, poses, last step's contacts -> contacts with feature ids and warm impulses.
+    const search_result found = find_contacts(s, pairs, s.contacts, s.last_step, h, hands);
+    if (!found.mixed) return step_result::bad_mixture;
     if constexpr (Plan::sleeps)
         // Blows -> contacts of the islands that they wake.
-        if (disturb_sleepers(s, h) && !find_contacts_of_woken(s, hands)) return step_result::bad_mixture;
+        if (disturb_sleepers(s, found.disturbs, h) && !find_contacts_of_woken(s, h, hands))
+            return step_result::bad_mixture;
     done(step_stage::find_contacts);
-    inherit_contacts(s, h, hands);             // last step's       -> warm impulses of what persists
-    done(step_stage::inherit_impulses);
     motion<Plan> moving(s, h, hands);          // contacts          -> islands, in batches
     done(step_stage::make_batches);
     const bool solved = moving.solve(hands);   // bodies, contacts  -> velocities, poses
