@@ -19811,6 +19811,10 @@ struct moving_body {
     const body<S, D>* top = nullptr;
 };
 
+/// The velocity of a body as it turns: in space that changes how it spins, in the plane it does not.
+template <class S, int D>
+using turning_velocity = std::conditional_t<D == 2, const twist<S, D>, twist<S, D>>;
+
 /// What a solver sees of a body: velocity, how far it has come in this step (m, rad), and how it answers to impulses.
 /// Bodies that nothing pushes have the inverse mass 0. The twists come first, so that lanes read them in rows
 /// of four scalars.
@@ -21118,7 +21122,8 @@ struct semi_implicit_euler {
         }
         /// Advances a body by its velocity: adds to its way, turns it in space, and the angular velocity of a free top
         /// with it. In the plane angles add up, so that one turn by the way serves all parts of a step.
-        static constexpr void advance_pose(moving_body<S, D>& b, twist<S, D>& v, twist<S, D>& way, S h) {
+        static constexpr void advance_pose(moving_body<S, D>& b, turning_velocity<S, D>& v, twist<S, D>& way,
+                                           S h) {
             way.linear += v.linear * h;
             way.angular += v.angular * h;
             if constexpr (D == 3) {
@@ -21619,8 +21624,7 @@ struct soft_extras
     using belt = belt_lanes<S, W, D>;
 
     static bool needed_by(const contact<S, D, Features>& c) {
-        return (Features::rolling_resistance && c.rolling_resistance > S(0)) ||
-               (Features::surface_velocity && c.surface_velocity != tangential<S, D>{});
+        return S(c.rolling_resistance) > S(0) || tangential<S, D>(c.surface_velocity) != tangential<S, D>{};
     }
     void put(int lane, const contact<S, D, Features>& c, const solver_body<S, D>& a, const solver_body<S, D>& b,
              S share) {
@@ -21681,6 +21685,14 @@ struct point_friction {};
 
 namespace detail {
 
+/// Keeps a share of an impulse, and tells what it loses by that.
+template <class S>
+S take_from(S& impulse, S share) {
+    const S before = impulse;
+    impulse *= share;
+    return before - impulse;
+}
+
 /// Without friction.
 struct no_soft_friction {};
 
@@ -21695,20 +21707,24 @@ struct soft_friction2 {
 
     /// More than 0 where it holds anything.
     PHYSICS_HPP_ALWAYS_INLINE P held(int) const { return lane_abs(P::load(impulse)); }
-    /// The change of the impulse where the surfaces slip by v at the middle, under a load of which that share lasts.
-    PHYSICS_HPP_ALWAYS_INLINE P next(const P& v, const P& load, const P& lasting) {
+    /// The change of the impulse where the surfaces slip by v at the middle, under a load.
+    PHYSICS_HPP_ALWAYS_INLINE P next(const P& v, const P& load) {
         const P before = P::load(impulse), most = P::load(coefficient) * load;
         const P after = max(min(before - P::load(stop) * v, most), -most);
-        (after * lasting).store(impulse);
+        after.store(impulse);
         (P::load(total) + after).store(total);
         return after - before;
     }
 };
 
-/// Along both tangents and about the normal, at the middle: speeds, or impulses.
+/// Along both tangents and about the normal, at the middle: speeds, or impulses; of one contact, or in lanes.
 template <class P>
 struct slide_lanes {
     P x, y, twist;
+};
+template <class S>
+struct slide_of {
+    S x, y, twist;
 };
 
 /// Last step's friction of the points that are still there and still bear a load.
@@ -21781,19 +21797,22 @@ struct soft_patch_friction3 {
     PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> last(const Point*, int) const {
         return {P::load(x), P::load(y), P::load(twist)};
     }
-    /// Their change where the surfaces slip under loads of which that share lasts: first it stops the slip at the
-    /// middle, then the twist.
+    /// Keeps a share of the impulses of a lane, and tells what they lose.
     template <class Point>
-    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(const slide_lanes<P>& slip, const Point*, const P* loads, int count,
-                                                  const P& lasting) {
+    slide_of<S> take(int lane, const Point*, int, S share) {
+        return {take_from(x[lane], share), take_from(y[lane], share), take_from(twist[lane], share)};
+    }
+    /// Their change where the surfaces slip under loads: first it stops the slip at the middle, then the twist.
+    template <class Point>
+    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(const slide_lanes<P>& slip, const Point*, const P* loads, int count) {
         const P load = sum_of(loads, count);
         const lanes2<P> before = {P::load(x), P::load(y)};
         const lanes2<P> after = stop.next(before, {slip.x, slip.y}, P::load(coefficient) * load);
-        (after.x * lasting).store(x);
-        (after.y * lasting).store(y);
+        after.x.store(x);
+        after.y.store(y);
         const P twisted = P::load(twist), most = P::load(twist_arm) * load;
         const P turned = max(min(twisted - P::load(stop_twist) * slip.twist, most), -most);
-        (turned * lasting).store(twist);
+        turned.store(twist);
         (P::load(total_x) + after.x).store(total_x);
         (P::load(total_y) + after.y).store(total_y);
         (P::load(total_twist) + turned).store(total_twist);
@@ -21860,8 +21879,19 @@ struct soft_point_friction3 {
         return sum;
     }
     template <class Point>
+    slide_of<S> take(int lane, const Point* points, int count, S share) {
+        slide_of<S> sum{};
+        for (int k = 0; k < count; ++k) {
+            const S along = take_from(each[k].x[lane], share), across = take_from(each[k].y[lane], share);
+            sum.x += along;
+            sum.y += across;
+            sum.twist += difference_of_products(points[k].x[lane], across, points[k].y[lane], along);
+        }
+        return sum;
+    }
+    template <class Point>
     PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(const slide_lanes<P>& start, const Point* points, const P* loads,
-                                                  int count, const P& lasting) {
+                                                  int count) {
         const P zero = P::broadcast(S(0)), mu = P::load(coefficient);
         slide_lanes<P> slip = start;
         slide_lanes<P> sum{zero, zero, zero};
@@ -21870,8 +21900,8 @@ struct soft_point_friction3 {
             const lanes2<P> before = {P::load(each[k].x), P::load(each[k].y)};
             const lanes2<P> v = {slip.x - py * slip.twist, slip.y + px * slip.twist};
             const lanes2<P> after = each[k].stop.next(before, v, mu * loads[k]);
-            (after.x * lasting).store(each[k].x);
-            (after.y * lasting).store(each[k].y);
+            after.x.store(each[k].x);
+            after.y.store(each[k].y);
             (P::load(each[k].total_x) + after.x).store(each[k].total_x);
             (P::load(each[k].total_y) + after.y).store(each[k].total_y);
             slide_lanes<P> by{zero, zero, zero};
@@ -21929,8 +21959,41 @@ struct softness {
     }
 };
 
+/// The velocities with which bodies began a substep, before contacts gave them anything. What bodies have got since,
+/// they get again as the next one begins: a round over the bodies instead of one over the contacts.
+template <class S, int D>
+class substep_start {
+public:
+    substep_start(solver_bodies<S, D> bodies, arena& scratch)
+        : bodies_(bodies), begun_(scratch.template take<twist<S, D>>(bodies.count)) {
+        for (std::uint32_t k = 0; k < bodies.count; ++k) new (begun_ + k) twist<S, D>(bodies[k].velocity);
+    }
+    twist<S, D>* velocities() { return begun_; }
+
+    /// Notes what bodies have got since for the velocities with which they began, and the other way round.
+    void turn_over() {
+        for (std::uint32_t k = 0; k < bodies_.nobody(); ++k) {
+            const twist<S, D>& now = bodies_[k].velocity;
+            begun_[k] = {now.linear - begun_[k].linear, now.angular - begun_[k].angular};
+        }
+    }
+    /// Begins a substep: gives what is noted, and notes the velocities before.
+    void give() {
+        for (std::uint32_t k = 0; k < bodies_.nobody(); ++k) {
+            twist<S, D>& now = bodies_[k].velocity;
+            const twist<S, D> before = now, got = begun_[k];
+            now = {before.linear + got.linear, before.angular + got.angular};
+            begun_[k] = before;
+        }
+    }
+
+private:
+    solver_bodies<S, D> bodies_;
+    twist<S, D>* begun_;
+};
+
 /// How a round over the contacts goes.
-template <class S>
+template <class S, int D>
 struct soft_round {
     /// 1 / s: gaps may close within a substep.
     S inverse_step;
@@ -21942,6 +22005,8 @@ struct soft_round {
     S impact_speed;
     /// Whether overlaps are pushed apart at all.
     bool pushes;
+    /// See substep_start.
+    twist<S, D>* begun;
 };
 
 /// What contacts are written with.
@@ -21968,10 +22033,10 @@ namespace detail {
 
 /// Whether visits would change nothing in these lanes (1, else 0): no point has pushed, and none closes its gap within
 /// the substep.
-template <class P, class Point, class S, class At, class SpeedAt>
-PHYSICS_HPP_ALWAYS_INLINE bool are_idle(const Point* points, int count, const soft_round<S>& how, const P& lanes,
+template <class P, class Point, class Round, class At, class SpeedAt>
+PHYSICS_HPP_ALWAYS_INLINE bool are_idle(const Point* points, int count, const Round& how, const P& lanes,
                                         At&& at, SpeedAt&& speed_at) {
-    const P zero = P::broadcast(S(0)), per_step = P::broadcast(how.inverse_step);
+    const P zero = P::broadcast(typename P::scalar(0)), per_step = P::broadcast(how.inverse_step);
     P busy = zero;
     for (int k = 0; k < count; ++k) {
         const P gap = P::load(points[k].separation) + at(k), closing = speed_at(k) + gap * per_step;
@@ -22072,7 +22137,7 @@ struct soft_whole {
     /// Answers the speeds, and adds what that comes to to the sum. `left` is 1 in lanes that are left to visits, where
     /// nothing changes; returns whether any is. `at(k)` is the way at point k.
     template <class Point, class Sum, class At, class SpeedAt>
-    PHYSICS_HPP_ALWAYS_INLINE bool push(Point* points, int count, const soft_round<S>& how, P (&speed)[D],
+    PHYSICS_HPP_ALWAYS_INLINE bool push(Point* points, int count, const soft_round<S, D>& how, P (&speed)[D],
                                         const P (&way)[D], P& left, Sum& sum, At&& at, SpeedAt&& speed_at) const {
         const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
         left = one;
@@ -22187,19 +22252,17 @@ template <class F>
 PHYSICS_HPP_ALWAYS_INLINE void across_and_back(int points, F&& f) {
     for (int i = 1 - points; i < points; ++i) f(i < 0 ? -i : i);
 }
-/// How much of a load lasts where surfaces move at this speed along their normal: all of it, but where they meet with a
-/// blow no more than was held before the blow.
-template <class P, class S = typename P::scalar>
-PHYSICS_HPP_ALWAYS_INLINE P lasting_share(const P& speed, const P& held, const P& load, const soft_round<S>& how) {
-    const P one = P::broadcast(S(1)), most = P::broadcast(how.impact_speed);
-    if (greater(-speed, most).bits() == 0) return one;
-    const P share = select_greater(load, held, held / select_greater(load, held, load, one), one);
-    return select_greater(-speed, most, share, one);
+/// Less than all of an impulse lasts where surfaces meet with a blow: of its load what was held before. A body then
+/// begins the next substep without the rest.
+template <class S, int D>
+void begin_without(twist<S, D>& begun, const solver_body<S, D>& b, vec<S, D> impulse, angular<S, D> moment) {
+    for (int i = 0; i < D; ++i) begun.linear[i] += mul<S>(b.inverse_mass, impulse[i]);
+    begun.angular += times(b.inverse_inertia, moment);
 }
 /// The change of a point's impulse that its speed along the normal asks for, in lanes that are left to visits (1, else
 /// 0).
-template <class P, class Point, class S = typename P::scalar>
-PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& way, const soft_round<S>& how,
+template <class P, class Point, class Round, class S = typename P::scalar>
+PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& way, const Round& how,
                                          const P& left) {
     const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
     const P gap = P::load(point.separation) + way, mass = P::load(point.mass), before = P::load(point.impulse);
@@ -22227,13 +22290,12 @@ PHYSICS_HPP_ALWAYS_INLINE P bounce_impulse(Point& point, const P& bounce, const 
     total.store(point.total);
     return total - before;
 }
-/// After a round that does not push: the loads of the points, of which that share lasts.
+/// After a round that does not push: the loads of the points.
 template <class P, class Point>
-PHYSICS_HPP_ALWAYS_INLINE void take_loads(Point* points, int count, const P& lasting, P* loads) {
+PHYSICS_HPP_ALWAYS_INLINE void take_loads(Point* points, int count, P* loads) {
     for (int k = 0; k < count; ++k) {
         loads[k] = P::load(points[k].impulse);
         (P::load(points[k].total) + loads[k]).store(points[k].total);
-        (loads[k] * lasting).store(points[k].impulse);
     }
 }
 
@@ -22396,7 +22458,7 @@ struct soft_contact2 {
     }
     /// One round over the contacts: the points at once, or across and back, then friction by their load. While
     /// overlaps are pushed apart friction rests: it would act against what the springs do, and piles would sway.
-    PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const soft_round<S>& how) {
+    PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const soft_round<S, 2>& how) {
         if constexpr (Features::rolling_resistance)
             if (!how.pushes && extras.at != nullptr) roll(bodies);
         const frame_lanes f(*this);
@@ -22406,7 +22468,10 @@ struct soft_contact2 {
         const relative_motion speed(f, at_a.velocity, at_b.velocity), way(f, at_a.way, at_b.way);
         const auto way_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return way.at(points[k]); };
         const auto speed_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); };
-        if (bears_nothing<P>(*this) && are_idle(points, point_count, how, P::broadcast(S(1)), way_at, speed_at)) return;
+        if (bears_nothing<P>(*this) && are_idle(points, point_count, how, P::broadcast(S(1)), way_at, speed_at)) {
+            if (!how.pushes) P::broadcast(S(0)).store(held);
+            return;
+        }
         P speeds[] = {speed.along, speed.turn};
         const P ways[] = {way.along, way.turn};
         const P zero = P::broadcast(S(0));
@@ -22419,9 +22484,11 @@ struct soft_contact2 {
         push(f, sum.load, zero, sum.moment, at_a, at_b);
         if (!how.pushes) {
             P loads[capacity];
-            const P lasting = lasting_share(speed.along, P::load(held), load_of<P>(points, point_count), how);
-            take_loads(points, point_count, lasting, loads);
-            if constexpr (Features::friction) rub(f, loads, lasting, at_a, at_b);
+            take_loads(points, point_count, loads);
+            if constexpr (Features::friction) rub(f, loads, at_a, at_b);
+            const P blow = P::broadcast(how.impact_speed);
+            if (greater(-speed.along, blow).bits() != 0) forget_blows(bodies, how, speed.along);
+            load_of<P>(points, point_count).store(held);
         }
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
@@ -22490,8 +22557,28 @@ private:
             speed.turn = speed.turn + narrow<S>(product(xy, change) + product(yy, moment));
         });
     }
+    /// Takes back, where surfaces met with a blow, of what the next substep begins with all but what was held before.
+    PHYSICS_HPP_NOINLINE void forget_blows(const body* bodies, const soft_round<S, 2>& how, const P& speed) {
+        for (int lane = 0; lane < W; ++lane) {
+            S load = S(0), lost = S(0), moment = S(0), rubbed = S(0);
+            for (int k = 0; k < point_count; ++k) load += points[k].impulse[lane];
+            if (!(-speed.lane(lane) > how.impact_speed) || !(load > held[lane])) continue;
+            const S share = held[lane] / load;
+            for (int k = 0; k < point_count; ++k) {
+                const S part = take_from(points[k].impulse[lane], share);
+                lost += part;
+                moment += points[k].lever[lane] * part;
+            }
+            if constexpr (Features::friction) rubbed = take_from(friction.impulse[lane], share);
+            const vec<S, 2> n{normal[0][lane], normal[1][lane]}, impulse = n * lost + perpendicular(n) * rubbed;
+            const vec<S, 2> to_a{arm_a[0][lane], arm_a[1][lane]}, to_b{arm_b[0][lane], arm_b[1][lane]};
+            if (moves_a)
+                begin_without(how.begun[a[lane]], bodies[a[lane]], -impulse, -(cross(to_a, impulse) + moment));
+            if (moves_b) begin_without(how.begun[b[lane]], bodies[b[lane]], impulse, cross(to_b, impulse) + moment);
+        }
+    }
     /// Stops the slip at the middle, or lets it slide.
-    PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, const P* loads, const P& lasting, body_lanes2<P>& at_a,
+    PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, const P* loads, body_lanes2<P>& at_a,
                                        body_lanes2<P>& at_b) {
         const auto& [v_a, w_a] = at_a.velocity;
         const auto& [v_b, w_b] = at_b.velocity;
@@ -22499,7 +22586,7 @@ private:
             lane_difference(f.y, v_b.x - v_a.x, f.x, v_b.y - v_a.y) + lane_difference(f.slide_b, w_b, f.slide_a, w_a);
         if constexpr (Features::surface_velocity)
             if (extras.at != nullptr) slip = slip - P::load(extras.at->along);
-        const P change = friction.next(slip, sum_of(loads, point_count), lasting);
+        const P change = friction.next(slip, sum_of(loads, point_count));
         push(f, P::broadcast(S(0)), change, P::broadcast(S(0)), at_a, at_b);
     }
     /// Stops the bodies' rolling against each other, or slows it. Apart from the rest, so that contacts without it have
@@ -22714,7 +22801,7 @@ struct soft_contact3 {
 
     /// One round over the contacts: the points at once, or across and back, then friction by their load. While
     /// overlaps are pushed apart friction rests: it would act against what the springs do, and piles would sway.
-    PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const soft_round<S>& how) {
+    PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const soft_round<S, 3>& how) {
         if constexpr (Features::rolling_resistance)
             if (!how.pushes && extras.at != nullptr) roll(bodies);
         frame_lanes f(*this);
@@ -22724,7 +22811,10 @@ struct soft_contact3 {
         const relative_motion speed(f, at_a.velocity, at_b.velocity), way(f, at_a.way, at_b.way);
         const auto way_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return way.at(points[k]); };
         const auto speed_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); };
-        if (bears_nothing<P>(*this) && are_idle(points, point_count, how, P::broadcast(S(1)), way_at, speed_at)) return;
+        if (bears_nothing<P>(*this) && are_idle(points, point_count, how, P::broadcast(S(1)), way_at, speed_at)) {
+            if (!how.pushes) P::broadcast(S(0)).store(held);
+            return;
+        }
         P speeds[] = {speed.along, speed.about_t, speed.about_u};
         const P ways[] = {way.along, way.about_t, way.about_u};
         const P zero = P::broadcast(S(0));
@@ -22737,9 +22827,11 @@ struct soft_contact3 {
         push(f, sum, at_a, at_b);
         if (!how.pushes) {
             P loads[capacity];
-            const P lasting = lasting_share(speed.along, P::load(held), load_of<P>(points, point_count), how);
-            take_loads(points, point_count, lasting, loads);
-            if constexpr (Features::friction) rub(f, loads, lasting, at_a, at_b);
+            take_loads(points, point_count, loads);
+            if constexpr (Features::friction) rub(f, loads, at_a, at_b);
+            const P blow = P::broadcast(how.impact_speed);
+            if (greater(-speed.along, blow).bits() != 0) forget_blows(bodies, how, speed.along);
+            load_of<P>(points, point_count).store(held);
         }
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
@@ -22814,8 +22906,35 @@ private:
             speed.about_u = speed.about_u + by.z;
         });
     }
+    /// Takes back, where surfaces met with a blow, of what the next substep begins with all but what was held before.
+    PHYSICS_HPP_NOINLINE void forget_blows(const body* bodies, const soft_round<S, 3>& how, const P& speed) {
+        for (int lane = 0; lane < W; ++lane) {
+            S load = S(0), lost = S(0);
+            for (int k = 0; k < point_count; ++k) load += points[k].impulse[lane];
+            if (!(-speed.lane(lane) > how.impact_speed) || !(load > held[lane])) continue;
+            const S share = held[lane] / load;
+            const auto at = [&](const auto& rows) { return vec<S, 3>{rows[0][lane], rows[1][lane], rows[2][lane]}; };
+            const vec<S, 3> n = at(normal), t = at(tangent), u = cross(n, t);
+            vec<S, 3> moment;
+            for (int k = 0; k < point_count; ++k) {
+                const S part = take_from(points[k].impulse[lane], share);
+                lost += part;
+                moment += (t * points[k].y[lane] - u * points[k].x[lane]) * part;
+            }
+            vec<S, 3> impulse = n * lost;
+            if constexpr (Features::friction) {
+                const slide_of<S> rubbed = friction.take(lane, points, point_count, share);
+                impulse += t * rubbed.x + u * rubbed.y;
+                moment += n * rubbed.twist;
+            }
+            if (moves_a)
+                begin_without(how.begun[a[lane]], bodies[a[lane]], -impulse, -(cross(at(arm_a), impulse) + moment));
+            if (moves_b)
+                begin_without(how.begun[b[lane]], bodies[b[lane]], impulse, cross(at(arm_b), impulse) + moment);
+        }
+    }
     /// Stops the slip, or lets it slide on the cone.
-    PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, const P* loads, const P& lasting, body_lanes3<P>& at_a,
+    PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, const P* loads, body_lanes3<P>& at_a,
                                        body_lanes3<P>& at_b) {
         const lanes3<P> slipping = at_middle(f, at_a.velocity, at_b.velocity);
         slide_lanes<P> slip = {lane_dot(f.t, slipping), lane_dot(f.u, slipping),
@@ -22826,7 +22945,7 @@ private:
                 slip.y = slip.y - P::load(extras.at->belt::y);
             }
         }
-        const slide_lanes<P> by = friction.next(slip, points, loads, point_count, lasting);
+        const slide_lanes<P> by = friction.next(slip, points, loads, point_count);
         push(f, lane_combine(f.t, by.x, f.u, by.y), {f.n.x * by.twist, f.n.y * by.twist, f.n.z * by.twist}, at_a, at_b);
     }
     /// Stops the bodies' rolling against each other, or slows it. Apart from the rest, so that contacts without it have
@@ -22975,7 +23094,7 @@ bool check(const soft_step_settings<S>& with, const char* function) {
            detail::check_not_negative(function, "solver.restitution_slop", with.restitution_slop);
 }
 
-/// Small steps with soft contacts: in each substep velocities advance, impulses of the last one are given at once, a
+/// Small steps with soft contacts: in each substep velocities advance, bodies get what contacts gave in the last one, a
 /// round pushes overlaps apart by damped springs, poses advance, and a round without springs takes back the speed that
 /// they gave. Where all points of a contact go on pushing they are answered at once, exactly; others are visited one by
 /// one. Bounces come last. Normals act per manifold, friction on a circular cone per manifold (patch_friction) or per
@@ -23015,16 +23134,22 @@ struct soft_step_with {
             const S part = h / S(with.substeps);
             const S frequency = with.stiffness / part;
             const bool capped = with.frequency_cap > S(0) && with.frequency_cap < frequency;
-            const detail::soft_round<S> press{
+            detail::substep_start<S, D> start(all, scratch);
+            const detail::soft_round<S, D> press{
                 S(1) / part, detail::softness<S>::of(capped ? with.frequency_cap : frequency, with.damping_ratio, part),
-                with.max_push_speed, with.impact_speed, true};
-            detail::soft_round<S> relax = press;
+                with.max_push_speed, with.impact_speed, true, start.velocities()};
+            detail::soft_round<S, D> relax = press;
             relax.pushes = false;
             for (int i = 0; i < with.substeps; ++i) {
+                start.turn_over();
                 motion.advance_velocities(part);
-                blocks.each(hands, [bodies](block& b) { kernels::warm_start(b, bodies); });
+                start.give();
+                if (i == 0) blocks.each(hands, [bodies](block& b) { kernels::warm_start(b, bodies); });
                 blocks.each(hands, [bodies, &press](block& b) { kernels::solve(b, bodies, press); });
+                // In space bodies change their spin as they turn: no contact gave them that.
+                if constexpr (D == 3) start.turn_over();
                 motion.advance_poses(part);
+                if constexpr (D == 3) start.turn_over();
                 blocks.each(hands, [bodies, &relax](block& b) { kernels::solve(b, bodies, relax); });
             }
             if constexpr (Features::restitution)
@@ -23497,11 +23622,11 @@ constexpr bool narrowphase_serves(const shapes<Shapes...>*) {
 }
 
 /// What an integrator must offer: advance_velocity(velocity, moving body, h), advance_pose(moving body, velocity,
-/// way, h).
+/// way, h), in the plane with a velocity that is const.
 template <class Policy, class S, int D>
-concept integrator_policy = requires(moving_body<S, D> b, twist<S, D> v) {
+concept integrator_policy = requires(moving_body<S, D> b, twist<S, D> v, turning_velocity<S, D> turning) {
     Policy::template in<space<S, D>>::advance_velocity(v, b, S(1));
-    Policy::template in<space<S, D>>::advance_pose(b, v, v, S(1));
+    Policy::template in<space<S, D>>::advance_pose(b, turning, v, S(1));
 };
 
 /// What a solver asks of the world that it advances.
@@ -25659,8 +25784,10 @@ public:
         if (free_count_ > 0) thrust(S(0));
     }
     void advance_poses(S h) {
-        for (std::uint32_t k = 0; k < count_; ++k)
-            integrator::advance_pose(moving_[k], bodies_[k].velocity, bodies_[k].way, h);
+        for (std::uint32_t k = 0; k < count_; ++k) {
+            turning_velocity<S, D>& v = bodies_[k].velocity;
+            integrator::advance_pose(moving_[k], v, bodies_[k].way, h);
+        }
     }
 
     /// Ends the step. False if something that moved is where numbers do not reach.

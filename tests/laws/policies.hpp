@@ -67,7 +67,7 @@ struct explicit_euler {
     struct in {
         using body = physics::moving_body<S, D>;
         static void advance_velocity(physics::twist<S, D>& v, const body& b, S h) { v.linear += b.acceleration * h; }
-        static void advance_pose(body& b, physics::twist<S, D>& v, physics::twist<S, D>& way, S h) {
+        static void advance_pose(body& b, const physics::twist<S, D>& v, physics::twist<S, D>& way, S h) {
             // The velocity at the step's start: what gravity has added since is taken off again.
             way.linear += (v.linear - b.acceleration * h) * h;
             way.angular += v.angular * h;

@@ -21,14 +21,14 @@ void solve_softly(problem& p, int substeps) {
     physics::arena scratch;
     physics::soft_step_settings<S> settings;
     settings.substeps = substeps;
-    // One body more, which is nobody.
-    p.bodies.push_back({});
+    // Two bodies more: nobody, and a spare one.
+    p.bodies.resize(p.bodies.size() + 2);
     const physics::solver_bodies<S, D> bodies{p.bodies.data(), static_cast<std::uint32_t>(p.bodies.size())};
     using solver_in = typename Solver::template in<cell::space, Features, Width>;
     with_contacts<Features>(p, [&](auto& contacts) {
         solver_in::solve(bodies, {contacts, scratch}, settings, S(1.0 / 64), scratch, drift{p});
     });
-    p.bodies.pop_back();
+    p.bodies.resize(p.bodies.size() - 2);
 }
 
 /// Gives contacts up to as many points as there may be, some of them with surfaces that run or resist rolling.

@@ -73,6 +73,10 @@ struct moving_body {
     const body<S, D>* top = nullptr;
 };
 
+/// The velocity of a body as it turns: in space that changes how it spins, in the plane it does not.
+template <class S, int D>
+using turning_velocity = std::conditional_t<D == 2, const twist<S, D>, twist<S, D>>;
+
 /// What a solver sees of a body: velocity, how far it has come in this step (m, rad), and how it answers to impulses.
 /// Bodies that nothing pushes have the inverse mass 0. The twists come first, so that lanes read them in rows
 /// of four scalars.

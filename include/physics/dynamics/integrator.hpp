@@ -77,7 +77,8 @@ struct semi_implicit_euler {
         }
         /// Advances a body by its velocity: adds to its way, turns it in space, and the angular velocity of a free top
         /// with it. In the plane angles add up, so that one turn by the way serves all parts of a step.
-        static constexpr void advance_pose(moving_body<S, D>& b, twist<S, D>& v, twist<S, D>& way, S h) {
+        static constexpr void advance_pose(moving_body<S, D>& b, turning_velocity<S, D>& v, twist<S, D>& way,
+                                           S h) {
             way.linear += v.linear * h;
             way.angular += v.angular * h;
             if constexpr (D == 3) {

@@ -58,19 +58,17 @@ template <class F>
 PHYSICS_HPP_ALWAYS_INLINE void across_and_back(int points, F&& f) {
     for (int i = 1 - points; i < points; ++i) f(i < 0 ? -i : i);
 }
-/// How much of a load lasts where surfaces move at this speed along their normal: all of it, but where they meet with a
-/// blow no more than was held before the blow.
-template <class P, class S = typename P::scalar>
-PHYSICS_HPP_ALWAYS_INLINE P lasting_share(const P& speed, const P& held, const P& load, const soft_round<S>& how) {
-    const P one = P::broadcast(S(1)), most = P::broadcast(how.impact_speed);
-    if (greater(-speed, most).bits() == 0) return one;
-    const P share = select_greater(load, held, held / select_greater(load, held, load, one), one);
-    return select_greater(-speed, most, share, one);
+/// Less than all of an impulse lasts where surfaces meet with a blow: of its load what was held before. A body then
+/// begins the next substep without the rest.
+template <class S, int D>
+void begin_without(twist<S, D>& begun, const solver_body<S, D>& b, vec<S, D> impulse, angular<S, D> moment) {
+    for (int i = 0; i < D; ++i) begun.linear[i] += mul<S>(b.inverse_mass, impulse[i]);
+    begun.angular += times(b.inverse_inertia, moment);
 }
 /// The change of a point's impulse that its speed along the normal asks for, in lanes that are left to visits (1, else
 /// 0).
-template <class P, class Point, class S = typename P::scalar>
-PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& way, const soft_round<S>& how,
+template <class P, class Point, class Round, class S = typename P::scalar>
+PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& way, const Round& how,
                                          const P& left) {
     const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
     const P gap = P::load(point.separation) + way, mass = P::load(point.mass), before = P::load(point.impulse);
@@ -98,13 +96,12 @@ PHYSICS_HPP_ALWAYS_INLINE P bounce_impulse(Point& point, const P& bounce, const 
     total.store(point.total);
     return total - before;
 }
-/// After a round that does not push: the loads of the points, of which that share lasts.
+/// After a round that does not push: the loads of the points.
 template <class P, class Point>
-PHYSICS_HPP_ALWAYS_INLINE void take_loads(Point* points, int count, const P& lasting, P* loads) {
+PHYSICS_HPP_ALWAYS_INLINE void take_loads(Point* points, int count, P* loads) {
     for (int k = 0; k < count; ++k) {
         loads[k] = P::load(points[k].impulse);
         (P::load(points[k].total) + loads[k]).store(points[k].total);
-        (loads[k] * lasting).store(points[k].impulse);
     }
 }
 

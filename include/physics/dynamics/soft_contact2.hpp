@@ -153,7 +153,7 @@ struct soft_contact2 {
     }
     /// One round over the contacts: the points at once, or across and back, then friction by their load. While
     /// overlaps are pushed apart friction rests: it would act against what the springs do, and piles would sway.
-    PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const soft_round<S>& how) {
+    PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const soft_round<S, 2>& how) {
         if constexpr (Features::rolling_resistance)
             if (!how.pushes && extras.at != nullptr) roll(bodies);
         const frame_lanes f(*this);
@@ -163,7 +163,10 @@ struct soft_contact2 {
         const relative_motion speed(f, at_a.velocity, at_b.velocity), way(f, at_a.way, at_b.way);
         const auto way_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return way.at(points[k]); };
         const auto speed_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); };
-        if (bears_nothing<P>(*this) && are_idle(points, point_count, how, P::broadcast(S(1)), way_at, speed_at)) return;
+        if (bears_nothing<P>(*this) && are_idle(points, point_count, how, P::broadcast(S(1)), way_at, speed_at)) {
+            if (!how.pushes) P::broadcast(S(0)).store(held);
+            return;
+        }
         P speeds[] = {speed.along, speed.turn};
         const P ways[] = {way.along, way.turn};
         const P zero = P::broadcast(S(0));
@@ -176,9 +179,11 @@ struct soft_contact2 {
         push(f, sum.load, zero, sum.moment, at_a, at_b);
         if (!how.pushes) {
             P loads[capacity];
-            const P lasting = lasting_share(speed.along, P::load(held), load_of<P>(points, point_count), how);
-            take_loads(points, point_count, lasting, loads);
-            if constexpr (Features::friction) rub(f, loads, lasting, at_a, at_b);
+            take_loads(points, point_count, loads);
+            if constexpr (Features::friction) rub(f, loads, at_a, at_b);
+            const P blow = P::broadcast(how.impact_speed);
+            if (greater(-speed.along, blow).bits() != 0) forget_blows(bodies, how, speed.along);
+            load_of<P>(points, point_count).store(held);
         }
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
@@ -247,8 +252,28 @@ private:
             speed.turn = speed.turn + narrow<S>(product(xy, change) + product(yy, moment));
         });
     }
+    /// Takes back, where surfaces met with a blow, of what the next substep begins with all but what was held before.
+    PHYSICS_HPP_NOINLINE void forget_blows(const body* bodies, const soft_round<S, 2>& how, const P& speed) {
+        for (int lane = 0; lane < W; ++lane) {
+            S load = S(0), lost = S(0), moment = S(0), rubbed = S(0);
+            for (int k = 0; k < point_count; ++k) load += points[k].impulse[lane];
+            if (!(-speed.lane(lane) > how.impact_speed) || !(load > held[lane])) continue;
+            const S share = held[lane] / load;
+            for (int k = 0; k < point_count; ++k) {
+                const S part = take_from(points[k].impulse[lane], share);
+                lost += part;
+                moment += points[k].lever[lane] * part;
+            }
+            if constexpr (Features::friction) rubbed = take_from(friction.impulse[lane], share);
+            const vec<S, 2> n{normal[0][lane], normal[1][lane]}, impulse = n * lost + perpendicular(n) * rubbed;
+            const vec<S, 2> to_a{arm_a[0][lane], arm_a[1][lane]}, to_b{arm_b[0][lane], arm_b[1][lane]};
+            if (moves_a)
+                begin_without(how.begun[a[lane]], bodies[a[lane]], -impulse, -(cross(to_a, impulse) + moment));
+            if (moves_b) begin_without(how.begun[b[lane]], bodies[b[lane]], impulse, cross(to_b, impulse) + moment);
+        }
+    }
     /// Stops the slip at the middle, or lets it slide.
-    PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, const P* loads, const P& lasting, body_lanes2<P>& at_a,
+    PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, const P* loads, body_lanes2<P>& at_a,
                                        body_lanes2<P>& at_b) {
         const auto& [v_a, w_a] = at_a.velocity;
         const auto& [v_b, w_b] = at_b.velocity;
@@ -256,7 +281,7 @@ private:
             lane_difference(f.y, v_b.x - v_a.x, f.x, v_b.y - v_a.y) + lane_difference(f.slide_b, w_b, f.slide_a, w_a);
         if constexpr (Features::surface_velocity)
             if (extras.at != nullptr) slip = slip - P::load(extras.at->along);
-        const P change = friction.next(slip, sum_of(loads, point_count), lasting);
+        const P change = friction.next(slip, sum_of(loads, point_count));
         push(f, P::broadcast(S(0)), change, P::broadcast(S(0)), at_a, at_b);
     }
     /// Stops the bodies' rolling against each other, or slows it. Apart from the rest, so that contacts without it have

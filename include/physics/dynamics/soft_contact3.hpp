@@ -177,7 +177,7 @@ struct soft_contact3 {
 
     /// One round over the contacts: the points at once, or across and back, then friction by their load. While
     /// overlaps are pushed apart friction rests: it would act against what the springs do, and piles would sway.
-    PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const soft_round<S>& how) {
+    PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const soft_round<S, 3>& how) {
         if constexpr (Features::rolling_resistance)
             if (!how.pushes && extras.at != nullptr) roll(bodies);
         frame_lanes f(*this);
@@ -187,7 +187,10 @@ struct soft_contact3 {
         const relative_motion speed(f, at_a.velocity, at_b.velocity), way(f, at_a.way, at_b.way);
         const auto way_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return way.at(points[k]); };
         const auto speed_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); };
-        if (bears_nothing<P>(*this) && are_idle(points, point_count, how, P::broadcast(S(1)), way_at, speed_at)) return;
+        if (bears_nothing<P>(*this) && are_idle(points, point_count, how, P::broadcast(S(1)), way_at, speed_at)) {
+            if (!how.pushes) P::broadcast(S(0)).store(held);
+            return;
+        }
         P speeds[] = {speed.along, speed.about_t, speed.about_u};
         const P ways[] = {way.along, way.about_t, way.about_u};
         const P zero = P::broadcast(S(0));
@@ -200,9 +203,11 @@ struct soft_contact3 {
         push(f, sum, at_a, at_b);
         if (!how.pushes) {
             P loads[capacity];
-            const P lasting = lasting_share(speed.along, P::load(held), load_of<P>(points, point_count), how);
-            take_loads(points, point_count, lasting, loads);
-            if constexpr (Features::friction) rub(f, loads, lasting, at_a, at_b);
+            take_loads(points, point_count, loads);
+            if constexpr (Features::friction) rub(f, loads, at_a, at_b);
+            const P blow = P::broadcast(how.impact_speed);
+            if (greater(-speed.along, blow).bits() != 0) forget_blows(bodies, how, speed.along);
+            load_of<P>(points, point_count).store(held);
         }
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
@@ -277,8 +282,35 @@ private:
             speed.about_u = speed.about_u + by.z;
         });
     }
+    /// Takes back, where surfaces met with a blow, of what the next substep begins with all but what was held before.
+    PHYSICS_HPP_NOINLINE void forget_blows(const body* bodies, const soft_round<S, 3>& how, const P& speed) {
+        for (int lane = 0; lane < W; ++lane) {
+            S load = S(0), lost = S(0);
+            for (int k = 0; k < point_count; ++k) load += points[k].impulse[lane];
+            if (!(-speed.lane(lane) > how.impact_speed) || !(load > held[lane])) continue;
+            const S share = held[lane] / load;
+            const auto at = [&](const auto& rows) { return vec<S, 3>{rows[0][lane], rows[1][lane], rows[2][lane]}; };
+            const vec<S, 3> n = at(normal), t = at(tangent), u = cross(n, t);
+            vec<S, 3> moment;
+            for (int k = 0; k < point_count; ++k) {
+                const S part = take_from(points[k].impulse[lane], share);
+                lost += part;
+                moment += (t * points[k].y[lane] - u * points[k].x[lane]) * part;
+            }
+            vec<S, 3> impulse = n * lost;
+            if constexpr (Features::friction) {
+                const slide_of<S> rubbed = friction.take(lane, points, point_count, share);
+                impulse += t * rubbed.x + u * rubbed.y;
+                moment += n * rubbed.twist;
+            }
+            if (moves_a)
+                begin_without(how.begun[a[lane]], bodies[a[lane]], -impulse, -(cross(at(arm_a), impulse) + moment));
+            if (moves_b)
+                begin_without(how.begun[b[lane]], bodies[b[lane]], impulse, cross(at(arm_b), impulse) + moment);
+        }
+    }
     /// Stops the slip, or lets it slide on the cone.
-    PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, const P* loads, const P& lasting, body_lanes3<P>& at_a,
+    PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, const P* loads, body_lanes3<P>& at_a,
                                        body_lanes3<P>& at_b) {
         const lanes3<P> slipping = at_middle(f, at_a.velocity, at_b.velocity);
         slide_lanes<P> slip = {lane_dot(f.t, slipping), lane_dot(f.u, slipping),
@@ -289,7 +321,7 @@ private:
                 slip.y = slip.y - P::load(extras.at->belt::y);
             }
         }
-        const slide_lanes<P> by = friction.next(slip, points, loads, point_count, lasting);
+        const slide_lanes<P> by = friction.next(slip, points, loads, point_count);
         push(f, lane_combine(f.t, by.x, f.u, by.y), {f.n.x * by.twist, f.n.y * by.twist, f.n.z * by.twist}, at_a, at_b);
     }
     /// Stops the bodies' rolling against each other, or slows it. Apart from the rest, so that contacts without it have

@@ -139,8 +139,7 @@ struct soft_extras
     using belt = belt_lanes<S, W, D>;
 
     static bool needed_by(const contact<S, D, Features>& c) {
-        return (Features::rolling_resistance && c.rolling_resistance > S(0)) ||
-               (Features::surface_velocity && c.surface_velocity != tangential<S, D>{});
+        return S(c.rolling_resistance) > S(0) || tangential<S, D>(c.surface_velocity) != tangential<S, D>{};
     }
     void put(int lane, const contact<S, D, Features>& c, const solver_body<S, D>& a, const solver_body<S, D>& b,
              S share) {

@@ -14,6 +14,14 @@ struct point_friction {};
 
 namespace detail {
 
+/// Keeps a share of an impulse, and tells what it loses by that.
+template <class S>
+S take_from(S& impulse, S share) {
+    const S before = impulse;
+    impulse *= share;
+    return before - impulse;
+}
+
 /// Without friction.
 struct no_soft_friction {};
 
@@ -28,20 +36,24 @@ struct soft_friction2 {
 
     /// More than 0 where it holds anything.
     PHYSICS_HPP_ALWAYS_INLINE P held(int) const { return lane_abs(P::load(impulse)); }
-    /// The change of the impulse where the surfaces slip by v at the middle, under a load of which that share lasts.
-    PHYSICS_HPP_ALWAYS_INLINE P next(const P& v, const P& load, const P& lasting) {
+    /// The change of the impulse where the surfaces slip by v at the middle, under a load.
+    PHYSICS_HPP_ALWAYS_INLINE P next(const P& v, const P& load) {
         const P before = P::load(impulse), most = P::load(coefficient) * load;
         const P after = max(min(before - P::load(stop) * v, most), -most);
-        (after * lasting).store(impulse);
+        after.store(impulse);
         (P::load(total) + after).store(total);
         return after - before;
     }
 };
 
-/// Along both tangents and about the normal, at the middle: speeds, or impulses.
+/// Along both tangents and about the normal, at the middle: speeds, or impulses; of one contact, or in lanes.
 template <class P>
 struct slide_lanes {
     P x, y, twist;
+};
+template <class S>
+struct slide_of {
+    S x, y, twist;
 };
 
 /// Last step's friction of the points that are still there and still bear a load.
@@ -114,19 +126,22 @@ struct soft_patch_friction3 {
     PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> last(const Point*, int) const {
         return {P::load(x), P::load(y), P::load(twist)};
     }
-    /// Their change where the surfaces slip under loads of which that share lasts: first it stops the slip at the
-    /// middle, then the twist.
+    /// Keeps a share of the impulses of a lane, and tells what they lose.
     template <class Point>
-    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(const slide_lanes<P>& slip, const Point*, const P* loads, int count,
-                                                  const P& lasting) {
+    slide_of<S> take(int lane, const Point*, int, S share) {
+        return {take_from(x[lane], share), take_from(y[lane], share), take_from(twist[lane], share)};
+    }
+    /// Their change where the surfaces slip under loads: first it stops the slip at the middle, then the twist.
+    template <class Point>
+    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(const slide_lanes<P>& slip, const Point*, const P* loads, int count) {
         const P load = sum_of(loads, count);
         const lanes2<P> before = {P::load(x), P::load(y)};
         const lanes2<P> after = stop.next(before, {slip.x, slip.y}, P::load(coefficient) * load);
-        (after.x * lasting).store(x);
-        (after.y * lasting).store(y);
+        after.x.store(x);
+        after.y.store(y);
         const P twisted = P::load(twist), most = P::load(twist_arm) * load;
         const P turned = max(min(twisted - P::load(stop_twist) * slip.twist, most), -most);
-        (turned * lasting).store(twist);
+        turned.store(twist);
         (P::load(total_x) + after.x).store(total_x);
         (P::load(total_y) + after.y).store(total_y);
         (P::load(total_twist) + turned).store(total_twist);
@@ -193,8 +208,19 @@ struct soft_point_friction3 {
         return sum;
     }
     template <class Point>
+    slide_of<S> take(int lane, const Point* points, int count, S share) {
+        slide_of<S> sum{};
+        for (int k = 0; k < count; ++k) {
+            const S along = take_from(each[k].x[lane], share), across = take_from(each[k].y[lane], share);
+            sum.x += along;
+            sum.y += across;
+            sum.twist += difference_of_products(points[k].x[lane], across, points[k].y[lane], along);
+        }
+        return sum;
+    }
+    template <class Point>
     PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(const slide_lanes<P>& start, const Point* points, const P* loads,
-                                                  int count, const P& lasting) {
+                                                  int count) {
         const P zero = P::broadcast(S(0)), mu = P::load(coefficient);
         slide_lanes<P> slip = start;
         slide_lanes<P> sum{zero, zero, zero};
@@ -203,8 +229,8 @@ struct soft_point_friction3 {
             const lanes2<P> before = {P::load(each[k].x), P::load(each[k].y)};
             const lanes2<P> v = {slip.x - py * slip.twist, slip.y + px * slip.twist};
             const lanes2<P> after = each[k].stop.next(before, v, mu * loads[k]);
-            (after.x * lasting).store(each[k].x);
-            (after.y * lasting).store(each[k].y);
+            after.x.store(each[k].x);
+            after.y.store(each[k].y);
             (P::load(each[k].total_x) + after.x).store(each[k].total_x);
             (P::load(each[k].total_y) + after.y).store(each[k].total_y);
             slide_lanes<P> by{zero, zero, zero};

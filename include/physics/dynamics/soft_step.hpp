@@ -41,7 +41,7 @@ bool check(const soft_step_settings<S>& with, const char* function) {
            detail::check_not_negative(function, "solver.restitution_slop", with.restitution_slop);
 }
 
-/// Small steps with soft contacts: in each substep velocities advance, impulses of the last one are given at once, a
+/// Small steps with soft contacts: in each substep velocities advance, bodies get what contacts gave in the last one, a
 /// round pushes overlaps apart by damped springs, poses advance, and a round without springs takes back the speed that
 /// they gave. Where all points of a contact go on pushing they are answered at once, exactly; others are visited one by
 /// one. Bounces come last. Normals act per manifold, friction on a circular cone per manifold (patch_friction) or per
@@ -81,16 +81,22 @@ struct soft_step_with {
             const S part = h / S(with.substeps);
             const S frequency = with.stiffness / part;
             const bool capped = with.frequency_cap > S(0) && with.frequency_cap < frequency;
-            const detail::soft_round<S> press{
+            detail::substep_start<S, D> start(all, scratch);
+            const detail::soft_round<S, D> press{
                 S(1) / part, detail::softness<S>::of(capped ? with.frequency_cap : frequency, with.damping_ratio, part),
-                with.max_push_speed, with.impact_speed, true};
-            detail::soft_round<S> relax = press;
+                with.max_push_speed, with.impact_speed, true, start.velocities()};
+            detail::soft_round<S, D> relax = press;
             relax.pushes = false;
             for (int i = 0; i < with.substeps; ++i) {
+                start.turn_over();
                 motion.advance_velocities(part);
-                blocks.each(hands, [bodies](block& b) { kernels::warm_start(b, bodies); });
+                start.give();
+                if (i == 0) blocks.each(hands, [bodies](block& b) { kernels::warm_start(b, bodies); });
                 blocks.each(hands, [bodies, &press](block& b) { kernels::solve(b, bodies, press); });
+                // In space bodies change their spin as they turn: no contact gave them that.
+                if constexpr (D == 3) start.turn_over();
                 motion.advance_poses(part);
+                if constexpr (D == 3) start.turn_over();
                 blocks.each(hands, [bodies, &relax](block& b) { kernels::solve(b, bodies, relax); });
             }
             if constexpr (Features::restitution)

@@ -10,10 +10,10 @@ namespace detail {
 
 /// Whether visits would change nothing in these lanes (1, else 0): no point has pushed, and none closes its gap within
 /// the substep.
-template <class P, class Point, class S, class At, class SpeedAt>
-PHYSICS_HPP_ALWAYS_INLINE bool are_idle(const Point* points, int count, const soft_round<S>& how, const P& lanes,
+template <class P, class Point, class Round, class At, class SpeedAt>
+PHYSICS_HPP_ALWAYS_INLINE bool are_idle(const Point* points, int count, const Round& how, const P& lanes,
                                         At&& at, SpeedAt&& speed_at) {
-    const P zero = P::broadcast(S(0)), per_step = P::broadcast(how.inverse_step);
+    const P zero = P::broadcast(typename P::scalar(0)), per_step = P::broadcast(how.inverse_step);
     P busy = zero;
     for (int k = 0; k < count; ++k) {
         const P gap = P::load(points[k].separation) + at(k), closing = speed_at(k) + gap * per_step;
@@ -114,7 +114,7 @@ struct soft_whole {
     /// Answers the speeds, and adds what that comes to to the sum. `left` is 1 in lanes that are left to visits, where
     /// nothing changes; returns whether any is. `at(k)` is the way at point k.
     template <class Point, class Sum, class At, class SpeedAt>
-    PHYSICS_HPP_ALWAYS_INLINE bool push(Point* points, int count, const soft_round<S>& how, P (&speed)[D],
+    PHYSICS_HPP_ALWAYS_INLINE bool push(Point* points, int count, const soft_round<S, D>& how, P (&speed)[D],
                                         const P (&way)[D], P& left, Sum& sum, At&& at, SpeedAt&& speed_at) const {
         const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
         left = one;

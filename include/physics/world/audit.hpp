@@ -90,11 +90,11 @@ constexpr bool narrowphase_serves(const shapes<Shapes...>*) {
 }
 
 /// What an integrator must offer: advance_velocity(velocity, moving body, h), advance_pose(moving body, velocity,
-/// way, h).
+/// way, h), in the plane with a velocity that is const.
 template <class Policy, class S, int D>
-concept integrator_policy = requires(moving_body<S, D> b, twist<S, D> v) {
+concept integrator_policy = requires(moving_body<S, D> b, twist<S, D> v, turning_velocity<S, D> turning) {
     Policy::template in<space<S, D>>::advance_velocity(v, b, S(1));
-    Policy::template in<space<S, D>>::advance_pose(b, v, v, S(1));
+    Policy::template in<space<S, D>>::advance_pose(b, turning, v, S(1));
 };
 
 /// What a solver asks of the world that it advances.

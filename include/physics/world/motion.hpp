@@ -63,8 +63,10 @@ public:
         if (free_count_ > 0) thrust(S(0));
     }
     void advance_poses(S h) {
-        for (std::uint32_t k = 0; k < count_; ++k)
-            integrator::advance_pose(moving_[k], bodies_[k].velocity, bodies_[k].way, h);
+        for (std::uint32_t k = 0; k < count_; ++k) {
+            turning_velocity<S, D>& v = bodies_[k].velocity;
+            integrator::advance_pose(moving_[k], v, bodies_[k].way, h);
+        }
     }
 
     /// Ends the step. False if something that moved is where numbers do not reach.
