@@ -7,21 +7,34 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// Adds up to two of the candidates to the manifold: the deepest, and the farthest beside it. Among candidates that
-/// are alike, within `slack`, the first wins: rounding would choose others in each step.
+/// Adds up to two of the candidates to the manifold: one of the deepest, of those that are alike the one farthest out,
+/// and the farthest beside it. Among candidates that are alike, within `slack`, the first wins: rounding would choose
+/// others in each step.
 template <class S>
 constexpr void reduce(const manifold_point<S, 2>* candidates, int count, vec<S, 2> normal, S slack,
                       manifold<S, 2>& out) {
     if (count == 0) return;
-    int deepest = 0, farthest = 0;
-    for (int i = 1; i < count; ++i)
-        if (candidates[i].separation < candidates[deepest].separation - slack) deepest = i;
     const vec<S, 2> along = perpendicular(normal);
-    const auto apart = [&](int i) { return abs(dot(along, candidates[i].position - candidates[deepest].position)); };
-    for (int i = 0; i < count; ++i)
-        if (apart(i) > apart(farthest) + slack) farthest = i;
+    const auto place = [&](int i) { return dot(along, candidates[i].position - candidates[0].position); };
+    S low = S(0), high = S(0), most = candidates[0].separation;
+    for (int i = 1; i < count; ++i) {
+        low = min(low, place(i));
+        high = max(high, place(i));
+        most = min(most, candidates[i].separation);
+    }
+    most += slack;
+    const S middle = low + (high - low) * S(0.5);
+    const auto take = [&](S from, S deep) {
+        int best = -1;
+        for (int i = 0; i < count; ++i)
+            if (!(candidates[i].separation > deep) &&
+                (best < 0 || abs(place(i) - from) > abs(place(best) - from) + slack))
+                best = i;
+        return best;
+    };
+    const int deepest = take(middle, most), farthest = take(place(deepest), scalar_traits<S>::max());
     out.points[out.count++] = candidates[deepest];
-    if (farthest != deepest && apart(farthest) > slack) out.points[out.count++] = candidates[farthest];
+    if (abs(place(farthest) - place(deepest)) > slack) out.points[out.count++] = candidates[farthest];
 }
 
 }  // namespace detail
