@@ -2,6 +2,7 @@
 #pragma once
 
 #include "physics/collide/patch.hpp"
+#include "physics/collide/supports.hpp"
 #include "physics/shape/surface_part.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -264,24 +265,19 @@ void drop_doubtful(List& list, std::uint32_t first, doubtful_parts<D>& doubtful,
     }
 }
 
-/// Joins the manifolds from `first` on whose normals are alike, and reduces the points of each.
+/// Joins the manifolds from `first` on whose normals are alike, and leaves as few points of them as hold what all do.
 template <class S, int D, class List>
 void join_alike(List& list, std::uint32_t first, S slack) {
+    constexpr int capacity = manifold<S, D>::capacity;
     const S alike = S(0.9995);
-    std::uint32_t kept = first;
-    for (std::uint32_t i = first; i < list.size(); ++i) {
+    const std::uint32_t end = list.size();
+    for (std::uint32_t i = first; i < end; ++i) {
         if (list[i].contact.count == 0) continue;
         auto joined = list[i];
         manifold_point<S, D> points[most_candidates];
         int count = 0;
-        const auto thin_out = [&] {
-            manifold<S, D> fewer;
-            fewer.normal = joined.contact.normal;
-            reduce(points, count, joined.contact.normal, slack, fewer);
-            count = fewer.count;
-            for (int k = 0; k < count; ++k) points[k] = fewer.points[k];
-        };
-        for (std::uint32_t j = i; j < list.size(); ++j) {
+        const auto thin_out = [&] { count = keep_supports(points, count, joined.contact.normal, slack); };
+        for (std::uint32_t j = i; j < end; ++j) {
             auto& other = list[j].contact;
             if (other.count == 0 || !(dot(other.normal, joined.contact.normal) > alike)) continue;
             if (count + other.count > most_candidates) thin_out();
@@ -289,12 +285,16 @@ void join_alike(List& list, std::uint32_t first, S slack) {
             joined.part = list[j].part < joined.part ? list[j].part : joined.part;
             other.count = 0;
         }
-        if (count > manifold<S, D>::capacity) thin_out();
-        joined.contact.count = count;
-        for (int k = 0; k < count; ++k) joined.contact.points[k] = points[k];
-        list[kept++] = joined;
+        if (count > capacity) thin_out();
+        for (int from = 0; from < count; from += capacity) {
+            joined.contact.count = count - from < capacity ? count - from : capacity;
+            for (int k = 0; k < joined.contact.count; ++k) joined.contact.points[k] = points[from + k];
+            list.push(joined);
+        }
     }
-    while (list.size() > kept) list.pop();
+    const std::uint32_t kept = list.size() - end;
+    for (std::uint32_t k = 0; k < kept; ++k) list[first + k] = list[end + k];
+    while (list.size() > first + kept) list.pop();
 }
 
 /// The box around a core that stands somewhere, grown by a margin.
