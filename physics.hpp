@@ -159,6 +159,21 @@
 #define PHYSICS_HPP_COLD
 #endif
 
+// For lanes and the kernels made of them, and for integers; never for floats in what users call: gcc contracts
+// a * b + c again where an always_inline function lands in code outside the determinism region. Within it, forced
+// inlining keeps packs in registers at every optimisation level, and makes calls between functions of different targets
+// harmless.
+#if defined(__GNUC__) || defined(__clang__)
+#define PHYSICS_HPP_ALWAYS_INLINE inline __attribute__((always_inline))
+#define PHYSICS_HPP_INLINE_LAMBDA __attribute__((always_inline))
+#elif defined(_MSC_VER)
+#define PHYSICS_HPP_ALWAYS_INLINE __forceinline
+#define PHYSICS_HPP_INLINE_LAMBDA
+#else
+#define PHYSICS_HPP_ALWAYS_INLINE inline
+#define PHYSICS_HPP_INLINE_LAMBDA
+#endif
+
 // A hint that the memory at an address is wanted soon.
 #if defined(__GNUC__)
 #define PHYSICS_HPP_PREFETCH(address) __builtin_prefetch(address)
@@ -744,6 +759,18 @@ constexpr std::int64_t shift_nearest(std::int64_t a, int n) {
            n;
 }
 
+/// The low word of shift_nearest(a, n), n from 1 to 63, in fewer steps: by words, since shifts across two are slow, and
+/// by comparing the rest, since rounding then needs no carries.
+template <class Unsigned>
+PHYSICS_HPP_ALWAYS_INLINE constexpr std::int64_t low_of_shift_nearest(basic_int128<Unsigned> a, int n) {
+    const std::uint64_t high = high_half(a.bits), low = static_cast<std::uint64_t>(a.bits);
+    const std::uint64_t half = std::uint64_t{1} << (n - 1), rest = low & (2 * half - 1), most = half - 1 + (high >> 63);
+    std::uint64_t result = (high << (64 - n)) | (low >> n);
+    result += most < rest;
+    return static_cast<std::int64_t>(result);
+}
+constexpr std::int64_t low_of_shift_nearest(std::int64_t a, int n) { return shift_nearest(a, n); }
+
 }  // namespace detail
 
 PHYSICS_HPP_END
@@ -1283,20 +1310,21 @@ constexpr void note_overflow([[maybe_unused]] bool happened) noexcept {
 template <class A, class B>
 using product_integer = std::conditional_t<sizeof(A) == 4 && sizeof(B) == 4, std::int64_t, int128>;
 
-constexpr std::int64_t low_word(std::int64_t a) { return a; }
-constexpr std::int64_t low_word(int128 a) { return a.low(); }
-
 template <class Rep, class Int>
 constexpr bool fits(Int a) {
     return a >= Int(std::int64_t{std::numeric_limits<Rep>::min()}) &&
            a <= Int(std::int64_t{std::numeric_limits<Rep>::max()});
 }
 
-/// Takes the low bits, so that a result out of range wraps; the audit counts it.
-template <class Rep, class Int>
-constexpr Rep wrap(Int a) {
-    note_overflow(!fits<Rep>(a));
-    return static_cast<Rep>(low_word(a));
+/// a / 2^Shift to nearest, ties away from zero. Takes the low bits, so that a result out of range wraps; the audit
+/// counts it.
+template <class Rep, int Shift, class Int>
+PHYSICS_HPP_ALWAYS_INLINE constexpr Rep shift_wrapped(Int a) {
+#ifdef PHYSICS_HPP_AUDIT
+    note_overflow(!fits<Rep>(shift_nearest(a, Shift)));
+#endif
+    if constexpr (Shift < 64) return static_cast<Rep>(low_of_shift_nearest(a, Shift));
+    else return static_cast<Rep>(shift_nearest(a, Shift).low());
 }
 
 template <class Rep>
@@ -1449,9 +1477,8 @@ public:
 
     constexpr fixed& operator+=(fixed other) { return *this = add(raw_, other.raw_); }
     constexpr fixed& operator-=(fixed other) { return *this = subtract(raw_, other.raw_); }
-    constexpr fixed& operator*=(fixed other) {
-        return *this = from_raw(
-                   detail::wrap<Rep>(detail::shift_nearest(raw_product(raw_, other.raw_), FractionBits)));
+    PHYSICS_HPP_ALWAYS_INLINE constexpr fixed& operator*=(fixed other) {
+        return *this = from_raw(detail::shift_wrapped<Rep, FractionBits>(raw_product(raw_, other.raw_)));
     }
     constexpr fixed& operator/=(fixed other) {
         return *this = from_raw(detail::scaled_quotient<Rep>((raw_ < 0) != (other.raw_ < 0), detail::magnitude64(raw_),
@@ -1511,7 +1538,7 @@ constexpr fixed<Rep, F> operator+(fixed<Rep, F> a, fixed<Rep, F> b) { return a +
 template <class Rep, int F>
 constexpr fixed<Rep, F> operator-(fixed<Rep, F> a, fixed<Rep, F> b) { return a -= b; }
 template <class Rep, int F>
-constexpr fixed<Rep, F> operator*(fixed<Rep, F> a, fixed<Rep, F> b) { return a *= b; }
+PHYSICS_HPP_ALWAYS_INLINE constexpr fixed<Rep, F> operator*(fixed<Rep, F> a, fixed<Rep, F> b) { return a *= b; }
 template <class Rep, int F>
 constexpr fixed<Rep, F> operator/(fixed<Rep, F> a, fixed<Rep, F> b) { return a /= b; }
 template <class Rep, int F>
@@ -1562,10 +1589,10 @@ constexpr Int raw_of(wide_fixed<Int, FractionBits> a) {
 
 /// The wide number in format R, to nearest; wraps.
 template <class R, class Int, int FractionBits>
-constexpr R narrow(wide_fixed<Int, FractionBits> a) {
+PHYSICS_HPP_ALWAYS_INLINE constexpr R narrow(wide_fixed<Int, FractionBits> a) {
     constexpr int shift = FractionBits - R::fraction_bits;
     static_assert(shift > 0, "physics::narrow: the result must have fewer fraction bits than the product");
-    return R::from_raw(detail::wrap<typename R::rep>(detail::shift_nearest(a.raw, shift)));
+    return R::from_raw(detail::shift_wrapped<typename R::rep, shift>(a.raw));
 }
 
 /// numerator / denominator in format R, to nearest; saturates. Operands are fixed or wide.
@@ -2711,20 +2738,6 @@ PHYSICS_HPP_END
 #define PHYSICS_HPP_VECTOR_BYTES 16
 #else
 #define PHYSICS_HPP_VECTOR_BYTES 0
-#endif
-
-// For lanes and the kernels made of them, never for what users call: gcc contracts a * b + c again where an
-// always_inline function lands in code outside the determinism region. Within it, forced inlining keeps packs in
-// registers at every optimisation level, and makes calls between functions of different targets harmless.
-#if defined(__GNUC__) || defined(__clang__)
-#define PHYSICS_HPP_ALWAYS_INLINE inline __attribute__((always_inline))
-#define PHYSICS_HPP_INLINE_LAMBDA __attribute__((always_inline))
-#elif defined(_MSC_VER)
-#define PHYSICS_HPP_ALWAYS_INLINE __forceinline
-#define PHYSICS_HPP_INLINE_LAMBDA
-#else
-#define PHYSICS_HPP_ALWAYS_INLINE inline
-#define PHYSICS_HPP_INLINE_LAMBDA
 #endif
 
 PHYSICS_HPP_BEGIN

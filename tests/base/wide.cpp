@@ -144,6 +144,7 @@ TEST_CASE_TEMPLATE("signed 128-bit integers against exact ones", Int, int128, ba
         const Int nearest = shift_nearest(tame, n);
         wrong += !(value(nearest) == integer::nearest(value(tame), integer(1) << n));
         wrong += !(shift_nearest(-tame, n) == -nearest);
+        if (n < 64) wrong += low_of_shift_nearest(tame, n) != nearest.low();
     }
     CHECK(wrong == 0);
 }

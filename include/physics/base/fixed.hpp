@@ -32,20 +32,21 @@ constexpr void note_overflow([[maybe_unused]] bool happened) noexcept {
 template <class A, class B>
 using product_integer = std::conditional_t<sizeof(A) == 4 && sizeof(B) == 4, std::int64_t, int128>;
 
-constexpr std::int64_t low_word(std::int64_t a) { return a; }
-constexpr std::int64_t low_word(int128 a) { return a.low(); }
-
 template <class Rep, class Int>
 constexpr bool fits(Int a) {
     return a >= Int(std::int64_t{std::numeric_limits<Rep>::min()}) &&
            a <= Int(std::int64_t{std::numeric_limits<Rep>::max()});
 }
 
-/// Takes the low bits, so that a result out of range wraps; the audit counts it.
-template <class Rep, class Int>
-constexpr Rep wrap(Int a) {
-    note_overflow(!fits<Rep>(a));
-    return static_cast<Rep>(low_word(a));
+/// a / 2^Shift to nearest, ties away from zero. Takes the low bits, so that a result out of range wraps; the audit
+/// counts it.
+template <class Rep, int Shift, class Int>
+PHYSICS_HPP_ALWAYS_INLINE constexpr Rep shift_wrapped(Int a) {
+#ifdef PHYSICS_HPP_AUDIT
+    note_overflow(!fits<Rep>(shift_nearest(a, Shift)));
+#endif
+    if constexpr (Shift < 64) return static_cast<Rep>(low_of_shift_nearest(a, Shift));
+    else return static_cast<Rep>(shift_nearest(a, Shift).low());
 }
 
 template <class Rep>
@@ -198,9 +199,8 @@ public:
 
     constexpr fixed& operator+=(fixed other) { return *this = add(raw_, other.raw_); }
     constexpr fixed& operator-=(fixed other) { return *this = subtract(raw_, other.raw_); }
-    constexpr fixed& operator*=(fixed other) {
-        return *this = from_raw(
-                   detail::wrap<Rep>(detail::shift_nearest(raw_product(raw_, other.raw_), FractionBits)));
+    PHYSICS_HPP_ALWAYS_INLINE constexpr fixed& operator*=(fixed other) {
+        return *this = from_raw(detail::shift_wrapped<Rep, FractionBits>(raw_product(raw_, other.raw_)));
     }
     constexpr fixed& operator/=(fixed other) {
         return *this = from_raw(detail::scaled_quotient<Rep>((raw_ < 0) != (other.raw_ < 0), detail::magnitude64(raw_),
@@ -260,7 +260,7 @@ constexpr fixed<Rep, F> operator+(fixed<Rep, F> a, fixed<Rep, F> b) { return a +
 template <class Rep, int F>
 constexpr fixed<Rep, F> operator-(fixed<Rep, F> a, fixed<Rep, F> b) { return a -= b; }
 template <class Rep, int F>
-constexpr fixed<Rep, F> operator*(fixed<Rep, F> a, fixed<Rep, F> b) { return a *= b; }
+PHYSICS_HPP_ALWAYS_INLINE constexpr fixed<Rep, F> operator*(fixed<Rep, F> a, fixed<Rep, F> b) { return a *= b; }
 template <class Rep, int F>
 constexpr fixed<Rep, F> operator/(fixed<Rep, F> a, fixed<Rep, F> b) { return a /= b; }
 template <class Rep, int F>
@@ -311,10 +311,10 @@ constexpr Int raw_of(wide_fixed<Int, FractionBits> a) {
 
 /// The wide number in format R, to nearest; wraps.
 template <class R, class Int, int FractionBits>
-constexpr R narrow(wide_fixed<Int, FractionBits> a) {
+PHYSICS_HPP_ALWAYS_INLINE constexpr R narrow(wide_fixed<Int, FractionBits> a) {
     constexpr int shift = FractionBits - R::fraction_bits;
     static_assert(shift > 0, "physics::narrow: the result must have fewer fraction bits than the product");
-    return R::from_raw(detail::wrap<typename R::rep>(detail::shift_nearest(a.raw, shift)));
+    return R::from_raw(detail::shift_wrapped<typename R::rep, shift>(a.raw));
 }
 
 /// numerator / denominator in format R, to nearest; saturates. Operands are fixed or wide.

@@ -18,20 +18,6 @@
 #define PHYSICS_HPP_VECTOR_BYTES 0
 #endif
 
-// For lanes and the kernels made of them, never for what users call: gcc contracts a * b + c again where an
-// always_inline function lands in code outside the determinism region. Within it, forced inlining keeps packs in
-// registers at every optimisation level, and makes calls between functions of different targets harmless.
-#if defined(__GNUC__) || defined(__clang__)
-#define PHYSICS_HPP_ALWAYS_INLINE inline __attribute__((always_inline))
-#define PHYSICS_HPP_INLINE_LAMBDA __attribute__((always_inline))
-#elif defined(_MSC_VER)
-#define PHYSICS_HPP_ALWAYS_INLINE __forceinline
-#define PHYSICS_HPP_INLINE_LAMBDA
-#else
-#define PHYSICS_HPP_ALWAYS_INLINE inline
-#define PHYSICS_HPP_INLINE_LAMBDA
-#endif
-
 PHYSICS_HPP_BEGIN
 
 namespace detail {
