@@ -1620,6 +1620,17 @@ constexpr R root(wide_fixed<Int, FractionBits> a) {
             detail::signed_saturating<typename R::rep>(false, ((found.root >> (-shift / 2 - 1)) + 1) >> 1));
 }
 
+namespace detail {
+/// root<R>(a) > limit, without the root.
+template <class R, class Int, int FractionBits>
+constexpr bool is_root_greater(wide_fixed<Int, FractionBits> a, R limit) {
+    static_assert(FractionBits == 2 * R::fraction_bits);
+    // Roots saturate, and are never ties: one rounds to more than limit where its square is above limit^2 + limit.
+    if (limit < R{} || limit.raw() == std::numeric_limits<typename R::rep>::max()) return limit < R{};
+    return a > wide_fixed<Int, FractionBits>{product(limit, limit).raw + Int(std::int64_t{limit.raw()})};
+}
+}  // namespace detail
+
 inline std::uint64_t overflow_count() noexcept {
 #ifdef PHYSICS_HPP_AUDIT
     return detail::overflow_counter;
@@ -3173,6 +3184,14 @@ PHYSICS_HPP_ALWAYS_INLINE P lane_length(const P& a, const P& b) {
     if constexpr (P::width == 1)
         return {root<typename P::scalar>(product(a.value, a.value) + product(b.value, b.value))};
     else return sqrt(a * a + b * b);
+}
+/// Where (a, b) is longer than that.
+template <class S, int W, int Bytes>
+PHYSICS_HPP_ALWAYS_INLINE pack_mask<S, W, Bytes> lane_is_longer(const pack<S, W, Bytes>& a, const pack<S, W, Bytes>& b,
+                                                               const pack<S, W, Bytes>& length) {
+    if constexpr (is_fixed<S>)
+        return {is_root_greater(product(a.value, a.value) + product(b.value, b.value), length.value)};
+    else return greater(lane_length(a, b), length);
 }
 /// The greatest lane.
 template <class S, int W, int Bytes>
@@ -21689,6 +21708,7 @@ struct cone_lanes {
         const P across = P::load(xy);
         const P stick_x = before.x - lane_sum(P::load(xx), v.x, across, v.y);
         const P stick_y = before.y - lane_sum(across, v.x, P::load(yy), v.y);
+        if (lane_is_longer(stick_x, stick_y, limit).bits() == 0) return {stick_x, stick_y};
         const P scale = P::load(slip), slide_x = before.x - scale * v.x, slide_y = before.y - scale * v.y;
         const P sliding = lane_length(slide_x, slide_y), sticking = lane_length(stick_x, stick_y);
         const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));

@@ -266,6 +266,11 @@ TEST_CASE_TEMPLATE("wide numbers: sums, order and roots", S, FORMATS) {
         // The root in the own format, and in a coarser one where there is one of the same parity.
         const S root = audited([&] { return physics::root<S>(cc); }, counted);
         verdict.saturates(root, integer::nearest_root(y, integer(1)), counted);
+        constexpr S most = S::from_raw(std::numeric_limits<typename S::rep>::max());
+        for (const S limit : {b, root, root - S::from_raw(1), most}) {
+            verdict.expect(physics::detail::is_root_greater(cc, limit) == (root > limit));
+            verdict.expect(physics::detail::is_root_greater(-widen(S(1)), limit) == (S() > limit));
+        }
         const wide sum = product(a, a) + cc;
         const integer z = integer(a.raw()) * integer(a.raw()) + y;
         if (!(sum < wide{})) {

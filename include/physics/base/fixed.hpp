@@ -342,6 +342,17 @@ constexpr R root(wide_fixed<Int, FractionBits> a) {
             detail::signed_saturating<typename R::rep>(false, ((found.root >> (-shift / 2 - 1)) + 1) >> 1));
 }
 
+namespace detail {
+/// root<R>(a) > limit, without the root.
+template <class R, class Int, int FractionBits>
+constexpr bool is_root_greater(wide_fixed<Int, FractionBits> a, R limit) {
+    static_assert(FractionBits == 2 * R::fraction_bits);
+    // Roots saturate, and are never ties: one rounds to more than limit where its square is above limit^2 + limit.
+    if (limit < R{} || limit.raw() == std::numeric_limits<typename R::rep>::max()) return limit < R{};
+    return a > wide_fixed<Int, FractionBits>{product(limit, limit).raw + Int(std::int64_t{limit.raw()})};
+}
+}  // namespace detail
+
 inline std::uint64_t overflow_count() noexcept {
 #ifdef PHYSICS_HPP_AUDIT
     return detail::overflow_counter;

@@ -55,6 +55,14 @@ PHYSICS_HPP_ALWAYS_INLINE P lane_length(const P& a, const P& b) {
         return {root<typename P::scalar>(product(a.value, a.value) + product(b.value, b.value))};
     else return sqrt(a * a + b * b);
 }
+/// Where (a, b) is longer than that.
+template <class S, int W, int Bytes>
+PHYSICS_HPP_ALWAYS_INLINE pack_mask<S, W, Bytes> lane_is_longer(const pack<S, W, Bytes>& a, const pack<S, W, Bytes>& b,
+                                                               const pack<S, W, Bytes>& length) {
+    if constexpr (is_fixed<S>)
+        return {is_root_greater(product(a.value, a.value) + product(b.value, b.value), length.value)};
+    else return greater(lane_length(a, b), length);
+}
 /// The greatest lane.
 template <class S, int W, int Bytes>
 PHYSICS_HPP_ALWAYS_INLINE S greatest_lane(const pack<S, W, Bytes>& x) {

@@ -39,6 +39,7 @@ struct cone_lanes {
         const P across = P::load(xy);
         const P stick_x = before.x - lane_sum(P::load(xx), v.x, across, v.y);
         const P stick_y = before.y - lane_sum(across, v.x, P::load(yy), v.y);
+        if (lane_is_longer(stick_x, stick_y, limit).bits() == 0) return {stick_x, stick_y};
         const P scale = P::load(slip), slide_x = before.x - scale * v.x, slide_y = before.y - scale * v.y;
         const P sliding = lane_length(slide_x, slide_y), sticking = lane_length(stick_x, stick_y);
         const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
