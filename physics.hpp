@@ -3193,6 +3193,13 @@ PHYSICS_HPP_ALWAYS_INLINE pack_mask<S, W, Bytes> lane_is_longer(const pack<S, W,
         return {is_root_greater(product(a.value, a.value) + product(b.value, b.value), length.value)};
     else return greater(lane_length(a, b), length);
 }
+/// x * share; one lane is left as it is where the share is all of it.
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE P lane_part(const P& x, const P& share) {
+    if constexpr (P::width == 1)
+        if (share.value == typename P::scalar(1)) return x;
+    return x * share;
+}
 /// The greatest lane.
 template <class S, int W, int Bytes>
 PHYSICS_HPP_ALWAYS_INLINE S greatest_lane(const pack<S, W, Bytes>& x) {
@@ -21666,6 +21673,36 @@ PHYSICS_HPP_ALWAYS_INLINE lanes3<K> lane_tangent(const lanes3<K>& n) {
     return {select_greater(x, z, back, zero), select_greater(x, z, on, back), select_greater(x, z, zero, on)};
 }
 
+/// The second tangent, which is the product of the normal and the first one: worked out where that costs less than to
+/// read it.
+template <class S, int W>
+struct second_tangent {
+    void prepare(const S (&)[3][W], const S (&)[3][W]) {}
+    template <class P>
+    PHYSICS_HPP_ALWAYS_INLINE lanes3<P> of(const lanes3<P>& n, const lanes3<P>& t) const {
+        return lane_cross(n, t);
+    }
+};
+template <class S, int W>
+struct kept_second_tangent {
+    S kept[3][W];
+
+    PHYSICS_HPP_ALWAYS_INLINE void prepare(const S (&normal)[3][W], const S (&tangent)[3][W]) {
+        using P = kernel_pack<S, W>;
+        const lanes3<P> u = lane_cross(lanes3<P>::load(normal), lanes3<P>::load(tangent));
+        u.x.store(kept[0]);
+        u.y.store(kept[1]);
+        u.z.store(kept[2]);
+    }
+    template <class P>
+    PHYSICS_HPP_ALWAYS_INLINE lanes3<P> of(const lanes3<P>&, const lanes3<P>&) const {
+        return lanes3<P>::load(kept);
+    }
+};
+template <class S, int W>
+using second_tangent_of =
+    std::conditional_t<std::is_floating_point_v<S>, second_tangent<S, W>, kept_second_tangent<S, W>>;
+
 }  // namespace detail
 
 PHYSICS_HPP_END
@@ -22365,6 +22402,7 @@ private:
         K ok = good;
         for (int k = 0; k < count; ++k)
             for (int i = 0; i < D; ++i) ok = select_greater(most, lane_abs(shares[k][i]), ok, zero);
+        if (greater(ok, zero).bits() == 0) return;
         const auto put = [&](const K& value, S* to) PHYSICS_HPP_INLINE_LAMBDA {
             put_lanes(select_greater(ok, zero, value, lanes_from<K>(to)), to);
         };
@@ -22452,15 +22490,14 @@ PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& 
     const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
     const P gap = P::load(point.separation) + way, mass = P::load(point.mass), before = P::load(point.impulse);
     const P closing = gap * P::broadcast(how.inverse_step);
-    P bias = zero, mass_scale = one, impulse_scale = zero;
+    P bias = zero, strength = lane_part(mass, left), kept = before;
     if (how.pushes) {
         bias = max(gap * P::broadcast(how.spring.rate), P::broadcast(-how.push_speed));
-        mass_scale = P::broadcast(how.spring.mass_scale);
-        impulse_scale = P::broadcast(how.spring.impulse_scale);
+        strength = strength * select_greater(gap, zero, one, P::broadcast(how.spring.mass_scale));
+        kept = before - lane_part(before, left) *
+                            select_greater(gap, zero, zero, P::broadcast(how.spring.impulse_scale));
     }
     const P wanted = select_greater(gap, zero, closing, bias);
-    const P strength = left * mass * select_greater(gap, zero, one, mass_scale);
-    const P kept = before - before * left * select_greater(gap, zero, zero, impulse_scale);
     const P impulse = max(kept - strength * (speed + wanted), zero);
     impulse.store(point.impulse);
     return impulse - before;
@@ -22523,6 +22560,8 @@ struct soft_contact2 {
     [[no_unique_address]] soft_friction2_of<S, W, Features> friction;
     /// What the points bore together as the substep began.
     S held[W];
+    /// How B has moved against A as of the last round that did not push: the next one that does asks for the same.
+    S ways[2][W];
     int point_count = 0;
     /// Whether any point bounces.
     bool bounces = false;
@@ -22650,7 +22689,7 @@ struct soft_contact2 {
         body_lanes2<P> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
-        const relative_motion speed(f, at_a.velocity, at_b.velocity), way(f, at_a.way, at_b.way);
+        const relative_motion speed(f, at_a.velocity, at_b.velocity), way = way_of(f, at_a.way, at_b.way, how);
         const auto way_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return way.at(points[k]); };
         const auto speed_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); };
         if (bears_nothing<P>(*this) && are_idle(points, point_count, how, P::broadcast(S(1)), way_at, speed_at)) {
@@ -22717,8 +22756,17 @@ private:
             : along(lane_sum(f.x, b.linear.x - a.linear.x, f.y, b.linear.y - a.linear.y) +
                     lane_difference(f.turn_b, b.angular, f.turn_a, a.angular)),
               turn(b.angular - a.angular) {}
+        PHYSICS_HPP_ALWAYS_INLINE relative_motion(const P& along_, const P& turn_) : along(along_), turn(turn_) {}
         PHYSICS_HPP_ALWAYS_INLINE P at(const point& p) const { return along + P::load(p.lever) * turn; }
     };
+    PHYSICS_HPP_ALWAYS_INLINE relative_motion way_of(const frame_lanes& f, const twist_lanes2<P>& a,
+                                                     const twist_lanes2<P>& b, const soft_round<S, 2>& how) {
+        if (how.pushes) return {P::load(ways[0]), P::load(ways[1])};
+        const relative_motion way(f, a, b);
+        way.along.store(ways[0]);
+        way.turn.store(ways[1]);
+        return way;
+    }
     /// What impulses along the normal at points come to at the middle.
     struct push_sum {
         P load, moment;
@@ -22833,6 +22881,7 @@ struct soft_contact3 {
 
     std::uint32_t a[W], b[W];
     S normal[3][W], tangent[3][W];
+    [[no_unique_address]] second_tangent_of<S, W> second;
     /// From the bodies' centres to the middle (m).
     S arm_a[3][W], arm_b[3][W];
     I mass_a[W], mass_b[W], inertia_a[6][W], inertia_b[6][W];
@@ -22842,6 +22891,8 @@ struct soft_contact3 {
     [[no_unique_address]] soft_friction3_of<S, W, Features, Friction> friction;
     /// What the points bore together as the substep began.
     S held[W];
+    /// How B has moved against A as of the last round that did not push: the next one that does asks for the same.
+    S ways[3][W];
     int point_count = 0;
     /// Whether any point bounces.
     bool bounces = false;
@@ -22899,6 +22950,7 @@ struct soft_contact3 {
         put_lanes(t.x, tangent[0]);
         put_lanes(t.y, tangent[1]);
         put_lanes(t.z, tangent[2]);
+        second.prepare(normal, tangent);
         // How the three speeds answer to an impulse at the middle and to angular ones about the tangents.
         const lanes3<K> turn_a = lane_cross(c.arm_a, n), turn_b = lane_cross(c.arm_b, n);
         const lanes3<K> by_a = lane_times(c.inertia_a, turn_a), by_b = lane_times(c.inertia_b, turn_b);
@@ -22936,7 +22988,7 @@ struct soft_contact3 {
         }
         whole.clear();
         const K count = lanes_from<K>(gathered.count);
-        if (point_count > 1) whole.prepare_edge(points, levers, of_points, own, count);
+        if (W == 1 ? point_count == 2 : point_count > 1) whole.prepare_edge(points, levers, of_points, own, count);
         if (point_count > 2) whole.prepare_face(points, point_count, levers, there, speeds, count);
         if constexpr (Features::friction) friction.prepare(c, points, point_count, count);
     }
@@ -22993,7 +23045,7 @@ struct soft_contact3 {
         body_lanes3<P> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
-        const relative_motion speed(f, at_a.velocity, at_b.velocity), way(f, at_a.way, at_b.way);
+        const relative_motion speed(f, at_a.velocity, at_b.velocity), way = way_of(f, at_a.way, at_b.way, how);
         const auto way_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return way.at(points[k]); };
         const auto speed_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); };
         if (bears_nothing<P>(*this) && are_idle(points, point_count, how, P::broadcast(S(1)), way_at, speed_at)) {
@@ -23043,7 +23095,7 @@ private:
         PHYSICS_HPP_ALWAYS_INLINE explicit frame_lanes(const soft_contact3& c)
             : n(lanes3<P>::load(c.normal)),
               t(lanes3<P>::load(c.tangent)),
-              u(lane_cross(n, t)),
+              u(c.second.of(n, t)),
               arm_a(lanes3<P>::load(c.arm_a)),
               arm_b(lanes3<P>::load(c.arm_b)) {}
     };
@@ -23058,10 +23110,21 @@ private:
             about_t = lane_dot(f.t, turn);
             about_u = lane_dot(f.u, turn);
         }
+        PHYSICS_HPP_ALWAYS_INLINE explicit relative_motion(const lanes3<P>& of)
+            : along(of.x), about_t(of.y), about_u(of.z) {}
         PHYSICS_HPP_ALWAYS_INLINE P at(const point& p) const {
             return along + lane_difference(P::load(p.y), about_t, P::load(p.x), about_u);
         }
     };
+    PHYSICS_HPP_ALWAYS_INLINE relative_motion way_of(const frame_lanes& f, const twist_lanes3<P>& a,
+                                                     const twist_lanes3<P>& b, const soft_round<S, 3>& how) {
+        if (how.pushes) return relative_motion(lanes3<P>::load(ways));
+        const relative_motion way(f, a, b);
+        way.along.store(ways[0]);
+        way.about_t.store(ways[1]);
+        way.about_u.store(ways[2]);
+        return way;
+    }
     PHYSICS_HPP_ALWAYS_INLINE static lanes3<P> at_middle(const frame_lanes& f, const twist_lanes3<P>& a,
                                                          const twist_lanes3<P>& b) {
         return lane_subtract(lane_add(b.linear, lane_cross(b.angular, f.arm_b)),

@@ -63,6 +63,13 @@ PHYSICS_HPP_ALWAYS_INLINE pack_mask<S, W, Bytes> lane_is_longer(const pack<S, W,
         return {is_root_greater(product(a.value, a.value) + product(b.value, b.value), length.value)};
     else return greater(lane_length(a, b), length);
 }
+/// x * share; one lane is left as it is where the share is all of it.
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE P lane_part(const P& x, const P& share) {
+    if constexpr (P::width == 1)
+        if (share.value == typename P::scalar(1)) return x;
+    return x * share;
+}
 /// The greatest lane.
 template <class S, int W, int Bytes>
 PHYSICS_HPP_ALWAYS_INLINE S greatest_lane(const pack<S, W, Bytes>& x) {

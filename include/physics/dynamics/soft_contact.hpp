@@ -73,15 +73,14 @@ PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& 
     const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
     const P gap = P::load(point.separation) + way, mass = P::load(point.mass), before = P::load(point.impulse);
     const P closing = gap * P::broadcast(how.inverse_step);
-    P bias = zero, mass_scale = one, impulse_scale = zero;
+    P bias = zero, strength = lane_part(mass, left), kept = before;
     if (how.pushes) {
         bias = max(gap * P::broadcast(how.spring.rate), P::broadcast(-how.push_speed));
-        mass_scale = P::broadcast(how.spring.mass_scale);
-        impulse_scale = P::broadcast(how.spring.impulse_scale);
+        strength = strength * select_greater(gap, zero, one, P::broadcast(how.spring.mass_scale));
+        kept = before - lane_part(before, left) *
+                            select_greater(gap, zero, zero, P::broadcast(how.spring.impulse_scale));
     }
     const P wanted = select_greater(gap, zero, closing, bias);
-    const P strength = left * mass * select_greater(gap, zero, one, mass_scale);
-    const P kept = before - before * left * select_greater(gap, zero, zero, impulse_scale);
     const P impulse = max(kept - strength * (speed + wanted), zero);
     impulse.store(point.impulse);
     return impulse - before;

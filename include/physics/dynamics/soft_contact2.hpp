@@ -33,6 +33,8 @@ struct soft_contact2 {
     [[no_unique_address]] soft_friction2_of<S, W, Features> friction;
     /// What the points bore together as the substep began.
     S held[W];
+    /// How B has moved against A as of the last round that did not push: the next one that does asks for the same.
+    S ways[2][W];
     int point_count = 0;
     /// Whether any point bounces.
     bool bounces = false;
@@ -160,7 +162,7 @@ struct soft_contact2 {
         body_lanes2<P> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
-        const relative_motion speed(f, at_a.velocity, at_b.velocity), way(f, at_a.way, at_b.way);
+        const relative_motion speed(f, at_a.velocity, at_b.velocity), way = way_of(f, at_a.way, at_b.way, how);
         const auto way_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return way.at(points[k]); };
         const auto speed_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); };
         if (bears_nothing<P>(*this) && are_idle(points, point_count, how, P::broadcast(S(1)), way_at, speed_at)) {
@@ -227,8 +229,17 @@ private:
             : along(lane_sum(f.x, b.linear.x - a.linear.x, f.y, b.linear.y - a.linear.y) +
                     lane_difference(f.turn_b, b.angular, f.turn_a, a.angular)),
               turn(b.angular - a.angular) {}
+        PHYSICS_HPP_ALWAYS_INLINE relative_motion(const P& along_, const P& turn_) : along(along_), turn(turn_) {}
         PHYSICS_HPP_ALWAYS_INLINE P at(const point& p) const { return along + P::load(p.lever) * turn; }
     };
+    PHYSICS_HPP_ALWAYS_INLINE relative_motion way_of(const frame_lanes& f, const twist_lanes2<P>& a,
+                                                     const twist_lanes2<P>& b, const soft_round<S, 2>& how) {
+        if (how.pushes) return {P::load(ways[0]), P::load(ways[1])};
+        const relative_motion way(f, a, b);
+        way.along.store(ways[0]);
+        way.turn.store(ways[1]);
+        return way;
+    }
     /// What impulses along the normal at points come to at the middle.
     struct push_sum {
         P load, moment;

@@ -24,6 +24,7 @@ struct soft_contact3 {
 
     std::uint32_t a[W], b[W];
     S normal[3][W], tangent[3][W];
+    [[no_unique_address]] second_tangent_of<S, W> second;
     /// From the bodies' centres to the middle (m).
     S arm_a[3][W], arm_b[3][W];
     I mass_a[W], mass_b[W], inertia_a[6][W], inertia_b[6][W];
@@ -33,6 +34,8 @@ struct soft_contact3 {
     [[no_unique_address]] soft_friction3_of<S, W, Features, Friction> friction;
     /// What the points bore together as the substep began.
     S held[W];
+    /// How B has moved against A as of the last round that did not push: the next one that does asks for the same.
+    S ways[3][W];
     int point_count = 0;
     /// Whether any point bounces.
     bool bounces = false;
@@ -90,6 +93,7 @@ struct soft_contact3 {
         put_lanes(t.x, tangent[0]);
         put_lanes(t.y, tangent[1]);
         put_lanes(t.z, tangent[2]);
+        second.prepare(normal, tangent);
         // How the three speeds answer to an impulse at the middle and to angular ones about the tangents.
         const lanes3<K> turn_a = lane_cross(c.arm_a, n), turn_b = lane_cross(c.arm_b, n);
         const lanes3<K> by_a = lane_times(c.inertia_a, turn_a), by_b = lane_times(c.inertia_b, turn_b);
@@ -127,7 +131,7 @@ struct soft_contact3 {
         }
         whole.clear();
         const K count = lanes_from<K>(gathered.count);
-        if (point_count > 1) whole.prepare_edge(points, levers, of_points, own, count);
+        if (W == 1 ? point_count == 2 : point_count > 1) whole.prepare_edge(points, levers, of_points, own, count);
         if (point_count > 2) whole.prepare_face(points, point_count, levers, there, speeds, count);
         if constexpr (Features::friction) friction.prepare(c, points, point_count, count);
     }
@@ -184,7 +188,7 @@ struct soft_contact3 {
         body_lanes3<P> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
-        const relative_motion speed(f, at_a.velocity, at_b.velocity), way(f, at_a.way, at_b.way);
+        const relative_motion speed(f, at_a.velocity, at_b.velocity), way = way_of(f, at_a.way, at_b.way, how);
         const auto way_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return way.at(points[k]); };
         const auto speed_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); };
         if (bears_nothing<P>(*this) && are_idle(points, point_count, how, P::broadcast(S(1)), way_at, speed_at)) {
@@ -234,7 +238,7 @@ private:
         PHYSICS_HPP_ALWAYS_INLINE explicit frame_lanes(const soft_contact3& c)
             : n(lanes3<P>::load(c.normal)),
               t(lanes3<P>::load(c.tangent)),
-              u(lane_cross(n, t)),
+              u(c.second.of(n, t)),
               arm_a(lanes3<P>::load(c.arm_a)),
               arm_b(lanes3<P>::load(c.arm_b)) {}
     };
@@ -249,10 +253,21 @@ private:
             about_t = lane_dot(f.t, turn);
             about_u = lane_dot(f.u, turn);
         }
+        PHYSICS_HPP_ALWAYS_INLINE explicit relative_motion(const lanes3<P>& of)
+            : along(of.x), about_t(of.y), about_u(of.z) {}
         PHYSICS_HPP_ALWAYS_INLINE P at(const point& p) const {
             return along + lane_difference(P::load(p.y), about_t, P::load(p.x), about_u);
         }
     };
+    PHYSICS_HPP_ALWAYS_INLINE relative_motion way_of(const frame_lanes& f, const twist_lanes3<P>& a,
+                                                     const twist_lanes3<P>& b, const soft_round<S, 3>& how) {
+        if (how.pushes) return relative_motion(lanes3<P>::load(ways));
+        const relative_motion way(f, a, b);
+        way.along.store(ways[0]);
+        way.about_t.store(ways[1]);
+        way.about_u.store(ways[2]);
+        return way;
+    }
     PHYSICS_HPP_ALWAYS_INLINE static lanes3<P> at_middle(const frame_lanes& f, const twist_lanes3<P>& a,
                                                          const twist_lanes3<P>& b) {
         return lane_subtract(lane_add(b.linear, lane_cross(b.angular, f.arm_b)),

@@ -119,6 +119,36 @@ PHYSICS_HPP_ALWAYS_INLINE lanes3<K> lane_tangent(const lanes3<K>& n) {
     return {select_greater(x, z, back, zero), select_greater(x, z, on, back), select_greater(x, z, zero, on)};
 }
 
+/// The second tangent, which is the product of the normal and the first one: worked out where that costs less than to
+/// read it.
+template <class S, int W>
+struct second_tangent {
+    void prepare(const S (&)[3][W], const S (&)[3][W]) {}
+    template <class P>
+    PHYSICS_HPP_ALWAYS_INLINE lanes3<P> of(const lanes3<P>& n, const lanes3<P>& t) const {
+        return lane_cross(n, t);
+    }
+};
+template <class S, int W>
+struct kept_second_tangent {
+    S kept[3][W];
+
+    PHYSICS_HPP_ALWAYS_INLINE void prepare(const S (&normal)[3][W], const S (&tangent)[3][W]) {
+        using P = kernel_pack<S, W>;
+        const lanes3<P> u = lane_cross(lanes3<P>::load(normal), lanes3<P>::load(tangent));
+        u.x.store(kept[0]);
+        u.y.store(kept[1]);
+        u.z.store(kept[2]);
+    }
+    template <class P>
+    PHYSICS_HPP_ALWAYS_INLINE lanes3<P> of(const lanes3<P>&, const lanes3<P>&) const {
+        return lanes3<P>::load(kept);
+    }
+};
+template <class S, int W>
+using second_tangent_of =
+    std::conditional_t<std::is_floating_point_v<S>, second_tangent<S, W>, kept_second_tangent<S, W>>;
+
 }  // namespace detail
 
 PHYSICS_HPP_END

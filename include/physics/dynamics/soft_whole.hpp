@@ -157,6 +157,7 @@ private:
         K ok = good;
         for (int k = 0; k < count; ++k)
             for (int i = 0; i < D; ++i) ok = select_greater(most, lane_abs(shares[k][i]), ok, zero);
+        if (greater(ok, zero).bits() == 0) return;
         const auto put = [&](const K& value, S* to) PHYSICS_HPP_INLINE_LAMBDA {
             put_lanes(select_greater(ok, zero, value, lanes_from<K>(to)), to);
         };
