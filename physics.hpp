@@ -22561,7 +22561,7 @@ struct soft_contact2 {
     /// What the points bore together as the substep began.
     S held[W];
     /// How B has moved against A as of the last round that did not push: the next one that does asks for the same.
-    S ways[2][W];
+    S last_ways[2][W];
     int point_count = 0;
     /// Whether any point bounces.
     bool bounces = false;
@@ -22689,7 +22689,7 @@ struct soft_contact2 {
         body_lanes2<P> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
-        const relative_motion speed(f, at_a.velocity, at_b.velocity), way = way_of(f, at_a.way, at_b.way, how);
+        const relative_motion speed(f, at_a.velocity, at_b.velocity), way = way_of(f, at_a, at_b, how);
         const auto way_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return way.at(points[k]); };
         const auto speed_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); };
         if (bears_nothing<P>(*this) && are_idle(points, point_count, how, P::broadcast(S(1)), way_at, speed_at)) {
@@ -22759,12 +22759,12 @@ private:
         PHYSICS_HPP_ALWAYS_INLINE relative_motion(const P& along_, const P& turn_) : along(along_), turn(turn_) {}
         PHYSICS_HPP_ALWAYS_INLINE P at(const point& p) const { return along + P::load(p.lever) * turn; }
     };
-    PHYSICS_HPP_ALWAYS_INLINE relative_motion way_of(const frame_lanes& f, const twist_lanes2<P>& a,
-                                                     const twist_lanes2<P>& b, const soft_round<S, 2>& how) {
-        if (how.pushes) return {P::load(ways[0]), P::load(ways[1])};
-        const relative_motion way(f, a, b);
-        way.along.store(ways[0]);
-        way.turn.store(ways[1]);
+    PHYSICS_HPP_ALWAYS_INLINE relative_motion way_of(const frame_lanes& f, const body_lanes2<P>& at_a,
+                                                     const body_lanes2<P>& at_b, const soft_round<S, 2>& how) {
+        if (how.pushes) return {P::load(last_ways[0]), P::load(last_ways[1])};
+        const relative_motion way(f, at_a.way, at_b.way);
+        way.along.store(last_ways[0]);
+        way.turn.store(last_ways[1]);
         return way;
     }
     /// What impulses along the normal at points come to at the middle.
@@ -22881,7 +22881,7 @@ struct soft_contact3 {
 
     std::uint32_t a[W], b[W];
     S normal[3][W], tangent[3][W];
-    [[no_unique_address]] second_tangent_of<S, W> second;
+    [[no_unique_address]] second_tangent_of<S, W> across;
     /// From the bodies' centres to the middle (m).
     S arm_a[3][W], arm_b[3][W];
     I mass_a[W], mass_b[W], inertia_a[6][W], inertia_b[6][W];
@@ -22892,7 +22892,7 @@ struct soft_contact3 {
     /// What the points bore together as the substep began.
     S held[W];
     /// How B has moved against A as of the last round that did not push: the next one that does asks for the same.
-    S ways[3][W];
+    S last_ways[3][W];
     int point_count = 0;
     /// Whether any point bounces.
     bool bounces = false;
@@ -22950,7 +22950,7 @@ struct soft_contact3 {
         put_lanes(t.x, tangent[0]);
         put_lanes(t.y, tangent[1]);
         put_lanes(t.z, tangent[2]);
-        second.prepare(normal, tangent);
+        across.prepare(normal, tangent);
         // How the three speeds answer to an impulse at the middle and to angular ones about the tangents.
         const lanes3<K> turn_a = lane_cross(c.arm_a, n), turn_b = lane_cross(c.arm_b, n);
         const lanes3<K> by_a = lane_times(c.inertia_a, turn_a), by_b = lane_times(c.inertia_b, turn_b);
@@ -23045,7 +23045,7 @@ struct soft_contact3 {
         body_lanes3<P> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
-        const relative_motion speed(f, at_a.velocity, at_b.velocity), way = way_of(f, at_a.way, at_b.way, how);
+        const relative_motion speed(f, at_a.velocity, at_b.velocity), way = way_of(f, at_a, at_b, how);
         const auto way_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return way.at(points[k]); };
         const auto speed_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); };
         if (bears_nothing<P>(*this) && are_idle(points, point_count, how, P::broadcast(S(1)), way_at, speed_at)) {
@@ -23095,7 +23095,7 @@ private:
         PHYSICS_HPP_ALWAYS_INLINE explicit frame_lanes(const soft_contact3& c)
             : n(lanes3<P>::load(c.normal)),
               t(lanes3<P>::load(c.tangent)),
-              u(c.second.of(n, t)),
+              u(c.across.of(n, t)),
               arm_a(lanes3<P>::load(c.arm_a)),
               arm_b(lanes3<P>::load(c.arm_b)) {}
     };
@@ -23116,13 +23116,13 @@ private:
             return along + lane_difference(P::load(p.y), about_t, P::load(p.x), about_u);
         }
     };
-    PHYSICS_HPP_ALWAYS_INLINE relative_motion way_of(const frame_lanes& f, const twist_lanes3<P>& a,
-                                                     const twist_lanes3<P>& b, const soft_round<S, 3>& how) {
-        if (how.pushes) return relative_motion(lanes3<P>::load(ways));
-        const relative_motion way(f, a, b);
-        way.along.store(ways[0]);
-        way.about_t.store(ways[1]);
-        way.about_u.store(ways[2]);
+    PHYSICS_HPP_ALWAYS_INLINE relative_motion way_of(const frame_lanes& f, const body_lanes3<P>& at_a,
+                                                     const body_lanes3<P>& at_b, const soft_round<S, 3>& how) {
+        if (how.pushes) return relative_motion(lanes3<P>::load(last_ways));
+        const relative_motion way(f, at_a.way, at_b.way);
+        way.along.store(last_ways[0]);
+        way.about_t.store(last_ways[1]);
+        way.about_u.store(last_ways[2]);
         return way;
     }
     PHYSICS_HPP_ALWAYS_INLINE static lanes3<P> at_middle(const frame_lanes& f, const twist_lanes3<P>& a,
@@ -26296,15 +26296,13 @@ auto* recall_pairs(state<Plan>& s, const buffer<proxy_pair>& pairs) {
 
 /// How running surfaces drive. Apart from the rest, since few do.
 template <class Plan>
-PHYSICS_HPP_NOINLINE void drive(typename Plan::contact& c, const shape_record<Plan>& a,
-                                const shape_record<Plan>& b) {
+PHYSICS_HPP_NOINLINE void drive(typename Plan::contact& c, const shape_record<Plan>& a, const shape_record<Plan>& b) {
     c.surface_velocity = driven(tangents<typename Plan::scalar, Plan::dimension>(c.normal), a.pose.rotation,
                                 a.material.surface_velocity, b.pose.rotation, b.material.surface_velocity);
 }
 /// What both surfaces make of a contact of A and B; false if the recipe's rule gives what no solver takes.
 template <class Plan>
-bool mix_surfaces(typename Plan::contact& c, const shape_record<Plan>& a,
-                  const shape_record<Plan>& b) {
+bool mix_surfaces(typename Plan::contact& c, const shape_record<Plan>& a, const shape_record<Plan>& b) {
     using S = typename Plan::scalar;
     using features = typename Plan::features;
     const auto is_good = [](S x) { return x >= S(0) && is_finite(x); };
@@ -26372,9 +26370,49 @@ search_result search_pairs(state<Plan>& s, const typename Plan::query* queries, 
         if (s.mover_of[a] == s.mover_of[b]) continue;
         result.mixed = add_contact(s, pair, part, m, to) && result.mixed;
         result.deep = result.deep || is_deep(s, to.back());
-        result.disturbs = result.disturbs || s.is_asleep(a) || s.is_asleep(b);
+        // Who stands or sleeps has the last number.
+        result.disturbs = result.disturbs || s.is_asleep(s.mover_of[a] < s.mover_of[b] ? b : a);
     }
     return result;
+}
+
+/// The contacts of a part of the pairs: where they lie among those that a worker has found.
+struct found_piece {
+    std::uint32_t worker, first, end;
+    search_result is;
+
+    [[nodiscard]] std::uint32_t size() const { return end - first; }
+};
+/// Brings the pieces of several workers together, in their order, and notes which bodies they find deep in others.
+template <class Plan>
+search_result join_pieces(state<Plan>& s, const found_piece* pieces, std::uint32_t count, crew& hands) {
+    using contact = typename Plan::contact;
+    search_result all;
+    std::uint32_t found = 0;
+    for (std::uint32_t k = 0; k < count; ++k) {
+        all.mixed = all.mixed && pieces[k].is.mixed;
+        all.deep = all.deep || pieces[k].is.deep;
+        all.disturbs = all.disturbs || pieces[k].is.disturbs;
+        found += pieces[k].size();
+    }
+    contact* to = hands.is_alone() ? s.found.begin() : s.found.extend(found);
+    auto** places = s.scratch.template take<contact*>(count);
+    for (std::uint32_t k = 0; k < count; ++k) {
+        places[k] = to;
+        to += pieces[k].size();
+    }
+    if (!hands.is_alone())
+        hands.each(count, [&](std::uint32_t k, std::uint32_t) {
+            const found_piece& of = pieces[k];
+            if (of.size() == 0) return;
+            std::memcpy(static_cast<void*>(places[k]), s.found_by[of.worker].begin() + of.first,
+                        of.size() * sizeof(contact));
+        });
+    for (std::uint32_t k = 0; k < count; ++k) {
+        if (!pieces[k].is.deep) continue;
+        for (std::uint32_t i = 0; i < pieces[k].size(); ++i) note_depth(s, places[k][i]);
+    }
+    return all;
 }
 
 /// Narrowphase: contacts of the pairs that touch or nearly do, in the order of the pairs, with the impulses that the
@@ -26386,13 +26424,8 @@ search_result find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs,
                             typename Plan::scalar h, crew& hands) {
     // So many pairs that what is found of them is still in the caches when it becomes contacts.
     constexpr std::uint32_t share = 256;
-    using contact = typename Plan::contact;
-    struct piece {
-        std::uint32_t worker, first, end;
-        search_result is;
-    };
     const auto* queries = recall_pairs(s, pairs);
-    piece* pieces = s.scratch.template take<piece>(pairs.size() / share + 1);
+    found_piece* pieces = s.scratch.template take<found_piece>(pairs.size() / share + 1);
     s.found.clear();
     if (!hands.is_alone())
         for (std::uint32_t k = 0; k < hands.workers(); ++k) s.found_by[k].clear();
@@ -26402,34 +26435,9 @@ search_result find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs,
         const search_result is = search_pairs(s, queries, pairs, first, end, s.manifolds[worker], to);
         inherit_impulses(before, to.begin() + start, to.end());
         stretch(to.begin() + start, to.end(), last, h);
-        new (pieces + first / share) piece{worker, start, to.size(), is};
+        new (pieces + first / share) found_piece{worker, start, to.size(), is};
     });
-    const std::uint32_t count = (pairs.size() + share - 1) / share;
-    search_result all;
-    std::uint32_t found = 0;
-    for (std::uint32_t k = 0; k < count; ++k) {
-        all.mixed = all.mixed && pieces[k].is.mixed;
-        all.deep = all.deep || pieces[k].is.deep;
-        all.disturbs = all.disturbs || pieces[k].is.disturbs;
-        found += pieces[k].end - pieces[k].first;
-    }
-    auto** places = s.scratch.template take<contact*>(count);
-    contact* to = hands.is_alone() ? s.found.begin() : s.found.extend(found);
-    for (std::uint32_t k = 0; k < count; ++k) {
-        places[k] = to;
-        to += pieces[k].end - pieces[k].first;
-    }
-    if (!hands.is_alone())
-        hands.each(count, [&](std::uint32_t k, std::uint32_t) {
-            const piece& of = pieces[k];
-            if (of.end == of.first) return;
-            std::memcpy(static_cast<void*>(places[k]), s.found_by[of.worker].begin() + of.first,
-                        (of.end - of.first) * sizeof(contact));
-        });
-    for (std::uint32_t k = 0; k < count; ++k)
-        for (std::uint32_t i = 0; pieces[k].is.deep && i < pieces[k].end - pieces[k].first; ++i)
-            note_depth(s, places[k][i]);
-    return all;
+    return join_pieces(s, pieces, (pairs.size() + share - 1) / share, hands);
 }
 
 /// Who is woken brings contacts along: they are found anew, and join the others. False if surfaces do not mix.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "physics/base/raw_array.hpp"
+#include "physics/collide/gjk.hpp"
 #include "physics/collide/reduce2.hpp"
 #include "physics/collide/reduce3.hpp"
 #include "physics/shape/core.hpp"

@@ -1,6 +1,8 @@
 // What contacts and surfaces can do, and what a recipe leaves out of it.
 #pragma once
 
+#include <concepts>
+
 #include "physics/base/stage.hpp"
 
 PHYSICS_HPP_BEGIN

@@ -34,7 +34,7 @@ struct soft_contact2 {
     /// What the points bore together as the substep began.
     S held[W];
     /// How B has moved against A as of the last round that did not push: the next one that does asks for the same.
-    S ways[2][W];
+    S last_ways[2][W];
     int point_count = 0;
     /// Whether any point bounces.
     bool bounces = false;
@@ -162,7 +162,7 @@ struct soft_contact2 {
         body_lanes2<P> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
-        const relative_motion speed(f, at_a.velocity, at_b.velocity), way = way_of(f, at_a.way, at_b.way, how);
+        const relative_motion speed(f, at_a.velocity, at_b.velocity), way = way_of(f, at_a, at_b, how);
         const auto way_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return way.at(points[k]); };
         const auto speed_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); };
         if (bears_nothing<P>(*this) && are_idle(points, point_count, how, P::broadcast(S(1)), way_at, speed_at)) {
@@ -232,12 +232,12 @@ private:
         PHYSICS_HPP_ALWAYS_INLINE relative_motion(const P& along_, const P& turn_) : along(along_), turn(turn_) {}
         PHYSICS_HPP_ALWAYS_INLINE P at(const point& p) const { return along + P::load(p.lever) * turn; }
     };
-    PHYSICS_HPP_ALWAYS_INLINE relative_motion way_of(const frame_lanes& f, const twist_lanes2<P>& a,
-                                                     const twist_lanes2<P>& b, const soft_round<S, 2>& how) {
-        if (how.pushes) return {P::load(ways[0]), P::load(ways[1])};
-        const relative_motion way(f, a, b);
-        way.along.store(ways[0]);
-        way.turn.store(ways[1]);
+    PHYSICS_HPP_ALWAYS_INLINE relative_motion way_of(const frame_lanes& f, const body_lanes2<P>& at_a,
+                                                     const body_lanes2<P>& at_b, const soft_round<S, 2>& how) {
+        if (how.pushes) return {P::load(last_ways[0]), P::load(last_ways[1])};
+        const relative_motion way(f, at_a.way, at_b.way);
+        way.along.store(last_ways[0]);
+        way.turn.store(last_ways[1]);
         return way;
     }
     /// What impulses along the normal at points come to at the middle.

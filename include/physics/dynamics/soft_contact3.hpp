@@ -24,7 +24,7 @@ struct soft_contact3 {
 
     std::uint32_t a[W], b[W];
     S normal[3][W], tangent[3][W];
-    [[no_unique_address]] second_tangent_of<S, W> second;
+    [[no_unique_address]] second_tangent_of<S, W> across;
     /// From the bodies' centres to the middle (m).
     S arm_a[3][W], arm_b[3][W];
     I mass_a[W], mass_b[W], inertia_a[6][W], inertia_b[6][W];
@@ -35,7 +35,7 @@ struct soft_contact3 {
     /// What the points bore together as the substep began.
     S held[W];
     /// How B has moved against A as of the last round that did not push: the next one that does asks for the same.
-    S ways[3][W];
+    S last_ways[3][W];
     int point_count = 0;
     /// Whether any point bounces.
     bool bounces = false;
@@ -93,7 +93,7 @@ struct soft_contact3 {
         put_lanes(t.x, tangent[0]);
         put_lanes(t.y, tangent[1]);
         put_lanes(t.z, tangent[2]);
-        second.prepare(normal, tangent);
+        across.prepare(normal, tangent);
         // How the three speeds answer to an impulse at the middle and to angular ones about the tangents.
         const lanes3<K> turn_a = lane_cross(c.arm_a, n), turn_b = lane_cross(c.arm_b, n);
         const lanes3<K> by_a = lane_times(c.inertia_a, turn_a), by_b = lane_times(c.inertia_b, turn_b);
@@ -188,7 +188,7 @@ struct soft_contact3 {
         body_lanes3<P> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
-        const relative_motion speed(f, at_a.velocity, at_b.velocity), way = way_of(f, at_a.way, at_b.way, how);
+        const relative_motion speed(f, at_a.velocity, at_b.velocity), way = way_of(f, at_a, at_b, how);
         const auto way_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return way.at(points[k]); };
         const auto speed_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); };
         if (bears_nothing<P>(*this) && are_idle(points, point_count, how, P::broadcast(S(1)), way_at, speed_at)) {
@@ -238,7 +238,7 @@ private:
         PHYSICS_HPP_ALWAYS_INLINE explicit frame_lanes(const soft_contact3& c)
             : n(lanes3<P>::load(c.normal)),
               t(lanes3<P>::load(c.tangent)),
-              u(c.second.of(n, t)),
+              u(c.across.of(n, t)),
               arm_a(lanes3<P>::load(c.arm_a)),
               arm_b(lanes3<P>::load(c.arm_b)) {}
     };
@@ -259,13 +259,13 @@ private:
             return along + lane_difference(P::load(p.y), about_t, P::load(p.x), about_u);
         }
     };
-    PHYSICS_HPP_ALWAYS_INLINE relative_motion way_of(const frame_lanes& f, const twist_lanes3<P>& a,
-                                                     const twist_lanes3<P>& b, const soft_round<S, 3>& how) {
-        if (how.pushes) return relative_motion(lanes3<P>::load(ways));
-        const relative_motion way(f, a, b);
-        way.along.store(ways[0]);
-        way.about_t.store(ways[1]);
-        way.about_u.store(ways[2]);
+    PHYSICS_HPP_ALWAYS_INLINE relative_motion way_of(const frame_lanes& f, const body_lanes3<P>& at_a,
+                                                     const body_lanes3<P>& at_b, const soft_round<S, 3>& how) {
+        if (how.pushes) return relative_motion(lanes3<P>::load(last_ways));
+        const relative_motion way(f, at_a.way, at_b.way);
+        way.along.store(last_ways[0]);
+        way.about_t.store(last_ways[1]);
+        way.about_u.store(last_ways[2]);
         return way;
     }
     PHYSICS_HPP_ALWAYS_INLINE static lanes3<P> at_middle(const frame_lanes& f, const twist_lanes3<P>& a,

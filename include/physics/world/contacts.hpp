@@ -41,15 +41,13 @@ auto* recall_pairs(state<Plan>& s, const buffer<proxy_pair>& pairs) {
 
 /// How running surfaces drive. Apart from the rest, since few do.
 template <class Plan>
-PHYSICS_HPP_NOINLINE void drive(typename Plan::contact& c, const shape_record<Plan>& a,
-                                const shape_record<Plan>& b) {
+PHYSICS_HPP_NOINLINE void drive(typename Plan::contact& c, const shape_record<Plan>& a, const shape_record<Plan>& b) {
     c.surface_velocity = driven(tangents<typename Plan::scalar, Plan::dimension>(c.normal), a.pose.rotation,
                                 a.material.surface_velocity, b.pose.rotation, b.material.surface_velocity);
 }
 /// What both surfaces make of a contact of A and B; false if the recipe's rule gives what no solver takes.
 template <class Plan>
-bool mix_surfaces(typename Plan::contact& c, const shape_record<Plan>& a,
-                  const shape_record<Plan>& b) {
+bool mix_surfaces(typename Plan::contact& c, const shape_record<Plan>& a, const shape_record<Plan>& b) {
     using S = typename Plan::scalar;
     using features = typename Plan::features;
     const auto is_good = [](S x) { return x >= S(0) && is_finite(x); };
@@ -117,9 +115,49 @@ search_result search_pairs(state<Plan>& s, const typename Plan::query* queries, 
         if (s.mover_of[a] == s.mover_of[b]) continue;
         result.mixed = add_contact(s, pair, part, m, to) && result.mixed;
         result.deep = result.deep || is_deep(s, to.back());
-        result.disturbs = result.disturbs || s.is_asleep(a) || s.is_asleep(b);
+        // Who stands or sleeps has the last number.
+        result.disturbs = result.disturbs || s.is_asleep(s.mover_of[a] < s.mover_of[b] ? b : a);
     }
     return result;
+}
+
+/// The contacts of a part of the pairs: where they lie among those that a worker has found.
+struct found_piece {
+    std::uint32_t worker, first, end;
+    search_result is;
+
+    [[nodiscard]] std::uint32_t size() const { return end - first; }
+};
+/// Brings the pieces of several workers together, in their order, and notes which bodies they find deep in others.
+template <class Plan>
+search_result join_pieces(state<Plan>& s, const found_piece* pieces, std::uint32_t count, crew& hands) {
+    using contact = typename Plan::contact;
+    search_result all;
+    std::uint32_t found = 0;
+    for (std::uint32_t k = 0; k < count; ++k) {
+        all.mixed = all.mixed && pieces[k].is.mixed;
+        all.deep = all.deep || pieces[k].is.deep;
+        all.disturbs = all.disturbs || pieces[k].is.disturbs;
+        found += pieces[k].size();
+    }
+    contact* to = hands.is_alone() ? s.found.begin() : s.found.extend(found);
+    auto** places = s.scratch.template take<contact*>(count);
+    for (std::uint32_t k = 0; k < count; ++k) {
+        places[k] = to;
+        to += pieces[k].size();
+    }
+    if (!hands.is_alone())
+        hands.each(count, [&](std::uint32_t k, std::uint32_t) {
+            const found_piece& of = pieces[k];
+            if (of.size() == 0) return;
+            std::memcpy(static_cast<void*>(places[k]), s.found_by[of.worker].begin() + of.first,
+                        of.size() * sizeof(contact));
+        });
+    for (std::uint32_t k = 0; k < count; ++k) {
+        if (!pieces[k].is.deep) continue;
+        for (std::uint32_t i = 0; i < pieces[k].size(); ++i) note_depth(s, places[k][i]);
+    }
+    return all;
 }
 
 /// Narrowphase: contacts of the pairs that touch or nearly do, in the order of the pairs, with the impulses that the
@@ -131,13 +169,8 @@ search_result find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs,
                             typename Plan::scalar h, crew& hands) {
     // So many pairs that what is found of them is still in the caches when it becomes contacts.
     constexpr std::uint32_t share = 256;
-    using contact = typename Plan::contact;
-    struct piece {
-        std::uint32_t worker, first, end;
-        search_result is;
-    };
     const auto* queries = recall_pairs(s, pairs);
-    piece* pieces = s.scratch.template take<piece>(pairs.size() / share + 1);
+    found_piece* pieces = s.scratch.template take<found_piece>(pairs.size() / share + 1);
     s.found.clear();
     if (!hands.is_alone())
         for (std::uint32_t k = 0; k < hands.workers(); ++k) s.found_by[k].clear();
@@ -147,34 +180,9 @@ search_result find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs,
         const search_result is = search_pairs(s, queries, pairs, first, end, s.manifolds[worker], to);
         inherit_impulses(before, to.begin() + start, to.end());
         stretch(to.begin() + start, to.end(), last, h);
-        new (pieces + first / share) piece{worker, start, to.size(), is};
+        new (pieces + first / share) found_piece{worker, start, to.size(), is};
     });
-    const std::uint32_t count = (pairs.size() + share - 1) / share;
-    search_result all;
-    std::uint32_t found = 0;
-    for (std::uint32_t k = 0; k < count; ++k) {
-        all.mixed = all.mixed && pieces[k].is.mixed;
-        all.deep = all.deep || pieces[k].is.deep;
-        all.disturbs = all.disturbs || pieces[k].is.disturbs;
-        found += pieces[k].end - pieces[k].first;
-    }
-    auto** places = s.scratch.template take<contact*>(count);
-    contact* to = hands.is_alone() ? s.found.begin() : s.found.extend(found);
-    for (std::uint32_t k = 0; k < count; ++k) {
-        places[k] = to;
-        to += pieces[k].end - pieces[k].first;
-    }
-    if (!hands.is_alone())
-        hands.each(count, [&](std::uint32_t k, std::uint32_t) {
-            const piece& of = pieces[k];
-            if (of.end == of.first) return;
-            std::memcpy(static_cast<void*>(places[k]), s.found_by[of.worker].begin() + of.first,
-                        (of.end - of.first) * sizeof(contact));
-        });
-    for (std::uint32_t k = 0; k < count; ++k)
-        for (std::uint32_t i = 0; pieces[k].is.deep && i < pieces[k].end - pieces[k].first; ++i)
-            note_depth(s, places[k][i]);
-    return all;
+    return join_pieces(s, pieces, (pairs.size() + share - 1) / share, hands);
 }
 
 /// Who is woken brings contacts along: they are found anew, and join the others. False if surfaces do not mix.
