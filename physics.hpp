@@ -20107,6 +20107,15 @@ struct left_out {
     constexpr explicit left_out(const T&) {}
     constexpr operator T() const { return T{}; }
 };
+/// What a value that may be left out reads as.
+template <class T>
+constexpr const T& value_of(const T& value) {
+    return value;
+}
+template <class T, class Feature, int Nth>
+constexpr T value_of(const left_out<T, Feature, Nth>& value) {
+    return value;
+}
 /// A value that is there if `Kept`.
 template <bool Kept, class T, class Feature, int Nth = 0>
 using kept_if = std::conditional_t<Kept, T, left_out<T, Feature, Nth>>;
@@ -21846,7 +21855,7 @@ struct soft_extras
     using belt = belt_lanes<S, W, D>;
 
     static bool needed_by(const contact<S, D, Features>& c) {
-        return S(c.rolling_resistance) > S(0) || tangential<S, D>(c.surface_velocity) != tangential<S, D>{};
+        return value_of(c.rolling_resistance) > S(0) || value_of(c.surface_velocity) != tangential<S, D>{};
     }
     void put(int lane, const contact<S, D, Features>& c, const solver_body<S, D>& a, const solver_body<S, D>& b,
              S share) {
@@ -22451,7 +22460,7 @@ template <class S, int D, class Features>
 vec<S, D> middle_of(const contact<S, D, Features>& c) {
     vec<S, D> middle = c.points[0].position;
     for (int k = 1; k < c.count; ++k) middle += c.points[k].position;
-    return c.count == 1 ? middle : middle * (S(1) / S(c.count));
+    return c.count == 1 ? middle : middle * (S(1) / S(int{c.count}));
 }
 /// What a contact's points bear together.
 template <class P, class Point>
@@ -22591,7 +22600,7 @@ struct soft_contact2 {
             arm_b[i][lane] = to_b[i];
         }
         point_count = point_count < c.count ? c.count : point_count;
-        gathered.count[lane] = S(c.count);
+        gathered.count[lane] = S(int{c.count});
         for (int k = 0; k < c.count; ++k) {
             const auto& from = c.points[k];
             const vec<S, 2> offset = from.position - middle;
@@ -22918,7 +22927,7 @@ struct soft_contact3 {
             arm_b[i][lane] = to_b[i];
         }
         point_count = point_count < c.count ? c.count : point_count;
-        gathered.count[lane] = S(c.count);
+        gathered.count[lane] = S(int{c.count});
         for (int k = 0; k < c.count; ++k) {
             const auto& from = c.points[k];
             const vec<S, 3> offset = from.position - middle;
@@ -26555,14 +26564,14 @@ public:
     template <class S, int D, class Features>
     void add(const contact<S, D, Features>& c) {
         add(c.normal);
-        add(S(c.twist_impulse));
-        add(tangential<S, D>(c.rolling_impulse));
+        add(value_of(c.twist_impulse));
+        add(value_of(c.rolling_impulse));
         add(static_cast<std::uint64_t>(c.count) | std::uint64_t{c.part} << 32);
         for (int k = 0; k < c.count; ++k) {
             add(std::uint64_t{c.points[k].feature});
             add(c.points[k].normal_impulse);
             add(c.points[k].load);
-            add(tangential<S, D>(c.points[k].friction_impulse));
+            add(value_of(c.points[k].friction_impulse));
         }
     }
     /// The manifold follows from the rest.

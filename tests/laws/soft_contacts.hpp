@@ -96,7 +96,7 @@ template <class Block>
 void check_lane(const Block& block, int lane, const problem& p, const contact& c) {
     vec center{};
     for (int k = 0; k < c.count; ++k) center += c.points[k].position - c.points[0].position;
-    center *= S(1) / S(c.count);
+    center *= S(1) / S(int{c.count});
     const sides_at middle(p, c, center);
     const physics::tangents<S, D> frame(c.normal);
     const reals n = to_reals(c.normal), t = to_reals(frame.t), u = cell::is_2d ? reals{} : cross(n, t);
@@ -202,7 +202,7 @@ std::vector<S> answer_in_lanes(problem p) {
     };
     for (const auto& b : p.bodies) add(b.velocity);
     for (const contact& c : p.contacts) {
-        add(S(c.twist_impulse));
+        add(physics::detail::value_of(c.twist_impulse));
         add(c.rolling_impulse);
         for (int k = 0; k < c.count; ++k) {
             add(c.points[k].normal_impulse);

@@ -56,6 +56,15 @@ struct left_out {
     constexpr explicit left_out(const T&) {}
     constexpr operator T() const { return T{}; }
 };
+/// What a value that may be left out reads as.
+template <class T>
+constexpr const T& value_of(const T& value) {
+    return value;
+}
+template <class T, class Feature, int Nth>
+constexpr T value_of(const left_out<T, Feature, Nth>& value) {
+    return value;
+}
 /// A value that is there if `Kept`.
 template <bool Kept, class T, class Feature, int Nth = 0>
 using kept_if = std::conditional_t<Kept, T, left_out<T, Feature, Nth>>;

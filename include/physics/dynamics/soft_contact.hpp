@@ -34,7 +34,7 @@ template <class S, int D, class Features>
 vec<S, D> middle_of(const contact<S, D, Features>& c) {
     vec<S, D> middle = c.points[0].position;
     for (int k = 1; k < c.count; ++k) middle += c.points[k].position;
-    return c.count == 1 ? middle : middle * (S(1) / S(c.count));
+    return c.count == 1 ? middle : middle * (S(1) / S(int{c.count}));
 }
 /// What a contact's points bear together.
 template <class P, class Point>

@@ -61,7 +61,7 @@ struct soft_contact3 {
             arm_b[i][lane] = to_b[i];
         }
         point_count = point_count < c.count ? c.count : point_count;
-        gathered.count[lane] = S(c.count);
+        gathered.count[lane] = S(int{c.count});
         for (int k = 0; k < c.count; ++k) {
             const auto& from = c.points[k];
             const vec<S, 3> offset = from.position - middle;

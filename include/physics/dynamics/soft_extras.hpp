@@ -140,7 +140,7 @@ struct soft_extras
     using belt = belt_lanes<S, W, D>;
 
     static bool needed_by(const contact<S, D, Features>& c) {
-        return S(c.rolling_resistance) > S(0) || tangential<S, D>(c.surface_velocity) != tangential<S, D>{};
+        return value_of(c.rolling_resistance) > S(0) || value_of(c.surface_velocity) != tangential<S, D>{};
     }
     void put(int lane, const contact<S, D, Features>& c, const solver_body<S, D>& a, const solver_body<S, D>& b,
              S share) {

@@ -84,14 +84,14 @@ public:
     template <class S, int D, class Features>
     void add(const contact<S, D, Features>& c) {
         add(c.normal);
-        add(S(c.twist_impulse));
-        add(tangential<S, D>(c.rolling_impulse));
+        add(value_of(c.twist_impulse));
+        add(value_of(c.rolling_impulse));
         add(static_cast<std::uint64_t>(c.count) | std::uint64_t{c.part} << 32);
         for (int k = 0; k < c.count; ++k) {
             add(std::uint64_t{c.points[k].feature});
             add(c.points[k].normal_impulse);
             add(c.points[k].load);
-            add(tangential<S, D>(c.points[k].friction_impulse));
+            add(value_of(c.points[k].friction_impulse));
         }
     }
     /// The manifold follows from the rest.
