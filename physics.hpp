@@ -3980,32 +3980,27 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-template <class S>
-bool check_finite(const char* function, const char* field, S value) {
-    return is_finite(value) || refuse(function, field, static_cast<double>(value), "it must be finite");
+/// Refuses a number, or the first component of a vector, for which good(x) is false.
+template <class S, class Good>
+bool check_each(const char* function, const char* field, S value, Good good, const char* rule) {
+    return good(value) || refuse(function, field, static_cast<double>(value), rule);
 }
-template <class S, int D>
-bool check_finite(const char* function, const char* field, vec<S, D> value) {
+template <class S, int D, class Good>
+bool check_each(const char* function, const char* field, vec<S, D> value, Good good, const char* rule) {
     for (int i = 0; i < D; ++i) {
-        if (is_finite(value[i])) continue;
+        if (good(value[i])) continue;
         const char component[] = {'.', "xyz"[i], '\0'};
-        return refuse(function, field, component, static_cast<double>(value[i]), "it must be finite");
+        return refuse(function, field, component, static_cast<double>(value[i]), rule);
     }
     return true;
 }
-/// What a recipe leaves out must be 0.
-template <class S>
-bool check_left_out(const char* function, const char* field, S value) {
-    return value == S(0) || refuse(function, field, static_cast<double>(value), "the recipe leaves it out");
+template <class T>
+bool check_finite(const char* function, const char* field, T value) {
+    return check_each(function, field, value, [](auto x) { return is_finite(x); }, "it must be finite");
 }
-template <class S, int D>
-bool check_left_out(const char* function, const char* field, vec<S, D> value) {
-    for (int i = 0; i < D; ++i) {
-        if (value[i] == S(0)) continue;
-        const char component[] = {'.', "xyz"[i], '\0'};
-        return refuse(function, field, component, static_cast<double>(value[i]), "the recipe leaves it out");
-    }
-    return true;
+template <class T>
+bool check_left_out(const char* function, const char* field, T value) {
+    return check_each(function, field, value, [](auto x) { return x == decltype(x){}; }, "the recipe leaves it out");
 }
 template <class S>
 bool check_positive(const char* function, const char* field, S value) {
@@ -20209,7 +20204,7 @@ struct kept_material {
         surface_velocity{};
 
     constexpr kept_material() = default;
-    constexpr explicit kept_material(const material<S, D>& m)
+    constexpr kept_material(const material<S, D>& m)
         : friction(m.friction),
           restitution(m.restitution),
           rolling_resistance(m.rolling_resistance),
@@ -20295,7 +20290,7 @@ struct contact_point {
     std::uint32_t feature = 0;
 };
 
-/// Two shapes of different bodies that touch or are about to. Without a feature it has not what belongs to that.
+/// Two shapes of different bodies that touch or are about to. Without a feature it lacks what belongs to that.
 template <class S, int D, class Features = without<>>
 struct contact {
     /// Numbers of the shapes; the normal points from A to B.
@@ -20415,15 +20410,21 @@ void inherit_impulses(const contact<S, D, Features>& old, const tangents<S, D>& 
         if (c.rolling_resistance > S(0)) c.rolling_impulse = same_moment(old_frame, frame, old.rolling_impulse);
 }
 
-/// Scales what acted in a step as if it had been so many times as long.
+/// Scales the impulses of contacts from a step of one length to one of another: they hold loads, which a longer step
+/// holds by larger ones.
 template <class S, int D, class Features>
-void scale_impulses(contact<S, D, Features>& c, S ratio) {
-    if constexpr (Features::friction && D == 3) c.twist_impulse *= ratio;
-    if constexpr (Features::rolling_resistance) c.rolling_impulse *= ratio;
-    for (int k = 0; k < c.count; ++k) {
-        c.points[k].normal_impulse *= ratio;
-        if constexpr (Features::friction) c.points[k].friction_impulse *= ratio;
-        c.points[k].load *= ratio;
+void stretch(contact<S, D, Features>* first, const contact<S, D, Features>* end, S from, S to) {
+    if (!(from > S(0)) || from == to) return;
+    const S ratio = to / from;
+    for (; first != end; ++first) {
+        if constexpr (Features::friction && D == 3) first->twist_impulse *= ratio;
+        if constexpr (Features::rolling_resistance) first->rolling_impulse *= ratio;
+        for (int k = 0; k < first->count; ++k) {
+            contact_point<S, D, Features>& p = first->points[k];
+            p.normal_impulse *= ratio;
+            if constexpr (Features::friction) p.friction_impulse *= ratio;
+            p.load *= ratio;
+        }
     }
 }
 
@@ -21953,10 +21954,6 @@ template <class P>
 struct slide_lanes {
     P x, y, twist;
 };
-template <class S>
-struct slide_of {
-    S x, y, twist;
-};
 
 /// Last step's friction of the points that are still there and still bear a load.
 template <class S, int D, class Features>
@@ -22030,7 +22027,7 @@ struct soft_patch_friction3 {
     }
     /// Keeps a share of the impulses of a lane, and tells what they lose.
     template <class Point>
-    slide_of<S> take(int lane, const Point*, int, S share) {
+    slide_lanes<S> take(int lane, const Point*, int, S share) {
         return {take_from(x[lane], share), take_from(y[lane], share), take_from(twist[lane], share)};
     }
     /// Their change where the surfaces slip under loads: first it stops the slip at the middle, then the twist.
@@ -22110,8 +22107,8 @@ struct soft_point_friction3 {
         return sum;
     }
     template <class Point>
-    slide_of<S> take(int lane, const Point* points, int count, S share) {
-        slide_of<S> sum{};
+    slide_lanes<S> take(int lane, const Point* points, int count, S share) {
+        slide_lanes<S> sum{};
         for (int k = 0; k < count; ++k) {
             const S along = take_from(each[k].x[lane], share), across = take_from(each[k].y[lane], share);
             sum.x += along;
@@ -22997,6 +22994,7 @@ struct soft_contact3 {
         }
         whole.clear();
         const K count = lanes_from<K>(gathered.count);
+        // Each writes the lanes that are its own; a single lane is either.
         if (W == 1 ? point_count == 2 : point_count > 1) whole.prepare_edge(points, levers, of_points, own, count);
         if (point_count > 2) whole.prepare_face(points, point_count, levers, there, speeds, count);
         if constexpr (Features::friction) friction.prepare(c, points, point_count, count);
@@ -23180,7 +23178,7 @@ private:
             }
             vec<S, 3> impulse = n * lost;
             if constexpr (Features::friction) {
-                const slide_of<S> rubbed = friction.take(lane, points, point_count, share);
+                const slide_lanes<S> rubbed = friction.take(lane, points, point_count, share);
                 impulse += t * rubbed.x + u * rubbed.y;
                 moment += n * rubbed.twist;
             }
@@ -23403,10 +23401,11 @@ struct soft_step_with {
                 start.give();
                 if (i == 0) blocks.each(hands, [bodies](block& b) { kernels::warm_start(b, bodies); });
                 blocks.each(hands, [bodies, &press](block& b) { kernels::solve(b, bodies, press); });
-                // In space bodies change their spin as they turn: no contact gave them that.
-                if constexpr (D == 3) start.turn_over();
+                // What bodies change their spin by as they turn no contact gave them.
+                constexpr bool spins_change = !std::is_const_v<turning_velocity<S, D>>;
+                if constexpr (spins_change) start.turn_over();
                 motion.advance_poses(part);
-                if constexpr (D == 3) start.turn_over();
+                if constexpr (spins_change) start.turn_over();
                 blocks.each(hands, [bodies, &relax](block& b) { kernels::solve(b, bodies, relax); });
             }
             if constexpr (Features::restitution)
@@ -24307,15 +24306,6 @@ struct world_access {
         return w.state_;
     }
 };
-
-/// Scales the impulses of contacts from a step of one length to one of another: they hold loads, which a longer step
-/// holds by larger ones.
-template <class Contact, class S>
-void stretch(Contact* first, const Contact* end, S from, S to) {
-    if (!(from > S(0)) || from == to) return;
-    const S ratio = to / from;
-    for (; first != end; ++first) scale_impulses(*first, ratio);
-}
 
 template <class Plan>
 continuous_report<typename Plan::scalar> report_of(const state<Plan>& s) {
@@ -25716,7 +25706,7 @@ shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape,
     shape_record<Plan> record;
     record.shape = shape;
     record.local = {def.position, normalized(def.rotation)};
-    record.material = decltype(record.material)(def.material);
+    record.material = def.material;
     record.density = def.density;
     record.body = at.index;
     record.next = owner.first_shape;
@@ -27389,7 +27379,7 @@ public:
         const auto s = detail::find_shape(state_, id, "set_surface");
         if (!s || !detail::check_material<plan>("set_surface", m)) return;
         detail::rouse(state_, state_.shapes[s.index].body);
-        state_.shapes[s.index].material = decltype(state_.shapes[s.index].material)(m);
+        state_.shapes[s.index].material = m;
     }
     [[nodiscard]] std::uint64_t user_data(shape_id id) const {
         return get(id, "user_data", [](const auto& s) { return s.user_data; });

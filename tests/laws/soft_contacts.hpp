@@ -134,8 +134,8 @@ void check_lane(const Block& block, int lane, const problem& p, const contact& c
         same(cell::number(block.friction.twist_arm[lane]), cell::number(c.friction) * reach);
     } else {
         for (int k = 0; k < c.count; ++k)
-            check_cone(block.friction.each[k].stop, lane, sides_at(p, c, c.points[k].position - c.points[0].position), t,
-                       u);
+            check_cone(block.friction.each[k].stop, lane, sides_at(p, c, c.points[k].position - c.points[0].position),
+                       t, u);
     }
 }
 template <class Friction>

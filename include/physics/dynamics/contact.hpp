@@ -33,7 +33,7 @@ struct contact_point {
     std::uint32_t feature = 0;
 };
 
-/// Two shapes of different bodies that touch or are about to. Without a feature it has not what belongs to that.
+/// Two shapes of different bodies that touch or are about to. Without a feature it lacks what belongs to that.
 template <class S, int D, class Features = without<>>
 struct contact {
     /// Numbers of the shapes; the normal points from A to B.
@@ -153,15 +153,21 @@ void inherit_impulses(const contact<S, D, Features>& old, const tangents<S, D>& 
         if (c.rolling_resistance > S(0)) c.rolling_impulse = same_moment(old_frame, frame, old.rolling_impulse);
 }
 
-/// Scales what acted in a step as if it had been so many times as long.
+/// Scales the impulses of contacts from a step of one length to one of another: they hold loads, which a longer step
+/// holds by larger ones.
 template <class S, int D, class Features>
-void scale_impulses(contact<S, D, Features>& c, S ratio) {
-    if constexpr (Features::friction && D == 3) c.twist_impulse *= ratio;
-    if constexpr (Features::rolling_resistance) c.rolling_impulse *= ratio;
-    for (int k = 0; k < c.count; ++k) {
-        c.points[k].normal_impulse *= ratio;
-        if constexpr (Features::friction) c.points[k].friction_impulse *= ratio;
-        c.points[k].load *= ratio;
+void stretch(contact<S, D, Features>* first, const contact<S, D, Features>* end, S from, S to) {
+    if (!(from > S(0)) || from == to) return;
+    const S ratio = to / from;
+    for (; first != end; ++first) {
+        if constexpr (Features::friction && D == 3) first->twist_impulse *= ratio;
+        if constexpr (Features::rolling_resistance) first->rolling_impulse *= ratio;
+        for (int k = 0; k < first->count; ++k) {
+            contact_point<S, D, Features>& p = first->points[k];
+            p.normal_impulse *= ratio;
+            if constexpr (Features::friction) p.friction_impulse *= ratio;
+            p.load *= ratio;
+        }
     }
 }
 

@@ -84,7 +84,7 @@ struct kept_material {
         surface_velocity{};
 
     constexpr kept_material() = default;
-    constexpr explicit kept_material(const material<S, D>& m)
+    constexpr kept_material(const material<S, D>& m)
         : friction(m.friction),
           restitution(m.restitution),
           rolling_resistance(m.rolling_resistance),

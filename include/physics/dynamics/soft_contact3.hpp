@@ -131,6 +131,7 @@ struct soft_contact3 {
         }
         whole.clear();
         const K count = lanes_from<K>(gathered.count);
+        // Each writes the lanes that are its own; a single lane is either.
         if (W == 1 ? point_count == 2 : point_count > 1) whole.prepare_edge(points, levers, of_points, own, count);
         if (point_count > 2) whole.prepare_face(points, point_count, levers, there, speeds, count);
         if constexpr (Features::friction) friction.prepare(c, points, point_count, count);
@@ -314,7 +315,7 @@ private:
             }
             vec<S, 3> impulse = n * lost;
             if constexpr (Features::friction) {
-                const slide_of<S> rubbed = friction.take(lane, points, point_count, share);
+                const slide_lanes<S> rubbed = friction.take(lane, points, point_count, share);
                 impulse += t * rubbed.x + u * rubbed.y;
                 moment += n * rubbed.twist;
             }

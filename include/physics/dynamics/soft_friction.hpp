@@ -51,10 +51,6 @@ template <class P>
 struct slide_lanes {
     P x, y, twist;
 };
-template <class S>
-struct slide_of {
-    S x, y, twist;
-};
 
 /// Last step's friction of the points that are still there and still bear a load.
 template <class S, int D, class Features>
@@ -128,7 +124,7 @@ struct soft_patch_friction3 {
     }
     /// Keeps a share of the impulses of a lane, and tells what they lose.
     template <class Point>
-    slide_of<S> take(int lane, const Point*, int, S share) {
+    slide_lanes<S> take(int lane, const Point*, int, S share) {
         return {take_from(x[lane], share), take_from(y[lane], share), take_from(twist[lane], share)};
     }
     /// Their change where the surfaces slip under loads: first it stops the slip at the middle, then the twist.
@@ -208,8 +204,8 @@ struct soft_point_friction3 {
         return sum;
     }
     template <class Point>
-    slide_of<S> take(int lane, const Point* points, int count, S share) {
-        slide_of<S> sum{};
+    slide_lanes<S> take(int lane, const Point* points, int count, S share) {
+        slide_lanes<S> sum{};
         for (int k = 0; k < count; ++k) {
             const S along = take_from(each[k].x[lane], share), across = take_from(each[k].y[lane], share);
             sum.x += along;

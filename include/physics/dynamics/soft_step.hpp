@@ -93,10 +93,11 @@ struct soft_step_with {
                 start.give();
                 if (i == 0) blocks.each(hands, [bodies](block& b) { kernels::warm_start(b, bodies); });
                 blocks.each(hands, [bodies, &press](block& b) { kernels::solve(b, bodies, press); });
-                // In space bodies change their spin as they turn: no contact gave them that.
-                if constexpr (D == 3) start.turn_over();
+                // What bodies change their spin by as they turn no contact gave them.
+                constexpr bool spins_change = !std::is_const_v<turning_velocity<S, D>>;
+                if constexpr (spins_change) start.turn_over();
                 motion.advance_poses(part);
-                if constexpr (D == 3) start.turn_over();
+                if constexpr (spins_change) start.turn_over();
                 blocks.each(hands, [bodies, &relax](block& b) { kernels::solve(b, bodies, relax); });
             }
             if constexpr (Features::restitution)

@@ -8,32 +8,27 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-template <class S>
-bool check_finite(const char* function, const char* field, S value) {
-    return is_finite(value) || refuse(function, field, static_cast<double>(value), "it must be finite");
+/// Refuses a number, or the first component of a vector, for which good(x) is false.
+template <class S, class Good>
+bool check_each(const char* function, const char* field, S value, Good good, const char* rule) {
+    return good(value) || refuse(function, field, static_cast<double>(value), rule);
 }
-template <class S, int D>
-bool check_finite(const char* function, const char* field, vec<S, D> value) {
+template <class S, int D, class Good>
+bool check_each(const char* function, const char* field, vec<S, D> value, Good good, const char* rule) {
     for (int i = 0; i < D; ++i) {
-        if (is_finite(value[i])) continue;
+        if (good(value[i])) continue;
         const char component[] = {'.', "xyz"[i], '\0'};
-        return refuse(function, field, component, static_cast<double>(value[i]), "it must be finite");
+        return refuse(function, field, component, static_cast<double>(value[i]), rule);
     }
     return true;
 }
-/// What a recipe leaves out must be 0.
-template <class S>
-bool check_left_out(const char* function, const char* field, S value) {
-    return value == S(0) || refuse(function, field, static_cast<double>(value), "the recipe leaves it out");
+template <class T>
+bool check_finite(const char* function, const char* field, T value) {
+    return check_each(function, field, value, [](auto x) { return is_finite(x); }, "it must be finite");
 }
-template <class S, int D>
-bool check_left_out(const char* function, const char* field, vec<S, D> value) {
-    for (int i = 0; i < D; ++i) {
-        if (value[i] == S(0)) continue;
-        const char component[] = {'.', "xyz"[i], '\0'};
-        return refuse(function, field, component, static_cast<double>(value[i]), "the recipe leaves it out");
-    }
-    return true;
+template <class T>
+bool check_left_out(const char* function, const char* field, T value) {
+    return check_each(function, field, value, [](auto x) { return x == decltype(x){}; }, "the recipe leaves it out");
 }
 template <class S>
 bool check_positive(const char* function, const char* field, S value) {

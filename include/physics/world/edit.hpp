@@ -78,7 +78,7 @@ shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape,
     shape_record<Plan> record;
     record.shape = shape;
     record.local = {def.position, normalized(def.rotation)};
-    record.material = decltype(record.material)(def.material);
+    record.material = def.material;
     record.density = def.density;
     record.body = at.index;
     record.next = owner.first_shape;

@@ -284,15 +284,6 @@ struct world_access {
     }
 };
 
-/// Scales the impulses of contacts from a step of one length to one of another: they hold loads, which a longer step
-/// holds by larger ones.
-template <class Contact, class S>
-void stretch(Contact* first, const Contact* end, S from, S to) {
-    if (!(from > S(0)) || from == to) return;
-    const S ratio = to / from;
-    for (; first != end; ++first) scale_impulses(*first, ratio);
-}
-
 template <class Plan>
 continuous_report<typename Plan::scalar> report_of(const state<Plan>& s) {
     if constexpr (Plan::sweeps) return s.continuous.report;

@@ -310,7 +310,7 @@ public:
         const auto s = detail::find_shape(state_, id, "set_surface");
         if (!s || !detail::check_material<plan>("set_surface", m)) return;
         detail::rouse(state_, state_.shapes[s.index].body);
-        state_.shapes[s.index].material = decltype(state_.shapes[s.index].material)(m);
+        state_.shapes[s.index].material = m;
     }
     [[nodiscard]] std::uint64_t user_data(shape_id id) const {
         return get(id, "user_data", [](const auto& s) { return s.user_data; });
