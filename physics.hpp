@@ -4419,6 +4419,10 @@ template <class S, int D>
 constexpr twist<S, D> operator+(const twist<S, D>& a, const twist<S, D>& b) {
     return {a.linear + b.linear, a.angular + b.angular};
 }
+template <class S, int D>
+constexpr twist<S, D> operator-(const twist<S, D>& a, const twist<S, D>& b) {
+    return {a.linear - b.linear, a.angular - b.angular};
+}
 
 /// The velocity of the point at lever r from the centre of mass.
 template <class S, int D>
@@ -19831,6 +19835,83 @@ struct sweep_and_prune {
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/dynamics/features.hpp
+// =================================================================================================
+// What contacts and surfaces can do, and what a recipe leaves out of it.
+
+PHYSICS_HPP_BEGIN
+
+/// Features that a recipe can leave out; what is left out costs nothing.
+namespace feature {
+/// Coulomb friction of contacts. Without it no surface drives another either.
+struct friction {};
+/// Bouncing.
+struct restitution {};
+/// Bodies turn. Without it they keep the rotation that they are given, nothing rolls, and solvers see no levers.
+struct rotation {};
+/// Islands that are still leave the step until they are touched.
+struct sleeping {};
+/// Resistance to rolling.
+struct rolling_resistance {};
+/// Surfaces that run, as conveyor belts do.
+struct surface_velocity {};
+/// Looking after fast bodies on their way through a step.
+struct continuous {};
+}  // namespace feature
+
+/// Leaves features out: without<feature::friction, feature::restitution>.
+template <class... Features>
+struct without {
+    using stage = physics::stage::features;
+private:
+    template <class Feature>
+    static constexpr bool lacks = (std::same_as<Features, Feature> || ...);
+    template <class Any, class... Known>
+    static constexpr bool is_one_of = (std::same_as<Any, Known> || ...);
+
+public:
+    static constexpr bool friction = !lacks<feature::friction>;
+    static constexpr bool restitution = !lacks<feature::restitution>;
+    static constexpr bool rotation = !lacks<feature::rotation>;
+    static constexpr bool rolling_resistance = rotation && !lacks<feature::rolling_resistance>;
+    static constexpr bool surface_velocity = friction && !lacks<feature::surface_velocity>;
+    static constexpr bool sleeping = !lacks<feature::sleeping>;
+    static constexpr bool continuous = !lacks<feature::continuous>;
+    static constexpr bool known = (is_one_of<Features, feature::friction, feature::restitution, feature::rotation,
+                                             feature::rolling_resistance, feature::surface_velocity,
+                                             feature::sleeping, feature::continuous> &&
+                                   ...);
+};
+
+namespace detail {
+
+/// Stands where a value is left out: it takes no room, is not written, and reads as 0. Nth tells two in one struct
+/// apart, which would take room for that.
+template <class T, class Feature, int Nth>
+struct left_out {
+    constexpr left_out() = default;
+    constexpr explicit left_out(const T&) {}
+    constexpr operator T() const { return T{}; }
+    friend constexpr bool operator==(const left_out&, const left_out&) = default;
+};
+/// What a value that may be left out reads as.
+template <class T>
+constexpr const T& value_of(const T& value) {
+    return value;
+}
+template <class T, class Feature, int Nth>
+constexpr T value_of(const left_out<T, Feature, Nth>& value) {
+    return value;
+}
+/// A value that is there if `Kept`.
+template <bool Kept, class T, class Feature, int Nth = 0>
+using kept_if = std::conditional_t<Kept, T, left_out<T, Feature, Nth>>;
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/dynamics/free_spin.hpp
 // =================================================================================================
 // How bodies turn on which no torque acts.
@@ -19939,30 +20020,68 @@ enum class body_type : std::uint8_t {
     dynamic_body,
 };
 
-/// Everything that a world keeps of one body.
+/// A twist of what does not turn.
 template <class S, int D>
+struct linear_twist {
+    vec<S, D> linear;
+    [[no_unique_address]] detail::left_out<physics::angular<S, D>, feature::rotation, 0> angular{};
+
+    friend bool operator==(const linear_twist&, const linear_twist&) = default;
+};
+template <class S, int D>
+constexpr linear_twist<S, D> operator+(const linear_twist<S, D>& a, const linear_twist<S, D>& b) {
+    return {a.linear + b.linear};
+}
+template <class S, int D>
+constexpr linear_twist<S, D> operator-(const linear_twist<S, D>& a, const linear_twist<S, D>& b) {
+    return {a.linear - b.linear};
+}
+template <class S, int D>
+constexpr vec<S, D> velocity_at(const linear_twist<S, D>& v, vec<S, D>) {
+    return v.linear;
+}
+/// The velocity of a body, or how far it has come: with its turn, unless the recipe leaves rotation out.
+template <class S, int D, bool Turns = true>
+using twist_of = std::conditional_t<Turns, twist<S, D>, linear_twist<S, D>>;
+
+/// The mass properties of what does not turn.
+template <class S, int D>
+struct linear_mass {
+    S mass{};
+    vec<S, D> center;
+
+    constexpr linear_mass() = default;
+    constexpr linear_mass(const mass_properties<S, D>& m) : mass(m.mass), center(m.center) {}
+    constexpr operator mass_properties<S, D>() const { return {mass, center, {}}; }
+};
+
+/// Everything that a world keeps of one body; Turns: unless the recipe leaves rotation out.
+template <class S, int D, bool Turns = true>
 struct body {
+    template <class T, int Nth>
+    using if_turning = detail::kept_if<Turns, T, feature::rotation, Nth>;
+
     // Moves every step. The centre of mass is the integrated position; the body's origin follows from it.
     vec<S, D> center;
     physics::rotation<S, D> rotation;
-    twist<S, D> velocity;
+    twist_of<S, D, Turns> velocity;
     vec<S, D> force;
-    angular<S, D> torque{};
+    [[no_unique_address]] if_turning<angular<S, D>, 1> torque{};
 
     // Changes when shapes, masses or settings do.
-    mass_properties<S, D> mass;
+    std::conditional_t<Turns, mass_properties<S, D>, linear_mass<S, D>> mass;
     inverse_of<S> inverse_mass{};
-    physics::inverse_inertia<S, D> inverse_inertia{};
+    [[no_unique_address]] if_turning<physics::inverse_inertia<S, D>, 2> inverse_inertia{};
     /// Of bodies that are gyroscopic.
-    [[no_unique_address]] free_spin<S, D> spin;
+    [[no_unique_address]] if_turning<free_spin<S, D>, 3> spin;
     S linear_damping{};
-    S angular_damping{};
+    [[no_unique_address]] if_turning<S, 4> angular_damping{};
     S gravity_scale = S(1);
     transform<S, D> target;
     std::uint64_t user_data = 0;
     std::uint32_t first_shape = 0xffffffffu;
     body_type type = body_type::dynamic_body;
-    bool rotation_locked = false;
+    bool rotation_locked = !Turns;
     bool can_sleep = true;
     /// True if the inertia depends on the axis: then the spin changes even without torque.
     bool is_gyroscopic = false;
@@ -19978,11 +20097,13 @@ struct body {
     }
     [[nodiscard]] constexpr bool is_dynamic() const { return type == body_type::dynamic_body; }
     /// True if a force or torque waits to act on it.
-    [[nodiscard]] constexpr bool is_pushed() const { return !(force == vec<S, D>{} && torque == angular<S, D>{}); }
+    [[nodiscard]] constexpr bool is_pushed() const {
+        return !(force == vec<S, D>{} && torque == if_turning<angular<S, D>, 1>{});
+    }
 };
 
 /// What an integrator sees of a body: where it is, and what drives it.
-template <class S, int D>
+template <class S, int D, bool Turns = true>
 struct moving_body {
     /// As the step begins; how far the body has come since is added up apart, where far from the origin less is lost.
     vec<S, D> center;
@@ -19996,126 +20117,69 @@ struct moving_body {
     /// The body, if its spin changes even without torque; else null.
     const body<S, D>* top = nullptr;
 };
+/// The same of what does not turn.
+template <class S, int D>
+struct moving_body<S, D, false> {
+    vec<S, D> center;
+    vec<S, D> acceleration;
+    S linear_damping{};
+};
+
+/// How a body is turned that has moved.
+template <class S, int D, bool Turns>
+constexpr const rotation<S, D>& rotation_after([[maybe_unused]] const moving_body<S, D, Turns>& moved,
+                                               [[maybe_unused]] const body<S, D, Turns>& before) {
+    if constexpr (Turns) return moved.rotation;
+    else return before.rotation;
+}
 
 /// The velocity of a body as it turns: in space that changes how it spins, in the plane it does not.
-template <class S, int D>
-using turning_velocity = std::conditional_t<D == 2, const twist<S, D>, twist<S, D>>;
+template <class S, int D, bool Turns = true>
+using turning_velocity = std::conditional_t<D == 3 && Turns, twist<S, D>, const twist_of<S, D, Turns>>;
 
 /// What a solver sees of a body: velocity, how far it has come in this step (m, rad), and how it answers to impulses.
 /// Bodies that nothing pushes have the inverse mass 0. The twists come first, so that lanes read them in rows
 /// of four scalars.
-template <class S, int D>
+template <class S, int D, bool Turns = true>
 struct alignas(16) solver_body {
-    twist<S, D> velocity;
-    twist<S, D> way;
+    twist_of<S, D, Turns> velocity;
+    twist_of<S, D, Turns> way;
     inverse_of<S> inverse_mass{};
-    physics::inverse_inertia<S, D> inverse_inertia{};
+    [[no_unique_address]] detail::kept_if<Turns, physics::inverse_inertia<S, D>, feature::rotation, 2>
+        inverse_inertia{};
 
     /// The impulse p (kg m/s) acts at lever r from the centre of mass.
-    constexpr void apply(vec<S, D> p, vec<S, D> r) {
+    constexpr void apply(vec<S, D> p, [[maybe_unused]] vec<S, D> r) {
         for (int i = 0; i < D; ++i) velocity.linear[i] += mul<S>(inverse_mass, p[i]);
-        velocity.angular += times(inverse_inertia, cross(r, p));
+        if constexpr (Turns) velocity.angular += times(inverse_inertia, cross(r, p));
     }
 };
 
 /// Bodies by their numbers. After those that may move comes nobody, whom nothing moves, and a spare one, so that what
 /// works in lanes can write somewhere.
-template <class S, int D>
+template <class S, int D, bool Turns = true>
 struct solver_bodies {
-    solver_body<S, D>* first;
+    solver_body<S, D, Turns>* first;
     /// With the last two.
     std::uint32_t count;
 
     [[nodiscard]] std::uint32_t nobody() const { return count - 2; }
     [[nodiscard]] std::uint32_t spare() const { return count - 1; }
 
-    solver_body<S, D>& operator[](std::uint32_t i) const { return first[i]; }
+    solver_body<S, D, Turns>& operator[](std::uint32_t i) const { return first[i]; }
 };
 
 /// The bodies of a step by their numbers as a solver has left them.
-template <class S, int D>
+template <class S, int D, bool Turns = true>
 struct moved_bodies {
-    solver_body<S, D>* solved;
-    moving_body<S, D>* moved;
+    solver_body<S, D, Turns>* solved;
+    moving_body<S, D, Turns>* moved;
     /// Where each body is in these arrays.
     const std::uint32_t* slot_of;
 
-    twist<S, D>& velocity(std::uint32_t i) const { return solved[slot_of[i]].velocity; }
-    moving_body<S, D>& operator[](std::uint32_t i) const { return moved[slot_of[i]]; }
+    twist_of<S, D, Turns>& velocity(std::uint32_t i) const { return solved[slot_of[i]].velocity; }
+    moving_body<S, D, Turns>& operator[](std::uint32_t i) const { return moved[slot_of[i]]; }
 };
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/dynamics/features.hpp
-// =================================================================================================
-// What contacts and surfaces can do, and what a recipe leaves out of it.
-
-PHYSICS_HPP_BEGIN
-
-/// Features that a recipe can leave out; what is left out costs nothing.
-namespace feature {
-/// Coulomb friction of contacts. Without it no surface drives another either.
-struct friction {};
-/// Bouncing.
-struct restitution {};
-/// Islands that are still leave the step until they are touched.
-struct sleeping {};
-/// Resistance to rolling.
-struct rolling_resistance {};
-/// Surfaces that run, as conveyor belts do.
-struct surface_velocity {};
-/// Looking after fast bodies on their way through a step.
-struct continuous {};
-}  // namespace feature
-
-/// Leaves features out: without<feature::friction, feature::restitution>.
-template <class... Features>
-struct without {
-    using stage = physics::stage::features;
-private:
-    template <class Feature>
-    static constexpr bool lacks = (std::same_as<Features, Feature> || ...);
-    template <class Any, class... Known>
-    static constexpr bool is_one_of = (std::same_as<Any, Known> || ...);
-
-public:
-    static constexpr bool friction = !lacks<feature::friction>;
-    static constexpr bool restitution = !lacks<feature::restitution>;
-    static constexpr bool rolling_resistance = !lacks<feature::rolling_resistance>;
-    static constexpr bool surface_velocity = friction && !lacks<feature::surface_velocity>;
-    static constexpr bool sleeping = !lacks<feature::sleeping>;
-    static constexpr bool continuous = !lacks<feature::continuous>;
-    static constexpr bool known = (is_one_of<Features, feature::friction, feature::restitution,
-                                             feature::rolling_resistance, feature::surface_velocity,
-                                             feature::sleeping, feature::continuous> &&
-                                   ...);
-};
-
-namespace detail {
-
-/// Stands where a value is left out: it takes no room, is not written, and reads as 0. Nth tells two in one struct
-/// apart, which would take room for that.
-template <class T, class Feature, int Nth>
-struct left_out {
-    constexpr left_out() = default;
-    constexpr explicit left_out(const T&) {}
-    constexpr operator T() const { return T{}; }
-};
-/// What a value that may be left out reads as.
-template <class T>
-constexpr const T& value_of(const T& value) {
-    return value;
-}
-template <class T, class Feature, int Nth>
-constexpr T value_of(const left_out<T, Feature, Nth>& value) {
-    return value;
-}
-/// A value that is there if `Kept`.
-template <bool Kept, class T, class Feature, int Nth = 0>
-using kept_if = std::conditional_t<Kept, T, left_out<T, Feature, Nth>>;
-
-}  // namespace detail
 
 PHYSICS_HPP_END
 
@@ -20509,8 +20573,8 @@ private:
 
 /// True if two bodies of these velocities touch within two steps of h, or would if something drew them together by
 /// `slack` (m) more. Two, since the last round of a solver looks ahead as far as another part of a step.
-template <class S, int D, class Features>
-bool comes_to_touch(const contact<S, D, Features>& c, const twist<S, D>& a, const twist<S, D>& b, S h, S slack) {
+template <class S, int D, class Features, class Twist>
+bool comes_to_touch(const contact<S, D, Features>& c, const Twist& a, const Twist& b, S h, S slack) {
     for (int k = 0; k < c.count; ++k) {
         const auto [to_a, to_b] = c.levers(k);
         const S speed = dot(c.normal, velocity_at(b, to_b) - velocity_at(a, to_a));
@@ -20895,7 +20959,8 @@ bool is_active(const contact<S, D, Features>& c) {
 /// colour push the same sides. Within a colour those that are about to push come first, so that lanes have the same to
 /// do. O(contacts). Source: Catto, Solver2D (2024); greedy edge colouring.
 template <class S, int D, class Features>
-contact_colours colour(const contact_list<S, D, Features>& contacts, solver_bodies<S, D> bodies, arena& scratch) {
+contact_colours colour(const contact_list<S, D, Features>& contacts, solver_bodies<S, D, Features::rotation> bodies,
+                       arena& scratch) {
     const std::uint32_t count = contacts.size();
     auto* used = scratch.template take<std::uint64_t>(bodies.count);
     // Until a contact has its colour, which sides it pushes; and with either, whether it is idle.
@@ -21121,17 +21186,21 @@ constexpr inverse_of<S> angular_answer(const symmetric<inverse_of<S>>& inverse_i
     return torque_answer<S>(inverse_inertia, cross(r, n), cross(r, m));
 }
 
-/// Both bodies' answer along m to a unit impulse along n at a contact point.
-template <class S, int D>
-constexpr inverse_of<S> answer(const solver_body<S, D>& a, const solver_body<S, D>& b, const levers<S, D>& to,
-                               vec<S, D> n, vec<S, D> m) {
-    return angular_answer<S>(a.inverse_inertia, to.a, n, m) + angular_answer<S>(b.inverse_inertia, to.b, n, m);
+/// Both bodies' answer along m to a unit impulse along n at a contact point, by rotation alone.
+template <class S, int D, bool Turns>
+constexpr inverse_of<S> answer([[maybe_unused]] const solver_body<S, D, Turns>& a,
+                               [[maybe_unused]] const solver_body<S, D, Turns>& b,
+                               [[maybe_unused]] const levers<S, D>& to, [[maybe_unused]] vec<S, D> n,
+                               [[maybe_unused]] vec<S, D> m) {
+    if constexpr (Turns)
+        return angular_answer<S>(a.inverse_inertia, to.a, n, m) + angular_answer<S>(b.inverse_inertia, to.b, n, m);
+    else return inverse_of<S>(0);
 }
 
 /// The effective mass along n: the impulse that changes the relative velocity along n by 1.
-template <class S, int D>
-constexpr S effective_mass(const solver_body<S, D>& a, const solver_body<S, D>& b, const levers<S, D>& to,
-                           vec<S, D> n) {
+template <class S, int D, bool Turns>
+constexpr S effective_mass(const solver_body<S, D, Turns>& a, const solver_body<S, D, Turns>& b,
+                           const levers<S, D>& to, vec<S, D> n) {
     const inverse_of<S> k = a.inverse_mass + b.inverse_mass + answer(a, b, to, n, n);
     return k > inverse_of<S>(0) ? reciprocal<S>(k) : S(0);
 }
@@ -21144,7 +21213,8 @@ struct friction2 {
     S mass{};
 
     constexpr friction2() = default;
-    constexpr friction2(const solver_body<S, 2>& a, const solver_body<S, 2>& b, const levers<S, 2>& to,
+    template <bool Turns>
+    constexpr friction2(const solver_body<S, 2, Turns>& a, const solver_body<S, 2, Turns>& b, const levers<S, 2>& to,
                         const tangents2<S>& frame)
         : mass(detail::effective_mass(a, b, to, frame.t)) {}
 
@@ -21188,7 +21258,8 @@ struct circular_cone {
 template <class S>
 struct friction3 : circular_cone<S> {
     constexpr friction3() = default;
-    constexpr friction3(const solver_body<S, 3>& a, const solver_body<S, 3>& b, const levers<S, 3>& to,
+    template <bool Turns>
+    constexpr friction3(const solver_body<S, 3, Turns>& a, const solver_body<S, 3, Turns>& b, const levers<S, 3>& to,
                         const tangents3<S>& frame)
         : circular_cone<S>(a.inverse_mass + b.inverse_mass + detail::answer(a, b, to, frame.t, frame.t),
                            detail::answer(a, b, to, frame.t, frame.u),
@@ -21317,17 +21388,19 @@ struct semi_implicit_euler {
         static constexpr int D = Space::dimension;
 
         /// Advances the velocity of a body by what drives it, and by damping.
-        static constexpr void advance_velocity(twist<S, D>& v, const moving_body<S, D>& b, S h) {
+        template <bool Turns>
+        static constexpr void advance_velocity(twist_of<S, D, Turns>& v, const moving_body<S, D, Turns>& b, S h) {
             v.linear = (v.linear + b.acceleration * h) * damped(b.linear_damping, h);
-            v.angular = (v.angular + b.angular_acceleration * h) * damped(b.angular_damping, h);
+            if constexpr (Turns) v.angular = (v.angular + b.angular_acceleration * h) * damped(b.angular_damping, h);
         }
         /// Advances a body by its velocity: adds to its way, turns it in space, and the angular velocity of a free top
         /// with it. In the plane angles add up, so that one turn by the way serves all parts of a step.
-        static constexpr void advance_pose(moving_body<S, D>& b, turning_velocity<S, D>& v, twist<S, D>& way,
-                                           S h) {
+        template <bool Turns>
+        static constexpr void advance_pose([[maybe_unused]] moving_body<S, D, Turns>& b,
+                                           turning_velocity<S, D, Turns>& v, twist_of<S, D, Turns>& way, S h) {
             way.linear += v.linear * h;
-            way.angular += v.angular * h;
-            if constexpr (D == 3) {
+            if constexpr (Turns) way.angular += v.angular * h;
+            if constexpr (D == 3 && Turns) {
                 if (b.top) detail::turn_freely(b, v.angular, h);
                 else b.rotation = turned(b.rotation, v.angular * h);
             }
@@ -21353,8 +21426,8 @@ namespace detail {
 
 /// The speed with which the surfaces part at point k after they have met; 0 where nothing bounces.
 template <class S, int D, class Features>
-S bounce_of(const contact<S, D, Features>& c, int k, const solver_body<S, D>& a, const solver_body<S, D>& b, S slop,
-            S h) {
+S bounce_of(const contact<S, D, Features>& c, int k, const solver_body<S, D, Features::rotation>& a,
+            const solver_body<S, D, Features::rotation>& b, S slop, S h) {
     if (!(c.restitution > S(0))) return S(0);
     // A bounce starts where the gap is: the speed that closes it first would be lost.
     const auto [to_a, to_b] = c.levers(k);
@@ -21418,10 +21491,12 @@ struct sequential_impulse {
         static constexpr int D = Space::dimension;
         using settings = sequential_impulse_settings<S>;
         using contact = physics::contact<S, D, Features>;
+        using body = solver_body<S, D, Features::rotation>;
+        using bodies_type = solver_bodies<S, D, Features::rotation>;
 
         /// Advances velocities and poses by h: `motion` offers advance_velocities(h) and advance_poses(h).
         template <class Motion>
-        static void solve(solver_bodies<S, D> bodies, contact_list<S, D, Features> contacts, const settings& with, S h,
+        static void solve(bodies_type bodies, contact_list<S, D, Features> contacts, const settings& with, S h,
                           arena& scratch, Motion&& motion) {
             block* blocks = scratch.template take<block>(contacts.size());
             for (std::uint32_t i = 0; i < contacts.size(); ++i) new (blocks + i) block(contacts[i], bodies, with, h);
@@ -21441,7 +21516,7 @@ struct sequential_impulse {
     private:
         struct no_friction {
             constexpr no_friction() = default;
-            constexpr no_friction(const solver_body<S, D>&, const solver_body<S, D>&, const levers<S, D>&,
+            constexpr no_friction(const body&, const body&, const levers<S, D>&,
                                   const tangents<S, D>&) {}
         };
         struct no_rolling {};
@@ -21458,10 +21533,10 @@ struct sequential_impulse {
                 rolling{};
             row rows[manifold<S, D>::capacity];
 
-            block(const contact& c, solver_bodies<S, D> bodies, const settings& with, S h)
+            block(const contact& c, bodies_type bodies, const settings& with, S h)
                 : frame(c.normal) {
-                const solver_body<S, D>& a = bodies[c.body_a];
-                const solver_body<S, D>& b = bodies[c.body_b];
+                const body& a = bodies[c.body_a];
+                const body& b = bodies[c.body_b];
                 if constexpr (Features::rolling_resistance)
                     if (c.rolling_resistance > S(0)) rolling = {a, b, frame};
                 for (int k = 0; k < c.count; ++k) {
@@ -21475,7 +21550,7 @@ struct sequential_impulse {
 
         /// Apart, the surfaces may close the gap; overlapping, they part slowly; a bounce parts them with its
         /// share of the approach.
-        static S target_speed(const contact& c, int k, const solver_body<S, D>& a, const solver_body<S, D>& b,
+        static S target_speed(const contact& c, int k, const body& a, const body& b,
                               const settings& with, S h) {
             const S separation = c.points[k].separation;
             S target = -separation / h;
@@ -21490,7 +21565,7 @@ struct sequential_impulse {
             return target;
         }
 
-        static void warm_start(const contact& c, const block& with, solver_bodies<S, D> bodies) {
+        static void warm_start(const contact& c, const block& with, bodies_type bodies) {
             for (int k = 0; k < c.count; ++k) {
                 const auto& p = c.points[k];
                 const auto [to_a, to_b] = c.levers(k);
@@ -21505,12 +21580,12 @@ struct sequential_impulse {
                     turn(with, c.rolling_impulse, bodies[c.body_a], bodies[c.body_b]);
         }
         /// An angular impulse against rolling, from A on B.
-        static void turn(const block& with, tangential<S, D> impulse, solver_body<S, D>& a, solver_body<S, D>& b) {
+        static void turn(const block& with, tangential<S, D> impulse, body& a, body& b) {
             const angular<S, D> moment = with.rolling.combine(with.frame, impulse);
             a.velocity.angular -= times(a.inverse_inertia, moment);
             b.velocity.angular += times(b.inverse_inertia, moment);
         }
-        static void resist_rolling(contact& c, const block& with, solver_body<S, D>& a, solver_body<S, D>& b) {
+        static void resist_rolling(contact& c, const block& with, body& a, body& b) {
             S load = S(0);
             for (int k = 0; k < c.count; ++k) load += c.points[k].normal_impulse;
             const auto w = with.rolling.components(with.frame, b.velocity.angular - a.velocity.angular);
@@ -21519,9 +21594,9 @@ struct sequential_impulse {
             c.rolling_impulse = impulse;
         }
 
-        static void solve_contact(contact& c, const block& with, solver_bodies<S, D> bodies, bool back) {
-            solver_body<S, D>& a = bodies[c.body_a];
-            solver_body<S, D>& b = bodies[c.body_b];
+        static void solve_contact(contact& c, const block& with, bodies_type bodies, bool back) {
+            body& a = bodies[c.body_a];
+            body& b = bodies[c.body_b];
             if constexpr (Features::rolling_resistance)
                 if (c.rolling_resistance > S(0)) resist_rolling(c, with, a, b);
             if constexpr (Features::friction) {
@@ -21854,12 +21929,13 @@ struct soft_extras
       std::conditional_t<Features::surface_velocity, belt_lanes<S, W, D>, nothing<1>> {
     using rolling = rolling_lanes<S, W, D>;
     using belt = belt_lanes<S, W, D>;
+    using body = solver_body<S, D, Features::rotation>;
 
     static bool needed_by(const contact<S, D, Features>& c) {
         return value_of(c.rolling_resistance) > S(0) || value_of(c.surface_velocity) != tangential<S, D>{};
     }
-    void put(int lane, const contact<S, D, Features>& c, const solver_body<S, D>& a, const solver_body<S, D>& b,
-             S share) {
+    void put(int lane, const contact<S, D, Features>& c, [[maybe_unused]] const body& a,
+             [[maybe_unused]] const body& b, [[maybe_unused]] S share) {
         if constexpr (Features::rolling_resistance)
             if (c.rolling_resistance > S(0))
                 rolling::put(lane, c, rolling_at<S, D>(a, b, tangents<S, D>(c.normal)), share);
@@ -21871,11 +21947,11 @@ struct soft_extras
 template <class S, int W, int D, class Features>
 struct extras_of_block {
     using extras = soft_extras<S, W, D, Features>;
+    using body = typename extras::body;
 
     extras* at = nullptr;
 
-    void put(int lane, const contact<S, D, Features>& c, const solver_body<S, D>& a, const solver_body<S, D>& b,
-             S share, arena& scratch) {
+    void put(int lane, const contact<S, D, Features>& c, const body& a, const body& b, S share, arena& scratch) {
         if (extras::needed_by(c)) add(lane, c, a, b, share, scratch);
     }
     void take(int lane, contact<S, D, Features>& c) const {
@@ -21884,8 +21960,8 @@ struct extras_of_block {
     }
 
 private:
-    PHYSICS_HPP_NOINLINE void add(int lane, const contact<S, D, Features>& c, const solver_body<S, D>& a,
-                                  const solver_body<S, D>& b, S share, arena& scratch) {
+    PHYSICS_HPP_NOINLINE void add(int lane, const contact<S, D, Features>& c, const body& a, const body& b, S share,
+                                  arena& scratch) {
         if (at == nullptr) at = new (scratch.template take<extras>(1)) extras{};
         at->put(lane, c, a, b, share);
     }
@@ -21893,7 +21969,8 @@ private:
 template <class S, int W, int D, class Features>
     requires(!Features::rolling_resistance && !Features::surface_velocity)
 struct extras_of_block<S, W, D, Features> {
-    void put(int, const contact<S, D, Features>&, const solver_body<S, D>&, const solver_body<S, D>&, S, arena&) {}
+    template <class Body>
+    void put(int, const contact<S, D, Features>&, const Body&, const Body&, S, arena&) {}
     void take(int, contact<S, D, Features>&) const {}
 };
 
@@ -22189,39 +22266,37 @@ struct softness {
 
 /// The velocities with which bodies began a substep, before contacts gave them anything. What bodies have got since,
 /// they get again as the next one begins: a round over the bodies instead of one over the contacts.
-template <class S, int D>
+template <class S, int D, bool Turns>
 class substep_start {
+    using twist = twist_of<S, D, Turns>;
+
 public:
-    substep_start(solver_bodies<S, D> bodies, arena& scratch)
-        : bodies_(bodies), begun_(scratch.template take<twist<S, D>>(bodies.count)) {
-        for (std::uint32_t k = 0; k < bodies.count; ++k) new (begun_ + k) twist<S, D>(bodies[k].velocity);
+    substep_start(solver_bodies<S, D, Turns> bodies, arena& scratch)
+        : bodies_(bodies), begun_(scratch.template take<twist>(bodies.count)) {
+        for (std::uint32_t k = 0; k < bodies.count; ++k) new (begun_ + k) twist(bodies[k].velocity);
     }
-    twist<S, D>* velocities() { return begun_; }
+    twist* velocities() { return begun_; }
 
     /// Notes what bodies have got since for the velocities with which they began, and the other way round.
     void turn_over() {
-        for (std::uint32_t k = 0; k < bodies_.nobody(); ++k) {
-            const twist<S, D>& now = bodies_[k].velocity;
-            begun_[k] = {now.linear - begun_[k].linear, now.angular - begun_[k].angular};
-        }
+        for (std::uint32_t k = 0; k < bodies_.nobody(); ++k) begun_[k] = bodies_[k].velocity - begun_[k];
     }
     /// Begins a substep: gives what is noted, and notes the velocities before.
     void give() {
         for (std::uint32_t k = 0; k < bodies_.nobody(); ++k) {
-            twist<S, D>& now = bodies_[k].velocity;
-            const twist<S, D> before = now, got = begun_[k];
-            now = {before.linear + got.linear, before.angular + got.angular};
+            const twist before = bodies_[k].velocity;
+            bodies_[k].velocity = before + begun_[k];
             begun_[k] = before;
         }
     }
 
 private:
-    solver_bodies<S, D> bodies_;
-    twist<S, D>* begun_;
+    solver_bodies<S, D, Turns> bodies_;
+    twist* begun_;
 };
 
 /// How a round over the contacts goes.
-template <class S, int D>
+template <class S, int D, bool Turns = true>
 struct soft_round {
     /// 1 / s: gaps may close within a substep.
     S inverse_step;
@@ -22234,7 +22309,7 @@ struct soft_round {
     /// Whether overlaps are pushed apart at all.
     bool pushes;
     /// See substep_start.
-    twist<S, D>* begun;
+    twist_of<S, D, Turns>* begun;
 };
 
 /// What contacts are written with.
@@ -22444,13 +22519,13 @@ struct soft_point {
     S impulse[W], total[W];
 };
 /// The speeds with which the surfaces part at points after a bounce (m/s), 0 for none.
-template <class S, int D, int W>
+template <class S, int Points, int W>
 struct soft_bounces {
-    S speed[manifold<S, D>::capacity][W];
+    S speed[Points][W];
 };
 struct no_soft_bounces {};
-template <class S, int D, int W, class Features>
-using soft_bounces_of = std::conditional_t<Features::restitution, soft_bounces<S, D, W>, no_soft_bounces>;
+template <class S, int Points, int W, class Features>
+using soft_bounces_of = std::conditional_t<Features::restitution, soft_bounces<S, Points, W>, no_soft_bounces>;
 
 /// The middle of a contact's points, from where these are given.
 template <class S, int D, class Features>
@@ -22487,6 +22562,10 @@ template <class S, int D>
 void begin_without(twist<S, D>& begun, const solver_body<S, D>& b, vec<S, D> impulse, angular<S, D> moment) {
     for (int i = 0; i < D; ++i) begun.linear[i] += mul<S>(b.inverse_mass, impulse[i]);
     begun.angular += times(b.inverse_inertia, moment);
+}
+template <class S, int D>
+void begin_without(linear_twist<S, D>& begun, const solver_body<S, D, false>& b, vec<S, D> impulse) {
+    for (int i = 0; i < D; ++i) begun.linear[i] += mul<S>(b.inverse_mass, impulse[i]);
 }
 /// The change of a point's impulse that its speed along the normal asks for, in lanes that are left to visits (1, else
 /// 0).
@@ -22549,6 +22628,7 @@ struct soft_contact2 {
     using P = kernel_pack<S, W>;
     using Q = kernel_pack<I, W>;
     using body = solver_body<S, 2>;
+    using gathering = gathered_points<S, 2, W>;
 
     struct point : soft_point<S, 2, W> {
         /// The lever that an impulse along the normal has about the middle (m).
@@ -22577,11 +22657,11 @@ struct soft_contact2 {
     // What most rounds do not ask for comes last, and stays out of their caches.
     /// How the two speeds answer to an impulse along the normal at the middle and to an angular one: xx, xy, yy.
     I answers[3][W];
-    [[no_unique_address]] soft_bounces_of<S, 2, W, Features> bounce_to;
+    [[no_unique_address]] soft_bounces_of<S, capacity, W, Features> bounce_to;
 
     /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
     void put(int lane, const contact<S, 2, Features>& c, const body* bodies, const soft_start<S>& with,
-             gathered_points<S, 2, W>& gathered, arena& scratch) {
+             gathering& gathered, arena& scratch) {
         const body& first = bodies[c.body_a];
         const body& second = bodies[c.body_b];
         const vec<S, 2> middle = middle_of(c), to_a = c.arm_a + middle, to_b = c.arm_b + middle;
@@ -22616,7 +22696,7 @@ struct soft_contact2 {
         extras.put(lane, c, first, second, with.share, scratch);
     }
     /// Works out, once all lanes have been written, what the rounds need.
-    PHYSICS_HPP_ALWAYS_INLINE void prepare(const body*, const gathered_points<S, 2, W>& gathered) {
+    PHYSICS_HPP_ALWAYS_INLINE void prepare(const body*, const gathering& gathered) {
         using K = preparing<S, W>;
         using C = typename K::scalar;
         const K n_x = lanes_from<K>(normal[0]), n_y = lanes_from<K>(normal[1]);
@@ -22879,6 +22959,7 @@ struct soft_contact3 {
     using P = kernel_pack<S, W>;
     using Q = kernel_pack<I, W>;
     using body = solver_body<S, 3>;
+    using gathering = gathered_points<S, 3, W>;
 
     struct point : soft_point<S, 3, W> {
         /// Along both tangents, from the middle (m).
@@ -22908,11 +22989,11 @@ struct soft_contact3 {
     // What most rounds do not ask for comes last, and stays out of their caches.
     /// How the three speeds answer to an impulse at the middle and to angular ones: xx, yy, zz, xy, xz, yz.
     I answers[6][W];
-    [[no_unique_address]] soft_bounces_of<S, 3, W, Features> bounce_to;
+    [[no_unique_address]] soft_bounces_of<S, capacity, W, Features> bounce_to;
 
     /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
     void put(int lane, const contact<S, 3, Features>& c, const body* bodies, const soft_start<S>& with,
-             gathered_points<S, 3, W>& gathered, arena& scratch) {
+             gathering& gathered, arena& scratch) {
         const body& first = bodies[c.body_a];
         const body& second = bodies[c.body_b];
         const vec<S, 3> middle = middle_of(c), to_a = c.arm_a + middle, to_b = c.arm_b + middle;
@@ -22940,7 +23021,7 @@ struct soft_contact3 {
         extras.put(lane, c, first, second, with.share, scratch);
     }
     /// Works out, once all lanes have been written, what the rounds need.
-    PHYSICS_HPP_ALWAYS_INLINE void prepare(const body* bodies, const gathered_points<S, 3, W>& gathered) {
+    PHYSICS_HPP_ALWAYS_INLINE void prepare(const body* bodies, const gathering& gathered) {
         load_answers(bodies, a, mass_a, inertia_a);
         load_answers(bodies, b, mass_b, inertia_b);
         using K = preparing<S, W>;
@@ -23255,6 +23336,347 @@ private:
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/dynamics/soft_linear_contact.hpp
+// =================================================================================================
+// Contacts of the soft solver between bodies that do not turn, in lanes.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Vectors in lanes.
+template <class P, int D>
+struct vector_lanes {
+    P at[D];
+
+    PHYSICS_HPP_ALWAYS_INLINE static vector_lanes load(const typename P::scalar (&from)[D][P::width]) {
+        vector_lanes v;
+        for (int i = 0; i < D; ++i) v.at[i] = P::load(from[i]);
+        return v;
+    }
+};
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE P lane_dot(const vector_lanes<P, 2>& a, const vector_lanes<P, 2>& b) {
+    return lane_sum(a.at[0], b.at[0], a.at[1], b.at[1]);
+}
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE P lane_dot(const vector_lanes<P, 3>& a, const vector_lanes<P, 3>& b) {
+    return lane_dot(lanes3<P>{a.at[0], a.at[1], a.at[2]}, lanes3<P>{b.at[0], b.at[1], b.at[2]});
+}
+
+/// Velocities and ways of W bodies.
+template <class P, int D>
+struct linear_lanes {
+    using S = typename P::scalar;
+    using body = solver_body<S, D, false>;
+    static constexpr int stride = sizeof(body) / sizeof(S);
+
+    vector_lanes<P, D> velocity, way;
+
+    PHYSICS_HPP_ALWAYS_INLINE void load(const body* bodies, const std::uint32_t* index) {
+        const auto* first = reinterpret_cast<const S*>(bodies);
+        const quad<P> p = load4<P>(indexed_rows<const S, stride>{first, index});
+        if constexpr (D == 2) {
+            velocity = {{p.x, p.y}};
+            way = {{p.z, p.w}};
+        } else {
+            const quad<P> q = load4<P>(indexed_rows<const S, stride>{first + 4, index});
+            velocity = {{p.x, p.y, p.z}};
+            way = {{p.w, q.x, q.y}};
+        }
+    }
+    PHYSICS_HPP_ALWAYS_INLINE void store(body* bodies, const std::uint32_t* index) const {
+        const indexed_rows<S, stride> to{reinterpret_cast<S*>(bodies), index};
+        const auto& v = velocity.at;
+        if constexpr (D == 2) store4(to, quad<P>{v[0], v[1], way.at[0], way.at[1]});
+        else store4(to, quad<P>{v[0], v[1], v[2], way.at[0]});
+    }
+};
+
+/// Friction where nothing turns: the same mass answers in every direction.
+template <class S, int D, int W>
+struct soft_linear_friction {
+    using P = kernel_pack<S, W>;
+
+    S coefficient[W];
+    /// Along the tangents; of this substep, and of the whole step.
+    S impulse[D - 1][W], total[D - 1][W];
+
+    template <class Features>
+    void put(int lane, const contact<S, D, Features>& c, S share) {
+        const tangential<S, D> before = friction_of(c);
+        coefficient[lane] = c.friction;
+        if constexpr (D == 2) impulse[0][lane] = before * share;
+        else for (int i = 0; i < 2; ++i) impulse[i][lane] = before[i] * share;
+    }
+    /// Hands a share of the step's impulses back.
+    [[nodiscard]] tangential<S, D> part(int lane, S share) const {
+        if constexpr (D == 2) return total[0][lane] * share;
+        else return {total[0][lane] * share, total[1][lane] * share};
+    }
+    /// More than 0 where it holds anything.
+    PHYSICS_HPP_ALWAYS_INLINE P held(int) const {
+        P most = lane_abs(P::load(impulse[0]));
+        for (int i = 1; i < D - 1; ++i) most = max(most, lane_abs(P::load(impulse[i])));
+        return most;
+    }
+    /// Turns slips into the changes of the impulses that stop them, under a load, or let them slide.
+    PHYSICS_HPP_ALWAYS_INLINE void answer(P (&slip)[D - 1], const P& mass, const P& load) {
+        const P most = P::load(coefficient) * load;
+        P before[D - 1], after[D - 1];
+        for (int i = 0; i < D - 1; ++i) {
+            before[i] = P::load(impulse[i]);
+            after[i] = before[i] - mass * slip[i];
+        }
+        if constexpr (D == 2) {
+            after[0] = max(min(after[0], most), -most);
+        } else if (lane_is_longer(after[0], after[1], most).bits() != 0) {
+            const P one = P::broadcast(S(1)), length = lane_length(after[0], after[1]);
+            const P share = select_greater(length, most, most / select_greater(length, most, length, one), one);
+            for (P& along : after) along = along * share;
+        }
+        for (int i = 0; i < D - 1; ++i) {
+            after[i].store(impulse[i]);
+            (P::load(total[i]) + after[i]).store(total[i]);
+            slip[i] = after[i] - before[i];
+        }
+    }
+};
+
+/// The first tangent where it cannot be told from the normal in no time.
+template <class S, int W>
+struct kept_tangent {
+    S kept[3][W];
+};
+
+/// W contacts that push different bodies, none of which turns. All points of a contact move alike: the nearest one
+/// stands for all of them, and they share out evenly what it bears.
+template <class S, int D, int W, class Features>
+struct soft_linear_contact {
+    using I = inverse_of<S>;
+    using P = kernel_pack<S, W>;
+    using Q = kernel_pack<I, W>;
+    using body = solver_body<S, D, false>;
+    using round = soft_round<S, D, false>;
+    struct gathering {};
+
+    struct point {
+        S mass[W], separation[W];
+        /// Of this substep, after its last round what the next one begins with; and of the whole step.
+        S impulse[W], total[W];
+    };
+    static constexpr int point_count = 1;
+
+    std::uint32_t a[W], b[W];
+    S normal[D][W];
+    [[no_unique_address]] std::conditional_t<Features::friction && D == 3, kept_tangent<S, W>, nothing<2>> tangent;
+    I mass_a[W], mass_b[W];
+    point points[point_count];
+    [[no_unique_address]] std::conditional_t<Features::friction, soft_linear_friction<S, D, W>, no_soft_friction>
+        friction;
+    /// What the points bore together as the substep began.
+    S held[W];
+    /// Whether any point bounces.
+    bool bounces = false;
+    /// Whether the contacts push their bodies, which is the same for all lanes.
+    bool moves_a = false, moves_b = false;
+    [[no_unique_address]] extras_of_block<S, W, D, Features> extras;
+    [[no_unique_address]] soft_bounces_of<S, 1, W, Features> bounce_to;
+
+    /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
+    void put(int lane, const contact<S, D, Features>& c, const body* bodies, const soft_start<S>& with, gathering&,
+             arena& scratch) {
+        const body& first = bodies[c.body_a];
+        const body& second = bodies[c.body_b];
+        a[lane] = c.body_a;
+        b[lane] = c.body_b;
+        mass_a[lane] = first.inverse_mass;
+        mass_b[lane] = second.inverse_mass;
+        for (int i = 0; i < D; ++i) normal[i][lane] = c.normal[i];
+        int nearest = 0;
+        S load = S(0);
+        for (int k = 0; k < c.count; ++k) {
+            if (c.points[k].separation < c.points[nearest].separation) nearest = k;
+            if (c.persisted(k)) load += c.points[k].load;
+        }
+        points[0].separation[lane] = c.points[nearest].separation;
+        points[0].impulse[lane] = load;
+        if constexpr (Features::restitution)
+            bounces |= S(0) < (bounce_to.speed[0][lane] =
+                                   bounce_of(c, nearest, first, second, with.bounce_slop, with.step));
+        if constexpr (Features::friction) friction.put(lane, c, with.share);
+        extras.put(lane, c, first, second, with.share, scratch);
+    }
+    /// Works out, once all lanes have been written, what the rounds need.
+    PHYSICS_HPP_ALWAYS_INLINE void prepare(const body*, const gathering&) {
+        using K = preparing<S, W>;
+        put_lanes(lane_reciprocal(lanes_from<K>(mass_a) + lanes_from<K>(mass_b)), points[0].mass);
+        if constexpr (Features::friction && D == 3) {
+            const lanes3<K> t = lane_tangent(lanes3_from<K>(normal));
+            put_lanes(t.x, tangent.kept[0]);
+            put_lanes(t.y, tangent.kept[1]);
+            put_lanes(t.z, tangent.kept[2]);
+        }
+    }
+    /// Hands the impulses back.
+    void take(int lane, contact<S, D, Features>& c) const {
+        const S share = S(1) / S(int{c.count});
+        for (int k = 0; k < c.count; ++k) {
+            auto& to = c.points[k];
+            to.normal_impulse = points[0].total[lane] * share;
+            to.load = points[0].impulse[lane] * share;
+            if constexpr (Features::friction) to.friction_impulse = friction.part(lane, share);
+        }
+    }
+
+    /// Gives the bodies the impulses of the last substep at once.
+    PHYSICS_HPP_ALWAYS_INLINE void warm_start(body* bodies) {
+        P::load(points[0].impulse).store(held);
+        if (bears_nothing<P>(*this)) return;
+        linear_lanes<P, D> at_a, at_b;
+        at_a.load(bodies, a);
+        at_b.load(bodies, b);
+        const P load = P::load(points[0].impulse);
+        if constexpr (Features::friction) {
+            P rubs[D - 1];
+            for (int i = 0; i < D - 1; ++i) rubs[i] = P::load(friction.impulse[i]);
+            push(load, rubs, at_a, at_b);
+        } else {
+            push(load, at_a, at_b);
+        }
+        store(bodies, at_a, at_b);
+    }
+    /// One round over the contacts, then friction by their load; while overlaps are pushed apart it rests.
+    PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const round& how) {
+        linear_lanes<P, D> at_a, at_b;
+        at_a.load(bodies, a);
+        at_b.load(bodies, b);
+        const vector n = normals();
+        const P speed = lane_dot(n, slip_of(at_a, at_b)), way = lane_dot(n, difference(at_b.way, at_a.way));
+        const P one = P::broadcast(S(1));
+        const auto way_at = [&](int) PHYSICS_HPP_INLINE_LAMBDA { return way; };
+        const auto speed_at = [&](int) PHYSICS_HPP_INLINE_LAMBDA { return speed; };
+        if (bears_nothing<P>(*this) && are_idle(points, 1, how, one, way_at, speed_at)) {
+            if (!how.pushes) P::broadcast(S(0)).store(held);
+            return;
+        }
+        push(next_impulse(points[0], speed, way, how, one), at_a, at_b);
+        if (!how.pushes) {
+            P load;
+            take_loads(points, 1, &load);
+            if constexpr (Features::friction) rub(load, at_a, at_b);
+            if (greater(-speed, P::broadcast(how.impact_speed)).bits() != 0) forget_blows(bodies, how, speed);
+            P::load(points[0].impulse).store(held);
+        }
+        store(bodies, at_a, at_b);
+    }
+    PHYSICS_HPP_ALWAYS_INLINE void bounce(body* bodies) requires Features::restitution {
+        linear_lanes<P, D> at_a, at_b;
+        at_a.load(bodies, a);
+        at_b.load(bodies, b);
+        const P speed = lane_dot(normals(), slip_of(at_a, at_b));
+        push(bounce_impulse(points[0], P::load(bounce_to.speed[0]), speed), at_a, at_b);
+        store(bodies, at_a, at_b);
+    }
+
+private:
+    using vector = vector_lanes<P, D>;
+
+    PHYSICS_HPP_ALWAYS_INLINE vector normals() const { return vector::load(normal); }
+    /// Tangent number i.
+    PHYSICS_HPP_ALWAYS_INLINE vector along(int i) const requires Features::friction {
+        if constexpr (D == 2) {
+            return {{P::load(normal[1]), -P::load(normal[0])}};
+        } else {
+            const lanes3<P> t = lanes3<P>::load(tangent.kept);
+            const lanes3<P> of = i == 0 ? t : lane_cross(lanes3<P>::load(normal), t);
+            return {{of.x, of.y, of.z}};
+        }
+    }
+    PHYSICS_HPP_ALWAYS_INLINE static vector difference(const vector& v, const vector& w) {
+        vector d;
+        for (int i = 0; i < D; ++i) d.at[i] = v.at[i] - w.at[i];
+        return d;
+    }
+    /// How B moves against A.
+    PHYSICS_HPP_ALWAYS_INLINE static vector slip_of(const linear_lanes<P, D>& at_a, const linear_lanes<P, D>& at_b) {
+        return difference(at_b.velocity, at_a.velocity);
+    }
+    /// Stops the slip, or lets it slide.
+    PHYSICS_HPP_ALWAYS_INLINE void rub(const P& load, linear_lanes<P, D>& at_a, linear_lanes<P, D>& at_b) {
+        const vector slip = slip_of(at_a, at_b);
+        P by[D - 1];
+        for (int i = 0; i < D - 1; ++i) by[i] = lane_dot(along(i), slip);
+        if constexpr (Features::surface_velocity) {
+            if (extras.at != nullptr) {
+                if constexpr (D == 2) {
+                    by[0] = by[0] - P::load(extras.at->along);
+                } else {
+                    by[0] = by[0] - P::load(extras.at->belt::x);
+                    by[1] = by[1] - P::load(extras.at->belt::y);
+                }
+            }
+        }
+        friction.answer(by, P::load(points[0].mass), load);
+        push(P::broadcast(S(0)), by, at_a, at_b);
+    }
+    /// Takes back, where surfaces met with a blow, of what the next substep begins with all but what was held before.
+    PHYSICS_HPP_NOINLINE void forget_blows(const body* bodies, const round& how, const P& speed) {
+        for (int lane = 0; lane < W; ++lane) {
+            const S load = points[0].impulse[lane];
+            if (!(-speed.lane(lane) > how.impact_speed) || !(load > held[lane])) continue;
+            const S share = held[lane] / load;
+            vec<S, D> n, lost;
+            for (int i = 0; i < D; ++i) n[i] = normal[i][lane];
+            lost = n * take_from(points[0].impulse[lane], share);
+            if constexpr (Features::friction)
+                for (int k = 0; k < D - 1; ++k) {
+                    const S rubbed = take_from(friction.impulse[k][lane], share);
+                    const vector t = along(k);
+                    for (int i = 0; i < D; ++i) lost[i] += t.at[i].lane(lane) * rubbed;
+                }
+            if (moves_a) begin_without(how.begun[a[lane]], bodies[a[lane]], -lost);
+            if (moves_b) begin_without(how.begun[b[lane]], bodies[b[lane]], lost);
+        }
+    }
+    /// Impulses along the normal and along the tangents, from A on B.
+    PHYSICS_HPP_ALWAYS_INLINE void push(const P& load, linear_lanes<P, D>& at_a, linear_lanes<P, D>& at_b) const {
+        vector impulse = normals();
+        for (P& part : impulse.at) part = part * load;
+        give(impulse, at_a, at_b);
+    }
+    PHYSICS_HPP_ALWAYS_INLINE void push(const P& load, const P (&rubs)[D - 1], linear_lanes<P, D>& at_a,
+                                        linear_lanes<P, D>& at_b) const requires Features::friction {
+        const vector n = normals();
+        vector impulse, tangents[D - 1];
+        for (int k = 0; k < D - 1; ++k) tangents[k] = along(k);
+        for (int i = 0; i < D; ++i) {
+            auto sum = product(n.at[i], load);
+            for (int k = 0; k < D - 1; ++k) sum = sum + product(tangents[k].at[i], rubs[k]);
+            impulse.at[i] = narrow<S>(sum);
+        }
+        give(impulse, at_a, at_b);
+    }
+    PHYSICS_HPP_ALWAYS_INLINE void give(const vector& impulse, linear_lanes<P, D>& at_a,
+                                        linear_lanes<P, D>& at_b) const {
+        const Q m_a = Q::load(mass_a), m_b = Q::load(mass_b);
+        for (int i = 0; i < D; ++i) {
+            at_a.velocity.at[i] = at_a.velocity.at[i] - mul<S>(m_a, impulse.at[i]);
+            at_b.velocity.at[i] = at_b.velocity.at[i] + mul<S>(m_b, impulse.at[i]);
+        }
+    }
+    PHYSICS_HPP_ALWAYS_INLINE void store(body* bodies, const linear_lanes<P, D>& at_a,
+                                         const linear_lanes<P, D>& at_b) const {
+        if (moves_a) at_a.store(bodies, a);
+        if (moves_b) at_b.store(bodies, b);
+    }
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/dynamics/soft_kernels.hpp
 // =================================================================================================
 // The kernels of the soft solver: what it does with a block of contacts.
@@ -23369,12 +23791,14 @@ struct soft_step_with {
     public:
         using S = typename Space::scalar;
         static constexpr int D = Space::dimension;
+        static constexpr bool turns = Features::rotation;
         using settings = soft_step_settings<S>;
+        using bodies_type = solver_bodies<S, D, turns>;
 
         /// Advances velocities and poses by h: `motion` offers advance_velocities(h) and advance_poses(h), which adds
         /// to their ways. With several hands, contacts of a colour are shared out.
         template <class Motion>
-        static void solve(solver_bodies<S, D> all, contact_list<S, D, Features> contacts, const settings& with, S h,
+        static void solve(bodies_type all, contact_list<S, D, Features> contacts, const settings& with, S h,
                           arena& scratch, Motion&& motion, detail::crew& hands) {
 #if PHYSICS_HPP_AVX2_KERNELS
             if constexpr (Width > 1 && Width == detail::native_width<S>)
@@ -23383,17 +23807,17 @@ struct soft_step_with {
                     return wide::solve(all, contacts, with, h, scratch, motion, hands);
                 }
 #endif
-            solver_body<S, D>* const bodies = all.first;
+            solver_body<S, D, turns>* const bodies = all.first;
             const blocks_in_colours blocks = pack(contacts, all, {h, S(1) / S(with.substeps), with.restitution_slop},
                                                   scratch);
             const S part = h / S(with.substeps);
             const S frequency = with.stiffness / part;
             const bool capped = with.frequency_cap > S(0) && with.frequency_cap < frequency;
-            detail::substep_start<S, D> start(all, scratch);
-            const detail::soft_round<S, D> press{
+            detail::substep_start<S, D, turns> start(all, scratch);
+            const detail::soft_round<S, D, turns> press{
                 S(1) / part, detail::softness<S>::of(capped ? with.frequency_cap : frequency, with.damping_ratio, part),
                 with.max_push_speed, with.impact_speed, true, start.velocities()};
-            detail::soft_round<S, D> relax = press;
+            detail::soft_round<S, D, turns> relax = press;
             relax.pushes = false;
             for (int i = 0; i < with.substeps; ++i) {
                 start.turn_over();
@@ -23402,7 +23826,7 @@ struct soft_step_with {
                 if (i == 0) blocks.each(hands, [bodies](block& b) { kernels::warm_start(b, bodies); });
                 blocks.each(hands, [bodies, &press](block& b) { kernels::solve(b, bodies, press); });
                 // What bodies change their spin by as they turn no contact gave them.
-                constexpr bool spins_change = !std::is_const_v<turning_velocity<S, D>>;
+                constexpr bool spins_change = !std::is_const_v<turning_velocity<S, D, turns>>;
                 if constexpr (spins_change) start.turn_over();
                 motion.advance_poses(part);
                 if constexpr (spins_change) start.turn_over();
@@ -23417,7 +23841,7 @@ struct soft_step_with {
             });
         }
         template <class Motion>
-        static void solve(solver_bodies<S, D> all, contact_list<S, D, Features> contacts, const settings& with, S h,
+        static void solve(bodies_type all, contact_list<S, D, Features> contacts, const settings& with, S h,
                           arena& scratch, Motion&& motion) {
             detail::crew nobody_else;
             solve(all, contacts, with, h, scratch, motion, nobody_else);
@@ -23426,8 +23850,10 @@ struct soft_step_with {
     private:
         static constexpr int width = Width;
         static constexpr std::uint32_t none = 0xffffffffu;
-        using block = std::conditional_t<D == 2, detail::soft_contact2<S, width, Features>,
-                                         detail::soft_contact3<S, width, Features, Friction>>;
+        using turning_block = std::conditional_t<D == 2, detail::soft_contact2<S, width, Features>,
+                                                 detail::soft_contact3<S, width, Features, Friction>>;
+        using block =
+            std::conditional_t<turns, turning_block, detail::soft_linear_contact<S, D, width, Features>>;
         using kernels = Kernels<block>;
 
         /// So many blocks are worth handing to somebody else.
@@ -23466,7 +23892,7 @@ struct soft_step_with {
                         first[k].take(lane, contacts[n]);
             }
         };
-        static blocks_in_colours pack(const contact_list<S, D, Features>& contacts, solver_bodies<S, D> bodies,
+        static blocks_in_colours pack(const contact_list<S, D, Features>& contacts, bodies_type bodies,
                                       const detail::soft_start<S>& with, arena& scratch) {
             const detail::contact_colours colours = detail::colour(contacts, bodies, scratch);
             blocks_in_colours result;
@@ -23496,10 +23922,10 @@ struct soft_step_with {
             return result;
         }
         static void fill(block& place, std::uint32_t* numbers, const std::uint32_t* order, std::uint32_t used,
-                         const contact_list<S, D, Features>& contacts, solver_bodies<S, D> bodies,
+                         const contact_list<S, D, Features>& contacts, bodies_type bodies,
                          const detail::soft_start<S>& with, arena& scratch) {
             block& to = *new (&place) block{};
-            detail::gathered_points<S, D, width> gathered;
+            typename block::gathering gathered;
             for (int lane = 0; lane < width; ++lane) {
                 const bool has = static_cast<std::uint32_t>(lane) < used;
                 numbers[lane] = has ? order[lane] : none;
@@ -23753,6 +24179,8 @@ struct plan<S, D, shapes<Shapes...>, Policies...> {
     static constexpr int dimension = D;
     using space = physics::space<S, D>;
     using features = typename policy_for<stage::features, without<>, Policies...>::type;
+    static constexpr bool turns = features::rotation;
+    using body = physics::body<S, D, turns>;
     using contact = physics::contact<S, D, features>;
     using shape = any_shape<S, D, Shapes...>;
     using query = narrowphase_query<S, D, Shapes...>;
@@ -23879,8 +24307,9 @@ constexpr bool narrowphase_serves(const shapes<Shapes...>*) {
 
 /// What an integrator must offer: advance_velocity(velocity, moving body, h), advance_pose(moving body, velocity,
 /// way, h), in the plane with a velocity that is const.
-template <class Policy, class S, int D>
-concept integrator_policy = requires(moving_body<S, D> b, twist<S, D> v, turning_velocity<S, D> turning) {
+template <class Policy, class S, int D, bool Turns>
+concept integrator_policy = requires(moving_body<S, D, Turns> b, twist_of<S, D, Turns> v,
+                                     turning_velocity<S, D, Turns> turning) {
     Policy::template in<space<S, D>>::advance_velocity(v, b, S(1));
     Policy::template in<space<S, D>>::advance_pose(b, turning, v, S(1));
 };
@@ -23894,8 +24323,8 @@ struct any_motion {
 /// What a solver must offer: settings with a function check(settings, function) like that of shapes, and
 /// solve(bodies, contacts, settings, h, scratch, motion).
 template <class Policy, class S, int D, class Features>
-concept solver_policy = requires(solver_bodies<S, D> bodies, contact_list<S, D, Features> contacts, arena scratch,
-                                 any_motion<S> motion,
+concept solver_policy = requires(solver_bodies<S, D, Features::rotation> bodies,
+                                 contact_list<S, D, Features> contacts, arena scratch, any_motion<S> motion,
                                  const typename Policy::template in<space<S, D>, Features>::settings settings) {
     { check(settings, "function") } -> std::same_as<bool>;
     Policy::template in<space<S, D>, Features>::solve(bodies, contacts, settings, S(1), scratch, motion);
@@ -23934,7 +24363,8 @@ constexpr recipe_problem problem_of_policies(const policy_list<Policies...>*) {
                                        space<S, D>>)
             return recipe_problem::bad_mixing;
         else if constexpr (!integrator_policy<
-                               typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type, S, D>)
+                               typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type, S, D,
+                               features::rotation>)
             return recipe_problem::bad_integrator;
         else if constexpr (!solver_policy<typename policy_for<stage::solver, soft_step, Policies...>::type, S,
                                           D, features>)
@@ -24009,7 +24439,8 @@ struct audit {
                   "physics::recipe: the mixing rule does not model physics::mixing_for; its in<Space> needs friction, "
                   "restitution and rolling_resistance of two materials");
     static_assert(problem != recipe_problem::bad_integrator,
-                  "physics::recipe: the integrator's in<Space> needs advance_velocity and advance_pose");
+                  "physics::recipe: the integrator's in<Space> needs advance_velocity and advance_pose; without "
+                  "rotation for physics::linear_twist and physics::moving_body<S, D, false>");
     static_assert(problem != recipe_problem::bad_solver,
                   "physics::recipe: the solver's in<Space, Features> needs a struct settings with a function check, "
                   "and a function solve");
@@ -24235,7 +24666,7 @@ struct state {
     static constexpr int D = Plan::dimension;
 
     typename Plan::settings settings;
-    pool<body<S, D>> bodies;
+    pool<typename Plan::body> bodies;
     shape_pool<Plan> shapes;
     typename Plan::broadphase broadphase;
     /// Contacts of the last step that push somebody who is awake, in ascending order of their pairs.
@@ -24533,7 +24964,7 @@ void set_mass_properties(state<Plan>& s, std::uint32_t index,
     auto& b = s.bodies[index];
     if (!(mass.center == b.mass.center)) {
         const vec<S, Plan::dimension> center = b.pose() * mass.center, shift = mass.center - b.mass.center;
-        b.velocity.linear += cross(b.velocity.angular, center - b.center);
+        b.velocity.linear = velocity_at(b.velocity, center - b.center);
         b.center = center;
         const vec<S, Plan::dimension> turned_shift = s.contact_starts[index].rotation * shift;
         for (auto& c : s.contacts) {
@@ -24544,13 +24975,14 @@ void set_mass_properties(state<Plan>& s, std::uint32_t index,
     b.mass = mass;
     each_shape(s, index, [&](std::uint32_t, auto& shape) { locate(shape, b.pose(), b.center); });
     refresh_extent(s, index);
-    b.inverse_mass = {};
-    b.inverse_inertia = {};
-    b.is_gyroscopic = b.is_dynamic() && !b.rotation_locked && !is_isotropic(mass.inertia);
-    if (!b.is_dynamic()) return;
-    b.inverse_mass = reciprocal<inverse_of<S>>(mass.mass);
-    if (!b.rotation_locked) b.inverse_inertia = inverted_inertia(mass.inertia);
-    if (b.is_gyroscopic) b.spin = free_spin<S, Plan::dimension>(mass.inertia);
+    b.inverse_mass = b.is_dynamic() ? reciprocal<inverse_of<S>>(mass.mass) : inverse_of<S>(0);
+    if constexpr (Plan::turns) {
+        const bool turns = b.is_dynamic() && !b.rotation_locked;
+        b.inverse_inertia = {};
+        if (turns) b.inverse_inertia = inverted_inertia(mass.inertia);
+        b.is_gyroscopic = turns && !is_isotropic(mass.inertia);
+        if (b.is_gyroscopic) b.spin = free_spin<S, Plan::dimension>(mass.inertia);
+    }
 }
 /// Mass from shapes, unless the user has set it. A dynamic body without any mass is a point of 1 kg at its
 /// origin; static and kinematic bodies take no mass from shapes.
@@ -24667,6 +25099,12 @@ bool check_body(const body_def<S, D>& def) {
            check_not_negative(f, "angular_damping", def.angular_damping) &&
            check_finite(f, "gravity_scale", def.gravity_scale);
 }
+/// A recipe without rotation takes none.
+template <class Plan, class Angular, class S>
+bool check_turn(const char* function, Angular velocity, S damping) {
+    return Plan::turns || (check_left_out(function, "angular_velocity", velocity) &&
+                           check_left_out(function, "angular_damping", damping));
+}
 /// A recipe that looks after no body takes no flag.
 template <class Plan>
 bool check_continuous(const char* function, bool continuous) {
@@ -24745,9 +25183,9 @@ bool check_inertia(const char* function, const symmetric<double>& i) {
     return definite || refuse(function, "inertia.xx", i.xx, "the tensor that it begins must be positive definite");
 }
 /// Whether a dynamic body can have these mass properties, given in double, where it is now.
-template <class S, int D>
-bool check_mass(const char* function, const body<S, D>& b, const mass_properties<double, D>& m,
-                bool without_inertia = false) {
+template <class S, int D, bool Turns>
+bool check_mass(const char* function, const body<S, D, Turns>& b, const mass_properties<double, D>& m,
+                bool without_inertia = !Turns) {
     if (!check_mass_value<S>(function, "mass", m.mass, 1 / m.mass)) return false;
     if (!without_inertia && !check_inertia<S>(function, m.inertia)) return false;
     const vec<S, D> center = converted<S>(m.center), moved = b.pose() * center;
@@ -25001,7 +25439,7 @@ class body_sweeps {
     using mover = swept_mover;
 
 public:
-    body_sweeps(state<Plan>& s, moved_bodies<S, D> moved, S h) : s_(s), moved_(moved), h_(h) {}
+    body_sweeps(state<Plan>& s, moved_bodies<S, D, Plan::turns> moved, S h) : s_(s), moved_(moved), h_(h) {}
 
     PHYSICS_HPP_NOINLINE void run() {
         auto& report = s_.continuous.report;
@@ -25022,7 +25460,7 @@ private:
     bool find_movers() {
         movers().clear();
         for (std::uint32_t k = 0; k < s_.movers.size(); ++k) {
-            const body<S, D>& b = s_.bodies[s_.movers[k]];
+            const auto& b = s_.bodies[s_.movers[k]];
             if (!b.is_dynamic()) continue;
             const auto against = policy::aim(stride_of(k, b));
             if (against == swept_against::nothing) continue;
@@ -25031,10 +25469,10 @@ private:
         }
         return !movers().empty();
     }
-    stride<S, D> stride_of(std::uint32_t k, const body<S, D>& b) const {
+    stride<S, D> stride_of(std::uint32_t k, const typename Plan::body& b) const {
         const std::uint32_t i = s_.movers[k];
         const auto& extent = s_.continuous.extents[i];
-        const auto &w = moved_.velocity(k).angular, &before = b.velocity.angular;
+        const angular<S, D> w = value_of(moved_.velocity(k).angular), before = value_of(b.velocity.angular);
         const bool slower = length_of(w) < length_of(before);
         return {moved_[k].center - b.center, (slower ? before : w) * h_, extent.reach, extent.thickness,
                 s_.continuous.depths[i],     b.continuous};
@@ -25044,12 +25482,12 @@ private:
 
     /// The shape's frame is the body's.
     PHYSICS_HPP_COLD motion motion_of(std::uint32_t i) const {
-        const body<S, D>& b = s_.bodies[i];
+        const auto& b = s_.bodies[i];
         const std::uint32_t k = s_.mover_of[i];
         const transform<S, D> start{b.center, b.rotation};
         if (!(k < s_.movers.size())) return {start.position, start.position, start.rotation, {}, {}};
-        motion m = sweep_between<S, D>(start, {moved_[k].center, moved_[k].rotation});
-        m.turn = with_whole_turns(m.turn, moved_.velocity(k).angular * h_);
+        motion m = sweep_between<S, D>(start, {moved_[k].center, rotation_after(moved_[k], b)});
+        if constexpr (Plan::turns) m.turn = with_whole_turns(m.turn, moved_.velocity(k).angular * h_);
         return m;
     }
     /// All places of a body on its way.
@@ -25245,7 +25683,7 @@ private:
             transform<S, D> at = way.at(rounded_down<S>(time));
             if (!is_cut && s_.bodies[m.other].type == body_type::kinematic_body) at = carried(m, at);
             moved_[m.number].center = at.position;
-            moved_[m.number].rotation = at.rotation;
+            if constexpr (Plan::turns) moved_[m.number].rotation = at.rotation;
             const S lost = static_cast<S>(1 - time) * h_;
             // What gravity has given for the lost time would make a bounce higher than the fall.
             vec<S, D>& v = moved_.velocity(m.number).linear;
@@ -25261,8 +25699,9 @@ private:
     PHYSICS_HPP_COLD transform<S, D> carried(mover& m, const transform<S, D>& at) {
         const motion other = motion_of(m.other);
         const transform<S, D> there = other.at(rounded_down<S>(m.time));
-        const moving_body<S, D>& moved = moved_[s_.mover_of[m.other]];
-        const transform<S, D> end = transform<S, D>{moved.center, moved.rotation} * relative(there, at);
+        const auto& moved = moved_[s_.mover_of[m.other]];
+        const transform<S, D> then{moved.center, rotation_after(moved, s_.bodies[m.other])};
+        const transform<S, D> end = then * relative(there, at);
         const motion way = sweep_between<S, D>(at, {end.position, normalized(end.rotation)});
         mover again{m.body, m.number};
         sweep_body(again, way, false);
@@ -25271,7 +25710,7 @@ private:
     }
 
     state<Plan>& s_;
-    moved_bodies<S, D> moved_;
+    moved_bodies<S, D, Plan::turns> moved_;
     S h_;
     bool any_flagged_ = false;
 };
@@ -25311,7 +25750,7 @@ void note_depth(state<Plan>& s, const Contact& c) {
 
 /// Stops bodies that would have passed into something; see the recipe's policy.
 template <class Plan>
-void sweep_fast_bodies(state<Plan>& s, moved_bodies<typename Plan::scalar, Plan::dimension> moved,
+void sweep_fast_bodies(state<Plan>& s, moved_bodies<typename Plan::scalar, Plan::dimension, Plan::turns> moved,
                        typename Plan::scalar h) {
     if constexpr (Plan::sweeps) body_sweeps<Plan>(s, moved, h).run();
 }
@@ -25559,7 +25998,7 @@ private:
             const auto& b = s_.bodies[i];
             S& still = s_.sleep.still[i];
             const bool moves = length_squared(b.velocity.linear) > fast ||
-                               spin_squared(b.velocity.angular) > twirling ||
+                               spin_squared(value_of(b.velocity.angular)) > twirling ||
                                length_squared(b.center - s_.sleep.since[i]) > far;
             if (moves || !b.can_sleep) {
                 still = S(0);
@@ -25586,14 +26025,14 @@ private:
     }
     void judge(std::uint32_t k, island& of) {
         const std::uint32_t i = s_.movers[k];
-        const auto& [linear, angular] = s_.bodies[i].velocity;
         of.is_still = of.is_still && s_.bodies[i].can_sleep && !(s_.sleep.still[i] < s_.settings.sleeping.time);
-        of.is_stopped = of.is_stopped && linear == vec<S, D>{} && angular == physics::angular<S, D>{};
+        of.is_stopped = of.is_stopped && s_.bodies[i].velocity == twist_of<S, D, Plan::turns>{};
     }
     /// One of the two is not dynamic: it carries the island if it stands still, and keeps it awake if it moves.
     void support(std::uint32_t a, std::uint32_t b, island& of) {
         const std::uint32_t other = is_dynamic(a) ? b : a;
-        if (other < count_ && !(s_.bodies[s_.movers[other]].velocity == twist<S, D>{})) of.is_still = false;
+        const twist_of<S, D, Plan::turns> still{};
+        if (other < count_ && !(s_.bodies[s_.movers[other]].velocity == still)) of.is_still = false;
         else of.rests = true;
     }
     void fall_asleep(std::uint32_t i, island& of) {
@@ -25655,16 +26094,21 @@ void drop_contacts(state<Plan>& s, Gone&& gone) {
 
 template <class Plan>
 body_id create_body(state<Plan>& s, const body_def<typename Plan::scalar, Plan::dimension>& def) {
-    if (!check_body(def) || !check_continuous<Plan>("create_body", def.continuous)) return {};
-    body<typename Plan::scalar, Plan::dimension> b;
+    if (!check_body(def) || !check_turn<Plan>("create_body", def.angular_velocity, def.angular_damping) ||
+        !check_continuous<Plan>("create_body", def.continuous))
+        return {};
+    typename Plan::body b;
     b.type = def.type;
     b.rotation = normalized(def.rotation);
     b.center = def.position;
-    if (def.type != body_type::static_body) b.velocity = {def.linear_velocity, def.angular_velocity};
+    if (def.type != body_type::static_body) b.velocity.linear = def.linear_velocity;
     b.linear_damping = def.linear_damping;
-    b.angular_damping = def.angular_damping;
     b.gravity_scale = def.gravity_scale;
-    b.rotation_locked = def.rotation_locked;
+    if constexpr (Plan::turns) {
+        if (def.type != body_type::static_body) b.velocity.angular = def.angular_velocity;
+        b.angular_damping = def.angular_damping;
+        b.rotation_locked = def.rotation_locked;
+    }
     b.can_sleep = def.can_sleep;
     b.continuous = def.continuous;
     b.user_data = def.user_data;
@@ -25757,8 +26201,15 @@ void set_pose(state<Plan>& s, std::uint32_t index, const transform<typename Plan
 
 /// Wakes what lies on a kinematic body's way, unless it is told to stay where it is.
 template <class Plan>
-void move_to(state<Plan>& s, std::uint32_t index, const transform<typename Plan::scalar, Plan::dimension>& pose) {
+void move_to(state<Plan>& s, std::uint32_t index, vec<typename Plan::scalar, Plan::dimension> position,
+             const rotation<typename Plan::scalar, Plan::dimension>& orientation) {
     auto& b = s.bodies[index];
+    if (!Plan::turns && !(orientation == b.rotation)) {
+        refuse("move_to", "orientation", "another one", "the recipe leaves rotation out");
+        return;
+    }
+    const transform<typename Plan::scalar, Plan::dimension> pose{
+        position, Plan::turns ? normalized(orientation) : b.rotation};
     b.target = pose;
     b.has_target = true;
     if (!(pose == b.pose())) rouse_near(s, index, pose);
@@ -25806,6 +26257,10 @@ void set_mass(state<Plan>& s, std::uint32_t index,
               const mass_properties<typename Plan::scalar, Plan::dimension>& mass) {
     const char* f = "set_mass";
     const bool nothing_turns_it = mass.inertia == decltype(mass.inertia){};
+    if (!Plan::turns && !nothing_turns_it) {
+        refuse(f, "inertia", "not 0", "the recipe leaves rotation out");
+        return;
+    }
     if (!check_finite(f, "center", mass.center) ||
         !check_mass(f, s.bodies[index], converted<double>(mass), nothing_turns_it))
         return;
@@ -25882,6 +26337,34 @@ void act(state<Plan>& s, body_id id, const char* function, const char* field,
     if (!f(b, local ? b.rotation * force : force, lever)) refuse_action(function, field, size_of(force));
     else if (!(force == decltype(force){})) wake(s, at.index);
 }
+template <class Plan>
+void push(state<Plan>& s, body_id id, const char* function, vec<typename Plan::scalar, Plan::dimension> force,
+          bool local, const vec<typename Plan::scalar, Plan::dimension>* point) {
+    act(s, id, function, "force", force, local, point, [](auto& b, auto f, [[maybe_unused]] auto lever) {
+        if constexpr (Plan::turns) {
+            const auto torque = b.torque + cross(lever, f);
+            if (!is_finite(torque) || !assign(b.force, b.force + f)) return false;
+            b.torque = torque;
+            return true;
+        } else {
+            return assign(b.force, b.force + f);
+        }
+    });
+}
+template <class Plan>
+void kick(state<Plan>& s, body_id id, const char* function, vec<typename Plan::scalar, Plan::dimension> impulse,
+          bool local, const vec<typename Plan::scalar, Plan::dimension>* point) {
+    act(s, id, function, "impulse", impulse, local, point, [](auto& b, auto p, auto lever) {
+        solver_body<typename Plan::scalar, Plan::dimension, Plan::turns> v{b.velocity, {}, b.inverse_mass, {}};
+        if constexpr (Plan::turns) v.inverse_inertia = in_world(b.inverse_inertia, b.rotation);
+        v.apply(p, lever);
+        if (!is_finite(v.velocity.linear) || !is_finite(physics::angular<typename Plan::scalar, Plan::dimension>(
+                                                 value_of(v.velocity.angular))))
+            return false;
+        b.velocity = v.velocity;
+        return true;
+    });
+}
 
 }  // namespace detail
 
@@ -25904,7 +26387,7 @@ void look_ahead(state<Plan>& s, typename Plan::scalar h) {
         constexpr int D = Plan::dimension;
         s.continuous.ahead.resize(s.bodies.slots());
         bool any = false;
-        s.bodies.each([&](std::uint32_t i, const body<S, D>& b) {
+        s.bodies.each([&](std::uint32_t i, const auto& b) {
             S& ahead = s.continuous.ahead[i];
             ahead = S(0);
             if (s.is_asleep(i)) return;
@@ -25914,7 +26397,7 @@ void look_ahead(state<Plan>& s, typename Plan::scalar h) {
             if (b.has_target) v = (b.target * b.mass.center - b.center) / h;
             const auto& extent = s.continuous.extents[i];
             ahead = Plan::continuous::ahead(
-                {v * h, b.velocity.angular * h, extent.reach, extent.thickness, S(0), b.continuous});
+                {v * h, value_of(b.velocity.angular) * h, extent.reach, extent.thickness, S(0), b.continuous});
             if (!(ahead > S(0))) return;
             any = true;
             each_shape(s, i, [&](std::uint32_t k, const auto& shape) {
@@ -25999,11 +26482,12 @@ template <class Plan>
 class batch_motion {
     using S = typename Plan::scalar;
     static constexpr int D = Plan::dimension;
+    static constexpr bool turns = Plan::turns;
     using integrator = typename Plan::integrator;
 
 public:
     /// Copies the bodies of a part into their slots.
-    batch_motion(const state<Plan>& s, const batches& parts, const batch& part, moved_bodies<S, D> slots, S h,
+    batch_motion(const state<Plan>& s, const batches& parts, const batch& part, moved_bodies<S, D, turns> slots, S h,
                  arena& scratch)
         : state_(s),
           members_(parts.body_at + part.bodies),
@@ -26012,12 +26496,13 @@ public:
           count_(part.nobody - part.bodies),
           step_(h) {
         for (std::uint32_t k = 0; k < count_; ++k) gather(k);
-        for (std::uint32_t k = count_; k < part.nobody - part.bodies + 2; ++k) new (bodies_ + k) solver_body<S, D>{};
+        for (std::uint32_t k = count_; k < part.nobody - part.bodies + 2; ++k)
+            new (bodies_ + k) solver_body<S, D, turns>{};
         if (free_count_ > 0) find_free(parts, part, scratch);
     }
 
     /// What the solver sees of the bodies; the last two are nobody.
-    [[nodiscard]] solver_bodies<S, D> bodies() const { return {bodies_, count_ + 2}; }
+    [[nodiscard]] solver_bodies<S, D, turns> bodies() const { return {bodies_, count_ + 2}; }
 
     void advance_velocities(S h) {
         if (free_count_ > 0) thrust(step_ / h);
@@ -26026,13 +26511,13 @@ public:
             integrator::advance_velocity(bodies_[k].velocity, moving_[k], h);
             // -0 becomes 0, which no impulse of 0 changes: so the bits are the same whether solvers give it or not.
             bodies_[k].velocity.linear += vec<S, D>{};
-            bodies_[k].velocity.angular += angular<S, D>{};
+            if constexpr (turns) bodies_[k].velocity.angular += angular<S, D>{};
         }
         if (free_count_ > 0) thrust(S(0));
     }
     void advance_poses(S h) {
         for (std::uint32_t k = 0; k < count_; ++k) {
-            turning_velocity<S, D>& v = bodies_[k].velocity;
+            turning_velocity<S, D, turns>& v = bodies_[k].velocity;
             integrator::advance_pose(moving_[k], v, bodies_[k].way, h);
         }
     }
@@ -26040,47 +26525,55 @@ public:
     /// Ends the step. False if something that moved is where numbers do not reach.
     [[nodiscard]] bool finish() {
         for (std::uint32_t k = 0; k < count_; ++k) {
-            const twist<S, D>& way = bodies_[k].way;
+            const auto& way = bodies_[k].way;
             moving_[k].center += way.linear;
-            if constexpr (D == 2)
+            if constexpr (D == 2 && turns)
                 if (way.angular != S(0)) moving_[k].rotation = turned(moving_[k].rotation, way.angular);
         }
         for (std::uint32_t k = 0; k < count_; ++k)
-            if (!physics::is_finite(moving_[k].center) || !physics::is_finite(moving_[k].rotation) ||
-                !physics::is_finite(bodies_[k].velocity.linear) || !physics::is_finite(bodies_[k].velocity.angular))
+            if (!physics::is_finite(moving_[k].center) || !physics::is_finite(bodies_[k].velocity.linear) ||
+                !turns_well(moving_[k], bodies_[k].velocity))
                 return false;
         return true;
     }
 
 private:
-    [[nodiscard]] const body<S, D>& member(std::uint32_t k) const {
+    static bool turns_well([[maybe_unused]] const moving_body<S, D, turns>& at,
+                           [[maybe_unused]] const twist_of<S, D, turns>& v) {
+        if constexpr (turns) return physics::is_finite(at.rotation) && physics::is_finite(v.angular);
+        else return true;
+    }
+    [[nodiscard]] const typename Plan::body& member(std::uint32_t k) const {
         return state_.bodies[state_.movers[members_[k]]];
     }
     void gather(std::uint32_t k) {
-        const body<S, D>& b = member(k);
-        solver_body<S, D>& seen = *new (bodies_ + k)
-            solver_body<S, D>{b.velocity, {}, b.inverse_mass, in_world(b.inverse_inertia, b.rotation)};
-        moving_body<S, D>& m = *new (moving_ + k) moving_body<S, D>{};
+        const auto& b = member(k);
+        auto& seen = *new (bodies_ + k) solver_body<S, D, turns>{b.velocity, {}, b.inverse_mass, {}};
+        auto& m = *new (moving_ + k) moving_body<S, D, turns>{};
         m.center = b.center;
-        m.rotation = b.rotation;
-        if (b.has_target) {
-            seen.velocity.linear = (b.target * b.mass.center - b.center) / step_;
-            seen.velocity.angular = rotation_vector(b.target.rotation * inverse(b.rotation)) / step_;
+        if (b.has_target) seen.velocity.linear = (b.target * b.mass.center - b.center) / step_;
+        if constexpr (turns) {
+            seen.inverse_inertia = in_world(b.inverse_inertia, b.rotation);
+            m.rotation = b.rotation;
+            if (b.has_target)
+                seen.velocity.angular = rotation_vector(b.target.rotation * inverse(b.rotation)) / step_;
         }
         if (!b.is_dynamic()) return;
         m.acceleration = state_.settings.gravity * b.gravity_scale;
         m.linear_damping = b.linear_damping;
-        m.angular_damping = b.angular_damping;
-        if (b.is_gyroscopic) m.top = &b;
+        if constexpr (turns) {
+            m.angular_damping = b.angular_damping;
+            if (b.is_gyroscopic) m.top = &b;
+        }
         if (!b.is_pushed()) return;
         ++free_count_;
         add_force(k, S(1));
     }
     /// Lets `share` of the force on a body act.
     void add_force(std::uint32_t k, S share) {
-        const body<S, D>& b = member(k);
+        const auto& b = member(k);
         for (int i = 0; i < D; ++i) moving_[k].acceleration[i] += mul<S>(b.inverse_mass, b.force[i] * share);
-        moving_[k].angular_acceleration += times(bodies_[k].inverse_inertia, b.torque * share);
+        if constexpr (turns) moving_[k].angular_acceleration += times(bodies_[k].inverse_inertia, b.torque * share);
     }
     /// Bodies that are pushed and touch nothing.
     void find_free(const batches& parts, const batch& part, arena& scratch) {
@@ -26101,7 +26594,7 @@ private:
         for (std::uint32_t n = 0; n < free_count_; ++n) {
             const std::uint32_t k = free_[n];
             moving_[k].acceleration = state_.settings.gravity * member(k).gravity_scale;
-            moving_[k].angular_acceleration = {};
+            if constexpr (turns) moving_[k].angular_acceleration = {};
             if (share > S(0)) add_force(k, share);
         }
         if (!(share > S(0))) free_count_ = 0;
@@ -26109,8 +26602,8 @@ private:
 
     const state<Plan>& state_;
     const std::uint32_t* members_;
-    solver_body<S, D>* bodies_;
-    moving_body<S, D>* moving_;
+    solver_body<S, D, turns>* bodies_;
+    moving_body<S, D, turns>* moving_;
     std::uint32_t count_;
     S step_;
     std::uint32_t* free_ = nullptr;
@@ -26122,11 +26615,12 @@ template <class Plan>
 class motion {
     using S = typename Plan::scalar;
     static constexpr int D = Plan::dimension;
+    static constexpr bool turns = Plan::turns;
 
 public:
     motion(state<Plan>& s, S h, const crew& hands) : state_(s), parts_(parts_of(s, hands)), step_(h) {
-        moved_ = {s.scratch.template take<solver_body<S, D>>(parts_.slots),
-                  s.scratch.template take<moving_body<S, D>>(parts_.slots), parts_.slot_of};
+        moved_ = {s.scratch.template take<solver_body<S, D, turns>>(parts_.slots),
+                  s.scratch.template take<moving_body<S, D, turns>>(parts_.slots), parts_.slot_of};
     }
 
     /// Solves the contacts: giants one after the other, with all hands, then the other batches side by side. False if
@@ -26148,7 +26642,7 @@ public:
         return true;
     }
     /// Where bodies have come.
-    [[nodiscard]] moved_bodies<S, D> moved() const { return moved_; }
+    [[nodiscard]] moved_bodies<S, D, turns> moved() const { return moved_; }
 
     /// Puts shapes where their bodies are now, and tells the broadphase, and where they are heading; bodies with a
     /// target are there, to the bit. False, and all shapes where they were, if a box is beyond the scalar's range.
@@ -26156,7 +26650,7 @@ public:
         bool fit = true;
         for (std::uint32_t k = 0; k < state_.movers.size() && fit; ++k) {
             const std::uint32_t i = state_.movers[k];
-            const body<S, D>& b = state_.bodies[i];
+            const auto& b = state_.bodies[i];
             const transform<S, D> pose = pose_of(k);
             const vec<S, D> center = b.has_target ? pose * b.mass.center : moved_[k].center;
             const vec<S, D> way = moved_.velocity(k).linear * step_;
@@ -26181,10 +26675,10 @@ public:
             });
         for (std::uint32_t k = 0; k < state_.movers.size(); ++k) {
             const std::uint32_t i = state_.movers[k];
-            body<S, D>& b = state_.bodies[i];
+            auto& b = state_.bodies[i];
             state_.contact_starts[i] = {b.center, b.rotation};
             b.center = moved_[k].center;
-            b.rotation = moved_[k].rotation;
+            if constexpr (turns) b.rotation = moved_[k].rotation;
             b.velocity = moved_.velocity(k);
             b.force = {};
             b.torque = {};
@@ -26207,9 +26701,10 @@ public:
 private:
     /// Wakes what a kinematic body is going to run into.
     void rouse_ahead(std::uint32_t i) {
-        const body<S, D>& b = state_.bodies[i];
-        if (b.is_dynamic() || b.velocity == twist<S, D>{}) return;
-        const rotation<S, D> turn = turned(b.rotation, b.velocity.angular * step_);
+        const auto& b = state_.bodies[i];
+        if (b.is_dynamic() || b.velocity == twist_of<S, D, turns>{}) return;
+        rotation<S, D> turn = b.rotation;
+        if constexpr (turns) turn = turned(turn, b.velocity.angular * step_);
         rouse_near(state_, i, {b.center + b.velocity.linear * step_ - turn * b.mass.center, turn});
     }
     static batches parts_of(state<Plan>& s, const crew& hands) {
@@ -26235,9 +26730,10 @@ private:
         return moving.finish();
     }
     [[nodiscard]] transform<S, D> pose_of(std::uint32_t k) const {
-        const body<S, D>& b = state_.bodies[state_.movers[k]];
+        const auto& b = state_.bodies[state_.movers[k]];
         if (b.has_target) return b.target;
-        return {moved_[k].center - moved_[k].rotation * b.mass.center, moved_[k].rotation};
+        const rotation<S, D>& turn = rotation_after(moved_[k], b);
+        return {moved_[k].center - turn * b.mass.center, turn};
     }
 
     /// An island that is so many times as large as a batch is wide enough for several workers.
@@ -26245,7 +26741,7 @@ private:
 
     state<Plan>& state_;
     batches parts_;
-    moved_bodies<S, D> moved_;
+    moved_bodies<S, D, turns> moved_;
     S step_;
 };
 
@@ -26515,22 +27011,22 @@ public:
         add(t.position);
         add(t.rotation);
     }
-    template <class S, int D>
-    void add(const body<S, D>& b) {
+    template <class S, int D, bool Turns>
+    void add(const body<S, D, Turns>& b) {
         add(static_cast<std::uint64_t>(b.type) | std::uint64_t{b.rotation_locked} << 8 |
             std::uint64_t{b.mass_is_set} << 9 | std::uint64_t{b.has_target} << 10 | std::uint64_t{b.can_sleep} << 11 |
             std::uint64_t{b.continuous} << 16);
         add(b.center);
         add(b.rotation);
         add(b.velocity.linear);
-        add(b.velocity.angular);
+        add(value_of(b.velocity.angular));
         add(b.force);
-        add(b.torque);
+        add(value_of(b.torque));
         add(b.mass.mass);
         add(b.mass.center);
-        add(b.mass.inertia);
+        add(mass_properties<S, D>(b.mass).inertia);
         add(b.linear_damping);
-        add(b.angular_damping);
+        add(value_of(b.angular_damping));
         add(b.gravity_scale);
         if (b.has_target) add(b.target);
     }
@@ -26918,8 +27414,8 @@ auto view_of(const state<Plan>& s, const typename Plan::contact& c) {
     using S = typename Plan::scalar;
     constexpr int D = Plan::dimension;
     const std::uint32_t at_a = body_a(s, c), at_b = body_b(s, c);
-    const body<S, D>& a = s.bodies[at_a];
-    const body<S, D>& b = s.bodies[at_b];
+    const auto& a = s.bodies[at_a];
+    const auto& b = s.bodies[at_b];
     contact_view<S, D> view{
         {c.shape_a, s.shapes.generation(c.shape_a), s.tag}, {c.shape_b, s.shapes.generation(c.shape_b), s.tag},
         {at_a, s.bodies.generation(at_a), s.tag},           {at_b, s.bodies.generation(at_b), s.tag},
@@ -27200,7 +27696,7 @@ public:
     void move_to(body_id id, vec position, const rotation& orientation) {
         const auto b = detail::find_kinematic(state_, id, "move_to");
         if (b && detail::check_pose("move_to", position, orientation))
-            detail::move_to(state_, b.index, {position, normalized(orientation)});
+            detail::move_to(state_, b.index, position, orientation);
     }
     void move_to(body_id id, const transform& pose) { move_to(id, pose.position, pose.rotation); }
 
@@ -27209,7 +27705,8 @@ public:
         return get(id, "linear_velocity", [](const auto& b) { return b.velocity.linear; });
     }
     [[nodiscard]] angular angular_velocity(body_id id) const {
-        return get(id, "angular_velocity", [](const auto& b) { return b.velocity.angular; });
+        return get(id, "angular_velocity",
+                   [](const auto& b) -> angular { return detail::value_of(b.velocity.angular); });
     }
     [[nodiscard]] vec velocity_at(body_id id, vec point) const {
         const auto b = find(id, "velocity_at");
@@ -27223,7 +27720,7 @@ public:
         if (!(v == vec{})) detail::rouse(state_, b.index);
         state_.bodies[b.index].velocity.linear = v;
     }
-    void set_angular_velocity(body_id id, angular w) {
+    void set_angular_velocity(body_id id, angular w) requires plan::turns {
         const auto b = find_moving(id, "set_angular_velocity");
         if (!b ||
             !detail::check_angular_velocity("set_angular_velocity", "w", w, state_.bodies[b.index].rotation_locked))
@@ -27241,7 +27738,7 @@ public:
         push(id, "apply_local_force_at", force, true, &point);
     }
     /// A torque (N m) during the next step.
-    void apply_torque(body_id id, angular torque) {
+    void apply_torque(body_id id, angular torque) requires plan::turns {
         const auto b = dynamic(id, "apply_torque");
         if (!b || !detail::check_finite("apply_torque", "torque", torque)) return;
         auto& sum = state_.bodies[b.index].torque;
@@ -27264,7 +27761,7 @@ public:
         kick(id, "apply_local_impulse_at", impulse, true, &point);
     }
     /// An angular impulse (N m s).
-    void apply_angular_impulse(body_id id, angular impulse) {
+    void apply_angular_impulse(body_id id, angular impulse) requires plan::turns {
         const auto at = dynamic(id, "apply_angular_impulse");
         if (!at || !detail::check_finite("apply_angular_impulse", "impulse", impulse)) return;
         auto& b = state_.bodies[at.index];
@@ -27285,7 +27782,7 @@ public:
     /// Mass (kg), centre (m) and inertia about it (kg m^2) in the body's frame. Static and kinematic bodies take none
     /// from their shapes: they have mass 0 and their centre at the origin.
     [[nodiscard]] mass_properties mass(body_id id) const {
-        return get(id, "mass", [](const auto& b) { return b.mass; });
+        return get(id, "mass", [](const auto& b) -> mass_properties { return b.mass; });
     }
     /// Sets them for a dynamic body, until reset_mass, whatever its shapes are; with an inertia of 0 nothing turns it.
     /// Refuses what the scalar cannot hold, and tensors that are not positive definite.
@@ -27300,16 +27797,17 @@ public:
         return get(id, "linear_damping", [](const auto& b) { return b.linear_damping; });
     }
     [[nodiscard]] scalar angular_damping(body_id id) const {
-        return get(id, "angular_damping", [](const auto& b) { return b.angular_damping; });
+        return get(id, "angular_damping", [](const auto& b) { return detail::value_of(b.angular_damping); });
     }
     /// Rates (1/s), at least 0, at which the velocities of a dynamic body decay without force.
     void set_damping(body_id id, scalar linear_rate, scalar angular_rate) {
         const auto b = find(id, "set_damping");
         if (!b || !detail::check_not_negative("set_damping", "linear_rate", linear_rate) ||
-            !detail::check_not_negative("set_damping", "angular_rate", angular_rate))
+            !detail::check_not_negative("set_damping", "angular_rate", angular_rate) ||
+            (!plan::turns && !detail::check_left_out("set_damping", "angular_rate", angular_rate)))
             return;
         state_.bodies[b.index].linear_damping = linear_rate;
-        state_.bodies[b.index].angular_damping = angular_rate;
+        if constexpr (plan::turns) state_.bodies[b.index].angular_damping = angular_rate;
     }
     [[nodiscard]] scalar gravity_scale(body_id id) const {
         return get(id, "gravity_scale", [](const auto& b) { return b.gravity_scale; });
@@ -27324,7 +27822,7 @@ public:
         return get(id, "rotation_locked", [](const auto& b) { return b.rotation_locked; });
     }
     /// Locks or frees rotation; locking stops it.
-    void set_rotation_locked(body_id id, bool locked) {
+    void set_rotation_locked(body_id id, bool locked) requires plan::turns {
         if (const auto b = find(id, "set_rotation_locked")) detail::set_rotation_locked(state_, b.index, locked);
     }
     /// True while the body sleeps: an island of bodies that has been still for long enough (settings().sleeping) leaves
@@ -27437,7 +27935,7 @@ private:
     /// f of the thing that the handle names, or a default value after refusing the handle.
     template <class F>
     auto get(body_id id, const char* function, F&& f) const
-        -> decltype(f(std::declval<const physics::body<scalar, dimension>&>())) {
+        -> decltype(f(std::declval<const typename plan::body&>())) {
         const auto b = find(id, function);
         return b ? f(state_.bodies[b.index]) : decltype(f(state_.bodies[0])){};
     }
@@ -27448,18 +27946,10 @@ private:
         return s ? f(state_.shapes[s.index]) : decltype(f(state_.shapes[0])){};
     }
     void push(body_id id, const char* function, vec force, bool local, const vec* point) {
-        detail::act(state_, id, function, "force", force, local, point, [](auto& b, vec f, vec lever) {
-            const angular torque = b.torque + cross(lever, f);
-            return is_finite(torque) && detail::assign(b.force, b.force + f) && detail::assign(b.torque, torque);
-        });
+        detail::push(state_, id, function, force, local, point);
     }
     void kick(body_id id, const char* function, vec impulse, bool local, const vec* point) {
-        detail::act(state_, id, function, "impulse", impulse, local, point, [](auto& b, vec p, vec lever) {
-            solver_body<scalar, dimension> v{b.velocity, {}, b.inverse_mass, in_world(b.inverse_inertia, b.rotation)};
-            v.apply(p, lever);
-            return is_finite(v.velocity.linear) && detail::assign(b.velocity.angular, v.velocity.angular) &&
-                   detail::assign(b.velocity.linear, v.velocity.linear);
-        });
+        detail::kick(state_, id, function, impulse, local, point);
     }
 
     detail::state<plan> state_;

@@ -176,6 +176,7 @@
 #include "physics/dynamics/soft_kernels.hpp"
 #include "physics/dynamics/soft_extras.hpp"
 #include "physics/dynamics/soft_friction.hpp"
+#include "physics/dynamics/soft_linear_contact.hpp"
 #include "physics/dynamics/soft_step.hpp"
 
 // What users hold; world/step.hpp is the page to read first.

@@ -44,6 +44,10 @@ template <class Settings>
 void keep_awake([[maybe_unused]] Settings& sleeping) {
     if constexpr (requires { sleeping.time; }) sleeping.time = 1e6f;
 }
+template <class World>
+concept turns = requires(World& w, physics::body_id b, typename World::angular spin) {
+    w.set_angular_velocity(b, spin);
+};
 void* make(const double* gravity) {
     world::settings_type with;
     with.gravity = to_vec(gravity);
@@ -53,11 +57,13 @@ void* make(const double* gravity) {
 void add(void* w, const plain_body& b) {
     constexpr physics::body_type kinds[] = {physics::body_type::static_body, physics::body_type::kinematic_body,
                                             physics::body_type::dynamic_body};
-    const physics::body_id id = of(w).create_body({.type = kinds[b.kind],
-                                                   .position = to_vec(b.at),
-                                                   .rotation = to_rotation(b.rotation),
-                                                   .linear_velocity = to_vec(b.velocity),
-                                                   .angular_velocity = to_spin(b.spin)});
+    world::body_def body;
+    body.type = kinds[b.kind];
+    body.position = to_vec(b.at);
+    body.rotation = to_rotation(b.rotation);
+    body.linear_velocity = to_vec(b.velocity);
+    if constexpr (turns<world>) body.angular_velocity = to_spin(b.spin);
+    const physics::body_id id = of(w).create_body(body);
     for (int i = 0; i < b.count; ++i) {
         const plain_shape& s = b.shapes[i];
         world::shape_def def;

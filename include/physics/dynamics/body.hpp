@@ -1,6 +1,7 @@
 // The state of a body.
 #pragma once
 
+#include "physics/dynamics/features.hpp"
 #include "physics/dynamics/free_spin.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -15,30 +16,68 @@ enum class body_type : std::uint8_t {
     dynamic_body,
 };
 
-/// Everything that a world keeps of one body.
+/// A twist of what does not turn.
 template <class S, int D>
+struct linear_twist {
+    vec<S, D> linear;
+    [[no_unique_address]] detail::left_out<physics::angular<S, D>, feature::rotation, 0> angular{};
+
+    friend bool operator==(const linear_twist&, const linear_twist&) = default;
+};
+template <class S, int D>
+constexpr linear_twist<S, D> operator+(const linear_twist<S, D>& a, const linear_twist<S, D>& b) {
+    return {a.linear + b.linear};
+}
+template <class S, int D>
+constexpr linear_twist<S, D> operator-(const linear_twist<S, D>& a, const linear_twist<S, D>& b) {
+    return {a.linear - b.linear};
+}
+template <class S, int D>
+constexpr vec<S, D> velocity_at(const linear_twist<S, D>& v, vec<S, D>) {
+    return v.linear;
+}
+/// The velocity of a body, or how far it has come: with its turn, unless the recipe leaves rotation out.
+template <class S, int D, bool Turns = true>
+using twist_of = std::conditional_t<Turns, twist<S, D>, linear_twist<S, D>>;
+
+/// The mass properties of what does not turn.
+template <class S, int D>
+struct linear_mass {
+    S mass{};
+    vec<S, D> center;
+
+    constexpr linear_mass() = default;
+    constexpr linear_mass(const mass_properties<S, D>& m) : mass(m.mass), center(m.center) {}
+    constexpr operator mass_properties<S, D>() const { return {mass, center, {}}; }
+};
+
+/// Everything that a world keeps of one body; Turns: unless the recipe leaves rotation out.
+template <class S, int D, bool Turns = true>
 struct body {
+    template <class T, int Nth>
+    using if_turning = detail::kept_if<Turns, T, feature::rotation, Nth>;
+
     // Moves every step. The centre of mass is the integrated position; the body's origin follows from it.
     vec<S, D> center;
     physics::rotation<S, D> rotation;
-    twist<S, D> velocity;
+    twist_of<S, D, Turns> velocity;
     vec<S, D> force;
-    angular<S, D> torque{};
+    [[no_unique_address]] if_turning<angular<S, D>, 1> torque{};
 
     // Changes when shapes, masses or settings do.
-    mass_properties<S, D> mass;
+    std::conditional_t<Turns, mass_properties<S, D>, linear_mass<S, D>> mass;
     inverse_of<S> inverse_mass{};
-    physics::inverse_inertia<S, D> inverse_inertia{};
+    [[no_unique_address]] if_turning<physics::inverse_inertia<S, D>, 2> inverse_inertia{};
     /// Of bodies that are gyroscopic.
-    [[no_unique_address]] free_spin<S, D> spin;
+    [[no_unique_address]] if_turning<free_spin<S, D>, 3> spin;
     S linear_damping{};
-    S angular_damping{};
+    [[no_unique_address]] if_turning<S, 4> angular_damping{};
     S gravity_scale = S(1);
     transform<S, D> target;
     std::uint64_t user_data = 0;
     std::uint32_t first_shape = 0xffffffffu;
     body_type type = body_type::dynamic_body;
-    bool rotation_locked = false;
+    bool rotation_locked = !Turns;
     bool can_sleep = true;
     /// True if the inertia depends on the axis: then the spin changes even without torque.
     bool is_gyroscopic = false;
@@ -54,11 +93,13 @@ struct body {
     }
     [[nodiscard]] constexpr bool is_dynamic() const { return type == body_type::dynamic_body; }
     /// True if a force or torque waits to act on it.
-    [[nodiscard]] constexpr bool is_pushed() const { return !(force == vec<S, D>{} && torque == angular<S, D>{}); }
+    [[nodiscard]] constexpr bool is_pushed() const {
+        return !(force == vec<S, D>{} && torque == if_turning<angular<S, D>, 1>{});
+    }
 };
 
 /// What an integrator sees of a body: where it is, and what drives it.
-template <class S, int D>
+template <class S, int D, bool Turns = true>
 struct moving_body {
     /// As the step begins; how far the body has come since is added up apart, where far from the origin less is lost.
     vec<S, D> center;
@@ -72,52 +113,68 @@ struct moving_body {
     /// The body, if its spin changes even without torque; else null.
     const body<S, D>* top = nullptr;
 };
+/// The same of what does not turn.
+template <class S, int D>
+struct moving_body<S, D, false> {
+    vec<S, D> center;
+    vec<S, D> acceleration;
+    S linear_damping{};
+};
+
+/// How a body is turned that has moved.
+template <class S, int D, bool Turns>
+constexpr const rotation<S, D>& rotation_after([[maybe_unused]] const moving_body<S, D, Turns>& moved,
+                                               [[maybe_unused]] const body<S, D, Turns>& before) {
+    if constexpr (Turns) return moved.rotation;
+    else return before.rotation;
+}
 
 /// The velocity of a body as it turns: in space that changes how it spins, in the plane it does not.
-template <class S, int D>
-using turning_velocity = std::conditional_t<D == 2, const twist<S, D>, twist<S, D>>;
+template <class S, int D, bool Turns = true>
+using turning_velocity = std::conditional_t<D == 3 && Turns, twist<S, D>, const twist_of<S, D, Turns>>;
 
 /// What a solver sees of a body: velocity, how far it has come in this step (m, rad), and how it answers to impulses.
 /// Bodies that nothing pushes have the inverse mass 0. The twists come first, so that lanes read them in rows
 /// of four scalars.
-template <class S, int D>
+template <class S, int D, bool Turns = true>
 struct alignas(16) solver_body {
-    twist<S, D> velocity;
-    twist<S, D> way;
+    twist_of<S, D, Turns> velocity;
+    twist_of<S, D, Turns> way;
     inverse_of<S> inverse_mass{};
-    physics::inverse_inertia<S, D> inverse_inertia{};
+    [[no_unique_address]] detail::kept_if<Turns, physics::inverse_inertia<S, D>, feature::rotation, 2>
+        inverse_inertia{};
 
     /// The impulse p (kg m/s) acts at lever r from the centre of mass.
-    constexpr void apply(vec<S, D> p, vec<S, D> r) {
+    constexpr void apply(vec<S, D> p, [[maybe_unused]] vec<S, D> r) {
         for (int i = 0; i < D; ++i) velocity.linear[i] += mul<S>(inverse_mass, p[i]);
-        velocity.angular += times(inverse_inertia, cross(r, p));
+        if constexpr (Turns) velocity.angular += times(inverse_inertia, cross(r, p));
     }
 };
 
 /// Bodies by their numbers. After those that may move comes nobody, whom nothing moves, and a spare one, so that what
 /// works in lanes can write somewhere.
-template <class S, int D>
+template <class S, int D, bool Turns = true>
 struct solver_bodies {
-    solver_body<S, D>* first;
+    solver_body<S, D, Turns>* first;
     /// With the last two.
     std::uint32_t count;
 
     [[nodiscard]] std::uint32_t nobody() const { return count - 2; }
     [[nodiscard]] std::uint32_t spare() const { return count - 1; }
 
-    solver_body<S, D>& operator[](std::uint32_t i) const { return first[i]; }
+    solver_body<S, D, Turns>& operator[](std::uint32_t i) const { return first[i]; }
 };
 
 /// The bodies of a step by their numbers as a solver has left them.
-template <class S, int D>
+template <class S, int D, bool Turns = true>
 struct moved_bodies {
-    solver_body<S, D>* solved;
-    moving_body<S, D>* moved;
+    solver_body<S, D, Turns>* solved;
+    moving_body<S, D, Turns>* moved;
     /// Where each body is in these arrays.
     const std::uint32_t* slot_of;
 
-    twist<S, D>& velocity(std::uint32_t i) const { return solved[slot_of[i]].velocity; }
-    moving_body<S, D>& operator[](std::uint32_t i) const { return moved[slot_of[i]]; }
+    twist_of<S, D, Turns>& velocity(std::uint32_t i) const { return solved[slot_of[i]].velocity; }
+    moving_body<S, D, Turns>& operator[](std::uint32_t i) const { return moved[slot_of[i]]; }
 };
 
 PHYSICS_HPP_END

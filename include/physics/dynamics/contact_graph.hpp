@@ -35,7 +35,8 @@ bool is_active(const contact<S, D, Features>& c) {
 /// colour push the same sides. Within a colour those that are about to push come first, so that lanes have the same to
 /// do. O(contacts). Source: Catto, Solver2D (2024); greedy edge colouring.
 template <class S, int D, class Features>
-contact_colours colour(const contact_list<S, D, Features>& contacts, solver_bodies<S, D> bodies, arena& scratch) {
+contact_colours colour(const contact_list<S, D, Features>& contacts, solver_bodies<S, D, Features::rotation> bodies,
+                       arena& scratch) {
     const std::uint32_t count = contacts.size();
     auto* used = scratch.template take<std::uint64_t>(bodies.count);
     // Until a contact has its colour, which sides it pushes; and with either, whether it is idle.

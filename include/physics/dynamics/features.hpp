@@ -13,6 +13,8 @@ namespace feature {
 struct friction {};
 /// Bouncing.
 struct restitution {};
+/// Bodies turn. Without it they keep the rotation that they are given, nothing rolls, and solvers see no levers.
+struct rotation {};
 /// Islands that are still leave the step until they are touched.
 struct sleeping {};
 /// Resistance to rolling.
@@ -36,11 +38,12 @@ private:
 public:
     static constexpr bool friction = !lacks<feature::friction>;
     static constexpr bool restitution = !lacks<feature::restitution>;
-    static constexpr bool rolling_resistance = !lacks<feature::rolling_resistance>;
+    static constexpr bool rotation = !lacks<feature::rotation>;
+    static constexpr bool rolling_resistance = rotation && !lacks<feature::rolling_resistance>;
     static constexpr bool surface_velocity = friction && !lacks<feature::surface_velocity>;
     static constexpr bool sleeping = !lacks<feature::sleeping>;
     static constexpr bool continuous = !lacks<feature::continuous>;
-    static constexpr bool known = (is_one_of<Features, feature::friction, feature::restitution,
+    static constexpr bool known = (is_one_of<Features, feature::friction, feature::restitution, feature::rotation,
                                              feature::rolling_resistance, feature::surface_velocity,
                                              feature::sleeping, feature::continuous> &&
                                    ...);
@@ -55,6 +58,7 @@ struct left_out {
     constexpr left_out() = default;
     constexpr explicit left_out(const T&) {}
     constexpr operator T() const { return T{}; }
+    friend constexpr bool operator==(const left_out&, const left_out&) = default;
 };
 /// What a value that may be left out reads as.
 template <class T>

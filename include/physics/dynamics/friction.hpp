@@ -31,17 +31,21 @@ constexpr inverse_of<S> angular_answer(const symmetric<inverse_of<S>>& inverse_i
     return torque_answer<S>(inverse_inertia, cross(r, n), cross(r, m));
 }
 
-/// Both bodies' answer along m to a unit impulse along n at a contact point.
-template <class S, int D>
-constexpr inverse_of<S> answer(const solver_body<S, D>& a, const solver_body<S, D>& b, const levers<S, D>& to,
-                               vec<S, D> n, vec<S, D> m) {
-    return angular_answer<S>(a.inverse_inertia, to.a, n, m) + angular_answer<S>(b.inverse_inertia, to.b, n, m);
+/// Both bodies' answer along m to a unit impulse along n at a contact point, by rotation alone.
+template <class S, int D, bool Turns>
+constexpr inverse_of<S> answer([[maybe_unused]] const solver_body<S, D, Turns>& a,
+                               [[maybe_unused]] const solver_body<S, D, Turns>& b,
+                               [[maybe_unused]] const levers<S, D>& to, [[maybe_unused]] vec<S, D> n,
+                               [[maybe_unused]] vec<S, D> m) {
+    if constexpr (Turns)
+        return angular_answer<S>(a.inverse_inertia, to.a, n, m) + angular_answer<S>(b.inverse_inertia, to.b, n, m);
+    else return inverse_of<S>(0);
 }
 
 /// The effective mass along n: the impulse that changes the relative velocity along n by 1.
-template <class S, int D>
-constexpr S effective_mass(const solver_body<S, D>& a, const solver_body<S, D>& b, const levers<S, D>& to,
-                           vec<S, D> n) {
+template <class S, int D, bool Turns>
+constexpr S effective_mass(const solver_body<S, D, Turns>& a, const solver_body<S, D, Turns>& b,
+                           const levers<S, D>& to, vec<S, D> n) {
     const inverse_of<S> k = a.inverse_mass + b.inverse_mass + answer(a, b, to, n, n);
     return k > inverse_of<S>(0) ? reciprocal<S>(k) : S(0);
 }
@@ -54,7 +58,8 @@ struct friction2 {
     S mass{};
 
     constexpr friction2() = default;
-    constexpr friction2(const solver_body<S, 2>& a, const solver_body<S, 2>& b, const levers<S, 2>& to,
+    template <bool Turns>
+    constexpr friction2(const solver_body<S, 2, Turns>& a, const solver_body<S, 2, Turns>& b, const levers<S, 2>& to,
                         const tangents2<S>& frame)
         : mass(detail::effective_mass(a, b, to, frame.t)) {}
 
@@ -98,7 +103,8 @@ struct circular_cone {
 template <class S>
 struct friction3 : circular_cone<S> {
     constexpr friction3() = default;
-    constexpr friction3(const solver_body<S, 3>& a, const solver_body<S, 3>& b, const levers<S, 3>& to,
+    template <bool Turns>
+    constexpr friction3(const solver_body<S, 3, Turns>& a, const solver_body<S, 3, Turns>& b, const levers<S, 3>& to,
                         const tangents3<S>& frame)
         : circular_cone<S>(a.inverse_mass + b.inverse_mass + detail::answer(a, b, to, frame.t, frame.t),
                            detail::answer(a, b, to, frame.t, frame.u),

@@ -71,17 +71,19 @@ struct semi_implicit_euler {
         static constexpr int D = Space::dimension;
 
         /// Advances the velocity of a body by what drives it, and by damping.
-        static constexpr void advance_velocity(twist<S, D>& v, const moving_body<S, D>& b, S h) {
+        template <bool Turns>
+        static constexpr void advance_velocity(twist_of<S, D, Turns>& v, const moving_body<S, D, Turns>& b, S h) {
             v.linear = (v.linear + b.acceleration * h) * damped(b.linear_damping, h);
-            v.angular = (v.angular + b.angular_acceleration * h) * damped(b.angular_damping, h);
+            if constexpr (Turns) v.angular = (v.angular + b.angular_acceleration * h) * damped(b.angular_damping, h);
         }
         /// Advances a body by its velocity: adds to its way, turns it in space, and the angular velocity of a free top
         /// with it. In the plane angles add up, so that one turn by the way serves all parts of a step.
-        static constexpr void advance_pose(moving_body<S, D>& b, turning_velocity<S, D>& v, twist<S, D>& way,
-                                           S h) {
+        template <bool Turns>
+        static constexpr void advance_pose([[maybe_unused]] moving_body<S, D, Turns>& b,
+                                           turning_velocity<S, D, Turns>& v, twist_of<S, D, Turns>& way, S h) {
             way.linear += v.linear * h;
-            way.angular += v.angular * h;
-            if constexpr (D == 3) {
+            if constexpr (Turns) way.angular += v.angular * h;
+            if constexpr (D == 3 && Turns) {
                 if (b.top) detail::turn_freely(b, v.angular, h);
                 else b.rotation = turned(b.rotation, v.angular * h);
             }

@@ -56,8 +56,8 @@ private:
 
 /// True if two bodies of these velocities touch within two steps of h, or would if something drew them together by
 /// `slack` (m) more. Two, since the last round of a solver looks ahead as far as another part of a step.
-template <class S, int D, class Features>
-bool comes_to_touch(const contact<S, D, Features>& c, const twist<S, D>& a, const twist<S, D>& b, S h, S slack) {
+template <class S, int D, class Features, class Twist>
+bool comes_to_touch(const contact<S, D, Features>& c, const Twist& a, const Twist& b, S h, S slack) {
     for (int k = 0; k < c.count; ++k) {
         const auto [to_a, to_b] = c.levers(k);
         const S speed = dot(c.normal, velocity_at(b, to_b) - velocity_at(a, to_a));

@@ -10,8 +10,8 @@ namespace detail {
 
 /// The speed with which the surfaces part at point k after they have met; 0 where nothing bounces.
 template <class S, int D, class Features>
-S bounce_of(const contact<S, D, Features>& c, int k, const solver_body<S, D>& a, const solver_body<S, D>& b, S slop,
-            S h) {
+S bounce_of(const contact<S, D, Features>& c, int k, const solver_body<S, D, Features::rotation>& a,
+            const solver_body<S, D, Features::rotation>& b, S slop, S h) {
     if (!(c.restitution > S(0))) return S(0);
     // A bounce starts where the gap is: the speed that closes it first would be lost.
     const auto [to_a, to_b] = c.levers(k);

@@ -53,10 +53,12 @@ struct sequential_impulse {
         static constexpr int D = Space::dimension;
         using settings = sequential_impulse_settings<S>;
         using contact = physics::contact<S, D, Features>;
+        using body = solver_body<S, D, Features::rotation>;
+        using bodies_type = solver_bodies<S, D, Features::rotation>;
 
         /// Advances velocities and poses by h: `motion` offers advance_velocities(h) and advance_poses(h).
         template <class Motion>
-        static void solve(solver_bodies<S, D> bodies, contact_list<S, D, Features> contacts, const settings& with, S h,
+        static void solve(bodies_type bodies, contact_list<S, D, Features> contacts, const settings& with, S h,
                           arena& scratch, Motion&& motion) {
             block* blocks = scratch.template take<block>(contacts.size());
             for (std::uint32_t i = 0; i < contacts.size(); ++i) new (blocks + i) block(contacts[i], bodies, with, h);
@@ -76,7 +78,7 @@ struct sequential_impulse {
     private:
         struct no_friction {
             constexpr no_friction() = default;
-            constexpr no_friction(const solver_body<S, D>&, const solver_body<S, D>&, const levers<S, D>&,
+            constexpr no_friction(const body&, const body&, const levers<S, D>&,
                                   const tangents<S, D>&) {}
         };
         struct no_rolling {};
@@ -93,10 +95,10 @@ struct sequential_impulse {
                 rolling{};
             row rows[manifold<S, D>::capacity];
 
-            block(const contact& c, solver_bodies<S, D> bodies, const settings& with, S h)
+            block(const contact& c, bodies_type bodies, const settings& with, S h)
                 : frame(c.normal) {
-                const solver_body<S, D>& a = bodies[c.body_a];
-                const solver_body<S, D>& b = bodies[c.body_b];
+                const body& a = bodies[c.body_a];
+                const body& b = bodies[c.body_b];
                 if constexpr (Features::rolling_resistance)
                     if (c.rolling_resistance > S(0)) rolling = {a, b, frame};
                 for (int k = 0; k < c.count; ++k) {
@@ -110,7 +112,7 @@ struct sequential_impulse {
 
         /// Apart, the surfaces may close the gap; overlapping, they part slowly; a bounce parts them with its
         /// share of the approach.
-        static S target_speed(const contact& c, int k, const solver_body<S, D>& a, const solver_body<S, D>& b,
+        static S target_speed(const contact& c, int k, const body& a, const body& b,
                               const settings& with, S h) {
             const S separation = c.points[k].separation;
             S target = -separation / h;
@@ -125,7 +127,7 @@ struct sequential_impulse {
             return target;
         }
 
-        static void warm_start(const contact& c, const block& with, solver_bodies<S, D> bodies) {
+        static void warm_start(const contact& c, const block& with, bodies_type bodies) {
             for (int k = 0; k < c.count; ++k) {
                 const auto& p = c.points[k];
                 const auto [to_a, to_b] = c.levers(k);
@@ -140,12 +142,12 @@ struct sequential_impulse {
                     turn(with, c.rolling_impulse, bodies[c.body_a], bodies[c.body_b]);
         }
         /// An angular impulse against rolling, from A on B.
-        static void turn(const block& with, tangential<S, D> impulse, solver_body<S, D>& a, solver_body<S, D>& b) {
+        static void turn(const block& with, tangential<S, D> impulse, body& a, body& b) {
             const angular<S, D> moment = with.rolling.combine(with.frame, impulse);
             a.velocity.angular -= times(a.inverse_inertia, moment);
             b.velocity.angular += times(b.inverse_inertia, moment);
         }
-        static void resist_rolling(contact& c, const block& with, solver_body<S, D>& a, solver_body<S, D>& b) {
+        static void resist_rolling(contact& c, const block& with, body& a, body& b) {
             S load = S(0);
             for (int k = 0; k < c.count; ++k) load += c.points[k].normal_impulse;
             const auto w = with.rolling.components(with.frame, b.velocity.angular - a.velocity.angular);
@@ -154,9 +156,9 @@ struct sequential_impulse {
             c.rolling_impulse = impulse;
         }
 
-        static void solve_contact(contact& c, const block& with, solver_bodies<S, D> bodies, bool back) {
-            solver_body<S, D>& a = bodies[c.body_a];
-            solver_body<S, D>& b = bodies[c.body_b];
+        static void solve_contact(contact& c, const block& with, bodies_type bodies, bool back) {
+            body& a = bodies[c.body_a];
+            body& b = bodies[c.body_b];
             if constexpr (Features::rolling_resistance)
                 if (c.rolling_resistance > S(0)) resist_rolling(c, with, a, b);
             if constexpr (Features::friction) {

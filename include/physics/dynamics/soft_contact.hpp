@@ -21,13 +21,13 @@ struct soft_point {
     S impulse[W], total[W];
 };
 /// The speeds with which the surfaces part at points after a bounce (m/s), 0 for none.
-template <class S, int D, int W>
+template <class S, int Points, int W>
 struct soft_bounces {
-    S speed[manifold<S, D>::capacity][W];
+    S speed[Points][W];
 };
 struct no_soft_bounces {};
-template <class S, int D, int W, class Features>
-using soft_bounces_of = std::conditional_t<Features::restitution, soft_bounces<S, D, W>, no_soft_bounces>;
+template <class S, int Points, int W, class Features>
+using soft_bounces_of = std::conditional_t<Features::restitution, soft_bounces<S, Points, W>, no_soft_bounces>;
 
 /// The middle of a contact's points, from where these are given.
 template <class S, int D, class Features>
@@ -64,6 +64,10 @@ template <class S, int D>
 void begin_without(twist<S, D>& begun, const solver_body<S, D>& b, vec<S, D> impulse, angular<S, D> moment) {
     for (int i = 0; i < D; ++i) begun.linear[i] += mul<S>(b.inverse_mass, impulse[i]);
     begun.angular += times(b.inverse_inertia, moment);
+}
+template <class S, int D>
+void begin_without(linear_twist<S, D>& begun, const solver_body<S, D, false>& b, vec<S, D> impulse) {
+    for (int i = 0; i < D; ++i) begun.linear[i] += mul<S>(b.inverse_mass, impulse[i]);
 }
 /// The change of a point's impulse that its speed along the normal asks for, in lanes that are left to visits (1, else
 /// 0).

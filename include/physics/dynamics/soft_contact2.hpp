@@ -16,6 +16,7 @@ struct soft_contact2 {
     using P = kernel_pack<S, W>;
     using Q = kernel_pack<I, W>;
     using body = solver_body<S, 2>;
+    using gathering = gathered_points<S, 2, W>;
 
     struct point : soft_point<S, 2, W> {
         /// The lever that an impulse along the normal has about the middle (m).
@@ -44,11 +45,11 @@ struct soft_contact2 {
     // What most rounds do not ask for comes last, and stays out of their caches.
     /// How the two speeds answer to an impulse along the normal at the middle and to an angular one: xx, xy, yy.
     I answers[3][W];
-    [[no_unique_address]] soft_bounces_of<S, 2, W, Features> bounce_to;
+    [[no_unique_address]] soft_bounces_of<S, capacity, W, Features> bounce_to;
 
     /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
     void put(int lane, const contact<S, 2, Features>& c, const body* bodies, const soft_start<S>& with,
-             gathered_points<S, 2, W>& gathered, arena& scratch) {
+             gathering& gathered, arena& scratch) {
         const body& first = bodies[c.body_a];
         const body& second = bodies[c.body_b];
         const vec<S, 2> middle = middle_of(c), to_a = c.arm_a + middle, to_b = c.arm_b + middle;
@@ -83,7 +84,7 @@ struct soft_contact2 {
         extras.put(lane, c, first, second, with.share, scratch);
     }
     /// Works out, once all lanes have been written, what the rounds need.
-    PHYSICS_HPP_ALWAYS_INLINE void prepare(const body*, const gathered_points<S, 2, W>& gathered) {
+    PHYSICS_HPP_ALWAYS_INLINE void prepare(const body*, const gathering& gathered) {
         using K = preparing<S, W>;
         using C = typename K::scalar;
         const K n_x = lanes_from<K>(normal[0]), n_y = lanes_from<K>(normal[1]);

@@ -16,6 +16,7 @@ struct soft_contact3 {
     using P = kernel_pack<S, W>;
     using Q = kernel_pack<I, W>;
     using body = solver_body<S, 3>;
+    using gathering = gathered_points<S, 3, W>;
 
     struct point : soft_point<S, 3, W> {
         /// Along both tangents, from the middle (m).
@@ -45,11 +46,11 @@ struct soft_contact3 {
     // What most rounds do not ask for comes last, and stays out of their caches.
     /// How the three speeds answer to an impulse at the middle and to angular ones: xx, yy, zz, xy, xz, yz.
     I answers[6][W];
-    [[no_unique_address]] soft_bounces_of<S, 3, W, Features> bounce_to;
+    [[no_unique_address]] soft_bounces_of<S, capacity, W, Features> bounce_to;
 
     /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
     void put(int lane, const contact<S, 3, Features>& c, const body* bodies, const soft_start<S>& with,
-             gathered_points<S, 3, W>& gathered, arena& scratch) {
+             gathering& gathered, arena& scratch) {
         const body& first = bodies[c.body_a];
         const body& second = bodies[c.body_b];
         const vec<S, 3> middle = middle_of(c), to_a = c.arm_a + middle, to_b = c.arm_b + middle;
@@ -77,7 +78,7 @@ struct soft_contact3 {
         extras.put(lane, c, first, second, with.share, scratch);
     }
     /// Works out, once all lanes have been written, what the rounds need.
-    PHYSICS_HPP_ALWAYS_INLINE void prepare(const body* bodies, const gathered_points<S, 3, W>& gathered) {
+    PHYSICS_HPP_ALWAYS_INLINE void prepare(const body* bodies, const gathering& gathered) {
         load_answers(bodies, a, mass_a, inertia_a);
         load_answers(bodies, b, mass_b, inertia_b);
         using K = preparing<S, W>;

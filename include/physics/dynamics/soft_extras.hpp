@@ -138,12 +138,13 @@ struct soft_extras
       std::conditional_t<Features::surface_velocity, belt_lanes<S, W, D>, nothing<1>> {
     using rolling = rolling_lanes<S, W, D>;
     using belt = belt_lanes<S, W, D>;
+    using body = solver_body<S, D, Features::rotation>;
 
     static bool needed_by(const contact<S, D, Features>& c) {
         return value_of(c.rolling_resistance) > S(0) || value_of(c.surface_velocity) != tangential<S, D>{};
     }
-    void put(int lane, const contact<S, D, Features>& c, const solver_body<S, D>& a, const solver_body<S, D>& b,
-             S share) {
+    void put(int lane, const contact<S, D, Features>& c, [[maybe_unused]] const body& a,
+             [[maybe_unused]] const body& b, [[maybe_unused]] S share) {
         if constexpr (Features::rolling_resistance)
             if (c.rolling_resistance > S(0))
                 rolling::put(lane, c, rolling_at<S, D>(a, b, tangents<S, D>(c.normal)), share);
@@ -155,11 +156,11 @@ struct soft_extras
 template <class S, int W, int D, class Features>
 struct extras_of_block {
     using extras = soft_extras<S, W, D, Features>;
+    using body = typename extras::body;
 
     extras* at = nullptr;
 
-    void put(int lane, const contact<S, D, Features>& c, const solver_body<S, D>& a, const solver_body<S, D>& b,
-             S share, arena& scratch) {
+    void put(int lane, const contact<S, D, Features>& c, const body& a, const body& b, S share, arena& scratch) {
         if (extras::needed_by(c)) add(lane, c, a, b, share, scratch);
     }
     void take(int lane, contact<S, D, Features>& c) const {
@@ -168,8 +169,8 @@ struct extras_of_block {
     }
 
 private:
-    PHYSICS_HPP_NOINLINE void add(int lane, const contact<S, D, Features>& c, const solver_body<S, D>& a,
-                                  const solver_body<S, D>& b, S share, arena& scratch) {
+    PHYSICS_HPP_NOINLINE void add(int lane, const contact<S, D, Features>& c, const body& a, const body& b, S share,
+                                  arena& scratch) {
         if (at == nullptr) at = new (scratch.template take<extras>(1)) extras{};
         at->put(lane, c, a, b, share);
     }
@@ -177,7 +178,8 @@ private:
 template <class S, int W, int D, class Features>
     requires(!Features::rolling_resistance && !Features::surface_velocity)
 struct extras_of_block<S, W, D, Features> {
-    void put(int, const contact<S, D, Features>&, const solver_body<S, D>&, const solver_body<S, D>&, S, arena&) {}
+    template <class Body>
+    void put(int, const contact<S, D, Features>&, const Body&, const Body&, S, arena&) {}
     void take(int, contact<S, D, Features>&) const {}
 };
 

@@ -3,6 +3,7 @@
 
 #include "physics/dynamics/soft_contact2.hpp"
 #include "physics/dynamics/soft_contact3.hpp"
+#include "physics/dynamics/soft_linear_contact.hpp"
 
 PHYSICS_HPP_BEGIN
 

@@ -24,39 +24,37 @@ struct softness {
 
 /// The velocities with which bodies began a substep, before contacts gave them anything. What bodies have got since,
 /// they get again as the next one begins: a round over the bodies instead of one over the contacts.
-template <class S, int D>
+template <class S, int D, bool Turns>
 class substep_start {
+    using twist = twist_of<S, D, Turns>;
+
 public:
-    substep_start(solver_bodies<S, D> bodies, arena& scratch)
-        : bodies_(bodies), begun_(scratch.template take<twist<S, D>>(bodies.count)) {
-        for (std::uint32_t k = 0; k < bodies.count; ++k) new (begun_ + k) twist<S, D>(bodies[k].velocity);
+    substep_start(solver_bodies<S, D, Turns> bodies, arena& scratch)
+        : bodies_(bodies), begun_(scratch.template take<twist>(bodies.count)) {
+        for (std::uint32_t k = 0; k < bodies.count; ++k) new (begun_ + k) twist(bodies[k].velocity);
     }
-    twist<S, D>* velocities() { return begun_; }
+    twist* velocities() { return begun_; }
 
     /// Notes what bodies have got since for the velocities with which they began, and the other way round.
     void turn_over() {
-        for (std::uint32_t k = 0; k < bodies_.nobody(); ++k) {
-            const twist<S, D>& now = bodies_[k].velocity;
-            begun_[k] = {now.linear - begun_[k].linear, now.angular - begun_[k].angular};
-        }
+        for (std::uint32_t k = 0; k < bodies_.nobody(); ++k) begun_[k] = bodies_[k].velocity - begun_[k];
     }
     /// Begins a substep: gives what is noted, and notes the velocities before.
     void give() {
         for (std::uint32_t k = 0; k < bodies_.nobody(); ++k) {
-            twist<S, D>& now = bodies_[k].velocity;
-            const twist<S, D> before = now, got = begun_[k];
-            now = {before.linear + got.linear, before.angular + got.angular};
+            const twist before = bodies_[k].velocity;
+            bodies_[k].velocity = before + begun_[k];
             begun_[k] = before;
         }
     }
 
 private:
-    solver_bodies<S, D> bodies_;
-    twist<S, D>* begun_;
+    solver_bodies<S, D, Turns> bodies_;
+    twist* begun_;
 };
 
 /// How a round over the contacts goes.
-template <class S, int D>
+template <class S, int D, bool Turns = true>
 struct soft_round {
     /// 1 / s: gaps may close within a substep.
     S inverse_step;
@@ -69,7 +67,7 @@ struct soft_round {
     /// Whether overlaps are pushed apart at all.
     bool pushes;
     /// See substep_start.
-    twist<S, D>* begun;
+    twist_of<S, D, Turns>* begun;
 };
 
 /// What contacts are written with.

@@ -61,12 +61,14 @@ struct soft_step_with {
     public:
         using S = typename Space::scalar;
         static constexpr int D = Space::dimension;
+        static constexpr bool turns = Features::rotation;
         using settings = soft_step_settings<S>;
+        using bodies_type = solver_bodies<S, D, turns>;
 
         /// Advances velocities and poses by h: `motion` offers advance_velocities(h) and advance_poses(h), which adds
         /// to their ways. With several hands, contacts of a colour are shared out.
         template <class Motion>
-        static void solve(solver_bodies<S, D> all, contact_list<S, D, Features> contacts, const settings& with, S h,
+        static void solve(bodies_type all, contact_list<S, D, Features> contacts, const settings& with, S h,
                           arena& scratch, Motion&& motion, detail::crew& hands) {
 #if PHYSICS_HPP_AVX2_KERNELS
             if constexpr (Width > 1 && Width == detail::native_width<S>)
@@ -75,17 +77,17 @@ struct soft_step_with {
                     return wide::solve(all, contacts, with, h, scratch, motion, hands);
                 }
 #endif
-            solver_body<S, D>* const bodies = all.first;
+            solver_body<S, D, turns>* const bodies = all.first;
             const blocks_in_colours blocks = pack(contacts, all, {h, S(1) / S(with.substeps), with.restitution_slop},
                                                   scratch);
             const S part = h / S(with.substeps);
             const S frequency = with.stiffness / part;
             const bool capped = with.frequency_cap > S(0) && with.frequency_cap < frequency;
-            detail::substep_start<S, D> start(all, scratch);
-            const detail::soft_round<S, D> press{
+            detail::substep_start<S, D, turns> start(all, scratch);
+            const detail::soft_round<S, D, turns> press{
                 S(1) / part, detail::softness<S>::of(capped ? with.frequency_cap : frequency, with.damping_ratio, part),
                 with.max_push_speed, with.impact_speed, true, start.velocities()};
-            detail::soft_round<S, D> relax = press;
+            detail::soft_round<S, D, turns> relax = press;
             relax.pushes = false;
             for (int i = 0; i < with.substeps; ++i) {
                 start.turn_over();
@@ -94,7 +96,7 @@ struct soft_step_with {
                 if (i == 0) blocks.each(hands, [bodies](block& b) { kernels::warm_start(b, bodies); });
                 blocks.each(hands, [bodies, &press](block& b) { kernels::solve(b, bodies, press); });
                 // What bodies change their spin by as they turn no contact gave them.
-                constexpr bool spins_change = !std::is_const_v<turning_velocity<S, D>>;
+                constexpr bool spins_change = !std::is_const_v<turning_velocity<S, D, turns>>;
                 if constexpr (spins_change) start.turn_over();
                 motion.advance_poses(part);
                 if constexpr (spins_change) start.turn_over();
@@ -109,7 +111,7 @@ struct soft_step_with {
             });
         }
         template <class Motion>
-        static void solve(solver_bodies<S, D> all, contact_list<S, D, Features> contacts, const settings& with, S h,
+        static void solve(bodies_type all, contact_list<S, D, Features> contacts, const settings& with, S h,
                           arena& scratch, Motion&& motion) {
             detail::crew nobody_else;
             solve(all, contacts, with, h, scratch, motion, nobody_else);
@@ -118,8 +120,10 @@ struct soft_step_with {
     private:
         static constexpr int width = Width;
         static constexpr std::uint32_t none = 0xffffffffu;
-        using block = std::conditional_t<D == 2, detail::soft_contact2<S, width, Features>,
-                                         detail::soft_contact3<S, width, Features, Friction>>;
+        using turning_block = std::conditional_t<D == 2, detail::soft_contact2<S, width, Features>,
+                                                 detail::soft_contact3<S, width, Features, Friction>>;
+        using block =
+            std::conditional_t<turns, turning_block, detail::soft_linear_contact<S, D, width, Features>>;
         using kernels = Kernels<block>;
 
         /// So many blocks are worth handing to somebody else.
@@ -158,7 +162,7 @@ struct soft_step_with {
                         first[k].take(lane, contacts[n]);
             }
         };
-        static blocks_in_colours pack(const contact_list<S, D, Features>& contacts, solver_bodies<S, D> bodies,
+        static blocks_in_colours pack(const contact_list<S, D, Features>& contacts, bodies_type bodies,
                                       const detail::soft_start<S>& with, arena& scratch) {
             const detail::contact_colours colours = detail::colour(contacts, bodies, scratch);
             blocks_in_colours result;
@@ -188,10 +192,10 @@ struct soft_step_with {
             return result;
         }
         static void fill(block& place, std::uint32_t* numbers, const std::uint32_t* order, std::uint32_t used,
-                         const contact_list<S, D, Features>& contacts, solver_bodies<S, D> bodies,
+                         const contact_list<S, D, Features>& contacts, bodies_type bodies,
                          const detail::soft_start<S>& with, arena& scratch) {
             block& to = *new (&place) block{};
-            detail::gathered_points<S, D, width> gathered;
+            typename block::gathering gathered;
             for (int lane = 0; lane < width; ++lane) {
                 const bool has = static_cast<std::uint32_t>(lane) < used;
                 numbers[lane] = has ? order[lane] : none;

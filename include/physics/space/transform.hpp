@@ -57,6 +57,10 @@ template <class S, int D>
 constexpr twist<S, D> operator+(const twist<S, D>& a, const twist<S, D>& b) {
     return {a.linear + b.linear, a.angular + b.angular};
 }
+template <class S, int D>
+constexpr twist<S, D> operator-(const twist<S, D>& a, const twist<S, D>& b) {
+    return {a.linear - b.linear, a.angular - b.angular};
+}
 
 /// The velocity of the point at lever r from the centre of mass.
 template <class S, int D>

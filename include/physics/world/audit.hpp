@@ -91,8 +91,9 @@ constexpr bool narrowphase_serves(const shapes<Shapes...>*) {
 
 /// What an integrator must offer: advance_velocity(velocity, moving body, h), advance_pose(moving body, velocity,
 /// way, h), in the plane with a velocity that is const.
-template <class Policy, class S, int D>
-concept integrator_policy = requires(moving_body<S, D> b, twist<S, D> v, turning_velocity<S, D> turning) {
+template <class Policy, class S, int D, bool Turns>
+concept integrator_policy = requires(moving_body<S, D, Turns> b, twist_of<S, D, Turns> v,
+                                     turning_velocity<S, D, Turns> turning) {
     Policy::template in<space<S, D>>::advance_velocity(v, b, S(1));
     Policy::template in<space<S, D>>::advance_pose(b, turning, v, S(1));
 };
@@ -106,8 +107,8 @@ struct any_motion {
 /// What a solver must offer: settings with a function check(settings, function) like that of shapes, and
 /// solve(bodies, contacts, settings, h, scratch, motion).
 template <class Policy, class S, int D, class Features>
-concept solver_policy = requires(solver_bodies<S, D> bodies, contact_list<S, D, Features> contacts, arena scratch,
-                                 any_motion<S> motion,
+concept solver_policy = requires(solver_bodies<S, D, Features::rotation> bodies,
+                                 contact_list<S, D, Features> contacts, arena scratch, any_motion<S> motion,
                                  const typename Policy::template in<space<S, D>, Features>::settings settings) {
     { check(settings, "function") } -> std::same_as<bool>;
     Policy::template in<space<S, D>, Features>::solve(bodies, contacts, settings, S(1), scratch, motion);
@@ -146,7 +147,8 @@ constexpr recipe_problem problem_of_policies(const policy_list<Policies...>*) {
                                        space<S, D>>)
             return recipe_problem::bad_mixing;
         else if constexpr (!integrator_policy<
-                               typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type, S, D>)
+                               typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type, S, D,
+                               features::rotation>)
             return recipe_problem::bad_integrator;
         else if constexpr (!solver_policy<typename policy_for<stage::solver, soft_step, Policies...>::type, S,
                                           D, features>)
@@ -221,7 +223,8 @@ struct audit {
                   "physics::recipe: the mixing rule does not model physics::mixing_for; its in<Space> needs friction, "
                   "restitution and rolling_resistance of two materials");
     static_assert(problem != recipe_problem::bad_integrator,
-                  "physics::recipe: the integrator's in<Space> needs advance_velocity and advance_pose");
+                  "physics::recipe: the integrator's in<Space> needs advance_velocity and advance_pose; without "
+                  "rotation for physics::linear_twist and physics::moving_body<S, D, false>");
     static_assert(problem != recipe_problem::bad_solver,
                   "physics::recipe: the solver's in<Space, Features> needs a struct settings with a function check, "
                   "and a function solve");

@@ -97,6 +97,12 @@ bool check_body(const body_def<S, D>& def) {
            check_not_negative(f, "angular_damping", def.angular_damping) &&
            check_finite(f, "gravity_scale", def.gravity_scale);
 }
+/// A recipe without rotation takes none.
+template <class Plan, class Angular, class S>
+bool check_turn(const char* function, Angular velocity, S damping) {
+    return Plan::turns || (check_left_out(function, "angular_velocity", velocity) &&
+                           check_left_out(function, "angular_damping", damping));
+}
 /// A recipe that looks after no body takes no flag.
 template <class Plan>
 bool check_continuous(const char* function, bool continuous) {
@@ -175,9 +181,9 @@ bool check_inertia(const char* function, const symmetric<double>& i) {
     return definite || refuse(function, "inertia.xx", i.xx, "the tensor that it begins must be positive definite");
 }
 /// Whether a dynamic body can have these mass properties, given in double, where it is now.
-template <class S, int D>
-bool check_mass(const char* function, const body<S, D>& b, const mass_properties<double, D>& m,
-                bool without_inertia = false) {
+template <class S, int D, bool Turns>
+bool check_mass(const char* function, const body<S, D, Turns>& b, const mass_properties<double, D>& m,
+                bool without_inertia = !Turns) {
     if (!check_mass_value<S>(function, "mass", m.mass, 1 / m.mass)) return false;
     if (!without_inertia && !check_inertia<S>(function, m.inertia)) return false;
     const vec<S, D> center = converted<S>(m.center), moved = b.pose() * center;

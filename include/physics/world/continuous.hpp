@@ -37,7 +37,7 @@ class body_sweeps {
     using mover = swept_mover;
 
 public:
-    body_sweeps(state<Plan>& s, moved_bodies<S, D> moved, S h) : s_(s), moved_(moved), h_(h) {}
+    body_sweeps(state<Plan>& s, moved_bodies<S, D, Plan::turns> moved, S h) : s_(s), moved_(moved), h_(h) {}
 
     PHYSICS_HPP_NOINLINE void run() {
         auto& report = s_.continuous.report;
@@ -58,7 +58,7 @@ private:
     bool find_movers() {
         movers().clear();
         for (std::uint32_t k = 0; k < s_.movers.size(); ++k) {
-            const body<S, D>& b = s_.bodies[s_.movers[k]];
+            const auto& b = s_.bodies[s_.movers[k]];
             if (!b.is_dynamic()) continue;
             const auto against = policy::aim(stride_of(k, b));
             if (against == swept_against::nothing) continue;
@@ -67,10 +67,10 @@ private:
         }
         return !movers().empty();
     }
-    stride<S, D> stride_of(std::uint32_t k, const body<S, D>& b) const {
+    stride<S, D> stride_of(std::uint32_t k, const typename Plan::body& b) const {
         const std::uint32_t i = s_.movers[k];
         const auto& extent = s_.continuous.extents[i];
-        const auto &w = moved_.velocity(k).angular, &before = b.velocity.angular;
+        const angular<S, D> w = value_of(moved_.velocity(k).angular), before = value_of(b.velocity.angular);
         const bool slower = length_of(w) < length_of(before);
         return {moved_[k].center - b.center, (slower ? before : w) * h_, extent.reach, extent.thickness,
                 s_.continuous.depths[i],     b.continuous};
@@ -80,12 +80,12 @@ private:
 
     /// The shape's frame is the body's.
     PHYSICS_HPP_COLD motion motion_of(std::uint32_t i) const {
-        const body<S, D>& b = s_.bodies[i];
+        const auto& b = s_.bodies[i];
         const std::uint32_t k = s_.mover_of[i];
         const transform<S, D> start{b.center, b.rotation};
         if (!(k < s_.movers.size())) return {start.position, start.position, start.rotation, {}, {}};
-        motion m = sweep_between<S, D>(start, {moved_[k].center, moved_[k].rotation});
-        m.turn = with_whole_turns(m.turn, moved_.velocity(k).angular * h_);
+        motion m = sweep_between<S, D>(start, {moved_[k].center, rotation_after(moved_[k], b)});
+        if constexpr (Plan::turns) m.turn = with_whole_turns(m.turn, moved_.velocity(k).angular * h_);
         return m;
     }
     /// All places of a body on its way.
@@ -281,7 +281,7 @@ private:
             transform<S, D> at = way.at(rounded_down<S>(time));
             if (!is_cut && s_.bodies[m.other].type == body_type::kinematic_body) at = carried(m, at);
             moved_[m.number].center = at.position;
-            moved_[m.number].rotation = at.rotation;
+            if constexpr (Plan::turns) moved_[m.number].rotation = at.rotation;
             const S lost = static_cast<S>(1 - time) * h_;
             // What gravity has given for the lost time would make a bounce higher than the fall.
             vec<S, D>& v = moved_.velocity(m.number).linear;
@@ -297,8 +297,9 @@ private:
     PHYSICS_HPP_COLD transform<S, D> carried(mover& m, const transform<S, D>& at) {
         const motion other = motion_of(m.other);
         const transform<S, D> there = other.at(rounded_down<S>(m.time));
-        const moving_body<S, D>& moved = moved_[s_.mover_of[m.other]];
-        const transform<S, D> end = transform<S, D>{moved.center, moved.rotation} * relative(there, at);
+        const auto& moved = moved_[s_.mover_of[m.other]];
+        const transform<S, D> then{moved.center, rotation_after(moved, s_.bodies[m.other])};
+        const transform<S, D> end = then * relative(there, at);
         const motion way = sweep_between<S, D>(at, {end.position, normalized(end.rotation)});
         mover again{m.body, m.number};
         sweep_body(again, way, false);
@@ -307,7 +308,7 @@ private:
     }
 
     state<Plan>& s_;
-    moved_bodies<S, D> moved_;
+    moved_bodies<S, D, Plan::turns> moved_;
     S h_;
     bool any_flagged_ = false;
 };
@@ -347,7 +348,7 @@ void note_depth(state<Plan>& s, const Contact& c) {
 
 /// Stops bodies that would have passed into something; see the recipe's policy.
 template <class Plan>
-void sweep_fast_bodies(state<Plan>& s, moved_bodies<typename Plan::scalar, Plan::dimension> moved,
+void sweep_fast_bodies(state<Plan>& s, moved_bodies<typename Plan::scalar, Plan::dimension, Plan::turns> moved,
                        typename Plan::scalar h) {
     if constexpr (Plan::sweeps) body_sweeps<Plan>(s, moved, h).run();
 }

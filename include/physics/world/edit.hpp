@@ -27,16 +27,21 @@ void drop_contacts(state<Plan>& s, Gone&& gone) {
 
 template <class Plan>
 body_id create_body(state<Plan>& s, const body_def<typename Plan::scalar, Plan::dimension>& def) {
-    if (!check_body(def) || !check_continuous<Plan>("create_body", def.continuous)) return {};
-    body<typename Plan::scalar, Plan::dimension> b;
+    if (!check_body(def) || !check_turn<Plan>("create_body", def.angular_velocity, def.angular_damping) ||
+        !check_continuous<Plan>("create_body", def.continuous))
+        return {};
+    typename Plan::body b;
     b.type = def.type;
     b.rotation = normalized(def.rotation);
     b.center = def.position;
-    if (def.type != body_type::static_body) b.velocity = {def.linear_velocity, def.angular_velocity};
+    if (def.type != body_type::static_body) b.velocity.linear = def.linear_velocity;
     b.linear_damping = def.linear_damping;
-    b.angular_damping = def.angular_damping;
     b.gravity_scale = def.gravity_scale;
-    b.rotation_locked = def.rotation_locked;
+    if constexpr (Plan::turns) {
+        if (def.type != body_type::static_body) b.velocity.angular = def.angular_velocity;
+        b.angular_damping = def.angular_damping;
+        b.rotation_locked = def.rotation_locked;
+    }
     b.can_sleep = def.can_sleep;
     b.continuous = def.continuous;
     b.user_data = def.user_data;
@@ -129,8 +134,15 @@ void set_pose(state<Plan>& s, std::uint32_t index, const transform<typename Plan
 
 /// Wakes what lies on a kinematic body's way, unless it is told to stay where it is.
 template <class Plan>
-void move_to(state<Plan>& s, std::uint32_t index, const transform<typename Plan::scalar, Plan::dimension>& pose) {
+void move_to(state<Plan>& s, std::uint32_t index, vec<typename Plan::scalar, Plan::dimension> position,
+             const rotation<typename Plan::scalar, Plan::dimension>& orientation) {
     auto& b = s.bodies[index];
+    if (!Plan::turns && !(orientation == b.rotation)) {
+        refuse("move_to", "orientation", "another one", "the recipe leaves rotation out");
+        return;
+    }
+    const transform<typename Plan::scalar, Plan::dimension> pose{
+        position, Plan::turns ? normalized(orientation) : b.rotation};
     b.target = pose;
     b.has_target = true;
     if (!(pose == b.pose())) rouse_near(s, index, pose);
@@ -178,6 +190,10 @@ void set_mass(state<Plan>& s, std::uint32_t index,
               const mass_properties<typename Plan::scalar, Plan::dimension>& mass) {
     const char* f = "set_mass";
     const bool nothing_turns_it = mass.inertia == decltype(mass.inertia){};
+    if (!Plan::turns && !nothing_turns_it) {
+        refuse(f, "inertia", "not 0", "the recipe leaves rotation out");
+        return;
+    }
     if (!check_finite(f, "center", mass.center) ||
         !check_mass(f, s.bodies[index], converted<double>(mass), nothing_turns_it))
         return;
@@ -253,6 +269,34 @@ void act(state<Plan>& s, body_id id, const char* function, const char* field,
     if (point) lever = local ? b.rotation * (*point - b.mass.center) : *point - b.center;
     if (!f(b, local ? b.rotation * force : force, lever)) refuse_action(function, field, size_of(force));
     else if (!(force == decltype(force){})) wake(s, at.index);
+}
+template <class Plan>
+void push(state<Plan>& s, body_id id, const char* function, vec<typename Plan::scalar, Plan::dimension> force,
+          bool local, const vec<typename Plan::scalar, Plan::dimension>* point) {
+    act(s, id, function, "force", force, local, point, [](auto& b, auto f, [[maybe_unused]] auto lever) {
+        if constexpr (Plan::turns) {
+            const auto torque = b.torque + cross(lever, f);
+            if (!is_finite(torque) || !assign(b.force, b.force + f)) return false;
+            b.torque = torque;
+            return true;
+        } else {
+            return assign(b.force, b.force + f);
+        }
+    });
+}
+template <class Plan>
+void kick(state<Plan>& s, body_id id, const char* function, vec<typename Plan::scalar, Plan::dimension> impulse,
+          bool local, const vec<typename Plan::scalar, Plan::dimension>* point) {
+    act(s, id, function, "impulse", impulse, local, point, [](auto& b, auto p, auto lever) {
+        solver_body<typename Plan::scalar, Plan::dimension, Plan::turns> v{b.velocity, {}, b.inverse_mass, {}};
+        if constexpr (Plan::turns) v.inverse_inertia = in_world(b.inverse_inertia, b.rotation);
+        v.apply(p, lever);
+        if (!is_finite(v.velocity.linear) || !is_finite(physics::angular<typename Plan::scalar, Plan::dimension>(
+                                                 value_of(v.velocity.angular))))
+            return false;
+        b.velocity = v.velocity;
+        return true;
+    });
 }
 
 }  // namespace detail

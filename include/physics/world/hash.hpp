@@ -45,22 +45,22 @@ public:
         add(t.position);
         add(t.rotation);
     }
-    template <class S, int D>
-    void add(const body<S, D>& b) {
+    template <class S, int D, bool Turns>
+    void add(const body<S, D, Turns>& b) {
         add(static_cast<std::uint64_t>(b.type) | std::uint64_t{b.rotation_locked} << 8 |
             std::uint64_t{b.mass_is_set} << 9 | std::uint64_t{b.has_target} << 10 | std::uint64_t{b.can_sleep} << 11 |
             std::uint64_t{b.continuous} << 16);
         add(b.center);
         add(b.rotation);
         add(b.velocity.linear);
-        add(b.velocity.angular);
+        add(value_of(b.velocity.angular));
         add(b.force);
-        add(b.torque);
+        add(value_of(b.torque));
         add(b.mass.mass);
         add(b.mass.center);
-        add(b.mass.inertia);
+        add(mass_properties<S, D>(b.mass).inertia);
         add(b.linear_damping);
-        add(b.angular_damping);
+        add(value_of(b.angular_damping));
         add(b.gravity_scale);
         if (b.has_target) add(b.target);
     }

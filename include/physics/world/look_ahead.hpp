@@ -16,7 +16,7 @@ void look_ahead(state<Plan>& s, typename Plan::scalar h) {
         constexpr int D = Plan::dimension;
         s.continuous.ahead.resize(s.bodies.slots());
         bool any = false;
-        s.bodies.each([&](std::uint32_t i, const body<S, D>& b) {
+        s.bodies.each([&](std::uint32_t i, const auto& b) {
             S& ahead = s.continuous.ahead[i];
             ahead = S(0);
             if (s.is_asleep(i)) return;
@@ -26,7 +26,7 @@ void look_ahead(state<Plan>& s, typename Plan::scalar h) {
             if (b.has_target) v = (b.target * b.mass.center - b.center) / h;
             const auto& extent = s.continuous.extents[i];
             ahead = Plan::continuous::ahead(
-                {v * h, b.velocity.angular * h, extent.reach, extent.thickness, S(0), b.continuous});
+                {v * h, value_of(b.velocity.angular) * h, extent.reach, extent.thickness, S(0), b.continuous});
             if (!(ahead > S(0))) return;
             any = true;
             each_shape(s, i, [&](std::uint32_t k, const auto& shape) {

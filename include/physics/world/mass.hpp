@@ -68,7 +68,7 @@ void set_mass_properties(state<Plan>& s, std::uint32_t index,
     auto& b = s.bodies[index];
     if (!(mass.center == b.mass.center)) {
         const vec<S, Plan::dimension> center = b.pose() * mass.center, shift = mass.center - b.mass.center;
-        b.velocity.linear += cross(b.velocity.angular, center - b.center);
+        b.velocity.linear = velocity_at(b.velocity, center - b.center);
         b.center = center;
         const vec<S, Plan::dimension> turned_shift = s.contact_starts[index].rotation * shift;
         for (auto& c : s.contacts) {
@@ -79,13 +79,14 @@ void set_mass_properties(state<Plan>& s, std::uint32_t index,
     b.mass = mass;
     each_shape(s, index, [&](std::uint32_t, auto& shape) { locate(shape, b.pose(), b.center); });
     refresh_extent(s, index);
-    b.inverse_mass = {};
-    b.inverse_inertia = {};
-    b.is_gyroscopic = b.is_dynamic() && !b.rotation_locked && !is_isotropic(mass.inertia);
-    if (!b.is_dynamic()) return;
-    b.inverse_mass = reciprocal<inverse_of<S>>(mass.mass);
-    if (!b.rotation_locked) b.inverse_inertia = inverted_inertia(mass.inertia);
-    if (b.is_gyroscopic) b.spin = free_spin<S, Plan::dimension>(mass.inertia);
+    b.inverse_mass = b.is_dynamic() ? reciprocal<inverse_of<S>>(mass.mass) : inverse_of<S>(0);
+    if constexpr (Plan::turns) {
+        const bool turns = b.is_dynamic() && !b.rotation_locked;
+        b.inverse_inertia = {};
+        if (turns) b.inverse_inertia = inverted_inertia(mass.inertia);
+        b.is_gyroscopic = turns && !is_isotropic(mass.inertia);
+        if (b.is_gyroscopic) b.spin = free_spin<S, Plan::dimension>(mass.inertia);
+    }
 }
 /// Mass from shapes, unless the user has set it. A dynamic body without any mass is a point of 1 kg at its
 /// origin; static and kinematic bodies take no mass from shapes.

@@ -31,11 +31,12 @@ template <class Plan>
 class batch_motion {
     using S = typename Plan::scalar;
     static constexpr int D = Plan::dimension;
+    static constexpr bool turns = Plan::turns;
     using integrator = typename Plan::integrator;
 
 public:
     /// Copies the bodies of a part into their slots.
-    batch_motion(const state<Plan>& s, const batches& parts, const batch& part, moved_bodies<S, D> slots, S h,
+    batch_motion(const state<Plan>& s, const batches& parts, const batch& part, moved_bodies<S, D, turns> slots, S h,
                  arena& scratch)
         : state_(s),
           members_(parts.body_at + part.bodies),
@@ -44,12 +45,13 @@ public:
           count_(part.nobody - part.bodies),
           step_(h) {
         for (std::uint32_t k = 0; k < count_; ++k) gather(k);
-        for (std::uint32_t k = count_; k < part.nobody - part.bodies + 2; ++k) new (bodies_ + k) solver_body<S, D>{};
+        for (std::uint32_t k = count_; k < part.nobody - part.bodies + 2; ++k)
+            new (bodies_ + k) solver_body<S, D, turns>{};
         if (free_count_ > 0) find_free(parts, part, scratch);
     }
 
     /// What the solver sees of the bodies; the last two are nobody.
-    [[nodiscard]] solver_bodies<S, D> bodies() const { return {bodies_, count_ + 2}; }
+    [[nodiscard]] solver_bodies<S, D, turns> bodies() const { return {bodies_, count_ + 2}; }
 
     void advance_velocities(S h) {
         if (free_count_ > 0) thrust(step_ / h);
@@ -58,13 +60,13 @@ public:
             integrator::advance_velocity(bodies_[k].velocity, moving_[k], h);
             // -0 becomes 0, which no impulse of 0 changes: so the bits are the same whether solvers give it or not.
             bodies_[k].velocity.linear += vec<S, D>{};
-            bodies_[k].velocity.angular += angular<S, D>{};
+            if constexpr (turns) bodies_[k].velocity.angular += angular<S, D>{};
         }
         if (free_count_ > 0) thrust(S(0));
     }
     void advance_poses(S h) {
         for (std::uint32_t k = 0; k < count_; ++k) {
-            turning_velocity<S, D>& v = bodies_[k].velocity;
+            turning_velocity<S, D, turns>& v = bodies_[k].velocity;
             integrator::advance_pose(moving_[k], v, bodies_[k].way, h);
         }
     }
@@ -72,47 +74,55 @@ public:
     /// Ends the step. False if something that moved is where numbers do not reach.
     [[nodiscard]] bool finish() {
         for (std::uint32_t k = 0; k < count_; ++k) {
-            const twist<S, D>& way = bodies_[k].way;
+            const auto& way = bodies_[k].way;
             moving_[k].center += way.linear;
-            if constexpr (D == 2)
+            if constexpr (D == 2 && turns)
                 if (way.angular != S(0)) moving_[k].rotation = turned(moving_[k].rotation, way.angular);
         }
         for (std::uint32_t k = 0; k < count_; ++k)
-            if (!physics::is_finite(moving_[k].center) || !physics::is_finite(moving_[k].rotation) ||
-                !physics::is_finite(bodies_[k].velocity.linear) || !physics::is_finite(bodies_[k].velocity.angular))
+            if (!physics::is_finite(moving_[k].center) || !physics::is_finite(bodies_[k].velocity.linear) ||
+                !turns_well(moving_[k], bodies_[k].velocity))
                 return false;
         return true;
     }
 
 private:
-    [[nodiscard]] const body<S, D>& member(std::uint32_t k) const {
+    static bool turns_well([[maybe_unused]] const moving_body<S, D, turns>& at,
+                           [[maybe_unused]] const twist_of<S, D, turns>& v) {
+        if constexpr (turns) return physics::is_finite(at.rotation) && physics::is_finite(v.angular);
+        else return true;
+    }
+    [[nodiscard]] const typename Plan::body& member(std::uint32_t k) const {
         return state_.bodies[state_.movers[members_[k]]];
     }
     void gather(std::uint32_t k) {
-        const body<S, D>& b = member(k);
-        solver_body<S, D>& seen = *new (bodies_ + k)
-            solver_body<S, D>{b.velocity, {}, b.inverse_mass, in_world(b.inverse_inertia, b.rotation)};
-        moving_body<S, D>& m = *new (moving_ + k) moving_body<S, D>{};
+        const auto& b = member(k);
+        auto& seen = *new (bodies_ + k) solver_body<S, D, turns>{b.velocity, {}, b.inverse_mass, {}};
+        auto& m = *new (moving_ + k) moving_body<S, D, turns>{};
         m.center = b.center;
-        m.rotation = b.rotation;
-        if (b.has_target) {
-            seen.velocity.linear = (b.target * b.mass.center - b.center) / step_;
-            seen.velocity.angular = rotation_vector(b.target.rotation * inverse(b.rotation)) / step_;
+        if (b.has_target) seen.velocity.linear = (b.target * b.mass.center - b.center) / step_;
+        if constexpr (turns) {
+            seen.inverse_inertia = in_world(b.inverse_inertia, b.rotation);
+            m.rotation = b.rotation;
+            if (b.has_target)
+                seen.velocity.angular = rotation_vector(b.target.rotation * inverse(b.rotation)) / step_;
         }
         if (!b.is_dynamic()) return;
         m.acceleration = state_.settings.gravity * b.gravity_scale;
         m.linear_damping = b.linear_damping;
-        m.angular_damping = b.angular_damping;
-        if (b.is_gyroscopic) m.top = &b;
+        if constexpr (turns) {
+            m.angular_damping = b.angular_damping;
+            if (b.is_gyroscopic) m.top = &b;
+        }
         if (!b.is_pushed()) return;
         ++free_count_;
         add_force(k, S(1));
     }
     /// Lets `share` of the force on a body act.
     void add_force(std::uint32_t k, S share) {
-        const body<S, D>& b = member(k);
+        const auto& b = member(k);
         for (int i = 0; i < D; ++i) moving_[k].acceleration[i] += mul<S>(b.inverse_mass, b.force[i] * share);
-        moving_[k].angular_acceleration += times(bodies_[k].inverse_inertia, b.torque * share);
+        if constexpr (turns) moving_[k].angular_acceleration += times(bodies_[k].inverse_inertia, b.torque * share);
     }
     /// Bodies that are pushed and touch nothing.
     void find_free(const batches& parts, const batch& part, arena& scratch) {
@@ -133,7 +143,7 @@ private:
         for (std::uint32_t n = 0; n < free_count_; ++n) {
             const std::uint32_t k = free_[n];
             moving_[k].acceleration = state_.settings.gravity * member(k).gravity_scale;
-            moving_[k].angular_acceleration = {};
+            if constexpr (turns) moving_[k].angular_acceleration = {};
             if (share > S(0)) add_force(k, share);
         }
         if (!(share > S(0))) free_count_ = 0;
@@ -141,8 +151,8 @@ private:
 
     const state<Plan>& state_;
     const std::uint32_t* members_;
-    solver_body<S, D>* bodies_;
-    moving_body<S, D>* moving_;
+    solver_body<S, D, turns>* bodies_;
+    moving_body<S, D, turns>* moving_;
     std::uint32_t count_;
     S step_;
     std::uint32_t* free_ = nullptr;
@@ -154,11 +164,12 @@ template <class Plan>
 class motion {
     using S = typename Plan::scalar;
     static constexpr int D = Plan::dimension;
+    static constexpr bool turns = Plan::turns;
 
 public:
     motion(state<Plan>& s, S h, const crew& hands) : state_(s), parts_(parts_of(s, hands)), step_(h) {
-        moved_ = {s.scratch.template take<solver_body<S, D>>(parts_.slots),
-                  s.scratch.template take<moving_body<S, D>>(parts_.slots), parts_.slot_of};
+        moved_ = {s.scratch.template take<solver_body<S, D, turns>>(parts_.slots),
+                  s.scratch.template take<moving_body<S, D, turns>>(parts_.slots), parts_.slot_of};
     }
 
     /// Solves the contacts: giants one after the other, with all hands, then the other batches side by side. False if
@@ -180,7 +191,7 @@ public:
         return true;
     }
     /// Where bodies have come.
-    [[nodiscard]] moved_bodies<S, D> moved() const { return moved_; }
+    [[nodiscard]] moved_bodies<S, D, turns> moved() const { return moved_; }
 
     /// Puts shapes where their bodies are now, and tells the broadphase, and where they are heading; bodies with a
     /// target are there, to the bit. False, and all shapes where they were, if a box is beyond the scalar's range.
@@ -188,7 +199,7 @@ public:
         bool fit = true;
         for (std::uint32_t k = 0; k < state_.movers.size() && fit; ++k) {
             const std::uint32_t i = state_.movers[k];
-            const body<S, D>& b = state_.bodies[i];
+            const auto& b = state_.bodies[i];
             const transform<S, D> pose = pose_of(k);
             const vec<S, D> center = b.has_target ? pose * b.mass.center : moved_[k].center;
             const vec<S, D> way = moved_.velocity(k).linear * step_;
@@ -213,10 +224,10 @@ public:
             });
         for (std::uint32_t k = 0; k < state_.movers.size(); ++k) {
             const std::uint32_t i = state_.movers[k];
-            body<S, D>& b = state_.bodies[i];
+            auto& b = state_.bodies[i];
             state_.contact_starts[i] = {b.center, b.rotation};
             b.center = moved_[k].center;
-            b.rotation = moved_[k].rotation;
+            if constexpr (turns) b.rotation = moved_[k].rotation;
             b.velocity = moved_.velocity(k);
             b.force = {};
             b.torque = {};
@@ -239,9 +250,10 @@ public:
 private:
     /// Wakes what a kinematic body is going to run into.
     void rouse_ahead(std::uint32_t i) {
-        const body<S, D>& b = state_.bodies[i];
-        if (b.is_dynamic() || b.velocity == twist<S, D>{}) return;
-        const rotation<S, D> turn = turned(b.rotation, b.velocity.angular * step_);
+        const auto& b = state_.bodies[i];
+        if (b.is_dynamic() || b.velocity == twist_of<S, D, turns>{}) return;
+        rotation<S, D> turn = b.rotation;
+        if constexpr (turns) turn = turned(turn, b.velocity.angular * step_);
         rouse_near(state_, i, {b.center + b.velocity.linear * step_ - turn * b.mass.center, turn});
     }
     static batches parts_of(state<Plan>& s, const crew& hands) {
@@ -267,9 +279,10 @@ private:
         return moving.finish();
     }
     [[nodiscard]] transform<S, D> pose_of(std::uint32_t k) const {
-        const body<S, D>& b = state_.bodies[state_.movers[k]];
+        const auto& b = state_.bodies[state_.movers[k]];
         if (b.has_target) return b.target;
-        return {moved_[k].center - moved_[k].rotation * b.mass.center, moved_[k].rotation};
+        const rotation<S, D>& turn = rotation_after(moved_[k], b);
+        return {moved_[k].center - turn * b.mass.center, turn};
     }
 
     /// An island that is so many times as large as a batch is wide enough for several workers.
@@ -277,7 +290,7 @@ private:
 
     state<Plan>& state_;
     batches parts_;
-    moved_bodies<S, D> moved_;
+    moved_bodies<S, D, turns> moved_;
     S step_;
 };
 

@@ -68,8 +68,8 @@ auto view_of(const state<Plan>& s, const typename Plan::contact& c) {
     using S = typename Plan::scalar;
     constexpr int D = Plan::dimension;
     const std::uint32_t at_a = body_a(s, c), at_b = body_b(s, c);
-    const body<S, D>& a = s.bodies[at_a];
-    const body<S, D>& b = s.bodies[at_b];
+    const auto& a = s.bodies[at_a];
+    const auto& b = s.bodies[at_b];
     contact_view<S, D> view{
         {c.shape_a, s.shapes.generation(c.shape_a), s.tag}, {c.shape_b, s.shapes.generation(c.shape_b), s.tag},
         {at_a, s.bodies.generation(at_a), s.tag},           {at_b, s.bodies.generation(at_b), s.tag},

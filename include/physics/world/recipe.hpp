@@ -129,6 +129,8 @@ struct plan<S, D, shapes<Shapes...>, Policies...> {
     static constexpr int dimension = D;
     using space = physics::space<S, D>;
     using features = typename policy_for<stage::features, without<>, Policies...>::type;
+    static constexpr bool turns = features::rotation;
+    using body = physics::body<S, D, turns>;
     using contact = physics::contact<S, D, features>;
     using shape = any_shape<S, D, Shapes...>;
     using query = narrowphase_query<S, D, Shapes...>;

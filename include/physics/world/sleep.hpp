@@ -237,7 +237,7 @@ private:
             const auto& b = s_.bodies[i];
             S& still = s_.sleep.still[i];
             const bool moves = length_squared(b.velocity.linear) > fast ||
-                               spin_squared(b.velocity.angular) > twirling ||
+                               spin_squared(value_of(b.velocity.angular)) > twirling ||
                                length_squared(b.center - s_.sleep.since[i]) > far;
             if (moves || !b.can_sleep) {
                 still = S(0);
@@ -264,14 +264,14 @@ private:
     }
     void judge(std::uint32_t k, island& of) {
         const std::uint32_t i = s_.movers[k];
-        const auto& [linear, angular] = s_.bodies[i].velocity;
         of.is_still = of.is_still && s_.bodies[i].can_sleep && !(s_.sleep.still[i] < s_.settings.sleeping.time);
-        of.is_stopped = of.is_stopped && linear == vec<S, D>{} && angular == physics::angular<S, D>{};
+        of.is_stopped = of.is_stopped && s_.bodies[i].velocity == twist_of<S, D, Plan::turns>{};
     }
     /// One of the two is not dynamic: it carries the island if it stands still, and keeps it awake if it moves.
     void support(std::uint32_t a, std::uint32_t b, island& of) {
         const std::uint32_t other = is_dynamic(a) ? b : a;
-        if (other < count_ && !(s_.bodies[s_.movers[other]].velocity == twist<S, D>{})) of.is_still = false;
+        const twist_of<S, D, Plan::turns> still{};
+        if (other < count_ && !(s_.bodies[s_.movers[other]].velocity == still)) of.is_still = false;
         else of.rests = true;
     }
     void fall_asleep(std::uint32_t i, island& of) {

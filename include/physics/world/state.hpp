@@ -212,7 +212,7 @@ struct state {
     static constexpr int D = Plan::dimension;
 
     typename Plan::settings settings;
-    pool<body<S, D>> bodies;
+    pool<typename Plan::body> bodies;
     shape_pool<Plan> shapes;
     typename Plan::broadphase broadphase;
     /// Contacts of the last step that push somebody who is awake, in ascending order of their pairs.

@@ -131,7 +131,7 @@ public:
     void move_to(body_id id, vec position, const rotation& orientation) {
         const auto b = detail::find_kinematic(state_, id, "move_to");
         if (b && detail::check_pose("move_to", position, orientation))
-            detail::move_to(state_, b.index, {position, normalized(orientation)});
+            detail::move_to(state_, b.index, position, orientation);
     }
     void move_to(body_id id, const transform& pose) { move_to(id, pose.position, pose.rotation); }
 
@@ -140,7 +140,8 @@ public:
         return get(id, "linear_velocity", [](const auto& b) { return b.velocity.linear; });
     }
     [[nodiscard]] angular angular_velocity(body_id id) const {
-        return get(id, "angular_velocity", [](const auto& b) { return b.velocity.angular; });
+        return get(id, "angular_velocity",
+                   [](const auto& b) -> angular { return detail::value_of(b.velocity.angular); });
     }
     [[nodiscard]] vec velocity_at(body_id id, vec point) const {
         const auto b = find(id, "velocity_at");
@@ -154,7 +155,7 @@ public:
         if (!(v == vec{})) detail::rouse(state_, b.index);
         state_.bodies[b.index].velocity.linear = v;
     }
-    void set_angular_velocity(body_id id, angular w) {
+    void set_angular_velocity(body_id id, angular w) requires plan::turns {
         const auto b = find_moving(id, "set_angular_velocity");
         if (!b ||
             !detail::check_angular_velocity("set_angular_velocity", "w", w, state_.bodies[b.index].rotation_locked))
@@ -172,7 +173,7 @@ public:
         push(id, "apply_local_force_at", force, true, &point);
     }
     /// A torque (N m) during the next step.
-    void apply_torque(body_id id, angular torque) {
+    void apply_torque(body_id id, angular torque) requires plan::turns {
         const auto b = dynamic(id, "apply_torque");
         if (!b || !detail::check_finite("apply_torque", "torque", torque)) return;
         auto& sum = state_.bodies[b.index].torque;
@@ -195,7 +196,7 @@ public:
         kick(id, "apply_local_impulse_at", impulse, true, &point);
     }
     /// An angular impulse (N m s).
-    void apply_angular_impulse(body_id id, angular impulse) {
+    void apply_angular_impulse(body_id id, angular impulse) requires plan::turns {
         const auto at = dynamic(id, "apply_angular_impulse");
         if (!at || !detail::check_finite("apply_angular_impulse", "impulse", impulse)) return;
         auto& b = state_.bodies[at.index];
@@ -216,7 +217,7 @@ public:
     /// Mass (kg), centre (m) and inertia about it (kg m^2) in the body's frame. Static and kinematic bodies take none
     /// from their shapes: they have mass 0 and their centre at the origin.
     [[nodiscard]] mass_properties mass(body_id id) const {
-        return get(id, "mass", [](const auto& b) { return b.mass; });
+        return get(id, "mass", [](const auto& b) -> mass_properties { return b.mass; });
     }
     /// Sets them for a dynamic body, until reset_mass, whatever its shapes are; with an inertia of 0 nothing turns it.
     /// Refuses what the scalar cannot hold, and tensors that are not positive definite.
@@ -231,16 +232,17 @@ public:
         return get(id, "linear_damping", [](const auto& b) { return b.linear_damping; });
     }
     [[nodiscard]] scalar angular_damping(body_id id) const {
-        return get(id, "angular_damping", [](const auto& b) { return b.angular_damping; });
+        return get(id, "angular_damping", [](const auto& b) { return detail::value_of(b.angular_damping); });
     }
     /// Rates (1/s), at least 0, at which the velocities of a dynamic body decay without force.
     void set_damping(body_id id, scalar linear_rate, scalar angular_rate) {
         const auto b = find(id, "set_damping");
         if (!b || !detail::check_not_negative("set_damping", "linear_rate", linear_rate) ||
-            !detail::check_not_negative("set_damping", "angular_rate", angular_rate))
+            !detail::check_not_negative("set_damping", "angular_rate", angular_rate) ||
+            (!plan::turns && !detail::check_left_out("set_damping", "angular_rate", angular_rate)))
             return;
         state_.bodies[b.index].linear_damping = linear_rate;
-        state_.bodies[b.index].angular_damping = angular_rate;
+        if constexpr (plan::turns) state_.bodies[b.index].angular_damping = angular_rate;
     }
     [[nodiscard]] scalar gravity_scale(body_id id) const {
         return get(id, "gravity_scale", [](const auto& b) { return b.gravity_scale; });
@@ -255,7 +257,7 @@ public:
         return get(id, "rotation_locked", [](const auto& b) { return b.rotation_locked; });
     }
     /// Locks or frees rotation; locking stops it.
-    void set_rotation_locked(body_id id, bool locked) {
+    void set_rotation_locked(body_id id, bool locked) requires plan::turns {
         if (const auto b = find(id, "set_rotation_locked")) detail::set_rotation_locked(state_, b.index, locked);
     }
     /// True while the body sleeps: an island of bodies that has been still for long enough (settings().sleeping) leaves
@@ -368,7 +370,7 @@ private:
     /// f of the thing that the handle names, or a default value after refusing the handle.
     template <class F>
     auto get(body_id id, const char* function, F&& f) const
-        -> decltype(f(std::declval<const physics::body<scalar, dimension>&>())) {
+        -> decltype(f(std::declval<const typename plan::body&>())) {
         const auto b = find(id, function);
         return b ? f(state_.bodies[b.index]) : decltype(f(state_.bodies[0])){};
     }
@@ -379,18 +381,10 @@ private:
         return s ? f(state_.shapes[s.index]) : decltype(f(state_.shapes[0])){};
     }
     void push(body_id id, const char* function, vec force, bool local, const vec* point) {
-        detail::act(state_, id, function, "force", force, local, point, [](auto& b, vec f, vec lever) {
-            const angular torque = b.torque + cross(lever, f);
-            return is_finite(torque) && detail::assign(b.force, b.force + f) && detail::assign(b.torque, torque);
-        });
+        detail::push(state_, id, function, force, local, point);
     }
     void kick(body_id id, const char* function, vec impulse, bool local, const vec* point) {
-        detail::act(state_, id, function, "impulse", impulse, local, point, [](auto& b, vec p, vec lever) {
-            solver_body<scalar, dimension> v{b.velocity, {}, b.inverse_mass, in_world(b.inverse_inertia, b.rotation)};
-            v.apply(p, lever);
-            return is_finite(v.velocity.linear) && detail::assign(b.velocity.angular, v.velocity.angular) &&
-                   detail::assign(b.velocity.linear, v.velocity.linear);
-        });
+        detail::kick(state_, id, function, impulse, local, point);
     }
 
     detail::state<plan> state_;

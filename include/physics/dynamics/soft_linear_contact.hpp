@@ -1,0 +1,340 @@
+// Contacts of the soft solver between bodies that do not turn, in lanes.
+#pragma once
+
+#include "physics/dynamics/soft_contact.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Vectors in lanes.
+template <class P, int D>
+struct vector_lanes {
+    P at[D];
+
+    PHYSICS_HPP_ALWAYS_INLINE static vector_lanes load(const typename P::scalar (&from)[D][P::width]) {
+        vector_lanes v;
+        for (int i = 0; i < D; ++i) v.at[i] = P::load(from[i]);
+        return v;
+    }
+};
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE P lane_dot(const vector_lanes<P, 2>& a, const vector_lanes<P, 2>& b) {
+    return lane_sum(a.at[0], b.at[0], a.at[1], b.at[1]);
+}
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE P lane_dot(const vector_lanes<P, 3>& a, const vector_lanes<P, 3>& b) {
+    return lane_dot(lanes3<P>{a.at[0], a.at[1], a.at[2]}, lanes3<P>{b.at[0], b.at[1], b.at[2]});
+}
+
+/// Velocities and ways of W bodies.
+template <class P, int D>
+struct linear_lanes {
+    using S = typename P::scalar;
+    using body = solver_body<S, D, false>;
+    static constexpr int stride = sizeof(body) / sizeof(S);
+
+    vector_lanes<P, D> velocity, way;
+
+    PHYSICS_HPP_ALWAYS_INLINE void load(const body* bodies, const std::uint32_t* index) {
+        const auto* first = reinterpret_cast<const S*>(bodies);
+        const quad<P> p = load4<P>(indexed_rows<const S, stride>{first, index});
+        if constexpr (D == 2) {
+            velocity = {{p.x, p.y}};
+            way = {{p.z, p.w}};
+        } else {
+            const quad<P> q = load4<P>(indexed_rows<const S, stride>{first + 4, index});
+            velocity = {{p.x, p.y, p.z}};
+            way = {{p.w, q.x, q.y}};
+        }
+    }
+    PHYSICS_HPP_ALWAYS_INLINE void store(body* bodies, const std::uint32_t* index) const {
+        const indexed_rows<S, stride> to{reinterpret_cast<S*>(bodies), index};
+        const auto& v = velocity.at;
+        if constexpr (D == 2) store4(to, quad<P>{v[0], v[1], way.at[0], way.at[1]});
+        else store4(to, quad<P>{v[0], v[1], v[2], way.at[0]});
+    }
+};
+
+/// Friction where nothing turns: the same mass answers in every direction.
+template <class S, int D, int W>
+struct soft_linear_friction {
+    using P = kernel_pack<S, W>;
+
+    S coefficient[W];
+    /// Along the tangents; of this substep, and of the whole step.
+    S impulse[D - 1][W], total[D - 1][W];
+
+    template <class Features>
+    void put(int lane, const contact<S, D, Features>& c, S share) {
+        const tangential<S, D> before = friction_of(c);
+        coefficient[lane] = c.friction;
+        if constexpr (D == 2) impulse[0][lane] = before * share;
+        else for (int i = 0; i < 2; ++i) impulse[i][lane] = before[i] * share;
+    }
+    /// Hands a share of the step's impulses back.
+    [[nodiscard]] tangential<S, D> part(int lane, S share) const {
+        if constexpr (D == 2) return total[0][lane] * share;
+        else return {total[0][lane] * share, total[1][lane] * share};
+    }
+    /// More than 0 where it holds anything.
+    PHYSICS_HPP_ALWAYS_INLINE P held(int) const {
+        P most = lane_abs(P::load(impulse[0]));
+        for (int i = 1; i < D - 1; ++i) most = max(most, lane_abs(P::load(impulse[i])));
+        return most;
+    }
+    /// Turns slips into the changes of the impulses that stop them, under a load, or let them slide.
+    PHYSICS_HPP_ALWAYS_INLINE void answer(P (&slip)[D - 1], const P& mass, const P& load) {
+        const P most = P::load(coefficient) * load;
+        P before[D - 1], after[D - 1];
+        for (int i = 0; i < D - 1; ++i) {
+            before[i] = P::load(impulse[i]);
+            after[i] = before[i] - mass * slip[i];
+        }
+        if constexpr (D == 2) {
+            after[0] = max(min(after[0], most), -most);
+        } else if (lane_is_longer(after[0], after[1], most).bits() != 0) {
+            const P one = P::broadcast(S(1)), length = lane_length(after[0], after[1]);
+            const P share = select_greater(length, most, most / select_greater(length, most, length, one), one);
+            for (P& along : after) along = along * share;
+        }
+        for (int i = 0; i < D - 1; ++i) {
+            after[i].store(impulse[i]);
+            (P::load(total[i]) + after[i]).store(total[i]);
+            slip[i] = after[i] - before[i];
+        }
+    }
+};
+
+/// The first tangent where it cannot be told from the normal in no time.
+template <class S, int W>
+struct kept_tangent {
+    S kept[3][W];
+};
+
+/// W contacts that push different bodies, none of which turns. All points of a contact move alike: the nearest one
+/// stands for all of them, and they share out evenly what it bears.
+template <class S, int D, int W, class Features>
+struct soft_linear_contact {
+    using I = inverse_of<S>;
+    using P = kernel_pack<S, W>;
+    using Q = kernel_pack<I, W>;
+    using body = solver_body<S, D, false>;
+    using round = soft_round<S, D, false>;
+    struct gathering {};
+
+    struct point {
+        S mass[W], separation[W];
+        /// Of this substep, after its last round what the next one begins with; and of the whole step.
+        S impulse[W], total[W];
+    };
+    static constexpr int point_count = 1;
+
+    std::uint32_t a[W], b[W];
+    S normal[D][W];
+    [[no_unique_address]] std::conditional_t<Features::friction && D == 3, kept_tangent<S, W>, nothing<2>> tangent;
+    I mass_a[W], mass_b[W];
+    point points[point_count];
+    [[no_unique_address]] std::conditional_t<Features::friction, soft_linear_friction<S, D, W>, no_soft_friction>
+        friction;
+    /// What the points bore together as the substep began.
+    S held[W];
+    /// Whether any point bounces.
+    bool bounces = false;
+    /// Whether the contacts push their bodies, which is the same for all lanes.
+    bool moves_a = false, moves_b = false;
+    [[no_unique_address]] extras_of_block<S, W, D, Features> extras;
+    [[no_unique_address]] soft_bounces_of<S, 1, W, Features> bounce_to;
+
+    /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
+    void put(int lane, const contact<S, D, Features>& c, const body* bodies, const soft_start<S>& with, gathering&,
+             arena& scratch) {
+        const body& first = bodies[c.body_a];
+        const body& second = bodies[c.body_b];
+        a[lane] = c.body_a;
+        b[lane] = c.body_b;
+        mass_a[lane] = first.inverse_mass;
+        mass_b[lane] = second.inverse_mass;
+        for (int i = 0; i < D; ++i) normal[i][lane] = c.normal[i];
+        int nearest = 0;
+        S load = S(0);
+        for (int k = 0; k < c.count; ++k) {
+            if (c.points[k].separation < c.points[nearest].separation) nearest = k;
+            if (c.persisted(k)) load += c.points[k].load;
+        }
+        points[0].separation[lane] = c.points[nearest].separation;
+        points[0].impulse[lane] = load;
+        if constexpr (Features::restitution)
+            bounces |= S(0) < (bounce_to.speed[0][lane] =
+                                   bounce_of(c, nearest, first, second, with.bounce_slop, with.step));
+        if constexpr (Features::friction) friction.put(lane, c, with.share);
+        extras.put(lane, c, first, second, with.share, scratch);
+    }
+    /// Works out, once all lanes have been written, what the rounds need.
+    PHYSICS_HPP_ALWAYS_INLINE void prepare(const body*, const gathering&) {
+        using K = preparing<S, W>;
+        put_lanes(lane_reciprocal(lanes_from<K>(mass_a) + lanes_from<K>(mass_b)), points[0].mass);
+        if constexpr (Features::friction && D == 3) {
+            const lanes3<K> t = lane_tangent(lanes3_from<K>(normal));
+            put_lanes(t.x, tangent.kept[0]);
+            put_lanes(t.y, tangent.kept[1]);
+            put_lanes(t.z, tangent.kept[2]);
+        }
+    }
+    /// Hands the impulses back.
+    void take(int lane, contact<S, D, Features>& c) const {
+        const S share = S(1) / S(int{c.count});
+        for (int k = 0; k < c.count; ++k) {
+            auto& to = c.points[k];
+            to.normal_impulse = points[0].total[lane] * share;
+            to.load = points[0].impulse[lane] * share;
+            if constexpr (Features::friction) to.friction_impulse = friction.part(lane, share);
+        }
+    }
+
+    /// Gives the bodies the impulses of the last substep at once.
+    PHYSICS_HPP_ALWAYS_INLINE void warm_start(body* bodies) {
+        P::load(points[0].impulse).store(held);
+        if (bears_nothing<P>(*this)) return;
+        linear_lanes<P, D> at_a, at_b;
+        at_a.load(bodies, a);
+        at_b.load(bodies, b);
+        const P load = P::load(points[0].impulse);
+        if constexpr (Features::friction) {
+            P rubs[D - 1];
+            for (int i = 0; i < D - 1; ++i) rubs[i] = P::load(friction.impulse[i]);
+            push(load, rubs, at_a, at_b);
+        } else {
+            push(load, at_a, at_b);
+        }
+        store(bodies, at_a, at_b);
+    }
+    /// One round over the contacts, then friction by their load; while overlaps are pushed apart it rests.
+    PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const round& how) {
+        linear_lanes<P, D> at_a, at_b;
+        at_a.load(bodies, a);
+        at_b.load(bodies, b);
+        const vector n = normals();
+        const P speed = lane_dot(n, slip_of(at_a, at_b)), way = lane_dot(n, difference(at_b.way, at_a.way));
+        const P one = P::broadcast(S(1));
+        const auto way_at = [&](int) PHYSICS_HPP_INLINE_LAMBDA { return way; };
+        const auto speed_at = [&](int) PHYSICS_HPP_INLINE_LAMBDA { return speed; };
+        if (bears_nothing<P>(*this) && are_idle(points, 1, how, one, way_at, speed_at)) {
+            if (!how.pushes) P::broadcast(S(0)).store(held);
+            return;
+        }
+        push(next_impulse(points[0], speed, way, how, one), at_a, at_b);
+        if (!how.pushes) {
+            P load;
+            take_loads(points, 1, &load);
+            if constexpr (Features::friction) rub(load, at_a, at_b);
+            if (greater(-speed, P::broadcast(how.impact_speed)).bits() != 0) forget_blows(bodies, how, speed);
+            P::load(points[0].impulse).store(held);
+        }
+        store(bodies, at_a, at_b);
+    }
+    PHYSICS_HPP_ALWAYS_INLINE void bounce(body* bodies) requires Features::restitution {
+        linear_lanes<P, D> at_a, at_b;
+        at_a.load(bodies, a);
+        at_b.load(bodies, b);
+        const P speed = lane_dot(normals(), slip_of(at_a, at_b));
+        push(bounce_impulse(points[0], P::load(bounce_to.speed[0]), speed), at_a, at_b);
+        store(bodies, at_a, at_b);
+    }
+
+private:
+    using vector = vector_lanes<P, D>;
+
+    PHYSICS_HPP_ALWAYS_INLINE vector normals() const { return vector::load(normal); }
+    /// Tangent number i.
+    PHYSICS_HPP_ALWAYS_INLINE vector along(int i) const requires Features::friction {
+        if constexpr (D == 2) {
+            return {{P::load(normal[1]), -P::load(normal[0])}};
+        } else {
+            const lanes3<P> t = lanes3<P>::load(tangent.kept);
+            const lanes3<P> of = i == 0 ? t : lane_cross(lanes3<P>::load(normal), t);
+            return {{of.x, of.y, of.z}};
+        }
+    }
+    PHYSICS_HPP_ALWAYS_INLINE static vector difference(const vector& v, const vector& w) {
+        vector d;
+        for (int i = 0; i < D; ++i) d.at[i] = v.at[i] - w.at[i];
+        return d;
+    }
+    /// How B moves against A.
+    PHYSICS_HPP_ALWAYS_INLINE static vector slip_of(const linear_lanes<P, D>& at_a, const linear_lanes<P, D>& at_b) {
+        return difference(at_b.velocity, at_a.velocity);
+    }
+    /// Stops the slip, or lets it slide.
+    PHYSICS_HPP_ALWAYS_INLINE void rub(const P& load, linear_lanes<P, D>& at_a, linear_lanes<P, D>& at_b) {
+        const vector slip = slip_of(at_a, at_b);
+        P by[D - 1];
+        for (int i = 0; i < D - 1; ++i) by[i] = lane_dot(along(i), slip);
+        if constexpr (Features::surface_velocity) {
+            if (extras.at != nullptr) {
+                if constexpr (D == 2) {
+                    by[0] = by[0] - P::load(extras.at->along);
+                } else {
+                    by[0] = by[0] - P::load(extras.at->belt::x);
+                    by[1] = by[1] - P::load(extras.at->belt::y);
+                }
+            }
+        }
+        friction.answer(by, P::load(points[0].mass), load);
+        push(P::broadcast(S(0)), by, at_a, at_b);
+    }
+    /// Takes back, where surfaces met with a blow, of what the next substep begins with all but what was held before.
+    PHYSICS_HPP_NOINLINE void forget_blows(const body* bodies, const round& how, const P& speed) {
+        for (int lane = 0; lane < W; ++lane) {
+            const S load = points[0].impulse[lane];
+            if (!(-speed.lane(lane) > how.impact_speed) || !(load > held[lane])) continue;
+            const S share = held[lane] / load;
+            vec<S, D> n, lost;
+            for (int i = 0; i < D; ++i) n[i] = normal[i][lane];
+            lost = n * take_from(points[0].impulse[lane], share);
+            if constexpr (Features::friction)
+                for (int k = 0; k < D - 1; ++k) {
+                    const S rubbed = take_from(friction.impulse[k][lane], share);
+                    const vector t = along(k);
+                    for (int i = 0; i < D; ++i) lost[i] += t.at[i].lane(lane) * rubbed;
+                }
+            if (moves_a) begin_without(how.begun[a[lane]], bodies[a[lane]], -lost);
+            if (moves_b) begin_without(how.begun[b[lane]], bodies[b[lane]], lost);
+        }
+    }
+    /// Impulses along the normal and along the tangents, from A on B.
+    PHYSICS_HPP_ALWAYS_INLINE void push(const P& load, linear_lanes<P, D>& at_a, linear_lanes<P, D>& at_b) const {
+        vector impulse = normals();
+        for (P& part : impulse.at) part = part * load;
+        give(impulse, at_a, at_b);
+    }
+    PHYSICS_HPP_ALWAYS_INLINE void push(const P& load, const P (&rubs)[D - 1], linear_lanes<P, D>& at_a,
+                                        linear_lanes<P, D>& at_b) const requires Features::friction {
+        const vector n = normals();
+        vector impulse, tangents[D - 1];
+        for (int k = 0; k < D - 1; ++k) tangents[k] = along(k);
+        for (int i = 0; i < D; ++i) {
+            auto sum = product(n.at[i], load);
+            for (int k = 0; k < D - 1; ++k) sum = sum + product(tangents[k].at[i], rubs[k]);
+            impulse.at[i] = narrow<S>(sum);
+        }
+        give(impulse, at_a, at_b);
+    }
+    PHYSICS_HPP_ALWAYS_INLINE void give(const vector& impulse, linear_lanes<P, D>& at_a,
+                                        linear_lanes<P, D>& at_b) const {
+        const Q m_a = Q::load(mass_a), m_b = Q::load(mass_b);
+        for (int i = 0; i < D; ++i) {
+            at_a.velocity.at[i] = at_a.velocity.at[i] - mul<S>(m_a, impulse.at[i]);
+            at_b.velocity.at[i] = at_b.velocity.at[i] + mul<S>(m_b, impulse.at[i]);
+        }
+    }
+    PHYSICS_HPP_ALWAYS_INLINE void store(body* bodies, const linear_lanes<P, D>& at_a,
+                                         const linear_lanes<P, D>& at_b) const {
+        if (moves_a) at_a.store(bodies, a);
+        if (moves_b) at_b.store(bodies, b);
+    }
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
