@@ -168,6 +168,7 @@
 #include "physics/dynamics/integrator.hpp"
 #include "physics/dynamics/islands.hpp"
 #include "physics/dynamics/material.hpp"
+#include "physics/dynamics/pose_lanes.hpp"
 #include "physics/dynamics/restitution.hpp"
 #include "physics/dynamics/sequential_impulse.hpp"
 #include "physics/dynamics/soft_contact.hpp"
@@ -178,6 +179,7 @@
 #include "physics/dynamics/soft_friction.hpp"
 #include "physics/dynamics/soft_linear_contact.hpp"
 #include "physics/dynamics/soft_step.hpp"
+#include "physics/dynamics/turning.hpp"
 
 // What users hold; world/step.hpp is the page to read first.
 #include "physics/world/audit.hpp"

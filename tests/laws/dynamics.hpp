@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "impulses.hpp"
+#include "turning.hpp"
 
 namespace {
 namespace dynamics_laws {
@@ -274,46 +275,6 @@ CELL_CASE("contact: impulses go to the same features of the same pair, as a sear
             }
     }
 }
-
-#if CELL_DIMENSION == 3
-CELL_CASE("integrator: principal axes make an inertia diagonal, and its free spin knows the odd one") {
-    cell::dice dice(206);
-    for (int i = 0; i < 500; ++i) {
-        const double size = std::exp2(dice.number(-20, 20));
-        double moments[] = {size, size * dice.number(1, 2), 0};
-        // One may equal another, and a needle has one that is tiny.
-        if (i % 4 == 0) moments[1] = moments[0];
-        moments[2] = i % 3 == 0 ? size * 0x1p-12 : size * dice.number(1, 2);
-        const auto turn = normalized(physics::rotation<double, 3>{dice.number(-1, 1), dice.number(-1, 1),
-                                                                  dice.number(-1, 1), dice.number(-1, 1)});
-        const auto inertia = rotated(
-            physics::symmetric<double>::diagonal(moments[0], moments[1], moments[2]), matrix(turn));
-        const auto p = physics::detail::principal_axes_of(inertia);
-        REQUIRE(std::abs(physics::detail::squared_norm(p.axes) - 1) <= 1e-15);
-        const auto back = rotated(physics::symmetric<double>::diagonal(p.moments[0], p.moments[1], p.moments[2]),
-                                  matrix(p.axes));
-        const double most = 1e-14 * size;
-        REQUIRE(std::abs(back.xx - inertia.xx) <= most);
-        REQUIRE(std::abs(back.yy - inertia.yy) <= most);
-        REQUIRE(std::abs(back.zz - inertia.zz) <= most);
-        REQUIRE(std::abs(back.xy - inertia.xy) <= most);
-        REQUIRE(std::abs(back.xz - inertia.xz) <= most);
-        REQUIRE(std::abs(back.yz - inertia.yz) <= most);
-    }
-    // The axis about which a needle turns most easily is the third; the other two are alike.
-    for (int axis = 0; axis < 3; ++axis) {
-        physics::vec<S, 3> moments = physics::vec<S, 3>::filled(S(2));
-        moments[axis] = S(1.0 / 64);
-        const physics::free_spin<S, 3> spin(physics::symmetric<S>::diagonal(moments.x, moments.y, moments.z));
-        REQUIRE(std::abs(static_cast<double>(spin.first) - 0.5) <= 1e-5);
-        REQUIRE(std::abs(static_cast<double>(spin.second)) <= 1e-5);
-        REQUIRE(std::abs(static_cast<double>(spin.third) - 63.5) <= 1e-2);
-        physics::vec<S, 3> third;
-        third.z = S(1);
-        REQUIRE(std::abs(cell::number((spin.axes * third)[axis])) >= 0.999);
-    }
-}
-#endif
 
 CELL_CASE("integrator: velocities advance by what drives a body and by implicit damping") {
     cell::dice dice(205);

@@ -123,6 +123,13 @@ struct body_lanes3 {
         store4(indexed_rows<S, stride>{first, index}, quad<P>{v.x, v.y, v.z, w.x});
         store4(indexed_rows<S, stride>{first + 4, index}, quad<P>{w.y, w.z, way.linear.x, way.linear.y});
     }
+    /// With the ways.
+    PHYSICS_HPP_ALWAYS_INLINE void store_all(solver_body<S, 3>* bodies, const std::uint32_t* index) const {
+        store(bodies, index);
+        auto* first = reinterpret_cast<S*>(bodies);
+        store4(indexed_rows<S, stride>{first + 8, index},
+               quad<P>{way.linear.z, way.angular.x, way.angular.y, way.angular.z});
+    }
 };
 
 }  // namespace detail

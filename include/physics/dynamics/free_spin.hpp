@@ -48,11 +48,12 @@ struct free_spin {
     constexpr free_spin() = default;
     constexpr explicit free_spin(S) {}
 };
-/// In space: its principal axes, the inverse of the moment about the first one, and by how much the inverses of the
-/// others differ from that; the second is the one that differs least.
+/// In space: its principal axes and the moments about them, the inverse of the first one, and by how much the inverses
+/// of the others differ from that; the second is the one that differs least.
 template <class S>
 struct free_spin<S, 3> {
     rotation<S, 3> axes;
+    vec<S, 3> moments;
     inverse_of<S> first{}, second{}, third{};
 
     free_spin() = default;
@@ -64,7 +65,11 @@ struct free_spin<S, 3> {
                                                               static_cast<double>(inertia.xz),
                                                               static_cast<double>(inertia.yz)});
         double inverse[3];
-        for (int i = 0; i < 3; ++i) inverse[i] = 1 / p.moments[i];
+        // Of the moments as they are kept: else a spin would grow or fade, bit by bit.
+        for (int i = 0; i < 3; ++i) {
+            moments[i] = S(p.moments[i]);
+            inverse[i] = 1 / static_cast<double>(moments[i]);
+        }
         int last = 0;
         for (int i = 1; i < 3; ++i)
             if (apart(inverse, i) > apart(inverse, last)) last = i;
@@ -73,6 +78,7 @@ struct free_spin<S, 3> {
             p.axes = p.axes * rotation<double, 3>{-0.5, -0.5, -0.5, 0.5};
             const double before[] = {inverse[0], inverse[1], inverse[2]};
             for (int i = 0; i < 3; ++i) inverse[(i + 1) % 3] = before[i];
+            moments = {moments.z, moments.x, moments.y};
         }
         axes = {S(p.axes.x), S(p.axes.y), S(p.axes.z), S(p.axes.w)};
         first = inverse_of<S>(inverse[0]);

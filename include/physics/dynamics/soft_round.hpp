@@ -47,6 +47,19 @@ public:
             begun_[k] = before;
         }
     }
+    /// Lets poses advance. What bodies change their spin by as they turn no contact gave them.
+    template <class Motion>
+    void advance_poses(Motion& motion, S h) {
+        if constexpr (std::is_const_v<turning_velocity<S, D, Turns>>) {
+            motion.advance_poses(h);
+        } else if constexpr (requires { motion.advance_poses(h, begun_); }) {
+            motion.advance_poses(h, begun_);
+        } else {
+            turn_over();
+            motion.advance_poses(h);
+            turn_over();
+        }
+    }
 
 private:
     solver_bodies<S, D, Turns> bodies_;

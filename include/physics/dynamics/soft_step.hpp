@@ -95,11 +95,7 @@ struct soft_step_with {
                 start.give();
                 if (i == 0) blocks.each(hands, [bodies](block& b) { kernels::warm_start(b, bodies); });
                 blocks.each(hands, [bodies, &press](block& b) { kernels::solve(b, bodies, press); });
-                // What bodies change their spin by as they turn no contact gave them.
-                constexpr bool spins_change = !std::is_const_v<turning_velocity<S, D, turns>>;
-                if constexpr (spins_change) start.turn_over();
-                motion.advance_poses(part);
-                if constexpr (spins_change) start.turn_over();
+                start.advance_poses(motion, part);
                 blocks.each(hands, [bodies, &relax](block& b) { kernels::solve(b, bodies, relax); });
             }
             if constexpr (Features::restitution)

@@ -26,6 +26,22 @@ void number_movers(state<Plan>& s) {
     find_numbers(s);
 }
 
+/// Whether an integrator advances poses in lanes: not one that derives from such, and may have poses of its own.
+template <class Integrator, bool Turns>
+concept advances_in_lanes = requires {
+    requires std::same_as<typename Integrator::owner_of_lanes, Integrator>;
+    requires Integrator::template lanes<Turns>::serves;
+};
+template <class Integrator, bool Turns>
+struct pose_lanes_of {
+    struct type {};
+};
+template <class Integrator, bool Turns>
+    requires advances_in_lanes<Integrator, Turns>
+struct pose_lanes_of<Integrator, Turns> {
+    using type = typename Integrator::template lanes<Turns>;
+};
+
 /// How the solver moves a batch: it asks for velocities and poses to advance, once or in substeps.
 template <class Plan>
 class batch_motion {
@@ -33,6 +49,8 @@ class batch_motion {
     static constexpr int D = Plan::dimension;
     static constexpr bool turns = Plan::turns;
     using integrator = typename Plan::integrator;
+    static constexpr bool in_lanes = advances_in_lanes<integrator, turns>;
+    using lanes = typename pose_lanes_of<integrator, turns>::type;
 
 public:
     /// Copies the bodies of a part into their slots.
@@ -48,6 +66,7 @@ public:
         for (std::uint32_t k = count_; k < part.nobody - part.bodies + 2; ++k)
             new (bodies_ + k) solver_body<S, D, turns>{};
         if (free_count_ > 0) find_free(parts, part, scratch);
+        if constexpr (in_lanes) lanes_ = new (scratch.template take<lanes>(1)) lanes(bodies(), moving_, scratch);
     }
 
     /// What the solver sees of the bodies; the last two are nobody.
@@ -64,15 +83,25 @@ public:
         }
         if (free_count_ > 0) thrust(S(0));
     }
-    void advance_poses(S h) {
+    void advance_poses(S h) { advance_poses(h, nullptr); }
+    /// The same; what spins change by as bodies turn, they change in `begun` too.
+    void advance_poses(S h, twist_of<S, D, turns>* begun) {
+        if constexpr (in_lanes) {
+            lanes_->advance(h, begun);
+            return;
+        }
         for (std::uint32_t k = 0; k < count_; ++k) {
             turning_velocity<S, D, turns>& v = bodies_[k].velocity;
+            const auto before = v;
             integrator::advance_pose(moving_[k], v, bodies_[k].way, h);
+            if constexpr (D == 3 && turns)
+                if (begun != nullptr && moving_[k].top) begun[k].angular += v.angular - before.angular;
         }
     }
 
     /// Ends the step. False if something that moved is where numbers do not reach.
     [[nodiscard]] bool finish() {
+        if constexpr (in_lanes) lanes_->finish();
         for (std::uint32_t k = 0; k < count_; ++k) {
             const auto& way = bodies_[k].way;
             moving_[k].center += way.linear;
@@ -157,6 +186,7 @@ private:
     S step_;
     std::uint32_t* free_ = nullptr;
     std::uint32_t free_count_ = 0;
+    lanes* lanes_ = nullptr;
 };
 
 /// How a step moves the world, batch by batch. Nothing of the world changes before place_shapes.

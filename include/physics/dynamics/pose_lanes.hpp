@@ -1,0 +1,244 @@
+// Poses of bodies in space, advanced in lanes.
+#pragma once
+
+#include "physics/base/arena.hpp"
+#include "physics/dynamics/body_lanes.hpp"
+#include "physics/dynamics/turning.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Unit quaternions in lanes; the formulas are those of rotation<S, 3>.
+template <class P>
+struct rotation_lanes {
+    P x, y, z, w;
+
+    [[nodiscard]] PHYSICS_HPP_ALWAYS_INLINE lanes3<P> imaginary() const { return {x, y, z}; }
+    [[nodiscard]] PHYSICS_HPP_ALWAYS_INLINE rotation_lanes inverse() const { return {-x, -y, -z, w}; }
+    [[nodiscard]] PHYSICS_HPP_ALWAYS_INLINE P squared_norm() const {
+        return narrow<typename P::scalar>(product(x, x) + product(y, y) + product(z, z) + product(w, w));
+    }
+};
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE lanes3<P> lane_rotated(const rotation_lanes<P>& q, const lanes3<P>& v) {
+    const lanes3<P> half = lane_cross(q.imaginary(), v), t = lane_add(half, half);
+    return lane_add(lane_add(v, {t.x * q.w, t.y * q.w, t.z * q.w}), lane_cross(q.imaginary(), t));
+}
+/// First b, then a.
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE rotation_lanes<P> lane_combine(const rotation_lanes<P>& a, const rotation_lanes<P>& b) {
+    const auto sum = [](auto p, auto q, auto r, auto s)
+                         PHYSICS_HPP_INLINE_LAMBDA { return narrow<typename P::scalar>(p + q + r + s); };
+    return {sum(product(a.w, b.x), product(a.x, b.w), product(a.y, b.z), -product(a.z, b.y)),
+            sum(product(a.w, b.y), product(a.y, b.w), product(a.z, b.x), -product(a.x, b.z)),
+            sum(product(a.w, b.z), product(a.z, b.w), product(a.x, b.y), -product(a.y, b.x)),
+            sum(product(a.w, b.w), -product(a.x, b.x), -product(a.y, b.y), -product(a.z, b.z))};
+}
+
+/// How W bodies are turned, and what their spin follows from (see free_spin): 0 where it does not change by itself.
+template <class S, int W>
+struct spin_lanes {
+    using I = inverse_of<S>;
+
+    std::uint32_t body[W];
+    /// The principal axes of tops, the frames of others.
+    S axes[4][W];
+    S moments[3][W];
+    I first[W], second[W], third[W];
+    bool any_top;
+};
+
+/// What semi_implicit_euler does with the poses of the bodies of a batch, for several at once: nothing but in space.
+template <class S, int D, bool Turns>
+struct pose_lanes {
+    static constexpr bool serves = false;
+};
+template <class S>
+class pose_lanes<S, 3, true> {
+    static constexpr int width = native_width<S>;
+    using P = kernel_pack<S, width>;
+    using Q = kernel_pack<inverse_of<S>, width>;
+    using block = spin_lanes<S, width>;
+    using body = solver_body<S, 3>;
+
+public:
+    static constexpr bool serves = true;
+
+    pose_lanes(solver_bodies<S, 3> bodies, moving_body<S, 3>* moving, arena& scratch)
+        : bodies_(bodies), moving_(moving), count_((bodies.nobody() + width - 1) / width) {
+        blocks_ = scratch.take<block>(count_);
+        for (std::uint32_t n = 0; n < count_; ++n) {
+            block& to = *new (blocks_ + n) block{};
+            for (int lane = 0; lane < width; ++lane) put(to, lane, n * width + static_cast<std::uint32_t>(lane));
+        }
+    }
+    /// Advances poses by h; what a spin changes by, it changes in `begun` too.
+    void advance(S h, twist<S, 3>* begun) {
+        for (std::uint32_t n = 0; n < count_; ++n) advance(blocks_[n], h, begun);
+    }
+    /// Says how the bodies are turned.
+    void finish() {
+        for (std::uint32_t k = 0; k < bodies_.nobody(); ++k) {
+            const block& of = blocks_[k / width];
+            moving_body<S, 3>& b = moving_[k];
+            const rotation<S, 3> axes = axes_of(of, static_cast<int>(k % width));
+            b.rotation = b.top ? axes * inverse(b.top->spin.axes) : axes;
+        }
+    }
+
+private:
+    void put(block& to, int lane, std::uint32_t k) {
+        to.body[lane] = k < bodies_.nobody() ? k : bodies_.spare();
+        to.axes[3][lane] = S(1);
+        if (!(k < bodies_.nobody())) return;
+        const moving_body<S, 3>& b = moving_[k];
+        set_axes(to, lane, b.top ? b.rotation * b.top->spin.axes : b.rotation);
+        if (!b.top) return;
+        const free_spin<S, 3>& spin = b.top->spin;
+        for (int i = 0; i < 3; ++i) to.moments[i][lane] = spin.moments[i];
+        to.first[lane] = spin.first;
+        to.second[lane] = spin.second;
+        to.third[lane] = spin.third;
+        to.any_top = true;
+    }
+    static rotation<S, 3> axes_of(const block& of, int lane) {
+        return {of.axes[0][lane], of.axes[1][lane], of.axes[2][lane], of.axes[3][lane]};
+    }
+    static void set_axes(block& of, int lane, const rotation<S, 3>& axes) {
+        const S four[] = {axes.x, axes.y, axes.z, axes.w};
+        for (int i = 0; i < 4; ++i) of.axes[i][lane] = four[i];
+    }
+
+    void advance(block& of, S h, twist<S, 3>* begun) {
+        body_lanes3<P> at;
+        at.load(bodies_.first, of.body);
+        const P step = P::broadcast(h);
+        lanes3<P>& w = at.velocity.angular;
+        const lanes3<P> before = w, angle = scaled(w, step);
+        at.way.linear = lane_add(at.way.linear, scaled(at.velocity.linear, step));
+        at.way.angular = lane_add(at.way.angular, angle);
+        const rotation_lanes<P> frame{P::load(of.axes[0]), P::load(of.axes[1]), P::load(of.axes[2]),
+                                      P::load(of.axes[3])};
+        std::uint32_t far = 0;
+        rotation_lanes<P> axes = frame;
+        if (of.any_top) spin(of, h, frame, axes, w, far);
+        else axes = turned(frame, angle, far);
+        if (far != 0) turn_far(of, h, far, before, axes, w);
+        axes.x.store(of.axes[0]);
+        axes.y.store(of.axes[1]);
+        axes.z.store(of.axes[2]);
+        axes.w.store(of.axes[3]);
+        at.store_all(bodies_.first, of.body);
+        if (!of.any_top || begun == nullptr) return;
+        const lanes3<P> change = lane_subtract(w, before);
+        for (int lane = 0; lane < width; ++lane)
+            if (of.moments[0][lane] > S(0)) begun[of.body[lane]].angular += lane_of(change, lane);
+    }
+    /// As turn_freely, for tops; others turn by their velocity.
+    PHYSICS_HPP_ALWAYS_INLINE static void spin(const block& of, S h, const rotation_lanes<P>& frame,
+                                               rotation_lanes<P>& axes, lanes3<P>& w, std::uint32_t& far) {
+        const P zero = P::broadcast(S(0)), half = P::broadcast(h * S(0.5)), whole = P::broadcast(h);
+        const lanes3<P> moments = lanes3<P>::load(of.moments), own = lane_rotated(frame.inverse(), w);
+        const Q first = Q::load(of.first), second = Q::load(of.second), third = Q::load(of.third);
+        lanes3<P> seen = {moments.x * own.x, moments.y * own.y, moments.z * own.z};
+        const lanes3<P> momentum = lane_rotated(frame, seen);
+        turn_about(axes.y, axes.z, axes.x, axes.w, seen.z, seen.x, mul<S>(second, seen.y) * half, far);
+        turn_about(axes.z, axes.x, axes.y, axes.w, seen.x, seen.y, mul<S>(third, seen.z) * whole, far);
+        turn_about(axes.y, axes.z, axes.x, axes.w, seen.z, seen.x, mul<S>(second, seen.y) * half, far);
+        const auto of_tops = [&](const P& then, const P& otherwise)
+                                 PHYSICS_HPP_INLINE_LAMBDA { return select_greater(moments.x, zero, then, otherwise); };
+        const rotation_lanes<P> start{of_tops(axes.x, frame.x), of_tops(axes.y, frame.y), of_tops(axes.z, frame.z),
+                                      of_tops(axes.w, frame.w)};
+        const lanes3<P> angle = {of_tops(mul<S>(first, momentum.x), w.x) * whole,
+                                 of_tops(mul<S>(first, momentum.y), w.y) * whole,
+                                 of_tops(mul<S>(first, momentum.z), w.z) * whole};
+        axes = turned(start, angle, far);
+        // Momentum as it was, not as the turns have rounded it.
+        const lanes3<P> kept = lane_rotated(axes.inverse(), momentum);
+        const lanes3<P> spinning = {mul<S>(first, kept.x), mul<S>(first + second, kept.y),
+                                    mul<S>(first + third, kept.z)};
+        const lanes3<P> after = lane_rotated(axes, spinning);
+        w = {of_tops(after.x, w.x), of_tops(after.y, w.y), of_tops(after.z, w.z)};
+    }
+    /// Lanes that turn so far that it takes trigonometry: anew, one by one.
+    PHYSICS_HPP_COLD void turn_far(const block& of, S h, std::uint32_t far, const lanes3<P>& before,
+                                   rotation_lanes<P>& axes, lanes3<P>& w) const {
+        for (int lane = 0; lane < width; ++lane) {
+            if ((far >> lane & 1) == 0 || of.body[lane] == bodies_.spare()) continue;
+            moving_body<S, 3> b = moving_[of.body[lane]];
+            vec<S, 3> v = lane_of(before, lane);
+            rotation<S, 3> now = axes_of(of, lane);
+            if (b.top) {
+                b.rotation = now * inverse(b.top->spin.axes);
+                turn_freely(b, v, h);
+                now = b.rotation * b.top->spin.axes;
+            } else {
+                now = physics::turned(now, v * h);
+            }
+            axes.x.set_lane(lane, now.x);
+            axes.y.set_lane(lane, now.y);
+            axes.z.set_lane(lane, now.z);
+            axes.w.set_lane(lane, now.w);
+            w.x.set_lane(lane, v.x);
+            w.y.set_lane(lane, v.y);
+            w.z.set_lane(lane, v.z);
+        }
+    }
+
+    static vec<S, 3> lane_of(const lanes3<P>& v, int lane) { return {v.x.lane(lane), v.y.lane(lane), v.z.lane(lane)}; }
+    PHYSICS_HPP_ALWAYS_INLINE static lanes3<P> scaled(const lanes3<P>& v, const P& by) {
+        return {v.x * by, v.y * by, v.z * by};
+    }
+    PHYSICS_HPP_ALWAYS_INLINE static P tangent_ratio_of(const P& xx) {
+        P sum = P::broadcast(S(62.0 / 2835));
+        for (const double term : {17.0 / 315, 2.0 / 15, 1.0 / 3, 1.0}) sum = P::broadcast(S(term)) + xx * sum;
+        return sum;
+    }
+    PHYSICS_HPP_ALWAYS_INLINE static P repair_of(const P& squared_length) {
+        return P::broadcast(S(1.5)) - P::broadcast(S(0.5)) * squared_length;
+    }
+    /// As axis_turn, about the axis q of a frame (q, i, j, w), of which the seen (u, v) turn back.
+    PHYSICS_HPP_ALWAYS_INLINE static void turn_about(P& q, P& i, P& j, P& w, P& u, P& v, const P& angle,
+                                                     std::uint32_t& far) {
+        const P one = P::broadcast(S(1)), quarter = angle * P::broadcast(S(0.25));
+        far |= greater(lane_abs(quarter), P::broadcast(S(0.25))).bits();
+        const P t = quarter * tangent_ratio_of(quarter * quarter), tt = t * t, scale = one / (one + tt);
+        const P cosine = (one - tt) * scale, sine = (t + t) * scale;
+        const P repair = repair_of(lane_sum(cosine, cosine, sine, sine)), c = cosine * repair, s = sine * repair;
+        const P new_q = lane_sum(w, s, q, c), new_w = lane_difference(w, c, q, s);
+        const P new_i = lane_sum(i, c, j, s), new_j = lane_difference(j, c, i, s);
+        const P twice = s + s, back = twice * c, on = one - twice * s;
+        const P new_u = lane_sum(u, on, v, back), new_v = lane_difference(v, on, u, back);
+        q = new_q;
+        w = new_w;
+        i = new_i;
+        j = new_j;
+        u = new_u;
+        v = new_v;
+    }
+    /// As turned(a, angle).
+    PHYSICS_HPP_ALWAYS_INLINE static rotation_lanes<P> turned(const rotation_lanes<P>& a, const lanes3<P>& angle,
+                                                              std::uint32_t& far) {
+        const P one = P::broadcast(S(1));
+        const lanes3<P> quarter = scaled(angle, P::broadcast(S(0.25)));
+        const P xx = lane_dot(quarter, quarter);
+        const P largest = max(lane_abs(quarter.x), max(lane_abs(quarter.y), lane_abs(quarter.z)));
+        far |= (greater(largest, P::broadcast(S(0.25))) | greater(xx, P::broadcast(S(0.0625)))).bits();
+        const lanes3<P> t = scaled(quarter, tangent_ratio_of(xx));
+        const P tt = lane_dot(t, t), scale = one / (one + tt);
+        const lanes3<P> v = scaled(t, scale + scale);
+        const rotation_lanes<P> r = lane_combine(rotation_lanes<P>{v.x, v.y, v.z, (one - tt) * scale}, a);
+        const P repair = repair_of(r.squared_norm());
+        return {r.x * repair, r.y * repair, r.z * repair, r.w * repair};
+    }
+
+    solver_bodies<S, 3> bodies_;
+    moving_body<S, 3>* moving_;
+    std::uint32_t count_;
+    block* blocks_;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END

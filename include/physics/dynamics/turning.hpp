@@ -1,0 +1,59 @@
+// How a body turns in space by its own inertia.
+#pragma once
+
+#include "physics/dynamics/body.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// A turn about an axis of a frame, as seen from it.
+template <class S>
+class axis_turn {
+public:
+    constexpr explicit axis_turn(S angle) : half_(turned(rotation<S, 2>{}, angle * S(0.5))) {}
+    /// Turns the frame about its axis number `axis`, and what is seen from it the other way. Does not repair lengths.
+    constexpr void apply(int axis, rotation<S, 3>& frame, vec<S, 3>& seen) const {
+        const int i = (axis + 1) % 3, j = (axis + 2) % 3;
+        const vec<S, 3> q = frame.imaginary();
+        const S s = half_.sine, c = half_.cosine;
+        vec<S, 3> r;
+        r[axis] = sum_of_products(frame.w, s, q[axis], c);
+        r[i] = sum_of_products(q[i], c, q[j], s);
+        r[j] = difference_of_products(q[j], c, q[i], s);
+        frame = {r.x, r.y, r.z, difference_of_products(frame.w, c, q[axis], s)};
+        const S sine = (s + s) * c, cosine = S(1) - (s + s) * s, along = seen[i];
+        seen[i] = sum_of_products(along, cosine, seen[j], sine);
+        seen[j] = difference_of_products(seen[j], cosine, along, sine);
+    }
+
+private:
+    rotation<S, 2> half_;
+};
+
+/// Turns a body on which no torque acts for a time h. Its energy of motion is split into parts whose motions are known:
+/// a turn about the angular momentum, as if all moments were the first, and turns about two principal axes for what is
+/// left of these. Momentum is kept to rounding, whatever the spin and however thin the body; the energy errs with the
+/// square of h and does not drift; exact for symmetric tops. Source: McLachlan, Explicit Lie-Poisson integration and
+/// the Euler equations (1993); Hairer, Lubich, Wanner, Geometric Numerical Integration, VII.5.
+template <class S>
+constexpr void turn_freely(moving_body<S, 3>& b, vec<S, 3>& angular_velocity, S h) {
+    const body<S, 3>& top = *b.top;
+    const vec<S, 3> momentum = b.rotation * times(top.mass.inertia, inverse_rotate(b.rotation, angular_velocity));
+    rotation<S, 3> axes = b.rotation * top.spin.axes;
+    vec<S, 3> seen = inverse_rotate(axes, momentum);
+    const auto turn_about = [&](int axis, inverse_of<S> by, S time) {
+        if (by != inverse_of<S>(0)) axis_turn<S>(mul<S>(by, seen[axis]) * time).apply(axis, axes, seen);
+    };
+    turn_about(1, top.spin.second, h * S(0.5));
+    turn_about(2, top.spin.third, h);
+    turn_about(1, top.spin.second, h * S(0.5));
+    vec<S, 3> angle;
+    for (int i = 0; i < 3; ++i) angle[i] = mul<S>(top.spin.first, momentum[i]) * h;
+    b.rotation = turned(axes, angle) * inverse(top.spin.axes);
+    angular_velocity = b.rotation * times(top.inverse_inertia, inverse_rotate(b.rotation, momentum));
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END

@@ -1,0 +1,128 @@
+// Laws of how bodies turn in space by their own inertia.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "impulses.hpp"
+
+#if CELL_DIMENSION == 3
+
+namespace {
+namespace turning_laws {
+
+CELL_CASE("integrator: principal axes make an inertia diagonal, and its free spin knows the odd one") {
+    cell::dice dice(206);
+    for (int i = 0; i < 500; ++i) {
+        const double size = std::exp2(dice.number(-20, 20));
+        double moments[] = {size, size * dice.number(1, 2), 0};
+        // One may equal another, and a needle has one that is tiny.
+        if (i % 4 == 0) moments[1] = moments[0];
+        moments[2] = i % 3 == 0 ? size * 0x1p-12 : size * dice.number(1, 2);
+        const auto turn = normalized(physics::rotation<double, 3>{dice.number(-1, 1), dice.number(-1, 1),
+                                                                  dice.number(-1, 1), dice.number(-1, 1)});
+        const auto inertia = rotated(
+            physics::symmetric<double>::diagonal(moments[0], moments[1], moments[2]), matrix(turn));
+        const auto p = physics::detail::principal_axes_of(inertia);
+        REQUIRE(std::abs(physics::detail::squared_norm(p.axes) - 1) <= 1e-15);
+        const auto back = rotated(physics::symmetric<double>::diagonal(p.moments[0], p.moments[1], p.moments[2]),
+                                  matrix(p.axes));
+        const double most = 1e-14 * size;
+        REQUIRE(std::abs(back.xx - inertia.xx) <= most);
+        REQUIRE(std::abs(back.yy - inertia.yy) <= most);
+        REQUIRE(std::abs(back.zz - inertia.zz) <= most);
+        REQUIRE(std::abs(back.xy - inertia.xy) <= most);
+        REQUIRE(std::abs(back.xz - inertia.xz) <= most);
+        REQUIRE(std::abs(back.yz - inertia.yz) <= most);
+    }
+    // The axis about which a needle turns most easily is the third; the other two are alike.
+    for (int axis = 0; axis < 3; ++axis) {
+        physics::vec<S, 3> moments = physics::vec<S, 3>::filled(S(2));
+        moments[axis] = S(1.0 / 64);
+        const physics::free_spin<S, 3> spin(physics::symmetric<S>::diagonal(moments.x, moments.y, moments.z));
+        REQUIRE(std::abs(static_cast<double>(spin.first) - 0.5) <= 1e-5);
+        REQUIRE(std::abs(static_cast<double>(spin.second)) <= 1e-5);
+        REQUIRE(std::abs(static_cast<double>(spin.third) - 63.5) <= 1e-2);
+        physics::vec<S, 3> third;
+        third.z = S(1);
+        REQUIRE(std::abs(cell::number((spin.axes * third)[axis])) >= 0.999);
+    }
+}
+
+/// Bodies in space that turn by themselves or not, some of them so fast that it takes trigonometry.
+struct turning_bodies {
+    std::vector<physics::body<S, 3>> tops;
+    std::vector<physics::solver_body<S, 3>> solved;
+    std::vector<physics::moving_body<S, 3>> moved;
+
+    turning_bodies(cell::dice& dice, std::size_t count) : tops(count), solved(count + 2), moved(count) {
+        for (std::size_t k = 0; k < count; ++k) {
+            const auto turn = normalized(physics::rotation<S, 3>{dice.real(-1, 1), dice.real(-1, 1), dice.real(-1, 1),
+                                                                 dice.real(-1, 1)});
+            const double fast = dice.below(8) ? 4 : 400;
+            solved[k].velocity = {dice.vec<vec>(-4, 4), dice.vec<vec>(-fast, fast)};
+            solved[k].way = {dice.vec<vec>(-1, 1), dice.vec<vec>(-1, 1)};
+            moved[k].rotation = turn;
+            if (dice.below(3) == 0) continue;
+            const double a = dice.number(0.5, 1), b = dice.below(3) ? dice.number(0.5, 1) : a;
+            const auto diagonal = physics::symmetric<S>::diagonal(S(a), S(b), S(dice.number(0.5, 1)));
+            tops[k].mass.inertia = rotated(diagonal, matrix(turn));
+            tops[k].inverse_inertia = physics::inverted_inertia(tops[k].mass.inertia);
+            tops[k].spin = physics::free_spin<S, 3>(tops[k].mass.inertia);
+            moved[k].top = &tops[k];
+        }
+    }
+    /// Some of them, in lanes; what their spins have changed by goes to `changed`.
+    void advance_in_lanes(std::size_t first, std::size_t count, S h, std::vector<physics::twist<S, 3>>& changed) {
+        std::vector<physics::solver_body<S, 3>> some(count + 2);
+        std::copy_n(solved.begin() + static_cast<std::ptrdiff_t>(first), count, some.begin());
+        physics::arena scratch;
+        scratch.reset();
+        physics::detail::pose_lanes<S, 3, true> lanes({some.data(), static_cast<std::uint32_t>(count + 2)},
+                                                      moved.data() + first, scratch);
+        std::vector<physics::twist<S, 3>> begun(count + 2);
+        lanes.advance(h, begun.data());
+        lanes.finish();
+        std::copy_n(some.begin(), count, solved.begin() + static_cast<std::ptrdiff_t>(first));
+        changed.assign(begun.begin(), begun.end());
+    }
+};
+CELL_CASE("integrator: in lanes poses advance as one by one, and nobody's bits depend on who shares the lanes") {
+    using integrator = physics::semi_implicit_euler::in<cell::space>;
+    const S h = S(1.0 / 256);
+    for (int run = 0; run < 200; ++run) {
+        const std::size_t count = static_cast<std::size_t>(1 + run % 21);
+        const auto made = [&] {
+            cell::dice dice(static_cast<std::uint64_t>(2100 + run));
+            return turning_bodies(dice, count);
+        };
+        turning_bodies one_by_one = made(), in_lanes = made(), alone = made();
+        std::vector<physics::twist<S, 3>> changed, changed_alone;
+        in_lanes.advance_in_lanes(0, count, h, changed);
+        for (std::size_t k = 0; k < count; ++k) {
+            auto& body = one_by_one.solved[k];
+            const auto start = body.velocity.angular;
+            integrator::advance_pose(one_by_one.moved[k], body.velocity, body.way, h);
+            const auto& lane = in_lanes.solved[k];
+            const double fast = 1 + cell::number(length(start)), near_to = 64 * epsilon;
+            REQUIRE(lane.way == body.way);
+            REQUIRE(lane.velocity.linear == body.velocity.linear);
+            REQUIRE(cell::number(length(lane.velocity.angular - body.velocity.angular)) <= 4 * near_to * fast);
+            const auto gap = in_lanes.moved[k].rotation * inverse(one_by_one.moved[k].rotation);
+            REQUIRE(cell::number(length(gap.imaginary())) <= near_to * fast);
+            REQUIRE(cell::number(norm_error(in_lanes.moved[k].rotation)) <= near_to);
+            REQUIRE(cell::number(length(changed[k].angular - (lane.velocity.angular - start))) <= near_to * fast);
+            if (!one_by_one.moved[k].top) REQUIRE(lane.velocity.angular == start);
+
+            alone.advance_in_lanes(k, 1, h, changed_alone);
+            REQUIRE(alone.solved[k].velocity == lane.velocity);
+            REQUIRE(alone.moved[k].rotation == in_lanes.moved[k].rotation);
+            REQUIRE(changed_alone[0] == changed[k]);
+        }
+    }
+}
+
+}  // namespace turning_laws
+}  // namespace
+
+#endif
