@@ -2778,11 +2778,14 @@ struct lane_storage {
 template <class S>
 struct lane_storage<S, 1> {
     using type = S;
+    using unaligned = S;
+    using aligned = S;
 };
 
 /// W scalars, a power of two, that go through the same arithmetic: lane i of a result is what the scalar operation
 /// gives for lane i of the operands, bit for bit, at any width and any Bytes (only the sign and the payload of a NaN
-/// are left open). In memory it is an array of W scalars; trivially copyable where S is. Operands are references since
+/// are left open). In memory it is an array of W scalars; trivially copyable where S is, but for those wider than the
+/// unit. Operands are references since
 /// by value unoptimised builds copy them (1.5 to 4 times slower) and gcc warns of vectors wider than the unit's.
 ///
 /// Internal machinery of kernels: use it only between PHYSICS_HPP_BEGIN and PHYSICS_HPP_END (see
@@ -2878,6 +2881,20 @@ struct pack<S, W, Bytes> {
 
     storage value;
 
+#if PHYSICS_HPP_AVX2_KERNELS && !defined(__clang__)
+    // Structs of vectors wider than the unit's gcc copies in pieces of 16 bytes, and what then reads them whole waits
+    // until the pieces are in the cache. Named as vectors they are copied at once.
+    pack() = default;
+    pack(const pack&) = default;
+    pack& operator=(const pack&) = default;
+    PHYSICS_HPP_ALWAYS_INLINE pack(const storage& from) : value(from) {}
+    PHYSICS_HPP_ALWAYS_INLINE pack(const pack& from) requires(Bytes > vector_bytes) : value(from.value) {}
+    PHYSICS_HPP_ALWAYS_INLINE pack& operator=(const pack& from) requires(Bytes > vector_bytes) {
+        value = from.value;
+        return *this;
+    }
+#endif
+
     PHYSICS_HPP_ALWAYS_INLINE static pack broadcast(S x) {
         if constexpr (W == 1) return {x};
         else if constexpr (W == 2) return {storage{x, x}};
@@ -2885,12 +2902,13 @@ struct pack<S, W, Bytes> {
         else return {storage{x, x, x, x, x, x, x, x}};
     }
     PHYSICS_HPP_ALWAYS_INLINE static pack load(const S* from) {
-        if constexpr (W == 1) return {*from};
-        else return {*reinterpret_cast<const typename lane_storage<S, W>::unaligned*>(from)};
+        // By way of a variable, since nothing may refer to what is not aligned.
+        const storage lanes = *reinterpret_cast<const typename lane_storage<S, W>::unaligned*>(from);
+        return {lanes};
     }
     PHYSICS_HPP_ALWAYS_INLINE static pack load_aligned(const S* from) {
-        if constexpr (W == 1) return {*from};
-        else return {*reinterpret_cast<const typename lane_storage<S, W>::aligned*>(from)};
+        const storage lanes = *reinterpret_cast<const typename lane_storage<S, W>::aligned*>(from);
+        return {lanes};
     }
     PHYSICS_HPP_ALWAYS_INLINE void store(S* to) const {
         if constexpr (W == 1) *to = value;
