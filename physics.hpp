@@ -23070,8 +23070,6 @@ struct soft_contact2 {
     /// One round over the contacts: the points at once, or across and back, then friction by their load. While
     /// overlaps are pushed apart friction rests: it would act against what the springs do, and piles would sway.
     PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const soft_round<S, 2>& how) {
-        if constexpr (Features::rolling_resistance)
-            if (!how.pushes && extras.at != nullptr) roll(bodies);
         const frame_lanes f(*this);
         body_lanes2<P> at_a, at_b;
         at_a.load(bodies, a);
@@ -23115,6 +23113,24 @@ struct soft_contact2 {
             return bounce_impulse(points[k], P::load(bounce_to.speed[k]), v);
         });
         push(f, sum.load, zero, sum.moment, at_a, at_b);
+        if (moves_a) at_a.store(bodies, a);
+        if (moves_b) at_b.store(bodies, b);
+    }
+    /// Whether a round begins with roll().
+    bool rolls(const soft_round<S, 2>& how) const requires Features::rolling_resistance {
+        return !how.pushes && extras.at != nullptr;
+    }
+    /// Stops the bodies' rolling against each other, or slows it.
+    PHYSICS_HPP_ALWAYS_INLINE void roll(body* bodies) requires Features::rolling_resistance {
+        body_lanes2<P> at_a, at_b;
+        at_a.load(bodies, a);
+        at_b.load(bodies, b);
+        P& w_a = at_a.velocity.angular;
+        P& w_b = at_b.velocity.angular;
+        const P by = extras.at->next(w_b - w_a, load_of<P>(points, point_count));
+        const P arm = P::load(extras.at->arm), zero = P::broadcast(S(0));
+        w_a = select_greater(arm, zero, w_a - mul<S>(Q::load(inertia_a), by), w_a);
+        w_b = select_greater(arm, zero, w_b + mul<S>(Q::load(inertia_b), by), w_b);
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
@@ -23208,21 +23224,6 @@ private:
             if (extras.at != nullptr) slip = slip - P::load(extras.at->along);
         const P change = friction.next(slip, sum_of(loads, point_count));
         push(f, P::broadcast(S(0)), change, P::broadcast(S(0)), at_a, at_b);
-    }
-    /// Stops the bodies' rolling against each other, or slows it. Apart from the rest, so that contacts without it have
-    /// their registers to themselves.
-    PHYSICS_HPP_NOINLINE void roll(body* bodies) requires Features::rolling_resistance {
-        body_lanes2<P> at_a, at_b;
-        at_a.load(bodies, a);
-        at_b.load(bodies, b);
-        P& w_a = at_a.velocity.angular;
-        P& w_b = at_b.velocity.angular;
-        const P by = extras.at->next(w_b - w_a, load_of<P>(points, point_count));
-        const P arm = P::load(extras.at->arm), zero = P::broadcast(S(0));
-        w_a = select_greater(arm, zero, w_a - mul<S>(Q::load(inertia_a), by), w_a);
-        w_b = select_greater(arm, zero, w_b + mul<S>(Q::load(inertia_b), by), w_b);
-        if (moves_a) at_a.store(bodies, a);
-        if (moves_b) at_b.store(bodies, b);
     }
     /// Impulses along the normal and the tangent at the middle, and an angular one, from A on B.
     PHYSICS_HPP_ALWAYS_INLINE void push(const frame_lanes& f, const P& along, const P& across, const P& moment,
@@ -23428,8 +23429,6 @@ struct soft_contact3 {
     /// One round over the contacts: the points at once, or across and back, then friction by their load. While
     /// overlaps are pushed apart friction rests: it would act against what the springs do, and piles would sway.
     PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const soft_round<S, 3>& how) {
-        if constexpr (Features::rolling_resistance)
-            if (!how.pushes && extras.at != nullptr) roll(bodies);
         frame_lanes f(*this);
         body_lanes3<P> at_a, at_b;
         at_a.load(bodies, a);
@@ -23473,6 +23472,30 @@ struct soft_contact3 {
             return bounce_impulse(points[k], P::load(bounce_to.speed[k]), v);
         });
         push(f, sum, at_a, at_b);
+        if (moves_a) at_a.store(bodies, a);
+        if (moves_b) at_b.store(bodies, b);
+    }
+    /// Whether a round begins with roll().
+    bool rolls(const soft_round<S, 3>& how) const requires Features::rolling_resistance {
+        return !how.pushes && extras.at != nullptr;
+    }
+    /// Stops the bodies' rolling against each other, or slows it.
+    PHYSICS_HPP_ALWAYS_INLINE void roll(body* bodies) requires Features::rolling_resistance {
+        const frame_lanes f(*this);
+        body_lanes3<P> at_a, at_b;
+        at_a.load(bodies, a);
+        at_b.load(bodies, b);
+        const lanes3<P> turning = lane_subtract(at_b.velocity.angular, at_a.velocity.angular);
+        const lanes2<P> rolling = {lane_dot(f.t, turning), lane_dot(f.u, turning)};
+        const lanes2<P> by = extras.at->next(rolling, load_of<P>(points, point_count));
+        const lanes3<P> moment = lane_combine(f.t, by.x, f.u, by.y);
+        const P arm = P::load(extras.at->arm), zero = P::broadcast(S(0));
+        const auto where_it_acts = [&](lanes3<P>& w, const lanes3<P>& now) PHYSICS_HPP_INLINE_LAMBDA {
+            w = {select_greater(arm, zero, now.x, w.x), select_greater(arm, zero, now.y, w.y),
+                 select_greater(arm, zero, now.z, w.z)};
+        };
+        where_it_acts(at_a.velocity.angular, lane_subtract(at_a.velocity.angular, times(inertia_a, moment)));
+        where_it_acts(at_b.velocity.angular, lane_add(at_b.velocity.angular, times(inertia_b, moment)));
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
@@ -23584,27 +23607,6 @@ private:
         }
         const slide_lanes<P> by = friction.next(slip, points, loads, point_count);
         push(f, lane_combine(f.t, by.x, f.u, by.y), {f.n.x * by.twist, f.n.y * by.twist, f.n.z * by.twist}, at_a, at_b);
-    }
-    /// Stops the bodies' rolling against each other, or slows it. Apart from the rest, so that contacts without it have
-    /// their registers to themselves.
-    PHYSICS_HPP_NOINLINE void roll(body* bodies) requires Features::rolling_resistance {
-        const frame_lanes f(*this);
-        body_lanes3<P> at_a, at_b;
-        at_a.load(bodies, a);
-        at_b.load(bodies, b);
-        const lanes3<P> turning = lane_subtract(at_b.velocity.angular, at_a.velocity.angular);
-        const lanes2<P> rolling = {lane_dot(f.t, turning), lane_dot(f.u, turning)};
-        const lanes2<P> by = extras.at->next(rolling, load_of<P>(points, point_count));
-        const lanes3<P> moment = lane_combine(f.t, by.x, f.u, by.y);
-        const P arm = P::load(extras.at->arm), zero = P::broadcast(S(0));
-        const auto where_it_acts = [&](lanes3<P>& w, const lanes3<P>& now) PHYSICS_HPP_INLINE_LAMBDA {
-            w = {select_greater(arm, zero, now.x, w.x), select_greater(arm, zero, now.y, w.y),
-                 select_greater(arm, zero, now.z, w.z)};
-        };
-        where_it_acts(at_a.velocity.angular, lane_subtract(at_a.velocity.angular, times(inertia_a, moment)));
-        where_it_acts(at_b.velocity.angular, lane_add(at_b.velocity.angular, times(inertia_b, moment)));
-        if (moves_a) at_a.store(bodies, a);
-        if (moves_b) at_b.store(bodies, b);
     }
     PHYSICS_HPP_ALWAYS_INLINE void push(const frame_lanes& f, const push_sum& sum, body_lanes3<P>& at_a,
                                         body_lanes3<P>& at_b) const {
@@ -23998,8 +24000,12 @@ struct soft_kernels {
     static void warm_start(Block& block, body* bodies) { block.warm_start(bodies); }
     template <class Round>
     static void solve(Block& block, body* bodies, const Round& how) {
+        if constexpr (requires { block.rolls(how); })
+            if (block.rolls(how)) roll(block, bodies);
         block.solve(bodies, how);
     }
+    // Apart from the rest, so that contacts that don't roll have their registers to themselves.
+    PHYSICS_HPP_NOINLINE static void roll(Block& block, body* bodies) { block.roll(bodies); }
     static void bounce(Block& block, body* bodies) { block.bounce(bodies); }
 };
 
@@ -24007,7 +24013,8 @@ struct soft_kernels {
 // Without fma, which would change bits.
 #define PHYSICS_HPP_AVX2_KERNEL __attribute__((noinline, target("avx2"))) static
 
-/// The same for AVX2, where the unit is compiled for less.
+/// The same for AVX2, where the unit is compiled for less. What is called from here and not inlined is compiled for
+/// less, too: lanes have no place in it.
 template <class Block>
 struct avx2_kernels {
     using body = typename Block::body;
@@ -24019,8 +24026,11 @@ struct avx2_kernels {
     PHYSICS_HPP_AVX2_KERNEL void warm_start(Block& block, body* bodies) { block.warm_start(bodies); }
     template <class Round>
     PHYSICS_HPP_AVX2_KERNEL void solve(Block& block, body* bodies, const Round& how) {
+        if constexpr (requires { block.rolls(how); })
+            if (block.rolls(how)) roll(block, bodies);
         block.solve(bodies, how);
     }
+    PHYSICS_HPP_AVX2_KERNEL void roll(Block& block, body* bodies) { block.roll(bodies); }
     PHYSICS_HPP_AVX2_KERNEL void bounce(Block& block, body* bodies) { block.bounce(bodies); }
 };
 

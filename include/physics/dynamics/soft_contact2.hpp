@@ -157,8 +157,6 @@ struct soft_contact2 {
     /// One round over the contacts: the points at once, or across and back, then friction by their load. While
     /// overlaps are pushed apart friction rests: it would act against what the springs do, and piles would sway.
     PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const soft_round<S, 2>& how) {
-        if constexpr (Features::rolling_resistance)
-            if (!how.pushes && extras.at != nullptr) roll(bodies);
         const frame_lanes f(*this);
         body_lanes2<P> at_a, at_b;
         at_a.load(bodies, a);
@@ -202,6 +200,24 @@ struct soft_contact2 {
             return bounce_impulse(points[k], P::load(bounce_to.speed[k]), v);
         });
         push(f, sum.load, zero, sum.moment, at_a, at_b);
+        if (moves_a) at_a.store(bodies, a);
+        if (moves_b) at_b.store(bodies, b);
+    }
+    /// Whether a round begins with roll().
+    bool rolls(const soft_round<S, 2>& how) const requires Features::rolling_resistance {
+        return !how.pushes && extras.at != nullptr;
+    }
+    /// Stops the bodies' rolling against each other, or slows it.
+    PHYSICS_HPP_ALWAYS_INLINE void roll(body* bodies) requires Features::rolling_resistance {
+        body_lanes2<P> at_a, at_b;
+        at_a.load(bodies, a);
+        at_b.load(bodies, b);
+        P& w_a = at_a.velocity.angular;
+        P& w_b = at_b.velocity.angular;
+        const P by = extras.at->next(w_b - w_a, load_of<P>(points, point_count));
+        const P arm = P::load(extras.at->arm), zero = P::broadcast(S(0));
+        w_a = select_greater(arm, zero, w_a - mul<S>(Q::load(inertia_a), by), w_a);
+        w_b = select_greater(arm, zero, w_b + mul<S>(Q::load(inertia_b), by), w_b);
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
@@ -295,21 +311,6 @@ private:
             if (extras.at != nullptr) slip = slip - P::load(extras.at->along);
         const P change = friction.next(slip, sum_of(loads, point_count));
         push(f, P::broadcast(S(0)), change, P::broadcast(S(0)), at_a, at_b);
-    }
-    /// Stops the bodies' rolling against each other, or slows it. Apart from the rest, so that contacts without it have
-    /// their registers to themselves.
-    PHYSICS_HPP_NOINLINE void roll(body* bodies) requires Features::rolling_resistance {
-        body_lanes2<P> at_a, at_b;
-        at_a.load(bodies, a);
-        at_b.load(bodies, b);
-        P& w_a = at_a.velocity.angular;
-        P& w_b = at_b.velocity.angular;
-        const P by = extras.at->next(w_b - w_a, load_of<P>(points, point_count));
-        const P arm = P::load(extras.at->arm), zero = P::broadcast(S(0));
-        w_a = select_greater(arm, zero, w_a - mul<S>(Q::load(inertia_a), by), w_a);
-        w_b = select_greater(arm, zero, w_b + mul<S>(Q::load(inertia_b), by), w_b);
-        if (moves_a) at_a.store(bodies, a);
-        if (moves_b) at_b.store(bodies, b);
     }
     /// Impulses along the normal and the tangent at the middle, and an angular one, from A on B.
     PHYSICS_HPP_ALWAYS_INLINE void push(const frame_lanes& f, const P& along, const P& across, const P& moment,

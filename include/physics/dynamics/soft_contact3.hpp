@@ -184,8 +184,6 @@ struct soft_contact3 {
     /// One round over the contacts: the points at once, or across and back, then friction by their load. While
     /// overlaps are pushed apart friction rests: it would act against what the springs do, and piles would sway.
     PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const soft_round<S, 3>& how) {
-        if constexpr (Features::rolling_resistance)
-            if (!how.pushes && extras.at != nullptr) roll(bodies);
         frame_lanes f(*this);
         body_lanes3<P> at_a, at_b;
         at_a.load(bodies, a);
@@ -229,6 +227,30 @@ struct soft_contact3 {
             return bounce_impulse(points[k], P::load(bounce_to.speed[k]), v);
         });
         push(f, sum, at_a, at_b);
+        if (moves_a) at_a.store(bodies, a);
+        if (moves_b) at_b.store(bodies, b);
+    }
+    /// Whether a round begins with roll().
+    bool rolls(const soft_round<S, 3>& how) const requires Features::rolling_resistance {
+        return !how.pushes && extras.at != nullptr;
+    }
+    /// Stops the bodies' rolling against each other, or slows it.
+    PHYSICS_HPP_ALWAYS_INLINE void roll(body* bodies) requires Features::rolling_resistance {
+        const frame_lanes f(*this);
+        body_lanes3<P> at_a, at_b;
+        at_a.load(bodies, a);
+        at_b.load(bodies, b);
+        const lanes3<P> turning = lane_subtract(at_b.velocity.angular, at_a.velocity.angular);
+        const lanes2<P> rolling = {lane_dot(f.t, turning), lane_dot(f.u, turning)};
+        const lanes2<P> by = extras.at->next(rolling, load_of<P>(points, point_count));
+        const lanes3<P> moment = lane_combine(f.t, by.x, f.u, by.y);
+        const P arm = P::load(extras.at->arm), zero = P::broadcast(S(0));
+        const auto where_it_acts = [&](lanes3<P>& w, const lanes3<P>& now) PHYSICS_HPP_INLINE_LAMBDA {
+            w = {select_greater(arm, zero, now.x, w.x), select_greater(arm, zero, now.y, w.y),
+                 select_greater(arm, zero, now.z, w.z)};
+        };
+        where_it_acts(at_a.velocity.angular, lane_subtract(at_a.velocity.angular, times(inertia_a, moment)));
+        where_it_acts(at_b.velocity.angular, lane_add(at_b.velocity.angular, times(inertia_b, moment)));
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
@@ -340,27 +362,6 @@ private:
         }
         const slide_lanes<P> by = friction.next(slip, points, loads, point_count);
         push(f, lane_combine(f.t, by.x, f.u, by.y), {f.n.x * by.twist, f.n.y * by.twist, f.n.z * by.twist}, at_a, at_b);
-    }
-    /// Stops the bodies' rolling against each other, or slows it. Apart from the rest, so that contacts without it have
-    /// their registers to themselves.
-    PHYSICS_HPP_NOINLINE void roll(body* bodies) requires Features::rolling_resistance {
-        const frame_lanes f(*this);
-        body_lanes3<P> at_a, at_b;
-        at_a.load(bodies, a);
-        at_b.load(bodies, b);
-        const lanes3<P> turning = lane_subtract(at_b.velocity.angular, at_a.velocity.angular);
-        const lanes2<P> rolling = {lane_dot(f.t, turning), lane_dot(f.u, turning)};
-        const lanes2<P> by = extras.at->next(rolling, load_of<P>(points, point_count));
-        const lanes3<P> moment = lane_combine(f.t, by.x, f.u, by.y);
-        const P arm = P::load(extras.at->arm), zero = P::broadcast(S(0));
-        const auto where_it_acts = [&](lanes3<P>& w, const lanes3<P>& now) PHYSICS_HPP_INLINE_LAMBDA {
-            w = {select_greater(arm, zero, now.x, w.x), select_greater(arm, zero, now.y, w.y),
-                 select_greater(arm, zero, now.z, w.z)};
-        };
-        where_it_acts(at_a.velocity.angular, lane_subtract(at_a.velocity.angular, times(inertia_a, moment)));
-        where_it_acts(at_b.velocity.angular, lane_add(at_b.velocity.angular, times(inertia_b, moment)));
-        if (moves_a) at_a.store(bodies, a);
-        if (moves_b) at_b.store(bodies, b);
     }
     PHYSICS_HPP_ALWAYS_INLINE void push(const frame_lanes& f, const push_sum& sum, body_lanes3<P>& at_a,
                                         body_lanes3<P>& at_b) const {

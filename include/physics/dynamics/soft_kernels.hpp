@@ -21,8 +21,12 @@ struct soft_kernels {
     static void warm_start(Block& block, body* bodies) { block.warm_start(bodies); }
     template <class Round>
     static void solve(Block& block, body* bodies, const Round& how) {
+        if constexpr (requires { block.rolls(how); })
+            if (block.rolls(how)) roll(block, bodies);
         block.solve(bodies, how);
     }
+    // Apart from the rest, so that contacts that don't roll have their registers to themselves.
+    PHYSICS_HPP_NOINLINE static void roll(Block& block, body* bodies) { block.roll(bodies); }
     static void bounce(Block& block, body* bodies) { block.bounce(bodies); }
 };
 
@@ -30,7 +34,8 @@ struct soft_kernels {
 // Without fma, which would change bits.
 #define PHYSICS_HPP_AVX2_KERNEL __attribute__((noinline, target("avx2"))) static
 
-/// The same for AVX2, where the unit is compiled for less.
+/// The same for AVX2, where the unit is compiled for less. What is called from here and not inlined is compiled for
+/// less, too: lanes have no place in it.
 template <class Block>
 struct avx2_kernels {
     using body = typename Block::body;
@@ -42,8 +47,11 @@ struct avx2_kernels {
     PHYSICS_HPP_AVX2_KERNEL void warm_start(Block& block, body* bodies) { block.warm_start(bodies); }
     template <class Round>
     PHYSICS_HPP_AVX2_KERNEL void solve(Block& block, body* bodies, const Round& how) {
+        if constexpr (requires { block.rolls(how); })
+            if (block.rolls(how)) roll(block, bodies);
         block.solve(bodies, how);
     }
+    PHYSICS_HPP_AVX2_KERNEL void roll(Block& block, body* bodies) { block.roll(bodies); }
     PHYSICS_HPP_AVX2_KERNEL void bounce(Block& block, body* bodies) { block.bounce(bodies); }
 };
 
