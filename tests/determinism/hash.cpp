@@ -121,7 +121,8 @@ void heap(const char* cell, const char* scene = "heap") {
     sum.print(scene, cell);
 }
 
-/// Balls and boxes on belts that resist rolling: a slope that runs uphill, and a slab that turns upon it.
+/// Balls and boxes on belts that resist rolling: a slope that runs uphill, and a slab that turns upon it. They lie far
+/// and wide, so that their contacts fill the widest lanes that a solver may choose.
 template <class S, int D, class... Policies>
 void belts(const char* cell) {
     struct moving : physics::recipe<S, D, Policies...> {};
@@ -137,10 +138,10 @@ void belts(const char* cell) {
     slope.normal.y = S(0.96);
     w.create_shape(w.create_body({.type = physics::body_type::static_body}), slope,
                    {.material = {.rolling_resistance = S(1.0 / 32), .surface_velocity = running(S(-2))}});
-    for (int i = 0; i < 24; ++i) {
+    for (int i = 0; i < 72; ++i) {
         typename world::body_def def;
-        def.position.x = S(i % 4) * S(1.25) - S(2);
-        def.position.y = S(i / 4) * S(1.25) + S(2);
+        def.position.x = S(i % 24) * S(1.25) - S(15);
+        def.position.y = S(i / 24) * S(1.25) + S(6);
         def.position[D - 1] += S(i % 2) / S(8);
         const auto body = w.create_body(def);
         const physics::material<S, D> surface{.rolling_resistance = S(i % 2) / S(64), .surface_velocity = running(S(i % 3))};

@@ -70,16 +70,32 @@ struct soft_step_with {
         template <class Motion>
         static void solve(bodies_type all, contact_list<S, D, Features> contacts, const settings& with, S h,
                           arena& scratch, Motion&& motion, detail::crew& hands) {
+            const detail::contact_colours colours = detail::colour(contacts, all, scratch);
 #if PHYSICS_HPP_AVX2_KERNELS
-            if constexpr (Width > 1 && Width == detail::native_width<S>)
-                if (detail::has_avx2()) {
-                    using wide = in<Space, Features, 2 * Width, detail::avx2_kernels>;
-                    return wide::solve(all, contacts, with, h, scratch, motion, hands);
-                }
+            if constexpr (Width > 1 && Width == detail::native_width<S>) {
+                using wide = in<Space, Features, 2 * Width, detail::avx2_kernels>;
+                // A block of twice the width takes one and a half times as long: colours of few contacts fill too few
+                // of its lanes.
+                if (detail::has_avx2() && 3 * wide::blocks_of(colours) < 2 * blocks_of(colours))
+                    return wide::solve(colours, all, contacts, with, h, scratch, motion, hands);
+            }
 #endif
+            solve(colours, all, contacts, with, h, scratch, motion, hands);
+        }
+        template <class Motion>
+        static void solve(bodies_type all, contact_list<S, D, Features> contacts, const settings& with, S h,
+                          arena& scratch, Motion&& motion) {
+            detail::crew nobody_else;
+            solve(all, contacts, with, h, scratch, motion, nobody_else);
+        }
+        /// The same at this very width, for contacts that have their colours.
+        template <class Motion>
+        static void solve(const detail::contact_colours& colours, bodies_type all,
+                          contact_list<S, D, Features> contacts, const settings& with, S h, arena& scratch,
+                          Motion&& motion, detail::crew& hands) {
             solver_body<S, D, turns>* const bodies = all.first;
-            const blocks_in_colours blocks = pack(contacts, all, {h, S(1) / S(with.substeps), with.restitution_slop},
-                                                  scratch);
+            const blocks_in_colours blocks =
+                pack(colours, contacts, all, {h, S(1) / S(with.substeps), with.restitution_slop}, scratch);
             const S part = h / S(with.substeps);
             const S frequency = with.stiffness / part;
             const bool capped = with.frequency_cap > S(0) && with.frequency_cap < frequency;
@@ -106,11 +122,11 @@ struct soft_step_with {
                 for (std::uint32_t k = first; k < end; ++k) blocks.take(k, contacts);
             });
         }
-        template <class Motion>
-        static void solve(bodies_type all, contact_list<S, D, Features> contacts, const settings& with, S h,
-                          arena& scratch, Motion&& motion) {
-            detail::crew nobody_else;
-            solve(all, contacts, with, h, scratch, motion, nobody_else);
+        /// Blocks that contacts of these colours fill.
+        static std::uint32_t blocks_of(const detail::contact_colours& colours) {
+            std::uint32_t count = 0;
+            for (std::uint32_t group = 0; group < colours.count; ++group) count += blocks_of(colours, group);
+            return count;
         }
 
     private:
@@ -158,26 +174,30 @@ struct soft_step_with {
                         first[k].take(lane, contacts[n]);
             }
         };
-        static blocks_in_colours pack(const contact_list<S, D, Features>& contacts, bodies_type bodies,
+        /// Contacts of a block of this colour: one where they may push the same body.
+        static std::uint32_t lanes_of(const detail::contact_colours& colours, std::uint32_t group) {
+            return colours.last_is_serial && group + 1 == colours.count ? 1 : width;
+        }
+        static std::uint32_t blocks_of(const detail::contact_colours& colours, std::uint32_t group) {
+            const std::uint32_t lanes = lanes_of(colours, group);
+            return (colours.begin[group + 1] - colours.begin[group] + lanes - 1) / lanes;
+        }
+        static blocks_in_colours pack(const detail::contact_colours& colours,
+                                      const contact_list<S, D, Features>& contacts, bodies_type bodies,
                                       const detail::soft_start<S>& with, arena& scratch) {
-            const detail::contact_colours colours = detail::colour(contacts, bodies, scratch);
             blocks_in_colours result;
             result.colours = colours.count;
             result.last_is_serial = colours.last_is_serial;
             std::uint32_t count = 0;
             for (std::uint32_t group = 0; group < colours.count; ++group) {
-                // Contacts of a block in one group: one where they may push the same body.
-                const bool is_serial = colours.last_is_serial && group + 1 == colours.count;
-                const std::uint32_t size = colours.begin[group + 1] - colours.begin[group];
                 result.begin[group] = count;
-                count += is_serial ? size : (size + width - 1) / width;
+                count += blocks_of(colours, group);
             }
             result.begin[colours.count] = count;
             result.first = scratch.template take<block>(count);
             result.numbers = scratch.template take<std::uint32_t>(count * width);
             for (std::uint32_t group = 0; group < colours.count; ++group) {
-                const bool is_serial = colours.last_is_serial && group + 1 == colours.count;
-                const std::uint32_t lanes = is_serial ? 1 : width, from = result.begin[group];
+                const std::uint32_t lanes = lanes_of(colours, group), from = result.begin[group];
                 for (std::uint32_t k = from; k < result.begin[group + 1]; ++k) {
                     const std::uint32_t at = colours.begin[group] + (k - from) * lanes;
                     const std::uint32_t rest = colours.begin[group + 1] - at;
