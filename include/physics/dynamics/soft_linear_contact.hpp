@@ -289,15 +289,16 @@ private:
             const S load = points[0].impulse[lane];
             if (!(-speed.lane(lane) > how.impact_speed) || !(load > held[lane])) continue;
             const S share = held[lane] / load;
-            vec<S, D> n, lost;
+            vec<S, D> n;
             for (int i = 0; i < D; ++i) n[i] = normal[i][lane];
-            lost = n * take_from(points[0].impulse[lane], share);
-            if constexpr (Features::friction)
-                for (int k = 0; k < D - 1; ++k) {
-                    const S rubbed = take_from(friction.impulse[k][lane], share);
-                    const vector t = along(k);
-                    for (int i = 0; i < D; ++i) lost[i] += t.at[i].lane(lane) * rubbed;
-                }
+            vec<S, D> lost = n * take_from(points[0].impulse[lane], share);
+            if constexpr (Features::friction) {
+                vec<S, D> t = n;
+                if constexpr (D == 2) t = perpendicular(n);
+                else t = {tangent.kept[0][lane], tangent.kept[1][lane], tangent.kept[2][lane]};
+                lost += t * take_from(friction.impulse[0][lane], share);
+                if constexpr (D == 3) lost += cross(n, t) * take_from(friction.impulse[1][lane], share);
+            }
             if (moves_a) begin_without(how.begun[a[lane]], bodies[a[lane]], -lost);
             if (moves_b) begin_without(how.begun[b[lane]], bodies[b[lane]], lost);
         }
