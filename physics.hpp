@@ -19875,6 +19875,8 @@ struct rolling_resistance {};
 struct surface_velocity {};
 /// Looking after fast bodies on their way through a step.
 struct continuous {};
+/// A material a shape. Without it all surfaces are made of the one that the world's settings name, and none runs.
+struct materials {};
 }  // namespace feature
 
 /// Leaves features out: without<feature::friction, feature::restitution>.
@@ -19892,12 +19894,13 @@ public:
     static constexpr bool restitution = !lacks<feature::restitution>;
     static constexpr bool rotation = !lacks<feature::rotation>;
     static constexpr bool rolling_resistance = rotation && !lacks<feature::rolling_resistance>;
-    static constexpr bool surface_velocity = friction && !lacks<feature::surface_velocity>;
+    static constexpr bool materials = !lacks<feature::materials>;
+    static constexpr bool surface_velocity = friction && materials && !lacks<feature::surface_velocity>;
     static constexpr bool sleeping = !lacks<feature::sleeping>;
     static constexpr bool continuous = !lacks<feature::continuous>;
     static constexpr bool known = (is_one_of<Features, feature::friction, feature::restitution, feature::rotation,
                                              feature::rolling_resistance, feature::surface_velocity,
-                                             feature::sleeping, feature::continuous> &&
+                                             feature::sleeping, feature::continuous, feature::materials> &&
                                    ...);
 };
 
@@ -20234,13 +20237,16 @@ struct material {
     /// clockwise about the shape: on top of it to the right, +x. In space a vector in the shape's frame, of which
     /// counts what lies in the surface.
     surface_motion<S, D> surface_velocity{};
+
+    friend bool operator==(const material&, const material&) = default;
 };
 
 /// What a mixing rule offers: `in<Space>` with friction(a, b), restitution(a, b) and rolling_resistance(a, b), static
 /// functions of two materials. They are called for each contact in each step, with the material of the shape whose kind
-/// comes first in the recipe's set, among equals with that of the lower number; so a rule should be symmetric. Refused
-/// by the step: results that are negative or not finite, and a restitution above 1. Velocities of surfaces need no
-/// rule: how fast two of them run against each other is their difference.
+/// comes first in the recipe's set, among equals with that of the lower number; so a rule should be symmetric. If all
+/// surfaces are of one material they are called once a step, with it and itself. Refused by the step: results that are
+/// negative or not finite, and a restitution above 1. Velocities of surfaces need no rule: how fast two of them run
+/// against each other is their difference.
 template <class Rule, class Space>
 concept mixing_for = requires(const material<typename Space::scalar, Space::dimension>& m) {
     { Rule::template in<Space>::friction(m, m) } -> std::same_as<typename Space::scalar>;
@@ -20282,12 +20288,15 @@ struct product_mixing {
 
 namespace detail {
 
-/// As much of a material as a recipe keeps.
+/// As much of a material as a recipe keeps of each shape.
 template <class S, int D, class Features>
 struct kept_material {
-    [[no_unique_address]] kept_if<Features::friction, S, feature::friction> friction{};
-    [[no_unique_address]] kept_if<Features::restitution, S, feature::restitution> restitution{};
-    [[no_unique_address]] kept_if<Features::rolling_resistance, S, feature::rolling_resistance> rolling_resistance{};
+    static constexpr bool each = Features::materials;
+
+    [[no_unique_address]] kept_if<each && Features::friction, S, feature::friction> friction{};
+    [[no_unique_address]] kept_if<each && Features::restitution, S, feature::restitution> restitution{};
+    [[no_unique_address]] kept_if<each && Features::rolling_resistance, S, feature::rolling_resistance>
+        rolling_resistance{};
     [[no_unique_address]] kept_if<Features::surface_velocity, surface_motion<S, D>, feature::surface_velocity>
         surface_velocity{};
 
@@ -20299,6 +20308,43 @@ struct kept_material {
           surface_velocity(m.surface_velocity) {}
     [[nodiscard]] constexpr material<S, D> whole() const {
         return {friction, restitution, rolling_resistance, surface_velocity};
+    }
+};
+
+/// Stands in a contact for a coefficient that all contacts have in common. It is no number: who looks for one here, and
+/// not where it is, does not compile.
+template <class Feature>
+struct common_coefficient {};
+/// A coefficient of two surfaces, as a contact holds it.
+template <bool Kept, class S, class Feature, class Features>
+using coefficient_of_contact =
+    std::conditional_t<Kept && !Features::materials, common_coefficient<Feature>, kept_if<Kept, S, Feature>>;
+
+/// What the surfaces of any contact make of each other, as far as contacts do not hold it themselves.
+template <class S, class Features>
+struct mixture {
+    static constexpr bool common = !Features::materials;
+
+    [[no_unique_address]] kept_if<common && Features::friction, S, feature::friction> friction{};
+    [[no_unique_address]] kept_if<common && Features::restitution, S, feature::restitution> restitution{};
+    [[no_unique_address]] kept_if<common && Features::rolling_resistance, S, feature::rolling_resistance>
+        rolling_resistance{};
+
+    /// Coefficients of a contact; 0 of what the recipe leaves out.
+    template <class Contact>
+    [[nodiscard]] constexpr S friction_of(const Contact& c) const {
+        if constexpr (common) return friction;
+        else return c.friction;
+    }
+    template <class Contact>
+    [[nodiscard]] constexpr S restitution_of(const Contact& c) const {
+        if constexpr (common) return restitution;
+        else return c.restitution;
+    }
+    template <class Contact>
+    [[nodiscard]] constexpr S rolling_resistance_of(const Contact& c) const {
+        if constexpr (common) return rolling_resistance;
+        else return c.rolling_resistance;
     }
 };
 
@@ -20394,10 +20440,12 @@ struct contact {
     /// Of each point a bit: 1 if the same features touched in the step before.
     std::uint8_t lasting = 0;
     contact_point<S, D, Features> points[manifold<S, D>::capacity] = {};
-    /// Of both surfaces together.
-    [[no_unique_address]] detail::kept_if<Features::friction, S, feature::friction> friction{};
-    [[no_unique_address]] detail::kept_if<Features::restitution, S, feature::restitution> restitution{};
-    [[no_unique_address]] detail::kept_if<Features::rolling_resistance, S, feature::rolling_resistance>
+    /// Of both surfaces together. A contact_list tells them also where all contacts have them in common.
+    [[no_unique_address]] detail::coefficient_of_contact<Features::friction, S, feature::friction, Features> friction{};
+    [[no_unique_address]] detail::coefficient_of_contact<Features::restitution, S, feature::restitution, Features>
+        restitution{};
+    [[no_unique_address]] detail::coefficient_of_contact<Features::rolling_resistance, S, feature::rolling_resistance,
+                                                         Features>
         rolling_resistance{};
     /// How fast B slides over A along the tangents where the surfaces themselves do not slip (m/s).
     [[no_unique_address]] detail::kept_if<Features::surface_velocity, tangential<S, D>, feature::surface_velocity>
@@ -20484,9 +20532,10 @@ constexpr vec<S, 2> same_moment(const tangents3<S>& old, const tangents3<S>& fra
     return frame.components(old.combine(moment));
 }
 
-/// Hands the impulses of the same features in an old contact to a contact.
+/// Hands the impulses of the same features in an old contact to a contact, whose surfaces resist rolling or do not.
 template <class S, int D, class Features>
-void inherit_impulses(const contact<S, D, Features>& old, const tangents<S, D>& frame, contact<S, D, Features>& c) {
+void inherit_impulses(const contact<S, D, Features>& old, const tangents<S, D>& frame, contact<S, D, Features>& c,
+                      [[maybe_unused]] const detail::mixture<S, Features>& surfaces) {
     const tangents<S, D> old_frame(old.normal);
     const std::uint8_t before = c.lasting;
     for (int k = 0; k < c.count; ++k)
@@ -20495,7 +20544,8 @@ void inherit_impulses(const contact<S, D, Features>& old, const tangents<S, D>& 
     if (c.lasting == before) return;
     if constexpr (Features::friction && D == 3) c.twist_impulse = old.twist_impulse;
     if constexpr (Features::rolling_resistance)
-        if (c.rolling_resistance > S(0)) c.rolling_impulse = same_moment(old_frame, frame, old.rolling_impulse);
+        if (surfaces.rolling_resistance_of(c) > S(0))
+            c.rolling_impulse = same_moment(old_frame, frame, old.rolling_impulse);
 }
 
 /// Scales the impulses of contacts from a step of one length to one of another: they hold loads, which a longer step
@@ -20521,7 +20571,7 @@ void stretch(contact<S, D, Features>* first, const contact<S, D, Features>* end,
 /// searched whole. Points that are new start from zero: only what outlives a step is warm.
 template <class S, int D, class Features>
 void inherit_impulses(const buffer<contact<S, D, Features>>& before, contact<S, D, Features>* first,
-                      const contact<S, D, Features>* end) {
+                      const contact<S, D, Features>* end, const detail::mixture<S, Features>& surfaces = {}) {
     if (first == end) return;
     std::uint32_t i = 0;
     for (std::uint32_t size = before.size(); size > 0;) {
@@ -20535,7 +20585,7 @@ void inherit_impulses(const buffer<contact<S, D, Features>>& before, contact<S, 
         if (i == before.size()) return;
         const tangents<S, D> frame(first->normal);
         for (std::uint32_t n = i; n < before.size() && before[n].key() == first->key(); ++n)
-            inherit_impulses(before[n], frame, *first);
+            inherit_impulses(before[n], frame, *first, surfaces);
     }
 }
 
@@ -20628,25 +20678,35 @@ inline std::uint32_t* numbers_below(std::uint32_t count, arena& scratch) {
 
 }  // namespace detail
 
-/// Contacts that a solver is to solve, of a longer list.
+/// Contacts that a solver is to solve, of a longer list, and what their surfaces make of each other.
 template <class S, int D, class Features = without<>>
 class contact_list {
     using contact = physics::contact<S, D, Features>;
+    using mixture = detail::mixture<S, Features>;
 
 public:
-    contact_list(contact* all, const std::uint32_t* numbers, std::uint32_t count)
-        : all_(all), numbers_(numbers), count_(count) {}
+    contact_list(contact* all, const std::uint32_t* numbers, std::uint32_t count, const mixture& surfaces = {})
+        : all_(all), numbers_(numbers), count_(count), surfaces_(surfaces) {}
     /// All contacts of a buffer.
-    contact_list(buffer<contact>& all, arena& scratch)
-        : all_(all.begin()), numbers_(detail::numbers_below(all.size(), scratch)), count_(all.size()) {}
+    contact_list(buffer<contact>& all, arena& scratch, const mixture& surfaces = {})
+        : contact_list(all.begin(), detail::numbers_below(all.size(), scratch), all.size(), surfaces) {}
 
     [[nodiscard]] std::uint32_t size() const { return count_; }
     contact& operator[](std::uint32_t i) const { return all_[numbers_[i]]; }
+
+    /// Coefficients of a contact (see material), whether it holds them or, in a recipe without materials a shape, all
+    /// contacts have them in common; 0 of what the recipe leaves out.
+    [[nodiscard]] S friction(const contact& c) const { return surfaces_.friction_of(c); }
+    [[nodiscard]] S restitution(const contact& c) const { return surfaces_.restitution_of(c); }
+    [[nodiscard]] S rolling_resistance(const contact& c) const { return surfaces_.rolling_resistance_of(c); }
+    /// The same, for what sees only some contacts of the list.
+    [[nodiscard]] const mixture& surfaces() const { return surfaces_; }
 
 private:
     contact* all_;
     const std::uint32_t* numbers_;
     std::uint32_t count_;
+    [[no_unique_address]] mixture surfaces_;
 };
 
 namespace detail {
@@ -21714,14 +21774,14 @@ namespace detail {
 
 /// The speed with which the surfaces part at point k after they have met; 0 where nothing bounces.
 template <class S, int D, class Features>
-S bounce_of(const contact<S, D, Features>& c, int k, const solver_body<S, D, Features::rotation>& a,
+S bounce_of(const contact<S, D, Features>& c, int k, S restitution, const solver_body<S, D, Features::rotation>& a,
             const solver_body<S, D, Features::rotation>& b, S slop, S h) {
-    if (!(c.restitution > S(0))) return S(0);
+    if (!(restitution > S(0))) return S(0);
     // A bounce starts where the gap is: the speed that closes it first would be lost.
     const auto [to_a, to_b] = c.levers(k);
     const S speed = dot(c.normal, velocity_at(b.velocity, to_b) - velocity_at(a.velocity, to_a));
     const bool meets = c.points[k].separation + speed * h < S(0);
-    return meets && -speed > slop ? -(c.restitution * speed) : S(0);
+    return meets && -speed > slop ? -(restitution * speed) : S(0);
 }
 
 }  // namespace detail
@@ -21786,22 +21846,26 @@ struct sequential_impulse {
         template <class Motion>
         static void solve(bodies_type bodies, contact_list<S, D, Features> contacts, const settings& with, S h,
                           arena& scratch, Motion&& motion) {
+            const surfaces of = contacts.surfaces();
             block* blocks = scratch.template take<block>(contacts.size());
-            for (std::uint32_t i = 0; i < contacts.size(); ++i) new (blocks + i) block(contacts[i], bodies, with, h);
+            for (std::uint32_t i = 0; i < contacts.size(); ++i)
+                new (blocks + i) block(contacts[i], of, bodies, with, h);
             motion.advance_velocities(h);
-            for (std::uint32_t i = 0; i < contacts.size(); ++i) warm_start(contacts[i], blocks[i], bodies);
+            for (std::uint32_t i = 0; i < contacts.size(); ++i) warm_start(contacts[i], of, blocks[i], bodies);
             // Forth and back in turns: loads and corrections travel as far one way as the other.
             for (int round = 0; round < with.iterations; ++round) {
                 const bool back = round % 2 != 0;
                 for (std::uint32_t i = 0; i < contacts.size(); ++i) {
                     const std::uint32_t at = back ? contacts.size() - 1 - i : i;
-                    solve_contact(contacts[at], blocks[at], bodies, back);
+                    solve_contact(contacts[at], of, blocks[at], bodies, back);
                 }
             }
             motion.advance_poses(h);
         }
 
     private:
+        using surfaces = detail::mixture<S, Features>;
+
         struct no_friction {
             constexpr no_friction() = default;
             constexpr no_friction(const body&, const body&, const levers<S, D>&,
@@ -21821,24 +21885,24 @@ struct sequential_impulse {
                 rolling{};
             row rows[manifold<S, D>::capacity];
 
-            block(const contact& c, bodies_type bodies, const settings& with, S h)
+            block(const contact& c, surfaces of, bodies_type bodies, const settings& with, S h)
                 : frame(c.normal) {
                 const body& a = bodies[c.body_a];
                 const body& b = bodies[c.body_b];
                 if constexpr (Features::rolling_resistance)
-                    if (c.rolling_resistance > S(0)) rolling = {a, b, frame};
+                    if (of.rolling_resistance_of(c) > S(0)) rolling = {a, b, frame};
                 for (int k = 0; k < c.count; ++k) {
                     const levers<S, D> to = c.levers(k);
                     rows[k] = {{a, b, to, frame},
                                detail::effective_mass(a, b, to, c.normal),
-                               target_speed(c, k, a, b, with, h)};
+                               target_speed(c, k, of, a, b, with, h)};
                 }
             }
         };
 
         /// Apart, the surfaces may close the gap; overlapping, they part slowly; a bounce parts them with its
         /// share of the approach.
-        static S target_speed(const contact& c, int k, const body& a, const body& b,
+        static S target_speed(const contact& c, int k, [[maybe_unused]] surfaces of, const body& a, const body& b,
                               const settings& with, S h) {
             const S separation = c.points[k].separation;
             S target = -separation / h;
@@ -21847,13 +21911,14 @@ struct sequential_impulse {
                 target = min(overlap * with.baumgarte / h, with.max_push_speed);
             }
             if constexpr (Features::restitution) {
-                const S bounce = detail::bounce_of(c, k, a, b, with.restitution_slop, h);
+                const S bounce = detail::bounce_of(c, k, of.restitution_of(c), a, b, with.restitution_slop, h);
                 if (bounce > S(0)) target = max(target, bounce);
             }
             return target;
         }
 
-        static void warm_start(const contact& c, const block& with, bodies_type bodies) {
+        static void warm_start(const contact& c, [[maybe_unused]] surfaces of, const block& with,
+                               bodies_type bodies) {
             for (int k = 0; k < c.count; ++k) {
                 const auto& p = c.points[k];
                 const auto [to_a, to_b] = c.levers(k);
@@ -21864,7 +21929,7 @@ struct sequential_impulse {
                 bodies[c.body_b].apply(impulse, to_b);
             }
             if constexpr (Features::rolling_resistance)
-                if (c.rolling_resistance > S(0))
+                if (of.rolling_resistance_of(c) > S(0))
                     turn(with, c.rolling_impulse, bodies[c.body_a], bodies[c.body_b]);
         }
         /// An angular impulse against rolling, from A on B.
@@ -21873,20 +21938,22 @@ struct sequential_impulse {
             a.velocity.angular -= times(a.inverse_inertia, moment);
             b.velocity.angular += times(b.inverse_inertia, moment);
         }
-        static void resist_rolling(contact& c, const block& with, body& a, body& b) {
+        static void resist_rolling(contact& c, S resistance, const block& with, body& a, body& b) {
             S load = S(0);
             for (int k = 0; k < c.count; ++k) load += c.points[k].normal_impulse;
             const auto w = with.rolling.components(with.frame, b.velocity.angular - a.velocity.angular);
-            const auto impulse = with.rolling.next(c.rolling_impulse, w, c.rolling_resistance * load);
+            const auto impulse = with.rolling.next(c.rolling_impulse, w, resistance * load);
             turn(with, impulse - c.rolling_impulse, a, b);
             c.rolling_impulse = impulse;
         }
 
-        static void solve_contact(contact& c, const block& with, bodies_type bodies, bool back) {
+        static void solve_contact(contact& c, [[maybe_unused]] surfaces of, const block& with, bodies_type bodies,
+                                  bool back) {
             body& a = bodies[c.body_a];
             body& b = bodies[c.body_b];
             if constexpr (Features::rolling_resistance)
-                if (c.rolling_resistance > S(0)) resist_rolling(c, with, a, b);
+                if (const S resistance = of.rolling_resistance_of(c); resistance > S(0))
+                    resist_rolling(c, resistance, with, a, b);
             if constexpr (Features::friction) {
                 const auto& frame = with.frame;
                 for (int i = 0; i < c.count; ++i) {
@@ -21897,7 +21964,7 @@ struct sequential_impulse {
                     auto slip = frame.components(v);
                     if constexpr (Features::surface_velocity) slip -= c.surface_velocity;
                     const auto impulse =
-                        with.rows[k].friction.next(p.friction_impulse, slip, c.friction * p.normal_impulse);
+                        with.rows[k].friction.next(p.friction_impulse, slip, of.friction_of(c) * p.normal_impulse);
                     const vec<S, D> change = frame.combine(impulse - p.friction_impulse);
                     p.friction_impulse = impulse;
                     a.apply(-change, to_a);
@@ -22081,455 +22148,6 @@ using second_tangent_of =
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/dynamics/soft_extras.hpp
-// =================================================================================================
-// What only some contacts of the soft solver have, in lanes: running surfaces, resistance to rolling.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// A circular cone in lanes.
-template <class S, int W>
-struct cone_lanes {
-    using P = kernel_pack<S, W>;
-
-    S xx[W], xy[W], yy[W], slip[W];
-
-    void put(int lane, const circular_cone<S>& cone) {
-        xx[lane] = cone.xx;
-        xy[lane] = cone.xy;
-        yy[lane] = cone.yy;
-        slip[lane] = cone.slip;
-    }
-    /// Of the speeds' answers to unit impulses, as circular_cone.
-    template <class K>
-    PHYSICS_HPP_ALWAYS_INLINE void prepare(const K& kxx, const K& kxy, const K& kyy) {
-        using C = typename K::scalar;
-        const K determinant = kxx * kyy - kxy * kxy, half = K::broadcast(C(0.5));
-        put_lanes(lane_share(kyy, determinant), xx);
-        put_lanes(lane_share(-kxy, determinant), xy);
-        put_lanes(lane_share(kxx, determinant), yy);
-        const K zero = K::broadcast(C(0)), greatest = half * (kxx + kyy) + lane_length(half * (kxx - kyy), kxy);
-        put_lanes(select_greater(determinant, zero, lane_reciprocal(greatest), zero), slip);
-    }
-    /// The impulses that follow those before where the speeds are v: they stop them, or slide on the cone.
-    PHYSICS_HPP_ALWAYS_INLINE lanes2<P> next(const lanes2<P>& before, const lanes2<P>& v, const P& limit) const {
-        const P across = P::load(xy);
-        const P stick_x = before.x - lane_sum(P::load(xx), v.x, across, v.y);
-        const P stick_y = before.y - lane_sum(across, v.x, P::load(yy), v.y);
-        if (lane_is_longer(stick_x, stick_y, limit).bits() == 0) return {stick_x, stick_y};
-        const P scale = P::load(slip), slide_x = before.x - scale * v.x, slide_y = before.y - scale * v.y;
-        const P sliding = lane_length(slide_x, slide_y), sticking = lane_length(stick_x, stick_y);
-        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
-        const P share = select_greater(sliding, limit, limit / select_greater(sliding, zero, sliding, one), one);
-        return {select_greater(sticking, limit, slide_x * share, stick_x),
-                select_greater(sticking, limit, slide_y * share, stick_y)};
-    }
-};
-
-/// How fast surfaces run along the tangents (m/s).
-template <class S, int W, int D>
-struct belt_lanes {
-    S along[W];
-
-    template <class Features>
-    void put(int lane, const contact<S, 2, Features>& c) { along[lane] = c.surface_velocity; }
-};
-template <class S, int W>
-struct belt_lanes<S, W, 3> {
-    S x[W], y[W];
-
-    template <class Features>
-    void put(int lane, const contact<S, 3, Features>& c) {
-        x[lane] = c.surface_velocity.x;
-        y[lane] = c.surface_velocity.y;
-    }
-};
-
-/// Resistance to rolling. Lanes without it stay as they are, to the bit, so that they do not depend on their
-/// neighbours.
-template <class S, int W, int D>
-struct rolling_lanes {
-    using P = kernel_pack<S, W>;
-
-    S arm[W], inertia[W];
-    /// Of this substep, and of the whole step.
-    S impulse[W], total[W];
-
-    template <class Features>
-    void put(int lane, const contact<S, 2, Features>& c, const rolling2<S>& with, S share) {
-        arm[lane] = c.rolling_resistance;
-        inertia[lane] = with.inertia;
-        impulse[lane] = c.rolling_impulse * share;
-    }
-    template <class Features>
-    void take(int lane, contact<S, 2, Features>& c) const { c.rolling_impulse = total[lane]; }
-    /// The change of the angular impulse where B turns by w against A.
-    PHYSICS_HPP_ALWAYS_INLINE P next(const P& w, const P& load) {
-        const P before = P::load(impulse), reach = P::load(arm), most = reach * load, zero = P::broadcast(S(0));
-        const P after = max(min(before - P::load(inertia) * w, most), -most);
-        const P now = select_greater(reach, zero, after, before);
-        now.store(impulse);
-        (P::load(total) + now).store(total);
-        return after - before;
-    }
-};
-template <class S, int W>
-struct rolling_lanes<S, W, 3> {
-    using P = kernel_pack<S, W>;
-
-    S arm[W];
-    cone_lanes<S, W> stop;
-    S x[W], y[W], total_x[W], total_y[W];
-
-    template <class Features>
-    void put(int lane, const contact<S, 3, Features>& c, const rolling3<S>& with, S share) {
-        arm[lane] = c.rolling_resistance;
-        stop.put(lane, with);
-        x[lane] = c.rolling_impulse.x * share;
-        y[lane] = c.rolling_impulse.y * share;
-    }
-    template <class Features>
-    void take(int lane, contact<S, 3, Features>& c) const { c.rolling_impulse = {total_x[lane], total_y[lane]}; }
-    PHYSICS_HPP_ALWAYS_INLINE lanes2<P> next(const lanes2<P>& w, const P& load) {
-        const lanes2<P> before = {P::load(x), P::load(y)};
-        const P reach = P::load(arm), zero = P::broadcast(S(0));
-        const lanes2<P> after = stop.next(before, w, reach * load);
-        const lanes2<P> now = {select_greater(reach, zero, after.x, before.x),
-                               select_greater(reach, zero, after.y, before.y)};
-        now.x.store(x);
-        now.y.store(y);
-        (P::load(total_x) + now.x).store(total_x);
-        (P::load(total_y) + now.y).store(total_y);
-        return {after.x - before.x, after.y - before.y};
-    }
-};
-
-/// In place of what a recipe leaves out.
-template <int Which>
-struct nothing {};
-
-/// What few contacts have lies apart from their block, so that the others pay for a look at a pointer.
-template <class S, int W, int D, class Features>
-struct soft_extras
-    : std::conditional_t<Features::rolling_resistance, rolling_lanes<S, W, D>, nothing<0>>,
-      std::conditional_t<Features::surface_velocity, belt_lanes<S, W, D>, nothing<1>> {
-    using rolling = rolling_lanes<S, W, D>;
-    using belt = belt_lanes<S, W, D>;
-    using body = solver_body<S, D, Features::rotation>;
-
-    static bool needed_by(const contact<S, D, Features>& c) {
-        return value_of(c.rolling_resistance) > S(0) || value_of(c.surface_velocity) != tangential<S, D>{};
-    }
-    void put(int lane, const contact<S, D, Features>& c, [[maybe_unused]] const body& a,
-             [[maybe_unused]] const body& b, [[maybe_unused]] S share) {
-        if constexpr (Features::rolling_resistance)
-            if (c.rolling_resistance > S(0))
-                rolling::put(lane, c, rolling_at<S, D>(a, b, tangents<S, D>(c.normal)), share);
-        if constexpr (Features::surface_velocity) belt::put(lane, c);
-    }
-};
-
-/// Where the extras of a block are, if it has any.
-template <class S, int W, int D, class Features>
-struct extras_of_block {
-    using extras = soft_extras<S, W, D, Features>;
-    using body = typename extras::body;
-
-    extras* at = nullptr;
-
-    void put(int lane, const contact<S, D, Features>& c, const body& a, const body& b, S share, arena& scratch) {
-        if (extras::needed_by(c)) add(lane, c, a, b, share, scratch);
-    }
-    void take(int lane, contact<S, D, Features>& c) const {
-        if constexpr (Features::rolling_resistance)
-            if (at != nullptr) at->extras::rolling::take(lane, c);
-    }
-
-private:
-    PHYSICS_HPP_NOINLINE void add(int lane, const contact<S, D, Features>& c, const body& a, const body& b, S share,
-                                  arena& scratch) {
-        if (at == nullptr) at = new (scratch.template take<extras>(1)) extras{};
-        at->put(lane, c, a, b, share);
-    }
-};
-template <class S, int W, int D, class Features>
-    requires(!Features::rolling_resistance && !Features::surface_velocity)
-struct extras_of_block<S, W, D, Features> {
-    template <class Body>
-    void put(int, const contact<S, D, Features>&, const Body&, const Body&, S, arena&) {}
-    void take(int, contact<S, D, Features>&) const {}
-};
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/dynamics/soft_friction.hpp
-// =================================================================================================
-// Friction of the soft solver's contacts, in lanes: of a whole patch at its middle, or of each point.
-
-PHYSICS_HPP_BEGIN
-
-/// Friction acts once a contact: at the middle of its points by their whole load, and against twisting by the mean
-/// distance of the points from there. Exact where the load is even; costs less than friction at each point.
-struct patch_friction {};
-/// Friction acts at each point by the point's own load: a spin or an uneven load slows each corner by what it carries.
-/// In the plane all points of a contact slip alike, and patch_friction is taken.
-struct point_friction {};
-
-namespace detail {
-
-/// Keeps a share of an impulse, and tells what it loses by that.
-template <class S>
-S take_from(S& impulse, S share) {
-    const S before = impulse;
-    impulse *= share;
-    return before - impulse;
-}
-
-/// Without friction.
-struct no_soft_friction {};
-
-/// In the plane: an impulse along the tangent at the middle.
-template <class S, int W>
-struct soft_friction2 {
-    using P = kernel_pack<S, W>;
-
-    S coefficient[W], stop[W];
-    /// Of this substep, and of the whole step.
-    S impulse[W], total[W];
-
-    /// More than 0 where it holds anything.
-    PHYSICS_HPP_ALWAYS_INLINE P held(int) const { return lane_abs(P::load(impulse)); }
-    /// The change of the impulse where the surfaces slip by v at the middle, under a load.
-    PHYSICS_HPP_ALWAYS_INLINE P next(const P& v, const P& load) {
-        const P before = P::load(impulse), most = P::load(coefficient) * load;
-        const P after = max(min(before - P::load(stop) * v, most), -most);
-        after.store(impulse);
-        (P::load(total) + after).store(total);
-        return after - before;
-    }
-};
-
-/// Along both tangents and about the normal, at the middle: speeds, or impulses; of one contact, or in lanes.
-template <class P>
-struct slide_lanes {
-    P x, y, twist;
-};
-
-/// Last step's friction of the points that are still there and still bear a load.
-template <class S, int D, class Features>
-tangential<S, D> friction_of(const contact<S, D, Features>& c) {
-    tangential<S, D> sum{};
-    for (int k = 0; k < c.count; ++k)
-        if (c.persisted(k) && c.points[k].load > S(0)) sum += c.points[k].friction_impulse;
-    return sum;
-}
-/// The loads of a contact's points together.
-template <class P>
-PHYSICS_HPP_ALWAYS_INLINE P sum_of(const P* loads, int count) {
-    P sum = loads[0];
-    for (int k = 1; k < count; ++k) sum = sum + loads[k];
-    return sum;
-}
-
-/// The impulses that stop a slip at these levers.
-template <class K, class S, int W>
-PHYSICS_HPP_ALWAYS_INLINE void prepare_cone(const contact_lanes3<K>& c, const lanes3<K>& arm_a, const lanes3<K>& arm_b,
-                                            cone_lanes<S, W>& stop) {
-    const lanes3<K> t_a = lane_cross(arm_a, c.t), t_b = lane_cross(arm_b, c.t);
-    const lanes3<K> u_a = lane_cross(arm_a, c.u), u_b = lane_cross(arm_b, c.u);
-    stop.prepare(c.mass + c.turned(t_a, t_b, t_a, t_b), c.turned(t_a, t_b, u_a, u_b),
-                 c.mass + c.turned(u_a, u_b, u_a, u_b));
-}
-
-/// Friction of patches in space.
-template <class S, int W>
-struct soft_patch_friction3 {
-    using P = kernel_pack<S, W>;
-
-    /// The largest friction for an impulse of 1, at the middle and, an angular impulse, about the normal (m).
-    S coefficient[W], twist_arm[W];
-    /// The impulses that stop a slip.
-    cone_lanes<S, W> stop;
-    S stop_twist[W];
-    /// Impulses of this substep, and of the whole step.
-    S x[W], y[W], twist[W];
-    S total_x[W], total_y[W], total_twist[W];
-
-    template <class Features>
-    void put(int lane, const contact<S, 3, Features>& c, S share) {
-        coefficient[lane] = c.friction;
-        const vec<S, 2> before = friction_of(c);
-        x[lane] = before.x * share;
-        y[lane] = before.y * share;
-        twist[lane] = c.twist_impulse * share;
-    }
-    /// Works out the rest in lanes.
-    template <class K, class Point>
-    PHYSICS_HPP_ALWAYS_INLINE void prepare(const contact_lanes3<K>& c, const Point* points, int most, const K& count) {
-        K reach = K::broadcast(typename K::scalar(0));
-        for (int k = 0; k < most; ++k)
-            reach = reach + lane_length(lanes_from<K>(points[k].x), lanes_from<K>(points[k].y));
-        put_lanes(lane_share(lanes_from<K>(coefficient) * reach, count), twist_arm);
-        prepare_cone(c, c.arm_a, c.arm_b, stop);
-        put_lanes(lane_reciprocal(c.turned(c.n, c.n, c.n, c.n)), stop_twist);
-    }
-    /// The impulse of point k, which bears that part of the load; and the one about the normal.
-    vec<S, 2> of_point(int lane, int, S part) const { return {total_x[lane] * part, total_y[lane] * part}; }
-    S about_normal(int lane) const { return total_twist[lane]; }
-    /// More than 0 where it holds anything.
-    PHYSICS_HPP_ALWAYS_INLINE P held(int) const {
-        return max(lane_abs(P::load(x)), max(lane_abs(P::load(y)), lane_abs(P::load(twist))));
-    }
-    /// The impulses so far.
-    template <class Point>
-    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> last(const Point*, int) const {
-        return {P::load(x), P::load(y), P::load(twist)};
-    }
-    /// Keeps a share of the impulses of a lane, and tells what they lose.
-    template <class Point>
-    slide_lanes<S> take(int lane, const Point*, int, S share) {
-        return {take_from(x[lane], share), take_from(y[lane], share), take_from(twist[lane], share)};
-    }
-    /// Their change where the surfaces slip under loads: first it stops the slip at the middle, then the twist.
-    template <class Point>
-    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(const slide_lanes<P>& slip, const Point*, const P* loads, int count) {
-        const P load = sum_of(loads, count);
-        const lanes2<P> before = {P::load(x), P::load(y)};
-        const lanes2<P> after = stop.next(before, {slip.x, slip.y}, P::load(coefficient) * load);
-        after.x.store(x);
-        after.y.store(y);
-        const P twisted = P::load(twist), most = P::load(twist_arm) * load;
-        const P turned = max(min(twisted - P::load(stop_twist) * slip.twist, most), -most);
-        turned.store(twist);
-        (P::load(total_x) + after.x).store(total_x);
-        (P::load(total_y) + after.y).store(total_y);
-        (P::load(total_twist) + turned).store(total_twist);
-        return {after.x - before.x, after.y - before.y, turned - twisted};
-    }
-};
-
-/// Friction of points in space: each on its own cone, one after the other.
-template <class S, int W>
-struct soft_point_friction3 {
-    using P = kernel_pack<S, W>;
-    using Q = kernel_pack<inverse_of<S>, W>;
-
-    struct point {
-        cone_lanes<S, W> stop;
-        /// Impulses of this substep, and of the whole step.
-        S x[W], y[W], total_x[W], total_y[W];
-    };
-
-    S coefficient[W];
-    /// How the slip at the middle and the twist answer to impulses along both tangents and to one about the normal.
-    inverse_of<S> answer[6][W];
-    point each[manifold<S, 3>::capacity];
-
-    template <class Features>
-    void put(int lane, const contact<S, 3, Features>& c, S share) {
-        coefficient[lane] = c.friction;
-        for (int k = 0; k < c.count; ++k) {
-            const auto& from = c.points[k];
-            const bool bears = c.persisted(k) && from.load > S(0);
-            each[k].x[lane] = bears ? from.friction_impulse.x * share : S(0);
-            each[k].y[lane] = bears ? from.friction_impulse.y * share : S(0);
-        }
-    }
-    template <class K, class Point>
-    PHYSICS_HPP_ALWAYS_INLINE void prepare(const contact_lanes3<K>& c, const Point* points, int most, const K&) {
-        const lanes3<K> t_a = lane_cross(c.arm_a, c.t), t_b = lane_cross(c.arm_b, c.t);
-        const lanes3<K> u_a = lane_cross(c.arm_a, c.u), u_b = lane_cross(c.arm_b, c.u);
-        put_lanes(c.mass + c.turned(t_a, t_b, t_a, t_b), answer[0]);
-        put_lanes(c.turned(t_a, t_b, u_a, u_b), answer[1]);
-        put_lanes(c.turned(t_a, t_b, c.n, c.n), answer[2]);
-        put_lanes(c.mass + c.turned(u_a, u_b, u_a, u_b), answer[3]);
-        put_lanes(c.turned(u_a, u_b, c.n, c.n), answer[4]);
-        put_lanes(c.turned(c.n, c.n, c.n, c.n), answer[5]);
-        for (int k = 0; k < most; ++k) {
-            const lanes3<K> offset =
-                lane_combine(c.t, lanes_from<K>(points[k].x), c.u, lanes_from<K>(points[k].y));
-            prepare_cone(c, lane_add(c.arm_a, offset), lane_add(c.arm_b, offset), each[k].stop);
-        }
-    }
-    vec<S, 2> of_point(int lane, int k, S) const { return {each[k].total_x[lane], each[k].total_y[lane]}; }
-    S about_normal(int) const { return S(0); }
-    PHYSICS_HPP_ALWAYS_INLINE P held(int count) const {
-        P most = P::broadcast(S(0));
-        for (int k = 0; k < count; ++k)
-            most = max(most, max(lane_abs(P::load(each[k].x)), lane_abs(P::load(each[k].y))));
-        return most;
-    }
-    template <class Point>
-    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> last(const Point* points, int count) const {
-        const P zero = P::broadcast(S(0));
-        slide_lanes<P> sum{zero, zero, zero};
-        for (int k = 0; k < count; ++k) add(sum, points[k], P::load(each[k].x), P::load(each[k].y));
-        return sum;
-    }
-    template <class Point>
-    slide_lanes<S> take(int lane, const Point* points, int count, S share) {
-        slide_lanes<S> sum{};
-        for (int k = 0; k < count; ++k) {
-            const S along = take_from(each[k].x[lane], share), across = take_from(each[k].y[lane], share);
-            sum.x += along;
-            sum.y += across;
-            sum.twist += difference_of_products(points[k].x[lane], across, points[k].y[lane], along);
-        }
-        return sum;
-    }
-    template <class Point>
-    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(const slide_lanes<P>& start, const Point* points, const P* loads,
-                                                  int count) {
-        const P zero = P::broadcast(S(0)), mu = P::load(coefficient);
-        slide_lanes<P> slip = start;
-        slide_lanes<P> sum{zero, zero, zero};
-        for (int k = 0; k < count; ++k) {
-            const P px = P::load(points[k].x), py = P::load(points[k].y);
-            const lanes2<P> before = {P::load(each[k].x), P::load(each[k].y)};
-            const lanes2<P> v = {slip.x - py * slip.twist, slip.y + px * slip.twist};
-            const lanes2<P> after = each[k].stop.next(before, v, mu * loads[k]);
-            after.x.store(each[k].x);
-            after.y.store(each[k].y);
-            (P::load(each[k].total_x) + after.x).store(each[k].total_x);
-            (P::load(each[k].total_y) + after.y).store(each[k].total_y);
-            slide_lanes<P> by{zero, zero, zero};
-            add(by, points[k], after.x - before.x, after.y - before.y);
-            sum = {sum.x + by.x, sum.y + by.y, sum.twist + by.twist};
-            slip = {slip.x + answered(0, 1, 2, by), slip.y + answered(1, 3, 4, by),
-                    slip.twist + answered(2, 4, 5, by)};
-        }
-        return sum;
-    }
-
-private:
-    template <class Point>
-    PHYSICS_HPP_ALWAYS_INLINE static void add(slide_lanes<P>& sum, const Point& p, const P& x, const P& y) {
-        sum = {sum.x + x, sum.y + y, sum.twist + lane_difference(P::load(p.x), y, P::load(p.y), x)};
-    }
-    PHYSICS_HPP_ALWAYS_INLINE P answered(int i, int j, int k, const slide_lanes<P>& by) const {
-        return narrow<S>(product(Q::load(answer[i]), by.x) + product(Q::load(answer[j]), by.y) +
-                         product(Q::load(answer[k]), by.twist));
-    }
-};
-
-template <class S, int W, class Features>
-using soft_friction2_of = std::conditional_t<Features::friction, soft_friction2<S, W>, no_soft_friction>;
-template <class S, int W, class Features, class Friction>
-using soft_friction3_of =
-    std::conditional_t<!Features::friction, no_soft_friction,
-                       std::conditional_t<std::is_same_v<Friction, point_friction>, soft_point_friction3<S, W>,
-                                          soft_patch_friction3<S, W>>>;
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
 // physics/dynamics/soft_round.hpp
 // =================================================================================================
 // How the soft solver goes over its contacts.
@@ -22614,13 +22232,490 @@ struct soft_round {
 };
 
 /// What contacts are written with.
-template <class S>
+template <class S, class Features>
 struct soft_start {
     /// Length of the step (s), and which part of its impulses a substep begins with.
     S step, share;
     /// Approaches slower than this do not bounce (m/s).
     S bounce_slop;
+    [[no_unique_address]] mixture<S, Features> surfaces{};
 };
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/dynamics/soft_extras.hpp
+// =================================================================================================
+// What only some contacts of the soft solver have, in lanes: running surfaces, resistance to rolling.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// A circular cone in lanes.
+template <class S, int W>
+struct cone_lanes {
+    using P = kernel_pack<S, W>;
+
+    S xx[W], xy[W], yy[W], slip[W];
+
+    void put(int lane, const circular_cone<S>& cone) {
+        xx[lane] = cone.xx;
+        xy[lane] = cone.xy;
+        yy[lane] = cone.yy;
+        slip[lane] = cone.slip;
+    }
+    /// Of the speeds' answers to unit impulses, as circular_cone.
+    template <class K>
+    PHYSICS_HPP_ALWAYS_INLINE void prepare(const K& kxx, const K& kxy, const K& kyy) {
+        using C = typename K::scalar;
+        const K determinant = kxx * kyy - kxy * kxy, half = K::broadcast(C(0.5));
+        put_lanes(lane_share(kyy, determinant), xx);
+        put_lanes(lane_share(-kxy, determinant), xy);
+        put_lanes(lane_share(kxx, determinant), yy);
+        const K zero = K::broadcast(C(0)), greatest = half * (kxx + kyy) + lane_length(half * (kxx - kyy), kxy);
+        put_lanes(select_greater(determinant, zero, lane_reciprocal(greatest), zero), slip);
+    }
+    /// The impulses that follow those before where the speeds are v: they stop them, or slide on the cone.
+    PHYSICS_HPP_ALWAYS_INLINE lanes2<P> next(const lanes2<P>& before, const lanes2<P>& v, const P& limit) const {
+        const P across = P::load(xy);
+        const P stick_x = before.x - lane_sum(P::load(xx), v.x, across, v.y);
+        const P stick_y = before.y - lane_sum(across, v.x, P::load(yy), v.y);
+        if (lane_is_longer(stick_x, stick_y, limit).bits() == 0) return {stick_x, stick_y};
+        const P scale = P::load(slip), slide_x = before.x - scale * v.x, slide_y = before.y - scale * v.y;
+        const P sliding = lane_length(slide_x, slide_y), sticking = lane_length(stick_x, stick_y);
+        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
+        const P share = select_greater(sliding, limit, limit / select_greater(sliding, zero, sliding, one), one);
+        return {select_greater(sticking, limit, slide_x * share, stick_x),
+                select_greater(sticking, limit, slide_y * share, stick_y)};
+    }
+};
+
+/// A coefficient of each of W contacts, or the one that all contacts have in common.
+template <class S, int W, class Features>
+struct coefficient_lanes {
+    using P = kernel_pack<S, W>;
+
+    S of[W];
+
+    void put(int lane, S value) { of[lane] = value; }
+    PHYSICS_HPP_ALWAYS_INLINE P all() const { return P::load(of); }
+    template <class K>
+    PHYSICS_HPP_ALWAYS_INLINE K as() const {
+        return lanes_from<K>(of);
+    }
+};
+template <class S, int W, class Features>
+    requires(!Features::materials)
+struct coefficient_lanes<S, W, Features> {
+    using P = kernel_pack<S, W>;
+
+    S common;
+
+    void put(int, S value) { common = value; }
+    PHYSICS_HPP_ALWAYS_INLINE P all() const { return P::broadcast(common); }
+    template <class K>
+    PHYSICS_HPP_ALWAYS_INLINE K as() const {
+        return K::broadcast(static_cast<typename K::scalar>(to_double(common)));
+    }
+};
+
+/// How fast surfaces run along the tangents (m/s).
+template <class S, int W, int D>
+struct belt_lanes {
+    S along[W];
+
+    template <class Features>
+    void put(int lane, const contact<S, 2, Features>& c) { along[lane] = c.surface_velocity; }
+};
+template <class S, int W>
+struct belt_lanes<S, W, 3> {
+    S x[W], y[W];
+
+    template <class Features>
+    void put(int lane, const contact<S, 3, Features>& c) {
+        x[lane] = c.surface_velocity.x;
+        y[lane] = c.surface_velocity.y;
+    }
+};
+
+/// Resistance to rolling. Lanes without it stay as they are, to the bit, so that they do not depend on their
+/// neighbours.
+template <class S, int W, int D, class Features>
+struct rolling_lanes {
+    using P = kernel_pack<S, W>;
+
+    coefficient_lanes<S, W, Features> arm;
+    S inertia[W];
+    /// Of this substep, and of the whole step.
+    S impulse[W], total[W];
+
+    void put(int lane, const contact<S, 2, Features>& c, S resistance, const rolling2<S>& with, S share) {
+        arm.put(lane, resistance);
+        inertia[lane] = with.inertia;
+        impulse[lane] = c.rolling_impulse * share;
+    }
+    void take(int lane, contact<S, 2, Features>& c) const { c.rolling_impulse = total[lane]; }
+    /// The change of the angular impulse where B turns by w against A.
+    PHYSICS_HPP_ALWAYS_INLINE P next(const P& w, const P& load) {
+        const P before = P::load(impulse), reach = arm.all(), most = reach * load, zero = P::broadcast(S(0));
+        const P after = max(min(before - P::load(inertia) * w, most), -most);
+        const P now = select_greater(reach, zero, after, before);
+        now.store(impulse);
+        (P::load(total) + now).store(total);
+        return after - before;
+    }
+};
+template <class S, int W, class Features>
+struct rolling_lanes<S, W, 3, Features> {
+    using P = kernel_pack<S, W>;
+
+    coefficient_lanes<S, W, Features> arm;
+    cone_lanes<S, W> stop;
+    S x[W], y[W], total_x[W], total_y[W];
+
+    void put(int lane, const contact<S, 3, Features>& c, S resistance, const rolling3<S>& with, S share) {
+        arm.put(lane, resistance);
+        stop.put(lane, with);
+        x[lane] = c.rolling_impulse.x * share;
+        y[lane] = c.rolling_impulse.y * share;
+    }
+    void take(int lane, contact<S, 3, Features>& c) const { c.rolling_impulse = {total_x[lane], total_y[lane]}; }
+    PHYSICS_HPP_ALWAYS_INLINE lanes2<P> next(const lanes2<P>& w, const P& load) {
+        const lanes2<P> before = {P::load(x), P::load(y)};
+        const P reach = arm.all(), zero = P::broadcast(S(0));
+        const lanes2<P> after = stop.next(before, w, reach * load);
+        const lanes2<P> now = {select_greater(reach, zero, after.x, before.x),
+                               select_greater(reach, zero, after.y, before.y)};
+        now.x.store(x);
+        now.y.store(y);
+        (P::load(total_x) + now.x).store(total_x);
+        (P::load(total_y) + now.y).store(total_y);
+        return {after.x - before.x, after.y - before.y};
+    }
+};
+
+/// In place of what a recipe leaves out.
+template <int Which>
+struct nothing {};
+
+/// What few contacts have lies apart from their block, so that the others pay for a look at a pointer.
+template <class S, int W, int D, class Features>
+struct soft_extras
+    : std::conditional_t<Features::rolling_resistance, rolling_lanes<S, W, D, Features>, nothing<0>>,
+      std::conditional_t<Features::surface_velocity, belt_lanes<S, W, D>, nothing<1>> {
+    using rolling = rolling_lanes<S, W, D, Features>;
+    using belt = belt_lanes<S, W, D>;
+    using body = solver_body<S, D, Features::rotation>;
+
+    static bool needed_by(const contact<S, D, Features>& c, const soft_start<S, Features>& with) {
+        return with.surfaces.rolling_resistance_of(c) > S(0) || value_of(c.surface_velocity) != tangential<S, D>{};
+    }
+    void put(int lane, const contact<S, D, Features>& c, [[maybe_unused]] const body& a,
+             [[maybe_unused]] const body& b, [[maybe_unused]] const soft_start<S, Features>& with) {
+        if constexpr (Features::rolling_resistance)
+            if (const S resistance = with.surfaces.rolling_resistance_of(c); resistance > S(0))
+                rolling::put(lane, c, resistance, rolling_at<S, D>(a, b, tangents<S, D>(c.normal)), with.share);
+        if constexpr (Features::surface_velocity) belt::put(lane, c);
+    }
+};
+
+/// Where the extras of a block are, if it has any.
+template <class S, int W, int D, class Features>
+struct extras_of_block {
+    using extras = soft_extras<S, W, D, Features>;
+    using body = typename extras::body;
+
+    extras* at = nullptr;
+
+    void put(int lane, const contact<S, D, Features>& c, const body& a, const body& b,
+             const soft_start<S, Features>& with, arena& scratch) {
+        if (extras::needed_by(c, with)) add(lane, c, a, b, with, scratch);
+    }
+    void take(int lane, contact<S, D, Features>& c) const {
+        if constexpr (Features::rolling_resistance)
+            if (at != nullptr) at->extras::rolling::take(lane, c);
+    }
+
+private:
+    PHYSICS_HPP_NOINLINE void add(int lane, const contact<S, D, Features>& c, const body& a, const body& b,
+                                  const soft_start<S, Features>& with, arena& scratch) {
+        if (at == nullptr) at = new (scratch.template take<extras>(1)) extras{};
+        at->put(lane, c, a, b, with);
+    }
+};
+template <class S, int W, int D, class Features>
+    requires(!Features::rolling_resistance && !Features::surface_velocity)
+struct extras_of_block<S, W, D, Features> {
+    template <class Body>
+    void put(int, const contact<S, D, Features>&, const Body&, const Body&, const soft_start<S, Features>&, arena&) {}
+    void take(int, contact<S, D, Features>&) const {}
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/dynamics/soft_friction.hpp
+// =================================================================================================
+// Friction of the soft solver's contacts, in lanes: of a whole patch at its middle, or of each point.
+
+PHYSICS_HPP_BEGIN
+
+/// Friction acts once a contact: at the middle of its points by their whole load, and against twisting by the mean
+/// distance of the points from there. Exact where the load is even; costs less than friction at each point.
+struct patch_friction {};
+/// Friction acts at each point by the point's own load: a spin or an uneven load slows each corner by what it carries.
+/// In the plane all points of a contact slip alike, and patch_friction is taken.
+struct point_friction {};
+
+namespace detail {
+
+/// Keeps a share of an impulse, and tells what it loses by that.
+template <class S>
+S take_from(S& impulse, S share) {
+    const S before = impulse;
+    impulse *= share;
+    return before - impulse;
+}
+
+/// Without friction.
+struct no_soft_friction {};
+
+/// In the plane: an impulse along the tangent at the middle.
+template <class S, int W, class Features>
+struct soft_friction2 {
+    using P = kernel_pack<S, W>;
+
+    coefficient_lanes<S, W, Features> coefficient;
+    S stop[W];
+    /// Of this substep, and of the whole step.
+    S impulse[W], total[W];
+
+    /// More than 0 where it holds anything.
+    PHYSICS_HPP_ALWAYS_INLINE P held(int) const { return lane_abs(P::load(impulse)); }
+    /// The change of the impulse where the surfaces slip by v at the middle, under a load.
+    PHYSICS_HPP_ALWAYS_INLINE P next(const P& v, const P& load) {
+        const P before = P::load(impulse), most = coefficient.all() * load;
+        const P after = max(min(before - P::load(stop) * v, most), -most);
+        after.store(impulse);
+        (P::load(total) + after).store(total);
+        return after - before;
+    }
+};
+
+/// Along both tangents and about the normal, at the middle: speeds, or impulses; of one contact, or in lanes.
+template <class P>
+struct slide_lanes {
+    P x, y, twist;
+};
+
+/// Last step's friction of the points that are still there and still bear a load.
+template <class S, int D, class Features>
+tangential<S, D> friction_of(const contact<S, D, Features>& c) {
+    tangential<S, D> sum{};
+    for (int k = 0; k < c.count; ++k)
+        if (c.persisted(k) && c.points[k].load > S(0)) sum += c.points[k].friction_impulse;
+    return sum;
+}
+/// The loads of a contact's points together.
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE P sum_of(const P* loads, int count) {
+    P sum = loads[0];
+    for (int k = 1; k < count; ++k) sum = sum + loads[k];
+    return sum;
+}
+
+/// The impulses that stop a slip at these levers.
+template <class K, class S, int W>
+PHYSICS_HPP_ALWAYS_INLINE void prepare_cone(const contact_lanes3<K>& c, const lanes3<K>& arm_a, const lanes3<K>& arm_b,
+                                            cone_lanes<S, W>& stop) {
+    const lanes3<K> t_a = lane_cross(arm_a, c.t), t_b = lane_cross(arm_b, c.t);
+    const lanes3<K> u_a = lane_cross(arm_a, c.u), u_b = lane_cross(arm_b, c.u);
+    stop.prepare(c.mass + c.turned(t_a, t_b, t_a, t_b), c.turned(t_a, t_b, u_a, u_b),
+                 c.mass + c.turned(u_a, u_b, u_a, u_b));
+}
+
+/// Friction of patches in space.
+template <class S, int W, class Features>
+struct soft_patch_friction3 {
+    using P = kernel_pack<S, W>;
+
+    /// The largest friction for an impulse of 1, at the middle and, an angular impulse, about the normal (m).
+    coefficient_lanes<S, W, Features> coefficient;
+    S twist_arm[W];
+    /// The impulses that stop a slip.
+    cone_lanes<S, W> stop;
+    S stop_twist[W];
+    /// Impulses of this substep, and of the whole step.
+    S x[W], y[W], twist[W];
+    S total_x[W], total_y[W], total_twist[W];
+
+    void put(int lane, const contact<S, 3, Features>& c, const soft_start<S, Features>& with) {
+        coefficient.put(lane, with.surfaces.friction_of(c));
+        const vec<S, 2> before = friction_of(c);
+        x[lane] = before.x * with.share;
+        y[lane] = before.y * with.share;
+        twist[lane] = c.twist_impulse * with.share;
+    }
+    /// Works out the rest in lanes.
+    template <class K, class Point>
+    PHYSICS_HPP_ALWAYS_INLINE void prepare(const contact_lanes3<K>& c, const Point* points, int most, const K& count) {
+        K reach = K::broadcast(typename K::scalar(0));
+        for (int k = 0; k < most; ++k)
+            reach = reach + lane_length(lanes_from<K>(points[k].x), lanes_from<K>(points[k].y));
+        put_lanes(lane_share(coefficient.template as<K>() * reach, count), twist_arm);
+        prepare_cone(c, c.arm_a, c.arm_b, stop);
+        put_lanes(lane_reciprocal(c.turned(c.n, c.n, c.n, c.n)), stop_twist);
+    }
+    /// The impulse of point k, which bears that part of the load; and the one about the normal.
+    vec<S, 2> of_point(int lane, int, S part) const { return {total_x[lane] * part, total_y[lane] * part}; }
+    S about_normal(int lane) const { return total_twist[lane]; }
+    /// More than 0 where it holds anything.
+    PHYSICS_HPP_ALWAYS_INLINE P held(int) const {
+        return max(lane_abs(P::load(x)), max(lane_abs(P::load(y)), lane_abs(P::load(twist))));
+    }
+    /// The impulses so far.
+    template <class Point>
+    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> last(const Point*, int) const {
+        return {P::load(x), P::load(y), P::load(twist)};
+    }
+    /// Keeps a share of the impulses of a lane, and tells what they lose.
+    template <class Point>
+    slide_lanes<S> take(int lane, const Point*, int, S share) {
+        return {take_from(x[lane], share), take_from(y[lane], share), take_from(twist[lane], share)};
+    }
+    /// Their change where the surfaces slip under loads: first it stops the slip at the middle, then the twist.
+    template <class Point>
+    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(const slide_lanes<P>& slip, const Point*, const P* loads, int count) {
+        const P load = sum_of(loads, count);
+        const lanes2<P> before = {P::load(x), P::load(y)};
+        const lanes2<P> after = stop.next(before, {slip.x, slip.y}, coefficient.all() * load);
+        after.x.store(x);
+        after.y.store(y);
+        const P twisted = P::load(twist), most = P::load(twist_arm) * load;
+        const P turned = max(min(twisted - P::load(stop_twist) * slip.twist, most), -most);
+        turned.store(twist);
+        (P::load(total_x) + after.x).store(total_x);
+        (P::load(total_y) + after.y).store(total_y);
+        (P::load(total_twist) + turned).store(total_twist);
+        return {after.x - before.x, after.y - before.y, turned - twisted};
+    }
+};
+
+/// Friction of points in space: each on its own cone, one after the other.
+template <class S, int W, class Features>
+struct soft_point_friction3 {
+    using P = kernel_pack<S, W>;
+    using Q = kernel_pack<inverse_of<S>, W>;
+
+    struct point {
+        cone_lanes<S, W> stop;
+        /// Impulses of this substep, and of the whole step.
+        S x[W], y[W], total_x[W], total_y[W];
+    };
+
+    coefficient_lanes<S, W, Features> coefficient;
+    /// How the slip at the middle and the twist answer to impulses along both tangents and to one about the normal.
+    inverse_of<S> answer[6][W];
+    point each[manifold<S, 3>::capacity];
+
+    void put(int lane, const contact<S, 3, Features>& c, const soft_start<S, Features>& with) {
+        coefficient.put(lane, with.surfaces.friction_of(c));
+        for (int k = 0; k < c.count; ++k) {
+            const auto& from = c.points[k];
+            const bool bears = c.persisted(k) && from.load > S(0);
+            each[k].x[lane] = bears ? from.friction_impulse.x * with.share : S(0);
+            each[k].y[lane] = bears ? from.friction_impulse.y * with.share : S(0);
+        }
+    }
+    template <class K, class Point>
+    PHYSICS_HPP_ALWAYS_INLINE void prepare(const contact_lanes3<K>& c, const Point* points, int most, const K&) {
+        const lanes3<K> t_a = lane_cross(c.arm_a, c.t), t_b = lane_cross(c.arm_b, c.t);
+        const lanes3<K> u_a = lane_cross(c.arm_a, c.u), u_b = lane_cross(c.arm_b, c.u);
+        put_lanes(c.mass + c.turned(t_a, t_b, t_a, t_b), answer[0]);
+        put_lanes(c.turned(t_a, t_b, u_a, u_b), answer[1]);
+        put_lanes(c.turned(t_a, t_b, c.n, c.n), answer[2]);
+        put_lanes(c.mass + c.turned(u_a, u_b, u_a, u_b), answer[3]);
+        put_lanes(c.turned(u_a, u_b, c.n, c.n), answer[4]);
+        put_lanes(c.turned(c.n, c.n, c.n, c.n), answer[5]);
+        for (int k = 0; k < most; ++k) {
+            const lanes3<K> offset =
+                lane_combine(c.t, lanes_from<K>(points[k].x), c.u, lanes_from<K>(points[k].y));
+            prepare_cone(c, lane_add(c.arm_a, offset), lane_add(c.arm_b, offset), each[k].stop);
+        }
+    }
+    vec<S, 2> of_point(int lane, int k, S) const { return {each[k].total_x[lane], each[k].total_y[lane]}; }
+    S about_normal(int) const { return S(0); }
+    PHYSICS_HPP_ALWAYS_INLINE P held(int count) const {
+        P most = P::broadcast(S(0));
+        for (int k = 0; k < count; ++k)
+            most = max(most, max(lane_abs(P::load(each[k].x)), lane_abs(P::load(each[k].y))));
+        return most;
+    }
+    template <class Point>
+    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> last(const Point* points, int count) const {
+        const P zero = P::broadcast(S(0));
+        slide_lanes<P> sum{zero, zero, zero};
+        for (int k = 0; k < count; ++k) add(sum, points[k], P::load(each[k].x), P::load(each[k].y));
+        return sum;
+    }
+    template <class Point>
+    slide_lanes<S> take(int lane, const Point* points, int count, S share) {
+        slide_lanes<S> sum{};
+        for (int k = 0; k < count; ++k) {
+            const S along = take_from(each[k].x[lane], share), across = take_from(each[k].y[lane], share);
+            sum.x += along;
+            sum.y += across;
+            sum.twist += difference_of_products(points[k].x[lane], across, points[k].y[lane], along);
+        }
+        return sum;
+    }
+    template <class Point>
+    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(const slide_lanes<P>& start, const Point* points, const P* loads,
+                                                  int count) {
+        const P zero = P::broadcast(S(0)), mu = coefficient.all();
+        slide_lanes<P> slip = start;
+        slide_lanes<P> sum{zero, zero, zero};
+        for (int k = 0; k < count; ++k) {
+            const P px = P::load(points[k].x), py = P::load(points[k].y);
+            const lanes2<P> before = {P::load(each[k].x), P::load(each[k].y)};
+            const lanes2<P> v = {slip.x - py * slip.twist, slip.y + px * slip.twist};
+            const lanes2<P> after = each[k].stop.next(before, v, mu * loads[k]);
+            after.x.store(each[k].x);
+            after.y.store(each[k].y);
+            (P::load(each[k].total_x) + after.x).store(each[k].total_x);
+            (P::load(each[k].total_y) + after.y).store(each[k].total_y);
+            slide_lanes<P> by{zero, zero, zero};
+            add(by, points[k], after.x - before.x, after.y - before.y);
+            sum = {sum.x + by.x, sum.y + by.y, sum.twist + by.twist};
+            slip = {slip.x + answered(0, 1, 2, by), slip.y + answered(1, 3, 4, by),
+                    slip.twist + answered(2, 4, 5, by)};
+        }
+        return sum;
+    }
+
+private:
+    template <class Point>
+    PHYSICS_HPP_ALWAYS_INLINE static void add(slide_lanes<P>& sum, const Point& p, const P& x, const P& y) {
+        sum = {sum.x + x, sum.y + y, sum.twist + lane_difference(P::load(p.x), y, P::load(p.y), x)};
+    }
+    PHYSICS_HPP_ALWAYS_INLINE P answered(int i, int j, int k, const slide_lanes<P>& by) const {
+        return narrow<S>(product(Q::load(answer[i]), by.x) + product(Q::load(answer[j]), by.y) +
+                         product(Q::load(answer[k]), by.twist));
+    }
+};
+
+template <class S, int W, class Features>
+using soft_friction2_of = std::conditional_t<Features::friction, soft_friction2<S, W, Features>, no_soft_friction>;
+template <class S, int W, class Features, class Friction>
+using soft_friction3_of =
+    std::conditional_t<!Features::friction, no_soft_friction,
+                       std::conditional_t<std::is_same_v<Friction, point_friction>,
+                                          soft_point_friction3<S, W, Features>, soft_patch_friction3<S, W, Features>>>;
 
 }  // namespace detail
 
@@ -22961,7 +23056,7 @@ struct soft_contact2 {
     [[no_unique_address]] soft_bounces_of<S, capacity, W, Features> bounce_to;
 
     /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
-    void put(int lane, const contact<S, 2, Features>& c, const body* bodies, const soft_start<S>& with,
+    void put(int lane, const contact<S, 2, Features>& c, const body* bodies, const soft_start<S, Features>& with,
              gathering& gathered, arena& scratch) {
         const body& first = bodies[c.body_a];
         const body& second = bodies[c.body_b];
@@ -22987,14 +23082,14 @@ struct soft_contact2 {
             points[k].separation[lane] = from.separation;
             points[k].impulse[lane] = c.persisted(k) ? from.load : S(0);
             if constexpr (Features::restitution)
-                bounces |=
-                    S(0) < (bounce_to.speed[k][lane] = bounce_of(c, k, first, second, with.bounce_slop, with.step));
+                bounces |= S(0) < (bounce_to.speed[k][lane] = bounce_of(c, k, with.surfaces.restitution_of(c), first,
+                                                                        second, with.bounce_slop, with.step));
         }
         if constexpr (Features::friction) {
-            friction.coefficient[lane] = c.friction;
+            friction.coefficient.put(lane, with.surfaces.friction_of(c));
             friction.impulse[lane] = friction_of(c) * with.share;
         }
-        extras.put(lane, c, first, second, with.share, scratch);
+        extras.put(lane, c, first, second, with, scratch);
     }
     /// Works out, once all lanes have been written, what the rounds need.
     PHYSICS_HPP_ALWAYS_INLINE void prepare(const body*, const gathering& gathered) {
@@ -23128,7 +23223,7 @@ struct soft_contact2 {
         P& w_a = at_a.velocity.angular;
         P& w_b = at_b.velocity.angular;
         const P by = extras.at->next(w_b - w_a, load_of<P>(points, point_count));
-        const P arm = P::load(extras.at->arm), zero = P::broadcast(S(0));
+        const P arm = extras.at->arm.all(), zero = P::broadcast(S(0));
         w_a = select_greater(arm, zero, w_a - mul<S>(Q::load(inertia_a), by), w_a);
         w_b = select_greater(arm, zero, w_b + mul<S>(Q::load(inertia_b), by), w_b);
         if (moves_a) at_a.store(bodies, a);
@@ -23294,7 +23389,7 @@ struct soft_contact3 {
     [[no_unique_address]] soft_bounces_of<S, capacity, W, Features> bounce_to;
 
     /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
-    void put(int lane, const contact<S, 3, Features>& c, const body* bodies, const soft_start<S>& with,
+    void put(int lane, const contact<S, 3, Features>& c, const body* bodies, const soft_start<S, Features>& with,
              gathering& gathered, arena& scratch) {
         const body& first = bodies[c.body_a];
         const body& second = bodies[c.body_b];
@@ -23316,11 +23411,11 @@ struct soft_contact3 {
             points[k].separation[lane] = from.separation;
             points[k].impulse[lane] = c.persisted(k) ? from.load : S(0);
             if constexpr (Features::restitution)
-                bounces |=
-                    S(0) < (bounce_to.speed[k][lane] = bounce_of(c, k, first, second, with.bounce_slop, with.step));
+                bounces |= S(0) < (bounce_to.speed[k][lane] = bounce_of(c, k, with.surfaces.restitution_of(c), first,
+                                                                        second, with.bounce_slop, with.step));
         }
-        if constexpr (Features::friction) friction.put(lane, c, with.share);
-        extras.put(lane, c, first, second, with.share, scratch);
+        if constexpr (Features::friction) friction.put(lane, c, with);
+        extras.put(lane, c, first, second, with, scratch);
     }
     /// Works out, once all lanes have been written, what the rounds need.
     PHYSICS_HPP_ALWAYS_INLINE void prepare(const body* bodies, const gathering& gathered) {
@@ -23489,7 +23584,7 @@ struct soft_contact3 {
         const lanes2<P> rolling = {lane_dot(f.t, turning), lane_dot(f.u, turning)};
         const lanes2<P> by = extras.at->next(rolling, load_of<P>(points, point_count));
         const lanes3<P> moment = lane_combine(f.t, by.x, f.u, by.y);
-        const P arm = P::load(extras.at->arm), zero = P::broadcast(S(0));
+        const P arm = extras.at->arm.all(), zero = P::broadcast(S(0));
         const auto where_it_acts = [&](lanes3<P>& w, const lanes3<P>& now) PHYSICS_HPP_INLINE_LAMBDA {
             w = {select_greater(arm, zero, now.x, w.x), select_greater(arm, zero, now.y, w.y),
                  select_greater(arm, zero, now.z, w.z)};
@@ -23697,20 +23792,19 @@ struct linear_lanes {
 };
 
 /// Friction where nothing turns: the same mass answers in every direction.
-template <class S, int D, int W>
+template <class S, int D, int W, class Features>
 struct soft_linear_friction {
     using P = kernel_pack<S, W>;
 
-    S coefficient[W];
+    coefficient_lanes<S, W, Features> coefficient;
     /// Along the tangents; of this substep, and of the whole step.
     S impulse[D - 1][W], total[D - 1][W];
 
-    template <class Features>
-    void put(int lane, const contact<S, D, Features>& c, S share) {
+    void put(int lane, const contact<S, D, Features>& c, const soft_start<S, Features>& with) {
         const tangential<S, D> before = friction_of(c);
-        coefficient[lane] = c.friction;
-        if constexpr (D == 2) impulse[0][lane] = before * share;
-        else for (int i = 0; i < 2; ++i) impulse[i][lane] = before[i] * share;
+        coefficient.put(lane, with.surfaces.friction_of(c));
+        if constexpr (D == 2) impulse[0][lane] = before * with.share;
+        else for (int i = 0; i < 2; ++i) impulse[i][lane] = before[i] * with.share;
     }
     /// Hands a share of the step's impulses back.
     [[nodiscard]] tangential<S, D> part(int lane, S share) const {
@@ -23725,7 +23819,7 @@ struct soft_linear_friction {
     }
     /// Turns slips into the changes of the impulses that stop them, under a load, or let them slide.
     PHYSICS_HPP_ALWAYS_INLINE void answer(P (&slip)[D - 1], const P& mass, const P& load) {
-        const P most = P::load(coefficient) * load;
+        const P most = coefficient.all() * load;
         P before[D - 1], after[D - 1];
         for (int i = 0; i < D - 1; ++i) {
             before[i] = P::load(impulse[i]);
@@ -23775,7 +23869,8 @@ struct soft_linear_contact {
     [[no_unique_address]] std::conditional_t<Features::friction && D == 3, kept_tangent<S, W>, nothing<2>> tangent;
     I mass_a[W], mass_b[W];
     point points[point_count];
-    [[no_unique_address]] std::conditional_t<Features::friction, soft_linear_friction<S, D, W>, no_soft_friction>
+    [[no_unique_address]] std::conditional_t<Features::friction, soft_linear_friction<S, D, W, Features>,
+                                               no_soft_friction>
         friction;
     /// What the points bore together as the substep began.
     S held[W];
@@ -23787,8 +23882,8 @@ struct soft_linear_contact {
     [[no_unique_address]] soft_bounces_of<S, 1, W, Features> bounce_to;
 
     /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
-    void put(int lane, const contact<S, D, Features>& c, const body* bodies, const soft_start<S>& with, gathering&,
-             arena& scratch) {
+    void put(int lane, const contact<S, D, Features>& c, const body* bodies, const soft_start<S, Features>& with,
+             gathering&, arena& scratch) {
         const body& first = bodies[c.body_a];
         const body& second = bodies[c.body_b];
         a[lane] = c.body_a;
@@ -23805,10 +23900,10 @@ struct soft_linear_contact {
         points[0].separation[lane] = c.points[nearest].separation;
         points[0].impulse[lane] = load;
         if constexpr (Features::restitution)
-            bounces |= S(0) < (bounce_to.speed[0][lane] =
-                                   bounce_of(c, nearest, first, second, with.bounce_slop, with.step));
-        if constexpr (Features::friction) friction.put(lane, c, with.share);
-        extras.put(lane, c, first, second, with.share, scratch);
+            bounces |= S(0) < (bounce_to.speed[0][lane] = bounce_of(c, nearest, with.surfaces.restitution_of(c), first,
+                                                                    second, with.bounce_slop, with.step));
+        if constexpr (Features::friction) friction.put(lane, c, with);
+        extras.put(lane, c, first, second, with, scratch);
     }
     /// Works out, once all lanes have been written, what the rounds need.
     PHYSICS_HPP_ALWAYS_INLINE void prepare(const body*, const gathering&) {
@@ -24136,8 +24231,9 @@ struct soft_step_with {
                           contact_list<S, D, Features> contacts, const settings& with, S h, arena& scratch,
                           Motion&& motion, detail::crew& hands) {
             solver_body<S, D, turns>* const bodies = all.first;
-            const blocks_in_colours blocks =
-                pack(colours, contacts, all, {h, S(1) / S(with.substeps), with.restitution_slop}, scratch);
+            const detail::soft_start<S, Features> how{h, S(1) / S(with.substeps), with.restitution_slop,
+                                                      contacts.surfaces()};
+            const blocks_in_colours blocks = pack(colours, contacts, all, how, scratch);
             const S part = h / S(with.substeps);
             const S frequency = with.stiffness / part;
             const bool capped = with.frequency_cap > S(0) && with.frequency_cap < frequency;
@@ -24226,7 +24322,7 @@ struct soft_step_with {
         }
         static blocks_in_colours pack(const detail::contact_colours& colours,
                                       const contact_list<S, D, Features>& contacts, bodies_type bodies,
-                                      const detail::soft_start<S>& with, arena& scratch) {
+                                      const detail::soft_start<S, Features>& with, arena& scratch) {
             blocks_in_colours result;
             result.colours = colours.count;
             result.last_is_serial = colours.last_is_serial;
@@ -24251,7 +24347,7 @@ struct soft_step_with {
         }
         static void fill(block& place, std::uint32_t* numbers, const std::uint32_t* order, std::uint32_t used,
                          const contact_list<S, D, Features>& contacts, bodies_type bodies,
-                         const detail::soft_start<S>& with, arena& scratch) {
+                         const detail::soft_start<S, Features>& with, arena& scratch) {
             block& to = *new (&place) block{};
             typename block::gathering gathered;
             for (int lane = 0; lane < width; ++lane) {
@@ -24279,9 +24375,17 @@ PHYSICS_HPP_END
 
 PHYSICS_HPP_BEGIN
 
+namespace detail {
+
+/// Stands in settings for the material that all surfaces have in common.
+struct every_shape_has_a_material_of_its_own {};
+
+}  // namespace detail
+
 /// Numbers of a world. Lengths in metres, times in seconds, masses in kilograms; a world in other units
 /// scales the lengths and speeds here with them.
-template <class S, int D, class SolverSettings, class SleepSettings = sleep_settings<S>>
+template <class S, int D, class SolverSettings, class SleepSettings = sleep_settings<S>,
+          class Material = detail::every_shape_has_a_material_of_its_own>
 struct world_settings {
     /// Acceleration of every body, times its gravity scale (m/s^2).
     vec<S, D> gravity = downward();
@@ -24293,6 +24397,8 @@ struct world_settings {
     SolverSettings solver = {};
     /// When bodies fall asleep, unless the recipe leaves sleeping out.
     [[no_unique_address]] SleepSettings sleeping = {};
+    /// What all surfaces are made of, if the recipe leaves out materials a shape. None of them runs.
+    [[no_unique_address]] Material material = {};
 
 private:
     static constexpr vec<S, D> downward() {
@@ -24328,8 +24434,8 @@ struct body_def {
     std::uint64_t user_data = 0;
 };
 
-/// How a shape sits on its body, and what it is made of.
-template <class S, int D>
+/// How a shape sits on its body, and what it is made of; in recipes without materials a shape, not the latter.
+template <class S, int D, bool HasMaterial = true>
 struct shape_def {
     /// Pose of the shape's frame in the body's frame.
     vec<S, D> position = {};
@@ -24337,6 +24443,13 @@ struct shape_def {
     /// kg/m^3 in space, kg/m^2 in the plane; at least 0. Only ratios matter until forces act.
     S density = S(1);
     physics::material<S, D> material = {};
+    std::uint64_t user_data = 0;
+};
+template <class S, int D>
+struct shape_def<S, D, false> {
+    vec<S, D> position = {};
+    physics::rotation<S, D> rotation = {};
+    S density = S(1);
     std::uint64_t user_data = 0;
 };
 
@@ -24523,8 +24636,10 @@ struct plan<S, D, shapes<Shapes...>, Policies...> {
     using solver =
         typename policy_for<stage::solver, soft_step, Policies...>::type::template in<space, features>;
     static constexpr bool sleeps = features::sleeping;
-    using settings = world_settings<S, D, typename solver::settings,
-                                    std::conditional_t<sleeps, sleep_settings<S>, no_settings>>;
+    using settings = world_settings<
+        S, D, typename solver::settings, std::conditional_t<sleeps, sleep_settings<S>, no_settings>,
+        std::conditional_t<features::materials, every_shape_has_a_material_of_its_own, material<S, D>>>;
+    using shape_def = physics::shape_def<S, D, features::materials>;
     using continuous = typename std::conditional_t<
         features::continuous, typename policy_for<stage::continuous, swept, Policies...>::type,
         no_continuous>::template in<space>;
@@ -24999,6 +25114,8 @@ struct state {
     typename Plan::broadphase broadphase;
     /// Contacts of the last step that push somebody who is awake, in ascending order of their pairs.
     buffer<typename Plan::contact> contacts;
+    /// What the surfaces of these contacts, and of those of sleepers, make of each other.
+    [[no_unique_address]] mixture<S, typename Plan::features> surfaces;
     /// Where the centres of bodies were, and how bodies were turned, when these contacts were found.
     buffer<transform<S, D>> contact_starts;
     /// Numbers of the bodies that move and are awake, and of each body its number among them: how many there are if it
@@ -25025,6 +25142,7 @@ struct state {
         f(self.shapes);
         f(self.broadphase);
         f(self.contacts);
+        f(self.surfaces);
         f(self.contact_starts);
         f(self.movers);
         f(self.mover_of);
@@ -25038,6 +25156,7 @@ struct state {
 
     // Scratch of the step: nothing in it outlives one.
     buffer<typename Plan::contact> found;
+    [[no_unique_address]] mixture<S, typename Plan::features> found_surfaces;
     pair_memories<Plan> found_memories;
     buffer<proxy_pair> woken_pairs;
     buffer<typename Plan::contact> woken_contacts;
@@ -25070,6 +25189,13 @@ template <class Plan>
 continuous_report<typename Plan::scalar> report_of(const state<Plan>& s) {
     if constexpr (Plan::sweeps) return s.continuous.report;
     else return {};
+}
+
+/// What a shape's surface is made of.
+template <class Plan>
+auto surface_of([[maybe_unused]] const state<Plan>& s, const shape_record<Plan>& shape) {
+    if constexpr (Plan::features::materials) return shape.material.whole();
+    else return s.settings.material;
 }
 
 /// Says where a shape is, of a body whose frame and whose centre of mass are there.
@@ -25439,22 +25565,32 @@ bool check_continuous(const char* function, bool continuous) {
     return !continuous || Plan::is_continuous ||
            refuse(function, "continuous", "true", "the recipe leaves continuous collision out");
 }
+/// What messages call the parts of a material.
+struct names_of_material {
+    const char *friction, *restitution, *rolling_resistance, *surface_velocity;
+};
+inline constexpr names_of_material material_of_shape = {"friction", "restitution", "rolling_resistance",
+                                                        "surface_velocity"};
+inline constexpr names_of_material material_of_settings = {"material.friction", "material.restitution",
+                                                           "material.rolling_resistance", "material.surface_velocity"};
 template <class Plan, class S, int D>
-bool check_material(const char* function, const material<S, D>& m) {
+bool check_material(const char* function, const material<S, D>& m, const names_of_material& name = material_of_shape) {
     using features = typename Plan::features;
-    if (!check_not_negative(function, "friction", m.friction) ||
-        !check_not_negative(function, "restitution", m.restitution) ||
-        !check_not_negative(function, "rolling_resistance", m.rolling_resistance) ||
-        !check_finite(function, "surface_velocity", m.surface_velocity))
+    if (!check_not_negative(function, name.friction, m.friction) ||
+        !check_not_negative(function, name.restitution, m.restitution) ||
+        !check_not_negative(function, name.rolling_resistance, m.rolling_resistance) ||
+        !check_finite(function, name.surface_velocity, m.surface_velocity))
         return false;
     if (m.restitution > S(1))
-        return refuse(function, "restitution", static_cast<double>(m.restitution), "it must be at most 1");
-    return (features::restitution || check_left_out(function, "restitution", m.restitution)) &&
-           (features::rolling_resistance || check_left_out(function, "rolling_resistance", m.rolling_resistance)) &&
-           (features::surface_velocity || check_left_out(function, "surface_velocity", m.surface_velocity));
+        return refuse(function, name.restitution, static_cast<double>(m.restitution), "it must be at most 1");
+    return (features::restitution || check_left_out(function, name.restitution, m.restitution)) &&
+           (features::rolling_resistance || check_left_out(function, name.rolling_resistance, m.rolling_resistance)) &&
+           (features::surface_velocity || check_left_out(function, name.surface_velocity, m.surface_velocity));
 }
-template <class Settings>
-bool check_settings(const Settings& with, const char* function) {
+template <class Plan>
+bool check_settings(const typename Plan::settings& with, const char* function) {
+    if constexpr (!Plan::features::materials)
+        if (!check_material<Plan>(function, with.material, material_of_settings)) return false;
     return check_finite(function, "gravity", with.gravity) &&
            check_not_negative(function, "contact_margin", with.contact_margin) &&
            check(with.broadphase, function) && check(with.solver, function) && check(with.sleeping, function);
@@ -26462,14 +26598,15 @@ void destroy_body(state<Plan>& s, std::uint32_t index) {
 }
 
 template <class Plan, class Shape>
-shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape,
-                      const shape_def<typename Plan::scalar, Plan::dimension>& def) {
+shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape, const typename Plan::shape_def& def) {
     using S = typename Plan::scalar;
     const char* f = "create_shape";
     const found at = find_body(s, body, f);
     if (!at || !check(shape, f) || !check_pose(f, def.position, def.rotation) ||
-        !check_not_negative(f, "density", def.density) || !check_material<Plan>(f, def.material))
+        !check_not_negative(f, "density", def.density))
         return {};
+    if constexpr (Plan::features::materials)
+        if (!check_material<Plan>(f, def.material)) return {};
     const auto& owner = s.bodies[at.index];
     if (!solid_shape_for<Shape, S, Plan::dimension> && owner.is_dynamic()) {
         refuse(f, "shape", "without mass", "a dynamic body needs shapes that have a mass");
@@ -26478,7 +26615,7 @@ shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape,
     shape_record<Plan> record;
     record.shape = shape;
     record.local = {def.position, normalized(def.rotation)};
-    record.material = def.material;
+    if constexpr (Plan::features::materials) record.material = def.material;
     record.density = def.density;
     record.body = at.index;
     record.next = owner.first_shape;
@@ -26614,6 +26751,14 @@ void set_rotation_locked(state<Plan>& s, std::uint32_t index, bool locked) {
 }
 
 template <class Plan>
+void set_surface(state<Plan>& s, shape_id id, const material<typename Plan::scalar, Plan::dimension>& m) {
+    const found at = find_shape(s, id, "set_surface");
+    if (!at || !check_material<Plan>("set_surface", m)) return;
+    rouse(s, s.shapes[at.index].body);
+    s.shapes[at.index].material = m;
+}
+
+template <class Plan>
 bool is_continuous(const state<Plan>& s, body_id id) {
     const found at = find_body(s, id, "continuous");
     return at && s.bodies[at.index].continuous;
@@ -26630,6 +26775,8 @@ void change_settings(state<Plan>& s, const typename Plan::settings& settings) {
     // What was carried along was found within the old margin.
     if (settings.contact_margin != s.settings.contact_margin) s.memories.clear();
     if (!(settings.gravity == s.settings.gravity)) wake_all(s);
+    if constexpr (!Plan::features::materials)
+        if (!(settings.material == s.settings.material)) wake_all(s);
     if constexpr (Plan::sleeps)
         if (!settings.sleeping.enabled) {
             wake_all(s);
@@ -27046,6 +27193,7 @@ public:
             b.has_target = false;
         }
         state_.contacts.swap(state_.found);
+        state_.surfaces = state_.found_surfaces;
         state_.memories.swap(state_.found_memories);
         ++state_.steps;
         state_.last_step = step_;
@@ -27080,7 +27228,7 @@ private:
         scratch.reset();
         batch_motion<Plan> moving(state_, parts_, part, moved_, step_, scratch);
         const contact_list<S, D, typename Plan::features> contacts(state_.found.begin(), parts_.order + part.contacts,
-                                                                   part.end - part.contacts);
+                                                                   part.end - part.contacts, state_.found_surfaces);
         const auto& with = state_.settings.solver;
         if constexpr (requires { Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving, hands); })
             Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving, hands);
@@ -27153,13 +27301,13 @@ PHYSICS_HPP_NOINLINE void drive(typename Plan::contact& c, const shape_record<Pl
     c.surface_velocity = driven(tangents<typename Plan::scalar, Plan::dimension>(c.normal), a.pose.rotation,
                                 a.material.surface_velocity, b.pose.rotation, b.material.surface_velocity);
 }
-/// What both surfaces make of a contact of A and B; false if the recipe's rule gives what no solver takes.
-template <class Plan>
-bool mix_surfaces(typename Plan::contact& c, const shape_record<Plan>& a, const shape_record<Plan>& b) {
+/// Writes down the coefficients of two materials together; false if the recipe's rule gives what no solver takes.
+template <class Plan, class Coefficients>
+bool mix(Coefficients& c, const material<typename Plan::scalar, Plan::dimension>& of_a,
+         const material<typename Plan::scalar, Plan::dimension>& of_b) {
     using S = typename Plan::scalar;
     using features = typename Plan::features;
     const auto is_good = [](S x) { return x >= S(0) && is_finite(x); };
-    const material<S, Plan::dimension> of_a = a.material.whole(), of_b = b.material.whole();
     bool good = true;
     if constexpr (features::friction) good = is_good(c.friction = Plan::mixing::friction(of_a, of_b));
     if constexpr (features::restitution) {
@@ -27168,11 +27316,35 @@ bool mix_surfaces(typename Plan::contact& c, const shape_record<Plan>& a, const 
     }
     if constexpr (features::rolling_resistance)
         good = is_good(c.rolling_resistance = Plan::mixing::rolling_resistance(of_a, of_b)) && good;
-    if constexpr (features::surface_velocity) {
-        const surface_motion<S, Plan::dimension> still{};
-        if (of_a.surface_velocity != still || of_b.surface_velocity != still) drive(c, a, b);
-    }
     return good;
+}
+/// What both surfaces make of a contact of A and B, unless that is the same for all.
+template <class Plan>
+bool mix_surfaces([[maybe_unused]] typename Plan::contact& c, [[maybe_unused]] const shape_record<Plan>& a,
+                  [[maybe_unused]] const shape_record<Plan>& b) {
+    if constexpr (Plan::features::materials) {
+        const material<typename Plan::scalar, Plan::dimension> of_a = a.material.whole(), of_b = b.material.whole();
+        const bool good = mix<Plan>(c, of_a, of_b);
+        if constexpr (Plan::features::surface_velocity) {
+            const surface_motion<typename Plan::scalar, Plan::dimension> still{};
+            if (of_a.surface_velocity != still || of_b.surface_velocity != still) drive(c, a, b);
+        }
+        return good;
+    } else {
+        return true;
+    }
+}
+/// What all surfaces of this step make of each other, if they are of one material.
+template <class Plan>
+bool mix_common_surface([[maybe_unused]] state<Plan>& s) {
+    if constexpr (Plan::features::materials) {
+        return true;
+    } else {
+        auto of_all = s.settings.material;
+        // As materials of shapes, it lacks what the recipe leaves out.
+        if constexpr (!Plan::features::friction) of_all.friction = {};
+        return mix<Plan>(s.found_surfaces, of_all, of_all);
+    }
 }
 
 /// Adds the contacts of a manifold between the shapes of a pair. False if their surfaces do not mix.
@@ -27286,7 +27458,7 @@ search_result find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs,
         auto& to = hands.is_alone() ? s.found : s.found_by[worker];
         const std::uint32_t start = to.size();
         const search_result is = search_pairs(s, queries, pairs, first, end, s.manifolds[worker], to);
-        inherit_impulses(before, to.begin() + start, to.end());
+        inherit_impulses(before, to.begin() + start, to.end(), s.found_surfaces);
         stretch(to.begin() + start, to.end(), last, h);
         new (pieces + first / share) found_piece{worker, start, to.size(), is};
     });
@@ -27777,7 +27949,8 @@ auto view_of(const state<Plan>& s, const typename Plan::contact& c) {
     contact_view<S, D> view{
         {c.shape_a, s.shapes.generation(c.shape_a), s.tag}, {c.shape_b, s.shapes.generation(c.shape_b), s.tag},
         {at_a, s.bodies.generation(at_a), s.tag},           {at_b, s.bodies.generation(at_b), s.tag},
-        c.part, c.normal, tangents<S, D>(c.normal), {}, c.count, c.friction, c.restitution, c.rolling_resistance,
+        c.part, c.normal, tangents<S, D>(c.normal), {}, c.count,
+        s.surfaces.friction_of(c), s.surfaces.restitution_of(c), s.surfaces.rolling_resistance_of(c),
         c.surface_velocity, c.twist_impulse, c.rolling_impulse};
     for (int k = 0; k < c.count; ++k) {
         const auto& p = c.points[k];
@@ -27886,6 +28059,8 @@ template <class Plan, class Watch = unwatched>
 PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, crew hands, Watch done = {}) {
     if (hands.workers() == 0) return step_result::bad_executor;
     start_step(s, hands);
+    // Settings -> what all surfaces make of each other, where no shape has a material of its own.
+    if (!mix_common_surface(s)) return step_result::bad_mixture;
     watch_fast_bodies(s, h);            // velocities        -> boxes of bodies that look ahead
     number_movers(s);                   // bodies            -> which of them move
     const auto& pairs = find_pairs(s);  // boxes             -> pairs, in order
@@ -27958,7 +28133,7 @@ public:
     using mass_properties = physics::mass_properties<scalar, dimension>;
     using settings_type = typename plan::settings;
     using body_def = physics::body_def<scalar, dimension>;
-    using shape_def = physics::shape_def<scalar, dimension>;
+    using shape_def = typename plan::shape_def;
     using contact_view = physics::contact_view<scalar, dimension>;
     using material = physics::material<scalar, dimension>;
     using any_shape = typename plan::shape;
@@ -27968,7 +28143,7 @@ public:
     /// An empty world. Refuses settings out of range, and a build whose arithmetic would not give the same
     /// bits as every other (see float_environment).
     explicit world(const settings_type& settings = {}) {
-        if (detail::check_settings(settings, "world") && detail::check_environment<scalar>("world"))
+        if (detail::check_settings<plan>(settings, "world") && detail::check_environment<scalar>("world"))
             detail::change_settings(state_, settings);
         state_.tag = detail::next_world_tag();
     }
@@ -27987,7 +28162,7 @@ public:
     [[nodiscard]] const settings_type& settings() const { return state_.settings; }
     /// Changes the settings from the next step on. O(shapes).
     void set_settings(const settings_type& settings) {
-        if (detail::check_settings(settings, "set_settings")) detail::change_settings(state_, settings);
+        if (detail::check_settings<plan>(settings, "set_settings")) detail::change_settings(state_, settings);
     }
 
     /// Adds a body; shapes give it extent and, if it is dynamic, mass. Without mass from shapes it is a point of
@@ -28228,14 +28403,11 @@ public:
         return get(id, "local_pose", [](const auto& s) { return s.local; });
     }
     [[nodiscard]] material surface(shape_id id) const {
-        return get(id, "surface", [](const auto& s) { return s.material.whole(); });
+        return get(id, "surface", [this](const auto& s) { return detail::surface_of(state_, s); });
     }
-    /// Changes a shape's material from the next step on.
-    void set_surface(shape_id id, const material& m) {
-        const auto s = detail::find_shape(state_, id, "set_surface");
-        if (!s || !detail::check_material<plan>("set_surface", m)) return;
-        detail::rouse(state_, state_.shapes[s.index].body);
-        state_.shapes[s.index].material = m;
+    /// Changes a shape's material from the next step on; without feature::materials set_settings changes that of all.
+    void set_surface(shape_id id, const material& m) requires(plan::features::materials) {
+        detail::set_surface(state_, id, m);
     }
     [[nodiscard]] std::uint64_t user_data(shape_id id) const {
         return get(id, "user_data", [](const auto& s) { return s.user_data; });

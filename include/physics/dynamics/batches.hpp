@@ -15,25 +15,35 @@ inline std::uint32_t* numbers_below(std::uint32_t count, arena& scratch) {
 
 }  // namespace detail
 
-/// Contacts that a solver is to solve, of a longer list.
+/// Contacts that a solver is to solve, of a longer list, and what their surfaces make of each other.
 template <class S, int D, class Features = without<>>
 class contact_list {
     using contact = physics::contact<S, D, Features>;
+    using mixture = detail::mixture<S, Features>;
 
 public:
-    contact_list(contact* all, const std::uint32_t* numbers, std::uint32_t count)
-        : all_(all), numbers_(numbers), count_(count) {}
+    contact_list(contact* all, const std::uint32_t* numbers, std::uint32_t count, const mixture& surfaces = {})
+        : all_(all), numbers_(numbers), count_(count), surfaces_(surfaces) {}
     /// All contacts of a buffer.
-    contact_list(buffer<contact>& all, arena& scratch)
-        : all_(all.begin()), numbers_(detail::numbers_below(all.size(), scratch)), count_(all.size()) {}
+    contact_list(buffer<contact>& all, arena& scratch, const mixture& surfaces = {})
+        : contact_list(all.begin(), detail::numbers_below(all.size(), scratch), all.size(), surfaces) {}
 
     [[nodiscard]] std::uint32_t size() const { return count_; }
     contact& operator[](std::uint32_t i) const { return all_[numbers_[i]]; }
+
+    /// Coefficients of a contact (see material), whether it holds them or, in a recipe without materials a shape, all
+    /// contacts have them in common; 0 of what the recipe leaves out.
+    [[nodiscard]] S friction(const contact& c) const { return surfaces_.friction_of(c); }
+    [[nodiscard]] S restitution(const contact& c) const { return surfaces_.restitution_of(c); }
+    [[nodiscard]] S rolling_resistance(const contact& c) const { return surfaces_.rolling_resistance_of(c); }
+    /// The same, for what sees only some contacts of the list.
+    [[nodiscard]] const mixture& surfaces() const { return surfaces_; }
 
 private:
     contact* all_;
     const std::uint32_t* numbers_;
     std::uint32_t count_;
+    [[no_unique_address]] mixture surfaces_;
 };
 
 namespace detail {

@@ -49,10 +49,12 @@ struct contact {
     /// Of each point a bit: 1 if the same features touched in the step before.
     std::uint8_t lasting = 0;
     contact_point<S, D, Features> points[manifold<S, D>::capacity] = {};
-    /// Of both surfaces together.
-    [[no_unique_address]] detail::kept_if<Features::friction, S, feature::friction> friction{};
-    [[no_unique_address]] detail::kept_if<Features::restitution, S, feature::restitution> restitution{};
-    [[no_unique_address]] detail::kept_if<Features::rolling_resistance, S, feature::rolling_resistance>
+    /// Of both surfaces together. A contact_list tells them also where all contacts have them in common.
+    [[no_unique_address]] detail::coefficient_of_contact<Features::friction, S, feature::friction, Features> friction{};
+    [[no_unique_address]] detail::coefficient_of_contact<Features::restitution, S, feature::restitution, Features>
+        restitution{};
+    [[no_unique_address]] detail::coefficient_of_contact<Features::rolling_resistance, S, feature::rolling_resistance,
+                                                         Features>
         rolling_resistance{};
     /// How fast B slides over A along the tangents where the surfaces themselves do not slip (m/s).
     [[no_unique_address]] detail::kept_if<Features::surface_velocity, tangential<S, D>, feature::surface_velocity>
@@ -139,9 +141,10 @@ constexpr vec<S, 2> same_moment(const tangents3<S>& old, const tangents3<S>& fra
     return frame.components(old.combine(moment));
 }
 
-/// Hands the impulses of the same features in an old contact to a contact.
+/// Hands the impulses of the same features in an old contact to a contact, whose surfaces resist rolling or do not.
 template <class S, int D, class Features>
-void inherit_impulses(const contact<S, D, Features>& old, const tangents<S, D>& frame, contact<S, D, Features>& c) {
+void inherit_impulses(const contact<S, D, Features>& old, const tangents<S, D>& frame, contact<S, D, Features>& c,
+                      [[maybe_unused]] const detail::mixture<S, Features>& surfaces) {
     const tangents<S, D> old_frame(old.normal);
     const std::uint8_t before = c.lasting;
     for (int k = 0; k < c.count; ++k)
@@ -150,7 +153,8 @@ void inherit_impulses(const contact<S, D, Features>& old, const tangents<S, D>& 
     if (c.lasting == before) return;
     if constexpr (Features::friction && D == 3) c.twist_impulse = old.twist_impulse;
     if constexpr (Features::rolling_resistance)
-        if (c.rolling_resistance > S(0)) c.rolling_impulse = same_moment(old_frame, frame, old.rolling_impulse);
+        if (surfaces.rolling_resistance_of(c) > S(0))
+            c.rolling_impulse = same_moment(old_frame, frame, old.rolling_impulse);
 }
 
 /// Scales the impulses of contacts from a step of one length to one of another: they hold loads, which a longer step
@@ -176,7 +180,7 @@ void stretch(contact<S, D, Features>* first, const contact<S, D, Features>* end,
 /// searched whole. Points that are new start from zero: only what outlives a step is warm.
 template <class S, int D, class Features>
 void inherit_impulses(const buffer<contact<S, D, Features>>& before, contact<S, D, Features>* first,
-                      const contact<S, D, Features>* end) {
+                      const contact<S, D, Features>* end, const detail::mixture<S, Features>& surfaces = {}) {
     if (first == end) return;
     std::uint32_t i = 0;
     for (std::uint32_t size = before.size(); size > 0;) {
@@ -190,7 +194,7 @@ void inherit_impulses(const buffer<contact<S, D, Features>>& before, contact<S, 
         if (i == before.size()) return;
         const tangents<S, D> frame(first->normal);
         for (std::uint32_t n = i; n < before.size() && before[n].key() == first->key(); ++n)
-            inherit_impulses(before[n], frame, *first);
+            inherit_impulses(before[n], frame, *first, surfaces);
     }
 }
 

@@ -23,6 +23,8 @@ struct rolling_resistance {};
 struct surface_velocity {};
 /// Looking after fast bodies on their way through a step.
 struct continuous {};
+/// A material a shape. Without it all surfaces are made of the one that the world's settings name, and none runs.
+struct materials {};
 }  // namespace feature
 
 /// Leaves features out: without<feature::friction, feature::restitution>.
@@ -40,12 +42,13 @@ public:
     static constexpr bool restitution = !lacks<feature::restitution>;
     static constexpr bool rotation = !lacks<feature::rotation>;
     static constexpr bool rolling_resistance = rotation && !lacks<feature::rolling_resistance>;
-    static constexpr bool surface_velocity = friction && !lacks<feature::surface_velocity>;
+    static constexpr bool materials = !lacks<feature::materials>;
+    static constexpr bool surface_velocity = friction && materials && !lacks<feature::surface_velocity>;
     static constexpr bool sleeping = !lacks<feature::sleeping>;
     static constexpr bool continuous = !lacks<feature::continuous>;
     static constexpr bool known = (is_one_of<Features, feature::friction, feature::restitution, feature::rotation,
                                              feature::rolling_resistance, feature::surface_velocity,
-                                             feature::sleeping, feature::continuous> &&
+                                             feature::sleeping, feature::continuous, feature::materials> &&
                                    ...);
 };
 

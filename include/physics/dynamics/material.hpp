@@ -26,13 +26,16 @@ struct material {
     /// clockwise about the shape: on top of it to the right, +x. In space a vector in the shape's frame, of which
     /// counts what lies in the surface.
     surface_motion<S, D> surface_velocity{};
+
+    friend bool operator==(const material&, const material&) = default;
 };
 
 /// What a mixing rule offers: `in<Space>` with friction(a, b), restitution(a, b) and rolling_resistance(a, b), static
 /// functions of two materials. They are called for each contact in each step, with the material of the shape whose kind
-/// comes first in the recipe's set, among equals with that of the lower number; so a rule should be symmetric. Refused
-/// by the step: results that are negative or not finite, and a restitution above 1. Velocities of surfaces need no
-/// rule: how fast two of them run against each other is their difference.
+/// comes first in the recipe's set, among equals with that of the lower number; so a rule should be symmetric. If all
+/// surfaces are of one material they are called once a step, with it and itself. Refused by the step: results that are
+/// negative or not finite, and a restitution above 1. Velocities of surfaces need no rule: how fast two of them run
+/// against each other is their difference.
 template <class Rule, class Space>
 concept mixing_for = requires(const material<typename Space::scalar, Space::dimension>& m) {
     { Rule::template in<Space>::friction(m, m) } -> std::same_as<typename Space::scalar>;
@@ -74,12 +77,15 @@ struct product_mixing {
 
 namespace detail {
 
-/// As much of a material as a recipe keeps.
+/// As much of a material as a recipe keeps of each shape.
 template <class S, int D, class Features>
 struct kept_material {
-    [[no_unique_address]] kept_if<Features::friction, S, feature::friction> friction{};
-    [[no_unique_address]] kept_if<Features::restitution, S, feature::restitution> restitution{};
-    [[no_unique_address]] kept_if<Features::rolling_resistance, S, feature::rolling_resistance> rolling_resistance{};
+    static constexpr bool each = Features::materials;
+
+    [[no_unique_address]] kept_if<each && Features::friction, S, feature::friction> friction{};
+    [[no_unique_address]] kept_if<each && Features::restitution, S, feature::restitution> restitution{};
+    [[no_unique_address]] kept_if<each && Features::rolling_resistance, S, feature::rolling_resistance>
+        rolling_resistance{};
     [[no_unique_address]] kept_if<Features::surface_velocity, surface_motion<S, D>, feature::surface_velocity>
         surface_velocity{};
 
@@ -91,6 +97,43 @@ struct kept_material {
           surface_velocity(m.surface_velocity) {}
     [[nodiscard]] constexpr material<S, D> whole() const {
         return {friction, restitution, rolling_resistance, surface_velocity};
+    }
+};
+
+/// Stands in a contact for a coefficient that all contacts have in common. It is no number: who looks for one here, and
+/// not where it is, does not compile.
+template <class Feature>
+struct common_coefficient {};
+/// A coefficient of two surfaces, as a contact holds it.
+template <bool Kept, class S, class Feature, class Features>
+using coefficient_of_contact =
+    std::conditional_t<Kept && !Features::materials, common_coefficient<Feature>, kept_if<Kept, S, Feature>>;
+
+/// What the surfaces of any contact make of each other, as far as contacts do not hold it themselves.
+template <class S, class Features>
+struct mixture {
+    static constexpr bool common = !Features::materials;
+
+    [[no_unique_address]] kept_if<common && Features::friction, S, feature::friction> friction{};
+    [[no_unique_address]] kept_if<common && Features::restitution, S, feature::restitution> restitution{};
+    [[no_unique_address]] kept_if<common && Features::rolling_resistance, S, feature::rolling_resistance>
+        rolling_resistance{};
+
+    /// Coefficients of a contact; 0 of what the recipe leaves out.
+    template <class Contact>
+    [[nodiscard]] constexpr S friction_of(const Contact& c) const {
+        if constexpr (common) return friction;
+        else return c.friction;
+    }
+    template <class Contact>
+    [[nodiscard]] constexpr S restitution_of(const Contact& c) const {
+        if constexpr (common) return restitution;
+        else return c.restitution;
+    }
+    template <class Contact>
+    [[nodiscard]] constexpr S rolling_resistance_of(const Contact& c) const {
+        if constexpr (common) return rolling_resistance;
+        else return c.rolling_resistance;
     }
 };
 

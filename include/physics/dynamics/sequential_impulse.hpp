@@ -60,22 +60,26 @@ struct sequential_impulse {
         template <class Motion>
         static void solve(bodies_type bodies, contact_list<S, D, Features> contacts, const settings& with, S h,
                           arena& scratch, Motion&& motion) {
+            const surfaces of = contacts.surfaces();
             block* blocks = scratch.template take<block>(contacts.size());
-            for (std::uint32_t i = 0; i < contacts.size(); ++i) new (blocks + i) block(contacts[i], bodies, with, h);
+            for (std::uint32_t i = 0; i < contacts.size(); ++i)
+                new (blocks + i) block(contacts[i], of, bodies, with, h);
             motion.advance_velocities(h);
-            for (std::uint32_t i = 0; i < contacts.size(); ++i) warm_start(contacts[i], blocks[i], bodies);
+            for (std::uint32_t i = 0; i < contacts.size(); ++i) warm_start(contacts[i], of, blocks[i], bodies);
             // Forth and back in turns: loads and corrections travel as far one way as the other.
             for (int round = 0; round < with.iterations; ++round) {
                 const bool back = round % 2 != 0;
                 for (std::uint32_t i = 0; i < contacts.size(); ++i) {
                     const std::uint32_t at = back ? contacts.size() - 1 - i : i;
-                    solve_contact(contacts[at], blocks[at], bodies, back);
+                    solve_contact(contacts[at], of, blocks[at], bodies, back);
                 }
             }
             motion.advance_poses(h);
         }
 
     private:
+        using surfaces = detail::mixture<S, Features>;
+
         struct no_friction {
             constexpr no_friction() = default;
             constexpr no_friction(const body&, const body&, const levers<S, D>&,
@@ -95,24 +99,24 @@ struct sequential_impulse {
                 rolling{};
             row rows[manifold<S, D>::capacity];
 
-            block(const contact& c, bodies_type bodies, const settings& with, S h)
+            block(const contact& c, surfaces of, bodies_type bodies, const settings& with, S h)
                 : frame(c.normal) {
                 const body& a = bodies[c.body_a];
                 const body& b = bodies[c.body_b];
                 if constexpr (Features::rolling_resistance)
-                    if (c.rolling_resistance > S(0)) rolling = {a, b, frame};
+                    if (of.rolling_resistance_of(c) > S(0)) rolling = {a, b, frame};
                 for (int k = 0; k < c.count; ++k) {
                     const levers<S, D> to = c.levers(k);
                     rows[k] = {{a, b, to, frame},
                                detail::effective_mass(a, b, to, c.normal),
-                               target_speed(c, k, a, b, with, h)};
+                               target_speed(c, k, of, a, b, with, h)};
                 }
             }
         };
 
         /// Apart, the surfaces may close the gap; overlapping, they part slowly; a bounce parts them with its
         /// share of the approach.
-        static S target_speed(const contact& c, int k, const body& a, const body& b,
+        static S target_speed(const contact& c, int k, [[maybe_unused]] surfaces of, const body& a, const body& b,
                               const settings& with, S h) {
             const S separation = c.points[k].separation;
             S target = -separation / h;
@@ -121,13 +125,14 @@ struct sequential_impulse {
                 target = min(overlap * with.baumgarte / h, with.max_push_speed);
             }
             if constexpr (Features::restitution) {
-                const S bounce = detail::bounce_of(c, k, a, b, with.restitution_slop, h);
+                const S bounce = detail::bounce_of(c, k, of.restitution_of(c), a, b, with.restitution_slop, h);
                 if (bounce > S(0)) target = max(target, bounce);
             }
             return target;
         }
 
-        static void warm_start(const contact& c, const block& with, bodies_type bodies) {
+        static void warm_start(const contact& c, [[maybe_unused]] surfaces of, const block& with,
+                               bodies_type bodies) {
             for (int k = 0; k < c.count; ++k) {
                 const auto& p = c.points[k];
                 const auto [to_a, to_b] = c.levers(k);
@@ -138,7 +143,7 @@ struct sequential_impulse {
                 bodies[c.body_b].apply(impulse, to_b);
             }
             if constexpr (Features::rolling_resistance)
-                if (c.rolling_resistance > S(0))
+                if (of.rolling_resistance_of(c) > S(0))
                     turn(with, c.rolling_impulse, bodies[c.body_a], bodies[c.body_b]);
         }
         /// An angular impulse against rolling, from A on B.
@@ -147,20 +152,22 @@ struct sequential_impulse {
             a.velocity.angular -= times(a.inverse_inertia, moment);
             b.velocity.angular += times(b.inverse_inertia, moment);
         }
-        static void resist_rolling(contact& c, const block& with, body& a, body& b) {
+        static void resist_rolling(contact& c, S resistance, const block& with, body& a, body& b) {
             S load = S(0);
             for (int k = 0; k < c.count; ++k) load += c.points[k].normal_impulse;
             const auto w = with.rolling.components(with.frame, b.velocity.angular - a.velocity.angular);
-            const auto impulse = with.rolling.next(c.rolling_impulse, w, c.rolling_resistance * load);
+            const auto impulse = with.rolling.next(c.rolling_impulse, w, resistance * load);
             turn(with, impulse - c.rolling_impulse, a, b);
             c.rolling_impulse = impulse;
         }
 
-        static void solve_contact(contact& c, const block& with, bodies_type bodies, bool back) {
+        static void solve_contact(contact& c, [[maybe_unused]] surfaces of, const block& with, bodies_type bodies,
+                                  bool back) {
             body& a = bodies[c.body_a];
             body& b = bodies[c.body_b];
             if constexpr (Features::rolling_resistance)
-                if (c.rolling_resistance > S(0)) resist_rolling(c, with, a, b);
+                if (const S resistance = of.rolling_resistance_of(c); resistance > S(0))
+                    resist_rolling(c, resistance, with, a, b);
             if constexpr (Features::friction) {
                 const auto& frame = with.frame;
                 for (int i = 0; i < c.count; ++i) {
@@ -171,7 +178,7 @@ struct sequential_impulse {
                     auto slip = frame.components(v);
                     if constexpr (Features::surface_velocity) slip -= c.surface_velocity;
                     const auto impulse =
-                        with.rows[k].friction.next(p.friction_impulse, slip, c.friction * p.normal_impulse);
+                        with.rows[k].friction.next(p.friction_impulse, slip, of.friction_of(c) * p.normal_impulse);
                     const vec<S, D> change = frame.combine(impulse - p.friction_impulse);
                     p.friction_impulse = impulse;
                     a.apply(-change, to_a);

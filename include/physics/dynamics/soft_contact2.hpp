@@ -48,7 +48,7 @@ struct soft_contact2 {
     [[no_unique_address]] soft_bounces_of<S, capacity, W, Features> bounce_to;
 
     /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
-    void put(int lane, const contact<S, 2, Features>& c, const body* bodies, const soft_start<S>& with,
+    void put(int lane, const contact<S, 2, Features>& c, const body* bodies, const soft_start<S, Features>& with,
              gathering& gathered, arena& scratch) {
         const body& first = bodies[c.body_a];
         const body& second = bodies[c.body_b];
@@ -74,14 +74,14 @@ struct soft_contact2 {
             points[k].separation[lane] = from.separation;
             points[k].impulse[lane] = c.persisted(k) ? from.load : S(0);
             if constexpr (Features::restitution)
-                bounces |=
-                    S(0) < (bounce_to.speed[k][lane] = bounce_of(c, k, first, second, with.bounce_slop, with.step));
+                bounces |= S(0) < (bounce_to.speed[k][lane] = bounce_of(c, k, with.surfaces.restitution_of(c), first,
+                                                                        second, with.bounce_slop, with.step));
         }
         if constexpr (Features::friction) {
-            friction.coefficient[lane] = c.friction;
+            friction.coefficient.put(lane, with.surfaces.friction_of(c));
             friction.impulse[lane] = friction_of(c) * with.share;
         }
-        extras.put(lane, c, first, second, with.share, scratch);
+        extras.put(lane, c, first, second, with, scratch);
     }
     /// Works out, once all lanes have been written, what the rounds need.
     PHYSICS_HPP_ALWAYS_INLINE void prepare(const body*, const gathering& gathered) {
@@ -215,7 +215,7 @@ struct soft_contact2 {
         P& w_a = at_a.velocity.angular;
         P& w_b = at_b.velocity.angular;
         const P by = extras.at->next(w_b - w_a, load_of<P>(points, point_count));
-        const P arm = P::load(extras.at->arm), zero = P::broadcast(S(0));
+        const P arm = extras.at->arm.all(), zero = P::broadcast(S(0));
         w_a = select_greater(arm, zero, w_a - mul<S>(Q::load(inertia_a), by), w_a);
         w_b = select_greater(arm, zero, w_b + mul<S>(Q::load(inertia_b), by), w_b);
         if (moves_a) at_a.store(bodies, a);

@@ -49,7 +49,7 @@ struct soft_contact3 {
     [[no_unique_address]] soft_bounces_of<S, capacity, W, Features> bounce_to;
 
     /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
-    void put(int lane, const contact<S, 3, Features>& c, const body* bodies, const soft_start<S>& with,
+    void put(int lane, const contact<S, 3, Features>& c, const body* bodies, const soft_start<S, Features>& with,
              gathering& gathered, arena& scratch) {
         const body& first = bodies[c.body_a];
         const body& second = bodies[c.body_b];
@@ -71,11 +71,11 @@ struct soft_contact3 {
             points[k].separation[lane] = from.separation;
             points[k].impulse[lane] = c.persisted(k) ? from.load : S(0);
             if constexpr (Features::restitution)
-                bounces |=
-                    S(0) < (bounce_to.speed[k][lane] = bounce_of(c, k, first, second, with.bounce_slop, with.step));
+                bounces |= S(0) < (bounce_to.speed[k][lane] = bounce_of(c, k, with.surfaces.restitution_of(c), first,
+                                                                        second, with.bounce_slop, with.step));
         }
-        if constexpr (Features::friction) friction.put(lane, c, with.share);
-        extras.put(lane, c, first, second, with.share, scratch);
+        if constexpr (Features::friction) friction.put(lane, c, with);
+        extras.put(lane, c, first, second, with, scratch);
     }
     /// Works out, once all lanes have been written, what the rounds need.
     PHYSICS_HPP_ALWAYS_INLINE void prepare(const body* bodies, const gathering& gathered) {
@@ -244,7 +244,7 @@ struct soft_contact3 {
         const lanes2<P> rolling = {lane_dot(f.t, turning), lane_dot(f.u, turning)};
         const lanes2<P> by = extras.at->next(rolling, load_of<P>(points, point_count));
         const lanes3<P> moment = lane_combine(f.t, by.x, f.u, by.y);
-        const P arm = P::load(extras.at->arm), zero = P::broadcast(S(0));
+        const P arm = extras.at->arm.all(), zero = P::broadcast(S(0));
         const auto where_it_acts = [&](lanes3<P>& w, const lanes3<P>& now) PHYSICS_HPP_INLINE_LAMBDA {
             w = {select_greater(arm, zero, now.x, w.x), select_greater(arm, zero, now.y, w.y),
                  select_greater(arm, zero, now.z, w.z)};

@@ -5,6 +5,7 @@
 #include "physics/base/probe.hpp"
 #include "physics/dynamics/friction.hpp"
 #include "physics/dynamics/soft_prepare.hpp"
+#include "physics/dynamics/soft_round.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -49,6 +50,35 @@ struct cone_lanes {
     }
 };
 
+/// A coefficient of each of W contacts, or the one that all contacts have in common.
+template <class S, int W, class Features>
+struct coefficient_lanes {
+    using P = kernel_pack<S, W>;
+
+    S of[W];
+
+    void put(int lane, S value) { of[lane] = value; }
+    PHYSICS_HPP_ALWAYS_INLINE P all() const { return P::load(of); }
+    template <class K>
+    PHYSICS_HPP_ALWAYS_INLINE K as() const {
+        return lanes_from<K>(of);
+    }
+};
+template <class S, int W, class Features>
+    requires(!Features::materials)
+struct coefficient_lanes<S, W, Features> {
+    using P = kernel_pack<S, W>;
+
+    S common;
+
+    void put(int, S value) { common = value; }
+    PHYSICS_HPP_ALWAYS_INLINE P all() const { return P::broadcast(common); }
+    template <class K>
+    PHYSICS_HPP_ALWAYS_INLINE K as() const {
+        return K::broadcast(static_cast<typename K::scalar>(to_double(common)));
+    }
+};
+
 /// How fast surfaces run along the tangents (m/s).
 template <class S, int W, int D>
 struct belt_lanes {
@@ -70,25 +100,24 @@ struct belt_lanes<S, W, 3> {
 
 /// Resistance to rolling. Lanes without it stay as they are, to the bit, so that they do not depend on their
 /// neighbours.
-template <class S, int W, int D>
+template <class S, int W, int D, class Features>
 struct rolling_lanes {
     using P = kernel_pack<S, W>;
 
-    S arm[W], inertia[W];
+    coefficient_lanes<S, W, Features> arm;
+    S inertia[W];
     /// Of this substep, and of the whole step.
     S impulse[W], total[W];
 
-    template <class Features>
-    void put(int lane, const contact<S, 2, Features>& c, const rolling2<S>& with, S share) {
-        arm[lane] = c.rolling_resistance;
+    void put(int lane, const contact<S, 2, Features>& c, S resistance, const rolling2<S>& with, S share) {
+        arm.put(lane, resistance);
         inertia[lane] = with.inertia;
         impulse[lane] = c.rolling_impulse * share;
     }
-    template <class Features>
     void take(int lane, contact<S, 2, Features>& c) const { c.rolling_impulse = total[lane]; }
     /// The change of the angular impulse where B turns by w against A.
     PHYSICS_HPP_ALWAYS_INLINE P next(const P& w, const P& load) {
-        const P before = P::load(impulse), reach = P::load(arm), most = reach * load, zero = P::broadcast(S(0));
+        const P before = P::load(impulse), reach = arm.all(), most = reach * load, zero = P::broadcast(S(0));
         const P after = max(min(before - P::load(inertia) * w, most), -most);
         const P now = select_greater(reach, zero, after, before);
         now.store(impulse);
@@ -96,26 +125,24 @@ struct rolling_lanes {
         return after - before;
     }
 };
-template <class S, int W>
-struct rolling_lanes<S, W, 3> {
+template <class S, int W, class Features>
+struct rolling_lanes<S, W, 3, Features> {
     using P = kernel_pack<S, W>;
 
-    S arm[W];
+    coefficient_lanes<S, W, Features> arm;
     cone_lanes<S, W> stop;
     S x[W], y[W], total_x[W], total_y[W];
 
-    template <class Features>
-    void put(int lane, const contact<S, 3, Features>& c, const rolling3<S>& with, S share) {
-        arm[lane] = c.rolling_resistance;
+    void put(int lane, const contact<S, 3, Features>& c, S resistance, const rolling3<S>& with, S share) {
+        arm.put(lane, resistance);
         stop.put(lane, with);
         x[lane] = c.rolling_impulse.x * share;
         y[lane] = c.rolling_impulse.y * share;
     }
-    template <class Features>
     void take(int lane, contact<S, 3, Features>& c) const { c.rolling_impulse = {total_x[lane], total_y[lane]}; }
     PHYSICS_HPP_ALWAYS_INLINE lanes2<P> next(const lanes2<P>& w, const P& load) {
         const lanes2<P> before = {P::load(x), P::load(y)};
-        const P reach = P::load(arm), zero = P::broadcast(S(0));
+        const P reach = arm.all(), zero = P::broadcast(S(0));
         const lanes2<P> after = stop.next(before, w, reach * load);
         const lanes2<P> now = {select_greater(reach, zero, after.x, before.x),
                                select_greater(reach, zero, after.y, before.y)};
@@ -134,20 +161,20 @@ struct nothing {};
 /// What few contacts have lies apart from their block, so that the others pay for a look at a pointer.
 template <class S, int W, int D, class Features>
 struct soft_extras
-    : std::conditional_t<Features::rolling_resistance, rolling_lanes<S, W, D>, nothing<0>>,
+    : std::conditional_t<Features::rolling_resistance, rolling_lanes<S, W, D, Features>, nothing<0>>,
       std::conditional_t<Features::surface_velocity, belt_lanes<S, W, D>, nothing<1>> {
-    using rolling = rolling_lanes<S, W, D>;
+    using rolling = rolling_lanes<S, W, D, Features>;
     using belt = belt_lanes<S, W, D>;
     using body = solver_body<S, D, Features::rotation>;
 
-    static bool needed_by(const contact<S, D, Features>& c) {
-        return value_of(c.rolling_resistance) > S(0) || value_of(c.surface_velocity) != tangential<S, D>{};
+    static bool needed_by(const contact<S, D, Features>& c, const soft_start<S, Features>& with) {
+        return with.surfaces.rolling_resistance_of(c) > S(0) || value_of(c.surface_velocity) != tangential<S, D>{};
     }
     void put(int lane, const contact<S, D, Features>& c, [[maybe_unused]] const body& a,
-             [[maybe_unused]] const body& b, [[maybe_unused]] S share) {
+             [[maybe_unused]] const body& b, [[maybe_unused]] const soft_start<S, Features>& with) {
         if constexpr (Features::rolling_resistance)
-            if (c.rolling_resistance > S(0))
-                rolling::put(lane, c, rolling_at<S, D>(a, b, tangents<S, D>(c.normal)), share);
+            if (const S resistance = with.surfaces.rolling_resistance_of(c); resistance > S(0))
+                rolling::put(lane, c, resistance, rolling_at<S, D>(a, b, tangents<S, D>(c.normal)), with.share);
         if constexpr (Features::surface_velocity) belt::put(lane, c);
     }
 };
@@ -160,8 +187,9 @@ struct extras_of_block {
 
     extras* at = nullptr;
 
-    void put(int lane, const contact<S, D, Features>& c, const body& a, const body& b, S share, arena& scratch) {
-        if (extras::needed_by(c)) add(lane, c, a, b, share, scratch);
+    void put(int lane, const contact<S, D, Features>& c, const body& a, const body& b,
+             const soft_start<S, Features>& with, arena& scratch) {
+        if (extras::needed_by(c, with)) add(lane, c, a, b, with, scratch);
     }
     void take(int lane, contact<S, D, Features>& c) const {
         if constexpr (Features::rolling_resistance)
@@ -169,17 +197,17 @@ struct extras_of_block {
     }
 
 private:
-    PHYSICS_HPP_NOINLINE void add(int lane, const contact<S, D, Features>& c, const body& a, const body& b, S share,
-                                  arena& scratch) {
+    PHYSICS_HPP_NOINLINE void add(int lane, const contact<S, D, Features>& c, const body& a, const body& b,
+                                  const soft_start<S, Features>& with, arena& scratch) {
         if (at == nullptr) at = new (scratch.template take<extras>(1)) extras{};
-        at->put(lane, c, a, b, share);
+        at->put(lane, c, a, b, with);
     }
 };
 template <class S, int W, int D, class Features>
     requires(!Features::rolling_resistance && !Features::surface_velocity)
 struct extras_of_block<S, W, D, Features> {
     template <class Body>
-    void put(int, const contact<S, D, Features>&, const Body&, const Body&, S, arena&) {}
+    void put(int, const contact<S, D, Features>&, const Body&, const Body&, const soft_start<S, Features>&, arena&) {}
     void take(int, contact<S, D, Features>&) const {}
 };
 

@@ -26,11 +26,12 @@ S take_from(S& impulse, S share) {
 struct no_soft_friction {};
 
 /// In the plane: an impulse along the tangent at the middle.
-template <class S, int W>
+template <class S, int W, class Features>
 struct soft_friction2 {
     using P = kernel_pack<S, W>;
 
-    S coefficient[W], stop[W];
+    coefficient_lanes<S, W, Features> coefficient;
+    S stop[W];
     /// Of this substep, and of the whole step.
     S impulse[W], total[W];
 
@@ -38,7 +39,7 @@ struct soft_friction2 {
     PHYSICS_HPP_ALWAYS_INLINE P held(int) const { return lane_abs(P::load(impulse)); }
     /// The change of the impulse where the surfaces slip by v at the middle, under a load.
     PHYSICS_HPP_ALWAYS_INLINE P next(const P& v, const P& load) {
-        const P before = P::load(impulse), most = P::load(coefficient) * load;
+        const P before = P::load(impulse), most = coefficient.all() * load;
         const P after = max(min(before - P::load(stop) * v, most), -most);
         after.store(impulse);
         (P::load(total) + after).store(total);
@@ -79,12 +80,13 @@ PHYSICS_HPP_ALWAYS_INLINE void prepare_cone(const contact_lanes3<K>& c, const la
 }
 
 /// Friction of patches in space.
-template <class S, int W>
+template <class S, int W, class Features>
 struct soft_patch_friction3 {
     using P = kernel_pack<S, W>;
 
     /// The largest friction for an impulse of 1, at the middle and, an angular impulse, about the normal (m).
-    S coefficient[W], twist_arm[W];
+    coefficient_lanes<S, W, Features> coefficient;
+    S twist_arm[W];
     /// The impulses that stop a slip.
     cone_lanes<S, W> stop;
     S stop_twist[W];
@@ -92,13 +94,12 @@ struct soft_patch_friction3 {
     S x[W], y[W], twist[W];
     S total_x[W], total_y[W], total_twist[W];
 
-    template <class Features>
-    void put(int lane, const contact<S, 3, Features>& c, S share) {
-        coefficient[lane] = c.friction;
+    void put(int lane, const contact<S, 3, Features>& c, const soft_start<S, Features>& with) {
+        coefficient.put(lane, with.surfaces.friction_of(c));
         const vec<S, 2> before = friction_of(c);
-        x[lane] = before.x * share;
-        y[lane] = before.y * share;
-        twist[lane] = c.twist_impulse * share;
+        x[lane] = before.x * with.share;
+        y[lane] = before.y * with.share;
+        twist[lane] = c.twist_impulse * with.share;
     }
     /// Works out the rest in lanes.
     template <class K, class Point>
@@ -106,7 +107,7 @@ struct soft_patch_friction3 {
         K reach = K::broadcast(typename K::scalar(0));
         for (int k = 0; k < most; ++k)
             reach = reach + lane_length(lanes_from<K>(points[k].x), lanes_from<K>(points[k].y));
-        put_lanes(lane_share(lanes_from<K>(coefficient) * reach, count), twist_arm);
+        put_lanes(lane_share(coefficient.template as<K>() * reach, count), twist_arm);
         prepare_cone(c, c.arm_a, c.arm_b, stop);
         put_lanes(lane_reciprocal(c.turned(c.n, c.n, c.n, c.n)), stop_twist);
     }
@@ -132,7 +133,7 @@ struct soft_patch_friction3 {
     PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(const slide_lanes<P>& slip, const Point*, const P* loads, int count) {
         const P load = sum_of(loads, count);
         const lanes2<P> before = {P::load(x), P::load(y)};
-        const lanes2<P> after = stop.next(before, {slip.x, slip.y}, P::load(coefficient) * load);
+        const lanes2<P> after = stop.next(before, {slip.x, slip.y}, coefficient.all() * load);
         after.x.store(x);
         after.y.store(y);
         const P twisted = P::load(twist), most = P::load(twist_arm) * load;
@@ -146,7 +147,7 @@ struct soft_patch_friction3 {
 };
 
 /// Friction of points in space: each on its own cone, one after the other.
-template <class S, int W>
+template <class S, int W, class Features>
 struct soft_point_friction3 {
     using P = kernel_pack<S, W>;
     using Q = kernel_pack<inverse_of<S>, W>;
@@ -157,19 +158,18 @@ struct soft_point_friction3 {
         S x[W], y[W], total_x[W], total_y[W];
     };
 
-    S coefficient[W];
+    coefficient_lanes<S, W, Features> coefficient;
     /// How the slip at the middle and the twist answer to impulses along both tangents and to one about the normal.
     inverse_of<S> answer[6][W];
     point each[manifold<S, 3>::capacity];
 
-    template <class Features>
-    void put(int lane, const contact<S, 3, Features>& c, S share) {
-        coefficient[lane] = c.friction;
+    void put(int lane, const contact<S, 3, Features>& c, const soft_start<S, Features>& with) {
+        coefficient.put(lane, with.surfaces.friction_of(c));
         for (int k = 0; k < c.count; ++k) {
             const auto& from = c.points[k];
             const bool bears = c.persisted(k) && from.load > S(0);
-            each[k].x[lane] = bears ? from.friction_impulse.x * share : S(0);
-            each[k].y[lane] = bears ? from.friction_impulse.y * share : S(0);
+            each[k].x[lane] = bears ? from.friction_impulse.x * with.share : S(0);
+            each[k].y[lane] = bears ? from.friction_impulse.y * with.share : S(0);
         }
     }
     template <class K, class Point>
@@ -217,7 +217,7 @@ struct soft_point_friction3 {
     template <class Point>
     PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(const slide_lanes<P>& start, const Point* points, const P* loads,
                                                   int count) {
-        const P zero = P::broadcast(S(0)), mu = P::load(coefficient);
+        const P zero = P::broadcast(S(0)), mu = coefficient.all();
         slide_lanes<P> slip = start;
         slide_lanes<P> sum{zero, zero, zero};
         for (int k = 0; k < count; ++k) {
@@ -250,12 +250,12 @@ private:
 };
 
 template <class S, int W, class Features>
-using soft_friction2_of = std::conditional_t<Features::friction, soft_friction2<S, W>, no_soft_friction>;
+using soft_friction2_of = std::conditional_t<Features::friction, soft_friction2<S, W, Features>, no_soft_friction>;
 template <class S, int W, class Features, class Friction>
 using soft_friction3_of =
     std::conditional_t<!Features::friction, no_soft_friction,
-                       std::conditional_t<std::is_same_v<Friction, point_friction>, soft_point_friction3<S, W>,
-                                          soft_patch_friction3<S, W>>>;
+                       std::conditional_t<std::is_same_v<Friction, point_friction>,
+                                          soft_point_friction3<S, W, Features>, soft_patch_friction3<S, W, Features>>>;
 
 }  // namespace detail
 

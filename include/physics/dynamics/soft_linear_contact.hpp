@@ -57,20 +57,19 @@ struct linear_lanes {
 };
 
 /// Friction where nothing turns: the same mass answers in every direction.
-template <class S, int D, int W>
+template <class S, int D, int W, class Features>
 struct soft_linear_friction {
     using P = kernel_pack<S, W>;
 
-    S coefficient[W];
+    coefficient_lanes<S, W, Features> coefficient;
     /// Along the tangents; of this substep, and of the whole step.
     S impulse[D - 1][W], total[D - 1][W];
 
-    template <class Features>
-    void put(int lane, const contact<S, D, Features>& c, S share) {
+    void put(int lane, const contact<S, D, Features>& c, const soft_start<S, Features>& with) {
         const tangential<S, D> before = friction_of(c);
-        coefficient[lane] = c.friction;
-        if constexpr (D == 2) impulse[0][lane] = before * share;
-        else for (int i = 0; i < 2; ++i) impulse[i][lane] = before[i] * share;
+        coefficient.put(lane, with.surfaces.friction_of(c));
+        if constexpr (D == 2) impulse[0][lane] = before * with.share;
+        else for (int i = 0; i < 2; ++i) impulse[i][lane] = before[i] * with.share;
     }
     /// Hands a share of the step's impulses back.
     [[nodiscard]] tangential<S, D> part(int lane, S share) const {
@@ -85,7 +84,7 @@ struct soft_linear_friction {
     }
     /// Turns slips into the changes of the impulses that stop them, under a load, or let them slide.
     PHYSICS_HPP_ALWAYS_INLINE void answer(P (&slip)[D - 1], const P& mass, const P& load) {
-        const P most = P::load(coefficient) * load;
+        const P most = coefficient.all() * load;
         P before[D - 1], after[D - 1];
         for (int i = 0; i < D - 1; ++i) {
             before[i] = P::load(impulse[i]);
@@ -135,7 +134,8 @@ struct soft_linear_contact {
     [[no_unique_address]] std::conditional_t<Features::friction && D == 3, kept_tangent<S, W>, nothing<2>> tangent;
     I mass_a[W], mass_b[W];
     point points[point_count];
-    [[no_unique_address]] std::conditional_t<Features::friction, soft_linear_friction<S, D, W>, no_soft_friction>
+    [[no_unique_address]] std::conditional_t<Features::friction, soft_linear_friction<S, D, W, Features>,
+                                               no_soft_friction>
         friction;
     /// What the points bore together as the substep began.
     S held[W];
@@ -147,8 +147,8 @@ struct soft_linear_contact {
     [[no_unique_address]] soft_bounces_of<S, 1, W, Features> bounce_to;
 
     /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
-    void put(int lane, const contact<S, D, Features>& c, const body* bodies, const soft_start<S>& with, gathering&,
-             arena& scratch) {
+    void put(int lane, const contact<S, D, Features>& c, const body* bodies, const soft_start<S, Features>& with,
+             gathering&, arena& scratch) {
         const body& first = bodies[c.body_a];
         const body& second = bodies[c.body_b];
         a[lane] = c.body_a;
@@ -165,10 +165,10 @@ struct soft_linear_contact {
         points[0].separation[lane] = c.points[nearest].separation;
         points[0].impulse[lane] = load;
         if constexpr (Features::restitution)
-            bounces |= S(0) < (bounce_to.speed[0][lane] =
-                                   bounce_of(c, nearest, first, second, with.bounce_slop, with.step));
-        if constexpr (Features::friction) friction.put(lane, c, with.share);
-        extras.put(lane, c, first, second, with.share, scratch);
+            bounces |= S(0) < (bounce_to.speed[0][lane] = bounce_of(c, nearest, with.surfaces.restitution_of(c), first,
+                                                                    second, with.bounce_slop, with.step));
+        if constexpr (Features::friction) friction.put(lane, c, with);
+        extras.put(lane, c, first, second, with, scratch);
     }
     /// Works out, once all lanes have been written, what the rounds need.
     PHYSICS_HPP_ALWAYS_INLINE void prepare(const body*, const gathering&) {

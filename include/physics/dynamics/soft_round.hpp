@@ -3,6 +3,7 @@
 
 #include "physics/base/arena.hpp"
 #include "physics/dynamics/body.hpp"
+#include "physics/dynamics/material.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -84,12 +85,13 @@ struct soft_round {
 };
 
 /// What contacts are written with.
-template <class S>
+template <class S, class Features>
 struct soft_start {
     /// Length of the step (s), and which part of its impulses a substep begins with.
     S step, share;
     /// Approaches slower than this do not bounce (m/s).
     S bounce_slop;
+    [[no_unique_address]] mixture<S, Features> surfaces{};
 };
 
 }  // namespace detail

@@ -94,8 +94,9 @@ struct soft_step_with {
                           contact_list<S, D, Features> contacts, const settings& with, S h, arena& scratch,
                           Motion&& motion, detail::crew& hands) {
             solver_body<S, D, turns>* const bodies = all.first;
-            const blocks_in_colours blocks =
-                pack(colours, contacts, all, {h, S(1) / S(with.substeps), with.restitution_slop}, scratch);
+            const detail::soft_start<S, Features> how{h, S(1) / S(with.substeps), with.restitution_slop,
+                                                      contacts.surfaces()};
+            const blocks_in_colours blocks = pack(colours, contacts, all, how, scratch);
             const S part = h / S(with.substeps);
             const S frequency = with.stiffness / part;
             const bool capped = with.frequency_cap > S(0) && with.frequency_cap < frequency;
@@ -184,7 +185,7 @@ struct soft_step_with {
         }
         static blocks_in_colours pack(const detail::contact_colours& colours,
                                       const contact_list<S, D, Features>& contacts, bodies_type bodies,
-                                      const detail::soft_start<S>& with, arena& scratch) {
+                                      const detail::soft_start<S, Features>& with, arena& scratch) {
             blocks_in_colours result;
             result.colours = colours.count;
             result.last_is_serial = colours.last_is_serial;
@@ -209,7 +210,7 @@ struct soft_step_with {
         }
         static void fill(block& place, std::uint32_t* numbers, const std::uint32_t* order, std::uint32_t used,
                          const contact_list<S, D, Features>& contacts, bodies_type bodies,
-                         const detail::soft_start<S>& with, arena& scratch) {
+                         const detail::soft_start<S, Features>& with, arena& scratch) {
             block& to = *new (&place) block{};
             typename block::gathering gathered;
             for (int lane = 0; lane < width; ++lane) {

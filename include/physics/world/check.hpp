@@ -109,22 +109,32 @@ bool check_continuous(const char* function, bool continuous) {
     return !continuous || Plan::is_continuous ||
            refuse(function, "continuous", "true", "the recipe leaves continuous collision out");
 }
+/// What messages call the parts of a material.
+struct names_of_material {
+    const char *friction, *restitution, *rolling_resistance, *surface_velocity;
+};
+inline constexpr names_of_material material_of_shape = {"friction", "restitution", "rolling_resistance",
+                                                        "surface_velocity"};
+inline constexpr names_of_material material_of_settings = {"material.friction", "material.restitution",
+                                                           "material.rolling_resistance", "material.surface_velocity"};
 template <class Plan, class S, int D>
-bool check_material(const char* function, const material<S, D>& m) {
+bool check_material(const char* function, const material<S, D>& m, const names_of_material& name = material_of_shape) {
     using features = typename Plan::features;
-    if (!check_not_negative(function, "friction", m.friction) ||
-        !check_not_negative(function, "restitution", m.restitution) ||
-        !check_not_negative(function, "rolling_resistance", m.rolling_resistance) ||
-        !check_finite(function, "surface_velocity", m.surface_velocity))
+    if (!check_not_negative(function, name.friction, m.friction) ||
+        !check_not_negative(function, name.restitution, m.restitution) ||
+        !check_not_negative(function, name.rolling_resistance, m.rolling_resistance) ||
+        !check_finite(function, name.surface_velocity, m.surface_velocity))
         return false;
     if (m.restitution > S(1))
-        return refuse(function, "restitution", static_cast<double>(m.restitution), "it must be at most 1");
-    return (features::restitution || check_left_out(function, "restitution", m.restitution)) &&
-           (features::rolling_resistance || check_left_out(function, "rolling_resistance", m.rolling_resistance)) &&
-           (features::surface_velocity || check_left_out(function, "surface_velocity", m.surface_velocity));
+        return refuse(function, name.restitution, static_cast<double>(m.restitution), "it must be at most 1");
+    return (features::restitution || check_left_out(function, name.restitution, m.restitution)) &&
+           (features::rolling_resistance || check_left_out(function, name.rolling_resistance, m.rolling_resistance)) &&
+           (features::surface_velocity || check_left_out(function, name.surface_velocity, m.surface_velocity));
 }
-template <class Settings>
-bool check_settings(const Settings& with, const char* function) {
+template <class Plan>
+bool check_settings(const typename Plan::settings& with, const char* function) {
+    if constexpr (!Plan::features::materials)
+        if (!check_material<Plan>(function, with.material, material_of_settings)) return false;
     return check_finite(function, "gravity", with.gravity) &&
            check_not_negative(function, "contact_margin", with.contact_margin) &&
            check(with.broadphase, function) && check(with.solver, function) && check(with.sleeping, function);

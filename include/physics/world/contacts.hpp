@@ -45,13 +45,13 @@ PHYSICS_HPP_NOINLINE void drive(typename Plan::contact& c, const shape_record<Pl
     c.surface_velocity = driven(tangents<typename Plan::scalar, Plan::dimension>(c.normal), a.pose.rotation,
                                 a.material.surface_velocity, b.pose.rotation, b.material.surface_velocity);
 }
-/// What both surfaces make of a contact of A and B; false if the recipe's rule gives what no solver takes.
-template <class Plan>
-bool mix_surfaces(typename Plan::contact& c, const shape_record<Plan>& a, const shape_record<Plan>& b) {
+/// Writes down the coefficients of two materials together; false if the recipe's rule gives what no solver takes.
+template <class Plan, class Coefficients>
+bool mix(Coefficients& c, const material<typename Plan::scalar, Plan::dimension>& of_a,
+         const material<typename Plan::scalar, Plan::dimension>& of_b) {
     using S = typename Plan::scalar;
     using features = typename Plan::features;
     const auto is_good = [](S x) { return x >= S(0) && is_finite(x); };
-    const material<S, Plan::dimension> of_a = a.material.whole(), of_b = b.material.whole();
     bool good = true;
     if constexpr (features::friction) good = is_good(c.friction = Plan::mixing::friction(of_a, of_b));
     if constexpr (features::restitution) {
@@ -60,11 +60,35 @@ bool mix_surfaces(typename Plan::contact& c, const shape_record<Plan>& a, const 
     }
     if constexpr (features::rolling_resistance)
         good = is_good(c.rolling_resistance = Plan::mixing::rolling_resistance(of_a, of_b)) && good;
-    if constexpr (features::surface_velocity) {
-        const surface_motion<S, Plan::dimension> still{};
-        if (of_a.surface_velocity != still || of_b.surface_velocity != still) drive(c, a, b);
-    }
     return good;
+}
+/// What both surfaces make of a contact of A and B, unless that is the same for all.
+template <class Plan>
+bool mix_surfaces([[maybe_unused]] typename Plan::contact& c, [[maybe_unused]] const shape_record<Plan>& a,
+                  [[maybe_unused]] const shape_record<Plan>& b) {
+    if constexpr (Plan::features::materials) {
+        const material<typename Plan::scalar, Plan::dimension> of_a = a.material.whole(), of_b = b.material.whole();
+        const bool good = mix<Plan>(c, of_a, of_b);
+        if constexpr (Plan::features::surface_velocity) {
+            const surface_motion<typename Plan::scalar, Plan::dimension> still{};
+            if (of_a.surface_velocity != still || of_b.surface_velocity != still) drive(c, a, b);
+        }
+        return good;
+    } else {
+        return true;
+    }
+}
+/// What all surfaces of this step make of each other, if they are of one material.
+template <class Plan>
+bool mix_common_surface([[maybe_unused]] state<Plan>& s) {
+    if constexpr (Plan::features::materials) {
+        return true;
+    } else {
+        auto of_all = s.settings.material;
+        // As materials of shapes, it lacks what the recipe leaves out.
+        if constexpr (!Plan::features::friction) of_all.friction = {};
+        return mix<Plan>(s.found_surfaces, of_all, of_all);
+    }
 }
 
 /// Adds the contacts of a manifold between the shapes of a pair. False if their surfaces do not mix.
@@ -178,7 +202,7 @@ search_result find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs,
         auto& to = hands.is_alone() ? s.found : s.found_by[worker];
         const std::uint32_t start = to.size();
         const search_result is = search_pairs(s, queries, pairs, first, end, s.manifolds[worker], to);
-        inherit_impulses(before, to.begin() + start, to.end());
+        inherit_impulses(before, to.begin() + start, to.end(), s.found_surfaces);
         stretch(to.begin() + start, to.end(), last, h);
         new (pieces + first / share) found_piece{worker, start, to.size(), is};
     });

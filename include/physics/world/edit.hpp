@@ -67,14 +67,15 @@ void destroy_body(state<Plan>& s, std::uint32_t index) {
 }
 
 template <class Plan, class Shape>
-shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape,
-                      const shape_def<typename Plan::scalar, Plan::dimension>& def) {
+shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape, const typename Plan::shape_def& def) {
     using S = typename Plan::scalar;
     const char* f = "create_shape";
     const found at = find_body(s, body, f);
     if (!at || !check(shape, f) || !check_pose(f, def.position, def.rotation) ||
-        !check_not_negative(f, "density", def.density) || !check_material<Plan>(f, def.material))
+        !check_not_negative(f, "density", def.density))
         return {};
+    if constexpr (Plan::features::materials)
+        if (!check_material<Plan>(f, def.material)) return {};
     const auto& owner = s.bodies[at.index];
     if (!solid_shape_for<Shape, S, Plan::dimension> && owner.is_dynamic()) {
         refuse(f, "shape", "without mass", "a dynamic body needs shapes that have a mass");
@@ -83,7 +84,7 @@ shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape,
     shape_record<Plan> record;
     record.shape = shape;
     record.local = {def.position, normalized(def.rotation)};
-    record.material = def.material;
+    if constexpr (Plan::features::materials) record.material = def.material;
     record.density = def.density;
     record.body = at.index;
     record.next = owner.first_shape;
@@ -219,6 +220,14 @@ void set_rotation_locked(state<Plan>& s, std::uint32_t index, bool locked) {
 }
 
 template <class Plan>
+void set_surface(state<Plan>& s, shape_id id, const material<typename Plan::scalar, Plan::dimension>& m) {
+    const found at = find_shape(s, id, "set_surface");
+    if (!at || !check_material<Plan>("set_surface", m)) return;
+    rouse(s, s.shapes[at.index].body);
+    s.shapes[at.index].material = m;
+}
+
+template <class Plan>
 bool is_continuous(const state<Plan>& s, body_id id) {
     const found at = find_body(s, id, "continuous");
     return at && s.bodies[at.index].continuous;
@@ -235,6 +244,8 @@ void change_settings(state<Plan>& s, const typename Plan::settings& settings) {
     // What was carried along was found within the old margin.
     if (settings.contact_margin != s.settings.contact_margin) s.memories.clear();
     if (!(settings.gravity == s.settings.gravity)) wake_all(s);
+    if constexpr (!Plan::features::materials)
+        if (!(settings.material == s.settings.material)) wake_all(s);
     if constexpr (Plan::sleeps)
         if (!settings.sleeping.enabled) {
             wake_all(s);

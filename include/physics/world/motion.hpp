@@ -267,6 +267,7 @@ public:
             b.has_target = false;
         }
         state_.contacts.swap(state_.found);
+        state_.surfaces = state_.found_surfaces;
         state_.memories.swap(state_.found_memories);
         ++state_.steps;
         state_.last_step = step_;
@@ -301,7 +302,7 @@ private:
         scratch.reset();
         batch_motion<Plan> moving(state_, parts_, part, moved_, step_, scratch);
         const contact_list<S, D, typename Plan::features> contacts(state_.found.begin(), parts_.order + part.contacts,
-                                                                   part.end - part.contacts);
+                                                                   part.end - part.contacts, state_.found_surfaces);
         const auto& with = state_.settings.solver;
         if constexpr (requires { Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving, hands); })
             Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving, hands);

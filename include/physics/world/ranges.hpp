@@ -73,7 +73,8 @@ auto view_of(const state<Plan>& s, const typename Plan::contact& c) {
     contact_view<S, D> view{
         {c.shape_a, s.shapes.generation(c.shape_a), s.tag}, {c.shape_b, s.shapes.generation(c.shape_b), s.tag},
         {at_a, s.bodies.generation(at_a), s.tag},           {at_b, s.bodies.generation(at_b), s.tag},
-        c.part, c.normal, tangents<S, D>(c.normal), {}, c.count, c.friction, c.restitution, c.rolling_resistance,
+        c.part, c.normal, tangents<S, D>(c.normal), {}, c.count,
+        s.surfaces.friction_of(c), s.surfaces.restitution_of(c), s.surfaces.rolling_resistance_of(c),
         c.surface_velocity, c.twist_impulse, c.rolling_impulse};
     for (int k = 0; k < c.count; ++k) {
         const auto& p = c.points[k];

@@ -145,8 +145,10 @@ struct plan<S, D, shapes<Shapes...>, Policies...> {
     using solver =
         typename policy_for<stage::solver, soft_step, Policies...>::type::template in<space, features>;
     static constexpr bool sleeps = features::sleeping;
-    using settings = world_settings<S, D, typename solver::settings,
-                                    std::conditional_t<sleeps, sleep_settings<S>, no_settings>>;
+    using settings = world_settings<
+        S, D, typename solver::settings, std::conditional_t<sleeps, sleep_settings<S>, no_settings>,
+        std::conditional_t<features::materials, every_shape_has_a_material_of_its_own, material<S, D>>>;
+    using shape_def = physics::shape_def<S, D, features::materials>;
     using continuous = typename std::conditional_t<
         features::continuous, typename policy_for<stage::continuous, swept, Policies...>::type,
         no_continuous>::template in<space>;

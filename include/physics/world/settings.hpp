@@ -9,9 +9,17 @@
 
 PHYSICS_HPP_BEGIN
 
+namespace detail {
+
+/// Stands in settings for the material that all surfaces have in common.
+struct every_shape_has_a_material_of_its_own {};
+
+}  // namespace detail
+
 /// Numbers of a world. Lengths in metres, times in seconds, masses in kilograms; a world in other units
 /// scales the lengths and speeds here with them.
-template <class S, int D, class SolverSettings, class SleepSettings = sleep_settings<S>>
+template <class S, int D, class SolverSettings, class SleepSettings = sleep_settings<S>,
+          class Material = detail::every_shape_has_a_material_of_its_own>
 struct world_settings {
     /// Acceleration of every body, times its gravity scale (m/s^2).
     vec<S, D> gravity = downward();
@@ -23,6 +31,8 @@ struct world_settings {
     SolverSettings solver = {};
     /// When bodies fall asleep, unless the recipe leaves sleeping out.
     [[no_unique_address]] SleepSettings sleeping = {};
+    /// What all surfaces are made of, if the recipe leaves out materials a shape. None of them runs.
+    [[no_unique_address]] Material material = {};
 
 private:
     static constexpr vec<S, D> downward() {
@@ -58,8 +68,8 @@ struct body_def {
     std::uint64_t user_data = 0;
 };
 
-/// How a shape sits on its body, and what it is made of.
-template <class S, int D>
+/// How a shape sits on its body, and what it is made of; in recipes without materials a shape, not the latter.
+template <class S, int D, bool HasMaterial = true>
 struct shape_def {
     /// Pose of the shape's frame in the body's frame.
     vec<S, D> position = {};
@@ -67,6 +77,13 @@ struct shape_def {
     /// kg/m^3 in space, kg/m^2 in the plane; at least 0. Only ratios matter until forces act.
     S density = S(1);
     physics::material<S, D> material = {};
+    std::uint64_t user_data = 0;
+};
+template <class S, int D>
+struct shape_def<S, D, false> {
+    vec<S, D> position = {};
+    physics::rotation<S, D> rotation = {};
+    S density = S(1);
     std::uint64_t user_data = 0;
 };
 

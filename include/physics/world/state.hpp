@@ -217,6 +217,8 @@ struct state {
     typename Plan::broadphase broadphase;
     /// Contacts of the last step that push somebody who is awake, in ascending order of their pairs.
     buffer<typename Plan::contact> contacts;
+    /// What the surfaces of these contacts, and of those of sleepers, make of each other.
+    [[no_unique_address]] mixture<S, typename Plan::features> surfaces;
     /// Where the centres of bodies were, and how bodies were turned, when these contacts were found.
     buffer<transform<S, D>> contact_starts;
     /// Numbers of the bodies that move and are awake, and of each body its number among them: how many there are if it
@@ -243,6 +245,7 @@ struct state {
         f(self.shapes);
         f(self.broadphase);
         f(self.contacts);
+        f(self.surfaces);
         f(self.contact_starts);
         f(self.movers);
         f(self.mover_of);
@@ -256,6 +259,7 @@ struct state {
 
     // Scratch of the step: nothing in it outlives one.
     buffer<typename Plan::contact> found;
+    [[no_unique_address]] mixture<S, typename Plan::features> found_surfaces;
     pair_memories<Plan> found_memories;
     buffer<proxy_pair> woken_pairs;
     buffer<typename Plan::contact> woken_contacts;
@@ -288,6 +292,13 @@ template <class Plan>
 continuous_report<typename Plan::scalar> report_of(const state<Plan>& s) {
     if constexpr (Plan::sweeps) return s.continuous.report;
     else return {};
+}
+
+/// What a shape's surface is made of.
+template <class Plan>
+auto surface_of([[maybe_unused]] const state<Plan>& s, const shape_record<Plan>& shape) {
+    if constexpr (Plan::features::materials) return shape.material.whole();
+    else return s.settings.material;
 }
 
 /// Says where a shape is, of a body whose frame and whose centre of mass are there.

@@ -54,6 +54,8 @@ template <class Plan, class Watch = unwatched>
 PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, crew hands, Watch done = {}) {
     if (hands.workers() == 0) return step_result::bad_executor;
     start_step(s, hands);
+    // Settings -> what all surfaces make of each other, where no shape has a material of its own.
+    if (!mix_common_surface(s)) return step_result::bad_mixture;
     watch_fast_bodies(s, h);            // velocities        -> boxes of bodies that look ahead
     number_movers(s);                   // bodies            -> which of them move
     const auto& pairs = find_pairs(s);  // boxes             -> pairs, in order

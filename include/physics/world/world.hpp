@@ -35,7 +35,7 @@ public:
     using mass_properties = physics::mass_properties<scalar, dimension>;
     using settings_type = typename plan::settings;
     using body_def = physics::body_def<scalar, dimension>;
-    using shape_def = physics::shape_def<scalar, dimension>;
+    using shape_def = typename plan::shape_def;
     using contact_view = physics::contact_view<scalar, dimension>;
     using material = physics::material<scalar, dimension>;
     using any_shape = typename plan::shape;
@@ -45,7 +45,7 @@ public:
     /// An empty world. Refuses settings out of range, and a build whose arithmetic would not give the same
     /// bits as every other (see float_environment).
     explicit world(const settings_type& settings = {}) {
-        if (detail::check_settings(settings, "world") && detail::check_environment<scalar>("world"))
+        if (detail::check_settings<plan>(settings, "world") && detail::check_environment<scalar>("world"))
             detail::change_settings(state_, settings);
         state_.tag = detail::next_world_tag();
     }
@@ -64,7 +64,7 @@ public:
     [[nodiscard]] const settings_type& settings() const { return state_.settings; }
     /// Changes the settings from the next step on. O(shapes).
     void set_settings(const settings_type& settings) {
-        if (detail::check_settings(settings, "set_settings")) detail::change_settings(state_, settings);
+        if (detail::check_settings<plan>(settings, "set_settings")) detail::change_settings(state_, settings);
     }
 
     /// Adds a body; shapes give it extent and, if it is dynamic, mass. Without mass from shapes it is a point of
@@ -305,14 +305,11 @@ public:
         return get(id, "local_pose", [](const auto& s) { return s.local; });
     }
     [[nodiscard]] material surface(shape_id id) const {
-        return get(id, "surface", [](const auto& s) { return s.material.whole(); });
+        return get(id, "surface", [this](const auto& s) { return detail::surface_of(state_, s); });
     }
-    /// Changes a shape's material from the next step on.
-    void set_surface(shape_id id, const material& m) {
-        const auto s = detail::find_shape(state_, id, "set_surface");
-        if (!s || !detail::check_material<plan>("set_surface", m)) return;
-        detail::rouse(state_, state_.shapes[s.index].body);
-        state_.shapes[s.index].material = m;
+    /// Changes a shape's material from the next step on; without feature::materials set_settings changes that of all.
+    void set_surface(shape_id id, const material& m) requires(plan::features::materials) {
+        detail::set_surface(state_, id, m);
     }
     [[nodiscard]] std::uint64_t user_data(shape_id id) const {
         return get(id, "user_data", [](const auto& s) { return s.user_data; });
