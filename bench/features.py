@@ -7,8 +7,9 @@ Compiles bench/features/world.cpp at -O2 once for each set of features that a re
 of the object, and plays scenes in all worlds by turns: CPU time a step and body, each step's least over the rounds, on
 average; and the median of the rounds. Worlds are float, know balls and boxes, and let nobody sleep, though all are
 watched; no surface bounces, resists rolling, or runs: but for friction, rotation, and sweeps of the fastest bodies in
-the drum, features are there and wait. Without rotation the drum stands, and boxes keep the way up that they are given. Bytes are what a fresh copy of a world holds. Writes bench/out/features.csv, and the tables
-of README to bench/out/features.md.
+the drum, features are there and wait. Without rotation the drum stands, and boxes keep the way up that they are given.
+All surfaces of a scene are alike: without materials a shape, settings say how. Bytes are what a fresh copy of a world
+holds. Writes bench/out/features.csv, and the tables of README to bench/out/features.md.
 """
 import argparse
 import csv
@@ -20,7 +21,8 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build/bench/features.d"
 CSV = ROOT / "bench/out/features.csv"
-FEATURES = ["friction", "restitution", "rotation", "rolling_resistance", "surface_velocity", "sleeping", "continuous"]
+FEATURES = ["friction", "restitution", "rotation", "rolling_resistance", "surface_velocity", "materials", "sleeping",
+            "continuous"]
 LEFT_OUT = {"nothing": [], **{feature: [feature] for feature in FEATURES}, "all": FEATURES}
 SCENES = ["resting pyramid", "tumbling pile", "falling apart"]
 

@@ -19,9 +19,21 @@ double held_bytes() {
     return static_cast<double>(m.uordblks + m.hblkhd);
 }
 
+/// The friction of all surfaces of a scene: worlds without materials know no other.
+double friction_of(const scene& s) {
+    const double first = s.bodies.front().shapes.front().friction;
+    for (const body& b : s.bodies)
+        for (const shape& each : b.shapes)
+            if (each.friction != first) {
+                std::fprintf(stderr, "%s: its surfaces are not alike\n", s.name.c_str());
+                std::exit(1);
+            }
+    return first;
+}
+
 class run {
 public:
-    run(const subject& who, const scene& s) : who_(who), world_(who.make(s.gravity.data())) {
+    run(const subject& who, const scene& s) : who_(who), world_(who.make(s.gravity.data(), friction_of(s))) {
         std::vector<plain_shape> shapes;
         for (const body& b : s.bodies) {
             shapes.clear();

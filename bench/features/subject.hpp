@@ -22,7 +22,8 @@ struct plain_body {
 struct subject {
     const char* left_out;
     int dimension;
-    void* (*make)(const double* gravity);
+    /// The friction is that of all shapes.
+    void* (*make)(const double* gravity, double friction);
     void (*add)(void* world, const plain_body& body);
     void (*step)(void* world, double dt);
     void* (*copy)(const void* world);

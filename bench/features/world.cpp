@@ -48,9 +48,15 @@ template <class World>
 concept turns = requires(World& w, physics::body_id b, typename World::angular spin) {
     w.set_angular_velocity(b, spin);
 };
-void* make(const double* gravity) {
+/// Of a shape, or of all in settings: whichever has a material.
+template <class Settings>
+void set_friction([[maybe_unused]] Settings& of, [[maybe_unused]] double friction) {
+    if constexpr (requires { of.material.friction; }) of.material.friction = static_cast<float>(friction);
+}
+void* make(const double* gravity, double friction) {
     world::settings_type with;
     with.gravity = to_vec(gravity);
+    set_friction(with, friction);
     keep_awake(with.sleeping);
     return new world(with);
 }
@@ -69,7 +75,7 @@ void add(void* w, const plain_body& b) {
         world::shape_def def;
         def.position = to_vec(s.at);
         def.density = static_cast<float>(s.density);
-        def.material.friction = static_cast<float>(s.friction);
+        set_friction(def, s.friction);
         if (s.is_ball) static_cast<void>(of(w).create_shape(id, world::ball{static_cast<float>(s.radius)}, def));
         else static_cast<void>(of(w).create_shape(id, world::box{to_vec(s.half)}, def));
     }
