@@ -8,7 +8,9 @@
 // Scenes are told to all engines in the same plain numbers (scenes/scene.hpp). Every adapter says what the engine made
 // of them, and the masses, poses, velocities and the gravity are compared before the first step. Sleeping and damping
 // are off, all else is as it ships: the settings are printed. The first run of an engine is for the judge (see
-// scenes/judge.hpp), the others are for the clock, and engines take turns within each round.
+// scenes/judge.hpp), the others are for the clock, and engines take turns within each round. Bytes a body are what the
+// engine has taken of the heap by the end; bytes a contact are those of an image of the world, less those of the image
+// without contacts and what is remembered of pairs, for each contact that there is. Peers do not tell.
 // Each unit of scenes/ that begins with `// peer:` is compiled if what it names is there or can be had. An engine
 // takes part by being linked in (scenes/engine.hpp).
 #include <malloc.h>
@@ -89,6 +91,7 @@ void judge_run(const scene& s, score& to) {
         if (i == s.steps) {
             to.contacts = r.it().contacts();
             to.bytes = held_bytes() - before;
+            to.contact_bytes = r.it().contact_bytes();
         }
         r.it().read(states);
         j.sample(states);
@@ -111,7 +114,7 @@ void timed_run(const scene& s, score& to) {
 void play(const scene& s, const std::vector<contestant>& all, const plan& p, progress& bar, report& out) {
     std::vector<score> scores;
     for (const contestant& c : all)
-        if (c.joins(s)) scores.push_back({c, {}, {}, 0, 0, {}, {}});
+        if (c.joins(s)) scores.push_back({c, {}, {}, 0, 0, 0, {}, {}});
     for (int round = 0; round <= p.rounds; ++round)
         for (std::size_t i = 0; i < scores.size(); ++i) {
             score& next = scores[(i + static_cast<std::size_t>(round)) % scores.size()];

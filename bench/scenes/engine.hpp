@@ -30,6 +30,8 @@ public:
     [[nodiscard]] virtual triple gravity() const = 0;
     /// Pairs of shapes that touch in at least one point.
     [[nodiscard]] virtual int contacts() const = 0;
+    /// What each contact takes of the state that lasts from step to step, memories of pairs included; 0 if unknown.
+    [[nodiscard]] virtual double contact_bytes() const { return 0; }
     /// For those that can tell: names of stages and their ns so far, and sizes worth knowing.
     [[nodiscard]] virtual std::vector<std::pair<std::string, double>> stages() const { return {}; }
 };

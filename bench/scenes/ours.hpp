@@ -5,6 +5,7 @@
 #include <physics.hpp>
 
 #include "engine.hpp"
+#include "inside.hpp"
 
 namespace bench {
 
@@ -147,6 +148,7 @@ public:
         }
         return count;
     }
+    [[nodiscard]] double contact_bytes() const override { return bytes_a_contact(*world_); }
 
 private:
     using world = physics::world<lineup<S, D, Solver>>;

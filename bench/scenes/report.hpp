@@ -19,7 +19,7 @@ struct score {
     std::vector<samples> rounds;
     verdict accuracy;
     int contacts = 0;
-    double bytes = 0;
+    double bytes = 0, contact_bytes = 0;
     std::vector<std::pair<std::string, double>> stages;
     std::string complaint;
 
@@ -55,7 +55,7 @@ public:
         : csv_(std::fopen(csv.c_str(), "w")), markdown_(std::move(markdown)) {
         if (csv_)
             std::fputs("scene,dimension,bodies,steps,engine,ms,ms_median,ms_slowest,ratio,contacts,bytes_a_body,"
-                       "worst_m,last_m,mean_m,deep,sag_m,drift_m,energy_J,lost\n", csv_);
+                       "bytes_a_contact,worst_m,last_m,mean_m,deep,sag_m,drift_m,energy_J,lost\n", csv_);
     }
     report(const report&) = delete;
     report& operator=(const report&) = delete;
@@ -66,8 +66,9 @@ public:
     void add(const scene& s, const std::vector<score>& scores) {
         const int bodies = s.free_bodies();
         std::printf("\n%s: %dD, %d bodies, %d steps\n", s.name.c_str(), s.dimension, bodies, s.steps);
-        std::printf("%-16s%9s%9s%9s%7s%10s%8s |%8s%8s%8s%7s%9s%9s%10s%6s\n", "", "ms", "median", "slowest", "ratio",
-                    "contacts", "bytes", "worst", "last", "mean", ">5 mm", "sag", "drift", "energy", "lost");
+        std::printf("%-16s%9s%9s%9s%7s%10s%8s%10s |%8s%8s%8s%7s%9s%9s%10s%6s\n", "", "ms", "median", "slowest",
+                    "ratio", "contacts", "B/body", "B/contact", "worst", "last", "mean", ">5 mm", "sag", "drift",
+                    "energy", "lost");
         double first = 0;
         for (const score& c : scores) {
             if (!c.complaint.empty()) {
@@ -77,9 +78,11 @@ public:
             const double ms = c.least();
             if (first == 0) first = ms;
             const verdict& v = c.accuracy;
-            std::printf("%-16s%9.3f%9.3f%9.3f%7.2f%10d%8.0f |%8.2f%8.2f%8.3f%7d", c.who.name.c_str(), ms, c.middle(),
-                        c.slowest_step(), ms / first, c.contacts, c.bytes / bodies, 1e3 * v.worst, 1e3 * v.last,
-                        1e3 * v.mean, v.deep);
+            char contact[32] = "";
+            if (c.contact_bytes > 0) std::snprintf(contact, sizeof contact, "%.0f", c.contact_bytes);
+            std::printf("%-16s%9.3f%9.3f%9.3f%7.2f%10d%8.0f%10s |%8.2f%8.2f%8.3f%7d", c.who.name.c_str(), ms,
+                        c.middle(), c.slowest_step(), ms / first, c.contacts, c.bytes / bodies, contact, 1e3 * v.worst,
+                        1e3 * v.last, 1e3 * v.mean, v.deep);
             if (s.tops.empty()) std::printf("%9s%9s", "-", "-");
             else std::printf("%9.1f%9.1f", 1e3 * v.sag, 1e3 * v.drift);
             std::printf("%10.3g%6d\n", v.energy, v.lost);
@@ -87,10 +90,10 @@ public:
                 std::printf("    %-24s%9.3f ms\n", name.c_str(),
                             ns / 1e6 / s.steps / static_cast<double>(c.rounds.size()));
             if (csv_) {
-                std::fprintf(csv_, "%s,%d,%d,%d,%s,%.5g,%.5g,%.5g,%.4g,%d,%.0f,%.5g,%.5g,%.5g,%d,%.5g,%.5g,%.5g,%d\n",
+                std::fprintf(csv_, "%s,%d,%d,%d,%s,%.5g,%.5g,%.5g,%.4g,%d,%.0f,%s,%.5g,%.5g,%.5g,%d,%.5g,%.5g,%.5g,%d\n",
                              s.name.c_str(), s.dimension, bodies, s.steps, c.who.name.c_str(), ms, c.middle(),
-                             c.slowest_step(), ms / first, c.contacts, c.bytes / bodies, v.worst, v.last, v.mean,
-                             v.deep, v.sag, v.drift, v.energy, v.lost);
+                             c.slowest_step(), ms / first, c.contacts, c.bytes / bodies, contact, v.worst, v.last,
+                             v.mean, v.deep, v.sag, v.drift, v.energy, v.lost);
                 std::fflush(csv_);
             }
             char text[64];
@@ -104,10 +107,12 @@ public:
     int print(const std::vector<contestant>& all) const {
         std::puts(
             "\nms: CPU time a step, each step's least over the rounds, on average; median: of the rounds' means;\n"
-            "slowest: the slowest step's least. ratio: to the first line. bytes: held by the engine at the end, a\n"
-            "body. Overlaps in mm as the judge finds them: the worst ever sampled, the last and mean at the end, and\n"
-            "how many are deeper than 5 mm. sag, drift: of tops of structures, at the end, in mm. energy: kinetic, at\n"
-            "the end, in J. lost: bodies that left.");
+            "slowest: the slowest step's least. ratio: to the first line. contacts: that push, at the end. B/body:\n"
+            "bytes held by the engine at the end, with its scratch, a body. B/contact: bytes of the state that lasts,\n"
+            "less those of the same without contacts and memories of pairs, for each contact held, those that only\n"
+            "come near included; where an engine tells. Overlaps in mm as the judge finds them: the worst ever\n"
+            "sampled, the last and mean at the end, and how many are deeper than 5 mm. sag, drift: of tops of\n"
+            "structures, at the end, in mm. energy: kinetic, at the end, in J. lost: bodies that left.");
         for (const contestant& c : all) std::printf("%-16s%s\n", c.name.c_str(), c.settings.c_str());
         write_markdown(all);
         for (const std::string& what : complaints_) std::printf("NOT THE SAME SCENE: %s\n", what.c_str());

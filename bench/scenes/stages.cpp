@@ -44,6 +44,7 @@ public:
     }
     [[nodiscard]] triple gravity() const override { return from_vec<S, D>(s_.settings.gravity); }
     [[nodiscard]] int contacts() const override { return static_cast<int>(s_.contacts.size()); }
+    [[nodiscard]] double contact_bytes() const override { return bytes_a_contact(s_); }
     [[nodiscard]] std::vector<std::pair<std::string, double>> stages() const override {
         static constexpr const char* names[] = {"find pairs", "find contacts", "make batches",
                                                 "solve",      "place shapes",  "finish"};

@@ -1,0 +1,31 @@
+// What only the inside of the library tells, apart from what only uses it.
+#pragma once
+
+#include <physics.hpp>
+
+namespace bench {
+
+/// Bytes of a contact that last from step to step: those of an image of the world, less those of its image without
+/// contacts and what is remembered of pairs, for each contact that it holds. 0 where it holds none.
+template <class Plan>
+double bytes_a_contact(const physics::detail::state<Plan>& s) {
+    std::uint32_t count = s.contacts.size();
+    physics::detail::state_image<Plan> image;
+    image.save(s);
+    const std::size_t all = image.size();
+    physics::detail::state<Plan> without = s;
+    without.contacts.clear();
+    without.memories.clear();
+    if constexpr (Plan::sleeps) {
+        count += s.sleep.contacts.size();
+        without.sleep.contacts.clear();
+    }
+    image.save(without);
+    return count > 0 ? static_cast<double>(all - image.size()) / count : 0;
+}
+template <class Recipe>
+double bytes_a_contact(const physics::world<Recipe>& w) {
+    return bytes_a_contact(physics::detail::world_access::state_of(w));
+}
+
+}  // namespace bench
