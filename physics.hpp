@@ -401,6 +401,20 @@ private:
 
 }  // namespace detail
 
+namespace detail {
+
+/// A T that lasts for a step: copies of it begin empty, and assigning leaves it as it is.
+template <class T>
+struct passing : T {
+    passing() = default;
+    passing(const passing&) : T() {}
+    passing(passing&&) noexcept = default;
+    passing& operator=(const passing&) { return *this; }
+    passing& operator=(passing&&) noexcept = default;
+};
+
+}  // namespace detail
+
 PHYSICS_HPP_END
 
 // =================================================================================================
@@ -25155,12 +25169,12 @@ struct state {
     }
 
     // Scratch of the step: nothing in it outlives one.
-    buffer<typename Plan::contact> found;
+    passing<buffer<typename Plan::contact>> found;
     [[no_unique_address]] mixture<S, typename Plan::features> found_surfaces;
-    pair_memories<Plan> found_memories;
-    buffer<proxy_pair> woken_pairs;
-    buffer<typename Plan::contact> woken_contacts;
-    pair_memories<Plan> woken_memories;
+    passing<pair_memories<Plan>> found_memories;
+    passing<buffer<proxy_pair>> woken_pairs;
+    passing<buffer<typename Plan::contact>> woken_contacts;
+    passing<pair_memories<Plan>> woken_memories;
     arena scratch;
     per_worker<arena> batch_scratch;
     /// What each worker has found.
@@ -26247,8 +26261,8 @@ void part_contacts(Contacts& contacts, Stays&& stays, Out&& out) {
     while (contacts.size() > kept) contacts.pop();
 }
 /// Adds contacts to others; both lists, and the result, are in ascending order of their pairs.
-template <class Contacts>
-void merge_contacts(Contacts& to, const Contacts& more) {
+template <class Contact>
+void merge_contacts(buffer<Contact>& to, const buffer<Contact>& more) {
     std::uint32_t i = to.size(), j = more.size();
     if (j == 0) return;
     to.resize(i + j, more[0]);

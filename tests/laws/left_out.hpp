@@ -36,6 +36,11 @@ using common = made_of<without<materials>>;
 template <class World>
 constexpr bool has_materials = requires(World& w, shape_id id) { w.set_surface(id, material{}); };
 
+template <class World>
+constexpr bool turns = requires(World& w, body_id id, typename World::angular spin) {
+    w.set_angular_velocity(id, spin);
+};
+
 inline vec along(int axis, double size) {
     vec v;
     v[axis] = S(size);
@@ -74,9 +79,10 @@ public:
         for (int i = 0; i < 24; ++i) {
             vec place = dice.vec<vec>(-1.75, 1.75);
             place.y = S(1 + 0.5 * i);
-            ids.push_back(w.create_body({.position = place,
-                                         .linear_velocity = dice.vec<vec>(-2, 2),
-                                         .angular_velocity = spin(dice.number(-3, 3))}));
+            const vec velocity = dice.vec<vec>(-2, 2);
+            const auto angular = spin(dice.number(-3, 3));
+            ids.push_back(w.create_body({.position = place, .linear_velocity = velocity}));
+            if constexpr (turns<World>) w.set_angular_velocity(ids.back(), angular);
             if (i % 2) add(typename World::ball{dice.real(0.25, 0.5)});
             else add(typename World::box{dice.vec<vec>(0.2, 0.5)});
         }
@@ -174,6 +180,8 @@ CELL_CASE("materials: the same where the recipe leaves out more, and surfaces be
     moves_alike<physics::soft_step, friction, sleeping>({.restitution = S(0.5), .rolling_resistance = S(0.01)}, bouncy);
     moves_alike<physics::sequential_impulse, friction, restitution>(dull, {.rolling_resistance = S(0.125)});
     moves_alike<physics::product_mixing, sleeping>(bouncy, rubber);
+    CHECK(moves_alike<physics::soft_step, physics::feature::rotation>(dull, bouncy));
+    CHECK(moves_alike<physics::sequential_impulse, physics::feature::rotation>(dull, bouncy));
 }
 
 /// A rule that counts its calls, and gives a friction that no solver takes for rough surfaces.

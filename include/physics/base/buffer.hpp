@@ -144,4 +144,18 @@ private:
 
 }  // namespace detail
 
+namespace detail {
+
+/// A T that lasts for a step: copies of it begin empty, and assigning leaves it as it is.
+template <class T>
+struct passing : T {
+    passing() = default;
+    passing(const passing&) : T() {}
+    passing(passing&&) noexcept = default;
+    passing& operator=(const passing&) { return *this; }
+    passing& operator=(passing&&) noexcept = default;
+};
+
+}  // namespace detail
+
 PHYSICS_HPP_END

@@ -22,8 +22,8 @@ void part_contacts(Contacts& contacts, Stays&& stays, Out&& out) {
     while (contacts.size() > kept) contacts.pop();
 }
 /// Adds contacts to others; both lists, and the result, are in ascending order of their pairs.
-template <class Contacts>
-void merge_contacts(Contacts& to, const Contacts& more) {
+template <class Contact>
+void merge_contacts(buffer<Contact>& to, const buffer<Contact>& more) {
     std::uint32_t i = to.size(), j = more.size();
     if (j == 0) return;
     to.resize(i + j, more[0]);

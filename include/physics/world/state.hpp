@@ -258,12 +258,12 @@ struct state {
     }
 
     // Scratch of the step: nothing in it outlives one.
-    buffer<typename Plan::contact> found;
+    passing<buffer<typename Plan::contact>> found;
     [[no_unique_address]] mixture<S, typename Plan::features> found_surfaces;
-    pair_memories<Plan> found_memories;
-    buffer<proxy_pair> woken_pairs;
-    buffer<typename Plan::contact> woken_contacts;
-    pair_memories<Plan> woken_memories;
+    passing<pair_memories<Plan>> found_memories;
+    passing<buffer<proxy_pair>> woken_pairs;
+    passing<buffer<typename Plan::contact>> woken_contacts;
+    passing<pair_memories<Plan>> woken_memories;
     arena scratch;
     per_worker<arena> batch_scratch;
     /// What each worker has found.
