@@ -118,16 +118,18 @@ def markdown(tables):
     heads, rows = ["Left out"], [[name.replace("_", " ")] for name in LEFT_OUT]
     for lines in tables:
         full = lines[0]
-        heads += [f"{full['dimension']}D: pyramid", "pile", "falling", "bytes a body", "code", "compile"]
+        heads += [f"{full['dimension']}D: pyramid", "pile", "falling", "bytes a body", "a contact", "code",
+                  "compile"]
         for row, line in zip(rows, lines):
             times = [line[key + "_ns"] for key in ["resting", "tumbling", "falling"]]
             if line is full:
                 row += [f"{ns:,.0f} ns" for ns in times]
-                row += [f"{line['bytes_a_body']:.0f}", f"{line['code'] / 1e3:.0f} kB", f"{line['compile_s']:.1f} s"]
+                row += [f"{line['bytes_a_body']:.0f}", f"{line['bytes_a_contact']:.0f}", f"{line['code'] / 1e3:.0f} kB",
+                        f"{line['compile_s']:.1f} s"]
                 continue
             row += [f"{change(line, full, key + '_ns'):+.0f} %" + ("" if line[key + "_same"] else " *")
                     for key in ["resting", "tumbling", "falling"]]
-            row.append(f"{line['bytes_a_body'] - full['bytes_a_body']:+.0f}")
+            row += [f"{line[key] - full[key]:+.0f}" for key in ["bytes_a_body", "bytes_a_contact"]]
             row += [f"{change(line, full, key):+.0f} %" for key in ["code", "compile_s"]]
     return "".join(f"| {' | '.join(cells)} |\n" for cells in [heads, ["---"] * len(heads), *rows]).replace(
         "| --- | --- |", "|---|---|").replace(" --- |", "---|")
