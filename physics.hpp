@@ -22197,16 +22197,20 @@ public:
     }
     twist* velocities() { return begun_; }
 
-    /// Notes what bodies have got since for the velocities with which they began, and the other way round.
-    void turn_over() {
-        for (std::uint32_t k = 0; k < bodies_.nobody(); ++k) begun_[k] = bodies_[k].velocity - begun_[k];
-    }
-    /// Begins a substep: gives what is noted, and notes the velocities before.
-    void give() {
-        for (std::uint32_t k = 0; k < bodies_.nobody(); ++k) {
-            const twist before = bodies_[k].velocity;
-            bodies_[k].velocity = before + begun_[k];
-            begun_[k] = before;
+    /// Lets velocities advance, and gives bodies what they have got since the last substep began.
+    template <class Motion>
+    void advance_velocities(Motion& motion, S h) {
+        // In one go where that can be: bodies are many.
+        if constexpr (requires { motion.advance_velocities(h, begun_); }) {
+            motion.advance_velocities(h, begun_);
+        } else {
+            turn_over();
+            motion.advance_velocities(h);
+            for (std::uint32_t k = 0; k < bodies_.nobody(); ++k) {
+                const twist before = bodies_[k].velocity;
+                bodies_[k].velocity = before + begun_[k];
+                begun_[k] = before;
+            }
         }
     }
     /// Lets poses advance. What bodies change their spin by as they turn no contact gave them.
@@ -22224,6 +22228,11 @@ public:
     }
 
 private:
+    /// Notes what bodies have got since for the velocities with which they began, and the other way round.
+    void turn_over() {
+        for (std::uint32_t k = 0; k < bodies_.nobody(); ++k) begun_[k] = bodies_[k].velocity - begun_[k];
+    }
+
     solver_bodies<S, D, Turns> bodies_;
     twist* begun_;
 };
@@ -24258,9 +24267,7 @@ struct soft_step_with {
             detail::soft_round<S, D, turns> relax = press;
             relax.pushes = false;
             for (int i = 0; i < with.substeps; ++i) {
-                start.turn_over();
-                motion.advance_velocities(part);
-                start.give();
+                start.advance_velocities(motion, part);
                 if (i == 0) blocks.each(hands, [bodies](block& b) { kernels::warm_start(b, bodies); });
                 blocks.each(hands, [bodies, &press](block& b) { kernels::solve(b, bodies, press); });
                 start.advance_poses(motion, part);
@@ -27014,12 +27021,19 @@ public:
 
     void advance_velocities(S h) {
         if (free_count_ > 0) thrust(step_ / h);
+        for (std::uint32_t k = 0; k < count_; ++k) advance_velocity(k, h);
+        if (free_count_ > 0) thrust(S(0));
+    }
+    /// The same; what bodies have come to beyond their velocities in `begun` they get again, and those become the ones
+    /// before that.
+    void advance_velocities(S h, twist_of<S, D, turns>* begun) {
+        if (free_count_ > 0) thrust(step_ / h);
         for (std::uint32_t k = 0; k < count_; ++k) {
-            if (!(bodies_[k].inverse_mass > inverse_of<S>(0))) continue;
-            integrator::advance_velocity(bodies_[k].velocity, moving_[k], h);
-            // -0 becomes 0, which no impulse of 0 changes: so the bits are the same whether solvers give it or not.
-            bodies_[k].velocity.linear += vec<S, D>{};
-            if constexpr (turns) bodies_[k].velocity.angular += angular<S, D>{};
+            auto& v = bodies_[k].velocity;
+            const auto got = v - begun[k];
+            advance_velocity(k, h);
+            begun[k] = v;
+            v = v + got;
         }
         if (free_count_ > 0) thrust(S(0));
     }
@@ -27060,6 +27074,13 @@ private:
                            [[maybe_unused]] const twist_of<S, D, turns>& v) {
         if constexpr (turns) return physics::is_finite(at.rotation) && physics::is_finite(v.angular);
         else return true;
+    }
+    void advance_velocity(std::uint32_t k, S h) {
+        if (!(bodies_[k].inverse_mass > inverse_of<S>(0))) return;
+        integrator::advance_velocity(bodies_[k].velocity, moving_[k], h);
+        // -0 becomes 0, which no impulse of 0 changes: so the bits are the same whether solvers give it or not.
+        bodies_[k].velocity.linear += vec<S, D>{};
+        if constexpr (turns) bodies_[k].velocity.angular += angular<S, D>{};
     }
     [[nodiscard]] const typename Plan::body& member(std::uint32_t k) const {
         return state_.bodies[state_.movers[members_[k]]];

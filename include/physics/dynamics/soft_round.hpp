@@ -36,16 +36,20 @@ public:
     }
     twist* velocities() { return begun_; }
 
-    /// Notes what bodies have got since for the velocities with which they began, and the other way round.
-    void turn_over() {
-        for (std::uint32_t k = 0; k < bodies_.nobody(); ++k) begun_[k] = bodies_[k].velocity - begun_[k];
-    }
-    /// Begins a substep: gives what is noted, and notes the velocities before.
-    void give() {
-        for (std::uint32_t k = 0; k < bodies_.nobody(); ++k) {
-            const twist before = bodies_[k].velocity;
-            bodies_[k].velocity = before + begun_[k];
-            begun_[k] = before;
+    /// Lets velocities advance, and gives bodies what they have got since the last substep began.
+    template <class Motion>
+    void advance_velocities(Motion& motion, S h) {
+        // In one go where that can be: bodies are many.
+        if constexpr (requires { motion.advance_velocities(h, begun_); }) {
+            motion.advance_velocities(h, begun_);
+        } else {
+            turn_over();
+            motion.advance_velocities(h);
+            for (std::uint32_t k = 0; k < bodies_.nobody(); ++k) {
+                const twist before = bodies_[k].velocity;
+                bodies_[k].velocity = before + begun_[k];
+                begun_[k] = before;
+            }
         }
     }
     /// Lets poses advance. What bodies change their spin by as they turn no contact gave them.
@@ -63,6 +67,11 @@ public:
     }
 
 private:
+    /// Notes what bodies have got since for the velocities with which they began, and the other way round.
+    void turn_over() {
+        for (std::uint32_t k = 0; k < bodies_.nobody(); ++k) begun_[k] = bodies_[k].velocity - begun_[k];
+    }
+
     solver_bodies<S, D, Turns> bodies_;
     twist* begun_;
 };

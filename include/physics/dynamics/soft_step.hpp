@@ -107,9 +107,7 @@ struct soft_step_with {
             detail::soft_round<S, D, turns> relax = press;
             relax.pushes = false;
             for (int i = 0; i < with.substeps; ++i) {
-                start.turn_over();
-                motion.advance_velocities(part);
-                start.give();
+                start.advance_velocities(motion, part);
                 if (i == 0) blocks.each(hands, [bodies](block& b) { kernels::warm_start(b, bodies); });
                 blocks.each(hands, [bodies, &press](block& b) { kernels::solve(b, bodies, press); });
                 start.advance_poses(motion, part);

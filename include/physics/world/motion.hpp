@@ -74,12 +74,19 @@ public:
 
     void advance_velocities(S h) {
         if (free_count_ > 0) thrust(step_ / h);
+        for (std::uint32_t k = 0; k < count_; ++k) advance_velocity(k, h);
+        if (free_count_ > 0) thrust(S(0));
+    }
+    /// The same; what bodies have come to beyond their velocities in `begun` they get again, and those become the ones
+    /// before that.
+    void advance_velocities(S h, twist_of<S, D, turns>* begun) {
+        if (free_count_ > 0) thrust(step_ / h);
         for (std::uint32_t k = 0; k < count_; ++k) {
-            if (!(bodies_[k].inverse_mass > inverse_of<S>(0))) continue;
-            integrator::advance_velocity(bodies_[k].velocity, moving_[k], h);
-            // -0 becomes 0, which no impulse of 0 changes: so the bits are the same whether solvers give it or not.
-            bodies_[k].velocity.linear += vec<S, D>{};
-            if constexpr (turns) bodies_[k].velocity.angular += angular<S, D>{};
+            auto& v = bodies_[k].velocity;
+            const auto got = v - begun[k];
+            advance_velocity(k, h);
+            begun[k] = v;
+            v = v + got;
         }
         if (free_count_ > 0) thrust(S(0));
     }
@@ -120,6 +127,13 @@ private:
                            [[maybe_unused]] const twist_of<S, D, turns>& v) {
         if constexpr (turns) return physics::is_finite(at.rotation) && physics::is_finite(v.angular);
         else return true;
+    }
+    void advance_velocity(std::uint32_t k, S h) {
+        if (!(bodies_[k].inverse_mass > inverse_of<S>(0))) return;
+        integrator::advance_velocity(bodies_[k].velocity, moving_[k], h);
+        // -0 becomes 0, which no impulse of 0 changes: so the bits are the same whether solvers give it or not.
+        bodies_[k].velocity.linear += vec<S, D>{};
+        if constexpr (turns) bodies_[k].velocity.angular += angular<S, D>{};
     }
     [[nodiscard]] const typename Plan::body& member(std::uint32_t k) const {
         return state_.bodies[state_.movers[members_[k]]];
