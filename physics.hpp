@@ -20967,7 +20967,24 @@ struct body_lanes2 {
                quad<P>{velocity.linear.x, velocity.linear.y, velocity.angular, way.linear.x});
     }
 };
-/// Writes how bodies in space answer to impulses into lanes.
+/// Writes how bodies in the plane answer to impulses into lanes.
+template <class S, int W>
+PHYSICS_HPP_ALWAYS_INLINE void load_answers(const solver_body<S, 2>* bodies, const std::uint32_t (&index)[W],
+                                            inverse_of<S> (&mass)[W], inverse_of<S> (&inertia)[W]) {
+    if constexpr (std::is_floating_point_v<S>) {
+        using P = kernel_pack<S, W>;
+        constexpr int stride = sizeof(solver_body<S, 2>) / sizeof(S);
+        const quad<P> row = load4<P>(indexed_rows<const S, stride>{reinterpret_cast<const S*>(bodies) + 4, index});
+        row.z.store(mass);
+        row.w.store(inertia);
+    } else {
+        for (int lane = 0; lane < W; ++lane) {
+            mass[lane] = bodies[index[lane]].inverse_mass;
+            inertia[lane] = bodies[index[lane]].inverse_inertia;
+        }
+    }
+}
+/// The same in space.
 template <class S, int W>
 PHYSICS_HPP_ALWAYS_INLINE void load_answers(const solver_body<S, 3>* bodies, const std::uint32_t (&index)[W],
                                             inverse_of<S> (&mass)[W], inverse_of<S> (&inertia)[6][W]) {
@@ -22093,15 +22110,85 @@ PHYSICS_HPP_ALWAYS_INLINE symmetric_lanes<K> lane_inverse(const symmetric_lanes<
     return {e1 + e2 * l21 * l21 + xz * m31, e2 - yz * l32, e3, xy, xz, yz};
 }
 
-/// What is gathered from W contacts, to be prepared together: where their points are from their middles, in world axes,
-/// 1 for each point that there is, and how many there are.
-template <class S, int D, int W>
-struct gathered_points {
+/// W contacts that are prepared together, some of which may be none. Contacts are rows of scalars, which lanes read
+/// faster than one by one.
+template <class S, int D, int W, class Features>
+class gathered_contacts {
+    using contact = physics::contact<S, D, Features>;
+    using P = kernel_pack<S, W>;
+
+public:
     static constexpr int capacity = manifold<S, D>::capacity;
 
-    S offset[capacity][D][W] = {};
-    S there[capacity][W] = {};
-    S count[W] = {};
+    gathered_contacts() {
+        for (const contact*& one : at_) one = &none;
+    }
+    void put(int lane, const contact& c) { at_[lane] = &c; }
+
+    /// Where points are from their middles, in world axes, 1 for each point that there is, and how many there are.
+    S offset[capacity][D][W], there[capacity][W], count[W];
+
+    /// Reads where contacts with up to `most` points lie, and writes that to their block.
+    template <class Block>
+    PHYSICS_HPP_ALWAYS_INLINE void read(Block& to, int most) {
+        const S* rows[W];
+        for (int lane = 0; lane < W; ++lane) {
+            rows[lane] = &at_[lane]->normal[0];
+            count[lane] = S(int{at_[lane]->count});
+        }
+        P frame[3 * D], place[capacity][D + 1], middle[D];
+        take(frame, rows);
+        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1)), points = P::load(count);
+        for (int i = 0; i < D; ++i) middle[i] = zero;
+        for (int k = 0; k < most; ++k) {
+            for (int lane = 0; lane < W; ++lane) rows[lane] = &at_[lane]->points[k].position[0];
+            take(place[k], rows);
+            const P is = select_greater(points, P::broadcast(S(k)), one, zero);
+            is.store(there[k]);
+            for (P& part : place[k]) part = select_greater(is, zero, part, zero);
+            place[k][D].store(to.points[k].separation);
+            for (int i = 0; i < D; ++i) middle[i] = k == 0 ? place[0][i] : middle[i] + place[k][i];
+        }
+        const P share = one / max(points, one);
+        for (int i = 0; i < D; ++i) {
+            middle[i] = middle[i] * share;
+            frame[i].store(to.normal[i]);
+            (frame[D + i] + middle[i]).store(to.arm_a[i]);
+            (frame[2 * D + i] + middle[i]).store(to.arm_b[i]);
+            for (int k = 0; k < most; ++k)
+                select_greater(P::load(there[k]), zero, place[k][i] - middle[i], zero).store(offset[k][i]);
+        }
+    }
+
+private:
+    struct rows_from {
+        const S* const* first;
+        int skipped;
+
+        PHYSICS_HPP_ALWAYS_INLINE const S* operator[](int lane) const { return first[lane] + skipped; }
+        PHYSICS_HPP_ALWAYS_INLINE rows_from from(int lane) const { return {first + lane, skipped}; }
+    };
+    /// The first N scalars of each row. Lanes read on to a multiple of four, which is still within the contact.
+    template <int N>
+    PHYSICS_HPP_ALWAYS_INLINE static void take(P (&to)[N], const S* const (&rows)[W]) {
+        if constexpr (W == 1) {
+            for (int i = 0; i < N; ++i) to[i] = {rows[0][i]};
+        } else {
+            for (int i = 0; i < N; i += 4) {
+                const quad<P> four = load4<P>(rows_from{rows, i});
+                to[i] = four.x;
+                if (i + 1 < N) to[i + 1] = four.y;
+                if (i + 2 < N) to[i + 2] = four.z;
+                if (i + 3 < N) to[i + 3] = four.w;
+            }
+        }
+    }
+    static_assert(offsetof(contact, arm_a) == offsetof(contact, normal) + D * sizeof(S) &&
+                  offsetof(contact, arm_b) == offsetof(contact, arm_a) + D * sizeof(S) &&
+                  sizeof(contact) >= offsetof(contact, normal) + (D == 2 ? 8 : 12) * sizeof(S));
+
+    static inline const contact none{};
+    const contact* at_[W];
 };
 
 /// W contacts in space, and how their bodies answer to impulses at the middles.
@@ -22946,13 +23033,6 @@ struct no_soft_bounces {};
 template <class S, int Points, int W, class Features>
 using soft_bounces_of = std::conditional_t<Features::restitution, soft_bounces<S, Points, W>, no_soft_bounces>;
 
-/// The middle of a contact's points, from where these are given.
-template <class S, int D, class Features>
-vec<S, D> middle_of(const contact<S, D, Features>& c) {
-    vec<S, D> middle = c.points[0].position;
-    for (int k = 1; k < c.count; ++k) middle += c.points[k].position;
-    return c.count == 1 ? middle : middle * (S(1) / S(int{c.count}));
-}
 /// What a contact's points bear together.
 template <class P, class Point>
 PHYSICS_HPP_ALWAYS_INLINE P load_of(const Point* points, int count) {
@@ -23047,7 +23127,7 @@ struct soft_contact2 {
     using P = kernel_pack<S, W>;
     using Q = kernel_pack<I, W>;
     using body = solver_body<S, 2>;
-    using gathering = gathered_points<S, 2, W>;
+    using gathering = gathered_contacts<S, 2, W, Features>;
 
     struct point : soft_point<S, 2, W> {
         /// The lever that an impulse along the normal has about the middle (m).
@@ -23083,27 +23163,12 @@ struct soft_contact2 {
              gathering& gathered, arena& scratch) {
         const body& first = bodies[c.body_a];
         const body& second = bodies[c.body_b];
-        const vec<S, 2> middle = middle_of(c), to_a = c.arm_a + middle, to_b = c.arm_b + middle;
         a[lane] = c.body_a;
         b[lane] = c.body_b;
-        mass_a[lane] = first.inverse_mass;
-        mass_b[lane] = second.inverse_mass;
-        inertia_a[lane] = first.inverse_inertia;
-        inertia_b[lane] = second.inverse_inertia;
-        for (int i = 0; i < 2; ++i) {
-            normal[i][lane] = c.normal[i];
-            arm_a[i][lane] = to_a[i];
-            arm_b[i][lane] = to_b[i];
-        }
+        gathered.put(lane, c);
         point_count = point_count < c.count ? c.count : point_count;
-        gathered.count[lane] = S(int{c.count});
         for (int k = 0; k < c.count; ++k) {
-            const auto& from = c.points[k];
-            const vec<S, 2> offset = from.position - middle;
-            for (int i = 0; i < 2; ++i) gathered.offset[k][i][lane] = offset[i];
-            gathered.there[k][lane] = S(1);
-            points[k].separation[lane] = from.separation;
-            points[k].impulse[lane] = c.persisted(k) ? from.load : S(0);
+            points[k].impulse[lane] = c.persisted(k) ? c.points[k].load : S(0);
             if constexpr (Features::restitution)
                 bounces |= S(0) < (bounce_to.speed[k][lane] = bounce_of(c, k, with.surfaces.restitution_of(c), first,
                                                                         second, with.bounce_slop, with.step));
@@ -23115,7 +23180,10 @@ struct soft_contact2 {
         extras.put(lane, c, first, second, with, scratch);
     }
     /// Works out, once all lanes have been written, what the rounds need.
-    PHYSICS_HPP_ALWAYS_INLINE void prepare(const body*, const gathering& gathered) {
+    PHYSICS_HPP_ALWAYS_INLINE void prepare(const body* bodies, gathering& gathered) {
+        gathered.read(*this, point_count);
+        load_answers(bodies, a, mass_a, inertia_a);
+        load_answers(bodies, b, mass_b, inertia_b);
         using K = preparing<S, W>;
         using C = typename K::scalar;
         const K n_x = lanes_from<K>(normal[0]), n_y = lanes_from<K>(normal[1]);
@@ -23379,7 +23447,7 @@ struct soft_contact3 {
     using P = kernel_pack<S, W>;
     using Q = kernel_pack<I, W>;
     using body = solver_body<S, 3>;
-    using gathering = gathered_points<S, 3, W>;
+    using gathering = gathered_contacts<S, 3, W, Features>;
 
     struct point : soft_point<S, 3, W> {
         /// Along both tangents, from the middle (m).
@@ -23416,23 +23484,12 @@ struct soft_contact3 {
              gathering& gathered, arena& scratch) {
         const body& first = bodies[c.body_a];
         const body& second = bodies[c.body_b];
-        const vec<S, 3> middle = middle_of(c), to_a = c.arm_a + middle, to_b = c.arm_b + middle;
         a[lane] = c.body_a;
         b[lane] = c.body_b;
-        for (int i = 0; i < 3; ++i) {
-            normal[i][lane] = c.normal[i];
-            arm_a[i][lane] = to_a[i];
-            arm_b[i][lane] = to_b[i];
-        }
+        gathered.put(lane, c);
         point_count = point_count < c.count ? c.count : point_count;
-        gathered.count[lane] = S(int{c.count});
         for (int k = 0; k < c.count; ++k) {
-            const auto& from = c.points[k];
-            const vec<S, 3> offset = from.position - middle;
-            for (int i = 0; i < 3; ++i) gathered.offset[k][i][lane] = offset[i];
-            gathered.there[k][lane] = S(1);
-            points[k].separation[lane] = from.separation;
-            points[k].impulse[lane] = c.persisted(k) ? from.load : S(0);
+            points[k].impulse[lane] = c.persisted(k) ? c.points[k].load : S(0);
             if constexpr (Features::restitution)
                 bounces |= S(0) < (bounce_to.speed[k][lane] = bounce_of(c, k, with.surfaces.restitution_of(c), first,
                                                                         second, with.bounce_slop, with.step));
@@ -23441,7 +23498,8 @@ struct soft_contact3 {
         extras.put(lane, c, first, second, with, scratch);
     }
     /// Works out, once all lanes have been written, what the rounds need.
-    PHYSICS_HPP_ALWAYS_INLINE void prepare(const body* bodies, const gathering& gathered) {
+    PHYSICS_HPP_ALWAYS_INLINE void prepare(const body* bodies, gathering& gathered) {
+        gathered.read(*this, point_count);
         load_answers(bodies, a, mass_a, inertia_a);
         load_answers(bodies, b, mass_b, inertia_b);
         using K = preparing<S, W>;
@@ -23929,7 +23987,7 @@ struct soft_linear_contact {
         extras.put(lane, c, first, second, with, scratch);
     }
     /// Works out, once all lanes have been written, what the rounds need.
-    PHYSICS_HPP_ALWAYS_INLINE void prepare(const body*, const gathering&) {
+    PHYSICS_HPP_ALWAYS_INLINE void prepare(const body*, gathering&) {
         using K = preparing<S, W>;
         put_lanes(lane_reciprocal(lanes_from<K>(mass_a) + lanes_from<K>(mass_b)), points[0].mass);
         if constexpr (Features::friction && D == 3) {
@@ -24113,7 +24171,7 @@ struct soft_kernels {
     using body = typename Block::body;
 
     template <class Gathered>
-    static void prepare(Block& block, const body* bodies, const Gathered& gathered) {
+    static void prepare(Block& block, const body* bodies, Gathered& gathered) {
         block.prepare(bodies, gathered);
     }
     static void warm_start(Block& block, body* bodies) { block.warm_start(bodies); }
@@ -24139,7 +24197,7 @@ struct avx2_kernels {
     using body = typename Block::body;
 
     template <class Gathered>
-    PHYSICS_HPP_AVX2_KERNEL void prepare(Block& block, const body* bodies, const Gathered& gathered) {
+    PHYSICS_HPP_AVX2_KERNEL void prepare(Block& block, const body* bodies, Gathered& gathered) {
         block.prepare(bodies, gathered);
     }
     PHYSICS_HPP_AVX2_KERNEL void warm_start(Block& block, body* bodies) { block.warm_start(bodies); }

@@ -152,7 +152,7 @@ void check_prepared(std::uint64_t seed) {
         p.bodies.push_back({});
         physics::arena scratch;
         block_type block{};
-        physics::detail::gathered_points<S, D, width> gathered;
+        typename block_type::gathering gathered;
         for (int lane = 0; lane < width; ++lane) {
             if (lane < used)
                 block.put(lane, p.contacts[static_cast<std::uint32_t>(lane)], p.bodies.data(),

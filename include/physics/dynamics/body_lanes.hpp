@@ -74,7 +74,24 @@ struct body_lanes2 {
                quad<P>{velocity.linear.x, velocity.linear.y, velocity.angular, way.linear.x});
     }
 };
-/// Writes how bodies in space answer to impulses into lanes.
+/// Writes how bodies in the plane answer to impulses into lanes.
+template <class S, int W>
+PHYSICS_HPP_ALWAYS_INLINE void load_answers(const solver_body<S, 2>* bodies, const std::uint32_t (&index)[W],
+                                            inverse_of<S> (&mass)[W], inverse_of<S> (&inertia)[W]) {
+    if constexpr (std::is_floating_point_v<S>) {
+        using P = kernel_pack<S, W>;
+        constexpr int stride = sizeof(solver_body<S, 2>) / sizeof(S);
+        const quad<P> row = load4<P>(indexed_rows<const S, stride>{reinterpret_cast<const S*>(bodies) + 4, index});
+        row.z.store(mass);
+        row.w.store(inertia);
+    } else {
+        for (int lane = 0; lane < W; ++lane) {
+            mass[lane] = bodies[index[lane]].inverse_mass;
+            inertia[lane] = bodies[index[lane]].inverse_inertia;
+        }
+    }
+}
+/// The same in space.
 template <class S, int W>
 PHYSICS_HPP_ALWAYS_INLINE void load_answers(const solver_body<S, 3>* bodies, const std::uint32_t (&index)[W],
                                             inverse_of<S> (&mass)[W], inverse_of<S> (&inertia)[6][W]) {

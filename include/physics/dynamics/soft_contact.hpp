@@ -29,13 +29,6 @@ struct no_soft_bounces {};
 template <class S, int Points, int W, class Features>
 using soft_bounces_of = std::conditional_t<Features::restitution, soft_bounces<S, Points, W>, no_soft_bounces>;
 
-/// The middle of a contact's points, from where these are given.
-template <class S, int D, class Features>
-vec<S, D> middle_of(const contact<S, D, Features>& c) {
-    vec<S, D> middle = c.points[0].position;
-    for (int k = 1; k < c.count; ++k) middle += c.points[k].position;
-    return c.count == 1 ? middle : middle * (S(1) / S(int{c.count}));
-}
 /// What a contact's points bear together.
 template <class P, class Point>
 PHYSICS_HPP_ALWAYS_INLINE P load_of(const Point* points, int count) {

@@ -16,7 +16,7 @@ struct soft_contact2 {
     using P = kernel_pack<S, W>;
     using Q = kernel_pack<I, W>;
     using body = solver_body<S, 2>;
-    using gathering = gathered_points<S, 2, W>;
+    using gathering = gathered_contacts<S, 2, W, Features>;
 
     struct point : soft_point<S, 2, W> {
         /// The lever that an impulse along the normal has about the middle (m).
@@ -52,27 +52,12 @@ struct soft_contact2 {
              gathering& gathered, arena& scratch) {
         const body& first = bodies[c.body_a];
         const body& second = bodies[c.body_b];
-        const vec<S, 2> middle = middle_of(c), to_a = c.arm_a + middle, to_b = c.arm_b + middle;
         a[lane] = c.body_a;
         b[lane] = c.body_b;
-        mass_a[lane] = first.inverse_mass;
-        mass_b[lane] = second.inverse_mass;
-        inertia_a[lane] = first.inverse_inertia;
-        inertia_b[lane] = second.inverse_inertia;
-        for (int i = 0; i < 2; ++i) {
-            normal[i][lane] = c.normal[i];
-            arm_a[i][lane] = to_a[i];
-            arm_b[i][lane] = to_b[i];
-        }
+        gathered.put(lane, c);
         point_count = point_count < c.count ? c.count : point_count;
-        gathered.count[lane] = S(int{c.count});
         for (int k = 0; k < c.count; ++k) {
-            const auto& from = c.points[k];
-            const vec<S, 2> offset = from.position - middle;
-            for (int i = 0; i < 2; ++i) gathered.offset[k][i][lane] = offset[i];
-            gathered.there[k][lane] = S(1);
-            points[k].separation[lane] = from.separation;
-            points[k].impulse[lane] = c.persisted(k) ? from.load : S(0);
+            points[k].impulse[lane] = c.persisted(k) ? c.points[k].load : S(0);
             if constexpr (Features::restitution)
                 bounces |= S(0) < (bounce_to.speed[k][lane] = bounce_of(c, k, with.surfaces.restitution_of(c), first,
                                                                         second, with.bounce_slop, with.step));
@@ -84,7 +69,10 @@ struct soft_contact2 {
         extras.put(lane, c, first, second, with, scratch);
     }
     /// Works out, once all lanes have been written, what the rounds need.
-    PHYSICS_HPP_ALWAYS_INLINE void prepare(const body*, const gathering& gathered) {
+    PHYSICS_HPP_ALWAYS_INLINE void prepare(const body* bodies, gathering& gathered) {
+        gathered.read(*this, point_count);
+        load_answers(bodies, a, mass_a, inertia_a);
+        load_answers(bodies, b, mass_b, inertia_b);
         using K = preparing<S, W>;
         using C = typename K::scalar;
         const K n_x = lanes_from<K>(normal[0]), n_y = lanes_from<K>(normal[1]);

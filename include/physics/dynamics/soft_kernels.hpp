@@ -15,7 +15,7 @@ struct soft_kernels {
     using body = typename Block::body;
 
     template <class Gathered>
-    static void prepare(Block& block, const body* bodies, const Gathered& gathered) {
+    static void prepare(Block& block, const body* bodies, Gathered& gathered) {
         block.prepare(bodies, gathered);
     }
     static void warm_start(Block& block, body* bodies) { block.warm_start(bodies); }
@@ -41,7 +41,7 @@ struct avx2_kernels {
     using body = typename Block::body;
 
     template <class Gathered>
-    PHYSICS_HPP_AVX2_KERNEL void prepare(Block& block, const body* bodies, const Gathered& gathered) {
+    PHYSICS_HPP_AVX2_KERNEL void prepare(Block& block, const body* bodies, Gathered& gathered) {
         block.prepare(bodies, gathered);
     }
     PHYSICS_HPP_AVX2_KERNEL void warm_start(Block& block, body* bodies) { block.warm_start(bodies); }

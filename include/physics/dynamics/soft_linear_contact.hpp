@@ -171,7 +171,7 @@ struct soft_linear_contact {
         extras.put(lane, c, first, second, with, scratch);
     }
     /// Works out, once all lanes have been written, what the rounds need.
-    PHYSICS_HPP_ALWAYS_INLINE void prepare(const body*, const gathering&) {
+    PHYSICS_HPP_ALWAYS_INLINE void prepare(const body*, gathering&) {
         using K = preparing<S, W>;
         put_lanes(lane_reciprocal(lanes_from<K>(mass_a) + lanes_from<K>(mass_b)), points[0].mass);
         if constexpr (Features::friction && D == 3) {

@@ -1,6 +1,8 @@
 // What preparing the soft solver's contacts in lanes is made of.
 #pragma once
 
+#include <cstddef>
+
 #include "physics/dynamics/body_lanes.hpp"
 #include "physics/dynamics/contact.hpp"
 
@@ -85,15 +87,85 @@ PHYSICS_HPP_ALWAYS_INLINE symmetric_lanes<K> lane_inverse(const symmetric_lanes<
     return {e1 + e2 * l21 * l21 + xz * m31, e2 - yz * l32, e3, xy, xz, yz};
 }
 
-/// What is gathered from W contacts, to be prepared together: where their points are from their middles, in world axes,
-/// 1 for each point that there is, and how many there are.
-template <class S, int D, int W>
-struct gathered_points {
+/// W contacts that are prepared together, some of which may be none. Contacts are rows of scalars, which lanes read
+/// faster than one by one.
+template <class S, int D, int W, class Features>
+class gathered_contacts {
+    using contact = physics::contact<S, D, Features>;
+    using P = kernel_pack<S, W>;
+
+public:
     static constexpr int capacity = manifold<S, D>::capacity;
 
-    S offset[capacity][D][W] = {};
-    S there[capacity][W] = {};
-    S count[W] = {};
+    gathered_contacts() {
+        for (const contact*& one : at_) one = &none;
+    }
+    void put(int lane, const contact& c) { at_[lane] = &c; }
+
+    /// Where points are from their middles, in world axes, 1 for each point that there is, and how many there are.
+    S offset[capacity][D][W], there[capacity][W], count[W];
+
+    /// Reads where contacts with up to `most` points lie, and writes that to their block.
+    template <class Block>
+    PHYSICS_HPP_ALWAYS_INLINE void read(Block& to, int most) {
+        const S* rows[W];
+        for (int lane = 0; lane < W; ++lane) {
+            rows[lane] = &at_[lane]->normal[0];
+            count[lane] = S(int{at_[lane]->count});
+        }
+        P frame[3 * D], place[capacity][D + 1], middle[D];
+        take(frame, rows);
+        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1)), points = P::load(count);
+        for (int i = 0; i < D; ++i) middle[i] = zero;
+        for (int k = 0; k < most; ++k) {
+            for (int lane = 0; lane < W; ++lane) rows[lane] = &at_[lane]->points[k].position[0];
+            take(place[k], rows);
+            const P is = select_greater(points, P::broadcast(S(k)), one, zero);
+            is.store(there[k]);
+            for (P& part : place[k]) part = select_greater(is, zero, part, zero);
+            place[k][D].store(to.points[k].separation);
+            for (int i = 0; i < D; ++i) middle[i] = k == 0 ? place[0][i] : middle[i] + place[k][i];
+        }
+        const P share = one / max(points, one);
+        for (int i = 0; i < D; ++i) {
+            middle[i] = middle[i] * share;
+            frame[i].store(to.normal[i]);
+            (frame[D + i] + middle[i]).store(to.arm_a[i]);
+            (frame[2 * D + i] + middle[i]).store(to.arm_b[i]);
+            for (int k = 0; k < most; ++k)
+                select_greater(P::load(there[k]), zero, place[k][i] - middle[i], zero).store(offset[k][i]);
+        }
+    }
+
+private:
+    struct rows_from {
+        const S* const* first;
+        int skipped;
+
+        PHYSICS_HPP_ALWAYS_INLINE const S* operator[](int lane) const { return first[lane] + skipped; }
+        PHYSICS_HPP_ALWAYS_INLINE rows_from from(int lane) const { return {first + lane, skipped}; }
+    };
+    /// The first N scalars of each row. Lanes read on to a multiple of four, which is still within the contact.
+    template <int N>
+    PHYSICS_HPP_ALWAYS_INLINE static void take(P (&to)[N], const S* const (&rows)[W]) {
+        if constexpr (W == 1) {
+            for (int i = 0; i < N; ++i) to[i] = {rows[0][i]};
+        } else {
+            for (int i = 0; i < N; i += 4) {
+                const quad<P> four = load4<P>(rows_from{rows, i});
+                to[i] = four.x;
+                if (i + 1 < N) to[i + 1] = four.y;
+                if (i + 2 < N) to[i + 2] = four.z;
+                if (i + 3 < N) to[i + 3] = four.w;
+            }
+        }
+    }
+    static_assert(offsetof(contact, arm_a) == offsetof(contact, normal) + D * sizeof(S) &&
+                  offsetof(contact, arm_b) == offsetof(contact, arm_a) + D * sizeof(S) &&
+                  sizeof(contact) >= offsetof(contact, normal) + (D == 2 ? 8 : 12) * sizeof(S));
+
+    static inline const contact none{};
+    const contact* at_[W];
 };
 
 /// W contacts in space, and how their bodies answer to impulses at the middles.
