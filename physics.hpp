@@ -25722,8 +25722,14 @@ bool check_inertia(const char* function, const symmetric<double>& i) {
     for (int k = 0; k < 3; ++k)
         if (!check_mass_value<S>(function, names[k], diagonal[k], inverted.xx > 0 ? of_inverse[k] : 1 / diagonal[k]))
             return false;
-    const bool definite = inverted.xx > 0 && inverted_inertia(converted<S>(i)).xx > inverse_of<S>(0);
-    return definite || refuse(function, "inertia.xx", i.xx, "the tensor that it begins must be positive definite");
+    if (!(inverted.xx > 0) || !(inverted_inertia(converted<S>(i)).xx > inverse_of<S>(0)))
+        return refuse(function, "inertia.xx", i.xx, "the tensor that it begins must be positive definite");
+    // About an axis between those of the frame a body may turn more easily than about any of them.
+    if (representable<inverse_of<S>>(inverted.xx + inverted.yy + inverted.zz)) return true;
+    const principal_axes principal = principal_axes_of(i);
+    for (const double moment : principal.moments)
+        if (!check_mass_value<S>(function, "principal moment of inertia", moment, 1 / moment)) return false;
+    return true;
 }
 /// Whether a dynamic body can have these mass properties, given in double, where it is now.
 template <class S, int D, bool Turns>
@@ -28318,7 +28324,8 @@ public:
             detail::set_pose(state_, b.index, {position, normalized(orientation)});
     }
     void set_pose(body_id id, const transform& pose) { set_pose(id, pose.position, pose.rotation); }
-    /// Lets a kinematic body reach a pose by the end of the next step, pushing what is in its way; then it stands.
+    /// Lets a kinematic body reach a pose by the end of the next step, pushing what is in its way; then it stands. In
+    /// recipes without rotation it cannot turn on the way: only set_pose does that.
     void move_to(body_id id, vec position, const rotation& orientation) {
         const auto b = detail::find_kinematic(state_, id, "move_to");
         if (b && detail::check_pose("move_to", position, orientation))
@@ -28410,8 +28417,9 @@ public:
     [[nodiscard]] mass_properties mass(body_id id) const {
         return get(id, "mass", [](const auto& b) -> mass_properties { return b.mass; });
     }
-    /// Sets them for a dynamic body, until reset_mass, whatever its shapes are; with an inertia of 0 nothing turns it.
-    /// Refuses what the scalar cannot hold, and tensors that are not positive definite.
+    /// Sets them for a dynamic body, until reset_mass, whatever its shapes are; with an inertia of 0, the only one in
+    /// recipes without rotation, nothing turns it. Refuses what the scalar cannot hold, and tensors that are not
+    /// positive definite.
     void set_mass(body_id id, const mass_properties& mass) {
         if (const auto b = dynamic(id, "set_mass")) detail::set_mass(state_, b.index, mass);
     }

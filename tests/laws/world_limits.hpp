@@ -48,6 +48,20 @@ CELL_CASE("limits: masses that the scalar cannot hold are refused, wherever they
         CHECK(refusal([&] {
                   w.set_mass(s.box, with([](auto& m) { entry_of(m.inertia, "yz") = S(1); }));
               }).find("positive definite") != std::string::npos);
+        // A needle along a diagonal of its frame: no entry of its inverse is out of range, but how it turns about
+        // itself is.
+        const auto turn_about_diagonal = [&](double moment) {
+            return with([&](auto& m) {
+                const double off = (moment - 0.5) / 3;
+                for (const std::string entry : {"xx", "yy", "zz"}) entry_of(m.inertia, entry) = S(0.5 + off);
+                for (const std::string entry : {"xy", "xz", "yz"}) entry_of(m.inertia, entry) = S(off);
+            });
+        };
+        if (cell::is_fixed)
+            CHECK(refusal([&] {
+                      w.set_mass(s.box, turn_about_diagonal(5e-8));
+                  }).find("principal moment of inertia") != std::string::npos);
+        w.set_mass(s.box, turn_about_diagonal(1e-3));
     }
 
     // Too light and too heavy; where squares and cubes of lengths enter, long before the lengths are.

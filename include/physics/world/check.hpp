@@ -187,8 +187,14 @@ bool check_inertia(const char* function, const symmetric<double>& i) {
     for (int k = 0; k < 3; ++k)
         if (!check_mass_value<S>(function, names[k], diagonal[k], inverted.xx > 0 ? of_inverse[k] : 1 / diagonal[k]))
             return false;
-    const bool definite = inverted.xx > 0 && inverted_inertia(converted<S>(i)).xx > inverse_of<S>(0);
-    return definite || refuse(function, "inertia.xx", i.xx, "the tensor that it begins must be positive definite");
+    if (!(inverted.xx > 0) || !(inverted_inertia(converted<S>(i)).xx > inverse_of<S>(0)))
+        return refuse(function, "inertia.xx", i.xx, "the tensor that it begins must be positive definite");
+    // About an axis between those of the frame a body may turn more easily than about any of them.
+    if (representable<inverse_of<S>>(inverted.xx + inverted.yy + inverted.zz)) return true;
+    const principal_axes principal = principal_axes_of(i);
+    for (const double moment : principal.moments)
+        if (!check_mass_value<S>(function, "principal moment of inertia", moment, 1 / moment)) return false;
+    return true;
 }
 /// Whether a dynamic body can have these mass properties, given in double, where it is now.
 template <class S, int D, bool Turns>

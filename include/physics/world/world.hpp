@@ -127,7 +127,8 @@ public:
             detail::set_pose(state_, b.index, {position, normalized(orientation)});
     }
     void set_pose(body_id id, const transform& pose) { set_pose(id, pose.position, pose.rotation); }
-    /// Lets a kinematic body reach a pose by the end of the next step, pushing what is in its way; then it stands.
+    /// Lets a kinematic body reach a pose by the end of the next step, pushing what is in its way; then it stands. In
+    /// recipes without rotation it cannot turn on the way: only set_pose does that.
     void move_to(body_id id, vec position, const rotation& orientation) {
         const auto b = detail::find_kinematic(state_, id, "move_to");
         if (b && detail::check_pose("move_to", position, orientation))
@@ -219,8 +220,9 @@ public:
     [[nodiscard]] mass_properties mass(body_id id) const {
         return get(id, "mass", [](const auto& b) -> mass_properties { return b.mass; });
     }
-    /// Sets them for a dynamic body, until reset_mass, whatever its shapes are; with an inertia of 0 nothing turns it.
-    /// Refuses what the scalar cannot hold, and tensors that are not positive definite.
+    /// Sets them for a dynamic body, until reset_mass, whatever its shapes are; with an inertia of 0, the only one in
+    /// recipes without rotation, nothing turns it. Refuses what the scalar cannot hold, and tensors that are not
+    /// positive definite.
     void set_mass(body_id id, const mass_properties& mass) {
         if (const auto b = dynamic(id, "set_mass")) detail::set_mass(state_, b.index, mass);
     }
