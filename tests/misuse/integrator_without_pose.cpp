@@ -1,4 +1,4 @@
-// expect: physics::recipe: the integrator's in<Space> needs advance_velocity and advance_pose
+// expect: physics::recipe: the integrator's in<Space> needs advance_velocity and advance_pose; without rotation for physics::linear_twist and physics::moving_body<S, D, false>
 #include <physics.hpp>
 
 struct half_euler {
