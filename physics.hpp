@@ -399,18 +399,14 @@ private:
     T value_{};
 };
 
-}  // namespace detail
-
-namespace detail {
-
 /// A T that lasts for a step: copies of it begin empty, and assigning leaves it as it is.
 template <class T>
-struct passing : T {
-    passing() = default;
-    passing(const passing&) : T() {}
-    passing(passing&&) noexcept = default;
-    passing& operator=(const passing&) { return *this; }
-    passing& operator=(passing&&) noexcept = default;
+struct of_a_step : T {
+    of_a_step() = default;
+    of_a_step(const of_a_step&) : T() {}
+    of_a_step(of_a_step&&) noexcept = default;
+    of_a_step& operator=(const of_a_step&) { return *this; }
+    of_a_step& operator=(of_a_step&&) noexcept = default;
 };
 
 }  // namespace detail
@@ -2799,8 +2795,8 @@ struct lane_storage<S, 1> {
 /// W scalars, a power of two, that go through the same arithmetic: lane i of a result is what the scalar operation
 /// gives for lane i of the operands, bit for bit, at any width and any Bytes (only the sign and the payload of a NaN
 /// are left open). In memory it is an array of W scalars; trivially copyable where S is, but for those wider than the
-/// unit. Operands are references since
-/// by value unoptimised builds copy them (1.5 to 4 times slower) and gcc warns of vectors wider than the unit's.
+/// unit. Operands are references since by value unoptimised builds copy them (1.5 to 4 times slower) and gcc warns
+/// of vectors wider than the unit's.
 ///
 /// Internal machinery of kernels: use it only between PHYSICS_HPP_BEGIN and PHYSICS_HPP_END (see
 /// PHYSICS_HPP_ALWAYS_INLINE). A kernel for wider registers than the unit's is a noinline function with, say,
@@ -20065,7 +20061,8 @@ enum class body_type : std::uint8_t {
 template <class S, int D>
 struct linear_twist {
     vec<S, D> linear;
-    [[no_unique_address]] detail::left_out<physics::angular<S, D>, feature::rotation, 0> angular{};
+    /// Of no object, since lanes read twists as rows of scalars.
+    static constexpr detail::left_out<physics::angular<S, D>, feature::rotation, 0> angular{};
 
     friend bool operator==(const linear_twist&, const linear_twist&) = default;
 };
@@ -20148,7 +20145,7 @@ template <class S, int D, bool Turns = true>
 struct moving_body {
     /// As the step begins; how far the body has come since is added up apart, where far from the origin less is lost.
     vec<S, D> center;
-    /// In the plane as the step begins, in space as it is.
+    /// In the plane, and where poses advance in lanes, as the step begins; else in space as it is.
     physics::rotation<S, D> rotation;
     /// By gravity, forces and torques (m/s^2, rad/s^2), in world axes.
     vec<S, D> acceleration;
@@ -21534,7 +21531,8 @@ PHYSICS_HPP_ALWAYS_INLINE rotation_lanes<P> lane_combine(const rotation_lanes<P>
             sum(product(a.w, b.w), -product(a.x, b.x), -product(a.y, b.y), -product(a.z, b.z))};
 }
 
-/// How W bodies are turned, and what their spin follows from (see free_spin): 0 where it does not change by itself.
+/// How W bodies are turned, and what their spin follows from (see free_spin): moments of 0 are those of bodies whose
+/// spin does not change by itself.
 template <class S, int W>
 struct spin_lanes {
     using I = inverse_of<S>;
@@ -21652,10 +21650,12 @@ private:
                                  of_tops(mul<S>(first, momentum.y), w.y) * whole,
                                  of_tops(mul<S>(first, momentum.z), w.z) * whole};
         axes = turned(start, angle, far);
-        // Momentum as it was, not as the turns have rounded it.
+        // Momentum as it was, not as the turns have rounded it; and quotients, which undo the products: a factor that
+        // is an ulp off would act in every substep.
         const lanes3<P> kept = lane_rotated(axes.inverse(), momentum);
-        const lanes3<P> spinning = {mul<S>(first, kept.x), mul<S>(first + second, kept.y),
-                                    mul<S>(first + third, kept.z)};
+        const P one = P::broadcast(S(1));
+        const lanes3<P> spinning = {kept.x / of_tops(moments.x, one), kept.y / of_tops(moments.y, one),
+                                    kept.z / of_tops(moments.z, one)};
         const lanes3<P> after = lane_rotated(axes, spinning);
         w = {of_tops(after.x, w.x), of_tops(after.y, w.y), of_tops(after.z, w.z)};
     }
@@ -22186,6 +22186,9 @@ private:
     static_assert(offsetof(contact, arm_a) == offsetof(contact, normal) + D * sizeof(S) &&
                   offsetof(contact, arm_b) == offsetof(contact, arm_a) + D * sizeof(S) &&
                   sizeof(contact) >= offsetof(contact, normal) + (D == 2 ? 8 : 12) * sizeof(S));
+    using point = contact_point<S, D, Features>;
+    static_assert(offsetof(point, separation) == offsetof(point, position) + D * sizeof(S) &&
+                  sizeof(point) >= offsetof(point, position) + 4 * sizeof(S));
 
     static inline const contact none{};
     const contact* at_[W];
@@ -23849,6 +23852,7 @@ struct linear_lanes {
     using S = typename P::scalar;
     using body = solver_body<S, D, false>;
     static constexpr int stride = sizeof(body) / sizeof(S);
+    static_assert(sizeof(linear_twist<S, D>) == D * sizeof(S));
 
     vector_lanes<P, D> velocity, way;
 
@@ -25234,12 +25238,12 @@ struct state {
     }
 
     // Scratch of the step: nothing in it outlives one.
-    passing<buffer<typename Plan::contact>> found;
+    of_a_step<buffer<typename Plan::contact>> found;
     [[no_unique_address]] mixture<S, typename Plan::features> found_surfaces;
-    passing<pair_memories<Plan>> found_memories;
-    passing<buffer<proxy_pair>> woken_pairs;
-    passing<buffer<typename Plan::contact>> woken_contacts;
-    passing<pair_memories<Plan>> woken_memories;
+    of_a_step<pair_memories<Plan>> found_memories;
+    of_a_step<buffer<proxy_pair>> woken_pairs;
+    of_a_step<buffer<typename Plan::contact>> woken_contacts;
+    of_a_step<pair_memories<Plan>> woken_memories;
     arena scratch;
     per_worker<arena> batch_scratch;
     /// What each worker has found.
@@ -25724,8 +25728,11 @@ bool check_inertia(const char* function, const symmetric<double>& i) {
             return false;
     if (!(inverted.xx > 0) || !(inverted_inertia(converted<S>(i)).xx > inverse_of<S>(0)))
         return refuse(function, "inertia.xx", i.xx, "the tensor that it begins must be positive definite");
-    // About an axis between those of the frame a body may turn more easily than about any of them.
-    if (representable<inverse_of<S>>(inverted.xx + inverted.yy + inverted.zz)) return true;
+    // About an axis between those of the frame a body may turn more easily than about any of them, or less.
+    const double most = i.xx + i.yy + i.zz, least = 1 / (inverted.xx + inverted.yy + inverted.zz);
+    if (representable<S>(most) && representable<S>(least) && representable<inverse_of<S>>(1 / least) &&
+        representable<inverse_of<S>>(1 / most))
+        return true;
     const principal_axes principal = principal_axes_of(i);
     for (const double moment : principal.moments)
         if (!check_mass_value<S>(function, "principal moment of inertia", moment, 1 / moment)) return false;
@@ -26754,7 +26761,9 @@ template <class Plan>
 void move_to(state<Plan>& s, std::uint32_t index, vec<typename Plan::scalar, Plan::dimension> position,
              const rotation<typename Plan::scalar, Plan::dimension>& orientation) {
     auto& b = s.bodies[index];
-    if (!Plan::turns && !(orientation == b.rotation)) {
+    // What the body was made with, or what it says that it has.
+    const bool turns_it = !(orientation == b.rotation) && !(normalized(orientation) == b.rotation);
+    if (!Plan::turns && turns_it) {
         refuse("move_to", "orientation", "another one", "the recipe leaves rotation out");
         return;
     }
@@ -27102,7 +27111,7 @@ public:
         if (free_count_ > 0) thrust(S(0));
     }
     void advance_poses(S h) { advance_poses(h, nullptr); }
-    /// The same; what spins change by as bodies turn, they change in `begun` too.
+    /// The same; what velocities change by as bodies turn, they change in `begun` too.
     void advance_poses(S h, twist_of<S, D, turns>* begun) {
         if constexpr (in_lanes) {
             lanes_->advance(h, begun);
@@ -27113,7 +27122,7 @@ public:
             const auto before = v;
             integrator::advance_pose(moving_[k], v, bodies_[k].way, h);
             if constexpr (D == 3 && turns)
-                if (begun != nullptr && moving_[k].top) begun[k].angular += v.angular - before.angular;
+                if (begun != nullptr && !(v == before)) begun[k] = begun[k] + (v - before);
         }
     }
 
@@ -28364,6 +28373,7 @@ public:
 
     /// A force (N) on a dynamic body during the next step, at its centre of mass or at a point; "local"
     /// takes force and point in the body's frame. Forces add up; refused where the sum would leave the scalar's range.
+    /// In recipes without rotation the point does not matter.
     void apply_force(body_id id, vec force) { push(id, "apply_force", force, false, nullptr); }
     void apply_force_at(body_id id, vec force, vec point) { push(id, "apply_force_at", force, false, &point); }
     void apply_local_force(body_id id, vec force) { push(id, "apply_local_force", force, true, nullptr); }

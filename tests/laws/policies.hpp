@@ -76,6 +76,23 @@ struct explicit_euler {
     };
 };
 
+/// A user's integrator in space: the library's, under which velocities fade as poses advance.
+struct fading {
+    using stage = physics::stage::integrator;
+    template <class Space>
+    struct in : physics::semi_implicit_euler::in<Space> {
+        using library = physics::semi_implicit_euler::in<Space>;
+        template <class Body, class Twist, class Way>
+        static void advance_pose(Body& b, Twist& v, Way& way, S h) {
+            library::advance_pose(b, v, way, h);
+            if constexpr (D == 3) {
+                v.linear *= S(1) - h;
+                v.angular *= S(1) - h;
+            }
+        }
+    };
+};
+
 /// A user's narrowphase: the library's, one query at a time.
 struct one_by_one {
     using stage = physics::stage::narrowphase;
@@ -155,6 +172,36 @@ CELL_CASE("policies: a crate comes to rest in every combination") {
     rests_on_the_ground<dull>();
     rests_on_the_ground<bare>();
 }
+
+#if CELL_DIMENSION == 3
+struct faded : physics::recipe<S, D, fading> {};
+struct faded_one_by_one : physics::recipe<S, D, fading, physics::sequential_impulse> {};
+/// What is left of its speeds after a second, of a ball and of a box that nothing touches.
+template <class Recipe>
+void fades(int substeps) {
+    using world = physics::world<Recipe>;
+    typename world::settings_type settings;
+    settings.gravity = {};
+    world w(settings);
+    for (const bool is_ball : {true, false}) {
+        const auto b = w.create_body({.position = {S(0), S(is_ball ? 0 : 9), S(0)},
+                                      .linear_velocity = {S(1), S(0), S(0)},
+                                      .angular_velocity = {S(0), S(1), S(0)}});
+        if (is_ball) static_cast<void>(w.create_shape(b, typename world::ball{S(0.5)}));
+        else static_cast<void>(w.create_shape(b, typename world::box{{S(0.5), S(0.25), S(0.125)}}));
+    }
+    for (int i = 0; i < 64; ++i) w.step(S(1.0 / 64));
+    const double left = std::pow(1 - 1.0 / 64 / substeps, 64 * substeps);
+    for (const physics::body_id b : w.bodies()) {
+        CHECK(std::abs(cell::number(w.linear_velocity(b).x) - left) <= 1e-5);
+        CHECK(std::abs(cell::number(w.angular_velocity(b).y) - left) <= 1e-5);
+    }
+}
+CELL_CASE("policies: what an integrator does to velocities as poses advance, it does once") {
+    fades<faded>(4);
+    fades<faded_one_by_one>(1);
+}
+#endif
 
 /// The speed along x that is left of 3 m/s after a second on the ground.
 template <class Recipe>

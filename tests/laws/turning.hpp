@@ -87,6 +87,24 @@ struct turning_bodies {
         changed.assign(begun.begin(), begun.end());
     }
 };
+CELL_CASE("integrator: a flywheel keeps its spin, however large its moment is beside the others") {
+    for (const double large : {0.3, 3.0, 30.0}) {
+        cell::dice dice(2000);
+        turning_bodies b(dice, 1);
+        const auto inertia = physics::symmetric<S>::diagonal(S(0.011), S(large), S(0.017));
+        b.tops[0].mass.inertia = inertia;
+        b.tops[0].inverse_inertia = physics::inverted_inertia(inertia);
+        b.tops[0].spin = physics::free_spin<S, 3>(inertia);
+        b.moved[0].top = &b.tops[0];
+        b.moved[0].rotation = {};
+        b.solved[0].velocity = {{}, {S(0), S(0.5), S(0)}};
+        std::vector<physics::twist<S, 3>> changed;
+        for (int i = 0; i < 2400; ++i) b.advance_in_lanes(0, 1, S(1.0 / 256), changed);
+        // Roundings of turns and products.
+        CAPTURE(large);
+        CHECK(std::abs(cell::number(b.solved[0].velocity.angular.y) / 0.5 - 1) <= 2400 * 4 * epsilon);
+    }
+}
 CELL_CASE("integrator: in lanes poses advance as one by one, and nobody's bits depend on who shares the lanes") {
     using integrator = physics::semi_implicit_euler::in<cell::space>;
     const S h = S(1.0 / 256);

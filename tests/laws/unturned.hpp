@@ -307,7 +307,7 @@ CELL_CASE("without rotation: what would turn a body is refused, and nothing is h
     add_ground(w);
     const body_id crate = add(w, at(0, 0.5), vec::filled(S(0.5)));
     const body_id door = w.create_body({.type = body_type::kinematic_body, .position = at(9, 9)});
-    const std::uint64_t before = w.state_hash();
+    std::uint64_t before = w.state_hash();
     const auto said = [&](auto&& f) {
         std::string what;
         try {
@@ -328,6 +328,15 @@ CELL_CASE("without rotation: what would turn a body is refused, and nothing is h
           "physics: create_body: angular_damping is 0.5; the recipe leaves it out");
     CHECK(said([&] { w.set_damping(crate, S(0), S(0.5)); }) ==
           "physics: set_damping: angular_rate is 0.5; the recipe leaves it out");
+    for (const double angle : {0.3, 1.1}) {
+        // The rotation that a body was made with is no other one, though it has been normalised.
+        const body_id made = w.create_body({.type = body_type::kinematic_body, .rotation = tilted(angle)});
+        w.move_to(made, at(1, 1), tilted(angle));
+        w.step(step);
+        CHECK(w.position(made) == at(1, 1));
+        w.destroy_body(made);
+    }
+    before = w.state_hash();
     CHECK(said([&] { w.move_to(door, at(9, 8), tilted(0.5)); }) ==
           "physics: move_to: orientation is another one; the recipe leaves rotation out");
     plain::mass_properties mass = w.mass(crate);

@@ -57,10 +57,20 @@ CELL_CASE("limits: masses that the scalar cannot hold are refused, wherever they
                 for (const std::string entry : {"xy", "xz", "yz"}) entry_of(m.inertia, entry) = S(off);
             });
         };
-        if (cell::is_fixed)
+        if (cell::is_fixed) {
             CHECK(refusal([&] {
                       w.set_mass(s.box, turn_about_diagonal(5e-8));
                   }).find("principal moment of inertia") != std::string::npos);
+            // Nor is any entry of this one out of range, but the greatest moment is.
+            CHECK(refusal([&] {
+                      w.set_mass(s.box, with([](auto& m) {
+                                     m.inertia = {};
+                                     for (const std::string entry : {"xx", "yy", "zz"})
+                                         entry_of(m.inertia, entry) = S(1.8e9);
+                                     entry_of(m.inertia, "xy") = S(0.9e9);
+                                 }));
+                  }).find("principal moment of inertia") != std::string::npos);
+        }
         w.set_mass(s.box, turn_about_diagonal(1e-3));
     }
 

@@ -142,18 +142,14 @@ private:
     T value_{};
 };
 
-}  // namespace detail
-
-namespace detail {
-
 /// A T that lasts for a step: copies of it begin empty, and assigning leaves it as it is.
 template <class T>
-struct passing : T {
-    passing() = default;
-    passing(const passing&) : T() {}
-    passing(passing&&) noexcept = default;
-    passing& operator=(const passing&) { return *this; }
-    passing& operator=(passing&&) noexcept = default;
+struct of_a_step : T {
+    of_a_step() = default;
+    of_a_step(const of_a_step&) : T() {}
+    of_a_step(of_a_step&&) noexcept = default;
+    of_a_step& operator=(const of_a_step&) { return *this; }
+    of_a_step& operator=(of_a_step&&) noexcept = default;
 };
 
 }  // namespace detail

@@ -52,8 +52,8 @@ struct lane_storage<S, 1> {
 /// W scalars, a power of two, that go through the same arithmetic: lane i of a result is what the scalar operation
 /// gives for lane i of the operands, bit for bit, at any width and any Bytes (only the sign and the payload of a NaN
 /// are left open). In memory it is an array of W scalars; trivially copyable where S is, but for those wider than the
-/// unit. Operands are references since
-/// by value unoptimised builds copy them (1.5 to 4 times slower) and gcc warns of vectors wider than the unit's.
+/// unit. Operands are references since by value unoptimised builds copy them (1.5 to 4 times slower) and gcc warns
+/// of vectors wider than the unit's.
 ///
 /// Internal machinery of kernels: use it only between PHYSICS_HPP_BEGIN and PHYSICS_HPP_END (see
 /// PHYSICS_HPP_ALWAYS_INLINE). A kernel for wider registers than the unit's is a noinline function with, say,

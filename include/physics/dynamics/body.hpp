@@ -20,7 +20,8 @@ enum class body_type : std::uint8_t {
 template <class S, int D>
 struct linear_twist {
     vec<S, D> linear;
-    [[no_unique_address]] detail::left_out<physics::angular<S, D>, feature::rotation, 0> angular{};
+    /// Of no object, since lanes read twists as rows of scalars.
+    static constexpr detail::left_out<physics::angular<S, D>, feature::rotation, 0> angular{};
 
     friend bool operator==(const linear_twist&, const linear_twist&) = default;
 };
@@ -103,7 +104,7 @@ template <class S, int D, bool Turns = true>
 struct moving_body {
     /// As the step begins; how far the body has come since is added up apart, where far from the origin less is lost.
     vec<S, D> center;
-    /// In the plane as the step begins, in space as it is.
+    /// In the plane, and where poses advance in lanes, as the step begins; else in space as it is.
     physics::rotation<S, D> rotation;
     /// By gravity, forces and torques (m/s^2, rad/s^2), in world axes.
     vec<S, D> acceleration;

@@ -36,7 +36,8 @@ PHYSICS_HPP_ALWAYS_INLINE rotation_lanes<P> lane_combine(const rotation_lanes<P>
             sum(product(a.w, b.w), -product(a.x, b.x), -product(a.y, b.y), -product(a.z, b.z))};
 }
 
-/// How W bodies are turned, and what their spin follows from (see free_spin): 0 where it does not change by itself.
+/// How W bodies are turned, and what their spin follows from (see free_spin): moments of 0 are those of bodies whose
+/// spin does not change by itself.
 template <class S, int W>
 struct spin_lanes {
     using I = inverse_of<S>;
@@ -154,10 +155,12 @@ private:
                                  of_tops(mul<S>(first, momentum.y), w.y) * whole,
                                  of_tops(mul<S>(first, momentum.z), w.z) * whole};
         axes = turned(start, angle, far);
-        // Momentum as it was, not as the turns have rounded it.
+        // Momentum as it was, not as the turns have rounded it; and quotients, which undo the products: a factor that
+        // is an ulp off would act in every substep.
         const lanes3<P> kept = lane_rotated(axes.inverse(), momentum);
-        const lanes3<P> spinning = {mul<S>(first, kept.x), mul<S>(first + second, kept.y),
-                                    mul<S>(first + third, kept.z)};
+        const P one = P::broadcast(S(1));
+        const lanes3<P> spinning = {kept.x / of_tops(moments.x, one), kept.y / of_tops(moments.y, one),
+                                    kept.z / of_tops(moments.z, one)};
         const lanes3<P> after = lane_rotated(axes, spinning);
         w = {of_tops(after.x, w.x), of_tops(after.y, w.y), of_tops(after.z, w.z)};
     }

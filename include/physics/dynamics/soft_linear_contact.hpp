@@ -33,6 +33,7 @@ struct linear_lanes {
     using S = typename P::scalar;
     using body = solver_body<S, D, false>;
     static constexpr int stride = sizeof(body) / sizeof(S);
+    static_assert(sizeof(linear_twist<S, D>) == D * sizeof(S));
 
     vector_lanes<P, D> velocity, way;
 

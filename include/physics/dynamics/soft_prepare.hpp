@@ -163,6 +163,9 @@ private:
     static_assert(offsetof(contact, arm_a) == offsetof(contact, normal) + D * sizeof(S) &&
                   offsetof(contact, arm_b) == offsetof(contact, arm_a) + D * sizeof(S) &&
                   sizeof(contact) >= offsetof(contact, normal) + (D == 2 ? 8 : 12) * sizeof(S));
+    using point = contact_point<S, D, Features>;
+    static_assert(offsetof(point, separation) == offsetof(point, position) + D * sizeof(S) &&
+                  sizeof(point) >= offsetof(point, position) + 4 * sizeof(S));
 
     static inline const contact none{};
     const contact* at_[W];

@@ -189,8 +189,11 @@ bool check_inertia(const char* function, const symmetric<double>& i) {
             return false;
     if (!(inverted.xx > 0) || !(inverted_inertia(converted<S>(i)).xx > inverse_of<S>(0)))
         return refuse(function, "inertia.xx", i.xx, "the tensor that it begins must be positive definite");
-    // About an axis between those of the frame a body may turn more easily than about any of them.
-    if (representable<inverse_of<S>>(inverted.xx + inverted.yy + inverted.zz)) return true;
+    // About an axis between those of the frame a body may turn more easily than about any of them, or less.
+    const double most = i.xx + i.yy + i.zz, least = 1 / (inverted.xx + inverted.yy + inverted.zz);
+    if (representable<S>(most) && representable<S>(least) && representable<inverse_of<S>>(1 / least) &&
+        representable<inverse_of<S>>(1 / most))
+        return true;
     const principal_axes principal = principal_axes_of(i);
     for (const double moment : principal.moments)
         if (!check_mass_value<S>(function, "principal moment of inertia", moment, 1 / moment)) return false;

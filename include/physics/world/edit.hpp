@@ -138,7 +138,9 @@ template <class Plan>
 void move_to(state<Plan>& s, std::uint32_t index, vec<typename Plan::scalar, Plan::dimension> position,
              const rotation<typename Plan::scalar, Plan::dimension>& orientation) {
     auto& b = s.bodies[index];
-    if (!Plan::turns && !(orientation == b.rotation)) {
+    // What the body was made with, or what it says that it has.
+    const bool turns_it = !(orientation == b.rotation) && !(normalized(orientation) == b.rotation);
+    if (!Plan::turns && turns_it) {
         refuse("move_to", "orientation", "another one", "the recipe leaves rotation out");
         return;
     }

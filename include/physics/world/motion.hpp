@@ -91,7 +91,7 @@ public:
         if (free_count_ > 0) thrust(S(0));
     }
     void advance_poses(S h) { advance_poses(h, nullptr); }
-    /// The same; what spins change by as bodies turn, they change in `begun` too.
+    /// The same; what velocities change by as bodies turn, they change in `begun` too.
     void advance_poses(S h, twist_of<S, D, turns>* begun) {
         if constexpr (in_lanes) {
             lanes_->advance(h, begun);
@@ -102,7 +102,7 @@ public:
             const auto before = v;
             integrator::advance_pose(moving_[k], v, bodies_[k].way, h);
             if constexpr (D == 3 && turns)
-                if (begun != nullptr && moving_[k].top) begun[k].angular += v.angular - before.angular;
+                if (begun != nullptr && !(v == before)) begun[k] = begun[k] + (v - before);
         }
     }
 

@@ -258,12 +258,12 @@ struct state {
     }
 
     // Scratch of the step: nothing in it outlives one.
-    passing<buffer<typename Plan::contact>> found;
+    of_a_step<buffer<typename Plan::contact>> found;
     [[no_unique_address]] mixture<S, typename Plan::features> found_surfaces;
-    passing<pair_memories<Plan>> found_memories;
-    passing<buffer<proxy_pair>> woken_pairs;
-    passing<buffer<typename Plan::contact>> woken_contacts;
-    passing<pair_memories<Plan>> woken_memories;
+    of_a_step<pair_memories<Plan>> found_memories;
+    of_a_step<buffer<proxy_pair>> woken_pairs;
+    of_a_step<buffer<typename Plan::contact>> woken_contacts;
+    of_a_step<pair_memories<Plan>> woken_memories;
     arena scratch;
     per_worker<arena> batch_scratch;
     /// What each worker has found.

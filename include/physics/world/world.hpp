@@ -167,6 +167,7 @@ public:
 
     /// A force (N) on a dynamic body during the next step, at its centre of mass or at a point; "local"
     /// takes force and point in the body's frame. Forces add up; refused where the sum would leave the scalar's range.
+    /// In recipes without rotation the point does not matter.
     void apply_force(body_id id, vec force) { push(id, "apply_force", force, false, nullptr); }
     void apply_force_at(body_id id, vec force, vec point) { push(id, "apply_force_at", force, false, &point); }
     void apply_local_force(body_id id, vec force) { push(id, "apply_local_force", force, true, nullptr); }
