@@ -23925,7 +23925,7 @@ struct soft_linear_friction {
     }
 };
 
-/// The first tangent where it cannot be told from the normal in no time.
+/// The first tangent in space, where it takes a root to find; in the plane it follows from the normal.
 template <class S, int W>
 struct kept_tangent {
     S kept[3][W];
@@ -24288,7 +24288,8 @@ struct soft_step_with {
         using bodies_type = solver_bodies<S, D, turns>;
 
         /// Advances velocities and poses by h: `motion` offers advance_velocities(h) and advance_poses(h), which adds
-        /// to their ways. With several hands, contacts of a colour are shared out.
+        /// to their ways; where it takes the velocities with which the substep began as well (see substep_start), it
+        /// saves rounds over the bodies. With several hands, contacts of a colour are shared out.
         template <class Motion>
         static void solve(bodies_type all, contact_list<S, D, Features> contacts, const settings& with, S h,
                           arena& scratch, Motion&& motion, detail::crew& hands) {
@@ -26761,14 +26762,13 @@ template <class Plan>
 void move_to(state<Plan>& s, std::uint32_t index, vec<typename Plan::scalar, Plan::dimension> position,
              const rotation<typename Plan::scalar, Plan::dimension>& orientation) {
     auto& b = s.bodies[index];
-    // What the body was made with, or what it says that it has.
-    const bool turns_it = !(orientation == b.rotation) && !(normalized(orientation) == b.rotation);
-    if (!Plan::turns && turns_it) {
+    const auto turn = normalized(orientation);
+    // Neither what the body was made with, nor what it says that it has.
+    if (!Plan::turns && !(orientation == b.rotation) && !(turn == b.rotation)) {
         refuse("move_to", "orientation", "another one", "the recipe leaves rotation out");
         return;
     }
-    const transform<typename Plan::scalar, Plan::dimension> pose{
-        position, Plan::turns ? normalized(orientation) : b.rotation};
+    const transform<typename Plan::scalar, Plan::dimension> pose{position, Plan::turns ? turn : b.rotation};
     b.target = pose;
     b.has_target = true;
     if (!(pose == b.pose())) rouse_near(s, index, pose);

@@ -5,16 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "cell.hpp"
+#include "world_cell.hpp"
 
 namespace {
 namespace unturned_laws {
 
-using S = cell::scalar;
 constexpr int D = cell::dimension;
-using physics::body_id;
-using physics::body_type;
-using vec = physics::vec<S, D>;
 using rotation = physics::rotation<S, D>;
 
 /// Half the shapes, for the compiler's sake.
@@ -30,18 +26,6 @@ using plain = straight<>;
 const S step = S(1.0 / 64);
 const double g = 10;
 
-inline double number(S x) { return cell::number(x); }
-inline vec along(int axis, double size) {
-    vec v;
-    v[axis] = S(size);
-    return v;
-}
-inline vec at(double x, double y) { return along(0, x) + along(1, y); }
-template <class Rotation = rotation>
-Rotation tilted(double angle) {
-    if constexpr (cell::is_2d) return Rotation::from_angle(S(angle));
-    else return Rotation::from_axis_angle({S(0), S(0), S(1)}, S(angle));
-}
 template <class Angular = physics::angular<S, D>>
 Angular spin(double size) {
     if constexpr (cell::is_2d) return S(size);
@@ -53,11 +37,6 @@ Motion running(double speed) {
     if constexpr (cell::is_2d) return S(speed);
     else return along(0, speed);
 }
-inline vec random_vec(cell::dice& dice, double most) {
-    vec v;
-    for (int i = 0; i < D; ++i) v[i] = S(dice.number(-most, most));
-    return v;
-}
 
 template <class World>
 World under_gravity(double down = g) {
@@ -67,7 +46,7 @@ World under_gravity(double down = g) {
 }
 template <class World>
 body_id add(World& w, vec position, vec half, double angle = 0, const typename World::shape_def& def = {}) {
-    const body_id b = w.create_body({.position = position, .rotation = tilted(angle), .rotation_locked = true});
+    const body_id b = w.create_body({.position = position, .rotation = turned_about_z(angle), .rotation_locked = true});
     w.create_shape(b, typename World::box{half}, def);
     return b;
 }
@@ -95,7 +74,7 @@ struct pile {
         add_ground(w, def);
         if (with_boxes) {
             const body_id ramp =
-                w.create_body({.type = body_type::static_body, .position = at(3, 1), .rotation = tilted(0.5)});
+                w.create_body({.type = body_type::static_body, .position = at(3, 1), .rotation = turned_about_z(0.5)});
             w.create_shape(ramp, typename World::box{vec::filled(S(1.5))}, def);
         }
         pusher = w.create_body({.type = body_type::kinematic_body, .position = at(-6, 0.5)});
@@ -104,8 +83,8 @@ struct pile {
         for (int i = 0; i < 24; ++i) {
             const vec where = at(0.8 * (i % 4) + dice.number(-0.2, 0.2), 1 + 1.2 * (i / 4));
             const body_id b = w.create_body({.position = where,
-                                             .rotation = tilted(turned * dice.number(-1, 1)),
-                                             .linear_velocity = random_vec(dice, 1),
+                                             .rotation = turned_about_z(turned * dice.number(-1, 1)),
+                                             .linear_velocity = dice.vec<vec>(-1, 1),
                                              .linear_damping = S(i % 3 ? 0 : 0.125),
                                              .rotation_locked = true});
             if (with_boxes && i % 3)
@@ -208,7 +187,7 @@ CELL_CASE("without rotation: nothing turns, whatever hits it") {
         CHECK(p.w.rotation_locked(p.bodies[k]));
     }
     // But a pose can be set.
-    p.w.set_pose(p.bodies[0], at(0, 20), tilted(1));
+    p.w.set_pose(p.bodies[0], at(0, 20), turned_about_z(1));
     CHECK(!(p.w.orientation(p.bodies[0]) == before[0]));
     const rotation now = p.w.orientation(p.bodies[0]);
     run(p.w, 32);
@@ -220,7 +199,7 @@ CELL_CASE("without rotation: a slope holds what friction can, and the rest slide
     for (const double mu : {0.0, 0.2, 0.5}) {
         plain w = under_gravity<plain>();
         const plain::shape_def def{.material = {.friction = S(mu)}};
-        const body_id slope = w.create_body({.type = body_type::static_body, .rotation = tilted(angle)});
+        const body_id slope = w.create_body({.type = body_type::static_body, .rotation = turned_about_z(angle)});
         w.create_shape(slope, plain::box{vec::filled(S(50))}, def);
         const vec up = at(-s, c), down = at(-c, -s);
         const body_id crate = add(w, up * S(50.5), vec::filled(S(0.5)), angle, def);
@@ -330,14 +309,14 @@ CELL_CASE("without rotation: what would turn a body is refused, and nothing is h
           "physics: set_damping: angular_rate is 0.5; the recipe leaves it out");
     for (const double angle : {0.3, 1.1}) {
         // The rotation that a body was made with is no other one, though it has been normalised.
-        const body_id made = w.create_body({.type = body_type::kinematic_body, .rotation = tilted(angle)});
-        w.move_to(made, at(1, 1), tilted(angle));
+        const body_id made = w.create_body({.type = body_type::kinematic_body, .rotation = turned_about_z(angle)});
+        w.move_to(made, at(1, 1), turned_about_z(angle));
         w.step(step);
         CHECK(w.position(made) == at(1, 1));
         w.destroy_body(made);
     }
     before = w.state_hash();
-    CHECK(said([&] { w.move_to(door, at(9, 8), tilted(0.5)); }) ==
+    CHECK(said([&] { w.move_to(door, at(9, 8), turned_about_z(0.5)); }) ==
           "physics: move_to: orientation is another one; the recipe leaves rotation out");
     plain::mass_properties mass = w.mass(crate);
     CHECK(mass.inertia == decltype(mass.inertia){});

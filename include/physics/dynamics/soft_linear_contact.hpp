@@ -106,7 +106,7 @@ struct soft_linear_friction {
     }
 };
 
-/// The first tangent where it cannot be told from the normal in no time.
+/// The first tangent in space, where it takes a root to find; in the plane it follows from the normal.
 template <class S, int W>
 struct kept_tangent {
     S kept[3][W];

@@ -66,7 +66,8 @@ struct soft_step_with {
         using bodies_type = solver_bodies<S, D, turns>;
 
         /// Advances velocities and poses by h: `motion` offers advance_velocities(h) and advance_poses(h), which adds
-        /// to their ways. With several hands, contacts of a colour are shared out.
+        /// to their ways; where it takes the velocities with which the substep began as well (see substep_start), it
+        /// saves rounds over the bodies. With several hands, contacts of a colour are shared out.
         template <class Motion>
         static void solve(bodies_type all, contact_list<S, D, Features> contacts, const settings& with, S h,
                           arena& scratch, Motion&& motion, detail::crew& hands) {

@@ -138,14 +138,13 @@ template <class Plan>
 void move_to(state<Plan>& s, std::uint32_t index, vec<typename Plan::scalar, Plan::dimension> position,
              const rotation<typename Plan::scalar, Plan::dimension>& orientation) {
     auto& b = s.bodies[index];
-    // What the body was made with, or what it says that it has.
-    const bool turns_it = !(orientation == b.rotation) && !(normalized(orientation) == b.rotation);
-    if (!Plan::turns && turns_it) {
+    const auto turn = normalized(orientation);
+    // Neither what the body was made with, nor what it says that it has.
+    if (!Plan::turns && !(orientation == b.rotation) && !(turn == b.rotation)) {
         refuse("move_to", "orientation", "another one", "the recipe leaves rotation out");
         return;
     }
-    const transform<typename Plan::scalar, Plan::dimension> pose{
-        position, Plan::turns ? normalized(orientation) : b.rotation};
+    const transform<typename Plan::scalar, Plan::dimension> pose{position, Plan::turns ? turn : b.rotation};
     b.target = pose;
     b.has_target = true;
     if (!(pose == b.pose())) rouse_near(s, index, pose);
