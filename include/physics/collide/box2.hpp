@@ -98,7 +98,9 @@ PHYSICS_HPP_ALWAYS_INLINE box_contact_lanes2<P> touch_boxes(const box_lanes2<P>&
     out.normal_y = normal_y;
     out.apart = apart;
     out.missed = select_greater(apart, margin, zero, max(v0 - v1, min(gap0, gap1) - (apart + twice)));
-    out.edges = (back + back + backward + quarter) * value(4) + from_b + axis;
+    // A's edge and the quarters by which B is turned name both edges, whichever of them is the reference.
+    const P edge_of_a = of_reference(axis, lane_abs(odd)), along_edge = select_greater(edge_of_a, zero, normal_y, normal_x);
+    out.edges = (back + back + select_greater(zero, along_edge, two, zero) + quarter) * value(4) + from_b + edge_of_a;
 
     // Of ends beyond the margin nothing is left, and the second takes the place of the first.
     const P far0 = max(gap0, apart), far1 = max(gap1, apart);
@@ -110,7 +112,9 @@ PHYSICS_HPP_ALWAYS_INLINE box_contact_lanes2<P> touch_boxes(const box_lanes2<P>&
     keep(x0, x1, out.x);
     keep(y0, y1, out.y);
     keep(gap0, gap1, out.gap);
-    keep(out.edges, out.edges + value(32), out.feature);
+    // Of the two ends the one that B's edge calls first is A's second.
+    const P name = out.edges - from_b;
+    keep(name + from_b * value(16), name + direction * value(16) + value(16), out.feature);
     out.count = select_greater(far0, margin, zero, one) + select_greater(far1, margin, zero, one);
     return out;
 }
