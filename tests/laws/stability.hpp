@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -50,6 +51,29 @@ CELL_CASE("K2: a pyramid on a base of 20 crates stands, and sleeps") {
     CHECK(f.sunk <= 0.03);
     CHECK(f.fastest <= 0.5);
     CHECK(f.asleep_after > 0);
+}
+
+CELL_CASE("K2: a large pyramid comes to rest, keeps the points that bear it, and sleeps soon") {
+    const int rows = cell::is_2d && !cell::is_fixed ? 40 : 20;
+    for (const bool sleeps : {false, true}) {
+        CAPTURE(sleeps);
+        world::settings_type settings = pulled();
+        settings.sleeping.enabled = sleeps;
+        world w(settings);
+        lay_pyramid(w, rows);
+        for (int i = 0; i < 240; ++i) w.step(S(1.0 / 60));
+        if (sleeps) {
+            CHECK(w.awake_count() == 0);
+            continue;
+        }
+        double energy = 0;
+        for (const body_id id : w.bodies()) energy += std::pow(length_of(w.linear_velocity(id)), 2) / 2;
+        CHECK(energy <= 1e-3);
+        int fresh = 0;
+        for (const auto& c : w.contacts())
+            for (int k = 0; k < c.count; ++k) fresh += !c.points[k].persisted && c.points[k].normal_impulse > S(0);
+        CHECK(fresh == 0);
+    }
 }
 
 CELL_CASE("K5: a house of cards of five floors stands, and sleeps") {

@@ -92,13 +92,11 @@ PHYSICS_HPP_ALWAYS_INLINE P bounce_impulse(Point& point, const P& bounce, const 
     total.store(point.total);
     return total - before;
 }
-/// After a round that does not push: the loads of the points.
+/// Ends a substep: adds the loads of the points to the step's impulses.
 template <class P, class Point>
-PHYSICS_HPP_ALWAYS_INLINE void take_loads(Point* points, int count, P* loads) {
-    for (int k = 0; k < count; ++k) {
-        loads[k] = P::load(points[k].impulse);
-        (P::load(points[k].total) + loads[k]).store(points[k].total);
-    }
+PHYSICS_HPP_ALWAYS_INLINE void add_totals(Point* points, int count) {
+    for (int k = 0; k < count; ++k)
+        (P::load(points[k].total) + P::load(points[k].impulse)).store(points[k].total);
 }
 
 }  // namespace detail

@@ -64,7 +64,7 @@ struct soft_contact2 {
         }
         if constexpr (Features::friction) {
             friction.coefficient.put(lane, with.surfaces.friction_of(c));
-            friction.impulse[lane] = friction_of(c) * with.share;
+            friction.impulse[lane] = c.friction_load;
         }
         extras.put(lane, c, first, second, with, scratch);
     }
@@ -120,6 +120,7 @@ struct soft_contact2 {
             if constexpr (Features::friction)
                 to.friction_impulse = load > S(0) ? friction.total[lane] * (to.normal_impulse / load) : S(0);
         }
+        if constexpr (Features::friction) c.friction_load = friction.impulse[lane];
         extras.take(lane, c);
     }
 
@@ -142,8 +143,7 @@ struct soft_contact2 {
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
-    /// One round over the contacts: the points at once, or across and back, then friction by their load. While
-    /// overlaps are pushed apart friction rests: it would act against what the springs do, and piles would sway.
+    /// One round over the contacts: the points at once, or across and back, then friction by their load.
     PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const soft_round<S, 2>& how) {
         const frame_lanes f(*this);
         body_lanes2<P> at_a, at_b;
@@ -166,10 +166,9 @@ struct soft_contact2 {
                 return next_impulse(points[k], v, way_at(k), how, left);
             });
         push(f, sum.load, zero, sum.moment, at_a, at_b);
+        if constexpr (Features::friction) rub(f, how, at_a, at_b);
         if (!how.pushes) {
-            P loads[capacity];
-            take_loads(points, point_count, loads);
-            if constexpr (Features::friction) rub(f, loads, at_a, at_b);
+            add_totals<P>(points, point_count);
             const P blow = P::broadcast(how.impact_speed);
             if (greater(-speed.along, blow).bits() != 0) forget_blows(bodies, how, speed.along);
             load_of<P>(points, point_count).store(held);
@@ -289,7 +288,7 @@ private:
         }
     }
     /// Stops the slip at the middle, or lets it slide.
-    PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, const P* loads, body_lanes2<P>& at_a,
+    PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, const soft_round<S, 2>& how, body_lanes2<P>& at_a,
                                        body_lanes2<P>& at_b) {
         const auto& [v_a, w_a] = at_a.velocity;
         const auto& [v_b, w_b] = at_b.velocity;
@@ -297,7 +296,7 @@ private:
             lane_difference(f.y, v_b.x - v_a.x, f.x, v_b.y - v_a.y) + lane_difference(f.slide_b, w_b, f.slide_a, w_a);
         if constexpr (Features::surface_velocity)
             if (extras.at != nullptr) slip = slip - P::load(extras.at->along);
-        const P change = friction.next(slip, sum_of(loads, point_count));
+        const P change = friction.next(slip, load_of<P>(points, point_count), how.pushes);
         push(f, P::broadcast(S(0)), change, P::broadcast(S(0)), at_a, at_b);
     }
     /// Impulses along the normal and the tangent at the middle, and an angular one, from A on B.

@@ -138,7 +138,10 @@ struct soft_contact3 {
             if constexpr (Features::friction)
                 to.friction_impulse = friction.of_point(lane, k, load > S(0) ? to.normal_impulse / load : S(0));
         }
-        if constexpr (Features::friction) c.twist_impulse = friction.about_normal(lane);
+        if constexpr (Features::friction) {
+            c.twist_impulse = friction.about_normal(lane);
+            friction.take_loads(lane, c);
+        }
         extras.take(lane, c);
     }
 
@@ -171,8 +174,7 @@ struct soft_contact3 {
         if (moves_b) at_b.store(bodies, b);
     }
 
-    /// One round over the contacts: the points at once, or across and back, then friction by their load. While
-    /// overlaps are pushed apart friction rests: it would act against what the springs do, and piles would sway.
+    /// One round over the contacts: the points at once, or across and back, then friction by their load.
     PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const soft_round<S, 3>& how) {
         frame_lanes f(*this);
         body_lanes3<P> at_a, at_b;
@@ -195,10 +197,9 @@ struct soft_contact3 {
                 return next_impulse(points[k], v, way_at(k), how, left);
             });
         push(f, sum, at_a, at_b);
+        if constexpr (Features::friction) rub(f, how, at_a, at_b);
         if (!how.pushes) {
-            P loads[capacity];
-            take_loads(points, point_count, loads);
-            if constexpr (Features::friction) rub(f, loads, at_a, at_b);
+            add_totals<P>(points, point_count);
             const P blow = P::broadcast(how.impact_speed);
             if (greater(-speed.along, blow).bits() != 0) forget_blows(bodies, how, speed.along);
             load_of<P>(points, point_count).store(held);
@@ -339,8 +340,10 @@ private:
         }
     }
     /// Stops the slip, or lets it slide on the cone.
-    PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, const P* loads, body_lanes3<P>& at_a,
+    PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, const soft_round<S, 3>& how, body_lanes3<P>& at_a,
                                        body_lanes3<P>& at_b) {
+        P loads[capacity];
+        for (int k = 0; k < point_count; ++k) loads[k] = P::load(points[k].impulse);
         const lanes3<P> slipping = at_middle(f, at_a.velocity, at_b.velocity);
         slide_lanes<P> slip = {lane_dot(f.t, slipping), lane_dot(f.u, slipping),
                                lane_dot(f.n, lane_subtract(at_b.velocity.angular, at_a.velocity.angular))};
@@ -350,7 +353,7 @@ private:
                 slip.y = slip.y - P::load(extras.at->belt::y);
             }
         }
-        const slide_lanes<P> by = friction.next(slip, points, loads, point_count);
+        const slide_lanes<P> by = friction.next(slip, points, loads, point_count, how.pushes);
         push(f, lane_combine(f.t, by.x, f.u, by.y), {f.n.x * by.twist, f.n.y * by.twist, f.n.z * by.twist}, at_a, at_b);
     }
     PHYSICS_HPP_ALWAYS_INLINE void push(const frame_lanes& f, const push_sum& sum, body_lanes3<P>& at_a,

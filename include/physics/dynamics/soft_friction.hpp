@@ -25,6 +25,13 @@ S take_from(S& impulse, S share) {
 /// Without friction.
 struct no_soft_friction {};
 
+/// What friction answers of a slip: all of it before poses advance, so that nothing creeps, and a part of it after.
+/// Where it answers fully in both rounds, wide piles sway sideways for long.
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE P friction_part(const P& slip, bool use_bias) {
+    return use_bias ? slip : slip * P::broadcast(typename P::scalar(0.7));
+}
+
 /// In the plane: an impulse along the tangent at the middle.
 template <class S, int W, class Features>
 struct soft_friction2 {
@@ -38,11 +45,12 @@ struct soft_friction2 {
     /// More than 0 where it holds anything.
     PHYSICS_HPP_ALWAYS_INLINE P held(int) const { return lane_abs(P::load(impulse)); }
     /// The change of the impulse where the surfaces slip by v at the middle, under a load.
-    PHYSICS_HPP_ALWAYS_INLINE P next(const P& v, const P& load) {
+    PHYSICS_HPP_ALWAYS_INLINE P next(const P& v, const P& load, bool use_bias) {
         const P before = P::load(impulse), most = coefficient.all() * load;
-        const P after = max(min(before - P::load(stop) * v, most), -most);
+        const P stopping = P::load(stop) * friction_part(v, use_bias);
+        const P after = max(min(before - stopping, most), -most);
         after.store(impulse);
-        (P::load(total) + after).store(total);
+        if (!use_bias) (P::load(total) + after).store(total);
         return after - before;
     }
 };
@@ -53,14 +61,6 @@ struct slide_lanes {
     P x, y, twist;
 };
 
-/// Last step's friction of the points that are still there and still bear a load.
-template <class S, int D, class Features>
-tangential<S, D> friction_of(const contact<S, D, Features>& c) {
-    tangential<S, D> sum{};
-    for (int k = 0; k < c.count; ++k)
-        if (c.persisted(k) && c.points[k].load > S(0)) sum += c.points[k].friction_impulse;
-    return sum;
-}
 /// The loads of a contact's points together.
 template <class P>
 PHYSICS_HPP_ALWAYS_INLINE P sum_of(const P* loads, int count) {
@@ -96,10 +96,9 @@ struct soft_patch_friction3 {
 
     void put(int lane, const contact<S, 3, Features>& c, const soft_start<S, Features>& with) {
         coefficient.put(lane, with.surfaces.friction_of(c));
-        const vec<S, 2> before = friction_of(c);
-        x[lane] = before.x * with.share;
-        y[lane] = before.y * with.share;
-        twist[lane] = c.twist_impulse * with.share;
+        x[lane] = c.friction_load.x;
+        y[lane] = c.friction_load.y;
+        twist[lane] = c.twist_load;
     }
     /// Works out the rest in lanes.
     template <class K, class Point>
@@ -114,6 +113,11 @@ struct soft_patch_friction3 {
     /// The impulse of point k, which bears that part of the load; and the one about the normal.
     vec<S, 2> of_point(int lane, int, S part) const { return {total_x[lane] * part, total_y[lane] * part}; }
     S about_normal(int lane) const { return total_twist[lane]; }
+    /// Hands over what the next step begins with.
+    void take_loads(int lane, contact<S, 3, Features>& c) const {
+        c.friction_load = {x[lane], y[lane]};
+        c.twist_load = twist[lane];
+    }
     /// More than 0 where it holds anything.
     PHYSICS_HPP_ALWAYS_INLINE P held(int) const {
         return max(lane_abs(P::load(x)), max(lane_abs(P::load(y)), lane_abs(P::load(twist))));
@@ -130,18 +134,23 @@ struct soft_patch_friction3 {
     }
     /// Their change where the surfaces slip under loads: first it stops the slip at the middle, then the twist.
     template <class Point>
-    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(const slide_lanes<P>& slip, const Point*, const P* loads, int count) {
+    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(const slide_lanes<P>& slip, const Point*, const P* loads, int count,
+                                                  bool use_bias) {
         const P load = sum_of(loads, count);
         const lanes2<P> before = {P::load(x), P::load(y)};
-        const lanes2<P> after = stop.next(before, {slip.x, slip.y}, coefficient.all() * load);
+        const lanes2<P> slipping = {friction_part(slip.x, use_bias), friction_part(slip.y, use_bias)};
+        const lanes2<P> after = stop.next(before, slipping, coefficient.all() * load);
         after.x.store(x);
         after.y.store(y);
         const P twisted = P::load(twist), most = P::load(twist_arm) * load;
-        const P turned = max(min(twisted - P::load(stop_twist) * slip.twist, most), -most);
+        const P stopping = P::load(stop_twist) * friction_part(slip.twist, use_bias);
+        const P turned = max(min(twisted - stopping, most), -most);
         turned.store(twist);
-        (P::load(total_x) + after.x).store(total_x);
-        (P::load(total_y) + after.y).store(total_y);
-        (P::load(total_twist) + turned).store(total_twist);
+        if (!use_bias) {
+            (P::load(total_x) + after.x).store(total_x);
+            (P::load(total_y) + after.y).store(total_y);
+            (P::load(total_twist) + turned).store(total_twist);
+        }
         return {after.x - before.x, after.y - before.y, turned - twisted};
     }
 };
@@ -190,6 +199,7 @@ struct soft_point_friction3 {
     }
     vec<S, 2> of_point(int lane, int k, S) const { return {each[k].total_x[lane], each[k].total_y[lane]}; }
     S about_normal(int) const { return S(0); }
+    void take_loads(int, contact<S, 3, Features>&) const {}
     PHYSICS_HPP_ALWAYS_INLINE P held(int count) const {
         P most = P::broadcast(S(0));
         for (int k = 0; k < count; ++k)
@@ -216,19 +226,22 @@ struct soft_point_friction3 {
     }
     template <class Point>
     PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(const slide_lanes<P>& start, const Point* points, const P* loads,
-                                                  int count) {
+                                                  int count, bool use_bias) {
         const P zero = P::broadcast(S(0)), mu = coefficient.all();
         slide_lanes<P> slip = start;
         slide_lanes<P> sum{zero, zero, zero};
         for (int k = 0; k < count; ++k) {
             const P px = P::load(points[k].x), py = P::load(points[k].y);
             const lanes2<P> before = {P::load(each[k].x), P::load(each[k].y)};
-            const lanes2<P> v = {slip.x - py * slip.twist, slip.y + px * slip.twist};
+            const lanes2<P> v = {friction_part(slip.x - py * slip.twist, use_bias),
+                                 friction_part(slip.y + px * slip.twist, use_bias)};
             const lanes2<P> after = each[k].stop.next(before, v, mu * loads[k]);
             after.x.store(each[k].x);
             after.y.store(each[k].y);
-            (P::load(each[k].total_x) + after.x).store(each[k].total_x);
-            (P::load(each[k].total_y) + after.y).store(each[k].total_y);
+            if (!use_bias) {
+                (P::load(each[k].total_x) + after.x).store(each[k].total_x);
+                (P::load(each[k].total_y) + after.y).store(each[k].total_y);
+            }
             slide_lanes<P> by{zero, zero, zero};
             add(by, points[k], after.x - before.x, after.y - before.y);
             sum = {sum.x + by.x, sum.y + by.y, sum.twist + by.twist};

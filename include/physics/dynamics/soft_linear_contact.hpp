@@ -67,15 +67,19 @@ struct soft_linear_friction {
     S impulse[D - 1][W], total[D - 1][W];
 
     void put(int lane, const contact<S, D, Features>& c, const soft_start<S, Features>& with) {
-        const tangential<S, D> before = friction_of(c);
         coefficient.put(lane, with.surfaces.friction_of(c));
-        if constexpr (D == 2) impulse[0][lane] = before * with.share;
-        else for (int i = 0; i < 2; ++i) impulse[i][lane] = before[i] * with.share;
+        if constexpr (D == 2) impulse[0][lane] = c.friction_load;
+        else for (int i = 0; i < 2; ++i) impulse[i][lane] = c.friction_load[i];
     }
     /// Hands a share of the step's impulses back.
     [[nodiscard]] tangential<S, D> part(int lane, S share) const {
         if constexpr (D == 2) return total[0][lane] * share;
         else return {total[0][lane] * share, total[1][lane] * share};
+    }
+    /// What the next step begins with.
+    [[nodiscard]] tangential<S, D> load(int lane) const {
+        if constexpr (D == 2) return impulse[0][lane];
+        else return {impulse[0][lane], impulse[1][lane]};
     }
     /// More than 0 where it holds anything.
     PHYSICS_HPP_ALWAYS_INLINE P held(int) const {
@@ -84,12 +88,12 @@ struct soft_linear_friction {
         return most;
     }
     /// Turns slips into the changes of the impulses that stop them, under a load, or let them slide.
-    PHYSICS_HPP_ALWAYS_INLINE void answer(P (&slip)[D - 1], const P& mass, const P& load) {
+    PHYSICS_HPP_ALWAYS_INLINE void answer(P (&slip)[D - 1], const P& mass, const P& load, bool use_bias) {
         const P most = coefficient.all() * load;
         P before[D - 1], after[D - 1];
         for (int i = 0; i < D - 1; ++i) {
             before[i] = P::load(impulse[i]);
-            after[i] = before[i] - mass * slip[i];
+            after[i] = before[i] - mass * friction_part(slip[i], use_bias);
         }
         if constexpr (D == 2) {
             after[0] = max(min(after[0], most), -most);
@@ -100,7 +104,7 @@ struct soft_linear_friction {
         }
         for (int i = 0; i < D - 1; ++i) {
             after[i].store(impulse[i]);
-            (P::load(total[i]) + after[i]).store(total[i]);
+            if (!use_bias) (P::load(total[i]) + after[i]).store(total[i]);
             slip[i] = after[i] - before[i];
         }
     }
@@ -191,6 +195,7 @@ struct soft_linear_contact {
             to.load = points[0].impulse[lane] * share;
             if constexpr (Features::friction) to.friction_impulse = friction.part(lane, share);
         }
+        if constexpr (Features::friction) c.friction_load = friction.load(lane);
     }
 
     /// Gives the bodies the impulses of the last substep at once.
@@ -210,7 +215,7 @@ struct soft_linear_contact {
         }
         store(bodies, at_a, at_b);
     }
-    /// One round over the contacts, then friction by their load; while overlaps are pushed apart it rests.
+    /// One round over the contacts, then friction by their load.
     PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const round& how) {
         linear_lanes<P, D> at_a, at_b;
         at_a.load(bodies, a);
@@ -225,10 +230,9 @@ struct soft_linear_contact {
             return;
         }
         push(next_impulse(points[0], speed, way, how, one), at_a, at_b);
+        if constexpr (Features::friction) rub(P::load(points[0].impulse), how.pushes, at_a, at_b);
         if (!how.pushes) {
-            P load;
-            take_loads(points, 1, &load);
-            if constexpr (Features::friction) rub(load, at_a, at_b);
+            add_totals<P>(points, 1);
             if (greater(-speed, P::broadcast(how.impact_speed)).bits() != 0) forget_blows(bodies, how, speed);
             P::load(points[0].impulse).store(held);
         }
@@ -267,7 +271,7 @@ private:
         return difference(at_b.velocity, at_a.velocity);
     }
     /// Stops the slip, or lets it slide.
-    PHYSICS_HPP_ALWAYS_INLINE void rub(const P& load, linear_lanes<P, D>& at_a, linear_lanes<P, D>& at_b) {
+    PHYSICS_HPP_ALWAYS_INLINE void rub(const P& load, bool use_bias, linear_lanes<P, D>& at_a, linear_lanes<P, D>& at_b) {
         const vector slip = slip_of(at_a, at_b);
         P by[D - 1];
         for (int i = 0; i < D - 1; ++i) by[i] = lane_dot(along(i), slip);
@@ -281,7 +285,7 @@ private:
                 }
             }
         }
-        friction.answer(by, P::load(points[0].mass), load);
+        friction.answer(by, P::load(points[0].mass), load, use_bias);
         push(P::broadcast(S(0)), by, at_a, at_b);
     }
     /// Takes back, where surfaces met with a blow, of what the next substep begins with all but what was held before.

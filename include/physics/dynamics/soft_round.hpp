@@ -89,6 +89,9 @@ struct soft_round {
     S impact_speed;
     /// Whether overlaps are pushed apart at all.
     bool pushes;
+    /// Whether loads that last are over-relaxed: in rounds without springs, but for the step's last one, which leaves
+    /// the velocities that users see.
+    bool over_relaxes;
     /// See substep_start.
     twist_of<S, D, Turns>* begun;
 };
