@@ -156,7 +156,7 @@ void check_prepared(std::uint64_t seed) {
         for (int lane = 0; lane < width; ++lane) {
             if (lane < used)
                 block.put(lane, p.contacts[static_cast<std::uint32_t>(lane)], p.bodies.data(),
-                          {S(1.0 / 64), S(0.25), S(0.5)}, gathered, scratch);
+                          {S(0.25)}, gathered, scratch);
             else block.a[lane] = block.b[lane] = 4;
         }
         block.prepare(p.bodies.data(), gathered);

@@ -227,6 +227,75 @@ CELL_CASE("soft step: bounces give back their share, and none gains") {
     }
 }
 
+/// How fast a ball leaves a wall that it met at speed v, in 16 phases of the step: the least and the most (1: as fast).
+struct rebounds {
+    double least = 10, most = 0;
+};
+inline rebounds rebounds_of(double h, int substeps, double v, double share, double margin) {
+    rebounds r;
+    for (int i = 0; i < 16; ++i) {
+        soft_world::settings_type settings;
+        settings.solver.substeps = substeps;
+        settings.gravity = {};
+        settings.contact_margin = S(margin);
+        soft_world w(settings);
+        const physics::material<S, D> bouncy{.friction = S(0), .restitution = S(share)};
+        soft_world::body_def wall, ball;
+        wall.type = physics::body_type::static_body;
+        wall.position.y = S(-1);
+        ball.position.y = S(0.1 + v * h * (1 + i / 16.0));
+        ball.linear_velocity.y = S(-v);
+        w.create_shape(w.create_body(wall), soft_world::box{vec::filled(S(1))}, {.material = bouncy});
+        const body_id b = w.create_body(ball);
+        w.create_shape(b, soft_world::ball{S(0.1)}, {.material = bouncy});
+        for (int k = 0; k < 8; ++k) w.step(S(h));
+        const double back = cell::number(w.linear_velocity(b).y) / v;
+        r.least = std::min(r.least, back);
+        r.most = std::max(r.most, back);
+    }
+    return r;
+}
+CELL_CASE("soft step: bounces give back their share in every phase of a step, of any length, however far it looks ahead") {
+    struct rate {
+        double h;
+        int substeps;
+        double speed, margin;
+    };
+    for (const rate& of : {rate{1.0 / 60, 4, 1, 0.02}, rate{1.0 / 240, 4, 4, 0.02}, rate{1.0 / 120, 1, 4, 0.02},
+                           rate{1.0 / 30, 16, 2, 0.02}, rate{1.0 / 4096, 4, 3, 0.02}, rate{1.0 / 60, 4, 3, 0.3}})
+        for (const double share : {0.5, 1.0}) {
+            CAPTURE(of.h);
+            CAPTURE(of.substeps);
+            const rebounds r = rebounds_of(of.h, of.substeps, of.speed, share, of.margin);
+            CHECK(r.least >= 0.99 * share);
+            CHECK(r.most <= share + 0.001);
+        }
+}
+CELL_CASE("soft step: a ball that loses nothing comes back to where it fell from, and no higher") {
+    for (const int rate : {60, 240, 1024}) {
+        CAPTURE(rate);
+        soft_world w = soft_slope(0, 0, 1);
+        soft_world::body_def def;
+        def.position.y = S(1.5);
+        const body_id b = w.create_body(def);
+        w.create_shape(b, soft_world::ball{S(0.5)}, {.material = {.friction = S(0), .restitution = S(1)}});
+        double top = 0, before = 0;
+        std::vector<double> tops;
+        for (int i = 0; i < 10 * rate; ++i) {
+            w.step(S(1.0 / rate));
+            const double v = cell::number(w.linear_velocity(b).y);
+            if (before < 0 && v > 0) tops.push_back(std::exchange(top, 0.0));
+            top = std::max(top, cell::number(w.position(b).y));
+            before = v;
+        }
+        CHECK(tops.size() >= 10);
+        for (std::size_t i = 1; i < tops.size(); ++i) {
+            CHECK(tops[i] >= 1.5 - 0.005);
+            CHECK(tops[i] <= 1.5 + 0.001);
+        }
+    }
+}
+
 CELL_CASE("soft step: what stops a blow is no lasting load: two boxes that fall as a stack hardly spring apart") {
     for (const double speed : {1.0, 3.0, 10.0}) {
         soft_world w = scenes::grounded<soft_world>();

@@ -20,10 +20,49 @@ struct soft_point {
     /// Of this substep, after its last round what the next one begins with; and of the whole step.
     S impulse[W], total[W];
 };
-/// The speeds with which the surfaces part at points after a bounce (m/s), 0 for none.
+/// What bounces. Speeds with which the surfaces part at points that meet in this substep (m/s), 0 for none.
 template <class S, int Points, int W>
 struct soft_bounces {
+    S restitution[W], closing[W];
     S speed[Points][W];
+
+    /// Notes the approaches of points that bear nothing yet and meet within the substep, in lanes; true if there are
+    /// any. Before contacts change velocities: what stops an approach is not to be what bounces.
+    template <class P, class Point, class Round, class WayAt, class SpeedAt>
+    PHYSICS_HPP_ALWAYS_INLINE bool note(const Point* points, int count, const Round& how, WayAt&& way_at,
+                                        SpeedAt&& speed_at) {
+        const P zero = P::broadcast(S(0)), slop = P::broadcast(how.bounce_slop), e = P::load(restitution);
+        P any = zero;
+        for (int k = 0; k < count; ++k) {
+            const P v = speed_at(k), gap = P::load(points[k].separation) + way_at(k);
+            const P arrives = min(-v - slop, -(v + gap * P::broadcast(how.inverse_step)));
+            const P meets = select_greater(P::load(points[k].impulse), zero, zero, min(arrives, e));
+            const P target = select_greater(P::load(points[k].mass), zero, select_greater(meets, zero, e * -v, zero), zero);
+            target.store(speed[k]);
+            any = max(any, target);
+        }
+        if (greater(any, zero).bits() == 0) return false;
+        for (int k = 0; k < count; ++k) {
+            const P v = speed_at(k), gap = P::load(points[k].separation) + way_at(k);
+            for (int lane = 0; lane < W; ++lane)
+                if (speed[k][lane] > S(0))
+                    speed[k][lane] = rebound_speed(restitution[lane], -v.lane(lane), gap.lane(lane), closing[lane],
+                                                   how.substep);
+        }
+        return true;
+    }
+    /// Forgets those that were stopped by others before they met.
+    template <class P, class Point>
+    PHYSICS_HPP_ALWAYS_INLINE void keep_pushed(const Point* points, int count) {
+        const P zero = P::broadcast(S(0));
+        for (int k = 0; k < count; ++k)
+            select_greater(P::load(points[k].impulse), zero, P::load(speed[k]), zero).store(speed[k]);
+    }
+    [[nodiscard]] bool has(int lane, int count) const {
+        for (int k = 0; k < count; ++k)
+            if (speed[k][lane] > S(0)) return true;
+        return false;
+    }
 };
 struct no_soft_bounces {};
 template <class S, int Points, int W, class Features>
@@ -77,20 +116,34 @@ PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& 
         kept = before - lane_part(before, left) *
                             select_greater(gap, zero, zero, P::broadcast(how.spring.impulse_scale));
     }
+    // Once poses have advanced, gaps that nothing has held close are left to the next substep: an approach that is
+    // slowed here would bounce with less.
+    if (!how.pushes) strength = select_greater(gap, zero, select_greater(before, zero, strength, zero), strength);
     const P wanted = select_greater(gap, zero, closing, bias);
     const P impulse = max(kept - strength * (speed + wanted), zero);
     impulse.store(point.impulse);
     return impulse - before;
 }
-/// The same for a bounce: only of points that have pushed, and no more is taken back than they have.
-template <class P, class Point>
-PHYSICS_HPP_ALWAYS_INLINE P bounce_impulse(Point& point, const P& bounce, const P& speed) {
-    using S = typename P::scalar;
-    const P zero = P::broadcast(S(0)), before = P::load(point.total);
-    const P after = max(before - P::load(point.mass) * (speed - bounce), zero);
-    const P total = select_greater(min(bounce, before), zero, after, before);
-    total.store(point.total);
-    return total - before;
+/// Lets the points of a lane that have met part with their speeds, and stops those that this pushes in. `speed_at(k)`
+/// gives the speed at a point, `change(k, impulse)` is told of impulses, by which speeds change. Returns which part of
+/// the contact's load had stopped what bounces now.
+template <class S, class Point, class Bounces, class SpeedAt, class Change>
+S bounce_points(Point* points, int count, const Bounces& bounces, int lane, SpeedAt&& speed_at, Change&& change) {
+    S impulses[4] = {}, load = S(0), stopped = S(0);
+    for (int k = 0; k < count; ++k) load += points[k].impulse[lane];
+    for (int round = 0; round < 4; ++round)
+        across_and_back(count, [&](int k) {
+            const S target = bounces.speed[k][lane], bears = points[k].impulse[lane];
+            if (!(target > S(0) || bears > S(0))) return;
+            const S next = max(impulses[k] + points[k].mass[lane] * (target - speed_at(k)), -bears);
+            change(k, next - impulses[k]);
+            impulses[k] = next;
+        });
+    for (int k = 0; k < count; ++k) {
+        points[k].total[lane] += impulses[k];
+        if (bounces.speed[k][lane] > S(0)) stopped += points[k].impulse[lane];
+    }
+    return load > S(0) ? stopped / load : S(1);
 }
 /// Ends a substep: adds the loads of the points to the step's impulses.
 template <class P, class Point>

@@ -37,8 +37,8 @@ struct soft_contact2 {
     /// How B has moved against A as of the last round that did not push: the next one that does asks for the same.
     S last_ways[2][W];
     int point_count = 0;
-    /// Whether any point bounces.
-    bool bounces = false;
+    /// Whether any contact can bounce, and whether any point does in this substep.
+    bool bounces = false, bounces_now = false;
     /// Whether the contacts push their bodies, which is the same for all lanes.
     bool moves_a = false, moves_b = false;
     [[no_unique_address]] extras_of_block<S, W, 2, Features> extras;
@@ -48,7 +48,7 @@ struct soft_contact2 {
     [[no_unique_address]] soft_bounces_of<S, capacity, W, Features> bounce_to;
 
     /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
-    void put(int lane, const contact<S, 2, Features>& c, const body* bodies, const soft_start<S, Features>& with,
+    void put(int lane, const contact<S, 2, Features>& c, const body* bodies, const soft_start<S, 2, Features>& with,
              gathering& gathered, arena& scratch) {
         const body& first = bodies[c.body_a];
         const body& second = bodies[c.body_b];
@@ -58,9 +58,11 @@ struct soft_contact2 {
         point_count = point_count < c.count ? c.count : point_count;
         for (int k = 0; k < c.count; ++k) {
             points[k].impulse[lane] = c.persisted(k) ? c.points[k].load : S(0);
-            if constexpr (Features::restitution)
-                bounces |= S(0) < (bounce_to.speed[k][lane] = bounce_of(c, k, with.surfaces.restitution_of(c), first,
-                                                                        second, with.bounce_slop, with.step));
+        }
+        if constexpr (Features::restitution) {
+            bounce_to.restitution[lane] = with.surfaces.restitution_of(c);
+            bounces = bounces || bounce_to.restitution[lane] > S(0);
+            bounce_to.closing[lane] = with.closing(c);
         }
         if constexpr (Features::friction) {
             friction.coefficient.put(lane, with.surfaces.friction_of(c));
@@ -154,6 +156,7 @@ struct soft_contact2 {
         const auto speed_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); };
         if (bears_nothing<P>(*this) && are_idle(points, point_count, how, P::broadcast(S(1)), way_at, speed_at)) {
             if (!how.pushes) P::broadcast(S(0)).store(held);
+            else if constexpr (Features::restitution) bounces_now = false;
             return;
         }
         P speeds[] = {speed.along, speed.turn};
@@ -166,6 +169,8 @@ struct soft_contact2 {
                 return next_impulse(points[k], v, way_at(k), how, left);
             });
         push(f, sum.load, zero, sum.moment, at_a, at_b);
+        if constexpr (Features::restitution)
+            if (how.pushes && bounces_now) bounce_to.template keep_pushed<P>(points, point_count);
         if constexpr (Features::friction) rub(f, how, at_a, at_b);
         if (!how.pushes) {
             add_totals<P>(points, point_count);
@@ -176,19 +181,52 @@ struct soft_contact2 {
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
-    PHYSICS_HPP_ALWAYS_INLINE void bounce(body* bodies) requires Features::restitution {
+    /// Notes which points are going to bounce, before anything stops them.
+    PHYSICS_HPP_ALWAYS_INLINE void note_approaches(const body* bodies, const soft_round<S, 2>& how)
+        requires Features::restitution {
         const frame_lanes f(*this);
         body_lanes2<P> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
-        const P zero = P::broadcast(S(0));
-        push_sum sum{zero, zero};
-        visit_points({f, at_a.velocity, at_b.velocity}, sum, [&](int k, const P& v) PHYSICS_HPP_INLINE_LAMBDA {
-            return bounce_impulse(points[k], P::load(bounce_to.speed[k]), v);
-        });
-        push(f, sum.load, zero, sum.moment, at_a, at_b);
-        if (moves_a) at_a.store(bodies, a);
-        if (moves_b) at_b.store(bodies, b);
+        const relative_motion speed(f, at_a.velocity, at_b.velocity), way(P::load(last_ways[0]), P::load(last_ways[1]));
+        bounces_now = bounce_to.template note<P>(
+            points, point_count, how, [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return way.at(points[k]); },
+            [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); });
+    }
+    /// Lets bounce what has met in this substep. The next one does not begin with any of that.
+    PHYSICS_HPP_NOINLINE void bounce(body* bodies, const soft_round<S, 2>& how) requires Features::restitution {
+        for (int lane = 0; lane < W; ++lane) {
+            if (!bounce_to.has(lane, point_count)) continue;
+            body& of_a = bodies[a[lane]];
+            body& of_b = bodies[b[lane]];
+            const vec<S, 2> n{normal[0][lane], normal[1][lane]};
+            const vec<S, 2> to_a{arm_a[0][lane], arm_a[1][lane]}, to_b{arm_b[0][lane], arm_b[1][lane]};
+            S along = dot(n, velocity_at(of_b.velocity, to_b) - velocity_at(of_a.velocity, to_a));
+            S turn = of_b.velocity.angular - of_a.velocity.angular, load = S(0), moment = S(0);
+            const S share = bounce_points<S>(
+                points, point_count, bounce_to, lane, [&](int k) { return along + points[k].lever[lane] * turn; },
+                [&](int k, S impulse) {
+                    const S about = points[k].lever[lane] * impulse;
+                    load += impulse;
+                    moment += about;
+                    along += mul<S>(answers[0][lane], impulse) + mul<S>(answers[1][lane], about);
+                    turn += mul<S>(answers[1][lane], impulse) + mul<S>(answers[2][lane], about);
+                });
+            const vec<S, 2> impulse = n * load;
+            if (moves_a) begin_without(of_a.velocity, of_a, -impulse, -(cross(to_a, impulse) + moment));
+            if (moves_b) begin_without(of_b.velocity, of_b, impulse, cross(to_b, impulse) + moment);
+            for (int k = 0; k < point_count; ++k) {
+                if (!(bounce_to.speed[k][lane] > S(0))) continue;
+                load += points[k].impulse[lane];
+                moment += points[k].lever[lane] * points[k].impulse[lane];
+                points[k].impulse[lane] = S(0);
+            }
+            S rubbed = S(0);
+            if constexpr (Features::friction) rubbed = take_from(friction.impulse[lane], S(1) - share);
+            begin_next_without(lane, bodies, how, load, moment, rubbed);
+        }
+        load_of<P>(points, point_count).store(held);
+        bounces_now = false;
     }
     /// Whether a round begins with roll().
     bool rolls(const soft_round<S, 2>& how) const requires Features::rolling_resistance {
@@ -280,12 +318,15 @@ private:
                 moment += points[k].lever[lane] * part;
             }
             if constexpr (Features::friction) rubbed = take_from(friction.impulse[lane], share);
-            const vec<S, 2> n{normal[0][lane], normal[1][lane]}, impulse = n * lost + perpendicular(n) * rubbed;
-            const vec<S, 2> to_a{arm_a[0][lane], arm_a[1][lane]}, to_b{arm_b[0][lane], arm_b[1][lane]};
-            if (moves_a)
-                begin_without(how.begun[a[lane]], bodies[a[lane]], -impulse, -(cross(to_a, impulse) + moment));
-            if (moves_b) begin_without(how.begun[b[lane]], bodies[b[lane]], impulse, cross(to_b, impulse) + moment);
+            begin_next_without(lane, bodies, how, lost, moment, rubbed);
         }
+    }
+    /// Takes impulses of a lane, at the middle and about it, from what the next substep begins with.
+    void begin_next_without(int lane, const body* bodies, const soft_round<S, 2>& how, S load, S moment, S rubbed) {
+        const vec<S, 2> n{normal[0][lane], normal[1][lane]}, impulse = n * load + perpendicular(n) * rubbed;
+        const vec<S, 2> to_a{arm_a[0][lane], arm_a[1][lane]}, to_b{arm_b[0][lane], arm_b[1][lane]};
+        if (moves_a) begin_without(how.begun[a[lane]], bodies[a[lane]], -impulse, -(cross(to_a, impulse) + moment));
+        if (moves_b) begin_without(how.begun[b[lane]], bodies[b[lane]], impulse, cross(to_b, impulse) + moment);
     }
     /// Stops the slip at the middle, or lets it slide.
     PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, const soft_round<S, 2>& how, body_lanes2<P>& at_a,

@@ -1,6 +1,7 @@
 // Contacts of the soft solver in space, in lanes.
 #pragma once
 
+#include "physics/dynamics/contact_frame3.hpp"
 #include "physics/dynamics/soft_contact.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -38,8 +39,8 @@ struct soft_contact3 {
     /// How B has moved against A as of the last round that did not push: the next one that does asks for the same.
     S last_ways[3][W];
     int point_count = 0;
-    /// Whether any point bounces.
-    bool bounces = false;
+    /// Whether any contact can bounce, and whether any point does in this substep.
+    bool bounces = false, bounces_now = false;
     /// Whether the contacts push their bodies, which is the same for all lanes.
     bool moves_a = false, moves_b = false;
     [[no_unique_address]] extras_of_block<S, W, 3, Features> extras;
@@ -49,7 +50,7 @@ struct soft_contact3 {
     [[no_unique_address]] soft_bounces_of<S, capacity, W, Features> bounce_to;
 
     /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
-    void put(int lane, const contact<S, 3, Features>& c, const body* bodies, const soft_start<S, Features>& with,
+    void put(int lane, const contact<S, 3, Features>& c, const body* bodies, const soft_start<S, 3, Features>& with,
              gathering& gathered, arena& scratch) {
         const body& first = bodies[c.body_a];
         const body& second = bodies[c.body_b];
@@ -59,9 +60,11 @@ struct soft_contact3 {
         point_count = point_count < c.count ? c.count : point_count;
         for (int k = 0; k < c.count; ++k) {
             points[k].impulse[lane] = c.persisted(k) ? c.points[k].load : S(0);
-            if constexpr (Features::restitution)
-                bounces |= S(0) < (bounce_to.speed[k][lane] = bounce_of(c, k, with.surfaces.restitution_of(c), first,
-                                                                        second, with.bounce_slop, with.step));
+        }
+        if constexpr (Features::restitution) {
+            bounce_to.restitution[lane] = with.surfaces.restitution_of(c);
+            bounces = bounces || bounce_to.restitution[lane] > S(0);
+            bounce_to.closing[lane] = with.closing(c);
         }
         if constexpr (Features::friction) friction.put(lane, c, with);
         extras.put(lane, c, first, second, with, scratch);
@@ -185,6 +188,7 @@ struct soft_contact3 {
         const auto speed_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); };
         if (bears_nothing<P>(*this) && are_idle(points, point_count, how, P::broadcast(S(1)), way_at, speed_at)) {
             if (!how.pushes) P::broadcast(S(0)).store(held);
+            else if constexpr (Features::restitution) bounces_now = false;
             return;
         }
         P speeds[] = {speed.along, speed.about_t, speed.about_u};
@@ -197,6 +201,8 @@ struct soft_contact3 {
                 return next_impulse(points[k], v, way_at(k), how, left);
             });
         push(f, sum, at_a, at_b);
+        if constexpr (Features::restitution)
+            if (how.pushes && bounces_now) bounce_to.template keep_pushed<P>(points, point_count);
         if constexpr (Features::friction) rub(f, how, at_a, at_b);
         if (!how.pushes) {
             add_totals<P>(points, point_count);
@@ -207,19 +213,59 @@ struct soft_contact3 {
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
-    PHYSICS_HPP_ALWAYS_INLINE void bounce(body* bodies) requires Features::restitution {
-        frame_lanes f(*this);
+    /// Notes which points are going to bounce, before anything stops them.
+    PHYSICS_HPP_ALWAYS_INLINE void note_approaches(const body* bodies, const soft_round<S, 3>& how)
+        requires Features::restitution {
+        const frame_lanes f(*this);
         body_lanes3<P> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
-        const P zero = P::broadcast(S(0));
-        push_sum sum{zero, zero, zero};
-        visit_points({f, at_a.velocity, at_b.velocity}, sum, [&](int k, const P& v) PHYSICS_HPP_INLINE_LAMBDA {
-            return bounce_impulse(points[k], P::load(bounce_to.speed[k]), v);
-        });
-        push(f, sum, at_a, at_b);
-        if (moves_a) at_a.store(bodies, a);
-        if (moves_b) at_b.store(bodies, b);
+        const relative_motion speed(f, at_a.velocity, at_b.velocity), way(lanes3<P>::load(last_ways));
+        bounces_now = bounce_to.template note<P>(
+            points, point_count, how, [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return way.at(points[k]); },
+            [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); });
+    }
+    /// Lets bounce what has met in this substep. The next one does not begin with any of that.
+    PHYSICS_HPP_NOINLINE void bounce(body* bodies, const soft_round<S, 3>& how) requires Features::restitution {
+        for (int lane = 0; lane < W; ++lane) {
+            if (!bounce_to.has(lane, point_count)) continue;
+            body& of_a = bodies[a[lane]];
+            body& of_b = bodies[b[lane]];
+            const auto at = [&](const auto& rows) { return vec<S, 3>{rows[0][lane], rows[1][lane], rows[2][lane]}; };
+            const vec<S, 3> n = at(normal), t = at(tangent), u = cross(n, t), to_a = at(arm_a), to_b = at(arm_b);
+            const vec<S, 3> spin = of_b.velocity.angular - of_a.velocity.angular;
+            // Along the normal at the middle, and about the tangents.
+            vec<S, 3> v{dot(n, velocity_at(of_b.velocity, to_b) - velocity_at(of_a.velocity, to_a)), dot(t, spin),
+                        dot(u, spin)};
+            vec<S, 3> sum;
+            const auto impulses_of = [&](int k, S impulse) {
+                return vec<S, 3>{impulse, points[k].y[lane] * impulse, -(points[k].x[lane] * impulse)};
+            };
+            const S share = bounce_points<S>(
+                points, point_count, bounce_to, lane,
+                [&](int k) { return v.x + difference_of_products(points[k].y[lane], v.y, points[k].x[lane], v.z); },
+                [&](int k, S impulse) {
+                    const vec<S, 3> by = impulses_of(k, impulse);
+                    sum += by;
+                    constexpr int row[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
+                    for (int i = 0; i < 3; ++i)
+                        v[i] += mul<S>(answers[row[i][0]][lane], by.x) + mul<S>(answers[row[i][1]][lane], by.y) +
+                                mul<S>(answers[row[i][2]][lane], by.z);
+                });
+            const vec<S, 3> impulse = n * sum.x, moment = t * sum.y + u * sum.z;
+            if (moves_a) begin_without(of_a.velocity, of_a, -impulse, -(cross(to_a, impulse) + moment));
+            if (moves_b) begin_without(of_b.velocity, of_b, impulse, cross(to_b, impulse) + moment);
+            for (int k = 0; k < point_count; ++k) {
+                if (!(bounce_to.speed[k][lane] > S(0))) continue;
+                sum += impulses_of(k, points[k].impulse[lane]);
+                points[k].impulse[lane] = S(0);
+            }
+            slide_lanes<S> rubbed{};
+            if constexpr (Features::friction) rubbed = friction.take(lane, points, point_count, S(1) - share);
+            begin_next_without(lane, bodies, how, sum, rubbed);
+        }
+        load_of<P>(points, point_count).store(held);
+        bounces_now = false;
     }
     /// Whether a round begins with roll().
     bool rolls(const soft_round<S, 3>& how) const requires Features::rolling_resistance {
@@ -247,33 +293,10 @@ struct soft_contact3 {
     }
 
 private:
-    struct frame_lanes {
-        lanes3<P> n, t, u, arm_a, arm_b;
+    using frame_lanes = contact_frame3<P>;
+    using relative_motion = contact_motion3<P>;
+    using push_sum = contact_impulse3<P>;
 
-        PHYSICS_HPP_ALWAYS_INLINE explicit frame_lanes(const soft_contact3& c)
-            : n(lanes3<P>::load(c.normal)),
-              t(lanes3<P>::load(c.tangent)),
-              u(c.across.of(n, t)),
-              arm_a(lanes3<P>::load(c.arm_a)),
-              arm_b(lanes3<P>::load(c.arm_b)) {}
-    };
-    /// How B moves against A: along the normal at the middle, and about the tangents.
-    struct relative_motion {
-        P along, about_t, about_u;
-
-        PHYSICS_HPP_ALWAYS_INLINE relative_motion(const frame_lanes& f, const twist_lanes3<P>& a,
-                                                  const twist_lanes3<P>& b)
-            : along(lane_dot(f.n, at_middle(f, a, b))) {
-            const lanes3<P> turn = lane_subtract(b.angular, a.angular);
-            about_t = lane_dot(f.t, turn);
-            about_u = lane_dot(f.u, turn);
-        }
-        PHYSICS_HPP_ALWAYS_INLINE explicit relative_motion(const lanes3<P>& of)
-            : along(of.x), about_t(of.y), about_u(of.z) {}
-        PHYSICS_HPP_ALWAYS_INLINE P at(const point& p) const {
-            return along + lane_difference(P::load(p.y), about_t, P::load(p.x), about_u);
-        }
-    };
     PHYSICS_HPP_ALWAYS_INLINE relative_motion way_of(const frame_lanes& f, const body_lanes3<P>& at_a,
                                                      const body_lanes3<P>& at_b, const soft_round<S, 3>& how) {
         if (how.pushes) return relative_motion(lanes3<P>::load(last_ways));
@@ -283,21 +306,6 @@ private:
         way.about_u.store(last_ways[2]);
         return way;
     }
-    PHYSICS_HPP_ALWAYS_INLINE static lanes3<P> at_middle(const frame_lanes& f, const twist_lanes3<P>& a,
-                                                         const twist_lanes3<P>& b) {
-        return lane_subtract(lane_add(b.linear, lane_cross(b.angular, f.arm_b)),
-                             lane_add(a.linear, lane_cross(a.angular, f.arm_a)));
-    }
-    /// What impulses along the normal at points come to at the middle.
-    struct push_sum {
-        P load, about_t, about_u;
-
-        PHYSICS_HPP_ALWAYS_INLINE void add(const point& p, const P& impulse) {
-            load = load + impulse;
-            about_t = about_t + P::load(p.y) * impulse;
-            about_u = about_u - P::load(p.x) * impulse;
-        }
-    };
     /// Changes impulses point by point, each by the speed that the ones before left.
     template <class Next>
     PHYSICS_HPP_ALWAYS_INLINE void visit_points(const relative_motion& start, push_sum& sum, Next&& next) {
@@ -315,36 +323,37 @@ private:
     /// Takes back, where surfaces met with a blow, of what the next substep begins with all but what was held before.
     PHYSICS_HPP_NOINLINE void forget_blows(const body* bodies, const soft_round<S, 3>& how, const P& speed) {
         for (int lane = 0; lane < W; ++lane) {
-            S load = S(0), lost = S(0);
+            S load = S(0);
             for (int k = 0; k < point_count; ++k) load += points[k].impulse[lane];
             if (!(-speed.lane(lane) > how.impact_speed) || !(load > held[lane])) continue;
             const S share = held[lane] / load;
-            const auto at = [&](const auto& rows) { return vec<S, 3>{rows[0][lane], rows[1][lane], rows[2][lane]}; };
-            const vec<S, 3> n = at(normal), t = at(tangent), u = cross(n, t);
-            vec<S, 3> moment;
+            vec<S, 3> sum;
             for (int k = 0; k < point_count; ++k) {
                 const S part = take_from(points[k].impulse[lane], share);
-                lost += part;
-                moment += (t * points[k].y[lane] - u * points[k].x[lane]) * part;
+                sum += vec<S, 3>{part, points[k].y[lane] * part, -(points[k].x[lane] * part)};
             }
-            vec<S, 3> impulse = n * lost;
-            if constexpr (Features::friction) {
-                const slide_lanes<S> rubbed = friction.take(lane, points, point_count, share);
-                impulse += t * rubbed.x + u * rubbed.y;
-                moment += n * rubbed.twist;
-            }
-            if (moves_a)
-                begin_without(how.begun[a[lane]], bodies[a[lane]], -impulse, -(cross(at(arm_a), impulse) + moment));
-            if (moves_b)
-                begin_without(how.begun[b[lane]], bodies[b[lane]], impulse, cross(at(arm_b), impulse) + moment);
+            slide_lanes<S> rubbed{};
+            if constexpr (Features::friction) rubbed = friction.take(lane, points, point_count, share);
+            begin_next_without(lane, bodies, how, sum, rubbed);
         }
+    }
+    /// Takes impulses of a lane, along the normal at the middle and about the tangents, and friction, from what the next
+    /// substep begins with.
+    void begin_next_without(int lane, const body* bodies, const soft_round<S, 3>& how, const vec<S, 3>& sum,
+                            const slide_lanes<S>& rubbed) {
+        const auto at = [&](const auto& rows) { return vec<S, 3>{rows[0][lane], rows[1][lane], rows[2][lane]}; };
+        const vec<S, 3> n = at(normal), t = at(tangent), u = cross(n, t);
+        const vec<S, 3> impulse = n * sum.x + t * rubbed.x + u * rubbed.y;
+        const vec<S, 3> moment = t * sum.y + u * sum.z + n * rubbed.twist;
+        if (moves_a) begin_without(how.begun[a[lane]], bodies[a[lane]], -impulse, -(cross(at(arm_a), impulse) + moment));
+        if (moves_b) begin_without(how.begun[b[lane]], bodies[b[lane]], impulse, cross(at(arm_b), impulse) + moment);
     }
     /// Stops the slip, or lets it slide on the cone.
     PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, const soft_round<S, 3>& how, body_lanes3<P>& at_a,
                                        body_lanes3<P>& at_b) {
         P loads[capacity];
         for (int k = 0; k < point_count; ++k) loads[k] = P::load(points[k].impulse);
-        const lanes3<P> slipping = at_middle(f, at_a.velocity, at_b.velocity);
+        const lanes3<P> slipping = f.at_middle(at_a.velocity, at_b.velocity);
         slide_lanes<P> slip = {lane_dot(f.t, slipping), lane_dot(f.u, slipping),
                                lane_dot(f.n, lane_subtract(at_b.velocity.angular, at_a.velocity.angular))};
         if constexpr (Features::surface_velocity) {

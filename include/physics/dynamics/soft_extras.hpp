@@ -167,11 +167,11 @@ struct soft_extras
     using belt = belt_lanes<S, W, D>;
     using body = solver_body<S, D, Features::rotation>;
 
-    static bool needed_by(const contact<S, D, Features>& c, const soft_start<S, Features>& with) {
+    static bool needed_by(const contact<S, D, Features>& c, const soft_start<S, D, Features>& with) {
         return with.surfaces.rolling_resistance_of(c) > S(0) || value_of(c.surface_velocity) != tangential<S, D>{};
     }
     void put(int lane, const contact<S, D, Features>& c, [[maybe_unused]] const body& a,
-             [[maybe_unused]] const body& b, [[maybe_unused]] const soft_start<S, Features>& with) {
+             [[maybe_unused]] const body& b, [[maybe_unused]] const soft_start<S, D, Features>& with) {
         if constexpr (Features::rolling_resistance)
             if (const S resistance = with.surfaces.rolling_resistance_of(c); resistance > S(0))
                 rolling::put(lane, c, resistance, rolling_at<S, D>(a, b, tangents<S, D>(c.normal)), with.share);
@@ -188,7 +188,7 @@ struct extras_of_block {
     extras* at = nullptr;
 
     void put(int lane, const contact<S, D, Features>& c, const body& a, const body& b,
-             const soft_start<S, Features>& with, arena& scratch) {
+             const soft_start<S, D, Features>& with, arena& scratch) {
         if (extras::needed_by(c, with)) add(lane, c, a, b, with, scratch);
     }
     void take(int lane, contact<S, D, Features>& c) const {
@@ -198,7 +198,7 @@ struct extras_of_block {
 
 private:
     PHYSICS_HPP_NOINLINE void add(int lane, const contact<S, D, Features>& c, const body& a, const body& b,
-                                  const soft_start<S, Features>& with, arena& scratch) {
+                                  const soft_start<S, D, Features>& with, arena& scratch) {
         if (at == nullptr) at = new (scratch.template take<extras>(1)) extras{};
         at->put(lane, c, a, b, with);
     }
@@ -207,7 +207,7 @@ template <class S, int W, int D, class Features>
     requires(!Features::rolling_resistance && !Features::surface_velocity)
 struct extras_of_block<S, W, D, Features> {
     template <class Body>
-    void put(int, const contact<S, D, Features>&, const Body&, const Body&, const soft_start<S, Features>&, arena&) {}
+    void put(int, const contact<S, D, Features>&, const Body&, const Body&, const soft_start<S, D, Features>&, arena&) {}
     void take(int, contact<S, D, Features>&) const {}
 };
 

@@ -94,7 +94,7 @@ struct soft_patch_friction3 {
     S x[W], y[W], twist[W];
     S total_x[W], total_y[W], total_twist[W];
 
-    void put(int lane, const contact<S, 3, Features>& c, const soft_start<S, Features>& with) {
+    void put(int lane, const contact<S, 3, Features>& c, const soft_start<S, 3, Features>& with) {
         coefficient.put(lane, with.surfaces.friction_of(c));
         x[lane] = c.friction_load.x;
         y[lane] = c.friction_load.y;
@@ -172,7 +172,7 @@ struct soft_point_friction3 {
     inverse_of<S> answer[6][W];
     point each[manifold<S, 3>::capacity];
 
-    void put(int lane, const contact<S, 3, Features>& c, const soft_start<S, Features>& with) {
+    void put(int lane, const contact<S, 3, Features>& c, const soft_start<S, 3, Features>& with) {
         coefficient.put(lane, with.surfaces.friction_of(c));
         for (int k = 0; k < c.count; ++k) {
             const auto& from = c.points[k];

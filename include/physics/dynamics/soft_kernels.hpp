@@ -27,7 +27,10 @@ struct soft_kernels {
     }
     // Apart from the rest, so that contacts that don't roll have their registers to themselves.
     PHYSICS_HPP_NOINLINE static void roll(Block& block, body* bodies) { block.roll(bodies); }
-    static void bounce(Block& block, body* bodies) { block.bounce(bodies); }
+    template <class Round>
+    static void note_approaches(Block& block, const body* bodies, const Round& how) {
+        block.note_approaches(bodies, how);
+    }
 };
 
 #if PHYSICS_HPP_AVX2_KERNELS
@@ -52,7 +55,10 @@ struct avx2_kernels {
         block.solve(bodies, how);
     }
     PHYSICS_HPP_AVX2_KERNEL void roll(Block& block, body* bodies) { block.roll(bodies); }
-    PHYSICS_HPP_AVX2_KERNEL void bounce(Block& block, body* bodies) { block.bounce(bodies); }
+    template <class Round>
+    PHYSICS_HPP_AVX2_KERNEL void note_approaches(Block& block, const body* bodies, const Round& how) {
+        block.note_approaches(bodies, how);
+    }
 };
 
 inline bool has_avx2() { return __builtin_cpu_supports("avx2") != 0; }

@@ -66,7 +66,7 @@ struct soft_linear_friction {
     /// Along the tangents; of this substep, and of the whole step.
     S impulse[D - 1][W], total[D - 1][W];
 
-    void put(int lane, const contact<S, D, Features>& c, const soft_start<S, Features>& with) {
+    void put(int lane, const contact<S, D, Features>& c, const soft_start<S, D, Features>& with) {
         coefficient.put(lane, with.surfaces.friction_of(c));
         if constexpr (D == 2) impulse[0][lane] = c.friction_load;
         else for (int i = 0; i < 2; ++i) impulse[i][lane] = c.friction_load[i];
@@ -144,15 +144,15 @@ struct soft_linear_contact {
         friction;
     /// What the points bore together as the substep began.
     S held[W];
-    /// Whether any point bounces.
-    bool bounces = false;
+    /// Whether any contact can bounce, and whether any does in this substep.
+    bool bounces = false, bounces_now = false;
     /// Whether the contacts push their bodies, which is the same for all lanes.
     bool moves_a = false, moves_b = false;
     [[no_unique_address]] extras_of_block<S, W, D, Features> extras;
     [[no_unique_address]] soft_bounces_of<S, 1, W, Features> bounce_to;
 
     /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
-    void put(int lane, const contact<S, D, Features>& c, const body* bodies, const soft_start<S, Features>& with,
+    void put(int lane, const contact<S, D, Features>& c, const body* bodies, const soft_start<S, D, Features>& with,
              gathering&, arena& scratch) {
         const body& first = bodies[c.body_a];
         const body& second = bodies[c.body_b];
@@ -169,9 +169,11 @@ struct soft_linear_contact {
         }
         points[0].separation[lane] = c.points[nearest].separation;
         points[0].impulse[lane] = load;
-        if constexpr (Features::restitution)
-            bounces |= S(0) < (bounce_to.speed[0][lane] = bounce_of(c, nearest, with.surfaces.restitution_of(c), first,
-                                                                    second, with.bounce_slop, with.step));
+        if constexpr (Features::restitution) {
+            bounce_to.restitution[lane] = with.surfaces.restitution_of(c);
+            bounces = bounces || bounce_to.restitution[lane] > S(0);
+            bounce_to.closing[lane] = with.closing(c);
+        }
         if constexpr (Features::friction) friction.put(lane, c, with);
         extras.put(lane, c, first, second, with, scratch);
     }
@@ -227,9 +229,12 @@ struct soft_linear_contact {
         const auto speed_at = [&](int) PHYSICS_HPP_INLINE_LAMBDA { return speed; };
         if (bears_nothing<P>(*this) && are_idle(points, 1, how, one, way_at, speed_at)) {
             if (!how.pushes) P::broadcast(S(0)).store(held);
+            else if constexpr (Features::restitution) bounces_now = false;
             return;
         }
         push(next_impulse(points[0], speed, way, how, one), at_a, at_b);
+        if constexpr (Features::restitution)
+            if (how.pushes && bounces_now) bounce_to.template keep_pushed<P>(points, 1);
         if constexpr (Features::friction) rub(P::load(points[0].impulse), how.pushes, at_a, at_b);
         if (!how.pushes) {
             add_totals<P>(points, 1);
@@ -238,13 +243,34 @@ struct soft_linear_contact {
         }
         store(bodies, at_a, at_b);
     }
-    PHYSICS_HPP_ALWAYS_INLINE void bounce(body* bodies) requires Features::restitution {
+    /// Notes which contacts are going to bounce, before anything stops them.
+    PHYSICS_HPP_ALWAYS_INLINE void note_approaches(const body* bodies, const round& how) requires Features::restitution {
         linear_lanes<P, D> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
-        const P speed = lane_dot(normals(), slip_of(at_a, at_b));
-        push(bounce_impulse(points[0], P::load(bounce_to.speed[0]), speed), at_a, at_b);
-        store(bodies, at_a, at_b);
+        const vector n = normals();
+        const P speed = lane_dot(n, slip_of(at_a, at_b)), way = lane_dot(n, difference(at_b.way, at_a.way));
+        bounces_now = bounce_to.template note<P>(
+            points, 1, how, [&](int) PHYSICS_HPP_INLINE_LAMBDA { return way; },
+            [&](int) PHYSICS_HPP_INLINE_LAMBDA { return speed; });
+    }
+    /// Lets bounce what has met in this substep. The next one does not begin with any of that.
+    PHYSICS_HPP_NOINLINE void bounce(body* bodies, const round& how) requires Features::restitution {
+        for (int lane = 0; lane < W; ++lane) {
+            if (!bounce_to.has(lane, 1)) continue;
+            body& of_a = bodies[a[lane]];
+            body& of_b = bodies[b[lane]];
+            vec<S, D> n;
+            for (int i = 0; i < D; ++i) n[i] = normal[i][lane];
+            const S v = dot(n, of_b.velocity.linear - of_a.velocity.linear);
+            const S impulse = max(points[0].mass[lane] * (bounce_to.speed[0][lane] - v), -points[0].impulse[lane]);
+            if (moves_a) begin_without(of_a.velocity, of_a, n * -impulse);
+            if (moves_b) begin_without(of_b.velocity, of_b, n * impulse);
+            points[0].total[lane] += impulse;
+            begin_next_without(lane, bodies, how, impulse + take_from(points[0].impulse[lane], S(0)), S(0));
+        }
+        P::load(points[0].impulse).store(held);
+        bounces_now = false;
     }
 
 private:
@@ -294,19 +320,24 @@ private:
             const S load = points[0].impulse[lane];
             if (!(-speed.lane(lane) > how.impact_speed) || !(load > held[lane])) continue;
             const S share = held[lane] / load;
-            vec<S, D> n;
-            for (int i = 0; i < D; ++i) n[i] = normal[i][lane];
-            vec<S, D> lost = n * take_from(points[0].impulse[lane], share);
-            if constexpr (Features::friction) {
-                vec<S, D> t = n;
-                if constexpr (D == 2) t = perpendicular(n);
-                else t = {tangent.kept[0][lane], tangent.kept[1][lane], tangent.kept[2][lane]};
-                lost += t * take_from(friction.impulse[0][lane], share);
-                if constexpr (D == 3) lost += cross(n, t) * take_from(friction.impulse[1][lane], share);
-            }
-            if (moves_a) begin_without(how.begun[a[lane]], bodies[a[lane]], -lost);
-            if (moves_b) begin_without(how.begun[b[lane]], bodies[b[lane]], lost);
+            begin_next_without(lane, bodies, how, take_from(points[0].impulse[lane], share), share);
         }
+    }
+    /// Takes an impulse along the normal of a lane, and all but a share of friction, from what the next substep begins
+    /// with.
+    void begin_next_without(int lane, const body* bodies, const round& how, S load, [[maybe_unused]] S share) {
+        vec<S, D> n;
+        for (int i = 0; i < D; ++i) n[i] = normal[i][lane];
+        vec<S, D> lost = n * load;
+        if constexpr (Features::friction) {
+            vec<S, D> t = n;
+            if constexpr (D == 2) t = perpendicular(n);
+            else t = {tangent.kept[0][lane], tangent.kept[1][lane], tangent.kept[2][lane]};
+            lost += t * take_from(friction.impulse[0][lane], share);
+            if constexpr (D == 3) lost += cross(n, t) * take_from(friction.impulse[1][lane], share);
+        }
+        if (moves_a) begin_without(how.begun[a[lane]], bodies[a[lane]], -lost);
+        if (moves_b) begin_without(how.begun[b[lane]], bodies[b[lane]], lost);
     }
     /// Impulses along the normal and along the tangents, from A on B.
     PHYSICS_HPP_ALWAYS_INLINE void push(const P& load, linear_lanes<P, D>& at_a, linear_lanes<P, D>& at_b) const {

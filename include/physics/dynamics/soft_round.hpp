@@ -3,7 +3,7 @@
 
 #include "physics/base/arena.hpp"
 #include "physics/dynamics/body.hpp"
-#include "physics/dynamics/material.hpp"
+#include "physics/dynamics/contact.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -87,6 +87,8 @@ struct soft_round {
     /// Contacts whose middle approaches faster than this (m/s) start the next substep with what they held before: what
     /// stopped them is no lasting load. All points alike: a pile that lost the load of single corners would lean.
     S impact_speed;
+    /// Approaches slower than this do not bounce (m/s), and the length of a substep (s).
+    S bounce_slop, substep;
     /// Whether overlaps are pushed apart at all.
     bool pushes;
     /// Whether loads that last are over-relaxed: in rounds without springs, but for the step's last one, which leaves
@@ -97,13 +99,19 @@ struct soft_round {
 };
 
 /// What contacts are written with.
-template <class S, class Features>
+template <class S, int D, class Features>
 struct soft_start {
-    /// Length of the step (s), and which part of its impulses a substep begins with.
-    S step, share;
-    /// Approaches slower than this do not bounce (m/s).
-    S bounce_slop;
+    /// Which part of the step's impulses a substep begins with.
+    S share;
+    /// Of each body what drives it (m/s^2); null if that is not known.
+    const vec<S, D>* accelerations = nullptr;
     [[no_unique_address]] mixture<S, Features> surfaces{};
+
+    /// How fast a contact's bodies are drawn together.
+    [[nodiscard]] S closing(const contact<S, D, Features>& c) const {
+        if (accelerations == nullptr) return S(0);
+        return dot(c.normal, accelerations[c.body_a]) - dot(c.normal, accelerations[c.body_b]);
+    }
 };
 
 }  // namespace detail

@@ -96,8 +96,8 @@ struct soft_step_with {
                           contact_list<S, D, Features> contacts, const settings& with, S h, arena& scratch,
                           Motion&& motion, detail::crew& hands) {
             solver_body<S, D, turns>* const bodies = all.first;
-            const detail::soft_start<S, Features> how{h, S(1) / S(with.substeps), with.restitution_slop,
-                                                      contacts.surfaces()};
+            const detail::soft_start<S, D, Features> how{S(1) / S(with.substeps), accelerations(motion, all, scratch),
+                                                         contacts.surfaces()};
             const blocks_in_colours blocks = pack(colours, contacts, all, how, scratch);
             const S part = h / S(with.substeps);
             const S frequency = with.stiffness / part;
@@ -105,21 +105,27 @@ struct soft_step_with {
             detail::substep_start<S, D, turns> start(all, scratch);
             const detail::soft_round<S, D, turns> press{
                 S(1) / part, detail::softness<S>::of(capped ? with.frequency_cap : frequency, with.damping_ratio, part),
-                with.max_push_speed, with.impact_speed, true, false, start.velocities()};
+                with.max_push_speed, with.impact_speed, with.restitution_slop, part, true, false, start.velocities()};
             detail::soft_round<S, D, turns> relax = press;
             relax.pushes = false;
             for (int i = 0; i < with.substeps; ++i) {
                 start.advance_velocities(motion, part);
                 if (i == 0) blocks.each(hands, [bodies](block& b) { kernels::warm_start(b, bodies); });
+                if constexpr (Features::restitution)
+                    if (blocks.bounce)
+                        blocks.each(hands, [bodies, &press](block& b) {
+                            if (b.bounces) kernels::note_approaches(b, bodies, press);
+                        });
                 blocks.each(hands, [bodies, &press](block& b) { kernels::solve(b, bodies, press); });
                 start.advance_poses(motion, part);
                 relax.over_relaxes = i + 1 < with.substeps;
                 blocks.each(hands, [bodies, &relax](block& b) { kernels::solve(b, bodies, relax); });
+                if constexpr (Features::restitution)
+                    if (blocks.bounce)
+                        blocks.each(hands, [bodies, &relax](block& b) {
+                            if (b.bounces_now) b.bounce(bodies, relax);
+                        });
             }
-            if constexpr (Features::restitution)
-                blocks.each(hands, [bodies](block& b) {
-                    if (b.bounces) kernels::bounce(b, bodies);
-                });
             hands.each_part(blocks.count(), share, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
                 for (std::uint32_t k = first; k < end; ++k) blocks.take(k, contacts);
             });
@@ -151,6 +157,8 @@ struct soft_step_with {
             std::uint32_t begin[detail::contact_colours::most + 1];
             std::uint32_t colours;
             bool last_is_serial;
+            /// Whether any contact can bounce.
+            bool bounce = false;
 
             [[nodiscard]] std::uint32_t count() const { return begin[colours]; }
 
@@ -176,6 +184,19 @@ struct soft_step_with {
                         first[k].take(lane, contacts[n]);
             }
         };
+        /// What drives bodies, if the motion tells: bounces start at the end of the gap, not where a substep ends.
+        template <class Motion>
+        static const vec<S, D>* accelerations([[maybe_unused]] Motion& motion, [[maybe_unused]] bodies_type all,
+                                              [[maybe_unused]] arena& scratch) {
+            if constexpr (Features::restitution && requires { motion.acceleration(0u); }) {
+                auto* result = scratch.template take<vec<S, D>>(all.count);
+                for (std::uint32_t k = 0; k < all.count; ++k)
+                    new (result + k) vec<S, D>(k < all.nobody() ? motion.acceleration(k) : vec<S, D>{});
+                return result;
+            } else {
+                return nullptr;
+            }
+        }
         /// Contacts of a block of this colour: one where they may push the same body.
         static std::uint32_t lanes_of(const detail::contact_colours& colours, std::uint32_t group) {
             return colours.last_is_serial && group + 1 == colours.count ? 1 : width;
@@ -186,7 +207,7 @@ struct soft_step_with {
         }
         static blocks_in_colours pack(const detail::contact_colours& colours,
                                       const contact_list<S, D, Features>& contacts, bodies_type bodies,
-                                      const detail::soft_start<S, Features>& with, arena& scratch) {
+                                      const detail::soft_start<S, D, Features>& with, arena& scratch) {
             blocks_in_colours result;
             result.colours = colours.count;
             result.last_is_serial = colours.last_is_serial;
@@ -207,11 +228,12 @@ struct soft_step_with {
                          contacts, bodies, with, scratch);
                 }
             }
+            for (std::uint32_t k = 0; k < count; ++k) result.bounce = result.bounce || result.first[k].bounces;
             return result;
         }
         static void fill(block& place, std::uint32_t* numbers, const std::uint32_t* order, std::uint32_t used,
                          const contact_list<S, D, Features>& contacts, bodies_type bodies,
-                         const detail::soft_start<S, Features>& with, arena& scratch) {
+                         const detail::soft_start<S, D, Features>& with, arena& scratch) {
             block& to = *new (&place) block{};
             typename block::gathering gathered;
             for (int lane = 0; lane < width; ++lane) {

@@ -9,7 +9,7 @@ PHYSICS_HPP_BEGIN
 namespace detail {
 
 /// Whether visits would change nothing in these lanes (1, else 0): no point has pushed, and none closes its gap within
-/// the substep.
+/// the substep, or has closed it.
 template <class P, class Point, class Round, class At, class SpeedAt>
 PHYSICS_HPP_ALWAYS_INLINE bool are_idle(const Point* points, int count, const Round& how, const P& lanes,
                                         At&& at, SpeedAt&& speed_at) {
@@ -17,7 +17,7 @@ PHYSICS_HPP_ALWAYS_INLINE bool are_idle(const Point* points, int count, const Ro
     P busy = zero;
     for (int k = 0; k < count; ++k) {
         const P gap = P::load(points[k].separation) + at(k), closing = speed_at(k) + gap * per_step;
-        const P needed = max(P::load(points[k].impulse), -min(gap, closing));
+        const P needed = max(P::load(points[k].impulse), -(how.pushes ? min(gap, closing) : gap));
         // Of points that only other lanes have nothing is asked.
         busy = max(busy, select_greater(P::load(points[k].mass), zero, needed, zero));
     }

@@ -72,6 +72,9 @@ public:
     /// What the solver sees of the bodies; the last two are nobody.
     [[nodiscard]] solver_bodies<S, D, turns> bodies() const { return {bodies_, count_ + 2}; }
 
+    /// By gravity and forces (m/s^2); nothing drives what is not dynamic.
+    [[nodiscard]] const vec<S, D>& acceleration(std::uint32_t k) const { return moving_[k].acceleration; }
+
     void advance_velocities(S h) {
         if (free_count_ > 0) thrust(step_ / h);
         for (std::uint32_t k = 0; k < count_; ++k) advance_velocity(k, h);

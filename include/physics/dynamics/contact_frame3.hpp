@@ -1,0 +1,65 @@
+// Contacts in space as their bodies see them, in lanes: their frame, how fast they move, and what impulses come to.
+#pragma once
+
+#include "physics/dynamics/body_lanes.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// The normal, both tangents, and from the bodies' centres to the middle.
+template <class P>
+struct contact_frame3 {
+    lanes3<P> n, t, u, arm_a, arm_b;
+
+    template <class Block>
+    PHYSICS_HPP_ALWAYS_INLINE explicit contact_frame3(const Block& c)
+        : n(lanes3<P>::load(c.normal)),
+          t(lanes3<P>::load(c.tangent)),
+          u(c.across.of(n, t)),
+          arm_a(lanes3<P>::load(c.arm_a)),
+          arm_b(lanes3<P>::load(c.arm_b)) {}
+
+    /// How B moves against A at the middle.
+    PHYSICS_HPP_ALWAYS_INLINE lanes3<P> at_middle(const twist_lanes3<P>& a, const twist_lanes3<P>& b) const {
+        return lane_subtract(lane_add(b.linear, lane_cross(b.angular, arm_b)),
+                             lane_add(a.linear, lane_cross(a.angular, arm_a)));
+    }
+};
+
+/// How B moves against A: along the normal at the middle, and about the tangents.
+template <class P>
+struct contact_motion3 {
+    P along, about_t, about_u;
+
+    PHYSICS_HPP_ALWAYS_INLINE contact_motion3(const contact_frame3<P>& f, const twist_lanes3<P>& a,
+                                              const twist_lanes3<P>& b)
+        : along(lane_dot(f.n, f.at_middle(a, b))) {
+        const lanes3<P> turn = lane_subtract(b.angular, a.angular);
+        about_t = lane_dot(f.t, turn);
+        about_u = lane_dot(f.u, turn);
+    }
+    PHYSICS_HPP_ALWAYS_INLINE explicit contact_motion3(const lanes3<P>& of)
+        : along(of.x), about_t(of.y), about_u(of.z) {}
+    template <class Point>
+    PHYSICS_HPP_ALWAYS_INLINE P at(const Point& p) const {
+        return along + lane_difference(P::load(p.y), about_t, P::load(p.x), about_u);
+    }
+};
+
+/// What impulses along the normal at points come to at the middle.
+template <class P>
+struct contact_impulse3 {
+    P load, about_t, about_u;
+
+    template <class Point>
+    PHYSICS_HPP_ALWAYS_INLINE void add(const Point& p, const P& impulse) {
+        load = load + impulse;
+        about_t = about_t + P::load(p.y) * impulse;
+        about_u = about_u - P::load(p.x) * impulse;
+    }
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
