@@ -17,7 +17,8 @@ public:
     engine& operator=(const engine&) = delete;
     virtual ~engine() = default;
 
-    /// An empty world with the scene's gravity: sleeping and damping off, the rest as it ships.
+    /// An empty world with the scene's gravity: damping off, sleeping as the scene says, the rest as
+    /// it ships.
     virtual void begin(const scene& s) = 0;
     /// Adds the next body of the scene.
     virtual void add(const body& b) = 0;
@@ -30,6 +31,8 @@ public:
     [[nodiscard]] virtual triple gravity() const = 0;
     /// Pairs of shapes that touch in at least one point.
     [[nodiscard]] virtual int contacts() const = 0;
+    /// Free bodies that are not asleep; -1 if unknown.
+    [[nodiscard]] virtual int awake() const { return -1; }
     /// What each contact takes of the state that lasts from step to step, memories of pairs included; 0 if unknown.
     [[nodiscard]] virtual double contact_bytes() const { return 0; }
     /// For those that can tell: names of stages and their ns so far, and sizes worth knowing.

@@ -1,5 +1,6 @@
 // The one judge of all engines: it sees poses and velocities only, works in double, and takes nobody's word for a
-// contact. Overlaps are exact: separating axes for polygons and polytopes, closed forms where something is round.
+// contact. Overlaps are exact: separating axes for polygons and polytopes, closed forms for balls; of capsules and
+// cylinders in space they are searched for, to a hundredth of a millimetre.
 #pragma once
 
 #include <vector>
@@ -17,17 +18,22 @@ struct mass {
 };
 mass mass_of(const body& b, int dimension);
 
-/// A shape as the judge sees it: the hull of a few points, grown by a radius.
+/// A shape as the judge sees it, or a segment of a chain, or a triangle of a mesh: the hull of a few points, grown by a
+/// radius; of a cylinder each point is a disc across its axis.
 struct piece {
     int body = 0;
-    bool pushed = false, round = false;
+    bool pushed = false;
     std::vector<triple> points;
-    double radius = 0;
+    double radius = 0, disc = 0;
     /// In the plane the unit normals of its edges, outwards; in space its axes: unit normals of faces up to sign.
     std::vector<triple> normals;
-    /// Directions of edges, in space only.
+    /// Directions of edges, in space only; of a capsule or cylinder its axis.
     std::vector<triple> edges;
 };
+
+/// In the frame of the body.
+std::vector<piece> pieces_of(const shape& s, int dimension);
+piece moved(piece p, const state& at);
 
 /// How deep two pieces overlap (m): at least 0, and 0 if they do not.
 double overlap(const piece& a, const piece& b, int dimension);

@@ -9,10 +9,22 @@
 
 namespace bench {
 
+/// The kinds of shapes that scenes name.
+template <int D>
+struct kinds;
+template <>
+struct kinds<2> {
+    using type = physics::shapes<physics::ball, physics::capsule, physics::box, physics::hull, physics::rounded_box,
+                                 physics::segment, physics::chain>;
+};
+template <>
+struct kinds<3> {
+    using type = physics::shapes<physics::ball, physics::capsule, physics::box, physics::hull, physics::cylinder,
+                                 physics::mesh>;
+};
 /// What plays: the default narrowphase, broadphase and integrator, the solver by name.
 template <class S, int D, class Solver>
-struct lineup : physics::recipe<S, D, physics::shapes<physics::ball, physics::capsule, physics::box, physics::hull>,
-                                Solver> {};
+struct lineup : physics::recipe<S, D, typename kinds<D>::type, Solver> {};
 
 /// The one place where settings are made.
 template <class Settings>
@@ -20,7 +32,7 @@ Settings settings_for(const scene& s) {
     Settings with;
     for (int k = 0; k < s.dimension; ++k)
         with.gravity[k] = std::remove_cvref_t<decltype(with.gravity.x)>(s.gravity[static_cast<std::size_t>(k)]);
-    with.sleeping.enabled = false;
+    with.sleeping.enabled = s.sleeps;
     return with;
 }
 
@@ -85,19 +97,50 @@ public:
         def.material = {S(s.friction), S(s.restitution)};
         if (s.kind == form::ball) create(physics::ball<S, D>{S(s.radius)}, def);
         else if (s.kind == form::capsule) create(physics::capsule<S, D>{S(s.half[0]), S(s.radius)}, def);
-        else if (s.kind == form::box) create(physics::box<S, D>{to_vec<S, D>(s.half)}, def);
-        else create(hull_of(s.points), def);
+        else if (s.kind == form::box && s.radius == 0) create(physics::box<S, D>{to_vec<S, D>(s.half)}, def);
+        else if (s.kind == form::hull) create(hull_of(s), def);
+        else if constexpr (D == 2) make_flat(s, create, def);
+        else make_solid(s, create, def);
     }
 
 private:
-    physics::hull<S, D> hull_of(const std::vector<triple>& corners) {
-        const auto known = hulls_.find(corners);
-        if (known != hulls_.end()) return known->second.shape();
+    template <class Create, class Def>
+    static void make_flat(const shape& s, Create& create, const Def& def) {
+        const triple end = {s.half[0], 0, 0};
+        if (s.kind == form::box)
+            create(physics::rounded_box<S, 2>{to_vec<S, 2>(s.half), S(s.radius)}, def);
+        else if (s.kind == form::segment)
+            create(physics::segment<S, 2>{to_vec<S, 2>(end * -1), to_vec<S, 2>(end), S(0)}, def);
+        else {
+            const auto points = points_of(s);
+            create(physics::chain_geometry<S, 2>::build(points.data(), static_cast<std::uint32_t>(points.size()),
+                                                        {.loop = true})
+                       .shape(),
+                   def);
+        }
+    }
+    template <class Create, class Def>
+    static void make_solid(const shape& s, Create& create, const Def& def) {
+        if (s.kind == form::cylinder)
+            return create(physics::cylinder<S, 3>{S(s.half[0]), S(s.radius), S(0)}, def);
+        const auto points = points_of(s);
+        const auto built = physics::mesh_geometry<S, 3>::build(
+            points.data(), static_cast<std::uint32_t>(points.size()), s.triangles.data(),
+            static_cast<std::uint32_t>(s.triangles.size() / 3));
+        create(built.shape(), def);
+    }
+    static std::vector<physics::vec<S, D>> points_of(const shape& s) {
         std::vector<physics::vec<S, D>> points;
-        for (const triple& p : corners) points.push_back(to_vec<S, D>(p));
+        for (const triple& p : s.points) points.push_back(to_vec<S, D>(p));
+        return points;
+    }
+    physics::hull<S, D> hull_of(const shape& s) {
+        const auto known = hulls_.find(s.points);
+        if (known != hulls_.end()) return known->second.shape();
+        const auto points = points_of(s);
         const auto built =
             physics::hull_geometry<S, D>::build(points.data(), static_cast<std::uint32_t>(points.size()));
-        return hulls_.emplace(corners, built).first->second.shape();
+        return hulls_.emplace(s.points, built).first->second.shape();
     }
 
     std::map<std::vector<triple>, physics::hull_geometry<S, D>> hulls_;
@@ -146,6 +189,12 @@ public:
             for (int k = 0; k < c.count; ++k) touching = touching || c.points[k].normal_impulse > S(0);
             count += touching;
         }
+        return count;
+    }
+    [[nodiscard]] int awake() const override {
+        int count = 0;
+        for (const physics::body_id id : ids_)
+            count += world_->type(id) == physics::body_type::dynamic_body && !world_->is_asleep(id);
         return count;
     }
     [[nodiscard]] double contact_bytes() const override { return bytes_a_contact(*world_); }

@@ -24,6 +24,13 @@ inline shape box(const triple& half) {
     s.half = half;
     return s;
 }
+/// A line in the plane, along x.
+inline shape segment(double half) {
+    shape s;
+    s.kind = form::segment;
+    s.half = {half, 0, 0};
+    return s;
+}
 inline shape placed(shape s, const triple& at) {
     s.at = at;
     return s;

@@ -14,7 +14,7 @@ class box2d final : public engine {
 public:
     void begin(const scene& s) override {
         world_ = std::make_unique<b2World>(to_b2(s.gravity));
-        world_->SetAllowSleeping(false);
+        world_->SetAllowSleeping(s.sleeps);
         // Which sweeps a heap against what is driven once for each of its bodies: seconds a step.
         world_->SetContinuousPhysics(!s.drives());
     }
@@ -49,6 +49,11 @@ public:
         for (const b2Contact* c = world_->GetContactList(); c; c = c->GetNext()) count += c->IsTouching();
         return count;
     }
+    [[nodiscard]] int awake() const override {
+        int count = 0;
+        for (const b2Body* b : bodies_) count += b->GetType() == b2_dynamicBody && b->IsAwake();
+        return count;
+    }
 
 private:
     void add(const shape& s) {
@@ -66,6 +71,13 @@ private:
             bodies_.back()->CreateFixture(&def);
         };
         if (s.kind == form::ball) return disc({});
+        if (s.kind == form::segment) {
+            b2EdgeShape edge;
+            edge.SetTwoSided(to_b2(s.at + rotated(s.rotation, s.half * -1)), to_b2(s.at + rotated(s.rotation, s.half)));
+            def.shape = &edge;
+            bodies_.back()->CreateFixture(&def);
+            return;
+        }
         if (s.kind == form::box)
             polygon.SetAsBox(static_cast<float>(s.half[0]), static_cast<float>(s.half[1]), to_b2(s.at), angle);
         if (s.kind == form::hull) {
@@ -102,8 +114,8 @@ const enlisted here({.name = "box2d-2.4",
                                  " continuous unless bodies are driven",
                      .dimension = 2,
                      .make = [](int) -> std::unique_ptr<engine> { return std::make_unique<box2d>(); },
-                     // Its boxes reach ahead four times as far as bodies fly: there a step takes it seconds.
-                     .plays = [](const scene& s) { return s.name != "spinner"; }});
+                     // In spinner its boxes reach ahead four times as far as bodies fly: a step takes it seconds.
+                     .plays = [](const scene& s) { return !s.has(form::chain); }});
 
 }  // namespace
 

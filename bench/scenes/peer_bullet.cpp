@@ -24,13 +24,25 @@ public:
     void begin(const scene& s) override {
         world_ = std::make_unique<btDiscreteDynamicsWorld>(&dispatcher_, &broadphase_, &solver_, &configuration_);
         world_->setGravity(to_bt(s.gravity));
+        sleeps_ = s.sleeps;
     }
     void add(const body& b) override {
         const shape& s = b.shapes.front();
         const bool free = b.kind == role::free;
         if (s.kind == form::ball) shapes_.push_back(std::make_unique<btSphereShape>(static_cast<float>(s.radius)));
         else if (s.kind == form::box) shapes_.push_back(std::make_unique<btBoxShape>(to_bt(s.half)));
-        else {
+        else if (s.kind == form::capsule)
+            shapes_.push_back(std::make_unique<btCapsuleShapeX>(static_cast<float>(s.radius),
+                                                                static_cast<float>(2 * s.half[0])));
+        else if (s.kind == form::cylinder)
+            shapes_.push_back(std::make_unique<btCylinderShapeX>(to_bt({s.half[0], s.radius, s.radius})));
+        else if (s.kind == form::mesh) {
+            meshes_.push_back(std::make_unique<btTriangleMesh>());
+            for (std::size_t i = 0; i < s.triangles.size(); i += 3)
+                meshes_.back()->addTriangle(to_bt(s.points[s.triangles[i]]), to_bt(s.points[s.triangles[i + 1]]),
+                                            to_bt(s.points[s.triangles[i + 2]]));
+            shapes_.push_back(std::make_unique<btBvhTriangleMeshShape>(meshes_.back().get(), true));
+        } else {
             auto hull = std::make_unique<btConvexHullShape>();
             for (const triple& p : s.points) hull->addPoint(to_bt(p), false);
             hull->recalcLocalAabb();
@@ -54,7 +66,7 @@ public:
                          static_cast<float>(q[3])),
             to_bt(b.at));
         bodies_.push_back(std::make_unique<btRigidBody>(info));
-        bodies_.back()->setActivationState(DISABLE_DEACTIVATION);
+        if (!sleeps_) bodies_.back()->setActivationState(DISABLE_DEACTIVATION);
         world_->addRigidBody(bodies_.back().get());
         if (!free) return;
         bodies_.back()->setLinearVelocity(to_bt(b.velocity));
@@ -82,12 +94,19 @@ public:
         }
         return count;
     }
+    [[nodiscard]] int awake() const override {
+        int count = 0;
+        for (const auto& b : bodies_) count += !b->isStaticObject() && b->isActive();
+        return count;
+    }
 
 private:
     btDefaultCollisionConfiguration configuration_;
     btCollisionDispatcher dispatcher_{&configuration_};
     btDbvtBroadphase broadphase_;
     btSequentialImpulseConstraintSolver solver_;
+    bool sleeps_ = false;
+    std::vector<std::unique_ptr<btTriangleMesh>> meshes_;
     std::vector<std::unique_ptr<btCollisionShape>> shapes_;
     std::vector<std::unique_ptr<btRigidBody>> bodies_;
     std::unique_ptr<btDiscreteDynamicsWorld> world_;

@@ -24,8 +24,8 @@ public:
     void begin(const scene& s) override {
         space_ = cpSpaceNew();
         cpSpaceSetGravity(space_, cpv(s.gravity[0], s.gravity[1]));
-        // Its own default: nobody sleeps.
-        cpSpaceSetSleepTimeThreshold(space_, INFINITY);
+        // Its own default is that nothing sleeps.
+        cpSpaceSetSleepTimeThreshold(space_, s.sleeps ? 0.5 : INFINITY);
     }
     void add(const body& b) override {
         cpBody* const made = b.kind == role::fixed    ? cpBodyNewStatic()
@@ -68,6 +68,11 @@ public:
                 &count);
         return count;
     }
+    [[nodiscard]] int awake() const override {
+        int count = 0;
+        for (cpBody* b : bodies_) count += cpBodyGetType(b) == CP_BODY_TYPE_DYNAMIC && !cpBodyIsSleeping(b);
+        return count;
+    }
 
 private:
     void add(const shape& s) {
@@ -81,16 +86,27 @@ private:
                 for (const double y : {-x, x}) points.push_back(at({-x * s.half[0], y * s.half[1], 0}));
         for (const triple& p : s.points) points.push_back(at(p));
         cpBody* const b = bodies_.back();
+        if (s.kind == form::chain) {
+            for (std::size_t i = 0, n = points.size(); i < n; ++i) {
+                cpShape* const side = cpSegmentShapeNew(b, points[i], points[(i + 1) % n], 0);
+                cpSegmentShapeSetNeighbors(side, points[(i + n - 1) % n], points[(i + 2) % n]);
+                keep(side, s);
+            }
+            return;
+        }
         cpShape* made = nullptr;
         if (s.kind == form::ball) made = cpCircleShapeNew(b, s.radius, at({}));
-        else if (s.kind == form::capsule)
+        else if (s.kind == form::capsule || s.kind == form::segment)
             made = cpSegmentShapeNew(b, at({-s.half[0], 0, 0}), at({s.half[0], 0, 0}), s.radius);
-        else made = cpPolyShapeNew(b, static_cast<int>(points.size()), points.data(), cpTransformIdentity, 0);
+        else made = cpPolyShapeNew(b, static_cast<int>(points.size()), points.data(), cpTransformIdentity, s.radius);
+        keep(made, s);
+    }
+    void keep(cpShape* made, const shape& s) {
         // It multiplies the coefficients of both.
         cpShapeSetFriction(made, std::sqrt(s.friction));
         cpShapeSetElasticity(made, std::sqrt(s.restitution));
         shapes_.push_back(cpSpaceAddShape(space_, made));
-        if (cpBodyGetType(b) == CP_BODY_TYPE_DYNAMIC) cpShapeSetDensity(made, s.density);
+        if (cpBodyGetType(bodies_.back()) == CP_BODY_TYPE_DYNAMIC) cpShapeSetDensity(made, s.density);
     }
 
     cpSpace* space_ = nullptr;

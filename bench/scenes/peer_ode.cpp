@@ -24,6 +24,7 @@ public:
         world_ = dWorldCreate();
         space_ = dSweepAndPruneSpaceCreate(nullptr, dSAP_AXES_XZY);
         joints_ = dJointGroupCreate(0);
+        dWorldSetAutoDisableFlag(world_, s.sleeps);
         dWorldSetGravity(world_, s.gravity[0], s.gravity[1], s.gravity[2]);
     }
     void add(const body& b) override {
@@ -78,6 +79,11 @@ public:
         return to_triple(g);
     }
     [[nodiscard]] int contacts() const override { return contacts_; }
+    [[nodiscard]] int awake() const override {
+        int count = 0;
+        for (const dBodyID b : bodies_) count += b && dBodyIsEnabled(b);
+        return count;
+    }
 
 private:
     static triple to_triple(const dReal* v) { return {v[0], v[1], v[2]}; }

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -12,17 +13,22 @@ using triple = std::array<double, 3>;
 /// A unit quaternion x, y, z, w; scenes in the plane turn about z.
 using turn = std::array<double, 4>;
 
-enum class form { ball, capsule, box, hull };
+/// Cylinders and meshes are of space, segments and chains of the plane; the last three have no mass.
+enum class form { ball, capsule, box, hull, cylinder, segment, chain, mesh };
 enum class role { fixed, driven, free };
 
 struct shape {
     form kind = form::box;
-    /// Of a box: half its extents. Of a capsule: half[0] is half its segment, which lies along x.
+    /// Of a box: half its extents. Of a capsule, cylinder or segment: half[0] is half its length, along x and without
+    /// what is round of a capsule.
     triple half = {};
-    /// Of a ball or capsule.
+    /// Of a ball, capsule or cylinder; by how much a box is grown and rounded.
     double radius = 0;
-    /// Of a hull; in the plane counter-clockwise. Engines may want at most 8.
+    /// Of a hull; in the plane counter-clockwise. Engines may want at most 8. Of a chain, a loop whose front is to the
+    /// right on the way. Of a mesh.
     std::vector<triple> points;
+    /// Of a mesh: three numbers of points for each, counter-clockwise as seen from the front.
+    std::vector<std::uint32_t> triangles;
     triple at = {};
     turn rotation = {0, 0, 0, 1};
     double density = 1, friction = 0.6, restitution = 0;
@@ -56,6 +62,8 @@ struct scene {
     triple gravity = {0, -10, 0};
     double dt = 1.0 / 60;
     int steps = 300;
+    /// Whether bodies may fall asleep.
+    bool sleeps = false;
     std::vector<body> bodies;
     std::vector<swing> swings;
     /// Bodies on top of structures, which should stay where they are.
