@@ -3,11 +3,13 @@
 //     bash bench/run scenes [--quick] [2d] [3d] [SCENE ...]     all scenes, or these; --quick: small ones
 //         [--only ENGINE,...]   these engines      [--rounds N]   timed rounds (3)     [--steps N]   so many steps
 //         [--stages]            one line more: ours by stage     [--list]   scenes and engines
+//         [--rest]              piles to rest instead, for up to 10,000 steps, each with sleeping off and on: an hour
+//                               for all engines, ten minutes for one by --only
 //         [--scaling]           many pyramids from 1,000 to 100,000 bodies: what a body costs
 //
 // Scenes are told to all engines in the same plain numbers (scenes/scene.hpp). Every adapter says what the engine made
-// of them, and the masses, poses, velocities and the gravity are compared before the first step. Sleeping and damping
-// are off, all else is as it ships: the settings are printed. The first run of an engine is for the judge (see
+// of them, and the masses, poses, velocities and the gravity are compared before the first step. Damping is off, and so
+// is sleeping but in --rest; all else is as it ships: the settings are printed. The first run of an engine is for the judge (see
 // scenes/judge.hpp), the others are for the clock, and engines take turns within each round. Bytes a body are what the
 // engine has taken of the heap by the end; bytes a contact are those of an image of the world, less those of the image
 // without contacts and what is remembered of pairs, for each contact that there is. Peers do not tell.
@@ -23,6 +25,8 @@
 #include "scenes/judge.hpp"
 #include "scenes/makers.hpp"
 #include "scenes/report.hpp"
+#include "scenes/rest.hpp"
+#include "scenes/run.hpp"
 
 namespace bench {
 
@@ -32,7 +36,7 @@ double held_bytes() {
 }
 
 struct plan {
-    bool quick = false, stages = false, scaling = false, list = false, flat = false, solid = false;
+    bool quick = false, stages = false, scaling = false, rest = false, list = false, flat = false, solid = false;
     int rounds = 3, steps = 0;
     std::vector<std::string> scenes, only;
 
@@ -45,36 +49,6 @@ struct plan {
         if (flat != solid && m.dimension != (flat ? 2 : 3)) return false;
         return scenes.empty() || std::find(scenes.begin(), scenes.end(), m.name) != scenes.end();
     }
-};
-
-/// An engine in the middle of a scene.
-class run {
-public:
-    run(const scene& s, const contestant& c) : scene_(s), engine_(c.make(s.dimension)) {
-        engine_->begin(s);
-        born();
-    }
-    void step() {
-        for (const swing& w : scene_.swings)
-            engine_->drive(w.body, {w.speed(done_ * scene_.dt, scene_.dt), 0, 0}, {});
-        const stopwatch clock;
-        engine_->step(scene_.dt);
-        last_ = clock.ns() / 1e6;
-        ++done_;
-        born();
-    }
-    [[nodiscard]] double last_ms() const { return last_; }
-    [[nodiscard]] const engine& it() const { return *engine_; }
-
-private:
-    void born() {
-        while (next_ < scene_.bodies.size() && scene_.bodies[next_].born <= done_) engine_->add(scene_.bodies[next_++]);
-    }
-    const scene& scene_;
-    std::unique_ptr<engine> engine_;
-    std::size_t next_ = 0;
-    int done_ = 0;
-    double last_ = 0;
 };
 
 void judge_run(const scene& s, score& to) {
@@ -126,11 +100,50 @@ void play(const scene& s, const std::vector<contestant>& all, const plan& p, pro
     if (!scores.empty()) out.add(s, scores);
 }
 
+int rest_of(const std::vector<contestant>& all, const plan& p) {
+    rest_report out("bench/out/rest.csv");
+    progress bar;
+    bool good = true;
+    std::vector<scene> scenes;
+    for (const maker& m : piles())
+        if (p.wants(m)) scenes.push_back(m.make(p.quick));
+    for (scene& s : scenes) {
+        if (p.steps > 0) s.steps = p.steps;
+        for (const contestant& c : all) bar.total += c.joins(s) * 2 * (s.steps / 10);
+    }
+    for (scene& s : scenes)
+        for (const bool sleeps : {false, true}) {
+            s.sleeps = sleeps;
+            rest_report::head(s);
+            for (const contestant& c : all) {
+                if (!c.joins(s)) continue;
+                std::string complaint;
+                const rest found = play_to_rest(s, c, complaint, [&](int step) {
+                    if (step % 10 == 0) bar.show(s.name + (sleeps ? ", sleeping: " : ": ") + c.name);
+                });
+                bar.clear();
+                if (complaint.empty()) out.add(s, c, found);
+                else std::printf("NOT THE SAME SCENE: %s %s\n", c.name.c_str(), complaint.c_str()), good = false;
+            }
+        }
+    rest_report::legend();
+    for (const contestant& c : all) std::printf("%-16s%s\n", c.name.c_str(), c.settings.c_str());
+    return good ? 0 : 1;
+}
+
 int list(const std::vector<contestant>& all) {
     for (const maker& m : makers()) std::printf("%-16s%dD  %s\n", m.name, m.dimension, m.about);
+    std::puts("\n--rest:");
+    for (const maker& m : piles()) std::printf("%-16s%dD  %s\n", m.name, m.dimension, m.about);
     std::puts("");
     for (const contestant& c : all) std::printf("%-16s%s\n", c.name.c_str(), c.settings.c_str());
     return 0;
+}
+
+bool knows(const plan& p, const std::string& name) {
+    for (const maker& m : p.rest ? piles() : makers())
+        if (m.name == name) return true;
+    return false;
 }
 
 int main_of(const plan& p) {
@@ -140,6 +153,7 @@ int main_of(const plan& p) {
     });
     if (p.list) return list(all);
     all.erase(std::remove_if(all.begin(), all.end(), [&](const contestant& c) { return !p.wants(c); }), all.end());
+    if (p.rest) return rest_of(all, p);
     const std::string name = p.scaling ? "bench/out/scaling" : "bench/out/scenes";
     report out(name + ".csv", name + ".md");
     std::vector<scene> scenes;
@@ -170,6 +184,7 @@ int main(int count, char** arguments) {
         if (a == "--quick") plan.quick = true;
         else if (a == "--stages") plan.stages = true;
         else if (a == "--scaling") plan.scaling = true;
+        else if (a == "--rest") plan.rest = true;
         else if (a == "--list") plan.list = true;
         else if (a == "2d") plan.flat = true;
         else if (a == "3d") plan.solid = true;
@@ -179,10 +194,10 @@ int main(int count, char** arguments) {
             for (const char* c = value; *c; c += std::strcspn(c, ","), c += *c == ',')
                 plan.only.emplace_back(c, std::strcspn(c, ","));
             ++i;
-        } else if (std::any_of(bench::makers().begin(), bench::makers().end(),
-                               [&](const bench::maker& m) { return m.name == a; }))
-            plan.scenes.push_back(a);
-        else return std::fprintf(stderr, "what is %s? --list says which scenes there are\n", a.c_str()), 2;
+        } else plan.scenes.push_back(a);
     }
+    for (const std::string& name : plan.scenes)
+        if (!bench::knows(plan, name))
+            return std::fprintf(stderr, "what is %s? --list says which scenes there are\n", name.c_str()), 2;
     return bench::main_of(plan);
 }
