@@ -73,7 +73,8 @@ struct turning_bodies {
         }
     }
     /// Some of them, in lanes; what their spins have changed by goes to `changed`.
-    void advance_in_lanes(std::size_t first, std::size_t count, S h, std::vector<physics::twist<S, 3>>& changed) {
+    void advance_in_lanes(std::size_t first, std::size_t count, S h, std::vector<physics::twist<S, 3>>& changed,
+                          int parts = 1) {
         std::vector<physics::solver_body<S, 3>> some(count + 2);
         std::copy_n(solved.begin() + static_cast<std::ptrdiff_t>(first), count, some.begin());
         physics::arena scratch;
@@ -81,12 +82,93 @@ struct turning_bodies {
         physics::detail::pose_lanes<S, 3, true> lanes({some.data(), static_cast<std::uint32_t>(count + 2)},
                                                       moved.data() + first, scratch);
         std::vector<physics::twist<S, 3>> begun(count + 2);
-        lanes.advance(h, begun.data());
+        for (int i = 0; i < parts; ++i) lanes.advance(h, begun.data());
         lanes.finish();
         std::copy_n(some.begin(), count, solved.begin() + static_cast<std::ptrdiff_t>(first));
         changed.assign(begun.begin(), begun.end());
     }
 };
+/// |L| of a body, in double.
+double momentum_of(const turning_bodies& b, std::size_t k) {
+    const auto turn = [&](const reals& v, double way) {
+        const auto& q = b.moved[k].rotation;
+        const reals u = to_reals(q.imaginary()) * way;
+        const double w = cell::number(q.w), unit = dot(u, u) + w * w;
+        return v + (cross(u, v) * w + cross(u, cross(u, v))) * (2 / unit);
+    };
+    const reals spin = turn(to_reals(b.solved[k].velocity.angular), -1);
+    const auto& i = b.tops[k].mass.inertia;
+    const auto row = [&](S x, S y, S z) {
+        return cell::number(x) * spin.x + cell::number(y) * spin.y + cell::number(z) * spin.z;
+    };
+    return size(reals{row(i.xx, i.xy, i.xz), row(i.xy, i.yy, i.yz), row(i.xz, i.yz, i.zz)});
+}
+CELL_CASE("integrator: free spins neither gain nor lose momentum in the mean, and no more with more substeps") {
+    constexpr std::size_t count = 96;
+    constexpr int steps = 60;
+    std::vector<double> spread;
+    // In lanes, in parts; and one by one.
+    for (const int parts : {1, 4, 0}) {
+        cell::dice dice(2050);
+        turning_bodies b(dice, count);
+        std::vector<double> start;
+        for (std::size_t k = 0; k < count; ++k) {
+            const auto diagonal = physics::symmetric<S>::diagonal(dice.real(1, 2), dice.real(1, 2), dice.real(1, 2));
+            // Half of them with principal axes that are not the body's.
+            b.tops[k].mass.inertia = k % 2 ? rotated(diagonal, matrix(b.moved[k].rotation)) : diagonal;
+            b.tops[k].inverse_inertia = physics::inverted_inertia(b.tops[k].mass.inertia);
+            b.tops[k].spin = physics::free_spin<S, 3>(b.tops[k].mass.inertia);
+            b.moved[k].top = &b.tops[k];
+            b.solved[k].velocity.angular = dice.vec<vec>(-4, 4);
+            start.push_back(momentum_of(b, k));
+        }
+        const S h = S(1.0 / (64 * (parts > 0 ? parts : 1)));
+        std::vector<physics::twist<S, 3>> changed;
+        for (int i = 0; i < steps; ++i) {
+            if (parts > 0) b.advance_in_lanes(0, count, h, changed, parts);
+            else for (std::size_t k = 0; k < count; ++k)
+                physics::detail::turn_freely(b.moved[k], b.solved[k].velocity.angular, h);
+        }
+        double mean = 0, square = 0;
+        for (std::size_t k = 0; k < count; ++k) {
+            const double change = momentum_of(b, k) / start[k] - 1;
+            mean += change / count;
+            square += change * change / count;
+        }
+        CAPTURE(parts);
+        // Of roundings to either side the mean is 0, up to five of its deviations.
+        CHECK(std::abs(mean) <= 5 * std::sqrt(square / count));
+        spread.push_back(std::sqrt(square));
+    }
+    for (const double s : spread) CHECK(s <= 4 * std::sqrt(double(steps)) * epsilon);
+    CHECK(spread[1] <= 1.5 * spread[0]);
+}
+CELL_CASE("integrator: the principal axes that spins keep are rounded without a stretch") {
+    cell::dice dice(2060);
+    double error[2]{};
+    for (int i = 0; i < 300; ++i) {
+        const auto a = normalized(physics::rotation<double, 3>{dice.number(-1, 1), dice.number(-1, 1),
+                                                               dice.number(-1, 1), dice.number(-1, 1)});
+        const physics::rotation<S, 3> nearest{S(a.x), S(a.y), S(a.z), S(a.w)};
+        for (const bool fitted : {false, true}) {
+            const auto r = fitted ? physics::detail::rounded_rotation<S>(a) : nearest;
+            const double wanted[] = {a.x, a.y, a.z, a.w};
+            const S got[] = {r.x, r.y, r.z, r.w};
+            // The squares and what rounding has cut off them.
+            double square = -1, rest = 0;
+            for (int k = 0; k < 4; ++k) {
+                const double x = cell::number(got[k]), xx = x * x, sum = square + xx;
+                rest += std::fma(x, x, -xx) + (std::abs(square) > xx ? square - sum + xx : xx - sum + square);
+                square = sum;
+                REQUIRE(std::abs(x - wanted[k]) <= 2.5 * epsilon);
+            }
+            error[fitted] += std::abs(square + rest);
+        }
+    }
+    CHECK(error[1] <= 0.2 * error[0]);
+    // What is exact stays so.
+    CHECK(physics::detail::rounded_rotation<S>({}) == physics::rotation<S, 3>{});
+}
 CELL_CASE("integrator: a flywheel keeps its spin, however large its moment is beside the others") {
     for (const double large : {0.3, 3.0, 30.0}) {
         cell::dice dice(2000);

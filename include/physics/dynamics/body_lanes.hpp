@@ -20,6 +20,11 @@ struct lanes3 {
     PHYSICS_HPP_ALWAYS_INLINE static lanes3 load(const typename P::scalar (&from)[3][P::width]) {
         return {P::load(from[0]), P::load(from[1]), P::load(from[2])};
     }
+    PHYSICS_HPP_ALWAYS_INLINE void store(typename P::scalar (&to)[3][P::width]) const {
+        x.store(to[0]);
+        y.store(to[1]);
+        z.store(to[2]);
+    }
 };
 template <class P>
 PHYSICS_HPP_ALWAYS_INLINE P lane_dot(const lanes3<P>& a, const lanes3<P>& b) {

@@ -1,6 +1,8 @@
 // How bodies turn on which no torque acts.
 #pragma once
 
+#include <limits>
+
 #include "physics/space/space.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -38,6 +40,34 @@ inline principal_axes principal_axes_of(const symmetric<double>& inertia) {
     p.moments[1] = m.yy;
     p.moments[2] = m.zz;
     return p;
+}
+
+/// a rounded so that its length is as near to 1 as can be: of the numbers next to its coordinates those that fit best.
+/// A rotation by which others are multiplied in every step would stretch or shrink them always in the same sense.
+template <class S>
+rotation<S, 3> rounded_rotation(const rotation<double, 3>& a) {
+    const S plain[] = {S(a.x), S(a.y), S(a.z), S(a.w)};
+    rotation<S, 3> best;
+    std::int64_t least = std::numeric_limits<std::int64_t>::max();
+    for (int n = 0; n < 81 && least > 4; ++n) {
+        S r[4];
+        // |r|^2 - 1 in parts of 2^-60.
+        int128 sum{};
+        for (int i = 0, digits = n; i < 4; ++i, digits /= 3) {
+            const S step = is_fixed<S> ? scalar_traits<S>::epsilon() : plain[i] * scalar_traits<S>::epsilon();
+            r[i] = plain[i] + step * S(digits % 3 == 2 ? -1 : digits % 3);
+            // Fixed point does not take halves as they are: products with them would often lie midway between two
+            // numbers, and be rounded away from 0.
+            if (is_fixed<S> && a.x == a.y && a.x != 0 && i < 2) r[i] += i == 0 ? step : -step;
+            const auto units = static_cast<std::int64_t>(static_cast<double>(r[i]) * 0x1p60);
+            sum = sum + product128(units, units);
+        }
+        const std::int64_t error = (sum >> 60).low() - (std::int64_t{1} << 60), size = error < 0 ? -error : error;
+        if (!(size < least)) continue;
+        least = size;
+        best = {r[0], r[1], r[2], r[3]};
+    }
+    return best;
 }
 
 }  // namespace detail
@@ -80,7 +110,7 @@ struct free_spin<S, 3> {
             for (int i = 0; i < 3; ++i) inverse[(i + 1) % 3] = before[i];
             moments = {moments.z, moments.x, moments.y};
         }
-        axes = {S(p.axes.x), S(p.axes.y), S(p.axes.z), S(p.axes.w)};
+        axes = detail::rounded_rotation<S>(p.axes);
         first = inverse_of<S>(inverse[0]);
         second = inverse_of<S>(inverse[1] - inverse[0]);
         third = inverse_of<S>(inverse[2] - inverse[0]);

@@ -16,14 +16,19 @@ struct rotation_lanes {
 
     [[nodiscard]] PHYSICS_HPP_ALWAYS_INLINE lanes3<P> imaginary() const { return {x, y, z}; }
     [[nodiscard]] PHYSICS_HPP_ALWAYS_INLINE rotation_lanes inverse() const { return {-x, -y, -z, w}; }
-    [[nodiscard]] PHYSICS_HPP_ALWAYS_INLINE P squared_norm() const {
-        return narrow<typename P::scalar>(product(x, x) + product(y, y) + product(z, z) + product(w, w));
+    /// As norm_lack.
+    [[nodiscard]] PHYSICS_HPP_ALWAYS_INLINE P norm_lack() const {
+        const P one = P::broadcast(typename P::scalar(1));
+        return narrow<typename P::scalar>(product(one, one) - product(w, w) - product(x, x) - product(y, y) -
+                                          product(z, z));
     }
 };
+/// As rotated_as_unit; lack: that of q.
 template <class P>
-PHYSICS_HPP_ALWAYS_INLINE lanes3<P> lane_rotated(const rotation_lanes<P>& q, const lanes3<P>& v) {
-    const lanes3<P> half = lane_cross(q.imaginary(), v), t = lane_add(half, half);
-    return lane_add(lane_add(v, {t.x * q.w, t.y * q.w, t.z * q.w}), lane_cross(q.imaginary(), t));
+PHYSICS_HPP_ALWAYS_INLINE lanes3<P> lane_rotated(const rotation_lanes<P>& q, const P& lack, const lanes3<P>& v) {
+    const lanes3<P> c = lane_cross(q.imaginary(), v);
+    const lanes3<P> half = {c.x + c.x * lack, c.y + c.y * lack, c.z + c.z * lack}, t = lane_add(half, half);
+    return lane_add(v, lane_add({t.x * q.w, t.y * q.w, t.z * q.w}, lane_cross(q.imaginary(), t)));
 }
 /// First b, then a.
 template <class P>
@@ -47,6 +52,9 @@ struct spin_lanes {
     S axes[4][W];
     S moments[3][W];
     I first[W], second[W], third[W];
+    /// Of tops: the angular velocity that the last turn has left, and the angular momentum that belongs to it: so that
+    /// a momentum that nothing changes is not rounded again in each part of a step.
+    S known[3][W], momentum[3][W];
     bool any_top;
 };
 
@@ -126,6 +134,7 @@ private:
         if (of.any_top) spin(of, h, frame, axes, w, far);
         else axes = turned(frame, angle, far);
         if (far != 0) turn_far(of, h, far, before, axes, w);
+        if (of.any_top) w.store(of.known);
         axes.x.store(of.axes[0]);
         axes.y.store(of.axes[1]);
         axes.z.store(of.axes[2]);
@@ -137,13 +146,18 @@ private:
             if (of.moments[0][lane] > S(0)) begun[of.body[lane]].angular += lane_of(change, lane);
     }
     /// As turn_freely, for tops; others turn by their velocity.
-    PHYSICS_HPP_ALWAYS_INLINE static void spin(const block& of, S h, const rotation_lanes<P>& frame,
-                                               rotation_lanes<P>& axes, lanes3<P>& w, std::uint32_t& far) {
-        const P zero = P::broadcast(S(0)), half = P::broadcast(h * S(0.5)), whole = P::broadcast(h);
-        const lanes3<P> moments = lanes3<P>::load(of.moments), own = lane_rotated(frame.inverse(), w);
+    PHYSICS_HPP_ALWAYS_INLINE static void spin(block& of, S h, const rotation_lanes<P>& frame, rotation_lanes<P>& axes,
+                                               lanes3<P>& w, std::uint32_t& far) {
+        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1)), half = P::broadcast(h * S(0.5)),
+                whole = P::broadcast(h), lack = frame.norm_lack();
+        const lanes3<P> moments = lanes3<P>::load(of.moments);
+        const lanes3<P> gain = lane_rotated(frame.inverse(), lack, lane_subtract(w, lanes3<P>::load(of.known)));
+        const lanes3<P> momentum = lane_add(
+            lanes3<P>::load(of.momentum),
+            lane_rotated(frame, lack, {moments.x * gain.x, moments.y * gain.y, moments.z * gain.z}));
+        momentum.store(of.momentum);
         const Q first = Q::load(of.first), second = Q::load(of.second), third = Q::load(of.third);
-        lanes3<P> seen = {moments.x * own.x, moments.y * own.y, moments.z * own.z};
-        const lanes3<P> momentum = lane_rotated(frame, seen);
+        lanes3<P> seen = lane_rotated(frame.inverse(), lack, momentum);
         turn_about(axes.y, axes.z, axes.x, axes.w, seen.z, seen.x, mul<S>(second, seen.y) * half, far);
         turn_about(axes.z, axes.x, axes.y, axes.w, seen.x, seen.y, mul<S>(third, seen.z) * whole, far);
         turn_about(axes.y, axes.z, axes.x, axes.w, seen.z, seen.x, mul<S>(second, seen.y) * half, far);
@@ -156,12 +170,12 @@ private:
                                  of_tops(mul<S>(first, momentum.z), w.z) * whole};
         axes = turned(start, angle, far);
         // Momentum as it was, not as the turns have rounded it; and quotients, which undo the products: a factor that
-        // is an ulp off would act in every substep.
-        const lanes3<P> kept = lane_rotated(axes.inverse(), momentum);
-        const P one = P::broadcast(S(1));
+        // is an ulp off would act in every step.
+        const P left = axes.norm_lack();
+        const lanes3<P> kept = lane_rotated(axes.inverse(), left, momentum);
         const lanes3<P> spinning = {kept.x / of_tops(moments.x, one), kept.y / of_tops(moments.y, one),
                                     kept.z / of_tops(moments.z, one)};
-        const lanes3<P> after = lane_rotated(axes, spinning);
+        const lanes3<P> after = lane_rotated(axes, left, spinning);
         w = {of_tops(after.x, w.x), of_tops(after.y, w.y), of_tops(after.z, w.z)};
     }
     /// Lanes that turn so far that it takes trigonometry: anew, one by one.
@@ -169,16 +183,13 @@ private:
                                    rotation_lanes<P>& axes, lanes3<P>& w) const {
         for (int lane = 0; lane < width; ++lane) {
             if ((far >> lane & 1) == 0 || of.body[lane] == bodies_.spare()) continue;
-            moving_body<S, 3> b = moving_[of.body[lane]];
+            const auto* top = moving_[of.body[lane]].top;
             vec<S, 3> v = lane_of(before, lane);
             rotation<S, 3> now = axes_of(of, lane);
-            if (b.top) {
-                b.rotation = now * inverse(b.top->spin.axes);
-                turn_freely(b, v, h);
-                now = b.rotation * b.top->spin.axes;
-            } else {
+            if (top)
+                v = turn_top(top->spin, now, {of.momentum[0][lane], of.momentum[1][lane], of.momentum[2][lane]}, h);
+            else
                 now = physics::turned(now, v * h);
-            }
             axes.x.set_lane(lane, now.x);
             axes.y.set_lane(lane, now.y);
             axes.z.set_lane(lane, now.z);
@@ -198,21 +209,18 @@ private:
         for (const double term : {17.0 / 315, 2.0 / 15, 1.0 / 3, 1.0}) sum = P::broadcast(S(term)) + xx * sum;
         return sum;
     }
-    PHYSICS_HPP_ALWAYS_INLINE static P repair_of(const P& squared_length) {
-        return P::broadcast(S(1.5)) - P::broadcast(S(0.5)) * squared_length;
-    }
     /// As axis_turn, about the axis q of a frame (q, i, j, w), of which the seen (u, v) turn back.
     PHYSICS_HPP_ALWAYS_INLINE static void turn_about(P& q, P& i, P& j, P& w, P& u, P& v, const P& angle,
                                                      std::uint32_t& far) {
         const P one = P::broadcast(S(1)), quarter = angle * P::broadcast(S(0.25));
         far |= greater(lane_abs(quarter), P::broadcast(S(0.25))).bits();
         const P t = quarter * tangent_ratio_of(quarter * quarter), tt = t * t, scale = one / (one + tt);
-        const P cosine = (one - tt) * scale, sine = (t + t) * scale;
-        const P repair = repair_of(lane_sum(cosine, cosine, sine, sine)), c = cosine * repair, s = sine * repair;
-        const P new_q = lane_sum(w, s, q, c), new_w = lane_difference(w, c, q, s);
-        const P new_i = lane_sum(i, c, j, s), new_j = lane_difference(j, c, i, s);
-        const P twice = s + s, back = twice * c, on = one - twice * s;
-        const P new_u = lane_sum(u, on, v, back), new_v = lane_difference(v, on, u, back);
+        // One minus the cosine: what is added to numbers is small then, and rounds them once.
+        const P sine = (t + t) * scale, less = (tt + tt) * scale;
+        const P new_q = q + lane_difference(w, sine, q, less), new_w = w - lane_sum(w, less, q, sine);
+        const P new_i = i + lane_difference(j, sine, i, less), new_j = j - lane_sum(j, less, i, sine);
+        const P twice = sine + sine, back = twice - twice * less, off = twice * sine;
+        const P new_u = u + lane_difference(v, back, u, off), new_v = v - lane_sum(v, off, u, back);
         q = new_q;
         w = new_w;
         i = new_i;
@@ -231,9 +239,10 @@ private:
         const lanes3<P> t = scaled(quarter, tangent_ratio_of(xx));
         const P tt = lane_dot(t, t), scale = one / (one + tt);
         const lanes3<P> v = scaled(t, scale + scale);
-        const rotation_lanes<P> r = lane_combine(rotation_lanes<P>{v.x, v.y, v.z, (one - tt) * scale}, a);
-        const P repair = repair_of(r.squared_norm());
-        return {r.x * repair, r.y * repair, r.z * repair, r.w * repair};
+        const rotation_lanes<P> change = lane_combine(rotation_lanes<P>{v.x, v.y, v.z, -((tt + tt) * scale)}, a);
+        const rotation_lanes<P> r{a.x + change.x, a.y + change.y, a.z + change.z, a.w + change.w};
+        const P lack = r.norm_lack() * P::broadcast(S(0.5));
+        return {r.x + r.x * lack, r.y + r.y * lack, r.z + r.z * lack, r.w + r.w * lack};
     }
 
     solver_bodies<S, 3> bodies_;

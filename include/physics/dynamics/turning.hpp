@@ -31,6 +31,25 @@ private:
     rotation<S, 2> half_;
 };
 
+/// Turns a body by its own inertia for a time h: its principal axes, with a momentum that stays; gives the angular
+/// velocity at the end.
+template <class S>
+constexpr vec<S, 3> turn_top(const free_spin<S, 3>& spin, rotation<S, 3>& axes, const vec<S, 3>& momentum, S h) {
+    vec<S, 3> seen = rotated_as_unit(inverse(axes), momentum);
+    const auto turn_about = [&](int axis, inverse_of<S> by, S time) {
+        if (by != inverse_of<S>(0)) axis_turn<S>(mul<S>(by, seen[axis]) * time).apply(axis, axes, seen);
+    };
+    turn_about(1, spin.second, h * S(0.5));
+    turn_about(2, spin.third, h);
+    turn_about(1, spin.second, h * S(0.5));
+    vec<S, 3> angle;
+    for (int i = 0; i < 3; ++i) angle[i] = mul<S>(spin.first, momentum[i]) * h;
+    axes = turned(axes, angle);
+    vec<S, 3> w = rotated_as_unit(inverse(axes), momentum);
+    for (int i = 0; i < 3; ++i) w[i] = w[i] / spin.moments[i];
+    return rotated_as_unit(axes, w);
+}
+
 /// Turns a body on which no torque acts for a time h. Its energy of motion is split into parts whose motions are known:
 /// a turn about the angular momentum, as if all moments were the first, and turns about two principal axes for what is
 /// left of these. Momentum is kept to rounding, whatever the spin and however thin the body; the energy errs with the
@@ -38,20 +57,12 @@ private:
 /// the Euler equations (1993); Hairer, Lubich, Wanner, Geometric Numerical Integration, VII.5.
 template <class S>
 constexpr void turn_freely(moving_body<S, 3>& b, vec<S, 3>& angular_velocity, S h) {
-    const body<S, 3>& top = *b.top;
-    const vec<S, 3> momentum = b.rotation * times(top.mass.inertia, inverse_rotate(b.rotation, angular_velocity));
-    rotation<S, 3> axes = b.rotation * top.spin.axes;
-    vec<S, 3> seen = inverse_rotate(axes, momentum);
-    const auto turn_about = [&](int axis, inverse_of<S> by, S time) {
-        if (by != inverse_of<S>(0)) axis_turn<S>(mul<S>(by, seen[axis]) * time).apply(axis, axes, seen);
-    };
-    turn_about(1, top.spin.second, h * S(0.5));
-    turn_about(2, top.spin.third, h);
-    turn_about(1, top.spin.second, h * S(0.5));
-    vec<S, 3> angle;
-    for (int i = 0; i < 3; ++i) angle[i] = mul<S>(top.spin.first, momentum[i]) * h;
-    b.rotation = turned(axes, angle) * inverse(top.spin.axes);
-    angular_velocity = b.rotation * times(top.inverse_inertia, inverse_rotate(b.rotation, momentum));
+    const free_spin<S, 3>& spin = b.top->spin;
+    rotation<S, 3> axes = b.rotation * spin.axes;
+    vec<S, 3> momentum = rotated_as_unit(inverse(axes), angular_velocity);
+    for (int i = 0; i < 3; ++i) momentum[i] = spin.moments[i] * momentum[i];
+    angular_velocity = turn_top(spin, axes, rotated_as_unit(axes, momentum), h);
+    b.rotation = axes * inverse(spin.axes);
 }
 
 }  // namespace detail

@@ -66,6 +66,20 @@ template <class S>
 constexpr S squared_norm(rotation<S, 3> a) {
     return narrow<S>(wide_dot(a.imaginary(), a.imaginary()) + product(a.w, a.w));
 }
+/// 1 - |a|^2 of what is nearly a rotation. Nothing is rounded near 1, where numbers above are coarser than those below
+/// and a mean of roundings is not 0.
+template <class S>
+constexpr S norm_lack(rotation<S, 3> a) {
+    return narrow<S>(product(S(1), S(1)) - product(a.w, a.w) - product(a.x, a.x) - product(a.y, a.y) -
+                     product(a.z, a.z));
+}
+/// a * v as if a had length 1, off which it may be by rounding: the length of v is kept to the rounding of v, with no
+/// bias, which a * v would stretch or shrink each time in the same sense.
+template <class S>
+constexpr vec<S, 3> rotated_as_unit(rotation<S, 3> a, vec<S, 3> v) {
+    const vec<S, 3> half = cross(a.imaginary(), v), t = (half + half * norm_lack(a)) * S(2);
+    return v + (t * a.w + cross(a.imaginary(), t));
+}
 }  // namespace detail
 
 /// | |a|^2 - 1 |: how far a is from a rotation.
@@ -104,9 +118,11 @@ constexpr rotation<S, 3> turned(rotation<S, 3> a, vec<S, 3> angle) {
     const S tt = dot(t, t);
     const S scale = S(1) / (S(1) + tt);
     const vec<S, 3> v = t * (scale + scale);
-    const rotation<S, 3> r = rotation<S, 3>{v.x, v.y, v.z, (S(1) - tt) * scale} * a;
-    const S repair = detail::length_repair(detail::squared_norm(r));
-    return {r.x * repair, r.y * repair, r.z * repair, r.w * repair};
+    // What is added is small where the angle is, so that a is rounded once.
+    const rotation<S, 3> change = rotation<S, 3>{v.x, v.y, v.z, -((tt + tt) * scale)} * a;
+    const rotation<S, 3> r{a.x + change.x, a.y + change.y, a.z + change.z, a.w + change.w};
+    const S lack = detail::norm_lack(r) * S(0.5);
+    return {r.x + r.x * lack, r.y + r.y * lack, r.z + r.z * lack, r.w + r.w * lack};
 }
 
 PHYSICS_HPP_END
