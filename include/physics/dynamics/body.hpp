@@ -84,6 +84,8 @@ struct body {
     bool is_gyroscopic = false;
     bool mass_is_set = false;
     bool has_target = false;
+    /// True while its velocity is that with which it has reached a target: it does not go on with it.
+    bool at_target = false;
     bool continuous = false;
 
     /// The pose of the body's own frame, in which its shapes lie.
@@ -91,6 +93,14 @@ struct body {
     constexpr void set_pose(const transform<S, D>& pose) {
         rotation = pose.rotation;
         center = pose * mass.center;
+    }
+    /// Its velocity as a step of h seconds begins: towards its target, if it has one; 0 if it has just reached one.
+    [[nodiscard]] twist_of<S, D, Turns> velocity_ahead(S h) const {
+        if (!has_target) return at_target ? twist_of<S, D, Turns>{} : velocity;
+        twist_of<S, D, Turns> v;
+        v.linear = (target * mass.center - center) / h;
+        if constexpr (Turns) v.angular = rotation_vector(target.rotation * inverse(rotation)) / h;
+        return v;
     }
     [[nodiscard]] constexpr bool is_dynamic() const { return type == body_type::dynamic_body; }
     /// True if a force or torque waits to act on it.

@@ -138,7 +138,8 @@ template <class Plan>
 void move_to(state<Plan>& s, std::uint32_t index, vec<typename Plan::scalar, Plan::dimension> position,
              const rotation<typename Plan::scalar, Plan::dimension>& orientation) {
     auto& b = s.bodies[index];
-    const auto turn = normalized(orientation);
+    // As it is turned, to the bit: it stands then.
+    const auto turn = orientation == b.rotation ? b.rotation : normalized(orientation);
     // Neither what the body was made with, nor what it says that it has.
     if (!Plan::turns && !(orientation == b.rotation) && !(turn == b.rotation)) {
         refuse("move_to", "orientation", "another one", "the recipe leaves rotation out");
@@ -148,6 +149,14 @@ void move_to(state<Plan>& s, std::uint32_t index, vec<typename Plan::scalar, Pla
     b.target = pose;
     b.has_target = true;
     if (!(pose == b.pose())) rouse_near(s, index, pose);
+}
+
+/// A velocity that the user gives a body takes the place of one that it has from a target.
+template <class Plan>
+auto& velocity_to_set(state<Plan>& s, std::uint32_t index) {
+    auto& b = s.bodies[index];
+    if (std::exchange(b.at_target, false)) b.velocity = {};
+    return b.velocity;
 }
 
 template <class Plan>
@@ -177,6 +186,7 @@ void set_type(state<Plan>& s, std::uint32_t index, body_type type) {
         b.torque = {};
     }
     b.has_target = false;
+    b.at_target = false;
     b.type = type;
     s.movers_changed = true;
     refresh_mass(s, index);

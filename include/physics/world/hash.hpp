@@ -49,7 +49,7 @@ public:
     void add(const body<S, D, Turns>& b) {
         add(static_cast<std::uint64_t>(b.type) | std::uint64_t{b.rotation_locked} << 8 |
             std::uint64_t{b.mass_is_set} << 9 | std::uint64_t{b.has_target} << 10 | std::uint64_t{b.can_sleep} << 11 |
-            std::uint64_t{b.continuous} << 16);
+            std::uint64_t{b.at_target} << 12 | std::uint64_t{b.continuous} << 16);
         add(b.center);
         add(b.rotation);
         add(b.velocity.linear);

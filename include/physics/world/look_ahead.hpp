@@ -21,12 +21,12 @@ void look_ahead(state<Plan>& s, typename Plan::scalar h) {
             ahead = S(0);
             if (s.is_asleep(i)) return;
             if (b.type == body_type::static_body) return;
-            vec<S, D> v = b.velocity.linear;
+            const auto before = b.velocity_ahead(h);
+            vec<S, D> v = before.linear;
             if (b.is_dynamic()) v += s.settings.gravity * b.gravity_scale * h;
-            if (b.has_target) v = (b.target * b.mass.center - b.center) / h;
             const auto& extent = s.continuous.extents[i];
             ahead = Plan::continuous::ahead(
-                {v * h, value_of(b.velocity.angular) * h, extent.reach, extent.thickness, S(0), b.continuous});
+                {v * h, value_of(before.angular) * h, extent.reach, extent.thickness, S(0), b.continuous});
             if (!(ahead > S(0))) return;
             any = true;
             each_shape(s, i, [&](std::uint32_t k, const auto& shape) {

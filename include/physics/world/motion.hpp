@@ -143,15 +143,12 @@ private:
     }
     void gather(std::uint32_t k) {
         const auto& b = member(k);
-        auto& seen = *new (bodies_ + k) solver_body<S, D, turns>{b.velocity, {}, b.inverse_mass, {}};
+        auto& seen = *new (bodies_ + k) solver_body<S, D, turns>{b.velocity_ahead(step_), {}, b.inverse_mass, {}};
         auto& m = *new (moving_ + k) moving_body<S, D, turns>{};
         m.center = b.center;
-        if (b.has_target) seen.velocity.linear = (b.target * b.mass.center - b.center) / step_;
         if constexpr (turns) {
             seen.inverse_inertia = in_world(b.inverse_inertia, b.rotation);
             m.rotation = b.rotation;
-            if (b.has_target)
-                seen.velocity.angular = rotation_vector(b.target.rotation * inverse(b.rotation)) / step_;
         }
         if (!b.is_dynamic()) return;
         m.acceleration = state_.settings.gravity * b.gravity_scale;
@@ -262,8 +259,8 @@ public:
         return fit;
     }
 
-    /// Stores what the step found: poses, velocities, contacts with their impulses. Forces act for one step, and bodies
-    /// that had a target stand still.
+    /// Stores what the step found: poses, velocities, contacts with their impulses. Forces act for one step, and so do
+    /// targets.
     void finish() {
         if (std::exchange(state_.movers_changed, false))
             state_.bodies.each([&](std::uint32_t i, const auto& b) {
@@ -278,9 +275,9 @@ public:
             b.velocity = moved_.velocity(k);
             b.force = {};
             b.torque = {};
+            b.at_target = b.has_target;
             if (!b.has_target) continue;
             b.set_pose(b.target);
-            b.velocity = {};
             b.has_target = false;
         }
         state_.contacts.swap(state_.found);
@@ -299,7 +296,7 @@ private:
     /// Wakes what a kinematic body is going to run into.
     void rouse_ahead(std::uint32_t i) {
         const auto& b = state_.bodies[i];
-        if (b.is_dynamic() || b.velocity == twist_of<S, D, turns>{}) return;
+        if (b.is_dynamic() || b.at_target || b.velocity == twist_of<S, D, turns>{}) return;
         rotation<S, D> turn = b.rotation;
         if constexpr (turns) turn = turned(turn, b.velocity.angular * step_);
         rouse_near(state_, i, {b.center + b.velocity.linear * step_ - turn * b.mass.center, turn});

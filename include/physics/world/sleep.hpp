@@ -162,7 +162,7 @@ bool disturb_sleepers(state<Plan>& s, bool any_near, typename Plan::scalar h) {
         if (of_a == s.is_asleep(b)) continue;
         const std::uint32_t sleeper = of_a ? a : b;
         if (s.mover_of[sleeper] < s.movers.size() ||
-            !comes_to_touch(c, s.bodies[a].velocity, s.bodies[b].velocity, h, slack))
+            !comes_to_touch(c, s.bodies[a].velocity_ahead(h), s.bodies[b].velocity_ahead(h), h, slack))
             continue;
         each_of_island(s, sleeper, [&](std::uint32_t i) {
             s.mover_of[i] = 0;

@@ -127,7 +127,8 @@ public:
             detail::set_pose(state_, b.index, {position, normalized(orientation)});
     }
     void set_pose(body_id id, const transform& pose) { set_pose(id, pose.position, pose.rotation); }
-    /// Lets a kinematic body reach a pose by the end of the next step, pushing what is in its way; then it stands. In
+    /// Lets a kinematic body reach a pose by the end of the next step, pushing what it touches as the velocity would that
+    /// takes it there. Its velocity is that one until the next step, in which it stands, unless it is told to go on. In
     /// recipes without rotation it cannot turn on the way: only set_pose does that.
     void move_to(body_id id, vec position, const rotation& orientation) {
         const auto b = detail::find_kinematic(state_, id, "move_to");
@@ -154,7 +155,7 @@ public:
         const auto b = find_moving(id, "set_linear_velocity");
         if (!b || !detail::check_finite("set_linear_velocity", "v", v)) return;
         if (!(v == vec{})) detail::rouse(state_, b.index);
-        state_.bodies[b.index].velocity.linear = v;
+        detail::velocity_to_set(state_, b.index).linear = v;
     }
     void set_angular_velocity(body_id id, angular w) requires plan::turns {
         const auto b = find_moving(id, "set_angular_velocity");
@@ -162,7 +163,7 @@ public:
             !detail::check_angular_velocity("set_angular_velocity", "w", w, state_.bodies[b.index].rotation_locked))
             return;
         if (!(w == angular{})) detail::rouse(state_, b.index);
-        state_.bodies[b.index].velocity.angular = w;
+        detail::velocity_to_set(state_, b.index).angular = w;
     }
 
     /// A force (N) on a dynamic body during the next step, at its centre of mass or at a point; "local"

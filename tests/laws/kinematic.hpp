@@ -1,0 +1,140 @@
+// Laws of bodies that targets move: how fast they say that they are, what rides on them, and what they push.
+#pragma once
+
+#include "world_cell.hpp"
+
+namespace {
+namespace kinematic_laws {
+
+const double h = 1.0 / 64;
+
+struct ride {
+    world w;
+    body_id floor, crate;
+
+    explicit ride(double crate_at = 0) {
+        auto settings = w.settings();
+        settings.gravity = along(1, -10);
+        w.set_settings(settings);
+        floor = w.create_body({.type = body_type::kinematic_body});
+        vec half = vec::filled(S(4));
+        half.y = S(0.25);
+        w.create_shape(floor, world::box{half});
+        crate = add_box(w, at(crate_at, 0.75));
+    }
+    vec apart() const { return w.position(crate) - w.position(floor); }
+    void move_to(vec position, const world::rotation& turn = {}) {
+        w.move_to(floor, position, turn);
+        run(w, 1);
+    }
+};
+
+CELL_CASE("kinematic: a body that targets move says how fast, and that it stands once there are none") {
+    world w(weightless());
+    const body_id b = w.create_body({.type = body_type::kinematic_body, .position = at(1, 2)});
+    w.create_shape(b, world::box{vec::filled(S(0.5))});
+    for (int i = 1; i <= 16; ++i) {
+        const auto turn = turned_about_z(i / 32.0);
+        w.move_to(b, at(1 + i / 16.0, 2 - i / 32.0), turn);
+        CHECK(gap(w.linear_velocity(b), at(i > 1 ? 4 : 0, i > 1 ? -2 : 0)) <= rounding(400, 4));
+        run(w, 1);
+        CHECK(gap(w.linear_velocity(b), at(4, -2)) <= rounding(400, 4));
+        CHECK(gap(w.angular_velocity(b), about_z(2)) <= rounding(1000, 2));
+        CHECK(gap(w.velocity_at(b, w.position(b) + along(0, 1)), at(4, 0)) <= rounding(2000, 4));
+    }
+    // What it stands by is the target, not the velocity.
+    const auto stands = w.pose(b);
+    for (int i = 0; i < 3; ++i) {
+        run(w, 1);
+        CHECK(w.linear_velocity(b) == vec{});
+        CHECK(w.angular_velocity(b) == angular{});
+        CHECK(w.position(b) == stands.position);
+        CHECK(gap(w.orientation(b), stands.rotation) <= rounding(8));
+    }
+    // Told to stay, it stands too.
+    w.move_to(b, stands);
+    run(w, 1);
+    CHECK(w.linear_velocity(b) == vec{});
+    CHECK(w.angular_velocity(b) == angular{});
+    // A velocity that is given it goes on with, and with nothing else.
+    w.move_to(b, stands.position + along(0, 1), turned_about_z(1));
+    run(w, 1);
+    w.set_linear_velocity(b, along(1, 3));
+    CHECK(w.angular_velocity(b) == angular{});
+    const auto from = w.pose(b);
+    run(w, 2);
+    CHECK(w.linear_velocity(b) == along(1, 3));
+    CHECK(gap(w.position(b), from.position + along(1, 6 * h)) <= rounding(8, 4));
+    CHECK(w.orientation(b) == from.rotation);
+    // Let go, it flies on as it moved.
+    w.move_to(b, w.position(b) + along(0, h), w.orientation(b));
+    run(w, 1);
+    w.set_type(b, body_type::dynamic_body);
+    run(w, 64);
+    CHECK(gap(w.linear_velocity(b), along(0, 1)) <= rounding(400));
+}
+
+CELL_CASE("kinematic: whether a velocity is that of a target lasts in copies, and enters the hash") {
+    world w(weightless());
+    const body_id b = w.create_body({.type = body_type::kinematic_body});
+    w.create_shape(b, world::box{});
+    w.move_to(b, along(0, h), {});
+    run(w, 1);
+    world going = w;
+    going.set_linear_velocity(b, w.linear_velocity(b));
+    CHECK(going.state_hash() != w.state_hash());
+    const world kept = w;
+    run(w, 1);
+    run(going, 1);
+    const auto stood = w.state_hash();
+    CHECK(w.linear_velocity(b) == vec{});
+    CHECK(number(going.position(b).x) > 1.5 * h);
+    going = kept;
+    run(going, 1);
+    CHECK(going.state_hash() == stood);
+}
+
+CELL_CASE("kinematic: a crate rides on what targets move along, up and down and around, and sleeps when it stands") {
+    // To the side: at 2 m/s from standing, so that it slips first.
+    {
+        ride r;
+        vec rests;
+        for (int i = 1; i <= 192; ++i) {
+            r.move_to(along(0, i * 2 * h));
+            if (i == 64) rests = r.apart();
+            if (i < 64) continue;
+            CHECK(gap(r.w.linear_velocity(r.crate), along(0, 2)) <= 1e-2);
+            CHECK(gap(r.apart(), rests) <= 4e-3);
+        }
+        CHECK(!r.w.is_asleep(r.crate));
+        run(r.w, 256);
+        CHECK(r.w.is_asleep(r.crate));
+    }
+    // Up and down with up to 2 m/s and 8 m/s^2, and so around a circle with a fifth of it.
+    for (const bool around : {false, true}) {
+        ride r;
+        run(r.w, 32);
+        const vec start = r.apart();
+        for (int i = 1; i <= 256; ++i) {
+            const double t = 4 * i * h;
+            r.move_to(around ? at(0.1 * std::cos(t) - 0.1, 0.1 * std::sin(t)) : at(0, 0.25 - 0.25 * std::cos(t)));
+            CHECK(gap(r.apart(), start) <= 1e-2);
+        }
+    }
+#if CELL_DIMENSION == 3
+    // On a carousel: 1 rad/s, 2 m from the axis. The crate goes straight on in each step, where the floor goes round.
+    ride r(2);
+    vec start;
+    for (int i = 1; i <= 320; ++i) {
+        const auto turn = world::rotation::from_axis_angle(along(1, 1), S(i * h));
+        r.move_to({}, turn);
+        if (i == 64) start = inverse_rotate(turn, r.apart());
+        if (i < 64) continue;
+        CHECK(gap(inverse_rotate(turn, r.apart()), start) <= 5e-3 + (i - 64) * 2 * h * h / 2);
+        CHECK(gap(r.w.linear_velocity(r.crate), r.w.velocity_at(r.floor, r.w.position(r.crate))) <= 5e-2);
+    }
+#endif
+}
+
+}  // namespace kinematic_laws
+}  // namespace
