@@ -136,5 +136,60 @@ CELL_CASE("kinematic: a crate rides on what targets move along, up and down and 
 #endif
 }
 
+CELL_CASE("kinematic: what stands in the way of a target is taken along, however far the way") {
+    // Ways of 0.5 to 5 m in one step; the crate's phase on them, its size, and whether it lies on a floor.
+    for (const double far : {0.5, 1.0, 3.0, 5.0})
+        for (const double size : {0.1, 0.25, 0.5})
+            for (int phase = 0; phase < 5; ++phase) {
+                CAPTURE(far);
+                CAPTURE(size);
+                CAPTURE(phase);
+                const bool lies = phase % 2;
+                world w(weightless());
+                if (lies) {
+                    auto settings = w.settings();
+                    settings.gravity = along(1, -10);
+                    w.set_settings(settings);
+                    const body_id ground = w.create_body({.type = body_type::static_body});
+                    w.create_shape(ground, world::halfspace{});
+                }
+                const body_id wall = w.create_body({.type = body_type::kinematic_body, .position = at(0, 1.5)});
+                vec half = vec::filled(S(1.4375));
+                half.x = S(0.25);
+                w.create_shape(wall, world::box{half});
+                // Not yet in touch.
+                const double gap_before = 0.05 + phase * 0.2 * (far - 0.1);
+                const body_id crate = add_box(w, at(0.25 + size + gap_before, lies ? size : 1.5), size);
+                run(w, 1);
+                w.move_to(wall, at(far, 1.5), {});
+                run(w, 1);
+                CHECK(w.position(wall) == at(far, 1.5));
+                // In front of it, sunk in by no more than half of its size.
+                const auto in_front = [&] { return number(w.position(crate).x) - far - 0.25; };
+                CHECK(in_front() >= -0.01);
+                CHECK(in_front() <= size + std::max(0.0, gap_before - far) + 0.05);
+                run(w, 64);
+                CHECK(in_front() >= size - 0.02);
+                CHECK(number(length(w.linear_velocity(crate))) <= 4);
+            }
+}
+
+CELL_CASE("kinematic: a paddle that a target turns takes along what it meets") {
+    world w(weightless());
+    const body_id paddle = w.create_body({.type = body_type::kinematic_body});
+    vec half = vec::filled(S(0.125));
+    half.x = S(2);
+    w.create_shape(paddle, world::box{half});
+    const body_id ball = add_ball(w, at(1, 1), 0.25);
+    w.move_to(paddle, {}, turned_about_z(1.5));
+    run(w, 1);
+    // Ahead of the paddle, on the side towards which it turns.
+    const vec seen = inverse_rotate(w.orientation(paddle), w.position(ball));
+    CHECK(number(seen.y) >= 0.25);
+    CHECK(number(length(w.position(ball))) <= 1.5);
+    run(w, 32);
+    CHECK(number(inverse_rotate(w.orientation(paddle), w.position(ball)).y) >= 0.36);
+}
+
 }  // namespace kinematic_laws
 }  // namespace

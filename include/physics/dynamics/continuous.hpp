@@ -54,6 +54,8 @@ private:
 /// body loses is the rest of the step's time (see continuous_report). Of two bodies that are stopped on each other's
 /// way, each is stopped by the path that the other would have taken. What turns by its own inertia (see integrator) is
 /// taken to turn about one axis.
+/// Dynamic bodies whose middle a kinematic one may pass in a step count as flagged: it takes along what it meets, up to
+/// static bodies and through other dynamic ones, and gives that no velocity.
 /// Cost: about 100 instructions for slow bodies; for fast ones a query and 1 to 20 us for each shape on their way.
 struct swept {
     using stage = physics::stage::continuous;

@@ -56,16 +56,54 @@ private:
         for (mover& m : movers()) stop(m);
     }
     bool find_movers() {
+        auto& pushers = s_.continuous.pushers;
+        pushers.clear();
+        const S thinnest = list_movers();
+        if (fastest_ > detail::to_double(thinnest)) {
+            for (auto& p : pushers) p.box = box_of(motion_of(p.body), s_.continuous.extents[p.body].outer);
+            list_movers();
+        }
+        return !movers().empty();
+    }
+    /// Gives the thickness of the thinnest dynamic body, so that nobody looks for what slow kinematic ones pass.
+    S list_movers() {
         movers().clear();
+        const bool anew = !s_.continuous.pushers.empty();
+        S thinnest = scalar_traits<S>::max();
         for (std::uint32_t k = 0; k < s_.movers.size(); ++k) {
-            const auto& b = s_.bodies[s_.movers[k]];
-            if (!b.is_dynamic()) continue;
-            const auto against = policy::aim(stride_of(k, b));
+            const std::uint32_t i = s_.movers[k];
+            const auto& b = s_.bodies[i];
+            const stride<S, D> own = stride_of(k, b);
+            if (!b.is_dynamic()) {
+                double far = detail::to_double(length_of(own.turn)) * s_.continuous.extents[i].outer;
+                for (int axis = 0; axis < D; ++axis) far += abs(detail::to_double(own.way[axis]));
+                if (anew || !(far > 0)) continue;
+                s_.continuous.pushers.push({i, {}});
+                fastest_ = max(fastest_, far);
+                continue;
+            }
+            thinnest = min(thinnest, own.thickness);
+            const auto against = policy::aim(anew ? as_pushed(k, b, own) : own);
             if (against == swept_against::nothing) continue;
             movers().push({s_.movers[k], k, against});
             any_flagged_ = any_flagged_ || against == swept_against::everything;
         }
-        return !movers().empty();
+        return thinnest;
+    }
+    /// The stride of a body as seen from the first kinematic one that may pass its middle; it counts as flagged then.
+    PHYSICS_HPP_COLD stride<S, D> as_pushed(std::uint32_t k, const typename Plan::body& b, const stride<S, D>& own) {
+        const point<D> start = to_point(b.center), end = to_point(moved_[k].center);
+        const aabb<double, D> box =
+            grown(aabb<double, D>{min(start, end), max(start, end)}, s_.continuous.extents[s_.movers[k]].outer);
+        for (const auto& p : s_.continuous.pushers) {
+            if (!overlap(p.box, box)) continue;
+            const auto& from = s_.bodies[p.body];
+            stride<S, D> seen = own;
+            seen.way -= velocity_at(moved_.velocity(s_.mover_of[p.body]), b.center - from.center) * h_;
+            seen.flagged = true;
+            if (seen.bound() > own.thickness) return seen;
+        }
+        return own;
     }
     stride<S, D> stride_of(std::uint32_t k, const typename Plan::body& b) const {
         const std::uint32_t i = s_.movers[k];
@@ -311,6 +349,8 @@ private:
     moved_bodies<S, D, Plan::turns> moved_;
     S h_;
     bool any_flagged_ = false;
+    /// How far a point of a kinematic body goes, at most.
+    double fastest_ = 0;
 };
 
 /// Forgets which bodies the contacts of the last step have found deep in static ones.

@@ -199,7 +199,7 @@ struct continuous_state {
     buffer<S> depths;
     buffer<std::uint32_t> deep;
     buffer<swept_mover> movers;
-    buffer<swept_box<Plan::dimension>> partners;
+    buffer<swept_box<Plan::dimension>> partners, pushers;
     buffer<std::uint64_t> candidates, spare;
     buffer<S> ahead;
 };

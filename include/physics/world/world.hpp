@@ -127,9 +127,10 @@ public:
             detail::set_pose(state_, b.index, {position, normalized(orientation)});
     }
     void set_pose(body_id id, const transform& pose) { set_pose(id, pose.position, pose.rotation); }
-    /// Lets a kinematic body reach a pose by the end of the next step, pushing what it touches as the velocity would that
-    /// takes it there. Its velocity is that one until the next step, in which it stands, unless it is told to go on. In
-    /// recipes without rotation it cannot turn on the way: only set_pose does that.
+    /// Lets a kinematic body reach a pose by the end of the next step, and pushes what it touches as the velocity would
+    /// that takes it there; what else is in its way a swept recipe moves to its front (see swept). That velocity is the
+    /// body's until the step after, in which it stands unless told to go on. In recipes without rotation it cannot turn
+    /// on the way: only set_pose does that.
     void move_to(body_id id, vec position, const rotation& orientation) {
         const auto b = detail::find_kinematic(state_, id, "move_to");
         if (b && detail::check_pose("move_to", position, orientation))
