@@ -169,6 +169,7 @@
 #include "physics/dynamics/islands.hpp"
 #include "physics/dynamics/material.hpp"
 #include "physics/dynamics/pose_lanes.hpp"
+#include "physics/dynamics/reflections.hpp"
 #include "physics/dynamics/restitution.hpp"
 #include "physics/dynamics/sequential_impulse.hpp"
 #include "physics/dynamics/soft_contact.hpp"

@@ -10,7 +10,7 @@ const enlisted soft({.name = "ours",
                      .order = 0,
                      .make = make_ours<float, physics::soft_step>});
 const enlisted impulses({.name = "ours-si",
-                         .settings = "sequential_impulse, 20 rounds, slop 5 mm",
+                         .settings = "sequential_impulse, 4 substeps of 8 rounds, slop 5 mm",
                          .order = 1,
                          .make = make_ours<float, physics::sequential_impulse>});
 

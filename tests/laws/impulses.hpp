@@ -61,6 +61,7 @@ void solve(problem& p, int rounds) {
         void advance_poses(S) {}
     };
     physics::arena scratch;
+    p.settings.substeps = 1;
     p.settings.iterations = rounds;
     const physics::solver_bodies<S, D> bodies{p.bodies.data(), static_cast<std::uint32_t>(p.bodies.size())};
     with_contacts<Features>(p, [&](auto& contacts) {

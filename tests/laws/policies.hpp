@@ -182,6 +182,7 @@ void fades(int substeps) {
     using world = physics::world<Recipe>;
     typename world::settings_type settings;
     settings.gravity = {};
+    settings.solver.substeps = substeps;
     world w(settings);
     for (const bool is_ball : {true, false}) {
         const auto b = w.create_body({.position = {S(0), S(is_ball ? 0 : 9), S(0)},
