@@ -81,6 +81,7 @@ public:
     /// Point k of a contact bounces with this restitution; `given` tells in each substep what that does.
     void add(const contact& c, int k, S restitution, S effective_mass, bounce<S>& given) {
         const levers<S, D> to = c.levers(k);
+        const bool driven = drives(bodies_[c.body_a]) || drives(bodies_[c.body_b]);
         new (points_ + count_++) point{&c,
                                        &given,
                                        k,
@@ -90,7 +91,9 @@ public:
                                        {},
                                        {},
                                        {},
-                                       {}};
+                                       {},
+                                       driven,
+                                       c.persisted(k) && c.points[k].separation < S(0)};
     }
     [[nodiscard]] bool any() const { return count_ > 0; }
     /// After velocities have advanced by a substep of h, and by as much as that drives bodies.
@@ -100,6 +103,10 @@ public:
         for (std::uint32_t i = 0; i < bodies_.count; ++i) nodes_[i].round = 0;
     }
 
+    /// Whether a body pushes without being pushed.
+    [[nodiscard]] static bool drives(const body& b) {
+        return !(b.inverse_mass > inverse_of<S>(0)) && !(b.velocity == twist_type{});
+    }
     /// How far apart the surfaces are at point k of a contact, as its bodies have come in this step.
     [[nodiscard]] static S separation_of(const contact& c, int k, bodies_type bodies) {
         const auto [to_a, to_b] = c.levers(k);
@@ -117,6 +124,8 @@ private:
         /// The gap, and how much half of the substep's acceleration adds to the speed of parting.
         S gap, kick;
         S approach, impulse;
+        /// One of the bodies drives the other: it strikes once a step, and not what it already has in its jaws.
+        bool driven, struck;
     };
     /// What one round needs to know of a body, and of the group of bodies that it stands for.
     struct node {
@@ -149,12 +158,15 @@ private:
             point& p = points_[i];
             const vec<S, D> v = slip(p, bodies_[p.of->body_a].velocity, bodies_[p.of->body_b].velocity);
             const S parting = dot(p.of->normal, v);
-            if (!(p.gap + parting * h < S(0))) continue;
+            if (!(p.gap + parting * h < S(0)) || (p.driven && p.struck)) continue;
             p.approach = p.kick - parting;
             S size = S(0);
             for (int k = 0; k < D; ++k) size += abs(v[k]);
             p.given->rounding = size * (scalar_traits<S>::epsilon() * S(64));
-            if (p.approach > max(slop, p.given->rounding)) hits_[hit_count_++] = i;
+            // What acceleration brings about within a substep is rest, no impact.
+            if (!(p.approach > max(max(slop, p.given->rounding), p.kick * S(-2)))) continue;
+            hits_[hit_count_++] = i;
+            p.struck = true;
         }
         return hit_count_ > 0;
     }

@@ -22,9 +22,9 @@ struct sequential_impulse_settings {
     S penetration_slop = S(0.005);
     /// Speed at which overlaps are pushed apart, at most.
     S max_push_speed = S(3);
-    /// Approaches slower than this do not bounce.
+    /// Approaches slower than this do not bounce, nor those that acceleration brings about within a substep.
     S restitution_slop = S(0.5);
-    /// Rounds of bounces in a substep, at most. A bounce travels by one contact in a round.
+    /// Rounds of bounces in a substep, at most: a blow passes one contact in a round. What approaches after them stops.
     int reflections = 64;
 };
 
@@ -147,7 +147,7 @@ struct sequential_impulse {
             block(const contact& c, surfaces of, bodies_type bodies, S share) : frame(c.normal) {
                 const body& a = bodies[c.body_a];
                 const body& b = bodies[c.body_b];
-                yields = drives(a) || drives(b);
+                yields = bounces::drives(a) || bounces::drives(b);
                 if constexpr (Features::rolling_resistance)
                     if (of.rolling_resistance_of(c) > S(0)) {
                         with_rolling = {a, b, frame};
@@ -177,11 +177,6 @@ struct sequential_impulse {
                 if constexpr (Features::rolling_resistance) c.rolling_impulse = total_rolling;
             }
         };
-        /// Whether a body pushes without being pushed.
-        static bool drives(const body& b) {
-            return !(b.inverse_mass > inverse_of<S>(0)) && !(b.velocity == twist_type{});
-        }
-
         static bounces bounces_of(const contact_list<S, D, Features>& contacts, [[maybe_unused]] const surfaces& of,
                                   [[maybe_unused]] block* blocks, bodies_type bodies, arena& scratch) {
             std::uint32_t capacity = 0;
@@ -308,7 +303,7 @@ struct sequential_impulse {
         }
         /// What drives without being pushed gives way beyond some impulse: else impulses between two of them would grow
         /// without end, and throw what is between once it is free.
-        static S yielding(S impulse, S most) { return impulse > most ? most + (impulse - most) * S(0.5) : impulse; }
+        static S yielding(S impulse, S most) { return impulse > most ? most + (impulse - most) * S(0.25) : impulse; }
 
         /// Pushes overlaps apart by velocities of their own, which last for this substep: they move bodies and leave
         /// nothing behind. True if something has changed.
