@@ -53,7 +53,8 @@ bool check(const sequential_impulse_settings<S>& with, const char* function) {
 /// restitution_slop 0), for deep overlaps and squeezes, and for columns of 30 crates and loads of 100:1 at the
 /// defaults; more substeps bear more. Not for large piles: it works on one contact at a time, where soft_step works in
 /// lanes and by several threads. Needles thinner than 1:500 want a single substep of 20 iterations. Error: of order h;
-/// stacks settle into the slop. Momentum is kept to rounding. Cost: substeps x iterations x points, and for bounces a
+/// stacks settle into the slop. Momentum is kept to rounding where no gravity pulls; where it does, what pushes lift is
+/// taken from speeds. Cost: substeps x iterations x points, and for bounces a
 /// walk over the points with restitution a round, of which there are as many as a blow passes contacts. Source: Catto,
 /// Iterative Dynamics with Temporal Coherence (2005), Solver2D (2024, "TGS"); Macklin et al., Small Steps in Physics
 /// Simulation (2019); Guendelman, Bridson, Fedkiw, Nonconvex Rigid Bodies with Stacking (2003).
