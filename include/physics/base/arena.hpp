@@ -48,6 +48,17 @@ public:
         used_ = blocks_.empty() ? 0 : start(blocks_.back());
     }
 
+    /// How much has been taken, for rewind().
+    struct mark {
+        std::uint32_t blocks;
+        std::size_t used;
+    };
+    [[nodiscard]] mark here() const { return {blocks_.size(), used_}; }
+    /// Gives back what was taken since, unless that needed another block.
+    void rewind(const mark& to) {
+        if (to.blocks == blocks_.size()) used_ = to.used;
+    }
+
     /// Bytes that the arena holds.
     [[nodiscard]] std::size_t capacity() const {
         std::size_t total = 0;

@@ -77,15 +77,21 @@ public:
     /// asked when a pair is found, and again when one of the two has left its box.
     template <class Accept>
     const buffer<proxy_pair>& pairs(Accept&& accept) {
+        scratch_.reset();
+        return pairs(accept, scratch_);
+    }
+    /// The same with memory of the caller's, which has it back afterwards.
+    template <class Accept>
+    const buffer<proxy_pair>& pairs(Accept&& accept, arena& scratch) {
         if (!query_scope_allows("pairs")) return pairs_.pairs();
         update();
-        pairs_.start(all_.size());
+        detail::pair_search found(all_.size(), scratch);
         const bool everything = index_.find(all_, [&](std::uint32_t a, std::uint32_t b) {
             if constexpr (!requires { requires Index::exact; })
                 if (!all_.may_meet(a, b) || !overlap(all_.box(a), all_.box(b))) return;
-            if (accept(a < b ? a : b, a < b ? b : a)) pairs_.add(a, b);
+            if (accept(a < b ? a : b, a < b ? b : a)) found.add(a, b);
         });
-        pairs_.finish(all_, everything);
+        pairs_.finish(found, all_, everything);
         all_.settle();
         return pairs_.pairs();
     }
@@ -279,6 +285,7 @@ private:
     detail::proxies<Space> all_;
     Index index_;
     detail::pair_set pairs_;
+    arena scratch_;
 };
 
 PHYSICS_HPP_END

@@ -1,6 +1,9 @@
 // What is remembered of a pair of shapes from step to step, and contacts that are carried along while it rests.
 #pragma once
 
+#include <cstddef>
+#include <cstring>
+
 #include "physics/collide/patch.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -12,12 +15,14 @@ struct pair_memory {
     gjk_cache cache;
     /// Numbers the axis that parted two boxes; -1 if none did.
     std::int32_t parting = -1;
-    manifold<S, D> contact;
-    /// Where B stood in A's frame when that was found.
+    /// Where B stood in A's frame when the manifold was found.
     transform<S, D> b_in_a;
     /// How far B reaches from its origin, and how far its points may move while the manifold is carried along (m).
     S reach{};
     S still{};
+    manifold<S, D> contact;
+    /// Set by whatever changes it, and no part of what is remembered.
+    bool changed = false;
 };
 
 namespace detail {
@@ -67,6 +72,7 @@ void remember(const manifold<S, D>& found, const transform<S, D>& b_in_a, S reac
     m.b_in_a = b_in_a;
     m.reach = reach;
     m.still = thin * S(1.0 / 512);
+    m.changed = true;
 }
 template <class A, class B, class S, int D>
 void remember(const A& a, const B& b, const transform<S, D>& b_in_a, const manifold<S, D>& found,
@@ -74,6 +80,7 @@ void remember(const A& a, const B& b, const transform<S, D>& b_in_a, const manif
     if (found.count == 0) {
         m.contact.count = 0;
         m.cache.count = 0;
+        m.changed = true;
         return;
     }
     const core<D> of_a = core_of(a), of_b = core_of(b);
@@ -103,6 +110,66 @@ bool still_parted(const A& a, const B& b, const transform<S, D>& b_in_a, S margi
     cache = {};
     return false;
 }
+
+/// Which bytes of a memory are kept from step to step: contents(m) numbers what there is in it, 0 if nothing; and
+/// each_piece(m, contents, f) calls f(address, bytes) for all of that. complete(m, contents) tells an empty one, into
+/// which that was read, how much it was. tidy(m) makes what means nothing of these bytes 0. has_changed(m): false if it
+/// is as it was read.
+template <class Memory>
+struct kept_memory {
+    static bool has_changed(const Memory&) { return true; }
+    static std::uint32_t contents(const Memory&) { return 1; }
+    template <class Self, class F>
+    static void each_piece(Self& m, std::uint32_t, F&& f) {
+        f(&m, sizeof m);
+    }
+    static void complete(Memory&, std::uint32_t) {}
+    static void tidy(Memory&) {}
+};
+inline bool is_fresh(const gjk_cache& c) {
+    return c.count == 0 && c.axis[0] == 0 && c.axis[1] == 0 && c.axis[2] == 0;
+}
+template <class Cache, class F>
+void each_piece(Cache& c, F&& f) {
+    f(&c, offsetof(gjk_cache, count) + sizeof c.count);
+}
+/// Makes all of an array of points 0 that is no part of the first `count`.
+template <class Point, int N>
+void tidy_points(Point (&points)[N], int count) {
+    constexpr std::size_t used = offsetof(Point, feature) + sizeof(std::uint32_t);
+    if constexpr (sizeof(Point) > used)
+        for (int i = 0; i < count; ++i)
+            std::memset(reinterpret_cast<unsigned char*>(points + i) + used, 0, sizeof(Point) - used);
+    if (count < N)
+        std::memset(static_cast<void*>(points + count), 0, static_cast<std::size_t>(N - count) * sizeof(Point));
+}
+/// Pairs that do not touch keep what parted them only.
+template <class S, int D>
+struct kept_memory<pair_memory<S, D>> {
+    using memory = pair_memory<S, D>;
+    static constexpr std::uint32_t points = 0xff, cached = 0x100, axis = 1 << 16;
+
+    static bool has_changed(const memory& m) { return m.changed; }
+    static std::uint32_t contents(const memory& m) {
+        const auto count = static_cast<std::uint32_t>(m.contact.count);
+        return (is_fresh(m.cache) ? 0 : cached) |
+               (count > 0 ? count : axis * static_cast<std::uint32_t>(m.parting + 1));
+    }
+    template <class Self, class F>
+    static void each_piece(Self& m, std::uint32_t contents, F&& f) {
+        if ((contents & points) != 0)
+            f(&m.b_in_a, offsetof(memory, contact) + offsetof(found, count) - offsetof(memory, b_in_a));
+        if ((contents & cached) != 0) detail::each_piece(m.cache, f);
+    }
+    static void complete(memory& m, std::uint32_t contents) {
+        m.contact.count = static_cast<int>(contents & points);
+        m.parting = static_cast<std::int32_t>(contents / axis) - 1;
+    }
+    static void tidy(memory& m) { tidy_points(m.contact.points, m.contact.count); }
+
+private:
+    using found = manifold<S, D>;
+};
 
 }  // namespace detail
 

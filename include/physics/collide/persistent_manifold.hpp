@@ -101,6 +101,26 @@ void gather_contact(const A& a, const B& b, const transform<S, D>& b_in_a, S mar
         out.points[out.count++] = where_now<S, D>(m.points[i], b_in_a, now.normal);
 }
 
+template <class S, int D>
+struct kept_memory<persistent_manifold<S, D>> {
+    using memory = persistent_manifold<S, D>;
+    static constexpr std::uint32_t points = 0xff, any = 0x100;
+
+    static bool has_changed(const memory&) { return true; }
+    static std::uint32_t contents(const memory& m) {
+        return m.named == 0 && is_fresh(m.cache) ? 0 : any | static_cast<std::uint32_t>(m.count);
+    }
+    template <class Self, class F>
+    static void each_piece(Self& m, std::uint32_t contents, F&& f) {
+        if (contents == 0) return;
+        detail::each_piece(m.cache, f);
+        f(&m.named, sizeof m.named);
+        if ((contents & points) != 0) f(&m.points, sizeof m.points);
+    }
+    static void complete(memory& m, std::uint32_t contents) { m.count = static_cast<std::int32_t>(contents & points); }
+    static void tidy(memory& m) { tidy_points(m.points, m.count); }
+};
+
 }  // namespace detail
 
 PHYSICS_HPP_END

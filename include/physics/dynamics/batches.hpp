@@ -87,10 +87,12 @@ public:
             put_all_into_one();
             return;
         }
+        const arena::mark start = scratch.here();
         ends_ = scratch.take<ends>(contacts_);
         for (std::uint32_t n = 0; n < contacts_; ++n) ends_[n] = {contacts[n].body_a, contacts[n].body_b};
         fill();
         if (result_.count == 1) {
+            scratch.rewind(start);
             put_all_into_one();
             return;
         }

@@ -38,11 +38,12 @@ template <class S, int D, class Features>
 contact_colours colour(const contact_list<S, D, Features>& contacts, solver_bodies<S, D, Features::rotation> bodies,
                        arena& scratch) {
     const std::uint32_t count = contacts.size();
+    contact_colours result;
+    result.order = scratch.template take<std::uint32_t>(count);
+    const arena::mark needed = scratch.here();
     auto* used = scratch.template take<std::uint64_t>(bodies.count);
     // Until a contact has its colour, which sides it pushes; and with either, whether it is idle.
     auto* colour_of = scratch.template take<std::uint8_t>(count);
-    contact_colours result;
-    result.order = scratch.template take<std::uint32_t>(count);
     std::uint32_t sizes[contact_colours::most] = {}, first = 0;
     constexpr std::uint32_t serial = contact_colours::most - 1;
     constexpr std::uint8_t waits = 128, idle = 64, pushes_a = 1, pushes_b = 2, pushes_both = 3;
@@ -91,6 +92,7 @@ contact_colours colour(const contact_list<S, D, Features>& contacts, solver_bodi
     for (const std::uint8_t kind : {std::uint8_t{0}, idle})
         for (std::uint32_t i = 0; i < count; ++i)
             if ((colour_of[i] & idle) == kind) result.order[place[colour_of[i] & ~idle]++] = i;
+    scratch.rewind(needed);
     return result;
 }
 

@@ -14,30 +14,65 @@ proxy_pair in_order_of_kinds(const state<Plan>& s, proxy_pair p) {
     return s.shapes[p.a].shape.kind() > s.shapes[p.b].shape.kind() ? proxy_pair{p.b, p.a} : p;
 }
 
-/// Hands on what the last step remembered of the pairs that are still there. Both lists are in ascending order, so one
-/// walk along both finds it. Gives the query of each pair.
+/// Some pairs in a row with what the narrowphase is to know of them: a query of each, and what the last step remembered
+/// of those that it cares to remember.
 template <class Plan>
-auto* recall_pairs(state<Plan>& s, const buffer<proxy_pair>& pairs) {
-    using narrowphase = typename Plan::narrowphase;
-    auto* queries = s.scratch.template take<typename Plan::query>(pairs.size());
-    s.found_memories.clear();
-    std::uint32_t last = 0;
-    for (std::uint32_t i = 0; i < pairs.size(); ++i) {
-        const proxy_pair p = in_order_of_kinds(s, pairs[i]);
-        const auto& a = s.shapes[p.a];
-        const auto& b = s.shapes[p.b];
-        new (queries + i) typename Plan::query{&a.shape, &b.shape, relative(a.pose, b.pose)};
+class recalled_pairs {
+    using query = typename Plan::query;
+    using memory = typename Plan::pair_memory;
+
+public:
+    /// Both lists are in ascending order, so one walk along both finds what is remembered.
+    recalled_pairs(const state<Plan>& s, const proxy_pair* pairs, std::uint32_t count, arena& scratch)
+        : pairs_(pairs), count_(count), queries_(scratch.take<query>(count)) {
         if constexpr (Plan::remembers) {
-            if (!narrowphase::remembers(a.shape.kind(), b.shape.kind())) continue;
-            const auto& [before, items] = s.memories;
-            while (last < before.size() && before[last] < pairs[i]) ++last;
-            const bool known = last < before.size() && before[last] == pairs[i];
-            queries[i].memory = s.found_memories.pairs.size();
-            s.found_memories.add(pairs[i], known ? items[last] : typename Plan::pair_memory{});
+            memories_ = scratch.take<memory>(count);
+            owners_ = scratch.take<owner>(count);
+        }
+        [[maybe_unused]] std::uint32_t last = no_memory;
+        for (std::uint32_t i = 0; i < count; ++i) {
+            const proxy_pair p = in_order_of_kinds(s, pairs[i]);
+            const auto& a = s.shapes[p.a];
+            const auto& b = s.shapes[p.b];
+            new (queries_ + i) query{&a.shape, &b.shape, relative(a.pose, b.pose)};
+            if constexpr (Plan::remembers) {
+                if (!Plan::narrowphase::remembers(a.shape.kind(), b.shape.kind())) continue;
+                if (last == no_memory) last = s.memories.find(pairs[i]);
+                while (last < s.memories.size() && s.memories.pair(last) < pairs[i]) ++last;
+                const bool known = last < s.memories.size() && s.memories.pair(last) == pairs[i];
+                new (memories_ + remembered_) memory(known ? s.memories[last] : memory{});
+                owners_[remembered_] = {i, known ? last : no_memory};
+                queries_[i].memory = remembered_++;
+            }
         }
     }
-    return queries;
-}
+    [[nodiscard]] const query* queries() const { return queries_; }
+    [[nodiscard]] memory* memories() const { return memories_; }
+    [[nodiscard]] const proxy_pair* pairs() const { return pairs_; }
+    [[nodiscard]] std::uint32_t size() const { return count_; }
+
+    /// Says which memories stay as they are, and adds the others to a list.
+    void hand_on(const pair_memories<Plan>& before, bool* is_kept, pair_memories<Plan>& news) const {
+        for (std::uint32_t k = 0; k < remembered_; ++k) {
+            const auto [i, known] = owners_[k];
+            if (known != no_memory && before.is_as_it_was(known, memories_[k])) is_kept[known] = true;
+            else news.add(pairs_[i], memories_[k]);
+        }
+    }
+
+private:
+    static constexpr std::uint32_t no_memory = query::no_memory;
+    /// Whose memory it is, and which one of the last step, if any.
+    struct owner {
+        std::uint32_t pair, known;
+    };
+
+    const proxy_pair* pairs_;
+    std::uint32_t count_, remembered_ = 0;
+    query* queries_;
+    memory* memories_ = nullptr;
+    owner* owners_ = nullptr;
+};
 
 /// How running surfaces drive. Apart from the rest, since few do.
 template <class Plan>
@@ -118,22 +153,21 @@ struct search_result {
 };
 /// Adds the contacts of some pairs in a row.
 template <class Plan>
-search_result search_pairs(state<Plan>& s, const typename Plan::query* queries, const buffer<proxy_pair>& pairs,
-                           std::uint32_t first, std::uint32_t end,
+search_result search_pairs(state<Plan>& s, const recalled_pairs<Plan>& of,
                            manifold_list<typename Plan::scalar, Plan::dimension>& manifolds,
                            buffer<typename Plan::contact>& to) {
     using S = typename Plan::scalar;
     manifolds.clear();
     const auto collide = [&](const auto* some, std::uint32_t count, S within) {
-        if constexpr (Plan::remembers)
-            Plan::narrowphase::collide(some, count, within, s.found_memories.items.begin(), manifolds);
+        if constexpr (Plan::remembers) Plan::narrowphase::collide(some, count, within, of.memories(), manifolds);
         else Plan::narrowphase::collide(some, count, within, manifolds);
     };
-    if constexpr (Plan::looks_ahead) collide_ahead(s, queries, pairs, first, end, manifolds, collide);
-    else collide(queries + first, end - first, s.settings.contact_margin);
+    if constexpr (Plan::looks_ahead)
+        collide_ahead(s, of.queries(), of.memories(), of.pairs(), of.size(), manifolds, collide);
+    else collide(of.queries(), of.size(), s.settings.contact_margin);
     search_result result;
     for (const auto& [query, part, m] : manifolds) {
-        const proxy_pair pair = pairs[first + query];
+        const proxy_pair pair = of.pairs()[query];
         const std::uint32_t a = s.shapes[pair.a].body, b = s.shapes[pair.b].body;
         // Broadphases need not report two that stand; if one does, nobody has to solve it.
         if (s.mover_of[a] == s.mover_of[b]) continue;
@@ -186,27 +220,37 @@ search_result join_pieces(state<Plan>& s, const found_piece* pieces, std::uint32
 
 /// Narrowphase: contacts of the pairs that touch or nearly do, in the order of the pairs, with the impulses that the
 /// same features had in a step of length `last`, scaled to one of h: they hold loads, which a longer step holds by
-/// larger ones.
+/// larger ones. What it remembers of the pairs becomes the next step's, unless it is not to.
 template <class Plan>
 search_result find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs,
                             const buffer<typename Plan::contact>& before, typename Plan::scalar last,
-                            typename Plan::scalar h, crew& hands) {
+                            typename Plan::scalar h, crew& hands, [[maybe_unused]] bool remembers = true) {
     // So many pairs that what is found of them is still in the caches when it becomes contacts.
     constexpr std::uint32_t share = 256;
-    const auto* queries = recall_pairs(s, pairs);
-    found_piece* pieces = s.scratch.template take<found_piece>(pairs.size() / share + 1);
+    const std::uint32_t count = (pairs.size() + share - 1) / share;
+    found_piece* pieces = s.scratch.template take<found_piece>(count);
+    [[maybe_unused]] auto& news = s.memory_changes;
+    if constexpr (Plan::remembers)
+        if (remembers) news.start(s.memories, count, hands, s.scratch);
     s.found.clear();
-    if (!hands.is_alone())
+    if (hands.is_alone()) s.found.reserve(before.size());
+    else
         for (std::uint32_t k = 0; k < hands.workers(); ++k) s.found_by[k].clear();
     hands.each_part(pairs.size(), share, [&](std::uint32_t first, std::uint32_t end, std::uint32_t worker) {
         auto& to = hands.is_alone() ? s.found : s.found_by[worker];
         const std::uint32_t start = to.size();
-        const search_result is = search_pairs(s, queries, pairs, first, end, s.manifolds[worker], to);
+        // Solvers come to it later in the step.
+        arena& scratch = s.batch_scratch[worker];
+        scratch.reset();
+        const recalled_pairs<Plan> some(s, pairs.begin() + first, end - first, scratch);
+        const search_result is = search_pairs(s, some, s.manifolds[worker], to);
+        if constexpr (Plan::remembers)
+            if (remembers) news.add(some, s.memories, first / share, worker);
         inherit_impulses(before, to.begin() + start, to.end(), s.found_surfaces);
         stretch(to.begin() + start, to.end(), last, h);
         new (pieces + first / share) found_piece{worker, start, to.size(), is};
     });
-    return join_pieces(s, pieces, (pairs.size() + share - 1) / share, hands);
+    return join_pieces(s, pieces, count, hands);
 }
 
 /// Who is woken brings contacts along: they are found anew, and join the others. False if surfaces do not mix.
@@ -224,13 +268,10 @@ bool find_contacts_of_woken(state<Plan>& s, typename Plan::scalar h, crew& hands
         if (!wakes(body_a(s, c)) && !wakes(body_b(s, c))) continue;
         if (s.woken_pairs.empty() || s.woken_pairs.back() < c.key()) s.woken_pairs.push(c.key());
     }
-    // What is remembered of the other pairs waits meanwhile.
     s.found.swap(s.woken_contacts);
-    s.found_memories.swap(s.woken_memories);
-    const bool good = find_contacts(s, s.woken_pairs, s.sleep.contacts, s.sleep.step, h, hands).mixed;
+    const bool good = find_contacts(s, s.woken_pairs, s.sleep.contacts, s.sleep.step, h, hands, false).mixed;
     merge_contacts(s.woken_contacts, s.found);
     s.found.swap(s.woken_contacts);
-    s.found_memories.swap(s.woken_memories);
     return good;
 }
 

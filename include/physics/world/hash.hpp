@@ -175,9 +175,9 @@ std::uint64_t state_hash(const state<Plan>& s) {
         for (const auto& c : s.sleep.contacts) h.add(hash_of(std::uint64_t{c.shape_a} << 32 | c.shape_b, c));
     }
     if constexpr (Plan::remembers)
-        for (std::uint32_t i = 0; i < s.memories.pairs.size(); ++i) {
-            const auto [a, b] = s.memories.pairs[i];
-            const std::uint64_t digest = digest_of(s.memories.items[i], std::uint64_t{a} << 32 | b);
+        for (std::uint32_t i = 0; i < s.memories.size(); ++i) {
+            const auto [a, b] = s.memories.pair(i);
+            const std::uint64_t digest = digest_of(s.memories[i], std::uint64_t{a} << 32 | b);
             if (digest != 0) h.add(digest);
         }
     return h.value();

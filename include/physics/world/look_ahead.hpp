@@ -38,32 +38,37 @@ void look_ahead(state<Plan>& s, typename Plan::scalar h) {
     }
 }
 
+/// What is remembered of a pair serves no other step.
+template <class Memory>
+void forget_pair(Memory& m) {
+    m = {};
+    if constexpr (requires { m.changed; }) m.changed = true;
+}
+
 /// The narrowphase of some pairs, where some of them are looked at farther ahead: as one batch those in between.
 template <class Plan, class Query, class Manifolds, class Collide>
-void collide_ahead(state<Plan>& s, const Query* queries, const buffer<proxy_pair>& pairs, std::uint32_t first,
-                   std::uint32_t last, Manifolds& manifolds, Collide&& collide) {
+void collide_ahead(state<Plan>& s, const Query* queries, typename Plan::pair_memory* memories, const proxy_pair* pairs,
+                   std::uint32_t count, Manifolds& manifolds, Collide&& collide) {
     using S = typename Plan::scalar;
     const S margin = s.settings.contact_margin;
     const auto farther = [&](std::uint32_t i) {
         return s.continuous.ahead[s.shapes[pairs[i].a].body] + s.continuous.ahead[s.shapes[pairs[i].b].body];
     };
-    for (std::uint32_t i = first; i < last;) {
+    for (std::uint32_t i = 0; i < count;) {
         const S more = farther(i);
         std::uint32_t end = i + 1;
         if (!(more > S(0)))
-            while (end < last && !(farther(end) > S(0))) ++end;
+            while (end < count && !(farther(end) > S(0))) ++end;
         // What is found farther ahead serves no other step.
         const auto forget = [&] {
             if constexpr (Plan::remembers)
-                if (more > S(0) &&
-                    Plan::narrowphase::remembers(queries[i].a->kind(), queries[i].b->kind()))
-                    s.found_memories.items[queries[i].memory] = {};
+                if (more > S(0) && queries[i].memory != Query::no_memory) forget_pair(memories[queries[i].memory]);
         };
         const std::uint32_t before = manifolds.size();
         forget();
         collide(queries + i, end - i, margin + more);
         forget();
-        for (std::uint32_t k = before; k < manifolds.size(); ++k) manifolds[k].query += i - first;
+        for (std::uint32_t k = before; k < manifolds.size(); ++k) manifolds[k].query += i;
         i = end;
     }
 }

@@ -282,7 +282,7 @@ public:
         }
         state_.contacts.swap(state_.found);
         state_.surfaces = state_.found_surfaces;
-        state_.memories.swap(state_.found_memories);
+        if constexpr (Plan::remembers) state_.memory_changes.finish(state_.memories);
         ++state_.steps;
         state_.last_step = step_;
         if constexpr (Plan::sleeps) {

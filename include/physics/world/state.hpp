@@ -3,6 +3,7 @@
 
 #include "physics/base/pool.hpp"
 #include "physics/world/audit.hpp"
+#include "physics/world/pair_memories.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -66,48 +67,6 @@ public:
     void each_geometry(F&& f) const {
         if constexpr (Plan::shape::has_geometry)
             base::each([&](std::uint32_t, const auto& record) { f(record.shape.geometry()); });
-    }
-};
-
-/// What a narrowphase remembers of pairs, in ascending order of the pairs; nothing of kinds of pairs that it does not
-/// care to remember.
-template <class Plan>
-struct pair_memories {
-    using memory = typename Plan::pair_memory;
-
-    buffer<proxy_pair> pairs;
-    buffer<memory> items;
-
-    void clear() {
-        pairs.clear();
-        items.clear();
-    }
-    void add(proxy_pair pair, const memory& item) {
-        pairs.push(pair);
-        items.push(item);
-    }
-    void swap(pair_memories& other) noexcept {
-        pairs.swap(other.pairs);
-        items.swap(other.items);
-    }
-    /// Forgets the pairs that have a shape for which gone(shape) is true.
-    template <class Gone>
-    void drop(Gone&& gone) {
-        std::uint32_t kept = 0;
-        for (std::uint32_t i = 0; i < pairs.size(); ++i) {
-            if (gone(pairs[i].a) || gone(pairs[i].b)) continue;
-            pairs[kept] = pairs[i];
-            items[kept++] = items[i];
-        }
-        while (pairs.size() > kept) {
-            pairs.pop();
-            items.pop();
-        }
-    }
-    template <class Self, class F>
-    static void each_part(Self& self, F&& f) {
-        f(self.pairs);
-        f(self.items);
     }
 };
 
@@ -260,10 +219,9 @@ struct state {
     // Scratch of the step: nothing in it outlives one.
     of_a_step<buffer<typename Plan::contact>> found;
     [[no_unique_address]] mixture<S, typename Plan::features> found_surfaces;
-    of_a_step<pair_memories<Plan>> found_memories;
+    detail::memory_changes<Plan> memory_changes;
     of_a_step<buffer<proxy_pair>> woken_pairs;
     of_a_step<buffer<typename Plan::contact>> woken_contacts;
-    of_a_step<pair_memories<Plan>> woken_memories;
     arena scratch;
     per_worker<arena> batch_scratch;
     /// What each worker has found.

@@ -12,7 +12,9 @@ namespace detail {
 /// shapes were inserted with say so.
 template <class Plan>
 const buffer<proxy_pair>& find_pairs(state<Plan>& s) {
-    return s.broadphase.pairs([](std::uint32_t, std::uint32_t) { return true; });
+    const auto all = [](std::uint32_t, std::uint32_t) { return true; };
+    if constexpr (requires { s.broadphase.pairs(all, s.scratch); }) return s.broadphase.pairs(all, s.scratch);
+    else return s.broadphase.pairs(all);
 }
 
 /// Makes ready what a step works with.
@@ -22,6 +24,7 @@ void start_step(state<Plan>& s, const crew& hands) {
     s.batch_scratch.prepare(hands.workers());
     s.manifolds.prepare(hands.workers());
     s.found_by.prepare(hands.workers());
+    s.memory_changes.by.prepare(hands.workers());
 }
 
 /// How a step went; if not well, the world is as it was.
