@@ -1,6 +1,8 @@
 // Laws of executors: whoever does the work, the bits are the same; and what an executor must not do is refused.
 #pragma once
 
+#include <atomic>
+#include <chrono>
 #include <functional>
 #include <physics/base/thread_pool.hpp>
 #include <thread>
@@ -141,7 +143,17 @@ CELL_CASE("executors: one that leaves out parts, or has no workers, is refused, 
         CHECK(refusal([&] { place.w.step(S(1.0 / 64), tired); }).find("executor") != std::string::npos);
         CHECK(place.w.state_hash() == before);
     }
-    // Calls with parts that there are not do nothing, and parts may be done again.
+    // So is one that does a part twice, at once or later.
+    for (int twice = 0; twice < rounds; ++twice) {
+        int rest = twice;
+        faulty eager{[&rest](std::uint32_t parts, const physics::work& what) {
+            for (std::uint32_t k = 0; k < parts; ++k) what(k, k % 2);
+            if (rest-- == 0) what(parts / 2, 1);
+        }};
+        CHECK(refusal([&] { place.w.step(S(1.0 / 64), eager); }).find("executor") != std::string::npos);
+        CHECK(place.w.state_hash() == before);
+    }
+    // Calls with parts that there are not do nothing.
     busy_place alone(12);
     for (int i = 0; i < 4; ++i) alone.w.step(S(1.0 / 64));
     faulty keen{[](std::uint32_t parts, const physics::work& what) {
@@ -165,6 +177,46 @@ CELL_CASE("executors: the pool calls every part once, by one worker at a time") 
         for (int round = 0; round < 200; ++round) pool.run(parts, physics::work(count, done.data(), parts, 3));
         for (const int n : times) REQUIRE(n == 200);
     }
+}
+
+CELL_CASE("executors: a worker of the pool begins with parts of its own, and one that is stuck delays only its part") {
+    constexpr std::uint32_t parts = 16;
+    physics::thread_pool pool(2);
+    std::vector<unsigned char> notes(parts);
+    std::atomic<int> begun[parts], ended{0}, by_other{0};
+    std::atomic<bool> keeps_to_its_own{true}, was_stuck{false}, was_left_alone{false};
+    auto watch = [&](std::uint32_t part, std::uint32_t worker) {
+        begun[part] = 1;
+        const std::uint32_t first = worker * parts / 2;
+        if (part < first || part >= first + parts / 2) {
+            // Of its own the other one may be about to begin with one.
+            int waiting = 0;
+            for (std::uint32_t k = first; k < first + parts / 2; ++k) waiting += begun[k] == 0;
+            if (waiting > 1) keeps_to_its_own = false;
+        }
+        if (worker == 1 && !was_stuck.exchange(true)) {
+            const auto then = std::chrono::steady_clock::now();
+            while (ended < static_cast<int>(parts) - 1)
+                if (std::chrono::steady_clock::now() - then > std::chrono::seconds(20)) {
+                    was_left_alone = true;
+                    break;
+                }
+        }
+        by_other += worker == 1;
+        for (int k = 0; k < 200; ++k) static_cast<void>(begun[part].load());
+        ++ended;
+    };
+    // Until the machine has let the other worker come often enough, if it does.
+    const auto start = std::chrono::steady_clock::now();
+    for (int round = 0; by_other < 200; ++round) {
+        if (std::chrono::steady_clock::now() - start > std::chrono::seconds(2)) break;
+        for (auto& of : begun) of = 0;
+        ended = 0;
+        pool.run(parts, physics::work(watch, notes.data(), parts, 2));
+        if (ended != static_cast<int>(parts)) FAIL("parts were left out");
+    }
+    CHECK(keeps_to_its_own);
+    CHECK(!was_left_alone);
 }
 
 CELL_CASE("executors: an accumulator hands them on") {

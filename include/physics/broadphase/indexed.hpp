@@ -40,6 +40,9 @@ public:
     /// The box of a proxy, with its margins.
     [[nodiscard]] const aabb& box(std::uint32_t id) const { return all_.box(id); }
 
+    /// Whether a proxy in this box keeps within its margins, so that moving it there changes nothing.
+    [[nodiscard]] bool holds(std::uint32_t id, const aabb& box) const { return all_.has(id) && all_.holds(id, box); }
+
     /// Adds a proxy under a number that is free. False where a call was refused and errors do not throw.
     bool insert(std::uint32_t id, const aabb& box, const proxy_filter& filter = {}) {
         const char* f = "insert";

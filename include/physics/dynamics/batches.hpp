@@ -1,6 +1,7 @@
 // Batches: the islands of a step in parts that are solved one by one while they are in the caches, or side by side.
 #pragma once
 
+#include "physics/base/crew.hpp"
 #include "physics/dynamics/islands.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -81,7 +82,7 @@ public:
     /// is_pushed: of each body, and false for one more. Up to `in_one` bodies and contacts make one batch.
     template <class S, int D, class Features>
     batch_maker(buffer<contact<S, D, Features>>& contacts, const bool* is_pushed, std::uint32_t bodies, arena& scratch,
-                std::uint32_t in_one = enough)
+                std::uint32_t in_one = enough, crew* hands = nullptr)
         : scratch_(scratch), is_pushed_(is_pushed), bodies_(bodies), contacts_(contacts.size()) {
         if (bodies_ + contacts_ <= in_one) {
             put_all_into_one();
@@ -89,7 +90,11 @@ public:
         }
         const arena::mark start = scratch.here();
         ends_ = scratch.take<ends>(contacts_);
-        for (std::uint32_t n = 0; n < contacts_; ++n) ends_[n] = {contacts[n].body_a, contacts[n].body_b};
+        crew alone;
+        (hands != nullptr ? *hands : alone)
+            .each_range(contacts_, enough, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
+                for (std::uint32_t n = first; n < end; ++n) ends_[n] = {contacts[n].body_a, contacts[n].body_b};
+            });
         fill();
         if (result_.count == 1) {
             scratch.rewind(start);
@@ -184,8 +189,7 @@ private:
         result_.slot_of = scratch_.take<std::uint32_t>(bodies_);
         result_.body_at = scratch_.take<std::uint32_t>(slot);
         copy_of_ = scratch_.take<std::uint32_t>(bodies_);
-        for (std::uint32_t i = 0; i < bodies_; ++i)
-            result_.slot_of[i] = copy_of_[i] = add(first[batch_of_[i]], i);
+        for (std::uint32_t i = 0; i < bodies_; ++i) result_.slot_of[i] = copy_of_[i] = add(first[batch_of_[i]], i);
         for (std::uint32_t n = 0; n < contacts_; ++n) result_.order[first[batch_of_[owner(n)]].end++] = n;
     }
     std::uint32_t add(batch& to, std::uint32_t body) {

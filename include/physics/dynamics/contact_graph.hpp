@@ -3,6 +3,7 @@
 
 #include <bit>
 
+#include "physics/base/crew.hpp"
 #include "physics/dynamics/batches.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -36,7 +37,7 @@ bool is_active(const contact<S, D, Features>& c) {
 /// do. O(contacts). Source: Catto, Solver2D (2024); greedy edge colouring.
 template <class S, int D, class Features>
 contact_colours colour(const contact_list<S, D, Features>& contacts, solver_bodies<S, D, Features::rotation> bodies,
-                       arena& scratch) {
+                       arena& scratch, crew& hands) {
     const std::uint32_t count = contacts.size();
     contact_colours result;
     result.order = scratch.template take<std::uint32_t>(count);
@@ -45,7 +46,7 @@ contact_colours colour(const contact_list<S, D, Features>& contacts, solver_bodi
     // Until a contact has its colour, which sides it pushes; and with either, whether it is idle.
     auto* colour_of = scratch.template take<std::uint8_t>(count);
     std::uint32_t sizes[contact_colours::most] = {}, first = 0;
-    constexpr std::uint32_t serial = contact_colours::most - 1;
+    constexpr std::uint32_t serial = contact_colours::most - 1, share = 256;
     constexpr std::uint8_t waits = 128, idle = 64, pushes_a = 1, pushes_b = 2, pushes_both = 3;
     const auto is_pushed = [&](std::uint32_t i) { return bodies[i].inverse_mass > inverse_of<S>(0); };
     // Contacts are large: one look at each.
@@ -53,13 +54,19 @@ contact_colours colour(const contact_list<S, D, Features>& contacts, solver_bodi
         std::uint32_t a, b;
     };
     auto* ends_of = scratch.template take<ends>(count);
-    for (std::uint32_t i = 0; i < count; ++i) {
-        const auto& c = contacts[i];
-        ends_of[i] = {c.body_a, c.body_b};
-        colour_of[i] = static_cast<std::uint8_t>(waits | (is_active(c) ? 0 : idle) |
-                                                 (is_pushed(c.body_a) ? pushes_a : 0) |
-                                                 (is_pushed(c.body_b) ? pushes_b : 0));
-    }
+    hands.each_range(count, share, [&](std::uint32_t begin, std::uint32_t end, std::uint32_t) {
+        // Copies, as what is written may be anything to the compiler.
+        const contact_list<S, D, Features> all = contacts;
+        auto* const sides = colour_of;
+        auto* const to = ends_of;
+        for (std::uint32_t i = begin; i < end; ++i) {
+            const auto& c = all[i];
+            to[i] = {c.body_a, c.body_b};
+            sides[i] =
+                static_cast<std::uint8_t>(waits | (is_active(c) ? 0 : idle) | (is_pushed(c.body_a) ? pushes_a : 0) |
+                                          (is_pushed(c.body_b) ? pushes_b : 0));
+        }
+    });
     for (const std::uint8_t sides : {pushes_both, pushes_a, pushes_b, std::uint8_t{0}}) {
         for (std::uint32_t i = 0; i < bodies.count; ++i) used[i] = 0;
         std::uint32_t end = first;
@@ -89,11 +96,30 @@ contact_colours colour(const contact_list<S, D, Features>& contacts, solver_bodi
         at += sizes[k];
     }
     result.begin[result.count] = at;
-    for (const std::uint8_t kind : {std::uint8_t{0}, idle})
-        for (std::uint32_t i = 0; i < count; ++i)
-            if ((colour_of[i] & idle) == kind) result.order[place[colour_of[i] & ~idle]++] = i;
+    // Several workers go over contacts of the same bodies in all colours if contacts stay near others of like numbers.
+    // Within a colour any order gives the same bits, but in the last one, where contacts may push the same body.
+    const auto put = [&](std::uint32_t begin, std::uint32_t end, const auto& wanted) {
+        for (const std::uint8_t kind : {std::uint8_t{0}, idle})
+            for (std::uint32_t i = begin; i < end; ++i)
+                if ((colour_of[i] & idle) == kind && wanted(colour_of[i] & ~idle))
+                    result.order[place[colour_of[i] & ~idle]++] = i;
+    };
+    if (hands.is_alone()) {
+        put(0, count, [](std::uint32_t) { return true; });
+    } else {
+        const std::uint32_t chunk = count / (4 * hands.workers()) + 1;
+        for (std::uint32_t begin = 0; begin < count; begin += chunk)
+            put(begin, count - begin < chunk ? count : begin + chunk, [](std::uint32_t of) { return of != serial; });
+        put(0, count, [](std::uint32_t of) { return of == serial; });
+    }
     scratch.rewind(needed);
     return result;
+}
+template <class S, int D, class Features>
+contact_colours colour(const contact_list<S, D, Features>& contacts, solver_bodies<S, D, Features::rotation> bodies,
+                       arena& scratch) {
+    crew alone;
+    return colour(contacts, bodies, scratch, alone);
 }
 
 }  // namespace detail

@@ -1,7 +1,7 @@
 // Poses of bodies in space, advanced in lanes.
 #pragma once
 
-#include "physics/base/arena.hpp"
+#include "physics/base/crew.hpp"
 #include "physics/dynamics/body_lanes.hpp"
 #include "physics/dynamics/turning.hpp"
 
@@ -66,6 +66,8 @@ struct pose_lanes {
 template <class S>
 class pose_lanes<S, 3, true> {
     static constexpr int width = native_width<S>;
+    /// So many bodies are worth handing to somebody else.
+    static constexpr std::uint32_t share = 128;
     using P = kernel_pack<S, width>;
     using Q = kernel_pack<inverse_of<S>, width>;
     using block = spin_lanes<S, width>;
@@ -83,12 +85,14 @@ public:
         }
     }
     /// Advances poses by h; what a spin changes by, it changes in `begun` too.
-    void advance(S h, twist<S, 3>* begun) {
-        for (std::uint32_t n = 0; n < count_; ++n) advance(blocks_[n], h, begun);
+    void advance(S h, twist<S, 3>* begun, crew& hands) {
+        hands.each_range(count_, share / width, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
+            for (std::uint32_t n = first; n < end; ++n) advance(blocks_[n], h, begun);
+        });
     }
-    /// Says how the bodies are turned.
-    void finish() {
-        for (std::uint32_t k = 0; k < bodies_.nobody(); ++k) {
+    /// Says how some of the bodies are turned.
+    void finish(std::uint32_t first, std::uint32_t end) {
+        for (std::uint32_t k = first; k < end; ++k) {
             const block& of = blocks_[k / width];
             moving_body<S, 3>& b = moving_[k];
             const rotation<S, 3> axes = axes_of(of, static_cast<int>(k % width));

@@ -72,7 +72,7 @@ struct soft_step_with {
         template <class Motion>
         static void solve(bodies_type all, contact_list<S, D, Features> contacts, const settings& with, S h,
                           arena& scratch, Motion&& motion, detail::crew& hands) {
-            const detail::contact_colours colours = detail::colour(contacts, all, scratch);
+            const detail::contact_colours colours = detail::colour(contacts, all, scratch, hands);
 #if PHYSICS_HPP_AVX2_KERNELS
             if constexpr (Width > 1 && Width == detail::native_width<S>) {
                 using wide = in<Space, Features, 2 * Width, detail::avx2_kernels>;
@@ -98,7 +98,7 @@ struct soft_step_with {
             solver_body<S, D, turns>* const bodies = all.first;
             const detail::soft_start<S, D, Features> how{S(1) / S(with.substeps), accelerations(motion, all, scratch),
                                                          contacts.surfaces()};
-            const blocks_in_colours blocks = pack(colours, contacts, all, how, scratch);
+            const blocks_in_colours blocks = pack(colours, contacts, all, how, scratch, hands);
             const S part = h / S(with.substeps);
             const S frequency = with.stiffness / part;
             const bool capped = with.frequency_cap > S(0) && with.frequency_cap < frequency;
@@ -126,9 +126,8 @@ struct soft_step_with {
                             if (b.bounces_now) b.bounce(bodies, relax);
                         });
             }
-            hands.each_part(blocks.count(), share, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
-                for (std::uint32_t k = first; k < end; ++k) blocks.take(k, contacts);
-            });
+            blocks.each_at_once(
+                hands, [&](std::uint32_t k, std::uint32_t, std::uint32_t) { blocks.take(k, contacts); });
         }
         /// Blocks that contacts of these colours fill.
         static std::uint32_t blocks_of(const detail::contact_colours& colours) {
@@ -171,11 +170,23 @@ struct soft_step_with {
                 for (std::uint32_t group = 0; group < colours; ++group) {
                     const std::uint32_t from = begin[group], size = begin[group + 1] - from;
                     const bool is_serial = last_is_serial && group + 1 == colours;
-                    hands.each_part(size, is_serial ? size : share,
-                                    [&](std::uint32_t start, std::uint32_t end, std::uint32_t) {
-                                        for (std::uint32_t k = start; k < end; ++k) f(first[from + k]);
-                                    });
+                    hands.each_range(size, is_serial ? size : share,
+                                     [&](std::uint32_t start, std::uint32_t end, std::uint32_t) {
+                                         for (std::uint32_t k = start; k < end; ++k) f(first[from + k]);
+                                     });
                 }
+            }
+            /// Calls f(block's number, colour, worker) for all of them in any order: each is for the worker who has it
+            /// in the rounds.
+            template <class F>
+            void each_at_once(detail::crew& hands, F&& f) const {
+                hands.each_share(count() / share, [&](const detail::crew::equal_part& of, std::uint32_t worker) {
+                    for (std::uint32_t group = 0; group < colours; ++group) {
+                        const std::uint32_t from = begin[group], size = begin[group + 1] - from;
+                        const std::uint32_t last = from + of.end_in(size);
+                        for (std::uint32_t k = from + of.begin_in(size); k < last; ++k) f(k, group, worker);
+                    }
+                });
             }
             /// Hands a block's impulses to its contacts.
             void take(std::uint32_t k, const contact_list<S, D, Features>& contacts) const {
@@ -207,7 +218,8 @@ struct soft_step_with {
         }
         static blocks_in_colours pack(const detail::contact_colours& colours,
                                       const contact_list<S, D, Features>& contacts, bodies_type bodies,
-                                      const detail::soft_start<S, D, Features>& with, arena& scratch) {
+                                      const detail::soft_start<S, D, Features>& with, arena& scratch,
+                                      detail::crew& hands) {
             blocks_in_colours result;
             result.colours = colours.count;
             result.last_is_serial = colours.last_is_serial;
@@ -219,15 +231,13 @@ struct soft_step_with {
             result.begin[colours.count] = count;
             result.first = scratch.template take<block>(count);
             result.numbers = scratch.template take<std::uint32_t>(count * width);
-            for (std::uint32_t group = 0; group < colours.count; ++group) {
-                const std::uint32_t lanes = lanes_of(colours, group), from = result.begin[group];
-                for (std::uint32_t k = from; k < result.begin[group + 1]; ++k) {
-                    const std::uint32_t at = colours.begin[group] + (k - from) * lanes;
-                    const std::uint32_t rest = colours.begin[group + 1] - at;
-                    fill(result.first[k], result.numbers + k * width, colours.order + at, rest < lanes ? rest : lanes,
-                         contacts, bodies, with, scratch);
-                }
-            }
+            result.each_at_once(hands, [&](std::uint32_t k, std::uint32_t group, std::uint32_t worker) {
+                const std::uint32_t lanes = lanes_of(colours, group);
+                const std::uint32_t at = colours.begin[group] + (k - result.begin[group]) * lanes;
+                const std::uint32_t rest = colours.begin[group + 1] - at;
+                fill(result.first[k], result.numbers + k * width, colours.order + at, rest < lanes ? rest : lanes,
+                     contacts, bodies, with, hands.scratch_of(worker, scratch));
+            });
             for (std::uint32_t k = 0; k < count; ++k) result.bounce = result.bounce || result.first[k].bounces;
             return result;
         }

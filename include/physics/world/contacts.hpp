@@ -188,7 +188,7 @@ struct found_piece {
 };
 /// Brings the pieces of several workers together, in their order, and notes which bodies they find deep in others.
 template <class Plan>
-search_result join_pieces(state<Plan>& s, const found_piece* pieces, std::uint32_t count, crew& hands) {
+search_result join_pieces(state<Plan>& s, found_piece* pieces, std::uint32_t count, crew& hands) {
     using contact = typename Plan::contact;
     search_result all;
     std::uint32_t found = 0;
@@ -198,16 +198,35 @@ search_result join_pieces(state<Plan>& s, const found_piece* pieces, std::uint32
         all.disturbs = all.disturbs || pieces[k].is.disturbs;
         found += pieces[k].size();
     }
-    contact* to = hands.is_alone() ? s.found.begin() : s.found.extend(found);
+    // What the caller has found first stays where it is.
+    std::uint32_t kept = 0;
+    if (!hands.is_alone()) {
+        auto& own = s.found_by[0];
+        std::uint32_t in_place = 0;
+        for (; kept < count && pieces[kept].worker == 0 && pieces[kept].first == in_place; ++kept)
+            in_place += pieces[kept].size();
+        // The rest of it, if any, moves aside.
+        s.found.clear();
+        if (own.size() > in_place)
+            std::memcpy(static_cast<void*>(s.found.extend(own.size() - in_place)), own.begin() + in_place,
+                        (own.size() - in_place) * sizeof(contact));
+        for (std::uint32_t k = kept; k < count; ++k)
+            if (pieces[k].worker == 0) pieces[k].first -= in_place, pieces[k].end -= in_place;
+        own.resize(in_place);
+        s.found.swap(own);
+        s.found.extend(found - in_place);
+    }
+    contact* to = s.found.begin();
     auto** places = s.scratch.template take<contact*>(count);
     for (std::uint32_t k = 0; k < count; ++k) {
         places[k] = to;
         to += pieces[k].size();
     }
     if (!hands.is_alone())
-        hands.each(count, [&](std::uint32_t k, std::uint32_t) {
+        // Of all pieces, so that workers copy what they have found.
+        hands.each(kept < count ? count : 0, [&](std::uint32_t k, std::uint32_t) {
             const found_piece& of = pieces[k];
-            if (of.size() == 0) return;
+            if (k < kept || of.size() == 0) return;
             std::memcpy(static_cast<void*>(places[k]), s.found_by[of.worker].begin() + of.first,
                         of.size() * sizeof(contact));
         });

@@ -55,14 +55,16 @@ class batch_motion {
 public:
     /// Copies the bodies of a part into their slots.
     batch_motion(const state<Plan>& s, const batches& parts, const batch& part, moved_bodies<S, D, turns> slots, S h,
-                 arena& scratch)
+                 arena& scratch, crew& hands)
         : state_(s),
           members_(parts.body_at + part.bodies),
           bodies_(slots.solved + part.bodies),
           moving_(slots.moved + part.bodies),
           count_(part.nobody - part.bodies),
-          step_(h) {
-        for (std::uint32_t k = 0; k < count_; ++k) gather(k);
+          step_(h),
+          hands_(hands),
+          tally_(scratch.template take<std::uint32_t>(hands.workers())) {
+        free_count_ = count_of([&](std::uint32_t k) { return gather(k); });
         for (std::uint32_t k = count_; k < part.nobody - part.bodies + 2; ++k)
             new (bodies_ + k) solver_body<S, D, turns>{};
         if (free_count_ > 0) find_free(parts, part, scratch);
@@ -77,55 +79,72 @@ public:
 
     void advance_velocities(S h) {
         if (free_count_ > 0) thrust(step_ / h);
-        for (std::uint32_t k = 0; k < count_; ++k) advance_velocity(k, h);
+        each([&](std::uint32_t k) { advance_velocity(k, h); });
         if (free_count_ > 0) thrust(S(0));
     }
     /// The same; what bodies have come to beyond their velocities in `begun` they get again, and those become the ones
     /// before that.
     void advance_velocities(S h, twist_of<S, D, turns>* begun) {
         if (free_count_ > 0) thrust(step_ / h);
-        for (std::uint32_t k = 0; k < count_; ++k) {
+        each([&](std::uint32_t k) {
             auto& v = bodies_[k].velocity;
             const auto got = v - begun[k];
             advance_velocity(k, h);
             begun[k] = v;
             v = v + got;
-        }
+        });
         if (free_count_ > 0) thrust(S(0));
     }
     void advance_poses(S h) { advance_poses(h, nullptr); }
     /// The same; what velocities change by as bodies turn, they change in `begun` too.
     void advance_poses(S h, twist_of<S, D, turns>* begun) {
         if constexpr (in_lanes) {
-            lanes_->advance(h, begun);
+            lanes_->advance(h, begun, hands_);
             return;
         }
-        for (std::uint32_t k = 0; k < count_; ++k) {
+        each([&](std::uint32_t k) {
             turning_velocity<S, D, turns>& v = bodies_[k].velocity;
             const auto before = v;
             integrator::advance_pose(moving_[k], v, bodies_[k].way, h);
             if constexpr (D == 3 && turns)
                 if (begun != nullptr && !(v == before)) begun[k] = begun[k] + (v - before);
-        }
+        });
     }
 
     /// Ends the step. False if something that moved is where numbers do not reach.
     [[nodiscard]] bool finish() {
-        if constexpr (in_lanes) lanes_->finish();
-        for (std::uint32_t k = 0; k < count_; ++k) {
+        const std::uint32_t lost = count_of([&](std::uint32_t k) {
+            if constexpr (in_lanes) lanes_->finish(k, k + 1);
             const auto& way = bodies_[k].way;
             moving_[k].center += way.linear;
             if constexpr (D == 2 && turns)
                 if (way.angular != S(0)) moving_[k].rotation = turned(moving_[k].rotation, way.angular);
-        }
-        for (std::uint32_t k = 0; k < count_; ++k)
-            if (!physics::is_finite(moving_[k].center) || !physics::is_finite(bodies_[k].velocity.linear) ||
-                !turns_well(moving_[k], bodies_[k].velocity))
-                return false;
-        return true;
+            return !physics::is_finite(moving_[k].center) || !physics::is_finite(bodies_[k].velocity.linear) ||
+                   !turns_well(moving_[k], bodies_[k].velocity);
+        });
+        return lost == 0;
     }
 
 private:
+    /// Calls f(k) for all bodies.
+    template <class F>
+    void each(F&& f) {
+        hands_.each_range(count_, enough, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
+            for (std::uint32_t k = first; k < end; ++k) f(k);
+        });
+    }
+    /// For how many of them f(k) is true.
+    template <class F>
+    std::uint32_t count_of(F&& f) {
+        for (std::uint32_t k = 0; k < hands_.workers(); ++k) tally_[k] = 0;
+        hands_.each_range(count_, enough, [&](std::uint32_t first, std::uint32_t end, std::uint32_t worker) {
+            std::uint32_t count = 0;
+            for (std::uint32_t k = first; k < end; ++k) count += f(k);
+            tally_[worker] += count;
+        });
+        for (std::uint32_t k = 1; k < hands_.workers(); ++k) tally_[0] += tally_[k];
+        return tally_[0];
+    }
     static bool turns_well([[maybe_unused]] const moving_body<S, D, turns>& at,
                            [[maybe_unused]] const twist_of<S, D, turns>& v) {
         if constexpr (turns) return physics::is_finite(at.rotation) && physics::is_finite(v.angular);
@@ -141,7 +160,8 @@ private:
     [[nodiscard]] const typename Plan::body& member(std::uint32_t k) const {
         return state_.bodies[state_.movers[members_[k]]];
     }
-    void gather(std::uint32_t k) {
+    /// Says whether a force acts on it.
+    bool gather(std::uint32_t k) {
         const auto& b = member(k);
         auto& seen = *new (bodies_ + k) solver_body<S, D, turns>{b.velocity_ahead(step_), {}, b.inverse_mass, {}};
         auto& m = *new (moving_ + k) moving_body<S, D, turns>{};
@@ -150,16 +170,16 @@ private:
             seen.inverse_inertia = in_world(b.inverse_inertia, b.rotation);
             m.rotation = b.rotation;
         }
-        if (!b.is_dynamic()) return;
+        if (!b.is_dynamic()) return false;
         m.acceleration = state_.settings.gravity * b.gravity_scale;
         m.linear_damping = b.linear_damping;
         if constexpr (turns) {
             m.angular_damping = b.angular_damping;
             if (b.is_gyroscopic) m.top = &b;
         }
-        if (!b.is_pushed()) return;
-        ++free_count_;
+        if (!b.is_pushed()) return false;
         add_force(k, S(1));
+        return true;
     }
     /// Lets `share` of the force on a body act.
     void add_force(std::uint32_t k, S share) {
@@ -198,9 +218,12 @@ private:
     moving_body<S, D, turns>* moving_;
     std::uint32_t count_;
     S step_;
+    crew& hands_;
+    std::uint32_t* tally_;  ///< What each worker has counted.
     std::uint32_t* free_ = nullptr;
     std::uint32_t free_count_ = 0;
     lanes* lanes_ = nullptr;
+    static constexpr std::uint32_t enough = 128;  ///< So many bodies are worth handing to somebody else.
 };
 
 /// How a step moves the world, batch by batch. Nothing of the world changes before place_shapes.
@@ -211,7 +234,7 @@ class motion {
     static constexpr bool turns = Plan::turns;
 
 public:
-    motion(state<Plan>& s, S h, const crew& hands) : state_(s), parts_(parts_of(s, hands)), step_(h) {
+    motion(state<Plan>& s, S h, crew& hands) : state_(s), parts_(parts_of(s, hands)), step_(h) {
         moved_ = {s.scratch.template take<solver_body<S, D, turns>>(parts_.slots),
                   s.scratch.template take<moving_body<S, D, turns>>(parts_.slots), parts_.slot_of};
     }
@@ -238,20 +261,37 @@ public:
     [[nodiscard]] moved_bodies<S, D, turns> moved() const { return moved_; }
 
     /// Puts shapes where their bodies are now, and tells the broadphase, and where they are heading; bodies with a
-    /// target are there, to the bit. False, and all shapes where they were, if a box is beyond the scalar's range.
-    bool place_shapes() {
+    /// target are there, to the bit. False, and all shapes where they were, if a box is beyond the scalar's range, or
+    /// the executor fails.
+    bool place_shapes(crew& hands) {
+        const std::uint32_t count = state_.movers.size();
         bool fit = true;
-        for (std::uint32_t k = 0; k < state_.movers.size() && fit; ++k) {
-            const std::uint32_t i = state_.movers[k];
-            const auto& b = state_.bodies[i];
-            const transform<S, D> pose = pose_of(k);
-            const vec<S, D> center = b.has_target ? pose * b.mass.center : moved_[k].center;
-            const vec<S, D> way = moved_.velocity(k).linear * step_;
-            each_shape(state_, i, [&](std::uint32_t n, auto& shape) {
-                locate(shape, pose, center);
-                const auto box = needed_box(state_, shape);
-                if (fit = fit && is_box(box); fit) state_.broadphase.move(n, box, way);
+        if (hands.is_alone()) {
+            for (std::uint32_t k = 0; k < count && fit; ++k)
+                locate_shapes(k, [&](std::uint32_t n, const aabb<S, D>& box) {
+                    if (fit = fit && is_box(box); fit) move_box(k, n, box);
+                });
+        } else {
+            // Boxes that are left move one by one: what the broadphase makes of them may depend on their order.
+            enum : std::uint8_t { keeps = 0, leaves = 1, lost = 2 };
+            auto* fates = state_.scratch.template take<std::uint8_t>(count);
+            hands.each_range(count, 128, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
+                for (std::uint32_t k = first; k < end; ++k) {
+                    fates[k] = keeps;
+                    locate_shapes(k, [&](std::uint32_t n, const aabb<S, D>& box) {
+                        if constexpr (requires { state_.broadphase.holds(n, box); })
+                            if (state_.broadphase.holds(n, box)) return;
+                        fates[k] = !is_box(box) || fates[k] == lost ? lost : leaves;
+                    });
+                }
             });
+            fit = hands.is_sound();
+            for (std::uint32_t k = 0; k < count; ++k) fit = fit && fates[k] != lost;
+            for (std::uint32_t k = 0; k < count && fit; ++k)
+                if (fates[k] == leaves)
+                    each_shape(state_, state_.movers[k], [&](std::uint32_t n, const auto& shape) {
+                        move_box(k, n, needed_box(state_, shape));
+                    });
         }
         if (!fit)
             for (const std::uint32_t i : state_.movers) refresh_boxes(state_, i);
@@ -293,6 +333,21 @@ public:
     }
 
 private:
+    /// Puts the shapes of a body where it is now, and calls f(shape's number, box) for each.
+    template <class F>
+    void locate_shapes(std::uint32_t k, F&& f) {
+        const std::uint32_t i = state_.movers[k];
+        const auto& b = state_.bodies[i];
+        const transform<S, D> pose = pose_of(k);
+        const vec<S, D> center = b.has_target ? pose * b.mass.center : moved_[k].center;
+        each_shape(state_, i, [&](std::uint32_t n, auto& shape) {
+            locate(shape, pose, center);
+            f(n, needed_box(state_, shape));
+        });
+    }
+    void move_box(std::uint32_t k, std::uint32_t n, const aabb<S, D>& box) {
+        state_.broadphase.move(n, box, moved_.velocity(k).linear * step_);
+    }
     /// Wakes what a kinematic body is going to run into.
     void rouse_ahead(std::uint32_t i) {
         const auto& b = state_.bodies[i];
@@ -301,7 +356,7 @@ private:
         if constexpr (turns) turn = turned(turn, b.velocity.angular * step_);
         rouse_near(state_, i, {b.center + b.velocity.linear * step_ - turn * b.mass.center, turn});
     }
-    static batches parts_of(state<Plan>& s, const crew& hands) {
+    static batches parts_of(state<Plan>& s, crew& hands) {
         // On one thread, what goes into the second cache is not worth taking apart.
         const std::uint32_t in_one = hands.is_alone() ? (D == 2 ? 8 : 2) * batch_maker::enough : batch_maker::enough;
 
@@ -310,11 +365,12 @@ private:
         for (std::uint32_t k = 0; k < count; ++k)
             is_pushed[k] = s.bodies[s.movers[k]].inverse_mass > inverse_of<S>(0);
         is_pushed[count] = false;
-        return batch_maker(s.found, is_pushed, count, s.scratch, in_one).result();
+        return batch_maker(s.found, is_pushed, count, s.scratch, in_one, &hands).result();
     }
     bool solve(const batch& part, arena& scratch, crew& hands) {
         scratch.reset();
-        batch_motion<Plan> moving(state_, parts_, part, moved_, step_, scratch);
+        for (std::uint32_t k = 1; k < hands.workers(); ++k) state_.batch_scratch[k].reset();
+        batch_motion<Plan> moving(state_, parts_, part, moved_, step_, scratch, hands);
         const contact_list<S, D, typename Plan::features> contacts(state_.found.begin(), parts_.order + part.contacts,
                                                                    part.end - part.contacts, state_.found_surfaces);
         const auto& with = state_.settings.solver;

@@ -34,8 +34,8 @@ inline void report(step_result result) {
     if (result == step_result::out_of_range)
         refuse("step", "a velocity", "not finite", "a force, a speed or a mass is beyond the scalar's range");
     if (result == step_result::bad_executor)
-        refuse("step", "executor", "left parts out",
-               "it must have a worker at least, and call the work with every part, as a worker below workers()");
+        refuse("step", "executor", "left parts out, or did parts twice",
+               "it must have a worker at least, and call the work once with every part, as a worker below workers()");
     if (result == step_result::bad_mixture)
         refuse("step", "a coefficient of two surfaces", "out of range",
                "the mixing rule must give friction and rolling_resistance that are finite and at least 0, "
@@ -79,7 +79,7 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, c
     if (!solved) return step_result::out_of_range;
     sweep_fast_bodies(s, moving.moved(), h);   // poses             -> poses short of what stops bodies
     // Poses -> boxes of what has moved.
-    if (!moving.place_shapes()) return step_result::out_of_range;
+    if (!moving.place_shapes(hands)) return hands.is_sound() ? step_result::out_of_range : step_result::bad_executor;
     done(step_stage::place_shapes);
     moving.finish();                           // results           -> bodies and contacts
     done(step_stage::finish);

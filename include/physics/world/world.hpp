@@ -55,7 +55,7 @@ public:
     void step(scalar dt) { detail::advance(state_, dt, {}); }
     /// The same, with the work shared out by an executor, such as a thread_pool; the bits do not depend on it.
     template <executor Executor>
-    void step(scalar dt, Executor& by) { detail::advance(state_, dt, {by, state_.parts_done}); }
+    void step(scalar dt, Executor& by) { detail::advance(state_, dt, {by, state_.parts_done, state_.batch_scratch}); }
     /// Number of steps taken.
     [[nodiscard]] std::uint64_t steps() const { return state_.steps; }
     /// A number that worlds in the same state share, on any machine. User data and settings do not enter.
