@@ -116,10 +116,11 @@ bool passes(const Shape& shape, cell::dice& dice, surface kind, double from, dou
                                         .angular_velocity = skew(spin)});
     w.create_shape(body, shape);
     for (int i = 0; i < 6 + 80 / speed; ++i) {
+        // Those that bounce off or slide may leave the ground over its rim.
+        const vec next = w.position(body) + w.linear_velocity(body) * S(1.0 / 64);
+        if (i > 0 && (std::abs(number(next.x)) > 6.5 || (cell::is_3d && std::abs(number(next[D - 1])) > 6.5))) return false;
         w.step(S(1.0 / 64));
         if (number(w.center_of_mass(body).y) * up < 0) return true;
-        // Those that bounce off may leave the ground over its rim.
-        if (std::abs(number(w.position(body).x)) > 6.5) return false;
     }
     return false;
 }

@@ -31,17 +31,27 @@ struct passage_rule {
     double touch;
     /// How far apart the others are left, and how much farther at most.
     double target, tolerance;
-    /// The mover may sink in by half of this.
+    /// The mover may sink in by half of this on its way, if it is out again at the end.
     double depth;
+    /// How deep it may be at the end: that which begins in touch, more than it was; and what comes in sideways, as
+    /// what slides over joints of a surface does, that it is in all along.
+    double sink, sideways;
     /// What rounding of poses may do to a gap.
     double blur;
+    /// Whether what begins apart is stopped however little it sinks in on its way.
+    bool grazes = false;
 };
 
-/// When a shape is stopped.
+/// When a shape is stopped, and at what: the axis on which it meets the other shape, towards it, and its gap there.
+template <int D>
 struct passage {
     bool stops = false;
     bool converged = true;
     double time = 1;
+    point<D> normal;
+    double gap = 0;
+    /// Whether it began in touch.
+    bool touching = false;
 };
 
 /// Whether the core of a shape has at most four corners, or only parts have one, that have as few.
@@ -71,8 +81,7 @@ struct few_corners {
         const core_kind kind = c.shape->kind;
         count = kind == core_kind::point ? 1 : kind == core_kind::segment ? 2 : kind == core_kind::triangle ? 3 : 4;
         // Those of boxes are numbered by signs.
-        for (int i = 0; i < count; ++i)
-            at[i] = c.vertex(static_cast<std::uint32_t>(count == 4 ? i ^ (i >> 1) : i)).at;
+        for (int i = 0; i < count; ++i) at[i] = c.vertex(static_cast<std::uint32_t>(count == 4 ? i ^ (i >> 1) : i)).at;
     }
     [[nodiscard]] double least(const point<2>& n) const {
         double result = dot(n, at[0]);
@@ -161,39 +170,72 @@ public:
     struct found {
         impact_state state;
         double time;
+        point<D> normal;
+        double gap = 0;
     };
 
     explicit passage_search(const moving_pair<D>& pair) : pair_(pair) {}
-    [[nodiscard]] double gap_at(double t) { return pair_.gap(t, parting_features<Few>(pair_, t, cache_).normal); }
+    [[nodiscard]] found at(double t) {
+        const known& k = look(t);
+        return {impact_state::hit, t, k.axis.normal, k.gap};
+    }
     [[nodiscard]] PHYSICS_HPP_COLD found follow(double t, double end, double goal, double slack) {
         constexpr int most_iterations = 100;
         for (int iterations = 0;; ++iterations) {
-            const parting_axis<D> axis = parting_features<Few>(pair_, t, cache_);
-            const double gap = pair_.gap(t, axis.normal);
-            if (gap <= goal + slack) return {impact_state::hit, t};
+            const auto& [time, axis, gap] = look(t);
+            if (gap <= goal + slack) return {impact_state::hit, t, axis.normal, gap};
             const double next = t + proven_advance(pair_, axis, t, gap, end, goal);
-            if (next >= end) return {impact_state::separated, end};
-            if (!(next > t) || iterations == most_iterations) return {impact_state::iteration_limit, t};
+            if (next >= end) return {impact_state::separated, end, {}};
+            if (!(next > t) || iterations == most_iterations)
+                return {impact_state::iteration_limit, t, axis.normal, gap};
             t = next;
         }
     }
 
 private:
+    struct known {
+        double time = -1;
+        parting_axis<D> axis;
+        double gap = 0;
+    };
+    /// The start is looked at by all that follows.
+    const known& look(double t) {
+        known& k = seen_[t > 0];
+        if (!(k.time == t)) {
+            k.axis = parting_features<Few>(pair_, t, cache_);
+            k.gap = pair_.gap(t, k.axis.normal);
+            k.time = t;
+        }
+        return k;
+    }
+
     const moving_pair<D>& pair_;
     gjk_cache cache_;
+    known seen_[2];
 };
 
-/// When B has to be stopped on its way past or into A, if that is before `latest`. It has to be only where it would
-/// otherwise sink in deeper than half of what it can without passing through: so nothing that slides along a surface,
-/// rolls over its inner edges or grazes it is stopped. It is stopped at the surface, or, where it begins in touch, on
-/// its way down: each time halfway to the depth that it must not reach, and beyond that at once.
-/// The answer for one pair depends on no other; `latest` only spares work. Few: both cores are known to have few
-/// corners. Cost: 0.1 us where they stay far apart.
+/// Whether a pair that began apart, or sunk in by so much, is too deep at the end of the way.
 template <bool Few, int D>
-PHYSICS_HPP_COLD passage find_passage(const moving_pair<D>& p, const passage_rule& rule, double latest) {
+PHYSICS_HPP_COLD bool ends_deep(const moving_pair<D>& p, passage_search<Few, D>& search, const passage_rule& rule,
+                                bool touching, double sunk) {
+    const auto last = search.at(1);
+    if (touching) return -last.gap > sunk + rule.sink;
+    // What came in along the shortest way out came in there by all that it is deep, and by what they were apart.
+    const bool came_in = p.gap(0, last.normal) - last.gap > 0.5 * rule.touch;
+    return -last.gap > (came_in ? rule.blur + 8 * p.noise() : rule.sideways);
+}
+
+/// When B has to be stopped on its way past or into A, if that is before `latest`: where it would otherwise be in A at
+/// the end of the way, or sink in on its way deeper than half of what it can without passing through. So nothing that
+/// slides along a surface, rolls over its inner edges or grazes it is stopped. It is stopped at the surface, or, where
+/// it begins in touch, where it sinks in: on a way through, each time halfway to the depth that it must not reach, and
+/// beyond that at once. The answer for one pair depends on no other; `latest` only spares work. Few: both cores are
+/// known to have few corners. Cost: 0.1 us where they stay far apart.
+template <bool Few, int D>
+PHYSICS_HPP_COLD passage<D> find_passage(const moving_pair<D>& p, const passage_rule& rule, double latest) {
     const double slack = max(rule.tolerance, 4 * p.noise()), touch = max(rule.touch, rule.target + slack);
     double from = 0, end = 1;
-    bool near_by = true;
+    bool near_by = true, ends_near = true;
     if (p.face == nullptr) {
         const double reach = (p.a.reach + p.b.reach + p.radii + touch) + p.noise();
         const local_ray<D> ray{p.b.start, p.way};
@@ -202,26 +244,37 @@ PHYSICS_HPP_COLD passage find_passage(const moving_pair<D>& p, const passage_rul
         const bool meets = ball_span(ray, reach, from, to);
         if (!near_by && (!meets || from < 0 || from > latest)) return {};
         if (near_by) from = 0;
-        if (meets && to < end) end = max(to, from);
+        if (meets && to < end) end = max(to, from), ends_near = false;
     }
     passage_search<Few, D> search(p);
-    const double gap = near_by ? search.gap_at(0) : no_limit;
-    if (gap <= touch) {
+    const double gap = near_by ? search.at(0).gap : no_limit;
+    const bool touching = gap <= touch;
+    const auto stopped = [&](const auto& at) -> passage<D> {
+        return {true, at.state == impact_state::hit, at.time, at.normal, at.gap, touching};
+    };
+    if (touching) {
         // Nothing inside that must not pass.
         if (!(rule.depth > 0)) return {};
         const double sunk = gap < 0 ? -gap : 0, left = rule.depth * (31.0 / 32) - sunk;
-        const double more = max(0.5 * left, rule.blur + 8 * p.noise());
-        const auto deep = search.follow(0, end, -(sunk + more), more * (1.0 / 8));
+        double more = max(0.5 * left, rule.blur + 8 * p.noise()), within = more * (1.0 / 8);
+        if (ends_near && ends_deep(p, search, rule, touching, sunk)) {
+            more = min(more, rule.target + slack);
+            within = slack;
+        }
+        const auto deep = search.follow(0, end, -(sunk + more), within);
         if (deep.state == impact_state::separated || deep.time > latest) return {};
-        return {true, deep.state == impact_state::hit, deep.time};
+        return stopped(deep);
     }
     const auto first = search.follow(from, latest < end ? latest : end, rule.target, slack);
     if (first.state == impact_state::separated) return {};
-    if (first.state == impact_state::iteration_limit) return {true, false, first.time};
-    if (!(rule.depth > 16 * p.noise())) return {true, true, first.time};
-    const auto deep = search.follow(first.time, end, -0.5 * rule.depth, rule.depth * (1.0 / 16));
+    if (first.state == impact_state::iteration_limit) return stopped(first);
+    const double least = rule.blur + 8 * p.noise(), most = rule.grazes ? least : 0.5 * rule.depth;
+    if (!(rule.depth > 16 * p.noise()) || (ends_near && ends_deep(p, search, rule, touching, 0))) return stopped(first);
+    const auto deep = search.follow(first.time, end, -most, most * (1.0 / 8));
     if (deep.state == impact_state::separated) return {};
-    return {true, deep.state == impact_state::hit, first.time};
+    passage<D> result = stopped(first);
+    result.converged = deep.state == impact_state::hit;
+    return result;
 }
 
 }  // namespace detail

@@ -29,6 +29,8 @@ struct stride {
     S depth{};
     /// What the user has said of the body (see body_def::continuous).
     bool flagged = false;
+    /// Surfaces that are closer as the step begins are in contact: the solver stops them (m).
+    S margin{};
 
     /// At least as far as any point has moved, quickly.
     [[nodiscard]] constexpr S bound() const {
@@ -46,17 +48,19 @@ private:
     static S angle(const vec<S, 3>& w) { return physics::length(w); }
 };
 
-/// Sweeps bodies that go far in a step: farther than half of what their shapes are thick, rotation included, or deep
-/// ones that go farther than what is left of that. They are swept against static bodies, those that the user flags
-/// against moving ones too, along their straight and turning path, and stopped where they would pass into something by
-/// more than half of their thickness: at its surface, with their velocity, for the next step's contacts to deal with.
-/// So they pass through nothing, however thin, and what slides or rolls along a surface is not stopped. What a stopped
-/// body loses is the rest of the step's time (see continuous_report). Of two bodies that are stopped on each other's
-/// way, each is stopped by the path that the other would have taken. What turns by its own inertia (see integrator) is
-/// taken to turn about one axis.
+/// Sweeps bodies that go farther in a step than contacts are found ahead, rotation included, or than half of what their
+/// shapes are thick. They are swept against static bodies, those that the user flags against moving ones too, along
+/// their straight and turning path, and stopped at the surface where they would end within something or pass into it by
+/// more than half of their thickness, flagged ones also where they would graze what moves. They keep their velocity,
+/// for the next step's contacts to deal with, and go on along a static surface for the rest of the step, without
+/// turning. So they pass through nothing, however thin, nothing sinks in where it lands, and what slides or rolls along
+/// a surface is not stopped. What a stopped body loses is the rest of the step's time (see continuous_report). Of two
+/// bodies that are stopped on each other's way, each is stopped by the path that the other would have taken. What turns
+/// by its own inertia (see integrator) is taken to turn about one axis.
 /// Dynamic bodies whose middle a kinematic one may pass in a step count as flagged: it takes along what it meets, up to
 /// static bodies and through other dynamic ones, and gives that no velocity.
-/// Cost: about 100 instructions for slow bodies; for fast ones a query and 1 to 20 us for each shape on their way.
+/// Cost: 100 to 400 instructions for bodies near nothing that stands; else a query and 1 to 20 us for each shape on
+/// their way.
 struct swept {
     using stage = physics::stage::continuous;
 
@@ -65,7 +69,7 @@ struct swept {
         using S = typename Space::scalar;
 
         [[nodiscard]] static swept_against aim(const stride<S, Space::dimension>& s) {
-            const S most = s.thickness * S(0.5) - s.depth;
+            const S through = s.thickness * S(0.5) - s.depth, most = through < s.margin ? through : s.margin;
             if (!(s.bound() > most) || !(s.length() > most)) return swept_against::nothing;
             return s.flagged ? swept_against::everything : swept_against::fixed;
         }

@@ -23,7 +23,7 @@ class recalled_pairs {
 
 public:
     /// Both lists are in ascending order, so one walk along both finds what is remembered.
-    recalled_pairs(const state<Plan>& s, const proxy_pair* pairs, std::uint32_t count, arena& scratch)
+    recalled_pairs(state<Plan>& s, const proxy_pair* pairs, std::uint32_t count, arena& scratch)
         : pairs_(pairs), count_(count), queries_(scratch.take<query>(count)) {
         if constexpr (Plan::remembers) {
             memories_ = scratch.take<memory>(count);
@@ -34,6 +34,7 @@ public:
             const proxy_pair p = in_order_of_kinds(s, pairs[i]);
             const auto& a = s.shapes[p.a];
             const auto& b = s.shapes[p.b];
+            note_near(s, a.body, b.body);
             new (queries_ + i) query{&a.shape, &b.shape, relative(a.pose, b.pose)};
             if constexpr (Plan::remembers) {
                 if (!Plan::narrowphase::remembers(a.shape.kind(), b.shape.kind())) continue;

@@ -4,40 +4,26 @@
 #include "physics/base/sort.hpp"
 #include "physics/world/extents.hpp"
 #include "physics/world/queries.hpp"
+#include "physics/world/ways.hpp"
 
 PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// Adds whole turns to a turn of at most half of one, as a rate says (rad a step).
-template <class S>
-S with_whole_turns(S turn, S rate) {
-    constexpr double whole = 6.283185307179586;
-    return turn + static_cast<S>(physics::floor((to_double(rate) - to_double(turn)) / whole + 0.5) * whole);
-}
-template <class S>
-vec<S, 3> with_whole_turns(const vec<S, 3>& turn, const vec<S, 3>& rate) {
-    const auto [axis, fast] = split(rate);
-    if (!(fast > pi<S>)) return turn;
-    const auto [own, angle] = split(turn);
-    // A small turn's axis is mostly rounding.
-    const vec<S, 3> about = angle > S(0.0625) ? own : axis;
-    const S first = dot(turn, about);
-    return about * with_whole_turns(first, dot(rate, about));
-}
-
 /// The sweeps of one step. It reads poses at the step's start and the solver's; what stops bodies is applied when all
 /// is known, so that no order of bodies matters.
 template <class Plan>
-class body_sweeps {
-    using S = typename Plan::scalar;
-    static constexpr int D = Plan::dimension;
-    using motion = sweep<S, D>;
+class body_sweeps : body_ways<Plan> {
+    using ways = body_ways<Plan>;
+    using typename ways::motion;
+    using typename ways::mover;
+    using typename ways::S;
+    using ways::box_of, ways::D, ways::h_, ways::keeps_clear, ways::contact_margin, ways::length_of, ways::motion_of,
+        ways::moved_, ways::s_, ways::stride_of;
     using policy = typename Plan::continuous;
-    using mover = swept_mover;
 
 public:
-    body_sweeps(state<Plan>& s, moved_bodies<S, D, Plan::turns> moved, S h) : s_(s), moved_(moved), h_(h) {}
+    using ways::ways;
 
     PHYSICS_HPP_NOINLINE void run() {
         auto& report = s_.continuous.report;
@@ -83,10 +69,14 @@ private:
                 continue;
             }
             thinnest = min(thinnest, own.thickness);
-            const auto against = policy::aim(anew ? as_pushed(k, b, own) : own);
+            const stride<S, D> way = anew ? as_pushed(k, b, own) : own;
+            const auto against = policy::aim(way);
             if (against == swept_against::nothing) continue;
-            movers().push({s_.movers[k], k, against});
-            any_flagged_ = any_flagged_ || against == swept_against::everything;
+            const bool everything = against == swept_against::everything;
+            mover m(i, k, against);
+            m.goes_far = everything || way.bound() > way.thickness * S(0.5) - way.depth;
+            movers().push(m);
+            any_flagged_ = any_flagged_ || everything;
         }
         return thinnest;
     }
@@ -105,32 +95,6 @@ private:
         }
         return own;
     }
-    stride<S, D> stride_of(std::uint32_t k, const typename Plan::body& b) const {
-        const std::uint32_t i = s_.movers[k];
-        const auto& extent = s_.continuous.extents[i];
-        const angular<S, D> w = value_of(moved_.velocity(k).angular), before = value_of(b.velocity.angular);
-        const bool slower = length_of(w) < length_of(before);
-        return {moved_[k].center - b.center, (slower ? before : w) * h_, extent.reach, extent.thickness,
-                s_.continuous.depths[i],     b.continuous};
-    }
-    static S length_of(S w) { return abs(w); }
-    static S length_of(const vec<S, 3>& w) { return abs(w.x) + abs(w.y) + abs(w.z); }
-
-    /// The shape's frame is the body's.
-    PHYSICS_HPP_COLD motion motion_of(std::uint32_t i) const {
-        const auto& b = s_.bodies[i];
-        const std::uint32_t k = s_.mover_of[i];
-        const transform<S, D> start{b.center, b.rotation};
-        if (!(k < s_.movers.size())) return {start.position, start.position, start.rotation, {}, {}};
-        motion m = sweep_between<S, D>(start, {moved_[k].center, rotation_after(moved_[k], b)});
-        if constexpr (Plan::turns) m.turn = with_whole_turns(m.turn, moved_.velocity(k).angular * h_);
-        return m;
-    }
-    /// All places of a body on its way.
-    aabb<double, D> box_of(const motion& m, double reach) const {
-        const point<D> start = to_point(m.start), end = to_point(m.end);
-        return grown(aabb<double, D>{min(start, end), max(start, end)}, reach);
-    }
 
     /// What moves, and may be far from where the broadphase knows it.
     void find_partners() {
@@ -147,12 +111,10 @@ private:
         }
     }
 
-    /// Shapes that a body may meet, in ascending order.
-    PHYSICS_HPP_COLD bool find_candidates(std::uint32_t body, const motion& m, bool everything) {
+    /// Shapes that a body may meet on a way in a box, in ascending order.
+    PHYSICS_HPP_COLD bool find_candidates(std::uint32_t body, const aabb<double, D>& way, bool everything) {
         auto& found = s_.continuous.candidates;
         found.clear();
-        const double rest = 2 * detail::to_double(s_.settings.contact_margin);
-        const aabb<double, D> way = box_of(m, s_.continuous.extents[body].outer + rest);
         aabb<S, D> box;
         const double most = static_cast<double>(scalar_traits<S>::max());
         const double blur = 2 * static_cast<double>(scalar_traits<S>::epsilon());
@@ -177,6 +139,7 @@ private:
         return true;
     }
     static void sort_once(buffer<std::uint64_t>& numbers, buffer<std::uint64_t>& spare) {
+        if (numbers.size() < 2) return;
         spare.resize(numbers.size());
         if (radix_sort(numbers.begin(), spare.begin(), numbers.size(), 0, 32) != numbers.begin()) numbers.swap(spare);
         std::uint32_t kept = 0;
@@ -185,18 +148,28 @@ private:
         numbers.resize(kept);
     }
 
+    /// What does not go far passes through nothing: it is enough to look where it ends.
     void find_stop(mover& m) {
-        sweep_body(m, motion_of(m.body), m.against == swept_against::everything);
+        const bool everything = m.against == swept_against::everything;
+        aabb<double, D> box;
+        if (keeps_clear(m, box) && !everything) return;
+        if (!find_candidates(m.body, box, everything)) m.converged = false;
+        if (s_.continuous.candidates.empty()) return;
+        const motion way = motion_of(m.body);
+        m.goes_far = m.goes_far || ends_in_something(m, way);
+        if (m.goes_far) sweep_body(m, way);
     }
-    /// Finds the first shape that stops a body, of several at once that of the lowest number.
-    PHYSICS_HPP_COLD void sweep_body(mover& m, const motion& way, bool everything) {
+    PHYSICS_HPP_COLD bool ends_in_something(const mover& m, const motion& way) {
+        const transform<S, D> end{way.end, way.turn == angular<S, D>{} ? way.rotation : way.at(S(1)).rotation};
+        mover probe(m.body, m.number);
+        probe.goes_far = false;
+        sweep_body(probe, {end.position, end.position, end.rotation, {}, {}});
+        return probe.stops;
+    }
+    /// Finds the first of the candidates that stops a body, of several at once that of the lowest number.
+    PHYSICS_HPP_COLD void sweep_body(mover& m, const motion& way) {
         m.stops = false;
         m.time = 1;
-        if (!find_candidates(m.body, way, everything)) {
-            m.converged = false;
-            return;
-        }
-        if (s_.continuous.candidates.empty()) return;
         each_shape(s_, m.body, [&](std::uint32_t, const shape_record<Plan>& record) {
             const mat<double, D> axes = to_matrix(record.local.rotation);
             const point<D> at = to_point(record.local.position) - to_point(s_.bodies[m.body].mass.center);
@@ -258,7 +231,7 @@ private:
     PHYSICS_HPP_COLD aabb<double, D> box_of_way(const obstacle& o, point<D>& center) const {
         const mat<double, D> body = to_matrix(o.other.rotation), seen = transposed(body * o.axes);
         const point<D> origin = body * o.at, start = o.mine.start, end = o.mine.start + o.way;
-        const double reach = (o.mine.reach + o.mine.shape.radius) + 2 * detail::to_double(s_.settings.contact_margin);
+        const double reach = (o.mine.reach + o.mine.shape.radius) + 2 * contact_margin();
         const placed_core<D> mine = o.mine.at(0, start);
         center = seen * (mine.axes * o.mine.shape.center + mine.at - origin);
         if (!(o.other.turn == angular<S, D>{})) {
@@ -274,22 +247,37 @@ private:
         const moving_core<D> a(piece, o.other, o.axes * turned, o.axes * where + o.at, to_point(o.other.start));
         const moving_core<D>& b = o.mine;
         const cast_precision precision = cast_precision::of<S>(piece, b.shape);
-        const moving_pair<D> pair{a, b, o.way, face, piece.radius + b.shape.radius, precision.error,
-                                  precision.relative};
-        const double margin = detail::to_double(s_.settings.contact_margin);
+        const moving_pair<D> pair{
+            a, b, o.way, face, piece.radius + b.shape.radius, precision.error, precision.relative};
+        const double margin = contact_margin();
+        if (!m.goes_far) {
+            passage_search<Plan::few_corners, D> search(pair);
+            m.stops = m.stops || search.at(0).gap < -margin * (1.0 / 32);
+            return;
+        }
         // What rounding of poses may do to a gap.
         const double epsilon = static_cast<double>(scalar_traits<S>::epsilon());
         const double size = largest(to_point(o.other.start)) + largest(b.start) + largest(o.way);
         const double blur = 4 * epsilon * (is_fixed<S> ? 1 + b.reach : size + b.reach);
         const bool thin = s_.bodies[o.body].is_dynamic();
-        const passage_rule rule{margin + blur, 0.25 * margin, 0.25 * margin,
-                                thin ? min(o.thickness, inner_radius<Plan::few_corners>(piece)) : o.thickness, blur};
-        const passage found = find_passage<Plan::few_corners>(pair, rule, m.stops ? m.time : 1.0);
+        const double depth = detail::to_double(s_.continuous.depths[m.body]);
+        const passage_rule rule{margin + blur,
+                                margin * (1.0 / 64),
+                                margin * (1.0 / 64),
+                                thin ? min(o.thickness, inner_radius<Plan::few_corners>(piece)) : o.thickness,
+                                margin * (1.0 / 16) + blur,
+                                margin * (1.0 / 4) + depth + blur,
+                                blur,
+                                thin};
+        const auto found = find_passage<Plan::few_corners>(pair, rule, m.stops ? m.time : 1.0);
         m.converged = m.converged && found.converged;
         if (!found.stops || (m.stops && !(found.time < m.time))) return;
         m.stops = true;
         m.time = found.time;
         m.other = o.body;
+        m.normal = found.normal;
+        m.gap = found.gap;
+        m.touching = found.touching;
     }
 
     /// A dynamic body that goes far itself must not go on through the body that was stopped on its way.
@@ -304,8 +292,10 @@ private:
         std::uint32_t low = 0, high = movers().size();
         while (low < high) {
             const std::uint32_t middle = (low + high) / 2;
-            if (number > movers()[middle].number) low = middle + 1;
-            else high = middle;
+            if (number > movers()[middle].number)
+                low = middle + 1;
+            else
+                high = middle;
         }
         return low < movers().size() && movers()[low].number == number ? &movers()[low] : nullptr;
     }
@@ -317,18 +307,46 @@ private:
         if ((is_cut || m.stops) && time < 1) {
             const motion way = motion_of(m.body);
             transform<S, D> at = way.at(rounded_down<S>(time));
-            if (!is_cut && s_.bodies[m.other].type == body_type::kinematic_body) at = carried(m, at);
+            const body_type type = s_.bodies[m.other].type;
+            const bool slides = !is_cut && type == body_type::static_body && m.against == swept_against::fixed;
+            if (slides)
+                at.position = slid(m, at, way.end);
+            else if (!is_cut && type == body_type::kinematic_body)
+                at = carried(m, at);
             moved_[m.number].center = at.position;
-            if constexpr (Plan::turns) moved_[m.number].rotation = at.rotation;
+            if constexpr (Plan::turns)
+                if (!slides || !(way.turn == angular<S, D>{})) moved_[m.number].rotation = at.rotation;
             const S lost = static_cast<S>(1 - time) * h_;
             // What gravity has given for the lost time would make a bounce higher than the fall.
             vec<S, D>& v = moved_.velocity(m.number).linear;
-            const vec<S, D> ahead = normalized(v);
-            v -= ahead * (dot(ahead, s_.settings.gravity) * s_.bodies[m.body].gravity_scale * lost);
+            const vec<S, D> ahead = slides ? from_point<S>(m.normal) : normalized(v);
+            if (!slides || !m.touching)
+                v -= ahead * (dot(ahead, s_.settings.gravity) * s_.bodies[m.body].gravity_scale * lost);
             ++report.stopped;
             report.lost = max(report.lost, lost);
         }
         if (!m.converged) ++report.unconverged;
+    }
+    /// What a static body has stopped goes on along its surface for the rest of the step, until something else stops
+    /// it.
+    PHYSICS_HPP_COLD vec<S, D> slid(mover& m, const transform<S, D>& at, const vec<S, D>& end) {
+        const double margin = contact_margin();
+        point<D> way = to_point(end) - to_point(at.position);
+        way -= m.normal * dot(m.normal, way);
+        // Just outside, the solver stops it at once.
+        if (m.gap > margin * (-1.0 / 8)) way += m.normal * max(margin * (1.0 / 64) - m.gap, 0.0);
+        const motion along{at.position, at.position + from_point<S>(way), at.rotation, {}, {}};
+        if (dot(way, way) <= margin * margin * (1.0 / 64)) return along.end;
+        return go_on(m, along).position;
+    }
+    /// Where a body comes on a way after its stop, as far as static ones let it.
+    PHYSICS_HPP_COLD transform<S, D> go_on(mover& m, const motion& way) {
+        mover again(m.body, m.number);
+        const double reach = s_.continuous.extents[m.body].outer + contact_margin();
+        again.converged = find_candidates(m.body, box_of(way, reach), false);
+        sweep_body(again, way);
+        m.converged = m.converged && again.converged;
+        return way.at(rounded_down<S>(again.time));
     }
     /// What a kinematic body has caught it takes along for the rest of the step, as far as static ones let it: nothing
     /// holds the kinematic one up.
@@ -339,52 +357,13 @@ private:
         const transform<S, D> then{moved.center, rotation_after(moved, s_.bodies[m.other])};
         const transform<S, D> end = then * relative(there, at);
         const motion way = sweep_between<S, D>(at, {end.position, normalized(end.rotation)});
-        mover again{m.body, m.number};
-        sweep_body(again, way, false);
-        m.converged = m.converged && again.converged;
-        return way.at(rounded_down<S>(again.time));
+        return go_on(m, way);
     }
 
-    state<Plan>& s_;
-    moved_bodies<S, D, Plan::turns> moved_;
-    S h_;
     bool any_flagged_ = false;
     /// How far a point of a kinematic body goes, at most.
     double fastest_ = 0;
 };
-
-/// Forgets which bodies the contacts of the last step have found deep in static ones.
-template <class Plan>
-void clear_depths(state<Plan>& s) {
-    if constexpr (Plan::sweeps) {
-        for (const std::uint32_t i : s.continuous.deep) s.continuous.depths[i] = {};
-        s.continuous.deep.clear();
-        s.continuous.depths.resize(s.bodies.slots());
-    }
-}
-/// Whether a contact is deeper than usual, and the note of it.
-template <class Plan, class Contact>
-bool is_deep(const state<Plan>& s, const Contact& c) {
-    if constexpr (Plan::sweeps)
-        for (int k = 0; k < c.count; ++k)
-            if (-c.points[k].separation > s.settings.contact_margin * typename Plan::scalar(0.5)) return true;
-    return false;
-}
-template <class Plan, class Contact>
-void note_depth(state<Plan>& s, const Contact& c) {
-    if constexpr (Plan::sweeps) {
-        if (!is_deep(s, c)) return;
-        typename Plan::scalar depth{};
-        for (int k = 0; k < c.count; ++k) depth = max(depth, -c.points[k].separation);
-        const std::uint32_t a = body_a(s, c), b = body_b(s, c);
-        const auto note = [&](std::uint32_t i) {
-            s.continuous.depths[i] = max(s.continuous.depths[i], depth);
-            s.continuous.deep.push(i);
-        };
-        if (s.bodies[a].type == body_type::static_body) note(b);
-        if (s.bodies[b].type == body_type::static_body) note(a);
-    }
-}
 
 /// Stops bodies that would have passed into something; see the recipe's policy.
 template <class Plan>

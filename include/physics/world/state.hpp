@@ -122,15 +122,26 @@ struct body_extent {
     double outer = 0;
 };
 /// A body that goes far in a step, and what stops it.
+template <int D>
 struct swept_mover {
     /// Its number, and that among those that move.
     std::uint32_t body, number;
     swept_against against = swept_against::fixed;
+    /// Whether it may pass through something, or only be in it at the end of the step.
+    bool goes_far = true;
     bool stops = false, converged = true;
+    /// Whether it was in touch with what stops it as the step began.
+    bool touching = false;
     /// Whether another body that it has stopped stops it too.
     bool cut = false;
     std::uint32_t other = 0;
     double time = 1, cut_time = 1;
+    /// From what stops it towards it, and the gap there (m).
+    point<D> normal;
+    double gap = 0;
+
+    swept_mover(std::uint32_t b, std::uint32_t n, swept_against a = swept_against::fixed)
+        : body(b), number(n), against(a) {}
 };
 /// What a moving body fills in a step.
 template <int D>
@@ -157,7 +168,9 @@ struct continuous_state {
     /// How deep each body is in static ones, and which of them are: 0 of all others.
     buffer<S> depths;
     buffer<std::uint32_t> deep;
-    buffer<swept_mover> movers;
+    /// Of every body, whether its boxes overlap those of something that stands.
+    buffer<bool> near_fixed;
+    buffer<swept_mover<Plan::dimension>> movers;
     buffer<swept_box<Plan::dimension>> partners, pushers;
     buffer<std::uint64_t> candidates, spare;
     buffer<S> ahead;

@@ -1,0 +1,188 @@
+// Where bodies go in a step, as the sweeps see it, and what the contacts of the step tell them.
+#pragma once
+
+#include "physics/collide/passage.hpp"
+#include "physics/world/state.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Adds whole turns to a turn of at most half of one, as a rate says (rad a step).
+template <class S>
+S with_whole_turns(S turn, S rate) {
+    constexpr double whole = 6.283185307179586;
+    return turn + static_cast<S>(physics::floor((to_double(rate) - to_double(turn)) / whole + 0.5) * whole);
+}
+template <class S>
+vec<S, 3> with_whole_turns(const vec<S, 3>& turn, const vec<S, 3>& rate) {
+    const auto [axis, fast] = split(rate);
+    if (!(fast > pi<S>)) return turn;
+    const auto [own, angle] = split(turn);
+    // A small turn's axis is mostly rounding.
+    const vec<S, 3> about = angle > S(0.0625) ? own : axis;
+    const S first = dot(turn, about);
+    return about * with_whole_turns(first, dot(rate, about));
+}
+
+/// The ways of bodies through a step: from the poses at its start to the solver's.
+template <class Plan>
+class body_ways {
+public:
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+
+    body_ways(state<Plan>& s, moved_bodies<S, D, Plan::turns> moved, S h) : s_(s), moved_(moved), h_(h) {}
+
+protected:
+    using motion = sweep<S, D>;
+    using mover = swept_mover<D>;
+
+    [[nodiscard]] double contact_margin() const { return detail::to_double(s_.settings.contact_margin); }
+    static S length_of(S w) { return abs(w); }
+    static S length_of(const vec<S, 2>& w) { return abs(w.x) + abs(w.y); }
+    static S length_of(const vec<S, 3>& w) { return abs(w.x) + abs(w.y) + abs(w.z); }
+    /// The farther of what it did and what it was about to.
+    stride<S, D> stride_of(std::uint32_t k, const typename Plan::body& b) const {
+        const std::uint32_t i = s_.movers[k];
+        const auto& extent = s_.continuous.extents[i];
+        const angular<S, D> w = value_of(moved_.velocity(k).angular), before = value_of(b.velocity.angular);
+        const vec<S, D> way = moved_[k].center - b.center, aimed = b.velocity.linear * h_;
+        const bool slower = length_of(w) < length_of(before), shorter = length_of(way) < length_of(aimed);
+        // Who was stopped in this step may have come to be in what stopped it.
+        return {shorter ? aimed : way,     (slower ? before : w) * h_, extent.reach,
+                extent.thickness,          s_.continuous.depths[i],    b.continuous,
+                s_.settings.contact_margin};
+    }
+
+    /// The shape's frame is the body's.
+    PHYSICS_HPP_COLD motion motion_of(std::uint32_t i) const {
+        const auto& b = s_.bodies[i];
+        const std::uint32_t k = s_.mover_of[i];
+        const transform<S, D> start{b.center, b.rotation};
+        if (!(k < s_.movers.size())) return {start.position, start.position, start.rotation, {}, {}};
+        const rotation<S, D>& turn = rotation_after(moved_[k], b);
+        motion m{start.position, moved_[k].center, start.rotation, {}, {}};
+        // What does not turn gets no turn from rounding either.
+        if (!(turn == start.rotation)) m = sweep_between<S, D>(start, {m.end, turn});
+        if constexpr (Plan::turns) m.turn = with_whole_turns(m.turn, moved_.velocity(k).angular * h_);
+        return m;
+    }
+    /// All places of a body on its way.
+    aabb<double, D> box_of(const motion& m, double reach) const {
+        const point<D> start = to_point(m.start), end = to_point(m.end);
+        return grown(aabb<double, D>{min(start, end), max(start, end)}, reach);
+    }
+
+    /// Whether a body stays within boxes near which the broadphase knew nothing that stands; and what it fills on its
+    /// way, or, where it does not go far, at the end.
+    bool keeps_clear(const mover& m, aabb<double, D>& box) const {
+        const std::uint32_t i = m.body;
+        const auto& b = s_.bodies[i];
+        const auto& extent = s_.continuous.extents[i];
+        const point<D> start = to_point(b.center), end = to_point(moved_[m.number].center);
+        const rotation<S, D>& turn = rotation_after(moved_[m.number], b);
+        double spare = 0.5 * contact_margin();
+        if (Plan::turns && m.goes_far) {
+            // Points on arcs of the radius r leave their chords by up to r sin^2(angle / 2), and the squares of what
+            // unit vectors move by sum up to 8 sin^2(angle / 2).
+            double square = 0;
+            for (int k = 0; k < D; ++k) {
+                vec<S, D> unit;
+                unit[k] = S(1);
+                const point<D> by = to_point(turn * unit - b.rotation * unit);
+                square += dot(by, by);
+            }
+            spare += extent.outer * square * (1.0 / 8);
+            if (m.against == swept_against::everything ||
+                !(length_of(value_of(moved_.velocity(m.number).angular)) * h_ < S(2))) {
+                box = grown(aabb<double, D>{min(start, end), max(start, end)}, extent.outer + spare);
+                return false;
+            }
+        }
+        const transform<S, D> pose{moved_[m.number].center - turn * b.mass.center, turn};
+        bool within = !s_.continuous.near_fixed[i] && !s_.is_asleep(i);
+        bool first = true;
+        each_shape(s_, i, [&](std::uint32_t k, const shape_record<Plan>& record) {
+            aabb<double, D> own = box_at(record, pose * record.local);
+            if (m.goes_far) own = merged(own, box_at(record, record.pose));
+            own = grown(own, spare);
+            box = first ? own : merged(box, own);
+            first = false;
+            if constexpr (requires { s_.broadphase.box(k); })
+                within = within && contains(wide(s_.broadphase.box(k)), own);
+            else
+                within = false;
+        });
+        return within;
+    }
+
+    state<Plan>& s_;
+    moved_bodies<S, D, Plan::turns> moved_;
+    S h_;
+
+private:
+    static aabb<double, D> wide(const aabb<S, D>& box) { return {to_point(box.lower), to_point(box.upper)}; }
+    static aabb<double, D> box_at(const shape_record<Plan>& record, const transform<S, D>& pose) {
+        return wide(bounds(record.shape, pose));
+    }
+};
+
+/// Forgets which bodies were near static ones, or deep in them, in the last step.
+template <class Plan>
+void clear_depths(state<Plan>& s) {
+    if constexpr (Plan::sweeps) {
+        for (const std::uint32_t i : s.continuous.deep) s.continuous.depths[i] = {};
+        s.continuous.deep.clear();
+        s.continuous.depths.resize(s.bodies.slots());
+        s.continuous.near_fixed.clear();
+        s.continuous.near_fixed.resize(s.bodies.slots());
+    }
+}
+/// Notes which of two bodies whose boxes overlap is near one that stands; those have the last number.
+template <class Plan>
+void note_near(state<Plan>& s, std::uint32_t a, std::uint32_t b) {
+    if constexpr (Plan::sweeps) {
+        // Several workers may note the same body.
+        const auto note = [&](std::uint32_t i) {
+#if defined(__GNUC__)
+            __atomic_store_n(&s.continuous.near_fixed[i], true, __ATOMIC_RELAXED);
+#else
+            s.continuous.near_fixed[i] = true;
+#endif
+        };
+        if (!(s.mover_of[a] < s.movers.size())) note(b);
+        if (!(s.mover_of[b] < s.movers.size())) note(a);
+    }
+}
+/// Whether a contact is deep.
+template <class Plan, class Contact>
+bool is_deep(const state<Plan>& s, const Contact& c) {
+    if constexpr (Plan::sweeps) {
+        // Who stands has the last number.
+        if ((c.body_a < s.movers.size()) == (c.body_b < s.movers.size())) return false;
+        for (int k = 0; k < c.count; ++k)
+            if (-c.points[k].separation > s.settings.contact_margin * typename Plan::scalar(0.125)) return true;
+    }
+    return false;
+}
+/// Notes how deep the body of a contact is in a static one.
+template <class Plan, class Contact>
+void note_depth(state<Plan>& s, const Contact& c) {
+    if constexpr (Plan::sweeps) {
+        if (!is_deep(s, c)) return;
+        typename Plan::scalar depth{};
+        for (int k = 0; k < c.count; ++k) depth = max(depth, -c.points[k].separation);
+        const std::uint32_t a = body_a(s, c), b = body_b(s, c);
+        const auto note = [&](std::uint32_t i) {
+            s.continuous.depths[i] = max(s.continuous.depths[i], depth);
+            s.continuous.deep.push(i);
+        };
+        if (s.bodies[a].type == body_type::static_body) note(b);
+        if (s.bodies[b].type == body_type::static_body) note(a);
+    }
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
