@@ -10108,7 +10108,8 @@ PHYSICS_HPP_ALWAYS_INLINE box_contact_lanes2<P> touch_boxes(const box_lanes2<P>&
     out.apart = apart;
     out.missed = select_greater(apart, margin, zero, max(v0 - v1, min(gap0, gap1) - (apart + twice)));
     // A's edge and the quarters by which B is turned name both edges, whichever of them is the reference.
-    const P edge_of_a = of_reference(axis, lane_abs(odd)), along_edge = select_greater(edge_of_a, zero, normal_y, normal_x);
+    const P edge_of_a = of_reference(axis, lane_abs(odd));
+    const P along_edge = select_greater(edge_of_a, zero, normal_y, normal_x);
     out.edges = (back + back + select_greater(zero, along_edge, two, zero) + quarter) * value(4) + from_b + edge_of_a;
 
     // Of ends beyond the margin nothing is left, and the second takes the place of the first.
@@ -21934,8 +21935,8 @@ struct spin_lanes {
     using I = inverse_of<S>;
 
     std::uint32_t body[W];
-    /// The principal axes of tops, the frames of others.
-    S axes[4][W];
+    /// The principal axes of tops, the frames of others; and the former as the step began.
+    S axes[4][W], start[4][W];
     S moments[3][W];
     I first[W], second[W], third[W];
     /// Of tops: the angular velocity that the last turn has left, and the angular momentum that belongs to it: so that
@@ -21976,13 +21977,17 @@ public:
             for (std::uint32_t n = first; n < end; ++n) advance(blocks_[n], h, begun);
         });
     }
-    /// Says how some of the bodies are turned.
+    /// Says how some of the bodies are turned, and how they spin in world axes.
     void finish(std::uint32_t first, std::uint32_t end) {
         for (std::uint32_t k = first; k < end; ++k) {
             const block& of = blocks_[k / width];
             moving_body<S, 3>& b = moving_[k];
-            const rotation<S, 3> axes = axes_of(of, static_cast<int>(k % width));
+            const int lane = static_cast<int>(k % width);
+            const rotation<S, 3> axes = rotation_of(of.axes, lane);
             b.rotation = b.top ? axes * inverse(b.top->spin.axes) : axes;
+            if (!b.top) continue;
+            vec<S, 3>& w = bodies_[k].velocity.angular;
+            w = rotated_as_unit(axes, rotated_as_unit(inverse(rotation_of(of.start, lane)), w));
         }
     }
 
@@ -22001,12 +22006,15 @@ private:
         to.third[lane] = spin.third;
         to.any_top = true;
     }
-    static rotation<S, 3> axes_of(const block& of, int lane) {
-        return {of.axes[0][lane], of.axes[1][lane], of.axes[2][lane], of.axes[3][lane]};
+    static rotation<S, 3> rotation_of(const S (&rows)[4][width], int lane) {
+        return {rows[0][lane], rows[1][lane], rows[2][lane], rows[3][lane]};
     }
     static void set_axes(block& of, int lane, const rotation<S, 3>& axes) {
         const S four[] = {axes.x, axes.y, axes.z, axes.w};
-        for (int i = 0; i < 4; ++i) of.axes[i][lane] = four[i];
+        for (int i = 0; i < 4; ++i) of.axes[i][lane] = of.start[i][lane] = four[i];
+    }
+    PHYSICS_HPP_ALWAYS_INLINE static rotation_lanes<P> lanes_of(const S (&rows)[4][width]) {
+        return {P::load(rows[0]), P::load(rows[1]), P::load(rows[2]), P::load(rows[3])};
     }
 
     void advance(block& of, S h, twist<S, 3>* begun) {
@@ -22017,8 +22025,7 @@ private:
         const lanes3<P> before = w, angle = scaled(w, step);
         at.way.linear = lane_add(at.way.linear, scaled(at.velocity.linear, step));
         at.way.angular = lane_add(at.way.angular, angle);
-        const rotation_lanes<P> frame{P::load(of.axes[0]), P::load(of.axes[1]), P::load(of.axes[2]),
-                                      P::load(of.axes[3])};
+        const rotation_lanes<P> frame = lanes_of(of.axes);
         std::uint32_t far = 0;
         rotation_lanes<P> axes = frame;
         if (of.any_top) spin(of, h, frame, axes, w, far);
@@ -22035,13 +22042,18 @@ private:
         for (int lane = 0; lane < width; ++lane)
             if (of.moments[0][lane] > S(0)) begun[of.body[lane]].angular += lane_of(change, lane);
     }
-    /// As turn_freely, for tops; others turn by their velocity.
+    /// As turn_freely, for tops; others turn by their velocity. During a step the velocities of tops are as seen from
+    /// themselves, drawn where they were turned as it began: there contacts' levers and inverse inertias stay true
+    /// however far they turn. Else what is light to spin about one axis gains energy as that axis moves away.
     PHYSICS_HPP_ALWAYS_INLINE static void spin(block& of, S h, const rotation_lanes<P>& frame, rotation_lanes<P>& axes,
                                                lanes3<P>& w, std::uint32_t& far) {
         const P zero = P::broadcast(S(0)), one = P::broadcast(S(1)), half = P::broadcast(h * S(0.5)),
                 whole = P::broadcast(h), lack = frame.norm_lack();
         const lanes3<P> moments = lanes3<P>::load(of.moments);
-        const lanes3<P> gain = lane_rotated(frame.inverse(), lack, lane_subtract(w, lanes3<P>::load(of.known)));
+        const rotation_lanes<P> drawn = lanes_of(of.start);
+        const P drawn_lack = drawn.norm_lack();
+        const lanes3<P> gain =
+            lane_rotated(drawn.inverse(), drawn_lack, lane_subtract(w, lanes3<P>::load(of.known)));
         const lanes3<P> momentum = lane_add(
             lanes3<P>::load(of.momentum),
             lane_rotated(frame, lack, {moments.x * gain.x, moments.y * gain.y, moments.z * gain.z}));
@@ -22065,7 +22077,7 @@ private:
         const lanes3<P> kept = lane_rotated(axes.inverse(), left, momentum);
         const lanes3<P> spinning = {kept.x / of_tops(moments.x, one), kept.y / of_tops(moments.y, one),
                                     kept.z / of_tops(moments.z, one)};
-        const lanes3<P> after = lane_rotated(axes, left, spinning);
+        const lanes3<P> after = lane_rotated(drawn, drawn_lack, spinning);
         w = {of_tops(after.x, w.x), of_tops(after.y, w.y), of_tops(after.z, w.z)};
     }
     /// Lanes that turn so far that it takes trigonometry: anew, one by one.
@@ -22075,10 +22087,11 @@ private:
             if ((far >> lane & 1) == 0 || of.body[lane] == bodies_.spare()) continue;
             const auto* top = moving_[of.body[lane]].top;
             vec<S, 3> v = lane_of(before, lane);
-            rotation<S, 3> now = axes_of(of, lane);
-            if (top)
+            rotation<S, 3> now = rotation_of(of.axes, lane);
+            if (top) {
                 v = turn_top(top->spin, now, {of.momentum[0][lane], of.momentum[1][lane], of.momentum[2][lane]}, h);
-            else
+                v = rotated_as_unit(rotation_of(of.start, lane), rotated_as_unit(inverse(now), v));
+            } else
                 now = physics::turned(now, v * h);
             axes.x.set_lane(lane, now.x);
             axes.y.set_lane(lane, now.y);
@@ -23439,7 +23452,8 @@ template <class S, int W, int D, class Features>
     requires(!Features::rolling_resistance && !Features::surface_velocity)
 struct extras_of_block<S, W, D, Features> {
     template <class Body>
-    void put(int, const contact<S, D, Features>&, const Body&, const Body&, const soft_start<S, D, Features>&, arena&) {}
+    void put(int, const contact<S, D, Features>&, const Body&, const Body&, const soft_start<S, D, Features>&,
+             arena&) {}
     void take(int, contact<S, D, Features>&) const {}
 };
 
@@ -23843,7 +23857,8 @@ struct soft_whole {
         const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
         left = one;
         if (count == 1) return true;
-        P ok = P::load(able), kept = one, strength = one, calm = P::broadcast(scalar_traits<S>::max()), changes[capacity];
+        P ok = P::load(able), kept = one, strength = one, changes[capacity];
+        P calm = P::broadcast(scalar_traits<S>::max()), sum_of_changes = zero, there = zero;
         if (how.pushes) {
             const P rate = P::broadcast(how.spring.rate);
             for (int i = 0; i < D; ++i) speed[i] = speed[i] + rate * (P::load(separation[i]) + way[i]);
@@ -23860,13 +23875,22 @@ struct soft_whole {
             if (how.pushes) good = min(good, gap * P::broadcast(how.spring.rate) + P::broadcast(how.push_speed));
             // Of points that only other lanes have nothing is asked.
             ok = min(ok, select_greater(P::load(points[k].mass), zero, good, zero));
-            if (how.over_relaxes) calm = min(calm, before - lane_abs(changes[k]) * P::broadcast(S(32)));
+            if (!how.over_relaxes) continue;
+            const P is = P::load(points[k].mass), lasts = before - lane_abs(changes[k]) * P::broadcast(S(32));
+            calm = select_greater(is, zero, min(calm, lasts), calm);
+            sum_of_changes = sum_of_changes + select_greater(is, zero, changes[k], zero);
+            there = there + select_greater(is, zero, one, zero);
         }
-        const P more = how.over_relaxes ? over_relaxed(points, count, changes, calm) : zero;
+        // Loads that last are over-relaxed, all points alike: those of tall piles travel faster so. Impacts, and what
+        // turns the bodies, are answered as they are. Source: Golub, Van Loan, Matrix Computations, 11.2.
+        P more = zero;
+        if (how.over_relaxes)
+            more = select_greater(calm, zero, sum_of_changes * P::broadcast(S(0.9)) / max(there, one), zero);
         left = select_greater(zero, ok, one, zero);
         const bool any_left = greater(zero, ok).bits() != 0 && !are_idle(points, count, how, left, at, speed_at);
         for (int k = 0; k < count; ++k) {
-            const P change = select_greater(zero, ok, zero, changes[k] + more);
+            const P by = changes[k] + select_greater(P::load(points[k].mass), zero, more, zero);
+            const P change = select_greater(zero, ok, zero, by);
             (P::load(points[k].impulse) + change).store(points[k].impulse);
             sum.add(points[k], change);
         }
@@ -23874,20 +23898,6 @@ struct soft_whole {
     }
 
 private:
-    /// What each point gets on top of the mean change, in lanes where all loads last (`calm` is above 0): loads of tall
-    /// piles travel faster so. Impacts, and what turns the bodies, are answered as they are. Source: successive
-    /// over-relaxation; Golub, Van Loan, Matrix Computations, 11.2.
-    template <class Point>
-    PHYSICS_HPP_ALWAYS_INLINE static P over_relaxed(const Point* points, int count, const P* changes, const P& calm) {
-        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
-        P sum = changes[0], there = one;
-        for (int k = 1; k < count; ++k) {
-            const P is = select_greater(P::load(points[k].mass), zero, one, zero);
-            sum = sum + select_greater(is, zero, changes[k], zero);
-            there = there + is;
-        }
-        return select_greater(calm, zero, sum * P::broadcast(S(0.9)) / there, zero);
-    }
     /// Writes the lanes that are good (1, else 0), but for those whose shares the scalar cannot hold.
     template <class K, class Point>
     PHYSICS_HPP_ALWAYS_INLINE void write(Point* points, int count, const K& good, const K (&plane)[D],
@@ -23949,7 +23959,7 @@ struct soft_bounces {
             const P v = speed_at(k), gap = P::load(points[k].separation) + way_at(k);
             const P arrives = min(-v - slop, -(v + gap * P::broadcast(how.inverse_step)));
             const P meets = select_greater(P::load(points[k].impulse), zero, zero, min(arrives, e));
-            const P target = select_greater(P::load(points[k].mass), zero, select_greater(meets, zero, e * -v, zero), zero);
+            const P target = select_greater(min(meets, P::load(points[k].mass)), zero, e * -v, zero);
             target.store(speed[k]);
             any = max(any, target);
         }
@@ -24832,15 +24842,16 @@ private:
             begin_next_without(lane, bodies, how, sum, rubbed);
         }
     }
-    /// Takes impulses of a lane, along the normal at the middle and about the tangents, and friction, from what the next
-    /// substep begins with.
+    /// Takes impulses of a lane, along the normal at the middle and about the tangents, and friction, from what the
+    /// next substep begins with.
     void begin_next_without(int lane, const body* bodies, const soft_round<S, 3>& how, const vec<S, 3>& sum,
                             const slide_lanes<S>& rubbed) {
         const auto at = [&](const auto& rows) { return vec<S, 3>{rows[0][lane], rows[1][lane], rows[2][lane]}; };
         const vec<S, 3> n = at(normal), t = at(tangent), u = cross(n, t);
         const vec<S, 3> impulse = n * sum.x + t * rubbed.x + u * rubbed.y;
         const vec<S, 3> moment = t * sum.y + u * sum.z + n * rubbed.twist;
-        if (moves_a) begin_without(how.begun[a[lane]], bodies[a[lane]], -impulse, -(cross(at(arm_a), impulse) + moment));
+        if (moves_a)
+            begin_without(how.begun[a[lane]], bodies[a[lane]], -impulse, -(cross(at(arm_a), impulse) + moment));
         if (moves_b) begin_without(how.begun[b[lane]], bodies[b[lane]], impulse, cross(at(arm_b), impulse) + moment);
     }
     /// Stops the slip, or lets it slide on the cone.
@@ -25136,7 +25147,8 @@ struct soft_linear_contact {
         store(bodies, at_a, at_b);
     }
     /// Notes which contacts are going to bounce, before anything stops them.
-    PHYSICS_HPP_ALWAYS_INLINE void note_approaches(const body* bodies, const round& how) requires Features::restitution {
+    PHYSICS_HPP_ALWAYS_INLINE void note_approaches(const body* bodies, const round& how)
+        requires Features::restitution {
         linear_lanes<P, D> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
@@ -25189,7 +25201,8 @@ private:
         return difference(at_b.velocity, at_a.velocity);
     }
     /// Stops the slip, or lets it slide.
-    PHYSICS_HPP_ALWAYS_INLINE void rub(const P& load, bool use_bias, linear_lanes<P, D>& at_a, linear_lanes<P, D>& at_b) {
+    PHYSICS_HPP_ALWAYS_INLINE void rub(const P& load, bool use_bias, linear_lanes<P, D>& at_a,
+                                       linear_lanes<P, D>& at_b) {
         const vector slip = slip_of(at_a, at_b);
         P by[D - 1];
         for (int i = 0; i < D - 1; ++i) by[i] = lane_dot(along(i), slip);
@@ -26883,6 +26896,18 @@ auto mass_of_shapes(const state<Plan>& s, std::uint32_t body, std::uint32_t but 
     return sum;
 }
 
+/// Adds to all moments what rounding makes of the largest one as the body turns: of a needle 10,000 times as long as
+/// thick, whose least moment a float does not tell from that, it gained energy.
+template <class S>
+void blur_inertia(S&) {}
+template <class S>
+void blur_inertia(symmetric<S>& inertia) {
+    const S more = S(4) * scalar_traits<S>::epsilon() * (inertia.xx + inertia.yy + inertia.zz);
+    inertia.xx += more;
+    inertia.yy += more;
+    inertia.zz += more;
+}
+
 /// Gives a body its mass, its centre and what follows from them. The frame stays where it is, and the
 /// velocity of the body's material points and the points of its contacts with it.
 template <class Plan>
@@ -26921,6 +26946,8 @@ void refresh_mass(state<Plan>& s, std::uint32_t index) {
     mass_properties<S, Plan::dimension> mass;
     if (b.mass_is_set) mass = b.mass;
     else if (b.is_dynamic()) mass = mass_of_shapes<S>(s, index);
+    if constexpr (Plan::turns)
+        if (!b.mass_is_set) blur_inertia(mass.inertia);
     if (b.is_dynamic() && !(mass.mass > S(0))) mass = {S(1), {}, {}};
     set_mass_properties(s, index, mass);
 }
@@ -27836,6 +27863,16 @@ private:
         return low < movers().size() && movers()[low].number == number ? &movers()[low] : nullptr;
     }
 
+    /// A body whose inertia depends on the axis spins on as seen from itself: else it would change its energy.
+    void turn_back(std::uint32_t number, const rotation<S, D>& to) {
+        auto& b = moved_[number];
+        if constexpr (D == 3)
+            if (b.top) {
+                vec<S, 3>& w = moved_.velocity(number).angular;
+                w = to * inverse_rotate(b.rotation, w);
+            }
+        b.rotation = to;
+    }
     PHYSICS_HPP_COLD void stop(mover& m) {
         const bool is_cut = m.cut && !(m.stops && m.time < m.cut_time);
         const double time = is_cut ? m.cut_time : m.time;
@@ -27851,7 +27888,7 @@ private:
                 at = carried(m, at);
             moved_[m.number].center = at.position;
             if constexpr (Plan::turns)
-                if (!slides || !(way.turn == angular<S, D>{})) moved_[m.number].rotation = at.rotation;
+                if (!slides || !(way.turn == angular<S, D>{})) turn_back(m.number, at.rotation);
             const S lost = static_cast<S>(1 - time) * h_;
             // What gravity has given for the lost time would make a bounce higher than the fall.
             vec<S, D>& v = moved_.velocity(m.number).linear;

@@ -99,7 +99,8 @@ PHYSICS_HPP_ALWAYS_INLINE box_contact_lanes2<P> touch_boxes(const box_lanes2<P>&
     out.apart = apart;
     out.missed = select_greater(apart, margin, zero, max(v0 - v1, min(gap0, gap1) - (apart + twice)));
     // A's edge and the quarters by which B is turned name both edges, whichever of them is the reference.
-    const P edge_of_a = of_reference(axis, lane_abs(odd)), along_edge = select_greater(edge_of_a, zero, normal_y, normal_x);
+    const P edge_of_a = of_reference(axis, lane_abs(odd));
+    const P along_edge = select_greater(edge_of_a, zero, normal_y, normal_x);
     out.edges = (back + back + select_greater(zero, along_edge, two, zero) + quarter) * value(4) + from_b + edge_of_a;
 
     // Of ends beyond the margin nothing is left, and the second takes the place of the first.

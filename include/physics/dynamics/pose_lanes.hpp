@@ -48,8 +48,8 @@ struct spin_lanes {
     using I = inverse_of<S>;
 
     std::uint32_t body[W];
-    /// The principal axes of tops, the frames of others.
-    S axes[4][W];
+    /// The principal axes of tops, the frames of others; and the former as the step began.
+    S axes[4][W], start[4][W];
     S moments[3][W];
     I first[W], second[W], third[W];
     /// Of tops: the angular velocity that the last turn has left, and the angular momentum that belongs to it: so that
@@ -90,13 +90,17 @@ public:
             for (std::uint32_t n = first; n < end; ++n) advance(blocks_[n], h, begun);
         });
     }
-    /// Says how some of the bodies are turned.
+    /// Says how some of the bodies are turned, and how they spin in world axes.
     void finish(std::uint32_t first, std::uint32_t end) {
         for (std::uint32_t k = first; k < end; ++k) {
             const block& of = blocks_[k / width];
             moving_body<S, 3>& b = moving_[k];
-            const rotation<S, 3> axes = axes_of(of, static_cast<int>(k % width));
+            const int lane = static_cast<int>(k % width);
+            const rotation<S, 3> axes = rotation_of(of.axes, lane);
             b.rotation = b.top ? axes * inverse(b.top->spin.axes) : axes;
+            if (!b.top) continue;
+            vec<S, 3>& w = bodies_[k].velocity.angular;
+            w = rotated_as_unit(axes, rotated_as_unit(inverse(rotation_of(of.start, lane)), w));
         }
     }
 
@@ -115,12 +119,15 @@ private:
         to.third[lane] = spin.third;
         to.any_top = true;
     }
-    static rotation<S, 3> axes_of(const block& of, int lane) {
-        return {of.axes[0][lane], of.axes[1][lane], of.axes[2][lane], of.axes[3][lane]};
+    static rotation<S, 3> rotation_of(const S (&rows)[4][width], int lane) {
+        return {rows[0][lane], rows[1][lane], rows[2][lane], rows[3][lane]};
     }
     static void set_axes(block& of, int lane, const rotation<S, 3>& axes) {
         const S four[] = {axes.x, axes.y, axes.z, axes.w};
-        for (int i = 0; i < 4; ++i) of.axes[i][lane] = four[i];
+        for (int i = 0; i < 4; ++i) of.axes[i][lane] = of.start[i][lane] = four[i];
+    }
+    PHYSICS_HPP_ALWAYS_INLINE static rotation_lanes<P> lanes_of(const S (&rows)[4][width]) {
+        return {P::load(rows[0]), P::load(rows[1]), P::load(rows[2]), P::load(rows[3])};
     }
 
     void advance(block& of, S h, twist<S, 3>* begun) {
@@ -131,8 +138,7 @@ private:
         const lanes3<P> before = w, angle = scaled(w, step);
         at.way.linear = lane_add(at.way.linear, scaled(at.velocity.linear, step));
         at.way.angular = lane_add(at.way.angular, angle);
-        const rotation_lanes<P> frame{P::load(of.axes[0]), P::load(of.axes[1]), P::load(of.axes[2]),
-                                      P::load(of.axes[3])};
+        const rotation_lanes<P> frame = lanes_of(of.axes);
         std::uint32_t far = 0;
         rotation_lanes<P> axes = frame;
         if (of.any_top) spin(of, h, frame, axes, w, far);
@@ -149,13 +155,18 @@ private:
         for (int lane = 0; lane < width; ++lane)
             if (of.moments[0][lane] > S(0)) begun[of.body[lane]].angular += lane_of(change, lane);
     }
-    /// As turn_freely, for tops; others turn by their velocity.
+    /// As turn_freely, for tops; others turn by their velocity. During a step the velocities of tops are as seen from
+    /// themselves, drawn where they were turned as it began: there contacts' levers and inverse inertias stay true
+    /// however far they turn. Else what is light to spin about one axis gains energy as that axis moves away.
     PHYSICS_HPP_ALWAYS_INLINE static void spin(block& of, S h, const rotation_lanes<P>& frame, rotation_lanes<P>& axes,
                                                lanes3<P>& w, std::uint32_t& far) {
         const P zero = P::broadcast(S(0)), one = P::broadcast(S(1)), half = P::broadcast(h * S(0.5)),
                 whole = P::broadcast(h), lack = frame.norm_lack();
         const lanes3<P> moments = lanes3<P>::load(of.moments);
-        const lanes3<P> gain = lane_rotated(frame.inverse(), lack, lane_subtract(w, lanes3<P>::load(of.known)));
+        const rotation_lanes<P> drawn = lanes_of(of.start);
+        const P drawn_lack = drawn.norm_lack();
+        const lanes3<P> gain =
+            lane_rotated(drawn.inverse(), drawn_lack, lane_subtract(w, lanes3<P>::load(of.known)));
         const lanes3<P> momentum = lane_add(
             lanes3<P>::load(of.momentum),
             lane_rotated(frame, lack, {moments.x * gain.x, moments.y * gain.y, moments.z * gain.z}));
@@ -179,7 +190,7 @@ private:
         const lanes3<P> kept = lane_rotated(axes.inverse(), left, momentum);
         const lanes3<P> spinning = {kept.x / of_tops(moments.x, one), kept.y / of_tops(moments.y, one),
                                     kept.z / of_tops(moments.z, one)};
-        const lanes3<P> after = lane_rotated(axes, left, spinning);
+        const lanes3<P> after = lane_rotated(drawn, drawn_lack, spinning);
         w = {of_tops(after.x, w.x), of_tops(after.y, w.y), of_tops(after.z, w.z)};
     }
     /// Lanes that turn so far that it takes trigonometry: anew, one by one.
@@ -189,10 +200,11 @@ private:
             if ((far >> lane & 1) == 0 || of.body[lane] == bodies_.spare()) continue;
             const auto* top = moving_[of.body[lane]].top;
             vec<S, 3> v = lane_of(before, lane);
-            rotation<S, 3> now = axes_of(of, lane);
-            if (top)
+            rotation<S, 3> now = rotation_of(of.axes, lane);
+            if (top) {
                 v = turn_top(top->spin, now, {of.momentum[0][lane], of.momentum[1][lane], of.momentum[2][lane]}, h);
-            else
+                v = rotated_as_unit(rotation_of(of.start, lane), rotated_as_unit(inverse(now), v));
+            } else
                 now = physics::turned(now, v * h);
             axes.x.set_lane(lane, now.x);
             axes.y.set_lane(lane, now.y);

@@ -37,7 +37,7 @@ struct soft_bounces {
             const P v = speed_at(k), gap = P::load(points[k].separation) + way_at(k);
             const P arrives = min(-v - slop, -(v + gap * P::broadcast(how.inverse_step)));
             const P meets = select_greater(P::load(points[k].impulse), zero, zero, min(arrives, e));
-            const P target = select_greater(P::load(points[k].mass), zero, select_greater(meets, zero, e * -v, zero), zero);
+            const P target = select_greater(min(meets, P::load(points[k].mass)), zero, e * -v, zero);
             target.store(speed[k]);
             any = max(any, target);
         }

@@ -337,15 +337,16 @@ private:
             begin_next_without(lane, bodies, how, sum, rubbed);
         }
     }
-    /// Takes impulses of a lane, along the normal at the middle and about the tangents, and friction, from what the next
-    /// substep begins with.
+    /// Takes impulses of a lane, along the normal at the middle and about the tangents, and friction, from what the
+    /// next substep begins with.
     void begin_next_without(int lane, const body* bodies, const soft_round<S, 3>& how, const vec<S, 3>& sum,
                             const slide_lanes<S>& rubbed) {
         const auto at = [&](const auto& rows) { return vec<S, 3>{rows[0][lane], rows[1][lane], rows[2][lane]}; };
         const vec<S, 3> n = at(normal), t = at(tangent), u = cross(n, t);
         const vec<S, 3> impulse = n * sum.x + t * rubbed.x + u * rubbed.y;
         const vec<S, 3> moment = t * sum.y + u * sum.z + n * rubbed.twist;
-        if (moves_a) begin_without(how.begun[a[lane]], bodies[a[lane]], -impulse, -(cross(at(arm_a), impulse) + moment));
+        if (moves_a)
+            begin_without(how.begun[a[lane]], bodies[a[lane]], -impulse, -(cross(at(arm_a), impulse) + moment));
         if (moves_b) begin_without(how.begun[b[lane]], bodies[b[lane]], impulse, cross(at(arm_b), impulse) + moment);
     }
     /// Stops the slip, or lets it slide on the cone.

@@ -207,7 +207,8 @@ template <class S, int W, int D, class Features>
     requires(!Features::rolling_resistance && !Features::surface_velocity)
 struct extras_of_block<S, W, D, Features> {
     template <class Body>
-    void put(int, const contact<S, D, Features>&, const Body&, const Body&, const soft_start<S, D, Features>&, arena&) {}
+    void put(int, const contact<S, D, Features>&, const Body&, const Body&, const soft_start<S, D, Features>&,
+             arena&) {}
     void take(int, contact<S, D, Features>&) const {}
 };
 

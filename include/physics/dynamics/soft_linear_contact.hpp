@@ -244,7 +244,8 @@ struct soft_linear_contact {
         store(bodies, at_a, at_b);
     }
     /// Notes which contacts are going to bounce, before anything stops them.
-    PHYSICS_HPP_ALWAYS_INLINE void note_approaches(const body* bodies, const round& how) requires Features::restitution {
+    PHYSICS_HPP_ALWAYS_INLINE void note_approaches(const body* bodies, const round& how)
+        requires Features::restitution {
         linear_lanes<P, D> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
@@ -297,7 +298,8 @@ private:
         return difference(at_b.velocity, at_a.velocity);
     }
     /// Stops the slip, or lets it slide.
-    PHYSICS_HPP_ALWAYS_INLINE void rub(const P& load, bool use_bias, linear_lanes<P, D>& at_a, linear_lanes<P, D>& at_b) {
+    PHYSICS_HPP_ALWAYS_INLINE void rub(const P& load, bool use_bias, linear_lanes<P, D>& at_a,
+                                       linear_lanes<P, D>& at_b) {
         const vector slip = slip_of(at_a, at_b);
         P by[D - 1];
         for (int i = 0; i < D - 1; ++i) by[i] = lane_dot(along(i), slip);

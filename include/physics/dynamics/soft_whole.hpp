@@ -119,7 +119,8 @@ struct soft_whole {
         const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
         left = one;
         if (count == 1) return true;
-        P ok = P::load(able), kept = one, strength = one, calm = P::broadcast(scalar_traits<S>::max()), changes[capacity];
+        P ok = P::load(able), kept = one, strength = one, changes[capacity];
+        P calm = P::broadcast(scalar_traits<S>::max()), sum_of_changes = zero, there = zero;
         if (how.pushes) {
             const P rate = P::broadcast(how.spring.rate);
             for (int i = 0; i < D; ++i) speed[i] = speed[i] + rate * (P::load(separation[i]) + way[i]);
@@ -136,13 +137,22 @@ struct soft_whole {
             if (how.pushes) good = min(good, gap * P::broadcast(how.spring.rate) + P::broadcast(how.push_speed));
             // Of points that only other lanes have nothing is asked.
             ok = min(ok, select_greater(P::load(points[k].mass), zero, good, zero));
-            if (how.over_relaxes) calm = min(calm, before - lane_abs(changes[k]) * P::broadcast(S(32)));
+            if (!how.over_relaxes) continue;
+            const P is = P::load(points[k].mass), lasts = before - lane_abs(changes[k]) * P::broadcast(S(32));
+            calm = select_greater(is, zero, min(calm, lasts), calm);
+            sum_of_changes = sum_of_changes + select_greater(is, zero, changes[k], zero);
+            there = there + select_greater(is, zero, one, zero);
         }
-        const P more = how.over_relaxes ? over_relaxed(points, count, changes, calm) : zero;
+        // Loads that last are over-relaxed, all points alike: those of tall piles travel faster so. Impacts, and what
+        // turns the bodies, are answered as they are. Source: Golub, Van Loan, Matrix Computations, 11.2.
+        P more = zero;
+        if (how.over_relaxes)
+            more = select_greater(calm, zero, sum_of_changes * P::broadcast(S(0.9)) / max(there, one), zero);
         left = select_greater(zero, ok, one, zero);
         const bool any_left = greater(zero, ok).bits() != 0 && !are_idle(points, count, how, left, at, speed_at);
         for (int k = 0; k < count; ++k) {
-            const P change = select_greater(zero, ok, zero, changes[k] + more);
+            const P by = changes[k] + select_greater(P::load(points[k].mass), zero, more, zero);
+            const P change = select_greater(zero, ok, zero, by);
             (P::load(points[k].impulse) + change).store(points[k].impulse);
             sum.add(points[k], change);
         }
@@ -150,20 +160,6 @@ struct soft_whole {
     }
 
 private:
-    /// What each point gets on top of the mean change, in lanes where all loads last (`calm` is above 0): loads of tall
-    /// piles travel faster so. Impacts, and what turns the bodies, are answered as they are. Source: successive
-    /// over-relaxation; Golub, Van Loan, Matrix Computations, 11.2.
-    template <class Point>
-    PHYSICS_HPP_ALWAYS_INLINE static P over_relaxed(const Point* points, int count, const P* changes, const P& calm) {
-        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
-        P sum = changes[0], there = one;
-        for (int k = 1; k < count; ++k) {
-            const P is = select_greater(P::load(points[k].mass), zero, one, zero);
-            sum = sum + select_greater(is, zero, changes[k], zero);
-            there = there + is;
-        }
-        return select_greater(calm, zero, sum * P::broadcast(S(0.9)) / there, zero);
-    }
     /// Writes the lanes that are good (1, else 0), but for those whose shares the scalar cannot hold.
     template <class K, class Point>
     PHYSICS_HPP_ALWAYS_INLINE void write(Point* points, int count, const K& good, const K (&plane)[D],

@@ -300,6 +300,16 @@ private:
         return low < movers().size() && movers()[low].number == number ? &movers()[low] : nullptr;
     }
 
+    /// A body whose inertia depends on the axis spins on as seen from itself: else it would change its energy.
+    void turn_back(std::uint32_t number, const rotation<S, D>& to) {
+        auto& b = moved_[number];
+        if constexpr (D == 3)
+            if (b.top) {
+                vec<S, 3>& w = moved_.velocity(number).angular;
+                w = to * inverse_rotate(b.rotation, w);
+            }
+        b.rotation = to;
+    }
     PHYSICS_HPP_COLD void stop(mover& m) {
         const bool is_cut = m.cut && !(m.stops && m.time < m.cut_time);
         const double time = is_cut ? m.cut_time : m.time;
@@ -315,7 +325,7 @@ private:
                 at = carried(m, at);
             moved_[m.number].center = at.position;
             if constexpr (Plan::turns)
-                if (!slides || !(way.turn == angular<S, D>{})) moved_[m.number].rotation = at.rotation;
+                if (!slides || !(way.turn == angular<S, D>{})) turn_back(m.number, at.rotation);
             const S lost = static_cast<S>(1 - time) * h_;
             // What gravity has given for the lost time would make a bounce higher than the fall.
             vec<S, D>& v = moved_.velocity(m.number).linear;

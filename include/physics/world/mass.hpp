@@ -59,6 +59,18 @@ auto mass_of_shapes(const state<Plan>& s, std::uint32_t body, std::uint32_t but 
     return sum;
 }
 
+/// Adds to all moments what rounding makes of the largest one as the body turns: of a needle 10,000 times as long as
+/// thick, whose least moment a float does not tell from that, it gained energy.
+template <class S>
+void blur_inertia(S&) {}
+template <class S>
+void blur_inertia(symmetric<S>& inertia) {
+    const S more = S(4) * scalar_traits<S>::epsilon() * (inertia.xx + inertia.yy + inertia.zz);
+    inertia.xx += more;
+    inertia.yy += more;
+    inertia.zz += more;
+}
+
 /// Gives a body its mass, its centre and what follows from them. The frame stays where it is, and the
 /// velocity of the body's material points and the points of its contacts with it.
 template <class Plan>
@@ -97,6 +109,8 @@ void refresh_mass(state<Plan>& s, std::uint32_t index) {
     mass_properties<S, Plan::dimension> mass;
     if (b.mass_is_set) mass = b.mass;
     else if (b.is_dynamic()) mass = mass_of_shapes<S>(s, index);
+    if constexpr (Plan::turns)
+        if (!b.mass_is_set) blur_inertia(mass.inertia);
     if (b.is_dynamic() && !(mass.mass > S(0))) mass = {S(1), {}, {}};
     set_mass_properties(s, index, mass);
 }
