@@ -21574,8 +21574,8 @@ private:
 /// a surface is not stopped. What a stopped body loses is the rest of the step's time (see continuous_report). Of two
 /// bodies that are stopped on each other's way, each is stopped by the path that the other would have taken. What turns
 /// by its own inertia (see integrator) is taken to turn about one axis.
-/// Dynamic bodies whose middle a kinematic one may pass in a step count as flagged: it takes along what it meets, up to
-/// static bodies and through other dynamic ones, and gives that no velocity.
+/// Dynamic bodies whose middle a kinematic one may pass on the way to its target count as flagged: it takes along what
+/// it meets, up to static bodies and through other dynamic ones, and gives that no velocity.
 /// Cost: 100 to 400 instructions for bodies near nothing that stands; else a query and 1 to 20 us for each shape on
 /// their way.
 struct swept {
@@ -23488,11 +23488,19 @@ S take_from(S& impulse, S share) {
 /// Without friction.
 struct no_soft_friction {};
 
-/// What friction answers of a slip: all of it before poses advance, so that nothing creeps, and a part of it after.
-/// Where it answers fully in both rounds, wide piles sway sideways for long.
+/// What friction answers of a slip where it holds an impulse under a limit: all of it before poses advance, so that
+/// nothing creeps. After that only a part where it holds less than half of what it could: where it answers fully in
+/// both rounds, wide piles sway sideways for long; what is near slipping, as leaning cards are, would slip.
 template <class P>
-PHYSICS_HPP_ALWAYS_INLINE P friction_part(const P& slip, bool use_bias) {
-    return use_bias ? slip : slip * P::broadcast(typename P::scalar(0.7));
+PHYSICS_HPP_ALWAYS_INLINE P friction_part(const P& held, const P& limit, bool use_bias) {
+    using S = typename P::scalar;
+    const P one = P::broadcast(S(1));
+    return use_bias ? one : select_greater(limit, held * P::broadcast(S(2)), P::broadcast(S(0.7)), one);
+}
+
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE P larger_of(const lanes2<P>& v) {
+    return max(lane_abs(v.x), lane_abs(v.y));
 }
 
 /// In the plane: an impulse along the tangent at the middle.
@@ -23510,7 +23518,7 @@ struct soft_friction2 {
     /// The change of the impulse where the surfaces slip by v at the middle, under a load.
     PHYSICS_HPP_ALWAYS_INLINE P next(const P& v, const P& load, bool use_bias) {
         const P before = P::load(impulse), most = coefficient.all() * load;
-        const P stopping = P::load(stop) * friction_part(v, use_bias);
+        const P stopping = P::load(stop) * v * friction_part(lane_abs(before), most, use_bias);
         const P after = max(min(before - stopping, most), -most);
         after.store(impulse);
         if (!use_bias) (P::load(total) + after).store(total);
@@ -23601,12 +23609,12 @@ struct soft_patch_friction3 {
                                                   bool use_bias) {
         const P load = sum_of(loads, count);
         const lanes2<P> before = {P::load(x), P::load(y)};
-        const lanes2<P> slipping = {friction_part(slip.x, use_bias), friction_part(slip.y, use_bias)};
-        const lanes2<P> after = stop.next(before, slipping, coefficient.all() * load);
+        const P limit = coefficient.all() * load, part = friction_part(larger_of(before), limit, use_bias);
+        const lanes2<P> after = stop.next(before, {slip.x * part, slip.y * part}, limit);
         after.x.store(x);
         after.y.store(y);
         const P twisted = P::load(twist), most = P::load(twist_arm) * load;
-        const P stopping = P::load(stop_twist) * friction_part(slip.twist, use_bias);
+        const P stopping = P::load(stop_twist) * slip.twist * friction_part(lane_abs(twisted), most, use_bias);
         const P turned = max(min(twisted - stopping, most), -most);
         turned.store(twist);
         if (!use_bias) {
@@ -23696,9 +23704,9 @@ struct soft_point_friction3 {
         for (int k = 0; k < count; ++k) {
             const P px = P::load(points[k].x), py = P::load(points[k].y);
             const lanes2<P> before = {P::load(each[k].x), P::load(each[k].y)};
-            const lanes2<P> v = {friction_part(slip.x - py * slip.twist, use_bias),
-                                 friction_part(slip.y + px * slip.twist, use_bias)};
-            const lanes2<P> after = each[k].stop.next(before, v, mu * loads[k]);
+            const P limit = mu * loads[k], part = friction_part(larger_of(before), limit, use_bias);
+            const lanes2<P> v = {(slip.x - py * slip.twist) * part, (slip.y + px * slip.twist) * part};
+            const lanes2<P> after = each[k].stop.next(before, v, limit);
             after.x.store(each[k].x);
             after.y.store(each[k].y);
             if (!use_bias) {
@@ -23755,7 +23763,9 @@ PHYSICS_HPP_ALWAYS_INLINE bool are_idle(const Point* points, int count, const Ro
     P busy = zero;
     for (int k = 0; k < count; ++k) {
         const P gap = P::load(points[k].separation) + at(k), closing = speed_at(k) + gap * per_step;
-        const P needed = max(P::load(points[k].impulse), -(how.pushes ? min(gap, closing) : gap));
+        P ahead = -min(gap, closing);
+        if (!how.pushes) ahead = select_greater(gap, zero, zero, ahead);
+        const P needed = max(P::load(points[k].impulse), ahead);
         // Of points that only other lanes have nothing is asked.
         busy = max(busy, select_greater(P::load(points[k].mass), zero, needed, zero));
     }
@@ -24053,7 +24063,7 @@ template <class S, class Point, class Bounces, class SpeedAt, class Change>
 S bounce_points(Point* points, int count, const Bounces& bounces, int lane, SpeedAt&& speed_at, Change&& change) {
     S impulses[4] = {}, load = S(0), stopped = S(0);
     for (int k = 0; k < count; ++k) load += points[k].impulse[lane];
-    for (int round = 0; round < 4; ++round)
+    for (int round = 0; round < (count > 1 ? 4 : 1); ++round)
         across_and_back(count, [&](int k) {
             const S target = bounces.speed[k][lane], bears = points[k].impulse[lane];
             if (!(target > S(0) || bears > S(0))) return;
@@ -24994,10 +25004,13 @@ struct soft_linear_friction {
     PHYSICS_HPP_ALWAYS_INLINE void answer(P (&slip)[D - 1], const P& mass, const P& load, bool use_bias) {
         const P most = coefficient.all() * load;
         P before[D - 1], after[D - 1];
+        P largest = P::broadcast(S(0));
         for (int i = 0; i < D - 1; ++i) {
             before[i] = P::load(impulse[i]);
-            after[i] = before[i] - mass * friction_part(slip[i], use_bias);
+            largest = max(largest, lane_abs(before[i]));
         }
+        const P part = friction_part(largest, most, use_bias);
+        for (int i = 0; i < D - 1; ++i) after[i] = before[i] - mass * slip[i] * part;
         if constexpr (D == 2) {
             after[0] = max(min(after[0], most), -most);
         } else if (lane_is_longer(after[0], after[1], most).bits() != 0) {
@@ -26896,16 +26909,21 @@ auto mass_of_shapes(const state<Plan>& s, std::uint32_t body, std::uint32_t but 
     return sum;
 }
 
-/// Adds to all moments what rounding makes of the largest one as the body turns: of a needle 10,000 times as long as
-/// thick, whose least moment a float does not tell from that, it gained energy.
+/// An inertia as bodies turn by it: with what rounding makes of its largest moment as they turn added to all. A needle
+/// 10,000 times as long as thick, whose least moment a float does not tell from that, would gain energy.
 template <class S>
-void blur_inertia(S&) {}
+S as_turning(S inertia) {
+    return inertia;
+}
 template <class S>
-void blur_inertia(symmetric<S>& inertia) {
-    const S more = S(4) * scalar_traits<S>::epsilon() * (inertia.xx + inertia.yy + inertia.zz);
-    inertia.xx += more;
-    inertia.yy += more;
-    inertia.zz += more;
+symmetric<S> as_turning(symmetric<S> inertia) {
+    if constexpr (!is_fixed<S>) {
+        const S more = S(4) * scalar_traits<S>::epsilon() * (inertia.xx + inertia.yy + inertia.zz);
+        inertia.xx += more;
+        inertia.yy += more;
+        inertia.zz += more;
+    }
+    return inertia;
 }
 
 /// Gives a body its mass, its centre and what follows from them. The frame stays where it is, and the
@@ -26931,10 +26949,11 @@ void set_mass_properties(state<Plan>& s, std::uint32_t index,
     b.inverse_mass = b.is_dynamic() ? reciprocal<inverse_of<S>>(mass.mass) : inverse_of<S>(0);
     if constexpr (Plan::turns) {
         const bool turns = b.is_dynamic() && !b.rotation_locked;
+        const auto inertia = as_turning(mass.inertia);
         b.inverse_inertia = {};
-        if (turns) b.inverse_inertia = inverted_inertia(mass.inertia);
+        if (turns) b.inverse_inertia = inverted_inertia(inertia);
         b.is_gyroscopic = turns && !is_isotropic(mass.inertia);
-        if (b.is_gyroscopic) b.spin = free_spin<S, Plan::dimension>(mass.inertia);
+        if (b.is_gyroscopic) b.spin = free_spin<S, Plan::dimension>(inertia);
     }
 }
 /// Mass from shapes, unless the user has set it. A dynamic body without any mass is a point of 1 kg at its
@@ -26946,8 +26965,6 @@ void refresh_mass(state<Plan>& s, std::uint32_t index) {
     mass_properties<S, Plan::dimension> mass;
     if (b.mass_is_set) mass = b.mass;
     else if (b.is_dynamic()) mass = mass_of_shapes<S>(s, index);
-    if constexpr (Plan::turns)
-        if (!b.mass_is_set) blur_inertia(mass.inertia);
     if (b.is_dynamic() && !(mass.mass > S(0))) mass = {S(1), {}, {}};
     set_mass_properties(s, index, mass);
 }
@@ -27432,6 +27449,26 @@ protected:
                 s_.settings.contact_margin};
     }
 
+    /// Whether a shape of a kinematic body may pass the middle of another in this step: by its way as seen from that one.
+    PHYSICS_HPP_COLD bool crosses(std::uint32_t k, const typename Plan::body& b, std::uint32_t pusher) {
+        const auto& from = s_.bodies[pusher];
+        const auto& moved = moved_[s_.mover_of[pusher]];
+        const rotation<S, D> turned = rotation_after(moved, from);
+        const vec<S, D> start = inverse_transform(from.pose(), b.center),
+                        end = inverse_transform(transform<S, D>{moved.center - turned * from.mass.center, turned},
+                                                moved_[k].center);
+        // What turns leads the way around, not along the chord.
+        const double angle = detail::to_double(length_of(value_of(moved_.velocity(s_.mover_of[pusher]).angular) * h_));
+        const double far = detail::to_double(length_of(start)) + detail::to_double(length_of(end));
+        const double reach = contact_margin() + far * angle * angle / 8;
+        if (!(angle < 1) || !(reach < detail::to_double(scalar_traits<S>::max()) / 4)) return true;
+        const aabb<S, D> way = grown(aabb<S, D>{min(start, end), max(start, end)}, static_cast<S>(reach));
+        bool crossed = false;
+        each_shape(s_, pusher, [&](std::uint32_t, const shape_record<Plan>& record) {
+            crossed = crossed || overlap(bounds(record.shape, record.local), way);
+        });
+        return crossed;
+    }
     /// The shape's frame is the body's.
     PHYSICS_HPP_COLD motion motion_of(std::uint32_t i) const {
         const auto& b = s_.bodies[i];
@@ -27581,8 +27618,8 @@ class body_sweeps : body_ways<Plan> {
     using typename ways::motion;
     using typename ways::mover;
     using typename ways::S;
-    using ways::box_of, ways::D, ways::h_, ways::keeps_clear, ways::contact_margin, ways::length_of, ways::motion_of,
-        ways::moved_, ways::s_, ways::stride_of;
+    using ways::box_of, ways::crosses, ways::D, ways::h_, ways::keeps_clear, ways::contact_margin, ways::length_of,
+        ways::motion_of, ways::moved_, ways::s_, ways::stride_of;
     using policy = typename Plan::continuous;
 
 public:
@@ -27614,7 +27651,7 @@ private:
         }
         return !movers().empty();
     }
-    /// Gives the thickness of the thinnest dynamic body, so that nobody looks for what slow kinematic ones pass.
+    /// Gives the thickness of the thinnest dynamic body, so that what slow kinematic ones pass is not looked for.
     S list_movers() {
         movers().clear();
         const bool anew = !s_.continuous.pushers.empty();
@@ -27626,7 +27663,8 @@ private:
             if (!b.is_dynamic()) {
                 double far = detail::to_double(length_of(own.turn)) * s_.continuous.extents[i].outer;
                 for (int axis = 0; axis < D; ++axis) far += abs(detail::to_double(own.way[axis]));
-                if (anew || !(far > 0)) continue;
+                // By velocities drums and paddles go far all the time: what they pass is not looked for.
+                if (anew || !b.has_target || !(far > 0)) continue;
                 s_.continuous.pushers.push({i, {}});
                 fastest_ = max(fastest_, far);
                 continue;
@@ -27651,10 +27689,12 @@ private:
         for (const auto& p : s_.continuous.pushers) {
             if (!overlap(p.box, box)) continue;
             const auto& from = s_.bodies[p.body];
-            stride<S, D> seen = own;
-            seen.way -= velocity_at(moved_.velocity(s_.mover_of[p.body]), b.center - from.center) * h_;
+            const vec<S, D> push = velocity_at(moved_.velocity(s_.mover_of[p.body]), b.center - from.center) * h_;
+            stride<S, D> seen = own, alone = own;
+            seen.way -= push;
+            alone.way = push;
             seen.flagged = true;
-            if (seen.bound() > own.thickness) return seen;
+            if (seen.bound() > own.thickness && alone.bound() > own.thickness && crosses(k, b, p.body)) return seen;
         }
         return own;
     }

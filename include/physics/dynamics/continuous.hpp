@@ -57,8 +57,8 @@ private:
 /// a surface is not stopped. What a stopped body loses is the rest of the step's time (see continuous_report). Of two
 /// bodies that are stopped on each other's way, each is stopped by the path that the other would have taken. What turns
 /// by its own inertia (see integrator) is taken to turn about one axis.
-/// Dynamic bodies whose middle a kinematic one may pass in a step count as flagged: it takes along what it meets, up to
-/// static bodies and through other dynamic ones, and gives that no velocity.
+/// Dynamic bodies whose middle a kinematic one may pass on the way to its target count as flagged: it takes along what
+/// it meets, up to static bodies and through other dynamic ones, and gives that no velocity.
 /// Cost: 100 to 400 instructions for bodies near nothing that stands; else a query and 1 to 20 us for each shape on
 /// their way.
 struct swept {

@@ -131,7 +131,7 @@ template <class S, class Point, class Bounces, class SpeedAt, class Change>
 S bounce_points(Point* points, int count, const Bounces& bounces, int lane, SpeedAt&& speed_at, Change&& change) {
     S impulses[4] = {}, load = S(0), stopped = S(0);
     for (int k = 0; k < count; ++k) load += points[k].impulse[lane];
-    for (int round = 0; round < 4; ++round)
+    for (int round = 0; round < (count > 1 ? 4 : 1); ++round)
         across_and_back(count, [&](int k) {
             const S target = bounces.speed[k][lane], bears = points[k].impulse[lane];
             if (!(target > S(0) || bears > S(0))) return;

@@ -25,11 +25,19 @@ S take_from(S& impulse, S share) {
 /// Without friction.
 struct no_soft_friction {};
 
-/// What friction answers of a slip: all of it before poses advance, so that nothing creeps, and a part of it after.
-/// Where it answers fully in both rounds, wide piles sway sideways for long.
+/// What friction answers of a slip where it holds an impulse under a limit: all of it before poses advance, so that
+/// nothing creeps. After that only a part where it holds less than half of what it could: where it answers fully in
+/// both rounds, wide piles sway sideways for long; what is near slipping, as leaning cards are, would slip.
 template <class P>
-PHYSICS_HPP_ALWAYS_INLINE P friction_part(const P& slip, bool use_bias) {
-    return use_bias ? slip : slip * P::broadcast(typename P::scalar(0.7));
+PHYSICS_HPP_ALWAYS_INLINE P friction_part(const P& held, const P& limit, bool use_bias) {
+    using S = typename P::scalar;
+    const P one = P::broadcast(S(1));
+    return use_bias ? one : select_greater(limit, held * P::broadcast(S(2)), P::broadcast(S(0.7)), one);
+}
+
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE P larger_of(const lanes2<P>& v) {
+    return max(lane_abs(v.x), lane_abs(v.y));
 }
 
 /// In the plane: an impulse along the tangent at the middle.
@@ -47,7 +55,7 @@ struct soft_friction2 {
     /// The change of the impulse where the surfaces slip by v at the middle, under a load.
     PHYSICS_HPP_ALWAYS_INLINE P next(const P& v, const P& load, bool use_bias) {
         const P before = P::load(impulse), most = coefficient.all() * load;
-        const P stopping = P::load(stop) * friction_part(v, use_bias);
+        const P stopping = P::load(stop) * v * friction_part(lane_abs(before), most, use_bias);
         const P after = max(min(before - stopping, most), -most);
         after.store(impulse);
         if (!use_bias) (P::load(total) + after).store(total);
@@ -138,12 +146,12 @@ struct soft_patch_friction3 {
                                                   bool use_bias) {
         const P load = sum_of(loads, count);
         const lanes2<P> before = {P::load(x), P::load(y)};
-        const lanes2<P> slipping = {friction_part(slip.x, use_bias), friction_part(slip.y, use_bias)};
-        const lanes2<P> after = stop.next(before, slipping, coefficient.all() * load);
+        const P limit = coefficient.all() * load, part = friction_part(larger_of(before), limit, use_bias);
+        const lanes2<P> after = stop.next(before, {slip.x * part, slip.y * part}, limit);
         after.x.store(x);
         after.y.store(y);
         const P twisted = P::load(twist), most = P::load(twist_arm) * load;
-        const P stopping = P::load(stop_twist) * friction_part(slip.twist, use_bias);
+        const P stopping = P::load(stop_twist) * slip.twist * friction_part(lane_abs(twisted), most, use_bias);
         const P turned = max(min(twisted - stopping, most), -most);
         turned.store(twist);
         if (!use_bias) {
@@ -233,9 +241,9 @@ struct soft_point_friction3 {
         for (int k = 0; k < count; ++k) {
             const P px = P::load(points[k].x), py = P::load(points[k].y);
             const lanes2<P> before = {P::load(each[k].x), P::load(each[k].y)};
-            const lanes2<P> v = {friction_part(slip.x - py * slip.twist, use_bias),
-                                 friction_part(slip.y + px * slip.twist, use_bias)};
-            const lanes2<P> after = each[k].stop.next(before, v, mu * loads[k]);
+            const P limit = mu * loads[k], part = friction_part(larger_of(before), limit, use_bias);
+            const lanes2<P> v = {(slip.x - py * slip.twist) * part, (slip.y + px * slip.twist) * part};
+            const lanes2<P> after = each[k].stop.next(before, v, limit);
             after.x.store(each[k].x);
             after.y.store(each[k].y);
             if (!use_bias) {

@@ -91,10 +91,13 @@ struct soft_linear_friction {
     PHYSICS_HPP_ALWAYS_INLINE void answer(P (&slip)[D - 1], const P& mass, const P& load, bool use_bias) {
         const P most = coefficient.all() * load;
         P before[D - 1], after[D - 1];
+        P largest = P::broadcast(S(0));
         for (int i = 0; i < D - 1; ++i) {
             before[i] = P::load(impulse[i]);
-            after[i] = before[i] - mass * friction_part(slip[i], use_bias);
+            largest = max(largest, lane_abs(before[i]));
         }
+        const P part = friction_part(largest, most, use_bias);
+        for (int i = 0; i < D - 1; ++i) after[i] = before[i] - mass * slip[i] * part;
         if constexpr (D == 2) {
             after[0] = max(min(after[0], most), -most);
         } else if (lane_is_longer(after[0], after[1], most).bits() != 0) {

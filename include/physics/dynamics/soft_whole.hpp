@@ -17,7 +17,9 @@ PHYSICS_HPP_ALWAYS_INLINE bool are_idle(const Point* points, int count, const Ro
     P busy = zero;
     for (int k = 0; k < count; ++k) {
         const P gap = P::load(points[k].separation) + at(k), closing = speed_at(k) + gap * per_step;
-        const P needed = max(P::load(points[k].impulse), -(how.pushes ? min(gap, closing) : gap));
+        P ahead = -min(gap, closing);
+        if (!how.pushes) ahead = select_greater(gap, zero, zero, ahead);
+        const P needed = max(P::load(points[k].impulse), ahead);
         // Of points that only other lanes have nothing is asked.
         busy = max(busy, select_greater(P::load(points[k].mass), zero, needed, zero));
     }

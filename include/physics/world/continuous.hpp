@@ -18,8 +18,8 @@ class body_sweeps : body_ways<Plan> {
     using typename ways::motion;
     using typename ways::mover;
     using typename ways::S;
-    using ways::box_of, ways::D, ways::h_, ways::keeps_clear, ways::contact_margin, ways::length_of, ways::motion_of,
-        ways::moved_, ways::s_, ways::stride_of;
+    using ways::box_of, ways::crosses, ways::D, ways::h_, ways::keeps_clear, ways::contact_margin, ways::length_of,
+        ways::motion_of, ways::moved_, ways::s_, ways::stride_of;
     using policy = typename Plan::continuous;
 
 public:
@@ -51,7 +51,7 @@ private:
         }
         return !movers().empty();
     }
-    /// Gives the thickness of the thinnest dynamic body, so that nobody looks for what slow kinematic ones pass.
+    /// Gives the thickness of the thinnest dynamic body, so that what slow kinematic ones pass is not looked for.
     S list_movers() {
         movers().clear();
         const bool anew = !s_.continuous.pushers.empty();
@@ -63,7 +63,8 @@ private:
             if (!b.is_dynamic()) {
                 double far = detail::to_double(length_of(own.turn)) * s_.continuous.extents[i].outer;
                 for (int axis = 0; axis < D; ++axis) far += abs(detail::to_double(own.way[axis]));
-                if (anew || !(far > 0)) continue;
+                // By velocities drums and paddles go far all the time: what they pass is not looked for.
+                if (anew || !b.has_target || !(far > 0)) continue;
                 s_.continuous.pushers.push({i, {}});
                 fastest_ = max(fastest_, far);
                 continue;
@@ -88,10 +89,12 @@ private:
         for (const auto& p : s_.continuous.pushers) {
             if (!overlap(p.box, box)) continue;
             const auto& from = s_.bodies[p.body];
-            stride<S, D> seen = own;
-            seen.way -= velocity_at(moved_.velocity(s_.mover_of[p.body]), b.center - from.center) * h_;
+            const vec<S, D> push = velocity_at(moved_.velocity(s_.mover_of[p.body]), b.center - from.center) * h_;
+            stride<S, D> seen = own, alone = own;
+            seen.way -= push;
+            alone.way = push;
             seen.flagged = true;
-            if (seen.bound() > own.thickness) return seen;
+            if (seen.bound() > own.thickness && alone.bound() > own.thickness && crosses(k, b, p.body)) return seen;
         }
         return own;
     }

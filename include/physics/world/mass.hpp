@@ -59,16 +59,21 @@ auto mass_of_shapes(const state<Plan>& s, std::uint32_t body, std::uint32_t but 
     return sum;
 }
 
-/// Adds to all moments what rounding makes of the largest one as the body turns: of a needle 10,000 times as long as
-/// thick, whose least moment a float does not tell from that, it gained energy.
+/// An inertia as bodies turn by it: with what rounding makes of its largest moment as they turn added to all. A needle
+/// 10,000 times as long as thick, whose least moment a float does not tell from that, would gain energy.
 template <class S>
-void blur_inertia(S&) {}
+S as_turning(S inertia) {
+    return inertia;
+}
 template <class S>
-void blur_inertia(symmetric<S>& inertia) {
-    const S more = S(4) * scalar_traits<S>::epsilon() * (inertia.xx + inertia.yy + inertia.zz);
-    inertia.xx += more;
-    inertia.yy += more;
-    inertia.zz += more;
+symmetric<S> as_turning(symmetric<S> inertia) {
+    if constexpr (!is_fixed<S>) {
+        const S more = S(4) * scalar_traits<S>::epsilon() * (inertia.xx + inertia.yy + inertia.zz);
+        inertia.xx += more;
+        inertia.yy += more;
+        inertia.zz += more;
+    }
+    return inertia;
 }
 
 /// Gives a body its mass, its centre and what follows from them. The frame stays where it is, and the
@@ -94,10 +99,11 @@ void set_mass_properties(state<Plan>& s, std::uint32_t index,
     b.inverse_mass = b.is_dynamic() ? reciprocal<inverse_of<S>>(mass.mass) : inverse_of<S>(0);
     if constexpr (Plan::turns) {
         const bool turns = b.is_dynamic() && !b.rotation_locked;
+        const auto inertia = as_turning(mass.inertia);
         b.inverse_inertia = {};
-        if (turns) b.inverse_inertia = inverted_inertia(mass.inertia);
+        if (turns) b.inverse_inertia = inverted_inertia(inertia);
         b.is_gyroscopic = turns && !is_isotropic(mass.inertia);
-        if (b.is_gyroscopic) b.spin = free_spin<S, Plan::dimension>(mass.inertia);
+        if (b.is_gyroscopic) b.spin = free_spin<S, Plan::dimension>(inertia);
     }
 }
 /// Mass from shapes, unless the user has set it. A dynamic body without any mass is a point of 1 kg at its
@@ -109,8 +115,6 @@ void refresh_mass(state<Plan>& s, std::uint32_t index) {
     mass_properties<S, Plan::dimension> mass;
     if (b.mass_is_set) mass = b.mass;
     else if (b.is_dynamic()) mass = mass_of_shapes<S>(s, index);
-    if constexpr (Plan::turns)
-        if (!b.mass_is_set) blur_inertia(mass.inertia);
     if (b.is_dynamic() && !(mass.mass > S(0))) mass = {S(1), {}, {}};
     set_mass_properties(s, index, mass);
 }

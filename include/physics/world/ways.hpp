@@ -55,6 +55,26 @@ protected:
                 s_.settings.contact_margin};
     }
 
+    /// Whether a shape of a kinematic body may pass the middle of another in this step: by its way as seen from that one.
+    PHYSICS_HPP_COLD bool crosses(std::uint32_t k, const typename Plan::body& b, std::uint32_t pusher) {
+        const auto& from = s_.bodies[pusher];
+        const auto& moved = moved_[s_.mover_of[pusher]];
+        const rotation<S, D> turned = rotation_after(moved, from);
+        const vec<S, D> start = inverse_transform(from.pose(), b.center),
+                        end = inverse_transform(transform<S, D>{moved.center - turned * from.mass.center, turned},
+                                                moved_[k].center);
+        // What turns leads the way around, not along the chord.
+        const double angle = detail::to_double(length_of(value_of(moved_.velocity(s_.mover_of[pusher]).angular) * h_));
+        const double far = detail::to_double(length_of(start)) + detail::to_double(length_of(end));
+        const double reach = contact_margin() + far * angle * angle / 8;
+        if (!(angle < 1) || !(reach < detail::to_double(scalar_traits<S>::max()) / 4)) return true;
+        const aabb<S, D> way = grown(aabb<S, D>{min(start, end), max(start, end)}, static_cast<S>(reach));
+        bool crossed = false;
+        each_shape(s_, pusher, [&](std::uint32_t, const shape_record<Plan>& record) {
+            crossed = crossed || overlap(bounds(record.shape, record.local), way);
+        });
+        return crossed;
+    }
     /// The shape's frame is the body's.
     PHYSICS_HPP_COLD motion motion_of(std::uint32_t i) const {
         const auto& b = s_.bodies[i];
