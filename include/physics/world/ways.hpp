@@ -55,7 +55,7 @@ protected:
                 s_.settings.contact_margin};
     }
 
-    /// Whether a shape of a kinematic body may pass the middle of another in this step: by its way as seen from that one.
+    /// Whether a shape of a kinematic body may pass the middle of another in this step, by its way as seen from there.
     PHYSICS_HPP_COLD bool crosses(std::uint32_t k, const typename Plan::body& b, std::uint32_t pusher) {
         const auto& from = s_.bodies[pusher];
         const auto& moved = moved_[s_.mover_of[pusher]];
