@@ -28,7 +28,7 @@ CELL_CASE("X2: crates that overlap part within a second, and nobody is shot away
                 settings.solver.max_push_speed = S(push);
                 world w(settings);
                 overlapping_pile(w, overlap);
-                const double room = overlap < 1 ? 1.85 : 2.6;
+                const double room = overlap < 1 ? 1.9 : 2.6;
                 const double time = overlap > 0.5 ? 1.25 : 1;
                 const fate at_first = live(w, time);
                 CHECK(at_first.fastest <= room * push + (push < 3 ? 0.3 : 0));

@@ -301,7 +301,7 @@ CELL_CASE("impacts: a coin that spins on its edge, rolls or wobbles, gains no en
             for (int i = 0; i < 1200; ++i) {
                 w.step(S(1.0 / 60));
                 least = std::min(least, energy_of(w));
-                REQUIRE(energy_of(w) <= (cell::is_fixed ? 1.02 : 1.01) * least);
+                REQUIRE(energy_of(w) <= 1.02 * least);
             }
         }
 }
