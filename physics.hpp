@@ -23763,6 +23763,7 @@ PHYSICS_HPP_ALWAYS_INLINE bool are_idle(const Point* points, int count, const Ro
     P busy = zero;
     for (int k = 0; k < count; ++k) {
         const P gap = P::load(points[k].separation) + at(k), closing = speed_at(k) + gap * per_step;
+        // Where a gap is exactly closed, all points at once may still stop an approach.
         P ahead = -min(gap, closing);
         if (!how.pushes) ahead = select_greater(gap, zero, zero, ahead);
         const P needed = max(P::load(points[k].impulse), ahead);
@@ -24050,7 +24051,7 @@ PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& 
     }
     // Once poses have advanced, gaps that nothing has held close are left to the next substep: an approach that is
     // slowed here would bounce with less.
-    if (!how.pushes) strength = select_greater(gap, zero, select_greater(before, zero, strength, zero), strength);
+    if (!how.pushes) strength = select_greater(zero, gap, strength, select_greater(before, zero, strength, zero));
     const P wanted = select_greater(gap, zero, closing, bias);
     const P impulse = max(kept - strength * (speed + wanted), zero);
     impulse.store(point.impulse);
@@ -24062,8 +24063,12 @@ PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& 
 template <class S, class Point, class Bounces, class SpeedAt, class Change>
 S bounce_points(Point* points, int count, const Bounces& bounces, int lane, SpeedAt&& speed_at, Change&& change) {
     S impulses[4] = {}, load = S(0), stopped = S(0);
-    for (int k = 0; k < count; ++k) load += points[k].impulse[lane];
-    for (int round = 0; round < (count > 1 ? 4 : 1); ++round)
+    int own = 0;
+    for (int k = 0; k < count; ++k) {
+        load += points[k].impulse[lane];
+        own += points[k].mass[lane] > S(0) ? 1 : 0;
+    }
+    for (int round = 0; round < (own > 1 ? 4 : 1); ++round)
         across_and_back(count, [&](int k) {
             const S target = bounces.speed[k][lane], bears = points[k].impulse[lane];
             if (!(target > S(0) || bears > S(0))) return;

@@ -136,7 +136,7 @@ CELL_CASE("X6: long steps, uneven ones and a hitch throw nobody away") {
          {rhythm{"1/30 s", [](int) { return 1.0 / 30; }, 0.05, 0.012},
           rhythm{"1/15 s", [](int) { return 1.0 / 15; }, 0.2, 0.05},
           rhythm{"1/72 to 1/50 s", [](int i) { return 1.0 / (50 + 22 * (i * 7 % 16) / 15.0); }, 0.02, 0.012},
-          rhythm{"1/30 and 1/120 s", [](int i) { return i % 2 ? 1.0 / 120 : 1.0 / 30; }, 0.02, 0.45},
+          rhythm{"1/30 and 1/120 s", [](int i) { return i % 2 ? 1.0 / 120 : 1.0 / 30; }, 0.02, 0.5},
           rhythm{"a hitch of 0.25 s", [](int i) { return i == 90 ? 0.25 : 1.0 / 60; }, 0.02, 0.012}})
         for (const bool pyramid : {false, true}) {
             CAPTURE(r.name);

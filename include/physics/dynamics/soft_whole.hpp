@@ -17,6 +17,7 @@ PHYSICS_HPP_ALWAYS_INLINE bool are_idle(const Point* points, int count, const Ro
     P busy = zero;
     for (int k = 0; k < count; ++k) {
         const P gap = P::load(points[k].separation) + at(k), closing = speed_at(k) + gap * per_step;
+        // Where a gap is exactly closed, all points at once may still stop an approach.
         P ahead = -min(gap, closing);
         if (!how.pushes) ahead = select_greater(gap, zero, zero, ahead);
         const P needed = max(P::load(points[k].impulse), ahead);
