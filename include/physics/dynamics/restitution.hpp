@@ -1,8 +1,7 @@
 // Bounces.
 #pragma once
 
-#include "physics/dynamics/body.hpp"
-#include "physics/dynamics/contact.hpp"
+#include "physics/space/space.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -19,18 +18,6 @@ S rebound_speed(S restitution, S v, S gap, S a, S h) {
     if (!(mean > S(0))) return restitution * v;
     if (a > S(0)) return half + restitution * root<S>(product(mean, mean) + product(fall, fall));
     return mean > fall ? max(half + restitution * (sqrt(mean - fall) * sqrt(mean + fall)), S(0)) : S(0);
-}
-
-/// The speed with which the surfaces part at point k after they have met; 0 where nothing bounces.
-template <class S, int D, class Features>
-S bounce_of(const contact<S, D, Features>& c, int k, S restitution, const solver_body<S, D, Features::rotation>& a,
-            const solver_body<S, D, Features::rotation>& b, S slop, S h) {
-    if (!(restitution > S(0))) return S(0);
-    // A bounce starts where the gap is: the speed that closes it first would be lost.
-    const auto [to_a, to_b] = c.levers(k);
-    const S speed = dot(c.normal, velocity_at(b.velocity, to_b) - velocity_at(a.velocity, to_a));
-    const bool meets = c.points[k].separation + speed * h < S(0);
-    return meets && -speed > slop ? -(restitution * speed) : S(0);
 }
 
 }  // namespace detail
