@@ -220,6 +220,15 @@ private:
     PHYSICS_HPP_ALWAYS_INLINE static lanes3<P> scaled(const lanes3<P>& v, const P& by) {
         return {v.x * by, v.y * by, v.z * by};
     }
+    /// In fixed point, where the angles of far lanes are put in range: their turns are made anew, and not to overflow.
+    PHYSICS_HPP_ALWAYS_INLINE static P near(const P& quarter) {
+        if constexpr (std::floating_point<S>)
+            return quarter;
+        else {
+            const P most = P::broadcast(S(0.5));
+            return max(min(quarter, most), -most);
+        }
+    }
     PHYSICS_HPP_ALWAYS_INLINE static P tangent_ratio_of(const P& xx) {
         P sum = P::broadcast(S(62.0 / 2835));
         for (const double term : {17.0 / 315, 2.0 / 15, 1.0 / 3, 1.0}) sum = P::broadcast(S(term)) + xx * sum;
@@ -228,9 +237,9 @@ private:
     /// As axis_turn, about the axis q of a frame (q, i, j, w), of which the seen (u, v) turn back.
     PHYSICS_HPP_ALWAYS_INLINE static void turn_about(P& q, P& i, P& j, P& w, P& u, P& v, const P& angle,
                                                      std::uint32_t& far) {
-        const P one = P::broadcast(S(1)), quarter = angle * P::broadcast(S(0.25));
-        far |= greater(lane_abs(quarter), P::broadcast(S(0.25))).bits();
-        const P t = quarter * tangent_ratio_of(quarter * quarter), tt = t * t, scale = one / (one + tt);
+        const P one = P::broadcast(S(1)), given = angle * P::broadcast(S(0.25));
+        far |= greater(lane_abs(given), P::broadcast(S(0.25))).bits();
+        const P quarter = near(given), t = quarter * tangent_ratio_of(quarter * quarter), tt = t * t, scale = one / (one + tt);
         // One minus the cosine: what is added to numbers is small then, and rounds them once.
         const P sine = (t + t) * scale, less = (tt + tt) * scale;
         const P new_q = q + lane_difference(w, sine, q, less), new_w = w - lane_sum(w, less, q, sine);
@@ -248,9 +257,10 @@ private:
     PHYSICS_HPP_ALWAYS_INLINE static rotation_lanes<P> turned(const rotation_lanes<P>& a, const lanes3<P>& angle,
                                                               std::uint32_t& far) {
         const P one = P::broadcast(S(1));
-        const lanes3<P> quarter = scaled(angle, P::broadcast(S(0.25)));
+        const lanes3<P> given = scaled(angle, P::broadcast(S(0.25)));
+        const P largest = max(lane_abs(given.x), max(lane_abs(given.y), lane_abs(given.z)));
+        const lanes3<P> quarter = {near(given.x), near(given.y), near(given.z)};
         const P xx = lane_dot(quarter, quarter);
-        const P largest = max(lane_abs(quarter.x), max(lane_abs(quarter.y), lane_abs(quarter.z)));
         far |= (greater(largest, P::broadcast(S(0.25))) | greater(xx, P::broadcast(S(0.0625)))).bits();
         const lanes3<P> t = scaled(quarter, tangent_ratio_of(xx));
         const P tt = lane_dot(t, t), scale = one / (one + tt);
