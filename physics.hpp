@@ -20780,10 +20780,8 @@ struct contact {
         surface_velocity{};
     /// Angular impulse of friction about the normal, where the solver lets contacts resist twisting (N m s).
     [[no_unique_address]] detail::kept_if<Features::friction && D == 3, S, feature::friction, 1> twist_impulse{};
-    /// Friction of the last substep, where a solver takes several: what the next step begins with. Along the tangents
-    /// (N s), and about the normal (N m s).
-    [[no_unique_address]] detail::kept_if<Features::friction, tangential<S, D>, feature::friction, 2> friction_load{};
-    [[no_unique_address]] detail::kept_if<Features::friction && D == 3, S, feature::friction, 3> twist_load{};
+    /// In the plane, friction of the last substep, where a solver takes several: what the next step begins with (N s).
+    [[no_unique_address]] detail::kept_if<Features::friction && D == 2, S, feature::friction, 2> friction_load{};
     /// Angular impulse that resists rolling: about z in the plane, about both tangents in space (N m s).
     [[no_unique_address]] detail::kept_if<Features::rolling_resistance, tangential<S, D>, feature::rolling_resistance,
                                           1>
@@ -20874,7 +20872,8 @@ void inherit_impulses(const contact<S, D, Features>& old, const tangents<S, D>& 
         if (!c.persisted(k) && inherit_impulse(old, old_frame, frame, c.points[k]))
             c.lasting = static_cast<std::uint8_t>(c.lasting | 1 << k);
     if (c.lasting == before) return;
-    if constexpr (Features::friction) {
+    if constexpr (Features::friction && D == 3) c.twist_impulse = old.twist_impulse;
+    if constexpr (Features::friction && D == 2) {
         // Of points that are gone the friction is gone too, as their load is.
         S kept = S(0), all = S(0);
         for (int k = 0; k < c.count; ++k)
@@ -20882,10 +20881,6 @@ void inherit_impulses(const contact<S, D, Features>& old, const tangents<S, D>& 
         for (int k = 0; k < old.count; ++k) all += old.points[k].load;
         const S share = kept < all ? kept / all : S(1);
         c.friction_load += frame.components(old_frame.combine(old.friction_load)) * share;
-        if constexpr (D == 3) {
-            c.twist_impulse = old.twist_impulse;
-            c.twist_load += old.twist_load * share;
-        }
     }
     if constexpr (Features::rolling_resistance)
         if (surfaces.rolling_resistance_of(c) > S(0))
@@ -20900,11 +20895,8 @@ void stretch(contact<S, D, Features>* first, const contact<S, D, Features>* end,
     const S ratio = to / from;
     for (; first != end; ++first) {
         // A substep's friction is noisier than its load: where that is scaled up, columns are shaken.
-        if constexpr (Features::friction) first->friction_load *= min(ratio, S(1));
-        if constexpr (Features::friction && D == 3) {
-            first->twist_impulse *= ratio;
-            first->twist_load *= min(ratio, S(1));
-        }
+        if constexpr (Features::friction && D == 2) first->friction_load *= min(ratio, S(1));
+        if constexpr (Features::friction && D == 3) first->twist_impulse *= ratio;
         if constexpr (Features::rolling_resistance) first->rolling_impulse *= ratio;
         for (int k = 0; k < first->count; ++k) {
             contact_point<S, D, Features>& p = first->points[k];
@@ -23486,9 +23478,9 @@ S take_from(S& impulse, S share) {
 /// Without friction.
 struct no_soft_friction {};
 
-/// What friction answers of a slip where it holds an impulse under a limit: all of it before poses advance, so that
-/// nothing creeps. After that only a part where it holds less than half of what it could: where it answers fully in
-/// both rounds, wide piles sway sideways for long; what is near slipping, as leaning cards are, would slip.
+/// What friction in the plane answers of a slip where it holds an impulse under a limit: all of it before poses advance,
+/// so that nothing creeps. After that only a part where it holds less than half of what it could: where it answers fully
+/// in both rounds, wide piles sway sideways for long; what is near slipping, as leaning cards are, would slip.
 template <class P>
 PHYSICS_HPP_ALWAYS_INLINE P friction_part(const P& held, const P& limit, bool use_bias) {
     using S = typename P::scalar;
@@ -23496,9 +23488,13 @@ PHYSICS_HPP_ALWAYS_INLINE P friction_part(const P& held, const P& limit, bool us
     return use_bias ? one : select_greater(limit, held * P::broadcast(S(2)), P::broadcast(S(0.7)), one);
 }
 
-template <class P>
-PHYSICS_HPP_ALWAYS_INLINE P larger_of(const lanes2<P>& v) {
-    return max(lane_abs(v.x), lane_abs(v.y));
+/// In space, what a step begins with: the last one's friction of the points that are still there and bear a load.
+template <class S, class Features>
+vec<S, 2> friction_of(const contact<S, 3, Features>& c) {
+    vec<S, 2> sum{};
+    for (int k = 0; k < c.count; ++k)
+        if (c.persisted(k) && c.points[k].load > S(0)) sum += c.points[k].friction_impulse;
+    return sum;
 }
 
 /// In the plane: an impulse along the tangent at the middle.
@@ -23565,9 +23561,10 @@ struct soft_patch_friction3 {
 
     void put(int lane, const contact<S, 3, Features>& c, const soft_start<S, 3, Features>& with) {
         coefficient.put(lane, with.surfaces.friction_of(c));
-        x[lane] = c.friction_load.x;
-        y[lane] = c.friction_load.y;
-        twist[lane] = c.twist_load;
+        const vec<S, 2> before = friction_of(c);
+        x[lane] = before.x * with.share;
+        y[lane] = before.y * with.share;
+        twist[lane] = c.twist_impulse * with.share;
     }
     /// Works out the rest in lanes.
     template <class K, class Point>
@@ -23582,11 +23579,6 @@ struct soft_patch_friction3 {
     /// The impulse of point k, which bears that part of the load; and the one about the normal.
     vec<S, 2> of_point(int lane, int, S part) const { return {total_x[lane] * part, total_y[lane] * part}; }
     S about_normal(int lane) const { return total_twist[lane]; }
-    /// Hands over what the next step begins with.
-    void take_loads(int lane, contact<S, 3, Features>& c) const {
-        c.friction_load = {x[lane], y[lane]};
-        c.twist_load = twist[lane];
-    }
     /// More than 0 where it holds anything.
     PHYSICS_HPP_ALWAYS_INLINE P held(int) const {
         return max(lane_abs(P::load(x)), max(lane_abs(P::load(y)), lane_abs(P::load(twist))));
@@ -23603,23 +23595,18 @@ struct soft_patch_friction3 {
     }
     /// Their change where the surfaces slip under loads: first it stops the slip at the middle, then the twist.
     template <class Point>
-    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(const slide_lanes<P>& slip, const Point*, const P* loads, int count,
-                                                  bool use_bias) {
+    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(const slide_lanes<P>& slip, const Point*, const P* loads, int count) {
         const P load = sum_of(loads, count);
         const lanes2<P> before = {P::load(x), P::load(y)};
-        const P limit = coefficient.all() * load, part = friction_part(larger_of(before), limit, use_bias);
-        const lanes2<P> after = stop.next(before, {slip.x * part, slip.y * part}, limit);
+        const lanes2<P> after = stop.next(before, {slip.x, slip.y}, coefficient.all() * load);
         after.x.store(x);
         after.y.store(y);
         const P twisted = P::load(twist), most = P::load(twist_arm) * load;
-        const P stopping = P::load(stop_twist) * slip.twist * friction_part(lane_abs(twisted), most, use_bias);
-        const P turned = max(min(twisted - stopping, most), -most);
+        const P turned = max(min(twisted - P::load(stop_twist) * slip.twist, most), -most);
         turned.store(twist);
-        if (!use_bias) {
-            (P::load(total_x) + after.x).store(total_x);
-            (P::load(total_y) + after.y).store(total_y);
-            (P::load(total_twist) + turned).store(total_twist);
-        }
+        (P::load(total_x) + after.x).store(total_x);
+        (P::load(total_y) + after.y).store(total_y);
+        (P::load(total_twist) + turned).store(total_twist);
         return {after.x - before.x, after.y - before.y, turned - twisted};
     }
 };
@@ -23668,7 +23655,6 @@ struct soft_point_friction3 {
     }
     vec<S, 2> of_point(int lane, int k, S) const { return {each[k].total_x[lane], each[k].total_y[lane]}; }
     S about_normal(int) const { return S(0); }
-    void take_loads(int, contact<S, 3, Features>&) const {}
     PHYSICS_HPP_ALWAYS_INLINE P held(int count) const {
         P most = P::broadcast(S(0));
         for (int k = 0; k < count; ++k)
@@ -23695,22 +23681,19 @@ struct soft_point_friction3 {
     }
     template <class Point>
     PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(const slide_lanes<P>& start, const Point* points, const P* loads,
-                                                  int count, bool use_bias) {
+                                                  int count) {
         const P zero = P::broadcast(S(0)), mu = coefficient.all();
         slide_lanes<P> slip = start;
         slide_lanes<P> sum{zero, zero, zero};
         for (int k = 0; k < count; ++k) {
             const P px = P::load(points[k].x), py = P::load(points[k].y);
             const lanes2<P> before = {P::load(each[k].x), P::load(each[k].y)};
-            const P limit = mu * loads[k], part = friction_part(larger_of(before), limit, use_bias);
-            const lanes2<P> v = {(slip.x - py * slip.twist) * part, (slip.y + px * slip.twist) * part};
-            const lanes2<P> after = each[k].stop.next(before, v, limit);
+            const lanes2<P> v = {slip.x - py * slip.twist, slip.y + px * slip.twist};
+            const lanes2<P> after = each[k].stop.next(before, v, mu * loads[k]);
             after.x.store(each[k].x);
             after.y.store(each[k].y);
-            if (!use_bias) {
-                (P::load(each[k].total_x) + after.x).store(each[k].total_x);
-                (P::load(each[k].total_y) + after.y).store(each[k].total_y);
-            }
+            (P::load(each[k].total_x) + after.x).store(each[k].total_x);
+            (P::load(each[k].total_y) + after.y).store(each[k].total_y);
             slide_lanes<P> by{zero, zero, zero};
             add(by, points[k], after.x - before.x, after.y - before.y);
             sum = {sum.x + by.x, sum.y + by.y, sum.twist + by.twist};
@@ -24659,10 +24642,7 @@ struct soft_contact3 {
             if constexpr (Features::friction)
                 to.friction_impulse = friction.of_point(lane, k, load > S(0) ? to.normal_impulse / load : S(0));
         }
-        if constexpr (Features::friction) {
-            c.twist_impulse = friction.about_normal(lane);
-            friction.take_loads(lane, c);
-        }
+        if constexpr (Features::friction) c.twist_impulse = friction.about_normal(lane);
         extras.take(lane, c);
     }
 
@@ -24695,7 +24675,8 @@ struct soft_contact3 {
         if (moves_b) at_b.store(bodies, b);
     }
 
-    /// One round over the contacts: the points at once, or across and back, then friction by their load.
+    /// One round over the contacts: the points at once, or across and back, then friction by their load. While overlaps
+    /// are pushed apart friction rests: else boxes that stand on four others sway, and piles of them slide apart.
     PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const soft_round<S, 3>& how) {
         frame_lanes f(*this);
         body_lanes3<P> at_a, at_b;
@@ -24721,8 +24702,8 @@ struct soft_contact3 {
         push(f, sum, at_a, at_b);
         if constexpr (Features::restitution)
             if (how.pushes && bounces_now) bounce_to.template keep_pushed<P>(points, point_count);
-        if constexpr (Features::friction) rub(f, how, at_a, at_b);
         if (!how.pushes) {
+            if constexpr (Features::friction) rub(f, at_a, at_b);
             add_totals<P>(points, point_count);
             const P blow = P::broadcast(how.impact_speed);
             if (greater(-speed.along, blow).bits() != 0) forget_blows(bodies, how, speed.along);
@@ -24868,8 +24849,7 @@ private:
         if (moves_b) begin_without(how.begun[b[lane]], bodies[b[lane]], impulse, cross(at(arm_b), impulse) + moment);
     }
     /// Stops the slip, or lets it slide on the cone.
-    PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, const soft_round<S, 3>& how, body_lanes3<P>& at_a,
-                                       body_lanes3<P>& at_b) {
+    PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, body_lanes3<P>& at_a, body_lanes3<P>& at_b) {
         P loads[capacity];
         for (int k = 0; k < point_count; ++k) loads[k] = P::load(points[k].impulse);
         const lanes3<P> slipping = f.at_middle(at_a.velocity, at_b.velocity);
@@ -24881,7 +24861,7 @@ private:
                 slip.y = slip.y - P::load(extras.at->belt::y);
             }
         }
-        const slide_lanes<P> by = friction.next(slip, points, loads, point_count, how.pushes);
+        const slide_lanes<P> by = friction.next(slip, points, loads, point_count);
         push(f, lane_combine(f.t, by.x, f.u, by.y), {f.n.x * by.twist, f.n.y * by.twist, f.n.z * by.twist}, at_a, at_b);
     }
     PHYSICS_HPP_ALWAYS_INLINE void push(const frame_lanes& f, const push_sum& sum, body_lanes3<P>& at_a,
@@ -24984,18 +24964,17 @@ struct soft_linear_friction {
 
     void put(int lane, const contact<S, D, Features>& c, const soft_start<S, D, Features>& with) {
         coefficient.put(lane, with.surfaces.friction_of(c));
-        if constexpr (D == 2) impulse[0][lane] = c.friction_load;
-        else for (int i = 0; i < 2; ++i) impulse[i][lane] = c.friction_load[i];
+        if constexpr (D == 2) {
+            impulse[0][lane] = c.friction_load;
+        } else {
+            const vec<S, 2> before = friction_of(c) * with.share;
+            for (int i = 0; i < 2; ++i) impulse[i][lane] = before[i];
+        }
     }
     /// Hands a share of the step's impulses back.
     [[nodiscard]] tangential<S, D> part(int lane, S share) const {
         if constexpr (D == 2) return total[0][lane] * share;
         else return {total[0][lane] * share, total[1][lane] * share};
-    }
-    /// What the next step begins with.
-    [[nodiscard]] tangential<S, D> load(int lane) const {
-        if constexpr (D == 2) return impulse[0][lane];
-        else return {impulse[0][lane], impulse[1][lane]};
     }
     /// More than 0 where it holds anything.
     PHYSICS_HPP_ALWAYS_INLINE P held(int) const {
@@ -25006,14 +24985,10 @@ struct soft_linear_friction {
     /// Turns slips into the changes of the impulses that stop them, under a load, or let them slide.
     PHYSICS_HPP_ALWAYS_INLINE void answer(P (&slip)[D - 1], const P& mass, const P& load, bool use_bias) {
         const P most = coefficient.all() * load;
-        P before[D - 1], after[D - 1];
-        P largest = P::broadcast(S(0));
-        for (int i = 0; i < D - 1; ++i) {
-            before[i] = P::load(impulse[i]);
-            largest = max(largest, lane_abs(before[i]));
-        }
-        const P part = friction_part(largest, most, use_bias);
-        for (int i = 0; i < D - 1; ++i) after[i] = before[i] - mass * slip[i] * part;
+        P before[D - 1], after[D - 1], strength = mass;
+        for (int i = 0; i < D - 1; ++i) before[i] = P::load(impulse[i]);
+        if constexpr (D == 2) strength = mass * friction_part(lane_abs(before[0]), most, use_bias);
+        for (int i = 0; i < D - 1; ++i) after[i] = before[i] - strength * slip[i];
         if constexpr (D == 2) {
             after[0] = max(min(after[0], most), -most);
         } else if (lane_is_longer(after[0], after[1], most).bits() != 0) {
@@ -25116,7 +25091,7 @@ struct soft_linear_contact {
             to.load = points[0].impulse[lane] * share;
             if constexpr (Features::friction) to.friction_impulse = friction.part(lane, share);
         }
-        if constexpr (Features::friction) c.friction_load = friction.load(lane);
+        if constexpr (Features::friction && D == 2) c.friction_load = friction.impulse[0][lane];
     }
 
     /// Gives the bodies the impulses of the last substep at once.
@@ -25136,7 +25111,8 @@ struct soft_linear_contact {
         }
         store(bodies, at_a, at_b);
     }
-    /// One round over the contacts, then friction by their load.
+    /// One round over the contacts, then friction by their load; in space it rests while overlaps are pushed apart (see
+    /// soft_contact3).
     PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const round& how) {
         linear_lanes<P, D> at_a, at_b;
         at_a.load(bodies, a);
@@ -25154,7 +25130,8 @@ struct soft_linear_contact {
         push(next_impulse(points[0], speed, way, how, one), at_a, at_b);
         if constexpr (Features::restitution)
             if (how.pushes && bounces_now) bounce_to.template keep_pushed<P>(points, 1);
-        if constexpr (Features::friction) rub(P::load(points[0].impulse), how.pushes, at_a, at_b);
+        if constexpr (Features::friction)
+            if (D == 2 || !how.pushes) rub(P::load(points[0].impulse), how.pushes, at_a, at_b);
         if (!how.pushes) {
             add_totals<P>(points, 1);
             if (greater(-speed, P::broadcast(how.impact_speed)).bits() != 0) forget_blows(bodies, how, speed);
@@ -29499,7 +29476,6 @@ public:
         add(c.normal);
         add(value_of(c.twist_impulse));
         add(value_of(c.friction_load));
-        add(value_of(c.twist_load));
         add(value_of(c.rolling_impulse));
         add(static_cast<std::uint64_t>(c.count) | std::uint64_t{c.part} << 32);
         for (int k = 0; k < c.count; ++k) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "extremes.hpp"
@@ -75,6 +76,32 @@ CELL_CASE("K2: a large pyramid comes to rest, keeps the points that bear it, and
         CHECK(fresh == 0);
     }
 }
+
+#if CELL_DIMENSION == 3
+CELL_CASE("K2: a square pyramid, each cube on four, comes to rest where it stands") {
+    world::settings_type settings = pulled();
+    settings.sleeping.enabled = false;
+    world w(settings);
+    add_floor(w);
+    std::vector<std::pair<body_id, vec>> cubes;
+    for (int layer = 0, wide = 16; layer < wide; ++layer)
+        for (int i = 0; i < wide - layer; ++i)
+            for (int j = 0; j < wide - layer; ++j) {
+                const double middle = (wide - 1 - layer) / 2.0;
+                const vec at{S((i - middle) * 1.1), S(0.5 + layer), S((j - middle) * 1.1)};
+                cubes.emplace_back(add_cube(w, at), at);
+            }
+    for (int i = 0; i < 120; ++i) w.step(S(1.0 / 60));
+    double energy = 0, slid = 0;
+    for (const auto& [id, start] : cubes) {
+        energy += std::pow(length_of(w.linear_velocity(id)), 2) / 2;
+        const vec moved = w.position(id) - start;
+        slid = std::max(slid, std::hypot(number(moved.x), number(moved.z)));
+    }
+    CHECK(energy <= 1e-3);
+    CHECK(slid <= 0.01);
+}
+#endif
 
 CELL_CASE("K5: a house of cards of five floors stands, and sleeps") {
     // In 3D some such houses fall with 4 and 5 substeps, as the last bits of where their cards lie will have it.

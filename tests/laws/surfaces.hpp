@@ -556,7 +556,7 @@ using contact_of = physics::contact<S, D, Features>;
 template <class Features>
 using kept_by = physics::detail::kept_material<S, D, Features>;
 using bare = without<physics::feature::friction, physics::feature::restitution, rolling_resistance>;
-static_assert(sizeof(contact_of<bare>) + sizeof(S) * (D == 2 ? 8 : 19) == sizeof(contact_of<without<>>));
+static_assert(sizeof(contact_of<bare>) + sizeof(S) * (D == 2 ? 8 : 16) == sizeof(contact_of<without<>>));
 static_assert(sizeof(contact_of<without<physics::feature::restitution>>) < sizeof(contact_of<without<>>));
 static_assert(sizeof(kept_by<without<>>) == sizeof(material));
 static_assert(sizeof(kept_by<without<physics::feature::friction>>) == sizeof(S) * 2);

@@ -61,10 +61,8 @@ struct contact {
         surface_velocity{};
     /// Angular impulse of friction about the normal, where the solver lets contacts resist twisting (N m s).
     [[no_unique_address]] detail::kept_if<Features::friction && D == 3, S, feature::friction, 1> twist_impulse{};
-    /// Friction of the last substep, where a solver takes several: what the next step begins with. Along the tangents
-    /// (N s), and about the normal (N m s).
-    [[no_unique_address]] detail::kept_if<Features::friction, tangential<S, D>, feature::friction, 2> friction_load{};
-    [[no_unique_address]] detail::kept_if<Features::friction && D == 3, S, feature::friction, 3> twist_load{};
+    /// In the plane, friction of the last substep, where a solver takes several: what the next step begins with (N s).
+    [[no_unique_address]] detail::kept_if<Features::friction && D == 2, S, feature::friction, 2> friction_load{};
     /// Angular impulse that resists rolling: about z in the plane, about both tangents in space (N m s).
     [[no_unique_address]] detail::kept_if<Features::rolling_resistance, tangential<S, D>, feature::rolling_resistance,
                                           1>
@@ -155,7 +153,8 @@ void inherit_impulses(const contact<S, D, Features>& old, const tangents<S, D>& 
         if (!c.persisted(k) && inherit_impulse(old, old_frame, frame, c.points[k]))
             c.lasting = static_cast<std::uint8_t>(c.lasting | 1 << k);
     if (c.lasting == before) return;
-    if constexpr (Features::friction) {
+    if constexpr (Features::friction && D == 3) c.twist_impulse = old.twist_impulse;
+    if constexpr (Features::friction && D == 2) {
         // Of points that are gone the friction is gone too, as their load is.
         S kept = S(0), all = S(0);
         for (int k = 0; k < c.count; ++k)
@@ -163,10 +162,6 @@ void inherit_impulses(const contact<S, D, Features>& old, const tangents<S, D>& 
         for (int k = 0; k < old.count; ++k) all += old.points[k].load;
         const S share = kept < all ? kept / all : S(1);
         c.friction_load += frame.components(old_frame.combine(old.friction_load)) * share;
-        if constexpr (D == 3) {
-            c.twist_impulse = old.twist_impulse;
-            c.twist_load += old.twist_load * share;
-        }
     }
     if constexpr (Features::rolling_resistance)
         if (surfaces.rolling_resistance_of(c) > S(0))
@@ -181,11 +176,8 @@ void stretch(contact<S, D, Features>* first, const contact<S, D, Features>* end,
     const S ratio = to / from;
     for (; first != end; ++first) {
         // A substep's friction is noisier than its load: where that is scaled up, columns are shaken.
-        if constexpr (Features::friction) first->friction_load *= min(ratio, S(1));
-        if constexpr (Features::friction && D == 3) {
-            first->twist_impulse *= ratio;
-            first->twist_load *= min(ratio, S(1));
-        }
+        if constexpr (Features::friction && D == 2) first->friction_load *= min(ratio, S(1));
+        if constexpr (Features::friction && D == 3) first->twist_impulse *= ratio;
         if constexpr (Features::rolling_resistance) first->rolling_impulse *= ratio;
         for (int k = 0; k < first->count; ++k) {
             contact_point<S, D, Features>& p = first->points[k];

@@ -141,10 +141,7 @@ struct soft_contact3 {
             if constexpr (Features::friction)
                 to.friction_impulse = friction.of_point(lane, k, load > S(0) ? to.normal_impulse / load : S(0));
         }
-        if constexpr (Features::friction) {
-            c.twist_impulse = friction.about_normal(lane);
-            friction.take_loads(lane, c);
-        }
+        if constexpr (Features::friction) c.twist_impulse = friction.about_normal(lane);
         extras.take(lane, c);
     }
 
@@ -177,7 +174,8 @@ struct soft_contact3 {
         if (moves_b) at_b.store(bodies, b);
     }
 
-    /// One round over the contacts: the points at once, or across and back, then friction by their load.
+    /// One round over the contacts: the points at once, or across and back, then friction by their load. While overlaps
+    /// are pushed apart friction rests: else boxes that stand on four others sway, and piles of them slide apart.
     PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const soft_round<S, 3>& how) {
         frame_lanes f(*this);
         body_lanes3<P> at_a, at_b;
@@ -203,8 +201,8 @@ struct soft_contact3 {
         push(f, sum, at_a, at_b);
         if constexpr (Features::restitution)
             if (how.pushes && bounces_now) bounce_to.template keep_pushed<P>(points, point_count);
-        if constexpr (Features::friction) rub(f, how, at_a, at_b);
         if (!how.pushes) {
+            if constexpr (Features::friction) rub(f, at_a, at_b);
             add_totals<P>(points, point_count);
             const P blow = P::broadcast(how.impact_speed);
             if (greater(-speed.along, blow).bits() != 0) forget_blows(bodies, how, speed.along);
@@ -350,8 +348,7 @@ private:
         if (moves_b) begin_without(how.begun[b[lane]], bodies[b[lane]], impulse, cross(at(arm_b), impulse) + moment);
     }
     /// Stops the slip, or lets it slide on the cone.
-    PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, const soft_round<S, 3>& how, body_lanes3<P>& at_a,
-                                       body_lanes3<P>& at_b) {
+    PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, body_lanes3<P>& at_a, body_lanes3<P>& at_b) {
         P loads[capacity];
         for (int k = 0; k < point_count; ++k) loads[k] = P::load(points[k].impulse);
         const lanes3<P> slipping = f.at_middle(at_a.velocity, at_b.velocity);
@@ -363,7 +360,7 @@ private:
                 slip.y = slip.y - P::load(extras.at->belt::y);
             }
         }
-        const slide_lanes<P> by = friction.next(slip, points, loads, point_count, how.pushes);
+        const slide_lanes<P> by = friction.next(slip, points, loads, point_count);
         push(f, lane_combine(f.t, by.x, f.u, by.y), {f.n.x * by.twist, f.n.y * by.twist, f.n.z * by.twist}, at_a, at_b);
     }
     PHYSICS_HPP_ALWAYS_INLINE void push(const frame_lanes& f, const push_sum& sum, body_lanes3<P>& at_a,

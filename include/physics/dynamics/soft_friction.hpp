@@ -25,9 +25,9 @@ S take_from(S& impulse, S share) {
 /// Without friction.
 struct no_soft_friction {};
 
-/// What friction answers of a slip where it holds an impulse under a limit: all of it before poses advance, so that
-/// nothing creeps. After that only a part where it holds less than half of what it could: where it answers fully in
-/// both rounds, wide piles sway sideways for long; what is near slipping, as leaning cards are, would slip.
+/// What friction in the plane answers of a slip where it holds an impulse under a limit: all of it before poses advance,
+/// so that nothing creeps. After that only a part where it holds less than half of what it could: where it answers fully
+/// in both rounds, wide piles sway sideways for long; what is near slipping, as leaning cards are, would slip.
 template <class P>
 PHYSICS_HPP_ALWAYS_INLINE P friction_part(const P& held, const P& limit, bool use_bias) {
     using S = typename P::scalar;
@@ -35,9 +35,13 @@ PHYSICS_HPP_ALWAYS_INLINE P friction_part(const P& held, const P& limit, bool us
     return use_bias ? one : select_greater(limit, held * P::broadcast(S(2)), P::broadcast(S(0.7)), one);
 }
 
-template <class P>
-PHYSICS_HPP_ALWAYS_INLINE P larger_of(const lanes2<P>& v) {
-    return max(lane_abs(v.x), lane_abs(v.y));
+/// In space, what a step begins with: the last one's friction of the points that are still there and bear a load.
+template <class S, class Features>
+vec<S, 2> friction_of(const contact<S, 3, Features>& c) {
+    vec<S, 2> sum{};
+    for (int k = 0; k < c.count; ++k)
+        if (c.persisted(k) && c.points[k].load > S(0)) sum += c.points[k].friction_impulse;
+    return sum;
 }
 
 /// In the plane: an impulse along the tangent at the middle.
@@ -104,9 +108,10 @@ struct soft_patch_friction3 {
 
     void put(int lane, const contact<S, 3, Features>& c, const soft_start<S, 3, Features>& with) {
         coefficient.put(lane, with.surfaces.friction_of(c));
-        x[lane] = c.friction_load.x;
-        y[lane] = c.friction_load.y;
-        twist[lane] = c.twist_load;
+        const vec<S, 2> before = friction_of(c);
+        x[lane] = before.x * with.share;
+        y[lane] = before.y * with.share;
+        twist[lane] = c.twist_impulse * with.share;
     }
     /// Works out the rest in lanes.
     template <class K, class Point>
@@ -121,11 +126,6 @@ struct soft_patch_friction3 {
     /// The impulse of point k, which bears that part of the load; and the one about the normal.
     vec<S, 2> of_point(int lane, int, S part) const { return {total_x[lane] * part, total_y[lane] * part}; }
     S about_normal(int lane) const { return total_twist[lane]; }
-    /// Hands over what the next step begins with.
-    void take_loads(int lane, contact<S, 3, Features>& c) const {
-        c.friction_load = {x[lane], y[lane]};
-        c.twist_load = twist[lane];
-    }
     /// More than 0 where it holds anything.
     PHYSICS_HPP_ALWAYS_INLINE P held(int) const {
         return max(lane_abs(P::load(x)), max(lane_abs(P::load(y)), lane_abs(P::load(twist))));
@@ -142,23 +142,18 @@ struct soft_patch_friction3 {
     }
     /// Their change where the surfaces slip under loads: first it stops the slip at the middle, then the twist.
     template <class Point>
-    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(const slide_lanes<P>& slip, const Point*, const P* loads, int count,
-                                                  bool use_bias) {
+    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(const slide_lanes<P>& slip, const Point*, const P* loads, int count) {
         const P load = sum_of(loads, count);
         const lanes2<P> before = {P::load(x), P::load(y)};
-        const P limit = coefficient.all() * load, part = friction_part(larger_of(before), limit, use_bias);
-        const lanes2<P> after = stop.next(before, {slip.x * part, slip.y * part}, limit);
+        const lanes2<P> after = stop.next(before, {slip.x, slip.y}, coefficient.all() * load);
         after.x.store(x);
         after.y.store(y);
         const P twisted = P::load(twist), most = P::load(twist_arm) * load;
-        const P stopping = P::load(stop_twist) * slip.twist * friction_part(lane_abs(twisted), most, use_bias);
-        const P turned = max(min(twisted - stopping, most), -most);
+        const P turned = max(min(twisted - P::load(stop_twist) * slip.twist, most), -most);
         turned.store(twist);
-        if (!use_bias) {
-            (P::load(total_x) + after.x).store(total_x);
-            (P::load(total_y) + after.y).store(total_y);
-            (P::load(total_twist) + turned).store(total_twist);
-        }
+        (P::load(total_x) + after.x).store(total_x);
+        (P::load(total_y) + after.y).store(total_y);
+        (P::load(total_twist) + turned).store(total_twist);
         return {after.x - before.x, after.y - before.y, turned - twisted};
     }
 };
@@ -207,7 +202,6 @@ struct soft_point_friction3 {
     }
     vec<S, 2> of_point(int lane, int k, S) const { return {each[k].total_x[lane], each[k].total_y[lane]}; }
     S about_normal(int) const { return S(0); }
-    void take_loads(int, contact<S, 3, Features>&) const {}
     PHYSICS_HPP_ALWAYS_INLINE P held(int count) const {
         P most = P::broadcast(S(0));
         for (int k = 0; k < count; ++k)
@@ -234,22 +228,19 @@ struct soft_point_friction3 {
     }
     template <class Point>
     PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(const slide_lanes<P>& start, const Point* points, const P* loads,
-                                                  int count, bool use_bias) {
+                                                  int count) {
         const P zero = P::broadcast(S(0)), mu = coefficient.all();
         slide_lanes<P> slip = start;
         slide_lanes<P> sum{zero, zero, zero};
         for (int k = 0; k < count; ++k) {
             const P px = P::load(points[k].x), py = P::load(points[k].y);
             const lanes2<P> before = {P::load(each[k].x), P::load(each[k].y)};
-            const P limit = mu * loads[k], part = friction_part(larger_of(before), limit, use_bias);
-            const lanes2<P> v = {(slip.x - py * slip.twist) * part, (slip.y + px * slip.twist) * part};
-            const lanes2<P> after = each[k].stop.next(before, v, limit);
+            const lanes2<P> v = {slip.x - py * slip.twist, slip.y + px * slip.twist};
+            const lanes2<P> after = each[k].stop.next(before, v, mu * loads[k]);
             after.x.store(each[k].x);
             after.y.store(each[k].y);
-            if (!use_bias) {
-                (P::load(each[k].total_x) + after.x).store(each[k].total_x);
-                (P::load(each[k].total_y) + after.y).store(each[k].total_y);
-            }
+            (P::load(each[k].total_x) + after.x).store(each[k].total_x);
+            (P::load(each[k].total_y) + after.y).store(each[k].total_y);
             slide_lanes<P> by{zero, zero, zero};
             add(by, points[k], after.x - before.x, after.y - before.y);
             sum = {sum.x + by.x, sum.y + by.y, sum.twist + by.twist};

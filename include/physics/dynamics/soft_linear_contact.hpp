@@ -68,18 +68,17 @@ struct soft_linear_friction {
 
     void put(int lane, const contact<S, D, Features>& c, const soft_start<S, D, Features>& with) {
         coefficient.put(lane, with.surfaces.friction_of(c));
-        if constexpr (D == 2) impulse[0][lane] = c.friction_load;
-        else for (int i = 0; i < 2; ++i) impulse[i][lane] = c.friction_load[i];
+        if constexpr (D == 2) {
+            impulse[0][lane] = c.friction_load;
+        } else {
+            const vec<S, 2> before = friction_of(c) * with.share;
+            for (int i = 0; i < 2; ++i) impulse[i][lane] = before[i];
+        }
     }
     /// Hands a share of the step's impulses back.
     [[nodiscard]] tangential<S, D> part(int lane, S share) const {
         if constexpr (D == 2) return total[0][lane] * share;
         else return {total[0][lane] * share, total[1][lane] * share};
-    }
-    /// What the next step begins with.
-    [[nodiscard]] tangential<S, D> load(int lane) const {
-        if constexpr (D == 2) return impulse[0][lane];
-        else return {impulse[0][lane], impulse[1][lane]};
     }
     /// More than 0 where it holds anything.
     PHYSICS_HPP_ALWAYS_INLINE P held(int) const {
@@ -90,14 +89,10 @@ struct soft_linear_friction {
     /// Turns slips into the changes of the impulses that stop them, under a load, or let them slide.
     PHYSICS_HPP_ALWAYS_INLINE void answer(P (&slip)[D - 1], const P& mass, const P& load, bool use_bias) {
         const P most = coefficient.all() * load;
-        P before[D - 1], after[D - 1];
-        P largest = P::broadcast(S(0));
-        for (int i = 0; i < D - 1; ++i) {
-            before[i] = P::load(impulse[i]);
-            largest = max(largest, lane_abs(before[i]));
-        }
-        const P part = friction_part(largest, most, use_bias);
-        for (int i = 0; i < D - 1; ++i) after[i] = before[i] - mass * slip[i] * part;
+        P before[D - 1], after[D - 1], strength = mass;
+        for (int i = 0; i < D - 1; ++i) before[i] = P::load(impulse[i]);
+        if constexpr (D == 2) strength = mass * friction_part(lane_abs(before[0]), most, use_bias);
+        for (int i = 0; i < D - 1; ++i) after[i] = before[i] - strength * slip[i];
         if constexpr (D == 2) {
             after[0] = max(min(after[0], most), -most);
         } else if (lane_is_longer(after[0], after[1], most).bits() != 0) {
@@ -200,7 +195,7 @@ struct soft_linear_contact {
             to.load = points[0].impulse[lane] * share;
             if constexpr (Features::friction) to.friction_impulse = friction.part(lane, share);
         }
-        if constexpr (Features::friction) c.friction_load = friction.load(lane);
+        if constexpr (Features::friction && D == 2) c.friction_load = friction.impulse[0][lane];
     }
 
     /// Gives the bodies the impulses of the last substep at once.
@@ -220,7 +215,8 @@ struct soft_linear_contact {
         }
         store(bodies, at_a, at_b);
     }
-    /// One round over the contacts, then friction by their load.
+    /// One round over the contacts, then friction by their load; in space it rests while overlaps are pushed apart (see
+    /// soft_contact3).
     PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const round& how) {
         linear_lanes<P, D> at_a, at_b;
         at_a.load(bodies, a);
@@ -238,7 +234,8 @@ struct soft_linear_contact {
         push(next_impulse(points[0], speed, way, how, one), at_a, at_b);
         if constexpr (Features::restitution)
             if (how.pushes && bounces_now) bounce_to.template keep_pushed<P>(points, 1);
-        if constexpr (Features::friction) rub(P::load(points[0].impulse), how.pushes, at_a, at_b);
+        if constexpr (Features::friction)
+            if (D == 2 || !how.pushes) rub(P::load(points[0].impulse), how.pushes, at_a, at_b);
         if (!how.pushes) {
             add_totals<P>(points, 1);
             if (greater(-speed, P::broadcast(how.impact_speed)).bits() != 0) forget_blows(bodies, how, speed);

@@ -86,7 +86,6 @@ public:
         add(c.normal);
         add(value_of(c.twist_impulse));
         add(value_of(c.friction_load));
-        add(value_of(c.twist_load));
         add(value_of(c.rolling_impulse));
         add(static_cast<std::uint64_t>(c.count) | std::uint64_t{c.part} << 32);
         for (int k = 0; k < c.count; ++k) {
