@@ -77,6 +77,10 @@ struct few_corners {
     point<2> at[4];
     int count;
 
+    static bool has(const core<2>& c) {
+        return c.kind == core_kind::point || c.kind == core_kind::segment || c.kind == core_kind::triangle ||
+               c.kind == core_kind::box;
+    }
     explicit few_corners(const placed_core<2>& c) {
         const core_kind kind = c.shape->kind;
         count = kind == core_kind::point ? 1 : kind == core_kind::segment ? 2 : kind == core_kind::triangle ? 3 : 4;
@@ -151,15 +155,15 @@ PHYSICS_HPP_COLD parting_axis<D> parting_features_of_any(const moving_pair<D>& p
     return axis;
 }
 
-/// The same of a pair whose kinds of cores are known: in the plane those with few corners need no general kernels.
+/// The same, in the plane, where cores with few corners need no general kernels. Few: both are known to be such.
 template <bool Few, int D>
 parting_axis<D> parting_features(const moving_pair<D>& p, double t, [[maybe_unused]] gjk_cache& cache) {
-    if constexpr (Few && D == 2) {
-        if (p.face == nullptr) return parting_edge(p.a.at(t, {}), p.b.at(t, p.center(t)), p.a.turn, p.b.turn);
-        return {p.a.at(t, {}).axes * *p.face, {}, p.a.turn};
-    } else {
-        return parting_features_of_any(p, t, cache);
+    if constexpr (D == 2) {
+        if (p.face != nullptr) return {p.a.at(t, {}).axes * *p.face, {}, p.a.turn};
+        if (Few || (few_corners::has(p.a.shape) && few_corners::has(p.b.shape)))
+            return parting_edge(p.a.at(t, {}), p.b.at(t, p.center(t)), p.a.turn, p.b.turn);
     }
+    if constexpr (!Few || D != 2) return parting_features_of_any(p, t, cache);
 }
 
 /// Follows a pair from a time on until it is as close as `goal`, which may be an overlap. Conservative advancement, as
@@ -214,6 +218,48 @@ private:
     known seen_[2];
 };
 
+/// A bound of the second derivative of how far a core reaches along an axis that stays.
+template <int D>
+double bend_of(const moving_core<D>& c) {
+    return magnitude(c.turn) * magnitude(c.turn) * c.reach;
+}
+
+/// The axis from a segment or a triangle towards the middle of the other shape, at the beginning; null if A is neither,
+/// or the middle is on it.
+template <int D>
+point<D> axis_from_flat(const moving_pair<D>& p) {
+    const core_kind kind = p.a.shape.kind;
+    if (kind != core_kind::segment && kind != core_kind::triangle) return {};
+    const placed_core<D> on_a = p.a.at(0, {}), on_b = p.b.at(0, p.center(0));
+    const point<D> middle = on_b.axes * p.b.shape.center + on_b.at;
+    const point<D> first = on_a.vertex(0).at - middle, second = on_a.vertex(1).at - middle;
+    point<D> nearest = closest_on_edge(first, second).at;
+    if constexpr (D == 3)
+        if (kind == core_kind::triangle) nearest = closest_on_triangle(first, second, on_a.vertex(2).at - middle).at;
+    const double far = length(nearest);
+    return far > 0 ? nearest * (-1 / far) : point<D>{};
+}
+/// Whether a pair overlaps by more than that at the beginning.
+template <bool Few, int D>
+PHYSICS_HPP_COLD bool is_deeper(const moving_pair<D>& p, double depth) {
+    const point<D> n = p.face == nullptr ? axis_from_flat(p) : point<D>{};
+    if (!(n == point<D>{}) && !(p.gap(0, n) < -depth)) return false;
+    passage_search<Few, D> search(p);
+    return search.at(0).gap < -depth;
+}
+/// Whether it is plain that B is not stopped by a flat A, as it mostly is among the parts of a mesh: along one axis it
+/// stays apart, or is out of A at both ends and nearly so in between.
+template <int D>
+PHYSICS_HPP_COLD bool passes_by(const moving_pair<D>& p, const passage_rule& rule, double touch) {
+    const point<D> n = axis_from_flat(p);
+    if (n == point<D>{}) return false;
+    const double gap = p.gap(0, n), then = p.gap(1, n), least = min(gap, then);
+    const double nearest = least - (bend_of(p.a) + bend_of(p.b)) * (1.0 / 8);
+    if (nearest > touch) return true;
+    const bool may_sink = !rule.grazes && rule.depth > 16 * p.noise();
+    return may_sink && least >= 0 && nearest > -0.375 * rule.depth;
+}
+
 /// Whether a pair that began apart, or sunk in by so much, is too deep at the end of the way.
 template <bool Few, int D>
 PHYSICS_HPP_COLD bool ends_deep(const moving_pair<D>& p, passage_search<Few, D>& search, const passage_rule& rule,
@@ -246,6 +292,7 @@ PHYSICS_HPP_COLD passage<D> find_passage(const moving_pair<D>& p, const passage_
         if (near_by) from = 0;
         if (meets && to < end) end = max(to, from), ends_near = false;
     }
+    if (near_by && passes_by(p, rule, touch)) return {};
     passage_search<Few, D> search(p);
     const double gap = near_by ? search.at(0).gap : no_limit;
     const bool touching = gap <= touch;
@@ -257,6 +304,10 @@ PHYSICS_HPP_COLD passage<D> find_passage(const moving_pair<D>& p, const passage_
         if (!(rule.depth > 0)) return {};
         const double sunk = gap < 0 ? -gap : 0, left = rule.depth * (31.0 / 32) - sunk;
         double more = max(0.5 * left, rule.blur + 8 * p.noise()), within = more * (1.0 / 8);
+        // Most that begins in touch is not nearly so deep along the first axis at any time.
+        const auto first = search.at(0);
+        const double then = p.gap(1, first.normal), bulge = (bend_of(p.a) + bend_of(p.b)) * (1.0 / 8);
+        if (min(gap, then) - bulge > within - (sunk + more) && (!ends_near || !(-then > sunk + rule.sink))) return {};
         if (ends_near && ends_deep(p, search, rule, touching, sunk)) {
             more = min(more, rule.target + slack);
             within = slack;

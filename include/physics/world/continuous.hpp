@@ -254,8 +254,7 @@ private:
             a, b, o.way, face, piece.radius + b.shape.radius, precision.error, precision.relative};
         const double margin = contact_margin();
         if (!m.goes_far) {
-            passage_search<Plan::few_corners, D> search(pair);
-            m.stops = m.stops || search.at(0).gap < -margin * (1.0 / 32);
+            m.stops = m.stops || is_deeper<Plan::few_corners>(pair, margin * (1.0 / 32));
             return;
         }
         // What rounding of poses may do to a gap.
