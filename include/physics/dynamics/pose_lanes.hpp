@@ -220,7 +220,7 @@ private:
     PHYSICS_HPP_ALWAYS_INLINE static lanes3<P> scaled(const lanes3<P>& v, const P& by) {
         return {v.x * by, v.y * by, v.z * by};
     }
-    /// In fixed point, where the angles of far lanes are put in range: their turns are made anew, and not to overflow.
+    /// In fixed point, puts the angles of far lanes in range: their turns are made anew, and these must not overflow.
     PHYSICS_HPP_ALWAYS_INLINE static P near(const P& quarter) {
         if constexpr (std::floating_point<S>)
             return quarter;
@@ -239,7 +239,8 @@ private:
                                                      std::uint32_t& far) {
         const P one = P::broadcast(S(1)), given = angle * P::broadcast(S(0.25));
         far |= greater(lane_abs(given), P::broadcast(S(0.25))).bits();
-        const P quarter = near(given), t = quarter * tangent_ratio_of(quarter * quarter), tt = t * t, scale = one / (one + tt);
+        const P quarter = near(given), t = quarter * tangent_ratio_of(quarter * quarter);
+        const P tt = t * t, scale = one / (one + tt);
         // One minus the cosine: what is added to numbers is small then, and rounds them once.
         const P sine = (t + t) * scale, less = (tt + tt) * scale;
         const P new_q = q + lane_difference(w, sine, q, less), new_w = w - lane_sum(w, less, q, sine);

@@ -26,6 +26,26 @@ struct soft_bounces {
     S restitution[W], closing[W];
     S speed[Points][W];
 
+    /// Writes a contact into a lane; true if it may bounce. Points that were there in the last step, and overlap, have
+    /// met before: what approaches there springs back, as it does in a crowd that is squeezed.
+    template <class Contact, class Start>
+    bool put(int lane, const Contact& c, const Start& with) {
+        bool meets = false;
+        for (int k = 0; k < c.count; ++k)
+            meets = meets || !c.persisted(k) || c.points[k].separation > -with.overlap;
+        restitution[lane] = meets ? with.surfaces.restitution_of(c) : S(0);
+        closing[lane] = with.closing(c);
+        return restitution[lane] > S(0);
+    }
+    /// Whether a point that may bounce bears nothing.
+    template <class P, class Point>
+    PHYSICS_HPP_ALWAYS_INLINE bool any_free(const Point* points, int count) const {
+        const P zero = P::broadcast(S(0));
+        P any = zero;
+        for (int k = 0; k < count; ++k)
+            any = max(any, select_greater(P::load(points[k].impulse), zero, zero, P::load(points[k].mass)));
+        return greater(min(any, P::load(restitution)), zero).bits() != 0;
+    }
     /// Notes the approaches of points that bear nothing yet and meet within the substep, in lanes; true if there are
     /// any. Before contacts change velocities: what stops an approach is not to be what bounces.
     template <class P, class Point, class Round, class WayAt, class SpeedAt>

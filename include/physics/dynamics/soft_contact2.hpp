@@ -59,11 +59,7 @@ struct soft_contact2 {
         for (int k = 0; k < c.count; ++k) {
             points[k].impulse[lane] = c.persisted(k) ? c.points[k].load : S(0);
         }
-        if constexpr (Features::restitution) {
-            bounce_to.restitution[lane] = with.surfaces.restitution_of(c);
-            bounces = bounces || bounce_to.restitution[lane] > S(0);
-            bounce_to.closing[lane] = with.closing(c);
-        }
+        if constexpr (Features::restitution) bounces = bounce_to.put(lane, c, with) || bounces;
         if constexpr (Features::friction) {
             friction.coefficient.put(lane, with.surfaces.friction_of(c));
             friction.impulse[lane] = c.friction_load;
@@ -184,6 +180,8 @@ struct soft_contact2 {
     /// Notes which points are going to bounce, before anything stops them.
     PHYSICS_HPP_ALWAYS_INLINE void note_approaches(const body* bodies, const soft_round<S, 2>& how)
         requires Features::restitution {
+        bounces_now = false;
+        if (!bounce_to.template any_free<P>(points, point_count)) return;
         const frame_lanes f(*this);
         body_lanes2<P> at_a, at_b;
         at_a.load(bodies, a);

@@ -25,9 +25,10 @@ S take_from(S& impulse, S share) {
 /// Without friction.
 struct no_soft_friction {};
 
-/// What friction in the plane answers of a slip where it holds an impulse under a limit: all of it before poses advance,
-/// so that nothing creeps. After that only a part where it holds less than half of what it could: where it answers fully
-/// in both rounds, wide piles sway sideways for long; what is near slipping, as leaning cards are, would slip.
+/// What friction in the plane answers of a slip where it holds an impulse under a limit: all of it before poses
+/// advance, so that nothing creeps. After that only a part where it holds less than half of what it could: where it
+/// answers fully in both rounds, wide piles sway sideways for long; what is near slipping, as leaning cards are, would
+/// slip.
 template <class P>
 PHYSICS_HPP_ALWAYS_INLINE P friction_part(const P& held, const P& limit, bool use_bias) {
     using S = typename P::scalar;

@@ -167,11 +167,7 @@ struct soft_linear_contact {
         }
         points[0].separation[lane] = c.points[nearest].separation;
         points[0].impulse[lane] = load;
-        if constexpr (Features::restitution) {
-            bounce_to.restitution[lane] = with.surfaces.restitution_of(c);
-            bounces = bounces || bounce_to.restitution[lane] > S(0);
-            bounce_to.closing[lane] = with.closing(c);
-        }
+        if constexpr (Features::restitution) bounces = bounce_to.put(lane, c, with) || bounces;
         if constexpr (Features::friction) friction.put(lane, c, with);
         extras.put(lane, c, first, second, with, scratch);
     }
@@ -246,6 +242,8 @@ struct soft_linear_contact {
     /// Notes which contacts are going to bounce, before anything stops them.
     PHYSICS_HPP_ALWAYS_INLINE void note_approaches(const body* bodies, const round& how)
         requires Features::restitution {
+        bounces_now = false;
+        if (!bounce_to.template any_free<P>(points, 1)) return;
         linear_lanes<P, D> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);

@@ -96,8 +96,8 @@ struct soft_step_with {
                           contact_list<S, D, Features> contacts, const settings& with, S h, arena& scratch,
                           Motion&& motion, detail::crew& hands) {
             solver_body<S, D, turns>* const bodies = all.first;
-            const detail::soft_start<S, D, Features> how{S(1) / S(with.substeps), accelerations(motion, all, scratch),
-                                                         contacts.surfaces()};
+            const detail::soft_start<S, D, Features> how{S(1) / S(with.substeps), with.restitution_slop * h,
+                                                         accelerations(motion, all, scratch), contacts.surfaces()};
             const blocks_in_colours blocks = pack(colours, contacts, all, how, scratch, hands);
             const S part = h / S(with.substeps);
             const S frequency = with.stiffness / part;
@@ -113,8 +113,10 @@ struct soft_step_with {
                 if (i == 0) blocks.each(hands, [bodies](block& b) { kernels::warm_start(b, bodies); });
                 if constexpr (Features::restitution)
                     if (blocks.bounce)
-                        blocks.each(hands, [bodies, &press](block& b) {
-                            if (b.bounces) kernels::note_approaches(b, bodies, press);
+                        blocks.each_number(hands, [bodies, &press, &blocks](std::uint32_t k) {
+                            if (!blocks.bounces[k].ever) return;
+                            kernels::note_approaches(blocks.first[k], bodies, press);
+                            blocks.bounces[k].now = blocks.first[k].bounces_now;
                         });
                 blocks.each(hands, [bodies, &press](block& b) { kernels::solve(b, bodies, press); });
                 start.advance_poses(motion, part);
@@ -122,8 +124,9 @@ struct soft_step_with {
                 blocks.each(hands, [bodies, &relax](block& b) { kernels::solve(b, bodies, relax); });
                 if constexpr (Features::restitution)
                     if (blocks.bounce)
-                        blocks.each(hands, [bodies, &relax](block& b) {
-                            if (b.bounces_now) b.bounce(bodies, relax);
+                        blocks.each_number(hands, [bodies, &relax, &blocks](std::uint32_t k) {
+                            if (blocks.bounces[k].now && blocks.first[k].bounces_now)
+                                blocks.first[k].bounce(bodies, relax);
                         });
             }
             blocks.each_at_once(
@@ -158,13 +161,22 @@ struct soft_step_with {
             bool last_is_serial;
             /// Whether any contact can bounce.
             bool bounce = false;
+            /// Whether those of a block can, and whether some are about to: so that no other blocks are read for it.
+            struct bouncing {
+                bool ever, now;
+            };
+            bouncing* bounces = nullptr;
 
             [[nodiscard]] std::uint32_t count() const { return begin[colours]; }
 
             template <class F>
             void each(detail::crew& hands, F&& f) const {
+                each_number(hands, [&](std::uint32_t k) { f(first[k]); });
+            }
+            template <class F>
+            void each_number(detail::crew& hands, F&& f) const {
                 if (hands.is_alone()) {
-                    for (std::uint32_t k = 0; k < count(); ++k) f(first[k]);
+                    for (std::uint32_t k = 0; k < count(); ++k) f(k);
                     return;
                 }
                 for (std::uint32_t group = 0; group < colours; ++group) {
@@ -172,7 +184,7 @@ struct soft_step_with {
                     const bool is_serial = last_is_serial && group + 1 == colours;
                     hands.each_range(size, is_serial ? size : share,
                                      [&](std::uint32_t start, std::uint32_t end, std::uint32_t) {
-                                         for (std::uint32_t k = start; k < end; ++k) f(first[from + k]);
+                                         for (std::uint32_t k = start; k < end; ++k) f(from + k);
                                      });
                 }
             }
@@ -238,7 +250,14 @@ struct soft_step_with {
                 fill(result.first[k], result.numbers + k * width, colours.order + at, rest < lanes ? rest : lanes,
                      contacts, bodies, with, hands.scratch_of(worker, scratch));
             });
-            for (std::uint32_t k = 0; k < count; ++k) result.bounce = result.bounce || result.first[k].bounces;
+            if constexpr (Features::restitution) {
+                result.bounces = scratch.template take<typename blocks_in_colours::bouncing>(count);
+                for (std::uint32_t k = 0; k < count; ++k) {
+                    const bool ever = result.first[k].bounces;
+                    result.bounces[k] = {ever, false};
+                    result.bounce = result.bounce || ever;
+                }
+            }
             return result;
         }
         static void fill(block& place, std::uint32_t* numbers, const std::uint32_t* order, std::uint32_t used,
