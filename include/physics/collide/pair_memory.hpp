@@ -112,8 +112,8 @@ bool still_parted(const A& a, const B& b, const transform<S, D>& b_in_a, S margi
 }
 
 /// Which bytes of a memory are kept from step to step: contents(m) numbers what there is in it, 0 if nothing; and
-/// each_piece(m, contents, f) calls f(address, bytes) for all of that. complete(m, contents) tells an empty one, into
-/// which that was read, how much it was. tidy(m) makes what means nothing of these bytes 0. has_changed(m): false if it
+/// each_piece(m, contents, f) calls f(address, bytes) for all of that. clear(m) makes of any bytes an empty one, of
+/// which the rest does not matter; complete(m, contents) tells such a one, into which that was read, how much it was. tidy(m) makes what means nothing of these bytes 0. has_changed(m): false if it
 /// is as it was read.
 template <class Memory>
 struct kept_memory {
@@ -123,6 +123,7 @@ struct kept_memory {
     static void each_piece(Self& m, std::uint32_t, F&& f) {
         f(&m, sizeof m);
     }
+    static void clear(Memory& m) { m = {}; }
     static void complete(Memory&, std::uint32_t) {}
     static void tidy(Memory&) {}
 };
@@ -160,6 +161,12 @@ struct kept_memory<pair_memory<S, D>> {
         if ((contents & points) != 0)
             f(&m.b_in_a, offsetof(memory, contact) + offsetof(found, count) - offsetof(memory, b_in_a));
         if ((contents & cached) != 0) detail::each_piece(m.cache, f);
+    }
+    static void clear(memory& m) {
+        m.cache = {};
+        m.parting = -1;
+        m.contact.count = 0;
+        m.changed = false;
     }
     static void complete(memory& m, std::uint32_t contents) {
         m.contact.count = static_cast<int>(contents & points);

@@ -41,7 +41,8 @@ public:
                 if (last == no_memory) last = s.memories.find(pairs[i]);
                 while (last < s.memories.size() && s.memories.pair(last) < pairs[i]) ++last;
                 const bool known = last < s.memories.size() && s.memories.pair(last) == pairs[i];
-                new (memories_ + remembered_) memory(known ? s.memories[last] : memory{});
+                if (known) s.memories.read(last, memories_[remembered_]);
+                else s.memories.clear(memories_[remembered_]);
                 owners_[remembered_] = {i, known ? last : no_memory};
                 queries_[i].memory = remembered_++;
             }

@@ -33,8 +33,10 @@ public:
         }
         return i;
     }
-    [[nodiscard]] memory operator[](std::uint32_t i) const {
-        memory m{};
+    /// Writes an empty one.
+    static void clear(memory& m) { kept::clear(m); }
+    void read(std::uint32_t i, memory& m) const {
+        clear(m);
         const std::uint32_t contents = contents_at(places_[i]);
         if (!is_brief(places_[i])) {
             const unit* from = units_.begin() + places_[i] + 1;
@@ -44,6 +46,10 @@ public:
             });
         }
         kept::complete(m, contents);
+    }
+    [[nodiscard]] memory operator[](std::uint32_t i) const {
+        memory m{};
+        read(i, m);
         return m;
     }
     /// Whether what was read from here has not changed: it says so, or all that there is to keep is a number.
