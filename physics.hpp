@@ -13607,8 +13607,8 @@ bool still_parted(const A& a, const B& b, const transform<S, D>& b_in_a, S margi
 }
 
 /// Which bytes of a memory are kept from step to step: contents(m) numbers what there is in it, 0 if nothing; and
-/// each_piece(m, contents, f) calls f(address, bytes) for all of that. complete(m, contents) tells an empty one, into
-/// which that was read, how much it was. tidy(m) makes what means nothing of these bytes 0. has_changed(m): false if it
+/// each_piece(m, contents, f) calls f(address, bytes) for all of that. clear(m) makes of any bytes an empty one, of
+/// which the rest does not matter; complete(m, contents) tells such a one, into which that was read, how much it was. tidy(m) makes what means nothing of these bytes 0. has_changed(m): false if it
 /// is as it was read.
 template <class Memory>
 struct kept_memory {
@@ -13618,6 +13618,7 @@ struct kept_memory {
     static void each_piece(Self& m, std::uint32_t, F&& f) {
         f(&m, sizeof m);
     }
+    static void clear(Memory& m) { m = {}; }
     static void complete(Memory&, std::uint32_t) {}
     static void tidy(Memory&) {}
 };
@@ -13655,6 +13656,12 @@ struct kept_memory<pair_memory<S, D>> {
         if ((contents & points) != 0)
             f(&m.b_in_a, offsetof(memory, contact) + offsetof(found, count) - offsetof(memory, b_in_a));
         if ((contents & cached) != 0) detail::each_piece(m.cache, f);
+    }
+    static void clear(memory& m) {
+        m.cache = {};
+        m.parting = -1;
+        m.contact.count = 0;
+        m.changed = false;
     }
     static void complete(memory& m, std::uint32_t contents) {
         m.contact.count = static_cast<int>(contents & points);
@@ -16505,6 +16512,10 @@ struct few_corners {
     point<2> at[4];
     int count;
 
+    static bool has(const core<2>& c) {
+        return c.kind == core_kind::point || c.kind == core_kind::segment || c.kind == core_kind::triangle ||
+               c.kind == core_kind::box;
+    }
     explicit few_corners(const placed_core<2>& c) {
         const core_kind kind = c.shape->kind;
         count = kind == core_kind::point ? 1 : kind == core_kind::segment ? 2 : kind == core_kind::triangle ? 3 : 4;
@@ -16579,15 +16590,15 @@ PHYSICS_HPP_COLD parting_axis<D> parting_features_of_any(const moving_pair<D>& p
     return axis;
 }
 
-/// The same of a pair whose kinds of cores are known: in the plane those with few corners need no general kernels.
+/// The same, in the plane, where cores with few corners need no general kernels. Few: both are known to be such.
 template <bool Few, int D>
 parting_axis<D> parting_features(const moving_pair<D>& p, double t, [[maybe_unused]] gjk_cache& cache) {
-    if constexpr (Few && D == 2) {
-        if (p.face == nullptr) return parting_edge(p.a.at(t, {}), p.b.at(t, p.center(t)), p.a.turn, p.b.turn);
-        return {p.a.at(t, {}).axes * *p.face, {}, p.a.turn};
-    } else {
-        return parting_features_of_any(p, t, cache);
+    if constexpr (D == 2) {
+        if (p.face != nullptr) return {p.a.at(t, {}).axes * *p.face, {}, p.a.turn};
+        if (Few || (few_corners::has(p.a.shape) && few_corners::has(p.b.shape)))
+            return parting_edge(p.a.at(t, {}), p.b.at(t, p.center(t)), p.a.turn, p.b.turn);
     }
+    if constexpr (!Few || D != 2) return parting_features_of_any(p, t, cache);
 }
 
 /// Follows a pair from a time on until it is as close as `goal`, which may be an overlap. Conservative advancement, as
@@ -16642,6 +16653,48 @@ private:
     known seen_[2];
 };
 
+/// A bound of the second derivative of how far a core reaches along an axis that stays.
+template <int D>
+double bend_of(const moving_core<D>& c) {
+    return magnitude(c.turn) * magnitude(c.turn) * c.reach;
+}
+
+/// The axis from a segment or a triangle towards the middle of the other shape, at the beginning; null if A is neither,
+/// or the middle is on it.
+template <int D>
+point<D> axis_from_flat(const moving_pair<D>& p) {
+    const core_kind kind = p.a.shape.kind;
+    if (kind != core_kind::segment && kind != core_kind::triangle) return {};
+    const placed_core<D> on_a = p.a.at(0, {}), on_b = p.b.at(0, p.center(0));
+    const point<D> middle = on_b.axes * p.b.shape.center + on_b.at;
+    const point<D> first = on_a.vertex(0).at - middle, second = on_a.vertex(1).at - middle;
+    point<D> nearest = closest_on_edge(first, second).at;
+    if constexpr (D == 3)
+        if (kind == core_kind::triangle) nearest = closest_on_triangle(first, second, on_a.vertex(2).at - middle).at;
+    const double far = length(nearest);
+    return far > 0 ? nearest * (-1 / far) : point<D>{};
+}
+/// Whether a pair overlaps by more than that at the beginning.
+template <bool Few, int D>
+PHYSICS_HPP_COLD bool is_deeper(const moving_pair<D>& p, double depth) {
+    const point<D> n = p.face == nullptr ? axis_from_flat(p) : point<D>{};
+    if (!(n == point<D>{}) && !(p.gap(0, n) < -depth)) return false;
+    passage_search<Few, D> search(p);
+    return search.at(0).gap < -depth;
+}
+/// Whether it is plain that B is not stopped by a flat A, as it mostly is among the parts of a mesh: along one axis it
+/// stays apart, or is out of A at both ends and nearly so in between.
+template <int D>
+PHYSICS_HPP_COLD bool passes_by(const moving_pair<D>& p, const passage_rule& rule, double touch) {
+    const point<D> n = axis_from_flat(p);
+    if (n == point<D>{}) return false;
+    const double gap = p.gap(0, n), then = p.gap(1, n), least = min(gap, then);
+    const double nearest = least - (bend_of(p.a) + bend_of(p.b)) * (1.0 / 8);
+    if (nearest > touch) return true;
+    const bool may_sink = !rule.grazes && rule.depth > 16 * p.noise();
+    return may_sink && least >= 0 && nearest > -0.375 * rule.depth;
+}
+
 /// Whether a pair that began apart, or sunk in by so much, is too deep at the end of the way.
 template <bool Few, int D>
 PHYSICS_HPP_COLD bool ends_deep(const moving_pair<D>& p, passage_search<Few, D>& search, const passage_rule& rule,
@@ -16674,6 +16727,7 @@ PHYSICS_HPP_COLD passage<D> find_passage(const moving_pair<D>& p, const passage_
         if (near_by) from = 0;
         if (meets && to < end) end = max(to, from), ends_near = false;
     }
+    if (near_by && passes_by(p, rule, touch)) return {};
     passage_search<Few, D> search(p);
     const double gap = near_by ? search.at(0).gap : no_limit;
     const bool touching = gap <= touch;
@@ -16685,6 +16739,10 @@ PHYSICS_HPP_COLD passage<D> find_passage(const moving_pair<D>& p, const passage_
         if (!(rule.depth > 0)) return {};
         const double sunk = gap < 0 ? -gap : 0, left = rule.depth * (31.0 / 32) - sunk;
         double more = max(0.5 * left, rule.blur + 8 * p.noise()), within = more * (1.0 / 8);
+        // Most that begins in touch is not nearly so deep along the first axis at any time.
+        const auto first = search.at(0);
+        const double then = p.gap(1, first.normal), bulge = (bend_of(p.a) + bend_of(p.b)) * (1.0 / 8);
+        if (min(gap, then) - bulge > within - (sunk + more) && (!ends_near || !(-then > sunk + rule.sink))) return {};
         if (ends_near && ends_deep(p, search, rule, touching, sunk)) {
             more = min(more, rule.target + slack);
             within = slack;
@@ -22099,7 +22157,7 @@ private:
     PHYSICS_HPP_ALWAYS_INLINE static lanes3<P> scaled(const lanes3<P>& v, const P& by) {
         return {v.x * by, v.y * by, v.z * by};
     }
-    /// In fixed point, where the angles of far lanes are put in range: their turns are made anew, and not to overflow.
+    /// In fixed point, puts the angles of far lanes in range: their turns are made anew, and these must not overflow.
     PHYSICS_HPP_ALWAYS_INLINE static P near(const P& quarter) {
         if constexpr (std::floating_point<S>)
             return quarter;
@@ -22118,7 +22176,8 @@ private:
                                                      std::uint32_t& far) {
         const P one = P::broadcast(S(1)), given = angle * P::broadcast(S(0.25));
         far |= greater(lane_abs(given), P::broadcast(S(0.25))).bits();
-        const P quarter = near(given), t = quarter * tangent_ratio_of(quarter * quarter), tt = t * t, scale = one / (one + tt);
+        const P quarter = near(given), t = quarter * tangent_ratio_of(quarter * quarter);
+        const P tt = t * t, scale = one / (one + tt);
         // One minus the cosine: what is added to numbers is small then, and rounds them once.
         const P sine = (t + t) * scale, less = (tt + tt) * scale;
         const P new_q = q + lane_difference(w, sine, q, less), new_w = w - lane_sum(w, less, q, sine);
@@ -23222,6 +23281,8 @@ template <class S, int D, class Features>
 struct soft_start {
     /// Which part of the step's impulses a substep begins with.
     S share;
+    /// Surfaces that have overlapped by more do not bounce (m).
+    S overlap;
     /// Of each body what drives it (m/s^2); null if that is not known.
     const vec<S, D>* accelerations = nullptr;
     [[no_unique_address]] mixture<S, Features> surfaces{};
@@ -23478,9 +23539,10 @@ S take_from(S& impulse, S share) {
 /// Without friction.
 struct no_soft_friction {};
 
-/// What friction in the plane answers of a slip where it holds an impulse under a limit: all of it before poses advance,
-/// so that nothing creeps. After that only a part where it holds less than half of what it could: where it answers fully
-/// in both rounds, wide piles sway sideways for long; what is near slipping, as leaning cards are, would slip.
+/// What friction in the plane answers of a slip where it holds an impulse under a limit: all of it before poses
+/// advance, so that nothing creeps. After that only a part where it holds less than half of what it could: where it
+/// answers fully in both rounds, wide piles sway sideways for long; what is near slipping, as leaning cards are, would
+/// slip.
 template <class P>
 PHYSICS_HPP_ALWAYS_INLINE P friction_part(const P& held, const P& limit, bool use_bias) {
     using S = typename P::scalar;
@@ -23940,6 +24002,26 @@ struct soft_bounces {
     S restitution[W], closing[W];
     S speed[Points][W];
 
+    /// Writes a contact into a lane; true if it may bounce. Points that were there in the last step, and overlap, have
+    /// met before: what approaches there springs back, as it does in a crowd that is squeezed.
+    template <class Contact, class Start>
+    bool put(int lane, const Contact& c, const Start& with) {
+        bool meets = false;
+        for (int k = 0; k < c.count; ++k)
+            meets = meets || !c.persisted(k) || c.points[k].separation > -with.overlap;
+        restitution[lane] = meets ? with.surfaces.restitution_of(c) : S(0);
+        closing[lane] = with.closing(c);
+        return restitution[lane] > S(0);
+    }
+    /// Whether a point that may bounce bears nothing.
+    template <class P, class Point>
+    PHYSICS_HPP_ALWAYS_INLINE bool any_free(const Point* points, int count) const {
+        const P zero = P::broadcast(S(0));
+        P any = zero;
+        for (int k = 0; k < count; ++k)
+            any = max(any, select_greater(P::load(points[k].impulse), zero, zero, P::load(points[k].mass)));
+        return greater(min(any, P::load(restitution)), zero).bits() != 0;
+    }
     /// Notes the approaches of points that bear nothing yet and meet within the substep, in lanes; true if there are
     /// any. Before contacts change velocities: what stops an approach is not to be what bounces.
     template <class P, class Point, class Round, class WayAt, class SpeedAt>
@@ -24135,11 +24217,7 @@ struct soft_contact2 {
         for (int k = 0; k < c.count; ++k) {
             points[k].impulse[lane] = c.persisted(k) ? c.points[k].load : S(0);
         }
-        if constexpr (Features::restitution) {
-            bounce_to.restitution[lane] = with.surfaces.restitution_of(c);
-            bounces = bounces || bounce_to.restitution[lane] > S(0);
-            bounce_to.closing[lane] = with.closing(c);
-        }
+        if constexpr (Features::restitution) bounces = bounce_to.put(lane, c, with) || bounces;
         if constexpr (Features::friction) {
             friction.coefficient.put(lane, with.surfaces.friction_of(c));
             friction.impulse[lane] = c.friction_load;
@@ -24260,6 +24338,8 @@ struct soft_contact2 {
     /// Notes which points are going to bounce, before anything stops them.
     PHYSICS_HPP_ALWAYS_INLINE void note_approaches(const body* bodies, const soft_round<S, 2>& how)
         requires Features::restitution {
+        bounces_now = false;
+        if (!bounce_to.template any_free<P>(points, point_count)) return;
         const frame_lanes f(*this);
         body_lanes2<P> at_a, at_b;
         at_a.load(bodies, a);
@@ -24562,11 +24642,7 @@ struct soft_contact3 {
         for (int k = 0; k < c.count; ++k) {
             points[k].impulse[lane] = c.persisted(k) ? c.points[k].load : S(0);
         }
-        if constexpr (Features::restitution) {
-            bounce_to.restitution[lane] = with.surfaces.restitution_of(c);
-            bounces = bounces || bounce_to.restitution[lane] > S(0);
-            bounce_to.closing[lane] = with.closing(c);
-        }
+        if constexpr (Features::restitution) bounces = bounce_to.put(lane, c, with) || bounces;
         if constexpr (Features::friction) friction.put(lane, c, with);
         extras.put(lane, c, first, second, with, scratch);
     }
@@ -24715,6 +24791,8 @@ struct soft_contact3 {
     /// Notes which points are going to bounce, before anything stops them.
     PHYSICS_HPP_ALWAYS_INLINE void note_approaches(const body* bodies, const soft_round<S, 3>& how)
         requires Features::restitution {
+        bounces_now = false;
+        if (!bounce_to.template any_free<P>(points, point_count)) return;
         const frame_lanes f(*this);
         body_lanes3<P> at_a, at_b;
         at_a.load(bodies, a);
@@ -25063,11 +25141,7 @@ struct soft_linear_contact {
         }
         points[0].separation[lane] = c.points[nearest].separation;
         points[0].impulse[lane] = load;
-        if constexpr (Features::restitution) {
-            bounce_to.restitution[lane] = with.surfaces.restitution_of(c);
-            bounces = bounces || bounce_to.restitution[lane] > S(0);
-            bounce_to.closing[lane] = with.closing(c);
-        }
+        if constexpr (Features::restitution) bounces = bounce_to.put(lane, c, with) || bounces;
         if constexpr (Features::friction) friction.put(lane, c, with);
         extras.put(lane, c, first, second, with, scratch);
     }
@@ -25142,6 +25216,8 @@ struct soft_linear_contact {
     /// Notes which contacts are going to bounce, before anything stops them.
     PHYSICS_HPP_ALWAYS_INLINE void note_approaches(const body* bodies, const round& how)
         requires Features::restitution {
+        bounces_now = false;
+        if (!bounce_to.template any_free<P>(points, 1)) return;
         linear_lanes<P, D> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
@@ -25438,8 +25514,8 @@ struct soft_step_with {
                           contact_list<S, D, Features> contacts, const settings& with, S h, arena& scratch,
                           Motion&& motion, detail::crew& hands) {
             solver_body<S, D, turns>* const bodies = all.first;
-            const detail::soft_start<S, D, Features> how{S(1) / S(with.substeps), accelerations(motion, all, scratch),
-                                                         contacts.surfaces()};
+            const detail::soft_start<S, D, Features> how{S(1) / S(with.substeps), with.restitution_slop * h,
+                                                         accelerations(motion, all, scratch), contacts.surfaces()};
             const blocks_in_colours blocks = pack(colours, contacts, all, how, scratch, hands);
             const S part = h / S(with.substeps);
             const S frequency = with.stiffness / part;
@@ -25455,8 +25531,10 @@ struct soft_step_with {
                 if (i == 0) blocks.each(hands, [bodies](block& b) { kernels::warm_start(b, bodies); });
                 if constexpr (Features::restitution)
                     if (blocks.bounce)
-                        blocks.each(hands, [bodies, &press](block& b) {
-                            if (b.bounces) kernels::note_approaches(b, bodies, press);
+                        blocks.each_number(hands, [bodies, &press, &blocks](std::uint32_t k) {
+                            if (!blocks.bounces[k].ever) return;
+                            kernels::note_approaches(blocks.first[k], bodies, press);
+                            blocks.bounces[k].now = blocks.first[k].bounces_now;
                         });
                 blocks.each(hands, [bodies, &press](block& b) { kernels::solve(b, bodies, press); });
                 start.advance_poses(motion, part);
@@ -25464,8 +25542,9 @@ struct soft_step_with {
                 blocks.each(hands, [bodies, &relax](block& b) { kernels::solve(b, bodies, relax); });
                 if constexpr (Features::restitution)
                     if (blocks.bounce)
-                        blocks.each(hands, [bodies, &relax](block& b) {
-                            if (b.bounces_now) b.bounce(bodies, relax);
+                        blocks.each_number(hands, [bodies, &relax, &blocks](std::uint32_t k) {
+                            if (blocks.bounces[k].now && blocks.first[k].bounces_now)
+                                blocks.first[k].bounce(bodies, relax);
                         });
             }
             blocks.each_at_once(
@@ -25500,13 +25579,22 @@ struct soft_step_with {
             bool last_is_serial;
             /// Whether any contact can bounce.
             bool bounce = false;
+            /// Whether those of a block can, and whether some are about to: so that no other blocks are read for it.
+            struct bouncing {
+                bool ever, now;
+            };
+            bouncing* bounces = nullptr;
 
             [[nodiscard]] std::uint32_t count() const { return begin[colours]; }
 
             template <class F>
             void each(detail::crew& hands, F&& f) const {
+                each_number(hands, [&](std::uint32_t k) { f(first[k]); });
+            }
+            template <class F>
+            void each_number(detail::crew& hands, F&& f) const {
                 if (hands.is_alone()) {
-                    for (std::uint32_t k = 0; k < count(); ++k) f(first[k]);
+                    for (std::uint32_t k = 0; k < count(); ++k) f(k);
                     return;
                 }
                 for (std::uint32_t group = 0; group < colours; ++group) {
@@ -25514,7 +25602,7 @@ struct soft_step_with {
                     const bool is_serial = last_is_serial && group + 1 == colours;
                     hands.each_range(size, is_serial ? size : share,
                                      [&](std::uint32_t start, std::uint32_t end, std::uint32_t) {
-                                         for (std::uint32_t k = start; k < end; ++k) f(first[from + k]);
+                                         for (std::uint32_t k = start; k < end; ++k) f(from + k);
                                      });
                 }
             }
@@ -25580,7 +25668,14 @@ struct soft_step_with {
                 fill(result.first[k], result.numbers + k * width, colours.order + at, rest < lanes ? rest : lanes,
                      contacts, bodies, with, hands.scratch_of(worker, scratch));
             });
-            for (std::uint32_t k = 0; k < count; ++k) result.bounce = result.bounce || result.first[k].bounces;
+            if constexpr (Features::restitution) {
+                result.bounces = scratch.template take<typename blocks_in_colours::bouncing>(count);
+                for (std::uint32_t k = 0; k < count; ++k) {
+                    const bool ever = result.first[k].bounces;
+                    result.bounces[k] = {ever, false};
+                    result.bounce = result.bounce || ever;
+                }
+            }
             return result;
         }
         static void fill(block& place, std::uint32_t* numbers, const std::uint32_t* order, std::uint32_t used,
@@ -26164,8 +26259,10 @@ public:
         }
         return i;
     }
-    [[nodiscard]] memory operator[](std::uint32_t i) const {
-        memory m{};
+    /// Writes an empty one.
+    static void clear(memory& m) { kept::clear(m); }
+    void read(std::uint32_t i, memory& m) const {
+        clear(m);
         const std::uint32_t contents = contents_at(places_[i]);
         if (!is_brief(places_[i])) {
             const unit* from = units_.begin() + places_[i] + 1;
@@ -26175,6 +26272,10 @@ public:
             });
         }
         kept::complete(m, contents);
+    }
+    [[nodiscard]] memory operator[](std::uint32_t i) const {
+        memory m{};
+        read(i, m);
         return m;
     }
     /// Whether what was read from here has not changed: it says so, or all that there is to keep is a number.
@@ -27834,8 +27935,7 @@ private:
             a, b, o.way, face, piece.radius + b.shape.radius, precision.error, precision.relative};
         const double margin = contact_margin();
         if (!m.goes_far) {
-            passage_search<Plan::few_corners, D> search(pair);
-            m.stops = m.stops || search.at(0).gap < -margin * (1.0 / 32);
+            m.stops = m.stops || is_deeper<Plan::few_corners>(pair, margin * (1.0 / 32));
             return;
         }
         // What rounding of poses may do to a gap.
@@ -29130,7 +29230,8 @@ public:
                 if (last == no_memory) last = s.memories.find(pairs[i]);
                 while (last < s.memories.size() && s.memories.pair(last) < pairs[i]) ++last;
                 const bool known = last < s.memories.size() && s.memories.pair(last) == pairs[i];
-                new (memories_ + remembered_) memory(known ? s.memories[last] : memory{});
+                if (known) s.memories.read(last, memories_[remembered_]);
+                else s.memories.clear(memories_[remembered_]);
                 owners_[remembered_] = {i, known ? last : no_memory};
                 queries_[i].memory = remembered_++;
             }
