@@ -113,8 +113,8 @@ bool still_parted(const A& a, const B& b, const transform<S, D>& b_in_a, S margi
 
 /// Which bytes of a memory are kept from step to step: contents(m) numbers what there is in it, 0 if nothing; and
 /// each_piece(m, contents, f) calls f(address, bytes) for all of that. clear(m) makes of any bytes an empty one, of
-/// which the rest does not matter; complete(m, contents) tells such a one, into which that was read, how much it was. tidy(m) makes what means nothing of these bytes 0. has_changed(m): false if it
-/// is as it was read.
+/// which the rest does not matter; complete(m, contents) tells such a one, into which that was read, how much it was.
+/// tidy(m) makes what means nothing of these bytes 0. has_changed(m): false if it is as it was read.
 template <class Memory>
 struct kept_memory {
     static bool has_changed(const Memory&) { return true; }
