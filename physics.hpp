@@ -14799,6 +14799,7 @@ struct kept_memory<persistent_manifold<S, D>> {
         f(&m.named, sizeof m.named);
         if ((contents & points) != 0) f(&m.points, sizeof m.points);
     }
+    static void clear(memory& m) { m = {}; }
     static void complete(memory& m, std::uint32_t contents) { m.count = static_cast<std::int32_t>(contents & points); }
     static void tidy(memory& m) { tidy_points(m.points, m.count); }
 };
@@ -23282,7 +23283,7 @@ struct soft_start {
     /// Which part of the step's impulses a substep begins with.
     S share;
     /// Surfaces that have overlapped by more do not bounce (m).
-    S overlap;
+    S overlap{};
     /// Of each body what drives it (m/s^2); null if that is not known.
     const vec<S, D>* accelerations = nullptr;
     [[no_unique_address]] mixture<S, Features> surfaces{};

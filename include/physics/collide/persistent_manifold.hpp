@@ -117,6 +117,7 @@ struct kept_memory<persistent_manifold<S, D>> {
         f(&m.named, sizeof m.named);
         if ((contents & points) != 0) f(&m.points, sizeof m.points);
     }
+    static void clear(memory& m) { m = {}; }
     static void complete(memory& m, std::uint32_t contents) { m.count = static_cast<std::int32_t>(contents & points); }
     static void tidy(memory& m) { tidy_points(m.points, m.count); }
 };

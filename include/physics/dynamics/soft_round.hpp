@@ -104,7 +104,7 @@ struct soft_start {
     /// Which part of the step's impulses a substep begins with.
     S share;
     /// Surfaces that have overlapped by more do not bounce (m).
-    S overlap;
+    S overlap{};
     /// Of each body what drives it (m/s^2); null if that is not known.
     const vec<S, D>* accelerations = nullptr;
     [[no_unique_address]] mixture<S, Features> surfaces{};
