@@ -24000,20 +24000,10 @@ struct soft_point {
 /// What bounces. Speeds with which the surfaces part at points that meet in this substep (m/s), 0 for none.
 template <class S, int Points, int W>
 struct soft_bounces {
+    /// What surfaces give back, 0 where they cannot meet, and how fast they are drawn together (m/s^2).
     S restitution[W], closing[W];
     S speed[Points][W];
 
-    /// Writes a contact into a lane; true if it may bounce. Points that were there in the last step, and overlap, have
-    /// met before: what approaches there springs back, as it does in a crowd that is squeezed.
-    template <class Contact, class Start>
-    bool put(int lane, const Contact& c, const Start& with) {
-        bool meets = false;
-        for (int k = 0; k < c.count; ++k)
-            meets = meets || !c.persisted(k) || c.points[k].separation > -with.overlap;
-        restitution[lane] = meets ? with.surfaces.restitution_of(c) : S(0);
-        closing[lane] = with.closing(c);
-        return restitution[lane] > S(0);
-    }
     /// Whether a point that may bounce bears nothing.
     template <class P, class Point>
     PHYSICS_HPP_ALWAYS_INLINE bool any_free(const Point* points, int count) const {
@@ -24061,9 +24051,30 @@ struct soft_bounces {
         return false;
     }
 };
-struct no_soft_bounces {};
+/// Where the bounces of a block are, if it may have any.
+template <class S, int Points, int W>
+struct bounces_of_block {
+    using bounces = soft_bounces<S, Points, W>;
+
+    bounces* at = nullptr;
+
+    /// Writes a contact into a lane. Points that were there in the last step, and overlap, have met before: what
+    /// approaches there springs back, as it does in a crowd that is squeezed.
+    template <class Contact, class Start>
+    void put(int lane, const Contact& c, const Start& with, arena& scratch) {
+        const S share = with.surfaces.restitution_of(c);
+        bool meets = false;
+        for (int k = 0; k < c.count && share > S(0); ++k)
+            meets = meets || !c.persisted(k) || c.points[k].separation > -with.overlap;
+        if (!meets) return;
+        if (at == nullptr) at = new (scratch.template take<bounces>(1)) bounces{};
+        at->restitution[lane] = share;
+        at->closing[lane] = with.closing(c);
+    }
+};
+struct no_bounces_of_block {};
 template <class S, int Points, int W, class Features>
-using soft_bounces_of = std::conditional_t<Features::restitution, soft_bounces<S, Points, W>, no_soft_bounces>;
+using soft_bounces_of = std::conditional_t<Features::restitution, bounces_of_block<S, Points, W>, no_bounces_of_block>;
 
 /// What a contact's points bear together.
 template <class P, class Point>
@@ -24196,8 +24207,8 @@ struct soft_contact2 {
     /// How B has moved against A as of the last round that did not push: the next one that does asks for the same.
     S last_ways[2][W];
     int point_count = 0;
-    /// Whether any contact can bounce, and whether any point does in this substep.
-    bool bounces = false, bounces_now = false;
+    /// Whether any point is going to bounce in this substep.
+    bool bounces_now = false;
     /// Whether the contacts push their bodies, which is the same for all lanes.
     bool moves_a = false, moves_b = false;
     [[no_unique_address]] extras_of_block<S, W, 2, Features> extras;
@@ -24218,7 +24229,7 @@ struct soft_contact2 {
         for (int k = 0; k < c.count; ++k) {
             points[k].impulse[lane] = c.persisted(k) ? c.points[k].load : S(0);
         }
-        if constexpr (Features::restitution) bounces = bounce_to.put(lane, c, with) || bounces;
+        if constexpr (Features::restitution) bounce_to.put(lane, c, with, scratch);
         if constexpr (Features::friction) {
             friction.coefficient.put(lane, with.surfaces.friction_of(c));
             friction.impulse[lane] = c.friction_load;
@@ -24325,7 +24336,7 @@ struct soft_contact2 {
             });
         push(f, sum.load, zero, sum.moment, at_a, at_b);
         if constexpr (Features::restitution)
-            if (how.pushes && bounces_now) bounce_to.template keep_pushed<P>(points, point_count);
+            if (how.pushes && bounces_now) bounce_to.at->template keep_pushed<P>(points, point_count);
         if constexpr (Features::friction) rub(f, how, at_a, at_b);
         if (!how.pushes) {
             add_totals<P>(points, point_count);
@@ -24340,20 +24351,20 @@ struct soft_contact2 {
     PHYSICS_HPP_ALWAYS_INLINE void note_approaches(const body* bodies, const soft_round<S, 2>& how)
         requires Features::restitution {
         bounces_now = false;
-        if (!bounce_to.template any_free<P>(points, point_count)) return;
+        if (!bounce_to.at->template any_free<P>(points, point_count)) return;
         const frame_lanes f(*this);
         body_lanes2<P> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const relative_motion speed(f, at_a.velocity, at_b.velocity), way(P::load(last_ways[0]), P::load(last_ways[1]));
-        bounces_now = bounce_to.template note<P>(
+        bounces_now = bounce_to.at->template note<P>(
             points, point_count, how, [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return way.at(points[k]); },
             [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); });
     }
     /// Lets bounce what has met in this substep. The next one does not begin with any of that.
     PHYSICS_HPP_NOINLINE void bounce(body* bodies, const soft_round<S, 2>& how) requires Features::restitution {
         for (int lane = 0; lane < W; ++lane) {
-            if (!bounce_to.has(lane, point_count)) continue;
+            if (!bounce_to.at->has(lane, point_count)) continue;
             body& of_a = bodies[a[lane]];
             body& of_b = bodies[b[lane]];
             const vec<S, 2> n{normal[0][lane], normal[1][lane]};
@@ -24361,7 +24372,7 @@ struct soft_contact2 {
             S along = dot(n, velocity_at(of_b.velocity, to_b) - velocity_at(of_a.velocity, to_a));
             S turn = of_b.velocity.angular - of_a.velocity.angular, load = S(0), moment = S(0);
             const S share = bounce_points<S>(
-                points, point_count, bounce_to, lane, [&](int k) { return along + points[k].lever[lane] * turn; },
+                points, point_count, *bounce_to.at, lane, [&](int k) { return along + points[k].lever[lane] * turn; },
                 [&](int k, S impulse) {
                     const S about = points[k].lever[lane] * impulse;
                     load += impulse;
@@ -24373,7 +24384,7 @@ struct soft_contact2 {
             if (moves_a) begin_without(of_a.velocity, of_a, -impulse, -(cross(to_a, impulse) + moment));
             if (moves_b) begin_without(of_b.velocity, of_b, impulse, cross(to_b, impulse) + moment);
             for (int k = 0; k < point_count; ++k) {
-                if (!(bounce_to.speed[k][lane] > S(0))) continue;
+                if (!(bounce_to.at->speed[k][lane] > S(0))) continue;
                 load += points[k].impulse[lane];
                 moment += points[k].lever[lane] * points[k].impulse[lane];
                 points[k].impulse[lane] = S(0);
@@ -24621,8 +24632,8 @@ struct soft_contact3 {
     /// How B has moved against A as of the last round that did not push: the next one that does asks for the same.
     S last_ways[3][W];
     int point_count = 0;
-    /// Whether any contact can bounce, and whether any point does in this substep.
-    bool bounces = false, bounces_now = false;
+    /// Whether any point is going to bounce in this substep.
+    bool bounces_now = false;
     /// Whether the contacts push their bodies, which is the same for all lanes.
     bool moves_a = false, moves_b = false;
     [[no_unique_address]] extras_of_block<S, W, 3, Features> extras;
@@ -24643,7 +24654,7 @@ struct soft_contact3 {
         for (int k = 0; k < c.count; ++k) {
             points[k].impulse[lane] = c.persisted(k) ? c.points[k].load : S(0);
         }
-        if constexpr (Features::restitution) bounces = bounce_to.put(lane, c, with) || bounces;
+        if constexpr (Features::restitution) bounce_to.put(lane, c, with, scratch);
         if constexpr (Features::friction) friction.put(lane, c, with);
         extras.put(lane, c, first, second, with, scratch);
     }
@@ -24778,7 +24789,7 @@ struct soft_contact3 {
             });
         push(f, sum, at_a, at_b);
         if constexpr (Features::restitution)
-            if (how.pushes && bounces_now) bounce_to.template keep_pushed<P>(points, point_count);
+            if (how.pushes && bounces_now) bounce_to.at->template keep_pushed<P>(points, point_count);
         if (!how.pushes) {
             if constexpr (Features::friction) rub(f, at_a, at_b);
             add_totals<P>(points, point_count);
@@ -24793,20 +24804,20 @@ struct soft_contact3 {
     PHYSICS_HPP_ALWAYS_INLINE void note_approaches(const body* bodies, const soft_round<S, 3>& how)
         requires Features::restitution {
         bounces_now = false;
-        if (!bounce_to.template any_free<P>(points, point_count)) return;
+        if (!bounce_to.at->template any_free<P>(points, point_count)) return;
         const frame_lanes f(*this);
         body_lanes3<P> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const relative_motion speed(f, at_a.velocity, at_b.velocity), way(lanes3<P>::load(last_ways));
-        bounces_now = bounce_to.template note<P>(
+        bounces_now = bounce_to.at->template note<P>(
             points, point_count, how, [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return way.at(points[k]); },
             [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); });
     }
     /// Lets bounce what has met in this substep. The next one does not begin with any of that.
     PHYSICS_HPP_NOINLINE void bounce(body* bodies, const soft_round<S, 3>& how) requires Features::restitution {
         for (int lane = 0; lane < W; ++lane) {
-            if (!bounce_to.has(lane, point_count)) continue;
+            if (!bounce_to.at->has(lane, point_count)) continue;
             body& of_a = bodies[a[lane]];
             body& of_b = bodies[b[lane]];
             const auto at = [&](const auto& rows) { return vec<S, 3>{rows[0][lane], rows[1][lane], rows[2][lane]}; };
@@ -24820,7 +24831,7 @@ struct soft_contact3 {
                 return vec<S, 3>{impulse, points[k].y[lane] * impulse, -(points[k].x[lane] * impulse)};
             };
             const S share = bounce_points<S>(
-                points, point_count, bounce_to, lane,
+                points, point_count, *bounce_to.at, lane,
                 [&](int k) { return v.x + difference_of_products(points[k].y[lane], v.y, points[k].x[lane], v.z); },
                 [&](int k, S impulse) {
                     const vec<S, 3> by = impulses_of(k, impulse);
@@ -24834,7 +24845,7 @@ struct soft_contact3 {
             if (moves_a) begin_without(of_a.velocity, of_a, -impulse, -(cross(to_a, impulse) + moment));
             if (moves_b) begin_without(of_b.velocity, of_b, impulse, cross(to_b, impulse) + moment);
             for (int k = 0; k < point_count; ++k) {
-                if (!(bounce_to.speed[k][lane] > S(0))) continue;
+                if (!(bounce_to.at->speed[k][lane] > S(0))) continue;
                 sum += impulses_of(k, points[k].impulse[lane]);
                 points[k].impulse[lane] = S(0);
             }
@@ -25117,8 +25128,8 @@ struct soft_linear_contact {
         friction;
     /// What the points bore together as the substep began.
     S held[W];
-    /// Whether any contact can bounce, and whether any does in this substep.
-    bool bounces = false, bounces_now = false;
+    /// Whether any contact is going to bounce in this substep.
+    bool bounces_now = false;
     /// Whether the contacts push their bodies, which is the same for all lanes.
     bool moves_a = false, moves_b = false;
     [[no_unique_address]] extras_of_block<S, W, D, Features> extras;
@@ -25142,7 +25153,7 @@ struct soft_linear_contact {
         }
         points[0].separation[lane] = c.points[nearest].separation;
         points[0].impulse[lane] = load;
-        if constexpr (Features::restitution) bounces = bounce_to.put(lane, c, with) || bounces;
+        if constexpr (Features::restitution) bounce_to.put(lane, c, with, scratch);
         if constexpr (Features::friction) friction.put(lane, c, with);
         extras.put(lane, c, first, second, with, scratch);
     }
@@ -25204,7 +25215,7 @@ struct soft_linear_contact {
         }
         push(next_impulse(points[0], speed, way, how, one), at_a, at_b);
         if constexpr (Features::restitution)
-            if (how.pushes && bounces_now) bounce_to.template keep_pushed<P>(points, 1);
+            if (how.pushes && bounces_now) bounce_to.at->template keep_pushed<P>(points, 1);
         if constexpr (Features::friction)
             if (D == 2 || !how.pushes) rub(P::load(points[0].impulse), how.pushes, at_a, at_b);
         if (!how.pushes) {
@@ -25218,26 +25229,26 @@ struct soft_linear_contact {
     PHYSICS_HPP_ALWAYS_INLINE void note_approaches(const body* bodies, const round& how)
         requires Features::restitution {
         bounces_now = false;
-        if (!bounce_to.template any_free<P>(points, 1)) return;
+        if (!bounce_to.at->template any_free<P>(points, 1)) return;
         linear_lanes<P, D> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const vector n = normals();
         const P speed = lane_dot(n, slip_of(at_a, at_b)), way = lane_dot(n, difference(at_b.way, at_a.way));
-        bounces_now = bounce_to.template note<P>(
+        bounces_now = bounce_to.at->template note<P>(
             points, 1, how, [&](int) PHYSICS_HPP_INLINE_LAMBDA { return way; },
             [&](int) PHYSICS_HPP_INLINE_LAMBDA { return speed; });
     }
     /// Lets bounce what has met in this substep. The next one does not begin with any of that.
     PHYSICS_HPP_NOINLINE void bounce(body* bodies, const round& how) requires Features::restitution {
         for (int lane = 0; lane < W; ++lane) {
-            if (!bounce_to.has(lane, 1)) continue;
+            if (!bounce_to.at->has(lane, 1)) continue;
             body& of_a = bodies[a[lane]];
             body& of_b = bodies[b[lane]];
             vec<S, D> n;
             for (int i = 0; i < D; ++i) n[i] = normal[i][lane];
             const S v = dot(n, of_b.velocity.linear - of_a.velocity.linear);
-            const S impulse = max(points[0].mass[lane] * (bounce_to.speed[0][lane] - v), -points[0].impulse[lane]);
+            const S impulse = max(points[0].mass[lane] * (bounce_to.at->speed[0][lane] - v), -points[0].impulse[lane]);
             if (moves_a) begin_without(of_a.velocity, of_a, n * -impulse);
             if (moves_b) begin_without(of_b.velocity, of_b, n * impulse);
             points[0].total[lane] += impulse;
@@ -25672,7 +25683,7 @@ struct soft_step_with {
             if constexpr (Features::restitution) {
                 result.bounces = scratch.template take<typename blocks_in_colours::bouncing>(count);
                 for (std::uint32_t k = 0; k < count; ++k) {
-                    const bool ever = result.first[k].bounces;
+                    const bool ever = result.first[k].bounce_to.at != nullptr;
                     result.bounces[k] = {ever, false};
                     result.bounce = result.bounce || ever;
                 }

@@ -23,20 +23,10 @@ struct soft_point {
 /// What bounces. Speeds with which the surfaces part at points that meet in this substep (m/s), 0 for none.
 template <class S, int Points, int W>
 struct soft_bounces {
+    /// What surfaces give back, 0 where they cannot meet, and how fast they are drawn together (m/s^2).
     S restitution[W], closing[W];
     S speed[Points][W];
 
-    /// Writes a contact into a lane; true if it may bounce. Points that were there in the last step, and overlap, have
-    /// met before: what approaches there springs back, as it does in a crowd that is squeezed.
-    template <class Contact, class Start>
-    bool put(int lane, const Contact& c, const Start& with) {
-        bool meets = false;
-        for (int k = 0; k < c.count; ++k)
-            meets = meets || !c.persisted(k) || c.points[k].separation > -with.overlap;
-        restitution[lane] = meets ? with.surfaces.restitution_of(c) : S(0);
-        closing[lane] = with.closing(c);
-        return restitution[lane] > S(0);
-    }
     /// Whether a point that may bounce bears nothing.
     template <class P, class Point>
     PHYSICS_HPP_ALWAYS_INLINE bool any_free(const Point* points, int count) const {
@@ -84,9 +74,30 @@ struct soft_bounces {
         return false;
     }
 };
-struct no_soft_bounces {};
+/// Where the bounces of a block are, if it may have any.
+template <class S, int Points, int W>
+struct bounces_of_block {
+    using bounces = soft_bounces<S, Points, W>;
+
+    bounces* at = nullptr;
+
+    /// Writes a contact into a lane. Points that were there in the last step, and overlap, have met before: what
+    /// approaches there springs back, as it does in a crowd that is squeezed.
+    template <class Contact, class Start>
+    void put(int lane, const Contact& c, const Start& with, arena& scratch) {
+        const S share = with.surfaces.restitution_of(c);
+        bool meets = false;
+        for (int k = 0; k < c.count && share > S(0); ++k)
+            meets = meets || !c.persisted(k) || c.points[k].separation > -with.overlap;
+        if (!meets) return;
+        if (at == nullptr) at = new (scratch.template take<bounces>(1)) bounces{};
+        at->restitution[lane] = share;
+        at->closing[lane] = with.closing(c);
+    }
+};
+struct no_bounces_of_block {};
 template <class S, int Points, int W, class Features>
-using soft_bounces_of = std::conditional_t<Features::restitution, soft_bounces<S, Points, W>, no_soft_bounces>;
+using soft_bounces_of = std::conditional_t<Features::restitution, bounces_of_block<S, Points, W>, no_bounces_of_block>;
 
 /// What a contact's points bear together.
 template <class P, class Point>

@@ -37,8 +37,8 @@ struct soft_contact2 {
     /// How B has moved against A as of the last round that did not push: the next one that does asks for the same.
     S last_ways[2][W];
     int point_count = 0;
-    /// Whether any contact can bounce, and whether any point does in this substep.
-    bool bounces = false, bounces_now = false;
+    /// Whether any point is going to bounce in this substep.
+    bool bounces_now = false;
     /// Whether the contacts push their bodies, which is the same for all lanes.
     bool moves_a = false, moves_b = false;
     [[no_unique_address]] extras_of_block<S, W, 2, Features> extras;
@@ -59,7 +59,7 @@ struct soft_contact2 {
         for (int k = 0; k < c.count; ++k) {
             points[k].impulse[lane] = c.persisted(k) ? c.points[k].load : S(0);
         }
-        if constexpr (Features::restitution) bounces = bounce_to.put(lane, c, with) || bounces;
+        if constexpr (Features::restitution) bounce_to.put(lane, c, with, scratch);
         if constexpr (Features::friction) {
             friction.coefficient.put(lane, with.surfaces.friction_of(c));
             friction.impulse[lane] = c.friction_load;
@@ -166,7 +166,7 @@ struct soft_contact2 {
             });
         push(f, sum.load, zero, sum.moment, at_a, at_b);
         if constexpr (Features::restitution)
-            if (how.pushes && bounces_now) bounce_to.template keep_pushed<P>(points, point_count);
+            if (how.pushes && bounces_now) bounce_to.at->template keep_pushed<P>(points, point_count);
         if constexpr (Features::friction) rub(f, how, at_a, at_b);
         if (!how.pushes) {
             add_totals<P>(points, point_count);
@@ -181,20 +181,20 @@ struct soft_contact2 {
     PHYSICS_HPP_ALWAYS_INLINE void note_approaches(const body* bodies, const soft_round<S, 2>& how)
         requires Features::restitution {
         bounces_now = false;
-        if (!bounce_to.template any_free<P>(points, point_count)) return;
+        if (!bounce_to.at->template any_free<P>(points, point_count)) return;
         const frame_lanes f(*this);
         body_lanes2<P> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const relative_motion speed(f, at_a.velocity, at_b.velocity), way(P::load(last_ways[0]), P::load(last_ways[1]));
-        bounces_now = bounce_to.template note<P>(
+        bounces_now = bounce_to.at->template note<P>(
             points, point_count, how, [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return way.at(points[k]); },
             [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); });
     }
     /// Lets bounce what has met in this substep. The next one does not begin with any of that.
     PHYSICS_HPP_NOINLINE void bounce(body* bodies, const soft_round<S, 2>& how) requires Features::restitution {
         for (int lane = 0; lane < W; ++lane) {
-            if (!bounce_to.has(lane, point_count)) continue;
+            if (!bounce_to.at->has(lane, point_count)) continue;
             body& of_a = bodies[a[lane]];
             body& of_b = bodies[b[lane]];
             const vec<S, 2> n{normal[0][lane], normal[1][lane]};
@@ -202,7 +202,7 @@ struct soft_contact2 {
             S along = dot(n, velocity_at(of_b.velocity, to_b) - velocity_at(of_a.velocity, to_a));
             S turn = of_b.velocity.angular - of_a.velocity.angular, load = S(0), moment = S(0);
             const S share = bounce_points<S>(
-                points, point_count, bounce_to, lane, [&](int k) { return along + points[k].lever[lane] * turn; },
+                points, point_count, *bounce_to.at, lane, [&](int k) { return along + points[k].lever[lane] * turn; },
                 [&](int k, S impulse) {
                     const S about = points[k].lever[lane] * impulse;
                     load += impulse;
@@ -214,7 +214,7 @@ struct soft_contact2 {
             if (moves_a) begin_without(of_a.velocity, of_a, -impulse, -(cross(to_a, impulse) + moment));
             if (moves_b) begin_without(of_b.velocity, of_b, impulse, cross(to_b, impulse) + moment);
             for (int k = 0; k < point_count; ++k) {
-                if (!(bounce_to.speed[k][lane] > S(0))) continue;
+                if (!(bounce_to.at->speed[k][lane] > S(0))) continue;
                 load += points[k].impulse[lane];
                 moment += points[k].lever[lane] * points[k].impulse[lane];
                 points[k].impulse[lane] = S(0);

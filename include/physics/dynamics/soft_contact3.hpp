@@ -39,8 +39,8 @@ struct soft_contact3 {
     /// How B has moved against A as of the last round that did not push: the next one that does asks for the same.
     S last_ways[3][W];
     int point_count = 0;
-    /// Whether any contact can bounce, and whether any point does in this substep.
-    bool bounces = false, bounces_now = false;
+    /// Whether any point is going to bounce in this substep.
+    bool bounces_now = false;
     /// Whether the contacts push their bodies, which is the same for all lanes.
     bool moves_a = false, moves_b = false;
     [[no_unique_address]] extras_of_block<S, W, 3, Features> extras;
@@ -61,7 +61,7 @@ struct soft_contact3 {
         for (int k = 0; k < c.count; ++k) {
             points[k].impulse[lane] = c.persisted(k) ? c.points[k].load : S(0);
         }
-        if constexpr (Features::restitution) bounces = bounce_to.put(lane, c, with) || bounces;
+        if constexpr (Features::restitution) bounce_to.put(lane, c, with, scratch);
         if constexpr (Features::friction) friction.put(lane, c, with);
         extras.put(lane, c, first, second, with, scratch);
     }
@@ -196,7 +196,7 @@ struct soft_contact3 {
             });
         push(f, sum, at_a, at_b);
         if constexpr (Features::restitution)
-            if (how.pushes && bounces_now) bounce_to.template keep_pushed<P>(points, point_count);
+            if (how.pushes && bounces_now) bounce_to.at->template keep_pushed<P>(points, point_count);
         if (!how.pushes) {
             if constexpr (Features::friction) rub(f, at_a, at_b);
             add_totals<P>(points, point_count);
@@ -211,20 +211,20 @@ struct soft_contact3 {
     PHYSICS_HPP_ALWAYS_INLINE void note_approaches(const body* bodies, const soft_round<S, 3>& how)
         requires Features::restitution {
         bounces_now = false;
-        if (!bounce_to.template any_free<P>(points, point_count)) return;
+        if (!bounce_to.at->template any_free<P>(points, point_count)) return;
         const frame_lanes f(*this);
         body_lanes3<P> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const relative_motion speed(f, at_a.velocity, at_b.velocity), way(lanes3<P>::load(last_ways));
-        bounces_now = bounce_to.template note<P>(
+        bounces_now = bounce_to.at->template note<P>(
             points, point_count, how, [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return way.at(points[k]); },
             [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); });
     }
     /// Lets bounce what has met in this substep. The next one does not begin with any of that.
     PHYSICS_HPP_NOINLINE void bounce(body* bodies, const soft_round<S, 3>& how) requires Features::restitution {
         for (int lane = 0; lane < W; ++lane) {
-            if (!bounce_to.has(lane, point_count)) continue;
+            if (!bounce_to.at->has(lane, point_count)) continue;
             body& of_a = bodies[a[lane]];
             body& of_b = bodies[b[lane]];
             const auto at = [&](const auto& rows) { return vec<S, 3>{rows[0][lane], rows[1][lane], rows[2][lane]}; };
@@ -238,7 +238,7 @@ struct soft_contact3 {
                 return vec<S, 3>{impulse, points[k].y[lane] * impulse, -(points[k].x[lane] * impulse)};
             };
             const S share = bounce_points<S>(
-                points, point_count, bounce_to, lane,
+                points, point_count, *bounce_to.at, lane,
                 [&](int k) { return v.x + difference_of_products(points[k].y[lane], v.y, points[k].x[lane], v.z); },
                 [&](int k, S impulse) {
                     const vec<S, 3> by = impulses_of(k, impulse);
@@ -252,7 +252,7 @@ struct soft_contact3 {
             if (moves_a) begin_without(of_a.velocity, of_a, -impulse, -(cross(to_a, impulse) + moment));
             if (moves_b) begin_without(of_b.velocity, of_b, impulse, cross(to_b, impulse) + moment);
             for (int k = 0; k < point_count; ++k) {
-                if (!(bounce_to.speed[k][lane] > S(0))) continue;
+                if (!(bounce_to.at->speed[k][lane] > S(0))) continue;
                 sum += impulses_of(k, points[k].impulse[lane]);
                 points[k].impulse[lane] = S(0);
             }

@@ -142,8 +142,8 @@ struct soft_linear_contact {
         friction;
     /// What the points bore together as the substep began.
     S held[W];
-    /// Whether any contact can bounce, and whether any does in this substep.
-    bool bounces = false, bounces_now = false;
+    /// Whether any contact is going to bounce in this substep.
+    bool bounces_now = false;
     /// Whether the contacts push their bodies, which is the same for all lanes.
     bool moves_a = false, moves_b = false;
     [[no_unique_address]] extras_of_block<S, W, D, Features> extras;
@@ -167,7 +167,7 @@ struct soft_linear_contact {
         }
         points[0].separation[lane] = c.points[nearest].separation;
         points[0].impulse[lane] = load;
-        if constexpr (Features::restitution) bounces = bounce_to.put(lane, c, with) || bounces;
+        if constexpr (Features::restitution) bounce_to.put(lane, c, with, scratch);
         if constexpr (Features::friction) friction.put(lane, c, with);
         extras.put(lane, c, first, second, with, scratch);
     }
@@ -229,7 +229,7 @@ struct soft_linear_contact {
         }
         push(next_impulse(points[0], speed, way, how, one), at_a, at_b);
         if constexpr (Features::restitution)
-            if (how.pushes && bounces_now) bounce_to.template keep_pushed<P>(points, 1);
+            if (how.pushes && bounces_now) bounce_to.at->template keep_pushed<P>(points, 1);
         if constexpr (Features::friction)
             if (D == 2 || !how.pushes) rub(P::load(points[0].impulse), how.pushes, at_a, at_b);
         if (!how.pushes) {
@@ -243,26 +243,26 @@ struct soft_linear_contact {
     PHYSICS_HPP_ALWAYS_INLINE void note_approaches(const body* bodies, const round& how)
         requires Features::restitution {
         bounces_now = false;
-        if (!bounce_to.template any_free<P>(points, 1)) return;
+        if (!bounce_to.at->template any_free<P>(points, 1)) return;
         linear_lanes<P, D> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const vector n = normals();
         const P speed = lane_dot(n, slip_of(at_a, at_b)), way = lane_dot(n, difference(at_b.way, at_a.way));
-        bounces_now = bounce_to.template note<P>(
+        bounces_now = bounce_to.at->template note<P>(
             points, 1, how, [&](int) PHYSICS_HPP_INLINE_LAMBDA { return way; },
             [&](int) PHYSICS_HPP_INLINE_LAMBDA { return speed; });
     }
     /// Lets bounce what has met in this substep. The next one does not begin with any of that.
     PHYSICS_HPP_NOINLINE void bounce(body* bodies, const round& how) requires Features::restitution {
         for (int lane = 0; lane < W; ++lane) {
-            if (!bounce_to.has(lane, 1)) continue;
+            if (!bounce_to.at->has(lane, 1)) continue;
             body& of_a = bodies[a[lane]];
             body& of_b = bodies[b[lane]];
             vec<S, D> n;
             for (int i = 0; i < D; ++i) n[i] = normal[i][lane];
             const S v = dot(n, of_b.velocity.linear - of_a.velocity.linear);
-            const S impulse = max(points[0].mass[lane] * (bounce_to.speed[0][lane] - v), -points[0].impulse[lane]);
+            const S impulse = max(points[0].mass[lane] * (bounce_to.at->speed[0][lane] - v), -points[0].impulse[lane]);
             if (moves_a) begin_without(of_a.velocity, of_a, n * -impulse);
             if (moves_b) begin_without(of_b.velocity, of_b, n * impulse);
             points[0].total[lane] += impulse;

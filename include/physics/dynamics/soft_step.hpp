@@ -253,7 +253,7 @@ struct soft_step_with {
             if constexpr (Features::restitution) {
                 result.bounces = scratch.template take<typename blocks_in_colours::bouncing>(count);
                 for (std::uint32_t k = 0; k < count; ++k) {
-                    const bool ever = result.first[k].bounces;
+                    const bool ever = result.first[k].bounce_to.at != nullptr;
                     result.bounces[k] = {ever, false};
                     result.bounce = result.bounce || ever;
                 }
