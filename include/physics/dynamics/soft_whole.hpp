@@ -150,7 +150,7 @@ struct soft_whole {
         // turns the bodies, are answered as they are. Source: Golub, Van Loan, Matrix Computations, 11.2.
         P more = zero;
         if (how.over_relaxes)
-            more = select_greater(calm, zero, sum_of_changes * P::broadcast(S(0.9)) / max(there, one), zero);
+            more = select_greater(calm, zero, sum_of_changes / max(there, one), zero);
         left = select_greater(zero, ok, one, zero);
         const bool any_left = greater(zero, ok).bits() != 0 && !are_idle(points, count, how, left, at, speed_at);
         for (int k = 0; k < count; ++k) {
