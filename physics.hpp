@@ -23940,7 +23940,7 @@ struct soft_whole {
         // turns the bodies, are answered as they are. Source: Golub, Van Loan, Matrix Computations, 11.2.
         P more = zero;
         if (how.over_relaxes)
-            more = select_greater(calm, zero, sum_of_changes * P::broadcast(S(0.9)) / max(there, one), zero);
+            more = select_greater(calm, zero, sum_of_changes / max(there, one), zero);
         left = select_greater(zero, ok, one, zero);
         const bool any_left = greater(zero, ok).bits() != 0 && !are_idle(points, count, how, left, at, speed_at);
         for (int k = 0; k < count; ++k) {
@@ -25075,10 +25075,13 @@ struct soft_linear_friction {
     /// Turns slips into the changes of the impulses that stop them, under a load, or let them slide.
     PHYSICS_HPP_ALWAYS_INLINE void answer(P (&slip)[D - 1], const P& mass, const P& load, bool use_bias) {
         const P most = coefficient.all() * load;
-        P before[D - 1], after[D - 1], strength = mass;
-        for (int i = 0; i < D - 1; ++i) before[i] = P::load(impulse[i]);
-        if constexpr (D == 2) strength = mass * friction_part(lane_abs(before[0]), most, use_bias);
-        for (int i = 0; i < D - 1; ++i) after[i] = before[i] - strength * slip[i];
+        P before[D - 1], after[D - 1];
+        for (int i = 0; i < D - 1; ++i) {
+            before[i] = P::load(impulse[i]);
+            P stopping = mass * slip[i];
+            if constexpr (D == 2) stopping = stopping * friction_part(lane_abs(before[i]), most, use_bias);
+            after[i] = before[i] - stopping;
+        }
         if constexpr (D == 2) {
             after[0] = max(min(after[0], most), -most);
         } else if (lane_is_longer(after[0], after[1], most).bits() != 0) {
