@@ -16654,10 +16654,11 @@ private:
     known seen_[2];
 };
 
-/// A bound of the second derivative of how far a core reaches along an axis that stays.
+/// By how much turning can bring a pair closer, along an axis that stays, than it is at both ends of the way.
 template <int D>
-double bend_of(const moving_core<D>& c) {
-    return magnitude(c.turn) * magnitude(c.turn) * c.reach;
+double bulge_of(const moving_pair<D>& p) {
+    const auto bend = [](const moving_core<D>& c) { return magnitude(c.turn) * magnitude(c.turn) * c.reach; };
+    return (bend(p.a) + bend(p.b)) * (1.0 / 8);
 }
 
 /// The axis from a segment or a triangle towards the middle of the other shape, at the beginning; null if A is neither,
@@ -16690,7 +16691,7 @@ PHYSICS_HPP_COLD bool passes_by(const moving_pair<D>& p, const passage_rule& rul
     const point<D> n = axis_from_flat(p);
     if (n == point<D>{}) return false;
     const double gap = p.gap(0, n), then = p.gap(1, n), least = min(gap, then);
-    const double nearest = least - (bend_of(p.a) + bend_of(p.b)) * (1.0 / 8);
+    const double nearest = least - bulge_of(p);
     if (nearest > touch) return true;
     const bool may_sink = !rule.grazes && rule.depth > 16 * p.noise();
     return may_sink && least >= 0 && nearest > -0.375 * rule.depth;
@@ -16742,8 +16743,9 @@ PHYSICS_HPP_COLD passage<D> find_passage(const moving_pair<D>& p, const passage_
         double more = max(0.5 * left, rule.blur + 8 * p.noise()), within = more * (1.0 / 8);
         // Most that begins in touch is not nearly so deep along the first axis at any time.
         const auto first = search.at(0);
-        const double then = p.gap(1, first.normal), bulge = (bend_of(p.a) + bend_of(p.b)) * (1.0 / 8);
-        if (min(gap, then) - bulge > within - (sunk + more) && (!ends_near || !(-then > sunk + rule.sink))) return {};
+        const double then = p.gap(1, first.normal);
+        const double nearest = min(gap, then) - bulge_of(p);
+        if (nearest > within - (sunk + more) && (!ends_near || !(-then > sunk + rule.sink))) return {};
         if (ends_near && ends_deep(p, search, rule, touching, sunk)) {
             more = min(more, rule.target + slack);
             within = slack;
@@ -25460,7 +25462,8 @@ struct soft_step_settings {
     /// Surfaces that meet faster than this within a substep begin the next one with no more than they held before.
     /// The higher it is, the less piles overlap that are hit, and the more they spring back.
     S impact_speed = S(0.5);
-    /// Approaches slower than this do not bounce.
+    /// Approaches slower than this do not bounce. Nor do points that bear a load already, or that were in contact in
+    /// the last step and overlap by more than this speed makes in a step.
     S restitution_slop = S(0.5);
 };
 

@@ -27,7 +27,8 @@ struct soft_step_settings {
     /// Surfaces that meet faster than this within a substep begin the next one with no more than they held before.
     /// The higher it is, the less piles overlap that are hit, and the more they spring back.
     S impact_speed = S(0.5);
-    /// Approaches slower than this do not bounce.
+    /// Approaches slower than this do not bounce. Nor do points that bear a load already, or that were in contact in
+    /// the last step and overlap by more than this speed makes in a step.
     S restitution_slop = S(0.5);
 };
 
