@@ -39,6 +39,8 @@ public:
         items_.reserve(slots);
         slots_.reserve(slots);
     }
+    /// The slot of what is inserted next.
+    [[nodiscard]] std::uint32_t next_index() const { return free_ == none ? items_.size() : free_; }
     place insert(const T& item) {
         std::uint32_t index = free_;
         if (index == none) {

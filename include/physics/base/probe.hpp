@@ -168,6 +168,17 @@ private:
 
 namespace detail {
 
+template <class F>
+PHYSICS_HPP_NOINLINE auto call_apart(F& f) {
+    return f();
+}
+/// f(), with the arithmetic of a step whatever the host has switched on.
+template <class F>
+auto exactly(F&& f) {
+    const float_control_scope control;
+    return call_apart(f);
+}
+
 PHYSICS_HPP_DEFINE_PROBED_ARITHMETIC(region_arithmetic, PHYSICS_HPP_NOINLINE)
 
 template <class F>

@@ -1,4 +1,4 @@
-// Sorting numbers in linear time.
+// Sorting: numbers in linear time, and anything in place.
 #pragma once
 
 #include <cstring>
@@ -46,6 +46,37 @@ inline std::uint64_t* radix_sort(std::uint64_t* keys, std::uint64_t* spare, std:
         keys = sorted;
     }
     return keys;
+}
+
+/// Sorts items in place; those that are alike come in any order. O(n log n), O(n^2) up to 24. Source: heapsort
+/// (Williams 1964).
+template <class T, class Less>
+void sort_in_place(T* items, std::uint32_t count, Less&& less) {
+    if (count <= 24) {
+        for (std::uint32_t i = 1; i < count; ++i) {
+            const T item = items[i];
+            std::uint32_t k = i;
+            for (; k > 0 && less(item, items[k - 1]); --k) items[k] = items[k - 1];
+            items[k] = item;
+        }
+        return;
+    }
+    const auto sift = [&](std::uint32_t at, std::uint32_t end) {
+        const T item = items[at];
+        for (std::uint32_t child; (child = 2 * at + 1) < end; at = child) {
+            if (child + 1 < end && less(items[child], items[child + 1])) ++child;
+            if (!less(item, items[child])) break;
+            items[at] = items[child];
+        }
+        items[at] = item;
+    };
+    for (std::uint32_t i = count / 2; i-- > 0;) sift(i, count);
+    for (std::uint32_t end = count - 1; end > 0; --end) {
+        const T last = items[0];
+        items[0] = items[end];
+        items[end] = last;
+        sift(0, end);
+    }
 }
 
 }  // namespace detail

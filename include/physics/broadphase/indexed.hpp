@@ -111,7 +111,7 @@ public:
         const detail::query_scope scope(this);
         const auto see = [&](const auto& at) {
             const auto& c = all_.candidate_at(at);
-            return !filter.sees(c.filter) || !overlap(c.box, box) || go_on(visit, c.id);
+            return !filter.sees(c.filter) || !overlap(c.box, box) || detail::go_on(visit, c.id);
         };
         if constexpr (requires { index_.each_fixed_near(all_, box, see); })
             if (!filter.movable) return index_.each_fixed_near(all_, box, see);
@@ -147,7 +147,7 @@ public:
             if (!filter.sees(c.filter)) return true;
             for (std::uint32_t i = 0; i < count; ++i)
                 if (detail::beyond(planes[i], c.box)) return true;
-            return go_on(visit, c.id);
+            return detail::go_on(visit, c.id);
         };
         if constexpr (requires { index_.each_inside(all_, planes, count, see); })
             index_.each_inside(all_, planes, count, see);
@@ -279,12 +279,6 @@ private:
         const vec far = vec::filled(scalar_traits<S>::max());
         return {-far, far};
     }
-    template <class Visit>
-    static bool go_on(Visit& visit, std::uint32_t id) {
-        if constexpr (std::is_void_v<decltype(visit(id))>) return visit(id), true;
-        else return visit(id);
-    }
-
     detail::proxies<Space> all_;
     Index index_;
     detail::pair_set pairs_;

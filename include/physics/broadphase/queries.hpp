@@ -104,6 +104,13 @@ constexpr bool beyond(const bounding_plane<S, D>& plane, const aabb<S, D>& box) 
     return least > widen(plane.offset);
 }
 
+/// Calls visit(id); where it returns a bool, false ends the query.
+template <class Visit, class Id>
+constexpr bool go_on(Visit& visit, Id id) {
+    if constexpr (std::is_void_v<decltype(visit(id))>) return visit(id), true;
+    else return static_cast<bool>(visit(id));
+}
+
 /// Puts an item into a sorted list of at most `most`, before all that come after it by after(other); the last one is
 /// lost where the list is full.
 template <class T, class After>

@@ -3,6 +3,7 @@
 
 #include <initializer_list>
 
+#include "physics/base/probe.hpp"
 #include "physics/shape/chain_data.hpp"
 #include "physics/shape/concept.hpp"
 
@@ -74,7 +75,7 @@ public:
     /// loop), and equal points next to each other. Cost: O(n log n), 0.5 us a point.
     [[nodiscard]] static chain_geometry build(const vec<S, 2>* points, std::uint32_t count,
                                               const chain_settings& settings = {}) {
-        return chain_geometry(built(points, count, settings));
+        return chain_geometry(detail::exactly([&] { return built(points, count, settings); }));
     }
     template <std::size_t N>
     [[nodiscard]] static chain_geometry build(const vec<S, 2> (&points)[N], const chain_settings& settings = {}) {

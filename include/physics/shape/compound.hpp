@@ -3,6 +3,7 @@
 
 #include <initializer_list>
 
+#include "physics/base/probe.hpp"
 #include "physics/shape/compound_data.hpp"
 #include "physics/shape/concept.hpp"
 
@@ -134,7 +135,7 @@ public:
     /// Refuses what the shapes themselves do, naming the child, places that are not finite or too far out for S, and no
     /// children at all. Contacts name children by their order. Cost: O(n log n), 1 us a child, 0.3 KB each.
     [[nodiscard]] static compound_geometry build(const compound_child<S, D>* children, std::uint32_t count) {
-        return compound_geometry(built(children, count));
+        return compound_geometry(detail::exactly([&] { return built(children, count); }));
     }
     [[nodiscard]] static compound_geometry build(std::initializer_list<compound_child<S, D>> children) {
         return build(children.begin(), static_cast<std::uint32_t>(children.size()));
@@ -156,6 +157,7 @@ private:
             detail::refuse(f, "number of children", 0.0, "a compound needs at least 1");
             return nullptr;
         }
+        if (!detail::check_array(f, "children", children, count)) return nullptr;
         buffer<detail::loose_solid<D>> solids;
         solids.reserve(count);
         for (std::uint32_t i = 0; i < count; ++i) {

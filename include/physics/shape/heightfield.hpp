@@ -3,6 +3,7 @@
 
 #include <initializer_list>
 
+#include "physics/base/probe.hpp"
 #include "physics/shape/concept.hpp"
 #include "physics/shape/heightfield_data.hpp"
 
@@ -110,14 +111,14 @@ public:
                                                     const heightfield_settings& settings = {})
         requires(D == 2)
     {
-        return heightfield_geometry(built(heights, count, 1, spacing, S(1), settings));
+        return heightfield_geometry(built_exactly(heights, count, 1, spacing, S(1), settings));
     }
     [[nodiscard]] static heightfield_geometry build(std::initializer_list<S> heights, S spacing,
                                                     const heightfield_settings& settings = {})
         requires(D == 2)
     {
         return heightfield_geometry(
-            built(heights.begin(), static_cast<std::uint32_t>(heights.size()), 1, spacing, S(1), settings));
+            built_exactly(heights.begin(), static_cast<std::uint32_t>(heights.size()), 1, spacing, S(1), settings));
     }
     /// In space: heights[row * columns + column] (m), columns spacing_x apart along x, rows spacing_z along z. Refuses
     /// what the other does, fewer than 2 columns or rows, and more than 2^31 samples. O(n).
@@ -125,7 +126,7 @@ public:
                                                     S spacing_x, S spacing_z, const heightfield_settings& settings = {})
         requires(D == 3)
     {
-        return heightfield_geometry(built(heights, columns, rows, spacing_x, spacing_z, settings));
+        return heightfield_geometry(built_exactly(heights, columns, rows, spacing_x, spacing_z, settings));
     }
 
     explicit operator bool() const { return data() != nullptr; }
@@ -140,6 +141,10 @@ private:
     using block = detail::heightfield_data<real, D>;
 
     explicit heightfield_geometry(const block* built) : owner_(built) {}
+    static const block* built_exactly(const S* heights, std::uint32_t columns, std::uint32_t rows, S spacing_x,
+                                      S spacing_z, const heightfield_settings& settings) {
+        return detail::exactly([&] { return built(heights, columns, rows, spacing_x, spacing_z, settings); });
+    }
     static const block* built(const S* heights, std::uint32_t columns, std::uint32_t rows, S spacing_x, S spacing_z,
                               const heightfield_settings& settings) {
         constexpr const char* f = "heightfield_geometry::build";
@@ -153,6 +158,7 @@ private:
             detail::refuse(f, "number of samples", static_cast<double>(samples), "it must be at most 2^31");
             return nullptr;
         }
+        if (!detail::check_array(f, "heights", heights, samples)) return nullptr;
         const auto n = static_cast<std::uint32_t>(samples);
         double reach = max(static_cast<double>(spacing_x) * (columns - 1), static_cast<double>(spacing_z) * (rows - 1));
         buffer<real> taken;

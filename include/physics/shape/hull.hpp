@@ -4,6 +4,7 @@
 #include <initializer_list>
 
 #include "physics/base/pack.hpp"
+#include "physics/base/probe.hpp"
 #include "physics/shape/concept.hpp"
 #include "physics/shape/farthest.hpp"
 #include "physics/shape/hull_builder3.hpp"
@@ -72,6 +73,7 @@ double hull_tolerance(double reach) {
 template <class S, int D>
 const hull_block<S, D>* build_hull(const vec<S, D>* points, std::uint32_t count, const hull_settings& settings) {
     constexpr const char* function = "hull_geometry::build";
+    if (!check_array(function, "points", points, count)) return nullptr;
     buffer<vec<double, D>> exact;
     exact.reserve(count);
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -228,7 +230,7 @@ public:
     /// more than 65,535 vertices. Cost: O(n log n), in 3D 1 us a vertex and 0.1 to 0.5 us a point.
     [[nodiscard]] static hull_geometry build(const vec<S, D>* points, std::uint32_t count,
                                              const hull_settings& settings = {}) {
-        return hull_geometry(detail::build_hull(points, count, settings));
+        return hull_geometry(detail::exactly([&] { return detail::build_hull(points, count, settings); }));
     }
     template <std::size_t N>
     [[nodiscard]] static hull_geometry build(const vec<S, D> (&points)[N], const hull_settings& settings = {}) {

@@ -1,6 +1,7 @@
 // The mesh: a surface of triangles in space, such as the ground of a level.
 #pragma once
 
+#include "physics/base/probe.hpp"
 #include "physics/shape/concept.hpp"
 #include "physics/shape/mesh_data.hpp"
 
@@ -82,7 +83,8 @@ public:
     [[nodiscard]] static mesh_geometry build(const vec<S, 3>* vertices, std::uint32_t vertex_count,
                                              const std::uint32_t* triangles, std::uint32_t triangle_count,
                                              const mesh_settings& settings = {}) {
-        return mesh_geometry(built(vertices, vertex_count, triangles, triangle_count, settings));
+        return mesh_geometry(
+            detail::exactly([&] { return built(vertices, vertex_count, triangles, triangle_count, settings); }));
     }
 
     explicit operator bool() const { return data() != nullptr; }
@@ -118,6 +120,7 @@ const detail::mesh_data<detail::hull_real<S>>* mesh_geometry<S, 3>::built(const 
     }
     detail::mesh_outline outline;
     if (!detail::take_points(f, "vertices", vertices, vertex_count, outline.vertices)) return nullptr;
+    if (!detail::check_array(f, "triangles", triangles, triangle_count)) return nullptr;
     for (std::uint32_t i = 0; i < triangle_count * 3; ++i) {
         if (triangles[i] < vertex_count) continue;
         char field[40];

@@ -60,6 +60,7 @@ bool check_item(const char* function, const char* name, std::uint32_t i, const T
 template <class S, int D>
 bool take_points(const char* function, const char* name, const vec<S, D>* points, std::uint32_t count,
                  buffer<vec<double, D>>& taken) {
+    if (!check_array(function, name, points, count)) return false;
     taken.reserve(count);
     double reach = 0;
     for (std::uint32_t i = 0; i < count; ++i) {

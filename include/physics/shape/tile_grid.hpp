@@ -1,6 +1,7 @@
 // The tile grid: solid and empty cells in the plane, such as the level of a platformer.
 #pragma once
 
+#include "physics/base/probe.hpp"
 #include "physics/shape/concept.hpp"
 #include "physics/shape/tile_outline.hpp"
 
@@ -64,7 +65,7 @@ public:
     /// cell. Cost: 2 to 5 ns a cell, 0.3 us a corner; memory for corners only.
     [[nodiscard]] static tile_grid_geometry build(const std::uint8_t* cells, std::uint32_t columns, std::uint32_t rows,
                                                   S cell_size) {
-        return tile_grid_geometry(built(cells, columns, rows, cell_size));
+        return tile_grid_geometry(detail::exactly([&] { return built(cells, columns, rows, cell_size); }));
     }
 
     explicit operator bool() const { return data() != nullptr; }
@@ -90,6 +91,7 @@ private:
         }
         const double size = static_cast<double>(cell_size);
         if (!detail::check_reach<S>(f, size * (columns > rows ? columns : rows))) return nullptr;
+        if (!detail::check_array(f, "cells", cells, std::uint64_t{columns} * rows)) return nullptr;
         detail::tile_outline outline(cells, columns, rows);
         outline.trace();
         if (outline.points.empty()) {

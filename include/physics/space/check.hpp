@@ -1,6 +1,8 @@
 // Checks of the user's numbers: each refuses a bad one by name and value, and says whether it was good.
 #pragma once
 
+#include <cstdint>
+
 #include "physics/base/error.hpp"
 #include "physics/space/vec.hpp"
 
@@ -26,6 +28,29 @@ template <class T>
 bool check_finite(const char* function, const char* field, T value) {
     return check_each(function, field, value, [](auto x) { return is_finite(x); }, "it must be finite");
 }
+/// Whether a quantity may be part of a world's state: a finite number; of fixed-point ones, which wrap, within half of
+/// their range, so that the sum of two shows whether it is.
+template <scalar_type S>
+constexpr bool is_in_range(S x) {
+    if constexpr (is_fixed<S>) {
+        const S most = scalar_traits<S>::max() / S(2);
+        return x <= most && x >= -most;
+    } else {
+        return is_finite(x);
+    }
+}
+template <class S, int D>
+constexpr bool is_in_range(const vec<S, D>& v) {
+    for (int i = 0; i < D; ++i)
+        if (!is_in_range(v[i])) return false;
+    return true;
+}
+template <class T>
+bool check_in_range(const char* function, const char* field, T value) {
+    return check_finite(function, field, value) &&
+           check_each(function, field, value, [](auto x) { return is_in_range(x); },
+                      "it must be within half of the scalar's range");
+}
 template <class T>
 bool check_left_out(const char* function, const char* field, T value) {
     return check_each(function, field, value, [](auto x) { return x == decltype(x){}; }, "the recipe leaves it out");
@@ -34,6 +59,17 @@ template <class S>
 bool check_positive(const char* function, const char* field, S value) {
     return check_finite(function, field, value) &&
            (value > S(0) || refuse(function, field, static_cast<double>(value), "it must be greater than 0"));
+}
+/// An array of the caller's.
+inline bool check_array(const char* function, const char* field, const void* first, std::uint64_t count) {
+    return first != nullptr || count == 0 ||
+           refuse(function, field, "null", "it must point to as many values as are counted");
+}
+/// A number of rounds: more than the limit is a mistake, and would look like a step that hangs.
+inline bool check_count(const char* function, const char* field, int count) {
+    constexpr int most = 65536;
+    return (count >= 1 && count <= most) ||
+           refuse(function, field, count, count < 1 ? "it must be at least 1" : "it must be at most 65536");
 }
 template <class S>
 bool check_not_negative(const char* function, const char* field, S value) {
