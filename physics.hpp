@@ -1069,6 +1069,17 @@ private:
 
 namespace detail {
 
+template <class F>
+PHYSICS_HPP_NOINLINE auto call_apart(F& f) {
+    return f();
+}
+/// f(), with the arithmetic of a step whatever the host has switched on.
+template <class F>
+auto exactly(F&& f) {
+    const float_control_scope control;
+    return call_apart(f);
+}
+
 PHYSICS_HPP_DEFINE_PROBED_ARITHMETIC(region_arithmetic, PHYSICS_HPP_NOINLINE)
 
 template <class F>
@@ -3554,6 +3565,8 @@ public:
         items_.reserve(slots);
         slots_.reserve(slots);
     }
+    /// The slot of what is inserted next.
+    [[nodiscard]] std::uint32_t next_index() const { return free_ == none ? items_.size() : free_; }
     place insert(const T& item) {
         std::uint32_t index = free_;
         if (index == none) {
@@ -3668,7 +3681,7 @@ PHYSICS_HPP_END
 // =================================================================================================
 // physics/base/sort.hpp
 // =================================================================================================
-// Sorting numbers in linear time.
+// Sorting: numbers in linear time, and anything in place.
 
 PHYSICS_HPP_BEGIN
 
@@ -3711,6 +3724,37 @@ inline std::uint64_t* radix_sort(std::uint64_t* keys, std::uint64_t* spare, std:
         keys = sorted;
     }
     return keys;
+}
+
+/// Sorts items in place; those that are alike come in any order. O(n log n), O(n^2) up to 24. Source: heapsort
+/// (Williams 1964).
+template <class T, class Less>
+void sort_in_place(T* items, std::uint32_t count, Less&& less) {
+    if (count <= 24) {
+        for (std::uint32_t i = 1; i < count; ++i) {
+            const T item = items[i];
+            std::uint32_t k = i;
+            for (; k > 0 && less(item, items[k - 1]); --k) items[k] = items[k - 1];
+            items[k] = item;
+        }
+        return;
+    }
+    const auto sift = [&](std::uint32_t at, std::uint32_t end) {
+        const T item = items[at];
+        for (std::uint32_t child; (child = 2 * at + 1) < end; at = child) {
+            if (child + 1 < end && less(items[child], items[child + 1])) ++child;
+            if (!less(item, items[child])) break;
+            items[at] = items[child];
+        }
+        items[at] = item;
+    };
+    for (std::uint32_t i = count / 2; i-- > 0;) sift(i, count);
+    for (std::uint32_t end = count - 1; end > 0; --end) {
+        const T last = items[0];
+        items[0] = items[end];
+        items[end] = last;
+        sift(0, end);
+    }
 }
 
 }  // namespace detail
@@ -3962,8 +4006,9 @@ struct direction_and_length {
 
 /// Splits a vector into direction and length; a null vector gives a null direction. Scales by the largest
 /// component first, so that neither tiny nor huge vectors lose their direction to underflow or overflow.
+// By reference: with -flto, g++ 12 drops what is stored for an argument that is handed on by value in memory.
 template <class S, int D>
-constexpr direction_and_length<S, D> split(vec<S, D> v) {
+constexpr direction_and_length<S, D> split(const vec<S, D>& v) {
     const S scale = largest(v);
     if (!(scale > S(0))) return {};
     const vec<S, D> scaled = v / scale;
@@ -3973,7 +4018,7 @@ constexpr direction_and_length<S, D> split(vec<S, D> v) {
 
 /// The unit vector along v; the null vector for the null vector.
 template <class S, int D>
-constexpr vec<S, D> normalized(vec<S, D> v) {
+constexpr vec<S, D> normalized(const vec<S, D>& v) {
     return split(v).direction;
 }
 
@@ -4101,6 +4146,29 @@ template <class T>
 bool check_finite(const char* function, const char* field, T value) {
     return check_each(function, field, value, [](auto x) { return is_finite(x); }, "it must be finite");
 }
+/// Whether a quantity may be part of a world's state: a finite number; of fixed-point ones, which wrap, within half of
+/// their range, so that the sum of two shows whether it is.
+template <scalar_type S>
+constexpr bool is_in_range(S x) {
+    if constexpr (is_fixed<S>) {
+        const S most = scalar_traits<S>::max() / S(2);
+        return x <= most && x >= -most;
+    } else {
+        return is_finite(x);
+    }
+}
+template <class S, int D>
+constexpr bool is_in_range(const vec<S, D>& v) {
+    for (int i = 0; i < D; ++i)
+        if (!is_in_range(v[i])) return false;
+    return true;
+}
+template <class T>
+bool check_in_range(const char* function, const char* field, T value) {
+    return check_finite(function, field, value) &&
+           check_each(function, field, value, [](auto x) { return is_in_range(x); },
+                      "it must be within half of the scalar's range");
+}
 template <class T>
 bool check_left_out(const char* function, const char* field, T value) {
     return check_each(function, field, value, [](auto x) { return x == decltype(x){}; }, "the recipe leaves it out");
@@ -4109,6 +4177,17 @@ template <class S>
 bool check_positive(const char* function, const char* field, S value) {
     return check_finite(function, field, value) &&
            (value > S(0) || refuse(function, field, static_cast<double>(value), "it must be greater than 0"));
+}
+/// An array of the caller's.
+inline bool check_array(const char* function, const char* field, const void* first, std::uint64_t count) {
+    return first != nullptr || count == 0 ||
+           refuse(function, field, "null", "it must point to as many values as are counted");
+}
+/// A number of rounds: more than the limit is a mistake, and would look like a step that hangs.
+inline bool check_count(const char* function, const char* field, int count) {
+    constexpr int most = 65536;
+    return (count >= 1 && count <= most) ||
+           refuse(function, field, count, count < 1 ? "it must be at least 1" : "it must be at most 65536");
 }
 template <class S>
 bool check_not_negative(const char* function, const char* field, S value) {
@@ -6801,6 +6880,7 @@ double hull_tolerance(double reach) {
 template <class S, int D>
 const hull_block<S, D>* build_hull(const vec<S, D>* points, std::uint32_t count, const hull_settings& settings) {
     constexpr const char* function = "hull_geometry::build";
+    if (!check_array(function, "points", points, count)) return nullptr;
     buffer<vec<double, D>> exact;
     exact.reserve(count);
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -6957,7 +7037,7 @@ public:
     /// more than 65,535 vertices. Cost: O(n log n), in 3D 1 us a vertex and 0.1 to 0.5 us a point.
     [[nodiscard]] static hull_geometry build(const vec<S, D>* points, std::uint32_t count,
                                              const hull_settings& settings = {}) {
-        return hull_geometry(detail::build_hull(points, count, settings));
+        return hull_geometry(detail::exactly([&] { return detail::build_hull(points, count, settings); }));
     }
     template <std::size_t N>
     [[nodiscard]] static hull_geometry build(const vec<S, D> (&points)[N], const hull_settings& settings = {}) {
@@ -7715,6 +7795,7 @@ bool check_item(const char* function, const char* name, std::uint32_t i, const T
 template <class S, int D>
 bool take_points(const char* function, const char* name, const vec<S, D>* points, std::uint32_t count,
                  buffer<vec<double, D>>& taken) {
+    if (!check_array(function, name, points, count)) return false;
     taken.reserve(count);
     double reach = 0;
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -7986,7 +8067,7 @@ public:
     /// loop), and equal points next to each other. Cost: O(n log n), 0.5 us a point.
     [[nodiscard]] static chain_geometry build(const vec<S, 2>* points, std::uint32_t count,
                                               const chain_settings& settings = {}) {
-        return chain_geometry(built(points, count, settings));
+        return chain_geometry(detail::exactly([&] { return built(points, count, settings); }));
     }
     template <std::size_t N>
     [[nodiscard]] static chain_geometry build(const vec<S, 2> (&points)[N], const chain_settings& settings = {}) {
@@ -8314,7 +8395,7 @@ public:
     /// Refuses what the shapes themselves do, naming the child, places that are not finite or too far out for S, and no
     /// children at all. Contacts name children by their order. Cost: O(n log n), 1 us a child, 0.3 KB each.
     [[nodiscard]] static compound_geometry build(const compound_child<S, D>* children, std::uint32_t count) {
-        return compound_geometry(built(children, count));
+        return compound_geometry(detail::exactly([&] { return built(children, count); }));
     }
     [[nodiscard]] static compound_geometry build(std::initializer_list<compound_child<S, D>> children) {
         return build(children.begin(), static_cast<std::uint32_t>(children.size()));
@@ -8336,6 +8417,7 @@ private:
             detail::refuse(f, "number of children", 0.0, "a compound needs at least 1");
             return nullptr;
         }
+        if (!detail::check_array(f, "children", children, count)) return nullptr;
         buffer<detail::loose_solid<D>> solids;
         solids.reserve(count);
         for (std::uint32_t i = 0; i < count; ++i) {
@@ -8946,14 +9028,14 @@ public:
                                                     const heightfield_settings& settings = {})
         requires(D == 2)
     {
-        return heightfield_geometry(built(heights, count, 1, spacing, S(1), settings));
+        return heightfield_geometry(built_exactly(heights, count, 1, spacing, S(1), settings));
     }
     [[nodiscard]] static heightfield_geometry build(std::initializer_list<S> heights, S spacing,
                                                     const heightfield_settings& settings = {})
         requires(D == 2)
     {
         return heightfield_geometry(
-            built(heights.begin(), static_cast<std::uint32_t>(heights.size()), 1, spacing, S(1), settings));
+            built_exactly(heights.begin(), static_cast<std::uint32_t>(heights.size()), 1, spacing, S(1), settings));
     }
     /// In space: heights[row * columns + column] (m), columns spacing_x apart along x, rows spacing_z along z. Refuses
     /// what the other does, fewer than 2 columns or rows, and more than 2^31 samples. O(n).
@@ -8961,7 +9043,7 @@ public:
                                                     S spacing_x, S spacing_z, const heightfield_settings& settings = {})
         requires(D == 3)
     {
-        return heightfield_geometry(built(heights, columns, rows, spacing_x, spacing_z, settings));
+        return heightfield_geometry(built_exactly(heights, columns, rows, spacing_x, spacing_z, settings));
     }
 
     explicit operator bool() const { return data() != nullptr; }
@@ -8976,6 +9058,10 @@ private:
     using block = detail::heightfield_data<real, D>;
 
     explicit heightfield_geometry(const block* built) : owner_(built) {}
+    static const block* built_exactly(const S* heights, std::uint32_t columns, std::uint32_t rows, S spacing_x,
+                                      S spacing_z, const heightfield_settings& settings) {
+        return detail::exactly([&] { return built(heights, columns, rows, spacing_x, spacing_z, settings); });
+    }
     static const block* built(const S* heights, std::uint32_t columns, std::uint32_t rows, S spacing_x, S spacing_z,
                               const heightfield_settings& settings) {
         constexpr const char* f = "heightfield_geometry::build";
@@ -8989,6 +9075,7 @@ private:
             detail::refuse(f, "number of samples", static_cast<double>(samples), "it must be at most 2^31");
             return nullptr;
         }
+        if (!detail::check_array(f, "heights", heights, samples)) return nullptr;
         const auto n = static_cast<std::uint32_t>(samples);
         double reach = max(static_cast<double>(spacing_x) * (columns - 1), static_cast<double>(spacing_z) * (rows - 1));
         buffer<real> taken;
@@ -9345,7 +9432,8 @@ public:
     [[nodiscard]] static mesh_geometry build(const vec<S, 3>* vertices, std::uint32_t vertex_count,
                                              const std::uint32_t* triangles, std::uint32_t triangle_count,
                                              const mesh_settings& settings = {}) {
-        return mesh_geometry(built(vertices, vertex_count, triangles, triangle_count, settings));
+        return mesh_geometry(
+            detail::exactly([&] { return built(vertices, vertex_count, triangles, triangle_count, settings); }));
     }
 
     explicit operator bool() const { return data() != nullptr; }
@@ -9381,6 +9469,7 @@ const detail::mesh_data<detail::hull_real<S>>* mesh_geometry<S, 3>::built(const 
     }
     detail::mesh_outline outline;
     if (!detail::take_points(f, "vertices", vertices, vertex_count, outline.vertices)) return nullptr;
+    if (!detail::check_array(f, "triangles", triangles, triangle_count)) return nullptr;
     for (std::uint32_t i = 0; i < triangle_count * 3; ++i) {
         if (triangles[i] < vertex_count) continue;
         char field[40];
@@ -9708,7 +9797,7 @@ public:
     /// cell. Cost: 2 to 5 ns a cell, 0.3 us a corner; memory for corners only.
     [[nodiscard]] static tile_grid_geometry build(const std::uint8_t* cells, std::uint32_t columns, std::uint32_t rows,
                                                   S cell_size) {
-        return tile_grid_geometry(built(cells, columns, rows, cell_size));
+        return tile_grid_geometry(detail::exactly([&] { return built(cells, columns, rows, cell_size); }));
     }
 
     explicit operator bool() const { return data() != nullptr; }
@@ -9734,6 +9823,7 @@ private:
         }
         const double size = static_cast<double>(cell_size);
         if (!detail::check_reach<S>(f, size * (columns > rows ? columns : rows))) return nullptr;
+        if (!detail::check_array(f, "cells", cells, std::uint64_t{columns} * rows)) return nullptr;
         detail::tile_outline outline(cells, columns, rows);
         outline.trace();
         if (outline.points.empty()) {
@@ -17257,6 +17347,13 @@ constexpr bool beyond(const bounding_plane<S, D>& plane, const aabb<S, D>& box) 
     return least > widen(plane.offset);
 }
 
+/// Calls visit(id); where it returns a bool, false ends the query.
+template <class Visit, class Id>
+constexpr bool go_on(Visit& visit, Id id) {
+    if constexpr (std::is_void_v<decltype(visit(id))>) return visit(id), true;
+    else return static_cast<bool>(visit(id));
+}
+
 /// Puts an item into a sorted list of at most `most`, before all that come after it by after(other); the last one is
 /// lost where the list is full.
 template <class T, class After>
@@ -17383,7 +17480,7 @@ public:
         const detail::query_scope scope(this);
         const auto see = [&](const auto& at) {
             const auto& c = all_.candidate_at(at);
-            return !filter.sees(c.filter) || !overlap(c.box, box) || go_on(visit, c.id);
+            return !filter.sees(c.filter) || !overlap(c.box, box) || detail::go_on(visit, c.id);
         };
         if constexpr (requires { index_.each_fixed_near(all_, box, see); })
             if (!filter.movable) return index_.each_fixed_near(all_, box, see);
@@ -17419,7 +17516,7 @@ public:
             if (!filter.sees(c.filter)) return true;
             for (std::uint32_t i = 0; i < count; ++i)
                 if (detail::beyond(planes[i], c.box)) return true;
-            return go_on(visit, c.id);
+            return detail::go_on(visit, c.id);
         };
         if constexpr (requires { index_.each_inside(all_, planes, count, see); })
             index_.each_inside(all_, planes, count, see);
@@ -17551,12 +17648,6 @@ private:
         const vec far = vec::filled(scalar_traits<S>::max());
         return {-far, far};
     }
-    template <class Visit>
-    static bool go_on(Visit& visit, std::uint32_t id) {
-        if constexpr (std::is_void_v<decltype(visit(id))>) return visit(id), true;
-        else return visit(id);
-    }
-
     detail::proxies<Space> all_;
     Index index_;
     detail::pair_set pairs_;
@@ -20485,6 +20576,7 @@ struct body {
     S gravity_scale = S(1);
     transform<S, D> target;
     std::uint64_t user_data = 0;
+    /// The shape of the highest number.
     std::uint32_t first_shape = 0xffffffffu;
     body_type type = body_type::dynamic_body;
     bool rotation_locked = !Turns;
@@ -22618,11 +22710,10 @@ struct sequential_impulse_settings {
 
 template <class S>
 bool check(const sequential_impulse_settings<S>& with, const char* function) {
-    if (with.substeps < 1) return detail::refuse(function, "solver.substeps", with.substeps, "it must be at least 1");
-    if (with.iterations < 1)
-        return detail::refuse(function, "solver.iterations", with.iterations, "it must be at least 1");
-    if (with.reflections < 1)
-        return detail::refuse(function, "solver.reflections", with.reflections, "it must be at least 1");
+    if (!detail::check_count(function, "solver.substeps", with.substeps)) return false;
+    if (!detail::check_count(function, "solver.iterations", with.iterations) ||
+        !detail::check_count(function, "solver.reflections", with.reflections))
+        return false;
     if (with.baumgarte > S(1))
         return detail::refuse(function, "solver.baumgarte", static_cast<double>(with.baumgarte),
                               "it must be at most 1");
@@ -25469,7 +25560,7 @@ struct soft_step_settings {
 
 template <class S>
 bool check(const soft_step_settings<S>& with, const char* function) {
-    if (with.substeps < 1) return detail::refuse(function, "solver.substeps", with.substeps, "it must be at least 1");
+    if (!detail::check_count(function, "solver.substeps", with.substeps)) return false;
     return detail::check_positive(function, "solver.stiffness", with.stiffness) &&
            detail::check_positive(function, "solver.damping_ratio", with.damping_ratio) &&
            detail::check_not_negative(function, "solver.frequency_cap", with.frequency_cap) &&
@@ -26534,6 +26625,9 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
+/// Behind the last shape of a body.
+inline constexpr std::uint32_t no_shape = 0xffffffffu;
+
 /// Everything that a world keeps of one shape.
 template <class Plan>
 struct shape_record {
@@ -26548,8 +26642,8 @@ struct shape_record {
     [[no_unique_address]] kept_material<S, D, typename Plan::features> material;
     S density{};
     std::uint32_t body = 0;
-    /// The next shape of the same body.
-    std::uint32_t next = 0xffffffffu;
+    /// The body's shape of the next lower number.
+    std::uint32_t next = no_shape;
     std::uint64_t user_data = 0;
 };
 
@@ -26702,6 +26796,11 @@ struct continuous_state {
 };
 struct nothing_continuous {};
 
+/// Whether something lasts just now.
+struct step_mark {
+    bool on = false;
+};
+
 /// The state of a world. Copying it copies the world.
 template <class Plan>
 struct state {
@@ -26754,6 +26853,8 @@ struct state {
         f(self.last_step);
     }
 
+    /// Set while a step is under way.
+    of_a_step<step_mark> in_step;
     // Scratch of the step: nothing in it outlives one.
     of_a_step<buffer<typename Plan::contact>> found;
     [[no_unique_address]] mixture<S, typename Plan::features> found_surfaces;
@@ -26815,8 +26916,12 @@ std::uint32_t body_b(const state<Plan>& s, const Contact& c) {
 
 /// The box that the narrowphase needs the broadphase to know: all within half the contact margin.
 template <class Plan>
+auto box_within(typename Plan::scalar contact_margin, const shape_record<Plan>& shape) {
+    return grown(bounds(shape.shape, shape.pose), contact_margin / typename Plan::scalar(2));
+}
+template <class Plan>
 auto needed_box(const state<Plan>& s, const shape_record<Plan>& shape) {
-    return grown(bounds(shape.shape, shape.pose), s.settings.contact_margin / typename Plan::scalar(2));
+    return box_within(s.settings.contact_margin, shape);
 }
 /// What the broadphase knows of a shape besides.
 template <class Plan>
@@ -26837,7 +26942,7 @@ void update_broadphase(state<Plan>& s) {
 /// Calls f(index, shape) for every shape of a body.
 template <class State, class F>
 void each_shape(State& s, std::uint32_t body, F&& f) {
-    for (std::uint32_t i = s.bodies[body].first_shape; i != 0xffffffffu;) {
+    for (std::uint32_t i = s.bodies[body].first_shape; i != no_shape;) {
         const std::uint32_t next = s.shapes[i].next;
         f(i, s.shapes[i]);
         i = next;
@@ -26984,6 +27089,14 @@ symmetric<T> converted(const symmetric<S>& m) {
             static_cast<T>(m.xy), static_cast<T>(m.xz), static_cast<T>(m.yz)};
 }
 template <class T, class S, int D>
+twist<T, D> converted(const twist<S, D>& v) {
+    return {converted<T>(v.linear), converted<T>(v.angular)};
+}
+template <class T, class S, int D>
+linear_twist<T, D> converted(const linear_twist<S, D>& v) {
+    return {converted<T>(v.linear)};
+}
+template <class T, class S, int D>
 mass_properties<T, D> converted(const mass_properties<S, D>& m) {
     return {static_cast<T>(m.mass), converted<T>(m.center), converted<T>(m.inertia)};
 }
@@ -26998,13 +27111,18 @@ auto mass_of_shape(const shape_record<Plan>& record) {
         else return {};
     });
 }
-/// The mass of all shapes of a body but one, computed with the scalar T.
+/// The mass of all shapes of a body but one, computed with the scalar T; or of one more, which is to be inserted next.
 template <class T, class Plan>
-auto mass_of_shapes(const state<Plan>& s, std::uint32_t body, std::uint32_t but = 0xffffffffu) {
+auto mass_of_shapes(const state<Plan>& s, std::uint32_t body, std::uint32_t but = no_shape,
+                    const shape_record<Plan>* more = nullptr) {
     mass_properties<T, Plan::dimension> sum;
+    // In the order in which a body has its shapes, so that it is the sum that it will have, to the bit.
+    const auto add_more = [&] { sum = combined(sum, mass_of_shape<T>(*std::exchange(more, nullptr))); };
     each_shape(s, body, [&](std::uint32_t i, const shape_record<Plan>& shape) {
+        if (more && i < s.shapes.next_index()) add_more();
         if (i != but) sum = combined(sum, mass_of_shape<T>(shape));
     });
+    if (more) add_more();
     return sum;
 }
 
@@ -27087,8 +27205,16 @@ struct found {
     bool ok;
     explicit operator bool() const { return ok; }
 };
-template <class Plan, class Pool, class Tag>
-found find(const state<Plan>& s, const Pool& pool, handle<Tag> id, const char* function, const char* what) {
+/// Refuses to change a world in the middle of its step, from an executor or a policy.
+template <class Plan>
+bool check_not_in_step(const state<Plan>& s, const char* function) {
+    return !s.in_step.on || refuse(function, "world", "in a step", "it can be changed before and after");
+}
+/// A state that is not const is asked for in order to change it.
+template <class State, class Pool, class Tag>
+found find(State& s, const Pool& pool, handle<Tag> id, const char* function, const char* what) {
+    if constexpr (!std::is_const_v<State>)
+        if (!check_not_in_step(s, function)) return {0, false};
     if (!id) return {0, refuse(function, what, "null", "it must name something that this world has created")};
     char name[32];
     std::snprintf(name, sizeof name, "#%u", static_cast<unsigned>(id.index));
@@ -27096,36 +27222,36 @@ found find(const state<Plan>& s, const Pool& pool, handle<Tag> id, const char* f
     if (!pool.contains(id.index, id.generation)) return {0, refuse(function, what, name, "it has been destroyed")};
     return {id.index, true};
 }
-template <class Plan>
-found find_body(const state<Plan>& s, body_id id, const char* function) {
+template <class State>
+found find_body(State& s, body_id id, const char* function) {
     return find(s, s.bodies, id, function, "body");
 }
-template <class Plan>
-found find_shape(const state<Plan>& s, shape_id id, const char* function) {
+template <class State>
+found find_shape(State& s, shape_id id, const char* function) {
     return find(s, s.shapes, id, function, "shape");
 }
 inline const char* name_of(body_type type) {
     return type == body_type::static_body ? "static" : type == body_type::kinematic_body ? "kinematic" : "dynamic";
 }
 /// The same for calls that only dynamic bodies take,
-template <class Plan>
-found find_dynamic(const state<Plan>& s, body_id id, const char* function) {
+template <class State>
+found find_dynamic(State& s, body_id id, const char* function) {
     const found f = find_body(s, id, function);
     if (f && !s.bodies[f.index].is_dynamic())
         return {0, refuse(function, "body", name_of(s.bodies[f.index].type), "it must be dynamic")};
     return f;
 }
 /// only kinematic ones,
-template <class Plan>
-found find_kinematic(const state<Plan>& s, body_id id, const char* function) {
+template <class State>
+found find_kinematic(State& s, body_id id, const char* function) {
     const found f = find_body(s, id, function);
     if (f && s.bodies[f.index].type != body_type::kinematic_body)
         return {0, refuse(function, "body", name_of(s.bodies[f.index].type), "it must be kinematic")};
     return f;
 }
 /// and only those that have a velocity.
-template <class Plan>
-found find_moving(const state<Plan>& s, body_id id, const char* function) {
+template <class State>
+found find_moving(State& s, body_id id, const char* function) {
     const found f = find_body(s, id, function);
     if (f && s.bodies[f.index].type == body_type::static_body)
         return {0, refuse(function, "body", "static", "it must be dynamic or kinematic")};
@@ -27144,7 +27270,7 @@ double size_of(vec<S, D> v) {
 
 template <class S, int D>
 bool check_pose(const char* function, vec<S, D> position, const rotation<S, D>& r) {
-    if (!check_finite(function, "position", position)) return false;
+    if (!check_in_range(function, "position", position)) return false;
     // In double, where the squares of no format overflow.
     const double error = norm_error(converted<double>(r));
     return error < 1e-3 ||
@@ -27152,7 +27278,7 @@ bool check_pose(const char* function, vec<S, D> position, const rotation<S, D>& 
 }
 template <class Angular>
 bool check_angular_velocity(const char* function, const char* field, Angular w, bool rotation_locked) {
-    if (!check_finite(function, field, w)) return false;
+    if (!check_in_range(function, field, w)) return false;
     return !rotation_locked || w == Angular{} ||
            refuse(function, field, size_of(w), "it must be 0, since the body's rotation is locked");
 }
@@ -27164,11 +27290,11 @@ template <class S, int D>
 bool check_body(const body_def<S, D>& def) {
     const char* f = "create_body";
     return check_type(f, def.type) && check_pose(f, def.position, def.rotation) &&
-           check_finite(f, "linear_velocity", def.linear_velocity) &&
+           check_in_range(f, "linear_velocity", def.linear_velocity) &&
            check_angular_velocity(f, "angular_velocity", def.angular_velocity, def.rotation_locked) &&
            check_not_negative(f, "linear_damping", def.linear_damping) &&
            check_not_negative(f, "angular_damping", def.angular_damping) &&
-           check_finite(f, "gravity_scale", def.gravity_scale);
+           check_in_range(f, "gravity_scale", def.gravity_scale);
 }
 /// A recipe without rotation takes none.
 template <class Plan, class Angular, class S>
@@ -27208,7 +27334,7 @@ template <class Plan>
 bool check_settings(const typename Plan::settings& with, const char* function) {
     if constexpr (!Plan::features::materials)
         if (!check_material<Plan>(function, with.material, material_of_settings)) return false;
-    return check_finite(function, "gravity", with.gravity) &&
+    return check_in_range(function, "gravity", with.gravity) &&
            check_not_negative(function, "contact_margin", with.contact_margin) &&
            check(with.broadphase, function) && check(with.solver, function) && check(with.sleeping, function);
 }
@@ -27272,6 +27398,41 @@ bool check_inertia(const char* function, const symmetric<double>& i) {
         if (!check_mass_value<S>(function, "principal moment of inertia", moment, 1 / moment)) return false;
     return true;
 }
+template <class Quantity>
+struct scalar_in {
+    using type = Quantity;
+};
+template <class S, int D>
+struct scalar_in<vec<S, D>> {
+    using type = S;
+};
+/// The scalar of a number or vector.
+template <class Quantity>
+using scalar_of = typename scalar_in<Quantity>::type;
+
+/// Whether what was computed may become state: in fixed point, which wraps on the way, it must be near the exact value.
+template <scalar_type S>
+bool is_sound(S x, double exact) {
+    const double error = static_cast<double>(x) - exact, slack = 1e-3 * (1 + (exact < 0 ? -exact : exact));
+    return is_in_range(x) && (!is_fixed<S> || (error <= slack && error >= -slack));
+}
+template <class S, int D>
+bool is_sound(const vec<S, D>& v, const vec<double, D>& exact) {
+    for (int i = 0; i < D; ++i)
+        if (!is_sound(v[i], exact[i])) return false;
+    return true;
+}
+/// Where a point of a body is in the world, if that is in range: says whether.
+template <class S, int D>
+bool has_point(const transform<S, D>& pose, const vec<S, D>& local) {
+    return is_sound(pose * local, converted<double>(pose) * converted<double>(local));
+}
+/// Whether the velocity of a body at a lever from its centre of mass is in range.
+template <class Twist, class S, int D>
+bool has_velocity_at(const Twist& v, const vec<S, D>& lever) {
+    return is_sound(velocity_at(v, lever), velocity_at(converted<double>(v), converted<double>(lever)));
+}
+
 /// Whether a dynamic body can have these mass properties, given in double, where it is now.
 template <class S, int D, bool Turns>
 bool check_mass(const char* function, const body<S, D, Turns>& b, const mass_properties<double, D>& m,
@@ -27279,17 +27440,109 @@ bool check_mass(const char* function, const body<S, D, Turns>& b, const mass_pro
     if (!check_mass_value<S>(function, "mass", m.mass, 1 / m.mass)) return false;
     if (!without_inertia && !check_inertia<S>(function, m.inertia)) return false;
     const vec<S, D> center = converted<S>(m.center), moved = b.pose() * center;
-    return (is_finite(center) && is_finite(moved) && is_finite(velocity_at(b.velocity, moved - b.center))) ||
+    return (is_sound(center, m.center) && has_point(b.pose(), center) &&
+            has_velocity_at(b.velocity, moved - b.center)) ||
            refuse(function, "center", size_of(m.center),
                   "the body's centre of mass or its velocity would be beyond the scalar's range");
 }
-/// Whether a dynamic body can take its mass from its shapes, but one.
-template <class Plan>
-bool check_shapes_mass(const state<Plan>& s, std::uint32_t body, const char* function,
-                       std::uint32_t but = 0xffffffffu) {
-    const auto mass = mass_of_shapes<double>(s, body, but);
-    return !(mass.mass > 0) || check_mass(function, s.bodies[body], mass);
+/// Whether matter can be spread so that a body has this inertia, to a thousandth: no principal moment is above the sum
+/// of the two others.
+inline bool check_spread(const char*, double) { return true; }
+inline bool check_spread(const char* function, const symmetric<double>& i) {
+    // Then half the trace less the tensor is positive.
+    const double half = 0.501 * (i.xx + i.yy + i.zz), a = half - i.xx, b = half - i.yy, c = half - i.zz;
+    return (a > 0 && a * b > i.xy * i.xy &&
+            a * (b * c - i.yz * i.yz) > i.xy * (i.xy * c + i.xz * i.yz) + i.xz * (i.xy * i.yz + b * i.xz)) ||
+           refuse(function, "inertia.xx", i.xx,
+                  "no principal moment of the tensor that it begins may be above the sum of the two others");
 }
+/// The inertia about one of the axes.
+template <class S>
+double moment(S inertia, int) {
+    return static_cast<double>(inertia);
+}
+template <class S>
+double moment(const symmetric<S>& i, int axis) {
+    return static_cast<double>(axis == 0 ? i.xx : axis == 1 ? i.yy : i.zz);
+}
+/// Whether the scalar's own sums come near those in double: if not, one has left its range on the way.
+template <class S, int D>
+bool check_sums(const char* function, const mass_properties<S, D>& sums, const mass_properties<double, D>& exact) {
+    const auto agree = [](double x, double y, double size) { return x - y <= 0.25 * size && y - x <= 0.25 * size; };
+    bool sound = agree(static_cast<double>(sums.mass), exact.mass, exact.mass);
+    for (int k = 0; k < D; ++k) {
+        sound = sound && agree(static_cast<double>(sums.center[k]), exact.center[k], 1 + size_of(exact.center));
+        sound = sound && agree(moment(sums.inertia, k), moment(exact.inertia, k), moment(exact.inertia, k));
+    }
+    return sound || refuse(function, "mass", exact.mass,
+                           "it or its moments leave the scalar's range on the way; use other units of length or mass");
+}
+/// Whether a dynamic body can take its mass from its shapes, but one, or with one more.
+template <class Plan>
+bool check_shapes_mass(const state<Plan>& s, std::uint32_t body, const char* function, std::uint32_t but = no_shape,
+                       const shape_record<Plan>* more = nullptr) {
+    const auto exact = mass_of_shapes<double>(s, body, but, more);
+    if (!more && !(exact.mass > 0)) return true;
+    return check_mass(function, s.bodies[body], exact) &&
+           check_sums(function, mass_of_shapes<typename Plan::scalar>(s, body, but, more), exact);
+}
+/// Whether a box lies within the scalar's range: ends that have wrapped are on the wrong side.
+template <class S, int D>
+bool check_extent(const char* function, const aabb<S, D>& box) {
+    if (!check_finite(function, "lower end of the box", box.lower) ||
+        !check_finite(function, "upper end of the box", box.upper))
+        return false;
+    return is_box(box) ||
+           refuse(function, "size of the box", "too large", "both ends must lie within the scalar's range");
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/base/small_buffer.hpp
+// =================================================================================================
+// A growable array whose first values are on the stack.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Like a buffer, but takes memory from the heap only for more than Few values. Not copied.
+template <class T, std::uint32_t Few>
+class small_buffer {
+    static_assert(std::is_trivially_copyable_v<T>);
+
+public:
+    // Nothing is made yet of the few.
+    small_buffer() {}  // NOLINT(modernize-use-equals-default)
+    small_buffer(const small_buffer&) = delete;
+    small_buffer& operator=(const small_buffer&) = delete;
+
+    void push(const T& value) {
+        if (size_ < Few) {
+            new (static_cast<void*>(few_ + size_++)) T(value);
+            return;
+        }
+        if (size_ == Few) {
+            T* const all = many_.extend(Few);
+            for (std::uint32_t i = 0; i < Few; ++i) all[i] = few_[i];
+        }
+        many_.push(value);
+        ++size_;
+    }
+    [[nodiscard]] std::uint32_t size() const { return size_; }
+    T* begin() { return size_ > Few ? many_.begin() : few_; }
+    T* end() { return begin() + size_; }
+
+private:
+    union {
+        T few_[Few];
+    };
+    buffer<T> many_;
+    std::uint32_t size_ = 0;
+};
 
 }  // namespace detail
 
@@ -27396,6 +27649,8 @@ bool check_way(const char* function, const char* from, vec<S, D> origin, vec<S, 
            check_finite(function, "end of the way", origin + translation);
 }
 
+/// Calls visit(hit) for shapes that a ray meets, in any order; it must not change the world. visit returns the fraction
+/// up to which the ray goes on.
 template <class Plan, class Visit>
 void cast_ray(const state<Plan>& s, const char* function, vec<typename Plan::scalar, Plan::dimension> origin,
               vec<typename Plan::scalar, Plan::dimension> translation, const query_filter& filter, Visit&& visit) {
@@ -27417,6 +27672,27 @@ bool comes_first(const Hit& a, const Hit& b) {
     return !b || a.fraction < b.fraction || (a.fraction == b.fraction && a.shape.index < b.shape.index);
 }
 
+/// The same, the first ones first; visit may change the world. What it has destroyed is left out.
+template <class Plan, class Visit>
+void each_on_ray(const state<Plan>& s, vec<typename Plan::scalar, Plan::dimension> origin,
+                 vec<typename Plan::scalar, Plan::dimension> translation, const query_filter& filter, Visit&& visit) {
+    using S = typename Plan::scalar;
+    using hit_type = world_hit<S, Plan::dimension>;
+    small_buffer<hit_type, 16> hits;
+    exactly([&] {
+        cast_ray(s, "each_on_ray", origin, translation, filter, [&](const hit_type& hit) {
+            hits.push(hit);
+            return S(1);
+        });
+    });
+    sort_in_place(hits.begin(), hits.size(), comes_first<hit_type>);
+    S limit(1);
+    for (const hit_type& hit : hits) {
+        if (hit.fraction > limit || hit.shape.world != s.tag) return;
+        if (s.shapes.contains(hit.shape.index, hit.shape.generation)) limit = min(limit, visit(hit));
+    }
+}
+
 template <class Plan, class Shape>
 world_hit<typename Plan::scalar, Plan::dimension> cast_shape(
     const state<Plan>& s, const Shape& shape, const transform<typename Plan::scalar, Plan::dimension>& pose,
@@ -27429,6 +27705,7 @@ world_hit<typename Plan::scalar, Plan::dimension> cast_shape(
         !check_way(f, "position", pose.position, translation))
         return first;
     const aabb<S, D> box = bounds(shape, pose);
+    if (!check_extent(f, box)) return first;
     const vec<S, D> middle = box.lower + (box.upper - box.lower) * S(0.5);
     each_on(s, {middle, translation, (box.upper - box.lower) * S(0.5)}, filter, [&](std::uint32_t i) {
         const transform<S, D> at = s.shapes[i].pose;
@@ -27450,19 +27727,57 @@ closest_points<S, D> separation_within(const A& a, const B& b, const transform<S
     else return separation(a, b, b_in_a);
 }
 
-template <class Plan, class Shape, class Visit>
-void each_overlapping(const state<Plan>& s, const Shape& shape,
-                      const transform<typename Plan::scalar, Plan::dimension>& pose, const query_filter& filter,
-                      Visit&& visit) {
+/// Calls found(shape's number) for shapes that a shape touches, in any order; it must not change the world.
+template <class Plan, class Shape, class Found>
+void find_touched(const state<Plan>& s, const char* f, const Shape& shape,
+                  const transform<typename Plan::scalar, Plan::dimension>& pose, const query_filter& filter,
+                  Found&& found) {
     using S = typename Plan::scalar;
-    const char* f = "each_overlapping";
     if (!check(shape, f) || !check_pose(f, pose.position, pose.rotation)) return;
-    each_near(s, bounds(shape, pose), filter, [&](std::uint32_t i) {
+    const auto box = bounds(shape, pose);
+    if (!check_extent(f, box)) return;
+    each_near(s, box, filter, [&](std::uint32_t i) {
         const auto at = relative(s.shapes[i].pose, pose);
         const bool touches = s.shapes[i].shape.visit(
             [&](const auto& other) { return !(separation_within(other, shape, at, S(0)).distance > S(0)); });
-        if (touches) visit(id_of_shape(s, i));
+        if (touches) found(i);
     });
+}
+/// Calls visit(id) for them in ascending order of their numbers; it may change the world. What it has destroyed is left
+/// out.
+template <class Plan, class Shape, class Visit>
+void each_overlapping(const state<Plan>& s, const char* f, const Shape& shape,
+                      const transform<typename Plan::scalar, Plan::dimension>& pose, const query_filter& filter,
+                      Visit&& visit) {
+    small_buffer<std::uint64_t, 48> touched;
+    exactly([&] {
+        find_touched(s, f, shape, pose, filter, [&](std::uint32_t i) {
+            touched.push(std::uint64_t{s.shapes.generation(i)} << 32 | i);
+        });
+    });
+    buffer<std::uint64_t> spare;
+    // Fewer are sorted in place.
+    if (touched.size() > 48) spare.resize(touched.size());
+    const int bits = static_cast<int>(std::bit_width(s.shapes.slots()));
+    const std::uint64_t* const sorted = radix_sort(touched.begin(), spare.begin(), touched.size(), 0, bits);
+    const std::uint16_t tag = s.tag;
+    // Another world may have taken its place.
+    for (std::uint32_t k = 0; k < touched.size() && s.tag == tag; ++k) {
+        const shape_id id{static_cast<std::uint32_t>(sorted[k]), static_cast<std::uint16_t>(sorted[k] >> 32), tag};
+        if (s.shapes.contains(id.index, id.generation) && !go_on(visit, id)) return;
+    }
+}
+
+/// All within a distance of a point, as far as numbers go.
+template <class S, int D>
+aabb<S, D> around(vec<S, D> point, S reach) {
+    const S most = scalar_traits<S>::max();
+    aabb<S, D> box;
+    for (int i = 0; i < D; ++i) {
+        box.lower[i] = point[i] > reach - most ? point[i] - reach : -most;
+        box.upper[i] = point[i] < most - reach ? point[i] + reach : most;
+    }
+    return box;
 }
 
 template <class Plan>
@@ -27475,7 +27790,7 @@ nearest_shape<typename Plan::scalar, Plan::dimension> closest_shape(const state<
     const char* f = "closest_shape";
     nearest_shape<S, D> best;
     if (!check_finite(f, "point", point) || !check_not_negative(f, "reach", reach)) return best;
-    each_near(s, grown(aabb<S, D>{point, point}, reach), filter, [&](std::uint32_t i) {
+    each_near(s, around(point, reach), filter, [&](std::uint32_t i) {
         const transform<S, D> at = s.shapes[i].pose;
         s.shapes[i].shape.visit([&](const auto& other) {
             const auto c = separation_within(other, tip<S, D>{}, relative(at, transform<S, D>{point, {}}), reach);
@@ -28422,7 +28737,8 @@ void drop_contacts(state<Plan>& s, Gone&& gone) {
 
 template <class Plan>
 body_id create_body(state<Plan>& s, const body_def<typename Plan::scalar, Plan::dimension>& def) {
-    if (!check_body(def) || !check_turn<Plan>("create_body", def.angular_velocity, def.angular_damping) ||
+    if (!check_not_in_step(s, "create_body") || !check_body(def) ||
+        !check_turn<Plan>("create_body", def.angular_velocity, def.angular_damping) ||
         !check_continuous<Plan>("create_body", def.continuous))
         return {};
     typename Plan::body b;
@@ -28482,19 +28798,19 @@ shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape, const ty
     if constexpr (Plan::features::materials) record.material = def.material;
     record.density = def.density;
     record.body = at.index;
-    record.next = owner.first_shape;
     record.user_data = def.user_data;
     locate(record, owner.pose(), owner.center);
     const auto box = needed_box(s, record);
-    if (!check_finite(f, "lower end of the box", box.lower) || !check_finite(f, "upper end of the box", box.upper))
-        return {};
+    if (!check_extent(f, box)) return {};
     if (def.density > S(0) && owner.is_dynamic() && !owner.mass_is_set &&
-        !check_mass(f, owner, combined(mass_of_shapes<double>(s, at.index), mass_of_shape<double>(record))))
+        !check_shapes_mass(s, at.index, f, no_shape, &record))
         return {};
     // First, so that what a sleeper touches is among the contacts that move with its centre of mass.
     rouse(s, at.index);
     const auto place = s.shapes.insert(record);
-    s.bodies[at.index].first_shape = place.index;
+    std::uint32_t* link = &s.bodies[at.index].first_shape;
+    while (*link != no_shape && *link > place.index) link = &s.shapes[*link].next;
+    s.shapes[place.index].next = std::exchange(*link, place.index);
     s.broadphase.insert(place.index, box, filter_of(s, record));
     refresh_mass(s, at.index);
     rouse_near(s, at.index);
@@ -28519,8 +28835,20 @@ void destroy_shape(state<Plan>& s, std::uint32_t index) {
 
 template <class Plan>
 void set_pose(state<Plan>& s, std::uint32_t index, const transform<typename Plan::scalar, Plan::dimension>& pose) {
+    const char* f = "set_pose";
     auto& b = s.bodies[index];
-    if (!check_finite("set_pose", "centre of mass", pose * b.mass.center)) return;
+    if (!has_point(pose, b.mass.center)) {
+        refuse(f, "centre of mass", size_of(pose * b.mass.center), "it must lie within the scalar's range");
+        return;
+    }
+    auto there = b;
+    there.set_pose(pose);
+    bool fits = true;
+    each_shape(s, index, [&](std::uint32_t, shape_record<Plan> shape) {
+        locate(shape, there.pose(), there.center);
+        fits = fits && check_extent(f, needed_box(s, shape));
+    });
+    if (!fits) return;
     rouse(s, index);
     b.set_pose(pose);
     if (b.type == body_type::static_body) s.movers_changed = true;
@@ -28602,7 +28930,8 @@ void set_mass(state<Plan>& s, std::uint32_t index,
         return;
     }
     if (!check_finite(f, "center", mass.center) ||
-        !check_mass(f, s.bodies[index], converted<double>(mass), nothing_turns_it))
+        !check_mass(f, s.bodies[index], converted<double>(mass), nothing_turns_it) ||
+        (!nothing_turns_it && !check_spread(f, converted<double>(mass).inertia)))
         return;
     rouse(s, index);
     s.bodies[index].mass_is_set = true;
@@ -28645,6 +28974,7 @@ void set_continuous(state<Plan>& s, body_id id, bool on) {
     if (at && check_continuous<Plan>(f, on)) s.bodies[at.index].continuous = on;
 }
 
+/// Brings a world to settings that have been checked.
 template <class Plan>
 void change_settings(state<Plan>& s, const typename Plan::settings& settings) {
     // What was carried along was found within the old margin.
@@ -28662,12 +28992,32 @@ void change_settings(state<Plan>& s, const typename Plan::settings& settings) {
     s.bodies.each([&](std::uint32_t i, const auto&) { refresh_boxes(s, i); });
 }
 
-/// Stores a quantity that an action has changed, unless it left the scalar's range: false then.
+template <class Plan>
+void set_settings(state<Plan>& s, const typename Plan::settings& settings) {
+    const char* f = "set_settings";
+    if (!check_not_in_step(s, f) || !check_settings<Plan>(settings, f)) return;
+    bool fits = true;
+    if (settings.contact_margin > s.settings.contact_margin)
+        s.shapes.each([&](std::uint32_t, const auto& shape) {
+            fits = fits && check_extent(f, box_within(settings.contact_margin, shape));
+        });
+    if (fits) change_settings(s, settings);
+}
+
+/// Stores a quantity that an action has changed, unless it is beyond the scalar's range: false then. Sums of two that
+/// are in range show it.
 template <class Quantity>
 bool assign(Quantity& to, const Quantity& value) {
-    if (!is_finite(value)) return false;
+    if (!is_in_range(value)) return false;
     to = value;
     return true;
+}
+/// The same of what sums of products have come to: where they wrap, the exact value is asked for.
+template <class Quantity, class Exact>
+bool assign(Quantity& to, const Quantity& value, Exact&& exact) {
+    if constexpr (is_fixed<scalar_of<Quantity>>)
+        if (!is_sound(value, exact())) return false;
+    return assign(to, value);
 }
 inline bool refuse_action(const char* function, const char* field, double size) {
     return refuse(function, field, size, "with it a force or velocity of the body would be beyond the scalar's range");
@@ -28680,7 +29030,8 @@ void act(state<Plan>& s, body_id id, const char* function, const char* field,
          vec<typename Plan::scalar, Plan::dimension> force, bool local,
          const vec<typename Plan::scalar, Plan::dimension>* point, F&& f) {
     const found at = find_dynamic(s, id, function);
-    if (!at || !check_finite(function, field, force) || (point && !check_finite(function, "point", *point))) return;
+    if (!at || !check_in_range(function, field, force) || (point && !check_in_range(function, "point", *point)))
+        return;
     auto& b = s.bodies[at.index];
     vec<typename Plan::scalar, Plan::dimension> lever;
     if (point) lever = local ? b.rotation * (*point - b.mass.center) : *point - b.center;
@@ -28692,8 +29043,11 @@ void push(state<Plan>& s, body_id id, const char* function, vec<typename Plan::s
           bool local, const vec<typename Plan::scalar, Plan::dimension>* point) {
     act(s, id, function, "force", force, local, point, [](auto& b, auto f, [[maybe_unused]] auto lever) {
         if constexpr (Plan::turns) {
-            const auto torque = b.torque + cross(lever, f);
-            if (!is_finite(torque) || !assign(b.force, b.force + f)) return false;
+            auto torque = b.torque;
+            const auto exact = [&] {
+                return converted<double>(b.torque) + cross(converted<double>(lever), converted<double>(f));
+            };
+            if (!assign(torque, b.torque + cross(lever, f), exact) || !assign(b.force, b.force + f)) return false;
             b.torque = torque;
             return true;
         } else {
@@ -28701,19 +29055,51 @@ void push(state<Plan>& s, body_id id, const char* function, vec<typename Plan::s
         }
     });
 }
+/// The velocity of a body after an impulse at a lever, computed with the scalar T.
+template <class T, class S, int D, bool Turns>
+auto after_impulse(const body<S, D, Turns>& b, const vec<S, D>& impulse, [[maybe_unused]] const vec<S, D>& lever) {
+    solver_body<T, D, Turns> v{converted<T>(b.velocity), {}, static_cast<inverse_of<T>>(b.inverse_mass), {}};
+    if constexpr (Turns) v.inverse_inertia = converted<inverse_of<T>>(in_world(b.inverse_inertia, b.rotation));
+    v.apply(converted<T>(impulse), converted<T>(lever));
+    return v.velocity;
+}
 template <class Plan>
 void kick(state<Plan>& s, body_id id, const char* function, vec<typename Plan::scalar, Plan::dimension> impulse,
           bool local, const vec<typename Plan::scalar, Plan::dimension>* point) {
     act(s, id, function, "impulse", impulse, local, point, [](auto& b, auto p, auto lever) {
-        solver_body<typename Plan::scalar, Plan::dimension, Plan::turns> v{b.velocity, {}, b.inverse_mass, {}};
-        if constexpr (Plan::turns) v.inverse_inertia = in_world(b.inverse_inertia, b.rotation);
-        v.apply(p, lever);
-        if (!is_finite(v.velocity.linear) || !is_finite(physics::angular<typename Plan::scalar, Plan::dimension>(
-                                                 value_of(v.velocity.angular))))
-            return false;
-        b.velocity = v.velocity;
+        auto v = after_impulse<typename Plan::scalar>(b, p, lever);
+        const auto after = v;
+        if (!assign(v.linear, after.linear, [&] { return after_impulse<double>(b, p, lever).linear; })) return false;
+        if constexpr (Plan::turns)
+            if (!assign(v.angular, after.angular, [&] { return after_impulse<double>(b, p, lever).angular; }))
+                return false;
+        b.velocity = v;
         return true;
     });
+}
+template <class Plan>
+void push_spin(state<Plan>& s, body_id id, physics::angular<typename Plan::scalar, Plan::dimension> torque) {
+    const char* f = "apply_torque";
+    const found at = find_dynamic(s, id, f);
+    if (!at || !check_in_range(f, "torque", torque)) return;
+    auto& b = s.bodies[at.index];
+    if (!assign(b.torque, b.torque + torque)) refuse_action(f, "torque", size_of(torque));
+    else if (!(torque == decltype(torque){})) wake(s, at.index);
+}
+template <class Plan>
+void kick_spin(state<Plan>& s, body_id id, physics::angular<typename Plan::scalar, Plan::dimension> impulse) {
+    const char* f = "apply_angular_impulse";
+    const found at = find_dynamic(s, id, f);
+    if (!at || !check_in_range(f, "impulse", impulse)) return;
+    auto& b = s.bodies[at.index];
+    const auto inverse_inertia = in_world(b.inverse_inertia, b.rotation);
+    const auto exact = [&] {
+        return converted<double>(b.velocity.angular) +
+               times(converted<double>(inverse_inertia), converted<double>(impulse));
+    };
+    if (!assign(b.velocity.angular, b.velocity.angular + times(inverse_inertia, impulse), exact))
+        refuse_action(f, "impulse", size_of(impulse));
+    else if (!(impulse == decltype(impulse){})) wake(s, at.index);
 }
 
 }  // namespace detail
@@ -28807,6 +29193,58 @@ void watch_fast_bodies(state<Plan>& s, typename Plan::scalar h) {
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/world/overflow.hpp
+// =================================================================================================
+// Whether numbers stay in range in a step.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Into how many parts a solver cuts a step.
+template <class Settings>
+int parts_of_step(const Settings& with) {
+    if constexpr (requires { with.substeps; }) return with.substeps;
+    else return 1;
+}
+
+/// Whether a body's velocity and way keep within half of the scalar's range in a step of h seconds, by what drives it:
+/// in double, since fixed-point numbers wrap. The whole step's force may act in its first part of so many.
+template <class S, int D, bool Turns>
+bool stays_in_range(const vec<S, D>& gravity, const body<S, D, Turns>& b, const solver_body<S, D, Turns>& now, S h,
+                    int parts) {
+    const double most = static_cast<double>(scalar_traits<S>::max()) / 2, step = static_cast<double>(h);
+    const auto size = [](double x) { return x < 0 ? -x : x; };
+    const auto fits = [&](double velocity, double force, double drive) {
+        const double speed = size(velocity) + drive * step;
+        return force * parts <= most && drive * parts <= most && speed <= most && speed * step <= most;
+    };
+    bool good = true;
+    for (int i = 0; i < D; ++i) {
+        const double force = size(static_cast<double>(b.force[i]));
+        double drive = force * static_cast<double>(b.inverse_mass);
+        if (b.is_dynamic()) drive += size(static_cast<double>(gravity[i]) * static_cast<double>(b.gravity_scale));
+        good = good && fits(static_cast<double>(now.velocity.linear[i]), force, drive);
+    }
+    if constexpr (Turns)
+        good = good && fits(size_of(now.velocity.angular), size_of(b.torque),
+                            size_of(times(converted<double>(now.inverse_inertia), converted<double>(b.torque))));
+    return good;
+}
+
+/// Whether a body has come to where numbers reach, and is as fast.
+template <class S, int D, bool Turns>
+bool is_where_numbers_reach(const moving_body<S, D, Turns>& at, const twist_of<S, D, Turns>& velocity) {
+    if (!is_in_range(at.center) || !is_in_range(velocity.linear)) return false;
+    if constexpr (Turns) return is_finite(at.rotation) && is_in_range(velocity.angular);
+    else return true;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/world/motion.hpp
 // =================================================================================================
 // Bodies as they move through a step: copies in tight arrays, which become the world's when the step has succeeded.
@@ -28872,6 +29310,10 @@ public:
           hands_(hands),
           tally_(scratch.template take<std::uint32_t>(hands.workers())) {
         free_count_ = count_of([&](std::uint32_t k) { return gather(k); });
+        if constexpr (is_fixed<S>)
+            starts_well_ = count_of([&](std::uint32_t k) {
+                return !stays_in_range(s.settings.gravity, member(k), bodies_[k], h, parts_of_step(s.settings.solver));
+            }) == 0;
         for (std::uint32_t k = count_; k < part.nobody - part.bodies + 2; ++k)
             new (bodies_ + k) solver_body<S, D, turns>{};
         if (free_count_ > 0) find_free(parts, part, scratch);
@@ -28926,10 +29368,9 @@ public:
             moving_[k].center += way.linear;
             if constexpr (D == 2 && turns)
                 if (way.angular != S(0)) moving_[k].rotation = turned(moving_[k].rotation, way.angular);
-            return !physics::is_finite(moving_[k].center) || !physics::is_finite(bodies_[k].velocity.linear) ||
-                   !turns_well(moving_[k], bodies_[k].velocity);
+            return !is_where_numbers_reach(moving_[k], bodies_[k].velocity);
         });
-        return lost == 0;
+        return lost == 0 && starts_well_;
     }
 
 private:
@@ -28951,11 +29392,6 @@ private:
         });
         for (std::uint32_t k = 1; k < hands_.workers(); ++k) tally_[0] += tally_[k];
         return tally_[0];
-    }
-    static bool turns_well([[maybe_unused]] const moving_body<S, D, turns>& at,
-                           [[maybe_unused]] const twist_of<S, D, turns>& v) {
-        if constexpr (turns) return physics::is_finite(at.rotation) && physics::is_finite(v.angular);
-        else return true;
     }
     void advance_velocity(std::uint32_t k, S h) {
         if (!(bodies_[k].inverse_mass > inverse_of<S>(0))) return;
@@ -29029,6 +29465,7 @@ private:
     std::uint32_t* tally_;  ///< What each worker has counted.
     std::uint32_t* free_ = nullptr;
     std::uint32_t free_count_ = 0;
+    bool starts_well_ = true;
     lanes* lanes_ = nullptr;
     static constexpr std::uint32_t enough = 128;  ///< So many bodies are worth handing to somebody else.
 };
@@ -29797,10 +30234,10 @@ public:
     }
 
     /// Brings a world to the state that was saved. Takes memory only where the world has not had so much before.
-    /// Refused, with nothing changed, if nothing was saved or a query of the world is under way.
+    /// Refused, with nothing changed, if nothing was saved or a step of the world is under way.
     bool restore(state<Plan>& s) const {
         if (units_.empty()) return refuse("restore", "image", "empty", "it must have been saved");
-        if (!query_scope::allows_change(&s.broadphase, "restore")) return false;
+        if (!check_not_in_step(s, "restore")) return false;
         // What may fail comes first.
         const unit* from = units_.begin();
         each_piece(s, [&](auto& piece) { from = make_room(piece, from); });
@@ -29900,57 +30337,68 @@ namespace detail {
 /// Where a loop ends.
 struct range_end {};
 
-/// The bodies of a world, in the order of their numbers.
+/// The bodies of a world, in the order of their numbers. A loop may change the world: it leaves out what has been
+/// destroyed, and goes no farther than the numbers that there were when it began.
 template <class Plan>
 class body_range {
 public:
     explicit body_range(const state<Plan>& s) : state_(&s) {}
     class iterator {
     public:
-        iterator(const state<Plan>& s, std::uint32_t at) : state_(&s), at_(s.bodies.next(at)) {}
+        explicit iterator(const state<Plan>& s) : state_(&s), end_(s.bodies.slots()), at_(s.bodies.next(0)) {}
         body_id operator*() const { return {at_, state_->bodies.generation(at_), state_->tag}; }
         iterator& operator++() {
             at_ = state_->bodies.next(at_ + 1);
             return *this;
         }
-        bool operator==(range_end) const { return at_ == state_->bodies.slots(); }
+        bool operator==(range_end) const { return at_ >= end_ || at_ >= state_->bodies.slots(); }
 
     private:
         const state<Plan>* state_;
-        std::uint32_t at_;
+        std::uint32_t end_, at_;
     };
-    iterator begin() const { return {*state_, 0}; }
+    iterator begin() const { return iterator(*state_); }
     range_end end() const { return {}; }
 
 private:
     const state<Plan>* state_;
 };
 
-/// The shapes of one body, the latest first.
+/// The shapes of one body, in descending order of their numbers. A loop may change the world: it leaves out what has
+/// been destroyed.
 template <class Plan>
 class shape_range {
 public:
-    shape_range(const state<Plan>& s, std::uint32_t first) : state_(&s), first_(first) {}
+    shape_range(const state<Plan>& s, body_id body) : state_(&s), body_(body) {}
     class iterator {
     public:
-        iterator(const state<Plan>& s, std::uint32_t at) : state_(&s), at_(at) {}
+        iterator(const state<Plan>& s, body_id body) : state_(&s), body_(body) { go_below(no_shape); }
         shape_id operator*() const { return {at_, state_->shapes.generation(at_), state_->tag}; }
         iterator& operator++() {
-            at_ = state_->shapes[at_].next;
+            if (!state_->shapes.alive(at_) || state_->shapes[at_].body != body_.index || !has_body()) go_below(at_);
+            else at_ = state_->shapes[at_].next;
             return *this;
         }
-        bool operator==(range_end) const { return at_ == 0xffffffffu; }
+        bool operator==(range_end) const { return at_ == no_shape; }
 
     private:
+        [[nodiscard]] bool has_body() const { return state_->bodies.contains(body_.index, body_.generation); }
+        /// To the first shape below a number.
+        void go_below(std::uint32_t number) {
+            at_ = has_body() ? state_->bodies[body_.index].first_shape : no_shape;
+            while (at_ != no_shape && at_ >= number) at_ = state_->shapes[at_].next;
+        }
+
         const state<Plan>* state_;
-        std::uint32_t at_;
+        body_id body_;
+        std::uint32_t at_ = no_shape;
     };
-    iterator begin() const { return {*state_, first_}; }
+    iterator begin() const { return {*state_, body_}; }
     range_end end() const { return {}; }
 
 private:
     const state<Plan>* state_;
-    std::uint32_t first_;
+    body_id body_;
 };
 
 template <class Plan>
@@ -29977,32 +30425,98 @@ auto view_of(const state<Plan>& s, const typename Plan::contact& c) {
     return view;
 }
 
-/// The contacts of a world's last step: first those of bodies that are awake, in ascending order of their shapes'
-/// numbers, then, in the same order, those of sleepers, as they were when they fell asleep.
+/// What is seen of a contact that is gone.
+template <class S, int D>
+contact_view<S, D> no_contact() {
+    vec<S, D> any;
+    any[0] = S(1);
+    return {{}, {}, {}, {}, 0, any, tangents<S, D>(any), {}, 0, {}, {}, {}, {}, {}, {}};
+}
+
+/// The contacts of a world's last step, in ascending order of their shapes' numbers; those of sleepers as they were
+/// when they fell asleep. A loop may change the world: each contact that lasts comes once, and none that is gone.
 template <class Plan>
 class contact_range {
+    using list = buffer<typename Plan::contact>;
+
 public:
     explicit contact_range(const state<Plan>& s) : state_(&s) {}
     class iterator {
     public:
-        iterator(const state<Plan>& s, std::uint32_t at) : state_(&s), at_(at) {}
+        explicit iterator(const state<Plan>& s) : state_(&s) { find(); }
+        /// One without shapes, bodies and points if the contact is gone.
         auto operator*() const {
-            if constexpr (Plan::sleeps)
-                if (at_ >= state_->contacts.size())
-                    return view_of(*state_, state_->sleep.contacts[at_ - state_->contacts.size()]);
-            return view_of(*state_, state_->contacts[at_]);
+            iterator here = *this;
+            here.find();
+            const bool lasts = !here.at_end_ && here.pair_ == pair_ && here.rank_ == rank_;
+            if (lasts) return view_of(*state_, lists()[here.list_][here.first_[here.list_] + rank_]);
+            return no_contact<typename Plan::scalar, Plan::dimension>();
         }
         iterator& operator++() {
-            ++at_;
+            ++rank_;
+            find();
             return *this;
         }
-        bool operator==(range_end) const { return at_ == contact_range(*state_).size(); }
+        bool operator==(range_end) const { return at_end_; }
 
     private:
+        struct both {
+            const list &awake, &asleep;
+            const list& operator[](int k) const { return k == 0 ? awake : asleep; }
+        };
+        [[nodiscard]] both lists() const {
+            if constexpr (Plan::sleeps) return {state_->contacts, state_->sleep.contacts};
+            else return {state_->contacts, state_->contacts};
+        }
+        static constexpr int count = Plan::sleeps ? 2 : 1;
+
+        /// The contact of this rank of the pair, or else the first one of the first pair behind. A pair's contacts are
+        /// side by side in one of the lists; to wake or to fall asleep takes them to the other.
+        void find() {
+            at_end_ = false;
+            for (list_ = 0; list_ < count; ++list_) {
+                const list& in = lists()[list_];
+                first_[list_] = first_from(in, first_[list_]);
+                const std::uint32_t at = first_[list_] + rank_;
+                if (at < in.size() && in[at].key() == pair_) return;
+            }
+            proxy_pair next = pair_;
+            at_end_ = true;
+            for (int k = 0; k < count; ++k) {
+                const list& in = lists()[k];
+                while (first_[k] < in.size() && in[first_[k]].key() == pair_) ++first_[k];
+                if (first_[k] == in.size() || (!at_end_ && !(in[first_[k]].key() < next))) continue;
+                next = in[first_[k]].key();
+                list_ = k;
+                at_end_ = false;
+            }
+            pair_ = next;
+            rank_ = 0;
+        }
+        /// The first contact in a list that is not before the pair; most often where it was.
+        [[nodiscard]] std::uint32_t first_from(const list& in, std::uint32_t guess) const {
+            if (guess <= in.size() && (guess == 0 || in[guess - 1].key() < pair_) &&
+                (guess == in.size() || !(in[guess].key() < pair_)))
+                return guess;
+            std::uint32_t at = 0;
+            for (std::uint32_t size = in.size(); size > 0;) {
+                const std::uint32_t half = size / 2;
+                const bool is_before = in[at + half].key() < pair_;
+                at += is_before ? half + 1 : 0;
+                size = is_before ? size - half - 1 : half;
+            }
+            return at;
+        }
+
         const state<Plan>* state_;
-        std::uint32_t at_;
+        proxy_pair pair_{};
+        std::uint32_t rank_ = 0;
+        /// In each list, the first contact that is not before the pair.
+        std::uint32_t first_[2] = {};
+        int list_ = 0;
+        bool at_end_ = false;
     };
-    iterator begin() const { return {*state_, 0}; }
+    iterator begin() const { return iterator(*state_); }
     range_end end() const { return {}; }
     /// Number of contacts.
     [[nodiscard]] std::uint32_t size() const {
@@ -30105,11 +30619,28 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, c
     return step_result::done;
 }
 
+/// Sets the mark that a step is under way, as long as the scope lives.
+class mark_of_step {
+public:
+    explicit mark_of_step(step_mark& mark) : mark_(mark) { mark_.on = true; }
+    mark_of_step(const mark_of_step&) = delete;
+    mark_of_step& operator=(const mark_of_step&) = delete;
+    ~mark_of_step() { mark_.on = false; }
+
+private:
+    step_mark& mark_;
+};
+
+template <class Plan>
+step_result marked_step(state<Plan>& s, typename Plan::scalar h, const crew& hands) {
+    const mark_of_step mark(s.in_step);
+    return step(s, h, hands);
+}
 template <class Plan>
 void advance(state<Plan>& s, typename Plan::scalar h, const crew& hands) {
-    if (!check_positive("step", "dt", h)) return;
+    if (!check_positive("step", "dt", h) || !check_not_in_step(s, "step")) return;
     const float_control_scope control;
-    report(step(s, h, hands));
+    report(marked_step(s, h, hands));
 }
 
 }  // namespace detail
@@ -30126,7 +30657,8 @@ PHYSICS_HPP_BEGIN
 /// A world of rigid bodies, made of what a recipe names.
 ///
 /// SI units; x to the right, y up. Vectors, points and rotations are in world axes unless a name says
-/// "local", which means the body's own frame. Change a world between steps only. Every function refuses bad
+/// "local", which means the body's own frame. Change a world between steps; loops over it, and visitors of its queries,
+/// may change it too. Every function refuses bad
 /// numbers and null, foreign or stale handles with physics::error (see there for builds without exceptions)
 /// and then leaves the world as it was. A copy of a world is a world in the same state, and handles serve both; a
 /// world that was moved from is empty.
@@ -30161,7 +30693,7 @@ public:
     /// bits as every other (see float_environment).
     explicit world(const settings_type& settings = {}) {
         if (detail::check_settings<plan>(settings, "world") && detail::check_environment<scalar>("world"))
-            detail::change_settings(state_, settings);
+            detail::exactly([&] { detail::change_settings(state_, settings); });
         state_.tag = detail::next_world_tag();
     }
 
@@ -30175,19 +30707,23 @@ public:
     [[nodiscard]] std::uint64_t steps() const { return state_.steps; }
     /// A number that worlds in the same state share, on any machine. User data and settings do not enter.
     /// O(bodies + shapes + contacts).
-    [[nodiscard]] std::uint64_t state_hash() const { return detail::state_hash(state_); }
+    [[nodiscard]] std::uint64_t state_hash() const {
+        return detail::exactly([&] { return detail::state_hash(state_); });
+    }
     [[nodiscard]] const settings_type& settings() const { return state_.settings; }
     /// Changes the settings from the next step on. O(shapes).
     void set_settings(const settings_type& settings) {
-        if (detail::check_settings<plan>(settings, "set_settings")) detail::change_settings(state_, settings);
+        detail::exactly([&] { detail::set_settings(state_, settings); });
     }
 
     /// Adds a body; shapes give it extent and, if it is dynamic, mass. Without mass from shapes it is a point of
     /// 1 kg that nothing turns.
-    body_id create_body(const body_def& def = {}) { return detail::create_body(state_, def); }
+    body_id create_body(const body_def& def = {}) {
+        return detail::exactly([&] { return detail::create_body(state_, def); });
+    }
     /// Removes a body with its shapes and contacts. O(shapes + contacts).
     void destroy_body(body_id id) {
-        if (const auto b = find(id, "destroy_body")) detail::destroy_body(state_, b.index);
+        if (const auto b = find(id, "destroy_body")) detail::exactly([&] { detail::destroy_body(state_, b.index); });
     }
     /// Adds a shape of the recipe's set to a body; unless the body's mass is set, it changes with it. Refuses a mass
     /// that the scalar cannot hold. O(shapes of the body), and O(contacts) where the centre of mass moves.
@@ -30197,12 +30733,13 @@ public:
         static_assert(
             known,
             "physics::world::create_shape: the recipe's set of shapes lacks this one; name it in physics::shapes<...>");
-        if constexpr (known) return detail::create_shape(state_, body, shape, def);
+        if constexpr (known) return detail::exactly([&] { return detail::create_shape(state_, body, shape, def); });
         else return {};
     }
     /// Removes a shape and its contacts. Refused where the rest's mass is one that the scalar cannot hold. O(contacts).
     void destroy_shape(shape_id id) {
-        if (const auto s = detail::find_shape(state_, id, "destroy_shape")) detail::destroy_shape(state_, s.index);
+        const auto s = detail::find_shape(state_, id, "destroy_shape");
+        if (s) detail::exactly([&] { detail::destroy_shape(state_, s.index); });
     }
     /// True if the handle names a living thing of this world; never an error.
     [[nodiscard]] bool contains(body_id id) const {
@@ -30218,8 +30755,7 @@ public:
     [[nodiscard]] auto bodies() const { return detail::body_range<plan>(state_); }
     /// All shapes of a body.
     [[nodiscard]] auto shapes(body_id id) const {
-        const auto b = find(id, "shapes");
-        return detail::shape_range<plan>(state_, b ? state_.bodies[b.index].first_shape : 0xffffffffu);
+        return detail::shape_range<plan>(state_, find(id, "shapes") ? id : body_id());
     }
     /// All contacts of the last step, each as a contact_view.
     [[nodiscard]] auto contacts() const { return detail::contact_range<plan>(state_); }
@@ -30239,7 +30775,7 @@ public:
     void set_pose(body_id id, vec position, const rotation& orientation) {
         const auto b = find(id, "set_pose");
         if (b && detail::check_pose("set_pose", position, orientation))
-            detail::set_pose(state_, b.index, {position, normalized(orientation)});
+            detail::exactly([&] { detail::set_pose(state_, b.index, {position, normalized(orientation)}); });
     }
     void set_pose(body_id id, const transform& pose) { set_pose(id, pose.position, pose.rotation); }
     /// Lets a kinematic body reach a pose by the end of the next step, and pushes what it touches as the velocity would
@@ -30249,7 +30785,7 @@ public:
     void move_to(body_id id, vec position, const rotation& orientation) {
         const auto b = detail::find_kinematic(state_, id, "move_to");
         if (b && detail::check_pose("move_to", position, orientation))
-            detail::move_to(state_, b.index, position, orientation);
+            detail::exactly([&] { detail::move_to(state_, b.index, position, orientation); });
     }
     void move_to(body_id id, const transform& pose) { move_to(id, pose.position, pose.rotation); }
 
@@ -30263,14 +30799,18 @@ public:
     }
     [[nodiscard]] vec velocity_at(body_id id, vec point) const {
         const auto b = find(id, "velocity_at");
-        if (!b || !detail::check_finite("velocity_at", "point", point)) return {};
-        return physics::velocity_at(state_.bodies[b.index].velocity, point - state_.bodies[b.index].center);
+        if (!b || !detail::check_in_range("velocity_at", "point", point)) return {};
+        const auto& v = state_.bodies[b.index].velocity;
+        const vec lever = point - state_.bodies[b.index].center;
+        if (detail::has_velocity_at(v, lever)) return physics::velocity_at(v, lever);
+        detail::refuse_action("velocity_at", "point", detail::size_of(point));
+        return {};
     }
     /// Velocities of dynamic and kinematic bodies; static ones have none, and locked rotations stay at 0.
     void set_linear_velocity(body_id id, vec v) {
         const auto b = find_moving(id, "set_linear_velocity");
-        if (!b || !detail::check_finite("set_linear_velocity", "v", v)) return;
-        if (!(v == vec{})) detail::rouse(state_, b.index);
+        if (!b || !detail::check_in_range("set_linear_velocity", "v", v)) return;
+        if (!(v == vec{})) rouse(b.index);
         detail::velocity_to_set(state_, b.index).linear = v;
     }
     void set_angular_velocity(body_id id, angular w) requires plan::turns {
@@ -30278,7 +30818,7 @@ public:
         if (!b ||
             !detail::check_angular_velocity("set_angular_velocity", "w", w, state_.bodies[b.index].rotation_locked))
             return;
-        if (!(w == angular{})) detail::rouse(state_, b.index);
+        if (!(w == angular{})) rouse(b.index);
         detail::velocity_to_set(state_, b.index).angular = w;
     }
 
@@ -30293,12 +30833,7 @@ public:
     }
     /// A torque (N m) during the next step.
     void apply_torque(body_id id, angular torque) requires plan::turns {
-        const auto b = dynamic(id, "apply_torque");
-        if (!b || !detail::check_finite("apply_torque", "torque", torque)) return;
-        auto& sum = state_.bodies[b.index].torque;
-        if (!detail::assign(sum, sum + torque))
-            detail::refuse_action("apply_torque", "torque", detail::size_of(torque));
-        else if (!(torque == angular{})) detail::wake(state_, b.index);
+        detail::exactly([&] { detail::push_spin(state_, id, torque); });
     }
     /// Forgets the forces and torques that wait for the next step.
     void clear_forces(body_id id) {
@@ -30316,13 +30851,7 @@ public:
     }
     /// An angular impulse (N m s).
     void apply_angular_impulse(body_id id, angular impulse) requires plan::turns {
-        const auto at = dynamic(id, "apply_angular_impulse");
-        if (!at || !detail::check_finite("apply_angular_impulse", "impulse", impulse)) return;
-        auto& b = state_.bodies[at.index];
-        if (!detail::assign(b.velocity.angular,
-                            b.velocity.angular + times(in_world(b.inverse_inertia, b.rotation), impulse)))
-            detail::refuse_action("apply_angular_impulse", "impulse", detail::size_of(impulse));
-        else if (!(impulse == angular{})) detail::wake(state_, at.index);
+        detail::exactly([&] { detail::kick_spin(state_, id, impulse); });
     }
 
     [[nodiscard]] body_type type(body_id id) const {
@@ -30331,7 +30860,7 @@ public:
     }
     /// Changes how a body moves; a static body loses its velocity. O(shapes + contacts).
     void set_type(body_id id, body_type type) {
-        if (const auto b = find(id, "set_type")) detail::set_type(state_, b.index, type);
+        if (const auto b = find(id, "set_type")) detail::exactly([&] { detail::set_type(state_, b.index, type); });
     }
     /// Mass (kg), centre (m) and inertia about it (kg m^2) in the body's frame. Static and kinematic bodies take none
     /// from their shapes: they have mass 0 and their centre at the origin.
@@ -30342,11 +30871,11 @@ public:
     /// recipes without rotation, nothing turns it. Refuses what the scalar cannot hold, and tensors that are not
     /// positive definite.
     void set_mass(body_id id, const mass_properties& mass) {
-        if (const auto b = dynamic(id, "set_mass")) detail::set_mass(state_, b.index, mass);
+        if (const auto b = dynamic(id, "set_mass")) detail::exactly([&] { detail::set_mass(state_, b.index, mass); });
     }
     /// Takes the mass from the shapes again. O(shapes).
     void reset_mass(body_id id) {
-        if (const auto b = dynamic(id, "reset_mass")) detail::reset_mass(state_, b.index);
+        if (const auto b = dynamic(id, "reset_mass")) detail::exactly([&] { detail::reset_mass(state_, b.index); });
     }
     [[nodiscard]] scalar linear_damping(body_id id) const {
         return get(id, "linear_damping", [](const auto& b) { return b.linear_damping; });
@@ -30369,8 +30898,8 @@ public:
     }
     void set_gravity_scale(body_id id, scalar factor) {
         const auto b = find(id, "set_gravity_scale");
-        if (!b || !detail::check_finite("set_gravity_scale", "factor", factor)) return;
-        detail::rouse(state_, b.index);
+        if (!b || !detail::check_in_range("set_gravity_scale", "factor", factor)) return;
+        rouse(b.index);
         state_.bodies[b.index].gravity_scale = factor;
     }
     [[nodiscard]] bool rotation_locked(body_id id) const {
@@ -30378,7 +30907,8 @@ public:
     }
     /// Locks or frees rotation; locking stops it.
     void set_rotation_locked(body_id id, bool locked) requires plan::turns {
-        if (const auto b = find(id, "set_rotation_locked")) detail::set_rotation_locked(state_, b.index, locked);
+        const auto b = find(id, "set_rotation_locked");
+        if (b) detail::exactly([&] { detail::set_rotation_locked(state_, b.index, locked); });
     }
     /// True while the body sleeps: an island of bodies that has been still for long enough (settings().sleeping) leaves
     /// the step, until something touches it or somebody acts on it. Sleepers cost nothing.
@@ -30388,7 +30918,7 @@ public:
     }
     /// Wakes a body and its island. O(contacts of sleepers).
     void wake(body_id id) {
-        if (const auto b = find(id, "wake")) detail::wake(state_, b.index);
+        if (const auto b = find(id, "wake")) wake(b.index);
     }
     /// False keeps a body awake, and those that touch it.
     [[nodiscard]] bool can_sleep(body_id id) const {
@@ -30398,7 +30928,7 @@ public:
         const auto b = find(id, "set_can_sleep");
         if (!b) return;
         state_.bodies[b.index].can_sleep = can;
-        if (!can) detail::wake(state_, b.index);
+        if (!can) wake(b.index);
     }
     /// Number of bodies that move and are awake. O(bodies).
     [[nodiscard]] std::uint32_t awake_count() const { return detail::count_awake(state_); }
@@ -30429,7 +30959,7 @@ public:
     }
     /// Changes a shape's material from the next step on; without feature::materials set_settings changes that of all.
     void set_surface(shape_id id, const material& m) requires(plan::features::materials) {
-        detail::set_surface(state_, id, m);
+        detail::exactly([&] { detail::set_surface(state_, id, m); });
     }
     [[nodiscard]] std::uint64_t user_data(shape_id id) const {
         return get(id, "user_data", [](const auto& s) { return s.user_data; });
@@ -30444,46 +30974,50 @@ public:
     /// the least number.
     [[nodiscard]] world_hit cast_ray(vec origin, vec translation, const query_filter& filter = {}) const {
         world_hit first;
-        detail::cast_ray(state_, "cast_ray", origin, translation, filter, [&](const world_hit& hit) {
-            if (detail::comes_first(hit, first)) first = hit;
-            return first.fraction;
+        detail::exactly([&] {
+            detail::cast_ray(state_, "cast_ray", origin, translation, filter, [&](const world_hit& hit) {
+                if (detail::comes_first(hit, first)) first = hit;
+                return first.fraction;
+            });
         });
         return first;
     }
-    /// Calls visit(hit) for shapes that the ray meets, in any order. visit returns the fraction of the translation up
-    /// to which the ray goes on: hit.fraction for the closest, 1 for all, -1 to stop.
+    /// Visitors are called after all has been found, so that they may change the world, or step it: what has been
+    /// destroyed by then is left out.
+    /// Calls visit(hit) for shapes that the ray meets, in their order along it. visit returns the fraction of the
+    /// translation up to which the ray goes on: 1 for all, -1 to stop. To find the first alone, cast_ray is faster.
     template <class Visit>
     void each_on_ray(vec origin, vec translation, const query_filter& filter, Visit&& visit) const {
-        detail::cast_ray(state_, "each_on_ray", origin, translation, filter, visit);
+        detail::each_on_ray(state_, origin, translation, filter, visit);
     }
     /// The first shape that a convex shape meets on its way from a pose along a translation, without turning.
     template <class Shape>
     [[nodiscard]] world_hit cast_shape(const Shape& shape, const transform& pose, vec translation,
                                        const query_filter& filter = {}) const {
-        return detail::cast_shape(state_, shape, pose, translation, filter);
+        return detail::exactly([&] { return detail::cast_shape(state_, shape, pose, translation, filter); });
     }
-    /// Calls visit(shape_id) for every shape that a convex shape at that pose touches or overlaps, in any order.
+    /// Calls visit(shape_id) for every shape that a convex shape at that pose touches or overlaps, in ascending order
+    /// of numbers. Where visit returns a bool, false ends the query.
     template <class Shape, class Visit>
     void each_overlapping(const Shape& shape, const transform& pose, const query_filter& filter, Visit&& visit) const {
-        detail::each_overlapping(state_, shape, pose, filter, visit);
+        detail::each_overlapping(state_, "each_overlapping", shape, pose, filter, visit);
     }
-    /// Calls visit(shape_id) for every shape that holds a point, in any order.
+    /// The same for shapes that hold a point.
     template <class Visit>
     void each_at(vec point, const query_filter& filter, Visit&& visit) const {
         if (detail::check_finite("each_at", "point", point))
-            detail::each_overlapping(state_, detail::tip<scalar, dimension>{}, {point, {}}, filter, visit);
+            detail::each_overlapping(state_, "each_at", detail::tip<scalar, dimension>{}, {point, {}}, filter, visit);
     }
     /// The shape closest to a point, none farther than `reach` (m).
     [[nodiscard]] nearest_shape closest_shape(vec point, scalar reach, const query_filter& filter = {}) const {
-        return detail::closest_shape(state_, point, reach, filter);
+        return detail::exactly([&] { return detail::closest_shape(state_, point, reach, filter); });
     }
 
 private:
     detail::found find(body_id id, const char* function) const { return detail::find_body(state_, id, function); }
-    detail::found dynamic(body_id id, const char* function) const { return detail::find_dynamic(state_, id, function); }
-    detail::found find_moving(body_id id, const char* function) const {
-        return detail::find_moving(state_, id, function);
-    }
+    detail::found find(body_id id, const char* function) { return detail::find_body(state_, id, function); }
+    detail::found dynamic(body_id id, const char* function) { return detail::find_dynamic(state_, id, function); }
+    detail::found find_moving(body_id id, const char* function) { return detail::find_moving(state_, id, function); }
     /// f of the thing that the handle names, or a default value after refusing the handle.
     template <class F>
     auto get(body_id id, const char* function, F&& f) const
@@ -30497,11 +31031,13 @@ private:
         const auto s = detail::find_shape(state_, id, function);
         return s ? f(state_.shapes[s.index]) : decltype(f(state_.shapes[0])){};
     }
+    void rouse(std::uint32_t body) { detail::exactly([&] { detail::rouse(state_, body); }); }
+    void wake(std::uint32_t body) { detail::exactly([&] { detail::wake(state_, body); }); }
     void push(body_id id, const char* function, vec force, bool local, const vec* point) {
-        detail::push(state_, id, function, force, local, point);
+        detail::exactly([&] { detail::push(state_, id, function, force, local, point); });
     }
     void kick(body_id id, const char* function, vec impulse, bool local, const vec* point) {
-        detail::kick(state_, id, function, impulse, local, point);
+        detail::exactly([&] { detail::kick(state_, id, function, impulse, local, point); });
     }
 
     detail::state<plan> state_;

@@ -28,6 +28,7 @@ BUILDS = [
     ("clang++", "-O3", "-march=native", PARTS),
     ("g++", "-O0", PARTS),
     ("clang++", "-O2", PARTS),
+    ("g++", "-O2", "-flto", PARTS),
     ("g++", "-O2", SINGLE, "-DPHYSICS_HPP_NO_INT128", "-DPHYSICS_HPP_RUNTIME_AVX2"),
     ("clang++", "-O1", SINGLE, "-DPHYSICS_HPP_NO_INT128", "-DPHYSICS_HPP_RUNTIME_AVX2"),
 ]

@@ -249,6 +249,25 @@ CELL_CASE("concave: a compound's mass, bounds and support points are those of it
     }
     using child = physics::compound_child<S, D>;
     using ball = physics::ball<S, D>;
+    const std::string counted = " is null; it must point to as many values as are counted";
+    check_refused([] { return compound_geometry::build(nullptr, 2); }, "compound_geometry::build: children" + counted);
+    check_refused([] { return hull_geometry::build(nullptr, 9); }, "hull_geometry::build: points" + counted);
+#if CELL_DIMENSION == 2
+    check_refused([] { return physics::chain_geometry<S, 2>::build(nullptr, 3); },
+                  "chain_geometry::build: points" + counted);
+    check_refused([] { return physics::heightfield_geometry<S, 2>::build(nullptr, 3, S(1)); },
+                  "heightfield_geometry::build: heights" + counted);
+    check_refused([] { return physics::tile_grid_geometry<S, 2>::build(nullptr, 3, 3, S(1)); },
+                  "tile_grid_geometry::build: cells" + counted);
+#else
+    const points p(3);
+    check_refused([&] { return physics::mesh_geometry<S, 3>::build(nullptr, 3, nullptr, 1); },
+                  "mesh_geometry::build: vertices" + counted);
+    check_refused([&] { return physics::mesh_geometry<S, 3>::build(p.data(), 3, nullptr, 1); },
+                  "mesh_geometry::build: triangles" + counted);
+    check_refused([] { return physics::heightfield_geometry<S, 3>::build(nullptr, 3, 3, S(1), S(1)); },
+                  "heightfield_geometry::build: heights" + counted);
+#endif
     check_refused([] { return compound_geometry::build(nullptr, 0); },
                   "compound_geometry::build: number of children is 0; a compound needs at least 1");
     check_refused([] { return compound_geometry::build({child{ball{}}, child{ball{S(-1)}}}); },

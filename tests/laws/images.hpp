@@ -505,7 +505,7 @@ CELL_CASE("images: they keep the geometry of shapes alive, and no longer than th
     CHECK(log.size() == 20);
 }
 
-CELL_CASE("images: an empty one, and a world that is being queried, are refused and nothing changes") {
+CELL_CASE("images: an empty one is refused and nothing changes; a visitor may restore the world that it looks at") {
     using world = physics::world<in_tree>;
     yard<in_tree> y(13);
     std::vector<seen> ignored;
@@ -523,11 +523,11 @@ CELL_CASE("images: an empty one, and a world that is being queried, are refused 
     };
     CHECK(refusal({}) == "physics: restore: image is empty; it must have been saved");
     CHECK(y.look() == now);
-    std::string said;
-    y.w.each_overlapping(world::box{vec::filled(S(9))}, {}, {}, [&](shape_id) { said = refusal(of); });
-    CHECK(said == "physics: restore: broadphase is being queried; it must not change until the query has ended");
-    CHECK(y.look() == now);
-    CHECK(refusal(of).empty());
+    int asked = 0;
+    y.w.each_overlapping(world::box{vec::filled(S(9))}, {}, {}, [&](shape_id) {
+        if (++asked == 2) CHECK(refusal(of).empty());
+    });
+    CHECK(asked >= 2);
     CHECK(y.look() != now);
 }
 

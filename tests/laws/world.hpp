@@ -21,7 +21,7 @@ namespace world_laws {
 /// What a world should hold.
 struct model_body {
     std::uint64_t user_data;
-    std::vector<shape_id> shapes;  // the latest first
+    std::vector<shape_id> shapes;  // in descending order of their numbers
 };
 template <class Handle>
 struct by_index {
@@ -66,10 +66,14 @@ void check_against(const world& w, const model& expected, const std::vector<body
 /// Any shape of the default set that fits within half a metre.
 shape_id add_any_shape(world& w, body_id id, cell::dice& dice, const world::shape_def& def) {
     switch (dice.below(w.type(id) == body_type::dynamic_body ? 3 : 4)) {
-        case 0: return w.create_shape(id, world::ball{dice.real(0.1, 0.5)}, def);
-        case 1: return w.create_shape(id, world::capsule{dice.real(0.1, 0.25), dice.real(0.1, 0.25)}, def);
-        case 2: return w.create_shape(id, world::box{dice.vec<vec>(0.1, 0.5)}, def);
-        default: return w.create_shape(id, world::halfspace{}, def);
+        case 0:
+            return w.create_shape(id, world::ball{dice.real(0.1, 0.5)}, def);
+        case 1:
+            return w.create_shape(id, world::capsule{dice.real(0.1, 0.25), dice.real(0.1, 0.25)}, def);
+        case 2:
+            return w.create_shape(id, world::box{dice.vec<vec>(0.1, 0.5)}, def);
+        default:
+            return w.create_shape(id, world::halfspace{}, def);
     }
 }
 
@@ -101,7 +105,10 @@ CELL_CASE("world: bodies and shapes come and go in any order, in contact too") {
                 world::shape_def def;
                 def.position = dice.vec<vec>(-0.25, 0.25);
                 def.user_data = b->second.user_data + 1;
-                b->second.shapes.insert(b->second.shapes.begin(), add_any_shape(w, b->first, dice, def));
+                auto& shapes = b->second.shapes;
+                const shape_id made = add_any_shape(w, b->first, dice, def);
+                shapes.insert(
+                    std::find_if(shapes.begin(), shapes.end(), [&](shape_id s) { return s.index < made.index; }), made);
             } else if (action == 5) {
                 const auto b = any_body();
                 auto& shapes = b->second.shapes;
@@ -197,8 +204,10 @@ CELL_CASE("world: the same history gives the same hash, step by step") {
 
 /// The number next to x.
 S next_to(S x) {
-    if constexpr (cell::is_fixed) return x + cell::traits::epsilon();
-    else return S(number(x) + number(cell::traits::epsilon()) * std::max(1.0, std::abs(number(x))));
+    if constexpr (cell::is_fixed)
+        return x + cell::traits::epsilon();
+    else
+        return S(number(x) + number(cell::traits::epsilon()) * std::max(1.0, std::abs(number(x))));
 }
 
 CELL_CASE("world: every change of a bit that matters changes the hash; user data does not matter") {

@@ -140,6 +140,9 @@ CELL_CASE("limits: a shape of any size and density is refused, or weighs what it
     if (cell::is_fixed) CHECK(refused > 100);
 }
 
+/// The largest number that may be part of a state: of fixed-point ones, which wrap, half of those there are.
+inline double largest() { return number(cell::traits::max()) * (cell::is_fixed ? 0.4999 : 1); }
+
 /// Where everything is and what touches, exactly.
 std::vector<S> picture(const world& w) {
     std::vector<S> all;
@@ -162,23 +165,21 @@ std::vector<S> picture(const world& w) {
 }
 
 CELL_CASE("limits: a step that leaves the range of numbers is refused, changes nothing, and the next one works") {
-    if (cell::is_fixed)
-        return;  // Nothing is out of range there: it wraps, and the audit counts it (tests/base/overflow.cpp).
     using change = void (*)(scenery&);
     const change changes[] = {
         [](scenery& s) {
-            s.w.apply_force(s.box, along(0, number(cell::traits::max()) * 0.5));
+            s.w.apply_force(s.box, along(0, largest() * 0.5));
             s.w.set_mass(s.box, {S(0.001), {}, s.w.mass(s.box).inertia});
         },
         [](scenery& s) {
-            s.w.apply_torque(s.ball, about_z(number(cell::traits::max()) * 0.5));
-            s.w.set_gravity_scale(s.ball, cell::traits::max());
+            s.w.apply_torque(s.ball, about_z(largest() * 0.5));
+            s.w.set_gravity_scale(s.ball, S(largest()));
         },
         [](scenery& s) {
-            s.w.set_pose(s.ball, along(1, number(cell::traits::max())), {});
-            s.w.set_linear_velocity(s.ball, along(1, number(cell::traits::max())));
+            s.w.set_pose(s.ball, along(1, largest()), {});
+            s.w.set_linear_velocity(s.ball, along(1, largest()));
         },
-        [](scenery& s) { s.w.move_to(s.platform, along(0, number(cell::traits::max())), {}); },
+        [](scenery& s) { s.w.move_to(s.platform, along(0, largest()), {}); },
     };
     for (const change& make : changes) {
         scenery s, twin;
@@ -204,30 +205,218 @@ CELL_CASE("limits: a step that leaves the range of numbers is refused, changes n
 }
 
 CELL_CASE("limits: forces, impulses and poses that would leave the range of numbers are refused") {
-    if (cell::is_fixed) return;
     scenery s;
     world& w = s.w;
-    const S most = cell::traits::max();
-    const vec far = along(0, number(most)), arm = along(1, 4);
+    const double most = largest();
+    const vec far = along(0, most), arm = along(1, 4);
     w.apply_force(s.box, far);
     refuses(w, "apply_force", "force", "", [&] { w.apply_force(s.box, far); });
     refuses(w, "apply_force_at", "force", "", [&] { w.apply_force_at(s.ball, far, arm); });
     refuses(w, "apply_local_force_at", "force", "", [&] { w.apply_local_force_at(s.ball, far, arm); });
     w.clear_forces(s.box);
-    w.apply_torque(s.box, about_z(number(most)));
-    refuses(w, "apply_torque", "torque", "", [&] { w.apply_torque(s.box, about_z(number(most))); });
+    w.apply_torque(s.box, about_z(most));
+    refuses(w, "apply_torque", "torque", "", [&] { w.apply_torque(s.box, about_z(most)); });
     w.clear_forces(s.box);
     w.set_mass(s.box, {S(0.125), {}, w.mass(s.ball).inertia});
     refuses(w, "apply_impulse", "impulse", "", [&] { w.apply_impulse(s.box, far); });
     refuses(w, "apply_impulse_at", "impulse", "", [&] { w.apply_impulse_at(s.ball, far, arm); });
-    w.set_angular_velocity(s.box, about_z(number(most)));
-    refuses(w, "apply_angular_impulse", "impulse", "", [&] { w.apply_angular_impulse(s.box, about_z(number(most))); });
-    w.set_mass(s.ball, {S(1), along(0, number(most) * 0.75), {}});
-    refuses(w, "set_pose", "centre of mass.x", "", [&] { w.set_pose(s.ball, far, {}); });
+    w.set_angular_velocity(s.box, about_z(most));
+    refuses(w, "apply_angular_impulse", "impulse", "", [&] { w.apply_angular_impulse(s.box, about_z(most)); });
+    w.set_mass(s.ball, {S(1), along(0, most * 0.75), {}});
+    refuses(w, "set_pose", "centre of mass", "", [&] { w.set_pose(s.ball, far, {}); });
     refuses(w, "set_mass", "center", "", [&] { w.set_mass(s.box, {S(1), arm, {}}); });
-    const world::ball globe{S(number(most) * 0.5)};
-    refuses(w, "create_shape", "upper end of the box.x", "",
-            [&] { w.create_shape(s.ground, globe, {.position = along(0, number(most) * 0.75)}); });
+    const world::ball globe{S(number(cell::traits::max()) * 0.75)};
+    refuses(w, "create_shape", cell::is_fixed ? "size of the box" : "upper end of the box.x", "",
+            [&] { w.create_shape(s.ground, globe, {.position = along(0, most * 0.75)}); });
+    if (!cell::is_fixed) return;
+    // Beyond half the range nothing is taken.
+    const vec beyond = along(0, most * 1.01);
+    refuses(w, "create_body", "position.x", "", [&] { w.create_body({.position = beyond}); });
+    refuses(w, "create_body", "linear_velocity.x", "", [&] { w.create_body({.linear_velocity = beyond}); });
+    refuses(w, "set_pose", "position.x", "", [&] { w.set_pose(s.ball, beyond, {}); });
+    refuses(w, "move_to", "position.x", "", [&] { w.move_to(s.platform, beyond, {}); });
+    refuses(w, "set_linear_velocity", "v.x", "", [&] { w.set_linear_velocity(s.ball, beyond); });
+    refuses(w, "apply_force", "force.x", "", [&] { w.apply_force(s.ball, beyond); });
+    refuses(w, "apply_impulse", "impulse.x", "", [&] { w.apply_impulse(s.ball, -beyond); });
+    refuses(w, "set_gravity_scale", "factor", "", [&] { w.set_gravity_scale(s.ball, beyond[0]); });
+    refuses(w, "set_settings", "gravity.x", "", [&] { w.set_settings({.gravity = beyond}); });
+}
+
+struct exact_scene : physics::recipe<double, cell::dimension> {};
+
+CELL_CASE("limits: a body that is pushed as hard as numbers allow flies as it would in double, or is refused") {
+    if (!cell::is_fixed) return;
+    using exact_world = physics::world<exact_scene>;
+    cell::dice dice(3);
+    const auto any = [&] { return std::pow(10.0, dice.number(3, 9.3)) * (dice.below(2) ? 1 : -1); };
+    int flown = 0, refused_at_once = 0, refused_in_step = 0;
+    for (int i = 0; i < 2000; ++i) {
+        const double gravity = dice.below(3) ? -10 : any() / 4, scale = dice.below(3) ? 1 : any();
+        world w{{.gravity = along(1, gravity)}};
+        exact_world::settings_type with;
+        with.gravity.y = number(S(gravity));
+        exact_world twin{with};
+        const auto size = S(std::pow(10.0, dice.number(-2, 1)));
+        const vec start = along(dice.below(2), dice.below(3) ? 0 : any());
+        try {
+            const body_id b = w.create_body({.position = start});
+            w.create_shape(b, world::ball{size});
+            const physics::body_id t = twin.create_body({.position = real(start)});
+            twin.create_shape(t, exact_world::ball{number(size)});
+            for (int k = 0; k < 3; ++k) {
+                const vec p = along(dice.below(2), dice.below(3) ? 1 : any());
+                const auto both = [&](auto&& change) {
+                    change(w, b, [](auto x) { return x; });
+                    change(twin, t, [](auto x) { return real(x); });
+                };
+                const int which = dice.below(5);
+                both([&](auto& in, body_id id, auto&& as) {
+                    if (which == 0) in.set_linear_velocity(id, as(p));
+                    if (which == 1) in.apply_force(id, as(p));
+                    if (which == 2) in.apply_impulse(id, as(p));
+                    if (which == 3) in.set_gravity_scale(id, as(S(scale)));
+                    if (which == 4) in.apply_torque(id, as(about_z(scale)));
+                });
+            }
+            const double dt = number(S(std::pow(2.0, -dice.below(10))));
+            try {
+                w.step(S(dt));
+            } catch (const physics::error& e) {
+                CHECK(std::string(e.what()).find("physics: step: a velocity is not finite") == 0);
+                CHECK(w.steps() == 0);
+                CHECK(w.position(b) == start);
+                ++refused_in_step;
+                continue;
+            }
+            twin.step(dt);
+            ++flown;
+            double most = 1;
+            const auto compare = [&](vec x, exact_world::vec y) {
+                for (int k = 0; k < cell::dimension; ++k) most = std::max(most, std::abs(y[k]));
+                for (int k = 0; k < cell::dimension; ++k) REQUIRE(std::abs(number(x[k]) - y[k]) <= 0.02 * most);
+            };
+            compare(w.linear_velocity(b), twin.linear_velocity(t));
+            compare(w.position(b), twin.position(t));
+        } catch (const physics::error&) {
+            ++refused_at_once;
+        }
+    }
+    CAPTURE(flown);
+    CHECK(flown > 500);
+    CHECK(refused_at_once > 100);
+    CHECK(refused_in_step > 100);
+}
+
+CELL_CASE("limits: a shape of any size, density and place is refused with nothing changed, or has a sound mass") {
+    cell::dice dice(2);
+    const bool is_double = !cell::is_fixed && number(cell::traits::epsilon()) < 1e-10;
+    const double decades = cell::is_fixed ? 9 : is_double ? 300 : 37;
+    const auto any = [&](double most) { return S(std::pow(10.0, dice.number(-most, most))); };
+    int accepted = 0, refused = 0;
+    scenery s;
+    world& w = s.w;
+    for (int i = 0; i < 2000; ++i) {
+        // Most of them on a body that has a mass already.
+        const body_id id = i % 4 == 0 ? w.create_body({.position = at(0, 50)}) : s.ball;
+        const bool is_far = dice.below(2) == 0;
+        const vec place = along(dice.below(cell::dimension), number(any(is_far ? decades : 1)));
+        const S density = any(is_far ? 1 : decades), size = any(dice.below(2) ? 1 : decades / 3);
+        const facts before = facts_of(w);
+        const world::mass_properties mass_before = w.mass(id);
+        shape_id shape;
+        try {
+            shape = i % 2 ? w.create_shape(id, world::ball{size}, {.position = place, .density = density})
+                          : w.create_shape(id, world::box{vec::filled(size)}, {.position = place, .density = density});
+        } catch (const physics::error& e) {
+            ++refused;
+            REQUIRE(std::string(e.what()).find("physics: create_shape: ") == 0);
+            REQUIRE((facts_of(w) == before));
+            REQUIRE(w.mass(id).mass == mass_before.mass);
+        }
+        if (shape) {
+            ++accepted;
+            const auto mass = w.mass(id);
+            REQUIRE(mass.mass > S(0));
+            REQUIRE(physics::is_finite(mass.mass));
+            REQUIRE(physics::is_finite(mass.center));
+            REQUIRE(inertia_about_z(real(mass).inertia) > 0);
+            REQUIRE(physics::is_finite(w.center_of_mass(id)));
+            REQUIRE(physics::is_finite(w.position(id)));
+            w.destroy_shape(shape);
+        }
+        if (i % 4 == 0) w.destroy_body(id);
+    }
+    CHECK(accepted > 100);
+    CHECK(refused > 100);
+    if (cell::is_fixed) return;
+    // What was seen: masses that only their sums in the scalar bring beyond its range.
+    const double most = number(cell::traits::max());
+    const body_id fresh = w.create_body();
+    refuses(w, "create_shape", "mass", "",
+            [&] { w.create_shape(fresh, world::ball{S(0.75)}, {.position = at(1, 0), .density = S(most * 0.6)}); });
+    const facts before = facts_of(w);
+    const auto said = refusal([&] { w.create_shape(fresh, world::ball{}, {.position = along(0, std::sqrt(most) * 1.7)}); });
+    CHECK(said.find("physics: create_shape: ") == 0);
+    CHECK((facts_of(w) == before));
+    CHECK(w.mass(fresh).mass == S(1));
+}
+
+CELL_CASE("limits: poses, margins and queries whose boxes would leave the range are refused, and nothing has changed") {
+    if (cell::is_fixed) return;
+    scenery s;
+    world& w = s.w;
+    const double most = number(cell::traits::max());
+    const auto face = [&](auto&& change, const std::string& function, const std::string& field) {
+        const auto before = picture(w);
+        refuses(w, function, field, "", change);
+        CHECK(picture(w) == before);
+    };
+    const body_id globe = w.create_body({.type = body_type::static_body});
+    w.create_shape(globe, world::ball{S(most * 0.25)});
+    face([&] { w.set_pose(globe, along(0, most), {}); }, "set_pose", "upper end of the box.x");
+    face([&] { w.set_pose(globe, along(1, -most), {}); }, "set_pose", "lower end of the box.y");
+    w.set_pose(globe, along(0, most * 0.7), {});
+    world::settings_type settings;
+    settings.contact_margin = S(most * 0.5);
+    settings.gravity = along(1, -3);
+    face([&] { w.set_settings(settings); }, "set_settings", "upper end of the box.x");
+    CHECK(w.settings().gravity == world::settings_type{}.gravity);
+    w.destroy_body(globe);
+    const world::box wide{vec::filled(S(most * 0.5))};
+    const auto nothing = [](shape_id) {};
+    face([&] { w.each_overlapping(wide, {along(0, most * 0.75), {}}, {}, nothing); }, "each_overlapping",
+         "upper end of the box.x");
+    face([&] { (void)w.cast_shape(wide, {along(0, most * 0.75), {}}, along(1, 1)); }, "cast_shape",
+         "upper end of the box.x");
+    // As far as anything can be is far enough.
+    CHECK(w.closest_shape(at(0, 9), S(most)).shape == w.closest_shape(at(0, 9), S(100)).shape);
+    CHECK(w.closest_shape(at(0, 9), S(100)));
+}
+
+CELL_CASE("limits: counts without end, and inertias that no body has, are refused") {
+    scenery s;
+    world& w = s.w;
+    world::settings_type settings;
+    settings.solver.substeps = 2147483647;
+    refuses(w, "set_settings", "solver.substeps", "2.14748365e+09", [&] { w.set_settings(settings); });
+    CHECK(w.settings().solver.substeps < 100);
+    if constexpr (cell::is_3d) {
+        const auto set = [&](double xx, double yy, double zz, double xz) {
+            world::mass_properties mass{S(1), {}, {}};
+            entry_of(mass.inertia, "xx") = S(xx);
+            entry_of(mass.inertia, "yy") = S(yy);
+            entry_of(mass.inertia, "zz") = S(zz);
+            entry_of(mass.inertia, "xz") = S(xz);
+            w.set_mass(s.box, mass);
+        };
+        // A plate has one moment that is the sum of the others; more none has, about whatever axes.
+        set(1, 1, 2, 0);
+        refuses(w, "set_mass", "inertia.xx", "", [&] { set(1, 1, 2.125, 0); });
+        refuses(w, "set_mass", "inertia.xx", "", [&] { set(2, 2, 2, 1.25); });
+        set(2, 2, 2, 0.9375);
+    }
+    w.set_angular_velocity(s.box, about_z(largest() * 0.5));
+    refuses(w, "velocity_at", "point", "", [&] { (void)w.velocity_at(s.box, at(0, 100)); });
 }
 
 }  // namespace

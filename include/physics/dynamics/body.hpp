@@ -76,6 +76,7 @@ struct body {
     S gravity_scale = S(1);
     transform<S, D> target;
     std::uint64_t user_data = 0;
+    /// The shape of the highest number.
     std::uint32_t first_shape = 0xffffffffu;
     body_type type = body_type::dynamic_body;
     bool rotation_locked = !Turns;

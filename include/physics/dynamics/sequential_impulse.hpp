@@ -30,11 +30,10 @@ struct sequential_impulse_settings {
 
 template <class S>
 bool check(const sequential_impulse_settings<S>& with, const char* function) {
-    if (with.substeps < 1) return detail::refuse(function, "solver.substeps", with.substeps, "it must be at least 1");
-    if (with.iterations < 1)
-        return detail::refuse(function, "solver.iterations", with.iterations, "it must be at least 1");
-    if (with.reflections < 1)
-        return detail::refuse(function, "solver.reflections", with.reflections, "it must be at least 1");
+    if (!detail::check_count(function, "solver.substeps", with.substeps)) return false;
+    if (!detail::check_count(function, "solver.iterations", with.iterations) ||
+        !detail::check_count(function, "solver.reflections", with.reflections))
+        return false;
     if (with.baumgarte > S(1))
         return detail::refuse(function, "solver.baumgarte", static_cast<double>(with.baumgarte),
                               "it must be at most 1");

@@ -34,7 +34,7 @@ struct soft_step_settings {
 
 template <class S>
 bool check(const soft_step_settings<S>& with, const char* function) {
-    if (with.substeps < 1) return detail::refuse(function, "solver.substeps", with.substeps, "it must be at least 1");
+    if (!detail::check_count(function, "solver.substeps", with.substeps)) return false;
     return detail::check_positive(function, "solver.stiffness", with.stiffness) &&
            detail::check_positive(function, "solver.damping_ratio", with.damping_ratio) &&
            detail::check_not_negative(function, "solver.frequency_cap", with.frequency_cap) &&

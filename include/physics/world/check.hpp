@@ -14,8 +14,16 @@ struct found {
     bool ok;
     explicit operator bool() const { return ok; }
 };
-template <class Plan, class Pool, class Tag>
-found find(const state<Plan>& s, const Pool& pool, handle<Tag> id, const char* function, const char* what) {
+/// Refuses to change a world in the middle of its step, from an executor or a policy.
+template <class Plan>
+bool check_not_in_step(const state<Plan>& s, const char* function) {
+    return !s.in_step.on || refuse(function, "world", "in a step", "it can be changed before and after");
+}
+/// A state that is not const is asked for in order to change it.
+template <class State, class Pool, class Tag>
+found find(State& s, const Pool& pool, handle<Tag> id, const char* function, const char* what) {
+    if constexpr (!std::is_const_v<State>)
+        if (!check_not_in_step(s, function)) return {0, false};
     if (!id) return {0, refuse(function, what, "null", "it must name something that this world has created")};
     char name[32];
     std::snprintf(name, sizeof name, "#%u", static_cast<unsigned>(id.index));
@@ -23,36 +31,36 @@ found find(const state<Plan>& s, const Pool& pool, handle<Tag> id, const char* f
     if (!pool.contains(id.index, id.generation)) return {0, refuse(function, what, name, "it has been destroyed")};
     return {id.index, true};
 }
-template <class Plan>
-found find_body(const state<Plan>& s, body_id id, const char* function) {
+template <class State>
+found find_body(State& s, body_id id, const char* function) {
     return find(s, s.bodies, id, function, "body");
 }
-template <class Plan>
-found find_shape(const state<Plan>& s, shape_id id, const char* function) {
+template <class State>
+found find_shape(State& s, shape_id id, const char* function) {
     return find(s, s.shapes, id, function, "shape");
 }
 inline const char* name_of(body_type type) {
     return type == body_type::static_body ? "static" : type == body_type::kinematic_body ? "kinematic" : "dynamic";
 }
 /// The same for calls that only dynamic bodies take,
-template <class Plan>
-found find_dynamic(const state<Plan>& s, body_id id, const char* function) {
+template <class State>
+found find_dynamic(State& s, body_id id, const char* function) {
     const found f = find_body(s, id, function);
     if (f && !s.bodies[f.index].is_dynamic())
         return {0, refuse(function, "body", name_of(s.bodies[f.index].type), "it must be dynamic")};
     return f;
 }
 /// only kinematic ones,
-template <class Plan>
-found find_kinematic(const state<Plan>& s, body_id id, const char* function) {
+template <class State>
+found find_kinematic(State& s, body_id id, const char* function) {
     const found f = find_body(s, id, function);
     if (f && s.bodies[f.index].type != body_type::kinematic_body)
         return {0, refuse(function, "body", name_of(s.bodies[f.index].type), "it must be kinematic")};
     return f;
 }
 /// and only those that have a velocity.
-template <class Plan>
-found find_moving(const state<Plan>& s, body_id id, const char* function) {
+template <class State>
+found find_moving(State& s, body_id id, const char* function) {
     const found f = find_body(s, id, function);
     if (f && s.bodies[f.index].type == body_type::static_body)
         return {0, refuse(function, "body", "static", "it must be dynamic or kinematic")};
@@ -71,7 +79,7 @@ double size_of(vec<S, D> v) {
 
 template <class S, int D>
 bool check_pose(const char* function, vec<S, D> position, const rotation<S, D>& r) {
-    if (!check_finite(function, "position", position)) return false;
+    if (!check_in_range(function, "position", position)) return false;
     // In double, where the squares of no format overflow.
     const double error = norm_error(converted<double>(r));
     return error < 1e-3 ||
@@ -79,7 +87,7 @@ bool check_pose(const char* function, vec<S, D> position, const rotation<S, D>& 
 }
 template <class Angular>
 bool check_angular_velocity(const char* function, const char* field, Angular w, bool rotation_locked) {
-    if (!check_finite(function, field, w)) return false;
+    if (!check_in_range(function, field, w)) return false;
     return !rotation_locked || w == Angular{} ||
            refuse(function, field, size_of(w), "it must be 0, since the body's rotation is locked");
 }
@@ -91,11 +99,11 @@ template <class S, int D>
 bool check_body(const body_def<S, D>& def) {
     const char* f = "create_body";
     return check_type(f, def.type) && check_pose(f, def.position, def.rotation) &&
-           check_finite(f, "linear_velocity", def.linear_velocity) &&
+           check_in_range(f, "linear_velocity", def.linear_velocity) &&
            check_angular_velocity(f, "angular_velocity", def.angular_velocity, def.rotation_locked) &&
            check_not_negative(f, "linear_damping", def.linear_damping) &&
            check_not_negative(f, "angular_damping", def.angular_damping) &&
-           check_finite(f, "gravity_scale", def.gravity_scale);
+           check_in_range(f, "gravity_scale", def.gravity_scale);
 }
 /// A recipe without rotation takes none.
 template <class Plan, class Angular, class S>
@@ -135,7 +143,7 @@ template <class Plan>
 bool check_settings(const typename Plan::settings& with, const char* function) {
     if constexpr (!Plan::features::materials)
         if (!check_material<Plan>(function, with.material, material_of_settings)) return false;
-    return check_finite(function, "gravity", with.gravity) &&
+    return check_in_range(function, "gravity", with.gravity) &&
            check_not_negative(function, "contact_margin", with.contact_margin) &&
            check(with.broadphase, function) && check(with.solver, function) && check(with.sleeping, function);
 }
@@ -199,6 +207,41 @@ bool check_inertia(const char* function, const symmetric<double>& i) {
         if (!check_mass_value<S>(function, "principal moment of inertia", moment, 1 / moment)) return false;
     return true;
 }
+template <class Quantity>
+struct scalar_in {
+    using type = Quantity;
+};
+template <class S, int D>
+struct scalar_in<vec<S, D>> {
+    using type = S;
+};
+/// The scalar of a number or vector.
+template <class Quantity>
+using scalar_of = typename scalar_in<Quantity>::type;
+
+/// Whether what was computed may become state: in fixed point, which wraps on the way, it must be near the exact value.
+template <scalar_type S>
+bool is_sound(S x, double exact) {
+    const double error = static_cast<double>(x) - exact, slack = 1e-3 * (1 + (exact < 0 ? -exact : exact));
+    return is_in_range(x) && (!is_fixed<S> || (error <= slack && error >= -slack));
+}
+template <class S, int D>
+bool is_sound(const vec<S, D>& v, const vec<double, D>& exact) {
+    for (int i = 0; i < D; ++i)
+        if (!is_sound(v[i], exact[i])) return false;
+    return true;
+}
+/// Where a point of a body is in the world, if that is in range: says whether.
+template <class S, int D>
+bool has_point(const transform<S, D>& pose, const vec<S, D>& local) {
+    return is_sound(pose * local, converted<double>(pose) * converted<double>(local));
+}
+/// Whether the velocity of a body at a lever from its centre of mass is in range.
+template <class Twist, class S, int D>
+bool has_velocity_at(const Twist& v, const vec<S, D>& lever) {
+    return is_sound(velocity_at(v, lever), velocity_at(converted<double>(v), converted<double>(lever)));
+}
+
 /// Whether a dynamic body can have these mass properties, given in double, where it is now.
 template <class S, int D, bool Turns>
 bool check_mass(const char* function, const body<S, D, Turns>& b, const mass_properties<double, D>& m,
@@ -206,16 +249,60 @@ bool check_mass(const char* function, const body<S, D, Turns>& b, const mass_pro
     if (!check_mass_value<S>(function, "mass", m.mass, 1 / m.mass)) return false;
     if (!without_inertia && !check_inertia<S>(function, m.inertia)) return false;
     const vec<S, D> center = converted<S>(m.center), moved = b.pose() * center;
-    return (is_finite(center) && is_finite(moved) && is_finite(velocity_at(b.velocity, moved - b.center))) ||
+    return (is_sound(center, m.center) && has_point(b.pose(), center) &&
+            has_velocity_at(b.velocity, moved - b.center)) ||
            refuse(function, "center", size_of(m.center),
                   "the body's centre of mass or its velocity would be beyond the scalar's range");
 }
-/// Whether a dynamic body can take its mass from its shapes, but one.
+/// Whether matter can be spread so that a body has this inertia, to a thousandth: no principal moment is above the sum
+/// of the two others.
+inline bool check_spread(const char*, double) { return true; }
+inline bool check_spread(const char* function, const symmetric<double>& i) {
+    // Then half the trace less the tensor is positive.
+    const double half = 0.501 * (i.xx + i.yy + i.zz), a = half - i.xx, b = half - i.yy, c = half - i.zz;
+    return (a > 0 && a * b > i.xy * i.xy &&
+            a * (b * c - i.yz * i.yz) > i.xy * (i.xy * c + i.xz * i.yz) + i.xz * (i.xy * i.yz + b * i.xz)) ||
+           refuse(function, "inertia.xx", i.xx,
+                  "no principal moment of the tensor that it begins may be above the sum of the two others");
+}
+/// The inertia about one of the axes.
+template <class S>
+double moment(S inertia, int) {
+    return static_cast<double>(inertia);
+}
+template <class S>
+double moment(const symmetric<S>& i, int axis) {
+    return static_cast<double>(axis == 0 ? i.xx : axis == 1 ? i.yy : i.zz);
+}
+/// Whether the scalar's own sums come near those in double: if not, one has left its range on the way.
+template <class S, int D>
+bool check_sums(const char* function, const mass_properties<S, D>& sums, const mass_properties<double, D>& exact) {
+    const auto agree = [](double x, double y, double size) { return x - y <= 0.25 * size && y - x <= 0.25 * size; };
+    bool sound = agree(static_cast<double>(sums.mass), exact.mass, exact.mass);
+    for (int k = 0; k < D; ++k) {
+        sound = sound && agree(static_cast<double>(sums.center[k]), exact.center[k], 1 + size_of(exact.center));
+        sound = sound && agree(moment(sums.inertia, k), moment(exact.inertia, k), moment(exact.inertia, k));
+    }
+    return sound || refuse(function, "mass", exact.mass,
+                           "it or its moments leave the scalar's range on the way; use other units of length or mass");
+}
+/// Whether a dynamic body can take its mass from its shapes, but one, or with one more.
 template <class Plan>
-bool check_shapes_mass(const state<Plan>& s, std::uint32_t body, const char* function,
-                       std::uint32_t but = 0xffffffffu) {
-    const auto mass = mass_of_shapes<double>(s, body, but);
-    return !(mass.mass > 0) || check_mass(function, s.bodies[body], mass);
+bool check_shapes_mass(const state<Plan>& s, std::uint32_t body, const char* function, std::uint32_t but = no_shape,
+                       const shape_record<Plan>* more = nullptr) {
+    const auto exact = mass_of_shapes<double>(s, body, but, more);
+    if (!more && !(exact.mass > 0)) return true;
+    return check_mass(function, s.bodies[body], exact) &&
+           check_sums(function, mass_of_shapes<typename Plan::scalar>(s, body, but, more), exact);
+}
+/// Whether a box lies within the scalar's range: ends that have wrapped are on the wrong side.
+template <class S, int D>
+bool check_extent(const char* function, const aabb<S, D>& box) {
+    if (!check_finite(function, "lower end of the box", box.lower) ||
+        !check_finite(function, "upper end of the box", box.upper))
+        return false;
+    return is_box(box) ||
+           refuse(function, "size of the box", "too large", "both ends must lie within the scalar's range");
 }
 
 }  // namespace detail

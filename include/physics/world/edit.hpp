@@ -27,7 +27,8 @@ void drop_contacts(state<Plan>& s, Gone&& gone) {
 
 template <class Plan>
 body_id create_body(state<Plan>& s, const body_def<typename Plan::scalar, Plan::dimension>& def) {
-    if (!check_body(def) || !check_turn<Plan>("create_body", def.angular_velocity, def.angular_damping) ||
+    if (!check_not_in_step(s, "create_body") || !check_body(def) ||
+        !check_turn<Plan>("create_body", def.angular_velocity, def.angular_damping) ||
         !check_continuous<Plan>("create_body", def.continuous))
         return {};
     typename Plan::body b;
@@ -87,19 +88,19 @@ shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape, const ty
     if constexpr (Plan::features::materials) record.material = def.material;
     record.density = def.density;
     record.body = at.index;
-    record.next = owner.first_shape;
     record.user_data = def.user_data;
     locate(record, owner.pose(), owner.center);
     const auto box = needed_box(s, record);
-    if (!check_finite(f, "lower end of the box", box.lower) || !check_finite(f, "upper end of the box", box.upper))
-        return {};
+    if (!check_extent(f, box)) return {};
     if (def.density > S(0) && owner.is_dynamic() && !owner.mass_is_set &&
-        !check_mass(f, owner, combined(mass_of_shapes<double>(s, at.index), mass_of_shape<double>(record))))
+        !check_shapes_mass(s, at.index, f, no_shape, &record))
         return {};
     // First, so that what a sleeper touches is among the contacts that move with its centre of mass.
     rouse(s, at.index);
     const auto place = s.shapes.insert(record);
-    s.bodies[at.index].first_shape = place.index;
+    std::uint32_t* link = &s.bodies[at.index].first_shape;
+    while (*link != no_shape && *link > place.index) link = &s.shapes[*link].next;
+    s.shapes[place.index].next = std::exchange(*link, place.index);
     s.broadphase.insert(place.index, box, filter_of(s, record));
     refresh_mass(s, at.index);
     rouse_near(s, at.index);
@@ -124,8 +125,20 @@ void destroy_shape(state<Plan>& s, std::uint32_t index) {
 
 template <class Plan>
 void set_pose(state<Plan>& s, std::uint32_t index, const transform<typename Plan::scalar, Plan::dimension>& pose) {
+    const char* f = "set_pose";
     auto& b = s.bodies[index];
-    if (!check_finite("set_pose", "centre of mass", pose * b.mass.center)) return;
+    if (!has_point(pose, b.mass.center)) {
+        refuse(f, "centre of mass", size_of(pose * b.mass.center), "it must lie within the scalar's range");
+        return;
+    }
+    auto there = b;
+    there.set_pose(pose);
+    bool fits = true;
+    each_shape(s, index, [&](std::uint32_t, shape_record<Plan> shape) {
+        locate(shape, there.pose(), there.center);
+        fits = fits && check_extent(f, needed_box(s, shape));
+    });
+    if (!fits) return;
     rouse(s, index);
     b.set_pose(pose);
     if (b.type == body_type::static_body) s.movers_changed = true;
@@ -207,7 +220,8 @@ void set_mass(state<Plan>& s, std::uint32_t index,
         return;
     }
     if (!check_finite(f, "center", mass.center) ||
-        !check_mass(f, s.bodies[index], converted<double>(mass), nothing_turns_it))
+        !check_mass(f, s.bodies[index], converted<double>(mass), nothing_turns_it) ||
+        (!nothing_turns_it && !check_spread(f, converted<double>(mass).inertia)))
         return;
     rouse(s, index);
     s.bodies[index].mass_is_set = true;
@@ -250,6 +264,7 @@ void set_continuous(state<Plan>& s, body_id id, bool on) {
     if (at && check_continuous<Plan>(f, on)) s.bodies[at.index].continuous = on;
 }
 
+/// Brings a world to settings that have been checked.
 template <class Plan>
 void change_settings(state<Plan>& s, const typename Plan::settings& settings) {
     // What was carried along was found within the old margin.
@@ -267,12 +282,32 @@ void change_settings(state<Plan>& s, const typename Plan::settings& settings) {
     s.bodies.each([&](std::uint32_t i, const auto&) { refresh_boxes(s, i); });
 }
 
-/// Stores a quantity that an action has changed, unless it left the scalar's range: false then.
+template <class Plan>
+void set_settings(state<Plan>& s, const typename Plan::settings& settings) {
+    const char* f = "set_settings";
+    if (!check_not_in_step(s, f) || !check_settings<Plan>(settings, f)) return;
+    bool fits = true;
+    if (settings.contact_margin > s.settings.contact_margin)
+        s.shapes.each([&](std::uint32_t, const auto& shape) {
+            fits = fits && check_extent(f, box_within(settings.contact_margin, shape));
+        });
+    if (fits) change_settings(s, settings);
+}
+
+/// Stores a quantity that an action has changed, unless it is beyond the scalar's range: false then. Sums of two that
+/// are in range show it.
 template <class Quantity>
 bool assign(Quantity& to, const Quantity& value) {
-    if (!is_finite(value)) return false;
+    if (!is_in_range(value)) return false;
     to = value;
     return true;
+}
+/// The same of what sums of products have come to: where they wrap, the exact value is asked for.
+template <class Quantity, class Exact>
+bool assign(Quantity& to, const Quantity& value, Exact&& exact) {
+    if constexpr (is_fixed<scalar_of<Quantity>>)
+        if (!is_sound(value, exact())) return false;
+    return assign(to, value);
 }
 inline bool refuse_action(const char* function, const char* field, double size) {
     return refuse(function, field, size, "with it a force or velocity of the body would be beyond the scalar's range");
@@ -285,7 +320,8 @@ void act(state<Plan>& s, body_id id, const char* function, const char* field,
          vec<typename Plan::scalar, Plan::dimension> force, bool local,
          const vec<typename Plan::scalar, Plan::dimension>* point, F&& f) {
     const found at = find_dynamic(s, id, function);
-    if (!at || !check_finite(function, field, force) || (point && !check_finite(function, "point", *point))) return;
+    if (!at || !check_in_range(function, field, force) || (point && !check_in_range(function, "point", *point)))
+        return;
     auto& b = s.bodies[at.index];
     vec<typename Plan::scalar, Plan::dimension> lever;
     if (point) lever = local ? b.rotation * (*point - b.mass.center) : *point - b.center;
@@ -297,8 +333,11 @@ void push(state<Plan>& s, body_id id, const char* function, vec<typename Plan::s
           bool local, const vec<typename Plan::scalar, Plan::dimension>* point) {
     act(s, id, function, "force", force, local, point, [](auto& b, auto f, [[maybe_unused]] auto lever) {
         if constexpr (Plan::turns) {
-            const auto torque = b.torque + cross(lever, f);
-            if (!is_finite(torque) || !assign(b.force, b.force + f)) return false;
+            auto torque = b.torque;
+            const auto exact = [&] {
+                return converted<double>(b.torque) + cross(converted<double>(lever), converted<double>(f));
+            };
+            if (!assign(torque, b.torque + cross(lever, f), exact) || !assign(b.force, b.force + f)) return false;
             b.torque = torque;
             return true;
         } else {
@@ -306,19 +345,51 @@ void push(state<Plan>& s, body_id id, const char* function, vec<typename Plan::s
         }
     });
 }
+/// The velocity of a body after an impulse at a lever, computed with the scalar T.
+template <class T, class S, int D, bool Turns>
+auto after_impulse(const body<S, D, Turns>& b, const vec<S, D>& impulse, [[maybe_unused]] const vec<S, D>& lever) {
+    solver_body<T, D, Turns> v{converted<T>(b.velocity), {}, static_cast<inverse_of<T>>(b.inverse_mass), {}};
+    if constexpr (Turns) v.inverse_inertia = converted<inverse_of<T>>(in_world(b.inverse_inertia, b.rotation));
+    v.apply(converted<T>(impulse), converted<T>(lever));
+    return v.velocity;
+}
 template <class Plan>
 void kick(state<Plan>& s, body_id id, const char* function, vec<typename Plan::scalar, Plan::dimension> impulse,
           bool local, const vec<typename Plan::scalar, Plan::dimension>* point) {
     act(s, id, function, "impulse", impulse, local, point, [](auto& b, auto p, auto lever) {
-        solver_body<typename Plan::scalar, Plan::dimension, Plan::turns> v{b.velocity, {}, b.inverse_mass, {}};
-        if constexpr (Plan::turns) v.inverse_inertia = in_world(b.inverse_inertia, b.rotation);
-        v.apply(p, lever);
-        if (!is_finite(v.velocity.linear) || !is_finite(physics::angular<typename Plan::scalar, Plan::dimension>(
-                                                 value_of(v.velocity.angular))))
-            return false;
-        b.velocity = v.velocity;
+        auto v = after_impulse<typename Plan::scalar>(b, p, lever);
+        const auto after = v;
+        if (!assign(v.linear, after.linear, [&] { return after_impulse<double>(b, p, lever).linear; })) return false;
+        if constexpr (Plan::turns)
+            if (!assign(v.angular, after.angular, [&] { return after_impulse<double>(b, p, lever).angular; }))
+                return false;
+        b.velocity = v;
         return true;
     });
+}
+template <class Plan>
+void push_spin(state<Plan>& s, body_id id, physics::angular<typename Plan::scalar, Plan::dimension> torque) {
+    const char* f = "apply_torque";
+    const found at = find_dynamic(s, id, f);
+    if (!at || !check_in_range(f, "torque", torque)) return;
+    auto& b = s.bodies[at.index];
+    if (!assign(b.torque, b.torque + torque)) refuse_action(f, "torque", size_of(torque));
+    else if (!(torque == decltype(torque){})) wake(s, at.index);
+}
+template <class Plan>
+void kick_spin(state<Plan>& s, body_id id, physics::angular<typename Plan::scalar, Plan::dimension> impulse) {
+    const char* f = "apply_angular_impulse";
+    const found at = find_dynamic(s, id, f);
+    if (!at || !check_in_range(f, "impulse", impulse)) return;
+    auto& b = s.bodies[at.index];
+    const auto inverse_inertia = in_world(b.inverse_inertia, b.rotation);
+    const auto exact = [&] {
+        return converted<double>(b.velocity.angular) +
+               times(converted<double>(inverse_inertia), converted<double>(impulse));
+    };
+    if (!assign(b.velocity.angular, b.velocity.angular + times(inverse_inertia, impulse), exact))
+        refuse_action(f, "impulse", size_of(impulse));
+    else if (!(impulse == decltype(impulse){})) wake(s, at.index);
 }
 
 }  // namespace detail

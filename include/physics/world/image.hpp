@@ -2,7 +2,7 @@
 #pragma once
 
 #include "physics/base/lasting.hpp"
-#include "physics/world/state.hpp"
+#include "physics/world/check.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -101,10 +101,10 @@ public:
     }
 
     /// Brings a world to the state that was saved. Takes memory only where the world has not had so much before.
-    /// Refused, with nothing changed, if nothing was saved or a query of the world is under way.
+    /// Refused, with nothing changed, if nothing was saved or a step of the world is under way.
     bool restore(state<Plan>& s) const {
         if (units_.empty()) return refuse("restore", "image", "empty", "it must have been saved");
-        if (!query_scope::allows_change(&s.broadphase, "restore")) return false;
+        if (!check_not_in_step(s, "restore")) return false;
         // What may fail comes first.
         const unit* from = units_.begin();
         each_piece(s, [&](auto& piece) { from = make_room(piece, from); });

@@ -35,6 +35,14 @@ symmetric<T> converted(const symmetric<S>& m) {
             static_cast<T>(m.xy), static_cast<T>(m.xz), static_cast<T>(m.yz)};
 }
 template <class T, class S, int D>
+twist<T, D> converted(const twist<S, D>& v) {
+    return {converted<T>(v.linear), converted<T>(v.angular)};
+}
+template <class T, class S, int D>
+linear_twist<T, D> converted(const linear_twist<S, D>& v) {
+    return {converted<T>(v.linear)};
+}
+template <class T, class S, int D>
 mass_properties<T, D> converted(const mass_properties<S, D>& m) {
     return {static_cast<T>(m.mass), converted<T>(m.center), converted<T>(m.inertia)};
 }
@@ -49,13 +57,18 @@ auto mass_of_shape(const shape_record<Plan>& record) {
         else return {};
     });
 }
-/// The mass of all shapes of a body but one, computed with the scalar T.
+/// The mass of all shapes of a body but one, computed with the scalar T; or of one more, which is to be inserted next.
 template <class T, class Plan>
-auto mass_of_shapes(const state<Plan>& s, std::uint32_t body, std::uint32_t but = 0xffffffffu) {
+auto mass_of_shapes(const state<Plan>& s, std::uint32_t body, std::uint32_t but = no_shape,
+                    const shape_record<Plan>* more = nullptr) {
     mass_properties<T, Plan::dimension> sum;
+    // In the order in which a body has its shapes, so that it is the sum that it will have, to the bit.
+    const auto add_more = [&] { sum = combined(sum, mass_of_shape<T>(*std::exchange(more, nullptr))); };
     each_shape(s, body, [&](std::uint32_t i, const shape_record<Plan>& shape) {
+        if (more && i < s.shapes.next_index()) add_more();
         if (i != but) sum = combined(sum, mass_of_shape<T>(shape));
     });
+    if (more) add_more();
     return sum;
 }
 

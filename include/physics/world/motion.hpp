@@ -3,6 +3,7 @@
 
 #include "physics/dynamics/batches.hpp"
 #include "physics/world/edit.hpp"
+#include "physics/world/overflow.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -65,6 +66,10 @@ public:
           hands_(hands),
           tally_(scratch.template take<std::uint32_t>(hands.workers())) {
         free_count_ = count_of([&](std::uint32_t k) { return gather(k); });
+        if constexpr (is_fixed<S>)
+            starts_well_ = count_of([&](std::uint32_t k) {
+                return !stays_in_range(s.settings.gravity, member(k), bodies_[k], h, parts_of_step(s.settings.solver));
+            }) == 0;
         for (std::uint32_t k = count_; k < part.nobody - part.bodies + 2; ++k)
             new (bodies_ + k) solver_body<S, D, turns>{};
         if (free_count_ > 0) find_free(parts, part, scratch);
@@ -119,10 +124,9 @@ public:
             moving_[k].center += way.linear;
             if constexpr (D == 2 && turns)
                 if (way.angular != S(0)) moving_[k].rotation = turned(moving_[k].rotation, way.angular);
-            return !physics::is_finite(moving_[k].center) || !physics::is_finite(bodies_[k].velocity.linear) ||
-                   !turns_well(moving_[k], bodies_[k].velocity);
+            return !is_where_numbers_reach(moving_[k], bodies_[k].velocity);
         });
-        return lost == 0;
+        return lost == 0 && starts_well_;
     }
 
 private:
@@ -144,11 +148,6 @@ private:
         });
         for (std::uint32_t k = 1; k < hands_.workers(); ++k) tally_[0] += tally_[k];
         return tally_[0];
-    }
-    static bool turns_well([[maybe_unused]] const moving_body<S, D, turns>& at,
-                           [[maybe_unused]] const twist_of<S, D, turns>& v) {
-        if constexpr (turns) return physics::is_finite(at.rotation) && physics::is_finite(v.angular);
-        else return true;
     }
     void advance_velocity(std::uint32_t k, S h) {
         if (!(bodies_[k].inverse_mass > inverse_of<S>(0))) return;
@@ -222,6 +221,7 @@ private:
     std::uint32_t* tally_;  ///< What each worker has counted.
     std::uint32_t* free_ = nullptr;
     std::uint32_t free_count_ = 0;
+    bool starts_well_ = true;
     lanes* lanes_ = nullptr;
     static constexpr std::uint32_t enough = 128;  ///< So many bodies are worth handing to somebody else.
 };

@@ -1,6 +1,8 @@
 // What can be asked of a world: rays, casts, overlaps, the closest thing.
 #pragma once
 
+#include "physics/base/small_buffer.hpp"
+#include "physics/base/sort.hpp"
 #include "physics/collide/part_queries.hpp"
 #include "physics/world/check.hpp"
 
@@ -100,6 +102,8 @@ bool check_way(const char* function, const char* from, vec<S, D> origin, vec<S, 
            check_finite(function, "end of the way", origin + translation);
 }
 
+/// Calls visit(hit) for shapes that a ray meets, in any order; it must not change the world. visit returns the fraction
+/// up to which the ray goes on.
 template <class Plan, class Visit>
 void cast_ray(const state<Plan>& s, const char* function, vec<typename Plan::scalar, Plan::dimension> origin,
               vec<typename Plan::scalar, Plan::dimension> translation, const query_filter& filter, Visit&& visit) {
@@ -121,6 +125,27 @@ bool comes_first(const Hit& a, const Hit& b) {
     return !b || a.fraction < b.fraction || (a.fraction == b.fraction && a.shape.index < b.shape.index);
 }
 
+/// The same, the first ones first; visit may change the world. What it has destroyed is left out.
+template <class Plan, class Visit>
+void each_on_ray(const state<Plan>& s, vec<typename Plan::scalar, Plan::dimension> origin,
+                 vec<typename Plan::scalar, Plan::dimension> translation, const query_filter& filter, Visit&& visit) {
+    using S = typename Plan::scalar;
+    using hit_type = world_hit<S, Plan::dimension>;
+    small_buffer<hit_type, 16> hits;
+    exactly([&] {
+        cast_ray(s, "each_on_ray", origin, translation, filter, [&](const hit_type& hit) {
+            hits.push(hit);
+            return S(1);
+        });
+    });
+    sort_in_place(hits.begin(), hits.size(), comes_first<hit_type>);
+    S limit(1);
+    for (const hit_type& hit : hits) {
+        if (hit.fraction > limit || hit.shape.world != s.tag) return;
+        if (s.shapes.contains(hit.shape.index, hit.shape.generation)) limit = min(limit, visit(hit));
+    }
+}
+
 template <class Plan, class Shape>
 world_hit<typename Plan::scalar, Plan::dimension> cast_shape(
     const state<Plan>& s, const Shape& shape, const transform<typename Plan::scalar, Plan::dimension>& pose,
@@ -133,6 +158,7 @@ world_hit<typename Plan::scalar, Plan::dimension> cast_shape(
         !check_way(f, "position", pose.position, translation))
         return first;
     const aabb<S, D> box = bounds(shape, pose);
+    if (!check_extent(f, box)) return first;
     const vec<S, D> middle = box.lower + (box.upper - box.lower) * S(0.5);
     each_on(s, {middle, translation, (box.upper - box.lower) * S(0.5)}, filter, [&](std::uint32_t i) {
         const transform<S, D> at = s.shapes[i].pose;
@@ -154,19 +180,57 @@ closest_points<S, D> separation_within(const A& a, const B& b, const transform<S
     else return separation(a, b, b_in_a);
 }
 
-template <class Plan, class Shape, class Visit>
-void each_overlapping(const state<Plan>& s, const Shape& shape,
-                      const transform<typename Plan::scalar, Plan::dimension>& pose, const query_filter& filter,
-                      Visit&& visit) {
+/// Calls found(shape's number) for shapes that a shape touches, in any order; it must not change the world.
+template <class Plan, class Shape, class Found>
+void find_touched(const state<Plan>& s, const char* f, const Shape& shape,
+                  const transform<typename Plan::scalar, Plan::dimension>& pose, const query_filter& filter,
+                  Found&& found) {
     using S = typename Plan::scalar;
-    const char* f = "each_overlapping";
     if (!check(shape, f) || !check_pose(f, pose.position, pose.rotation)) return;
-    each_near(s, bounds(shape, pose), filter, [&](std::uint32_t i) {
+    const auto box = bounds(shape, pose);
+    if (!check_extent(f, box)) return;
+    each_near(s, box, filter, [&](std::uint32_t i) {
         const auto at = relative(s.shapes[i].pose, pose);
         const bool touches = s.shapes[i].shape.visit(
             [&](const auto& other) { return !(separation_within(other, shape, at, S(0)).distance > S(0)); });
-        if (touches) visit(id_of_shape(s, i));
+        if (touches) found(i);
     });
+}
+/// Calls visit(id) for them in ascending order of their numbers; it may change the world. What it has destroyed is left
+/// out.
+template <class Plan, class Shape, class Visit>
+void each_overlapping(const state<Plan>& s, const char* f, const Shape& shape,
+                      const transform<typename Plan::scalar, Plan::dimension>& pose, const query_filter& filter,
+                      Visit&& visit) {
+    small_buffer<std::uint64_t, 48> touched;
+    exactly([&] {
+        find_touched(s, f, shape, pose, filter, [&](std::uint32_t i) {
+            touched.push(std::uint64_t{s.shapes.generation(i)} << 32 | i);
+        });
+    });
+    buffer<std::uint64_t> spare;
+    // Fewer are sorted in place.
+    if (touched.size() > 48) spare.resize(touched.size());
+    const int bits = static_cast<int>(std::bit_width(s.shapes.slots()));
+    const std::uint64_t* const sorted = radix_sort(touched.begin(), spare.begin(), touched.size(), 0, bits);
+    const std::uint16_t tag = s.tag;
+    // Another world may have taken its place.
+    for (std::uint32_t k = 0; k < touched.size() && s.tag == tag; ++k) {
+        const shape_id id{static_cast<std::uint32_t>(sorted[k]), static_cast<std::uint16_t>(sorted[k] >> 32), tag};
+        if (s.shapes.contains(id.index, id.generation) && !go_on(visit, id)) return;
+    }
+}
+
+/// All within a distance of a point, as far as numbers go.
+template <class S, int D>
+aabb<S, D> around(vec<S, D> point, S reach) {
+    const S most = scalar_traits<S>::max();
+    aabb<S, D> box;
+    for (int i = 0; i < D; ++i) {
+        box.lower[i] = point[i] > reach - most ? point[i] - reach : -most;
+        box.upper[i] = point[i] < most - reach ? point[i] + reach : most;
+    }
+    return box;
 }
 
 template <class Plan>
@@ -179,7 +243,7 @@ nearest_shape<typename Plan::scalar, Plan::dimension> closest_shape(const state<
     const char* f = "closest_shape";
     nearest_shape<S, D> best;
     if (!check_finite(f, "point", point) || !check_not_negative(f, "reach", reach)) return best;
-    each_near(s, grown(aabb<S, D>{point, point}, reach), filter, [&](std::uint32_t i) {
+    each_near(s, around(point, reach), filter, [&](std::uint32_t i) {
         const transform<S, D> at = s.shapes[i].pose;
         s.shapes[i].shape.visit([&](const auto& other) {
             const auto c = separation_within(other, tip<S, D>{}, relative(at, transform<S, D>{point, {}}), reach);

@@ -10,57 +10,68 @@ namespace detail {
 /// Where a loop ends.
 struct range_end {};
 
-/// The bodies of a world, in the order of their numbers.
+/// The bodies of a world, in the order of their numbers. A loop may change the world: it leaves out what has been
+/// destroyed, and goes no farther than the numbers that there were when it began.
 template <class Plan>
 class body_range {
 public:
     explicit body_range(const state<Plan>& s) : state_(&s) {}
     class iterator {
     public:
-        iterator(const state<Plan>& s, std::uint32_t at) : state_(&s), at_(s.bodies.next(at)) {}
+        explicit iterator(const state<Plan>& s) : state_(&s), end_(s.bodies.slots()), at_(s.bodies.next(0)) {}
         body_id operator*() const { return {at_, state_->bodies.generation(at_), state_->tag}; }
         iterator& operator++() {
             at_ = state_->bodies.next(at_ + 1);
             return *this;
         }
-        bool operator==(range_end) const { return at_ == state_->bodies.slots(); }
+        bool operator==(range_end) const { return at_ >= end_ || at_ >= state_->bodies.slots(); }
 
     private:
         const state<Plan>* state_;
-        std::uint32_t at_;
+        std::uint32_t end_, at_;
     };
-    iterator begin() const { return {*state_, 0}; }
+    iterator begin() const { return iterator(*state_); }
     range_end end() const { return {}; }
 
 private:
     const state<Plan>* state_;
 };
 
-/// The shapes of one body, the latest first.
+/// The shapes of one body, in descending order of their numbers. A loop may change the world: it leaves out what has
+/// been destroyed.
 template <class Plan>
 class shape_range {
 public:
-    shape_range(const state<Plan>& s, std::uint32_t first) : state_(&s), first_(first) {}
+    shape_range(const state<Plan>& s, body_id body) : state_(&s), body_(body) {}
     class iterator {
     public:
-        iterator(const state<Plan>& s, std::uint32_t at) : state_(&s), at_(at) {}
+        iterator(const state<Plan>& s, body_id body) : state_(&s), body_(body) { go_below(no_shape); }
         shape_id operator*() const { return {at_, state_->shapes.generation(at_), state_->tag}; }
         iterator& operator++() {
-            at_ = state_->shapes[at_].next;
+            if (!state_->shapes.alive(at_) || state_->shapes[at_].body != body_.index || !has_body()) go_below(at_);
+            else at_ = state_->shapes[at_].next;
             return *this;
         }
-        bool operator==(range_end) const { return at_ == 0xffffffffu; }
+        bool operator==(range_end) const { return at_ == no_shape; }
 
     private:
+        [[nodiscard]] bool has_body() const { return state_->bodies.contains(body_.index, body_.generation); }
+        /// To the first shape below a number.
+        void go_below(std::uint32_t number) {
+            at_ = has_body() ? state_->bodies[body_.index].first_shape : no_shape;
+            while (at_ != no_shape && at_ >= number) at_ = state_->shapes[at_].next;
+        }
+
         const state<Plan>* state_;
-        std::uint32_t at_;
+        body_id body_;
+        std::uint32_t at_ = no_shape;
     };
-    iterator begin() const { return {*state_, first_}; }
+    iterator begin() const { return {*state_, body_}; }
     range_end end() const { return {}; }
 
 private:
     const state<Plan>* state_;
-    std::uint32_t first_;
+    body_id body_;
 };
 
 template <class Plan>
@@ -87,32 +98,98 @@ auto view_of(const state<Plan>& s, const typename Plan::contact& c) {
     return view;
 }
 
-/// The contacts of a world's last step: first those of bodies that are awake, in ascending order of their shapes'
-/// numbers, then, in the same order, those of sleepers, as they were when they fell asleep.
+/// What is seen of a contact that is gone.
+template <class S, int D>
+contact_view<S, D> no_contact() {
+    vec<S, D> any;
+    any[0] = S(1);
+    return {{}, {}, {}, {}, 0, any, tangents<S, D>(any), {}, 0, {}, {}, {}, {}, {}, {}};
+}
+
+/// The contacts of a world's last step, in ascending order of their shapes' numbers; those of sleepers as they were
+/// when they fell asleep. A loop may change the world: each contact that lasts comes once, and none that is gone.
 template <class Plan>
 class contact_range {
+    using list = buffer<typename Plan::contact>;
+
 public:
     explicit contact_range(const state<Plan>& s) : state_(&s) {}
     class iterator {
     public:
-        iterator(const state<Plan>& s, std::uint32_t at) : state_(&s), at_(at) {}
+        explicit iterator(const state<Plan>& s) : state_(&s) { find(); }
+        /// One without shapes, bodies and points if the contact is gone.
         auto operator*() const {
-            if constexpr (Plan::sleeps)
-                if (at_ >= state_->contacts.size())
-                    return view_of(*state_, state_->sleep.contacts[at_ - state_->contacts.size()]);
-            return view_of(*state_, state_->contacts[at_]);
+            iterator here = *this;
+            here.find();
+            const bool lasts = !here.at_end_ && here.pair_ == pair_ && here.rank_ == rank_;
+            if (lasts) return view_of(*state_, lists()[here.list_][here.first_[here.list_] + rank_]);
+            return no_contact<typename Plan::scalar, Plan::dimension>();
         }
         iterator& operator++() {
-            ++at_;
+            ++rank_;
+            find();
             return *this;
         }
-        bool operator==(range_end) const { return at_ == contact_range(*state_).size(); }
+        bool operator==(range_end) const { return at_end_; }
 
     private:
+        struct both {
+            const list &awake, &asleep;
+            const list& operator[](int k) const { return k == 0 ? awake : asleep; }
+        };
+        [[nodiscard]] both lists() const {
+            if constexpr (Plan::sleeps) return {state_->contacts, state_->sleep.contacts};
+            else return {state_->contacts, state_->contacts};
+        }
+        static constexpr int count = Plan::sleeps ? 2 : 1;
+
+        /// The contact of this rank of the pair, or else the first one of the first pair behind. A pair's contacts are
+        /// side by side in one of the lists; to wake or to fall asleep takes them to the other.
+        void find() {
+            at_end_ = false;
+            for (list_ = 0; list_ < count; ++list_) {
+                const list& in = lists()[list_];
+                first_[list_] = first_from(in, first_[list_]);
+                const std::uint32_t at = first_[list_] + rank_;
+                if (at < in.size() && in[at].key() == pair_) return;
+            }
+            proxy_pair next = pair_;
+            at_end_ = true;
+            for (int k = 0; k < count; ++k) {
+                const list& in = lists()[k];
+                while (first_[k] < in.size() && in[first_[k]].key() == pair_) ++first_[k];
+                if (first_[k] == in.size() || (!at_end_ && !(in[first_[k]].key() < next))) continue;
+                next = in[first_[k]].key();
+                list_ = k;
+                at_end_ = false;
+            }
+            pair_ = next;
+            rank_ = 0;
+        }
+        /// The first contact in a list that is not before the pair; most often where it was.
+        [[nodiscard]] std::uint32_t first_from(const list& in, std::uint32_t guess) const {
+            if (guess <= in.size() && (guess == 0 || in[guess - 1].key() < pair_) &&
+                (guess == in.size() || !(in[guess].key() < pair_)))
+                return guess;
+            std::uint32_t at = 0;
+            for (std::uint32_t size = in.size(); size > 0;) {
+                const std::uint32_t half = size / 2;
+                const bool is_before = in[at + half].key() < pair_;
+                at += is_before ? half + 1 : 0;
+                size = is_before ? size - half - 1 : half;
+            }
+            return at;
+        }
+
         const state<Plan>* state_;
-        std::uint32_t at_;
+        proxy_pair pair_{};
+        std::uint32_t rank_ = 0;
+        /// In each list, the first contact that is not before the pair.
+        std::uint32_t first_[2] = {};
+        int list_ = 0;
+        bool at_end_ = false;
     };
-    iterator begin() const { return {*state_, 0}; }
+    iterator begin() const { return iterator(*state_); }
     range_end end() const { return {}; }
     /// Number of contacts.
     [[nodiscard]] std::uint32_t size() const {

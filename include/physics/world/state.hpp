@@ -9,6 +9,9 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
+/// Behind the last shape of a body.
+inline constexpr std::uint32_t no_shape = 0xffffffffu;
+
 /// Everything that a world keeps of one shape.
 template <class Plan>
 struct shape_record {
@@ -23,8 +26,8 @@ struct shape_record {
     [[no_unique_address]] kept_material<S, D, typename Plan::features> material;
     S density{};
     std::uint32_t body = 0;
-    /// The next shape of the same body.
-    std::uint32_t next = 0xffffffffu;
+    /// The body's shape of the next lower number.
+    std::uint32_t next = no_shape;
     std::uint64_t user_data = 0;
 };
 
@@ -177,6 +180,11 @@ struct continuous_state {
 };
 struct nothing_continuous {};
 
+/// Whether something lasts just now.
+struct step_mark {
+    bool on = false;
+};
+
 /// The state of a world. Copying it copies the world.
 template <class Plan>
 struct state {
@@ -229,6 +237,8 @@ struct state {
         f(self.last_step);
     }
 
+    /// Set while a step is under way.
+    of_a_step<step_mark> in_step;
     // Scratch of the step: nothing in it outlives one.
     of_a_step<buffer<typename Plan::contact>> found;
     [[no_unique_address]] mixture<S, typename Plan::features> found_surfaces;
@@ -290,8 +300,12 @@ std::uint32_t body_b(const state<Plan>& s, const Contact& c) {
 
 /// The box that the narrowphase needs the broadphase to know: all within half the contact margin.
 template <class Plan>
+auto box_within(typename Plan::scalar contact_margin, const shape_record<Plan>& shape) {
+    return grown(bounds(shape.shape, shape.pose), contact_margin / typename Plan::scalar(2));
+}
+template <class Plan>
 auto needed_box(const state<Plan>& s, const shape_record<Plan>& shape) {
-    return grown(bounds(shape.shape, shape.pose), s.settings.contact_margin / typename Plan::scalar(2));
+    return box_within(s.settings.contact_margin, shape);
 }
 /// What the broadphase knows of a shape besides.
 template <class Plan>
@@ -312,7 +326,7 @@ void update_broadphase(state<Plan>& s) {
 /// Calls f(index, shape) for every shape of a body.
 template <class State, class F>
 void each_shape(State& s, std::uint32_t body, F&& f) {
-    for (std::uint32_t i = s.bodies[body].first_shape; i != 0xffffffffu;) {
+    for (std::uint32_t i = s.bodies[body].first_shape; i != no_shape;) {
         const std::uint32_t next = s.shapes[i].next;
         f(i, s.shapes[i]);
         i = next;

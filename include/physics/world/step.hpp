@@ -86,11 +86,28 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, c
     return step_result::done;
 }
 
+/// Sets the mark that a step is under way, as long as the scope lives.
+class mark_of_step {
+public:
+    explicit mark_of_step(step_mark& mark) : mark_(mark) { mark_.on = true; }
+    mark_of_step(const mark_of_step&) = delete;
+    mark_of_step& operator=(const mark_of_step&) = delete;
+    ~mark_of_step() { mark_.on = false; }
+
+private:
+    step_mark& mark_;
+};
+
+template <class Plan>
+step_result marked_step(state<Plan>& s, typename Plan::scalar h, const crew& hands) {
+    const mark_of_step mark(s.in_step);
+    return step(s, h, hands);
+}
 template <class Plan>
 void advance(state<Plan>& s, typename Plan::scalar h, const crew& hands) {
-    if (!check_positive("step", "dt", h)) return;
+    if (!check_positive("step", "dt", h) || !check_not_in_step(s, "step")) return;
     const float_control_scope control;
-    report(step(s, h, hands));
+    report(marked_step(s, h, hands));
 }
 
 }  // namespace detail

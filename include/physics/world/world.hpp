@@ -11,7 +11,8 @@ PHYSICS_HPP_BEGIN
 /// A world of rigid bodies, made of what a recipe names.
 ///
 /// SI units; x to the right, y up. Vectors, points and rotations are in world axes unless a name says
-/// "local", which means the body's own frame. Change a world between steps only. Every function refuses bad
+/// "local", which means the body's own frame. Change a world between steps; loops over it, and visitors of its queries,
+/// may change it too. Every function refuses bad
 /// numbers and null, foreign or stale handles with physics::error (see there for builds without exceptions)
 /// and then leaves the world as it was. A copy of a world is a world in the same state, and handles serve both; a
 /// world that was moved from is empty.
@@ -46,7 +47,7 @@ public:
     /// bits as every other (see float_environment).
     explicit world(const settings_type& settings = {}) {
         if (detail::check_settings<plan>(settings, "world") && detail::check_environment<scalar>("world"))
-            detail::change_settings(state_, settings);
+            detail::exactly([&] { detail::change_settings(state_, settings); });
         state_.tag = detail::next_world_tag();
     }
 
@@ -60,19 +61,23 @@ public:
     [[nodiscard]] std::uint64_t steps() const { return state_.steps; }
     /// A number that worlds in the same state share, on any machine. User data and settings do not enter.
     /// O(bodies + shapes + contacts).
-    [[nodiscard]] std::uint64_t state_hash() const { return detail::state_hash(state_); }
+    [[nodiscard]] std::uint64_t state_hash() const {
+        return detail::exactly([&] { return detail::state_hash(state_); });
+    }
     [[nodiscard]] const settings_type& settings() const { return state_.settings; }
     /// Changes the settings from the next step on. O(shapes).
     void set_settings(const settings_type& settings) {
-        if (detail::check_settings<plan>(settings, "set_settings")) detail::change_settings(state_, settings);
+        detail::exactly([&] { detail::set_settings(state_, settings); });
     }
 
     /// Adds a body; shapes give it extent and, if it is dynamic, mass. Without mass from shapes it is a point of
     /// 1 kg that nothing turns.
-    body_id create_body(const body_def& def = {}) { return detail::create_body(state_, def); }
+    body_id create_body(const body_def& def = {}) {
+        return detail::exactly([&] { return detail::create_body(state_, def); });
+    }
     /// Removes a body with its shapes and contacts. O(shapes + contacts).
     void destroy_body(body_id id) {
-        if (const auto b = find(id, "destroy_body")) detail::destroy_body(state_, b.index);
+        if (const auto b = find(id, "destroy_body")) detail::exactly([&] { detail::destroy_body(state_, b.index); });
     }
     /// Adds a shape of the recipe's set to a body; unless the body's mass is set, it changes with it. Refuses a mass
     /// that the scalar cannot hold. O(shapes of the body), and O(contacts) where the centre of mass moves.
@@ -82,12 +87,13 @@ public:
         static_assert(
             known,
             "physics::world::create_shape: the recipe's set of shapes lacks this one; name it in physics::shapes<...>");
-        if constexpr (known) return detail::create_shape(state_, body, shape, def);
+        if constexpr (known) return detail::exactly([&] { return detail::create_shape(state_, body, shape, def); });
         else return {};
     }
     /// Removes a shape and its contacts. Refused where the rest's mass is one that the scalar cannot hold. O(contacts).
     void destroy_shape(shape_id id) {
-        if (const auto s = detail::find_shape(state_, id, "destroy_shape")) detail::destroy_shape(state_, s.index);
+        const auto s = detail::find_shape(state_, id, "destroy_shape");
+        if (s) detail::exactly([&] { detail::destroy_shape(state_, s.index); });
     }
     /// True if the handle names a living thing of this world; never an error.
     [[nodiscard]] bool contains(body_id id) const {
@@ -103,8 +109,7 @@ public:
     [[nodiscard]] auto bodies() const { return detail::body_range<plan>(state_); }
     /// All shapes of a body.
     [[nodiscard]] auto shapes(body_id id) const {
-        const auto b = find(id, "shapes");
-        return detail::shape_range<plan>(state_, b ? state_.bodies[b.index].first_shape : 0xffffffffu);
+        return detail::shape_range<plan>(state_, find(id, "shapes") ? id : body_id());
     }
     /// All contacts of the last step, each as a contact_view.
     [[nodiscard]] auto contacts() const { return detail::contact_range<plan>(state_); }
@@ -124,7 +129,7 @@ public:
     void set_pose(body_id id, vec position, const rotation& orientation) {
         const auto b = find(id, "set_pose");
         if (b && detail::check_pose("set_pose", position, orientation))
-            detail::set_pose(state_, b.index, {position, normalized(orientation)});
+            detail::exactly([&] { detail::set_pose(state_, b.index, {position, normalized(orientation)}); });
     }
     void set_pose(body_id id, const transform& pose) { set_pose(id, pose.position, pose.rotation); }
     /// Lets a kinematic body reach a pose by the end of the next step, and pushes what it touches as the velocity would
@@ -134,7 +139,7 @@ public:
     void move_to(body_id id, vec position, const rotation& orientation) {
         const auto b = detail::find_kinematic(state_, id, "move_to");
         if (b && detail::check_pose("move_to", position, orientation))
-            detail::move_to(state_, b.index, position, orientation);
+            detail::exactly([&] { detail::move_to(state_, b.index, position, orientation); });
     }
     void move_to(body_id id, const transform& pose) { move_to(id, pose.position, pose.rotation); }
 
@@ -148,14 +153,18 @@ public:
     }
     [[nodiscard]] vec velocity_at(body_id id, vec point) const {
         const auto b = find(id, "velocity_at");
-        if (!b || !detail::check_finite("velocity_at", "point", point)) return {};
-        return physics::velocity_at(state_.bodies[b.index].velocity, point - state_.bodies[b.index].center);
+        if (!b || !detail::check_in_range("velocity_at", "point", point)) return {};
+        const auto& v = state_.bodies[b.index].velocity;
+        const vec lever = point - state_.bodies[b.index].center;
+        if (detail::has_velocity_at(v, lever)) return physics::velocity_at(v, lever);
+        detail::refuse_action("velocity_at", "point", detail::size_of(point));
+        return {};
     }
     /// Velocities of dynamic and kinematic bodies; static ones have none, and locked rotations stay at 0.
     void set_linear_velocity(body_id id, vec v) {
         const auto b = find_moving(id, "set_linear_velocity");
-        if (!b || !detail::check_finite("set_linear_velocity", "v", v)) return;
-        if (!(v == vec{})) detail::rouse(state_, b.index);
+        if (!b || !detail::check_in_range("set_linear_velocity", "v", v)) return;
+        if (!(v == vec{})) rouse(b.index);
         detail::velocity_to_set(state_, b.index).linear = v;
     }
     void set_angular_velocity(body_id id, angular w) requires plan::turns {
@@ -163,7 +172,7 @@ public:
         if (!b ||
             !detail::check_angular_velocity("set_angular_velocity", "w", w, state_.bodies[b.index].rotation_locked))
             return;
-        if (!(w == angular{})) detail::rouse(state_, b.index);
+        if (!(w == angular{})) rouse(b.index);
         detail::velocity_to_set(state_, b.index).angular = w;
     }
 
@@ -178,12 +187,7 @@ public:
     }
     /// A torque (N m) during the next step.
     void apply_torque(body_id id, angular torque) requires plan::turns {
-        const auto b = dynamic(id, "apply_torque");
-        if (!b || !detail::check_finite("apply_torque", "torque", torque)) return;
-        auto& sum = state_.bodies[b.index].torque;
-        if (!detail::assign(sum, sum + torque))
-            detail::refuse_action("apply_torque", "torque", detail::size_of(torque));
-        else if (!(torque == angular{})) detail::wake(state_, b.index);
+        detail::exactly([&] { detail::push_spin(state_, id, torque); });
     }
     /// Forgets the forces and torques that wait for the next step.
     void clear_forces(body_id id) {
@@ -201,13 +205,7 @@ public:
     }
     /// An angular impulse (N m s).
     void apply_angular_impulse(body_id id, angular impulse) requires plan::turns {
-        const auto at = dynamic(id, "apply_angular_impulse");
-        if (!at || !detail::check_finite("apply_angular_impulse", "impulse", impulse)) return;
-        auto& b = state_.bodies[at.index];
-        if (!detail::assign(b.velocity.angular,
-                            b.velocity.angular + times(in_world(b.inverse_inertia, b.rotation), impulse)))
-            detail::refuse_action("apply_angular_impulse", "impulse", detail::size_of(impulse));
-        else if (!(impulse == angular{})) detail::wake(state_, at.index);
+        detail::exactly([&] { detail::kick_spin(state_, id, impulse); });
     }
 
     [[nodiscard]] body_type type(body_id id) const {
@@ -216,7 +214,7 @@ public:
     }
     /// Changes how a body moves; a static body loses its velocity. O(shapes + contacts).
     void set_type(body_id id, body_type type) {
-        if (const auto b = find(id, "set_type")) detail::set_type(state_, b.index, type);
+        if (const auto b = find(id, "set_type")) detail::exactly([&] { detail::set_type(state_, b.index, type); });
     }
     /// Mass (kg), centre (m) and inertia about it (kg m^2) in the body's frame. Static and kinematic bodies take none
     /// from their shapes: they have mass 0 and their centre at the origin.
@@ -227,11 +225,11 @@ public:
     /// recipes without rotation, nothing turns it. Refuses what the scalar cannot hold, and tensors that are not
     /// positive definite.
     void set_mass(body_id id, const mass_properties& mass) {
-        if (const auto b = dynamic(id, "set_mass")) detail::set_mass(state_, b.index, mass);
+        if (const auto b = dynamic(id, "set_mass")) detail::exactly([&] { detail::set_mass(state_, b.index, mass); });
     }
     /// Takes the mass from the shapes again. O(shapes).
     void reset_mass(body_id id) {
-        if (const auto b = dynamic(id, "reset_mass")) detail::reset_mass(state_, b.index);
+        if (const auto b = dynamic(id, "reset_mass")) detail::exactly([&] { detail::reset_mass(state_, b.index); });
     }
     [[nodiscard]] scalar linear_damping(body_id id) const {
         return get(id, "linear_damping", [](const auto& b) { return b.linear_damping; });
@@ -254,8 +252,8 @@ public:
     }
     void set_gravity_scale(body_id id, scalar factor) {
         const auto b = find(id, "set_gravity_scale");
-        if (!b || !detail::check_finite("set_gravity_scale", "factor", factor)) return;
-        detail::rouse(state_, b.index);
+        if (!b || !detail::check_in_range("set_gravity_scale", "factor", factor)) return;
+        rouse(b.index);
         state_.bodies[b.index].gravity_scale = factor;
     }
     [[nodiscard]] bool rotation_locked(body_id id) const {
@@ -263,7 +261,8 @@ public:
     }
     /// Locks or frees rotation; locking stops it.
     void set_rotation_locked(body_id id, bool locked) requires plan::turns {
-        if (const auto b = find(id, "set_rotation_locked")) detail::set_rotation_locked(state_, b.index, locked);
+        const auto b = find(id, "set_rotation_locked");
+        if (b) detail::exactly([&] { detail::set_rotation_locked(state_, b.index, locked); });
     }
     /// True while the body sleeps: an island of bodies that has been still for long enough (settings().sleeping) leaves
     /// the step, until something touches it or somebody acts on it. Sleepers cost nothing.
@@ -273,7 +272,7 @@ public:
     }
     /// Wakes a body and its island. O(contacts of sleepers).
     void wake(body_id id) {
-        if (const auto b = find(id, "wake")) detail::wake(state_, b.index);
+        if (const auto b = find(id, "wake")) wake(b.index);
     }
     /// False keeps a body awake, and those that touch it.
     [[nodiscard]] bool can_sleep(body_id id) const {
@@ -283,7 +282,7 @@ public:
         const auto b = find(id, "set_can_sleep");
         if (!b) return;
         state_.bodies[b.index].can_sleep = can;
-        if (!can) detail::wake(state_, b.index);
+        if (!can) wake(b.index);
     }
     /// Number of bodies that move and are awake. O(bodies).
     [[nodiscard]] std::uint32_t awake_count() const { return detail::count_awake(state_); }
@@ -314,7 +313,7 @@ public:
     }
     /// Changes a shape's material from the next step on; without feature::materials set_settings changes that of all.
     void set_surface(shape_id id, const material& m) requires(plan::features::materials) {
-        detail::set_surface(state_, id, m);
+        detail::exactly([&] { detail::set_surface(state_, id, m); });
     }
     [[nodiscard]] std::uint64_t user_data(shape_id id) const {
         return get(id, "user_data", [](const auto& s) { return s.user_data; });
@@ -329,46 +328,50 @@ public:
     /// the least number.
     [[nodiscard]] world_hit cast_ray(vec origin, vec translation, const query_filter& filter = {}) const {
         world_hit first;
-        detail::cast_ray(state_, "cast_ray", origin, translation, filter, [&](const world_hit& hit) {
-            if (detail::comes_first(hit, first)) first = hit;
-            return first.fraction;
+        detail::exactly([&] {
+            detail::cast_ray(state_, "cast_ray", origin, translation, filter, [&](const world_hit& hit) {
+                if (detail::comes_first(hit, first)) first = hit;
+                return first.fraction;
+            });
         });
         return first;
     }
-    /// Calls visit(hit) for shapes that the ray meets, in any order. visit returns the fraction of the translation up
-    /// to which the ray goes on: hit.fraction for the closest, 1 for all, -1 to stop.
+    /// Visitors are called after all has been found, so that they may change the world, or step it: what has been
+    /// destroyed by then is left out.
+    /// Calls visit(hit) for shapes that the ray meets, in their order along it. visit returns the fraction of the
+    /// translation up to which the ray goes on: 1 for all, -1 to stop. To find the first alone, cast_ray is faster.
     template <class Visit>
     void each_on_ray(vec origin, vec translation, const query_filter& filter, Visit&& visit) const {
-        detail::cast_ray(state_, "each_on_ray", origin, translation, filter, visit);
+        detail::each_on_ray(state_, origin, translation, filter, visit);
     }
     /// The first shape that a convex shape meets on its way from a pose along a translation, without turning.
     template <class Shape>
     [[nodiscard]] world_hit cast_shape(const Shape& shape, const transform& pose, vec translation,
                                        const query_filter& filter = {}) const {
-        return detail::cast_shape(state_, shape, pose, translation, filter);
+        return detail::exactly([&] { return detail::cast_shape(state_, shape, pose, translation, filter); });
     }
-    /// Calls visit(shape_id) for every shape that a convex shape at that pose touches or overlaps, in any order.
+    /// Calls visit(shape_id) for every shape that a convex shape at that pose touches or overlaps, in ascending order
+    /// of numbers. Where visit returns a bool, false ends the query.
     template <class Shape, class Visit>
     void each_overlapping(const Shape& shape, const transform& pose, const query_filter& filter, Visit&& visit) const {
-        detail::each_overlapping(state_, shape, pose, filter, visit);
+        detail::each_overlapping(state_, "each_overlapping", shape, pose, filter, visit);
     }
-    /// Calls visit(shape_id) for every shape that holds a point, in any order.
+    /// The same for shapes that hold a point.
     template <class Visit>
     void each_at(vec point, const query_filter& filter, Visit&& visit) const {
         if (detail::check_finite("each_at", "point", point))
-            detail::each_overlapping(state_, detail::tip<scalar, dimension>{}, {point, {}}, filter, visit);
+            detail::each_overlapping(state_, "each_at", detail::tip<scalar, dimension>{}, {point, {}}, filter, visit);
     }
     /// The shape closest to a point, none farther than `reach` (m).
     [[nodiscard]] nearest_shape closest_shape(vec point, scalar reach, const query_filter& filter = {}) const {
-        return detail::closest_shape(state_, point, reach, filter);
+        return detail::exactly([&] { return detail::closest_shape(state_, point, reach, filter); });
     }
 
 private:
     detail::found find(body_id id, const char* function) const { return detail::find_body(state_, id, function); }
-    detail::found dynamic(body_id id, const char* function) const { return detail::find_dynamic(state_, id, function); }
-    detail::found find_moving(body_id id, const char* function) const {
-        return detail::find_moving(state_, id, function);
-    }
+    detail::found find(body_id id, const char* function) { return detail::find_body(state_, id, function); }
+    detail::found dynamic(body_id id, const char* function) { return detail::find_dynamic(state_, id, function); }
+    detail::found find_moving(body_id id, const char* function) { return detail::find_moving(state_, id, function); }
     /// f of the thing that the handle names, or a default value after refusing the handle.
     template <class F>
     auto get(body_id id, const char* function, F&& f) const
@@ -382,11 +385,13 @@ private:
         const auto s = detail::find_shape(state_, id, function);
         return s ? f(state_.shapes[s.index]) : decltype(f(state_.shapes[0])){};
     }
+    void rouse(std::uint32_t body) { detail::exactly([&] { detail::rouse(state_, body); }); }
+    void wake(std::uint32_t body) { detail::exactly([&] { detail::wake(state_, body); }); }
     void push(body_id id, const char* function, vec force, bool local, const vec* point) {
-        detail::push(state_, id, function, force, local, point);
+        detail::exactly([&] { detail::push(state_, id, function, force, local, point); });
     }
     void kick(body_id id, const char* function, vec impulse, bool local, const vec* point) {
-        detail::kick(state_, id, function, impulse, local, point);
+        detail::exactly([&] { detail::kick(state_, id, function, impulse, local, point); });
     }
 
     detail::state<plan> state_;
