@@ -130,9 +130,9 @@
 #define PHYSICS_HPP_REGION_POP _Pragma("float_control(pop)")
 #elif defined(__GNUC__) && (defined(__FP_FAST_FMA) || defined(__FP_FAST_FMAF))
 // gcc's vectoriser forms fused multiply-addsub from paired products even so, hence it stays out; packs are explicit.
-#define PHYSICS_HPP_REGION_PUSH   \
-    _Pragma("GCC push_options")   \
-    _Pragma("GCC optimize(\"fp-contract=off\", \"no-tree-slp-vectorize\", \"no-tree-loop-vectorize\")")
+#define PHYSICS_HPP_REGION_PUSH \
+    _Pragma("GCC push_options") \
+        _Pragma("GCC optimize(\"fp-contract=off\", \"no-tree-slp-vectorize\", \"no-tree-loop-vectorize\")")
 #define PHYSICS_HPP_REGION_POP _Pragma("GCC pop_options")
 #elif defined(_MSC_VER)
 #define PHYSICS_HPP_REGION_PUSH __pragma(float_control(precise, on, push)) __pragma(fp_contract(off))
@@ -142,9 +142,9 @@
 #define PHYSICS_HPP_REGION_POP
 #endif
 
-#define PHYSICS_HPP_BEGIN  \
+#define PHYSICS_HPP_BEGIN   \
     PHYSICS_HPP_REGION_PUSH \
-    namespace physics {    \
+    namespace physics {     \
     inline namespace PHYSICS_HPP_ABI {
 #define PHYSICS_HPP_END \
     }                   \
@@ -746,11 +746,17 @@ constexpr bool operator<(basic_int128<Unsigned> a, basic_int128<Unsigned> b) {
     return a.negative() != b.negative() ? a.negative() : a.bits < b.bits;
 }
 template <class Unsigned>
-constexpr bool operator>(basic_int128<Unsigned> a, basic_int128<Unsigned> b) { return b < a; }
+constexpr bool operator>(basic_int128<Unsigned> a, basic_int128<Unsigned> b) {
+    return b < a;
+}
 template <class Unsigned>
-constexpr bool operator<=(basic_int128<Unsigned> a, basic_int128<Unsigned> b) { return !(b < a); }
+constexpr bool operator<=(basic_int128<Unsigned> a, basic_int128<Unsigned> b) {
+    return !(b < a);
+}
 template <class Unsigned>
-constexpr bool operator>=(basic_int128<Unsigned> a, basic_int128<Unsigned> b) { return !(a < b); }
+constexpr bool operator>=(basic_int128<Unsigned> a, basic_int128<Unsigned> b) {
+    return !(a < b);
+}
 
 using int128 = basic_int128<uint128>;
 
@@ -1053,8 +1059,7 @@ inline float_control exact_float_control(float_control word) noexcept { return w
 /// Compilers may move arithmetic on values in registers across it: do the work in a function that is not inlined.
 class float_control_scope {
 public:
-    float_control_scope() noexcept
-        : saved_(detail::read_float_control()), exact_(detail::exact_float_control(saved_)) {
+    float_control_scope() noexcept : saved_(detail::read_float_control()), exact_(detail::exact_float_control(saved_)) {
         if (exact_ != saved_) detail::write_float_control(exact_);
     }
     ~float_control_scope() {
@@ -2220,10 +2225,8 @@ inline constexpr double arcsine_series[] = {
 
 template <int I, int Terms, int N>
 constexpr double every_second_term(double xx, const double (&c)[N]) {
-    if constexpr (I + 2 >= Terms)
-        return c[I];
-    else
-        return c[I] + xx * every_second_term<I + 2, Terms>(xx, c);
+    if constexpr (I + 2 >= Terms) return c[I];
+    else return c[I] + xx * every_second_term<I + 2, Terms>(xx, c);
 }
 /// The first Terms terms of a polynomial; even and odd terms side by side, which halves the latency.
 template <int Terms, int N>
@@ -2521,7 +2524,7 @@ concept scalar_type = std::regular<S> && std::totally_ordered<S> && requires(S a
     { static_cast<double>(b) } -> std::same_as<double>;
     { a + b } -> std::same_as<S>;
     { a - b } -> std::same_as<S>;
-    { a * b } -> std::same_as<S>;
+    { a* b } -> std::same_as<S>;
     { a / b } -> std::same_as<S>;
     { -b } -> std::same_as<S>;
     a += b;
@@ -2557,15 +2560,11 @@ constexpr S product(S a, S b) {
 /// A wide number as R, rounded once.
 template <class R>
     requires detail::self_wide<R>
-constexpr R narrow(R a) {
-    return a;
-}
+constexpr R narrow(R a) { return a; }
 /// numerator / denominator as R, rounded once; each may be wide.
 template <class R>
     requires detail::self_wide<R>
-constexpr R quotient(R numerator, R denominator) {
-    return numerator / denominator;
-}
+constexpr R quotient(R numerator, R denominator) { return numerator / denominator; }
 /// a * b rounded once to R; the operands may be a scalar and its inverse type.
 template <class R, class A, class B>
 constexpr R mul(A a, B b) {
@@ -2697,12 +2696,10 @@ inline constexpr fixed<Rep, FractionBits> two_pi<fixed<Rep, FractionBits>> =
 /// The square root, correctly rounded. Negative numbers: NaN, in fixed point 0.
 template <scalar_type S>
 constexpr S sqrt(S x) {
-    if constexpr (std::floating_point<S>)
-        return detail::hardware_root(x);
+    if constexpr (std::floating_point<S>) return detail::hardware_root(x);
     else if constexpr (detail::is_fixed<S>)
         return S::from_raw(detail::fixed_root<typename S::rep, S::fraction_bits>(x.raw()));
-    else
-        return scalar_traits<S>::sqrt(x);
+    else return scalar_traits<S>::sqrt(x);
 }
 /// The square root of a wide number, for scalars that are their own wide type.
 template <class R>
@@ -2712,33 +2709,26 @@ constexpr R root(R a) { return sqrt(a); }
 /// The largest whole number not above x.
 template <scalar_type S>
 constexpr S floor(S x) {
-    if constexpr (std::floating_point<S>)
-        return detail::floor_of(x);
-    else if constexpr (detail::is_fixed<S>)
-        return S::from_raw(x.raw() >> S::fraction_bits << S::fraction_bits);
-    else
-        return scalar_traits<S>::floor(x);
+    if constexpr (std::floating_point<S>) return detail::floor_of(x);
+    else if constexpr (detail::is_fixed<S>) return S::from_raw(x.raw() >> S::fraction_bits << S::fraction_bits);
+    else return scalar_traits<S>::floor(x);
 }
 
 /// The sine of x radians. Cody & Waite (1980) reduction, Payne & Hanek (1983) for huge arguments.
 template <scalar_type S>
 constexpr S sin(S x) {
-    if constexpr (std::floating_point<S>)
-        return static_cast<S>(detail::sine<detail::is_precise<S>>(x));
+    if constexpr (std::floating_point<S>) return static_cast<S>(detail::sine<detail::is_precise<S>>(x));
     else if constexpr (detail::is_fixed<S>)
         return S::from_raw(detail::fixed_sine<typename S::rep, S::fraction_bits>(x.raw()));
-    else
-        return scalar_traits<S>::sin(x);
+    else return scalar_traits<S>::sin(x);
 }
 /// The cosine of x radians.
 template <scalar_type S>
 constexpr S cos(S x) {
-    if constexpr (std::floating_point<S>)
-        return static_cast<S>(detail::cosine<detail::is_precise<S>>(x));
+    if constexpr (std::floating_point<S>) return static_cast<S>(detail::cosine<detail::is_precise<S>>(x));
     else if constexpr (detail::is_fixed<S>)
         return S::from_raw(detail::fixed_cosine<typename S::rep, S::fraction_bits>(x.raw()));
-    else
-        return scalar_traits<S>::cos(x);
+    else return scalar_traits<S>::cos(x);
 }
 
 /// A sine and the cosine of the same angle.
@@ -2765,12 +2755,10 @@ constexpr sine_cosine_of<S> sine_cosine(S x) {
 /// The tangent of x radians.
 template <scalar_type S>
 constexpr S tan(S x) {
-    if constexpr (std::floating_point<S>)
-        return static_cast<S>(detail::tangent<detail::is_precise<S>>(x));
+    if constexpr (std::floating_point<S>) return static_cast<S>(detail::tangent<detail::is_precise<S>>(x));
     else if constexpr (detail::is_fixed<S>)
         return S::from_raw(detail::fixed_tangent<typename S::rep, S::fraction_bits>(x.raw()));
-    else
-        return scalar_traits<S>::tan(x);
+    else return scalar_traits<S>::tan(x);
 }
 
 /// The angle of the vector (x, y) in radians, -pi to pi; 0 for the zero vector of fixed point, by the signs of
@@ -2781,51 +2769,42 @@ constexpr S atan2(S y, S x) {
         return static_cast<S>(detail::arctangent2<detail::is_precise<S>>(detail::to_double(y), detail::to_double(x)));
     else if constexpr (detail::is_fixed<S>)
         return S::from_raw(detail::fixed_arctangent2<typename S::rep, S::fraction_bits>(y.raw(), x.raw()));
-    else
-        return scalar_traits<S>::atan2(y, x);
+    else return scalar_traits<S>::atan2(y, x);
 }
 
 /// The angle from 0 to pi with cosine x. |x| > 1: NaN, in fixed point as 1 or -1.
 template <scalar_type S>
 constexpr S acos(S x) {
-    if constexpr (std::floating_point<S>)
-        return static_cast<S>(detail::arccosine<detail::is_precise<S>>(x));
+    if constexpr (std::floating_point<S>) return static_cast<S>(detail::arccosine<detail::is_precise<S>>(x));
     else if constexpr (detail::is_fixed<S>)
         return S::from_raw(detail::fixed_arccosine<typename S::rep, S::fraction_bits>(x.raw()));
-    else
-        return scalar_traits<S>::acos(x);
+    else return scalar_traits<S>::acos(x);
 }
 /// The angle from -pi/2 to pi/2 with sine x. |x| > 1: NaN, in fixed point as 1 or -1.
 template <scalar_type S>
 constexpr S asin(S x) {
-    if constexpr (std::floating_point<S>)
-        return static_cast<S>(detail::arcsine<detail::is_precise<S>>(x));
+    if constexpr (std::floating_point<S>) return static_cast<S>(detail::arcsine<detail::is_precise<S>>(x));
     else if constexpr (detail::is_fixed<S>)
         return S::from_raw(detail::fixed_arcsine<typename S::rep, S::fraction_bits>(x.raw()));
-    else
-        return scalar_traits<S>::atan2(x, scalar_traits<S>::sqrt((S(1) - x) * (S(1) + x)));
+    else return scalar_traits<S>::atan2(x, scalar_traits<S>::sqrt((S(1) - x) * (S(1) + x)));
 }
 
 /// e^x. Overflow: infinity, in fixed point the largest number.
 template <scalar_type S>
 constexpr S exp(S x) {
-    if constexpr (std::floating_point<S>)
-        return static_cast<S>(detail::exponential<detail::is_precise<S>>(x));
+    if constexpr (std::floating_point<S>) return static_cast<S>(detail::exponential<detail::is_precise<S>>(x));
     else if constexpr (detail::is_fixed<S>)
         return S::from_raw(detail::fixed_exponential<typename S::rep, S::fraction_bits>(x.raw()));
-    else
-        return scalar_traits<S>::exp(x);
+    else return scalar_traits<S>::exp(x);
 }
 /// The natural logarithm. Of 0: -infinity, in fixed point the smallest number; of negative numbers: NaN, in
 /// fixed point 0.
 template <scalar_type S>
 constexpr S log(S x) {
-    if constexpr (std::floating_point<S>)
-        return static_cast<S>(detail::logarithm<detail::is_precise<S>>(x));
+    if constexpr (std::floating_point<S>) return static_cast<S>(detail::logarithm<detail::is_precise<S>>(x));
     else if constexpr (detail::is_fixed<S>)
         return S::from_raw(detail::fixed_logarithm<typename S::rep, S::fraction_bits>(x.raw()));
-    else
-        return scalar_traits<S>::log(x);
+    else return scalar_traits<S>::log(x);
 }
 
 PHYSICS_HPP_END
@@ -2856,12 +2835,13 @@ inline constexpr int vector_bytes = PHYSICS_HPP_VECTOR_BYTES;
 /// The number of lanes that fill one vector register of that many bytes: 4 or 8 for float, 2 or 4 for double, 1 for
 /// all other scalars.
 template <class S, int Bytes = vector_bytes>
-inline constexpr int native_width =
-    (std::is_same_v<S, float> || std::is_same_v<S, double>) && Bytes >= 16 ? Bytes / static_cast<int>(sizeof(S)) : 1;
+inline constexpr int native_width = (std::is_same_v<S, float> || std::is_same_v<S, double>)&&Bytes >= 16
+                                        ? Bytes / static_cast<int>(sizeof(S))
+                                        : 1;
 
 /// Whether W lanes are one vector; one lane is a scalar, and all other packs are made of two halves.
 template <class S, int W, int Bytes>
-inline constexpr bool is_vector = W > 1 && W <= native_width<S, Bytes> && W * sizeof(S) >= 16;
+inline constexpr bool is_vector = W > 1 && W <= native_width<S, Bytes>&& W * sizeof(S) >= 16;
 
 template <class S, int W>
 struct lane_storage {
@@ -2945,8 +2925,8 @@ struct pack {
     /// a > b ? x : y in each lane; y where a or b is NaN.
     template <class T>
     PHYSICS_HPP_ALWAYS_INLINE friend pack<T, W, Bytes> select_greater(const pack& a, const pack& b,
-                                                                     const pack<T, W, Bytes>& x,
-                                                                     const pack<T, W, Bytes>& y) {
+                                                                      const pack<T, W, Bytes>& x,
+                                                                      const pack<T, W, Bytes>& y) {
         return {select_greater(a.low, b.low, x.low, y.low), select_greater(a.high, b.high, x.high, y.high)};
     }
     /// The lanes' products without rounding where S can: the twin of product(S, S).
@@ -3046,8 +3026,8 @@ struct pack<S, W, Bytes> {
     }
     template <class T>
     PHYSICS_HPP_ALWAYS_INLINE friend pack<T, W, Bytes> select_greater(const pack& a, const pack& b,
-                                                                     const pack<T, W, Bytes>& x,
-                                                                     const pack<T, W, Bytes>& y) {
+                                                                      const pack<T, W, Bytes>& x,
+                                                                      const pack<T, W, Bytes>& y) {
         return {a.value > b.value ? x.value : y.value};
     }
     template <class T>
@@ -3267,7 +3247,7 @@ PHYSICS_HPP_ALWAYS_INLINE pack<S, W, Bytes> lane_abs(const pack<S, W, Bytes>& x)
         using lanes = decltype(x.value < x.value);
         const auto sign = pack<S, W, Bytes>::broadcast(S(-0.0));
         return {reinterpret_cast<typename pack<S, W, Bytes>::storage>(reinterpret_cast<lanes>(x.value) &
-                                                                     ~reinterpret_cast<lanes>(sign.value))};
+                                                                      ~reinterpret_cast<lanes>(sign.value))};
     }
 }
 /// Four scalars as lanes.
@@ -3302,7 +3282,7 @@ PHYSICS_HPP_ALWAYS_INLINE P lane_length(const P& a, const P& b) {
 /// Where (a, b) is longer than that.
 template <class S, int W, int Bytes>
 PHYSICS_HPP_ALWAYS_INLINE pack_mask<S, W, Bytes> lane_is_longer(const pack<S, W, Bytes>& a, const pack<S, W, Bytes>& b,
-                                                               const pack<S, W, Bytes>& length) {
+                                                                const pack<S, W, Bytes>& length) {
     if constexpr (is_fixed<S>)
         return {is_root_greater(product(a.value, a.value) + product(b.value, b.value), length.value)};
     else return greater(lane_length(a, b), length);
@@ -3349,7 +3329,9 @@ struct asks_for_parts {
 /// it points to. Scratch, which no step hands to the next one, is no part. A class derived from one with parts says
 /// anew which are its own.
 template <class T>
-concept names_parts = requires(T& self) { T::each_part(self, asks_for_parts{}); };
+concept names_parts = requires(T& self) {
+    T::each_part(self, asks_for_parts{});
+};
 
 template <class T>
 inline constexpr bool is_buffer = false;
@@ -3463,10 +3445,9 @@ PHYSICS_HPP_ALWAYS_INLINE quad<P> load4(Rows rows) {
 #if PHYSICS_HPP_VECTOR_BYTES > 0
     } else if constexpr (P::width == 8) {
         using row = pack<S, 4, 16>;
-        return transposed(join<P>(row::load(rows[0]), row::load(rows[4])),
-                          join<P>(row::load(rows[1]), row::load(rows[5])),
-                          join<P>(row::load(rows[2]), row::load(rows[6])),
-                          join<P>(row::load(rows[3]), row::load(rows[7])));
+        return transposed(
+            join<P>(row::load(rows[0]), row::load(rows[4])), join<P>(row::load(rows[1]), row::load(rows[5])),
+            join<P>(row::load(rows[2]), row::load(rows[6])), join<P>(row::load(rows[3]), row::load(rows[7])));
     } else if constexpr (P::width == 4) {
         return transposed(P::load(rows[0]), P::load(rows[1]), P::load(rows[2]), P::load(rows[3]));
     } else {
@@ -3807,10 +3788,8 @@ concept literal_for = std::is_arithmetic_v<T> && !std::same_as<T, S>;
 /// Such a number as S, through double where S takes nothing nearer.
 template <class S, class T>
 constexpr S from_literal(T x) {
-    if constexpr (std::constructible_from<S, T>)
-        return static_cast<S>(x);
-    else
-        return static_cast<S>(static_cast<double>(x));
+    if constexpr (std::constructible_from<S, T>) return static_cast<S>(x);
+    else return static_cast<S>(static_cast<double>(x));
 }
 }  // namespace detail
 
@@ -4144,7 +4123,8 @@ bool check_each(const char* function, const char* field, vec<S, D> value, Good g
 }
 template <class T>
 bool check_finite(const char* function, const char* field, T value) {
-    return check_each(function, field, value, [](auto x) { return is_finite(x); }, "it must be finite");
+    return check_each(
+        function, field, value, [](auto x) { return is_finite(x); }, "it must be finite");
 }
 /// Whether a quantity may be part of a world's state: a finite number; of fixed-point ones, which wrap, within half of
 /// their range, so that the sum of two shows whether it is.
@@ -4165,13 +4145,14 @@ constexpr bool is_in_range(const vec<S, D>& v) {
 }
 template <class T>
 bool check_in_range(const char* function, const char* field, T value) {
-    return check_finite(function, field, value) &&
-           check_each(function, field, value, [](auto x) { return is_in_range(x); },
-                      "it must be within half of the scalar's range");
+    return check_finite(function, field, value) && check_each(
+                                                       function, field, value, [](auto x) { return is_in_range(x); },
+                                                       "it must be within half of the scalar's range");
 }
 template <class T>
 bool check_left_out(const char* function, const char* field, T value) {
-    return check_each(function, field, value, [](auto x) { return x == decltype(x){}; }, "the recipe leaves it out");
+    return check_each(
+        function, field, value, [](auto x) { return x == decltype(x){}; }, "the recipe leaves it out");
 }
 template <class S>
 bool check_positive(const char* function, const char* field, S value) {
@@ -4576,7 +4557,9 @@ struct transform {
 
 /// The point p, given in the inner frame, in the outer one.
 template <class S, int D>
-constexpr vec<S, D> operator*(const transform<S, D>& t, vec<S, D> p) { return t.rotation * p + t.position; }
+constexpr vec<S, D> operator*(const transform<S, D>& t, vec<S, D> p) {
+    return t.rotation * p + t.position;
+}
 /// b first, then a.
 template <class S, int D>
 constexpr transform<S, D> operator*(const transform<S, D>& a, const transform<S, D>& b) {
@@ -4775,8 +4758,8 @@ public:
         const double error = 0x1p-49 * le * lf + 8 * step_ * (le + lf + step_);
         if (det > error) return 1;
         if (det < -error) return -1;
-        const int128 exact = product128(at(b.x) - at(a.x), at(c.y) - at(a.y)) -
-                             product128(at(b.y) - at(a.y), at(c.x) - at(a.x));
+        const int128 exact =
+            product128(at(b.x) - at(a.x), at(c.y) - at(a.y)) - product128(at(b.y) - at(a.y), at(c.x) - at(a.x));
         return exact.negative() ? -1 : exact == int128{} ? 0 : 1;
     }
 
@@ -5366,8 +5349,8 @@ namespace detail {
 
 /// a b^T + b a^T.
 inline symmetric<double> both_products(const vec<double, 3>& a, const vec<double, 3>& b) {
-    return {2 * a.x * b.x, 2 * a.y * b.y, 2 * a.z * b.z, a.x * b.y + a.y * b.x, a.x * b.z + a.z * b.x,
-            a.y * b.z + a.z * b.y};
+    return {2 * a.x * b.x,         2 * a.y * b.y,         2 * a.z * b.z,
+            a.x * b.y + a.y * b.x, a.x * b.z + a.z * b.x, a.y * b.z + a.z * b.y};
 }
 /// a a^T.
 inline symmetric<double> square_of(const vec<double, 3>& a) { return both_products(a, a) * 0.5; }
@@ -5493,9 +5476,7 @@ inline simplex_sums over_triangle(const vec<double, 3>& a, const vec<double, 3>&
 
 /// A polygon's area, first and second moments.
 template <class Hull>
-vec<double, 2> compute_hull_moments(const Hull& h, hull_moments& m)
-    requires(Hull::dimension == 2)
-{
+vec<double, 2> compute_hull_moments(const Hull& h, hull_moments& m) requires(Hull::dimension == 2) {
     const std::uint32_t n = h.vertex_count;
     const vec<double, 2> base = h.exact_vertex(0);
     double area = 0;
@@ -5526,9 +5507,7 @@ vec<double, 2> compute_hull_moments(const Hull& h, hull_moments& m)
 /// A polyhedron's volume, first and second moments. The wedges of balls at vertices come from the arcs on the unit
 /// sphere that bound them, since n and n n^T - 1/3 are eigenfunctions of the sphere's Laplacian (-2 and -6).
 template <class Hull>
-vec<double, 3> compute_hull_moments(const Hull& h, hull_moments& m)
-    requires(Hull::dimension == 3)
-{
+vec<double, 3> compute_hull_moments(const Hull& h, hull_moments& m) requires(Hull::dimension == 3) {
     const auto each_triangle = [&](const vec<double, 3>& origin, auto&& use) {
         for (std::uint32_t f = 0; f < h.face_count; ++f) {
             const std::uint16_t* corners = h.face_vertices();
@@ -6512,8 +6491,7 @@ private:
             order.push({size, t});
         }
         spare.resize(count / 2 + 1);
-        merge_sort(order.begin(), spare.begin(), count,
-                   [](const entry& a, const entry& b) { return a.size > b.size; });
+        merge_sort(order.begin(), spare.begin(), count, [](const entry& a, const entry& b) { return a.size > b.size; });
         region_.resize(count, none);
         for (const entry& e : order)
             if (region_[e.triangle] == none && !is_needle(e.triangle)) grow(e.triangle);
@@ -6713,9 +6691,9 @@ private:
         const std::uint64_t* sorted = radix_sort(keys.begin(), spare.begin(), keys.size(), 0, 32);
         for (std::uint32_t i = 0; i < keys.size(); ++i) {
             const std::uint32_t h = static_cast<std::uint32_t>(sorted[i] >> 32);
-            outline.edges.push({{static_cast<std::uint16_t>(sorted[i] >> 16 & 0xffff),
-                                 static_cast<std::uint16_t>(sorted[i] & 0xffff)},
-                                {face[h], face[twin_[h]]}});
+            outline.edges.push(
+                {{static_cast<std::uint16_t>(sorted[i] >> 16 & 0xffff), static_cast<std::uint16_t>(sorted[i] & 0xffff)},
+                 {face[h], face[twin_[h]]}});
         }
     }
 
@@ -6837,10 +6815,8 @@ struct foreign_hull {
 
     template <class U>
     [[nodiscard]] constexpr auto as() const {
-        if constexpr (std::is_same_v<hull_real<U>, hull_real<S>>)
-            return hull<U, D>{geometry, static_cast<U>(radius)};
-        else
-            return foreign_hull<U, S, D>{geometry, static_cast<U>(radius)};
+        if constexpr (std::is_same_v<hull_real<U>, hull_real<S>>) return hull<U, D>{geometry, static_cast<U>(radius)};
+        else return foreign_hull<U, S, D>{geometry, static_cast<U>(radius)};
     }
 };
 
@@ -6932,8 +6908,7 @@ void vertex_ranges(const hull_data<R, D>& h, const vec<R, D> (&rows)[D], vec<R, 
         const auto height = [&](std::uint32_t i) {
             lanes sum = lanes::broadcast(rows[axis].x) * lanes::load(h.coordinate(0) + i) +
                         lanes::broadcast(rows[axis].y) * lanes::load(h.coordinate(1) + i);
-            if constexpr (D == 3)
-                sum = sum + lanes::broadcast(rows[axis].z) * lanes::load(h.coordinate(2) + i);
+            if constexpr (D == 3) sum = sum + lanes::broadcast(rows[axis].z) * lanes::load(h.coordinate(2) + i);
             return sum;
         };
         lanes low = height(0), high = low;
@@ -7214,10 +7189,8 @@ public:
 private:
     template <int I, class F, class First, class... Rest>
     decltype(auto) visit_from(F& f) const {
-        if constexpr (sizeof...(Rest) == 0)
-            return f(get<First>());
-        else
-            return kind_ == I ? f(get<First>()) : visit_from<I + 1, F, Rest...>(f);
+        if constexpr (sizeof...(Rest) == 0) return f(get<First>());
+        else return kind_ == I ? f(get<First>()) : visit_from<I + 1, F, Rest...>(f);
     }
     template <class First, class...>
     struct head {
@@ -7321,17 +7294,17 @@ struct core {
     /// The farthest point along d, which need not be a unit vector, nor be other than null.
     [[nodiscard]] support_point<D> support(const point<D>& d) const {
         switch (kind) {
-        case core_kind::point: return {corner[0], 0};
-        case core_kind::segment: return nearer(d, 0, 1);
-        case core_kind::triangle: {
-            const support_point<D> best = nearer(d, 0, 1);
-            return dot(d, corner[2] - best.at) > 0 ? support_point<D>{corner[2], 2} : best;
-        }
-        case core_kind::box: return support_of_box(d);
-        case core_kind::hull_of_floats: return from_hull<float>(d);
-        case core_kind::hull_of_doubles: return from_hull<double>(d);
-        case core_kind::disc: return {from_disc(d), 0};
-        case core_kind::custom: return {custom(data, d), 0};
+            case core_kind::point: return {corner[0], 0};
+            case core_kind::segment: return nearer(d, 0, 1);
+            case core_kind::triangle: {
+                const support_point<D> best = nearer(d, 0, 1);
+                return dot(d, corner[2] - best.at) > 0 ? support_point<D>{corner[2], 2} : best;
+            }
+            case core_kind::box: return support_of_box(d);
+            case core_kind::hull_of_floats: return from_hull<float>(d);
+            case core_kind::hull_of_doubles: return from_hull<double>(d);
+            case core_kind::disc: return {from_disc(d), 0};
+            case core_kind::custom: return {custom(data, d), 0};
         }
         return {};
     }
@@ -7353,13 +7326,13 @@ struct core {
     /// The vertex of that number; the number may be a wrong one, from another shape.
     [[nodiscard]] support_point<D> vertex(std::uint32_t i) const {
         switch (kind) {
-        case core_kind::point: return {corner[0], 0};
-        case core_kind::segment: i &= 1u; return {corner[i], i};
-        case core_kind::triangle: i = i < 3 ? i : 0; return {corner[i], i};
-        case core_kind::box: return vertex_of_box(i);
-        case core_kind::hull_of_floats: return vertex_of_hull<float>(i < count ? i : 0);
-        case core_kind::hull_of_doubles: return vertex_of_hull<double>(i < count ? i : 0);
-        default: return {};
+            case core_kind::point: return {corner[0], 0};
+            case core_kind::segment: i &= 1u; return {corner[i], i};
+            case core_kind::triangle: i = i < 3 ? i : 0; return {corner[i], i};
+            case core_kind::box: return vertex_of_box(i);
+            case core_kind::hull_of_floats: return vertex_of_hull<float>(i < count ? i : 0);
+            case core_kind::hull_of_doubles: return vertex_of_hull<double>(i < count ? i : 0);
+            default: return {};
         }
     }
     [[nodiscard]] PHYSICS_HPP_ALWAYS_INLINE support_point<D> quick_vertex(std::uint32_t i) const {
@@ -7491,8 +7464,7 @@ detail::core<D> core_of(const Shape<S, D>& shape) {
         return detail::to_point(support(*static_cast<const Shape<S, D>*>(data), along));
     };
     const aabb<S, D> box = bounds(shape, transform<S, D>{});
-    for (int i = 0; i < D; ++i)
-        c.extent += detail::to_double(max(abs(box.lower[i]), abs(box.upper[i])));
+    for (int i = 0; i < D; ++i) c.extent += detail::to_double(max(abs(box.lower[i]), abs(box.upper[i])));
     return c;
 }
 
@@ -7500,7 +7472,9 @@ namespace detail {
 
 /// A shape that the general kernels take.
 template <class Shape>
-concept has_core = requires(const Shape& s) { core_of(s); };
+concept has_core = requires(const Shape& s) {
+    core_of(s);
+};
 
 }  // namespace detail
 
@@ -7942,9 +7916,7 @@ void each_segment(const chain_data<R>& c, const aabb<double, 2>& box, F&& f) {
 /// The parts that a segment may meet, as for rays on meshes.
 template <class R, class F>
 void each_segment_along(const chain_data<R>& c, const box_ray<2>& ray, F&& f) {
-    c.tree.visit(ray, [&](std::uint32_t i) {
-        return f(surface_face<2>{{c.point(i), c.end_of(i)}, c.two_sided});
-    });
+    c.tree.visit(ray, [&](std::uint32_t i) { return f(surface_face<2>{{c.point(i), c.end_of(i)}, c.two_sided}); });
 }
 
 template <class R>
@@ -8360,22 +8332,22 @@ template <class S, int D>
 class compound_child {
 public:
     template <class Shape>
-        requires detail::has_core<Shape>
-    compound_child(const Shape& shape, vec<S, D> position = {}, const rotation<S, D>& turned = {})
-        : position_(position), rotation_(turned) {
-        static_assert(sizeof(Shape) <= detail::solid_bytes::most && alignof(Shape) <= alignof(detail::solid_bytes),
-                      "physics::compound_child: the shape is larger than 64 bytes");
-        solid_.functions = &detail::solid_functions_of<Shape, D>;
-        new (static_cast<void*>(solid_.shape.bytes)) Shape(shape);
-    }
+        requires detail::has_core<Shape> compound_child(const Shape& shape, vec<S, D> position = {},
+                                                        const rotation<S, D>& turned = {})
+            : position_(position), rotation_(turned) {
+            static_assert(sizeof(Shape) <= detail::solid_bytes::most && alignof(Shape) <= alignof(detail::solid_bytes),
+                          "physics::compound_child: the shape is larger than 64 bytes");
+            solid_.functions = &detail::solid_functions_of<Shape, D>;
+            new (static_cast<void*>(solid_.shape.bytes)) Shape(shape);
+        }
 
-private:
-    template <class, int>
-    friend class compound_geometry;
+    private:
+        template <class, int>
+        friend class compound_geometry;
 
-    detail::loose_solid<D> solid_{};
-    vec<S, D> position_;
-    rotation<S, D> rotation_;
+        detail::loose_solid<D> solid_{};
+        vec<S, D> position_;
+        rotation<S, D> rotation_;
 };
 
 /// Convex shapes as one, built once and shared by all compounds made of it, and by worlds that hold such.
@@ -8444,8 +8416,8 @@ private:
         return check_length(function, (x * x + y * y) + (z * z + w * w));
     }
     static bool check_length(const char* function, double squared) {
-        return abs(squared - 1) < 1e-3 || detail::refuse(function, "squared length of rotation", squared,
-                                                         "it must be 1, to less than 0.001");
+        return abs(squared - 1) < 1e-3 ||
+               detail::refuse(function, "squared length of rotation", squared, "it must be 1, to less than 0.001");
     }
 
     detail::geometry_owner<detail::compound_data<D>> owner_;
@@ -8482,8 +8454,7 @@ struct solid_moments {
         const double d = static_cast<double>(density);
         const vec<double, 3> shift = first / volume, c = origin + shift;
         const symmetric<double> m = (second + square_of(shift) * -volume) * d;
-        if constexpr (D == 2)
-            return {T(d * volume), {T(c.x), T(c.y)}, T(m.xx + m.yy)};
+        if constexpr (D == 2) return {T(d * volume), {T(c.x), T(c.y)}, T(m.xx + m.yy)};
         else
             return {T(d * volume),
                     {T(c.x), T(c.y), T(c.z)},
@@ -8842,10 +8813,7 @@ void cell_parts(const heightfield_data<R, 3>& h, std::uint32_t x, std::uint32_t 
             if (!p.continues[i]) continue;
             const bool other_there = h.alternating && ((u + v) & 1u) != 0;
             // Of the cell there the triangle that holds the opposite side.
-            const int there = side == 4 ? 1 - k
-                              : side == 0 ? 1
-                              : side == 2 ? 0
-                              : (side == 1) != other_there ? 1 : 0;
+            const int there = side == 4 ? 1 - k : side == 0 ? 1 : side == 2 ? 0 : (side == 1) != other_there ? 1 : 0;
             p.beyond[i] = cell_normal(h, u, v, there);
         }
         p.two_sided = h.two_sided;
@@ -9025,24 +8993,19 @@ public:
     /// In the plane: heights (m) from left to right, spacing (m) apart. Refuses NaN and infinity, fewer than 2 samples,
     /// a spacing that is not greater than 0, and coordinates beyond 1e30 or a quarter of the range of S. O(n).
     [[nodiscard]] static heightfield_geometry build(const S* heights, std::uint32_t count, S spacing,
-                                                    const heightfield_settings& settings = {})
-        requires(D == 2)
-    {
+                                                    const heightfield_settings& settings = {}) requires(D == 2) {
         return heightfield_geometry(built_exactly(heights, count, 1, spacing, S(1), settings));
     }
     [[nodiscard]] static heightfield_geometry build(std::initializer_list<S> heights, S spacing,
-                                                    const heightfield_settings& settings = {})
-        requires(D == 2)
-    {
+                                                    const heightfield_settings& settings = {}) requires(D == 2) {
         return heightfield_geometry(
             built_exactly(heights.begin(), static_cast<std::uint32_t>(heights.size()), 1, spacing, S(1), settings));
     }
     /// In space: heights[row * columns + column] (m), columns spacing_x apart along x, rows spacing_z along z. Refuses
     /// what the other does, fewer than 2 columns or rows, and more than 2^31 samples. O(n).
     [[nodiscard]] static heightfield_geometry build(const S* heights, std::uint32_t columns, std::uint32_t rows,
-                                                    S spacing_x, S spacing_z, const heightfield_settings& settings = {})
-        requires(D == 3)
-    {
+                                                    S spacing_x, S spacing_z,
+                                                    const heightfield_settings& settings = {}) requires(D == 3) {
         return heightfield_geometry(built_exactly(heights, columns, rows, spacing_x, spacing_z, settings));
     }
 
@@ -9548,15 +9511,14 @@ mass_properties<S, D> mass_of(const rounded_box<S, D>& b, std::type_identity_t<S
         const int j = i + 1 < D ? i + 1 : 0, k = D == 2 ? j : i > 0 ? i - 1 : 2;
         const double a = h[i], aa = a * a;
         // What lies between this axis' sides, and beyond them. Together the same volume for each axis.
-        const double within = D == 2 ? 4 * a * (h[j] + r)
-                                     : 8 * a * (h[j] * h[k] + r * (h[j] + h[k])) + 2 * pi<double> * rr * a;
+        const double within =
+            D == 2 ? 4 * a * (h[j] + r) : 8 * a * (h[j] * h[k] + r * (h[j] + h[k])) + 2 * pi<double> * rr * a;
         const double slabs = r * (D == 2 ? 4 * h[j] : 8 * h[j] * h[k]);
         const double quarters = pi<double> * rr * (D == 2 ? 1 : 2 * (h[j] + h[k]));
         const double balls = D == 2 ? 0 : pi<double> * (4.0 / 3) * rr * r;
         volume = within + slabs + quarters + balls;
         squares[i] = within * (aa / 3) + slabs * (aa + a * r + rr / 3) +
-                     quarters * (aa + a * r * (8.0 / 3) / pi<double> + rr / 4) +
-                     balls * (aa + a * r * 0.75 + rr / 5);
+                     quarters * (aa + a * r * (8.0 / 3) / pi<double> + rr / 4) + balls * (aa + a * r * 0.75 + rr / 5);
     }
     detail::solid_moments m;
     m.add(volume, {}, {}, symmetric<double>::diagonal(squares[0], squares[1], squares[2]));
@@ -9689,8 +9651,7 @@ private:
     };
     /// Cells beyond the grid are empty; x = 0 is the one to the left of it.
     [[nodiscard]] bool solid(std::uint32_t x, std::uint32_t y) const {
-        return x > 0 && y > 0 && x <= columns_ && y <= rows_ &&
-               cells_[std::size_t{y - 1} * columns_ + (x - 1)] != 0;
+        return x > 0 && y > 0 && x <= columns_ && y <= rows_ && cells_[std::size_t{y - 1} * columns_ + (x - 1)] != 0;
     }
     /// Whether a side of the outline leads from a corner in a direction.
     [[nodiscard]] bool side(std::uint32_t x, std::uint32_t y, int direction) const {
@@ -9934,8 +9895,9 @@ constexpr vec<S, D> support(const triangle<S, D>& t, vec<S, D> direction) {
 template <class S, int D>
 mass_properties<S, D> mass_of(const triangle<S, D>& t, std::type_identity_t<S> density) {
     using detail::square_of;
-    const vec<double, 3> first = detail::exact_in_space(t.a), origin =
-        first + (detail::exact_in_space(t.b) - first + (detail::exact_in_space(t.c) - first)) * (1.0 / 3);
+    const vec<double, 3> first = detail::exact_in_space(t.a), origin = first + (detail::exact_in_space(t.b) - first +
+                                                                                (detail::exact_in_space(t.c) - first)) *
+                                                                                   (1.0 / 3);
     vec<double, 3> corner[3] = {first - origin, detail::exact_in_space(t.b) - origin,
                                 detail::exact_in_space(t.c) - origin};
     vec<double, 3> n{0.0, 0.0, 1.0}, edge[3];
@@ -10608,8 +10570,8 @@ int beyond_triangle(const Source& source, int count, const int (&corner)[3]) {
         for (int k = 0; k < 3; ++k) {
             const int from = corner[k], to = corner[k < 2 ? k + 1 : 0];
             const S u = source.u(i) - source.u(from), v = source.v(i) - source.v(from);
-            score = max(score, difference_of_products(v, source.u(to) - source.u(from), u,
-                                                      source.v(to) - source.v(from)));
+            score =
+                max(score, difference_of_products(v, source.u(to) - source.u(from), u, source.v(to) - source.v(from)));
         }
         const bool taken = i == corner[0] || i == corner[1] || i == corner[2];
         if (taken || (best >= 0 && !(score > highest + abs(highest) * S(1.0 / 32)))) continue;
@@ -10636,9 +10598,8 @@ void choose_four(const Source& source, int count, S slack, int (&chosen)[4]) {
     for (int i = 1; i < left.packs; ++i) low = min(low, source.points(i).separation);
     const P most = P::broadcast(slack - greatest_lane(-low)), none = P::broadcast(S(-1));
     // The first is one of the deepest; of those that are alike the one farthest out.
-    chosen[0] = left.take(left.weigh([&](const points& p) {
-        return select_greater(p.separation, most, none, lane_sum(p.u, p.u, p.v, p.v));
-    }));
+    chosen[0] = left.take(left.weigh(
+        [&](const points& p) { return select_greater(p.separation, most, none, lane_sum(p.u, p.u, p.v, p.v)); }));
     const place a = at(chosen[0]);
     chosen[1] = left.take(left.weigh([&](const points& p) {
         const P du = p.u - a.u, dv = p.v - a.v;
@@ -10650,8 +10611,8 @@ void choose_four(const Source& source, int count, S slack, int (&chosen)[4]) {
     };
     const place b = at(chosen[1]);
     point_choice<Source> right = left;
-    const S on_left = left.weigh([&](const points& p) { return -beside(a, b, p); }),
-            on_right = right.weigh([&](const points& p) { return beside(a, b, p); });
+    const S on_left = left.weigh([&](const points&p) { return -beside(a, b, p); }),
+            on_right = right.weigh([&](const points&p) { return beside(a, b, p); });
     chosen[2] = right.take(on_right);
     chosen[3] = left.take(on_left);
     // Where one side holds next to nothing, there may be more beyond the triangle's others.
@@ -10767,7 +10728,7 @@ struct clipped_face {
 template <class S>
 struct picked_points {
     /// Of vectors of 16 bytes at most, which scalars fill.
-    using lanes = pack<S, 8, vector_bytes < 16 ? vector_bytes : 16>;
+    using lanes = pack < S, 8, vector_bytes<16 ? vector_bytes : 16>;
     static constexpr int most_packs = 1;
 
     flat_points<lanes> all;
@@ -10792,7 +10753,7 @@ struct picked_points {
 template <class S>
 PHYSICS_HPP_ALWAYS_INLINE pack<S, 4> corners_of(S middle, S a, S b) {
     using P = pack<S, 4>;
-    if constexpr (native_width<S> > 1) {
+    if constexpr (native_width < S >> 1) {
         constexpr S outer[4] = {1, -1, -1, 1}, upper[4] = {1, 1, -1, -1};
         return P::broadcast(middle) + P::broadcast(a) * P::load(outer) + P::broadcast(b) * P::load(upper);
     } else {
@@ -10836,10 +10797,10 @@ PHYSICS_HPP_ALWAYS_INLINE void clip_face(const seen_face<S>& face, S limit_u, S 
     const P start = min(max(start_u, start_v), one), rest = min(max(stop_u, stop_v), one), stop = one - rest;
     const P name_u = select_greater(zero, u, P::broadcast(S(5)), P::broadcast(S(4))),
             name_v = select_greater(zero, v, P::broadcast(S(7)), P::broadcast(S(6)));
-    const P start_name = select_greater(start_u, start_v, name_u, name_v) * P::broadcast(S(0x10)) +
-                         lanes_of<P>(S(0), S(1), S(2), S(3));
-    const P stop_name = select_greater(stop_u, stop_v, next_of(name_u), next_of(name_v)) +
-                        lanes_of<P>(S(0), S(0x10), S(0x20), S(0x30));
+    const P start_name =
+        select_greater(start_u, start_v, name_u, name_v) * P::broadcast(S(0x10)) + lanes_of<P>(S(0), S(1), S(2), S(3));
+    const P stop_name =
+        select_greater(stop_u, stop_v, next_of(name_u), next_of(name_v)) + lanes_of<P>(S(0), S(0x10), S(0x20), S(0x30));
     const std::uint32_t left = greater(stop, start).bits(), cut = greater(rest, zero).bits();
     out.put(0, u + du * start, v + dv * start, s + ds * start, select_greater(start, zero, start_name, corner),
             left | (~greater(start, zero).bits() & 0xfu), most, margin);
@@ -10944,17 +10905,16 @@ bool clip_faces(const box_axes<S, W>& boxes, int lane, int reference, const edge
         for (int k = 0; k < 3; ++k) {
             const auto& axes = boxes.turn[0][k];
             normal[k] = -axes[w][lane] * sign;
-            p[k] = P::broadcast(boxes.center[0][k][lane]) + lane_dot(q, P::broadcast(axes[0][lane]),
-                                                                     P::broadcast(axes[1][lane]),
-                                                                     P::broadcast(axes[2][lane]));
+            p[k] = P::broadcast(boxes.center[0][k][lane]) +
+                   lane_dot(q, P::broadcast(axes[0][lane]), P::broadcast(axes[1][lane]), P::broadcast(axes[2][lane]));
         }
     }
     S at[4][4];
     for (int k = 0; k < 3; ++k) p[k].store(at[k]);
     separations.store(at[3]);
     out.normal = {normal[0], normal[1], normal[2]};
-    const auto faces = static_cast<std::uint32_t>(reference << 16 | (2 * w + int{sign > S(0)}) << 12 |
-                                                  (2 * across + int{upper}) << 8);
+    const auto faces =
+        static_cast<std::uint32_t>(reference << 16 | (2 * w + int{sign > S(0)}) << 12 | (2 * across + int{upper}) << 8);
     for (int k = 0; k < count; ++k) {
         const auto name = static_cast<std::uint32_t>(boxes.whole(left.name[chosen[k]]));
         out.points[out.count + k] = {{at[0][k], at[1][k], at[2][k]}, at[3][k], faces | name};
@@ -11748,7 +11708,8 @@ gjk_result<D> search(const core<D>& a, const placed_core<D>& b, double most, dou
         }
     }
     // Rounding can't bring together what a normal was seen to part.
-    if (r.overlapping && most_parted > trusted) [[unlikely]] r = best[0];
+    if (r.overlapping && most_parted > trusted) [[unlikely]]
+        r = best[0];
     if (cache != nullptr) {
         cache->count = static_cast<std::uint8_t>(r.at.count);
         for (int i = 0; i < r.at.count; ++i) cache->vertex[i] = r.at.vertex[i].name;
@@ -11947,9 +11908,7 @@ private:
             key_[f] = gone;
             spare_[spare_count_++] = static_cast<index>(f);
         };
-        const auto cross_edge = [&](int f, int e) {
-            todo_[open++] = {faces_[f].neighbour[e], static_cast<index>(f)};
-        };
+        const auto cross_edge = [&](int f, int e) { todo_[open++] = {faces_[f].neighbour[e], static_cast<index>(f)}; };
         leave(seen);
         for (int e = 2; e >= 0; --e) cross_edge(seen, e);
         while (open > 0) {
@@ -12515,8 +12474,7 @@ struct core_pair {
 
     template <class A, class B, class S>
     core_pair(const A& shape_a, const B& shape_b, const transform<S, D>& b_in_a)
-        : a(core_of(shape_a)), b(core_of(shape_b)),
-          placed{&b, to_matrix(b_in_a.rotation), to_point(b_in_a.position)} {}
+        : a(core_of(shape_a)), b(core_of(shape_b)), placed{&b, to_matrix(b_in_a.rotation), to_point(b_in_a.position)} {}
     core_pair(const core<D>& core_a, const core<D>& core_b, const mat<double, D>& axes, const point<D>& at)
         : a(core_a), b(core_b), placed{&b, axes, at} {}
     core_pair(const core_pair&) = delete;
@@ -12599,17 +12557,18 @@ closest_points<S, D> rounded(const core_pair<D>& pair, core_separation<D> s) {
 /// overlap; hulls of more than 32 vertices more.
 /// `cache` makes the next call for the same pair cheaper where the two have moved little.
 template <class A, class B, class S, int D>
-    requires detail::has_core<A> && detail::has_core<B>
-closest_points<S, D> separation(const A& a, const B& b, const transform<S, D>& b_in_a, gjk_cache& cache) {
-    const detail::core_pair<D> pair(a, b, b_in_a);
-    return detail::rounded<S>(pair, detail::separate<S>(pair, detail::no_limit, &cache));
-}
+    requires detail::has_core<A> && detail::has_core<B> closest_points<S, D> separation(const A& a, const B& b,
+                                                                                        const transform<S, D>& b_in_a,
+                                                                                        gjk_cache& cache) {
+        const detail::core_pair<D> pair(a, b, b_in_a);
+        return detail::rounded<S>(pair, detail::separate<S>(pair, detail::no_limit, &cache));
+    }
 template <class A, class B, class S, int D>
-    requires detail::has_core<A> && detail::has_core<B>
-closest_points<S, D> separation(const A& a, const B& b, const transform<S, D>& b_in_a) {
-    const detail::core_pair<D> pair(a, b, b_in_a);
-    return detail::rounded<S>(pair, detail::separate<S>(pair, detail::no_limit, nullptr));
-}
+    requires detail::has_core<A> && detail::has_core<B> closest_points<S, D> separation(const A& a, const B& b,
+                                                                                        const transform<S, D>& b_in_a) {
+        const detail::core_pair<D> pair(a, b, b_in_a);
+        return detail::rounded<S>(pair, detail::separate<S>(pair, detail::no_limit, nullptr));
+    }
 
 namespace detail {
 
@@ -12633,15 +12592,16 @@ bool overlap(const core_pair<D>& pair, gjk_cache* cache) {
 /// How far apart two convex shapes are, 0 where they touch or overlap; normal and points are then those of the cores
 /// where only the rounded parts overlap, else null. Cost: GJK alone.
 template <class A, class B, class S, int D>
-    requires detail::has_core<A> && detail::has_core<B>
-closest_points<S, D> distance(const A& a, const B& b, const transform<S, D>& b_in_a, gjk_cache& cache) {
-    return detail::distance<S>(detail::core_pair<D>(a, b, b_in_a), &cache);
-}
+    requires detail::has_core<A> && detail::has_core<B> closest_points<S, D> distance(const A& a, const B& b,
+                                                                                      const transform<S, D>& b_in_a,
+                                                                                      gjk_cache& cache) {
+        return detail::distance<S>(detail::core_pair<D>(a, b, b_in_a), &cache);
+    }
 template <class A, class B, class S, int D>
-    requires detail::has_core<A> && detail::has_core<B>
-closest_points<S, D> distance(const A& a, const B& b, const transform<S, D>& b_in_a) {
-    return detail::distance<S>(detail::core_pair<D>(a, b, b_in_a), nullptr);
-}
+    requires detail::has_core<A> && detail::has_core<B> closest_points<S, D> distance(const A& a, const B& b,
+                                                                                      const transform<S, D>& b_in_a) {
+        return detail::distance<S>(detail::core_pair<D>(a, b, b_in_a), nullptr);
+    }
 
 /// Whether two convex shapes share a point; true as well for some that are apart by less than 5e-13 of their sizes and
 /// distances, round ones 5e-10. Cost: GJK until an axis parts them.
@@ -12737,7 +12697,7 @@ inline facet<3> disc_facet(const core<3>& c, const point<3>& n) {
         }
         // Corners that stay where they are on the disc as n changes.
         static constexpr double c1 = 0.92387953251128674, s1 = 0.38268343236508977, d = 0.70710678118654752;
-        static constexpr double around[8][2] = {{1, 0},   {c1, s1},  {d, d},  {s1, c1},
+        static constexpr double around[8][2] = {{1, 0}, {c1, s1},  {d, d},  {s1, c1},
                                                 {0, 1}, {-s1, c1}, {-d, d}, {-c1, s1}};
         int lowest = 0;
         double most = 0;
@@ -12798,76 +12758,76 @@ inline facet<3> triangle_facet(const core<3>& c, const point<3>& n) {
 inline facet<3> facet_of(const core<3>& c, const point<3>& n) {
     facet<3> f;
     switch (c.kind) {
-    case core_kind::segment:
-        f.count = 2;
-        f.corner[0] = c.corner[0];
-        f.corner[1] = c.corner[1];
-        break;
-    case core_kind::triangle: return triangle_facet(c, n);
-    case core_kind::box: {
-        int axis = 0;
-        // A lower number wins unless another face is clearly better, so that rounding does not choose.
-        for (int i = 1; i < 3; ++i)
-            if (abs(n[i]) > abs(n[axis]) + 1.0 / 1024) axis = i;
-        const int u = axis < 2 ? axis + 1 : 0, v = axis > 0 ? axis - 1 : 2;
-        const double sign = n[axis] < 0 ? -1 : 1;
-        static constexpr double around[4][2] = {{1, 1}, {-1, 1}, {-1, -1}, {1, -1}};
-        f.count = 4;
-        f.flat = true;
-        f.normal[axis] = sign;
-        f.number = static_cast<std::uint32_t>(axis) << 1 | std::uint32_t{sign > 0};
-        for (int i = 0; i < 4; ++i) {
-            f.corner[i][axis] = sign * c.corner[0][axis];
-            f.corner[i][u] = sign * around[i][0] * c.corner[0][u];
-            f.corner[i][v] = around[i][1] * c.corner[0][v];
+        case core_kind::segment:
+            f.count = 2;
+            f.corner[0] = c.corner[0];
+            f.corner[1] = c.corner[1];
+            break;
+        case core_kind::triangle: return triangle_facet(c, n);
+        case core_kind::box: {
+            int axis = 0;
+            // A lower number wins unless another face is clearly better, so that rounding does not choose.
+            for (int i = 1; i < 3; ++i)
+                if (abs(n[i]) > abs(n[axis]) + 1.0 / 1024) axis = i;
+            const int u = axis < 2 ? axis + 1 : 0, v = axis > 0 ? axis - 1 : 2;
+            const double sign = n[axis] < 0 ? -1 : 1;
+            static constexpr double around[4][2] = {{1, 1}, {-1, 1}, {-1, -1}, {1, -1}};
+            f.count = 4;
+            f.flat = true;
+            f.normal[axis] = sign;
+            f.number = static_cast<std::uint32_t>(axis) << 1 | std::uint32_t{sign > 0};
+            for (int i = 0; i < 4; ++i) {
+                f.corner[i][axis] = sign * c.corner[0][axis];
+                f.corner[i][u] = sign * around[i][0] * c.corner[0][u];
+                f.corner[i][v] = around[i][1] * c.corner[0][v];
+            }
+            break;
         }
-        break;
-    }
-    case core_kind::hull_of_floats: return hull_facet(*static_cast<const hull_data<float, 3>*>(c.data), n);
-    case core_kind::hull_of_doubles: return hull_facet(*static_cast<const hull_data<double, 3>*>(c.data), n);
-    case core_kind::disc: return disc_facet(c, n);
-    case core_kind::point:
-    case core_kind::custom: break;
+        case core_kind::hull_of_floats: return hull_facet(*static_cast<const hull_data<float, 3>*>(c.data), n);
+        case core_kind::hull_of_doubles: return hull_facet(*static_cast<const hull_data<double, 3>*>(c.data), n);
+        case core_kind::disc: return disc_facet(c, n);
+        case core_kind::point:
+        case core_kind::custom: break;
     }
     return f;
 }
 inline facet<2> facet_of(const core<2>& c, const point<2>& n) {
     facet<2> f;
     switch (c.kind) {
-    case core_kind::segment: {
-        // Flat on both sides.
-        const bool back = dot(perpendicular(c.corner[1] - c.corner[0]), n) < 0;
-        f.corner[0] = c.corner[back ? 1 : 0];
-        f.corner[1] = c.corner[back ? 0 : 1];
-        f.number = std::uint32_t{back};
-        break;
-    }
-    case core_kind::triangle: {
-        int out = 0;
-        double best = -2;
-        const bool clockwise = cross(c.corner[1] - c.corner[0], c.corner[2] - c.corner[0]) < 0;
-        for (int i = 0; i < 3; ++i) {
-            const point<2> e = c.corner[i < 2 ? i + 1 : 0] - c.corner[i];
-            const double facing = dot(normalized(perpendicular(clockwise ? -e : e)), n);
-            if (facing > best) best = facing, out = i;
+        case core_kind::segment: {
+            // Flat on both sides.
+            const bool back = dot(perpendicular(c.corner[1] - c.corner[0]), n) < 0;
+            f.corner[0] = c.corner[back ? 1 : 0];
+            f.corner[1] = c.corner[back ? 0 : 1];
+            f.number = std::uint32_t{back};
+            break;
         }
-        f.corner[clockwise ? 1 : 0] = c.corner[out];
-        f.corner[clockwise ? 0 : 1] = c.corner[out < 2 ? out + 1 : 0];
-        f.number = static_cast<std::uint32_t>(out);
-        break;
-    }
-    case core_kind::box: {
-        const int axis = abs(n.y) > abs(n.x) + 1.0 / 1024 ? 1 : 0;
-        const double sign = n[axis] < 0 ? -1 : 1, across = axis == 0 ? sign : -sign;
-        f.corner[0][axis] = f.corner[1][axis] = sign * c.corner[0][axis];
-        f.corner[0][1 - axis] = -across * c.corner[0][1 - axis];
-        f.corner[1][1 - axis] = across * c.corner[0][1 - axis];
-        f.number = static_cast<std::uint32_t>(axis) << 1 | std::uint32_t{sign > 0};
-        break;
-    }
-    case core_kind::hull_of_floats: return hull_facet(*static_cast<const hull_data<float, 2>*>(c.data), n);
-    case core_kind::hull_of_doubles: return hull_facet(*static_cast<const hull_data<double, 2>*>(c.data), n);
-    default: return f;
+        case core_kind::triangle: {
+            int out = 0;
+            double best = -2;
+            const bool clockwise = cross(c.corner[1] - c.corner[0], c.corner[2] - c.corner[0]) < 0;
+            for (int i = 0; i < 3; ++i) {
+                const point<2> e = c.corner[i < 2 ? i + 1 : 0] - c.corner[i];
+                const double facing = dot(normalized(perpendicular(clockwise ? -e : e)), n);
+                if (facing > best) best = facing, out = i;
+            }
+            f.corner[clockwise ? 1 : 0] = c.corner[out];
+            f.corner[clockwise ? 0 : 1] = c.corner[out < 2 ? out + 1 : 0];
+            f.number = static_cast<std::uint32_t>(out);
+            break;
+        }
+        case core_kind::box: {
+            const int axis = abs(n.y) > abs(n.x) + 1.0 / 1024 ? 1 : 0;
+            const double sign = n[axis] < 0 ? -1 : 1, across = axis == 0 ? sign : -sign;
+            f.corner[0][axis] = f.corner[1][axis] = sign * c.corner[0][axis];
+            f.corner[0][1 - axis] = -across * c.corner[0][1 - axis];
+            f.corner[1][1 - axis] = across * c.corner[0][1 - axis];
+            f.number = static_cast<std::uint32_t>(axis) << 1 | std::uint32_t{sign > 0};
+            break;
+        }
+        case core_kind::hull_of_floats: return hull_facet(*static_cast<const hull_data<float, 2>*>(c.data), n);
+        case core_kind::hull_of_doubles: return hull_facet(*static_cast<const hull_data<double, 2>*>(c.data), n);
+        default: return f;
     }
     f.count = 2;
     f.flat = true;
@@ -13251,10 +13211,8 @@ constexpr bool clip_segment(S middle, S direction, S limit, S& start, S& stop) {
         const S at_start = side * (middle + direction * start) - limit,
                 at_stop = side * (middle + direction * stop) - limit;
         if (at_start > S(0) && at_stop > S(0)) return false;
-        if (at_start > S(0))
-            start += (stop - start) * (at_start / (at_start - at_stop));
-        else if (at_stop > S(0))
-            stop -= (stop - start) * (at_stop / (at_stop - at_start));
+        if (at_start > S(0)) start += (stop - start) * (at_start / (at_start - at_stop));
+        else if (at_stop > S(0)) stop -= (stop - start) * (at_stop / (at_stop - at_start));
     }
     return true;
 }
@@ -13387,8 +13345,8 @@ S distance_along(const rounded_polygon<S, N>& a, const rounded_polygon<S, N>& b,
 /// that are left. False, with nothing added, if the point in which the edge finds `incident` closest was cut
 /// off: then the edge's normal is not the direction of least distance.
 template <class S, int N>
-bool clip_edges(const rounded_polygon<S, N>& reference, edge_distance<S> found,
-                          const rounded_polygon<S, N>& incident, bool flip, S slack, S margin, manifold<S, 2>& out) {
+bool clip_edges(const rounded_polygon<S, N>& reference, edge_distance<S> found, const rounded_polygon<S, N>& incident,
+                bool flip, S slack, S margin, manifold<S, 2>& out) {
     const int edge = found.edge;
     const vec<S, 2> n = reference.normal(edge), t{-n.y, n.x}, from = reference.vertex(edge);
     const int facing = facing_edge(incident, n);
@@ -13415,10 +13373,8 @@ bool clip_edges(const rounded_polygon<S, N>& reference, edge_distance<S> found,
         const vec<S, 2> on_incident = from + ends[k], on_reference = on_incident - n * gaps[k];
         // Whether the end is a corner or a cut stays out of the name: of equal boxes it changes with rounding.
         const std::uint32_t feature = static_cast<std::uint32_t>(edge << 12 | facing << 8 | k << 4 | int{flip});
-        if (flip)
-            add_rounded(out, on_incident, incident.radius, on_reference, reference.radius, gaps[k], feature);
-        else
-            add_rounded(out, on_reference, reference.radius, on_incident, incident.radius, gaps[k], feature);
+        if (flip) add_rounded(out, on_incident, incident.radius, on_reference, reference.radius, gaps[k], feature);
+        else add_rounded(out, on_reference, reference.radius, on_incident, incident.radius, gaps[k], feature);
     }
     return true;
 }
@@ -13426,8 +13382,8 @@ bool clip_edges(const rounded_polygon<S, N>& reference, edge_distance<S> found,
 /// Adds the closest pair of a vertex of one polygon and an edge or vertex of the other; of cores that overlap, how
 /// deep. `parting` is the best of the edges' normals, from a to b, and `parted` how far it parts the cores.
 template <class S, int N>
-void collide_nearest(const rounded_polygon<S, N>& a, const rounded_polygon<S, N>& b, vec<S, 2> parting,
-                               S parted, S rounding, S margin, manifold<S, 2>& out) {
+void collide_nearest(const rounded_polygon<S, N>& a, const rounded_polygon<S, N>& b, vec<S, 2> parting, S parted,
+                     S rounding, S margin, manifold<S, 2>& out) {
     vec<S, 2> on_a, on_b;
     wide_of<S> best{};
     std::uint32_t feature = 0;
@@ -13470,8 +13426,8 @@ void collide_nearest(const rounded_polygon<S, N>& a, const rounded_polygon<S, N>
 /// where a corner meets a corner. The result lies in the frame of a and b's vertices. To keep the features of
 /// bodies at rest, contacts may deviate by 1/512 of the smaller size, never more.
 template <class S, int N>
-void collide_polygons(const detail::rounded_polygon<S, N>& a, const detail::rounded_polygon<S, N>& b,
-                                S margin, manifold<S, 2>& out) {
+void collide_polygons(const detail::rounded_polygon<S, N>& a, const detail::rounded_polygon<S, N>& b, S margin,
+                      manifold<S, 2>& out) {
     const S reach = a.radius + b.radius + margin;
     const auto from_a = detail::farthest_edge(a, b);
     if (from_a.distance > reach) return;
@@ -13712,9 +13668,7 @@ struct kept_memory {
     static void complete(Memory&, std::uint32_t) {}
     static void tidy(Memory&) {}
 };
-inline bool is_fresh(const gjk_cache& c) {
-    return c.count == 0 && c.axis[0] == 0 && c.axis[1] == 0 && c.axis[2] == 0;
-}
+inline bool is_fresh(const gjk_cache& c) { return c.count == 0 && c.axis[0] == 0 && c.axis[1] == 0 && c.axis[2] == 0; }
 template <class Cache, class F>
 void each_piece(Cache& c, F&& f) {
     f(&c, offsetof(gjk_cache, count) + sizeof c.count);
@@ -13897,8 +13851,7 @@ void collide(const capsule<S, 2>& a, const capsule<S, 2>& b, const transform<S, 
     collide_polygons(detail::polygon_of(a), detail::polygon_of(b, b_in_a), margin, out);
 }
 template <class S>
-void collide(const capsule<S, 2>& a, const box<S, 2>& b, const transform<S, 2>& b_in_a, S margin,
-             manifold<S, 2>& out) {
+void collide(const capsule<S, 2>& a, const box<S, 2>& b, const transform<S, 2>& b_in_a, S margin, manifold<S, 2>& out) {
     collide_polygons(detail::polygon_of(a), detail::polygon_of(b, b_in_a), margin, out);
 }
 
@@ -14660,10 +14613,14 @@ struct nobody {
 /// A shape made of flat parts: each_part(shape, box, f) calls f(surface_part) for those that may reach into the box, in
 /// the shape's frame; it has a `radius`.
 template <class Shape, int D>
-concept is_surface = requires(const Shape s, const aabb<double, D> box) { each_part(s, box, nobody{}); };
+concept is_surface = requires(const Shape s, const aabb<double, D> box) {
+    each_part(s, box, nobody{});
+};
 /// A shape made of convex shapes: each_child(shape, box, f) calls f(compound_child) likewise.
 template <class Shape, int D>
-concept is_compound = requires(const Shape s, const aabb<double, D> box) { each_child(s, box, nobody{}); };
+concept is_compound = requires(const Shape s, const aabb<double, D> box) {
+    each_child(s, box, nobody{});
+};
 
 /// Calls f(core where it stands, number) for the convex shapes that a solid consists of and that may reach into the
 /// box, which is given in the frame that `axes` and `at` lead to.
@@ -14695,10 +14652,11 @@ aabb<double, 3> everywhere(const rotation<S, 3>&) {
 /// Where a shape made of parts can be touched; everywhere unless its geometry says what box it fills.
 template <class A, class S, int D>
 aabb<double, D> box_of_parts(const A& a, const transform<S, D>& b_in_a, double reach) {
-    if constexpr (requires { { a.geometry->box } -> std::convertible_to<aabb<double, D>>; })
+    if constexpr (requires {
+                      { a.geometry->box } -> std::convertible_to<aabb<double, D>>;
+                  })
         return grown(a.geometry->box, reach);
-    else
-        return everywhere(b_in_a.rotation);
+    else return everywhere(b_in_a.rotation);
 }
 
 /// Adds the contacts of A, a compound, with a halfspace.
@@ -14932,13 +14890,13 @@ constexpr bool is_halfspace<halfspace<S, D>> = true;
 
 /// True if the general kernels serve a pair, in this order.
 template <class A, class B>
-concept collides_by_cores = has_core<A> && (has_core<B> || is_halfspace<B>);
+concept collides_by_cores = has_core<A> &&(has_core<B> || is_halfspace<B>);
 
 /// True if a pair meets part by part, in this order. Surfaces and halfspaces carry no mass and never meet.
 template <class A, class B, int D>
-concept collides_by_parts =
-    (is_surface<A, D> && (has_core<B> || is_compound<B, D> || is_surface<B, D> || is_halfspace<B>)) ||
-    (is_compound<A, D> && (has_core<B> || is_compound<B, D> || is_halfspace<B>));
+concept collides_by_parts = (is_surface<A, D> &&
+                             (has_core<B> || is_compound<B, D> || is_surface<B, D> || is_halfspace<B>)) ||
+                            (is_compound<A, D> && (has_core<B> || is_compound<B, D> || is_halfspace<B>));
 
 /// How a narrowphase treats pairs of convex shapes.
 struct pair_methods {
@@ -14966,7 +14924,7 @@ constexpr bool is_dear<A, hull<S, 2>> = true;
 
 /// Whether it pays to remember what was found of a pair.
 template <pair_methods Methods, class A, class B, class S, int D>
-constexpr bool is_remembered = has_core<A> && has_core<B> &&
+constexpr bool is_remembered = has_core<A>&& has_core<B> &&
                                (!is_closed<Methods, A, B, S, D> || is_dear<A, B> || is_dear<B, A>);
 
 /// Functions for every ordered pair of a closed set of shapes, by their numbers within it.
@@ -15038,8 +14996,7 @@ struct pair_table {
             // One order is made of the other, so that both say the same.
             if constexpr (any::template kind_of<A>() > any::template kind_of<B>())
                 run_swapped(a, b, b_in_a, margin, cache, out);
-            else
-                collide_cores(a, b, b_in_a, margin, cache, Methods.overlaps, out);
+            else collide_cores(a, b, b_in_a, margin, cache, Methods.overlaps, out);
         } else if constexpr (has_core<A> && is_halfspace<B>) {
             collide_with_plane(a, b, b_in_a, margin, out);
         } else {
@@ -15170,9 +15127,9 @@ PHYSICS_HPP_BEGIN
 /// True if the pair can meet: a function collide(a, b, ...) exists in either order, or the general kernels serve it, as
 /// both have a core (see core.hpp) or consist of parts (see parts.hpp).
 template <class A, class B, class S, int D>
-concept collidable = collides_by_itself<A, B, S, D> || collides_by_itself<B, A, S, D> ||
-                     detail::collides_by_cores<A, B> || detail::collides_by_cores<B, A> ||
-                     detail::collides_by_parts<A, B, D> || detail::collides_by_parts<B, A, D>;
+concept collidable =
+    collides_by_itself<A, B, S, D> || collides_by_itself<B, A, S, D> || detail::collides_by_cores<A, B> ||
+    detail::collides_by_cores<B, A> || detail::collides_by_parts<A, B, D> || detail::collides_by_parts<B, A, D>;
 
 /// A narrowphase policy: turns a batch of pairs into manifolds. Its in<S, D, Shapes...> has
 ///   collide(queries, count, margin, list)   adds to a manifold_list where shapes touch that are within margin (m)
@@ -15186,10 +15143,9 @@ concept collidable = collides_by_itself<A, B, S, D> || collides_by_itself<B, A, 
 /// What it remembers of pairs that do not touch must not bear on any result, and have the digest 0: which of these
 /// there are depends on the broadphase.
 template <class Policy, class S, int D, template <class, int> class... Shapes>
-concept narrowphase_for =
-    requires(const narrowphase_query<S, D, Shapes...>* queries, manifold_list<S, D> found) {
-        Policy::template in<S, D, Shapes...>::collide(queries, std::uint32_t{}, S(0), found);
-    };
+concept narrowphase_for = requires(const narrowphase_query<S, D, Shapes...>* queries, manifold_list<S, D> found) {
+    Policy::template in<S, D, Shapes...>::collide(queries, std::uint32_t{}, S(0), found);
+};
 
 namespace detail {
 
@@ -15204,9 +15160,7 @@ struct pairwise_narrowphase {
         using pairs = pair_table<Methods, S, D, Shapes...>;
         using memory = typename pairs::memory;
 
-        static constexpr bool remembers(int kind_a, int kind_b) {
-            return pairs::table.remembered[kind_a][kind_b];
-        }
+        static constexpr bool remembers(int kind_a, int kind_b) { return pairs::table.remembered[kind_a][kind_b]; }
         static void collide(const query* queries, std::uint32_t count, S margin, memory* memories,
                             manifold_list<S, D>& found) {
             using boxes = box_batch<Methods, S, D, Shapes...>;
@@ -15245,11 +15199,11 @@ struct gjk_epa : detail::pairwise_narrowphase<detail::pair_methods{.closed_forms
 /// GJK while shapes are apart, MPR where they overlap: faster than EPA, and deep overlaps may be parted by a longer way
 /// than the shortest.
 struct gjk_mpr : detail::pairwise_narrowphase<detail::pair_methods{.closed_forms = false,
-                                                                    .overlaps = detail::overlap_method::mpr}> {};
+                                                                   .overlaps = detail::overlap_method::mpr}> {};
 /// GJK and EPA, which add their one deepest point a step to a manifold that persists: no clipping, and a face that
 /// lands has all its points after some steps only. Pairs without memory get one point.
-struct incremental_manifolds : detail::pairwise_narrowphase<detail::pair_methods{.closed_forms = false,
-                                                                                  .persistent = true}> {};
+struct incremental_manifolds
+    : detail::pairwise_narrowphase<detail::pair_methods{.closed_forms = false, .persistent = true}> {};
 
 PHYSICS_HPP_END
 
@@ -15277,7 +15231,9 @@ struct lowest_point {
     lowest_point(const halfspace<S, D>& a, const B& b, const transform<S, D>& b_in_a)
         : lowest_point(core_of(b), to_matrix(b_in_a.rotation), to_point(b_in_a.position), bounding_half<D>(a)) {}
     lowest_point(const core<D>& c, const mat<double, D>& axes, const point<D>& where, const bounding_half<D>& half)
-        : normal(half.normal), at(placed_core<D>{&c, axes, where}.support(-normal).at), radius(c.radius),
+        : normal(half.normal),
+          at(placed_core<D>{&c, axes, where}.support(-normal).at),
+          radius(c.radius),
           gap(half.height(at)) {}
 
     /// The plane is shape A if `up` is 1, B if it is -1.
@@ -15302,28 +15258,28 @@ struct lowest_point {
 /// How far a convex shape and a halfspace are apart, or how deep they overlap, and where: as of two convex shapes (see
 /// convex.hpp), in either order. Exact, with or without a cache, which stays as it is. Cost: one support, 20 ns.
 template <class A, class S, int D>
-    requires detail::has_core<A>
-closest_points<S, D> separation(const A& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a) {
-    return detail::lowest_point<D>(a, b, b_in_a).template found<S>(-1);
-}
+    requires detail::has_core<A> closest_points<S, D> separation(const A& a, const halfspace<S, D>& b,
+                                                                 const transform<S, D>& b_in_a) {
+        return detail::lowest_point<D>(a, b, b_in_a).template found<S>(-1);
+    }
 template <class B, class S, int D>
-    requires detail::has_core<B>
-closest_points<S, D> separation(const halfspace<S, D>& a, const B& b, const transform<S, D>& b_in_a) {
-    return detail::lowest_point<D>(a, b, b_in_a).template found<S>(1);
-}
+    requires detail::has_core<B> closest_points<S, D> separation(const halfspace<S, D>& a, const B& b,
+                                                                 const transform<S, D>& b_in_a) {
+        return detail::lowest_point<D>(a, b, b_in_a).template found<S>(1);
+    }
 
 /// How far apart they are, 0 where they touch or overlap; normal and points are null where the core enters the
 /// halfspace.
 template <class A, class S, int D>
-    requires detail::has_core<A>
-closest_points<S, D> distance(const A& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a) {
-    return detail::lowest_point<D>(a, b, b_in_a).template found_apart<S>(-1);
-}
+    requires detail::has_core<A> closest_points<S, D> distance(const A& a, const halfspace<S, D>& b,
+                                                               const transform<S, D>& b_in_a) {
+        return detail::lowest_point<D>(a, b, b_in_a).template found_apart<S>(-1);
+    }
 template <class B, class S, int D>
-    requires detail::has_core<B>
-closest_points<S, D> distance(const halfspace<S, D>& a, const B& b, const transform<S, D>& b_in_a) {
-    return detail::lowest_point<D>(a, b, b_in_a).template found_apart<S>(1);
-}
+    requires detail::has_core<B> closest_points<S, D> distance(const halfspace<S, D>& a, const B& b,
+                                                               const transform<S, D>& b_in_a) {
+        return detail::lowest_point<D>(a, b, b_in_a).template found_apart<S>(1);
+    }
 
 /// Whether they share a point.
 template <class A, class S, int D>
@@ -15351,20 +15307,18 @@ concept plane_pair = (is_plane<A> && has_core<B>) || (has_core<A> && is_plane<B>
 }  // namespace detail
 
 template <class A, class B, class S, int D>
-    requires detail::plane_pair<A, B>
-closest_points<S, D> separation(const A& a, const B& b, const transform<S, D>& b_in_a, gjk_cache&) {
-    return separation(a, b, b_in_a);
-}
+    requires detail::plane_pair<A, B> closest_points<S, D> separation(const A& a, const B& b,
+                                                                      const transform<S, D>& b_in_a, gjk_cache&) {
+        return separation(a, b, b_in_a);
+    }
+template <class A, class B, class S, int D>
+    requires detail::plane_pair<A, B> closest_points<S, D> distance(const A& a, const B& b,
+                                                                    const transform<S, D>& b_in_a, gjk_cache&) {
+        return distance(a, b, b_in_a);
+    }
 template <class A, class B, class S, int D>
     requires detail::plane_pair<A, B>
-closest_points<S, D> distance(const A& a, const B& b, const transform<S, D>& b_in_a, gjk_cache&) {
-    return distance(a, b, b_in_a);
-}
-template <class A, class B, class S, int D>
-    requires detail::plane_pair<A, B>
-bool overlap(const A& a, const B& b, const transform<S, D>& b_in_a, gjk_cache&) {
-    return overlap(a, b, b_in_a);
-}
+bool overlap(const A& a, const B& b, const transform<S, D>& b_in_a, gjk_cache&) { return overlap(a, b, b_in_a); }
 
 PHYSICS_HPP_END
 
@@ -15757,41 +15711,44 @@ half_cast<D> cast_on_half(const bounding_half<D>& h, const placed_core<D>& b, co
 /// by less may be judged either way. Cost: 0.3 us in the plane, 1 us in space;
 /// hulls of many vertices 1 to 3 us.
 template <class A, class B, class S, int D>
-    requires detail::has_core<A> && detail::has_core<B>
-cast_hit<S, D> shape_cast(const A& a, const B& b, const transform<S, D>& b_in_a,
-                          std::type_identity_t<vec<S, D>> translation, std::type_identity_t<S> most = S(1)) {
-    const detail::core_pair<D> pair(a, b, b_in_a);
-    return detail::cast_shapes<S>(pair, detail::to_point(translation), detail::to_double(most));
-}
+    requires detail::has_core<A> && detail::has_core<B> cast_hit<S, D> shape_cast(
+        const A& a, const B& b, const transform<S, D>& b_in_a, std::type_identity_t<vec<S, D>> translation,
+        std::type_identity_t<S> most = S(1)) {
+        const detail::core_pair<D> pair(a, b, b_in_a);
+        return detail::cast_shapes<S>(pair, detail::to_point(translation), detail::to_double(most));
+    }
 /// The same where A is a halfspace. Cost: 50 ns.
 template <class B, class S, int D>
-    requires detail::has_core<B>
-cast_hit<S, D> shape_cast(const halfspace<S, D>& a, const B& b, const transform<S, D>& b_in_a,
-                          std::type_identity_t<vec<S, D>> translation, std::type_identity_t<S> most = S(1)) {
-    const detail::bounding_half<D> half(a);
-    const detail::core<D> shape = core_of(b);
-    const detail::placed_core<D> placed{&shape, detail::to_matrix(b_in_a.rotation), detail::to_point(b_in_a.position)};
-    const double touch = detail::touch_tolerance<S>(shape.extent + shape.radius + largest(placed.at));
-    const detail::half_cast<D> c =
-        detail::cast_on_half(half, placed, detail::to_point(translation), detail::to_double(most), touch);
-    if (!c.hit) return {};
-    const detail::point<D> onto = half.normal * (half.offset - dot(half.normal, c.at));
-    return detail::rounded_hit<S>(c.fraction, half.normal, c.at + onto, query_status::converged);
-}
+    requires detail::has_core<B> cast_hit<S, D> shape_cast(const halfspace<S, D>& a, const B& b,
+                                                           const transform<S, D>& b_in_a,
+                                                           std::type_identity_t<vec<S, D>> translation,
+                                                           std::type_identity_t<S> most = S(1)) {
+        const detail::bounding_half<D> half(a);
+        const detail::core<D> shape = core_of(b);
+        const detail::placed_core<D> placed{&shape, detail::to_matrix(b_in_a.rotation),
+                                            detail::to_point(b_in_a.position)};
+        const double touch = detail::touch_tolerance<S>(shape.extent + shape.radius + largest(placed.at));
+        const detail::half_cast<D> c =
+            detail::cast_on_half(half, placed, detail::to_point(translation), detail::to_double(most), touch);
+        if (!c.hit) return {};
+        const detail::point<D> onto = half.normal * (half.offset - dot(half.normal, c.at));
+        return detail::rounded_hit<S>(c.fraction, half.normal, c.at + onto, query_status::converged);
+    }
 /// The same where B is a halfspace.
 template <class A, class S, int D>
-    requires detail::has_core<A>
-cast_hit<S, D> shape_cast(const A& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a,
-                          std::type_identity_t<vec<S, D>> translation, std::type_identity_t<S> most = S(1)) {
-    const detail::bounding_half<D> half(b, b_in_a);
-    const detail::core<D> shape = core_of(a);
-    const detail::placed_core<D> placed{&shape, mat<double, D>::identity(), {}};
-    const detail::point<D> way = detail::to_point(translation);
-    const double touch = detail::touch_tolerance<S>(shape.extent + shape.radius + abs(half.offset));
-    const detail::half_cast<D> c = detail::cast_on_half(half, placed, -way, detail::to_double(most), touch);
-    if (!c.hit) return {};
-    return detail::rounded_hit<S>(c.fraction, -half.normal, c.at + way * c.fraction, query_status::converged);
-}
+    requires detail::has_core<A> cast_hit<S, D> shape_cast(const A& a, const halfspace<S, D>& b,
+                                                           const transform<S, D>& b_in_a,
+                                                           std::type_identity_t<vec<S, D>> translation,
+                                                           std::type_identity_t<S> most = S(1)) {
+        const detail::bounding_half<D> half(b, b_in_a);
+        const detail::core<D> shape = core_of(a);
+        const detail::placed_core<D> placed{&shape, mat<double, D>::identity(), {}};
+        const detail::point<D> way = detail::to_point(translation);
+        const double touch = detail::touch_tolerance<S>(shape.extent + shape.radius + abs(half.offset));
+        const detail::half_cast<D> c = detail::cast_on_half(half, placed, -way, detail::to_double(most), touch);
+        if (!c.hit) return {};
+        return detail::rounded_hit<S>(c.fraction, -half.normal, c.at + way * c.fraction, query_status::converged);
+    }
 
 PHYSICS_HPP_END
 
@@ -15862,10 +15819,9 @@ local_hit<3> cast_on(const cone<S, 3>& c, const local_ray<3>& ray) {
                         detail::to_double(c.upper_radius));
 }
 template <template <class, int> class Shape, class S, int D>
-    requires has_core<Shape<S, D>>
-local_hit<D> cast_on(const Shape<S, D>& shape, const local_ray<D>& ray) {
-    return cast_on_core<S>(ray, core_of(shape));
-}
+    requires has_core<Shape<S, D>> local_hit<D> cast_on(const Shape<S, D>& shape, const local_ray<D>& ray) {
+        return cast_on_core<S>(ray, core_of(shape));
+    }
 
 }  // namespace detail
 
@@ -15883,7 +15839,7 @@ ray_hit<S, D> ray_cast(const Shape& shape, const transform<S, D>& at, std::type_
     const detail::point<D> from = detail::to_point(origin), way = detail::to_point(translation);
     const detail::local_hit<D> h =
         cast_on(shape, detail::local_ray<D>{transposed_times(axes, from - detail::to_point(at.position)),
-                                                    transposed_times(axes, way)});
+                                            transposed_times(axes, way)});
     if (!h.hit) return {};
     return {true, static_cast<S>(h.fraction), detail::from_point<S>(axes * h.normal),
             detail::from_point<S>(from + way * h.fraction)};
@@ -16002,43 +15958,42 @@ local_hit<D> cast_on_solid(const local_ray<D>& ray, const core<D>& shape, double
 }
 
 template <class Shape, int D>
-    requires has_parts<Shape, D>
-local_hit<D> cast_on(const Shape& shape, const local_ray<D>& ray) {
-    using S = typename Shape::scalar;
-    first_hit<S, D> first(ray);
-    if constexpr (is_surface<Shape, D>) {
-        const double radius = detail::to_double(shape.radius);
-        const auto meet = [&](const surface_face<D>& face) {
-            if (radius > 0) first.meet(face, radius);
-            else first.meet(face);
-            return first.most();
-        };
-        const box_ray<D> search(ray.origin, ray.way, radius);
-        if constexpr (requires { each_part_along(shape, search, meet); }) {
-            each_part_along(shape, search, meet);
+    requires has_parts<Shape, D> local_hit<D> cast_on(const Shape& shape, const local_ray<D>& ray) {
+        using S = typename Shape::scalar;
+        first_hit<S, D> first(ray);
+        if constexpr (is_surface<Shape, D>) {
+            const double radius = detail::to_double(shape.radius);
+            const auto meet = [&](const surface_face<D>& face) {
+                if (radius > 0) first.meet(face, radius);
+                else first.meet(face);
+                return first.most();
+            };
+            const box_ray<D> search(ray.origin, ray.way, radius);
+            if constexpr (requires { each_part_along(shape, search, meet); }) {
+                each_part_along(shape, search, meet);
+            } else {
+                each_part(shape, search.bounds(), [&](const surface_part<D>& part) {
+                    surface_face<D> face{{}, part.two_sided};
+                    for (int i = 0; i < D; ++i) face.corner[i] = part.corner[i];
+                    meet(face);
+                });
+            }
         } else {
-            each_part(shape, search.bounds(), [&](const surface_part<D>& part) {
-                surface_face<D> face{{}, part.two_sided};
-                for (int i = 0; i < D; ++i) face.corner[i] = part.corner[i];
-                meet(face);
-            });
+            const auto meet = [&](const auto& child) {
+                const local_ray<D> seen{transposed_times(child.axes, ray.origin - child.at),
+                                        transposed_times(child.axes, ray.way)};
+                local_hit<D> hit = cast_on_solid<S>(seen, child.shape, first.most());
+                hit.normal = child.axes * hit.normal;
+                first.take(hit);
+                return first.most();
+            };
+            const box_ray<D> search(ray.origin, ray.way, 0);
+            if constexpr (requires { each_child_along(shape, search, meet); }) each_child_along(shape, search, meet);
+            else each_child(shape, search.bounds(), meet);
         }
-    } else {
-        const auto meet = [&](const auto& child) {
-            const local_ray<D> seen{transposed_times(child.axes, ray.origin - child.at),
-                                    transposed_times(child.axes, ray.way)};
-            local_hit<D> hit = cast_on_solid<S>(seen, child.shape, first.most());
-            hit.normal = child.axes * hit.normal;
-            first.take(hit);
-            return first.most();
-        };
-        const box_ray<D> search(ray.origin, ray.way, 0);
-        if constexpr (requires { each_child_along(shape, search, meet); }) each_child_along(shape, search, meet);
-        else each_child(shape, search.bounds(), meet);
+        first.hit.normal = normalized(first.hit.normal);
+        return first.hit;
     }
-    first.hit.normal = normalized(first.hit.normal);
-    return first.hit;
-}
 
 }  // namespace detail
 
@@ -16077,58 +16032,58 @@ bool faces(const surface_part<D>& part, const point<D>& from) {
 /// When shape B, moving by `translation`, first touches a surface or a compound; see shape_cast of convex shapes.
 /// One-sided parts stop what begins before them. Cost: a cast for each part near the way.
 template <class A, class B, class S, int D>
-    requires detail::has_parts<A, D> && detail::has_core<B>
-cast_hit<S, D> shape_cast(const A& a, const B& b, const transform<S, D>& b_in_a,
-                          std::type_identity_t<vec<S, D>> translation, std::type_identity_t<S> most = S(1)) {
-    using detail::point;
-    const detail::core<D> shape = core_of(b);
-    const mat<double, D> axes = detail::to_matrix(b_in_a.rotation);
-    const point<D> from = detail::to_point(b_in_a.position), way = detail::to_point(translation);
-    const aabb<double, D> start = detail::bounds_of(detail::placed_core<D>{&shape, axes, from}, 0.0);
-    const aabb<double, D> box{min(start.lower, start.lower + way), max(start.upper, start.upper + way)};
-    cast_hit<S, D> first;
-    detail::each_piece(
-        a, box, [&](const auto& part) { return detail::faces(part, axes * shape.center + from); },
-        [&](const detail::core<D>& piece, const mat<double, D>& piece_axes, const point<D>& at, std::uint32_t) {
-            const mat<double, D> back = transposed(piece_axes);
-            const detail::core_pair<D> pair(piece, shape, back * axes, back * (from - at));
-            const double left = detail::to_double(first ? first.fraction : most);
-            cast_hit<S, D> hit = detail::cast_shapes<S>(pair, back * way, left);
-            if (!hit || (first && !(hit.fraction < first.fraction))) return;
-            hit.normal = detail::from_point<S>(piece_axes * detail::to_point(hit.normal));
-            hit.point = detail::from_point<S>(piece_axes * detail::to_point(hit.point) + at);
-            first = hit;
-        });
-    return first;
-}
+    requires detail::has_parts<A, D> && detail::has_core<B> cast_hit<S, D> shape_cast(
+        const A& a, const B& b, const transform<S, D>& b_in_a, std::type_identity_t<vec<S, D>> translation,
+        std::type_identity_t<S> most = S(1)) {
+        using detail::point;
+        const detail::core<D> shape = core_of(b);
+        const mat<double, D> axes = detail::to_matrix(b_in_a.rotation);
+        const point<D> from = detail::to_point(b_in_a.position), way = detail::to_point(translation);
+        const aabb<double, D> start = detail::bounds_of(detail::placed_core<D>{&shape, axes, from}, 0.0);
+        const aabb<double, D> box{min(start.lower, start.lower + way), max(start.upper, start.upper + way)};
+        cast_hit<S, D> first;
+        detail::each_piece(
+            a, box, [&](const auto& part) { return detail::faces(part, axes * shape.center + from); },
+            [&](const detail::core<D>& piece, const mat<double, D>& piece_axes, const point<D>& at, std::uint32_t) {
+                const mat<double, D> back = transposed(piece_axes);
+                const detail::core_pair<D> pair(piece, shape, back * axes, back * (from - at));
+                const double left = detail::to_double(first ? first.fraction : most);
+                cast_hit<S, D> hit = detail::cast_shapes<S>(pair, back * way, left);
+                if (!hit || (first && !(hit.fraction < first.fraction))) return;
+                hit.normal = detail::from_point<S>(piece_axes * detail::to_point(hit.normal));
+                hit.point = detail::from_point<S>(piece_axes * detail::to_point(hit.point) + at);
+                first = hit;
+            });
+        return first;
+    }
 
 /// Where a surface or a compound and a convex shape are closest, if they are not farther apart than `reach` (m); see
 /// separation of convex shapes. Cost: one for each part within reach.
 template <class A, class B, class S, int D>
-    requires detail::has_parts<A, D> && detail::has_core<B>
-closest_points<S, D> separation(const A& a, const B& b, const transform<S, D>& b_in_a, std::type_identity_t<S> reach) {
-    using detail::point;
-    const detail::core<D> shape = core_of(b);
-    const mat<double, D> axes = detail::to_matrix(b_in_a.rotation);
-    const point<D> from = detail::to_point(b_in_a.position);
-    closest_points<S, D> best;
-    best.distance = scalar_traits<S>::max();
-    detail::each_piece(
-        a, detail::bounds_of(detail::placed_core<D>{&shape, axes, from}, detail::to_double(reach)),
-        [](const auto&) { return true; },
-        [&](const detail::core<D>& piece, const mat<double, D>& piece_axes, const point<D>& at, std::uint32_t) {
-            const mat<double, D> back = transposed(piece_axes);
-            const detail::core_pair<D> pair(piece, shape, back * axes, back * (from - at));
-            const auto s = detail::separate<S>(pair, detail::no_limit, nullptr);
-            closest_points<S, D> c = detail::rounded<S>(pair, s);
-            if (c.distance > reach || !(c.distance < best.distance)) return;
-            c.normal = detail::from_point<S>(piece_axes * s.normal);
-            c.on_a = detail::from_point<S>(piece_axes * detail::to_point(c.on_a) + at);
-            c.on_b = detail::from_point<S>(piece_axes * detail::to_point(c.on_b) + at);
-            best = c;
-        });
-    return best;
-}
+    requires detail::has_parts<A, D> && detail::has_core<B> closest_points<S, D> separation(
+        const A& a, const B& b, const transform<S, D>& b_in_a, std::type_identity_t<S> reach) {
+        using detail::point;
+        const detail::core<D> shape = core_of(b);
+        const mat<double, D> axes = detail::to_matrix(b_in_a.rotation);
+        const point<D> from = detail::to_point(b_in_a.position);
+        closest_points<S, D> best;
+        best.distance = scalar_traits<S>::max();
+        detail::each_piece(
+            a, detail::bounds_of(detail::placed_core<D>{&shape, axes, from}, detail::to_double(reach)),
+            [](const auto&) { return true; },
+            [&](const detail::core<D>& piece, const mat<double, D>& piece_axes, const point<D>& at, std::uint32_t) {
+                const mat<double, D> back = transposed(piece_axes);
+                const detail::core_pair<D> pair(piece, shape, back * axes, back * (from - at));
+                const auto s = detail::separate<S>(pair, detail::no_limit, nullptr);
+                closest_points<S, D> c = detail::rounded<S>(pair, s);
+                if (c.distance > reach || !(c.distance < best.distance)) return;
+                c.normal = detail::from_point<S>(piece_axes * s.normal);
+                c.on_a = detail::from_point<S>(piece_axes * detail::to_point(c.on_a) + at);
+                c.on_b = detail::from_point<S>(piece_axes * detail::to_point(c.on_b) + at);
+                best = c;
+            });
+        return best;
+    }
 
 PHYSICS_HPP_END
 
@@ -16142,7 +16097,9 @@ PHYSICS_HPP_BEGIN
 namespace detail {
 
 template <class S>
-physics::rotation<S, 2> rotation_by(S turn) { return physics::rotation<S, 2>::from_angle(turn); }
+physics::rotation<S, 2> rotation_by(S turn) {
+    return physics::rotation<S, 2>::from_angle(turn);
+}
 template <class S>
 physics::rotation<S, 3> rotation_by(const vec<S, 3>& turn) {
     const auto [axis, angle] = split(turn);
@@ -16232,9 +16189,13 @@ inline mat<double, 3> turning(const point<3>& turn) {
              {k.x * k.z * v + k.y * s, k.y * k.z * v - k.x * s, c + k.z * k.z * v}}};
 }
 template <class S>
-double to_turn(S w) { return detail::to_double(w); }
+double to_turn(S w) {
+    return detail::to_double(w);
+}
 template <class S>
-point<3> to_turn(const vec<S, 3>& w) { return to_point(w); }
+point<3> to_turn(const vec<S, 3>& w) {
+    return to_point(w);
+}
 
 /// A core that moves; time runs from 0 to 1.
 template <int D>
@@ -16490,37 +16451,35 @@ impact<S, D> rounded_impact(const moving_impact<D>& m, const sweep<S, D>& motion
 /// the separating axis that turns along is Catto's, Continuous collision, GDC (2013), here with a bound that proves it.
 /// Cost: 0.1 us where they stay far apart, else 0.6 to 2 us in the plane, 1.5 to 5 us in space; more for many turns.
 template <class A, class B, class S, int D>
-    requires detail::has_core<A> && detail::has_core<B>
-impact<S, D> time_of_impact(const A& a, const sweep<S, D>& motion_a, const B& b, const sweep<S, D>& motion_b,
-                            const std::type_identity_t<impact_settings<S>>& settings = {}) {
-    const detail::core<D> core_a = core_of(a);
-    const auto m = detail::swept_impact(core_a, motion_a, core_of(b), motion_b, nullptr, settings);
-    return detail::rounded_impact(m, motion_a, m.normal, m.on_a + m.normal * core_a.radius);
-}
+    requires detail::has_core<A> && detail::has_core<B> impact<S, D> time_of_impact(
+        const A& a, const sweep<S, D>& motion_a, const B& b, const sweep<S, D>& motion_b,
+        const std::type_identity_t<impact_settings<S>>& settings = {}) {
+        const detail::core<D> core_a = core_of(a);
+        const auto m = detail::swept_impact(core_a, motion_a, core_of(b), motion_b, nullptr, settings);
+        return detail::rounded_impact(m, motion_a, m.normal, m.on_a + m.normal * core_a.radius);
+    }
 /// The same where A is a halfspace.
 template <class B, class S, int D>
-    requires detail::has_core<B>
-impact<S, D> time_of_impact(const halfspace<S, D>& a, const sweep<S, D>& motion_a, const B& b,
-                            const sweep<S, D>& motion_b,
-                            const std::type_identity_t<impact_settings<S>>& settings = {}) {
-    const detail::bounding_half<D> half(a);
-    detail::core<D> surface;
-    surface.corner[0] = half.normal * half.offset;
-    const auto m = detail::swept_impact(surface, motion_a, core_of(b), motion_b, &half.normal, settings);
-    return detail::rounded_impact(m, motion_a, m.normal, m.on_a);
-}
+    requires detail::has_core<B> impact<S, D> time_of_impact(
+        const halfspace<S, D>& a, const sweep<S, D>& motion_a, const B& b, const sweep<S, D>& motion_b,
+        const std::type_identity_t<impact_settings<S>>& settings = {}) {
+        const detail::bounding_half<D> half(a);
+        detail::core<D> surface;
+        surface.corner[0] = half.normal * half.offset;
+        const auto m = detail::swept_impact(surface, motion_a, core_of(b), motion_b, &half.normal, settings);
+        return detail::rounded_impact(m, motion_a, m.normal, m.on_a);
+    }
 /// The same where B is a halfspace.
 template <class A, class S, int D>
-    requires detail::has_core<A>
-impact<S, D> time_of_impact(const A& a, const sweep<S, D>& motion_a, const halfspace<S, D>& b,
-                            const sweep<S, D>& motion_b,
-                            const std::type_identity_t<impact_settings<S>>& settings = {}) {
-    const detail::bounding_half<D> half(b);
-    detail::core<D> surface;
-    surface.corner[0] = half.normal * half.offset;
-    const auto m = detail::swept_impact(surface, motion_b, core_of(a), motion_a, &half.normal, settings);
-    return detail::rounded_impact(m, motion_b, -m.normal, m.on_a + m.normal * m.gap);
-}
+    requires detail::has_core<A> impact<S, D> time_of_impact(
+        const A& a, const sweep<S, D>& motion_a, const halfspace<S, D>& b, const sweep<S, D>& motion_b,
+        const std::type_identity_t<impact_settings<S>>& settings = {}) {
+        const detail::bounding_half<D> half(b);
+        detail::core<D> surface;
+        surface.corner[0] = half.normal * half.offset;
+        const auto m = detail::swept_impact(surface, motion_b, core_of(a), motion_a, &half.normal, settings);
+        return detail::rounded_impact(m, motion_b, -m.normal, m.on_a + m.normal * m.gap);
+    }
 
 PHYSICS_HPP_END
 
@@ -17098,9 +17057,7 @@ struct proxy_pair {
 
     friend bool operator==(proxy_pair, proxy_pair) = default;
 };
-constexpr bool operator<(proxy_pair x, proxy_pair y) {
-    return x.a != y.a ? x.a < y.a : x.b < y.b;
-}
+constexpr bool operator<(proxy_pair x, proxy_pair y) { return x.a != y.a ? x.a < y.a : x.b < y.b; }
 
 /// A broadphase bound to a space: a copyable set of boxes by number, with
 ///   insert(id, box, filter), erase(id)   numbers are small and may come again after erase
@@ -19450,10 +19407,8 @@ public:
             for (std::uint32_t i = 0; i < count; ++i) {
                 const std::uint32_t id = ids[i];
                 if (!all.has(id) || all.is_movable(id) != (m == 1)) continue;
-                if (places_[id] & young_place)
-                    send_to_tail(k, id);
-                else if (!(places_[id] & tail_place))
-                    keys_.push(std::uint64_t{places_[id]} << 32 | id);
+                if (places_[id] & young_place) send_to_tail(k, id);
+                else if (!(places_[id] & tail_place)) keys_.push(std::uint64_t{places_[id]} << 32 | id);
             }
             const std::uint32_t young = k.young.live() + k.tail.size(), live = k.main.live() + young;
             if (young > live / 8 || (k.size > most_growth * k.packed_size && !keys_.empty())) {
@@ -19517,8 +19472,9 @@ public:
         std::uint32_t count = 0;
         for (const kind& k : kinds_)
             for (const tree* t : {&k.main, &k.young})
-                t->search(0, [&](const auto& block) { return ++count, block.overlapping(reach); },
-                          [](std::uint32_t, std::uint32_t) {});
+                t->search(
+                    0, [&](const auto& block) { return ++count, block.overlapping(reach); },
+                    [](std::uint32_t, std::uint32_t) {});
         return count;
     }
     /// Calls visit(id) for every proxy whose box may overlap this one, until it returns false.
@@ -19907,8 +19863,8 @@ namespace detail {
 template <int D>
 class hashed_cells {
 public:
-    void arrange(cell_level<D>* levels, std::uint32_t count, std::uint32_t usual,
-                 const float_box<D>& region, const std::uint32_t*) {
+    void arrange(cell_level<D>* levels, std::uint32_t count, std::uint32_t usual, const float_box<D>& region,
+                 const std::uint32_t*) {
         // Cells of small ones not much smaller than of most: large ones look through them.
         for (std::uint32_t l = stretch_.size(); l < count; ++l)
             stretch_.push(l + 1 < usual ? static_cast<float>(1 << 2 * (usual - l - 1)) : 1.0f);
@@ -20324,6 +20280,7 @@ struct materials {};
 template <class... Features>
 struct without {
     using stage = physics::stage::features;
+
 private:
     template <class Feature>
     static constexpr bool lacks = (std::same_as<Features, Feature> || ...);
@@ -20339,10 +20296,10 @@ public:
     static constexpr bool surface_velocity = friction && materials && !lacks<feature::surface_velocity>;
     static constexpr bool sleeping = !lacks<feature::sleeping>;
     static constexpr bool continuous = !lacks<feature::continuous>;
-    static constexpr bool known = (is_one_of<Features, feature::friction, feature::restitution, feature::rotation,
-                                             feature::rolling_resistance, feature::surface_velocity,
-                                             feature::sleeping, feature::continuous, feature::materials> &&
-                                   ...);
+    static constexpr bool known =
+        (is_one_of<Features, feature::friction, feature::restitution, feature::rotation, feature::rolling_resistance,
+                   feature::surface_velocity, feature::sleeping, feature::continuous, feature::materials> &&
+         ...);
 };
 
 namespace detail {
@@ -20461,12 +20418,9 @@ struct free_spin<S, 3> {
 
     free_spin() = default;
     explicit free_spin(const symmetric<S>& inertia) {
-        detail::principal_axes p = detail::principal_axes_of({static_cast<double>(inertia.xx),
-                                                              static_cast<double>(inertia.yy),
-                                                              static_cast<double>(inertia.zz),
-                                                              static_cast<double>(inertia.xy),
-                                                              static_cast<double>(inertia.xz),
-                                                              static_cast<double>(inertia.yz)});
+        detail::principal_axes p = detail::principal_axes_of(
+            {static_cast<double>(inertia.xx), static_cast<double>(inertia.yy), static_cast<double>(inertia.zz),
+             static_cast<double>(inertia.xy), static_cast<double>(inertia.xz), static_cast<double>(inertia.yz)});
         double inverse[3];
         // Of the moments as they are kept: else a spin would grow or fade, bit by bit.
         for (int i = 0; i < 3; ++i) {
@@ -21844,8 +21798,8 @@ constexpr inverse_of<S> answer([[maybe_unused]] const solver_body<S, D, Turns>& 
 
 /// The effective mass along n: the impulse that changes the relative velocity along n by 1.
 template <class S, int D, bool Turns>
-constexpr S effective_mass(const solver_body<S, D, Turns>& a, const solver_body<S, D, Turns>& b,
-                           const levers<S, D>& to, vec<S, D> n) {
+constexpr S effective_mass(const solver_body<S, D, Turns>& a, const solver_body<S, D, Turns>& b, const levers<S, D>& to,
+                           vec<S, D> n) {
     const inverse_of<S> k = a.inverse_mass + b.inverse_mass + answer(a, b, to, n, n);
     return k > inverse_of<S>(0) ? reciprocal<S>(k) : S(0);
 }
@@ -22197,11 +22151,10 @@ private:
         const lanes3<P> moments = lanes3<P>::load(of.moments);
         const rotation_lanes<P> drawn = lanes_of(of.start);
         const P drawn_lack = drawn.norm_lack();
-        const lanes3<P> gain =
-            lane_rotated(drawn.inverse(), drawn_lack, lane_subtract(w, lanes3<P>::load(of.known)));
-        const lanes3<P> momentum = lane_add(
-            lanes3<P>::load(of.momentum),
-            lane_rotated(frame, lack, {moments.x * gain.x, moments.y * gain.y, moments.z * gain.z}));
+        const lanes3<P> gain = lane_rotated(drawn.inverse(), drawn_lack, lane_subtract(w, lanes3<P>::load(of.known)));
+        const lanes3<P> momentum =
+            lane_add(lanes3<P>::load(of.momentum),
+                     lane_rotated(frame, lack, {moments.x * gain.x, moments.y * gain.y, moments.z * gain.z}));
         momentum.store(of.momentum);
         const Q first = Q::load(of.first), second = Q::load(of.second), third = Q::load(of.third);
         lanes3<P> seen = lane_rotated(frame.inverse(), lack, momentum);
@@ -22236,8 +22189,7 @@ private:
             if (top) {
                 v = turn_top(top->spin, now, {of.momentum[0][lane], of.momentum[1][lane], of.momentum[2][lane]}, h);
                 v = rotated_as_unit(rotation_of(of.start, lane), rotated_as_unit(inverse(now), v));
-            } else
-                now = physics::turned(now, v * h);
+            } else now = physics::turned(now, v * h);
             axes.x.set_lane(lane, now.x);
             axes.y.set_lane(lane, now.y);
             axes.z.set_lane(lane, now.z);
@@ -22254,8 +22206,7 @@ private:
     }
     /// In fixed point, puts the angles of far lanes in range: their turns are made anew, and these must not overflow.
     PHYSICS_HPP_ALWAYS_INLINE static P near(const P& quarter) {
-        if constexpr (std::floating_point<S>)
-            return quarter;
+        if constexpr (std::floating_point<S>) return quarter;
         else {
             const P most = P::broadcast(S(0.5));
             return max(min(quarter, most), -most);
@@ -22359,9 +22310,7 @@ struct semi_implicit_euler {
         }
 
     private:
-        static constexpr S damped(S damping, S h) {
-            return damping == S(0) ? S(1) : S(1) / (S(1) + damping * h);
-        }
+        static constexpr S damped(S damping, S h) { return damping == S(0) ? S(1) : S(1) / (S(1) + damping * h); }
     };
 };
 
@@ -22562,8 +22511,7 @@ private:
             for (int k = 0; k < D; ++k) f(n.linear[k], sign * to_double(impulse[k]));
             if constexpr (turns) {
                 const auto moment = cross(is_b ? p.to.b : p.to.a, impulse);
-                if constexpr (D == 2)
-                    f(n.angular[0], sign * to_double(moment));
+                if constexpr (D == 2) f(n.angular[0], sign * to_double(moment));
                 else
                     for (int k = 0; k < 3; ++k) f(n.angular[k], sign * to_double(moment[k]));
             }
@@ -22606,10 +22554,8 @@ private:
     static void find_share(node& group) {
         const double answering = group.answering.total(), stopping = group.stopping.total();
         const double acting = group.acting.total();
-        if (group.hits == 1)
-            group.share = 2;
-        else
-            group.share = answering > 0 && stopping > 0 ? 2 * (acting / answering) * (acting / stopping) : 0;
+        if (group.hits == 1) group.share = 2;
+        else group.share = answering > 0 && stopping > 0 ? 2 * (acting / answering) * (acting / stopping) : 0;
     }
     /// Reflects all hits at once.
     void reflect() {
@@ -23071,8 +23017,7 @@ PHYSICS_HPP_ALWAYS_INLINE K lanes_from(const T* from) {
 }
 template <class K, class T>
 PHYSICS_HPP_ALWAYS_INLINE void put_lanes(const K& lanes, T* to) {
-    if constexpr (std::is_same_v<typename K::scalar, T>)
-        lanes.store(to);
+    if constexpr (std::is_same_v<typename K::scalar, T>) lanes.store(to);
     else
         for (int i = 0; i < K::width; ++i) to[i] = static_cast<T>(lanes.lane(i));
 }
@@ -23475,7 +23420,9 @@ struct belt_lanes {
     S along[W];
 
     template <class Features>
-    void put(int lane, const contact<S, 2, Features>& c) { along[lane] = c.surface_velocity; }
+    void put(int lane, const contact<S, 2, Features>& c) {
+        along[lane] = c.surface_velocity;
+    }
 };
 template <class S, int W>
 struct belt_lanes<S, W, 3> {
@@ -23550,9 +23497,8 @@ struct nothing {};
 
 /// What few contacts have lies apart from their block, so that the others pay for a look at a pointer.
 template <class S, int W, int D, class Features>
-struct soft_extras
-    : std::conditional_t<Features::rolling_resistance, rolling_lanes<S, W, D, Features>, nothing<0>>,
-      std::conditional_t<Features::surface_velocity, belt_lanes<S, W, D>, nothing<1>> {
+struct soft_extras : std::conditional_t<Features::rolling_resistance, rolling_lanes<S, W, D, Features>, nothing<0>>,
+                     std::conditional_t<Features::surface_velocity, belt_lanes<S, W, D>, nothing<1>> {
     using rolling = rolling_lanes<S, W, D, Features>;
     using belt = belt_lanes<S, W, D>;
     using body = solver_body<S, D, Features::rotation>;
@@ -23560,8 +23506,8 @@ struct soft_extras
     static bool needed_by(const contact<S, D, Features>& c, const soft_start<S, D, Features>& with) {
         return with.surfaces.rolling_resistance_of(c) > S(0) || value_of(c.surface_velocity) != tangential<S, D>{};
     }
-    void put(int lane, const contact<S, D, Features>& c, [[maybe_unused]] const body& a,
-             [[maybe_unused]] const body& b, [[maybe_unused]] const soft_start<S, D, Features>& with) {
+    void put(int lane, const contact<S, D, Features>& c, [[maybe_unused]] const body& a, [[maybe_unused]] const body& b,
+             [[maybe_unused]] const soft_start<S, D, Features>& with) {
         if constexpr (Features::rolling_resistance)
             if (const S resistance = with.surfaces.rolling_resistance_of(c); resistance > S(0))
                 rolling::put(lane, c, resistance, rolling_at<S, D>(a, b, tangents<S, D>(c.normal)), with.share);
@@ -23597,8 +23543,8 @@ template <class S, int W, int D, class Features>
     requires(!Features::rolling_resistance && !Features::surface_velocity)
 struct extras_of_block<S, W, D, Features> {
     template <class Body>
-    void put(int, const contact<S, D, Features>&, const Body&, const Body&, const soft_start<S, D, Features>&,
-             arena&) {}
+    void put(int, const contact<S, D, Features>&, const Body&, const Body&, const soft_start<S, D, Features>&, arena&) {
+    }
     void take(int, contact<S, D, Features>&) const {}
 };
 
@@ -23804,8 +23750,7 @@ struct soft_point_friction3 {
         put_lanes(c.turned(u_a, u_b, c.n, c.n), answer[4]);
         put_lanes(c.turned(c.n, c.n, c.n, c.n), answer[5]);
         for (int k = 0; k < most; ++k) {
-            const lanes3<K> offset =
-                lane_combine(c.t, lanes_from<K>(points[k].x), c.u, lanes_from<K>(points[k].y));
+            const lanes3<K> offset = lane_combine(c.t, lanes_from<K>(points[k].x), c.u, lanes_from<K>(points[k].y));
             prepare_cone(c, lane_add(c.arm_a, offset), lane_add(c.arm_b, offset), each[k].stop);
         }
     }
@@ -23853,8 +23798,7 @@ struct soft_point_friction3 {
             slide_lanes<P> by{zero, zero, zero};
             add(by, points[k], after.x - before.x, after.y - before.y);
             sum = {sum.x + by.x, sum.y + by.y, sum.twist + by.twist};
-            slip = {slip.x + answered(0, 1, 2, by), slip.y + answered(1, 3, 4, by),
-                    slip.twist + answered(2, 4, 5, by)};
+            slip = {slip.x + answered(0, 1, 2, by), slip.y + answered(1, 3, 4, by), slip.twist + answered(2, 4, 5, by)};
         }
         return sum;
     }
@@ -23894,8 +23838,8 @@ namespace detail {
 /// Whether visits would change nothing in these lanes (1, else 0): no point has pushed, and none closes its gap within
 /// the substep, or has closed it.
 template <class P, class Point, class Round, class At, class SpeedAt>
-PHYSICS_HPP_ALWAYS_INLINE bool are_idle(const Point* points, int count, const Round& how, const P& lanes,
-                                        At&& at, SpeedAt&& speed_at) {
+PHYSICS_HPP_ALWAYS_INLINE bool are_idle(const Point* points, int count, const Round& how, const P& lanes, At&& at,
+                                        SpeedAt&& speed_at) {
     const P zero = P::broadcast(typename P::scalar(0)), per_step = P::broadcast(how.inverse_step);
     P busy = zero;
     for (int k = 0; k < count; ++k) {
@@ -24032,8 +23976,7 @@ struct soft_whole {
         // Loads that last are over-relaxed, all points alike: those of tall piles travel faster so. Impacts, and what
         // turns the bodies, are answered as they are. Source: Golub, Van Loan, Matrix Computations, 11.2.
         P more = zero;
-        if (how.over_relaxes)
-            more = select_greater(calm, zero, sum_of_changes / max(there, one), zero);
+        if (how.over_relaxes) more = select_greater(calm, zero, sum_of_changes / max(there, one), zero);
         left = select_greater(zero, ok, one, zero);
         const bool any_left = greater(zero, ok).bits() != 0 && !are_idle(points, count, how, left, at, speed_at);
         for (int k = 0; k < count; ++k) {
@@ -24126,8 +24069,8 @@ struct soft_bounces {
             const P v = speed_at(k), gap = P::load(points[k].separation) + way_at(k);
             for (int lane = 0; lane < W; ++lane)
                 if (speed[k][lane] > S(0))
-                    speed[k][lane] = rebound_speed(restitution[lane], -v.lane(lane), gap.lane(lane), closing[lane],
-                                                   how.substep);
+                    speed[k][lane] =
+                        rebound_speed(restitution[lane], -v.lane(lane), gap.lane(lane), closing[lane], how.substep);
         }
         return true;
     }
@@ -24205,8 +24148,7 @@ void begin_without(linear_twist<S, D>& begun, const solver_body<S, D, false>& b,
 /// The change of a point's impulse that its speed along the normal asks for, in lanes that are left to visits (1, else
 /// 0).
 template <class P, class Point, class Round, class S = typename P::scalar>
-PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& way, const Round& how,
-                                         const P& left) {
+PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& way, const Round& how, const P& left) {
     const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
     const P gap = P::load(point.separation) + way, mass = P::load(point.mass), before = P::load(point.impulse);
     const P closing = gap * P::broadcast(how.inverse_step);
@@ -24214,8 +24156,8 @@ PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& 
     if (how.pushes) {
         bias = max(gap * P::broadcast(how.spring.rate), P::broadcast(-how.push_speed));
         strength = strength * select_greater(gap, zero, one, P::broadcast(how.spring.mass_scale));
-        kept = before - lane_part(before, left) *
-                            select_greater(gap, zero, zero, P::broadcast(how.spring.impulse_scale));
+        kept =
+            before - lane_part(before, left) * select_greater(gap, zero, zero, P::broadcast(how.spring.impulse_scale));
     }
     // Once poses have advanced, gaps that nothing has held close are left to the next substep: an approach that is
     // slowed here would bounce with less.
@@ -24253,8 +24195,7 @@ S bounce_points(Point* points, int count, const Bounces& bounces, int lane, Spee
 /// Ends a substep: adds the loads of the points to the step's impulses.
 template <class P, class Point>
 PHYSICS_HPP_ALWAYS_INLINE void add_totals(Point* points, int count) {
-    for (int k = 0; k < count; ++k)
-        (P::load(points[k].total) + P::load(points[k].impulse)).store(points[k].total);
+    for (int k = 0; k < count; ++k) (P::load(points[k].total) + P::load(points[k].impulse)).store(points[k].total);
 }
 
 }  // namespace detail
@@ -24441,8 +24382,8 @@ struct soft_contact2 {
         if (moves_b) at_b.store(bodies, b);
     }
     /// Notes which points are going to bounce, before anything stops them.
-    PHYSICS_HPP_ALWAYS_INLINE void note_approaches(const body* bodies, const soft_round<S, 2>& how)
-        requires Features::restitution {
+    PHYSICS_HPP_ALWAYS_INLINE void note_approaches(const body* bodies,
+                                                   const soft_round<S, 2>& how) requires Features::restitution {
         bounces_now = false;
         if (!bounce_to.at->template any_free<P>(points, point_count)) return;
         const frame_lanes f(*this);
@@ -24894,8 +24835,8 @@ struct soft_contact3 {
         if (moves_b) at_b.store(bodies, b);
     }
     /// Notes which points are going to bounce, before anything stops them.
-    PHYSICS_HPP_ALWAYS_INLINE void note_approaches(const body* bodies, const soft_round<S, 3>& how)
-        requires Features::restitution {
+    PHYSICS_HPP_ALWAYS_INLINE void note_approaches(const body* bodies,
+                                                   const soft_round<S, 3>& how) requires Features::restitution {
         bounces_now = false;
         if (!bounce_to.at->template any_free<P>(points, point_count)) return;
         const frame_lanes f(*this);
@@ -25220,7 +25161,7 @@ struct soft_linear_contact {
     I mass_a[W], mass_b[W];
     point points[point_count];
     [[no_unique_address]] std::conditional_t<Features::friction, soft_linear_friction<S, D, W, Features>,
-                                               no_soft_friction>
+                                             no_soft_friction>
         friction;
     /// What the points bore together as the substep began.
     S held[W];
@@ -25322,8 +25263,8 @@ struct soft_linear_contact {
         store(bodies, at_a, at_b);
     }
     /// Notes which contacts are going to bounce, before anything stops them.
-    PHYSICS_HPP_ALWAYS_INLINE void note_approaches(const body* bodies, const round& how)
-        requires Features::restitution {
+    PHYSICS_HPP_ALWAYS_INLINE void note_approaches(const body* bodies,
+                                                   const round& how) requires Features::restitution {
         bounces_now = false;
         if (!bounce_to.at->template any_free<P>(points, 1)) return;
         linear_lanes<P, D> at_a, at_b;
@@ -25631,8 +25572,15 @@ struct soft_step_with {
             const bool capped = with.frequency_cap > S(0) && with.frequency_cap < frequency;
             detail::substep_start<S, D, turns> start(all, scratch);
             const detail::soft_round<S, D, turns> press{
-                S(1) / part, detail::softness<S>::of(capped ? with.frequency_cap : frequency, with.damping_ratio, part),
-                with.max_push_speed, with.impact_speed, with.restitution_slop, part, true, false, start.velocities()};
+                S(1) / part,
+                detail::softness<S>::of(capped ? with.frequency_cap : frequency, with.damping_ratio, part),
+                with.max_push_speed,
+                with.impact_speed,
+                with.restitution_slop,
+                part,
+                true,
+                false,
+                start.velocities()};
             detail::soft_round<S, D, turns> relax = press;
             relax.pushes = false;
             for (int i = 0; i < with.substeps; ++i) {
@@ -25656,8 +25604,8 @@ struct soft_step_with {
                                 blocks.first[k].bounce(bodies, relax);
                         });
             }
-            blocks.each_at_once(
-                hands, [&](std::uint32_t k, std::uint32_t, std::uint32_t) { blocks.take(k, contacts); });
+            blocks.each_at_once(hands,
+                                [&](std::uint32_t k, std::uint32_t, std::uint32_t) { blocks.take(k, contacts); });
         }
         /// Blocks that contacts of these colours fill.
         static std::uint32_t blocks_of(const detail::contact_colours& colours) {
@@ -25671,8 +25619,7 @@ struct soft_step_with {
         static constexpr std::uint32_t none = 0xffffffffu;
         using turning_block = std::conditional_t<D == 2, detail::soft_contact2<S, width, Features>,
                                                  detail::soft_contact3<S, width, Features, Friction>>;
-        using block =
-            std::conditional_t<turns, turning_block, detail::soft_linear_contact<S, D, width, Features>>;
+        using block = std::conditional_t<turns, turning_block, detail::soft_linear_contact<S, D, width, Features>>;
         using kernels = Kernels<block>;
 
         /// So many blocks are worth handing to somebody else.
@@ -26075,16 +26022,15 @@ struct plan<S, D, shapes<Shapes...>, Policies...> {
     using mixing = typename policy_for<stage::mixing, geometric_mixing, Policies...>::type::template in<space>;
     using integrator =
         typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type::template in<space>;
-    using solver =
-        typename policy_for<stage::solver, soft_step, Policies...>::type::template in<space, features>;
+    using solver = typename policy_for<stage::solver, soft_step, Policies...>::type::template in<space, features>;
     static constexpr bool sleeps = features::sleeping;
-    using settings = world_settings<
-        S, D, typename solver::settings, std::conditional_t<sleeps, sleep_settings<S>, no_settings>,
-        std::conditional_t<features::materials, every_shape_has_a_material_of_its_own, material<S, D>>>;
+    using settings =
+        world_settings<S, D, typename solver::settings, std::conditional_t<sleeps, sleep_settings<S>, no_settings>,
+                       std::conditional_t<features::materials, every_shape_has_a_material_of_its_own, material<S, D>>>;
     using shape_def = physics::shape_def<S, D, features::materials>;
-    using continuous = typename std::conditional_t<
-        features::continuous, typename policy_for<stage::continuous, swept, Policies...>::type,
-        no_continuous>::template in<space>;
+    using continuous = typename std::conditional_t<features::continuous,
+                                                   typename policy_for<stage::continuous, swept, Policies...>::type,
+                                                   no_continuous>::template in<space>;
     /// Whether all shapes are so simple that sweeps can do without the general kernels.
     static constexpr bool few_corners = D == 2 && (has_few_corners<Shapes<S, D>, D> && ...);
     static constexpr bool sweeps = detail::sweeps<continuous, S, D>;
@@ -26140,7 +26086,8 @@ concept recipe_like = requires {
     typename Recipe::scalar;
     typename std::integral_constant<int, Recipe::dimension>;
     typename Recipe::policies;
-} && is_policy_list<typename Recipe::policies>;
+}
+&&is_policy_list<typename Recipe::policies>;
 
 template <class Stage>
 constexpr bool known_stage = std::same_as<Stage, stage::shapes> || std::same_as<Stage, stage::broadphase> ||
@@ -26166,7 +26113,9 @@ template <class A, class S, int D, template <class, int> class... Shapes>
 constexpr int times_among = (0 + ... + int{std::same_as<A, Shapes<S, D>>});
 
 template <class T>
-concept complete = requires { sizeof(T); };
+concept complete = requires {
+    sizeof(T);
+};
 template <class Shape, class S, int D>
 concept usable_shape = complete<Shape> && shape_for<Shape, S, D>;
 template <class S, int D, template <class, int> class... Shapes>
@@ -26208,8 +26157,8 @@ struct any_motion {
 /// What a solver must offer: settings with a function check(settings, function) like that of shapes, and
 /// solve(bodies, contacts, settings, h, scratch, motion).
 template <class Policy, class S, int D, class Features>
-concept solver_policy = requires(solver_bodies<S, D, Features::rotation> bodies,
-                                 contact_list<S, D, Features> contacts, arena scratch, any_motion<S> motion,
+concept solver_policy = requires(solver_bodies<S, D, Features::rotation> bodies, contact_list<S, D, Features> contacts,
+                                 arena scratch, any_motion<S> motion,
                                  const typename Policy::template in<space<S, D>, Features>::settings settings) {
     { check(settings, "function") } -> std::same_as<bool>;
     Policy::template in<space<S, D>, Features>::solve(bodies, contacts, settings, S(1), scratch, motion);
@@ -26251,8 +26200,8 @@ constexpr recipe_problem problem_of_policies(const policy_list<Policies...>*) {
                                typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type, S, D,
                                features::rotation>)
             return recipe_problem::bad_integrator;
-        else if constexpr (!solver_policy<typename policy_for<stage::solver, soft_step, Policies...>::type, S,
-                                          D, features>)
+        else if constexpr (!solver_policy<typename policy_for<stage::solver, soft_step, Policies...>::type, S, D,
+                                          features>)
             return recipe_problem::bad_solver;
         else if constexpr (!continuous_policy<typename policy_for<stage::continuous, swept, Policies...>::type, S, D>)
             return recipe_problem::bad_continuous;
@@ -26986,8 +26935,7 @@ namespace detail {
 /// which no dynamic body carries, have none.
 template <class Shape, int D, class F>
 void each_swept_piece(const Shape& shape, const aabb<double, D>& everywhere, F&& f) {
-    if constexpr (has_core<Shape>)
-        f(core_of(shape), mat<double, D>::identity(), point<D>{});
+    if constexpr (has_core<Shape>) f(core_of(shape), mat<double, D>::identity(), point<D>{});
     else if constexpr (is_compound<Shape, D>)
         each_child(shape, everywhere, [&](const auto& child) { f(child.shape, child.axes, child.at); });
 }
@@ -27029,8 +26977,8 @@ PHYSICS_HPP_COLD void measure_body(const state<Plan>& s, std::uint32_t index, bo
         const auto box = bounds(record.shape, record.local);
         double square = 0;
         for (int i = 0; i < D; ++i) {
-            const double far = max(abs(detail::to_double(box.lower[i]) - center[i]),
-                                   abs(detail::to_double(box.upper[i]) - center[i]));
+            const double far =
+                max(abs(detail::to_double(box.lower[i]) - center[i]), abs(detail::to_double(box.upper[i]) - center[i]));
             square += far * far;
         }
         outer = max(outer, physics::sqrt(square));
@@ -27335,8 +27283,8 @@ bool check_settings(const typename Plan::settings& with, const char* function) {
     if constexpr (!Plan::features::materials)
         if (!check_material<Plan>(function, with.material, material_of_settings)) return false;
     return check_in_range(function, "gravity", with.gravity) &&
-           check_not_negative(function, "contact_margin", with.contact_margin) &&
-           check(with.broadphase, function) && check(with.solver, function) && check(with.sleeping, function);
+           check_not_negative(function, "contact_margin", with.contact_margin) && check(with.broadphase, function) &&
+           check(with.solver, function) && check(with.sleeping, function);
 }
 
 /// Refuses to make a world of floating-point numbers where arithmetic would not give the same bits as
@@ -27751,9 +27699,8 @@ void each_overlapping(const state<Plan>& s, const char* f, const Shape& shape,
                       Visit&& visit) {
     small_buffer<std::uint64_t, 48> touched;
     exactly([&] {
-        find_touched(s, f, shape, pose, filter, [&](std::uint32_t i) {
-            touched.push(std::uint64_t{s.shapes.generation(i)} << 32 | i);
-        });
+        find_touched(s, f, shape, pose, filter,
+                     [&](std::uint32_t i) { touched.push(std::uint64_t{s.shapes.generation(i)} << 32 | i); });
     });
     buffer<std::uint64_t> spare;
     // Fewer are sorted in place.
@@ -27794,8 +27741,8 @@ nearest_shape<typename Plan::scalar, Plan::dimension> closest_shape(const state<
         const transform<S, D> at = s.shapes[i].pose;
         s.shapes[i].shape.visit([&](const auto& other) {
             const auto c = separation_within(other, tip<S, D>{}, relative(at, transform<S, D>{point, {}}), reach);
-            const bool nearer = !best || c.distance < best.distance ||
-                                (c.distance == best.distance && i < best.shape.index);
+            const bool nearer =
+                !best || c.distance < best.distance || (c.distance == best.distance && i < best.shape.index);
             if (c.distance > reach || !nearer) return;
             best = {id_of_shape(s, i), body_of_shape(s, i), c.distance, at * c.on_a, at.rotation * c.normal};
         });
@@ -27939,8 +27886,7 @@ protected:
             first = false;
             if constexpr (requires { s_.broadphase.box(k); })
                 within = within && contains(wide(s_.broadphase.box(k)), own);
-            else
-                within = false;
+            else within = false;
         });
         return within;
     }
@@ -28308,10 +28254,8 @@ private:
         std::uint32_t low = 0, high = movers().size();
         while (low < high) {
             const std::uint32_t middle = (low + high) / 2;
-            if (number > movers()[middle].number)
-                low = middle + 1;
-            else
-                high = middle;
+            if (number > movers()[middle].number) low = middle + 1;
+            else high = middle;
         }
         return low < movers().size() && movers()[low].number == number ? &movers()[low] : nullptr;
     }
@@ -28335,10 +28279,8 @@ private:
             transform<S, D> at = way.at(rounded_down<S>(time));
             const body_type type = s_.bodies[m.other].type;
             const bool slides = !is_cut && type == body_type::static_body && m.against == swept_against::fixed;
-            if (slides)
-                at.position = slid(m, at, way.end);
-            else if (!is_cut && type == body_type::kinematic_body)
-                at = carried(m, at);
+            if (slides) at.position = slid(m, at, way.end);
+            else if (!is_cut && type == body_type::kinematic_body) at = carried(m, at);
             moved_[m.number].center = at.position;
             if constexpr (Plan::turns)
                 if (!slides || !(way.turn == angular<S, D>{})) turn_back(m.number, at.rotation);
@@ -28480,8 +28422,7 @@ void wake_islands(state<Plan>& s, Each&& each) {
     if (!any) return;
     s.found.clear();
     part_contacts(
-        s.sleep.contacts, [&](const auto& c) { return is_of_sleepers(s, c); },
-        [&](const auto& c) { s.found.push(c); });
+        s.sleep.contacts, [&](const auto& c) { return is_of_sleepers(s, c); }, [&](const auto& c) { s.found.push(c); });
     stretch(s.found.begin(), s.found.end(), s.sleep.step, s.last_step);
     merge_contacts(s.contacts, s.found);
 }
@@ -28541,9 +28482,8 @@ void wake_all(state<Plan>& s) {
 template <class Plan>
 std::uint32_t count_awake(const state<Plan>& s) {
     std::uint32_t count = 0;
-    s.bodies.each([&](std::uint32_t i, const auto& b) {
-        count += b.type != body_type::static_body && !s.is_asleep(i);
-    });
+    s.bodies.each(
+        [&](std::uint32_t i, const auto& b) { count += b.type != body_type::static_body && !s.is_asleep(i); });
     return count;
 }
 
@@ -28584,7 +28524,8 @@ template <class Plan>
 void wake_disturbed(state<Plan>& s) {
     if (s.sleep.woken.empty()) return;
     rise(s);
-    part_contacts(s.sleep.contacts, [&](const auto& c) { return is_of_sleepers(s, c); }, [](const auto&) {});
+    part_contacts(
+        s.sleep.contacts, [&](const auto& c) { return is_of_sleepers(s, c); }, [](const auto&) {});
 }
 
 /// Notes how long each body has been still, and lets islands sleep that have been so for long enough and rest on
@@ -28732,7 +28673,8 @@ void refresh_boxes(state<Plan>& s, std::uint32_t body) {
 /// Forgets the contacts for which gone(contact) is true; the others keep their order.
 template <class Plan, class Gone>
 void drop_contacts(state<Plan>& s, Gone&& gone) {
-    part_contacts(s.contacts, [&](const auto& c) { return !gone(c); }, [](const auto&) {});
+    part_contacts(
+        s.contacts, [&](const auto& c) { return !gone(c); }, [](const auto&) {});
 }
 
 template <class Plan>
@@ -29030,8 +28972,7 @@ void act(state<Plan>& s, body_id id, const char* function, const char* field,
          vec<typename Plan::scalar, Plan::dimension> force, bool local,
          const vec<typename Plan::scalar, Plan::dimension>* point, F&& f) {
     const found at = find_dynamic(s, id, function);
-    if (!at || !check_in_range(function, field, force) || (point && !check_in_range(function, "point", *point)))
-        return;
+    if (!at || !check_in_range(function, field, force) || (point && !check_in_range(function, "point", *point))) return;
     auto& b = s.bodies[at.index];
     vec<typename Plan::scalar, Plan::dimension> lever;
     if (point) lever = local ? b.rotation * (*point - b.mass.center) : *point - b.center;
@@ -29132,9 +29073,8 @@ void look_ahead(state<Plan>& s, typename Plan::scalar h) {
             vec<S, D> v = before.linear;
             if (b.is_dynamic()) v += s.settings.gravity * b.gravity_scale * h;
             const auto& extent = s.continuous.extents[i];
-            ahead = Plan::continuous::ahead(
-                {v * h, value_of(before.angular) * h, extent.reach, extent.thickness, S(0), b.continuous,
-                 s.settings.contact_margin});
+            ahead = Plan::continuous::ahead({v * h, value_of(before.angular) * h, extent.reach, extent.thickness, S(0),
+                                             b.continuous, s.settings.contact_margin});
             if (!(ahead > S(0))) return;
             any = true;
             each_shape(s, i, [&](std::uint32_t k, const auto& shape) {
@@ -29312,8 +29252,9 @@ public:
         free_count_ = count_of([&](std::uint32_t k) { return gather(k); });
         if constexpr (is_fixed<S>)
             starts_well_ = count_of([&](std::uint32_t k) {
-                return !stays_in_range(s.settings.gravity, member(k), bodies_[k], h, parts_of_step(s.settings.solver));
-            }) == 0;
+                               return !stays_in_range(s.settings.gravity, member(k), bodies_[k], h,
+                                                      parts_of_step(s.settings.solver));
+                           }) == 0;
         for (std::uint32_t k = count_; k < part.nobody - part.bodies + 2; ++k)
             new (bodies_ + k) solver_body<S, D, turns>{};
         if (free_count_ > 0) find_free(parts, part, scratch);
@@ -29533,9 +29474,8 @@ public:
             for (std::uint32_t k = 0; k < count; ++k) fit = fit && fates[k] != lost;
             for (std::uint32_t k = 0; k < count && fit; ++k)
                 if (fates[k] == leaves)
-                    each_shape(state_, state_.movers[k], [&](std::uint32_t n, const auto& shape) {
-                        move_box(k, n, needed_box(state_, shape));
-                    });
+                    each_shape(state_, state_.movers[k],
+                               [&](std::uint32_t n, const auto& shape) { move_box(k, n, needed_box(state_, shape)); });
         }
         if (!fit)
             for (const std::uint32_t i : state_.movers) refresh_boxes(state_, i);
@@ -29606,8 +29546,7 @@ private:
 
         const std::uint32_t count = s.movers.size();
         bool* is_pushed = s.scratch.template take<bool>(count + 1);
-        for (std::uint32_t k = 0; k < count; ++k)
-            is_pushed[k] = s.bodies[s.movers[k]].inverse_mass > inverse_of<S>(0);
+        for (std::uint32_t k = 0; k < count; ++k) is_pushed[k] = s.bodies[s.movers[k]].inverse_mass > inverse_of<S>(0);
         is_pushed[count] = false;
         return batch_maker(s.found, is_pushed, count, s.scratch, in_one, &hands).result();
     }
@@ -30089,9 +30028,7 @@ std::uint64_t digest_of(const persistent_manifold<S, D>& m, std::uint64_t name) 
 }
 template <class Memory>
     requires requires(const Memory& m) { m.digest(); }
-std::uint64_t digest_of(const Memory& m, std::uint64_t name) {
-    return m.digest() != 0 ? hash_of(name, m.digest()) : 0;
-}
+std::uint64_t digest_of(const Memory& m, std::uint64_t name) { return m.digest() != 0 ? hash_of(name, m.digest()) : 0; }
 
 /// Of everything in a world that bears on its future, but for the settings: neither user data nor what only
 /// saves work, like the boxes of the broadphase. The dimensions of a shape enter by its bounds.
@@ -30408,18 +30345,27 @@ auto view_of(const state<Plan>& s, const typename Plan::contact& c) {
     const std::uint32_t at_a = body_a(s, c), at_b = body_b(s, c);
     const auto& a = s.bodies[at_a];
     const auto& b = s.bodies[at_b];
-    contact_view<S, D> view{
-        {c.shape_a, s.shapes.generation(c.shape_a), s.tag}, {c.shape_b, s.shapes.generation(c.shape_b), s.tag},
-        {at_a, s.bodies.generation(at_a), s.tag},           {at_b, s.bodies.generation(at_b), s.tag},
-        c.part, c.normal, tangents<S, D>(c.normal), {}, c.count,
-        s.surfaces.friction_of(c), s.surfaces.restitution_of(c), s.surfaces.rolling_resistance_of(c),
-        c.surface_velocity, c.twist_impulse, c.rolling_impulse};
+    contact_view<S, D> view{{c.shape_a, s.shapes.generation(c.shape_a), s.tag},
+                            {c.shape_b, s.shapes.generation(c.shape_b), s.tag},
+                            {at_a, s.bodies.generation(at_a), s.tag},
+                            {at_b, s.bodies.generation(at_b), s.tag},
+                            c.part,
+                            c.normal,
+                            tangents<S, D>(c.normal),
+                            {},
+                            c.count,
+                            s.surfaces.friction_of(c),
+                            s.surfaces.restitution_of(c),
+                            s.surfaces.rolling_resistance_of(c),
+                            c.surface_velocity,
+                            c.twist_impulse,
+                            c.rolling_impulse};
     for (int k = 0; k < c.count; ++k) {
         const auto& p = c.points[k];
         const auto [to_a, to_b] = c.levers(k);
         const vec<S, D> local_a = inverse_rotate(s.contact_starts[at_a].rotation, to_a) + a.mass.center;
         const vec<S, D> local_b = inverse_rotate(s.contact_starts[at_b].rotation, to_b) + b.mass.center;
-        view.points[k] = {a.pose() * local_a, local_a,    local_b, p.separation, p.normal_impulse,
+        view.points[k] = {a.pose() * local_a, local_a,       local_b, p.separation, p.normal_impulse,
                           p.friction_impulse, c.persisted(k)};
     }
     return view;
@@ -30604,17 +30550,17 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, c
         if (disturb_sleepers(s, found.disturbs, h) && !find_contacts_of_woken(s, h, hands))
             return step_result::bad_mixture;
     done(step_stage::find_contacts);
-    motion<Plan> moving(s, h, hands);          // contacts          -> islands, in batches
+    motion<Plan> moving(s, h, hands);  // contacts          -> islands, in batches
     done(step_stage::make_batches);
-    const bool solved = moving.solve(hands);   // bodies, contacts  -> velocities, poses
+    const bool solved = moving.solve(hands);  // bodies, contacts  -> velocities, poses
     done(step_stage::solve);
     if (!hands.is_sound()) return step_result::bad_executor;
     if (!solved) return step_result::out_of_range;
-    sweep_fast_bodies(s, moving.moved(), h);   // poses             -> poses short of what stops bodies
+    sweep_fast_bodies(s, moving.moved(), h);  // poses             -> poses short of what stops bodies
     // Poses -> boxes of what has moved.
     if (!moving.place_shapes(hands)) return hands.is_sound() ? step_result::out_of_range : step_result::bad_executor;
     done(step_stage::place_shapes);
-    moving.finish();                           // results           -> bodies and contacts
+    moving.finish();  // results           -> bodies and contacts
     done(step_stage::finish);
     return step_result::done;
 }

@@ -117,8 +117,7 @@ entry at_rest(const char* scalar, int wide) {
     const auto build = [wide](auto& world) {
         for (int i = 0; i < wide * wide; ++i) scenes::add_crate(world, 2 * i % (2 * wide), 0.5, 2.0 * (i / wide));
     };
-    return {std::string("3D asleep, ") + scalar,
-            [=] { return std::make_unique<on_stage<crates<S, D>>>(build, 90); }};
+    return {std::string("3D asleep, ") + scalar, [=] { return std::make_unique<on_stage<crates<S, D>>>(build, 90); }};
 }
 
 }  // namespace bench
@@ -130,11 +129,10 @@ int main(int count, char** arguments) {
         quick = true;
     }
     const int rows2 = quick ? 20 : 100, rows3 = quick ? 10 : 30, rounds = quick ? 20 : 60, steps = quick ? 10 : 30;
-    bench::entry all[] = {bench::pyramid<float, 2>("float", rows2, steps),
-                          bench::pyramid<float, 3>("float", rows3, steps),
-                          bench::pyramid<double, 2>("double", rows2, steps),
-                          bench::pyramid<double, 3>("double", rows3, steps),
-                          bench::at_rest<float, 3>("float", quick ? 20 : 100)};
+    bench::entry all[] = {
+        bench::pyramid<float, 2>("float", rows2, steps), bench::pyramid<float, 3>("float", rows3, steps),
+        bench::pyramid<double, 2>("double", rows2, steps), bench::pyramid<double, 3>("double", rows3, steps),
+        bench::at_rest<float, 3>("float", quick ? 20 : 100)};
     bench::progress bar;
     bar.total = static_cast<int>(std::size(all)) + rounds;
     for (bench::entry& e : all) {
@@ -148,13 +146,16 @@ int main(int count, char** arguments) {
     bar.clear();
     std::FILE* csv = std::fopen("bench/out/images.csv", "w");
     if (csv)
-        std::fputs("scene,bodies,contacts,bytes,of_bodies,of_shapes,of_contacts,of_memories,of_boxes,save_min,"
-                   "save_median,restore_min,restore_median,memcpy_min,memcpy_median\n",
-                   csv);
-    std::puts("                            contacts         bytes a body                                      "
-              "us per 1,000 bodies, minimum / median");
-    std::puts("scene               bodies    a body   all   bodies   shapes contacts memories    boxes           "
-              "save        restore         memcpy");
+        std::fputs(
+            "scene,bodies,contacts,bytes,of_bodies,of_shapes,of_contacts,of_memories,of_boxes,save_min,"
+            "save_median,restore_min,restore_median,memcpy_min,memcpy_median\n",
+            csv);
+    std::puts(
+        "                            contacts         bytes a body                                      "
+        "us per 1,000 bodies, minimum / median");
+    std::puts(
+        "scene               bodies    a body   all   bodies   shapes contacts memories    boxes           "
+        "save        restore         memcpy");
     for (const bench::entry& e : all) {
         const bench::figures& f = e.of;
         using bench::median, bench::minimum;

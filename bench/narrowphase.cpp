@@ -83,8 +83,7 @@ inline void play(const pair_set& s, task t, const plan& p, std::vector<contestan
             if (!slow) e.who->it->run(t, 0, false, answers.data());
             const stopwatch first;
             const int frames = slow ? 1 : 4;
-            for (int k = 0; k < frames; ++k)
-                e.who->it->run(t, k * (pair_set::frames / 4), false, answers.data());
+            for (int k = 0; k < frames; ++k) e.who->it->run(t, k * (pair_set::frames / 4), false, answers.data());
             e.cold.push_back(first.ns() / pairs / frames);
             if (!e.who->it->remembers(t)) continue;
             e.who->it->run(t, pair_set::frames - 1, true, answers.data());
@@ -111,8 +110,8 @@ inline int run(const plan& p, progress& bar, report* out) {
         int dimension;
         const char *a, *b;
     };
-    const kinds all_kinds[] = {{3, "box", "box"},         {3, "hull8", "hull8"},  {3, "hull32", "hull32"},
-                               {3, "hull128", "hull128"}, {3, "capsule", "box"},  {3, "sphere", "hull32"},
+    const kinds all_kinds[] = {{3, "box", "box"},         {3, "hull8", "hull8"}, {3, "hull32", "hull32"},
+                               {3, "hull128", "hull128"}, {3, "capsule", "box"}, {3, "sphere", "hull32"},
                                {2, "box", "box"},         {2, "hull8", "hull8"}};
     std::vector<contestant> all = contestants();
     int sets = 0;

@@ -1,13 +1,13 @@
 // The same scenes in float, double and fixed point, in 2D and 3D: a table, and a page that plays the motion.
 #include <physics.hpp>
 
+#include <unistd.h>
 #include <algorithm>
 #include <chrono>
 #include <cinttypes>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
-#include <unistd.h>
 #include <vector>
 
 #include "recording.hpp"
@@ -29,8 +29,8 @@ samples::pose pose_of(const physics::transform<S, 2>& t) {
 template <class S>
 samples::pose pose_of(const physics::transform<S, 3>& t) {
     const auto n = [](S x) { return static_cast<double>(x); };
-    return samples::solid(n(t.position.x), n(t.position.y), n(t.position.z), n(t.rotation.x), n(t.rotation.y), n(t.rotation.z),
-                          n(t.rotation.w));
+    return samples::solid(n(t.position.x), n(t.position.y), n(t.position.z), n(t.rotation.x), n(t.rotation.y),
+                          n(t.rotation.z), n(t.rotation.w));
 }
 
 template <class S, int D>
@@ -58,7 +58,8 @@ void cast(samples::recorded_scene& scene, const World& world) {
     for (const physics::body_id id : world.bodies()) {
         std::vector<samples::shape> shapes;
         for (const physics::shape_id s : world.shapes(id))
-            world.shape(s).visit([&](const auto& shape) { shapes.push_back(drawn(shape, pose_of(world.local_pose(s)))); });
+            world.shape(s).visit(
+                [&](const auto& shape) { shapes.push_back(drawn(shape, pose_of(world.local_pose(s)))); });
         const bool fixed = world.type(id) == physics::body_type::static_body;
         scene.add_body(fixed ? samples::motion::fixed : samples::motion::dynamic, shapes, pose_of(world.pose(id)));
     }
@@ -68,7 +69,9 @@ void cast(samples::recorded_scene& scene, const World& world) {
 template <class World>
 void shoot(samples::recorded_scene& scene, const World& world) {
     const auto n = [](auto x) { return static_cast<double>(x); };
-    const auto depth = [&](const typename World::vec& v) { return World::dimension == 3 ? n(v[World::dimension - 1]) : 0; };
+    const auto depth = [&](const typename World::vec& v) {
+        return World::dimension == 3 ? n(v[World::dimension - 1]) : 0;
+    };
     int number = 0;
     for (const physics::body_id id : world.bodies()) scene.place(number++, pose_of(world.pose(id)));
     for (const auto contact : world.contacts())
@@ -93,7 +96,8 @@ void run(samples::recording& film, const char* title, Build&& build) {
     using world = physics::world<recipe_of<S, D>>;
     using clock = std::chrono::steady_clock;
     const std::string name = std::string(title) + ", " + physics::scalar_traits<S>::name();
-    samples::recorded_scene& scene = film.add_scene({.title = title, .scalar = physics::scalar_traits<S>::name(), .dimension = D});
+    samples::recorded_scene& scene =
+        film.add_scene({.title = title, .scalar = physics::scalar_traits<S>::name(), .dimension = D});
 
     double deepest = 0, seconds = 0;
     clock::time_point began{};
@@ -111,10 +115,12 @@ void run(samples::recording& film, const char* title, Build&& build) {
         std::snprintf(line, sizeof line, format, value);
         return std::string(line);
     };
-    const std::string columns[] = {std::to_string(last.steps()), text("%.3f", seconds * 1000 / steps), text("%.1f", deepest * 1000),
-                                   text("%.2e", scenes::kinetic_energy(last)), text("%016" PRIx64, last.state_hash())};
-    std::printf("%-14s %-8s %dD %6u %6s %9s %12s %12s  %s\n", title, physics::scalar_traits<S>::name(), D, last.body_count(),
-                columns[0].c_str(), columns[1].c_str(), columns[2].c_str(), columns[3].c_str(), columns[4].c_str());
+    const std::string columns[] = {std::to_string(last.steps()), text("%.3f", seconds * 1000 / steps),
+                                   text("%.1f", deepest * 1000), text("%.2e", scenes::kinetic_energy(last)),
+                                   text("%016" PRIx64, last.state_hash())};
+    std::printf("%-14s %-8s %dD %6u %6s %9s %12s %12s  %s\n", title, physics::scalar_traits<S>::name(), D,
+                last.body_count(), columns[0].c_str(), columns[1].c_str(), columns[2].c_str(), columns[3].c_str(),
+                columns[4].c_str());
     const char* labels[] = {"steps", "ms a step", "deepest overlap, mm", "kinetic energy, J", "state hash"};
     for (int i = 0; i < 5; ++i) scene.fact(labels[i], columns[i]);
 }
@@ -130,13 +136,14 @@ void run_scalars(samples::recording& film, const char* title, Build&& build) {
 
 int main() {
     samples::recording film("physics", "one header, one source, three scalars, two dimensions");
-    std::printf("%-14s %-8s    %6s %6s %9s %12s %12s  %s\n", "scene", "scalar", "bodies", "steps", "ms/step", "overlap, mm",
-                "energy, J", "state hash");
+    std::printf("%-14s %-8s    %6s %6s %9s %12s %12s  %s\n", "scene", "scalar", "bodies", "steps", "ms/step",
+                "overlap, mm", "energy, J", "state hash");
     run_scalars<2>(film, "crate pyramid", [](auto& w) { scenes::pyramid(w, 10); });
     run_scalars<3>(film, "plank tower", [](auto& w) { scenes::tower(w, 10); });
     try {
         const std::size_t bytes = film.write_html(page);
-        std::printf("\n%s plays the motion in any browser (%.1f MB, no network needed)\n", page, static_cast<double>(bytes) / 1e6);
+        std::printf("\n%s plays the motion in any browser (%.1f MB, no network needed)\n", page,
+                    static_cast<double>(bytes) / 1e6);
     } catch (const std::exception& failure) {
         std::fprintf(stderr, "%s\n", failure.what());
         return EXIT_FAILURE;

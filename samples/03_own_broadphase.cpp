@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <vector>
 
-// An index knows where boxes are; the library does the rest: margins, filters, which pairs begin and end, exact queries.
-// This one cuts the level into columns of 4 m; a box is in the list of every column that it touches.
+// An index knows where boxes are; the library does the rest: margins, filters, which pairs begin and end, exact
+// queries. This one cuts the level into columns of 4 m; a box is in the list of every column that it touches.
 template <class Space>
 class columns {
 public:

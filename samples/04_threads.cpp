@@ -50,12 +50,13 @@ world filled_yard() {
     };
     for (int stack = 0; stack < 400; ++stack)
         for (int i = 0; i < 10; ++i)
-            add(3.0f * static_cast<float>(stack % 20), 0.5f + static_cast<float>(i), 3.0f * static_cast<float>(stack / 20));
+            add(3.0f * static_cast<float>(stack % 20), 0.5f + static_cast<float>(i),
+                3.0f * static_cast<float>(stack / 20));
     for (int row = 0; row < 12; ++row)
         for (int i = 0; i < 12 - row; ++i)
             for (int k = 0; k < 12 - row; ++k)
-                add(-20 + 1.1f * static_cast<float>(i) + 0.55f * static_cast<float>(row), 0.5f + static_cast<float>(row),
-                    1.1f * static_cast<float>(k) + 0.55f * static_cast<float>(row));
+                add(-20 + 1.1f * static_cast<float>(i) + 0.55f * static_cast<float>(row),
+                    0.5f + static_cast<float>(row), 1.1f * static_cast<float>(k) + 0.55f * static_cast<float>(row));
     return w;
 }
 

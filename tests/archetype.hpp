@@ -14,7 +14,8 @@ public:
     explicit archetype(double value) : value_(value) {}
     template <class T>
         requires(!std::same_as<T, archetype>)
-    archetype(T) = delete;
+    archetype(T)
+    = delete;
 
     explicit operator double() const { return value_; }
 

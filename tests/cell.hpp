@@ -28,7 +28,9 @@ struct cell {
     static constexpr bool is_2d = dimension == 2;
     static constexpr bool is_3d = dimension == 3;
     template <class S>
-    static constexpr bool has_fraction_bits = requires { S::fraction_bits; };
+    static constexpr bool has_fraction_bits = requires {
+        S::fraction_bits;
+    };
     static constexpr bool is_fixed = has_fraction_bits<scalar>;
 
     static scalar real(double x) { return scalar(x); }

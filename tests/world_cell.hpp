@@ -58,9 +58,7 @@ inline double gap(const world::rotation& a, const world::rotation& b) {
     return most;
 }
 /// Rounding of n operations on numbers as large as size.
-inline double rounding(double n, double size = 1) {
-    return n * std::max(1.0, size) * number(cell::traits::epsilon());
-}
+inline double rounding(double n, double size = 1) { return n * std::max(1.0, size) * number(cell::traits::epsilon()); }
 
 /// Nothing pulls; everything bounces, however slowly.
 inline world::settings_type weightless() {

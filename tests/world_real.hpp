@@ -35,7 +35,7 @@ inline double spread(const physics::symmetric<double>& a, const physics::symmetr
 }
 inline double spin(double inertia, const physics::rotation<double, 2>&, double w) { return inertia * w; }
 inline physics::vec<double, 3> spin(const physics::symmetric<double>& inertia, const physics::rotation<double, 3>& r,
-                                              physics::vec<double, 3> w) {
+                                    physics::vec<double, 3> w) {
     return r * times(inertia, inverse_rotate(r, w));
 }
 inline double inertia_about_z(double inertia) { return inertia; }

@@ -43,7 +43,14 @@ public:
                 std::copy(each.at.begin(), each.at.end(), to.at);
                 shapes.push_back(to);
             }
-            plain_body to{b.kind == role::fixed ? 0 : b.kind == role::driven ? 1 : 2, {}, {}, {}, {}, shapes.data(),
+            plain_body to{b.kind == role::fixed    ? 0
+                          : b.kind == role::driven ? 1
+                                                   : 2,
+                          {},
+                          {},
+                          {},
+                          {},
+                          shapes.data(),
                           static_cast<int>(shapes.size())};
             std::copy(b.at.begin(), b.at.end(), to.at);
             std::copy(b.rotation.begin(), b.rotation.end(), to.rotation);

@@ -47,9 +47,9 @@ inline scene falling(int dimension, bool quick) {
     const int count = quick ? 1000 : 8000;
     dice d;
     for (int i = 0; i < count; ++i) {
-        body b = solid({3.0 * (i % 20), 3.0 * (dimension == 2 ? i / 20 : i / 400),
-                        dimension == 2 ? 0 : 3.0 * (i / 20 % 20)},
-                       box({0.4, 0.5, 0.6}));
+        body b =
+            solid({3.0 * (i % 20), 3.0 * (dimension == 2 ? i / 20 : i / 400), dimension == 2 ? 0 : 3.0 * (i / 20 % 20)},
+                  box({0.4, 0.5, 0.6}));
         b.spin = {d.next(), d.next(), 3 * d.next()};
         if (dimension == 2) b.spin[0] = b.spin[1] = 0;
         s.add(b);

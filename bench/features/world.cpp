@@ -11,8 +11,8 @@ namespace bench {
 #define TEXT(name) TEXT_OF(name)
 
 using namespace physics::feature;
-struct WITHOUT(NAME) : physics::recipe<float, DIMENSION, physics::shapes<physics::ball, physics::box>,
-                               physics::without<LEFT_OUT>> {};
+struct WITHOUT(NAME)
+    : physics::recipe<float, DIMENSION, physics::shapes<physics::ball, physics::box>, physics::without<LEFT_OUT>> {};
 
 namespace {
 

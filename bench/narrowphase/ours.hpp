@@ -52,17 +52,18 @@ private:
 
         void run(task t, int frame, bool warm, outcome* out) override {
             if (t == task::distance)
-                each(frame, warm, [&](auto&... with) { return distance(with...); }, [&](std::size_t i, const auto& r) {
-                    tell(out[i], r.distance, r.normal);
-                });
+                each(
+                    frame, warm, [&](auto&... with) { return distance(with...); },
+                    [&](std::size_t i, const auto& r) { tell(out[i], r.distance, r.normal); });
             else if (t == task::boolean)
-                each(frame, warm, [&](auto&... with) { return overlap(with...); },
-                     [&](std::size_t i, bool r) { out[i].distance = r ? -1 : 1; });
+                each(
+                    frame, warm, [&](auto&... with) { return overlap(with...); },
+                    [&](std::size_t i, bool r) { out[i].distance = r ? -1 : 1; });
             else if (t == task::penetration)
-                each(frame, warm, [&](auto&... with) { return separation(with...); },
-                     [&](std::size_t i, const auto& r) { tell(out[i], r.distance, r.normal); });
-            else
-                touch(frame, warm, out);
+                each(
+                    frame, warm, [&](auto&... with) { return separation(with...); },
+                    [&](std::size_t i, const auto& r) { tell(out[i], r.distance, r.normal); });
+            else touch(frame, warm, out);
         }
         template <class Ask, class Tell>
         void each(int frame, bool warm, Ask&& ask, Tell&& answer) {
@@ -122,8 +123,7 @@ private:
                 for (int k = 0; k < D; ++k) at.position[k] = S(p.at[k]);
                 if constexpr (D == 2)
                     at.rotation = {S(p.turn[3] * p.turn[3] - p.turn[2] * p.turn[2]), S(2 * p.turn[2] * p.turn[3])};
-                else
-                    at.rotation = {S(p.turn[0]), S(p.turn[1]), S(p.turn[2]), S(p.turn[3])};
+                else at.rotation = {S(p.turn[0]), S(p.turn[1]), S(p.turn[2]), S(p.turn[3])};
                 it->poses[frame].push_back(at);
                 const auto number = static_cast<std::uint32_t>(i);
                 const bool remembered = narrowphase::remembers(it->any_a[i].kind(), it->any_b[i].kind());

@@ -42,8 +42,7 @@ private:
     static btVector3 vector(const std::array<double, 3>& v) { return {real(v[0]), real(v[1]), real(v[2])}; }
     static std::unique_ptr<btConvexShape> shape_of(const solid& s) {
         if (s.of == solid::kind::sphere) return std::make_unique<btSphereShape>(real(s.radius));
-        if (s.of == solid::kind::capsule)
-            return std::make_unique<btCapsuleShapeX>(real(s.radius), real(2 * s.half[0]));
+        if (s.of == solid::kind::capsule) return std::make_unique<btCapsuleShapeX>(real(s.radius), real(2 * s.half[0]));
         std::unique_ptr<btConvexShape> result;
         if (s.of == solid::kind::box) {
             result = std::make_unique<btBoxShape>(vector(s.half));
@@ -122,9 +121,8 @@ public:
                                 ? btGjkEpaSolver2::Distance(scene_.a(i), origin, scene_.b(i), at, guess, found)
                                 : btGjkEpaSolver2::Penetration(scene_.a(i), origin, scene_.b(i), at, guess, found);
             // Distance() leaves radii out.
-            const double radii = t == task::distance
-                                     ? static_cast<double>(radius_of(scene_.a(i)) + radius_of(scene_.b(i)))
-                                     : 0;
+            const double radii =
+                t == task::distance ? static_cast<double>(radius_of(scene_.a(i)) + radius_of(scene_.b(i))) : 0;
             if (ok) tell(out[i], static_cast<double>(found.distance) - radii, found.normal);
             else out[i].distance = t == task::penetration ? 1 : NAN;
         }

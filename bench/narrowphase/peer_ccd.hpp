@@ -64,19 +64,19 @@ private:
         for (int i = 0; i < 3; ++i)
             d[i] = b.axis[i][0] * along->v[0] + b.axis[i][1] * along->v[1] + b.axis[i][2] * along->v[2];
         switch (s.of) {
-        case solid::kind::sphere: break;
-        case solid::kind::capsule: p[0] = d[0] < 0 ? -s.half[0] : s.half[0]; break;
-        case solid::kind::box:
-            for (int i = 0; i < 3; ++i) p[i] = d[i] < 0 ? -s.half[i] : s.half[i];
-            break;
-        case solid::kind::hull: {
-            double most = -HUGE_VAL;
-            for (const auto& q : s.points) {
-                const double reach = d[0] * q[0] + d[1] * q[1] + d[2] * q[2];
-                if (reach > most) most = reach, p[0] = q[0], p[1] = q[1], p[2] = q[2];
+            case solid::kind::sphere: break;
+            case solid::kind::capsule: p[0] = d[0] < 0 ? -s.half[0] : s.half[0]; break;
+            case solid::kind::box:
+                for (int i = 0; i < 3; ++i) p[i] = d[i] < 0 ? -s.half[i] : s.half[i];
+                break;
+            case solid::kind::hull: {
+                double most = -HUGE_VAL;
+                for (const auto& q : s.points) {
+                    const double reach = d[0] * q[0] + d[1] * q[1] + d[2] * q[2];
+                    if (reach > most) most = reach, p[0] = q[0], p[1] = q[1], p[2] = q[2];
+                }
+                break;
             }
-            break;
-        }
         }
         if (s.radius > 0) {
             const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);

@@ -1,7 +1,6 @@
 // The tables and the CSV of the narrowphase benchmark.
 #pragma once
 
-
 #include <algorithm>
 #include <cstdio>
 #include <map>
@@ -24,7 +23,7 @@ struct quality {
 
     void judge(task t, const pair_set& s, int k, std::size_t pair, const outcome& o) {
         const double exact = static_cast<double>(s.answers[k][pair].distance);
-        const bool clear = exact > 2e-4 || exact < -2e-4, told_apart = o.distance > 0;
+        const bool clear = exact > 2e-4 || exact<-2e-4, told_apart = o.distance> 0;
         const oracle::point n{o.normal[0], o.normal[1], o.normal[2]};
         const oracle::real length = size(n);
         ++asked;
@@ -35,9 +34,7 @@ struct quality {
         // Only penetration() tells by how much they are apart where contact was asked for.
         if (t == task::boolean || told_apart != (t == task::distance) || (exact > 0) != told_apart) return;
         const double wrong = std::abs(o.distance - exact);
-        const double less = t == task::distance || length == 0
-                                ? 0
-                                : exact - s.apart_along(k, pair, n * (1 / length));
+        const double less = t == task::distance || length == 0 ? 0 : exact - s.apart_along(k, pair, n * (1 / length));
         error = std::max(error, wrong);
         of_normal = std::max(of_normal, less);
         off += wrong > 1e-3 || less > 1e-3;
@@ -52,9 +49,10 @@ class report {
 public:
     explicit report(const char* csv) : csv_(std::fopen(csv, "w")) {
         if (csv_)
-            std::fputs("dimension,pair,state,task,contestant,scalar,memory,minimum,median,unit,error,normal,off,"
-                       "failures,asked\n",
-                       csv_);
+            std::fputs(
+                "dimension,pair,state,task,contestant,scalar,memory,minimum,median,unit,error,normal,off,"
+                "failures,asked\n",
+                csv_);
     }
     report(const report&) = delete;
     report& operator=(const report&) = delete;

@@ -53,10 +53,9 @@ inline std::array<double, 4> unit(std::array<double, 4> q) {
     return {q[0] * s, q[1] * s, q[2] * s, q[3] * s};
 }
 inline std::array<double, 4> product(const std::array<double, 4>& a, const std::array<double, 4>& b) {
-    return {a[3] * b[0] + a[0] * b[3] + a[1] * b[2] - a[2] * b[1],
-            a[3] * b[1] - a[0] * b[2] + a[1] * b[3] + a[2] * b[0],
-            a[3] * b[2] + a[0] * b[1] - a[1] * b[0] + a[2] * b[3],
-            a[3] * b[3] - a[0] * b[0] - a[1] * b[1] - a[2] * b[2]};
+    return {
+        a[3] * b[0] + a[0] * b[3] + a[1] * b[2] - a[2] * b[1], a[3] * b[1] - a[0] * b[2] + a[1] * b[3] + a[2] * b[0],
+        a[3] * b[2] + a[0] * b[1] - a[1] * b[0] + a[2] * b[3], a[3] * b[3] - a[0] * b[0] - a[1] * b[1] - a[2] * b[2]};
 }
 
 /// A sphere is a point with a radius, a capsule a segment along x with one.
@@ -230,8 +229,7 @@ private:
             for (int i = 0; i < 3; ++i) moved.at[i] += 0.01 * pace * step * along[i];
             if (dimension == 3)
                 moved.turn = unit(product({half * about[0], half * about[1], half * about[2], 1}, at.turn));
-            else if (!on_top)
-                moved.turn = unit(product({0, 0, half, 1}, at.turn));
+            else if (!on_top) moved.turn = unit(product({0, 0, half, 1}, at.turn));
             if (dimension == 2 && in != state::apart) {
                 const oracle::answer turned = measure(pair, moved);
                 for (int i = 0; i < 2; ++i)

@@ -1,6 +1,6 @@
-// Scenes in the plane: those of Box2D v3's benchmark, with its sizes, materials, orders and numbers of steps. Two things
-// are told otherwise: drums and paddles turn by themselves where joints with motors turn them, and what is hit in smash
-// does not begin asleep.
+// Scenes in the plane: those of Box2D v3's benchmark, with its sizes, materials, orders and numbers of steps. Two
+// things are told otherwise: drums and paddles turn by themselves where joints with motors turn them, and what is hit
+// in smash does not begin asleep.
 #include "makers.hpp"
 #include "parts.hpp"
 

@@ -107,9 +107,9 @@ scene spheres(bool quick) {
     ball.density = density;
     dice d;
     for (int n = 0; n < (quick ? 500 : 2000); ++n)
-        s.add(solid({1.05 * (n % 11 - 5) + 0.02 * d.next(), 0.6 + 1.05 * (n / 121),
-                     1.05 * (n / 11 % 11 - 5) + 0.02 * d.next()},
-                    ball));
+        s.add(solid(
+            {1.05 * (n % 11 - 5) + 0.02 * d.next(), 0.6 + 1.05 * (n / 121), 1.05 * (n / 11 % 11 - 5) + 0.02 * d.next()},
+            ball));
     return s;
 }
 

@@ -19,8 +19,8 @@ struct kinds<2> {
 };
 template <>
 struct kinds<3> {
-    using type = physics::shapes<physics::ball, physics::capsule, physics::box, physics::hull, physics::cylinder,
-                                 physics::mesh>;
+    using type =
+        physics::shapes<physics::ball, physics::capsule, physics::box, physics::hull, physics::cylinder, physics::mesh>;
 };
 /// What plays: the default narrowphase, broadphase and integrator, the solver by name.
 template <class S, int D, class Solver>
@@ -62,8 +62,7 @@ template <class S, int D>
 turn from_rotation(const physics::rotation<S, D>& r) {
     if constexpr (D == 2) return turned(std::atan2(static_cast<double>(r.sine), static_cast<double>(r.cosine)));
     else
-        return {static_cast<double>(r.x), static_cast<double>(r.y), static_cast<double>(r.z),
-                static_cast<double>(r.w)};
+        return {static_cast<double>(r.x), static_cast<double>(r.y), static_cast<double>(r.z), static_cast<double>(r.w)};
 }
 template <class S, int D>
 triple from_spin(const physics::angular<S, D>& w) {
@@ -107,8 +106,7 @@ private:
     template <class Create, class Def>
     static void make_flat(const shape& s, Create& create, const Def& def) {
         const triple end = {s.half[0], 0, 0};
-        if (s.kind == form::box)
-            create(physics::rounded_box<S, 2>{to_vec<S, 2>(s.half), S(s.radius)}, def);
+        if (s.kind == form::box) create(physics::rounded_box<S, 2>{to_vec<S, 2>(s.half), S(s.radius)}, def);
         else if (s.kind == form::segment)
             create(physics::segment<S, 2>{to_vec<S, 2>(end * -1), to_vec<S, 2>(end), S(0)}, def);
         else {
@@ -121,12 +119,11 @@ private:
     }
     template <class Create, class Def>
     static void make_solid(const shape& s, Create& create, const Def& def) {
-        if (s.kind == form::cylinder)
-            return create(physics::cylinder<S, 3>{S(s.half[0]), S(s.radius), S(0)}, def);
+        if (s.kind == form::cylinder) return create(physics::cylinder<S, 3>{S(s.half[0]), S(s.radius), S(0)}, def);
         const auto points = points_of(s);
-        const auto built = physics::mesh_geometry<S, 3>::build(
-            points.data(), static_cast<std::uint32_t>(points.size()), s.triangles.data(),
-            static_cast<std::uint32_t>(s.triangles.size() / 3));
+        const auto built =
+            physics::mesh_geometry<S, 3>::build(points.data(), static_cast<std::uint32_t>(points.size()),
+                                                s.triangles.data(), static_cast<std::uint32_t>(s.triangles.size() / 3));
         create(built.shape(), def);
     }
     static std::vector<physics::vec<S, D>> points_of(const shape& s) {

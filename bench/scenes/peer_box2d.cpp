@@ -37,13 +37,11 @@ public:
         states.clear();
         for (const b2Body* b : bodies_) {
             const b2Vec2 p = b->GetPosition(), v = b->GetLinearVelocity();
-            states.push_back({{p.x, p.y, 0}, turned(b->GetAngle()), {v.x, v.y, 0}, {0, 0, b->GetAngularVelocity()},
-                              b->GetMass()});
+            states.push_back(
+                {{p.x, p.y, 0}, turned(b->GetAngle()), {v.x, v.y, 0}, {0, 0, b->GetAngularVelocity()}, b->GetMass()});
         }
     }
-    [[nodiscard]] triple gravity() const override {
-        return {world_->GetGravity().x, world_->GetGravity().y, 0};
-    }
+    [[nodiscard]] triple gravity() const override { return {world_->GetGravity().x, world_->GetGravity().y, 0}; }
     [[nodiscard]] int contacts() const override {
         int count = 0;
         for (const b2Contact* c = world_->GetContactList(); c; c = c->GetNext()) count += c->IsTouching();

@@ -32,8 +32,8 @@ public:
         if (s.kind == form::ball) shapes_.push_back(std::make_unique<btSphereShape>(static_cast<float>(s.radius)));
         else if (s.kind == form::box) shapes_.push_back(std::make_unique<btBoxShape>(to_bt(s.half)));
         else if (s.kind == form::capsule)
-            shapes_.push_back(std::make_unique<btCapsuleShapeX>(static_cast<float>(s.radius),
-                                                                static_cast<float>(2 * s.half[0])));
+            shapes_.push_back(
+                std::make_unique<btCapsuleShapeX>(static_cast<float>(s.radius), static_cast<float>(2 * s.half[0])));
         else if (s.kind == form::cylinder)
             shapes_.push_back(std::make_unique<btCylinderShapeX>(to_bt({s.half[0], s.radius, s.radius})));
         else if (s.kind == form::mesh) {
@@ -61,10 +61,9 @@ public:
         info.m_friction = static_cast<float>(std::sqrt(s.friction));
         info.m_restitution = static_cast<float>(std::sqrt(s.restitution));
         const auto q = b.rotation;
-        info.m_startWorldTransform = btTransform(
-            btQuaternion(static_cast<float>(q[0]), static_cast<float>(q[1]), static_cast<float>(q[2]),
-                         static_cast<float>(q[3])),
-            to_bt(b.at));
+        info.m_startWorldTransform = btTransform(btQuaternion(static_cast<float>(q[0]), static_cast<float>(q[1]),
+                                                              static_cast<float>(q[2]), static_cast<float>(q[3])),
+                                                 to_bt(b.at));
         bodies_.push_back(std::make_unique<btRigidBody>(info));
         if (!sleeps_) bodies_.back()->setActivationState(DISABLE_DEACTIVATION);
         world_->addRigidBody(bodies_.back().get());
@@ -78,8 +77,11 @@ public:
         states.clear();
         for (const auto& b : bodies_) {
             const btQuaternion q = b->getWorldTransform().getRotation();
-            states.push_back({from_bt(b->getWorldTransform().getOrigin()), {q.x(), q.y(), q.z(), q.w()},
-                              from_bt(b->getLinearVelocity()), from_bt(b->getAngularVelocity()), b->getMass()});
+            states.push_back({from_bt(b->getWorldTransform().getOrigin()),
+                              {q.x(), q.y(), q.z(), q.w()},
+                              from_bt(b->getLinearVelocity()),
+                              from_bt(b->getAngularVelocity()),
+                              b->getMass()});
         }
     }
     [[nodiscard]] triple gravity() const override { return from_bt(world_->getGravity()); }

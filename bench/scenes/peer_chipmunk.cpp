@@ -48,8 +48,11 @@ public:
         states.clear();
         for (cpBody* b : bodies_) {
             const cpVect p = cpBodyGetPosition(b), v = cpBodyGetVelocity(b);
-            states.push_back({{p.x, p.y, 0}, turned(cpBodyGetAngle(b)), {v.x, v.y, 0},
-                              {0, 0, cpBodyGetAngularVelocity(b)}, cpBodyGetMass(b)});
+            states.push_back({{p.x, p.y, 0},
+                              turned(cpBodyGetAngle(b)),
+                              {v.x, v.y, 0},
+                              {0, 0, cpBodyGetAngularVelocity(b)},
+                              cpBodyGetMass(b)});
         }
     }
     [[nodiscard]] triple gravity() const override {

@@ -29,9 +29,8 @@ public:
     }
     void add(const body& b) override {
         const shape& s = b.shapes.front();
-        const dGeomID geom = s.kind == form::ball
-                                 ? dCreateSphere(space_, s.radius)
-                                 : dCreateBox(space_, 2 * s.half[0], 2 * s.half[1], 2 * s.half[2]);
+        const dGeomID geom = s.kind == form::ball ? dCreateSphere(space_, s.radius)
+                                                  : dCreateBox(space_, 2 * s.half[0], 2 * s.half[1], 2 * s.half[2]);
         friction_ = s.friction;
         dBodyID made = nullptr;
         if (b.kind == role::free) {

@@ -47,12 +47,14 @@ piece made(const shape& s, int dimension) {
         p.points = {{-s.half[0], 0, 0}, {s.half[0], 0, 0}};
     if (s.kind == form::hull) p.points = s.points;
     if (s.kind == form::box && dimension == 2)
-        p.points = {{-s.half[0], -s.half[1], 0}, {s.half[0], -s.half[1], 0},
-                    {s.half[0], s.half[1], 0}, {-s.half[0], s.half[1], 0}};
+        p.points = {{-s.half[0], -s.half[1], 0},
+                    {s.half[0], -s.half[1], 0},
+                    {s.half[0], s.half[1], 0},
+                    {-s.half[0], s.half[1], 0}};
     if (s.kind == form::box && dimension == 3)
         for (int k = 0; k < 8; ++k)
-            p.points.push_back({k & 1 ? s.half[0] : -s.half[0], k & 2 ? s.half[1] : -s.half[1],
-                                k & 4 ? s.half[2] : -s.half[2]});
+            p.points.push_back(
+                {k & 1 ? s.half[0] : -s.half[0], k & 2 ? s.half[1] : -s.half[1], k & 4 ? s.half[2] : -s.half[2]});
     (s.kind == form::cylinder ? p.disc : p.radius) = s.radius;
     if (dimension == 2) {
         for (std::size_t i = 0; i < p.points.size() && p.points.size() > 1; ++i) {

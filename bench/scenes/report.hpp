@@ -54,8 +54,10 @@ public:
     report(const std::string& csv, std::string markdown)
         : csv_(std::fopen(csv.c_str(), "w")), markdown_(std::move(markdown)) {
         if (csv_)
-            std::fputs("scene,dimension,bodies,steps,engine,ms,ms_median,ms_slowest,ratio,contacts,bytes_a_body,"
-                       "bytes_a_contact,worst_m,last_m,mean_m,deep,sag_m,drift_m,energy_J,lost\n", csv_);
+            std::fputs(
+                "scene,dimension,bodies,steps,engine,ms,ms_median,ms_slowest,ratio,contacts,bytes_a_body,"
+                "bytes_a_contact,worst_m,last_m,mean_m,deep,sag_m,drift_m,energy_J,lost\n",
+                csv_);
     }
     report(const report&) = delete;
     report& operator=(const report&) = delete;
@@ -66,9 +68,9 @@ public:
     void add(const scene& s, const std::vector<score>& scores) {
         const int bodies = s.free_bodies();
         std::printf("\n%s: %dD, %d bodies, %d steps\n", s.name.c_str(), s.dimension, bodies, s.steps);
-        std::printf("%-16s%9s%9s%9s%7s%10s%8s%10s |%8s%8s%8s%7s%9s%9s%10s%6s\n", "", "ms", "median", "slowest",
-                    "ratio", "contacts", "B/body", "B/contact", "worst", "last", "mean", ">5 mm", "sag", "drift",
-                    "energy", "lost");
+        std::printf("%-16s%9s%9s%9s%7s%10s%8s%10s |%8s%8s%8s%7s%9s%9s%10s%6s\n", "", "ms", "median", "slowest", "ratio",
+                    "contacts", "B/body", "B/contact", "worst", "last", "mean", ">5 mm", "sag", "drift", "energy",
+                    "lost");
         double first = 0;
         for (const score& c : scores) {
             if (!c.complaint.empty()) {
@@ -90,7 +92,8 @@ public:
                 std::printf("    %-24s%9.3f ms\n", name.c_str(),
                             ns / 1e6 / s.steps / static_cast<double>(c.rounds.size()));
             if (csv_) {
-                std::fprintf(csv_, "%s,%d,%d,%d,%s,%.5g,%.5g,%.5g,%.4g,%d,%.0f,%s,%.5g,%.5g,%.5g,%d,%.5g,%.5g,%.5g,%d\n",
+                std::fprintf(csv_,
+                             "%s,%d,%d,%d,%s,%.5g,%.5g,%.5g,%.4g,%d,%.0f,%s,%.5g,%.5g,%.5g,%d,%.5g,%.5g,%.5g,%d\n",
                              s.name.c_str(), s.dimension, bodies, s.steps, c.who.name.c_str(), ms, c.middle(),
                              c.slowest_step(), ms / first, c.contacts, c.bytes / bodies, contact, v.worst, v.last,
                              v.mean, v.deep, v.sag, v.drift, v.energy, v.lost);

@@ -57,8 +57,10 @@ class rest_report {
 public:
     explicit rest_report(const std::string& csv) : csv_(std::fopen(csv.c_str(), "w")) {
         if (csv_)
-            std::fputs("scene,sleep,bodies,engine,ms,last_ms,asleep_at,awake,step,energy_J,sag_m,drift_m,mean_m,last_m,"
-                       "deep,lost\n", csv_);
+            std::fputs(
+                "scene,sleep,bodies,engine,ms,last_ms,asleep_at,awake,step,energy_J,sag_m,drift_m,mean_m,last_m,"
+                "deep,lost\n",
+                csv_);
     }
     rest_report(const rest_report&) = delete;
     rest_report& operator=(const rest_report&) = delete;
@@ -78,8 +80,7 @@ public:
         if (found.awake >= 0) std::snprintf(awake, sizeof awake, "%d", found.awake);
         for (std::size_t i = 0; i < found.verdicts.size(); ++i) {
             const auto& [step, v] = found.verdicts[i];
-            if (i == 0)
-                std::printf("%-16s%9.3f%9.3f%8s%7s |", c.name.c_str(), found.ms, found.last_ms, asleep, awake);
+            if (i == 0) std::printf("%-16s%9.3f%9.3f%8s%7s |", c.name.c_str(), found.ms, found.last_ms, asleep, awake);
             else std::printf("%-49s |", "");
             std::printf("%8d%10.3g%9.1f%9.1f%9.3f%9.2f%7d%6d\n", step, v.energy, 1e3 * v.sag, 1e3 * v.drift,
                         1e3 * v.mean, 1e3 * v.last, v.deep, v.lost);
@@ -93,8 +94,10 @@ public:
     }
     static void legend() {
         std::puts(
-            "\nms: CPU time a step, mean of one run to the end; last: of its last hundredth. asleep: the step after which\n"
-            "all bodies sleep for good; awake: bodies that do not at the end. energy: kinetic, in J. sag, drift: of tops\n"
+            "\nms: CPU time a step, mean of one run to the end; last: of its last hundredth. asleep: the step after "
+            "which\n"
+            "all bodies sleep for good; awake: bodies that do not at the end. energy: kinetic, in J. sag, drift: of "
+            "tops\n"
             "of structures, in mm. mean, deepest: of all overlaps in mm, as the judge finds them.");
     }
 

@@ -14,8 +14,7 @@ public:
         born();
     }
     void step() {
-        for (const swing& w : scene_.swings)
-            engine_->drive(w.body, {w.speed(done_ * scene_.dt, scene_.dt), 0, 0}, {});
+        for (const swing& w : scene_.swings) engine_->drive(w.body, {w.speed(done_ * scene_.dt, scene_.dt), 0, 0}, {});
         const stopwatch clock;
         engine_->step(scene_.dt);
         last_ = clock.ns() / 1e6;

@@ -74,8 +74,7 @@ inline std::string base64(std::string_view bytes) {
         std::uint32_t group = 0;
         for (std::size_t k = i; k < i + 3; ++k)
             group = group << 8 | (k < bytes.size() ? static_cast<unsigned char>(bytes[k]) : 0u);
-        for (std::size_t k = 0; k < 4; ++k)
-            text += i + k > bytes.size() ? '=' : digits[group >> (18 - 6 * k) & 63u];
+        for (std::size_t k = 0; k < 4; ++k) text += i + k > bytes.size() ? '=' : digits[group >> (18 - 6 * k) & 63u];
     }
     return text;
 }

@@ -64,13 +64,13 @@ struct touch {
 
 /// What a scene is, told before its first frame.
 struct scene_settings {
-    std::string title;       ///< Runs with one title and dimension are shown together, to compare them.
-    std::string scalar;      ///< The name of the run within its title, for example "float".
-    int dimension = 3;       ///< 2 or 3.
-    double dt = 1.0 / 60;    ///< Seconds a step.
-    int every = 2;           ///< Steps from one recorded frame to the next; the page interpolates.
-    double resolution = 0;   ///< Metres, the grid of stored positions; 0: about 1/1000 of the smallest moving shape.
-    char up = 'y';           ///< The axis that points up in 3D: 'y' or 'z'.
+    std::string title;      ///< Runs with one title and dimension are shown together, to compare them.
+    std::string scalar;     ///< The name of the run within its title, for example "float".
+    int dimension = 3;      ///< 2 or 3.
+    double dt = 1.0 / 60;   ///< Seconds a step.
+    int every = 2;          ///< Steps from one recorded frame to the next; the page interpolates.
+    double resolution = 0;  ///< Metres, the grid of stored positions; 0: about 1/1000 of the smallest moving shape.
+    char up = 'y';          ///< The axis that points up in 3D: 'y' or 'z'.
 };
 
 /// One recorded run. Add its bodies, then for every recorded state: `place` all bodies that may have moved,
@@ -275,8 +275,8 @@ private:
             std::size_t best = stored_.size();
             std::int64_t nearest = static_cast<std::int64_t>(reach) * reach;
             for (int n = 0; n < 27; ++n) {
-                const auto found = cells.find(
-                    cell_key(cell(q[0]) + n % 3 - 1, cell(q[1]) + n / 3 % 3 - 1, cell(q[2]) + n / 9 - 1));
+                const auto found =
+                    cells.find(cell_key(cell(q[0]) + n % 3 - 1, cell(q[1]) + n / 3 % 3 - 1, cell(q[2]) + n / 9 - 1));
                 if (found == cells.end()) continue;
                 for (std::size_t i : found->second) {
                     const quanta& old = stored_[i].now;

@@ -59,9 +59,7 @@ TEST_CASE("buffer: does what std::vector does, in long random sequences") {
                     a.back() = x;
                     b.assign(a.begin(), a.end());
                     break;
-                default:
-                    CHECK(a.push(x).value == x.value);
-                    b.push_back(x);
+                default: CHECK(a.push(x).value == x.value); b.push_back(x);
             }
             REQUIRE(same(a, b));
         }

@@ -21,9 +21,7 @@ std::string sentence(Arguments... arguments) {
 }
 
 int calls = 0;
-void count(const physics::error&) {
-    ++calls;
-}
+void count(const physics::error&) { ++calls; }
 
 }  // namespace
 

@@ -110,16 +110,11 @@ public:
         const std::uint64_t word = engine_(), choice = engine_();
         const int shift = static_cast<int>(choice >> 8 & 63);
         switch (choice & 7) {
-            case 0:
-                return std::uint64_t{1} << shift;
-            case 1:
-                return (std::uint64_t{1} << shift) - 1;
-            case 2:
-                return ~std::uint64_t{0} << shift;
-            case 3:
-                return (~std::uint64_t{0} >> shift) ^ (std::uint64_t{1} << (word & 63));
-            default:
-                return word >> shift;
+            case 0: return std::uint64_t{1} << shift;
+            case 1: return (std::uint64_t{1} << shift) - 1;
+            case 2: return ~std::uint64_t{0} << shift;
+            case 3: return (~std::uint64_t{0} >> shift) ^ (std::uint64_t{1} << (word & 63));
+            default: return word >> shift;
         }
     }
     template <class Rep>

@@ -93,12 +93,20 @@ public:
             using limits = std::numeric_limits<S>;
             const S least = limits::denorm_min(), tiny = limits::min(), most = limits::max(), step = limits::epsilon();
             const S infinite = limits::infinity(), nan = limits::quiet_NaN();
-            return {0,    -S(0), 1,     -1,       least,     -least, tiny, -tiny, tiny - least, most,
-                    -most, infinite, -infinite, nan, -nan, 2,    3,     S(0.1), 1 + step, 1 - step};
+            return {0,     -S(0),    1,         -1,  least, -least, tiny, -tiny,  tiny - least, most,
+                    -most, infinite, -infinite, nan, -nan,  2,      3,    S(0.1), 1 + step,     1 - step};
         } else {
             using limits = std::numeric_limits<typename S::rep>;
-            return {S(0), S(1), S(-1), S(0.1), S::from_raw(1), S::from_raw(-1), S::from_raw(limits::max()),
-                    S::from_raw(limits::min()), S::from_raw(limits::max() / 2), S(3)};
+            return {S(0),
+                    S(1),
+                    S(-1),
+                    S(0.1),
+                    S::from_raw(1),
+                    S::from_raw(-1),
+                    S::from_raw(limits::max()),
+                    S::from_raw(limits::min()),
+                    S::from_raw(limits::max() / 2),
+                    S(3)};
         }
     }
 
@@ -135,7 +143,7 @@ void for_all_widths(F f) {
     f.template operator()<pack<S, 4>>();
     if constexpr (Widest >= 8) f.template operator()<pack<S, 8>>();
     if constexpr (Widest >= 16) f.template operator()<pack<S, 16>>();
-    if constexpr (native_width<S> > 1) {
+    if constexpr (native_width < S >> 1) {
         f.template operator()<pack<S, 4, 0>>();
         if constexpr (vector_bytes > 16) f.template operator()<pack<S, 8, 16>>();
     }

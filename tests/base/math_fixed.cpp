@@ -64,12 +64,9 @@ void saturates(const char* name, S (*ours)(S), reference::unary_function exact) 
         // A result within an ulp or two of the end may round to either side of it.
         const double scaled = mpfr_get_d(y, MPFR_RNDN), end = std::ldexp(1.0, limits::digits),
                      slack = 4 + end * 0x1p-52;
-        if (scaled > end + slack)
-            ++seen, wrong += !counted || result.raw() != limits::max();
-        else if (scaled < -end - slack)
-            ++seen, wrong += !counted || result.raw() != limits::min();
-        else if (scaled < end - slack && scaled > -end + slack)
-            wrong += physics::overflow_count() != 0;
+        if (scaled > end + slack) ++seen, wrong += !counted || result.raw() != limits::max();
+        else if (scaled < -end - slack) ++seen, wrong += !counted || result.raw() != limits::min();
+        else if (scaled < end - slack && scaled > -end + slack) wrong += physics::overflow_count() != 0;
     }
     INFO(std::string(name) << " " << reference::name_of<S>() << ", saturated: " << seen);
     CHECK(wrong == 0);

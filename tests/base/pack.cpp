@@ -11,8 +11,8 @@ PHYSICS_HPP_REGION_PUSH
 
 namespace {
 
-constexpr const char* operations[] = {"+",   "-",   "*",    "/",   "+=",  "-=",  "*=",   "/=",
-                                      "min", "max", "sqrt", "sel", "neg", "mul", "narrow"};
+constexpr const char* operations[] = {
+    "+", "-", "*", "/", "+=", "-=", "*=", "/=", "min", "max", "sqrt", "sel", "neg", "mul", "narrow"};
 constexpr int operation_count = sizeof operations / sizeof *operations;
 
 /// A row of results for each operation.
@@ -44,8 +44,11 @@ void by_packs(const S* a, const S* b, const S* x, const S* y, results<S>& out) {
     minus -= pb;
     times *= pb;
     over /= pb;
-    const P all[] = {pa + pb, pa - pb, pa * pb, pa / pb, plus, minus, times, over, min(pa, pb), max(pa, pb), sqrt(pa),
-                     select_greater(pa, pb, px, py), -pa, mul<S>(pa, pb), narrow<S>(product(pa, pb) + product(px, py))};
+    const P all[] = {pa + pb,     pa - pb,        pa * pb,
+                     pa / pb,     plus,           minus,
+                     times,       over,           min(pa, pb),
+                     max(pa, pb), sqrt(pa),       select_greater(pa, pb, px, py),
+                     -pa,         mul<S>(pa, pb), narrow<S>(product(pa, pb) + product(px, py))};
     for (int i = 0; i < operation_count; ++i) all[i].store(out[i]);
 }
 

@@ -122,7 +122,7 @@ TEST_CASE("pack: is an array in memory, at any address") {
 TEST_CASE("pack: rows of four scalars go to lanes and back") {
     const auto rows = []<class P>() {
         check_rows<P, 4>();
-        if constexpr (native_width<typename P::scalar> > 1) check_rows<P, 7>();
+        if constexpr (native_width < typename P::scalar >> 1) check_rows<P, 7>();
     };
     for_all_widths<float>(rows);
     for_all_widths<double>(rows);

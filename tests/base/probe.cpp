@@ -115,8 +115,7 @@ constexpr setting settings[] = {
     {"denormals are zero", 0x0040, mask(float_fault::denormals_are_zero)},
     {"what loading a library linked with -ffast-math does", 0x8040,
      float_fault::flush_to_zero | float_fault::denormals_are_zero},
-    {"all", 0xe040,
-     mask(float_fault::rounding_mode) | (float_fault::flush_to_zero | float_fault::denormals_are_zero)},
+    {"all", 0xe040, mask(float_fault::rounding_mode) | (float_fault::flush_to_zero | float_fault::denormals_are_zero)},
 };
 #elif defined(__aarch64__)
 constexpr setting settings[] = {

@@ -47,10 +47,8 @@ void set(mpfr_ptr to, physics::fixed<Rep, FractionBits> x) {
 /// float, double, or Q and the bits before and after the point, sign included.
 template <class S>
 std::string name_of() {
-    if constexpr (std::is_same_v<S, float>)
-        return "float";
-    else if constexpr (std::is_same_v<S, double>)
-        return "double";
+    if constexpr (std::is_same_v<S, float>) return "float";
+    else if constexpr (std::is_same_v<S, double>) return "double";
     else
         return "Q" + std::to_string(std::numeric_limits<typename S::rep>::digits + 1 - S::fraction_bits) + "." +
                std::to_string(S::fraction_bits);
@@ -75,10 +73,8 @@ double error(S result, mpfr_ptr exact) {
             return infinite && (result < 0) == (mpfr_sgn(exact) < 0) ? 0 : wrong;
         // An overflow counts as the power of two that it stands for.
         const double value = static_cast<double>(infinite ? (result < 0 ? S(-1) : S(1)) : result);
-        if (infinite)
-            mpfr_set_si_2exp(difference, value < 0 ? -1 : 1, limits::max_exponent, MPFR_RNDN);
-        else
-            mpfr_set_d(difference, value, MPFR_RNDN);
+        if (infinite) mpfr_set_si_2exp(difference, value < 0 ? -1 : 1, limits::max_exponent, MPFR_RNDN);
+        else mpfr_set_d(difference, value, MPFR_RNDN);
         mpfr_sub(difference, difference, exact, MPFR_RNDN);
         const long place = std::max<long>(mpfr_get_exp(exact) - limits::digits, limits::min_exponent - limits::digits);
         mpfr_mul_2si(difference, difference, -place, MPFR_RNDN);
@@ -100,12 +96,9 @@ double error(S result, mpfr_ptr exact) {
 template <class S>
 S any(std::mt19937_64& engine) {
     const std::uint64_t word = engine();
-    if constexpr (std::is_same_v<S, float>)
-        return std::bit_cast<float>(static_cast<std::uint32_t>(word >> 32));
-    else if constexpr (std::is_same_v<S, double>)
-        return std::bit_cast<double>(word);
-    else
-        return S::from_raw(static_cast<typename S::rep>(static_cast<std::int64_t>(word) >> (engine() % 64)));
+    if constexpr (std::is_same_v<S, float>) return std::bit_cast<float>(static_cast<std::uint32_t>(word >> 32));
+    else if constexpr (std::is_same_v<S, double>) return std::bit_cast<double>(word);
+    else return S::from_raw(static_cast<typename S::rep>(static_cast<std::int64_t>(word) >> (engine() % 64)));
 }
 /// sign * m * 2^e, m from 1 to 2 and e between the given exponents, as far as S has them.
 template <class S>

@@ -56,8 +56,7 @@ physics::hull_geometry<S, D> rock() {
 template <class S>
 physics::compound_geometry<S, 2> table(const physics::hull_geometry<S, 2>& hull) {
     std::vector<physics::compound_child<S, 2>> children;
-    for (int i = 0; i < 6; ++i)
-        children.push_back({physics::box<S, 2>{{S(0.25), S(0.5)}}, {S(i * 0.5 - 1.25), S(0)}});
+    for (int i = 0; i < 6; ++i) children.push_back({physics::box<S, 2>{{S(0.25), S(0.5)}}, {S(i * 0.5 - 1.25), S(0)}});
     children.push_back({hull.shape(), {S(0), S(1)}});
     return physics::compound_geometry<S, 2>::build(children.data(), 7);
 }
@@ -116,9 +115,9 @@ struct shapes<S, 2> {
         return std::tuple(chain.shape(), chain.shape(S(0.125)), field.shape(), tiles.shape(), compound.shape());
     }
     template <template <class...> class Recipe>
-    using recipe = Recipe<physics::shapes<physics::ball, physics::capsule, physics::box, physics::hull, physics::chain,
-                                          physics::heightfield, physics::tile_grid, physics::compound,
-                                          physics::halfspace>>;
+    using recipe =
+        Recipe<physics::shapes<physics::ball, physics::capsule, physics::box, physics::hull, physics::chain,
+                               physics::heightfield, physics::tile_grid, physics::compound, physics::halfspace>>;
 };
 template <class S>
 struct shapes<S, 3> {
@@ -151,9 +150,9 @@ struct shapes<S, 3> {
     }
     auto of_parts() const { return std::tuple(mesh.shape(), mesh.shape(S(0.125)), field.shape(), compound.shape()); }
     template <template <class...> class Recipe>
-    using recipe = Recipe<physics::shapes<physics::ball, physics::capsule, physics::box, physics::hull,
-                                          physics::cylinder, physics::mesh, physics::heightfield, physics::compound,
-                                          physics::halfspace>>;
+    using recipe =
+        Recipe<physics::shapes<physics::ball, physics::capsule, physics::box, physics::hull, physics::cylinder,
+                               physics::mesh, physics::heightfield, physics::compound, physics::halfspace>>;
 };
 
 /// Calls f with each shape of a tuple.

@@ -35,7 +35,9 @@ public:
         add(r.imaginary());
         add(r.w);
     }
-    void print(const char* scene, const char* cell) const { std::printf("%s-%s %016" PRIx64 "\n", scene, cell, state_); }
+    void print(const char* scene, const char* cell) const {
+        std::printf("%s-%s %016" PRIx64 "\n", scene, cell, state_);
+    }
 
 private:
     std::uint64_t state_ = 0xcbf29ce484222325u;
@@ -144,7 +146,8 @@ void belts(const char* cell) {
         def.position.y = S(i / 24) * S(1.25) + S(6);
         def.position[D - 1] += S(i % 2) / S(8);
         const auto body = w.create_body(def);
-        const physics::material<S, D> surface{.rolling_resistance = S(i % 2) / S(64), .surface_velocity = running(S(i % 3))};
+        const physics::material<S, D> surface{.rolling_resistance = S(i % 2) / S(64),
+                                              .surface_velocity = running(S(i % 3))};
         if (i % 2 == 0) w.create_shape(body, typename world::ball{S(0.5)}, {.material = surface});
         else w.create_shape(body, typename world::box{physics::vec<S, D>::filled(S(0.375))}, {.material = surface});
     }

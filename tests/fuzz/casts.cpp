@@ -18,7 +18,9 @@ void meet(fuzz::input& in, const A& a, const B& b, double scale) {
     const auto start = fuzz::pose<S, D>(in, scale), end = fuzz::pose<S, D>(in, scale);
     const auto way = fuzz::vector<S, D>(in, 4 * scale);
     const double spacing = as_double(physics::scalar_traits<S>::epsilon());
-    const auto gap_at = [&](const physics::transform<S, D>& pose) { return as_double(separation(a, b, pose).distance); };
+    const auto gap_at = [&](const physics::transform<S, D>& pose) {
+        return as_double(separation(a, b, pose).distance);
+    };
     double size = 8 * scale;
     for (const auto& c : {core_of(a), core_of(b)}) size += c.extent + c.radius;
     const double tolerance = 256 * (physics::detail::is_fixed<S> ? spacing * (1 + size) : spacing * size);

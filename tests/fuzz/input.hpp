@@ -11,12 +11,12 @@
 namespace fuzz {
 
 /// Stops the fuzzer with what it found.
-#define FUZZ_REQUIRE(condition)                                                \
-    do {                                                                       \
-        if (!(condition)) {                                                    \
+#define FUZZ_REQUIRE(condition)                                                  \
+    do {                                                                         \
+        if (!(condition)) {                                                      \
             std::fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition); \
-            std::abort();                                                      \
-        }                                                                      \
+            std::abort();                                                        \
+        }                                                                        \
     } while (false)
 
 /// Numbers out of bytes; zeros once they are used up.

@@ -4,9 +4,11 @@
 namespace {
 
 template <class S, int D>
-using shape = physics::any_shape<S, D, physics::ball, physics::capsule, physics::box, physics::halfspace, physics::hull>;
+using shape =
+    physics::any_shape<S, D, physics::ball, physics::capsule, physics::box, physics::halfspace, physics::hull>;
 template <class S, int D>
-using query = physics::narrowphase_query<S, D, physics::ball, physics::capsule, physics::box, physics::halfspace, physics::hull>;
+using query =
+    physics::narrowphase_query<S, D, physics::ball, physics::capsule, physics::box, physics::halfspace, physics::hull>;
 
 /// How far a direction parts the shapes; of a unit vector from A to B never more than the signed distance.
 template <int D>
@@ -59,11 +61,13 @@ void meet(fuzz::input& in, const A& a, const B& b, const physics::transform<S, D
             FUZZ_REQUIRE(f.contact.count > 0 && f.contact.count <= (physics::manifold<S, D>::capacity));
             FUZZ_REQUIRE(physics::is_finite(f.contact.normal));
             for (int i = 0; i < f.contact.count; ++i) {
-                FUZZ_REQUIRE(physics::is_finite(f.contact.points[i].position) && physics::is_finite(f.contact.points[i].separation));
+                FUZZ_REQUIRE(physics::is_finite(f.contact.points[i].position) &&
+                             physics::is_finite(f.contact.points[i].separation));
                 FUZZ_REQUIRE(!(f.contact.points[i].separation > margin));
             }
         }
-        if (static_cast<double>(cold.distance) < static_cast<double>(margin) * 0.5 - tolerance) FUZZ_REQUIRE(!found.empty());
+        if (static_cast<double>(cold.distance) < static_cast<double>(margin) * 0.5 - tolerance)
+            FUZZ_REQUIRE(!found.empty());
     };
     check(physics::best_per_pair{});
     check(physics::gjk_epa{});

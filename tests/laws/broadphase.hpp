@@ -36,7 +36,9 @@ void check_step(Broadphase& tested, const crowd& c, pair_list& before, const std
     REQUIRE(listed(tested.pairs(anything)) == now);
     // What is given up in between ends, even where the same number pairs anew.
     const auto is_given_up = [&](const auto& p) { return given_up.count(p.first) + given_up.count(p.second) > 0; };
-    const auto has = [](const pair_list& list, const auto& p) { return std::binary_search(list.begin(), list.end(), p); };
+    const auto has = [](const pair_list& list, const auto& p) {
+        return std::binary_search(list.begin(), list.end(), p);
+    };
     pair_list begun, ended;
     for (const auto& p : now)
         if (!has(before, p) || is_given_up(p)) begun.push_back(p);
@@ -141,9 +143,9 @@ CELL_CASE("broadphase: the caller is asked for pairs that the filters let throug
         // Nothing moves, nothing is asked.
         asked.clear();
         CHECK(listed(tested.pairs([&](std::uint32_t a, std::uint32_t b) {
-            asked.emplace_back(a, b);
-            return true;
-        })) == found);
+                  asked.emplace_back(a, b);
+                  return true;
+              })) == found);
         CHECK(asked.empty());
         CHECK(tested.begun().empty());
         CHECK(tested.ended().empty());

@@ -85,7 +85,8 @@ struct sample {
         const doubles h = exact_half();
         if (of == ball) return f(physics::ball<S, D>{half.x}, physics::ball<double, D>{h.x});
         if (of == rounded_box)
-            return f(physics::rounded_box<S, D>{half, radius}, physics::rounded_box<double, D>{h, cell::number(radius)});
+            return f(physics::rounded_box<S, D>{half, radius},
+                     physics::rounded_box<double, D>{h, cell::number(radius)});
         return visit_some(f);
     }
     /// Of the kinds up to `special`.
@@ -101,8 +102,8 @@ struct sample {
     }
     [[nodiscard]] doubles exact_half() const { return physics::detail::to_point(half); }
     [[nodiscard]] double size() const { return ::size(to_reals(half)) + cell::number(radius); }
-    /// How far answers about it may be off: of an egg, which calculates in S; of a hull, which takes points for flat; of
-    /// round cores, near which GJK knows a distance better than a normal.
+    /// How far answers about it may be off: of an egg, which calculates in S; of a hull, which takes points for flat;
+    /// of round cores, near which GJK knows a distance better than a normal.
     [[nodiscard]] double blur() const {
         const double whole = size() + (cell::is_fixed ? 1 : 0);
         if (of == egg) return std::fmax(64 * epsilon, 4e-9) * whole;
@@ -136,8 +137,8 @@ inline physics::rotation<double, 2> exact(const physics::rotation<S, 2>& r) {
     return normalized(physics::rotation<double, 2>{cell::number(r.cosine), cell::number(r.sine)});
 }
 inline physics::rotation<double, 3> exact(const physics::rotation<S, 3>& r) {
-    return normalized(physics::rotation<double, 3>{cell::number(r.x), cell::number(r.y), cell::number(r.z),
-                                                   cell::number(r.w)});
+    return normalized(
+        physics::rotation<double, 3>{cell::number(r.x), cell::number(r.y), cell::number(r.z), cell::number(r.w)});
 }
 inline stand exact(const transform& t) { return {exact(t.position), exact(t.rotation)}; }
 inline doubles on_axes(reals r) {
@@ -219,9 +220,9 @@ inline std::string broken_law(const ray_case& r) {
         for (int k = 0; k < 6; ++k)
             if (distance(t * k / 6) < -tolerance) return said("entered before", distance(t * k / 6), t * k / 6);
         const doubles out = inverse_rotate(at.rotation, on_axes(unit(n)));
-        if (dot(out, way) > 16 * epsilon * length(way) + 1e-14 * reach) return said("leaves along the normal", dot(out, way), 0);
-        const double above =
-            apart_along(twin, physics::ball<double, D>{0}, stand{from + way * t, {}}, out);
+        if (dot(out, way) > 16 * epsilon * length(way) + 1e-14 * reach)
+            return said("leaves along the normal", dot(out, way), 0);
+        const double above = apart_along(twin, physics::ball<double, D>{0}, stand{from + way * t, {}}, out);
         if (above < -tolerance - 8 * epsilon * r.shape.size()) return said("normal", above, tolerance);
         return "";
     });
@@ -261,9 +262,8 @@ CELL_CASE("casts: rays meet shapes where their distance from a point says") {
         if (i % 50 == 0) r.translation = {};
         const std::string broken = broken_law(r);
         if (!broken.empty()) FAIL_CHECK(broken << r.text());
-        hits += r.shape.visit([&](const auto& s, const auto&) {
-            return ray_cast(s, r.at, r.origin, r.translation).hit ? 1 : 0;
-        });
+        hits += r.shape.visit(
+            [&](const auto& s, const auto&) { return ray_cast(s, r.at, r.origin, r.translation).hit ? 1 : 0; });
     }
     CHECK(hits > 16000);
     CHECK(hits < 50000);
@@ -556,9 +556,10 @@ struct impact_case {
 inline std::string broken_law(const impact_case& c, int samples) {
     const physics::impact<S, D> found = c.run();
     return c.with_distance([&](auto&& distance) -> std::string {
-        const double t = cell::number(found.fraction), start = distance(0), speed =
-            size(to_reals(c.of_a.end) - to_reals(c.of_a.start)) + size(to_reals(c.of_b.end) - to_reals(c.of_b.start)) +
-            (size(to_reals(c.of_a.turn)) + size(to_reals(c.of_b.turn))) * 2;
+        const double t = cell::number(found.fraction), start = distance(0),
+                     speed = size(to_reals(c.of_a.end) - to_reals(c.of_a.start)) +
+                             size(to_reals(c.of_b.end) - to_reals(c.of_b.start)) +
+                             (size(to_reals(c.of_a.turn)) + size(to_reals(c.of_b.turn))) * 2;
         const double tolerance = rounding_along(speed) + 1e-11 + c.a.blur() + c.b.blur();
         const double target = cell::number(c.settings.target), slack = cell::number(c.settings.tolerance);
         if (!(t >= 0 && t <= 1)) return said("fraction", t, 0);
@@ -583,8 +584,9 @@ inline std::string broken_law(const impact_case& c, int samples) {
             return c.b.visit_some([&](const auto&, const auto& eb) -> std::string {
                 const stand a = stand_at(c.of_a, t), b = stand_at(c.of_b, t);
                 const double along = apart_along(ea, eb, relative(a, b), inverse_rotate(a.rotation, on_axes(unit(n))));
-                const double off = separation(ea, physics::ball<double, D>{0},
-                                              stand{inverse_transform(a, exact(found.point)), {}}).distance;
+                const double off =
+                    separation(ea, physics::ball<double, D>{0}, stand{inverse_transform(a, exact(found.point)), {}})
+                        .distance;
                 const double rough = 4 * tolerance + 64 * epsilon * (1 + size(to_reals(found.point)));
                 if (along < gap - rough) return said("normal", along, gap);
                 return std::abs(off) > rough ? said("the point on A", off, gap) : "";
@@ -736,7 +738,8 @@ CELL_CASE("casts: shapes that tumble onto the ground, in either order") {
             const auto swapped = time_of_impact(shape, moving, ground, still);
             REQUIRE(found.state == swapped.state);
             REQUIRE(found.fraction == swapped.fraction);
-            const double start = distance(0), t = cell::number(found.fraction), tolerance = 256 * epsilon + s.blur() + 1e-11;
+            const double start = distance(0), t = cell::number(found.fraction),
+                         tolerance = 256 * epsilon + s.blur() + 1e-11;
             if (found.state == impact_state::overlapping) {
                 REQUIRE(start < tolerance);
                 return;
@@ -748,8 +751,9 @@ CELL_CASE("casts: shapes that tumble onto the ground, in either order") {
             ++hits;
             REQUIRE(distance(t) < 0.00625 + tolerance);
             const stand at = stand_at(moving, t);
-            const auto off = separation(twin, physics::ball<double, D>{0},
-                                        stand{inverse_transform(at, exact(swapped.point)), {}}).distance;
+            const auto off =
+                separation(twin, physics::ball<double, D>{0}, stand{inverse_transform(at, exact(swapped.point)), {}})
+                    .distance;
             REQUIRE(std::abs(off) < 4 * tolerance);
         });
     }

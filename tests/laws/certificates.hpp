@@ -1,4 +1,5 @@
-// Laws of the narrowphase on as many pairs as one likes: each answer comes with its proof, so that none is searched for.
+// Laws of the narrowphase on as many pairs as one likes: each answer comes with its proof, so that none is searched
+// for.
 //
 // What is proven, and how:
 //   the cores are apart    Any two points of A and B are at least as far apart as A and B are; along any unit vector, A
@@ -14,8 +15,8 @@
 // CERTIFICATE_PAIRS in the environment (default 600) says how many pairs of each two kinds; with that, a line for each
 // two kinds is printed. For example a million of each, and what was the worst:
 //     CERTIFICATE_PAIRS=1000000 build/clang/tests/shapes --test-case='double/3D: certificates: every*'
-// CERTIFICATE_KINDS=capsule,hull limits it to two kinds, CERTIFICATE_STATE=swollen to one state, CERTIFICATE_SEED=n draws
-// other pairs.
+// CERTIFICATE_KINDS=capsule,hull limits it to two kinds, CERTIFICATE_STATE=swollen to one state, CERTIFICATE_SEED=n
+// draws other pairs.
 #pragma once
 
 #include <chrono>
@@ -57,13 +58,14 @@ template <class Policy>
 physics::manifold<S, D> touch(const meet& m, double margin) {
     return convex_set::collide<Policy>(m.a->shape.shape, m.b->shape.shape, m.b_in_a, margin);
 }
-/// Judges a manifold by the signed distance. To keep the features of bodies at rest, contacts may deviate by 1/128 of the
-/// thinner one's half width; a round side that lies within five degrees of flat is taken for flat.
+/// Judges a manifold by the signed distance. To keep the features of bodies at rest, contacts may deviate by 1/128 of
+/// the thinner one's half width; a round side that lies within five degrees of flat is taken for flat.
 inline void judge_contact(const meet& m, const physics::manifold<S, D>& c, double margin, double exact, tally& to) {
     const judge::couple k = m.couple();
     const double thin = double(std::min(k.a->thin, k.b->thin)), tolerance = m.tolerance();
     const double allowed = tolerance + thin / 128;
-    const double lies = double(k.a->radius + k.b->radius) / 255 + (m.is_round() ? double(k.a->thin + k.b->thin) / 128 : 0);
+    const double lies =
+        double(k.a->radius + k.b->radius) / 255 + (m.is_round() ? double(k.a->thin + k.b->thin) / 128 : 0);
     // Points are cut from points that were cut: each cut rounds.
     const double of_points = 2 * allowed + 2 * m.of_points() + lies;
     to.note(law::touching, m, c.count > 0 ? exact - margin : margin - exact, allowed);
@@ -200,7 +202,8 @@ CELL_CASE("certificates: pairs whose contacts were once too inexact") {
     prove(state::ratio,
           stick({0.00089597287133880512, 9.7026467318278722e-05}, {-0.00042503734251538521, 0.00012997892304203229}),
           stick({-564.45523125935256, 395.97692575577094}, {309.62208448189256, -237.67320721606785}),
-          {from_reals({-149.83789959198688, -6.9664697212193847}), turn(-0.82401972077067753, -0.56656111742777993)}, 0);
+          {from_reals({-149.83789959198688, -6.9664697212193847}), turn(-0.82401972077067753, -0.56656111742777993)},
+          0);
 }
 #else
 CELL_CASE("certificates: pairs whose answers were once too inexact") {
@@ -219,8 +222,9 @@ CELL_CASE("certificates: pairs whose answers were once too inexact") {
         return body_of(triangle{from_reals(a), from_reals(b), from_reals(c), S(radius)});
     };
     // Points 2e-9 m off, as the search between two corners of a rim went by a normal of its longer edges.
-    expect(state::far, stick({-0.37916505975198739, 0.36013107092124441, 0.21436966070429975},
-                             {0.28378127625497551, -0.08422881824773909, -0.14523297857765721}),
+    expect(state::far,
+           stick({-0.37916505975198739, 0.36013107092124441, 0.21436966070429975},
+                 {0.28378127625497551, -0.08422881824773909, -0.14523297857765721}),
            drum(0.1662121478613216, 0.29556167044683024),
            {0.20601664298710073, 0.3695313701166949, -0.064231633326053139},
            {-0.66870116542887259, -0.39918519077225834, 0.62579326707360616}, -0.043274954737422128, 0);
@@ -239,14 +243,16 @@ CELL_CASE("certificates: pairs whose answers were once too inexact") {
            {1.7492132319752705, 1.8812536234853721, -0.41982856624391784},
            {0.17752894040828318, 0.22825994857392873, -0.948873836285412}, -0.12656742869926921, 0);
     // Beside the tip of a cone the normal of an edge may turn where the distance no longer tells.
-    expect(state::unequal, stick({-0.14127900735312687, 0.15050157104695322, 0.06123360924832897},
-                                 {0.049848200672171758, -0.088565480983080952, 0.000350099270919009}),
+    expect(state::unequal,
+           stick({-0.14127900735312687, 0.15050157104695322, 0.06123360924832897},
+                 {0.049848200672171758, -0.088565480983080952, 0.000350099270919009}),
            stump(34.439939082304591, 49.543159199086759, 0),
            {-19.012482544419843, 16.501722654430562, -23.65845132371593},
            {-0.69548953459371821, 0.45302794602506069, -0.14419780449777939}, -0.53876430892269411, 1.771945e-7);
     // From some caches a tetrahedron without volume led back to the triangle that it grew from.
-    expect(state::unequal, stick({-0.0027917843185889337, 0.0019192828288756114, 0.0033362028717233158},
-                                 {0.0020239092688412166, -0.0029679044701016954, 0.0013619997993756542}),
+    expect(state::unequal,
+           stick({-0.0027917843185889337, 0.0019192828288756114, 0.0033362028717233158},
+                 {0.0020239092688412166, -0.0029679044701016954, 0.0013619997993756542}),
            stump(14.470595759798849, 48.529775480283007, 72.794663220424511),
            {-69.410205928719435, 11.150135941248738, 23.810671474772938},
            {0.065024858099308178, 0.40741286104190777, 0.39195669734824795}, -0.82228734387114688, 2.68235e-7);
@@ -290,11 +296,20 @@ CELL_CASE("certificates: pairs whose answers were once too inexact") {
     };
     const double x = 0.1639978289604187, y = 0.2781347930431366, z = 0.20315521955490112;
     expect(state::tilted, body_of(box{from_reals({0.25496882200241089, 0.269563227891922, 0.48359322547912598})}),
-           block({{0, y, z}, {-x, y, -z}, {x, -y, 0}, {-x, y, 0}, {0, 0, -z}, {x, 0, -z}, {0, -y, z}, {-x, 0, 0},
-                  {x, 0, 0}, {0, -y, 0}, {0, y, 0}, {0, 0, z}}),
+           block({{0, y, z},
+                  {-x, y, -z},
+                  {x, -y, 0},
+                  {-x, y, 0},
+                  {0, 0, -z},
+                  {x, 0, -z},
+                  {0, -y, z},
+                  {-x, 0, 0},
+                  {x, 0, 0},
+                  {0, -y, 0},
+                  {0, y, 0},
+                  {0, 0, z}}),
            {0.18697597086429596, 0.0088763069361448288, 0.68674749135971069},
-           {2.6575138534212783e-08, 6.1820696828362998e-07, 0}, 1,
-           -1.0377417801646814e-06);
+           {2.6575138534212783e-08, 6.1820696828362998e-07, 0}, 1, -1.0377417801646814e-06);
     // A small ball above a large box: the normal of an edge of the difference was 3e-10 off, as that is so long.
     expect(state::ratio, body_of(ball{S(0.00015604249008947276)}),
            body_of(box{from_reals({480.35099823348685, 156.41593260497729, 293.56178794370589})}),
@@ -322,7 +337,8 @@ CELL_CASE("certificates: pairs whose answers were once too inexact") {
            body_of(rounded_box{from_reals({2.272492996416986, 4.9999915063381195e-05, 4.6434194897301495}),
                                S(0.71526640770025547)}),
            {-3.5689727482385933, 2.2862975625321269, 2.9598726246040314},
-           {-0.060633333399891853, 0.46371519821695983, 0.84011826268397272}, -0.27476011053659022, -0.71531640762340072);
+           {-0.060633333399891853, 0.46371519821695983, 0.84011826268397272}, -0.27476011053659022,
+           -0.71531640762340072);
     // Of fixed point the offset of a capsule of 0.05 mm has four digits: its normal was 5e-6 off, along 2 m of it.
     expect(state::thin, body_of(box{from_reals({0.1572230716701597, 0.17013990064151585, 0.36400486761704087})}),
            body_of(physics::capsule<S, D>{S(2.6318779704160988), S(4.9999915063381195e-05)}),

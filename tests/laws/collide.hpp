@@ -62,18 +62,14 @@ struct encounters {
     }
     double gap() {
         switch (dice.below(6)) {
-            case 0:
-                return 0;
+            case 0: return 0;
             case 1: {
                 const double hair = small() * size;
                 return hair * sign();
             }
-            case 2:
-                return dice.number(-0.1, 0.1) * size;
-            case 3:
-                return dice.number(-1, 0) * size;
-            default:
-                return dice.number(-0.02, 0.06) * size;
+            case 2: return dice.number(-0.1, 0.1) * size;
+            case 3: return dice.number(-1, 0) * size;
+            default: return dice.number(-0.02, 0.06) * size;
         }
     }
     encounter draw(int kind_a, int kind_b, double larger = 1) {

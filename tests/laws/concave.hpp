@@ -57,7 +57,8 @@ struct ground {
         kept.push_back(std::make_shared<Geometry>(g));
     }
 };
-/// A surface of cells with sides of `step`, in the middle of the world, whose height depends on x and z. Tiles are flat.
+/// A surface of cells with sides of `step`, in the middle of the world, whose height depends on x and z. Tiles are
+/// flat.
 template <class Height>
 ground make_ground(const std::string& kind, int cells, double step, Height height, bool two_sided = false) {
     ground result;
@@ -86,8 +87,8 @@ ground make_ground(const std::string& kind, int cells, double step, Height heigh
     result.at = point(-half, 0, -half);
     if (kind == "mesh") result.take(mesh_of(heights, n, n, step, step, true, two_sided));
     else
-        result.take(world::heightfield_geometry::build(
-            heights.data(), n, n, S(step), S(step), {.alternating = kind == "chessboard", .two_sided = two_sided}));
+        result.take(world::heightfield_geometry::build(heights.data(), n, n, S(step), S(step),
+                                                       {.alternating = kind == "chessboard", .two_sided = two_sided}));
 #endif
     return result;
 }
@@ -494,13 +495,8 @@ CELL_CASE("concave: one-sided surfaces let bodies through from the back, two-sid
 #if CELL_DIMENSION == 2
 CELL_CASE("concave: among tiles a box stops at walls, slides under ceilings, and none falls between corners") {
     // Upside down: a floor, a wall, a ceiling, and on the right a stair of cells that touch in corners only.
-    const char* const map[] = {"#########.......",
-                               "#.........#.....",
-                               "#..........#....",
-                               "#...........#...",
-                               "#............#..",
-                               "############..#.",
-                               "................"};
+    const char* const map[] = {"#########.......", "#.........#.....", "#..........#....", "#...........#...",
+                               "#............#..", "############..#.", "................"};
     std::vector<std::uint8_t> cells;
     for (int y = 6; y >= 0; --y)
         for (int x = 0; x < 16; ++x) cells.push_back(map[y][x] == '#');
@@ -614,9 +610,8 @@ CELL_CASE("concave: an L falls on its side where its centre of mass is beyond it
     for (const double arm : {0.3, 1.5}) {
         CAPTURE(arm);
         // A post of 0.4 by 2 and an arm at its top to the right: the centre is at arm * (0.2 + arm / 2) / (arm + 2).
-        const auto l = compound_geometry::build(
-            {{world::box{point(0.2, 1, 0.2)}, point(0, 1)},
-             {world::box{point(arm / 2, 0.2, 0.2)}, point(0.2 + arm / 2, 1.8)}});
+        const auto l = compound_geometry::build({{world::box{point(0.2, 1, 0.2)}, point(0, 1)},
+                                                 {world::box{point(arm / 2, 0.2, 0.2)}, point(0.2 + arm / 2, 1.8)}});
         const double area = 0.8 + 0.4 * arm, depth = cell::is_3d ? 0.4 : 1;
         const double center = 0.4 * arm * (0.2 + arm / 2) / area;
         world w;

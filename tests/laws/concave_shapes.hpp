@@ -46,9 +46,8 @@ inline const hull_geometry& cube_hull() {
 }
 /// Two boxes side by side, 2 wide and 1 high together.
 inline const compound_geometry& two_boxes() {
-    static const compound_geometry pair =
-        compound_geometry::build({{physics::box<S, D>{}, from_reals({-0.5, 0, 0})},
-                                  {physics::box<S, D>{}, from_reals({0.5, 0, 0})}});
+    static const compound_geometry pair = compound_geometry::build(
+        {{physics::box<S, D>{}, from_reals({-0.5, 0, 0})}, {physics::box<S, D>{}, from_reals({0.5, 0, 0})}});
     return pair;
 }
 
@@ -270,11 +269,17 @@ CELL_CASE("concave: a compound's mass, bounds and support points are those of it
 #endif
     check_refused([] { return compound_geometry::build(nullptr, 0); },
                   "compound_geometry::build: number of children is 0; a compound needs at least 1");
-    check_refused([] { return compound_geometry::build({child{ball{}}, child{ball{S(-1)}}}); },
-                  "compound_geometry::build: child 1: radius is -1; it must be greater than 0");
+    check_refused(
+        [] {
+            return compound_geometry::build({child{ball{}}, child{ball{S(-1)}}});
+        },
+        "compound_geometry::build: child 1: radius is -1; it must be greater than 0");
     if (!cell::is_fixed)
-        check_refused([] { return compound_geometry::build({child{ball{}, from_reals({0, NAN, 0})}}); },
-                      "compound_geometry::build: child 0: position.y is nan; it must be finite");
+        check_refused(
+            [] {
+                return compound_geometry::build({child{ball{}, from_reals({0, NAN, 0})}});
+            },
+            "compound_geometry::build: child 0: position.y is nan; it must be finite");
     check_refused([] { check(physics::compound<S, D>{}, "create_shape"); },
                   "create_shape: geometry is null; it must be the shape of a compound_geometry that was built");
 }
@@ -290,7 +295,8 @@ CELL_CASE("concave: segments of a chain know their normals, what follows, and th
     CHECK(gap(open[0].beyond[1], {1, 0}) == 0);
     CHECK(gap(open[1].beyond[0], {0, 1}) == 0);
     // Around a square the solid is inside.
-    const auto loop = parts_of(chain::build({{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {.loop = true, .two_sided = true}).shape());
+    const auto loop =
+        parts_of(chain::build({{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {.loop = true, .two_sided = true}).shape());
     REQUIRE(loop.size() == 4);
     const physics::vec<double, 2> out[] = {{0, -1}, {1, 0}, {0, 1}, {-1, 0}};
     for (std::size_t i = 0; i < 4; ++i) {
@@ -300,16 +306,31 @@ CELL_CASE("concave: segments of a chain know their normals, what follows, and th
         CHECK(gap(loop[i].beyond[0], out[(i + 3) % 4]) == 0);
     }
     if (!cell::is_fixed)
-        check_refused([] { return chain::build({{0, 0}, vec{S(double(NAN)), S(0)}}); },
-                      "chain_geometry::build: points[1].x is nan; it must be finite");
-    check_refused([] { return chain::build({{0, 0}}); },
-                  "chain_geometry::build: number of points is 1; a chain needs at least 2");
-    check_refused([] { return chain::build({{0, 0}, {1, 0}}, {.loop = true}); },
-                  "chain_geometry::build: number of points is 2; a loop needs at least 3");
-    check_refused([] { return chain::build({{0, 0}, {0.5, 0}, {0.5, 0}}); },
-                  "chain_geometry::build: points[2].x is 0.5; it must not be the same point as the one before");
-    check_refused([] { return chain::build({{0.25, 0}, {1, 0}, {1, 1}, {0.25, 0}}, {.loop = true}); },
-                  "chain_geometry::build: points[0].x is 0.25; it must not be the same point as the one before");
+        check_refused(
+            [] {
+                return chain::build({{0, 0}, vec{S(double(NAN)), S(0)}});
+            },
+            "chain_geometry::build: points[1].x is nan; it must be finite");
+    check_refused(
+        [] {
+            return chain::build({{0, 0}});
+        },
+        "chain_geometry::build: number of points is 1; a chain needs at least 2");
+    check_refused(
+        [] {
+            return chain::build({{0, 0}, {1, 0}}, {.loop = true});
+        },
+        "chain_geometry::build: number of points is 2; a loop needs at least 3");
+    check_refused(
+        [] {
+            return chain::build({{0, 0}, {0.5, 0}, {0.5, 0}});
+        },
+        "chain_geometry::build: points[2].x is 0.5; it must not be the same point as the one before");
+    check_refused(
+        [] {
+            return chain::build({{0.25, 0}, {1, 0}, {1, 1}, {0.25, 0}}, {.loop = true});
+        },
+        "chain_geometry::build: points[0].x is 0.25; it must not be the same point as the one before");
     check_refused([] { check(physics::chain<S, 2>{}, "create_shape"); },
                   "create_shape: geometry is null; it must be the shape of a chain_geometry that was built");
 }
@@ -325,7 +346,8 @@ CELL_CASE("concave: the outline of tiles runs along every open side once, and kn
         const auto solid = [&](int x, int y) {
             return x >= 0 && y >= 0 && x < columns && y < rows && cells[std::size_t(y * columns + x)] != 0;
         };
-        const auto g = tiles::build(cells.data(), static_cast<std::uint32_t>(columns), static_cast<std::uint32_t>(rows), S(0.5));
+        const auto g =
+            tiles::build(cells.data(), static_cast<std::uint32_t>(columns), static_cast<std::uint32_t>(rows), S(0.5));
         std::set<std::vector<int>> sides;
         for (const part& p : parts_of(g.shape())) {
             const int nx = static_cast<int>(p.normal.x), ny = static_cast<int>(p.normal.y);
@@ -408,11 +430,17 @@ CELL_CASE("concave: a heightfield in the plane is the chain of its samples, but 
     }
     check_refused([] { return heightfield::build({S(1)}, S(1)); },
                   "heightfield_geometry::build: number of samples is 1; it must be at least 2");
-    check_refused([] { return heightfield::build({S(1), S(1)}, S(-1)); },
-                  "heightfield_geometry::build: spacing is -1; it must be greater than 0");
+    check_refused(
+        [] {
+            return heightfield::build({S(1), S(1)}, S(-1));
+        },
+        "heightfield_geometry::build: spacing is -1; it must be greater than 0");
     if (!cell::is_fixed)
-        check_refused([] { return heightfield::build({S(1), S(double(NAN))}, S(1)); },
-                      "heightfield_geometry::build: heights[1] is nan; it must be finite");
+        check_refused(
+            [] {
+                return heightfield::build({S(1), S(double(NAN))}, S(1));
+            },
+            "heightfield_geometry::build: heights[1] is nan; it must be finite");
 }
 #else
 using mesh = physics::mesh_geometry<S, 3>;
@@ -420,7 +448,8 @@ const points corners_of_cube = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0, 
 const std::vector<std::uint32_t> sides_of_cube = {0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4,
                                                   2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6};
 inline mesh build(const points& p, const std::vector<std::uint32_t>& t) {
-    return mesh::build(p.data(), static_cast<std::uint32_t>(p.size()), t.data(), static_cast<std::uint32_t>(t.size() / 3));
+    return mesh::build(p.data(), static_cast<std::uint32_t>(p.size()), t.data(),
+                       static_cast<std::uint32_t>(t.size() / 3));
 }
 inline int free_edges(const mesh& m) {
     int n = 0;
@@ -489,13 +518,22 @@ CELL_CASE("concave: triangles without area are dropped, and what they lay betwee
     CHECK(edges == 6);
     CHECK(parts_of(m.shape())[2].number == 3);
 
-    check_refused([&] { return build(p, {0, 1, 1}); },
-                  "mesh_geometry::build: number of triangles with an area is 0; a mesh needs at least 1");
-    check_refused([&] { return build(p, {0, 2, 3, 0, 3, 7}); },
-                  "mesh_geometry::build: triangles[5] is 7; it must be less than the number of vertices");
+    check_refused(
+        [&] {
+            return build(p, {0, 1, 1});
+        },
+        "mesh_geometry::build: number of triangles with an area is 0; a mesh needs at least 1");
+    check_refused(
+        [&] {
+            return build(p, {0, 2, 3, 0, 3, 7});
+        },
+        "mesh_geometry::build: triangles[5] is 7; it must be less than the number of vertices");
     if (!cell::is_fixed)
-        check_refused([] { return build({{0, 0, 0}, {1, 0, 0}, vec{S(0), S(1), S(double(NAN))}}, {0, 1, 2}); },
-                      "mesh_geometry::build: vertices[2].z is nan; it must be finite");
+        check_refused(
+            [] {
+                return build({{0, 0, 0}, {1, 0, 0}, vec{S(0), S(1), S(double(NAN))}}, {0, 1, 2});
+            },
+            "mesh_geometry::build: vertices[2].z is nan; it must be finite");
     check_refused([] { check(physics::mesh<S, 3>{}, "create_shape"); },
                   "create_shape: geometry is null; it must be the shape of a mesh_geometry that was built");
 }

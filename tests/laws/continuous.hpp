@@ -81,7 +81,8 @@ CELL_CASE("X1: no ball passes a plate, still up to 1000 m/s, movable up to 400 m
     for (int phase = 0; phase < 16; ++phase) {
         auto w = range<physics::world<unguarded>>();
         const body_id plate = add_plate(w, 0.01);
-        const body_id ball = w.create_body({.position = at(-1 - 6.0 * phase / 16, 0), .linear_velocity = along(0, 384)});
+        const body_id ball =
+            w.create_body({.position = at(-1 - 6.0 * phase / 16, 0), .linear_velocity = along(0, 384)});
         w.create_shape(ball, world::ball{S(0.1)});
         for (int i = 0; i < 16; ++i) w.step(S(1.0 / 64));
         passed += side_of(w, plate, w.position(ball)) > 0;
@@ -165,7 +166,8 @@ CELL_CASE("a swept ball bounces as high as it fell") {
         settings.solver.restitution_slop = S(0);
         world w(settings);
         const body_id ground = w.create_body({.type = body_type::static_body});
-        w.create_shape(ground, world::box{vec::filled(S(1))}, {.position = at(0, -1), .material = {.restitution = S(1)}});
+        w.create_shape(ground, world::box{vec::filled(S(1))},
+                       {.position = at(0, -1), .material = {.restitution = S(1)}});
         const body_id ball = w.create_body({.position = at(0, height + 0.05)});
         w.create_shape(ball, world::ball{S(0.05)});
         double highest = 0, lost = 0;
@@ -265,9 +267,10 @@ CELL_CASE("sweeps: a copy steps alike, and the order in which bodies came does n
         std::vector<body_id> ids(30);
         for (int n = 0; n < 30; ++n) {
             const int i = back ? 29 - n : n;
-            ids[std::size_t(i)] = v.create_body({.position = at(-3 + 0.2 * i, -3 + 0.2 * ((7 * i) % 30)),
-                                                 .linear_velocity = at(30.0 * ((3 * i) % 7 - 3), 200.0 * ((5 * i) % 3 - 1)),
-                                                 .continuous = i % 2 == 0});
+            ids[std::size_t(i)] =
+                v.create_body({.position = at(-3 + 0.2 * i, -3 + 0.2 * ((7 * i) % 30)),
+                               .linear_velocity = at(30.0 * ((3 * i) % 7 - 3), 200.0 * ((5 * i) % 3 - 1)),
+                               .continuous = i % 2 == 0});
             v.create_shape(ids[std::size_t(i)], world::ball{S(0.08)});
         }
         if (back) add_room(v, 4);
@@ -281,8 +284,10 @@ CELL_CASE("sweeps: a copy steps alike, and the order in which bodies came does n
 CELL_CASE("two flagged bodies that meet both stop where they meet; a kinematic one takes along what it catches") {
     for (const bool both : {true, false}) {
         auto w = range<physics::world<flags>>();
-        const body_id left = w.create_body({.position = at(-1, 0), .linear_velocity = along(0, 128), .continuous = true});
-        const body_id right = w.create_body({.position = at(1, 0), .linear_velocity = along(0, -128), .continuous = both});
+        const body_id left =
+            w.create_body({.position = at(-1, 0), .linear_velocity = along(0, 128), .continuous = true});
+        const body_id right =
+            w.create_body({.position = at(1, 0), .linear_velocity = along(0, -128), .continuous = both});
         for (const body_id b : {left, right}) w.create_shape(b, world::ball{S(0.1)});
         w.step(S(1.0 / 64));
         CHECK(w.continuous_report().stopped == 2);
@@ -293,8 +298,8 @@ CELL_CASE("two flagged bodies that meet both stop where they meet; a kinematic o
         CHECK(number(w.position(left).x) < number(w.position(right).x));
     }
     auto w = range<physics::world<flags>>();
-    const body_id paddle = w.create_body(
-        {.type = body_type::kinematic_body, .position = at(2, 0), .linear_velocity = along(0, -128)});
+    const body_id paddle =
+        w.create_body({.type = body_type::kinematic_body, .position = at(2, 0), .linear_velocity = along(0, -128)});
     w.create_shape(paddle, world::box{vec::filled(S(0.25))});
     const body_id ball = w.create_body({.position = at(-1, 0), .linear_velocity = along(0, 64), .continuous = true});
     w.create_shape(ball, world::ball{S(0.1)});
@@ -329,7 +334,9 @@ double apart(const A& a, const world::transform& at_a, const B& b, const world::
     return number(separation(a, b, relative(at_a, at_b)).distance);
 }
 template <class Shape>
-world::transform pose_at(const physics::sweep<S, D>& path, double time, const Shape&) { return path.at(S(time)); }
+world::transform pose_at(const physics::sweep<S, D>& path, double time, const Shape&) {
+    return path.at(S(time));
+}
 
 /// Follows a body's path in 256 parts: how deep it comes, and how deep it has come up to a time.
 template <class A, class B>

@@ -28,13 +28,12 @@ inline body_id add_ground(wide_world& w, surface kind, bool two_sided = false) {
     if (kind == surface::bumps) {
         std::vector<vec> points;
         for (int x = 8; x >= -8; --x) points.push_back(at(x, 0));
-        w.create_shape(ground,
-                       wide_world::chain_geometry::build(points.data(), 17, {.two_sided = two_sided}).shape());
+        w.create_shape(ground, wide_world::chain_geometry::build(points.data(), 17, {.two_sided = two_sided}).shape());
     } else if (kind == surface::field) {
         const std::vector<S> heights(17);
-        w.create_shape(ground,
-                       wide_world::heightfield_geometry::build(heights.data(), 17, S(1), {.two_sided = two_sided}).shape(),
-                       {.position = at(-8, 0)});
+        w.create_shape(
+            ground, wide_world::heightfield_geometry::build(heights.data(), 17, S(1), {.two_sided = two_sided}).shape(),
+            {.position = at(-8, 0)});
     } else {
         const std::vector<std::uint8_t> cells(16, 1);
         w.create_shape(ground, wide_world::tile_grid_geometry::build(cells.data(), 16, 1, S(1)).shape(),
@@ -53,13 +52,15 @@ inline body_id add_ground(wide_world& w, surface kind, bool two_sided = false) {
                 const std::uint32_t a = z * 17 + x, b = a + 1, c = a + 17, d = c + 1;
                 t.insert(t.end(), {a, c, d, a, d, b});
             }
-        w.create_shape(ground, wide_world::mesh_geometry::build(points.data(), 289, t.data(), 512,
-                                                                {.two_sided = two_sided}).shape());
+        w.create_shape(
+            ground,
+            wide_world::mesh_geometry::build(points.data(), 289, t.data(), 512, {.two_sided = two_sided}).shape());
     } else {
         const std::vector<S> heights(289);
         w.create_shape(ground,
                        wide_world::heightfield_geometry::build(heights.data(), 17, 17, S(1), S(1),
-                                                               {.alternating = true, .two_sided = two_sided}).shape(),
+                                                               {.alternating = true, .two_sided = two_sided})
+                           .shape(),
                        {.position = corner});
     }
 #endif
@@ -85,10 +86,9 @@ inline const wide_world::hull_geometry& wedge() {
     return hull;
 }
 inline const wide_world::compound_geometry& dumbbell() {
-    static const auto bell =
-        wide_world::compound_geometry::build({{wide_world::ball{S(0.1)}, at(-0.2, 0)},
-                                              {wide_world::ball{S(0.1)}, at(0.2, 0)},
-                                              {wide_world::capsule{S(0.2), S(0.05)}}});
+    static const auto bell = wide_world::compound_geometry::build({{wide_world::ball{S(0.1)}, at(-0.2, 0)},
+                                                                   {wide_world::ball{S(0.1)}, at(0.2, 0)},
+                                                                   {wide_world::capsule{S(0.2), S(0.05)}}});
     return bell;
 }
 inline wide_world open_range(double gravity = 0) {
@@ -118,7 +118,8 @@ bool passes(const Shape& shape, cell::dice& dice, surface kind, double from, dou
     for (int i = 0; i < 6 + 80 / speed; ++i) {
         // Those that bounce off or slide may leave the ground over its rim.
         const vec next = w.position(body) + w.linear_velocity(body) * S(1.0 / 64);
-        if (i > 0 && (std::abs(number(next.x)) > 6.5 || (cell::is_3d && std::abs(number(next[D - 1])) > 6.5))) return false;
+        if (i > 0 && (std::abs(number(next.x)) > 6.5 || (cell::is_3d && std::abs(number(next[D - 1])) > 6.5)))
+            return false;
         w.step(S(1.0 / 64));
         if (number(w.center_of_mass(body).y) * up < 0) return true;
     }
@@ -164,7 +165,8 @@ CELL_CASE("what rolls or slides fast over the inner edges of a surface is swept,
                 vec start = at(-7.5, 0.1);
                 if (cell::is_3d) start[D - 1] = S(0.3);
                 const body_id body = w.create_body({.position = start, .linear_velocity = along(0, speed)});
-                if (slides) w.create_shape(body, wide_world::box{vec::filled(S(0.1))}, {.material = {.friction = S(0)}});
+                if (slides)
+                    w.create_shape(body, wide_world::box{vec::filled(S(0.1))}, {.material = {.friction = S(0)}});
                 else w.create_shape(body, wide_world::ball{S(0.1)}, {.material = {.friction = S(0)}});
                 const int steps = static_cast<int>(15 / speed * 64);
                 for (int i = 0; i < steps; ++i) {
@@ -173,7 +175,8 @@ CELL_CASE("what rolls or slides fast over the inner edges of a surface is swept,
                     // Fixed point rounds the seams of a surface by as much as stops it for a moment.
                     if (!cell::is_fixed) REQUIRE(w.continuous_report().stopped == 0);
                 }
-                CHECK(std::abs(number(w.position(body).x) + 7.5 - steps * speed / 64) <= 0.01 * speed / 64 + rounding(64, 8));
+                CHECK(std::abs(number(w.position(body).x) + 7.5 - steps * speed / 64) <=
+                      0.01 * speed / 64 + rounding(64, 8));
                 CHECK(std::abs(number(w.position(body).y) - 0.1) <= 0.01);
             }
 }

@@ -200,14 +200,10 @@ inline convex_body random_body(int kind, cell::dice& dice, double size, body_wis
         return from_reals({stepped(d.x * half.x), stepped(d.y * half.y), stepped(d.z * half.z)});
     };
     switch (kind) {
-        case of::ball:
-            return body_of(ball{x});
-        case of::capsule:
-            return body_of(physics::capsule<S, D>{x, wish.radius >= 0 ? radius : y});
-        case of::box:
-            return body_of(box{from_reals(half)});
-        case of::rounded_box:
-            return body_of(rounded_box{from_reals(half), radius_of(true)});
+        case of::ball: return body_of(ball{x});
+        case of::capsule: return body_of(physics::capsule<S, D>{x, wish.radius >= 0 ? radius : y});
+        case of::box: return body_of(box{from_reals(half)});
+        case of::rounded_box: return body_of(rounded_box{from_reals(half), radius_of(true)});
         case of::segment: {
             const reals way = random_direction(dice) * (0.3 * size);
             const vec aside = from_reals({stepped(way.x), stepped(way.y), stepped(way.z)}), a = anywhere() + aside;
@@ -230,8 +226,7 @@ inline convex_body random_body(int kind, cell::dice& dice, double size, body_wis
             b.geometry = geometry;
             return b;
         }
-        default:
-            break;
+        default: break;
     }
     if (kind == of::cylinder) return body_of(cylinder<>{x, y, radius});
     const double top[] = {0, 0.5, 0.99, 1.5};
@@ -293,7 +288,8 @@ inline const char* name_of(meeting in) {
 inline convex_encounter random_encounter(int kind_a, int kind_b, meeting in, cell::dice& dice) {
     const double scale = in == meeting::tiny ? 1e-3 : in == meeting::huge ? 1e3 : in == meeting::thin ? 10 : 1;
     convex_encounter e{random_body(kind_a, dice, scale, {.thin = in == meeting::thin}),
-                       random_body(kind_b, dice, scale, {.thin = in == meeting::thin}), {{}, random_rotation(dice)}};
+                       random_body(kind_b, dice, scale, {.thin = in == meeting::thin}),
+                       {{}, random_rotation(dice)}};
     reals n = random_direction(dice);
     // Along the axes, and with axes parallel or across, they meet by faces, sides and edges.
     if (dice.below(3) == 0) {

@@ -150,8 +150,8 @@ inline std::vector<convex_rest> convex_rests() {
         add("a sheet on a table", table, slice, 0.5, 3, 2, 0.5);
         add("a rounded box on a sheet", slice, rounded_box{from_reals({0.125, 0.25, 0.125}), S(0.125)}, 0.375, 4,
             1.0 / 16);
-        add("a sheet on its edge", table, triangle{from_reals({-1, 0, 0}), from_reals({1, 0, 0}), from_reals({0, 1, 0.125})},
-            0.5, 2, 2, 0.5);
+        add("a sheet on its edge", table,
+            triangle{from_reals({-1, 0, 0}), from_reals({1, 0, 0}), from_reals({0, 1, 0.125})}, 0.5, 2, 2, 0.5);
         const triangle thick{slice.a, slice.b, slice.c, S(0.125)};
         add("a drum on a thick sheet", thick, cylinder<>{S(0.5), S(0.25), S(0)}, 0.625, 4, square(0.25), 0, up);
     }

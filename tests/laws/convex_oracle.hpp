@@ -30,9 +30,7 @@ struct point {
     friend point operator*(point a, real s) { return {a.x * s, a.y * s, a.z * s}; }
 };
 inline real dot(point a, point b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-inline point cross(point a, point b) {
-    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
+inline point cross(point a, point b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
 inline real size(point a) { return std::sqrt(dot(a, a)); }
 
 /// A rigid motion, from a quaternion as it is rounded: not quite of unit length.

@@ -105,10 +105,8 @@ inline solid random_solid(solid::kind of, cell::dice& dice, double size, reals s
         case solid::kind::flat:
             // Without volume: a segment in the plane, a polygon or a segment in space.
             half[D - 1] = 0;
-            if (cell::is_2d)
-                add({-1, 0, 0}), add({1, 0, 0});
-            else
-                ring(2 + dice.below(5), 1, 0);
+            if (cell::is_2d) add({-1, 0, 0}), add({1, 0, 0});
+            else ring(2 + dice.below(5), 1, 0);
             break;
     }
     return s;
@@ -116,7 +114,18 @@ inline solid random_solid(solid::kind of, cell::dice& dice, double size, reals s
 
 struct convex_pair {
     enum class state {
-        separated, touching, shallow, deep, coincident, thin, tiny, huge, far, unequal, tilted, aligned
+        separated,
+        touching,
+        shallow,
+        deep,
+        coincident,
+        thin,
+        tiny,
+        huge,
+        far,
+        unequal,
+        tilted,
+        aligned
     };
     static constexpr int states = 12;
 
@@ -155,11 +164,10 @@ inline void stack(convex_pair& p, cell::dice& dice, double scale) {
     const double tilt = std::pow(10, -dice.number(3, 8)) * (dice.below(4) > 0);
     const reals about = cell::is_2d ? reals{0, 0, 1} : unit({dice.number(-1, 1), dice.number(-1, 1), 0});
     // Directly, as sines and cosines of S would swallow it.
-    if constexpr (cell::is_2d)
-        p.b_in_a.rotation = rotation_of({S(std::cos(tilt)), S(std::sin(tilt))});
+    if constexpr (cell::is_2d) p.b_in_a.rotation = rotation_of({S(std::cos(tilt)), S(std::sin(tilt))});
     else
-        p.b_in_a.rotation = rotation_of({S(about.x * std::sin(tilt / 2)), S(about.y * std::sin(tilt / 2)), S(0),
-                                         S(std::cos(tilt / 2))});
+        p.b_in_a.rotation = rotation_of(
+            {S(about.x * std::sin(tilt / 2)), S(about.y * std::sin(tilt / 2)), S(0), S(std::cos(tilt / 2))});
     reals aside{dice.number(-0.4, 0.4) * scale, dice.number(-0.4, 0.4) * scale, 0};
     aside[D - 1] = 4 * scale;
     p.b_in_a.position = from_reals(aside);
@@ -187,18 +195,10 @@ inline convex_pair random_pair(solid::kind of_a, solid::kind of_b, convex_pair::
     // States that are about sizes or places: all the ways in which they may lie.
     const double gaps[] = {0.25, 0.01, 1e-4, 0, -1e-4, -0.01, -0.1};
     switch (in) {
-        case state::separated:
-            place(p, 0.25 * least);
-            break;
-        case state::touching:
-            place(p, 0);
-            break;
-        case state::shallow:
-            place(p, -0.01 * least);
-            break;
-        case state::deep:
-            p.b_in_a.position = from_reals(random_direction(dice) * dice.number(0, 0.15 * scale));
-            break;
+        case state::separated: place(p, 0.25 * least); break;
+        case state::touching: place(p, 0); break;
+        case state::shallow: place(p, -0.01 * least); break;
+        case state::deep: p.b_in_a.position = from_reals(random_direction(dice) * dice.number(0, 0.15 * scale)); break;
         case state::coincident:
             p.b = p.a;
             p.b_in_a = {};
@@ -206,9 +206,7 @@ inline convex_pair random_pair(solid::kind of_a, solid::kind of_b, convex_pair::
         case state::thin:
         case state::tiny:
         case state::huge:
-        case state::unequal:
-            place(p, gaps[dice.below(7)] * least);
-            break;
+        case state::unequal: place(p, gaps[dice.below(7)] * least); break;
         case state::far: {
             // As two bodies of a large world meet.
             place(p, gaps[dice.below(7)] * least);
@@ -216,15 +214,14 @@ inline convex_pair random_pair(solid::kind of_a, solid::kind of_b, convex_pair::
             p.b_in_a = relative(a, a * p.b_in_a);
             break;
         }
-        case state::tilted:
-            stack(p, dice, scale);
-            break;
+        case state::tilted: stack(p, dice, scale); break;
         case state::aligned: {
             // The same shape, turned by nothing or exactly, aside by multiples of a corner: corners, edges and faces of
             // the difference fall together.
             p.b = p.a;
-            const rotation turns[] = {{}, cell::is_2d ? rotation_of({S(0), S(1), S(0), S(0)})
-                                                      : rotation_of({S(0.5), S(0.5), S(0.5), S(0.5)})};
+            const rotation turns[] = {
+                {},
+                cell::is_2d ? rotation_of({S(0), S(1), S(0), S(0)}) : rotation_of({S(0.5), S(0.5), S(0.5), S(0.5)})};
             p.b_in_a.rotation = turns[dice.below(2)];
             const reals corner = to_reals(p.a.points[static_cast<std::size_t>(dice.below(int(p.a.points.size())))]);
             reals step;

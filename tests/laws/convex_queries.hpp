@@ -177,12 +177,9 @@ CELL_CASE("convex shapes: a ball beside a triangle, in all the regions of its co
         double distance;
         reals nearest;
     };
-    std::vector<region> regions{{{-3, -4, 0}, 5, {0, 0, 0}},
-                                {{5, -4, 0}, 5, {2, 0, 0}},
-                                {{-3, 5, 0}, 5, {0, 1, 0}},
-                                {{1, -2, 0}, 2, {1, 0, 0}},
-                                {{-2, 0.5, 0}, 2, {0, 0.5, 0}},
-                                {{1 + 1 / root, 0.5 + 2 / root, 0}, 1, {1, 0.5, 0}}};
+    std::vector<region> regions{{{-3, -4, 0}, 5, {0, 0, 0}},    {{5, -4, 0}, 5, {2, 0, 0}},
+                                {{-3, 5, 0}, 5, {0, 1, 0}},     {{1, -2, 0}, 2, {1, 0, 0}},
+                                {{-2, 0.5, 0}, 2, {0, 0.5, 0}}, {{1 + 1 / root, 0.5 + 2 / root, 0}, 1, {1, 0.5, 0}}};
     if (cell::is_3d) {
         for (region& r : regions) r = {r.at + reals{0, 0, 12}, std::hypot(r.distance, 12), r.nearest};
         regions.push_back({{0.5, 0.25, 3}, 3, {0.5, 0.25, 0}});

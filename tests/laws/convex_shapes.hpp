@@ -116,8 +116,8 @@ exact_mass numeric_mass(const physics::triangle<T, D>& t) {
 inline double turned_inertia(double inertia, physics::vec<double, 2>) { return inertia; }
 inline physics::symmetric<double> turned_inertia(const physics::symmetric<double>& i, physics::vec<double, 3> u) {
     const double across = i.yy, d = i.xx - across;
-    return {across + d * u.x * u.x, across + d * u.y * u.y, across + d * u.z * u.z, d * u.x * u.y, d * u.x * u.z,
-            d * u.y * u.z};
+    return {across + d * u.x * u.x, across + d * u.y * u.y, across + d * u.z * u.z,
+            d * u.x * u.y,          d * u.x * u.z,          d * u.y * u.z};
 }
 template <class T>
 exact_mass numeric_mass(const physics::segment<T, D>& s) {

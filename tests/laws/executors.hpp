@@ -42,8 +42,8 @@ struct faulty {
     [[nodiscard]] std::uint32_t workers() const { return count; }
 };
 
-/// A pyramid that is wide enough to be shared out, many small stacks, a slab that pushes several of them, and a ball that
-/// is faster than its size allows.
+/// A pyramid that is wide enough to be shared out, many small stacks, a slab that pushes several of them, and a ball
+/// that is faster than its size allows.
 struct busy_place {
     world w{{.gravity = along(1, -10)}};
 
@@ -67,9 +67,7 @@ struct busy_place {
         for (int i = 0; i < cell::dimension; ++i) v[i] = S(size);
         return v;
     }
-    void add_box(vec where) {
-        w.create_shape(w.create_body({.position = where}), world::box{along_all(0.5)});
-    }
+    void add_box(vec where) { w.create_shape(w.create_body({.position = where}), world::box{along_all(0.5)}); }
 };
 
 template <class Executor>

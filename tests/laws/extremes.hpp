@@ -158,7 +158,6 @@ CELL_CASE("X6: long steps, uneven ones and a hitch throw nobody away") {
         }
 }
 
-
 #if CELL_DIMENSION == 3
 /// The most energy that a box of some half extents has in 4 s, as a share of what it has 1 m above a floor on which it
 /// falls, leaning and spinning.
@@ -168,9 +167,8 @@ inline double most_energy(vec half, int substeps, double friction) {
     world w(settings);
     const physics::material<S, 3> rubs{.friction = S(friction)};
     w.create_shape(w.create_body({.type = body_type::static_body}), world::halfspace{along(1, 1)}, {.material = rubs});
-    const body_id b = w.create_body({.position = at(0, 1),
-                                     .rotation = turned_about_z(0.5),
-                                     .angular_velocity = {S(0.3), S(0.2), S(0)}});
+    const body_id b = w.create_body(
+        {.position = at(0, 1), .rotation = turned_about_z(0.5), .angular_velocity = {S(0.3), S(0.2), S(0)}});
     const double volume = 8 * number(half.x) * number(half.y) * number(half.z);
     w.create_shape(b, world::box{half}, {.density = S(1 / volume), .material = rubs});
     const auto square = [](S x) { return number(x) * number(x); };

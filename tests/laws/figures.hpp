@@ -70,28 +70,20 @@ constexpr int kinds = 4;
 /// A shape of one kind, with sizes between the two.
 inline any_shape random_shape(int kind, cell::dice& dice, double least, double most) {
     switch (kind) {
-        case 0:
-            return ball{dice.real(least, most)};
-        case 1:
-            return capsule{dice.real(least, most), dice.real(least, most)};
-        case 2:
-            return box{dice.vec<vec>(least, most)};
-        default:
-            return halfspace{from_reals(random_direction(dice)), dice.real(-most, most)};
+        case 0: return ball{dice.real(least, most)};
+        case 1: return capsule{dice.real(least, most), dice.real(least, most)};
+        case 2: return box{dice.vec<vec>(least, most)};
+        default: return halfspace{from_reals(random_direction(dice)), dice.real(-most, most)};
     }
 }
 /// The same shape, larger by a factor.
 inline any_shape scaled(const any_shape& shape, double factor) {
     const S f = cell::real(factor);
     switch (shape.kind()) {
-        case 0:
-            return ball{shape.get<ball>().radius * f};
-        case 1:
-            return capsule{shape.get<capsule>().half_length * f, shape.get<capsule>().radius * f};
-        case 2:
-            return box{shape.get<box>().half_extents * f};
-        default:
-            return halfspace{shape.get<halfspace>().normal, shape.get<halfspace>().offset * f};
+        case 0: return ball{shape.get<ball>().radius * f};
+        case 1: return capsule{shape.get<capsule>().half_length * f, shape.get<capsule>().radius * f};
+        case 2: return box{shape.get<box>().half_extents * f};
+        default: return halfspace{shape.get<halfspace>().normal, shape.get<halfspace>().offset * f};
     }
 }
 

@@ -110,8 +110,8 @@ inline void judge_ground_once(const ground_meet& m, tally& to) {
     judge_ground_contact<physics::gjk_epa>(m, margin, as, to);
 }
 
-/// A body of the sizes that meet so, above or in a plane that is inclined in any way; now and then with numbers as round
-/// as may be, or with a corner, edge or face that leans by little.
+/// A body of the sizes that meet so, above or in a plane that is inclined in any way; now and then with numbers as
+/// round as may be, or with a corner, edge or face that leans by little.
 inline void judge_ground(const pool& of_body, state in, cell::dice& dice, tally& to) {
     const specimen& s = of_body.any(random_classes(in, dice).a, dice);
     const judge::body& b = s.exact;
@@ -130,8 +130,7 @@ inline void judge_ground(const pool& of_body, state in, cell::dice& dice, tally&
     m.b_in_a.position = from_reals(random_direction(dice) * dice.number(0, far));
     const double gaps[] = {0.25, 0.01, 1e-6, 0, 0, -1e-6, -0.01, -0.5};
     const double gap = gaps[dice.below(8)] * double(b.extent);
-    m.b_in_a.position =
-        from_reals(to_reals(m.b_in_a.position) + narrow(m.up()) * (gap - double(m.exact())));
+    m.b_in_a.position = from_reals(to_reals(m.b_in_a.position) + narrow(m.up()) * (gap - double(m.exact())));
     judge_ground_once(m, to);
     judge_ground_once(m.swapped(), to);
 }

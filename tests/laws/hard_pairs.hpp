@@ -97,10 +97,8 @@ CELL_CASE("hard pairs: round shapes with exact answers") {
 /// A box by its full sizes, as issues state them.
 template <int N = D>
 physics::box<S, N> box_of(double x, double y, double z) {
-    if constexpr (N == 2)
-        return {{S(x / 2), S(y / 2)}};
-    else
-        return {{S(x / 2), S(y / 2), S(z / 2)}};
+    if constexpr (N == 2) return {{S(x / 2), S(y / 2)}};
+    else return {{S(x / 2), S(y / 2), S(z / 2)}};
 }
 /// Checks the gap of a pair in space, in both orders and at several scales.
 void expect(const any_shape& a, const any_shape& b, const transform& b_in_a, double gap, double margin,

@@ -237,8 +237,8 @@ CELL_CASE("hull: known solids have their faces and volumes, at every size and pl
     std::vector<solid> solids;
     if constexpr (cell::is_2d) {
         for (const int n : {3, 5, 32, 100})
-            solids.push_back({prism(n, 1, 0), std::size_t(n), std::vector<int>(std::size_t(n), 2),
-                              n * std::sin(2 * M_PI / n) / 2});
+            solids.push_back(
+                {prism(n, 1, 0), std::size_t(n), std::vector<int>(std::size_t(n), 2), n * std::sin(2 * M_PI / n) / 2});
     } else {
         std::vector<reals> octahedron, icosahedron, dodecahedron = lattice({1, 1, 1}, 2);
         for (int k = 0; k < 3; ++k)
@@ -483,7 +483,8 @@ inline sums sums_of(const geometry& g, double r) {
     const auto& i = m.inertia;
     const reals c = at(m.center);
     const double half = (i.xx + i.yy + i.zz) / 2;
-    return {m.mass, c * m.mass,
+    return {m.mass,
+            c * m.mass,
             {half - i.xx + m.mass * c.x * c.x, half - i.yy + m.mass * c.y * c.y, half - i.zz + m.mass * c.z * c.z,
              -i.xy + m.mass * c.x * c.y, -i.xz + m.mass * c.x * c.z, -i.yz + m.mass * c.y * c.z}};
 }

@@ -139,10 +139,19 @@ CELL_CASE("hull rain: a splinter that has pierced an edge touches it, though ano
         for (const auto& [x, y] : corners) points.push_back({S(x), S(y)});
         return hull_geometry::build(points.data(), static_cast<std::uint32_t>(points.size()));
     };
-    const auto block = build({{0.82003, 0.21634}, {0.35078, 0.19548}, {0.37374, -0.00551}, {0.40993, -0.08453},
-                              {0.47449, -0.18887}, {0.58707, -0.10378}, {0.80389, 0.19261}});
-    const auto splinter = build({{0.22093, 0.60319}, {0.13820, 0.57964}, {0.24031, 0.46852}, {0.53101, 0.15236},
-                                 {0.50048, 0.22531}, {0.39789, 0.44581}});
+    const auto block = build({{0.82003, 0.21634},
+                              {0.35078, 0.19548},
+                              {0.37374, -0.00551},
+                              {0.40993, -0.08453},
+                              {0.47449, -0.18887},
+                              {0.58707, -0.10378},
+                              {0.80389, 0.19261}});
+    const auto splinter = build({{0.22093, 0.60319},
+                                 {0.13820, 0.57964},
+                                 {0.24031, 0.46852},
+                                 {0.53101, 0.15236},
+                                 {0.50048, 0.22531},
+                                 {0.39789, 0.44581}});
     for (const bool swapped : {false, true}) {
         physics::manifold<S, 2> found;
         const auto a = block.shape(), b = splinter.shape();

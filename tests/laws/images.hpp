@@ -25,17 +25,20 @@ using state_access = physics::detail::world_access;
 using few = physics::shapes<physics::ball, physics::box, physics::halfspace>;
 #if CELL_DIMENSION == 2
 using surface = physics::chain_geometry<S, D>;
-using many = physics::shapes<physics::ball, physics::box, physics::halfspace, physics::hull, physics::compound, physics::chain>;
+using many =
+    physics::shapes<physics::ball, physics::box, physics::halfspace, physics::hull, physics::compound, physics::chain>;
 #else
 using surface = physics::mesh_geometry<S, D>;
-using many = physics::shapes<physics::ball, physics::box, physics::halfspace, physics::hull, physics::compound, physics::mesh>;
+using many =
+    physics::shapes<physics::ball, physics::box, physics::halfspace, physics::hull, physics::compound, physics::mesh>;
 #endif
 template <class... Policies>
 struct of : physics::recipe<S, D, Policies...> {};
 using in_tree = of<few>;
 using swept_along = of<few, physics::sweep_and_prune, physics::sequential_impulse>;
 using in_cells = of<few, physics::grid, physics::without<physics::feature::sleeping>>;
-using in_hashed_cells = of<few, physics::hash_grid, physics::sequential_impulse, physics::speculative, physics::incremental_manifolds>;
+using in_hashed_cells =
+    of<few, physics::hash_grid, physics::sequential_impulse, physics::speculative, physics::incremental_manifolds>;
 using one_by_one = of<few, physics::all_pairs, physics::without<physics::feature::continuous>>;
 using with_geometry = of<many>;
 
@@ -77,11 +80,12 @@ struct quarry {
 
     quarry() {
         std::vector<vec> corners;
-        for (int i = 0; i < 1 << D; ++i) corners.push_back(at(i & 1 ? 0.4 : -0.4, i & 2 ? 0.3 : -0.3, i & 4 ? 0.5 : -0.5));
+        for (int i = 0; i < 1 << D; ++i)
+            corners.push_back(at(i & 1 ? 0.4 : -0.4, i & 2 ? 0.3 : -0.3, i & 4 ? 0.5 : -0.5));
         corners.push_back(at(0.1, 0.6, 0.1));
         rock = decltype(rock)::build(corners.data(), static_cast<std::uint32_t>(corners.size()));
-        twins = decltype(twins)::build({{physics::box<S, D>{vec::filled(S(0.25))}, at(-0.25, 0)},
-                                        {physics::ball<S, D>{S(0.3)}, at(0.3, 0.1)}});
+        twins = decltype(twins)::build(
+            {{physics::box<S, D>{vec::filled(S(0.25))}, at(-0.25, 0)}, {physics::ball<S, D>{S(0.3)}, at(0.3, 0.1)}});
 #if CELL_DIMENSION == 2
         const vec line[] = {at(3, 0), at(0, 1), at(-3, 0)};
         hill = surface::build(line, 3);
@@ -95,10 +99,10 @@ struct quarry {
 
 /// Whether values have no padding: that of two states which are the same may differ.
 template <class T>
-constexpr bool is_solid = std::is_arithmetic_v<T> || std::has_unique_object_representations_v<T> ||
-                          std::is_same_v<T, vec> || std::is_same_v<T, physics::aabb<S, D>> ||
-                          std::is_same_v<T, physics::broadphase_settings<S>> ||
-                          std::is_same_v<T, physics::detail::box_block<D>>;
+constexpr bool is_solid =
+    std::is_arithmetic_v<T> || std::has_unique_object_representations_v<T> || std::is_same_v<T, vec> ||
+    std::is_same_v<T, physics::aabb<S, D>> || std::is_same_v<T, physics::broadphase_settings<S>> ||
+    std::is_same_v<T, physics::detail::box_block<D>>;
 
 /// A number of all that lasts and has no padding, shapes of trees and what only saves work included. The rest, of which
 /// the state hash knows most, is counted.
@@ -192,8 +196,10 @@ public:
         std::uint32_t touched = 0;
         w.each_overlapping(typename world::box{vec::filled(S(1.5))}, {at(0, 1), {}}, {}, [&](shape_id) { ++touched; });
         const auto hit = w.cast_ray(at(-20, 0.75), at(40, 0.25));
-        return {w.state_hash(), number_of_numbers(state_access::state_of(w)), handles, w.steps(), w.awake_count(),
-                w.contacts().size(), hit.shape.index, touched};
+        return {w.state_hash(),  number_of_numbers(state_access::state_of(w)),
+                handles,         w.steps(),
+                w.awake_count(), w.contacts().size(),
+                hit.shape.index, touched};
     }
 
 private:
@@ -233,8 +239,12 @@ private:
                 if (all.size() < 10) add_body(dice, at(dice.number(-8, 8), 4));
                 else w.destroy_body(body);
                 break;
-            case 2: if (dynamic) w.apply_impulse(body, at(0, 3)); break;
-            case 3: if (dynamic) w.apply_torque(body, spin(dice.number(-5, 5))); break;
+            case 2:
+                if (dynamic) w.apply_impulse(body, at(0, 3));
+                break;
+            case 3:
+                if (dynamic) w.apply_torque(body, spin(dice.number(-5, 5)));
+                break;
             case 4: w.set_linear_velocity(body, at(dice.number(-90, 90), 5)); break;
             case 5: w.set_pose(body, w.position(body) + at(0, 0.25), w.orientation(body)); break;
             case 6: w.set_gravity_scale(body, dice.real(0.5, 1)); break;

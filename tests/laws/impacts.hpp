@@ -128,10 +128,8 @@ CELL_CASE("impacts: a crowd of elastic balls under gravity keeps its energy") {
     cell::dice dice(5);
     for (int i = 0; i < 27; ++i) {
         vec p = at(0.21 * (i % 3), 0.6 + 0.21 * (i / 3 % 3)) + dice.vec<vec>(0, 0.001);
-        if (D == 3)
-            p[D - 1] += S(0.21 * (i / 9));
-        else
-            p.x += S(0.21 * 3 * (i / 9));
+        if (D == 3) p[D - 1] += S(0.21 * (i / 9));
+        else p.x += S(0.21 * 3 * (i / 9));
         add_ball(w, p, 0.1, {}, elastic());
     }
     const double before = energy_of(w);

@@ -41,7 +41,8 @@ void copy_common(To& to, const From& from) {
         to.points[k].load = from.points[k].load;
     }
 }
-/// Calls f with the contacts of a problem as a solver of these features takes them, and takes over what becomes of them.
+/// Calls f with the contacts of a problem as a solver of these features takes them, and takes over what becomes of
+/// them.
 template <class Features, class F>
 void with_contacts(problem& p, F&& f) {
     if constexpr (std::is_same_v<Features, complete>) {

@@ -1,4 +1,5 @@
-// The judge of certificates: what a convex shape is, in long double, by formulas that are short enough to be seen right.
+// The judge of certificates: what a convex shape is, in long double, by formulas that are short enough to be seen
+// right.
 //
 // Shapes are judged as the library stores them, a hull by its vertices. The judge has no search that could end too
 // early: it knows how far a shape reaches along a direction, where it is nearest to a point, and, of polytopes, all
@@ -28,8 +29,8 @@ inline point nearest_on_segment(point p, point a, point b) {
 }
 /// The point of a triangle with a unit normal that is nearest to p.
 inline point nearest_on_triangle(point p, point a, point b, point c, point n) {
-    const bool in = dot(cross(n, b - a), p - a) >= 0 && dot(cross(n, c - b), p - b) >= 0 &&
-                    dot(cross(n, a - c), p - c) >= 0;
+    const bool in =
+        dot(cross(n, b - a), p - a) >= 0 && dot(cross(n, c - b), p - b) >= 0 && dot(cross(n, a - c), p - c) >= 0;
     if (in) return p - n * dot(n, p - a);
     point best = nearest_on_segment(p, a, b);
     for (const point& q : {nearest_on_segment(p, b, c), nearest_on_segment(p, c, a)})
@@ -87,8 +88,7 @@ public:
         const oracle::polytope core(D, corners, 0);
         D == 2 ? add_sides(core) : add_faces(core);
         thin = normals.empty() ? 0 : extent;
-        for (std::size_t i = 0; i < normals.size(); ++i)
-            thin = std::min(thin, (offsets[i] + reach(-normals[i])) / 2);
+        for (std::size_t i = 0; i < normals.size(); ++i) thin = std::min(thin, (offsets[i] + reach(-normals[i])) / 2);
         thin += radius;
     }
 
@@ -196,7 +196,8 @@ private:
     /// In the half plane of x and the distance from the axis the set is a polygon.
     real distance_of_discs(point p, point& nearest) const {
         const real q = std::sqrt(p.y * p.y + p.z * p.z);
-        const point at{p.x, q, 0}, corner[4] = {{-half.x, 0, 0}, {-half.x, half.y, 0}, {half.x, half.z, 0}, {half.x, 0, 0}};
+        const point at{p.x, q, 0},
+            corner[4] = {{-half.x, 0, 0}, {-half.x, half.y, 0}, {half.x, half.z, 0}, {half.x, 0, 0}};
         real least = HUGE_VALL;
         point best;
         for (int i = 0; i < 3; ++i) {

@@ -35,8 +35,8 @@ template <>
 constexpr bool is_round<cone> = true;
 #endif
 
-/// Checks the signed distance of a pair, to rounding of sizes as large as `size`, in both orders and with any cache; and
-/// the normal from A to B, unless that is null as there are several.
+/// Checks the signed distance of a pair, to rounding of sizes as large as `size`, in both orders and with any cache;
+/// and the normal from A to B, unless that is null as there are several.
 template <class A, class B>
 void expect(const A& a, const B& b, const transform& b_in_a, double gap, reals normal, double size = 1) {
     const double rounding = 32 * std::fmax(epsilon, 1e-15) * (size + cell::is_fixed);
@@ -84,8 +84,8 @@ CELL_CASE("known cases: whole shapes on and in each other") {
             expect(box_of(side, side, side), box_of(side, side, side), at(side * 0.25, side * (1 + gap), 0), side * gap,
                    {0, 1, 0}, side);
             const double height = side * (0.5 + std::sqrt(0.5) + gap);
-            expect(box_of(side, side, side), box_of(side, side, side), at(0, height, 0, {0, 0, 1}, M_PI / 4), side * gap,
-                   {0, 1, 0}, side);
+            expect(box_of(side, side, side), box_of(side, side, side), at(0, height, 0, {0, 0, 1}, M_PI / 4),
+                   side * gap, {0, 1, 0}, side);
         }
     // collision-gjk-epa #4, scaled by 1/64: boxes side by side whose edges lie on one line.
     expect(box_of(938.72 / 64, 30.0 / 64, 1), box_of(60.0 / 64, 39.8 / 64, 1), at(-15.362 / 64, 34.9 / 64), 0,
@@ -200,7 +200,8 @@ CELL_CASE("known cases: rays down on a heightfield, at its samples, borders and 
     const auto field = physics::heightfield_geometry<S, 3>::build(heights.data(), 9, 9, S(0.5), S(0.5));
     for (int i = 0; i <= 16; ++i)
         for (int k = 0; k <= 16; ++k) {
-            const auto hit = ray_cast(field.shape(), transform{}, {S(0.25 * i), S(8), S(0.25 * k)}, {S(0), S(-16), S(0)});
+            const auto hit =
+                ray_cast(field.shape(), transform{}, {S(0.25 * i), S(8), S(0.25 * k)}, {S(0), S(-16), S(0)});
             REQUIRE(hit.hit);
             // Middles of sides and of diagonals are half-way between two samples.
             const auto height_of = [&](int x, int z) { return cell::number(heights[std::size_t(z * 9 + x)]); };
@@ -229,8 +230,8 @@ CELL_CASE("known cases: rays on either side of a line") {
 #else
 CELL_CASE("known cases: boxes whose faces or edges nearly touch") {
     // FCL #415: one deep in the other, all faces parallel.
-    expect(box_of(0.02, 0.33, 0.02), box_of(0.452, 0.27, 0.42),
-           at(0.067, -0.629605057504326826 + 0.772, -0.105), -0.115, {0, 0, -1});
+    expect(box_of(0.02, 0.33, 0.02), box_of(0.452, 0.27, 0.42), at(0.067, -0.629605057504326826 + 0.772, -0.105),
+           -0.115, {0, 0, -1});
     // FCL #399: sheets that are almost parallel.
     const transform sheet = at(0.29526406526565551758, -0.013230856508016586304, 0, {0, 0, 1},
                                std::atan2(-0.99504432079443971837, -0.099432387353076273628));
@@ -241,8 +242,8 @@ CELL_CASE("known cases: boxes whose faces or edges nearly touch") {
            to_reals(inverse_rotate(sheet.rotation, from_reals({-0.99506598442, 0.0992153549, 0}))));
     // FCL #390: 17 nm apart, tilted by 1e-7.
     const transform crate{from_reals({0.63499979627350811029, -0.48500002215636439651, 0.1553146458339641356}),
-                          rotation_of(std::vector<S>{S(-3.31010088832e-8), S(1.26699616181e-8),
-                                                     S(0.707106792015158793), S(0.707106770357935323)})};
+                          rotation_of(std::vector<S>{S(-3.31010088832e-8), S(1.26699616181e-8), S(0.707106792015158793),
+                                                     S(0.707106770357935323)})};
     const transform wall = at(0.8, -0.4575, 0, {0, 0, 1}, M_PI / 2);
     expect(box_of(0.03, 0.12, 0.1), box_of(0.025, 0.35, 1.845), relative(crate, wall), 1.70821917097e-8, {}, 2);
     // mujoco_warp #1526: concentric cubes, 0.25 mm in each other.
@@ -252,8 +253,8 @@ CELL_CASE("known cases: boxes whose faces or edges nearly touch") {
     using narrow = physics::best_per_pair::in<S, 3, physics::box>;
     const any brick = box_of(0.142, 0.071, 0.04);
     for (const double tilt : {0.0, 1e-3, 1e-5, 1e-7}) {
-        const physics::narrowphase_query<S, 3, physics::box> query{
-            &brick, &brick, at(0, 0.071 - 0.00005, 0.001, {0, 0, 1}, tilt)};
+        const physics::narrowphase_query<S, 3, physics::box> query{&brick, &brick,
+                                                                   at(0, 0.071 - 0.00005, 0.001, {0, 0, 1}, tilt)};
         physics::manifold_list<S, 3> found;
         narrow::collide(&query, 1, S(0.001), found);
         REQUIRE(found.size() == 1);
@@ -311,8 +312,8 @@ CELL_CASE("known cases: hulls with many coplanar points, triangles and needles")
     // newton #3773: a small can, all but in the plane of a large triangle: 59 m.
     const triangle ground{{S(-60), S(0), S(-60)}, {S(60), S(0), S(-60)}, {S(0), S(0), S(80)}};
     for (const double height : {0.0003, 0.03})
-        expect(ground, cylinder{S(0.0625), S(0.25)}, at(47, height, -40, {0, 0, 1}, M_PI / 2), height - 0.0625, {0, 1, 0},
-               80);
+        expect(ground, cylinder{S(0.0625), S(0.25)}, at(47, height, -40, {0, 0, 1}, M_PI / 2), height - 0.0625,
+               {0, 1, 0}, 80);
 }
 
 CELL_CASE("known cases: cylinders and cones") {
@@ -348,10 +349,9 @@ CELL_CASE("known cases: cylinders and cones") {
     const physics::segment<S, 3> stick{from_reals({-0.37916505975198739, 0.36013107092124441, 0.21436966070429975}),
                                        from_reals({0.28378127625497551, -0.08422881824773909, -0.14523297857765721}),
                                        S(0)};
-    const transform lying_drum{
-        from_reals({0.5560321076909589, 0.14303472770709003, -0.18812454823167721}),
-        rotation_of(std::vector<S>{S(0.084064559996490568), S(0.51902863949607825), S(0.67022742374906574),
-                                   S(-0.52377249029529682)})};
+    const transform lying_drum{from_reals({0.5560321076909589, 0.14303472770709003, -0.18812454823167721}),
+                               rotation_of(std::vector<S>{S(0.084064559996490568), S(0.51902863949607825),
+                                                          S(0.67022742374906574), S(-0.52377249029529682)})};
     expect(stick, cylinder{S(0.28690759402065025), S(0.21282141287524234), S(0)}, lying_drum, 0, {});
     // On a rim many normals would do; each must part them as far as they are apart.
     const auto parts = [](const auto& a, const auto& b, const transform& pose) {
@@ -362,8 +362,8 @@ CELL_CASE("known cases: cylinders and cones") {
     parts(shard, cone{S(0.27125381557910083), S(0.42599146827776291), S(0.63898720241664431), S(0)}, stump);
     parts(stick, cylinder{S(0.28690759402065025), S(0.21282141287524234), S(0)}, lying_drum);
     // Coal #351: a ball beside the middle of a flat cylinder, in mm.
-    expect(cylinder{S(50), S(136)}, ball{S(55)}, at(-45.449, 140.834, 128.932), -0.06106688262867, {0, 140.834, 128.932},
-           200);
+    expect(cylinder{S(50), S(136)}, ball{S(55)}, at(-45.449, 140.834, 128.932), -0.06106688262867,
+           {0, 140.834, 128.932}, 200);
     // ncollide #157: it stands at the corner of a wall.
     expect(cylinder{S(0.925), S(0.5)}, box_of(1.5, 0.1, 1), at(-0.175, -0.53, -0.52), -0.01958351402142744,
            {0, -0.48, -0.02}, 2);
@@ -438,8 +438,9 @@ CELL_CASE("known cases: rays on the edges and corners of meshes") {
                                  {3.9273109436035156, 5.897944450378418, 0},
                                  {-1.3836679458618164, -4.480311870574951, 0}},
                                 {0, 1, 2}, true);
-    const auto edge = ray_cast(standing.shape(), transform{}, from_reals({-0.028221702575683627, -2.5058889150619503, 0}),
-                               from_reals({-0.16852837373762, 0.9856968028990217, 0}));
+    const auto edge =
+        ray_cast(standing.shape(), transform{}, from_reals({-0.028221702575683627, -2.5058889150619503, 0}),
+                 from_reals({-0.16852837373762, 0.9856968028990217, 0}));
     REQUIRE(edge.hit);
     CHECK(near(cell::number(edge.fraction), 0.512747213598814, 128));
     // ncollide #335: what skims a ridge never meets the inside of the roof.
@@ -454,8 +455,8 @@ CELL_CASE("known cases: rays on the edges and corners of meshes") {
         CHECK(!ray_cast(roof.shape(), transform{}, from_reals({-8, 1.001, z}), way));
     }
     // Godot #84108: from where a floor and a wall meet, into the wall.
-    const mesh room = build({{0, 0, 0}, {4, 0, 0}, {4, 0, 4}, {0, 0, 4}, {0, 4, 0}, {0, 4, 4}},
-                            {0, 3, 2, 0, 2, 1, 0, 4, 5, 0, 5, 3});
+    const mesh room =
+        build({{0, 0, 0}, {4, 0, 0}, {4, 0, 4}, {0, 0, 4}, {0, 4, 0}, {0, 4, 4}}, {0, 3, 2, 0, 2, 1, 0, 4, 5, 0, 5, 3});
     for (const double off : {0.0, 0x1p-20, 0x1p-10})
         for (const reals way : {reals{-1, 0, 0}, reals{0, -1, 0}, reals{-1, -1, 0}, reals{-1, 2, 0}, reals{-2, 1, 1}})
             CHECK(ray_cast(room.shape(), transform{}, from_reals({off, off, 2}), from_reals(way)).hit);

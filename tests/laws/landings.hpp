@@ -10,11 +10,11 @@ namespace {
 namespace landing_laws {
 
 #if CELL_DIMENSION == 2
-using all_shapes = physics::shapes<physics::ball, physics::capsule, physics::box, physics::hull, physics::halfspace,
-                                   physics::chain>;
+using all_shapes =
+    physics::shapes<physics::ball, physics::capsule, physics::box, physics::hull, physics::halfspace, physics::chain>;
 #else
-using all_shapes = physics::shapes<physics::ball, physics::capsule, physics::box, physics::hull, physics::halfspace,
-                                   physics::mesh>;
+using all_shapes =
+    physics::shapes<physics::ball, physics::capsule, physics::box, physics::hull, physics::halfspace, physics::mesh>;
 #endif
 struct everything : physics::recipe<S, cell::dimension, all_shapes> {};
 using wide_world = physics::world<everything>;
@@ -39,8 +39,7 @@ inline void add_ground(wide_world& w, ground kind, const physics::material<S, D>
 #else
         std::vector<std::uint32_t> t;
         for (std::uint32_t z = 0; z <= 8; ++z)
-            for (std::uint32_t x = 0; x <= 8; ++x)
-                points.push_back(at(2 * int(x) - 8, 0) + along(2, 2 * int(z) - 8));
+            for (std::uint32_t x = 0; x <= 8; ++x) points.push_back(at(2 * int(x) - 8, 0) + along(2, 2 * int(z) - 8));
         for (std::uint32_t z = 0; z < 8; ++z)
             for (std::uint32_t x = 0; x < 8; ++x) {
                 const std::uint32_t a = z * 9 + x, b = a + 1, c = a + 9, d = c + 1;
@@ -115,9 +114,11 @@ CELL_CASE("landings: what bounces keeps its speed, and all keep their way along 
                     settings.gravity = {};
                     wide_world w(settings);
                     add_ground(w, kind, {.friction = S(0), .restitution = S(e)});
-                    const body_id body = w.create_body({.position = at(-2, 0.5 + speed / 64 * ((phase + 0.375) / 4 + 1)),
-                                                        .linear_velocity = at(8, -speed)});
-                    w.create_shape(body, wide_world::ball{S(0.3)}, {.material = {.friction = S(0), .restitution = S(e)}});
+                    const body_id body =
+                        w.create_body({.position = at(-2, 0.5 + speed / 64 * ((phase + 0.375) / 4 + 1)),
+                                       .linear_velocity = at(8, -speed)});
+                    w.create_shape(body, wide_world::ball{S(0.3)},
+                                   {.material = {.friction = S(0), .restitution = S(e)}});
                     int stopped = 0;
                     for (int i = 0; i < 16; ++i) {
                         w.step(S(1.0 / 64));
@@ -140,8 +141,8 @@ CELL_CASE("flagged balls that go by each other closer than they are wide meet, h
             settings.gravity = {};
             physics::world<flags> w(settings);
             const double far = 1 + speed / 64 * ((7 * run) % 24 + 0.5) / 24, off = 0.396 * (run + 0.5) / 24;
-            const body_id left = w.create_body(
-                {.position = at(-far, off), .linear_velocity = along(0, speed / 4), .continuous = true});
+            const body_id left =
+                w.create_body({.position = at(-far, off), .linear_velocity = along(0, speed / 4), .continuous = true});
             const body_id right = w.create_body(
                 {.position = at(far, 0), .linear_velocity = along(0, -speed * 3 / 4), .continuous = true});
             for (const body_id b : {left, right}) w.create_shape(b, world::ball{S(0.2)});

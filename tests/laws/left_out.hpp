@@ -34,7 +34,9 @@ template <class... Policies>
 using made_of = physics::world<of<Policies...>>;
 using common = made_of<without<materials>>;
 template <class World>
-constexpr bool has_materials = requires(World& w, shape_id id) { w.set_surface(id, material{}); };
+constexpr bool has_materials = requires(World& w, shape_id id) {
+    w.set_surface(id, material{});
+};
 
 template <class World>
 constexpr bool turns = requires(World& w, body_id id, typename World::angular spin) {
@@ -209,9 +211,10 @@ CELL_CASE("materials: the rule is asked once a step for all, and the step refuse
     for (const auto& c : p.w.contacts()) CHECK(c.friction == S(0.5));
     p.change({.friction = S(1)});
     const std::uint64_t before = p.w.state_hash();
-    CHECK_THROWS_WITH(p.step(), "physics: step: a coefficient of two surfaces is out of range; the mixing rule must "
-                                "give friction and rolling_resistance that are finite and at least 0, and a "
-                                "restitution of 0 to 1");
+    CHECK_THROWS_WITH(p.step(),
+                      "physics: step: a coefficient of two surfaces is out of range; the mixing rule must "
+                      "give friction and rolling_resistance that are finite and at least 0, and a "
+                      "restitution of 0 to 1");
     CHECK(p.w.state_hash() == before);
     // They are those of the last step.
     for (const auto& c : p.w.contacts()) CHECK(c.friction == S(0.5));
@@ -322,16 +325,21 @@ CELL_CASE("materials: copies and images go on by the same bits, with the coeffic
 
 // What is not there does not compile.
 template <class World>
-constexpr bool settings_have_one = requires(typename World::settings_type with) { with.material.friction; };
+constexpr bool settings_have_one = requires(typename World::settings_type with) {
+    with.material.friction;
+};
 template <class World>
-constexpr bool shapes_have_one = requires(typename World::shape_def def) { def.material; };
+constexpr bool shapes_have_one = requires(typename World::shape_def def) {
+    def.material;
+};
 static_assert(has_materials<made_of<>> && shapes_have_one<made_of<>> && !settings_have_one<made_of<>>);
 static_assert(!has_materials<common> && !shapes_have_one<common> && settings_have_one<common>);
 static_assert(std::is_same_v<made_of<>::shape_def, physics::shape_def<S, D>>);
 /// A solver that looks for a coefficient where it is not.
 template <class Features>
-constexpr bool contacts_tell =
-    requires(const physics::contact<S, D, Features>& c) { physics::detail::value_of(c.friction) * S(2); };
+constexpr bool contacts_tell = requires(const physics::contact<S, D, Features>& c) {
+    physics::detail::value_of(c.friction) * S(2);
+};
 static_assert(contacts_tell<without<>> && contacts_tell<without<friction>> && !contacts_tell<without<materials>>);
 
 // And takes no byte of shapes, contacts and blocks; the settings of others take none for it.

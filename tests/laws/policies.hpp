@@ -1,8 +1,8 @@
 // Policies in combination: pairwise over broadphase, integrator, features and shapes, each against a law.
 #pragma once
 
-#include <cmath>
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "../../samples/scenes.hpp"
@@ -38,7 +38,8 @@ struct sweep_along_x {
                              [](const entry& a, const entry& b) { return a.box.lower.x < b.box.lower.x; });
             pairs_.clear();
             for (std::size_t i = 0; i < boxes_.size(); ++i)
-                for (std::size_t k = i + 1; k < boxes_.size() && !(boxes_[k].box.lower.x > boxes_[i].box.upper.x); ++k) {
+                for (std::size_t k = i + 1; k < boxes_.size() && !(boxes_[k].box.lower.x > boxes_[i].box.upper.x);
+                     ++k) {
                     const std::uint32_t a = std::min(boxes_[i].id, boxes_[k].id);
                     const std::uint32_t b = std::max(boxes_[i].id, boxes_[k].id);
                     if (overlap(boxes_[i].box, boxes_[k].box) && may_meet(boxes_[i].filter, boxes_[k].filter) &&
@@ -116,9 +117,9 @@ struct one_by_one {
     };
 };
 
+using physics::without;
 using physics::feature::friction;
 using physics::feature::restitution;
-using physics::without;
 template <template <class, int> class... Shapes>
 using only = physics::shapes<Shapes...>;
 
@@ -126,10 +127,13 @@ struct plain : physics::recipe<S, D> {};
 struct swept : physics::recipe<S, D, sweep_along_x> {};
 struct reordered : physics::recipe<S, D, one_by_one, sweep_along_x> {};
 struct slippery : physics::recipe<S, D, without<friction>, only<physics::halfspace, physics::box>> {};
-struct dull : physics::recipe<S, D, only<physics::ball, physics::box, physics::halfspace>, without<restitution>, sweep_along_x> {};
+struct dull : physics::recipe<S, D, only<physics::ball, physics::box, physics::halfspace>, without<restitution>,
+                              sweep_along_x> {};
 struct bare : physics::recipe<S, D, one_by_one, without<restitution, friction>> {};
 struct ahead : physics::recipe<S, D, explicit_euler, without<restitution>, one_by_one> {};
-struct ahead_swept : physics::recipe<S, D, sweep_along_x, explicit_euler, without<friction>, only<physics::box, physics::halfspace>> {};
+struct ahead_swept
+    : physics::recipe<S, D, sweep_along_x, explicit_euler, without<friction>, only<physics::box, physics::halfspace>> {
+};
 
 template <class... Policies>
 struct of : physics::recipe<S, D, Policies...> {};
@@ -258,7 +262,9 @@ double fall_of_a_second() {
     return 100 - cell::number(w.position(body).y);
 }
 
-CELL_CASE("policies: the integrator is the recipe's: explicit Euler lags by g t h / 2 of a substep, the symplectic one leads") {
+CELL_CASE(
+    "policies: the integrator is the recipe's: explicit Euler lags by g t h / 2 of a substep, the symplectic one "
+    "leads") {
     const double rounding = 64 * 128 * cell::number(cell::traits::epsilon());
     const double off = 5.0 / 64 / typename physics::world<plain>::settings_type{}.solver.substeps;
     CHECK(std::abs(fall_of_a_second<plain>() - (5 + off)) <= rounding);

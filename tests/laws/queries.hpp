@@ -90,8 +90,7 @@ CELL_CASE("queries: boxes and points find what a comparison of all boxes finds")
                 if (i % 2) tested.each_overlapping(box, filter, add);
                 else tested.each_at(at, filter, add);
                 for (const auto& [id, m] : c.members)
-                    if (share_a_point(m.wide, box) && is_seen(m.filter, filter))
-                        expected.push_back(id);
+                    if (share_a_point(m.wide, box) && is_seen(m.filter, filter)) expected.push_back(id);
                 REQUIRE(sorted(here) == expected);
                 found += here.size();
                 ids page(1 + here.size() / 2), whole(here.size() + 1);
@@ -318,7 +317,8 @@ CELL_CASE("queries: bad ones are refused by name") {
         r.translation.x = cell::traits::max() / S(2);
         CHECK_THROWS((void)b.any(r));
         std::uint32_t out[1];
-        CHECK_THROWS_WITH(b.nearest(vec{}, S(-2), {}, out, 1), "physics: nearest: reach is -2; it must not be negative");
+        CHECK_THROWS_WITH(b.nearest(vec{}, S(-2), {}, out, 1),
+                          "physics: nearest: reach is -2; it must not be negative");
         CHECK_THROWS(b.each_overlapping({vec::filled(S(1)), vec{}}, {}, [](std::uint32_t) {}));
         if constexpr (!cell::is_fixed) {
             vec bad;

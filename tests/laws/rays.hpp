@@ -112,8 +112,9 @@ inline void random_ray(const frustum& f, cell::dice& dice, int i, reals& from, r
     if (i % 8 == 2) direction = along, through = side + out * (f.size() * off[dice.below(7)]);
     if (i % 8 == 6) direction = {dice.below(2) ? 1.0 : -1.0, 0, 0};
     // An end's rim.
-    if (i % 8 == 3) through = dice.below(2) ? reals{-f.half, f.low * std::cos(angle), f.low * std::sin(angle)}
-                                            : reals{f.half, f.high * std::cos(angle), f.high * std::sin(angle)};
+    if (i % 8 == 3)
+        through = dice.below(2) ? reals{-f.half, f.low * std::cos(angle), f.low * std::sin(angle)}
+                                : reals{f.half, f.high * std::cos(angle), f.high * std::sin(angle)};
     const double far = i % 11 == 0 ? 1e4 : dice.number(0, 4) * f.size(), onwards[] = {0.5, 1, 1.25, 2};
     from = rounded(through - direction * far);
     way = rounded(direction * (far * onwards[dice.below(4)]));
@@ -131,8 +132,9 @@ CELL_CASE("rays: cylinders and cones are met where points are first within them"
             [&](const auto& shape) { return ray_cast(shape, transform{}, from_reals(from), from_reals(way)); });
         const std::string broken = broken_law(f, hit, from, way);
         if (!broken.empty())
-            FAIL_CHECK(broken << "\n" << f.half << " " << f.low << " " << f.high << " from " << from.x << " " << from.y
-                              << " " << from.z << " way " << way.x << " " << way.y << " " << way.z);
+            FAIL_CHECK(broken << "\n"
+                              << f.half << " " << f.low << " " << f.high << " from " << from.x << " " << from.y << " "
+                              << from.z << " way " << way.x << " " << way.y << " " << way.z);
         hits += hit.hit;
     }
     CHECK(hits > 60000);
@@ -240,7 +242,6 @@ void each_child(const table_without_walk& s, const physics::aabb<double, D>& box
     each_child(s.shape, box, f);
 }
 
-
 /// Checks that a ray meets what it meets of all the parts within its box, one by one.
 template <class Shape, class Plain>
 local_hit meet(const Shape& shape, const Plain& plain, reals from, reals way) {
@@ -318,8 +319,10 @@ CELL_CASE("rays: surfaces are met where all of their parts are") {
     for (const bool two_sided : {false, true}) {
 #if CELL_DIMENSION == 2
         std::vector<vec> points;
-        for (int i = 0; i < 200; ++i) points.push_back(i % 5 ? dice.vec<vec>(-10, 10) : vec{S(dice.below(20) - 10), S(i % 3)});
-        const auto line = physics::chain_geometry<S, 2>::build(points.data(), 200, {.loop = true, .two_sided = two_sided});
+        for (int i = 0; i < 200; ++i)
+            points.push_back(i % 5 ? dice.vec<vec>(-10, 10) : vec{S(dice.below(20) - 10), S(i % 3)});
+        const auto line =
+            physics::chain_geometry<S, 2>::build(points.data(), 200, {.loop = true, .two_sided = two_sided});
         meets_all_parts(line.shape(), 200);
         meets_all_parts(line.shape(S(0.125)), 201);
         const auto field = physics::heightfield_geometry<S, 2>::build(heights.data(), 400, S(0.25),
@@ -338,8 +341,8 @@ CELL_CASE("rays: surfaces are met where all of their parts are") {
                 points.push_back(at + dice.vec<vec>(-1, 1) * S(i % 7 ? 1 : 8));
             }
         }
-        const auto soup = physics::mesh_geometry<S, 3>::build(points.data(), 600, triangles.data(), 200,
-                                                              {.two_sided = two_sided});
+        const auto soup =
+            physics::mesh_geometry<S, 3>::build(points.data(), 600, triangles.data(), 200, {.two_sided = two_sided});
         meets_all_parts(soup.shape(), 200);
         meets_all_parts(soup.shape(S(0.125)), 201);
         for (const bool alternating : {false, true}) {
@@ -364,7 +367,9 @@ CELL_CASE("rays: compounds are met where all of their children are") {
         const transform at = random_transform(dice, 8);
         const vec half = dice.vec<vec>(0.25, 1);
         for (int k = 0; k < D; ++k) corners.push_back(to_reals(at.position) + random_direction(dice));
-        const auto add = [&](const auto& shape) { children.push_back({shape, at.position, i % 3 ? at.rotation : rotation{}}); };
+        const auto add = [&](const auto& shape) {
+            children.push_back({shape, at.position, i % 3 ? at.rotation : rotation{}});
+        };
         switch (i % 6) {
             case 0: add(physics::box<S, D>{half}); break;
             case 1: add(physics::ball<S, D>{half.x}); break;
@@ -405,7 +410,8 @@ CELL_CASE("rays: none passes between the parts of a surface") {
         // Onto an edge, or onto the corner that two segments or several triangles share.
         const double share = D == 2 || i % 2 ? 0 : dice.number(0, 1);
         const doubles target = corners[k] + (corners[k + 1] - corners[k]) * share;
-        const reals aside = random_direction(dice), above = reals{aside.x, 1, aside.z} * dice.number(1, i % 5 ? 10 : 1e5);
+        const reals aside = random_direction(dice),
+                    above = reals{aside.x, 1, aside.z} * dice.number(1, i % 5 ? 10 : 1e5);
         const local_ray ray{target + to_doubles(above), -to_doubles(above) * 2.0};
         const local_hit hit = cast_on(field.shape(), ray);
         REQUIRE(hit.hit);

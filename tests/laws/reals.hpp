@@ -44,10 +44,8 @@ inline vec from_reals(reals p) {
 inline reals to_reals(S w) { return {0, 0, cell::number(w)}; }
 template <class Angular = cell::space::angular>
 Angular to_angular(reals w) {
-    if constexpr (cell::is_2d)
-        return S(w.z);
-    else
-        return from_reals(w);
+    if constexpr (cell::is_2d) return S(w.z);
+    else return from_reals(w);
 }
 
 /// v, turned by an angle about a unit axis (Rodrigues' formula).
@@ -96,10 +94,8 @@ inline std::vector<S> parts_of(const physics::rotation<S, 2>& r) { return {r.cos
 inline std::vector<S> parts_of(const physics::rotation<S, 3>& r) { return {r.x, r.y, r.z, r.w}; }
 template <int N = D>
 physics::rotation<S, N> rotation_of(const std::vector<S>& parts) {
-    if constexpr (N == 2)
-        return {parts[0], parts[1]};
-    else
-        return {parts[0], parts[1], parts[2], parts[3]};
+    if constexpr (N == 2) return {parts[0], parts[1]};
+    else return {parts[0], parts[1], parts[2], parts[3]};
 }
 template <int N = D>
 physics::rotation<S, N> random_rotation(cell::dice& dice) {
@@ -108,10 +104,8 @@ physics::rotation<S, N> random_rotation(cell::dice& dice) {
 /// The rotation by an angle about a unit axis, through sine and cosine.
 template <class Rotation = rotation>
 Rotation rotation_about(reals axis, double angle) {
-    if constexpr (cell::is_2d)
-        return Rotation::from_angle(S(axis.z < 0 ? -angle : angle));
-    else
-        return Rotation::from_axis_angle(from_reals(axis), S(angle));
+    if constexpr (cell::is_2d) return Rotation::from_angle(S(axis.z < 0 ? -angle : angle));
+    else return Rotation::from_axis_angle(from_reals(axis), S(angle));
 }
 inline transform random_transform(cell::dice& dice, double far) {
     return {dice.vec<vec>(-far, far), random_rotation(dice)};

@@ -119,9 +119,11 @@ CELL_CASE("F2 oscillator: energy stays bounded, its error falls with the first o
         double before = 1, last = 1;
         for (int i = 0; i < steps; ++i) {
             const double x = number(w.position(b).x);
-            // x'' = -omega^2 x in symplectic Euler is the recurrence x+ = 2 cos(phi) x - x-, cos(phi) = 1 - (omega h)^2 / 2.
-            if (i > 0) CHECK(std::abs(x - (i == 1 ? cosine * 2 * last - before : 2 * cosine * last - before)) <=
-                             (i == 1 ? 0.51 * std::pow(omega * h, 2) : 0) + 64 * drift(1, 1));
+            // x'' = -omega^2 x in symplectic Euler is the recurrence x+ = 2 cos(phi) x - x-, cos(phi) = 1 - (omega h)^2
+            // / 2.
+            if (i > 0)
+                CHECK(std::abs(x - (i == 1 ? cosine * 2 * last - before : 2 * cosine * last - before)) <=
+                      (i == 1 ? 0.51 * std::pow(omega * h, 2) : 0) + 64 * drift(1, 1));
             before = i == 0 ? 1 : last;
             last = x;
             w.apply_force(b, w.position(b) * S(-omega * omega));
@@ -184,7 +186,8 @@ CELL_CASE("X5 spin: no energy is gained up to 10^4 rad/s") {
     for (const double speed : {1e2, 1e3, 1e4}) {
         CAPTURE(speed);
         world w(weightless());
-        const auto b = w.create_body({.angular_velocity = physics::vec<S, 3>{S(0.1 * speed), S(speed), S(0.2 * speed)}});
+        const auto b =
+            w.create_body({.angular_velocity = physics::vec<S, 3>{S(0.1 * speed), S(speed), S(0.2 * speed)}});
         w.create_shape(b, world::box{{S(0.05), S(0.2), S(0.45)}});
         const double limit = number(physics::length(w.angular_velocity(b)));
         const auto inertia = w.mass(b).inertia;
@@ -301,7 +304,8 @@ CELL_CASE("S2 incline: a block slips where mu < tan(angle), and does not creep w
         for (int i = 0; i < 60; ++i) w.step(S(1.0 / 60));
         const vec settled = w.position(b);
         for (int i = 60; i < steps; ++i) w.step(S(1.0 / 60));
-        return std::pair{number(physics::length(w.position(b) - start)), number(physics::length(w.position(b) - settled))};
+        return std::pair{number(physics::length(w.position(b) - start)),
+                         number(physics::length(w.position(b) - settled))};
     };
     double low = 0.9 * std::tan(angle), high = 1.1 * std::tan(angle);
     CHECK(slip(low, 300).first > 0.1);
@@ -348,7 +352,8 @@ void stands(world& w) {
     }
     double farthest = 0;
     std::size_t k = 0;
-    for (const auto id : w.bodies()) farthest = std::max(farthest, number(physics::length(w.position(id) - start[k++])));
+    for (const auto id : w.bodies())
+        farthest = std::max(farthest, number(physics::length(w.position(id) - start[k++])));
     CHECK(farthest <= 0.05);
     CHECK(scenes::kinetic_energy(w) <= 1e-3 * double(start.size()));
 }

@@ -54,10 +54,8 @@ CELL_CASE("segment: closest points hold their precision where segments are nearl
         double low = -most_b, high = most_b;
         for (int k = 0; k < 200; ++k) {
             const double third = (high - low) / 3;
-            if (to_a(low + third) < to_a(high - third))
-                high -= third;
-            else
-                low += third;
+            if (to_a(low + third) < to_a(high - third)) high -= third;
+            else low += third;
         }
         REQUIRE(there <= to_a((low + high) / 2) + 16 * epsilon);
     }

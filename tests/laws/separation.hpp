@@ -17,17 +17,10 @@ using hull_geometry = physics::hull_geometry<S, D>;
 template <class F>
 bool with_shape(const solid& s, F&& f) {
     switch (s.of) {
-        case solid::kind::ball:
-            f(physics::ball<S, D>{s.radius});
-            return true;
-        case solid::kind::capsule:
-            f(physics::capsule<S, D>{s.half_extents().x, s.radius});
-            return true;
-        case solid::kind::box:
-            f(physics::box<S, D>{s.half_extents()});
-            return true;
-        case solid::kind::flat:
-            return false;
+        case solid::kind::ball: f(physics::ball<S, D>{s.radius}); return true;
+        case solid::kind::capsule: f(physics::capsule<S, D>{s.half_extents().x, s.radius}); return true;
+        case solid::kind::box: f(physics::box<S, D>{s.half_extents()}); return true;
+        case solid::kind::flat: return false;
         default: {
             hull_geometry g;
             try {
@@ -92,8 +85,9 @@ CELL_CASE("separation: agrees with the exact one, cold, warm, and with any cache
         random.count = static_cast<std::uint8_t>(dice.below(8));
         for (std::uint32_t& v : random.vertex) v = static_cast<std::uint32_t>(dice.bits());
         for (float& x : random.axis) x = static_cast<float>(dice.number(-1, 1));
-        for (const auto& c : {separation(a, b, p.b_in_a), separation(a, b, p.b_in_a, own), separation(a, b, p.b_in_a, own),
-                              separation(a, b, p.b_in_a, of_another), separation(a, b, p.b_in_a, random)}) {
+        for (const auto& c :
+             {separation(a, b, p.b_in_a), separation(a, b, p.b_in_a, own), separation(a, b, p.b_in_a, own),
+              separation(a, b, p.b_in_a, of_another), separation(a, b, p.b_in_a, random)}) {
             const std::string law = broken_law(p, to_claim(c), tolerance);
             if (!law.empty()) return law;
             if (c.status != physics::query_status::converged) return "the limit of iterations was reached";
@@ -116,7 +110,8 @@ CELL_CASE("separation: swapping the shapes mirrors the answer") {
     every_convex_pair(900, [&](const convex_pair& p, const auto& a, const auto& b) -> std::string {
         const convex_pair q = p.swapped();
         const auto first = separation(a, b, p.b_in_a), second = separation(b, a, q.b_in_a);
-        if (!(std::abs(cell::number(first.distance - second.distance)) <= 2 * tolerance_of(p))) return "the distances differ";
+        if (!(std::abs(cell::number(first.distance - second.distance)) <= 2 * tolerance_of(p)))
+            return "the distances differ";
         return broken_law(q, to_claim(second), tolerance_of(p) * points_of(p));
     });
 }
@@ -129,9 +124,9 @@ CELL_CASE("separation: MPR parts what overlaps, never by less than the shortest 
         const claim c = to_claim(physics::detail::rounded<S>(pair, found));
         const double tolerance = tolerance_of(p) * points_of(p), exact = static_cast<double>(p.exact().distance);
         const oracle::point n{c.normal.x, c.normal.y, c.normal.z};
-        if (!(std::abs(static_cast<double>(oracle::size(n)) - 1) <= 32 * epsilon)) return "the normal is no unit vector";
-        const double along =
-            static_cast<double>(separation_along(p.exact_a(), p.exact_b(), n * (1 / oracle::size(n))));
+        if (!(std::abs(static_cast<double>(oracle::size(n)) - 1) <= 32 * epsilon))
+            return "the normal is no unit vector";
+        const double along = static_cast<double>(separation_along(p.exact_a(), p.exact_b(), n * (1 / oracle::size(n))));
         if (!(std::abs(along - c.distance) <= tolerance)) return "the normal does not part them as far as it says";
         if (c.distance > exact + tolerance) return "it says less than the shortest way";
         return "";
@@ -145,9 +140,10 @@ inline std::string off_by(const char* what, double off, double allowed) {
 }
 
 CELL_CASE("separation: manifolds of every pair agree with the exact distance") {
-    using any = physics::any_shape<S, D, physics::ball, physics::capsule, physics::box, physics::halfspace, physics::hull>;
-    using query =
-        physics::narrowphase_query<S, D, physics::ball, physics::capsule, physics::box, physics::halfspace, physics::hull>;
+    using any =
+        physics::any_shape<S, D, physics::ball, physics::capsule, physics::box, physics::halfspace, physics::hull>;
+    using query = physics::narrowphase_query<S, D, physics::ball, physics::capsule, physics::box, physics::halfspace,
+                                             physics::hull>;
     every_convex_pair(1100, [&](const convex_pair& p, const auto& a, const auto& b) -> std::string {
         const double exact = static_cast<double>(p.exact().distance);
         double scale = HUGE_VAL, smallest = HUGE_VAL;
@@ -166,8 +162,8 @@ CELL_CASE("separation: manifolds of every pair agree with the exact distance") {
             smallest = std::fmin(smallest, least);
         }
         const double tolerance = tolerance_of(p) * points_of(p), allowed = tolerance + smallest / 128;
-        // A round side that lies within five degrees of flat is taken for flat: a sine of at most the root of 1/128 leads
-        // the points off it by 1/255 of the radius.
+        // A round side that lies within five degrees of flat is taken for flat: a sine of at most the root of 1/128
+        // leads the points off it by 1/255 of the radius.
         const double lies = (cell::number(p.a.radius) + cell::number(p.b.radius)) / 255;
         const double of_points = 2 * allowed + lies;
         const any shape_a(a), shape_b(b);

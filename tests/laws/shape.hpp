@@ -31,12 +31,9 @@ void each_solid(std::uint64_t seed, int times, double least, double most, F&& f)
         for (int kind = 0; kind < 3; ++kind) {
             CAPTURE(kind);
             const any_shape shape = random_shape(kind, dice, least, most);
-            if (kind == 0)
-                f(shape.get<ball>(), dice);
-            else if (kind == 1)
-                f(shape.get<capsule>(), dice);
-            else
-                f(shape.get<box>(), dice);
+            if (kind == 0) f(shape.get<ball>(), dice);
+            else if (kind == 1) f(shape.get<capsule>(), dice);
+            else f(shape.get<box>(), dice);
         }
 }
 

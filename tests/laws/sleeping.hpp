@@ -133,8 +133,8 @@ CELL_CASE("sleep: what holds sleepers up wakes them as it goes, and what moves i
     CHECK(!wakes_all([&](bedroom& b) { wall(b, body_type::static_body, -3); }, 64));
     CHECK(wakes_all(
         [&](bedroom& b) { b.w.set_pose(wall(b, body_type::static_body, -3), at(-0.5, 1.5), world::rotation{}); }, 0));
-    CHECK(wakes_all(
-        [&](bedroom& b) { b.w.set_linear_velocity(wall(b, body_type::kinematic_body, -3), along(0, 2)); }, 72));
+    CHECK(wakes_all([&](bedroom& b) { b.w.set_linear_velocity(wall(b, body_type::kinematic_body, -3), along(0, 2)); },
+                    72));
     CHECK(wakes_all(
         [&](bedroom& b) { b.w.move_to(wall(b, body_type::kinematic_body, -3), at(-0.5, 1.5), world::rotation{}); }, 1));
 }
@@ -301,7 +301,8 @@ CELL_CASE("sleep: steps of changing length pass sleepers by, and who wakes in on
     }
 }
 
-CELL_CASE("sleep: who lies on what stands, though it could move, sleeps on when others wake, and has his contacts once") {
+CELL_CASE(
+    "sleep: who lies on what stands, though it could move, sleeps on when others wake, and has his contacts once") {
     bedroom b;
     const body_id shelf = b.w.create_body({.type = body_type::kinematic_body, .position = at(-5, 2)});
     b.w.create_shape(shelf, world::box{vec::filled(S(0.5))});
@@ -424,9 +425,7 @@ CELL_CASE("sleep: sets of numbers are those that links make") {
     physics::arena scratch;
     for (int round = 0; round < 50; ++round) {
         scratch.reset();
-        const auto some = [&](std::uint32_t n) {
-            return static_cast<std::uint32_t>(dice.below(static_cast<int>(n)));
-        };
+        const auto some = [&](std::uint32_t n) { return static_cast<std::uint32_t>(dice.below(static_cast<int>(n))); };
         const std::uint32_t count = 1 + some(60);
         physics::detail::disjoint_sets sets(count, scratch);
         // The slow twin: everybody carries the least name that it can reach.

@@ -15,7 +15,8 @@ void solve_softly(problem& p, int substeps) {
 
         void advance_velocities(S) {}
         void advance_poses(S h) {
-            for (auto& b : p.bodies) b.way = {b.way.linear + b.velocity.linear * h, b.way.angular + b.velocity.angular * h};
+            for (auto& b : p.bodies)
+                b.way = {b.way.linear + b.velocity.linear * h, b.way.angular + b.velocity.angular * h};
         }
     };
     physics::arena scratch;
@@ -60,8 +61,7 @@ struct sides_at {
     side_of a, b;
 
     sides_at(const problem& p, const contact& c, vec offset)
-        : a(p.bodies, c.body_a, c.levers(0).a + offset, -1),
-          b(p.bodies, c.body_b, c.levers(0).b + offset, 1) {}
+        : a(p.bodies, c.body_a, c.levers(0).a + offset, -1), b(p.bodies, c.body_b, c.levers(0).b + offset, 1) {}
     /// The velocity that an impulse gives to B's side, seen from A's, at another place; and the angular one.
     reals velocity(reals impulse, const sides_at& at) const {
         return impulse * (a.inverse_mass + b.inverse_mass) + cross(a.turn(cross(a.lever, impulse)), at.a.lever) +
@@ -155,8 +155,8 @@ void check_prepared(std::uint64_t seed) {
         typename block_type::gathering gathered;
         for (int lane = 0; lane < width; ++lane) {
             if (lane < used)
-                block.put(lane, p.contacts[static_cast<std::uint32_t>(lane)], p.bodies.data(),
-                          {S(0.25)}, gathered, scratch);
+                block.put(lane, p.contacts[static_cast<std::uint32_t>(lane)], p.bodies.data(), {S(0.25)}, gathered,
+                          scratch);
             else block.a[lane] = block.b[lane] = 4;
         }
         block.prepare(p.bodies.data(), gathered);

@@ -81,9 +81,8 @@ CELL_CASE("batches: islands are whole, every contact is in one, in order, and na
             is_pushed[i] = bodies[static_cast<std::size_t>(i)].inverse_mass > physics::inverse_of<S>(0);
         is_pushed[body_count] = false;
         const physics::buffer<contact> named = contacts;
-        const auto parts = physics::detail::batch_maker(contacts, is_pushed, static_cast<std::uint32_t>(body_count),
-                                                        scratch)
-                               .result();
+        const auto parts =
+            physics::detail::batch_maker(contacts, is_pushed, static_cast<std::uint32_t>(body_count), scratch).result();
         std::vector<int> times(contacts.size());
         std::vector<std::uint32_t> home(bodies.size(), ~0u);
         std::uint32_t largest = 0;
@@ -205,7 +204,9 @@ void spin_down() {
         CHECK(std::abs(to_reals(w.angular_velocity(b)).y) <= 1e-3);
     }
 }
-CELL_CASE("soft step: friction stops a spin about the normal in the time that four loaded corners take") { spin_down<D>(); }
+CELL_CASE("soft step: friction stops a spin about the normal in the time that four loaded corners take") {
+    spin_down<D>();
+}
 
 CELL_CASE("soft step: bounces give back their share, and none gains") {
     for (const double share : {0.0, 0.5, 1.0}) {
@@ -255,7 +256,8 @@ inline rebounds rebounds_of(double h, int substeps, double v, double share, doub
     }
     return r;
 }
-CELL_CASE("soft step: bounces give back their share in every phase of a step, of any length, however far it looks ahead") {
+CELL_CASE(
+    "soft step: bounces give back their share in every phase of a step, of any length, however far it looks ahead") {
     struct rate {
         double h;
         int substeps;
@@ -337,7 +339,8 @@ CELL_CASE("soft step: piles stand still for 20 s, and do not lean") {
         CHECK(deepest_overlap(w) <= 0.007);
         double weight = 0;
         for (const auto& c : w.contacts())
-            if (w.type(c.body_a) == physics::body_type::static_body || w.type(c.body_b) == physics::body_type::static_body)
+            if (w.type(c.body_a) == physics::body_type::static_body ||
+                w.type(c.body_b) == physics::body_type::static_body)
                 for (int k = 0; k < c.count; ++k)
                     weight += cell::number(c.points[k].normal_impulse) * std::abs(cell::number(c.normal.y));
         const double count = double(w.body_count() - 1);

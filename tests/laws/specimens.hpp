@@ -23,8 +23,22 @@ struct specimen {
 /// and 1 to 100 m around it. In `leaning` and `exact` a corner, edge or face of the one meets one of the other, of any
 /// size: 10^-7 to 10^-3 rad from flat, or exactly where the numbers allow it.
 enum class state {
-    separated, touching, shallow, deep, coincident, thin, tiny, huge, far, unequal, tilted, aligned, ratio, swollen,
-    leaning, exact
+    separated,
+    touching,
+    shallow,
+    deep,
+    coincident,
+    thin,
+    tiny,
+    huge,
+    far,
+    unequal,
+    tilted,
+    aligned,
+    ratio,
+    swollen,
+    leaning,
+    exact
 };
 constexpr int states = 16;
 inline const char* name_of(state in) {
@@ -40,7 +54,8 @@ constexpr int size_classes = 9;
 
 /// Hulls of all sorts of corners; no hull where the scalar sees no volume.
 inline bool random_hull(cell::dice& dice, double size, reals stretch, body_wish wish, convex_body& to) {
-    constexpr solid::kind kinds[] = {solid::kind::cloud, solid::kind::prism, solid::kind::lattice, solid::kind::simplex};
+    constexpr solid::kind kinds[] = {solid::kind::cloud, solid::kind::prism, solid::kind::lattice,
+                                     solid::kind::simplex};
     solid s = random_solid(kinds[dice.below(4)], dice, size, stretch);
     if (wish.step > 0)
         for (vec& v : s.points)
@@ -151,7 +166,8 @@ inline closest separation_of(const meet& m, gjk_cache* cache = nullptr) {
 /// B, moved along the normal until the distance along it is the one wanted, by the library's own word.
 inline void place(meet& m, double wanted) {
     const closest c = separation_of(m);
-    m.b_in_a.position = from_reals(to_reals(m.b_in_a.position) + to_reals(c.normal) * (wanted - cell::number(c.distance)));
+    m.b_in_a.position =
+        from_reals(to_reals(m.b_in_a.position) + to_reals(c.normal) * (wanted - cell::number(c.distance)));
 }
 
 /// A point of a corner, edge or face of A is laid on one of B, and turned so that both are flat on each other or lean
@@ -236,9 +252,7 @@ inline meet random_meet(const pool& of_a, const pool& of_b, state in, cell::dice
         case state::separated: place(m, 0.25 * least * dice.number(0, 4)); break;
         case state::touching: place(m, 0); break;
         case state::shallow: place(m, -0.01 * least); break;
-        case state::deep:
-            m.b_in_a.position = from_reals(random_direction(dice) * dice.number(0, 0.15 * scale));
-            break;
+        case state::deep: m.b_in_a.position = from_reals(random_direction(dice) * dice.number(0, 0.15 * scale)); break;
         case state::coincident:
             if (m.a->shape.kind == m.b->shape.kind) m.b = m.a;
             m.b_in_a = {};
@@ -270,11 +284,10 @@ inline meet random_meet(const pool& of_a, const pool& of_b, state in, cell::dice
         case state::tilted: {
             const double tilt = std::pow(10, -dice.number(3, 8)) * (dice.below(4) > 0);
             const reals about = cell::is_2d ? reals{0, 0, 1} : unit({dice.number(-1, 1), dice.number(-1, 1), 0});
-            if constexpr (cell::is_2d)
-                m.b_in_a.rotation = rotation_of({S(std::cos(tilt)), S(std::sin(tilt))});
+            if constexpr (cell::is_2d) m.b_in_a.rotation = rotation_of({S(std::cos(tilt)), S(std::sin(tilt))});
             else
-                m.b_in_a.rotation = rotation_of({S(about.x * std::sin(tilt / 2)), S(about.y * std::sin(tilt / 2)), S(0),
-                                                 S(std::cos(tilt / 2))});
+                m.b_in_a.rotation = rotation_of(
+                    {S(about.x * std::sin(tilt / 2)), S(about.y * std::sin(tilt / 2)), S(0), S(std::cos(tilt / 2))});
             reals aside{dice.number(-0.4, 0.4), dice.number(-0.4, 0.4), 0};
             aside[D - 1] = 4;
             m.b_in_a.position = from_reals(aside);
@@ -284,12 +297,13 @@ inline meet random_meet(const pool& of_a, const pool& of_b, state in, cell::dice
         }
         case state::aligned: {
             if (m.a->shape.kind == m.b->shape.kind) m.b = m.a;
-            const rotation turns[] = {{}, cell::is_2d ? rotation_of({S(0), S(1), S(0), S(0)})
-                                                      : rotation_of({S(0.5), S(0.5), S(0.5), S(0.5)})};
+            const rotation turns[] = {
+                {},
+                cell::is_2d ? rotation_of({S(0), S(1), S(0), S(0)}) : rotation_of({S(0.5), S(0.5), S(0.5), S(0.5)})};
             m.b_in_a.rotation = turns[dice.below(2)];
             const auto& all = m.a->exact.corners;
-            const judge::point corner = all.empty() ? m.a->exact.half
-                                                    : all[static_cast<std::size_t>(dice.below(int(all.size())))];
+            const judge::point corner =
+                all.empty() ? m.a->exact.half : all[static_cast<std::size_t>(dice.below(int(all.size())))];
             reals step;
             for (int i = 0; i < D; ++i) step[i] = double(corner[i]) * (dice.below(5) - 2);
             m.b_in_a.position = from_reals(step);

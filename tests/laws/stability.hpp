@@ -140,8 +140,7 @@ CELL_CASE("M1: heavy crates rest on a light one; how deep they sink falls with t
         const double lever = 0.25 * 6 * (cell::is_2d ? 1 : 2), share = (cell::is_2d ? 2 : 4) * frequency * frequency;
         const double between = 10 * mass / (share / ((1 + lever) * (1 + 1 / mass)));
         const double below = 10 * (mass + 1) / (share / (1 + lever));
-        if (mass <= 100)
-            CHECK(1.5 - number(w.position(heavy).y) == doctest::Approx(between + below).epsilon(0.03));
+        if (mass <= 100) CHECK(1.5 - number(w.position(heavy).y) == doctest::Approx(between + below).epsilon(0.03));
         CHECK(number(w.position(light).y) > 0.5 - most);
     }
 }

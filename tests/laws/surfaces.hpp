@@ -79,7 +79,8 @@ World ground(const material& m, double angle = 0) {
 }
 template <class World>
 body_id ball(World& w, double radius, double angle = 0) {
-    const body_id b = w.create_body({.position = along(0, -radius * std::sin(angle)) + along(1, radius * std::cos(angle))});
+    const body_id b =
+        w.create_body({.position = along(0, -radius * std::sin(angle)) + along(1, radius * std::cos(angle))});
     w.create_shape(b, typename World::ball{S(radius)});
     return b;
 }
@@ -287,9 +288,11 @@ void slips_from() {
     const double angle = 20 * pi / 180;
     const auto way = [&](double mu) {
         World w = ground<World>({.friction = S(mu)}, angle);
-        const body_id id = w.create_body(
-            {.position = along(0, -0.25 * std::sin(angle)) + along(1, 0.25 * std::cos(angle)), .rotation = about_z(angle)});
-        w.create_shape(id, typename World::box{vec::filled(S(0.25)) + along(0, 0.25)}, {.material = {.friction = S(mu)}});
+        const body_id id =
+            w.create_body({.position = along(0, -0.25 * std::sin(angle)) + along(1, 0.25 * std::cos(angle)),
+                           .rotation = about_z(angle)});
+        w.create_shape(id, typename World::box{vec::filled(S(0.25)) + along(0, 0.25)},
+                       {.material = {.friction = S(mu)}});
         const vec start = w.position(id);
         run(w, 320);
         return size(w.position(id) - start);
@@ -314,7 +317,8 @@ void spin_down() {
         const auto check = [&](auto&& w) {
             using world = std::remove_cvref_t<decltype(w)>;
             const body_id id = w.create_body({.position = along(1, 0.25)});
-            w.create_shape(id, typename world::box{along(0, a) + along(1, 0.25) + along(D - 1, c)}, {.material = {.friction = S(mu)}});
+            w.create_shape(id, typename world::box{along(0, a) + along(1, 0.25) + along(D - 1, c)},
+                           {.material = {.friction = S(mu)}});
             run(w, 32);
             w.set_angular_velocity(id, spin(along(1, 1), speed));
             const int steps = 12;
@@ -329,7 +333,9 @@ void spin_down() {
         check(ground<points>({.friction = S(mu)}));
     }
 }
-CELL_CASE("friction: a spinning box stops in the time of its four corners, of patches and of points") { spin_down<D>(); }
+CELL_CASE("friction: a spinning box stops in the time of its four corners, of patches and of points") {
+    spin_down<D>();
+}
 
 template <int N>
 void uneven_load() {
@@ -471,9 +477,10 @@ CELL_CASE("mixing: the step refuses what no solver takes, and changes nothing") 
     const body_id id = w.create_body({.position = along(1, 0.5)});
     const shape_id shape = w.create_shape(id, physics::ball<S, D>{S(0.5)}, {.material = {.friction = S(2)}});
     const std::uint64_t before = w.state_hash();
-    CHECK_THROWS_WITH(w.step(S(1.0 / 64)),
-                      "physics: step: a coefficient of two surfaces is out of range; the mixing rule must give friction "
-                      "and rolling_resistance that are finite and at least 0, and a restitution of 0 to 1");
+    CHECK_THROWS_WITH(
+        w.step(S(1.0 / 64)),
+        "physics: step: a coefficient of two surfaces is out of range; the mixing rule must give friction "
+        "and rolling_resistance that are finite and at least 0, and a restitution of 0 to 1");
     CHECK(w.state_hash() == before);
     w.set_surface(shape, {.friction = S(0.5)});
     w.step(S(1.0 / 64));
@@ -488,7 +495,8 @@ CELL_CASE("mixing: swapped surfaces give the mirrored motion") {
         body_id ids[2];
         for (int i = 0; i < 2; ++i) {
             const double side = i ? 1 : -1;
-            ids[i] = w.create_body({.position = along(0, side), .linear_velocity = along(0, -2 * side) + along(1, side)});
+            ids[i] =
+                w.create_body({.position = along(0, side), .linear_velocity = along(0, -2 * side) + along(1, side)});
             w.create_shape(ids[i], physics::ball<S, D>{S(0.5)}, {.material = i ? right : left});
         }
         run(w, 64);
@@ -500,9 +508,9 @@ CELL_CASE("mixing: swapped surfaces give the mirrored motion") {
     CHECK(size(one.first + one.second) <= fine);
 }
 
+using physics::without;
 using physics::feature::rolling_resistance;
 using physics::feature::surface_velocity;
-using physics::without;
 
 /// The sentence with which a recipe refuses a material, if it does.
 template <class Recipe>
@@ -547,7 +555,8 @@ CELL_CASE("features: without them neither resistance nor belts nor friction act"
     CHECK(std::abs(speeds(ground<made_of<physics::soft_step, without<rolling_resistance>>>(plain)) - 4) <= 0.01);
     CHECK(std::abs(speeds(ground<made_of<without<surface_velocity>>>(plain)) - 4) <= 0.01);
     CHECK(std::abs(speeds(ground<made_of<physics::soft_step, without<surface_velocity>>>(plain)) - 4) <= 0.01);
-    CHECK(std::abs(speeds(ground<made_of<physics::soft_step, without<physics::feature::friction>>>(plain)) - 4) <= 0.01);
+    CHECK(std::abs(speeds(ground<made_of<physics::soft_step, without<physics::feature::friction>>>(plain)) - 4) <=
+          0.01);
 }
 
 /// What a recipe leaves out takes no byte of its contacts and shapes.

@@ -8,18 +8,42 @@ namespace certificates_laws {
 
 namespace law {
 enum name {
-    converged, unit_normal, parts_so_far, apart_proven, on_surfaces, across, least_proven, least_refuted, warm, mirrored,
-    agreed, touching, contact_normal, contact_points, contact_depth, contact_features, count
+    converged,
+    unit_normal,
+    parts_so_far,
+    apart_proven,
+    on_surfaces,
+    across,
+    least_proven,
+    least_refuted,
+    warm,
+    mirrored,
+    agreed,
+    touching,
+    contact_normal,
+    contact_points,
+    contact_depth,
+    contact_features,
+    count
 };
 }
 inline const char* name_of(law::name of) {
-    constexpr const char* names[] = {"the search converged", "the normal is a unit vector",
-                                     "the normal parts them as far as it says", "apart: proven by points and normal",
-                                     "the points are on the surfaces", "the points lie across",
-                                     "overlap: proven by all faces", "overlap: not refuted by directions",
-                                     "warm equals cold", "swapped mirrors", "distance and overlap agree",
-                                     "a contact is there if it must be", "contact: the normal",
-                                     "contact: points on both surfaces", "contact: depths", "contact: features differ"};
+    constexpr const char* names[] = {"the search converged",
+                                     "the normal is a unit vector",
+                                     "the normal parts them as far as it says",
+                                     "apart: proven by points and normal",
+                                     "the points are on the surfaces",
+                                     "the points lie across",
+                                     "overlap: proven by all faces",
+                                     "overlap: not refuted by directions",
+                                     "warm equals cold",
+                                     "swapped mirrors",
+                                     "distance and overlap agree",
+                                     "a contact is there if it must be",
+                                     "contact: the normal",
+                                     "contact: points on both surfaces",
+                                     "contact: depths",
+                                     "contact: features differ"};
     return names[of];
 }
 

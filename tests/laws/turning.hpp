@@ -21,12 +21,12 @@ CELL_CASE("integrator: principal axes make an inertia diagonal, and its free spi
         moments[2] = i % 3 == 0 ? size * 0x1p-12 : size * dice.number(1, 2);
         const auto turn = normalized(physics::rotation<double, 3>{dice.number(-1, 1), dice.number(-1, 1),
                                                                   dice.number(-1, 1), dice.number(-1, 1)});
-        const auto inertia = rotated(
-            physics::symmetric<double>::diagonal(moments[0], moments[1], moments[2]), matrix(turn));
+        const auto inertia =
+            rotated(physics::symmetric<double>::diagonal(moments[0], moments[1], moments[2]), matrix(turn));
         const auto p = physics::detail::principal_axes_of(inertia);
         REQUIRE(std::abs(physics::detail::squared_norm(p.axes) - 1) <= 1e-15);
-        const auto back = rotated(physics::symmetric<double>::diagonal(p.moments[0], p.moments[1], p.moments[2]),
-                                  matrix(p.axes));
+        const auto back =
+            rotated(physics::symmetric<double>::diagonal(p.moments[0], p.moments[1], p.moments[2]), matrix(p.axes));
         const double most = 1e-14 * size;
         REQUIRE(std::abs(back.xx - inertia.xx) <= most);
         REQUIRE(std::abs(back.yy - inertia.yy) <= most);
@@ -57,8 +57,8 @@ struct turning_bodies {
 
     turning_bodies(cell::dice& dice, std::size_t count) : tops(count), solved(count + 2), moved(count) {
         for (std::size_t k = 0; k < count; ++k) {
-            const auto turn = normalized(physics::rotation<S, 3>{dice.real(-1, 1), dice.real(-1, 1), dice.real(-1, 1),
-                                                                 dice.real(-1, 1)});
+            const auto turn = normalized(
+                physics::rotation<S, 3>{dice.real(-1, 1), dice.real(-1, 1), dice.real(-1, 1), dice.real(-1, 1)});
             const double fast = dice.below(8) ? 4 : 400;
             solved[k].velocity = {dice.vec<vec>(-4, 4), dice.vec<vec>(-fast, fast)};
             solved[k].way = {dice.vec<vec>(-1, 1), dice.vec<vec>(-1, 1)};
@@ -127,8 +127,9 @@ CELL_CASE("integrator: free spins neither gain nor lose momentum in the mean, an
         std::vector<physics::twist<S, 3>> changed;
         for (int i = 0; i < steps; ++i) {
             if (parts > 0) b.advance_in_lanes(0, count, h, changed, parts);
-            else for (std::size_t k = 0; k < count; ++k)
-                physics::detail::turn_freely(b.moved[k], b.solved[k].velocity.angular, h);
+            else
+                for (std::size_t k = 0; k < count; ++k)
+                    physics::detail::turn_freely(b.moved[k], b.solved[k].velocity.angular, h);
         }
         double mean = 0, square = 0;
         for (std::size_t k = 0; k < count; ++k) {

@@ -140,8 +140,8 @@ CELL_CASE("without rotation: a crate slides straight, as far as Coulomb says, wh
         const body_id crate = add(w, at(0, 0.5), vec::filled(S(0.5)), 0, def);
         run(w, 16);
         const double angle = k * 0.5235987755982988;
-        const vec way = cell::is_2d ? along(0, k % 2 ? -1 : 1)
-                                    : along(0, std::cos(angle)) + along(D - 1, std::sin(angle));
+        const vec way =
+            cell::is_2d ? along(0, k % 2 ? -1 : 1) : along(0, std::cos(angle)) + along(D - 1, std::sin(angle));
         w.set_linear_velocity(crate, way * S(3));
         const vec start = w.position(crate);
         run(w, 64);

@@ -66,14 +66,10 @@ void check_against(const world& w, const model& expected, const std::vector<body
 /// Any shape of the default set that fits within half a metre.
 shape_id add_any_shape(world& w, body_id id, cell::dice& dice, const world::shape_def& def) {
     switch (dice.below(w.type(id) == body_type::dynamic_body ? 3 : 4)) {
-        case 0:
-            return w.create_shape(id, world::ball{dice.real(0.1, 0.5)}, def);
-        case 1:
-            return w.create_shape(id, world::capsule{dice.real(0.1, 0.25), dice.real(0.1, 0.25)}, def);
-        case 2:
-            return w.create_shape(id, world::box{dice.vec<vec>(0.1, 0.5)}, def);
-        default:
-            return w.create_shape(id, world::halfspace{}, def);
+        case 0: return w.create_shape(id, world::ball{dice.real(0.1, 0.5)}, def);
+        case 1: return w.create_shape(id, world::capsule{dice.real(0.1, 0.25), dice.real(0.1, 0.25)}, def);
+        case 2: return w.create_shape(id, world::box{dice.vec<vec>(0.1, 0.5)}, def);
+        default: return w.create_shape(id, world::halfspace{}, def);
     }
 }
 
@@ -204,10 +200,8 @@ CELL_CASE("world: the same history gives the same hash, step by step") {
 
 /// The number next to x.
 S next_to(S x) {
-    if constexpr (cell::is_fixed)
-        return x + cell::traits::epsilon();
-    else
-        return S(number(x) + number(cell::traits::epsilon()) * std::max(1.0, std::abs(number(x))));
+    if constexpr (cell::is_fixed) return x + cell::traits::epsilon();
+    else return S(number(x) + number(cell::traits::epsilon()) * std::max(1.0, std::abs(number(x))));
 }
 
 CELL_CASE("world: every change of a bit that matters changes the hash; user data does not matter") {

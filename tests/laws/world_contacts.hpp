@@ -211,7 +211,8 @@ CELL_CASE("contacts: two static or kinematic bodies have none, nor have the shap
 
 CELL_CASE("contacts: a shape that takes the place and the number of another is met anew") {
     world w;
-    const body_id table = w.create_body({.type = body_type::static_body}), guest = w.create_body({.position = at(0, 1)});
+    const body_id table = w.create_body({.type = body_type::static_body}),
+                  guest = w.create_body({.position = at(0, 1)});
     w.create_shape(table, world::box{});
     const shape_id tall = w.create_shape(guest, world::box{});
     run(w, 8);
@@ -231,8 +232,8 @@ CELL_CASE("contacts: a wider margin is heeded at once, by pairs that do not move
     w.create_shape(table, world::box{});
     // Tilted, so that one side is within the first margin and the other within the second one only.
     const double half = 0.5, tilt = 0.04;
-    const body_id lid = w.create_body(
-        {.position = at(0, 2 * half + 0.01 + half * tilt), .rotation = turned_about_z(tilt)});
+    const body_id lid =
+        w.create_body({.position = at(0, 2 * half + 0.01 + half * tilt), .rotation = turned_about_z(tilt)});
     w.create_shape(lid, world::box{});
     run(w, 2);
     REQUIRE(w.contacts().size() == 1);

@@ -46,7 +46,10 @@ const entry<body_id> body_entries[] = {
     {"type", [](world& w, body_id b) { (void)w.type(b); }},
     {"set_type", [](world& w, body_id b) { w.set_type(b, body_type::static_body); }},
     {"mass", [](world& w, body_id b) { (void)w.mass(b); }},
-    {"set_mass", [](world& w, body_id b) { w.set_mass(b, {S(1), {}, {}}); }},
+    {"set_mass",
+     [](world& w, body_id b) {
+         w.set_mass(b, {S(1), {}, {}});
+     }},
     {"reset_mass", [](world& w, body_id b) { w.reset_mass(b); }},
     {"linear_damping", [](world& w, body_id b) { (void)w.linear_damping(b); }},
     {"angular_damping", [](world& w, body_id b) { (void)w.angular_damping(b); }},

@@ -58,9 +58,8 @@ CELL_CASE("limits: masses that the scalar cannot hold are refused, wherever they
             });
         };
         if (cell::is_fixed) {
-            CHECK(refusal([&] {
-                      w.set_mass(s.box, turn_about_diagonal(5e-8));
-                  }).find("principal moment of inertia") != std::string::npos);
+            CHECK(refusal([&] { w.set_mass(s.box, turn_about_diagonal(5e-8)); }).find("principal moment of inertia") !=
+                  std::string::npos);
             // Nor is any entry of this one out of range, but the greatest moment is.
             CHECK(refusal([&] {
                       w.set_mass(s.box, with([](auto& m) {
@@ -355,7 +354,8 @@ CELL_CASE("limits: a shape of any size, density and place is refused with nothin
     refuses(w, "create_shape", "mass", "",
             [&] { w.create_shape(fresh, world::ball{S(0.75)}, {.position = at(1, 0), .density = S(most * 0.6)}); });
     const facts before = facts_of(w);
-    const auto said = refusal([&] { w.create_shape(fresh, world::ball{}, {.position = along(0, std::sqrt(most) * 1.7)}); });
+    const auto said =
+        refusal([&] { w.create_shape(fresh, world::ball{}, {.position = along(0, std::sqrt(most) * 1.7)}); });
     CHECK(said.find("physics: create_shape: ") == 0);
     CHECK((facts_of(w) == before));
     CHECK(w.mass(fresh).mass == S(1));
@@ -384,10 +384,16 @@ CELL_CASE("limits: poses, margins and queries whose boxes would leave the range 
     w.destroy_body(globe);
     const world::box wide{vec::filled(S(most * 0.5))};
     const auto nothing = [](shape_id) {};
-    face([&] { w.each_overlapping(wide, {along(0, most * 0.75), {}}, {}, nothing); }, "each_overlapping",
-         "upper end of the box.x");
-    face([&] { (void)w.cast_shape(wide, {along(0, most * 0.75), {}}, along(1, 1)); }, "cast_shape",
-         "upper end of the box.x");
+    face(
+        [&] {
+            w.each_overlapping(wide, {along(0, most * 0.75), {}}, {}, nothing);
+        },
+        "each_overlapping", "upper end of the box.x");
+    face(
+        [&] {
+            (void)w.cast_shape(wide, {along(0, most * 0.75), {}}, along(1, 1));
+        },
+        "cast_shape", "upper end of the box.x");
     // As far as anything can be is far enough.
     CHECK(w.closest_shape(at(0, 9), S(most)).shape == w.closest_shape(at(0, 9), S(100)).shape);
     CHECK(w.closest_shape(at(0, 9), S(100)));

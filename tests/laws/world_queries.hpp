@@ -11,9 +11,10 @@ namespace {
 namespace world_queries_laws {
 
 template <class Broadphase>
-struct asked : physics::recipe<S, cell::dimension, Broadphase,
-                               physics::shapes<physics::ball, physics::capsule, physics::box, physics::halfspace,
-                                               physics::hull>> {};
+struct asked : physics::recipe<
+                   S, cell::dimension, Broadphase,
+                   physics::shapes<physics::ball, physics::capsule, physics::box, physics::halfspace, physics::hull>> {
+};
 
 template <class World>
 struct crowd {
@@ -125,7 +126,9 @@ void agrees_with_each_shape(std::uint64_t seed) {
     CHECK(casts > 30);
 }
 
-CELL_CASE("world queries: as each shape would answer") { agrees_with_each_shape<physics::world<asked<physics::dynamic_tree>>>(70); }
+CELL_CASE("world queries: as each shape would answer") {
+    agrees_with_each_shape<physics::world<asked<physics::dynamic_tree>>>(70);
+}
 CELL_CASE("world queries: under any broadphase") {
     agrees_with_each_shape<physics::world<asked<physics::sweep_and_prune>>>(70);
     agrees_with_each_shape<physics::world<asked<physics::hash_grid>>>(71);

@@ -180,10 +180,8 @@ std::vector<std::uint64_t> hashes(int steps = 60) {
 }
 
 CELL_CASE("recipes: the order of policies does not matter, nor do shapes that nobody uses") {
-    using a =
-        made_of<physics::all_pairs, physics::soft_step, physics::without<>, physics::semi_implicit_euler>;
-    using b =
-        made_of<physics::semi_implicit_euler, physics::without<>, physics::best_per_pair, physics::soft_step>;
+    using a = made_of<physics::all_pairs, physics::soft_step, physics::without<>, physics::semi_implicit_euler>;
+    using b = made_of<physics::semi_implicit_euler, physics::without<>, physics::best_per_pair, physics::soft_step>;
     const auto expected = hashes<world>();
     CHECK(hashes<a>() == expected);
     CHECK(hashes<b>() == expected);
@@ -191,8 +189,7 @@ CELL_CASE("recipes: the order of policies does not matter, nor do shapes that no
     CHECK(hashes<made_of<physics::shapes<physics::ball, physics::capsule, physics::box, physics::halfspace>>>() ==
           expected);
     using two = made_of<physics::shapes<physics::ball, physics::halfspace>>;
-    CHECK(hashes<two>() ==
-          hashes<made_of<physics::soft_step, physics::shapes<physics::ball, physics::halfspace>>>());
+    CHECK(hashes<two>() == hashes<made_of<physics::soft_step, physics::shapes<physics::ball, physics::halfspace>>>());
     CHECK(sizeof(typename made_of<physics::shapes<physics::ball>>::any_shape) < sizeof(world::any_shape));
 }
 

@@ -11,6 +11,4 @@ int overflows_in_audited() {
     return wrapped < physics::fixed32(0) ? static_cast<int>(physics::overflow_count()) : -1;
 }
 
-std::uint64_t shared_hash_in_audited() {
-    return hash_of_landing<shared_recipe>();
-}
+std::uint64_t shared_hash_in_audited() { return hash_of_landing<shared_recipe>(); }

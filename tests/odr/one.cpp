@@ -1,4 +1,5 @@
-// One of two units in one program: everything included, every member compiled, of a recipe that both use and of its own.
+// One of two units in one program: everything included, every member compiled, of a recipe that both use and of its
+// own.
 #include "odr.hpp"
 
 namespace {
@@ -8,10 +9,6 @@ struct recipe_of_one : physics::recipe<double, 3> {};
 template class physics::world<shared_recipe>;
 template class physics::world<recipe_of_one>;
 
-std::uint64_t shared_hash_in_one() {
-    return hash_of_landing<shared_recipe>();
-}
+std::uint64_t shared_hash_in_one() { return hash_of_landing<shared_recipe>(); }
 
-std::uint64_t own_hash_in_one() {
-    return hash_of_landing<recipe_of_one>();
-}
+std::uint64_t own_hash_in_one() { return hash_of_landing<recipe_of_one>(); }

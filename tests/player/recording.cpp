@@ -126,7 +126,7 @@ std::vector<frame> decode(const std::string& json, const std::vector<bool>& move
                     step = in.number(model(static_cast<int>(15 + k), 0));
                 }
                 contact.now[k] += step;
-                contact.before[k] = continued && k < 3 ? step : 0;      // here: the change, not the value
+                contact.before[k] = continued && k < 3 ? step : 0;  // here: the change, not the value
             }
             contact.moved = moved;
             for (int value : contact.now) note(value);
@@ -173,7 +173,7 @@ struct source {
 double apart(const row& stored, const samples::touch& made, double grid, bool plane) {
     double worst = 0;
     const std::array<double, 6> want = {made.x / (4 * grid), made.y / (4 * grid), plane ? 0 : made.z / (4 * grid),
-                                        made.nx * 64, made.ny * 64, plane ? 0 : made.nz * 64};
+                                        made.nx * 64,        made.ny * 64,        plane ? 0 : made.nz * 64};
     for (std::size_t k = 0; k < 6; ++k) worst = std::max(worst, std::fabs(stored[k] - want[k]) / 0.51);
     const double level = made.impulse > 0 ? std::clamp(3 * std::log2(made.impulse), -61.0, 120.0) : -61;
     return std::max(worst, std::fabs(stored[6] - level) / 0.82);

@@ -99,9 +99,9 @@
 #define PHYSICS_HPP_REGION_POP _Pragma("float_control(pop)")
 #elif defined(__GNUC__) && (defined(__FP_FAST_FMA) || defined(__FP_FAST_FMAF))
 // gcc's vectoriser forms fused multiply-addsub from paired products even so, hence it stays out; packs are explicit.
-#define PHYSICS_HPP_REGION_PUSH   \
-    _Pragma("GCC push_options")   \
-    _Pragma("GCC optimize(\"fp-contract=off\", \"no-tree-slp-vectorize\", \"no-tree-loop-vectorize\")")
+#define PHYSICS_HPP_REGION_PUSH \
+    _Pragma("GCC push_options") \
+        _Pragma("GCC optimize(\"fp-contract=off\", \"no-tree-slp-vectorize\", \"no-tree-loop-vectorize\")")
 #define PHYSICS_HPP_REGION_POP _Pragma("GCC pop_options")
 #elif defined(_MSC_VER)
 #define PHYSICS_HPP_REGION_PUSH __pragma(float_control(precise, on, push)) __pragma(fp_contract(off))
@@ -111,9 +111,9 @@
 #define PHYSICS_HPP_REGION_POP
 #endif
 
-#define PHYSICS_HPP_BEGIN  \
+#define PHYSICS_HPP_BEGIN   \
     PHYSICS_HPP_REGION_PUSH \
-    namespace physics {    \
+    namespace physics {     \
     inline namespace PHYSICS_HPP_ABI {
 #define PHYSICS_HPP_END \
     }                   \

@@ -23,7 +23,7 @@ PHYSICS_HPP_ALWAYS_INLINE pack<S, W, Bytes> lane_abs(const pack<S, W, Bytes>& x)
         using lanes = decltype(x.value < x.value);
         const auto sign = pack<S, W, Bytes>::broadcast(S(-0.0));
         return {reinterpret_cast<typename pack<S, W, Bytes>::storage>(reinterpret_cast<lanes>(x.value) &
-                                                                     ~reinterpret_cast<lanes>(sign.value))};
+                                                                      ~reinterpret_cast<lanes>(sign.value))};
     }
 }
 /// Four scalars as lanes.
@@ -58,7 +58,7 @@ PHYSICS_HPP_ALWAYS_INLINE P lane_length(const P& a, const P& b) {
 /// Where (a, b) is longer than that.
 template <class S, int W, int Bytes>
 PHYSICS_HPP_ALWAYS_INLINE pack_mask<S, W, Bytes> lane_is_longer(const pack<S, W, Bytes>& a, const pack<S, W, Bytes>& b,
-                                                               const pack<S, W, Bytes>& length) {
+                                                                const pack<S, W, Bytes>& length) {
     if constexpr (is_fixed<S>)
         return {is_root_greater(product(a.value, a.value) + product(b.value, b.value), length.value)};
     else return greater(lane_length(a, b), length);

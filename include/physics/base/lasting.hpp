@@ -19,7 +19,9 @@ struct asks_for_parts {
 /// it points to. Scratch, which no step hands to the next one, is no part. A class derived from one with parts says
 /// anew which are its own.
 template <class T>
-concept names_parts = requires(T& self) { T::each_part(self, asks_for_parts{}); };
+concept names_parts = requires(T& self) {
+    T::each_part(self, asks_for_parts{});
+};
 
 template <class T>
 inline constexpr bool is_buffer = false;

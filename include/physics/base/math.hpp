@@ -73,12 +73,10 @@ inline constexpr fixed<Rep, FractionBits> two_pi<fixed<Rep, FractionBits>> =
 /// The square root, correctly rounded. Negative numbers: NaN, in fixed point 0.
 template <scalar_type S>
 constexpr S sqrt(S x) {
-    if constexpr (std::floating_point<S>)
-        return detail::hardware_root(x);
+    if constexpr (std::floating_point<S>) return detail::hardware_root(x);
     else if constexpr (detail::is_fixed<S>)
         return S::from_raw(detail::fixed_root<typename S::rep, S::fraction_bits>(x.raw()));
-    else
-        return scalar_traits<S>::sqrt(x);
+    else return scalar_traits<S>::sqrt(x);
 }
 /// The square root of a wide number, for scalars that are their own wide type.
 template <class R>
@@ -88,33 +86,26 @@ constexpr R root(R a) { return sqrt(a); }
 /// The largest whole number not above x.
 template <scalar_type S>
 constexpr S floor(S x) {
-    if constexpr (std::floating_point<S>)
-        return detail::floor_of(x);
-    else if constexpr (detail::is_fixed<S>)
-        return S::from_raw(x.raw() >> S::fraction_bits << S::fraction_bits);
-    else
-        return scalar_traits<S>::floor(x);
+    if constexpr (std::floating_point<S>) return detail::floor_of(x);
+    else if constexpr (detail::is_fixed<S>) return S::from_raw(x.raw() >> S::fraction_bits << S::fraction_bits);
+    else return scalar_traits<S>::floor(x);
 }
 
 /// The sine of x radians. Cody & Waite (1980) reduction, Payne & Hanek (1983) for huge arguments.
 template <scalar_type S>
 constexpr S sin(S x) {
-    if constexpr (std::floating_point<S>)
-        return static_cast<S>(detail::sine<detail::is_precise<S>>(x));
+    if constexpr (std::floating_point<S>) return static_cast<S>(detail::sine<detail::is_precise<S>>(x));
     else if constexpr (detail::is_fixed<S>)
         return S::from_raw(detail::fixed_sine<typename S::rep, S::fraction_bits>(x.raw()));
-    else
-        return scalar_traits<S>::sin(x);
+    else return scalar_traits<S>::sin(x);
 }
 /// The cosine of x radians.
 template <scalar_type S>
 constexpr S cos(S x) {
-    if constexpr (std::floating_point<S>)
-        return static_cast<S>(detail::cosine<detail::is_precise<S>>(x));
+    if constexpr (std::floating_point<S>) return static_cast<S>(detail::cosine<detail::is_precise<S>>(x));
     else if constexpr (detail::is_fixed<S>)
         return S::from_raw(detail::fixed_cosine<typename S::rep, S::fraction_bits>(x.raw()));
-    else
-        return scalar_traits<S>::cos(x);
+    else return scalar_traits<S>::cos(x);
 }
 
 /// A sine and the cosine of the same angle.
@@ -141,12 +132,10 @@ constexpr sine_cosine_of<S> sine_cosine(S x) {
 /// The tangent of x radians.
 template <scalar_type S>
 constexpr S tan(S x) {
-    if constexpr (std::floating_point<S>)
-        return static_cast<S>(detail::tangent<detail::is_precise<S>>(x));
+    if constexpr (std::floating_point<S>) return static_cast<S>(detail::tangent<detail::is_precise<S>>(x));
     else if constexpr (detail::is_fixed<S>)
         return S::from_raw(detail::fixed_tangent<typename S::rep, S::fraction_bits>(x.raw()));
-    else
-        return scalar_traits<S>::tan(x);
+    else return scalar_traits<S>::tan(x);
 }
 
 /// The angle of the vector (x, y) in radians, -pi to pi; 0 for the zero vector of fixed point, by the signs of
@@ -157,51 +146,42 @@ constexpr S atan2(S y, S x) {
         return static_cast<S>(detail::arctangent2<detail::is_precise<S>>(detail::to_double(y), detail::to_double(x)));
     else if constexpr (detail::is_fixed<S>)
         return S::from_raw(detail::fixed_arctangent2<typename S::rep, S::fraction_bits>(y.raw(), x.raw()));
-    else
-        return scalar_traits<S>::atan2(y, x);
+    else return scalar_traits<S>::atan2(y, x);
 }
 
 /// The angle from 0 to pi with cosine x. |x| > 1: NaN, in fixed point as 1 or -1.
 template <scalar_type S>
 constexpr S acos(S x) {
-    if constexpr (std::floating_point<S>)
-        return static_cast<S>(detail::arccosine<detail::is_precise<S>>(x));
+    if constexpr (std::floating_point<S>) return static_cast<S>(detail::arccosine<detail::is_precise<S>>(x));
     else if constexpr (detail::is_fixed<S>)
         return S::from_raw(detail::fixed_arccosine<typename S::rep, S::fraction_bits>(x.raw()));
-    else
-        return scalar_traits<S>::acos(x);
+    else return scalar_traits<S>::acos(x);
 }
 /// The angle from -pi/2 to pi/2 with sine x. |x| > 1: NaN, in fixed point as 1 or -1.
 template <scalar_type S>
 constexpr S asin(S x) {
-    if constexpr (std::floating_point<S>)
-        return static_cast<S>(detail::arcsine<detail::is_precise<S>>(x));
+    if constexpr (std::floating_point<S>) return static_cast<S>(detail::arcsine<detail::is_precise<S>>(x));
     else if constexpr (detail::is_fixed<S>)
         return S::from_raw(detail::fixed_arcsine<typename S::rep, S::fraction_bits>(x.raw()));
-    else
-        return scalar_traits<S>::atan2(x, scalar_traits<S>::sqrt((S(1) - x) * (S(1) + x)));
+    else return scalar_traits<S>::atan2(x, scalar_traits<S>::sqrt((S(1) - x) * (S(1) + x)));
 }
 
 /// e^x. Overflow: infinity, in fixed point the largest number.
 template <scalar_type S>
 constexpr S exp(S x) {
-    if constexpr (std::floating_point<S>)
-        return static_cast<S>(detail::exponential<detail::is_precise<S>>(x));
+    if constexpr (std::floating_point<S>) return static_cast<S>(detail::exponential<detail::is_precise<S>>(x));
     else if constexpr (detail::is_fixed<S>)
         return S::from_raw(detail::fixed_exponential<typename S::rep, S::fraction_bits>(x.raw()));
-    else
-        return scalar_traits<S>::exp(x);
+    else return scalar_traits<S>::exp(x);
 }
 /// The natural logarithm. Of 0: -infinity, in fixed point the smallest number; of negative numbers: NaN, in
 /// fixed point 0.
 template <scalar_type S>
 constexpr S log(S x) {
-    if constexpr (std::floating_point<S>)
-        return static_cast<S>(detail::logarithm<detail::is_precise<S>>(x));
+    if constexpr (std::floating_point<S>) return static_cast<S>(detail::logarithm<detail::is_precise<S>>(x));
     else if constexpr (detail::is_fixed<S>)
         return S::from_raw(detail::fixed_logarithm<typename S::rep, S::fraction_bits>(x.raw()));
-    else
-        return scalar_traits<S>::log(x);
+    else return scalar_traits<S>::log(x);
 }
 
 PHYSICS_HPP_END

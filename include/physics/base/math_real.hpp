@@ -49,10 +49,8 @@ inline constexpr double arcsine_series[] = {
 
 template <int I, int Terms, int N>
 constexpr double every_second_term(double xx, const double (&c)[N]) {
-    if constexpr (I + 2 >= Terms)
-        return c[I];
-    else
-        return c[I] + xx * every_second_term<I + 2, Terms>(xx, c);
+    if constexpr (I + 2 >= Terms) return c[I];
+    else return c[I] + xx * every_second_term<I + 2, Terms>(xx, c);
 }
 /// The first Terms terms of a polynomial; even and odd terms side by side, which halves the latency.
 template <int Terms, int N>

@@ -27,12 +27,13 @@ inline constexpr int vector_bytes = PHYSICS_HPP_VECTOR_BYTES;
 /// The number of lanes that fill one vector register of that many bytes: 4 or 8 for float, 2 or 4 for double, 1 for
 /// all other scalars.
 template <class S, int Bytes = vector_bytes>
-inline constexpr int native_width =
-    (std::is_same_v<S, float> || std::is_same_v<S, double>) && Bytes >= 16 ? Bytes / static_cast<int>(sizeof(S)) : 1;
+inline constexpr int native_width = (std::is_same_v<S, float> || std::is_same_v<S, double>)&&Bytes >= 16
+                                        ? Bytes / static_cast<int>(sizeof(S))
+                                        : 1;
 
 /// Whether W lanes are one vector; one lane is a scalar, and all other packs are made of two halves.
 template <class S, int W, int Bytes>
-inline constexpr bool is_vector = W > 1 && W <= native_width<S, Bytes> && W * sizeof(S) >= 16;
+inline constexpr bool is_vector = W > 1 && W <= native_width<S, Bytes>&& W * sizeof(S) >= 16;
 
 template <class S, int W>
 struct lane_storage {
@@ -116,8 +117,8 @@ struct pack {
     /// a > b ? x : y in each lane; y where a or b is NaN.
     template <class T>
     PHYSICS_HPP_ALWAYS_INLINE friend pack<T, W, Bytes> select_greater(const pack& a, const pack& b,
-                                                                     const pack<T, W, Bytes>& x,
-                                                                     const pack<T, W, Bytes>& y) {
+                                                                      const pack<T, W, Bytes>& x,
+                                                                      const pack<T, W, Bytes>& y) {
         return {select_greater(a.low, b.low, x.low, y.low), select_greater(a.high, b.high, x.high, y.high)};
     }
     /// The lanes' products without rounding where S can: the twin of product(S, S).
@@ -217,8 +218,8 @@ struct pack<S, W, Bytes> {
     }
     template <class T>
     PHYSICS_HPP_ALWAYS_INLINE friend pack<T, W, Bytes> select_greater(const pack& a, const pack& b,
-                                                                     const pack<T, W, Bytes>& x,
-                                                                     const pack<T, W, Bytes>& y) {
+                                                                      const pack<T, W, Bytes>& x,
+                                                                      const pack<T, W, Bytes>& y) {
         return {a.value > b.value ? x.value : y.value};
     }
     template <class T>
@@ -320,4 +321,3 @@ PHYSICS_HPP_ALWAYS_INLINE P vector_sqrt(const P& a) {
 }  // namespace detail
 
 PHYSICS_HPP_END
-

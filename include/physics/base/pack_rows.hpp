@@ -5,7 +5,6 @@
 
 #include "physics/base/pack.hpp"
 
-
 PHYSICS_HPP_BEGIN
 
 namespace detail {
@@ -91,10 +90,9 @@ PHYSICS_HPP_ALWAYS_INLINE quad<P> load4(Rows rows) {
 #if PHYSICS_HPP_VECTOR_BYTES > 0
     } else if constexpr (P::width == 8) {
         using row = pack<S, 4, 16>;
-        return transposed(join<P>(row::load(rows[0]), row::load(rows[4])),
-                          join<P>(row::load(rows[1]), row::load(rows[5])),
-                          join<P>(row::load(rows[2]), row::load(rows[6])),
-                          join<P>(row::load(rows[3]), row::load(rows[7])));
+        return transposed(
+            join<P>(row::load(rows[0]), row::load(rows[4])), join<P>(row::load(rows[1]), row::load(rows[5])),
+            join<P>(row::load(rows[2]), row::load(rows[6])), join<P>(row::load(rows[3]), row::load(rows[7])));
     } else if constexpr (P::width == 4) {
         return transposed(P::load(rows[0]), P::load(rows[1]), P::load(rows[2]), P::load(rows[3]));
     } else {
@@ -152,4 +150,3 @@ PHYSICS_HPP_ALWAYS_INLINE void store4(Rows rows, const quad<P>& columns) {
 }  // namespace detail
 
 PHYSICS_HPP_END
-

@@ -152,8 +152,7 @@ inline float_control exact_float_control(float_control word) noexcept { return w
 /// Compilers may move arithmetic on values in registers across it: do the work in a function that is not inlined.
 class float_control_scope {
 public:
-    float_control_scope() noexcept
-        : saved_(detail::read_float_control()), exact_(detail::exact_float_control(saved_)) {
+    float_control_scope() noexcept : saved_(detail::read_float_control()), exact_(detail::exact_float_control(saved_)) {
         if (exact_ != saved_) detail::write_float_control(exact_);
     }
     ~float_control_scope() {

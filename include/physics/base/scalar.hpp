@@ -75,7 +75,7 @@ concept scalar_type = std::regular<S> && std::totally_ordered<S> && requires(S a
     { static_cast<double>(b) } -> std::same_as<double>;
     { a + b } -> std::same_as<S>;
     { a - b } -> std::same_as<S>;
-    { a * b } -> std::same_as<S>;
+    { a* b } -> std::same_as<S>;
     { a / b } -> std::same_as<S>;
     { -b } -> std::same_as<S>;
     a += b;
@@ -111,15 +111,11 @@ constexpr S product(S a, S b) {
 /// A wide number as R, rounded once.
 template <class R>
     requires detail::self_wide<R>
-constexpr R narrow(R a) {
-    return a;
-}
+constexpr R narrow(R a) { return a; }
 /// numerator / denominator as R, rounded once; each may be wide.
 template <class R>
     requires detail::self_wide<R>
-constexpr R quotient(R numerator, R denominator) {
-    return numerator / denominator;
-}
+constexpr R quotient(R numerator, R denominator) { return numerator / denominator; }
 /// a * b rounded once to R; the operands may be a scalar and its inverse type.
 template <class R, class A, class B>
 constexpr R mul(A a, B b) {

@@ -201,11 +201,17 @@ constexpr bool operator<(basic_int128<Unsigned> a, basic_int128<Unsigned> b) {
     return a.negative() != b.negative() ? a.negative() : a.bits < b.bits;
 }
 template <class Unsigned>
-constexpr bool operator>(basic_int128<Unsigned> a, basic_int128<Unsigned> b) { return b < a; }
+constexpr bool operator>(basic_int128<Unsigned> a, basic_int128<Unsigned> b) {
+    return b < a;
+}
 template <class Unsigned>
-constexpr bool operator<=(basic_int128<Unsigned> a, basic_int128<Unsigned> b) { return !(b < a); }
+constexpr bool operator<=(basic_int128<Unsigned> a, basic_int128<Unsigned> b) {
+    return !(b < a);
+}
 template <class Unsigned>
-constexpr bool operator>=(basic_int128<Unsigned> a, basic_int128<Unsigned> b) { return !(a < b); }
+constexpr bool operator>=(basic_int128<Unsigned> a, basic_int128<Unsigned> b) {
+    return !(a < b);
+}
 
 using int128 = basic_int128<uint128>;
 

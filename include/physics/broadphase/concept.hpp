@@ -14,9 +14,7 @@ struct proxy_pair {
 
     friend bool operator==(proxy_pair, proxy_pair) = default;
 };
-constexpr bool operator<(proxy_pair x, proxy_pair y) {
-    return x.a != y.a ? x.a < y.a : x.b < y.b;
-}
+constexpr bool operator<(proxy_pair x, proxy_pair y) { return x.a != y.a ? x.a < y.a : x.b < y.b; }
 
 /// A broadphase bound to a space: a copyable set of boxes by number, with
 ///   insert(id, box, filter), erase(id)   numbers are small and may come again after erase

@@ -12,8 +12,8 @@ namespace detail {
 template <int D>
 class hashed_cells {
 public:
-    void arrange(cell_level<D>* levels, std::uint32_t count, std::uint32_t usual,
-                 const float_box<D>& region, const std::uint32_t*) {
+    void arrange(cell_level<D>* levels, std::uint32_t count, std::uint32_t usual, const float_box<D>& region,
+                 const std::uint32_t*) {
         // Cells of small ones not much smaller than of most: large ones look through them.
         for (std::uint32_t l = stretch_.size(); l < count; ++l)
             stretch_.push(l + 1 < usual ? static_cast<float>(1 << 2 * (usual - l - 1)) : 1.0f);

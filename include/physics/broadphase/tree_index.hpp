@@ -41,10 +41,8 @@ public:
             for (std::uint32_t i = 0; i < count; ++i) {
                 const std::uint32_t id = ids[i];
                 if (!all.has(id) || all.is_movable(id) != (m == 1)) continue;
-                if (places_[id] & young_place)
-                    send_to_tail(k, id);
-                else if (!(places_[id] & tail_place))
-                    keys_.push(std::uint64_t{places_[id]} << 32 | id);
+                if (places_[id] & young_place) send_to_tail(k, id);
+                else if (!(places_[id] & tail_place)) keys_.push(std::uint64_t{places_[id]} << 32 | id);
             }
             const std::uint32_t young = k.young.live() + k.tail.size(), live = k.main.live() + young;
             if (young > live / 8 || (k.size > most_growth * k.packed_size && !keys_.empty())) {
@@ -108,8 +106,9 @@ public:
         std::uint32_t count = 0;
         for (const kind& k : kinds_)
             for (const tree* t : {&k.main, &k.young})
-                t->search(0, [&](const auto& block) { return ++count, block.overlapping(reach); },
-                          [](std::uint32_t, std::uint32_t) {});
+                t->search(
+                    0, [&](const auto& block) { return ++count, block.overlapping(reach); },
+                    [](std::uint32_t, std::uint32_t) {});
         return count;
     }
     /// Calls visit(id) for every proxy whose box may overlap this one, until it returns false.

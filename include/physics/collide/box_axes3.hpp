@@ -1,8 +1,8 @@
 // The search for the axis that parts two boxes in space best, in lanes across pairs.
 #pragma once
 
-#include "physics/collide/box_pair.hpp"
 #include "physics/base/lane_math.hpp"
+#include "physics/collide/box_pair.hpp"
 #include "physics/collide/manifold.hpp"
 
 PHYSICS_HPP_BEGIN

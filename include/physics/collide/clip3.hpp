@@ -65,7 +65,7 @@ struct clipped_face {
 template <class S>
 struct picked_points {
     /// Of vectors of 16 bytes at most, which scalars fill.
-    using lanes = pack<S, 8, vector_bytes < 16 ? vector_bytes : 16>;
+    using lanes = pack < S, 8, vector_bytes<16 ? vector_bytes : 16>;
     static constexpr int most_packs = 1;
 
     flat_points<lanes> all;
@@ -90,7 +90,7 @@ struct picked_points {
 template <class S>
 PHYSICS_HPP_ALWAYS_INLINE pack<S, 4> corners_of(S middle, S a, S b) {
     using P = pack<S, 4>;
-    if constexpr (native_width<S> > 1) {
+    if constexpr (native_width < S >> 1) {
         constexpr S outer[4] = {1, -1, -1, 1}, upper[4] = {1, 1, -1, -1};
         return P::broadcast(middle) + P::broadcast(a) * P::load(outer) + P::broadcast(b) * P::load(upper);
     } else {
@@ -134,10 +134,10 @@ PHYSICS_HPP_ALWAYS_INLINE void clip_face(const seen_face<S>& face, S limit_u, S 
     const P start = min(max(start_u, start_v), one), rest = min(max(stop_u, stop_v), one), stop = one - rest;
     const P name_u = select_greater(zero, u, P::broadcast(S(5)), P::broadcast(S(4))),
             name_v = select_greater(zero, v, P::broadcast(S(7)), P::broadcast(S(6)));
-    const P start_name = select_greater(start_u, start_v, name_u, name_v) * P::broadcast(S(0x10)) +
-                         lanes_of<P>(S(0), S(1), S(2), S(3));
-    const P stop_name = select_greater(stop_u, stop_v, next_of(name_u), next_of(name_v)) +
-                        lanes_of<P>(S(0), S(0x10), S(0x20), S(0x30));
+    const P start_name =
+        select_greater(start_u, start_v, name_u, name_v) * P::broadcast(S(0x10)) + lanes_of<P>(S(0), S(1), S(2), S(3));
+    const P stop_name =
+        select_greater(stop_u, stop_v, next_of(name_u), next_of(name_v)) + lanes_of<P>(S(0), S(0x10), S(0x20), S(0x30));
     const std::uint32_t left = greater(stop, start).bits(), cut = greater(rest, zero).bits();
     out.put(0, u + du * start, v + dv * start, s + ds * start, select_greater(start, zero, start_name, corner),
             left | (~greater(start, zero).bits() & 0xfu), most, margin);
@@ -242,17 +242,16 @@ bool clip_faces(const box_axes<S, W>& boxes, int lane, int reference, const edge
         for (int k = 0; k < 3; ++k) {
             const auto& axes = boxes.turn[0][k];
             normal[k] = -axes[w][lane] * sign;
-            p[k] = P::broadcast(boxes.center[0][k][lane]) + lane_dot(q, P::broadcast(axes[0][lane]),
-                                                                     P::broadcast(axes[1][lane]),
-                                                                     P::broadcast(axes[2][lane]));
+            p[k] = P::broadcast(boxes.center[0][k][lane]) +
+                   lane_dot(q, P::broadcast(axes[0][lane]), P::broadcast(axes[1][lane]), P::broadcast(axes[2][lane]));
         }
     }
     S at[4][4];
     for (int k = 0; k < 3; ++k) p[k].store(at[k]);
     separations.store(at[3]);
     out.normal = {normal[0], normal[1], normal[2]};
-    const auto faces = static_cast<std::uint32_t>(reference << 16 | (2 * w + int{sign > S(0)}) << 12 |
-                                                  (2 * across + int{upper}) << 8);
+    const auto faces =
+        static_cast<std::uint32_t>(reference << 16 | (2 * w + int{sign > S(0)}) << 12 | (2 * across + int{upper}) << 8);
     for (int k = 0; k < count; ++k) {
         const auto name = static_cast<std::uint32_t>(boxes.whole(left.name[chosen[k]]));
         out.points[out.count + k] = {{at[0][k], at[1][k], at[2][k]}, at[3][k], faces | name};

@@ -41,8 +41,7 @@ struct core_pair {
 
     template <class A, class B, class S>
     core_pair(const A& shape_a, const B& shape_b, const transform<S, D>& b_in_a)
-        : a(core_of(shape_a)), b(core_of(shape_b)),
-          placed{&b, to_matrix(b_in_a.rotation), to_point(b_in_a.position)} {}
+        : a(core_of(shape_a)), b(core_of(shape_b)), placed{&b, to_matrix(b_in_a.rotation), to_point(b_in_a.position)} {}
     core_pair(const core<D>& core_a, const core<D>& core_b, const mat<double, D>& axes, const point<D>& at)
         : a(core_a), b(core_b), placed{&b, axes, at} {}
     core_pair(const core_pair&) = delete;
@@ -125,17 +124,18 @@ closest_points<S, D> rounded(const core_pair<D>& pair, core_separation<D> s) {
 /// overlap; hulls of more than 32 vertices more.
 /// `cache` makes the next call for the same pair cheaper where the two have moved little.
 template <class A, class B, class S, int D>
-    requires detail::has_core<A> && detail::has_core<B>
-closest_points<S, D> separation(const A& a, const B& b, const transform<S, D>& b_in_a, gjk_cache& cache) {
-    const detail::core_pair<D> pair(a, b, b_in_a);
-    return detail::rounded<S>(pair, detail::separate<S>(pair, detail::no_limit, &cache));
-}
+    requires detail::has_core<A> && detail::has_core<B> closest_points<S, D> separation(const A& a, const B& b,
+                                                                                        const transform<S, D>& b_in_a,
+                                                                                        gjk_cache& cache) {
+        const detail::core_pair<D> pair(a, b, b_in_a);
+        return detail::rounded<S>(pair, detail::separate<S>(pair, detail::no_limit, &cache));
+    }
 template <class A, class B, class S, int D>
-    requires detail::has_core<A> && detail::has_core<B>
-closest_points<S, D> separation(const A& a, const B& b, const transform<S, D>& b_in_a) {
-    const detail::core_pair<D> pair(a, b, b_in_a);
-    return detail::rounded<S>(pair, detail::separate<S>(pair, detail::no_limit, nullptr));
-}
+    requires detail::has_core<A> && detail::has_core<B> closest_points<S, D> separation(const A& a, const B& b,
+                                                                                        const transform<S, D>& b_in_a) {
+        const detail::core_pair<D> pair(a, b, b_in_a);
+        return detail::rounded<S>(pair, detail::separate<S>(pair, detail::no_limit, nullptr));
+    }
 
 namespace detail {
 
@@ -159,15 +159,16 @@ bool overlap(const core_pair<D>& pair, gjk_cache* cache) {
 /// How far apart two convex shapes are, 0 where they touch or overlap; normal and points are then those of the cores
 /// where only the rounded parts overlap, else null. Cost: GJK alone.
 template <class A, class B, class S, int D>
-    requires detail::has_core<A> && detail::has_core<B>
-closest_points<S, D> distance(const A& a, const B& b, const transform<S, D>& b_in_a, gjk_cache& cache) {
-    return detail::distance<S>(detail::core_pair<D>(a, b, b_in_a), &cache);
-}
+    requires detail::has_core<A> && detail::has_core<B> closest_points<S, D> distance(const A& a, const B& b,
+                                                                                      const transform<S, D>& b_in_a,
+                                                                                      gjk_cache& cache) {
+        return detail::distance<S>(detail::core_pair<D>(a, b, b_in_a), &cache);
+    }
 template <class A, class B, class S, int D>
-    requires detail::has_core<A> && detail::has_core<B>
-closest_points<S, D> distance(const A& a, const B& b, const transform<S, D>& b_in_a) {
-    return detail::distance<S>(detail::core_pair<D>(a, b, b_in_a), nullptr);
-}
+    requires detail::has_core<A> && detail::has_core<B> closest_points<S, D> distance(const A& a, const B& b,
+                                                                                      const transform<S, D>& b_in_a) {
+        return detail::distance<S>(detail::core_pair<D>(a, b, b_in_a), nullptr);
+    }
 
 /// Whether two convex shapes share a point; true as well for some that are apart by less than 5e-13 of their sizes and
 /// distances, round ones 5e-10. Cost: GJK until an axis parts them.

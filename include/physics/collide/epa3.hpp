@@ -131,9 +131,7 @@ private:
             key_[f] = gone;
             spare_[spare_count_++] = static_cast<index>(f);
         };
-        const auto cross_edge = [&](int f, int e) {
-            todo_[open++] = {faces_[f].neighbour[e], static_cast<index>(f)};
-        };
+        const auto cross_edge = [&](int f, int e) { todo_[open++] = {faces_[f].neighbour[e], static_cast<index>(f)}; };
         leave(seen);
         for (int e = 2; e >= 0; --e) cross_edge(seen, e);
         while (open > 0) {

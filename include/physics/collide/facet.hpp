@@ -79,7 +79,7 @@ inline facet<3> disc_facet(const core<3>& c, const point<3>& n) {
         }
         // Corners that stay where they are on the disc as n changes.
         static constexpr double c1 = 0.92387953251128674, s1 = 0.38268343236508977, d = 0.70710678118654752;
-        static constexpr double around[8][2] = {{1, 0},   {c1, s1},  {d, d},  {s1, c1},
+        static constexpr double around[8][2] = {{1, 0}, {c1, s1},  {d, d},  {s1, c1},
                                                 {0, 1}, {-s1, c1}, {-d, d}, {-c1, s1}};
         int lowest = 0;
         double most = 0;
@@ -140,76 +140,76 @@ inline facet<3> triangle_facet(const core<3>& c, const point<3>& n) {
 inline facet<3> facet_of(const core<3>& c, const point<3>& n) {
     facet<3> f;
     switch (c.kind) {
-    case core_kind::segment:
-        f.count = 2;
-        f.corner[0] = c.corner[0];
-        f.corner[1] = c.corner[1];
-        break;
-    case core_kind::triangle: return triangle_facet(c, n);
-    case core_kind::box: {
-        int axis = 0;
-        // A lower number wins unless another face is clearly better, so that rounding does not choose.
-        for (int i = 1; i < 3; ++i)
-            if (abs(n[i]) > abs(n[axis]) + 1.0 / 1024) axis = i;
-        const int u = axis < 2 ? axis + 1 : 0, v = axis > 0 ? axis - 1 : 2;
-        const double sign = n[axis] < 0 ? -1 : 1;
-        static constexpr double around[4][2] = {{1, 1}, {-1, 1}, {-1, -1}, {1, -1}};
-        f.count = 4;
-        f.flat = true;
-        f.normal[axis] = sign;
-        f.number = static_cast<std::uint32_t>(axis) << 1 | std::uint32_t{sign > 0};
-        for (int i = 0; i < 4; ++i) {
-            f.corner[i][axis] = sign * c.corner[0][axis];
-            f.corner[i][u] = sign * around[i][0] * c.corner[0][u];
-            f.corner[i][v] = around[i][1] * c.corner[0][v];
+        case core_kind::segment:
+            f.count = 2;
+            f.corner[0] = c.corner[0];
+            f.corner[1] = c.corner[1];
+            break;
+        case core_kind::triangle: return triangle_facet(c, n);
+        case core_kind::box: {
+            int axis = 0;
+            // A lower number wins unless another face is clearly better, so that rounding does not choose.
+            for (int i = 1; i < 3; ++i)
+                if (abs(n[i]) > abs(n[axis]) + 1.0 / 1024) axis = i;
+            const int u = axis < 2 ? axis + 1 : 0, v = axis > 0 ? axis - 1 : 2;
+            const double sign = n[axis] < 0 ? -1 : 1;
+            static constexpr double around[4][2] = {{1, 1}, {-1, 1}, {-1, -1}, {1, -1}};
+            f.count = 4;
+            f.flat = true;
+            f.normal[axis] = sign;
+            f.number = static_cast<std::uint32_t>(axis) << 1 | std::uint32_t{sign > 0};
+            for (int i = 0; i < 4; ++i) {
+                f.corner[i][axis] = sign * c.corner[0][axis];
+                f.corner[i][u] = sign * around[i][0] * c.corner[0][u];
+                f.corner[i][v] = around[i][1] * c.corner[0][v];
+            }
+            break;
         }
-        break;
-    }
-    case core_kind::hull_of_floats: return hull_facet(*static_cast<const hull_data<float, 3>*>(c.data), n);
-    case core_kind::hull_of_doubles: return hull_facet(*static_cast<const hull_data<double, 3>*>(c.data), n);
-    case core_kind::disc: return disc_facet(c, n);
-    case core_kind::point:
-    case core_kind::custom: break;
+        case core_kind::hull_of_floats: return hull_facet(*static_cast<const hull_data<float, 3>*>(c.data), n);
+        case core_kind::hull_of_doubles: return hull_facet(*static_cast<const hull_data<double, 3>*>(c.data), n);
+        case core_kind::disc: return disc_facet(c, n);
+        case core_kind::point:
+        case core_kind::custom: break;
     }
     return f;
 }
 inline facet<2> facet_of(const core<2>& c, const point<2>& n) {
     facet<2> f;
     switch (c.kind) {
-    case core_kind::segment: {
-        // Flat on both sides.
-        const bool back = dot(perpendicular(c.corner[1] - c.corner[0]), n) < 0;
-        f.corner[0] = c.corner[back ? 1 : 0];
-        f.corner[1] = c.corner[back ? 0 : 1];
-        f.number = std::uint32_t{back};
-        break;
-    }
-    case core_kind::triangle: {
-        int out = 0;
-        double best = -2;
-        const bool clockwise = cross(c.corner[1] - c.corner[0], c.corner[2] - c.corner[0]) < 0;
-        for (int i = 0; i < 3; ++i) {
-            const point<2> e = c.corner[i < 2 ? i + 1 : 0] - c.corner[i];
-            const double facing = dot(normalized(perpendicular(clockwise ? -e : e)), n);
-            if (facing > best) best = facing, out = i;
+        case core_kind::segment: {
+            // Flat on both sides.
+            const bool back = dot(perpendicular(c.corner[1] - c.corner[0]), n) < 0;
+            f.corner[0] = c.corner[back ? 1 : 0];
+            f.corner[1] = c.corner[back ? 0 : 1];
+            f.number = std::uint32_t{back};
+            break;
         }
-        f.corner[clockwise ? 1 : 0] = c.corner[out];
-        f.corner[clockwise ? 0 : 1] = c.corner[out < 2 ? out + 1 : 0];
-        f.number = static_cast<std::uint32_t>(out);
-        break;
-    }
-    case core_kind::box: {
-        const int axis = abs(n.y) > abs(n.x) + 1.0 / 1024 ? 1 : 0;
-        const double sign = n[axis] < 0 ? -1 : 1, across = axis == 0 ? sign : -sign;
-        f.corner[0][axis] = f.corner[1][axis] = sign * c.corner[0][axis];
-        f.corner[0][1 - axis] = -across * c.corner[0][1 - axis];
-        f.corner[1][1 - axis] = across * c.corner[0][1 - axis];
-        f.number = static_cast<std::uint32_t>(axis) << 1 | std::uint32_t{sign > 0};
-        break;
-    }
-    case core_kind::hull_of_floats: return hull_facet(*static_cast<const hull_data<float, 2>*>(c.data), n);
-    case core_kind::hull_of_doubles: return hull_facet(*static_cast<const hull_data<double, 2>*>(c.data), n);
-    default: return f;
+        case core_kind::triangle: {
+            int out = 0;
+            double best = -2;
+            const bool clockwise = cross(c.corner[1] - c.corner[0], c.corner[2] - c.corner[0]) < 0;
+            for (int i = 0; i < 3; ++i) {
+                const point<2> e = c.corner[i < 2 ? i + 1 : 0] - c.corner[i];
+                const double facing = dot(normalized(perpendicular(clockwise ? -e : e)), n);
+                if (facing > best) best = facing, out = i;
+            }
+            f.corner[clockwise ? 1 : 0] = c.corner[out];
+            f.corner[clockwise ? 0 : 1] = c.corner[out < 2 ? out + 1 : 0];
+            f.number = static_cast<std::uint32_t>(out);
+            break;
+        }
+        case core_kind::box: {
+            const int axis = abs(n.y) > abs(n.x) + 1.0 / 1024 ? 1 : 0;
+            const double sign = n[axis] < 0 ? -1 : 1, across = axis == 0 ? sign : -sign;
+            f.corner[0][axis] = f.corner[1][axis] = sign * c.corner[0][axis];
+            f.corner[0][1 - axis] = -across * c.corner[0][1 - axis];
+            f.corner[1][1 - axis] = across * c.corner[0][1 - axis];
+            f.number = static_cast<std::uint32_t>(axis) << 1 | std::uint32_t{sign > 0};
+            break;
+        }
+        case core_kind::hull_of_floats: return hull_facet(*static_cast<const hull_data<float, 2>*>(c.data), n);
+        case core_kind::hull_of_doubles: return hull_facet(*static_cast<const hull_data<double, 2>*>(c.data), n);
+        default: return f;
     }
     f.count = 2;
     f.flat = true;

@@ -222,7 +222,8 @@ gjk_result<D> search(const core<D>& a, const placed_core<D>& b, double most, dou
         }
     }
     // Rounding can't bring together what a normal was seen to part.
-    if (r.overlapping && most_parted > trusted) [[unlikely]] r = best[0];
+    if (r.overlapping && most_parted > trusted) [[unlikely]]
+        r = best[0];
     if (cache != nullptr) {
         cache->count = static_cast<std::uint8_t>(r.at.count);
         for (int i = 0; i < r.at.count; ++i) cache->vertex[i] = r.at.vertex[i].name;

@@ -9,9 +9,9 @@ PHYSICS_HPP_BEGIN
 /// True if the pair can meet: a function collide(a, b, ...) exists in either order, or the general kernels serve it, as
 /// both have a core (see core.hpp) or consist of parts (see parts.hpp).
 template <class A, class B, class S, int D>
-concept collidable = collides_by_itself<A, B, S, D> || collides_by_itself<B, A, S, D> ||
-                     detail::collides_by_cores<A, B> || detail::collides_by_cores<B, A> ||
-                     detail::collides_by_parts<A, B, D> || detail::collides_by_parts<B, A, D>;
+concept collidable =
+    collides_by_itself<A, B, S, D> || collides_by_itself<B, A, S, D> || detail::collides_by_cores<A, B> ||
+    detail::collides_by_cores<B, A> || detail::collides_by_parts<A, B, D> || detail::collides_by_parts<B, A, D>;
 
 /// A narrowphase policy: turns a batch of pairs into manifolds. Its in<S, D, Shapes...> has
 ///   collide(queries, count, margin, list)   adds to a manifold_list where shapes touch that are within margin (m)
@@ -25,10 +25,9 @@ concept collidable = collides_by_itself<A, B, S, D> || collides_by_itself<B, A, 
 /// What it remembers of pairs that do not touch must not bear on any result, and have the digest 0: which of these
 /// there are depends on the broadphase.
 template <class Policy, class S, int D, template <class, int> class... Shapes>
-concept narrowphase_for =
-    requires(const narrowphase_query<S, D, Shapes...>* queries, manifold_list<S, D> found) {
-        Policy::template in<S, D, Shapes...>::collide(queries, std::uint32_t{}, S(0), found);
-    };
+concept narrowphase_for = requires(const narrowphase_query<S, D, Shapes...>* queries, manifold_list<S, D> found) {
+    Policy::template in<S, D, Shapes...>::collide(queries, std::uint32_t{}, S(0), found);
+};
 
 namespace detail {
 
@@ -43,9 +42,7 @@ struct pairwise_narrowphase {
         using pairs = pair_table<Methods, S, D, Shapes...>;
         using memory = typename pairs::memory;
 
-        static constexpr bool remembers(int kind_a, int kind_b) {
-            return pairs::table.remembered[kind_a][kind_b];
-        }
+        static constexpr bool remembers(int kind_a, int kind_b) { return pairs::table.remembered[kind_a][kind_b]; }
         static void collide(const query* queries, std::uint32_t count, S margin, memory* memories,
                             manifold_list<S, D>& found) {
             using boxes = box_batch<Methods, S, D, Shapes...>;
@@ -84,10 +81,10 @@ struct gjk_epa : detail::pairwise_narrowphase<detail::pair_methods{.closed_forms
 /// GJK while shapes are apart, MPR where they overlap: faster than EPA, and deep overlaps may be parted by a longer way
 /// than the shortest.
 struct gjk_mpr : detail::pairwise_narrowphase<detail::pair_methods{.closed_forms = false,
-                                                                    .overlaps = detail::overlap_method::mpr}> {};
+                                                                   .overlaps = detail::overlap_method::mpr}> {};
 /// GJK and EPA, which add their one deepest point a step to a manifold that persists: no clipping, and a face that
 /// lands has all its points after some steps only. Pairs without memory get one point.
-struct incremental_manifolds : detail::pairwise_narrowphase<detail::pair_methods{.closed_forms = false,
-                                                                                  .persistent = true}> {};
+struct incremental_manifolds
+    : detail::pairwise_narrowphase<detail::pair_methods{.closed_forms = false, .persistent = true}> {};
 
 PHYSICS_HPP_END

@@ -127,9 +127,7 @@ struct kept_memory {
     static void complete(Memory&, std::uint32_t) {}
     static void tidy(Memory&) {}
 };
-inline bool is_fresh(const gjk_cache& c) {
-    return c.count == 0 && c.axis[0] == 0 && c.axis[1] == 0 && c.axis[2] == 0;
-}
+inline bool is_fresh(const gjk_cache& c) { return c.count == 0 && c.axis[0] == 0 && c.axis[1] == 0 && c.axis[2] == 0; }
 template <class Cache, class F>
 void each_piece(Cache& c, F&& f) {
     f(&c, offsetof(gjk_cache, count) + sizeof c.count);

@@ -37,13 +37,13 @@ constexpr bool is_halfspace<halfspace<S, D>> = true;
 
 /// True if the general kernels serve a pair, in this order.
 template <class A, class B>
-concept collides_by_cores = has_core<A> && (has_core<B> || is_halfspace<B>);
+concept collides_by_cores = has_core<A> &&(has_core<B> || is_halfspace<B>);
 
 /// True if a pair meets part by part, in this order. Surfaces and halfspaces carry no mass and never meet.
 template <class A, class B, int D>
-concept collides_by_parts =
-    (is_surface<A, D> && (has_core<B> || is_compound<B, D> || is_surface<B, D> || is_halfspace<B>)) ||
-    (is_compound<A, D> && (has_core<B> || is_compound<B, D> || is_halfspace<B>));
+concept collides_by_parts = (is_surface<A, D> &&
+                             (has_core<B> || is_compound<B, D> || is_surface<B, D> || is_halfspace<B>)) ||
+                            (is_compound<A, D> && (has_core<B> || is_compound<B, D> || is_halfspace<B>));
 
 /// How a narrowphase treats pairs of convex shapes.
 struct pair_methods {
@@ -71,7 +71,7 @@ constexpr bool is_dear<A, hull<S, 2>> = true;
 
 /// Whether it pays to remember what was found of a pair.
 template <pair_methods Methods, class A, class B, class S, int D>
-constexpr bool is_remembered = has_core<A> && has_core<B> &&
+constexpr bool is_remembered = has_core<A>&& has_core<B> &&
                                (!is_closed<Methods, A, B, S, D> || is_dear<A, B> || is_dear<B, A>);
 
 /// Functions for every ordered pair of a closed set of shapes, by their numbers within it.
@@ -143,8 +143,7 @@ struct pair_table {
             // One order is made of the other, so that both say the same.
             if constexpr (any::template kind_of<A>() > any::template kind_of<B>())
                 run_swapped(a, b, b_in_a, margin, cache, out);
-            else
-                collide_cores(a, b, b_in_a, margin, cache, Methods.overlaps, out);
+            else collide_cores(a, b, b_in_a, margin, cache, Methods.overlaps, out);
         } else if constexpr (has_core<A> && is_halfspace<B>) {
             collide_with_plane(a, b, b_in_a, margin, out);
         } else {

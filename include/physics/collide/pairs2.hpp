@@ -29,8 +29,7 @@ void collide(const capsule<S, 2>& a, const capsule<S, 2>& b, const transform<S, 
     collide_polygons(detail::polygon_of(a), detail::polygon_of(b, b_in_a), margin, out);
 }
 template <class S>
-void collide(const capsule<S, 2>& a, const box<S, 2>& b, const transform<S, 2>& b_in_a, S margin,
-             manifold<S, 2>& out) {
+void collide(const capsule<S, 2>& a, const box<S, 2>& b, const transform<S, 2>& b_in_a, S margin, manifold<S, 2>& out) {
     collide_polygons(detail::polygon_of(a), detail::polygon_of(b, b_in_a), margin, out);
 }
 

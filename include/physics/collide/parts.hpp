@@ -26,10 +26,14 @@ struct nobody {
 /// A shape made of flat parts: each_part(shape, box, f) calls f(surface_part) for those that may reach into the box, in
 /// the shape's frame; it has a `radius`.
 template <class Shape, int D>
-concept is_surface = requires(const Shape s, const aabb<double, D> box) { each_part(s, box, nobody{}); };
+concept is_surface = requires(const Shape s, const aabb<double, D> box) {
+    each_part(s, box, nobody{});
+};
 /// A shape made of convex shapes: each_child(shape, box, f) calls f(compound_child) likewise.
 template <class Shape, int D>
-concept is_compound = requires(const Shape s, const aabb<double, D> box) { each_child(s, box, nobody{}); };
+concept is_compound = requires(const Shape s, const aabb<double, D> box) {
+    each_child(s, box, nobody{});
+};
 
 /// Calls f(core where it stands, number) for the convex shapes that a solid consists of and that may reach into the
 /// box, which is given in the frame that `axes` and `at` lead to.
@@ -61,10 +65,11 @@ aabb<double, 3> everywhere(const rotation<S, 3>&) {
 /// Where a shape made of parts can be touched; everywhere unless its geometry says what box it fills.
 template <class A, class S, int D>
 aabb<double, D> box_of_parts(const A& a, const transform<S, D>& b_in_a, double reach) {
-    if constexpr (requires { { a.geometry->box } -> std::convertible_to<aabb<double, D>>; })
+    if constexpr (requires {
+                      { a.geometry->box } -> std::convertible_to<aabb<double, D>>;
+                  })
         return grown(a.geometry->box, reach);
-    else
-        return everywhere(b_in_a.rotation);
+    else return everywhere(b_in_a.rotation);
 }
 
 /// Adds the contacts of A, a compound, with a halfspace.

@@ -23,7 +23,9 @@ struct lowest_point {
     lowest_point(const halfspace<S, D>& a, const B& b, const transform<S, D>& b_in_a)
         : lowest_point(core_of(b), to_matrix(b_in_a.rotation), to_point(b_in_a.position), bounding_half<D>(a)) {}
     lowest_point(const core<D>& c, const mat<double, D>& axes, const point<D>& where, const bounding_half<D>& half)
-        : normal(half.normal), at(placed_core<D>{&c, axes, where}.support(-normal).at), radius(c.radius),
+        : normal(half.normal),
+          at(placed_core<D>{&c, axes, where}.support(-normal).at),
+          radius(c.radius),
           gap(half.height(at)) {}
 
     /// The plane is shape A if `up` is 1, B if it is -1.
@@ -48,28 +50,28 @@ struct lowest_point {
 /// How far a convex shape and a halfspace are apart, or how deep they overlap, and where: as of two convex shapes (see
 /// convex.hpp), in either order. Exact, with or without a cache, which stays as it is. Cost: one support, 20 ns.
 template <class A, class S, int D>
-    requires detail::has_core<A>
-closest_points<S, D> separation(const A& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a) {
-    return detail::lowest_point<D>(a, b, b_in_a).template found<S>(-1);
-}
+    requires detail::has_core<A> closest_points<S, D> separation(const A& a, const halfspace<S, D>& b,
+                                                                 const transform<S, D>& b_in_a) {
+        return detail::lowest_point<D>(a, b, b_in_a).template found<S>(-1);
+    }
 template <class B, class S, int D>
-    requires detail::has_core<B>
-closest_points<S, D> separation(const halfspace<S, D>& a, const B& b, const transform<S, D>& b_in_a) {
-    return detail::lowest_point<D>(a, b, b_in_a).template found<S>(1);
-}
+    requires detail::has_core<B> closest_points<S, D> separation(const halfspace<S, D>& a, const B& b,
+                                                                 const transform<S, D>& b_in_a) {
+        return detail::lowest_point<D>(a, b, b_in_a).template found<S>(1);
+    }
 
 /// How far apart they are, 0 where they touch or overlap; normal and points are null where the core enters the
 /// halfspace.
 template <class A, class S, int D>
-    requires detail::has_core<A>
-closest_points<S, D> distance(const A& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a) {
-    return detail::lowest_point<D>(a, b, b_in_a).template found_apart<S>(-1);
-}
+    requires detail::has_core<A> closest_points<S, D> distance(const A& a, const halfspace<S, D>& b,
+                                                               const transform<S, D>& b_in_a) {
+        return detail::lowest_point<D>(a, b, b_in_a).template found_apart<S>(-1);
+    }
 template <class B, class S, int D>
-    requires detail::has_core<B>
-closest_points<S, D> distance(const halfspace<S, D>& a, const B& b, const transform<S, D>& b_in_a) {
-    return detail::lowest_point<D>(a, b, b_in_a).template found_apart<S>(1);
-}
+    requires detail::has_core<B> closest_points<S, D> distance(const halfspace<S, D>& a, const B& b,
+                                                               const transform<S, D>& b_in_a) {
+        return detail::lowest_point<D>(a, b, b_in_a).template found_apart<S>(1);
+    }
 
 /// Whether they share a point.
 template <class A, class S, int D>
@@ -97,19 +99,17 @@ concept plane_pair = (is_plane<A> && has_core<B>) || (has_core<A> && is_plane<B>
 }  // namespace detail
 
 template <class A, class B, class S, int D>
-    requires detail::plane_pair<A, B>
-closest_points<S, D> separation(const A& a, const B& b, const transform<S, D>& b_in_a, gjk_cache&) {
-    return separation(a, b, b_in_a);
-}
+    requires detail::plane_pair<A, B> closest_points<S, D> separation(const A& a, const B& b,
+                                                                      const transform<S, D>& b_in_a, gjk_cache&) {
+        return separation(a, b, b_in_a);
+    }
+template <class A, class B, class S, int D>
+    requires detail::plane_pair<A, B> closest_points<S, D> distance(const A& a, const B& b,
+                                                                    const transform<S, D>& b_in_a, gjk_cache&) {
+        return distance(a, b, b_in_a);
+    }
 template <class A, class B, class S, int D>
     requires detail::plane_pair<A, B>
-closest_points<S, D> distance(const A& a, const B& b, const transform<S, D>& b_in_a, gjk_cache&) {
-    return distance(a, b, b_in_a);
-}
-template <class A, class B, class S, int D>
-    requires detail::plane_pair<A, B>
-bool overlap(const A& a, const B& b, const transform<S, D>& b_in_a, gjk_cache&) {
-    return overlap(a, b, b_in_a);
-}
+bool overlap(const A& a, const B& b, const transform<S, D>& b_in_a, gjk_cache&) { return overlap(a, b, b_in_a); }
 
 PHYSICS_HPP_END

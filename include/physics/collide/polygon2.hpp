@@ -127,8 +127,8 @@ S distance_along(const rounded_polygon<S, N>& a, const rounded_polygon<S, N>& b,
 /// that are left. False, with nothing added, if the point in which the edge finds `incident` closest was cut
 /// off: then the edge's normal is not the direction of least distance.
 template <class S, int N>
-bool clip_edges(const rounded_polygon<S, N>& reference, edge_distance<S> found,
-                          const rounded_polygon<S, N>& incident, bool flip, S slack, S margin, manifold<S, 2>& out) {
+bool clip_edges(const rounded_polygon<S, N>& reference, edge_distance<S> found, const rounded_polygon<S, N>& incident,
+                bool flip, S slack, S margin, manifold<S, 2>& out) {
     const int edge = found.edge;
     const vec<S, 2> n = reference.normal(edge), t{-n.y, n.x}, from = reference.vertex(edge);
     const int facing = facing_edge(incident, n);
@@ -155,10 +155,8 @@ bool clip_edges(const rounded_polygon<S, N>& reference, edge_distance<S> found,
         const vec<S, 2> on_incident = from + ends[k], on_reference = on_incident - n * gaps[k];
         // Whether the end is a corner or a cut stays out of the name: of equal boxes it changes with rounding.
         const std::uint32_t feature = static_cast<std::uint32_t>(edge << 12 | facing << 8 | k << 4 | int{flip});
-        if (flip)
-            add_rounded(out, on_incident, incident.radius, on_reference, reference.radius, gaps[k], feature);
-        else
-            add_rounded(out, on_reference, reference.radius, on_incident, incident.radius, gaps[k], feature);
+        if (flip) add_rounded(out, on_incident, incident.radius, on_reference, reference.radius, gaps[k], feature);
+        else add_rounded(out, on_reference, reference.radius, on_incident, incident.radius, gaps[k], feature);
     }
     return true;
 }
@@ -166,8 +164,8 @@ bool clip_edges(const rounded_polygon<S, N>& reference, edge_distance<S> found,
 /// Adds the closest pair of a vertex of one polygon and an edge or vertex of the other; of cores that overlap, how
 /// deep. `parting` is the best of the edges' normals, from a to b, and `parted` how far it parts the cores.
 template <class S, int N>
-void collide_nearest(const rounded_polygon<S, N>& a, const rounded_polygon<S, N>& b, vec<S, 2> parting,
-                               S parted, S rounding, S margin, manifold<S, 2>& out) {
+void collide_nearest(const rounded_polygon<S, N>& a, const rounded_polygon<S, N>& b, vec<S, 2> parting, S parted,
+                     S rounding, S margin, manifold<S, 2>& out) {
     vec<S, 2> on_a, on_b;
     wide_of<S> best{};
     std::uint32_t feature = 0;
@@ -210,8 +208,8 @@ void collide_nearest(const rounded_polygon<S, N>& a, const rounded_polygon<S, N>
 /// where a corner meets a corner. The result lies in the frame of a and b's vertices. To keep the features of
 /// bodies at rest, contacts may deviate by 1/512 of the smaller size, never more.
 template <class S, int N>
-void collide_polygons(const detail::rounded_polygon<S, N>& a, const detail::rounded_polygon<S, N>& b,
-                                S margin, manifold<S, 2>& out) {
+void collide_polygons(const detail::rounded_polygon<S, N>& a, const detail::rounded_polygon<S, N>& b, S margin,
+                      manifold<S, 2>& out) {
     const S reach = a.radius + b.radius + margin;
     const auto from_a = detail::farthest_edge(a, b);
     if (from_a.distance > reach) return;

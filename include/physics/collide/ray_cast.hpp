@@ -66,10 +66,9 @@ local_hit<3> cast_on(const cone<S, 3>& c, const local_ray<3>& ray) {
                         detail::to_double(c.upper_radius));
 }
 template <template <class, int> class Shape, class S, int D>
-    requires has_core<Shape<S, D>>
-local_hit<D> cast_on(const Shape<S, D>& shape, const local_ray<D>& ray) {
-    return cast_on_core<S>(ray, core_of(shape));
-}
+    requires has_core<Shape<S, D>> local_hit<D> cast_on(const Shape<S, D>& shape, const local_ray<D>& ray) {
+        return cast_on_core<S>(ray, core_of(shape));
+    }
 
 }  // namespace detail
 
@@ -87,7 +86,7 @@ ray_hit<S, D> ray_cast(const Shape& shape, const transform<S, D>& at, std::type_
     const detail::point<D> from = detail::to_point(origin), way = detail::to_point(translation);
     const detail::local_hit<D> h =
         cast_on(shape, detail::local_ray<D>{transposed_times(axes, from - detail::to_point(at.position)),
-                                                    transposed_times(axes, way)});
+                                            transposed_times(axes, way)});
     if (!h.hit) return {};
     return {true, static_cast<S>(h.fraction), detail::from_point<S>(axes * h.normal),
             detail::from_point<S>(from + way * h.fraction)};

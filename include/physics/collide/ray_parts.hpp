@@ -105,43 +105,42 @@ local_hit<D> cast_on_solid(const local_ray<D>& ray, const core<D>& shape, double
 }
 
 template <class Shape, int D>
-    requires has_parts<Shape, D>
-local_hit<D> cast_on(const Shape& shape, const local_ray<D>& ray) {
-    using S = typename Shape::scalar;
-    first_hit<S, D> first(ray);
-    if constexpr (is_surface<Shape, D>) {
-        const double radius = detail::to_double(shape.radius);
-        const auto meet = [&](const surface_face<D>& face) {
-            if (radius > 0) first.meet(face, radius);
-            else first.meet(face);
-            return first.most();
-        };
-        const box_ray<D> search(ray.origin, ray.way, radius);
-        if constexpr (requires { each_part_along(shape, search, meet); }) {
-            each_part_along(shape, search, meet);
+    requires has_parts<Shape, D> local_hit<D> cast_on(const Shape& shape, const local_ray<D>& ray) {
+        using S = typename Shape::scalar;
+        first_hit<S, D> first(ray);
+        if constexpr (is_surface<Shape, D>) {
+            const double radius = detail::to_double(shape.radius);
+            const auto meet = [&](const surface_face<D>& face) {
+                if (radius > 0) first.meet(face, radius);
+                else first.meet(face);
+                return first.most();
+            };
+            const box_ray<D> search(ray.origin, ray.way, radius);
+            if constexpr (requires { each_part_along(shape, search, meet); }) {
+                each_part_along(shape, search, meet);
+            } else {
+                each_part(shape, search.bounds(), [&](const surface_part<D>& part) {
+                    surface_face<D> face{{}, part.two_sided};
+                    for (int i = 0; i < D; ++i) face.corner[i] = part.corner[i];
+                    meet(face);
+                });
+            }
         } else {
-            each_part(shape, search.bounds(), [&](const surface_part<D>& part) {
-                surface_face<D> face{{}, part.two_sided};
-                for (int i = 0; i < D; ++i) face.corner[i] = part.corner[i];
-                meet(face);
-            });
+            const auto meet = [&](const auto& child) {
+                const local_ray<D> seen{transposed_times(child.axes, ray.origin - child.at),
+                                        transposed_times(child.axes, ray.way)};
+                local_hit<D> hit = cast_on_solid<S>(seen, child.shape, first.most());
+                hit.normal = child.axes * hit.normal;
+                first.take(hit);
+                return first.most();
+            };
+            const box_ray<D> search(ray.origin, ray.way, 0);
+            if constexpr (requires { each_child_along(shape, search, meet); }) each_child_along(shape, search, meet);
+            else each_child(shape, search.bounds(), meet);
         }
-    } else {
-        const auto meet = [&](const auto& child) {
-            const local_ray<D> seen{transposed_times(child.axes, ray.origin - child.at),
-                                    transposed_times(child.axes, ray.way)};
-            local_hit<D> hit = cast_on_solid<S>(seen, child.shape, first.most());
-            hit.normal = child.axes * hit.normal;
-            first.take(hit);
-            return first.most();
-        };
-        const box_ray<D> search(ray.origin, ray.way, 0);
-        if constexpr (requires { each_child_along(shape, search, meet); }) each_child_along(shape, search, meet);
-        else each_child(shape, search.bounds(), meet);
+        first.hit.normal = normalized(first.hit.normal);
+        return first.hit;
     }
-    first.hit.normal = normalized(first.hit.normal);
-    return first.hit;
-}
 
 }  // namespace detail
 

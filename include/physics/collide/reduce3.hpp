@@ -74,8 +74,8 @@ int beyond_triangle(const Source& source, int count, const int (&corner)[3]) {
         for (int k = 0; k < 3; ++k) {
             const int from = corner[k], to = corner[k < 2 ? k + 1 : 0];
             const S u = source.u(i) - source.u(from), v = source.v(i) - source.v(from);
-            score = max(score, difference_of_products(v, source.u(to) - source.u(from), u,
-                                                      source.v(to) - source.v(from)));
+            score =
+                max(score, difference_of_products(v, source.u(to) - source.u(from), u, source.v(to) - source.v(from)));
         }
         const bool taken = i == corner[0] || i == corner[1] || i == corner[2];
         if (taken || (best >= 0 && !(score > highest + abs(highest) * S(1.0 / 32)))) continue;
@@ -102,9 +102,8 @@ void choose_four(const Source& source, int count, S slack, int (&chosen)[4]) {
     for (int i = 1; i < left.packs; ++i) low = min(low, source.points(i).separation);
     const P most = P::broadcast(slack - greatest_lane(-low)), none = P::broadcast(S(-1));
     // The first is one of the deepest; of those that are alike the one farthest out.
-    chosen[0] = left.take(left.weigh([&](const points& p) {
-        return select_greater(p.separation, most, none, lane_sum(p.u, p.u, p.v, p.v));
-    }));
+    chosen[0] = left.take(left.weigh(
+        [&](const points& p) { return select_greater(p.separation, most, none, lane_sum(p.u, p.u, p.v, p.v)); }));
     const place a = at(chosen[0]);
     chosen[1] = left.take(left.weigh([&](const points& p) {
         const P du = p.u - a.u, dv = p.v - a.v;
@@ -116,8 +115,8 @@ void choose_four(const Source& source, int count, S slack, int (&chosen)[4]) {
     };
     const place b = at(chosen[1]);
     point_choice<Source> right = left;
-    const S on_left = left.weigh([&](const points& p) { return -beside(a, b, p); }),
-            on_right = right.weigh([&](const points& p) { return beside(a, b, p); });
+    const S on_left = left.weigh([&](const points&p) { return -beside(a, b, p); }),
+            on_right = right.weigh([&](const points&p) { return beside(a, b, p); });
     chosen[2] = right.take(on_right);
     chosen[3] = left.take(on_left);
     // Where one side holds next to nothing, there may be more beyond the triangle's others.

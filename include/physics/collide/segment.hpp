@@ -49,10 +49,8 @@ constexpr bool clip_segment(S middle, S direction, S limit, S& start, S& stop) {
         const S at_start = side * (middle + direction * start) - limit,
                 at_stop = side * (middle + direction * stop) - limit;
         if (at_start > S(0) && at_stop > S(0)) return false;
-        if (at_start > S(0))
-            start += (stop - start) * (at_start / (at_start - at_stop));
-        else if (at_stop > S(0))
-            stop -= (stop - start) * (at_stop / (at_stop - at_start));
+        if (at_start > S(0)) start += (stop - start) * (at_start / (at_start - at_stop));
+        else if (at_stop > S(0)) stop -= (stop - start) * (at_stop / (at_stop - at_start));
     }
     return true;
 }

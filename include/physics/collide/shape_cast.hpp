@@ -201,40 +201,43 @@ half_cast<D> cast_on_half(const bounding_half<D>& h, const placed_core<D>& b, co
 /// by less may be judged either way. Cost: 0.3 us in the plane, 1 us in space;
 /// hulls of many vertices 1 to 3 us.
 template <class A, class B, class S, int D>
-    requires detail::has_core<A> && detail::has_core<B>
-cast_hit<S, D> shape_cast(const A& a, const B& b, const transform<S, D>& b_in_a,
-                          std::type_identity_t<vec<S, D>> translation, std::type_identity_t<S> most = S(1)) {
-    const detail::core_pair<D> pair(a, b, b_in_a);
-    return detail::cast_shapes<S>(pair, detail::to_point(translation), detail::to_double(most));
-}
+    requires detail::has_core<A> && detail::has_core<B> cast_hit<S, D> shape_cast(
+        const A& a, const B& b, const transform<S, D>& b_in_a, std::type_identity_t<vec<S, D>> translation,
+        std::type_identity_t<S> most = S(1)) {
+        const detail::core_pair<D> pair(a, b, b_in_a);
+        return detail::cast_shapes<S>(pair, detail::to_point(translation), detail::to_double(most));
+    }
 /// The same where A is a halfspace. Cost: 50 ns.
 template <class B, class S, int D>
-    requires detail::has_core<B>
-cast_hit<S, D> shape_cast(const halfspace<S, D>& a, const B& b, const transform<S, D>& b_in_a,
-                          std::type_identity_t<vec<S, D>> translation, std::type_identity_t<S> most = S(1)) {
-    const detail::bounding_half<D> half(a);
-    const detail::core<D> shape = core_of(b);
-    const detail::placed_core<D> placed{&shape, detail::to_matrix(b_in_a.rotation), detail::to_point(b_in_a.position)};
-    const double touch = detail::touch_tolerance<S>(shape.extent + shape.radius + largest(placed.at));
-    const detail::half_cast<D> c =
-        detail::cast_on_half(half, placed, detail::to_point(translation), detail::to_double(most), touch);
-    if (!c.hit) return {};
-    const detail::point<D> onto = half.normal * (half.offset - dot(half.normal, c.at));
-    return detail::rounded_hit<S>(c.fraction, half.normal, c.at + onto, query_status::converged);
-}
+    requires detail::has_core<B> cast_hit<S, D> shape_cast(const halfspace<S, D>& a, const B& b,
+                                                           const transform<S, D>& b_in_a,
+                                                           std::type_identity_t<vec<S, D>> translation,
+                                                           std::type_identity_t<S> most = S(1)) {
+        const detail::bounding_half<D> half(a);
+        const detail::core<D> shape = core_of(b);
+        const detail::placed_core<D> placed{&shape, detail::to_matrix(b_in_a.rotation),
+                                            detail::to_point(b_in_a.position)};
+        const double touch = detail::touch_tolerance<S>(shape.extent + shape.radius + largest(placed.at));
+        const detail::half_cast<D> c =
+            detail::cast_on_half(half, placed, detail::to_point(translation), detail::to_double(most), touch);
+        if (!c.hit) return {};
+        const detail::point<D> onto = half.normal * (half.offset - dot(half.normal, c.at));
+        return detail::rounded_hit<S>(c.fraction, half.normal, c.at + onto, query_status::converged);
+    }
 /// The same where B is a halfspace.
 template <class A, class S, int D>
-    requires detail::has_core<A>
-cast_hit<S, D> shape_cast(const A& a, const halfspace<S, D>& b, const transform<S, D>& b_in_a,
-                          std::type_identity_t<vec<S, D>> translation, std::type_identity_t<S> most = S(1)) {
-    const detail::bounding_half<D> half(b, b_in_a);
-    const detail::core<D> shape = core_of(a);
-    const detail::placed_core<D> placed{&shape, mat<double, D>::identity(), {}};
-    const detail::point<D> way = detail::to_point(translation);
-    const double touch = detail::touch_tolerance<S>(shape.extent + shape.radius + abs(half.offset));
-    const detail::half_cast<D> c = detail::cast_on_half(half, placed, -way, detail::to_double(most), touch);
-    if (!c.hit) return {};
-    return detail::rounded_hit<S>(c.fraction, -half.normal, c.at + way * c.fraction, query_status::converged);
-}
+    requires detail::has_core<A> cast_hit<S, D> shape_cast(const A& a, const halfspace<S, D>& b,
+                                                           const transform<S, D>& b_in_a,
+                                                           std::type_identity_t<vec<S, D>> translation,
+                                                           std::type_identity_t<S> most = S(1)) {
+        const detail::bounding_half<D> half(b, b_in_a);
+        const detail::core<D> shape = core_of(a);
+        const detail::placed_core<D> placed{&shape, mat<double, D>::identity(), {}};
+        const detail::point<D> way = detail::to_point(translation);
+        const double touch = detail::touch_tolerance<S>(shape.extent + shape.radius + abs(half.offset));
+        const detail::half_cast<D> c = detail::cast_on_half(half, placed, -way, detail::to_double(most), touch);
+        if (!c.hit) return {};
+        return detail::rounded_hit<S>(c.fraction, -half.normal, c.at + way * c.fraction, query_status::converged);
+    }
 
 PHYSICS_HPP_END

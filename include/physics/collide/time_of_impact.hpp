@@ -8,7 +8,9 @@ PHYSICS_HPP_BEGIN
 namespace detail {
 
 template <class S>
-physics::rotation<S, 2> rotation_by(S turn) { return physics::rotation<S, 2>::from_angle(turn); }
+physics::rotation<S, 2> rotation_by(S turn) {
+    return physics::rotation<S, 2>::from_angle(turn);
+}
 template <class S>
 physics::rotation<S, 3> rotation_by(const vec<S, 3>& turn) {
     const auto [axis, angle] = split(turn);
@@ -98,9 +100,13 @@ inline mat<double, 3> turning(const point<3>& turn) {
              {k.x * k.z * v + k.y * s, k.y * k.z * v - k.x * s, c + k.z * k.z * v}}};
 }
 template <class S>
-double to_turn(S w) { return detail::to_double(w); }
+double to_turn(S w) {
+    return detail::to_double(w);
+}
 template <class S>
-point<3> to_turn(const vec<S, 3>& w) { return to_point(w); }
+point<3> to_turn(const vec<S, 3>& w) {
+    return to_point(w);
+}
 
 /// A core that moves; time runs from 0 to 1.
 template <int D>
@@ -356,36 +362,34 @@ impact<S, D> rounded_impact(const moving_impact<D>& m, const sweep<S, D>& motion
 /// the separating axis that turns along is Catto's, Continuous collision, GDC (2013), here with a bound that proves it.
 /// Cost: 0.1 us where they stay far apart, else 0.6 to 2 us in the plane, 1.5 to 5 us in space; more for many turns.
 template <class A, class B, class S, int D>
-    requires detail::has_core<A> && detail::has_core<B>
-impact<S, D> time_of_impact(const A& a, const sweep<S, D>& motion_a, const B& b, const sweep<S, D>& motion_b,
-                            const std::type_identity_t<impact_settings<S>>& settings = {}) {
-    const detail::core<D> core_a = core_of(a);
-    const auto m = detail::swept_impact(core_a, motion_a, core_of(b), motion_b, nullptr, settings);
-    return detail::rounded_impact(m, motion_a, m.normal, m.on_a + m.normal * core_a.radius);
-}
+    requires detail::has_core<A> && detail::has_core<B> impact<S, D> time_of_impact(
+        const A& a, const sweep<S, D>& motion_a, const B& b, const sweep<S, D>& motion_b,
+        const std::type_identity_t<impact_settings<S>>& settings = {}) {
+        const detail::core<D> core_a = core_of(a);
+        const auto m = detail::swept_impact(core_a, motion_a, core_of(b), motion_b, nullptr, settings);
+        return detail::rounded_impact(m, motion_a, m.normal, m.on_a + m.normal * core_a.radius);
+    }
 /// The same where A is a halfspace.
 template <class B, class S, int D>
-    requires detail::has_core<B>
-impact<S, D> time_of_impact(const halfspace<S, D>& a, const sweep<S, D>& motion_a, const B& b,
-                            const sweep<S, D>& motion_b,
-                            const std::type_identity_t<impact_settings<S>>& settings = {}) {
-    const detail::bounding_half<D> half(a);
-    detail::core<D> surface;
-    surface.corner[0] = half.normal * half.offset;
-    const auto m = detail::swept_impact(surface, motion_a, core_of(b), motion_b, &half.normal, settings);
-    return detail::rounded_impact(m, motion_a, m.normal, m.on_a);
-}
+    requires detail::has_core<B> impact<S, D> time_of_impact(
+        const halfspace<S, D>& a, const sweep<S, D>& motion_a, const B& b, const sweep<S, D>& motion_b,
+        const std::type_identity_t<impact_settings<S>>& settings = {}) {
+        const detail::bounding_half<D> half(a);
+        detail::core<D> surface;
+        surface.corner[0] = half.normal * half.offset;
+        const auto m = detail::swept_impact(surface, motion_a, core_of(b), motion_b, &half.normal, settings);
+        return detail::rounded_impact(m, motion_a, m.normal, m.on_a);
+    }
 /// The same where B is a halfspace.
 template <class A, class S, int D>
-    requires detail::has_core<A>
-impact<S, D> time_of_impact(const A& a, const sweep<S, D>& motion_a, const halfspace<S, D>& b,
-                            const sweep<S, D>& motion_b,
-                            const std::type_identity_t<impact_settings<S>>& settings = {}) {
-    const detail::bounding_half<D> half(b);
-    detail::core<D> surface;
-    surface.corner[0] = half.normal * half.offset;
-    const auto m = detail::swept_impact(surface, motion_b, core_of(a), motion_a, &half.normal, settings);
-    return detail::rounded_impact(m, motion_b, -m.normal, m.on_a + m.normal * m.gap);
-}
+    requires detail::has_core<A> impact<S, D> time_of_impact(
+        const A& a, const sweep<S, D>& motion_a, const halfspace<S, D>& b, const sweep<S, D>& motion_b,
+        const std::type_identity_t<impact_settings<S>>& settings = {}) {
+        const detail::bounding_half<D> half(b);
+        detail::core<D> surface;
+        surface.corner[0] = half.normal * half.offset;
+        const auto m = detail::swept_impact(surface, motion_b, core_of(a), motion_a, &half.normal, settings);
+        return detail::rounded_impact(m, motion_b, -m.normal, m.on_a + m.normal * m.gap);
+    }
 
 PHYSICS_HPP_END

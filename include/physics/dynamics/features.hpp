@@ -31,6 +31,7 @@ struct materials {};
 template <class... Features>
 struct without {
     using stage = physics::stage::features;
+
 private:
     template <class Feature>
     static constexpr bool lacks = (std::same_as<Features, Feature> || ...);
@@ -46,10 +47,10 @@ public:
     static constexpr bool surface_velocity = friction && materials && !lacks<feature::surface_velocity>;
     static constexpr bool sleeping = !lacks<feature::sleeping>;
     static constexpr bool continuous = !lacks<feature::continuous>;
-    static constexpr bool known = (is_one_of<Features, feature::friction, feature::restitution, feature::rotation,
-                                             feature::rolling_resistance, feature::surface_velocity,
-                                             feature::sleeping, feature::continuous, feature::materials> &&
-                                   ...);
+    static constexpr bool known =
+        (is_one_of<Features, feature::friction, feature::restitution, feature::rotation, feature::rolling_resistance,
+                   feature::surface_velocity, feature::sleeping, feature::continuous, feature::materials> &&
+         ...);
 };
 
 namespace detail {

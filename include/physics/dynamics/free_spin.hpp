@@ -88,12 +88,9 @@ struct free_spin<S, 3> {
 
     free_spin() = default;
     explicit free_spin(const symmetric<S>& inertia) {
-        detail::principal_axes p = detail::principal_axes_of({static_cast<double>(inertia.xx),
-                                                              static_cast<double>(inertia.yy),
-                                                              static_cast<double>(inertia.zz),
-                                                              static_cast<double>(inertia.xy),
-                                                              static_cast<double>(inertia.xz),
-                                                              static_cast<double>(inertia.yz)});
+        detail::principal_axes p = detail::principal_axes_of(
+            {static_cast<double>(inertia.xx), static_cast<double>(inertia.yy), static_cast<double>(inertia.zz),
+             static_cast<double>(inertia.xy), static_cast<double>(inertia.xz), static_cast<double>(inertia.yz)});
         double inverse[3];
         // Of the moments as they are kept: else a spin would grow or fade, bit by bit.
         for (int i = 0; i < 3; ++i) {

@@ -44,8 +44,8 @@ constexpr inverse_of<S> answer([[maybe_unused]] const solver_body<S, D, Turns>& 
 
 /// The effective mass along n: the impulse that changes the relative velocity along n by 1.
 template <class S, int D, bool Turns>
-constexpr S effective_mass(const solver_body<S, D, Turns>& a, const solver_body<S, D, Turns>& b,
-                           const levers<S, D>& to, vec<S, D> n) {
+constexpr S effective_mass(const solver_body<S, D, Turns>& a, const solver_body<S, D, Turns>& b, const levers<S, D>& to,
+                           vec<S, D> n) {
     const inverse_of<S> k = a.inverse_mass + b.inverse_mass + answer(a, b, to, n, n);
     return k > inverse_of<S>(0) ? reciprocal<S>(k) : S(0);
 }

@@ -44,9 +44,7 @@ struct semi_implicit_euler {
         }
 
     private:
-        static constexpr S damped(S damping, S h) {
-            return damping == S(0) ? S(1) : S(1) / (S(1) + damping * h);
-        }
+        static constexpr S damped(S damping, S h) { return damping == S(0) ? S(1) : S(1) / (S(1) + damping * h); }
     };
 };
 

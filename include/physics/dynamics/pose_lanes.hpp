@@ -165,11 +165,10 @@ private:
         const lanes3<P> moments = lanes3<P>::load(of.moments);
         const rotation_lanes<P> drawn = lanes_of(of.start);
         const P drawn_lack = drawn.norm_lack();
-        const lanes3<P> gain =
-            lane_rotated(drawn.inverse(), drawn_lack, lane_subtract(w, lanes3<P>::load(of.known)));
-        const lanes3<P> momentum = lane_add(
-            lanes3<P>::load(of.momentum),
-            lane_rotated(frame, lack, {moments.x * gain.x, moments.y * gain.y, moments.z * gain.z}));
+        const lanes3<P> gain = lane_rotated(drawn.inverse(), drawn_lack, lane_subtract(w, lanes3<P>::load(of.known)));
+        const lanes3<P> momentum =
+            lane_add(lanes3<P>::load(of.momentum),
+                     lane_rotated(frame, lack, {moments.x * gain.x, moments.y * gain.y, moments.z * gain.z}));
         momentum.store(of.momentum);
         const Q first = Q::load(of.first), second = Q::load(of.second), third = Q::load(of.third);
         lanes3<P> seen = lane_rotated(frame.inverse(), lack, momentum);
@@ -204,8 +203,7 @@ private:
             if (top) {
                 v = turn_top(top->spin, now, {of.momentum[0][lane], of.momentum[1][lane], of.momentum[2][lane]}, h);
                 v = rotated_as_unit(rotation_of(of.start, lane), rotated_as_unit(inverse(now), v));
-            } else
-                now = physics::turned(now, v * h);
+            } else now = physics::turned(now, v * h);
             axes.x.set_lane(lane, now.x);
             axes.y.set_lane(lane, now.y);
             axes.z.set_lane(lane, now.z);
@@ -222,8 +220,7 @@ private:
     }
     /// In fixed point, puts the angles of far lanes in range: their turns are made anew, and these must not overflow.
     PHYSICS_HPP_ALWAYS_INLINE static P near(const P& quarter) {
-        if constexpr (std::floating_point<S>)
-            return quarter;
+        if constexpr (std::floating_point<S>) return quarter;
         else {
             const P most = P::broadcast(S(0.5));
             return max(min(quarter, most), -most);

@@ -196,8 +196,7 @@ private:
             for (int k = 0; k < D; ++k) f(n.linear[k], sign * to_double(impulse[k]));
             if constexpr (turns) {
                 const auto moment = cross(is_b ? p.to.b : p.to.a, impulse);
-                if constexpr (D == 2)
-                    f(n.angular[0], sign * to_double(moment));
+                if constexpr (D == 2) f(n.angular[0], sign * to_double(moment));
                 else
                     for (int k = 0; k < 3; ++k) f(n.angular[k], sign * to_double(moment[k]));
             }
@@ -240,10 +239,8 @@ private:
     static void find_share(node& group) {
         const double answering = group.answering.total(), stopping = group.stopping.total();
         const double acting = group.acting.total();
-        if (group.hits == 1)
-            group.share = 2;
-        else
-            group.share = answering > 0 && stopping > 0 ? 2 * (acting / answering) * (acting / stopping) : 0;
+        if (group.hits == 1) group.share = 2;
+        else group.share = answering > 0 && stopping > 0 ? 2 * (acting / answering) * (acting / stopping) : 0;
     }
     /// Reflects all hits at once.
     void reflect() {

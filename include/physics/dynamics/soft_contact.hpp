@@ -56,8 +56,8 @@ struct soft_bounces {
             const P v = speed_at(k), gap = P::load(points[k].separation) + way_at(k);
             for (int lane = 0; lane < W; ++lane)
                 if (speed[k][lane] > S(0))
-                    speed[k][lane] = rebound_speed(restitution[lane], -v.lane(lane), gap.lane(lane), closing[lane],
-                                                   how.substep);
+                    speed[k][lane] =
+                        rebound_speed(restitution[lane], -v.lane(lane), gap.lane(lane), closing[lane], how.substep);
         }
         return true;
     }
@@ -135,8 +135,7 @@ void begin_without(linear_twist<S, D>& begun, const solver_body<S, D, false>& b,
 /// The change of a point's impulse that its speed along the normal asks for, in lanes that are left to visits (1, else
 /// 0).
 template <class P, class Point, class Round, class S = typename P::scalar>
-PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& way, const Round& how,
-                                         const P& left) {
+PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& way, const Round& how, const P& left) {
     const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
     const P gap = P::load(point.separation) + way, mass = P::load(point.mass), before = P::load(point.impulse);
     const P closing = gap * P::broadcast(how.inverse_step);
@@ -144,8 +143,8 @@ PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& 
     if (how.pushes) {
         bias = max(gap * P::broadcast(how.spring.rate), P::broadcast(-how.push_speed));
         strength = strength * select_greater(gap, zero, one, P::broadcast(how.spring.mass_scale));
-        kept = before - lane_part(before, left) *
-                            select_greater(gap, zero, zero, P::broadcast(how.spring.impulse_scale));
+        kept =
+            before - lane_part(before, left) * select_greater(gap, zero, zero, P::broadcast(how.spring.impulse_scale));
     }
     // Once poses have advanced, gaps that nothing has held close are left to the next substep: an approach that is
     // slowed here would bounce with less.
@@ -183,8 +182,7 @@ S bounce_points(Point* points, int count, const Bounces& bounces, int lane, Spee
 /// Ends a substep: adds the loads of the points to the step's impulses.
 template <class P, class Point>
 PHYSICS_HPP_ALWAYS_INLINE void add_totals(Point* points, int count) {
-    for (int k = 0; k < count; ++k)
-        (P::load(points[k].total) + P::load(points[k].impulse)).store(points[k].total);
+    for (int k = 0; k < count; ++k) (P::load(points[k].total) + P::load(points[k].impulse)).store(points[k].total);
 }
 
 }  // namespace detail

@@ -178,8 +178,8 @@ struct soft_contact2 {
         if (moves_b) at_b.store(bodies, b);
     }
     /// Notes which points are going to bounce, before anything stops them.
-    PHYSICS_HPP_ALWAYS_INLINE void note_approaches(const body* bodies, const soft_round<S, 2>& how)
-        requires Features::restitution {
+    PHYSICS_HPP_ALWAYS_INLINE void note_approaches(const body* bodies,
+                                                   const soft_round<S, 2>& how) requires Features::restitution {
         bounces_now = false;
         if (!bounce_to.at->template any_free<P>(points, point_count)) return;
         const frame_lanes f(*this);

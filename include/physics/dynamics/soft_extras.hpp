@@ -85,7 +85,9 @@ struct belt_lanes {
     S along[W];
 
     template <class Features>
-    void put(int lane, const contact<S, 2, Features>& c) { along[lane] = c.surface_velocity; }
+    void put(int lane, const contact<S, 2, Features>& c) {
+        along[lane] = c.surface_velocity;
+    }
 };
 template <class S, int W>
 struct belt_lanes<S, W, 3> {
@@ -160,9 +162,8 @@ struct nothing {};
 
 /// What few contacts have lies apart from their block, so that the others pay for a look at a pointer.
 template <class S, int W, int D, class Features>
-struct soft_extras
-    : std::conditional_t<Features::rolling_resistance, rolling_lanes<S, W, D, Features>, nothing<0>>,
-      std::conditional_t<Features::surface_velocity, belt_lanes<S, W, D>, nothing<1>> {
+struct soft_extras : std::conditional_t<Features::rolling_resistance, rolling_lanes<S, W, D, Features>, nothing<0>>,
+                     std::conditional_t<Features::surface_velocity, belt_lanes<S, W, D>, nothing<1>> {
     using rolling = rolling_lanes<S, W, D, Features>;
     using belt = belt_lanes<S, W, D>;
     using body = solver_body<S, D, Features::rotation>;
@@ -170,8 +171,8 @@ struct soft_extras
     static bool needed_by(const contact<S, D, Features>& c, const soft_start<S, D, Features>& with) {
         return with.surfaces.rolling_resistance_of(c) > S(0) || value_of(c.surface_velocity) != tangential<S, D>{};
     }
-    void put(int lane, const contact<S, D, Features>& c, [[maybe_unused]] const body& a,
-             [[maybe_unused]] const body& b, [[maybe_unused]] const soft_start<S, D, Features>& with) {
+    void put(int lane, const contact<S, D, Features>& c, [[maybe_unused]] const body& a, [[maybe_unused]] const body& b,
+             [[maybe_unused]] const soft_start<S, D, Features>& with) {
         if constexpr (Features::rolling_resistance)
             if (const S resistance = with.surfaces.rolling_resistance_of(c); resistance > S(0))
                 rolling::put(lane, c, resistance, rolling_at<S, D>(a, b, tangents<S, D>(c.normal)), with.share);
@@ -207,8 +208,8 @@ template <class S, int W, int D, class Features>
     requires(!Features::rolling_resistance && !Features::surface_velocity)
 struct extras_of_block<S, W, D, Features> {
     template <class Body>
-    void put(int, const contact<S, D, Features>&, const Body&, const Body&, const soft_start<S, D, Features>&,
-             arena&) {}
+    void put(int, const contact<S, D, Features>&, const Body&, const Body&, const soft_start<S, D, Features>&, arena&) {
+    }
     void take(int, contact<S, D, Features>&) const {}
 };
 

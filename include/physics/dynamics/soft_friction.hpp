@@ -196,8 +196,7 @@ struct soft_point_friction3 {
         put_lanes(c.turned(u_a, u_b, c.n, c.n), answer[4]);
         put_lanes(c.turned(c.n, c.n, c.n, c.n), answer[5]);
         for (int k = 0; k < most; ++k) {
-            const lanes3<K> offset =
-                lane_combine(c.t, lanes_from<K>(points[k].x), c.u, lanes_from<K>(points[k].y));
+            const lanes3<K> offset = lane_combine(c.t, lanes_from<K>(points[k].x), c.u, lanes_from<K>(points[k].y));
             prepare_cone(c, lane_add(c.arm_a, offset), lane_add(c.arm_b, offset), each[k].stop);
         }
     }
@@ -245,8 +244,7 @@ struct soft_point_friction3 {
             slide_lanes<P> by{zero, zero, zero};
             add(by, points[k], after.x - before.x, after.y - before.y);
             sum = {sum.x + by.x, sum.y + by.y, sum.twist + by.twist};
-            slip = {slip.x + answered(0, 1, 2, by), slip.y + answered(1, 3, 4, by),
-                    slip.twist + answered(2, 4, 5, by)};
+            slip = {slip.x + answered(0, 1, 2, by), slip.y + answered(1, 3, 4, by), slip.twist + answered(2, 4, 5, by)};
         }
         return sum;
     }

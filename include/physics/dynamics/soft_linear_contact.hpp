@@ -141,7 +141,7 @@ struct soft_linear_contact {
     I mass_a[W], mass_b[W];
     point points[point_count];
     [[no_unique_address]] std::conditional_t<Features::friction, soft_linear_friction<S, D, W, Features>,
-                                               no_soft_friction>
+                                             no_soft_friction>
         friction;
     /// What the points bore together as the substep began.
     S held[W];
@@ -243,8 +243,8 @@ struct soft_linear_contact {
         store(bodies, at_a, at_b);
     }
     /// Notes which contacts are going to bounce, before anything stops them.
-    PHYSICS_HPP_ALWAYS_INLINE void note_approaches(const body* bodies, const round& how)
-        requires Features::restitution {
+    PHYSICS_HPP_ALWAYS_INLINE void note_approaches(const body* bodies,
+                                                   const round& how) requires Features::restitution {
         bounces_now = false;
         if (!bounce_to.at->template any_free<P>(points, 1)) return;
         linear_lanes<P, D> at_a, at_b;

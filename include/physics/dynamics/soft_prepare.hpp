@@ -27,8 +27,7 @@ PHYSICS_HPP_ALWAYS_INLINE K lanes_from(const T* from) {
 }
 template <class K, class T>
 PHYSICS_HPP_ALWAYS_INLINE void put_lanes(const K& lanes, T* to) {
-    if constexpr (std::is_same_v<typename K::scalar, T>)
-        lanes.store(to);
+    if constexpr (std::is_same_v<typename K::scalar, T>) lanes.store(to);
     else
         for (int i = 0; i < K::width; ++i) to[i] = static_cast<T>(lanes.lane(i));
 }

@@ -105,8 +105,15 @@ struct soft_step_with {
             const bool capped = with.frequency_cap > S(0) && with.frequency_cap < frequency;
             detail::substep_start<S, D, turns> start(all, scratch);
             const detail::soft_round<S, D, turns> press{
-                S(1) / part, detail::softness<S>::of(capped ? with.frequency_cap : frequency, with.damping_ratio, part),
-                with.max_push_speed, with.impact_speed, with.restitution_slop, part, true, false, start.velocities()};
+                S(1) / part,
+                detail::softness<S>::of(capped ? with.frequency_cap : frequency, with.damping_ratio, part),
+                with.max_push_speed,
+                with.impact_speed,
+                with.restitution_slop,
+                part,
+                true,
+                false,
+                start.velocities()};
             detail::soft_round<S, D, turns> relax = press;
             relax.pushes = false;
             for (int i = 0; i < with.substeps; ++i) {
@@ -130,8 +137,8 @@ struct soft_step_with {
                                 blocks.first[k].bounce(bodies, relax);
                         });
             }
-            blocks.each_at_once(
-                hands, [&](std::uint32_t k, std::uint32_t, std::uint32_t) { blocks.take(k, contacts); });
+            blocks.each_at_once(hands,
+                                [&](std::uint32_t k, std::uint32_t, std::uint32_t) { blocks.take(k, contacts); });
         }
         /// Blocks that contacts of these colours fill.
         static std::uint32_t blocks_of(const detail::contact_colours& colours) {
@@ -145,8 +152,7 @@ struct soft_step_with {
         static constexpr std::uint32_t none = 0xffffffffu;
         using turning_block = std::conditional_t<D == 2, detail::soft_contact2<S, width, Features>,
                                                  detail::soft_contact3<S, width, Features, Friction>>;
-        using block =
-            std::conditional_t<turns, turning_block, detail::soft_linear_contact<S, D, width, Features>>;
+        using block = std::conditional_t<turns, turning_block, detail::soft_linear_contact<S, D, width, Features>>;
         using kernels = Kernels<block>;
 
         /// So many blocks are worth handing to somebody else.

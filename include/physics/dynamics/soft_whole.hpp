@@ -11,8 +11,8 @@ namespace detail {
 /// Whether visits would change nothing in these lanes (1, else 0): no point has pushed, and none closes its gap within
 /// the substep, or has closed it.
 template <class P, class Point, class Round, class At, class SpeedAt>
-PHYSICS_HPP_ALWAYS_INLINE bool are_idle(const Point* points, int count, const Round& how, const P& lanes,
-                                        At&& at, SpeedAt&& speed_at) {
+PHYSICS_HPP_ALWAYS_INLINE bool are_idle(const Point* points, int count, const Round& how, const P& lanes, At&& at,
+                                        SpeedAt&& speed_at) {
     const P zero = P::broadcast(typename P::scalar(0)), per_step = P::broadcast(how.inverse_step);
     P busy = zero;
     for (int k = 0; k < count; ++k) {
@@ -149,8 +149,7 @@ struct soft_whole {
         // Loads that last are over-relaxed, all points alike: those of tall piles travel faster so. Impacts, and what
         // turns the bodies, are answered as they are. Source: Golub, Van Loan, Matrix Computations, 11.2.
         P more = zero;
-        if (how.over_relaxes)
-            more = select_greater(calm, zero, sum_of_changes / max(there, one), zero);
+        if (how.over_relaxes) more = select_greater(calm, zero, sum_of_changes / max(there, one), zero);
         left = select_greater(zero, ok, one, zero);
         const bool any_left = greater(zero, ok).bits() != 0 && !are_idle(points, count, how, left, at, speed_at);
         for (int k = 0; k < count; ++k) {

@@ -68,9 +68,7 @@ void each_segment(const chain_data<R>& c, const aabb<double, 2>& box, F&& f) {
 /// The parts that a segment may meet, as for rays on meshes.
 template <class R, class F>
 void each_segment_along(const chain_data<R>& c, const box_ray<2>& ray, F&& f) {
-    c.tree.visit(ray, [&](std::uint32_t i) {
-        return f(surface_face<2>{{c.point(i), c.end_of(i)}, c.two_sided});
-    });
+    c.tree.visit(ray, [&](std::uint32_t i) { return f(surface_face<2>{{c.point(i), c.end_of(i)}, c.two_sided}); });
 }
 
 template <class R>

@@ -100,22 +100,22 @@ template <class S, int D>
 class compound_child {
 public:
     template <class Shape>
-        requires detail::has_core<Shape>
-    compound_child(const Shape& shape, vec<S, D> position = {}, const rotation<S, D>& turned = {})
-        : position_(position), rotation_(turned) {
-        static_assert(sizeof(Shape) <= detail::solid_bytes::most && alignof(Shape) <= alignof(detail::solid_bytes),
-                      "physics::compound_child: the shape is larger than 64 bytes");
-        solid_.functions = &detail::solid_functions_of<Shape, D>;
-        new (static_cast<void*>(solid_.shape.bytes)) Shape(shape);
-    }
+        requires detail::has_core<Shape> compound_child(const Shape& shape, vec<S, D> position = {},
+                                                        const rotation<S, D>& turned = {})
+            : position_(position), rotation_(turned) {
+            static_assert(sizeof(Shape) <= detail::solid_bytes::most && alignof(Shape) <= alignof(detail::solid_bytes),
+                          "physics::compound_child: the shape is larger than 64 bytes");
+            solid_.functions = &detail::solid_functions_of<Shape, D>;
+            new (static_cast<void*>(solid_.shape.bytes)) Shape(shape);
+        }
 
-private:
-    template <class, int>
-    friend class compound_geometry;
+    private:
+        template <class, int>
+        friend class compound_geometry;
 
-    detail::loose_solid<D> solid_{};
-    vec<S, D> position_;
-    rotation<S, D> rotation_;
+        detail::loose_solid<D> solid_{};
+        vec<S, D> position_;
+        rotation<S, D> rotation_;
 };
 
 /// Convex shapes as one, built once and shared by all compounds made of it, and by worlds that hold such.
@@ -184,8 +184,8 @@ private:
         return check_length(function, (x * x + y * y) + (z * z + w * w));
     }
     static bool check_length(const char* function, double squared) {
-        return abs(squared - 1) < 1e-3 || detail::refuse(function, "squared length of rotation", squared,
-                                                         "it must be 1, to less than 0.001");
+        return abs(squared - 1) < 1e-3 ||
+               detail::refuse(function, "squared length of rotation", squared, "it must be 1, to less than 0.001");
     }
 
     detail::geometry_owner<detail::compound_data<D>> owner_;

@@ -81,17 +81,17 @@ struct core {
     /// The farthest point along d, which need not be a unit vector, nor be other than null.
     [[nodiscard]] support_point<D> support(const point<D>& d) const {
         switch (kind) {
-        case core_kind::point: return {corner[0], 0};
-        case core_kind::segment: return nearer(d, 0, 1);
-        case core_kind::triangle: {
-            const support_point<D> best = nearer(d, 0, 1);
-            return dot(d, corner[2] - best.at) > 0 ? support_point<D>{corner[2], 2} : best;
-        }
-        case core_kind::box: return support_of_box(d);
-        case core_kind::hull_of_floats: return from_hull<float>(d);
-        case core_kind::hull_of_doubles: return from_hull<double>(d);
-        case core_kind::disc: return {from_disc(d), 0};
-        case core_kind::custom: return {custom(data, d), 0};
+            case core_kind::point: return {corner[0], 0};
+            case core_kind::segment: return nearer(d, 0, 1);
+            case core_kind::triangle: {
+                const support_point<D> best = nearer(d, 0, 1);
+                return dot(d, corner[2] - best.at) > 0 ? support_point<D>{corner[2], 2} : best;
+            }
+            case core_kind::box: return support_of_box(d);
+            case core_kind::hull_of_floats: return from_hull<float>(d);
+            case core_kind::hull_of_doubles: return from_hull<double>(d);
+            case core_kind::disc: return {from_disc(d), 0};
+            case core_kind::custom: return {custom(data, d), 0};
         }
         return {};
     }
@@ -113,13 +113,13 @@ struct core {
     /// The vertex of that number; the number may be a wrong one, from another shape.
     [[nodiscard]] support_point<D> vertex(std::uint32_t i) const {
         switch (kind) {
-        case core_kind::point: return {corner[0], 0};
-        case core_kind::segment: i &= 1u; return {corner[i], i};
-        case core_kind::triangle: i = i < 3 ? i : 0; return {corner[i], i};
-        case core_kind::box: return vertex_of_box(i);
-        case core_kind::hull_of_floats: return vertex_of_hull<float>(i < count ? i : 0);
-        case core_kind::hull_of_doubles: return vertex_of_hull<double>(i < count ? i : 0);
-        default: return {};
+            case core_kind::point: return {corner[0], 0};
+            case core_kind::segment: i &= 1u; return {corner[i], i};
+            case core_kind::triangle: i = i < 3 ? i : 0; return {corner[i], i};
+            case core_kind::box: return vertex_of_box(i);
+            case core_kind::hull_of_floats: return vertex_of_hull<float>(i < count ? i : 0);
+            case core_kind::hull_of_doubles: return vertex_of_hull<double>(i < count ? i : 0);
+            default: return {};
         }
     }
     [[nodiscard]] PHYSICS_HPP_ALWAYS_INLINE support_point<D> quick_vertex(std::uint32_t i) const {
@@ -251,8 +251,7 @@ detail::core<D> core_of(const Shape<S, D>& shape) {
         return detail::to_point(support(*static_cast<const Shape<S, D>*>(data), along));
     };
     const aabb<S, D> box = bounds(shape, transform<S, D>{});
-    for (int i = 0; i < D; ++i)
-        c.extent += detail::to_double(max(abs(box.lower[i]), abs(box.upper[i])));
+    for (int i = 0; i < D; ++i) c.extent += detail::to_double(max(abs(box.lower[i]), abs(box.upper[i])));
     return c;
 }
 
@@ -260,7 +259,9 @@ namespace detail {
 
 /// A shape that the general kernels take.
 template <class Shape>
-concept has_core = requires(const Shape& s) { core_of(s); };
+concept has_core = requires(const Shape& s) {
+    core_of(s);
+};
 
 }  // namespace detail
 

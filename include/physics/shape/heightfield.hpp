@@ -108,24 +108,19 @@ public:
     /// In the plane: heights (m) from left to right, spacing (m) apart. Refuses NaN and infinity, fewer than 2 samples,
     /// a spacing that is not greater than 0, and coordinates beyond 1e30 or a quarter of the range of S. O(n).
     [[nodiscard]] static heightfield_geometry build(const S* heights, std::uint32_t count, S spacing,
-                                                    const heightfield_settings& settings = {})
-        requires(D == 2)
-    {
+                                                    const heightfield_settings& settings = {}) requires(D == 2) {
         return heightfield_geometry(built_exactly(heights, count, 1, spacing, S(1), settings));
     }
     [[nodiscard]] static heightfield_geometry build(std::initializer_list<S> heights, S spacing,
-                                                    const heightfield_settings& settings = {})
-        requires(D == 2)
-    {
+                                                    const heightfield_settings& settings = {}) requires(D == 2) {
         return heightfield_geometry(
             built_exactly(heights.begin(), static_cast<std::uint32_t>(heights.size()), 1, spacing, S(1), settings));
     }
     /// In space: heights[row * columns + column] (m), columns spacing_x apart along x, rows spacing_z along z. Refuses
     /// what the other does, fewer than 2 columns or rows, and more than 2^31 samples. O(n).
     [[nodiscard]] static heightfield_geometry build(const S* heights, std::uint32_t columns, std::uint32_t rows,
-                                                    S spacing_x, S spacing_z, const heightfield_settings& settings = {})
-        requires(D == 3)
-    {
+                                                    S spacing_x, S spacing_z,
+                                                    const heightfield_settings& settings = {}) requires(D == 3) {
         return heightfield_geometry(built_exactly(heights, columns, rows, spacing_x, spacing_z, settings));
     }
 

@@ -125,10 +125,7 @@ void cell_parts(const heightfield_data<R, 3>& h, std::uint32_t x, std::uint32_t 
             if (!p.continues[i]) continue;
             const bool other_there = h.alternating && ((u + v) & 1u) != 0;
             // Of the cell there the triangle that holds the opposite side.
-            const int there = side == 4 ? 1 - k
-                              : side == 0 ? 1
-                              : side == 2 ? 0
-                              : (side == 1) != other_there ? 1 : 0;
+            const int there = side == 4 ? 1 - k : side == 0 ? 1 : side == 2 ? 0 : (side == 1) != other_there ? 1 : 0;
             p.beyond[i] = cell_normal(h, u, v, there);
         }
         p.two_sided = h.two_sided;

@@ -30,10 +30,8 @@ struct foreign_hull {
 
     template <class U>
     [[nodiscard]] constexpr auto as() const {
-        if constexpr (std::is_same_v<hull_real<U>, hull_real<S>>)
-            return hull<U, D>{geometry, static_cast<U>(radius)};
-        else
-            return foreign_hull<U, S, D>{geometry, static_cast<U>(radius)};
+        if constexpr (std::is_same_v<hull_real<U>, hull_real<S>>) return hull<U, D>{geometry, static_cast<U>(radius)};
+        else return foreign_hull<U, S, D>{geometry, static_cast<U>(radius)};
     }
 };
 
@@ -125,8 +123,7 @@ void vertex_ranges(const hull_data<R, D>& h, const vec<R, D> (&rows)[D], vec<R, 
         const auto height = [&](std::uint32_t i) {
             lanes sum = lanes::broadcast(rows[axis].x) * lanes::load(h.coordinate(0) + i) +
                         lanes::broadcast(rows[axis].y) * lanes::load(h.coordinate(1) + i);
-            if constexpr (D == 3)
-                sum = sum + lanes::broadcast(rows[axis].z) * lanes::load(h.coordinate(2) + i);
+            if constexpr (D == 3) sum = sum + lanes::broadcast(rows[axis].z) * lanes::load(h.coordinate(2) + i);
             return sum;
         };
         lanes low = height(0), high = low;

@@ -123,8 +123,7 @@ private:
             order.push({size, t});
         }
         spare.resize(count / 2 + 1);
-        merge_sort(order.begin(), spare.begin(), count,
-                   [](const entry& a, const entry& b) { return a.size > b.size; });
+        merge_sort(order.begin(), spare.begin(), count, [](const entry& a, const entry& b) { return a.size > b.size; });
         region_.resize(count, none);
         for (const entry& e : order)
             if (region_[e.triangle] == none && !is_needle(e.triangle)) grow(e.triangle);
@@ -324,9 +323,9 @@ private:
         const std::uint64_t* sorted = radix_sort(keys.begin(), spare.begin(), keys.size(), 0, 32);
         for (std::uint32_t i = 0; i < keys.size(); ++i) {
             const std::uint32_t h = static_cast<std::uint32_t>(sorted[i] >> 32);
-            outline.edges.push({{static_cast<std::uint16_t>(sorted[i] >> 16 & 0xffff),
-                                 static_cast<std::uint16_t>(sorted[i] & 0xffff)},
-                                {face[h], face[twin_[h]]}});
+            outline.edges.push(
+                {{static_cast<std::uint16_t>(sorted[i] >> 16 & 0xffff), static_cast<std::uint16_t>(sorted[i] & 0xffff)},
+                 {face[h], face[twin_[h]]}});
         }
     }
 

@@ -10,8 +10,8 @@ namespace detail {
 
 /// a b^T + b a^T.
 inline symmetric<double> both_products(const vec<double, 3>& a, const vec<double, 3>& b) {
-    return {2 * a.x * b.x, 2 * a.y * b.y, 2 * a.z * b.z, a.x * b.y + a.y * b.x, a.x * b.z + a.z * b.x,
-            a.y * b.z + a.z * b.y};
+    return {2 * a.x * b.x,         2 * a.y * b.y,         2 * a.z * b.z,
+            a.x * b.y + a.y * b.x, a.x * b.z + a.z * b.x, a.y * b.z + a.z * b.y};
 }
 /// a a^T.
 inline symmetric<double> square_of(const vec<double, 3>& a) { return both_products(a, a) * 0.5; }
@@ -137,9 +137,7 @@ inline simplex_sums over_triangle(const vec<double, 3>& a, const vec<double, 3>&
 
 /// A polygon's area, first and second moments.
 template <class Hull>
-vec<double, 2> compute_hull_moments(const Hull& h, hull_moments& m)
-    requires(Hull::dimension == 2)
-{
+vec<double, 2> compute_hull_moments(const Hull& h, hull_moments& m) requires(Hull::dimension == 2) {
     const std::uint32_t n = h.vertex_count;
     const vec<double, 2> base = h.exact_vertex(0);
     double area = 0;
@@ -170,9 +168,7 @@ vec<double, 2> compute_hull_moments(const Hull& h, hull_moments& m)
 /// A polyhedron's volume, first and second moments. The wedges of balls at vertices come from the arcs on the unit
 /// sphere that bound them, since n and n n^T - 1/3 are eigenfunctions of the sphere's Laplacian (-2 and -6).
 template <class Hull>
-vec<double, 3> compute_hull_moments(const Hull& h, hull_moments& m)
-    requires(Hull::dimension == 3)
-{
+vec<double, 3> compute_hull_moments(const Hull& h, hull_moments& m) requires(Hull::dimension == 3) {
     const auto each_triangle = [&](const vec<double, 3>& origin, auto&& use) {
         for (std::uint32_t f = 0; f < h.face_count; ++f) {
             const std::uint16_t* corners = h.face_vertices();

@@ -46,15 +46,14 @@ mass_properties<S, D> mass_of(const rounded_box<S, D>& b, std::type_identity_t<S
         const int j = i + 1 < D ? i + 1 : 0, k = D == 2 ? j : i > 0 ? i - 1 : 2;
         const double a = h[i], aa = a * a;
         // What lies between this axis' sides, and beyond them. Together the same volume for each axis.
-        const double within = D == 2 ? 4 * a * (h[j] + r)
-                                     : 8 * a * (h[j] * h[k] + r * (h[j] + h[k])) + 2 * pi<double> * rr * a;
+        const double within =
+            D == 2 ? 4 * a * (h[j] + r) : 8 * a * (h[j] * h[k] + r * (h[j] + h[k])) + 2 * pi<double> * rr * a;
         const double slabs = r * (D == 2 ? 4 * h[j] : 8 * h[j] * h[k]);
         const double quarters = pi<double> * rr * (D == 2 ? 1 : 2 * (h[j] + h[k]));
         const double balls = D == 2 ? 0 : pi<double> * (4.0 / 3) * rr * r;
         volume = within + slabs + quarters + balls;
         squares[i] = within * (aa / 3) + slabs * (aa + a * r + rr / 3) +
-                     quarters * (aa + a * r * (8.0 / 3) / pi<double> + rr / 4) +
-                     balls * (aa + a * r * 0.75 + rr / 5);
+                     quarters * (aa + a * r * (8.0 / 3) / pi<double> + rr / 4) + balls * (aa + a * r * 0.75 + rr / 5);
     }
     detail::solid_moments m;
     m.add(volume, {}, {}, symmetric<double>::diagonal(squares[0], squares[1], squares[2]));

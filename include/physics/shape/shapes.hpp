@@ -61,10 +61,8 @@ public:
 private:
     template <int I, class F, class First, class... Rest>
     decltype(auto) visit_from(F& f) const {
-        if constexpr (sizeof...(Rest) == 0)
-            return f(get<First>());
-        else
-            return kind_ == I ? f(get<First>()) : visit_from<I + 1, F, Rest...>(f);
+        if constexpr (sizeof...(Rest) == 0) return f(get<First>());
+        else return kind_ == I ? f(get<First>()) : visit_from<I + 1, F, Rest...>(f);
     }
     template <class First, class...>
     struct head {

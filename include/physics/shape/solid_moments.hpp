@@ -27,8 +27,7 @@ struct solid_moments {
         const double d = static_cast<double>(density);
         const vec<double, 3> shift = first / volume, c = origin + shift;
         const symmetric<double> m = (second + square_of(shift) * -volume) * d;
-        if constexpr (D == 2)
-            return {T(d * volume), {T(c.x), T(c.y)}, T(m.xx + m.yy)};
+        if constexpr (D == 2) return {T(d * volume), {T(c.x), T(c.y)}, T(m.xx + m.yy)};
         else
             return {T(d * volume),
                     {T(c.x), T(c.y), T(c.z)},

@@ -49,8 +49,7 @@ private:
     };
     /// Cells beyond the grid are empty; x = 0 is the one to the left of it.
     [[nodiscard]] bool solid(std::uint32_t x, std::uint32_t y) const {
-        return x > 0 && y > 0 && x <= columns_ && y <= rows_ &&
-               cells_[std::size_t{y - 1} * columns_ + (x - 1)] != 0;
+        return x > 0 && y > 0 && x <= columns_ && y <= rows_ && cells_[std::size_t{y - 1} * columns_ + (x - 1)] != 0;
     }
     /// Whether a side of the outline leads from a corner in a direction.
     [[nodiscard]] bool side(std::uint32_t x, std::uint32_t y, int direction) const {

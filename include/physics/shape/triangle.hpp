@@ -94,8 +94,9 @@ constexpr vec<S, D> support(const triangle<S, D>& t, vec<S, D> direction) {
 template <class S, int D>
 mass_properties<S, D> mass_of(const triangle<S, D>& t, std::type_identity_t<S> density) {
     using detail::square_of;
-    const vec<double, 3> first = detail::exact_in_space(t.a), origin =
-        first + (detail::exact_in_space(t.b) - first + (detail::exact_in_space(t.c) - first)) * (1.0 / 3);
+    const vec<double, 3> first = detail::exact_in_space(t.a), origin = first + (detail::exact_in_space(t.b) - first +
+                                                                                (detail::exact_in_space(t.c) - first)) *
+                                                                                   (1.0 / 3);
     vec<double, 3> corner[3] = {first - origin, detail::exact_in_space(t.b) - origin,
                                 detail::exact_in_space(t.c) - origin};
     vec<double, 3> n{0.0, 0.0, 1.0}, edge[3];

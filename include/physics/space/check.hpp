@@ -26,7 +26,8 @@ bool check_each(const char* function, const char* field, vec<S, D> value, Good g
 }
 template <class T>
 bool check_finite(const char* function, const char* field, T value) {
-    return check_each(function, field, value, [](auto x) { return is_finite(x); }, "it must be finite");
+    return check_each(
+        function, field, value, [](auto x) { return is_finite(x); }, "it must be finite");
 }
 /// Whether a quantity may be part of a world's state: a finite number; of fixed-point ones, which wrap, within half of
 /// their range, so that the sum of two shows whether it is.
@@ -47,13 +48,14 @@ constexpr bool is_in_range(const vec<S, D>& v) {
 }
 template <class T>
 bool check_in_range(const char* function, const char* field, T value) {
-    return check_finite(function, field, value) &&
-           check_each(function, field, value, [](auto x) { return is_in_range(x); },
-                      "it must be within half of the scalar's range");
+    return check_finite(function, field, value) && check_each(
+                                                       function, field, value, [](auto x) { return is_in_range(x); },
+                                                       "it must be within half of the scalar's range");
 }
 template <class T>
 bool check_left_out(const char* function, const char* field, T value) {
-    return check_each(function, field, value, [](auto x) { return x == decltype(x){}; }, "the recipe leaves it out");
+    return check_each(
+        function, field, value, [](auto x) { return x == decltype(x){}; }, "the recipe leaves it out");
 }
 template <class S>
 bool check_positive(const char* function, const char* field, S value) {

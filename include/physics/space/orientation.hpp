@@ -54,8 +54,8 @@ public:
         const double error = 0x1p-49 * le * lf + 8 * step_ * (le + lf + step_);
         if (det > error) return 1;
         if (det < -error) return -1;
-        const int128 exact = product128(at(b.x) - at(a.x), at(c.y) - at(a.y)) -
-                             product128(at(b.y) - at(a.y), at(c.x) - at(a.x));
+        const int128 exact =
+            product128(at(b.x) - at(a.x), at(c.y) - at(a.y)) - product128(at(b.y) - at(a.y), at(c.x) - at(a.x));
         return exact.negative() ? -1 : exact == int128{} ? 0 : 1;
     }
 

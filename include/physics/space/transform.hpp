@@ -16,7 +16,9 @@ struct transform {
 
 /// The point p, given in the inner frame, in the outer one.
 template <class S, int D>
-constexpr vec<S, D> operator*(const transform<S, D>& t, vec<S, D> p) { return t.rotation * p + t.position; }
+constexpr vec<S, D> operator*(const transform<S, D>& t, vec<S, D> p) {
+    return t.rotation * p + t.position;
+}
 /// b first, then a.
 template <class S, int D>
 constexpr transform<S, D> operator*(const transform<S, D>& a, const transform<S, D>& b) {

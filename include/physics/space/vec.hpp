@@ -17,10 +17,8 @@ concept literal_for = std::is_arithmetic_v<T> && !std::same_as<T, S>;
 /// Such a number as S, through double where S takes nothing nearer.
 template <class S, class T>
 constexpr S from_literal(T x) {
-    if constexpr (std::constructible_from<S, T>)
-        return static_cast<S>(x);
-    else
-        return static_cast<S>(static_cast<double>(x));
+    if constexpr (std::constructible_from<S, T>) return static_cast<S>(x);
+    else return static_cast<S>(static_cast<double>(x));
 }
 }  // namespace detail
 

@@ -39,7 +39,8 @@ concept recipe_like = requires {
     typename Recipe::scalar;
     typename std::integral_constant<int, Recipe::dimension>;
     typename Recipe::policies;
-} && is_policy_list<typename Recipe::policies>;
+}
+&&is_policy_list<typename Recipe::policies>;
 
 template <class Stage>
 constexpr bool known_stage = std::same_as<Stage, stage::shapes> || std::same_as<Stage, stage::broadphase> ||
@@ -65,7 +66,9 @@ template <class A, class S, int D, template <class, int> class... Shapes>
 constexpr int times_among = (0 + ... + int{std::same_as<A, Shapes<S, D>>});
 
 template <class T>
-concept complete = requires { sizeof(T); };
+concept complete = requires {
+    sizeof(T);
+};
 template <class Shape, class S, int D>
 concept usable_shape = complete<Shape> && shape_for<Shape, S, D>;
 template <class S, int D, template <class, int> class... Shapes>
@@ -107,8 +110,8 @@ struct any_motion {
 /// What a solver must offer: settings with a function check(settings, function) like that of shapes, and
 /// solve(bodies, contacts, settings, h, scratch, motion).
 template <class Policy, class S, int D, class Features>
-concept solver_policy = requires(solver_bodies<S, D, Features::rotation> bodies,
-                                 contact_list<S, D, Features> contacts, arena scratch, any_motion<S> motion,
+concept solver_policy = requires(solver_bodies<S, D, Features::rotation> bodies, contact_list<S, D, Features> contacts,
+                                 arena scratch, any_motion<S> motion,
                                  const typename Policy::template in<space<S, D>, Features>::settings settings) {
     { check(settings, "function") } -> std::same_as<bool>;
     Policy::template in<space<S, D>, Features>::solve(bodies, contacts, settings, S(1), scratch, motion);
@@ -150,8 +153,8 @@ constexpr recipe_problem problem_of_policies(const policy_list<Policies...>*) {
                                typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type, S, D,
                                features::rotation>)
             return recipe_problem::bad_integrator;
-        else if constexpr (!solver_policy<typename policy_for<stage::solver, soft_step, Policies...>::type, S,
-                                          D, features>)
+        else if constexpr (!solver_policy<typename policy_for<stage::solver, soft_step, Policies...>::type, S, D,
+                                          features>)
             return recipe_problem::bad_solver;
         else if constexpr (!continuous_policy<typename policy_for<stage::continuous, swept, Policies...>::type, S, D>)
             return recipe_problem::bad_continuous;

@@ -294,10 +294,8 @@ private:
         std::uint32_t low = 0, high = movers().size();
         while (low < high) {
             const std::uint32_t middle = (low + high) / 2;
-            if (number > movers()[middle].number)
-                low = middle + 1;
-            else
-                high = middle;
+            if (number > movers()[middle].number) low = middle + 1;
+            else high = middle;
         }
         return low < movers().size() && movers()[low].number == number ? &movers()[low] : nullptr;
     }
@@ -321,10 +319,8 @@ private:
             transform<S, D> at = way.at(rounded_down<S>(time));
             const body_type type = s_.bodies[m.other].type;
             const bool slides = !is_cut && type == body_type::static_body && m.against == swept_against::fixed;
-            if (slides)
-                at.position = slid(m, at, way.end);
-            else if (!is_cut && type == body_type::kinematic_body)
-                at = carried(m, at);
+            if (slides) at.position = slid(m, at, way.end);
+            else if (!is_cut && type == body_type::kinematic_body) at = carried(m, at);
             moved_[m.number].center = at.position;
             if constexpr (Plan::turns)
                 if (!slides || !(way.turn == angular<S, D>{})) turn_back(m.number, at.rotation);

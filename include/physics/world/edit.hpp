@@ -22,7 +22,8 @@ void refresh_boxes(state<Plan>& s, std::uint32_t body) {
 /// Forgets the contacts for which gone(contact) is true; the others keep their order.
 template <class Plan, class Gone>
 void drop_contacts(state<Plan>& s, Gone&& gone) {
-    part_contacts(s.contacts, [&](const auto& c) { return !gone(c); }, [](const auto&) {});
+    part_contacts(
+        s.contacts, [&](const auto& c) { return !gone(c); }, [](const auto&) {});
 }
 
 template <class Plan>
@@ -320,8 +321,7 @@ void act(state<Plan>& s, body_id id, const char* function, const char* field,
          vec<typename Plan::scalar, Plan::dimension> force, bool local,
          const vec<typename Plan::scalar, Plan::dimension>* point, F&& f) {
     const found at = find_dynamic(s, id, function);
-    if (!at || !check_in_range(function, field, force) || (point && !check_in_range(function, "point", *point)))
-        return;
+    if (!at || !check_in_range(function, field, force) || (point && !check_in_range(function, "point", *point))) return;
     auto& b = s.bodies[at.index];
     vec<typename Plan::scalar, Plan::dimension> lever;
     if (point) lever = local ? b.rotation * (*point - b.mass.center) : *point - b.center;

@@ -13,8 +13,7 @@ namespace detail {
 /// which no dynamic body carries, have none.
 template <class Shape, int D, class F>
 void each_swept_piece(const Shape& shape, const aabb<double, D>& everywhere, F&& f) {
-    if constexpr (has_core<Shape>)
-        f(core_of(shape), mat<double, D>::identity(), point<D>{});
+    if constexpr (has_core<Shape>) f(core_of(shape), mat<double, D>::identity(), point<D>{});
     else if constexpr (is_compound<Shape, D>)
         each_child(shape, everywhere, [&](const auto& child) { f(child.shape, child.axes, child.at); });
 }
@@ -56,8 +55,8 @@ PHYSICS_HPP_COLD void measure_body(const state<Plan>& s, std::uint32_t index, bo
         const auto box = bounds(record.shape, record.local);
         double square = 0;
         for (int i = 0; i < D; ++i) {
-            const double far = max(abs(detail::to_double(box.lower[i]) - center[i]),
-                                   abs(detail::to_double(box.upper[i]) - center[i]));
+            const double far =
+                max(abs(detail::to_double(box.lower[i]) - center[i]), abs(detail::to_double(box.upper[i]) - center[i]));
             square += far * far;
         }
         outer = max(outer, physics::sqrt(square));

@@ -143,9 +143,7 @@ std::uint64_t digest_of(const persistent_manifold<S, D>& m, std::uint64_t name) 
 }
 template <class Memory>
     requires requires(const Memory& m) { m.digest(); }
-std::uint64_t digest_of(const Memory& m, std::uint64_t name) {
-    return m.digest() != 0 ? hash_of(name, m.digest()) : 0;
-}
+std::uint64_t digest_of(const Memory& m, std::uint64_t name) { return m.digest() != 0 ? hash_of(name, m.digest()) : 0; }
 
 /// Of everything in a world that bears on its future, but for the settings: neither user data nor what only
 /// saves work, like the boxes of the broadphase. The dimensions of a shape enter by its bounds.

@@ -25,9 +25,8 @@ void look_ahead(state<Plan>& s, typename Plan::scalar h) {
             vec<S, D> v = before.linear;
             if (b.is_dynamic()) v += s.settings.gravity * b.gravity_scale * h;
             const auto& extent = s.continuous.extents[i];
-            ahead = Plan::continuous::ahead(
-                {v * h, value_of(before.angular) * h, extent.reach, extent.thickness, S(0), b.continuous,
-                 s.settings.contact_margin});
+            ahead = Plan::continuous::ahead({v * h, value_of(before.angular) * h, extent.reach, extent.thickness, S(0),
+                                             b.continuous, s.settings.contact_margin});
             if (!(ahead > S(0))) return;
             any = true;
             each_shape(s, i, [&](std::uint32_t k, const auto& shape) {

@@ -68,8 +68,9 @@ public:
         free_count_ = count_of([&](std::uint32_t k) { return gather(k); });
         if constexpr (is_fixed<S>)
             starts_well_ = count_of([&](std::uint32_t k) {
-                return !stays_in_range(s.settings.gravity, member(k), bodies_[k], h, parts_of_step(s.settings.solver));
-            }) == 0;
+                               return !stays_in_range(s.settings.gravity, member(k), bodies_[k], h,
+                                                      parts_of_step(s.settings.solver));
+                           }) == 0;
         for (std::uint32_t k = count_; k < part.nobody - part.bodies + 2; ++k)
             new (bodies_ + k) solver_body<S, D, turns>{};
         if (free_count_ > 0) find_free(parts, part, scratch);
@@ -289,9 +290,8 @@ public:
             for (std::uint32_t k = 0; k < count; ++k) fit = fit && fates[k] != lost;
             for (std::uint32_t k = 0; k < count && fit; ++k)
                 if (fates[k] == leaves)
-                    each_shape(state_, state_.movers[k], [&](std::uint32_t n, const auto& shape) {
-                        move_box(k, n, needed_box(state_, shape));
-                    });
+                    each_shape(state_, state_.movers[k],
+                               [&](std::uint32_t n, const auto& shape) { move_box(k, n, needed_box(state_, shape)); });
         }
         if (!fit)
             for (const std::uint32_t i : state_.movers) refresh_boxes(state_, i);
@@ -362,8 +362,7 @@ private:
 
         const std::uint32_t count = s.movers.size();
         bool* is_pushed = s.scratch.template take<bool>(count + 1);
-        for (std::uint32_t k = 0; k < count; ++k)
-            is_pushed[k] = s.bodies[s.movers[k]].inverse_mass > inverse_of<S>(0);
+        for (std::uint32_t k = 0; k < count; ++k) is_pushed[k] = s.bodies[s.movers[k]].inverse_mass > inverse_of<S>(0);
         is_pushed[count] = false;
         return batch_maker(s.found, is_pushed, count, s.scratch, in_one, &hands).result();
     }

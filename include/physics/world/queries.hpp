@@ -204,9 +204,8 @@ void each_overlapping(const state<Plan>& s, const char* f, const Shape& shape,
                       Visit&& visit) {
     small_buffer<std::uint64_t, 48> touched;
     exactly([&] {
-        find_touched(s, f, shape, pose, filter, [&](std::uint32_t i) {
-            touched.push(std::uint64_t{s.shapes.generation(i)} << 32 | i);
-        });
+        find_touched(s, f, shape, pose, filter,
+                     [&](std::uint32_t i) { touched.push(std::uint64_t{s.shapes.generation(i)} << 32 | i); });
     });
     buffer<std::uint64_t> spare;
     // Fewer are sorted in place.
@@ -247,8 +246,8 @@ nearest_shape<typename Plan::scalar, Plan::dimension> closest_shape(const state<
         const transform<S, D> at = s.shapes[i].pose;
         s.shapes[i].shape.visit([&](const auto& other) {
             const auto c = separation_within(other, tip<S, D>{}, relative(at, transform<S, D>{point, {}}), reach);
-            const bool nearer = !best || c.distance < best.distance ||
-                                (c.distance == best.distance && i < best.shape.index);
+            const bool nearer =
+                !best || c.distance < best.distance || (c.distance == best.distance && i < best.shape.index);
             if (c.distance > reach || !nearer) return;
             best = {id_of_shape(s, i), body_of_shape(s, i), c.distance, at * c.on_a, at.rotation * c.normal};
         });

@@ -81,18 +81,27 @@ auto view_of(const state<Plan>& s, const typename Plan::contact& c) {
     const std::uint32_t at_a = body_a(s, c), at_b = body_b(s, c);
     const auto& a = s.bodies[at_a];
     const auto& b = s.bodies[at_b];
-    contact_view<S, D> view{
-        {c.shape_a, s.shapes.generation(c.shape_a), s.tag}, {c.shape_b, s.shapes.generation(c.shape_b), s.tag},
-        {at_a, s.bodies.generation(at_a), s.tag},           {at_b, s.bodies.generation(at_b), s.tag},
-        c.part, c.normal, tangents<S, D>(c.normal), {}, c.count,
-        s.surfaces.friction_of(c), s.surfaces.restitution_of(c), s.surfaces.rolling_resistance_of(c),
-        c.surface_velocity, c.twist_impulse, c.rolling_impulse};
+    contact_view<S, D> view{{c.shape_a, s.shapes.generation(c.shape_a), s.tag},
+                            {c.shape_b, s.shapes.generation(c.shape_b), s.tag},
+                            {at_a, s.bodies.generation(at_a), s.tag},
+                            {at_b, s.bodies.generation(at_b), s.tag},
+                            c.part,
+                            c.normal,
+                            tangents<S, D>(c.normal),
+                            {},
+                            c.count,
+                            s.surfaces.friction_of(c),
+                            s.surfaces.restitution_of(c),
+                            s.surfaces.rolling_resistance_of(c),
+                            c.surface_velocity,
+                            c.twist_impulse,
+                            c.rolling_impulse};
     for (int k = 0; k < c.count; ++k) {
         const auto& p = c.points[k];
         const auto [to_a, to_b] = c.levers(k);
         const vec<S, D> local_a = inverse_rotate(s.contact_starts[at_a].rotation, to_a) + a.mass.center;
         const vec<S, D> local_b = inverse_rotate(s.contact_starts[at_b].rotation, to_b) + b.mass.center;
-        view.points[k] = {a.pose() * local_a, local_a,    local_b, p.separation, p.normal_impulse,
+        view.points[k] = {a.pose() * local_a, local_a,       local_b, p.separation, p.normal_impulse,
                           p.friction_impulse, c.persisted(k)};
     }
     return view;

@@ -142,16 +142,15 @@ struct plan<S, D, shapes<Shapes...>, Policies...> {
     using mixing = typename policy_for<stage::mixing, geometric_mixing, Policies...>::type::template in<space>;
     using integrator =
         typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type::template in<space>;
-    using solver =
-        typename policy_for<stage::solver, soft_step, Policies...>::type::template in<space, features>;
+    using solver = typename policy_for<stage::solver, soft_step, Policies...>::type::template in<space, features>;
     static constexpr bool sleeps = features::sleeping;
-    using settings = world_settings<
-        S, D, typename solver::settings, std::conditional_t<sleeps, sleep_settings<S>, no_settings>,
-        std::conditional_t<features::materials, every_shape_has_a_material_of_its_own, material<S, D>>>;
+    using settings =
+        world_settings<S, D, typename solver::settings, std::conditional_t<sleeps, sleep_settings<S>, no_settings>,
+                       std::conditional_t<features::materials, every_shape_has_a_material_of_its_own, material<S, D>>>;
     using shape_def = physics::shape_def<S, D, features::materials>;
-    using continuous = typename std::conditional_t<
-        features::continuous, typename policy_for<stage::continuous, swept, Policies...>::type,
-        no_continuous>::template in<space>;
+    using continuous = typename std::conditional_t<features::continuous,
+                                                   typename policy_for<stage::continuous, swept, Policies...>::type,
+                                                   no_continuous>::template in<space>;
     /// Whether all shapes are so simple that sweeps can do without the general kernels.
     static constexpr bool few_corners = D == 2 && (has_few_corners<Shapes<S, D>, D> && ...);
     static constexpr bool sweeps = detail::sweeps<continuous, S, D>;

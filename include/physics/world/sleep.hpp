@@ -76,8 +76,7 @@ void wake_islands(state<Plan>& s, Each&& each) {
     if (!any) return;
     s.found.clear();
     part_contacts(
-        s.sleep.contacts, [&](const auto& c) { return is_of_sleepers(s, c); },
-        [&](const auto& c) { s.found.push(c); });
+        s.sleep.contacts, [&](const auto& c) { return is_of_sleepers(s, c); }, [&](const auto& c) { s.found.push(c); });
     stretch(s.found.begin(), s.found.end(), s.sleep.step, s.last_step);
     merge_contacts(s.contacts, s.found);
 }
@@ -137,9 +136,8 @@ void wake_all(state<Plan>& s) {
 template <class Plan>
 std::uint32_t count_awake(const state<Plan>& s) {
     std::uint32_t count = 0;
-    s.bodies.each([&](std::uint32_t i, const auto& b) {
-        count += b.type != body_type::static_body && !s.is_asleep(i);
-    });
+    s.bodies.each(
+        [&](std::uint32_t i, const auto& b) { count += b.type != body_type::static_body && !s.is_asleep(i); });
     return count;
 }
 
@@ -180,7 +178,8 @@ template <class Plan>
 void wake_disturbed(state<Plan>& s) {
     if (s.sleep.woken.empty()) return;
     rise(s);
-    part_contacts(s.sleep.contacts, [&](const auto& c) { return is_of_sleepers(s, c); }, [](const auto&) {});
+    part_contacts(
+        s.sleep.contacts, [&](const auto& c) { return is_of_sleepers(s, c); }, [](const auto&) {});
 }
 
 /// Notes how long each body has been still, and lets islands sleep that have been so for long enough and rest on

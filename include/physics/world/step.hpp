@@ -71,17 +71,17 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, c
         if (disturb_sleepers(s, found.disturbs, h) && !find_contacts_of_woken(s, h, hands))
             return step_result::bad_mixture;
     done(step_stage::find_contacts);
-    motion<Plan> moving(s, h, hands);          // contacts          -> islands, in batches
+    motion<Plan> moving(s, h, hands);  // contacts          -> islands, in batches
     done(step_stage::make_batches);
-    const bool solved = moving.solve(hands);   // bodies, contacts  -> velocities, poses
+    const bool solved = moving.solve(hands);  // bodies, contacts  -> velocities, poses
     done(step_stage::solve);
     if (!hands.is_sound()) return step_result::bad_executor;
     if (!solved) return step_result::out_of_range;
-    sweep_fast_bodies(s, moving.moved(), h);   // poses             -> poses short of what stops bodies
+    sweep_fast_bodies(s, moving.moved(), h);  // poses             -> poses short of what stops bodies
     // Poses -> boxes of what has moved.
     if (!moving.place_shapes(hands)) return hands.is_sound() ? step_result::out_of_range : step_result::bad_executor;
     done(step_stage::place_shapes);
-    moving.finish();                           // results           -> bodies and contacts
+    moving.finish();  // results           -> bodies and contacts
     done(step_stage::finish);
     return step_result::done;
 }

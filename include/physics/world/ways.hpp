@@ -131,8 +131,7 @@ protected:
             first = false;
             if constexpr (requires { s_.broadphase.box(k); })
                 within = within && contains(wide(s_.broadphase.box(k)), own);
-            else
-                within = false;
+            else within = false;
         });
         return within;
     }
