@@ -11,9 +11,9 @@
 // of them, and the masses, poses, velocities and the gravity are compared before the first step. Damping is off, and so
 // is sleeping but in --rest; all else is as it ships: the settings are printed. The first run of an engine is for the
 // judge (see scenes/judge.hpp), the others are for the clock, and engines take turns within each round. Bytes a body
-// are what the engine has taken of the heap by the end; bytes a contact are those of an image of the world, less those
-// of the image without contacts and what is remembered of pairs, for each contact that there is. Peers do not tell.
-// Each unit of scenes/ that begins with `// peer:` is compiled if what it names is there or can be had. An engine
+// are what the engine has taken of the heap by the end; bytes a contact are those of a snapshot of the world, less
+// those of the snapshot without contacts and what is remembered of pairs, for each contact that there is. Peers do not
+// tell. Each unit of scenes/ that begins with `// peer:` is compiled if what it names is there or can be had. An engine
 // takes part by being linked in (scenes/engine.hpp).
 #include <malloc.h>
 

@@ -15,13 +15,13 @@
 #include <cstdlib>
 #include <vector>
 
-// An executor says how many workers it has, and calls the work with every part: that is all.
+// An executor says how many workers it has, and runs each task once: that is all.
 struct openmp {
     [[nodiscard]] std::uint32_t workers() const { return static_cast<std::uint32_t>(omp_get_max_threads()); }
-    void run(std::uint32_t parts, const physics::work& what) const {
+    void run(std::uint32_t count, const physics::task_set& tasks) const {
 #pragma omp parallel for schedule(dynamic)
-        for (std::int64_t part = 0; part < parts; ++part)
-            what(static_cast<std::uint32_t>(part), static_cast<std::uint32_t>(omp_get_thread_num()));
+        for (std::int64_t task = 0; task < count; ++task)
+            tasks(static_cast<std::uint32_t>(task), static_cast<std::uint32_t>(omp_get_thread_num()));
     }
 };
 
@@ -29,10 +29,10 @@ struct threading_building_blocks {
     tbb::task_arena arena;
 
     [[nodiscard]] std::uint32_t workers() const { return static_cast<std::uint32_t>(arena.max_concurrency()); }
-    void run(std::uint32_t parts, const physics::work& what) {
+    void run(std::uint32_t count, const physics::task_set& tasks) {
         arena.execute([&] {
-            tbb::parallel_for(std::uint32_t{0}, parts, [&](std::uint32_t part) {
-                what(part, static_cast<std::uint32_t>(tbb::this_task_arena::current_thread_index()));
+            tbb::parallel_for(std::uint32_t{0}, count, [&](std::uint32_t task) {
+                tasks(task, static_cast<std::uint32_t>(tbb::this_task_arena::current_thread_index()));
             });
         });
     }

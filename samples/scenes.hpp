@@ -124,7 +124,7 @@ double kinetic_energy(const World& world) {
             const double w = static_cast<double>(world.angular_velocity(id));
             sum += 0.5 * static_cast<double>(m.inertia) * w * w;
         } else {
-            const auto w = inverse_rotate(world.orientation(id), world.angular_velocity(id));
+            const auto w = inverse_rotate(world.rotation(id), world.angular_velocity(id));
             const double x = static_cast<double>(w.x), y = static_cast<double>(w.y), z = static_cast<double>(w.z);
             const auto n = [](auto s) { return static_cast<double>(s); };
             sum += 0.5 * (n(m.inertia.xx) * x * x + n(m.inertia.yy) * y * y + n(m.inertia.zz) * z * z) +

@@ -124,8 +124,8 @@ std::vector<Rotation> bad_rotations() {
     }
     return bad;
 }
-inline void refuses_rotation(const world& w, const std::string& function, call<const world::rotation&> call) {
-    for (const auto& r : bad_rotations<world::rotation>())
+inline void refuses_rotation(const world& w, const std::string& function, call<const world::rotation_type&> call) {
+    for (const auto& r : bad_rotations<world::rotation_type>())
         refuses(w, function, "error of rotation", "", [&] { call(r); });
 }
 

@@ -35,12 +35,12 @@ Angular skew(double size) {
     else return {S(-0.5 * size), S(0.75 * size), S(size)};
 }
 /// The rotation by an angle about z, and one in general position.
-template <class Rotation = world::rotation>
+template <class Rotation = world::rotation_type>
 Rotation turned_about_z(double angle) {
     if constexpr (cell::is_2d) return Rotation::from_angle(S(angle));
     else return Rotation::from_axis_angle({S(0), S(0), S(1)}, S(angle));
 }
-inline world::rotation random_rotation(cell::dice& dice) {
+inline world::rotation_type random_rotation(cell::dice& dice) {
     return turned(turned_about_z(dice.number(-3, 3)), skew(dice.number(-1, 1)));
 }
 /// How far apart two vectors or angular quantities are.
@@ -52,7 +52,7 @@ double gap(physics::vec<S, D> a, physics::vec<S, D> b) {
     return std::sqrt(sum);
 }
 /// How far apart the axes of two frames point.
-inline double gap(const world::rotation& a, const world::rotation& b) {
+inline double gap(const world::rotation_type& a, const world::rotation_type& b) {
     double most = 0;
     for (int i = 0; i < cell::dimension; ++i) most = std::max(most, gap(a * along(i, 1), b * along(i, 1)));
     return most;
@@ -64,7 +64,7 @@ inline double rounding(double n, double size = 1) { return n * std::max(1.0, siz
 inline world::settings_type weightless() {
     world::settings_type settings;
     settings.gravity = {};
-    settings.solver.restitution_slop = S(0);
+    settings.solver.restitution_threshold = S(0);
     return settings;
 }
 inline body_id add_ground(world& w) {

@@ -49,7 +49,7 @@ struct momentum {
 inline momentum operator-(const momentum& a, const momentum& b) { return {a.linear - b.linear, a.angular - b.angular}; }
 inline momentum momentum_of(const world& w, body_id id) {
     const real_mass m = real(w.mass(id));
-    const auto r = real(w.orientation(id));
+    const auto r = real(w.rotation(id));
     const real_vec p = real(w.linear_velocity(id)) * m.mass;
     return {p, spin(m.inertia, r, real(w.angular_velocity(id))) + physics::cross(real(w.center_of_mass(id)), p)};
 }

@@ -28,12 +28,12 @@ vec to_vec(const double* from) {
     return v;
 }
 #if DIMENSION == 2
-world::rotation to_rotation(const double* q) {
+world::rotation_type to_rotation(const double* q) {
     return {static_cast<float>(q[3] * q[3] - q[2] * q[2]), static_cast<float>(2 * q[2] * q[3])};
 }
 float to_spin(const double* w) { return static_cast<float>(w[2]); }
 #else
-world::rotation to_rotation(const double* q) {
+world::rotation_type to_rotation(const double* q) {
     return {static_cast<float>(q[0]), static_cast<float>(q[1]), static_cast<float>(q[2]), static_cast<float>(q[3])};
 }
 vec to_spin(const double* w) { return to_vec(w); }

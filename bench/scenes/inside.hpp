@@ -5,14 +5,14 @@
 
 namespace bench {
 
-/// Bytes of a contact that last from step to step: those of an image of the world, less those of its image without
+/// Bytes of a contact that last from step to step: those of a snapshot of the world, less those of its snapshot without
 /// contacts and what is remembered of pairs, for each contact that it holds. 0 where it holds none.
 template <class Plan>
 double bytes_a_contact(const physics::detail::state<Plan>& s) {
     std::uint32_t count = s.contacts.size();
-    physics::detail::state_image<Plan> image;
-    image.save(s);
-    const std::size_t all = image.size();
+    physics::detail::raw_snapshot<Plan> snapshot;
+    snapshot.save(s);
+    const std::size_t all = snapshot.size();
     physics::detail::state<Plan> without = s;
     without.contacts.clear();
     without.memories.clear();
@@ -20,8 +20,8 @@ double bytes_a_contact(const physics::detail::state<Plan>& s) {
         count += s.sleep.contacts.size();
         without.sleep.contacts.clear();
     }
-    image.save(without);
-    return count > 0 ? static_cast<double>(all - image.size()) / count : 0;
+    snapshot.save(without);
+    return count > 0 ? static_cast<double>(all - snapshot.size()) / count : 0;
 }
 template <class Recipe>
 double bytes_a_contact(const physics::world<Recipe>& w) {

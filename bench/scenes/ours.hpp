@@ -173,7 +173,7 @@ public:
     void read(std::vector<state>& states) const override {
         states.clear();
         for (const physics::body_id id : ids_)
-            states.push_back({from_vec<S, D>(world_->position(id)), from_rotation<S, D>(world_->orientation(id)),
+            states.push_back({from_vec<S, D>(world_->position(id)), from_rotation<S, D>(world_->rotation(id)),
                               from_vec<S, D>(world_->linear_velocity(id)),
                               from_spin<S, D>(world_->angular_velocity(id)),
                               static_cast<double>(world_->mass(id).mass)});

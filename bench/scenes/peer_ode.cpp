@@ -95,8 +95,8 @@ private:
         contacts_ += count > 0;
         for (int k = 0; k < count; ++k) {
             dContact c = {};
-            c.surface.mode = dContactApprox1;
-            c.surface.mu = friction_;
+            c.material.mode = dContactApprox1;
+            c.material.mu = friction_;
             c.geom = found[k];
             dJointAttach(dJointCreateContact(world_, joints_, &c), first, second);
         }

@@ -35,10 +35,10 @@ TEST_CASE("arena: pieces are aligned and keep what is written, in random rounds"
             const auto size = static_cast<std::uint32_t>(engine() % (i % 8 == 0 ? 20000 : 200));
             unsigned char* memory = nullptr;
             if (i % 2 == 0) {
-                memory = arena.take<unsigned char>(size * 16);
+                memory = arena.allocate<unsigned char>(size * 16);
                 CHECK(aligned(memory));
             } else {
-                wide* many = arena.take<wide>(size);
+                wide* many = arena.allocate<wide>(size);
                 CHECK(aligned(many));
                 memory = reinterpret_cast<unsigned char*>(many);
             }
@@ -57,8 +57,8 @@ TEST_CASE("arena: after one round, the same round allocates nothing") {
     physics::arena arena;
     const auto round = [&] {
         arena.reset();
-        for (std::uint32_t i = 0; i < 100; ++i) arena.take<double>(i * 10);
-        arena.take<int>(0);
+        for (std::uint32_t i = 0; i < 100; ++i) arena.allocate<double>(i * 10);
+        arena.allocate<int>(0);
     };
     round();
     arena.reset();
@@ -73,12 +73,12 @@ TEST_CASE("arena: after one round, the same round allocates nothing") {
 
 TEST_CASE("arena: a copy starts empty, a moved-from arena serves again") {
     physics::arena a;
-    int* number = a.take<int>(1);
+    int* number = a.allocate<int>(1);
     *number = 5;
     const physics::arena copied = a;
     CHECK(copied.capacity() == 0);
     physics::arena b;
-    b.take<int>(100000);
+    b.allocate<int>(100000);
     const std::size_t capacity = b.capacity();
     b = copied;
     CHECK(b.capacity() == capacity);
@@ -86,10 +86,10 @@ TEST_CASE("arena: a copy starts empty, a moved-from arena serves again") {
     physics::arena c = std::move(a);
     CHECK(*number == 5);
     CHECK(a.capacity() == 0);
-    CHECK(aligned(a.take<int>(3)));
+    CHECK(aligned(a.allocate<int>(3)));
     c = std::move(b);
     CHECK(c.capacity() == capacity);
     CHECK(b.capacity() == 0);
     b.reset();
-    CHECK(aligned(b.take<wide>(3)));
+    CHECK(aligned(b.allocate<wide>(3)));
 }

@@ -38,7 +38,7 @@ TEST_CASE("buffer: does what std::vector does, in long random sequences") {
             switch (below(8)) {
                 case 0:
                     if (b.empty()) break;
-                    a.pop();
+                    a.pop_back();
                     b.pop_back();
                     break;
                 case 1: {
@@ -59,7 +59,7 @@ TEST_CASE("buffer: does what std::vector does, in long random sequences") {
                     a.back() = x;
                     b.assign(a.begin(), a.end());
                     break;
-                default: CHECK(a.push(x).value == x.value); b.push_back(x);
+                default: CHECK(a.push_back(x).value == x.value); b.push_back(x);
             }
             REQUIRE(same(a, b));
         }
@@ -68,9 +68,9 @@ TEST_CASE("buffer: does what std::vector does, in long random sequences") {
 
 TEST_CASE("buffer: what is added may lie within the buffer that grows for it") {
     physics::buffer<item> a;
-    a.push({7, 7});
-    while (a.size() < a.capacity()) a.push({1, 1});
-    a.push(a[0]);
+    a.push_back({7, 7});
+    while (a.size() < a.capacity()) a.push_back({1, 1});
+    a.push_back(a[0]);
     CHECK(a.back().value == 7);
     a.resize(a.capacity() + 1, a[0]);
     CHECK(a.back().value == 7);
@@ -78,7 +78,7 @@ TEST_CASE("buffer: what is added may lie within the buffer that grows for it") {
 
 TEST_CASE("buffer: copies are separate, a moved-from buffer is empty and serves again") {
     physics::buffer<item> a;
-    for (std::uint32_t i = 0; i < 100; ++i) a.push({i, i});
+    for (std::uint32_t i = 0; i < 100; ++i) a.push_back({i, i});
     physics::buffer<item> b = a;
     b[0].value = 5;
     CHECK(a[0].value == 0);
@@ -93,7 +93,7 @@ TEST_CASE("buffer: copies are separate, a moved-from buffer is empty and serves 
     physics::buffer<item> c = std::move(a);
     CHECK(c.size() == 100);
     CHECK(a.empty());
-    a.push({3, 3});
+    a.push_back({3, 3});
     b = std::move(c);
     CHECK(b.size() == 100);
     CHECK(c.empty());
@@ -112,7 +112,7 @@ TEST_CASE("buffer: capacity doubles and is kept") {
     int grown = 0;
     for (int i = 0; i < 100000; ++i) {
         const std::uint32_t before = a.capacity();
-        a.push(i);
+        a.push_back(i);
         grown += a.capacity() != before;
     }
     CHECK(grown <= 14);
@@ -121,7 +121,7 @@ TEST_CASE("buffer: capacity doubles and is kept") {
     for (int round = 0; round < 10; ++round) {
         a.clear();
         CHECK(a.empty());
-        for (int i = 0; i < 100000; ++i) a.push(i);
+        for (int i = 0; i < 100000; ++i) a.push_back(i);
     }
     CHECK(a.capacity() == capacity);
     CHECK(a.begin() == place);

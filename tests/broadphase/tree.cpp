@@ -122,10 +122,10 @@ struct population {
         if (!all.holds(id, boxes[id])) all.move(id, boxes[id], way);
     }
     void step() {
-        trees.update(all, all.unseen().begin(), all.unseen().size());
-        all.show();
+        trees.update(all, all.dirty_for_index().begin(), all.dirty_for_index().size());
+        all.flush_to_index();
         trees.find(all, [](std::uint32_t, std::uint32_t) {});
-        all.settle();
+        all.clear_dirty();
     }
     double cost(const index& of) {
         double sum = 0;
@@ -200,10 +200,10 @@ TEST_CASE("tree: a million boxes in one place, of which few move") {
     trees.insert(all, count);
     const auto step = [&] {
         std::uint32_t found = 0;
-        trees.update(all, all.unseen().begin(), all.unseen().size());
-        all.show();
+        trees.update(all, all.dirty_for_index().begin(), all.dirty_for_index().size());
+        all.flush_to_index();
         trees.find(all, [&](std::uint32_t, std::uint32_t) { ++found; });
-        all.settle();
+        all.clear_dirty();
         return found;
     };
     CHECK(step() == 0);

@@ -179,7 +179,7 @@ TEST_CASE_TEMPLATE_DEFINE("allocations: no query of two shapes, and no ray", Cel
     const auto solids = std::tuple_cat(all.usual(), all.unusual(), std::tuple(physics::halfspace<S, D>{}));
     each(std::tuple_cat(solids, all.of_parts()), [&](const auto& a) {
         none([&](const auto& at, const auto& way) {
-            return int(ray_cast(a, typename Cell::transform{}, at.position + way, -way * S(2)).hit);
+            return int(cast_ray(a, typename Cell::transform{}, at.position + way, -way * S(2)).hit);
         });
     });
     // The kernels see no more of a shape than its core: two others for each, one of them round, are enough.
@@ -198,14 +198,14 @@ TEST_CASE_TEMPLATE_DEFINE("allocations: no query of two shapes, and no ray", Cel
                 if constexpr (D == 2) moving.turn = S(2);
                 else moving.turn = way;
                 touching += time_of_impact(a, still, b, moving).state == physics::impact_state::hit;
-                return touching + int(shape_cast(a, b, at, way).hit);
+                return touching + int(cast_shape(a, b, at, way).hit);
             });
         });
     });
     each(all.of_parts(), [&](const auto& a) {
         each(others, [&](const auto& b) {
             none([&](const auto& at, const auto& way) {
-                return int(shape_cast(a, b, at, way).hit) + !(separation(a, b, at, S(1)).distance > S(1));
+                return int(cast_shape(a, b, at, way).hit) + !(separation(a, b, at, S(1)).distance > S(1));
             });
         });
     });
@@ -288,7 +288,7 @@ TEST_CASE_TEMPLATE_DEFINE("allocations: no query of a world", Cell, worlds) {
         const auto way = random.place(8);
         const unsigned long made = calls_of([&] {
             hits += static_cast<bool>(w.cast_ray(at.position, way));
-            w.each_on_ray(at.position, way, {}, [&](const auto&) { return ++hits, S(1); });
+            w.each_hit_along_ray(at.position, way, {}, [&](const auto&) { return ++hits, S(1); });
             if (i % 2) hits += static_cast<bool>(w.cast_shape(physics::box<S, D>{}, at, way));
             else hits += static_cast<bool>(w.cast_shape(all.hull.shape(), at, way));
             w.each_overlapping(physics::capsule<S, D>{S(1), S(1)}, at, {}, [&](auto) { ++hits; });
@@ -342,7 +342,7 @@ TEST_CASE_TEMPLATE_INVOKE(worlds, ALL_CELLS);
 TEST_CASE_TEMPLATE_INVOKE(broadphases, ALL_CELLS);
 
 TEST_CASE("allocations: those that there are are counted") {
-    CHECK(calls_of([] { physics::buffer<int>().push(1); }) == 1);
+    CHECK(calls_of([] { physics::buffer<int>().push_back(1); }) == 1);
     CHECK(calls_of([] { (void)rock<float, 3>(); }) > 2);
     // Volatile, as compilers may leave out a new expression whose result nobody sees.
     CHECK(calls_of([] {

@@ -25,7 +25,7 @@ void meet(fuzz::input& in, const A& a, const B& b, double scale) {
     for (const auto& c : {core_of(a), core_of(b)}) size += c.extent + c.radius;
     const double tolerance = 256 * (physics::detail::is_fixed<S> ? spacing * (1 + size) : spacing * size);
 
-    const auto ray = ray_cast(a, start, end.position, way);
+    const auto ray = cast_ray(a, start, end.position, way);
     FUZZ_REQUIRE(as_double(ray.fraction) >= 0 && as_double(ray.fraction) <= 1);
     if (ray) check_normal(ray.normal, true, spacing);
     const physics::ball<S, D> tip{static_cast<S>(spacing * scale)};
@@ -36,7 +36,7 @@ void meet(fuzz::input& in, const A& a, const B& b, double scale) {
         FUZZ_REQUIRE(as_double(separation(a, tip, relative(start, {ray.point, {}})).distance) * steep <= tolerance);
     }
 
-    const auto cast = shape_cast(a, b, start, way);
+    const auto cast = cast_shape(a, b, start, way);
     FUZZ_REQUIRE(as_double(cast.fraction) >= 0 && as_double(cast.fraction) <= 1);
     if (cast) check_normal(cast.normal, false, spacing);
     const auto along = [&](double fraction) {

@@ -33,21 +33,21 @@ struct box_pairs {
 
 /// A rotation by nothing, by quarters, by halves of them, by nearly those, or any.
 inline rotation drawn_rotation(cell::dice& dice) {
-    const int way = dice.below(4);
-    if (way == 0) return random_rotation(dice);
+    const int displacement = dice.below(4);
+    if (displacement == 0) return random_rotation(dice);
     reals axis;
     axis[cell::is_2d ? 2 : dice.below(3)] = 1;
     const rotation simple = rotation_about(axis, dice.below(9) * M_PI / 4);
-    if (way == 1) return {};
-    if (way == 2) return simple;
+    if (displacement == 1) return {};
+    if (displacement == 2) return simple;
     const double hair = std::pow(10, dice.number(-8, -2));
     return turned(simple, to_angular(random_axis(dice) * hair));
 }
 inline box drawn_box(cell::dice& dice) {
     vec half = dice.vec<vec>(0.125, 0.5);
-    const int way = dice.below(4);
-    if (way == 0) half = vec::filled(S(0.25));
-    if (way == 1) half[dice.below(D)] = dice.real(0.0005, 0.005);
+    const int displacement = dice.below(4);
+    if (displacement == 0) half = vec::filled(S(0.25));
+    if (displacement == 1) half[dice.below(D)] = dice.real(0.0005, 0.005);
     return {half};
 }
 /// Far, near, touching, deep, one in the other, side by side, corner at corner.

@@ -31,11 +31,13 @@ pair_list all_pairs_of(const crowd& c, Accept&& accept) {
 
 /// What has to be true after a step of a crowd.
 template <class Broadphase>
-void check_step(Broadphase& tested, const crowd& c, pair_list& before, const std::set<std::uint32_t>& given_up) {
+void check_step(Broadphase& tested, const crowd& c, pair_list& before, const std::set<std::uint32_t>& slot_reused) {
     const pair_list now = all_pairs_of(c, anything);
     REQUIRE(listed(tested.pairs(anything)) == now);
     // What is given up in between ends, even where the same number pairs anew.
-    const auto is_given_up = [&](const auto& p) { return given_up.count(p.first) + given_up.count(p.second) > 0; };
+    const auto is_given_up = [&](const auto& p) {
+        return slot_reused.count(p.first) + slot_reused.count(p.second) > 0;
+    };
     const auto has = [](const pair_list& list, const auto& p) {
         return std::binary_search(list.begin(), list.end(), p);
     };
@@ -65,8 +67,8 @@ CELL_CASE("broadphase: the pairs are those that a comparison of all boxes finds,
                 pair_list before;
                 check_step(tested, c, before, {});
                 for (int step = 0; step < 80; ++step) {
-                    c.move(share, dice, [&](std::uint32_t id, const aabb& box, const vec& way) {
-                        tested.move(id, box, way);
+                    c.move(share, dice, [&](std::uint32_t id, const aabb& box, const vec& displacement) {
+                        tested.move(id, box, displacement);
                         // Queries may see it at once, which changes nothing.
                         if (step % 5 == 0) tested.update();
                     });
@@ -87,23 +89,24 @@ CELL_CASE("broadphase: through any history of coming, going and moving, with num
             broadphase tested;
             pair_list before;
             for (int round = 0; round < 60; ++round) {
-                std::set<std::uint32_t> given_up;
+                std::set<std::uint32_t> slot_reused;
                 for (int i = 0, n = dice.below(round % 20 == 0 ? 200 : 12); i < n; ++i) {
                     const auto id = static_cast<std::uint32_t>(dice.below(160));
                     if (c.members.count(id) == 0) {
                         c.add(id, dice);
                         tested.insert(id, c.members[id].box, c.members[id].filter);
                     } else if (dice.below(3) > 0) {
-                        c.move_one(id, dice,
-                                   [&](std::uint32_t k, const aabb& box, const vec& way) { tested.move(k, box, way); });
+                        c.move_one(id, dice, [&](std::uint32_t k, const aabb& box, const vec& displacement) {
+                            tested.move(k, box, displacement);
+                        });
                     } else {
                         tested.erase(id);
                         c.members.erase(id);
-                        given_up.insert(id);
+                        slot_reused.insert(id);
                     }
                     if (dice.below(20) == 0) tested.update();
                 }
-                check_step(tested, c, before, given_up);
+                check_step(tested, c, before, slot_reused);
                 // A copy stands alone, and so does what it was copied from.
                 if (round % 8 == 0) {
                     broadphase copy = tested;
@@ -190,18 +193,18 @@ CELL_CASE("broadphase: within its margins a proxy is left alone") {
             box.upper.x += S(by);
             return box;
         };
-        vec way;
-        way.x = S(0.125);
-        tested.move(0, moved(unit, 0.25), way);
+        vec displacement;
+        displacement.x = S(0.125);
+        tested.move(0, moved(unit, 0.25), displacement);
         CHECK(tested.box(0) == grown(unit, S(0.25)));
         // Out of them, it gets new ones, and twice the last move ahead.
-        tested.move(0, moved(unit, 0.375), way);
+        tested.move(0, moved(unit, 0.375), displacement);
         aabb expected = grown(moved(unit, 0.375), S(0.25));
         expected.upper.x += S(0.25);
         CHECK(tested.box(0) == expected);
         // A teleport is no velocity: no farther ahead than the box is wide, and its margin.
-        way.x = S(-100);
-        tested.move(0, moved(unit, -100), way);
+        displacement.x = S(-100);
+        tested.move(0, moved(unit, -100), displacement);
         expected = grown(moved(unit, -100), S(0.25));
         expected.lower.x -= S(1.25);
         CHECK(tested.box(0) == expected);

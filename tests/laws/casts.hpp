@@ -195,15 +195,15 @@ struct ray_case {
 /// The law that a ray breaks; empty if it keeps all.
 inline std::string broken_law(const ray_case& r) {
     return r.shape.visit([&](const auto& shape, const auto& twin) -> std::string {
-        const auto hit = ray_cast(shape, r.at, r.origin, r.translation);
+        const auto hit = cast_ray(shape, r.at, r.origin, r.translation);
         const stand at = exact(r.at);
         const doubles from = inverse_transform(at, exact(r.origin));
-        const doubles way = inverse_rotate(at.rotation, exact(r.translation));
+        const doubles displacement = inverse_rotate(at.rotation, exact(r.translation));
         const auto distance = [&](double t) {
-            return separation(twin, physics::ball<double, D>{0}, stand{from + way * t, {}}).distance;
+            return separation(twin, physics::ball<double, D>{0}, stand{from + displacement * t, {}}).distance;
         };
-        const double reach = length(from) + length(way) + r.shape.size();
-        const double tolerance = rounding_along(length(way)) + 1e-13 * reach + r.shape.blur();
+        const double reach = length(from) + length(displacement) + r.shape.size();
+        const double tolerance = rounding_along(length(displacement)) + 1e-13 * reach + r.shape.blur();
         if (!hit) {
             const double least = least_of(distance);
             return least < -tolerance ? said("missed", least, tolerance) : "";
@@ -220,9 +220,9 @@ inline std::string broken_law(const ray_case& r) {
         for (int k = 0; k < 6; ++k)
             if (distance(t * k / 6) < -tolerance) return said("entered before", distance(t * k / 6), t * k / 6);
         const doubles out = inverse_rotate(at.rotation, on_axes(unit(n)));
-        if (dot(out, way) > 16 * epsilon * length(way) + 1e-14 * reach)
-            return said("leaves along the normal", dot(out, way), 0);
-        const double above = apart_along(twin, physics::ball<double, D>{0}, stand{from + way * t, {}}, out);
+        if (dot(out, displacement) > 16 * epsilon * length(displacement) + 1e-14 * reach)
+            return said("leaves along the normal", dot(out, displacement), 0);
+        const double above = apart_along(twin, physics::ball<double, D>{0}, stand{from + displacement * t, {}}, out);
         if (above < -tolerance - 8 * epsilon * r.shape.size()) return said("normal", above, tolerance);
         return "";
     });
@@ -257,13 +257,13 @@ CELL_CASE("casts: rays meet shapes where their distance from a point says") {
         r.origin = from_reals(to_reals(r.at.position));
         const doubles start = at * on_axes(through - along * far);
         for (int k = 0; k < D; ++k) r.origin[k] = S(start[k]);
-        const doubles way = at.rotation * on_axes(along * (far * onwards[dice.below(4)]));
-        for (int k = 0; k < D; ++k) r.translation[k] = S(way[k]);
+        const doubles displacement = at.rotation * on_axes(along * (far * onwards[dice.below(4)]));
+        for (int k = 0; k < D; ++k) r.translation[k] = S(displacement[k]);
         if (i % 50 == 0) r.translation = {};
         const std::string broken = broken_law(r);
         if (!broken.empty()) FAIL_CHECK(broken << r.text());
         hits += r.shape.visit(
-            [&](const auto& s, const auto&) { return ray_cast(s, r.at, r.origin, r.translation).hit ? 1 : 0; });
+            [&](const auto& s, const auto&) { return cast_ray(s, r.at, r.origin, r.translation).hit ? 1 : 0; });
     }
     CHECK(hits > 16000);
     CHECK(hits < 50000);
@@ -275,29 +275,29 @@ CELL_CASE("casts: rays in the planes of faces, along edges, through corners, wit
     for (int i = 0; i < 20000; ++i) {
         physics::box<S, D> box;
         transform at;
-        vec from, way;
+        vec from, displacement;
         for (int k = 0; k < D; ++k) {
             box.half_extents[k] = S(1 + dice.below(3));
             at.position[k] = S(dice.below(5) - 2);
             from[k] = S(dice.below(13) - 6);
-            way[k] = S(dice.below(3) ? dice.below(17) - 8 : 0);
+            displacement[k] = S(dice.below(3) ? dice.below(17) - 8 : 0);
         }
-        const physics::ray<S, D> ray{from, way};
+        const physics::ray<S, D> ray{from, displacement};
         S fraction{};
         const bool expected = physics::detail::meets(ray, bounds(box, at), S(1), fraction);
-        const auto hit = ray_cast(box, at, from, way);
+        const auto hit = cast_ray(box, at, from, displacement);
         REQUIRE(hit.hit == expected);
         hits += hit.hit;
         if (hit) REQUIRE(cell::near(hit.fraction, fraction, 1));
         // The same by GJK.
-        const auto grown = ray_cast(physics::rounded_box<S, D>{box.half_extents, S(0)}, at, from, way);
+        const auto grown = cast_ray(physics::rounded_box<S, D>{box.half_extents, S(0)}, at, from, displacement);
         REQUIRE(grown.hit == expected);
         if (hit) REQUIRE(cell::near(grown.fraction, fraction, 1));
     }
     CHECK(hits > 1500);
     // Tangents.
-    const auto meets = [](const auto& shape, reals from, reals way) {
-        return ray_cast(shape, transform{}, from_reals(from), from_reals(way)).hit;
+    const auto meets = [](const auto& shape, reals from, reals displacement) {
+        return cast_ray(shape, transform{}, from_reals(from), from_reals(displacement)).hit;
     };
     CHECK(meets(physics::ball<S, D>{S(3)}, {-8, 3, 0}, {16, 0, 0}));
     CHECK(meets(physics::ball<S, D>{S(5)}, {-1, 7, 0}, {8, -6, 0}));
@@ -317,18 +317,19 @@ CELL_CASE("casts: rays in the planes of faces, along edges, through corners, wit
 struct cast_case {
     sample a, b;
     transform b_in_a;
-    vec way;
+    vec displacement;
 
     [[nodiscard]] std::string text() const {
         std::string t = a.text() + "\n" + b.text() + "\nat";
         for (const S x : parts_of(b_in_a.rotation)) t += said("", cell::number(x), 0);
-        for (const vec& v : {b_in_a.position, way})
+        for (const vec& v : {b_in_a.position, displacement})
             t += said("", cell::number(v[0]), cell::number(v[1])) + said("", to_reals(v).z, 0);
         return t;
     }
     [[nodiscard]] physics::cast_hit<S, D> cast(S most = S(1)) const {
         return a.visit_some([&](const auto& sa, const auto&) {
-            return b.visit_some([&](const auto& sb, const auto&) { return shape_cast(sa, sb, b_in_a, way, most); });
+            return b.visit_some(
+                [&](const auto& sb, const auto&) { return cast_shape(sa, sb, b_in_a, displacement, most); });
         });
     }
 };
@@ -337,11 +338,11 @@ inline std::string broken_law(const cast_case& c) {
     return c.a.visit_some([&](const auto&, const auto& a) {
         return c.b.visit_some([&](const auto&, const auto& b) -> std::string {
             const stand at = exact(c.b_in_a);
-            const doubles way = exact(c.way);
-            const auto there = [&](double t) { return stand{at.position + way * t, at.rotation}; };
+            const doubles displacement = exact(c.displacement);
+            const auto there = [&](double t) { return stand{at.position + displacement * t, at.rotation}; };
             const auto distance = [&](double t) { return separation(a, b, there(t)).distance; };
-            const double sizes = c.a.size() + c.b.size(), reach = length(at.position) + length(way) + sizes;
-            const double tolerance = rounding_along(length(way)) + 1e-12 * reach + c.a.blur() + c.b.blur();
+            const double sizes = c.a.size() + c.b.size(), reach = length(at.position) + length(displacement) + sizes;
+            const double tolerance = rounding_along(length(displacement)) + 1e-12 * reach + c.a.blur() + c.b.blur();
             const double touch = 10 * epsilon * (length(at.position) + sizes * 2 + 1);
             if (!hit) {
                 const double least = least_of(distance);
@@ -362,7 +363,8 @@ inline std::string broken_law(const cast_case& c) {
             if (std::abs(off_a) > of_point) return said("the point on A", off_a, tolerance);
             if (t == 0 && here <= tolerance) return "";
             if (std::abs(here) > tolerance) return said("not in touch", here, tolerance);
-            if (dot(n, way) > 16 * epsilon * length(way)) return said("moves apart", dot(n, way), t);
+            if (dot(n, displacement) > 16 * epsilon * length(displacement))
+                return said("moves apart", dot(n, displacement), t);
             for (int k = 0; k < 6; ++k)
                 if (distance(t * k / 6) < -tolerance) return said("entered before", distance(t * k / 6), t * k / 6);
             return "";
@@ -390,13 +392,13 @@ inline cast_case random_cast(cell::dice& dice, int i) {
                 const reals across = cell::is_2d ? cross(n, {0, 0, 1}) : unit(cross(n, random_direction(dice)));
                 aside = n * (off[dice.below(7)] * scale - gap);
                 c.b_in_a.position = from_reals(aside - across * far);
-                c.way = from_reals(across * (far * onwards[dice.below(4)]));
+                c.displacement = from_reals(across * (far * onwards[dice.below(4)]));
             });
         });
         return c;
     }
     c.b_in_a.position = from_reals(aside - along * far);
-    c.way = from_reals(along * (far * onwards[dice.below(4)]));
+    c.displacement = from_reals(along * (far * onwards[dice.below(4)]));
     return c;
 }
 
@@ -412,7 +414,7 @@ CELL_CASE("casts: shapes that move touch where their distance says, in either or
         cast_case swapped = c;
         std::swap(swapped.a, swapped.b);
         swapped.b_in_a = inverse(c.b_in_a);
-        swapped.way = -inverse_rotate(c.b_in_a.rotation, c.way);
+        swapped.displacement = -inverse_rotate(c.b_in_a.rotation, c.displacement);
         broken = broken_law(swapped);
         if (!broken.empty()) FAIL_CHECK("swapped, " << broken << swapped.text());
     }
@@ -438,12 +440,12 @@ CELL_CASE("casts: boxes that touch hit only if they approach along all faces tha
     int all = 1;
     for (int i = 0; i < D; ++i) all *= 9;
     for (int code = 0; code < all * all; ++code) {
-        vec at, way;
+        vec at, displacement;
         bool touching = false, overlapping = true, approaching = true;
         for (int i = 0, rest = code; i < D; ++i) {
             const int x = rest / 9 % 9 - 4;
             at[i] = S(0.5 * x);
-            way[i] = S(rest % 9 - 4);
+            displacement[i] = S(rest % 9 - 4);
             const int toward = -(rest % 9 - 4) * (x < 0 ? -1 : 1);
             touching = touching || std::abs(x) == 4;
             overlapping = overlapping && std::abs(x) < 4;
@@ -451,9 +453,9 @@ CELL_CASE("casts: boxes that touch hit only if they approach along all faces tha
             rest /= 81;
         }
         if (!touching) continue;
-        const auto hit = shape_cast(box, box, transform{at, {}}, way);
+        const auto hit = cast_shape(box, box, transform{at, {}}, displacement);
         CAPTURE(at);
-        CAPTURE(way);
+        CAPTURE(displacement);
         REQUIRE(hit.hit == approaching);
         REQUIRE((!hit || hit.fraction == S(0)));
     }
@@ -466,17 +468,18 @@ CELL_CASE("casts: on a halfspace, in either order") {
         const sample s = random_sample(dice, 1, 5);
         const physics::halfspace<S, D> ground{from_reals(random_direction(dice)), dice.real(-1, 1)};
         const transform at{dice.vec<vec>(-3, 3), random_rotation(dice)};
-        const vec way = dice.vec<vec>(-6, 6);
+        const vec displacement = dice.vec<vec>(-6, 6);
         s.visit_some([&](const auto& shape, const auto& twin) {
             const physics::halfspace<double, D> plane{exact(ground.normal), cell::number(ground.offset)};
             const auto distance = [&](double t) {
-                const stand there{exact(at.position) + exact(way) * t, exact(at.rotation)};
+                const stand there{exact(at.position) + exact(displacement) * t, exact(at.rotation)};
                 return separation(plane, twin, there).distance;
             };
             const double tolerance = 64 * epsilon + s.blur() + 1e-12;
             for (const bool first : {true, false}) {
-                const auto hit = first ? shape_cast(ground, shape, at, way)
-                                       : shape_cast(shape, ground, inverse(at), -inverse_rotate(at.rotation, way));
+                const auto hit =
+                    first ? cast_shape(ground, shape, at, displacement)
+                          : cast_shape(shape, ground, inverse(at), -inverse_rotate(at.rotation, displacement));
                 if (!hit) {
                     REQUIRE(std::fmin(distance(0), distance(1)) > -tolerance);
                     continue;
@@ -496,8 +499,8 @@ CELL_CASE("casts: on a halfspace, in either order") {
     CHECK(hits > 8000);
     // At rest on the ground: along it and away from it nothing is hit.
     const physics::box<S, D> box;
-    const auto from = [&](reals p, reals way) {
-        return shape_cast(physics::halfspace<S, D>{}, box, transform{from_reals(p), {}}, from_reals(way)).hit;
+    const auto from = [&](reals p, reals displacement) {
+        return cast_shape(physics::halfspace<S, D>{}, box, transform{from_reals(p), {}}, from_reals(displacement)).hit;
     };
     CHECK(!from({0, 0.5, 0}, {3, 0, 0}));
     CHECK(!from({0, 0.5, 0}, {3, 1, 0}));
@@ -634,10 +637,10 @@ CELL_CASE("casts: powers of two change no bit of a fraction or a normal") {
         m.of_a.turn = random_turn(dice, 2);
         m.of_b.turn = random_turn(dice, 2);
         m.of_b.start = c.b_in_a.position;
-        m.of_b.end = c.b_in_a.position + c.way;
+        m.of_b.end = c.b_in_a.position + c.displacement;
         const auto ray = [&] {
             return c.a.visit_some([&](const auto& s, const auto&) {
-                return ray_cast(s, transform{{}, c.b_in_a.rotation}, c.b_in_a.position, c.way);
+                return cast_ray(s, transform{{}, c.b_in_a.rotation}, c.b_in_a.position, c.displacement);
             });
         };
         const auto hit = c.cast();
@@ -646,7 +649,7 @@ CELL_CASE("casts: powers of two change no bit of a fraction or a normal") {
         const S factor = S(i % 2 ? 0x1p-50 : 0x1p50);
         for (sample* s : {&c.a, &c.b}) s->half *= factor, s->radius *= factor;
         m.a = c.a, m.b = c.b;
-        for (vec* v : {&c.b_in_a.position, &c.way, &m.of_b.start, &m.of_b.end}) *v *= factor;
+        for (vec* v : {&c.b_in_a.position, &c.displacement, &m.of_b.start, &m.of_b.end}) *v *= factor;
         m.settings.target *= factor;
         m.settings.tolerance *= factor;
         const auto scaled = c.cast();
@@ -683,10 +686,10 @@ CELL_CASE("casts: thin blades that spin by half a turn and more hit small balls 
                                  : time_of_impact(pellet, of_ball, blade, of_blade, {S(1e-4), S(1e-4)});
         REQUIRE(found.state == impact_state::hit);
         // The blade turns until its side is at the ball: sin(angle left) = reach / far.
-        const double left = std::asin((0.001 + radius) / far), way = turn > 0 ? from : M_PI - from;
+        const double left = std::asin((0.001 + radius) / far), displacement = turn > 0 ? from : M_PI - from;
         const double angle = std::abs(turn) * cell::number(found.fraction);
-        REQUIRE(angle < way - left + 1e-5);
-        REQUIRE(angle > way - left - 0.0004 / far);
+        REQUIRE(angle < displacement - left + 1e-5);
+        REQUIRE(angle > displacement - left - 0.0004 / far);
     }
 }
 

@@ -60,7 +60,7 @@ const action actions[] = {
     },
     [](shelf& s, shape_id i) { s.w.create_shape(s.w.body(i), world::ball{S(0.25)}, {.position = at(0, 1)}); },
     [](shelf& s, shape_id i) { s.w.set_type(s.w.body(i), body_type::kinematic_body); },
-    [](shelf& s, shape_id i) { s.w.set_surface(i, {.friction = S(0.125)}); },
+    [](shelf& s, shape_id i) { s.w.set_material(i, {.friction = S(0.125)}); },
     [](shelf& s, shape_id) { s.w.step(S(1.0 / 64)); },
     [](shelf& s, shape_id) { s.w.set_settings({.gravity = at(1, -5), .contact_margin = S(0.125)}); },
     // A query in the query, which changes the world itself.
@@ -112,7 +112,7 @@ CELL_CASE("changes: visitors of queries may change the world, asleep or awake, a
             s.w.each_overlapping(s.everything(), {at(0, 1), {}}, {}, visit);
         });
         check_as_if_after(steps, [](const shelf& s, auto&& visit) {
-            s.w.each_on_ray(at(-19, 0.5), along(0, 38), {}, [&](const world::world_hit& hit) {
+            s.w.each_hit_along_ray(at(-19, 0.5), along(0, 38), {}, [&](const world::world_hit& hit) {
                 visit(hit.shape);
                 return S(1);
             });
@@ -141,12 +141,12 @@ CELL_CASE("changes: visitors hear of shapes in order, and say when they have eno
         fractions.push_back(hit.fraction);
         return S(1);
     };
-    w.each_on_ray(at(-2, 0), along(0, 250), {}, all);
+    w.each_hit_along_ray(at(-2, 0), along(0, 250), {}, all);
     REQUIRE(fractions.size() == 100);
     for (std::size_t i = 1; i < 100; ++i) CHECK(fractions[i - 1] < fractions[i]);
     const auto up_to = [&](S limit) {
         asked = 0;
-        w.each_on_ray(at(-2, 0), along(0, 250), {}, [&](const world::world_hit&) {
+        w.each_hit_along_ray(at(-2, 0), along(0, 250), {}, [&](const world::world_hit&) {
             ++asked;
             return limit;
         });
@@ -175,7 +175,7 @@ CELL_CASE("changes: a visitor may assign to its world, or move from it") {
     CHECK(asked == 1);
     asked = 0;
     world taken;
-    s.w.each_on_ray(at(-19, 0.5), along(0, 38), {}, [&](const auto&) {
+    s.w.each_hit_along_ray(at(-19, 0.5), along(0, 38), {}, [&](const auto&) {
         ++asked;
         taken = std::move(s.w);
         return S(1);
@@ -341,7 +341,7 @@ struct meddler {
     int times = 0;
 
     [[nodiscard]] std::uint32_t workers() const { return 2; }
-    void run(std::uint32_t parts, const physics::work& what) {
+    void run(std::uint32_t parts, const physics::task_set& what) {
         ++times;
         said = refusal([&] { meddle(s, *this); });
         for (std::uint32_t k = 0; k < parts; ++k) what(k, 0);
@@ -371,8 +371,8 @@ CELL_CASE("changes: in the middle of a step a world refuses all of them, by name
          [](shelf& s, meddler&) {
              s.w.set_mass(s.boxes[0], {S(1), {}, {}});
          }},
-        {"set_surface",
-         [](shelf& s, meddler&) { s.w.set_surface(*s.w.shapes(s.boxes[0]).begin(), {.friction = S(0)}); }},
+        {"set_material",
+         [](shelf& s, meddler&) { s.w.set_material(*s.w.shapes(s.boxes[0]).begin(), {.friction = S(0)}); }},
         {"set_user_data", [](shelf& s, meddler&) { s.w.set_user_data(s.boxes[0], 7); }},
     };
     for (const entry& e : entries) {
@@ -393,7 +393,7 @@ CELL_CASE("changes: in the middle of a step a world refuses all of them, by name
     shelf s(3, 150);
     struct thrower {
         [[nodiscard]] std::uint32_t workers() const { return 2; }
-        void run(std::uint32_t, const physics::work&) { throw 1; }
+        void run(std::uint32_t, const physics::task_set&) { throw 1; }
     } by;
     CHECK_THROWS_AS(s.w.step(S(1.0 / 64), by), int);
     s.w.step(S(1.0 / 64));

@@ -36,27 +36,27 @@ struct encounters {
     /// In line with the axes, nearly so, by simple angles, or any.
     rotation turn() {
         const double angles[] = {0, M_PI / 4, M_PI / 2, M_PI, 2 * M_PI / 3};
-        const int way = dice.below(4);
-        if (way == 0) return random_rotation(dice);
+        const int displacement = dice.below(4);
+        if (displacement == 0) return random_rotation(dice);
         reals axis;
         axis[cell::is_2d ? 2 : dice.below(3)] = 1;
         if (cell::is_3d && dice.below(3) == 0) axis = unit(reals{1, 1, 1});
         double angle = angles[dice.below(5)];
-        if (way == 1) angle = 0;
+        if (displacement == 1) angle = 0;
         const rotation first = turned(rotation{}, to_angular(axis * angle));
-        if (way < 3) return first;
+        if (displacement < 3) return first;
         const double about = small() * sign(), aside = small();
         return turned(turned(first, to_angular(axis * about)), to_angular(random_axis(dice) * aside));
     }
     reals direction(const pose& at) {
         const pose frame;
-        const int way = dice.below(5);
+        const int displacement = dice.below(5);
         const reals of_a = frame.axis[dice.below(D)], of_b = at.axis[dice.below(D)] * sign();
         reals n = random_direction(dice);
-        if (way == 0) n = of_a;
-        if (way == 1) n = of_b;
-        if (way == 2 && cell::is_3d) n = cross(of_a, of_b);
-        if (way == 3) n = of_a + of_b;
+        if (displacement == 0) n = of_a;
+        if (displacement == 1) n = of_b;
+        if (displacement == 2 && cell::is_3d) n = cross(of_a, of_b);
+        if (displacement == 3) n = of_a + of_b;
         if (::size(n) < 1e-3) n = frame.axis[0];
         return unit(n) * sign();
     }

@@ -223,15 +223,15 @@ CELL_CASE("concave: a ball rolls over inner edges without a bump") {
             CAPTURE(kind);
             CAPTURE(k);
             const double angle = cell::is_3d ? 0.02 + k * M_PI / 4 * (k < 4 ? 1 : 0.93) : k * M_PI;
-            const reals way{std::cos(angle), 0, cell::is_3d ? std::sin(angle) : 0};
-            const reals from = way * -5 + reals{0.03, 0.5, cell::is_3d ? 0.017 : 0};
+            const reals displacement{std::cos(angle), 0, cell::is_3d ? std::sin(angle) : 0};
+            const reals from = displacement * -5 + reals{0.03, 0.5, cell::is_3d ? 0.017 : 0};
             journey seen[2];
             for (int i = 0; i < 2; ++i) {
                 world w;
                 add_surface(w, i == 0 ? "halfspace" : kind, 40, 0.5, flat);
                 const body_id b = w.create_body({.position = from_reals(from),
-                                                 .linear_velocity = from_reals(way * 6),
-                                                 .angular_velocity = to_angular(cross({0, 1, 0}, way) * 12)});
+                                                 .linear_velocity = from_reals(displacement * 6),
+                                                 .angular_velocity = to_angular(cross({0, 1, 0}, displacement) * 12)});
                 w.create_shape(b, world::ball{S(0.5)});
                 seen[i] = follow(w, b, 0.5, 110, 12);
             }
@@ -240,7 +240,7 @@ CELL_CASE("concave: a ball rolls over inner edges without a bump") {
             CHECK(std::abs(seen[1].height - seen[0].height) < 1e-5);
             CHECK(seen[1].climb < 1e-3);
             CHECK(seen[1].spin < seen[0].spin + 1e-3);
-            CHECK(size(seen[1].end - (from + way * (6 * 110 / 64.0))) < 2e-3);
+            CHECK(size(seen[1].end - (from + displacement * (6 * 110 / 64.0))) < 2e-3);
         }
 }
 
@@ -252,14 +252,14 @@ CELL_CASE("concave: what slides over inner edges slides as on a halfspace") {
                 CAPTURE(k);
                 CAPTURE(body);
                 const double angle = cell::is_3d ? k * M_PI / 4 : k * M_PI;
-                const reals way{std::cos(angle), 0, cell::is_3d ? std::sin(angle) : 0};
+                const reals displacement{std::cos(angle), 0, cell::is_3d ? std::sin(angle) : 0};
                 const double height = body == 1 ? 0.25 : 0.5;
                 journey seen[2];
                 for (int i = 0; i < 2; ++i) {
                     world w;
                     add_surface(w, i == 0 ? "halfspace" : kind, 40, 0.5, flat, {.friction = S(0.01)});
-                    world::body_def def{.position = from_reals(way * -5 + reals{0.03, height, 0}),
-                                        .linear_velocity = from_reals(way * 6)};
+                    world::body_def def{.position = from_reals(displacement * -5 + reals{0.03, height, 0}),
+                                        .linear_velocity = from_reals(displacement * 6)};
                     if (cell::is_3d) def.rotation = rotation_about({0, 1, 0}, 0.1 * k);
                     const body_id b = w.create_body(def);
                     const auto add = [&](const auto& shape) {
@@ -406,14 +406,14 @@ CELL_CASE("concave: all ridges hold a body that lies on them, also those between
         if (kind == "tiles") continue;
         // Two ridges bear, the third is at one end and a little lower.
         for (const double low : {0.0, 0.004, 0.008, 0.015})
-            for (const int way : {-1, 1})
+            for (const int displacement : {-1, 1})
                 for (int body = 0; body < 3; ++body) {
                     CAPTURE(kind);
                     CAPTURE(low);
-                    CAPTURE(way);
+                    CAPTURE(displacement);
                     CAPTURE(body);
                     const auto height = [&](double x, double) {
-                        const int k = static_cast<int>(std::lround(way * x / 0.2));
+                        const int k = static_cast<int>(std::lround(displacement * x / 0.2));
                         return k == -2 || k == 0 ? 0 : k == 2 ? -low : -0.2;
                     };
                     const ground g = make_ground(kind, 20, 0.2, height);
@@ -432,7 +432,7 @@ CELL_CASE("concave: all ridges hold a body that lies on them, also those between
                                 if (std::abs(here - x) < 0.01 && number(f.contact.normal.y) > 0.99)
                                     nearest = std::fmin(nearest, number(f.contact.points[i].separation));
                             }
-                        ridges += std::abs(nearest - (x * way > 0.2 ? low : 0) + 0.001) < 1e-3;
+                        ridges += std::abs(nearest - (x * displacement > 0.2 ? low : 0) + 0.001) < 1e-3;
                     }
                     // What is all but flat may rest on its ends.
                     CHECK(ridges >= (low < 0.001 ? 2 : 3));
@@ -621,7 +621,7 @@ CELL_CASE("concave: an L falls on its side where its centre of mass is beyond it
         CHECK(std::abs(number(w.mass(b).mass) - area * depth) < 1e-5);
         CHECK(std::abs(number(w.mass(b).center.x) - center) < 1e-5);
         run(w, 200);
-        const bool stands = number((w.orientation(b) * point(0, 1)).y) > 0.99;
+        const bool stands = number((w.rotation(b) * point(0, 1)).y) > 0.99;
         CHECK(stands == (center < 0.2));
         CHECK(number(w.position(b).y) > -0.05);
     }

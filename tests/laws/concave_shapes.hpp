@@ -373,8 +373,8 @@ CELL_CASE("concave: the outline of tiles runs along every open side once, and kn
                 const bool wall = cell_at(at.x + 0.5 * (out * dx + nx), at.y + 0.5 * (out * dy + ny));
                 const bool ahead = cell_at(at.x + 0.5 * (out * dx - nx), at.y + 0.5 * (out * dy - ny));
                 REQUIRE((wall || !ahead));
-                const int way = wall ? -1 : 1;
-                REQUIRE(gap(p.beyond[end], {double(way * out * dx), double(way * out * dy)}) == 0);
+                const int displacement = wall ? -1 : 1;
+                REQUIRE(gap(p.beyond[end], {double(displacement * out * dx), double(displacement * out * dy)}) == 0);
             }
         }
         std::size_t open = 0;

@@ -163,7 +163,7 @@ CELL_CASE("a swept ball bounces as high as it fell") {
     for (const double height : {5.0, 20.0, 80.0}) {
         world::settings_type settings;
         settings.gravity = along(1, -10);
-        settings.solver.restitution_slop = S(0);
+        settings.solver.restitution_threshold = S(0);
         world w(settings);
         const body_id ground = w.create_body({.type = body_type::static_body});
         w.create_shape(ground, world::box{vec::filled(S(1))},
@@ -421,10 +421,10 @@ struct zealous {
     template <class Space>
     struct in {
         using T = typename Space::scalar;
-        static physics::swept_against aim(const physics::stride<T, Space::dimension>&) {
-            return physics::swept_against::everything;
+        static physics::sweep_target sweep_against(const physics::body_motion<T, Space::dimension>&) {
+            return physics::sweep_target::everything;
         }
-        static T ahead(const physics::stride<T, Space::dimension>& s) { return s.bound() * T(0.25); }
+        static T ahead(const physics::body_motion<T, Space::dimension>& s) { return s.bound() * T(0.25); }
     };
 };
 struct guarded : physics::recipe<S, cell::dimension, zealous> {};

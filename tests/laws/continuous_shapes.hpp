@@ -104,15 +104,15 @@ bool passes(const Shape& shape, cell::dice& dice, surface kind, double from, dou
     wide_world w = open_range();
     add_ground(w, kind, two_sided);
     const double up = from > 0 ? 1 : -1;
-    vec place = dice.vec<vec>(-2, 2), way = dice.vec<vec>(-0.2, 0.2);
+    vec place = dice.vec<vec>(-2, 2), displacement = dice.vec<vec>(-0.2, 0.2);
     // Often at an edge or at a corner of parts.
     for (int i = 0; i < D; ++i)
-        if (dice.below(3) == 0) place[i] = S(dice.below(5) - 2), way[i] = S(0);
+        if (dice.below(3) == 0) place[i] = S(dice.below(5) - 2), displacement[i] = S(0);
     place.y = S(from + up * dice.number(0, speed / 64));
-    way.y = S(-up);
+    displacement.y = S(-up);
     const body_id body = w.create_body({.position = place,
                                         .rotation = random_rotation(dice),
-                                        .linear_velocity = way * S(speed),
+                                        .linear_velocity = displacement * S(speed),
                                         .angular_velocity = skew(spin)});
     w.create_shape(body, shape);
     for (int i = 0; i < 6 + 80 / speed; ++i) {

@@ -205,8 +205,9 @@ inline convex_body random_body(int kind, cell::dice& dice, double size, body_wis
         case of::box: return body_of(box{from_reals(half)});
         case of::rounded_box: return body_of(rounded_box{from_reals(half), radius_of(true)});
         case of::segment: {
-            const reals way = random_direction(dice) * (0.3 * size);
-            const vec aside = from_reals({stepped(way.x), stepped(way.y), stepped(way.z)}), a = anywhere() + aside;
+            const reals displacement = random_direction(dice) * (0.3 * size);
+            const vec aside = from_reals({stepped(displacement.x), stepped(displacement.y), stepped(displacement.z)}),
+                      a = anywhere() + aside;
             return body_of(segment{a, aside - a, radius});
         }
         case of::triangle:

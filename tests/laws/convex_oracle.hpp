@@ -261,7 +261,7 @@ private:
             }
         for (const auto& ea : core_a_.edges())
             for (const auto& eb : core_b_.edges())
-                segments(from(core_a_, ea), way(core_a_, ea), from(core_b_, eb), way(core_b_, eb));
+                segments(from(core_a_, ea), displacement(core_a_, ea), from(core_b_, eb), displacement(core_b_, eb));
     }
     void try_axis(point n) {
         const real length = size(n);
@@ -282,7 +282,7 @@ private:
         try_axis({0, 1, 0});
         if (a_.dimension == 2) {
             for (const polytope* one : {&core_a_, &core_b_})
-                for (const auto& e : one->edges()) try_axis({way(*one, e).y, -way(*one, e).x, 0});
+                for (const auto& e : one->edges()) try_axis({displacement(*one, e).y, -displacement(*one, e).x, 0});
             return;
         }
         try_axis({0, 0, 1});
@@ -293,11 +293,11 @@ private:
             if (one->faces().empty())
                 for (const auto& e : one->edges())
                     for (const point& other : {point{1, 0, 0}, point{0, 1, 0}, point{0, 0, 1}})
-                        try_axis(cross(way(*one, e), other));
+                        try_axis(cross(displacement(*one, e), other));
         }
         for (const auto& ea : core_a_.edges())
             for (const auto& eb : core_b_.edges()) {
-                const point n = cross(way(core_a_, ea), way(core_b_, eb));
+                const point n = cross(displacement(core_a_, ea), displacement(core_b_, eb));
                 const real room = 1e-12L * ea.length * eb.length * extent_;
                 // An axis counts where both edges lie in the polytopes' supporting planes; most do not.
                 bool up = true, down = true;
@@ -315,7 +315,9 @@ private:
         }
     }
     static point from(const polytope& one, const polytope::edge& e) { return one.points[e.from]; }
-    static point way(const polytope& one, const polytope::edge& e) { return one.points[e.to] - one.points[e.from]; }
+    static point displacement(const polytope& one, const polytope::edge& e) {
+        return one.points[e.to] - one.points[e.from];
+    }
 
     const polytope &a_, &b_;
     polytope core_a_, core_b_;

@@ -86,12 +86,12 @@ struct crowd {
         return at;
     }
     /// Margins of 0.05 m and twice the way, but no more than the box is wide.
-    void widen(member& m, vec way) const {
+    void widen(member& m, vec displacement) const {
         const S margin = cell::real(0.05);
         m.wide = {m.box.lower - vec::filled(margin), m.box.upper + vec::filled(margin)};
         for (int i = 0; i < D; ++i) {
             const S most = m.box.upper[i] - m.box.lower[i] + margin;
-            S ahead = way[i] * S(2);
+            S ahead = displacement[i] * S(2);
             if (ahead > most) ahead = most;
             if (ahead < -most) ahead = -most;
             (ahead > S(0) ? m.wide.upper : m.wide.lower)[i] += ahead;
@@ -107,22 +107,22 @@ struct crowd {
     void move_one(std::uint32_t id, cell::dice& dice, Tell&& tell) {
         member& m = members[id];
         const bool teleports = kind == layout::teleporting || dice.below(50) == 0;
-        vec way = dice.vec<vec>(-0.1, 0.1);
+        vec displacement = dice.vec<vec>(-0.1, 0.1);
         if (teleports) {
             const reals to = anywhere(dice) * (dice.below(10) == 0 ? 100 : 1);
-            way = from_reals(to) - m.box.lower;
+            displacement = from_reals(to) - m.box.lower;
         }
-        if (m.box.lower.y < S(-100000)) way.y = S(0);
-        m.box.lower += way;
-        m.box.upper += way;
+        if (m.box.lower.y < S(-100000)) displacement.y = S(0);
+        m.box.lower += displacement;
+        m.box.upper += displacement;
         // A number may round so that the box turns inside out where it was flat.
         for (int i = 0; i < D; ++i)
             if (m.box.upper[i] < m.box.lower[i]) m.box.upper[i] = m.box.lower[i];
         bool within = true;
         for (int i = 0; i < D; ++i)
             within = within && !(m.box.lower[i] < m.wide.lower[i]) && !(m.box.upper[i] > m.wide.upper[i]);
-        if (!within) widen(m, way);
-        tell(id, m.box, way);
+        if (!within) widen(m, displacement);
+        tell(id, m.box, displacement);
     }
 };
 

@@ -39,7 +39,7 @@ public:
             for (const side_of& s : points_[k].sides) {
                 const reals p = points_[k].normal * (x[k] * s.sign);
                 result[s.body].linear = result[s.body].linear + p * s.inverse_mass;
-                result[s.body].angular = result[s.body].angular + s.turn(cross(s.lever, p));
+                result[s.body].angular = result[s.body].angular + s.turn(cross(s.anchor, p));
             }
         return result;
     }
@@ -52,7 +52,7 @@ private:
             for (const side_of& t : k.sides) {
                 if (s.body != t.body) continue;
                 const reals p = k.normal * t.sign;
-                sum += s.sign * dot(i.normal, p * t.inverse_mass + cross(t.turn(cross(t.lever, p)), s.lever));
+                sum += s.sign * dot(i.normal, p * t.inverse_mass + cross(t.turn(cross(t.anchor, p)), s.anchor));
             }
         return sum;
     }
@@ -180,7 +180,7 @@ CELL_CASE("solver: what it converged to is its answer to the next step's warm st
         problem again = start;
         for (std::uint32_t i = 0; i < again.contacts.size(); ++i) {
             again.contacts[i] = p.contacts[i];
-            again.contacts[i].lasting = 255;
+            again.contacts[i].persisted_mask = 255;
         }
         solve<complete>(again, 1);
         for (std::size_t i = 0; i < p.bodies.size(); ++i)
@@ -201,7 +201,7 @@ double speed_after(double separation, double speed, double restitution) {
     c.count = 1;
     c.points[0].separation = S(separation);
     c.restitution = S(restitution);
-    p.contacts.push(c);
+    p.contacts.push_back(c);
     solve<complete>(p, 1);
     return cell::number(p.bodies[1].velocity.linear.y);
 }
@@ -243,7 +243,7 @@ CELL_CASE("contact: impulses go to the same features of the same pair, as a sear
                     c.count = number_of(1 + dice.below(physics::manifold<S, D>::capacity));
                     for (int k = 0; k < c.count; ++k)
                         c.points[k].feature = static_cast<std::uint32_t>(4 * dice.below(2) + k);
-                    list.push(c);
+                    list.push_back(c);
                 }
         };
         fill(before);
@@ -285,7 +285,7 @@ CELL_CASE("integrator: velocities advance by what drives a body and by implicit 
         b.angular_damping = dice.real(0, 20);
         const double h = 1.0 / 32;
         const reals linear = to_reals(v.linear), angular = to_reals(v.angular);
-        integrator::advance_velocity(v, b, S(h));
+        integrator::integrate_velocity(v, b, S(h));
         const double slower = 1 + cell::number(b.linear_damping) * h, turning = 1 + cell::number(b.angular_damping) * h;
         REQUIRE(near(v.linear, (linear + to_reals(b.acceleration) * h) * (1 / slower), 64));
         REQUIRE(near(to_reals(v.angular), (angular + to_reals(b.angular_acceleration) * h) * (1 / turning), 64));

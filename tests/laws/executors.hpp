@@ -18,14 +18,14 @@ struct backwards {
     std::uint32_t count = 4;
 
     [[nodiscard]] std::uint32_t workers() const { return count; }
-    void run(std::uint32_t parts, const physics::work& what) {
+    void run(std::uint32_t parts, const physics::task_set& what) {
         for (std::uint32_t k = parts; k-- > 0;) what(k, k % count);
     }
 };
 /// A thread for each worker, made anew for each piece of work: the parts in stripes.
 struct fresh_threads {
     [[nodiscard]] std::uint32_t workers() const { return 3; }
-    void run(std::uint32_t parts, const physics::work& what) {
+    void run(std::uint32_t parts, const physics::task_set& what) {
         const auto stripe = [&](std::uint32_t worker) {
             for (std::uint32_t k = worker; k < parts; k += workers()) what(k, worker);
         };
@@ -36,7 +36,7 @@ struct fresh_threads {
     }
 };
 struct faulty {
-    std::function<void(std::uint32_t, const physics::work&)> run;
+    std::function<void(std::uint32_t, const physics::task_set&)> run;
     std::uint32_t count = 2;
 
     [[nodiscard]] std::uint32_t workers() const { return count; }
@@ -113,21 +113,21 @@ CELL_CASE("executors: one that leaves out parts, or has no workers, is refused, 
     busy_place place(12);
     for (int i = 0; i < 3; ++i) place.w.step(S(1.0 / 64));
     const auto before = place.w.state_hash();
-    faulty lazy{[](std::uint32_t parts, const physics::work& what) {
+    faulty lazy{[](std::uint32_t parts, const physics::task_set& what) {
         for (std::uint32_t k = 1; k < parts; ++k) what(k, 0);
     }};
-    faulty idle{[](std::uint32_t, const physics::work&) {}};
-    faulty strange{[](std::uint32_t parts, const physics::work& what) {
+    faulty idle{[](std::uint32_t, const physics::task_set&) {}};
+    faulty strange{[](std::uint32_t parts, const physics::task_set& what) {
         for (std::uint32_t k = 0; k < parts; ++k) what(k, 2);
     }};
-    faulty empty{[](std::uint32_t, const physics::work&) {}, 0};
+    faulty empty{[](std::uint32_t, const physics::task_set&) {}, 0};
     for (faulty* by : {&lazy, &idle, &strange, &empty}) {
         CHECK(refusal([&] { place.w.step(S(1.0 / 64), *by); }).find("executor") != std::string::npos);
         CHECK(place.w.state_hash() == before);
     }
     // Also one that begins to in the midst of a step.
     int rounds = 0;
-    faulty counting{[&rounds](std::uint32_t parts, const physics::work& what) {
+    faulty counting{[&rounds](std::uint32_t parts, const physics::task_set& what) {
         ++rounds;
         for (std::uint32_t k = 0; k < parts; ++k) what(k, k % 2);
     }};
@@ -135,7 +135,7 @@ CELL_CASE("executors: one that leaves out parts, or has no workers, is refused, 
     REQUIRE(rounds > 2);
     for (int good = 0; good < rounds; ++good) {
         int rest = good;
-        faulty tired{[&rest](std::uint32_t parts, const physics::work& what) {
+        faulty tired{[&rest](std::uint32_t parts, const physics::task_set& what) {
             for (std::uint32_t k = rest-- == 0; k < parts; ++k) what(k, k % 2);
         }};
         CHECK(refusal([&] { place.w.step(S(1.0 / 64), tired); }).find("executor") != std::string::npos);
@@ -144,7 +144,7 @@ CELL_CASE("executors: one that leaves out parts, or has no workers, is refused, 
     // So is one that does a part twice, at once or later.
     for (int twice = 0; twice < rounds; ++twice) {
         int rest = twice;
-        faulty eager{[&rest](std::uint32_t parts, const physics::work& what) {
+        faulty eager{[&rest](std::uint32_t parts, const physics::task_set& what) {
             for (std::uint32_t k = 0; k < parts; ++k) what(k, k % 2);
             if (rest-- == 0) what(parts / 2, 1);
         }};
@@ -154,7 +154,7 @@ CELL_CASE("executors: one that leaves out parts, or has no workers, is refused, 
     // Calls with parts that there are not do nothing.
     busy_place alone(12);
     for (int i = 0; i < 4; ++i) alone.w.step(S(1.0 / 64));
-    faulty keen{[](std::uint32_t parts, const physics::work& what) {
+    faulty keen{[](std::uint32_t parts, const physics::task_set& what) {
         for (std::uint32_t k = 0; k < parts + 3; ++k) what(k, 1);
     }};
     place.w.step(S(1.0 / 64), keen);
@@ -172,7 +172,7 @@ CELL_CASE("executors: the pool calls every part once, by one worker at a time") 
             --busy[worker];
         };
         std::vector<unsigned char> done(parts);
-        for (int round = 0; round < 200; ++round) pool.run(parts, physics::work(count, done.data(), parts, 3));
+        for (int round = 0; round < 200; ++round) pool.run(parts, physics::task_set(count, done.data(), parts, 3));
         for (const int n : times) REQUIRE(n == 200);
     }
 }
@@ -210,7 +210,7 @@ CELL_CASE("executors: a worker of the pool begins with parts of its own, and one
         if (std::chrono::steady_clock::now() - start > std::chrono::seconds(2)) break;
         for (auto& of : begun) of = 0;
         ended = 0;
-        pool.run(parts, physics::work(watch, notes.data(), parts, 2));
+        pool.run(parts, physics::task_set(watch, notes.data(), parts, 2));
         if (ended != static_cast<int>(parts)) FAIL("parts were left out");
     }
     CHECK(keeps_to_its_own);

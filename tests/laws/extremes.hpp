@@ -25,7 +25,7 @@ CELL_CASE("X2: crates that overlap part within a second, and nobody is shot away
                 CAPTURE(overlap);
                 CAPTURE(substeps);
                 world::settings_type settings = pulled(substeps);
-                settings.solver.max_push_speed = S(push);
+                settings.solver.max_depenetration_speed = S(push);
                 world w(settings);
                 overlapping_pile(w, overlap);
                 const double room = overlap < 1 ? 1.9 : 2.6;
@@ -89,10 +89,10 @@ CELL_CASE("X3: far from the origin slow bodies still move, as fast as they are")
             const body_id id = add_cube(w, along(0, distance));
             w.set_linear_velocity(id, along(0, speed));
             for (int i = 0; i < 600; ++i) w.step(S(1.0 / 60));
-            const double way = number(w.position(id).x - S(distance));
+            const double displacement = number(w.position(id).x - S(distance));
             // A part is lost where a substep's way is rounded.
             const double lost = half_spacing(distance + 32) * 60 * settings.solver.substeps / speed;
-            CHECK(std::abs(way / (10 * speed) - 1) <= (lost < 0.0025 ? 0.01 : lost));
+            CHECK(std::abs(displacement / (10 * speed) - 1) <= (lost < 0.0025 ? 0.01 : lost));
         }
 }
 
@@ -102,9 +102,10 @@ CELL_CASE("X3: far from the origin bodies fall as they do there") {
         world w(pulled());
         const body_id id = add_cube(w, along(1, distance));
         for (int i = 0; i < 60; ++i) w.step(S(1.0 / 60));
-        const double way = number(w.position(id).y - S(distance));
+        const double displacement = number(w.position(id).y - S(distance));
         const double exact = -5 - 5.0 / 60 / w.settings().solver.substeps;
-        CHECK(std::abs(way / exact - 1) <= 0.001 + half_spacing(distance) * 60 * w.settings().solver.substeps / 5);
+        CHECK(std::abs(displacement / exact - 1) <=
+              0.001 + half_spacing(distance) * 60 * w.settings().solver.substeps / 5);
     }
 }
 
@@ -173,7 +174,7 @@ inline double most_energy(vec half, int substeps, double friction) {
     w.create_shape(b, world::box{half}, {.density = S(1 / volume), .material = rubs});
     const auto square = [](S x) { return number(x) * number(x); };
     const auto energy = [&] {
-        const vec v = w.linear_velocity(b), spin = inverse_rotate(w.orientation(b), w.angular_velocity(b));
+        const vec v = w.linear_velocity(b), spin = inverse_rotate(w.rotation(b), w.angular_velocity(b));
         const double x = square(half.x), y = square(half.y), z = square(half.z);
         return 10 * number(w.position(b).y) + (square(v.x) + square(v.y) + square(v.z)) / 2 +
                ((y + z) * square(spin.x) + (x + z) * square(spin.y) + (x + y) * square(spin.z)) / 6;

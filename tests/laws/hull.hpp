@@ -430,7 +430,7 @@ CELL_CASE("hull: of as many vertices as wanted") {
     for (const int n : {50, 400})
         for (const std::uint32_t most : {D + 1u, 8u, 32u, 2000u}) {
             const points p = rounded(on_sphere(dice, n, 2));
-            const geometry g = geometry::build(p.data(), static_cast<std::uint32_t>(n), {.most_vertices = most});
+            const geometry g = geometry::build(p.data(), static_cast<std::uint32_t>(n), {.max_vertices = most});
             REQUIRE(g.vertex_count() <= most);
             if (cell::is_3d || n == 50) REQUIRE(g.vertex_count() == std::min(most, static_cast<std::uint32_t>(n)));
             points kept;
@@ -710,7 +710,7 @@ CELL_CASE("hull: what has no volume is refused, with how much it lacks") {
     }
     CHECK(refusal([&] {
               const points p = rounded(lattice({1, 1, 1}, 2));
-              static_cast<void>(geometry::build(p.data(), corners_of_box, {.most_vertices = 2}));
+              static_cast<void>(geometry::build(p.data(), corners_of_box, {.max_vertices = 2}));
           }) == "physics: hull_geometry::build: most_vertices is 2; it must be at least " + std::to_string(D + 1) +
                     ", or 0 for all");
     if (cell::is_fixed) return;

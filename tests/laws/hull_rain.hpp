@@ -28,7 +28,7 @@ inline oracle::frame frame_of(const physics::transform<S, 3>& t) {
     const oracle::point v = wide(t.rotation.imaginary());
     return oracle::frame::of_quaternion(v.x, v.y, v.z, cell::number(t.rotation.w), wide(t.position));
 }
-template <class Rotation = rainy_world::rotation>
+template <class Rotation = rainy_world::rotation_type>
 Rotation random_turn(cell::dice& dice) {
     const double angle = dice.number(-3, 3);
     if constexpr (D == 2) return Rotation::from_angle(S(angle));

@@ -22,11 +22,11 @@ using arena = physics::world<rigid>;
 using material = physics::material<S, D>;
 
 /// Nobody sleeps; all that approaches bounces, unless it rests.
-arena under_gravity(double g, double restitution_slop = 0) {
+arena under_gravity(double g, double restitution_threshold = 0) {
     arena::settings_type settings;
     settings.gravity = along(1, -g);
     settings.sleeping.enabled = false;
-    settings.solver.restitution_slop = S(restitution_slop);
+    settings.solver.restitution_threshold = S(restitution_threshold);
     return arena(settings);
 }
 material elastic(double restitution = 1, double friction = 0) {
@@ -222,7 +222,7 @@ CELL_CASE("impacts: overlaps part no faster than the settings say, and nobody ke
             for (int i = 0; i < 4 - row; ++i)
                 add_crate(w, at((1 - overlap) * (i - 0.5 * (3 - row)), 0.5 + (1 - overlap) * row), 0.5,
                           elastic(0, 0.6));
-        const double push = number(w.settings().solver.max_push_speed);
+        const double push = number(w.settings().solver.max_depenetration_speed);
         for (int i = 0; i < 72; ++i) {
             std::vector<vec> before;
             for (const body_id id : w.bodies()) before.push_back(w.position(id));
@@ -256,13 +256,13 @@ CELL_CASE("impacts: a squeeze throws nobody much faster than what squeezes, or t
                 for (int i = 0; i < steps + 60; ++i) {
                     for (int k = 0; k < 2 && i < steps; ++k)
                         w.move_to(jaws[static_cast<std::size_t>(k)], at((2 - 0.8 * (i + 1) / steps) * (2 * k - 1), 2),
-                                  arena::rotation{});
+                                  arena::rotation_type{});
                     w.step(S(i < steps ? 1 / rate : 1.0 / 60));
                     fastest = std::max(fastest, fastest_of(w));
                 }
                 // Elastic jaws strike each body once a step, from both sides.
                 const double strikes = restitution > 0 ? 5 : 2;
-                CHECK(fastest <= std::max(speed, number(w.settings().solver.max_push_speed)) * strikes + 2);
+                CHECK(fastest <= std::max(speed, number(w.settings().solver.max_depenetration_speed)) * strikes + 2);
             }
         }
 }

@@ -30,15 +30,15 @@ void copy_common(To& to, const From& from) {
     to.body_a = from.body_a;
     to.body_b = from.body_b;
     to.normal = from.normal;
-    to.arm_a = from.arm_a;
-    to.arm_b = from.arm_b;
+    to.r_a = from.r_a;
+    to.r_b = from.r_b;
     to.count = from.count;
-    to.lasting = from.lasting;
+    to.persisted_mask = from.persisted_mask;
     for (int k = 0; k < from.count; ++k) {
         to.points[k].position = from.points[k].position;
         to.points[k].separation = from.points[k].separation;
         to.points[k].normal_impulse = from.points[k].normal_impulse;
-        to.points[k].load = from.points[k].load;
+        to.points[k].substep_impulse = from.points[k].substep_impulse;
     }
 }
 /// Calls f with the contacts of a problem as a solver of these features takes them, and takes over what becomes of
@@ -49,7 +49,7 @@ void with_contacts(problem& p, F&& f) {
         f(p.contacts);
     } else {
         physics::buffer<physics::contact<S, D, Features>> contacts;
-        for (const contact& c : p.contacts) copy_common(contacts.emplace(), c);
+        for (const contact& c : p.contacts) copy_common(contacts.emplace_back(), c);
         f(contacts);
         for (std::uint32_t i = 0; i < contacts.size(); ++i) copy_common(p.contacts[i], contacts[i]);
     }
@@ -58,8 +58,8 @@ void with_contacts(problem& p, F&& f) {
 template <class Features>
 void solve(problem& p, int rounds) {
     struct still {
-        void advance_velocities(S) {}
-        void advance_poses(S) {}
+        void integrate_velocities(S) {}
+        void integrate_positions(S) {}
     };
     physics::arena scratch;
     p.settings.substeps = 1;
@@ -74,23 +74,23 @@ void solve(problem& p, int rounds) {
 struct side_of {
     std::size_t body;
     double sign;
-    reals lever;
+    reals anchor;
     double inverse_mass;
-    reals answers[3];
+    reals k_matrix[3];
 
     side_of(const std::vector<physics::solver_body<S, D>>& bodies, std::size_t number, vec r, double direction)
-        : body(number), sign(direction), lever(to_reals(r)) {
+        : body(number), sign(direction), anchor(to_reals(r)) {
         const auto& b = bodies[number];
         inverse_mass = static_cast<double>(b.inverse_mass);
         for (int i = 0; i < 3; ++i) {
             if (cell::is_2d && i < 2) continue;
             reals axis;
             axis[i] = 1;
-            answers[i] = to_reals(physics::times(b.inverse_inertia, to_angular(axis)));
+            k_matrix[i] = to_reals(physics::times(b.inverse_inertia, to_angular(axis)));
         }
     }
     /// The change of angular velocity by an angular impulse.
-    reals turn(reals moment) const { return answers[0] * moment.x + answers[1] * moment.y + answers[2] * moment.z; }
+    reals turn(reals moment) const { return k_matrix[0] * moment.x + k_matrix[1] * moment.y + k_matrix[2] * moment.z; }
 };
 
 /// A contact point in double: the speed `target` along the normal with which its sides have to part.
@@ -109,7 +109,7 @@ inline std::vector<point_of> points_of(const problem& p) {
     for (const contact& c : p.contacts)
         for (int k = 0; k < c.count; ++k) {
             const auto& q = c.points[k];
-            const auto [to_a, to_b] = c.levers(k);
+            const auto [to_a, to_b] = c.anchors(k);
             // Only gaps: how overlaps and bounces set the target has a law of its own.
             const double target = -cell::number(q.separation) * 64;
             all.push_back({{{p.bodies, c.body_a, to_a, -1}, {p.bodies, c.body_b, to_b, 1}},
@@ -127,7 +127,7 @@ inline reals slip_of(const std::vector<physics::solver_body<S, D>>& bodies, cons
     reals sum;
     for (const side_of& s : p.sides) {
         const auto& v = bodies[s.body].velocity;
-        sum = sum + (to_reals(v.linear) + cross(to_reals(v.angular), s.lever)) * s.sign;
+        sum = sum + (to_reals(v.linear) + cross(to_reals(v.angular), s.anchor)) * s.sign;
     }
     return sum;
 }
@@ -173,11 +173,11 @@ inline problem random_problem(cell::dice& dice, int points, double friction, boo
         c.normal = normalized(from_reals(random_direction(dice)));
         c.count = 1;
         const reals at = random_direction(dice);
-        c.arm_a = from_reals(at - p.places[c.body_a]);
-        c.arm_b = from_reals(at - p.places[c.body_b]);
+        c.r_a = from_reals(at - p.places[c.body_a]);
+        c.r_b = from_reals(at - p.places[c.body_b]);
         c.points[0].separation = dice.real(0, 0.02);
         c.friction = S(friction);
-        p.contacts.push(c);
+        p.contacts.push_back(c);
     }
     return p;
 }

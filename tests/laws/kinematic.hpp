@@ -23,7 +23,7 @@ struct ride {
         crate = add_box(w, at(crate_at, 0.75));
     }
     vec apart() const { return w.position(crate) - w.position(floor); }
-    void move_to(vec position, const world::rotation& turn = {}) {
+    void move_to(vec position, const world::rotation_type& turn = {}) {
         w.move_to(floor, position, turn);
         run(w, 1);
     }
@@ -49,7 +49,7 @@ CELL_CASE("kinematic: a body that targets move says how fast, and that it stands
         CHECK(w.linear_velocity(b) == vec{});
         CHECK(w.angular_velocity(b) == angular{});
         CHECK(w.position(b) == stands.position);
-        CHECK(gap(w.orientation(b), stands.rotation) <= rounding(8));
+        CHECK(gap(w.rotation(b), stands.rotation) <= rounding(8));
     }
     // Told to stay, it stands too.
     w.move_to(b, stands);
@@ -65,9 +65,9 @@ CELL_CASE("kinematic: a body that targets move says how fast, and that it stands
     run(w, 2);
     CHECK(w.linear_velocity(b) == along(1, 3));
     CHECK(gap(w.position(b), from.position + along(1, 6 * h)) <= rounding(8, 4));
-    CHECK(w.orientation(b) == from.rotation);
+    CHECK(w.rotation(b) == from.rotation);
     // Let go, it flies on as it moved.
-    w.move_to(b, w.position(b) + along(0, h), w.orientation(b));
+    w.move_to(b, w.position(b) + along(0, h), w.rotation(b));
     run(w, 1);
     w.set_type(b, body_type::dynamic_body);
     run(w, 64);
@@ -126,7 +126,7 @@ CELL_CASE("kinematic: a crate rides on what targets move along, up and down and 
     ride r(2);
     vec start;
     for (int i = 1; i <= 320; ++i) {
-        const auto turn = world::rotation::from_axis_angle(along(1, 1), S(i * h));
+        const auto turn = world::rotation_type::from_axis_angle(along(1, 1), S(i * h));
         r.move_to({}, turn);
         if (i == 64) start = inverse_rotate(turn, r.apart());
         if (i < 64) continue;
@@ -184,11 +184,11 @@ CELL_CASE("kinematic: a paddle that a target turns takes along what it meets") {
     w.move_to(paddle, {}, turned_about_z(1.5));
     run(w, 1);
     // Ahead of the paddle, on the side towards which it turns.
-    const vec seen = inverse_rotate(w.orientation(paddle), w.position(ball));
+    const vec seen = inverse_rotate(w.rotation(paddle), w.position(ball));
     CHECK(number(seen.y) >= 0.25);
     CHECK(number(length(w.position(ball))) <= 1.5);
     run(w, 32);
-    CHECK(number(inverse_rotate(w.orientation(paddle), w.position(ball)).y) >= 0.36);
+    CHECK(number(inverse_rotate(w.rotation(paddle), w.position(ball)).y) >= 0.36);
 }
 
 }  // namespace kinematic_laws

@@ -123,8 +123,8 @@ CELL_CASE("known cases: capsules beside, across and in boxes and capsules") {
 }
 
 CELL_CASE("known cases: casts") {
-    const auto fraction = [](const auto& a, const auto& b, const transform& from, reals way) {
-        const auto hit = shape_cast(a, b, from, from_reals(way));
+    const auto fraction = [](const auto& a, const auto& b, const transform& from, reals displacement) {
+        const auto hit = cast_shape(a, b, from, from_reals(displacement));
         REQUIRE(hit.hit);
         return cell::number(hit.fraction);
     };
@@ -157,8 +157,8 @@ CELL_CASE("known cases: casts") {
 }
 
 CELL_CASE("known cases: rays along faces, onto edges, from within") {
-    const auto cast = [](const auto& shape, const transform& pose, reals from, reals way) {
-        return ray_cast(shape, pose, from_reals(from), from_reals(way));
+    const auto cast = [](const auto& shape, const transform& pose, reals from, reals displacement) {
+        return cast_ray(shape, pose, from_reals(from), from_reals(displacement));
     };
     // jspatial #7: in the plane of a face.
     const auto along = cast(box_of(64, 64, 64), at(64, 64), {16, 32, 0}, {240, 0, 0});
@@ -176,9 +176,10 @@ CELL_CASE("known cases: rays along faces, onto edges, from within") {
         REQUIRE(hit.normal == from_reals({-1, 0, 0}));
     }
     // Parry #183, Godot #35845: begun within, there is a hit and no normal.
-    for (const reals way : {reals{1, 0, 0}, reals{0, -5, 0}, reals{}}) {
-        for (const auto& hit : {cast(box_of(2, 2, 2), {}, {0.5, 0, 0}, way), cast(ball{S(1)}, {}, {0.5, 0, 0}, way),
-                                cast(capsule{S(1), S(1)}, {}, {0.5, 0, 0}, way)})
+    for (const reals displacement : {reals{1, 0, 0}, reals{0, -5, 0}, reals{}}) {
+        for (const auto& hit :
+             {cast(box_of(2, 2, 2), {}, {0.5, 0, 0}, displacement), cast(ball{S(1)}, {}, {0.5, 0, 0}, displacement),
+              cast(capsule{S(1), S(1)}, {}, {0.5, 0, 0}, displacement)})
             CHECK((hit.hit && hit.fraction == S(0) && hit.normal == vec{}));
     }
 }
@@ -190,7 +191,7 @@ CELL_CASE("known cases: rays down on a heightfield, at its samples, borders and 
 #if CELL_DIMENSION == 2
     const auto field = physics::heightfield_geometry<S, 2>::build(heights.data(), 81, S(0.5));
     for (int i = 0; i <= 160; ++i) {
-        const auto hit = ray_cast(field.shape(), transform{}, {S(0.25 * i), S(8)}, {S(0), S(-16)});
+        const auto hit = cast_ray(field.shape(), transform{}, {S(0.25 * i), S(8)}, {S(0), S(-16)});
         REQUIRE(hit.hit);
         const double height = 0.5 * cell::number(heights[std::size_t(i / 2)] + heights[std::size_t((i + 1) / 2)]);
         REQUIRE(near(hit.point, {0.25 * i, height, 0}, 2));
@@ -201,7 +202,7 @@ CELL_CASE("known cases: rays down on a heightfield, at its samples, borders and 
     for (int i = 0; i <= 16; ++i)
         for (int k = 0; k <= 16; ++k) {
             const auto hit =
-                ray_cast(field.shape(), transform{}, {S(0.25 * i), S(8), S(0.25 * k)}, {S(0), S(-16), S(0)});
+                cast_ray(field.shape(), transform{}, {S(0.25 * i), S(8), S(0.25 * k)}, {S(0), S(-16), S(0)});
             REQUIRE(hit.hit);
             // Middles of sides and of diagonals are half-way between two samples.
             const auto height_of = [&](int x, int z) { return cell::number(heights[std::size_t(z * 9 + x)]); };
@@ -216,15 +217,15 @@ CELL_CASE("known cases: rays down on a heightfield, at its samples, borders and 
 CELL_CASE("known cases: rays on either side of a line") {
     // Box2D #95: the normal is that of the side.
     const physics::segment<S, 2> line;
-    const auto above = ray_cast(line, transform{}, {S(0.25), S(2)}, {S(0), S(-4)});
-    const auto below = ray_cast(line, transform{}, {S(0.25), S(-2)}, {S(0), S(4)});
+    const auto above = cast_ray(line, transform{}, {S(0.25), S(2)}, {S(0), S(-4)});
+    const auto below = cast_ray(line, transform{}, {S(0.25), S(-2)}, {S(0), S(4)});
     CHECK((above.hit && above.fraction == S(0.5) && above.normal == vec{S(0), S(1)}));
     CHECK((below.hit && below.fraction == S(0.5) && below.normal == vec{S(0), S(-1)}));
     // Godot #84108: from the corner of a room, into its walls.
     const auto room = physics::chain_geometry<S, 2>::build({{-1, -1}, {-1, 1}, {1, 1}, {1, -1}}, {.loop = true});
-    for (const reals way : {reals{-1, 0, 0}, reals{0, -1, 0}, reals{-1, -1, 0}, reals{-1, 2, 0}}) {
-        CHECK(ray_cast(room.shape(), transform{}, {-1, -1}, from_reals(way)).hit);
-        CHECK(ray_cast(room.shape(), transform{}, {S(-1 + 0x1p-10), S(-1 + 0x1p-10)}, from_reals(way)).hit);
+    for (const reals displacement : {reals{-1, 0, 0}, reals{0, -1, 0}, reals{-1, -1, 0}, reals{-1, 2, 0}}) {
+        CHECK(cast_ray(room.shape(), transform{}, {-1, -1}, from_reals(displacement)).hit);
+        CHECK(cast_ray(room.shape(), transform{}, {S(-1 + 0x1p-10), S(-1 + 0x1p-10)}, from_reals(displacement)).hit);
     }
 }
 #else
@@ -376,10 +377,10 @@ CELL_CASE("known cases: casts of and on round shapes") {
     // Jolt #2103: a cylinder that all but touches a capsule.
     const rotation upright = rotation_about({0, 0, 1}, M_PI / 2);
     const vec start = from_reals({-0.951660156, -2.09155273, -7.63574218});
-    const vec way = from_reals({0.00244140625, -0.0068359375, 0.0029296875});
+    const vec displacement = from_reals({0.00244140625, -0.0068359375, 0.0029296875});
     const physics::capsule<S, 3> post{S(2.03114343), S(7.19732189)};
     const transform pose = relative(transform{{}, upright}, transform{start, upright});
-    const auto touch = shape_cast(post, cylinder{S(0.3), S(0.4975)}, pose, inverse_rotate(upright, way));
+    const auto touch = cast_shape(post, cylinder{S(0.3), S(0.4975)}, pose, inverse_rotate(upright, displacement));
     REQUIRE(touch.hit);
     CHECK(cell::number(touch.fraction) <= 0.001);
     CHECK(size(to_reals(upright * touch.normal) - reals{-0.1236754687625, 0, -0.9923227188905}) <= 1e-3);
@@ -389,14 +390,14 @@ CELL_CASE("known cases: casts of and on round shapes") {
                          normalized(rotation_of({S(-0.057141), S(0.572179), S(0.040011), S(0.817157)}))};
     const transform from = relative(slab, at(-27.449842, -2.994380, 109.886520));
     const vec along = inverse_rotate(slab.rotation, from_reals({-0.079466, -0.610439, -0.333244}));
-    const auto hit = shape_cast(box_of(39.839996, 1.84, 99.839996), ball{S(0.45)}, from, along);
+    const auto hit = cast_shape(box_of(39.839996, 1.84, 99.839996), ball{S(0.45)}, from, along);
     REQUIRE(hit.hit);
     CHECK(hit.fraction == S(0));
     CHECK(near(hit.normal, {0, 1, 0}, 64));
     CHECK(near(hit.point, {to_reals(from.position).x, 0.92, to_reals(from.position).z}, 64));
     // bepuphysics2 #253, OSPRay #482, aardvark #123: rays within, across and along a cylinder.
     const cylinder drum{S(2), S(3)};
-    const auto ray = [&](reals p, reals w) { return ray_cast(drum, transform{}, from_reals(p), from_reals(w)); };
+    const auto ray = [&](reals p, reals w) { return cast_ray(drum, transform{}, from_reals(p), from_reals(w)); };
     CHECK((ray({}, {1, 0, 0}).hit && ray({}, {1, 0, 0}).fraction == S(0)));
     CHECK((ray({}, {0, 0, 1}).hit && ray({}, {0, 0, 1}).fraction == S(0)));
     CHECK(near(ray({1, 0, 8}, {0, 0, -10}).point, {1, 0, 3}, 8));
@@ -418,16 +419,16 @@ CELL_CASE("known cases: rays on the edges and corners of meshes") {
     // Oblikovati #2146, trimesh #1766: on the diagonal of a square.
     const mesh square = build({{-5, -5, 0}, {5, -5, 0}, {5, 5, 0}, {-5, 5, 0}}, {0, 1, 2, 0, 2, 3});
     const double t = 10 / 0.9024725;
-    const vec aim = from_reals(reals{0.30458447, 0.30458447, -0.9024725} * 16);
-    const auto seam = ray_cast(square.shape(), transform{}, from_reals({0, 0, 10}), aim);
+    const vec sweep_against = from_reals(reals{0.30458447, 0.30458447, -0.9024725} * 16);
+    const auto seam = cast_ray(square.shape(), transform{}, from_reals({0, 0, 10}), sweep_against);
     REQUIRE(seam.hit);
     CHECK(near(seam.point, reals{0.30458447 * t, 0.30458447 * t, 0}, 64));
     for (int x = -20; x <= 20; ++x)
         for (int y = -20; y <= 20; ++y) {
             const reals target{0.25 * x, 0.25 * y, 0};
             for (const reals from : {reals{0, 0, 10}, reals{8, -3, 1}, reals{0.25 * x, 0.25 * y, 3}}) {
-                const vec begin = from_reals(from), way = (from_reals(target) - begin) * S(2);
-                const auto hit = ray_cast(square.shape(), transform{}, begin, way);
+                const vec begin = from_reals(from), displacement = (from_reals(target) - begin) * S(2);
+                const auto hit = cast_ray(square.shape(), transform{}, begin, displacement);
                 REQUIRE_MESSAGE(hit.hit, x << " " << y);
                 REQUIRE(near(hit.point, target, 64));
                 REQUIRE(near(hit.normal, {0, 0, 1}, 64));
@@ -439,7 +440,7 @@ CELL_CASE("known cases: rays on the edges and corners of meshes") {
                                  {-1.3836679458618164, -4.480311870574951, 0}},
                                 {0, 1, 2}, true);
     const auto edge =
-        ray_cast(standing.shape(), transform{}, from_reals({-0.028221702575683627, -2.5058889150619503, 0}),
+        cast_ray(standing.shape(), transform{}, from_reals({-0.028221702575683627, -2.5058889150619503, 0}),
                  from_reals({-0.16852837373762, 0.9856968028990217, 0}));
     REQUIRE(edge.hit);
     CHECK(near(cell::number(edge.fraction), 0.512747213598814, 128));
@@ -447,19 +448,20 @@ CELL_CASE("known cases: rays on the edges and corners of meshes") {
     const mesh roof = build({{-2, 0, -4}, {0, 1, -4}, {2, 0, -4}, {-2, 0, 4}, {0, 1, 4}, {2, 0, 4}},
                             {0, 3, 4, 0, 4, 1, 1, 4, 5, 1, 5, 2});
     for (const double z : {0.0, 0.25, 3.5}) {
-        const vec way = from_reals({16, 0, 0});
-        const auto hit = ray_cast(roof.shape(), transform{}, from_reals({-8, 1, z}), way);
+        const vec displacement = from_reals({16, 0, 0});
+        const auto hit = cast_ray(roof.shape(), transform{}, from_reals({-8, 1, z}), displacement);
         REQUIRE(hit.hit);
         CHECK(near(hit.point, {0, 1, z}, 64));
-        CHECK(!(dot(hit.normal, way) > S(0)));
-        CHECK(!ray_cast(roof.shape(), transform{}, from_reals({-8, 1.001, z}), way));
+        CHECK(!(dot(hit.normal, displacement) > S(0)));
+        CHECK(!cast_ray(roof.shape(), transform{}, from_reals({-8, 1.001, z}), displacement));
     }
     // Godot #84108: from where a floor and a wall meet, into the wall.
     const mesh room =
         build({{0, 0, 0}, {4, 0, 0}, {4, 0, 4}, {0, 0, 4}, {0, 4, 0}, {0, 4, 4}}, {0, 3, 2, 0, 2, 1, 0, 4, 5, 0, 5, 3});
     for (const double off : {0.0, 0x1p-20, 0x1p-10})
-        for (const reals way : {reals{-1, 0, 0}, reals{0, -1, 0}, reals{-1, -1, 0}, reals{-1, 2, 0}, reals{-2, 1, 1}})
-            CHECK(ray_cast(room.shape(), transform{}, from_reals({off, off, 2}), from_reals(way)).hit);
+        for (const reals displacement :
+             {reals{-1, 0, 0}, reals{0, -1, 0}, reals{-1, -1, 0}, reals{-1, 2, 0}, reals{-2, 1, 1}})
+            CHECK(cast_ray(room.shape(), transform{}, from_reals({off, off, 2}), from_reals(displacement)).hit);
 }
 #endif
 

@@ -35,7 +35,7 @@ using made_of = physics::world<of<Policies...>>;
 using common = made_of<without<materials>>;
 template <class World>
 constexpr bool has_materials = requires(World& w, shape_id id) {
-    w.set_surface(id, material{});
+    w.set_material(id, material{});
 };
 
 template <class World>
@@ -93,7 +93,7 @@ public:
         material_ = m;
         auto settings = w.settings();
         if constexpr (has_materials<World>)
-            for (const shape_id id : shapes) w.set_surface(id, m);
+            for (const shape_id id : shapes) w.set_material(id, m);
         else settings.material = m;
         w.set_settings(settings);
     }
@@ -229,7 +229,7 @@ CELL_CASE("materials: settings change that of all surfaces from the next step on
     const shape_id floor = w.create_shape(ground, common::halfspace{});
     const body_id box = w.create_body({.position = along(1, 0.5)});
     w.create_shape(box, common::box{vec::filled(S(0.5))}, {.density = S(2)});
-    CHECK(w.surface(floor) == material{});
+    CHECK(w.material(floor) == material{});
     const auto run = [&](int steps) {
         for (int i = 0; i < steps; ++i) w.step(S(1.0 / 64));
     };
@@ -238,7 +238,7 @@ CELL_CASE("materials: settings change that of all surfaces from the next step on
         auto with = w.settings();
         with.material.friction = S(mu);
         w.set_settings(with);
-        CHECK(w.surface(floor).friction == S(mu));
+        CHECK(w.material(floor).friction == S(mu));
     };
     run(16);
     w.set_linear_velocity(box, along(0, 8));
@@ -253,7 +253,7 @@ CELL_CASE("materials: settings change that of all surfaces from the next step on
     const double left = speed();
     run(32);
     CHECK(std::abs(speed() - left) <= 0.01);
-    CHECK_THROWS(static_cast<void>(w.surface({})));
+    CHECK_THROWS(static_cast<void>(w.material({})));
 }
 
 /// What a call is refused with.
@@ -297,13 +297,13 @@ CELL_CASE("materials: settings refuse bad ones by name, and leave the world as i
           "physics: set_settings: material.restitution is 0.5; the recipe leaves it out");
 }
 
-CELL_CASE("materials: copies and images go on by the same bits, with the coefficients of the last step") {
+CELL_CASE("materials: copies and snapshots go on by the same bits, with the coefficients of the last step") {
     using Recipe = of<without<materials>>;
     pile<common> p(rubber);
     for (int i = 0; i < 100; ++i) p.step();
     using physics::detail::world_access;
-    physics::detail::state_image<physics::detail::plan_of<Recipe>::type> image;
-    image.save(world_access::state_of(p.w));
+    physics::detail::raw_snapshot<physics::detail::plan_of<Recipe>::type> snapshot;
+    snapshot.save(world_access::state_of(p.w));
     // What they are to become is no part of them yet.
     p.change(ice);
     pile<common> q = p;
@@ -311,7 +311,7 @@ CELL_CASE("materials: copies and images go on by the same bits, with the coeffic
     for (const auto& c : q.w.contacts()) CHECK(c.restitution == rubber.restitution);
     for (int i = 0; i < 50; ++i) p.step(), q.step();
     CHECK(same(p, q));
-    REQUIRE(image.restore(world_access::state_of(q.w)));
+    REQUIRE(snapshot.restore(world_access::state_of(q.w)));
     CHECK(q.w.settings().material == rubber);
     CHECK(q.w.contacts().size() > 0);
     for (const auto& c : q.w.contacts()) CHECK(c.restitution == rubber.restitution);
@@ -353,7 +353,7 @@ using block_of = std::conditional_t<D == 2, physics::detail::soft_contact2<S, 4,
 template <class Features>
 using extras_of = physics::detail::soft_extras<S, 4, D, Features>;
 static_assert(sizeof(contact_of<without<materials>>) + sizeof(S) * (D == 2 ? 4 : 5) == sizeof(contact_of<without<>>));
-static_assert(std::is_empty_v<physics::detail::kept_material<S, D, without<materials>>>);
+static_assert(std::is_empty_v<physics::detail::stored_material<S, D, without<materials>>>);
 static_assert(sizeof(shape_of<materials>) <= sizeof(shape_of<>) - sizeof(material) + alignof(std::uint64_t) / 2);
 static_assert(sizeof(block_of<without<materials>>) < sizeof(block_of<without<physics::feature::surface_velocity>>));
 static_assert(D == 2 || sizeof(block_of<without<materials>, physics::point_friction>) <
@@ -363,8 +363,8 @@ static_assert(sizeof(extras_of<without<materials>>) + sizeof(S) * 3 ==
 static_assert(sizeof(typename made_of<>::settings_type) + sizeof(material) <=
               sizeof(common::settings_type) + alignof(S));
 using bare = without<materials, friction, restitution, rolling_resistance>;
-static_assert(std::is_empty_v<physics::detail::mixture<S, without<>>>);
-static_assert(std::is_empty_v<physics::detail::mixture<S, bare>>);
+static_assert(std::is_empty_v<physics::detail::combined_material<S, without<>>>);
+static_assert(std::is_empty_v<physics::detail::combined_material<S, bare>>);
 
 }  // namespace left_out_laws
 }  // namespace

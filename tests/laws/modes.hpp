@@ -118,18 +118,19 @@ record play(int rounding, bool flushes) {
     in_mode([&] { w.reset_mass(bodies[11]); });
     hash();
     step(20);
-    const vec origin = at(-6.1, 1.03), way = at(11.7, -0.41);
+    const vec origin = at(-6.1, 1.03), displacement = at(11.7, -0.41);
     const world::box probe{vec::filled(S(0.83))};
     const world::transform where{at(0.29, 0.93), pose};
-    const auto hit = in_mode([&] { return w.cast_ray(origin, way); });
-    const auto sweep = in_mode([&] { return w.cast_shape(probe, {origin, pose}, way); });
+    const auto hit = in_mode([&] { return w.cast_ray(origin, displacement); });
+    const auto sweep = in_mode([&] { return w.cast_shape(probe, {origin, pose}, displacement); });
     const auto near = in_mode([&] { return w.closest_shape(p, S(3)); });
     add(hit.fraction), add(hit.point), add(hit.normal);
     add(sweep.fraction), add(sweep.point), add(sweep.normal);
     add(near.distance), add(near.point), add(near.normal);
     in_mode([&] {
         w.each_overlapping(probe, where, {}, [&](shape_id id) { all.hashes.push_back(id.index); });
-        w.each_on_ray(origin, way, {}, [&](const auto& h) { return all.hashes.push_back(h.shape.index), S(1); });
+        w.each_hit_along_ray(origin, displacement, {},
+                             [&](const auto& h) { return all.hashes.push_back(h.shape.index), S(1); });
     });
     step(200);
     in_mode([&] { w.set_linear_velocity(bodies[0], v); });
@@ -171,7 +172,7 @@ std::vector<std::uint64_t> build_all(int rounding, bool flushes) {
     const auto solid = hull::build(points.data(), 30);
     const typename world::box plank{vec::filled(S(0.37))};
     add([&] { return hull::build(points.data(), 64); });
-    add([&] { return hull::build(points.data(), 64, {.most_vertices = 9}); });
+    add([&] { return hull::build(points.data(), 64, {.max_vertices = 9}); });
     add([&] { return compound::build({{plank, points[0]}, {solid.shape(S(0.11)), points[1]}}); });
 #if CELL_DIMENSION == 2
     const std::uint8_t tiles[6] = {1, 0, 1, 1, 1, 0};

@@ -32,8 +32,8 @@ inline double margin_of(const convex_encounter& e) { return 0.04 * std::fmin(e.a
 /// Moves B by a part of the smaller one's thickness.
 inline void nudge(convex_encounter& e, double part, cell::dice& dice) {
     const double by = part * std::fmin(e.a.thin(), e.b.thin());
-    const reals way = random_direction(dice);
-    e.b_in_a.position = from_reals(to_reals(e.b_in_a.position) + way * by);
+    const reals displacement = random_direction(dice);
+    e.b_in_a.position = from_reals(to_reals(e.b_in_a.position) + displacement * by);
     const double angle = dice.number(-1, 1) * by / e.b.extent();
     const auto turn = cell::is_2d ? rotation_about({0, 0, 1}, angle) : rotation_about(random_axis(dice), angle);
     e.b_in_a.rotation = normalized(turn * e.b_in_a.rotation);

@@ -16,7 +16,7 @@ constexpr int D = cell::dimension;
 template <class Narrowphase>
 struct by : physics::recipe<S, D, Narrowphase> {};
 template <class Narrowphase>
-using store_of = physics::detail::pair_memories<typename physics::detail::plan_of<by<Narrowphase>>::type>;
+using store_of = physics::detail::pair_cache<typename physics::detail::plan_of<by<Narrowphase>>::type>;
 using memory = physics::pair_memory<S, D>;
 using gathered = physics::persistent_manifold<S, D>;
 using physics::proxy_pair;
@@ -44,7 +44,7 @@ inline memory random_memory(cell::dice& dice, const memory*) {
     }
     m.b_in_a.position = random_vec(dice);
     m.reach = dice.real(0, 1);
-    m.still = dice.real(0, 1);
+    m.reuse_distance = dice.real(0, 1);
     m.contact.normal = random_vec(dice);
     // What lies behind the last point means nothing.
     for (auto& p : m.contact.points) p = {random_vec(dice), dice.real(-1, 1), static_cast<std::uint32_t>(dice.bits())};
@@ -68,7 +68,7 @@ inline bool same(const physics::gjk_cache& a, const physics::gjk_cache& b) {
 inline bool same(const memory& a, const memory& b) {
     bool equal = same(a.cache, b.cache) && a.contact.count == b.contact.count;
     if (a.contact.count == 0) return equal && a.parting == b.parting;
-    equal = equal && a.b_in_a == b.b_in_a && a.reach == b.reach && a.still == b.still &&
+    equal = equal && a.b_in_a == b.b_in_a && a.reach == b.reach && a.reuse_distance == b.reuse_distance &&
             a.contact.normal == b.contact.normal;
     for (int i = 0; i < a.contact.count; ++i)
         equal = equal && a.contact.points[i].position == b.contact.points[i].position &&
@@ -86,7 +86,7 @@ inline bool same(const gathered& a, const gathered& b) {
 template <class Store>
 std::size_t bytes_of(const Store& of) {
     std::size_t sum = 0;
-    physics::detail::each_piece_of(of, [&](const auto& piece) {
+    physics::detail::each_value_of(of, [&](const auto& piece) {
         if constexpr (physics::detail::is_buffer<std::remove_cvref_t<decltype(piece)>>)
             sum += piece.size() * sizeof(*piece.begin());
     });
@@ -97,7 +97,7 @@ std::size_t bytes_of(const Store& of) {
 template <class Narrowphase, class Memory>
 void check_changes(std::uint64_t seed) {
     using store = store_of<Narrowphase>;
-    using part = typename store::part;
+    using segment = typename store::segment;
     cell::dice dice(seed);
     store of, lists[2];
     std::map<std::pair<std::uint32_t, std::uint32_t>, Memory> known;
@@ -106,7 +106,7 @@ void check_changes(std::uint64_t seed) {
         const int stay = round % 3 == 0 ? 2 : 16;
         const std::uint32_t shapes = round % 20 == 19 ? 2 : 24;
         for (store& list : lists) list.clear();
-        std::vector<part> parts;
+        std::vector<segment> parts;
         auto before = std::exchange(known, {});
         bool kept[600] = {};
         REQUIRE(of.size() <= 600);
@@ -195,7 +195,7 @@ CELL_CASE("pair stores: a step at rest hands nothing on but what lasts") {
     std::uint32_t changed = 0;
     for (int i = 0; i < 10; ++i) {
         w.step(S(1.0 / 60));
-        changed += s.memory_changes.by[0].size();
+        changed += s.pair_cache_changes.by[0].size();
     }
     if (D == 3) CHECK(before > 15);
     CHECK(changed <= before);

@@ -44,7 +44,7 @@ struct sweep_along_x {
                     const std::uint32_t b = std::max(boxes_[i].id, boxes_[k].id);
                     if (overlap(boxes_[i].box, boxes_[k].box) && may_meet(boxes_[i].filter, boxes_[k].filter) &&
                         accept(a, b))
-                        pairs_.push({a, b});
+                        pairs_.push_back({a, b});
                 }
             std::sort(pairs_.begin(), pairs_.end());
             return pairs_;
@@ -67,11 +67,11 @@ struct explicit_euler {
     template <class Space>
     struct in {
         using body = physics::moving_body<S, D>;
-        static void advance_velocity(physics::twist<S, D>& v, const body& b, S h) { v.linear += b.acceleration * h; }
-        static void advance_pose(body& b, const physics::twist<S, D>& v, physics::twist<S, D>& way, S h) {
+        static void integrate_velocity(physics::twist<S, D>& v, const body& b, S h) { v.linear += b.acceleration * h; }
+        static void integrate_pose(body& b, const physics::twist<S, D>& v, physics::twist<S, D>& displacement, S h) {
             // The velocity at the step's start: what gravity has added since is taken off again.
-            way.linear += (v.linear - b.acceleration * h) * h;
-            way.angular += v.angular * h;
+            displacement.linear += (v.linear - b.acceleration * h) * h;
+            displacement.angular += v.angular * h;
             if constexpr (D == 3) b.rotation = turned(b.rotation, v.angular * h);
         }
     };
@@ -84,8 +84,8 @@ struct fading {
     struct in : physics::semi_implicit_euler::in<Space> {
         using library = physics::semi_implicit_euler::in<Space>;
         template <class Body, class Twist, class Way>
-        static void advance_pose(Body& b, Twist& v, Way& way, S h) {
-            library::advance_pose(b, v, way, h);
+        static void integrate_pose(Body& b, Twist& v, Way& displacement, S h) {
+            library::integrate_pose(b, v, displacement, h);
             if constexpr (D == 3) {
                 v.linear *= S(1) - h;
                 v.angular *= S(1) - h;

@@ -20,7 +20,9 @@ template <class Broadphase>
 Broadphase lived_in(crowd& c, cell::dice& dice) {
     Broadphase b;
     for (const auto& [id, m] : c.members) b.insert(id, m.box, m.filter);
-    const auto tell = [&](std::uint32_t id, const aabb& box, const vec& way) { b.move(id, box, way); };
+    const auto tell = [&](std::uint32_t id, const aabb& box, const vec& displacement) {
+        b.move(id, box, displacement);
+    };
     for (int step = 0; step < 6; ++step) {
         c.move(step % 2 ? 1 : 0.05, dice, tell);
         if (step == 3) b.pairs([](std::uint32_t, std::uint32_t) { return true; });
@@ -58,9 +60,9 @@ inline ids sorted(ids list) {
 inline vec place_in(const crowd& c, cell::dice& dice) {
     auto m = c.members.begin();
     std::advance(m, dice.below(static_cast<int>(c.members.size())));
-    const int way = dice.below(3);
-    if (way == 0) return m->second.wide.lower;
-    if (way == 1) return m->second.wide.upper;
+    const int displacement = dice.below(3);
+    if (displacement == 0) return m->second.wide.lower;
+    if (displacement == 1) return m->second.wide.upper;
     const vec aside = dice.vec<vec>(-3, 3);
     vec at = m->second.box.upper;
     return at += aside;
@@ -222,19 +224,19 @@ CELL_CASE("queries: rays through faces, edges and corners, in planes of faces, f
     const auto whole = [&](int low, int high) { return low + dice.below(high - low + 1); };
     int met = 0;
     for (int i = 0; i < 20000; ++i) {
-        int lower[3]{}, upper[3]{}, from[3]{}, way[3]{}, extent[3]{};
+        int lower[3]{}, upper[3]{}, from[3]{}, displacement[3]{}, extent[3]{};
         aabb box;
         ray r{};
         for (int k = 0; k < D; ++k) {
             lower[k] = whole(-3, 2);
             upper[k] = whole(lower[k], 3);
             from[k] = whole(-5, 5);
-            way[k] = dice.below(3) ? whole(-8, 8) : 0;
+            displacement[k] = dice.below(3) ? whole(-8, 8) : 0;
             extent[k] = i % 3 ? 0 : whole(0, 2);
             box.lower[k] = S(lower[k]);
             box.upper[k] = S(upper[k]);
             r.origin[k] = S(from[k]);
-            r.translation[k] = S(way[k]);
+            r.translation[k] = S(displacement[k]);
             r.extent[k] = S(extent[k]);
         }
         // The largest entry and the smallest exit, as fractions of whole numbers.
@@ -242,12 +244,12 @@ CELL_CASE("queries: rays through faces, edges and corners, in planes of faces, f
         bool meets = true;
         for (int k = 0; k < D; ++k) {
             const int to_lower = lower[k] - extent[k] - from[k], to_upper = upper[k] + extent[k] - from[k];
-            if (way[k] == 0) {
+            if (displacement[k] == 0) {
                 meets = meets && to_lower <= 0 && to_upper >= 0;
                 continue;
             }
-            const int of = std::abs(way[k]), in = way[k] > 0 ? to_lower : -to_upper;
-            const int out = way[k] > 0 ? to_upper : -to_lower;
+            const int of = std::abs(displacement[k]), in = displacement[k] > 0 ? to_lower : -to_upper;
+            const int out = displacement[k] > 0 ? to_upper : -to_lower;
             if (in * near_of > near * of) near = in, near_of = of;
             if (out * far_of < far * of) far = out, far_of = of;
         }

@@ -66,15 +66,15 @@ struct frustum {
     }
 };
 /// The law that a ray breaks; empty if it keeps all.
-inline std::string broken_law(const frustum& f, const physics::ray_hit<S, 3>& hit, reals from, reals way) {
+inline std::string broken_law(const frustum& f, const physics::ray_hit<S, 3>& hit, reals from, reals displacement) {
     const auto says = [](const char* what, double x, double y) {
         char text[120];
         std::snprintf(text, sizeof text, "%s: %.17g, %.17g", what, x, y);
         return std::string(text);
     };
-    const double reach = size(from) + size(way) + f.size();
-    const double tolerance = 2 * epsilon * size(way) + 4e-15 * reach;
-    const auto depth = [&](double t) { return f.depth(from + way * t); };
+    const double reach = size(from) + size(displacement) + f.size();
+    const double tolerance = 2 * epsilon * size(displacement) + 4e-15 * reach;
+    const auto depth = [&](double t) { return f.depth(from + displacement * t); };
     if (!hit) {
         double low = 0, high = 1;
         for (int i = 0; i < 200; ++i) {
@@ -93,14 +93,15 @@ inline std::string broken_law(const frustum& f, const physics::ray_hit<S, 3>& hi
     if (std::abs(depth(t)) > tolerance) return says("not on the surface", depth(t), t);
     for (int k = 0; k < 8; ++k)
         if (depth(t * k / 8) < -tolerance) return says("entered before", depth(t * k / 8), t * k / 8);
-    if (dot(unit(n), way) > (4 * epsilon + 1e-8) * size(way)) return says("leaves along the normal", t, dot(n, way));
+    if (dot(unit(n), displacement) > (4 * epsilon + 1e-8) * size(displacement))
+        return says("leaves along the normal", t, dot(n, displacement));
     // A plane with this normal through the point has all of the solid behind it.
-    const double above = f.reach(unit(n)) - dot(unit(n), from + way * t);
+    const double above = f.reach(unit(n)) - dot(unit(n), from + displacement * t);
     const double lean = 8 * epsilon * f.size() + 64 * tolerance * f.size() / std::fmax(f.half, 1e-300);
     return above > tolerance + lean ? says("normal", above, t) : "";
 }
 /// From somewhere, or from within, or along the axis or a side, towards a point of it or past it.
-inline void random_ray(const frustum& f, cell::dice& dice, int i, reals& from, reals& way) {
+inline void random_ray(const frustum& f, cell::dice& dice, int i, reals& from, reals& displacement) {
     const double angle = dice.number(0, 2 * M_PI), x = dice.number(-1, 1) * f.half;
     const double radius = 0.5 * (f.low + f.high) + f.slope() * x;
     const reals side{x, radius * std::cos(angle), radius * std::sin(angle)};
@@ -117,8 +118,8 @@ inline void random_ray(const frustum& f, cell::dice& dice, int i, reals& from, r
                                 : reals{f.half, f.high * std::cos(angle), f.high * std::sin(angle)};
     const double far = i % 11 == 0 ? 1e4 : dice.number(0, 4) * f.size(), onwards[] = {0.5, 1, 1.25, 2};
     from = rounded(through - direction * far);
-    way = rounded(direction * (far * onwards[dice.below(4)]));
-    if (i % 50 == 0) way = {};
+    displacement = rounded(direction * (far * onwards[dice.below(4)]));
+    if (i % 50 == 0) displacement = {};
 }
 
 CELL_CASE("rays: cylinders and cones are met where points are first within them") {
@@ -126,15 +127,16 @@ CELL_CASE("rays: cylinders and cones are met where points are first within them"
     int hits = 0;
     for (int i = 0; i < 200000; ++i) {
         const frustum f = frustum::random(dice, i % 5 == 3 ? 1e-2 : 1);
-        reals from, way;
-        random_ray(f, dice, i, from, way);
-        const auto hit = f.with_shape(
-            [&](const auto& shape) { return ray_cast(shape, transform{}, from_reals(from), from_reals(way)); });
-        const std::string broken = broken_law(f, hit, from, way);
+        reals from, displacement;
+        random_ray(f, dice, i, from, displacement);
+        const auto hit = f.with_shape([&](const auto& shape) {
+            return cast_ray(shape, transform{}, from_reals(from), from_reals(displacement));
+        });
+        const std::string broken = broken_law(f, hit, from, displacement);
         if (!broken.empty())
             FAIL_CHECK(broken << "\n"
                               << f.half << " " << f.low << " " << f.high << " from " << from.x << " " << from.y << " "
-                              << from.z << " way " << way.x << " " << way.y << " " << way.z);
+                              << from.z << " way " << displacement.x << " " << displacement.y << " " << displacement.z);
         hits += hit.hit;
     }
     CHECK(hits > 60000);
@@ -146,38 +148,39 @@ CELL_CASE("rays: cylinders and cones are met where the general method says") {
     int hits = 0;
     for (int i = 0; i < 20000; ++i) {
         const frustum f = frustum::random(dice, 1);
-        reals from, way;
-        random_ray(f, dice, i, from, way);
+        reals from, displacement;
+        random_ray(f, dice, i, from, displacement);
         f.with_shape([&](const auto& shape) {
-            const local_ray ray{to_doubles(from), to_doubles(way)};
+            const local_ray ray{to_doubles(from), to_doubles(displacement)};
             const local_hit general = physics::detail::cast_on_core<double>(ray, core_of(shape));
             const local_hit closed = cast_on(shape, ray);
             // Those that graze it may be judged either way.
             if (closed.hit != general.hit) {
                 const double t = closed.hit ? closed.fraction : general.fraction;
-                REQUIRE(std::abs(f.depth(from + way * t)) <= 1e-8 * (f.size() + 1e-6 * size(way)));
+                REQUIRE(std::abs(f.depth(from + displacement * t)) <= 1e-8 * (f.size() + 1e-6 * size(displacement)));
                 return;
             }
             hits += closed.hit;
             if (!closed.hit) return;
-            const double between = std::abs(closed.fraction - general.fraction) * size(way);
-            const double sine = std::abs(dot(to_reals_of(closed.normal), unit(way)));
-            REQUIRE((size(way) == 0 || between * sine <= 1e-8 * (f.size() + 1e-6 * size(way)) || sine < 1e-3));
+            const double between = std::abs(closed.fraction - general.fraction) * size(displacement);
+            const double sine = std::abs(dot(to_reals_of(closed.normal), unit(displacement)));
+            REQUIRE((size(displacement) == 0 || between * sine <= 1e-8 * (f.size() + 1e-6 * size(displacement)) ||
+                     sine < 1e-3));
         });
     }
     CHECK(hits > 6000);
 }
 
 CELL_CASE("rays: exact points of cylinders and cones") {
-    const auto check = [](const auto& shape, reals from, reals way, double fraction, reals normal) {
-        const auto hit = ray_cast(shape, transform{}, from_reals(from), from_reals(way));
+    const auto check = [](const auto& shape, reals from, reals displacement, double fraction, reals normal) {
+        const auto hit = cast_ray(shape, transform{}, from_reals(from), from_reals(displacement));
         REQUIRE(hit.hit);
         CHECK(near(cell::number(hit.fraction), fraction, 2));
         CHECK(near(hit.normal, normal, 4));
-        CHECK(near(hit.point, from + way * fraction, 8));
+        CHECK(near(hit.point, from + displacement * fraction, 8));
     };
-    const auto misses = [](const auto& shape, reals from, reals way) {
-        CHECK(!ray_cast(shape, transform{}, from_reals(from), from_reals(way)).hit);
+    const auto misses = [](const auto& shape, reals from, reals displacement) {
+        CHECK(!cast_ray(shape, transform{}, from_reals(from), from_reals(displacement)).hit);
     };
     const physics::cylinder<S, 3> drum{S(2), S(5)};
     check(drum, {1, 8, 0}, {0, -8, 0}, 0.375, {0, 1, 0});
@@ -244,10 +247,11 @@ void each_child(const table_without_walk& s, const physics::aabb<double, D>& box
 
 /// Checks that a ray meets what it meets of all the parts within its box, one by one.
 template <class Shape, class Plain>
-local_hit meet(const Shape& shape, const Plain& plain, reals from, reals way) {
-    const local_ray ray{to_doubles(from), to_doubles(way)};
+local_hit meet(const Shape& shape, const Plain& plain, reals from, reals displacement) {
+    const local_ray ray{to_doubles(from), to_doubles(displacement)};
     const local_hit hit = cast_on(shape, ray), all = cast_on(plain, ray);
-    INFO(from.x << " " << from.y << " " << from.z << " way " << way.x << " " << way.y << " " << way.z);
+    INFO(from.x << " " << from.y << " " << from.z << " way " << displacement.x << " " << displacement.y << " "
+                << displacement.z);
     REQUIRE(hit.hit == all.hit);
     if (hit.hit) REQUIRE(hit.fraction == all.fraction);
     if (hit.hit) REQUIRE(hit.normal == all.normal);
@@ -255,13 +259,13 @@ local_hit meet(const Shape& shape, const Plain& plain, reals from, reals way) {
 }
 /// The first hit on any part by GJK.
 template <class Plain>
-local_hit meet_by_gjk(const Plain& plain, reals from, reals way) {
+local_hit meet_by_gjk(const Plain& plain, reals from, reals displacement) {
     const doubles origin = to_doubles(from);
     local_hit first;
     physics::detail::each_piece(
         plain, everywhere, [&](const auto& part) { return physics::detail::faces(part, origin); },
         [&](const auto& core, const auto& axes, const doubles& at, std::uint32_t) {
-            const local_ray ray{transposed_times(axes, origin - at), transposed_times(axes, to_doubles(way))};
+            const local_ray ray{transposed_times(axes, origin - at), transposed_times(axes, to_doubles(displacement))};
             const local_hit hit = physics::detail::cast_on_core<double>(ray, core);
             if (hit.hit && (!first.hit || hit.fraction < first.fraction)) first = hit;
         });
@@ -280,21 +284,21 @@ void meets_all(const Shape& shape, const Plain& plain, const std::vector<reals>&
         const double share = dice.number(0, 1);
         const reals edge = a + (b - a) * (i % 16 < 8 ? 0.25 * dice.below(5) : share);
         const reals inside = edge + (c - edge) * dice.number(0, 1);
-        reals from = inside + random_direction(dice) * dice.number(0, 20), way = (inside - from) * 1.5;
-        if (i % 8 == 1) way = {}, way[dice.below(D)] = dice.number(-20, 20);
-        if (i % 8 == 2) from = edge, way = random_direction(dice) * dice.number(0, 20);
-        if (i % 8 == 3) from = a + (b - a) * dice.number(-3, 0.5), way = (b - a) * dice.number(0, 5);
-        if (i % 8 == 4) way = (edge - from) * (dice.below(2) ? 1 : 2);
-        if (i % 8 == 5) from = inside + reals{0, 8, 0}, way = {0, -16, 0};
-        if (i % 8 == 6) from = inside * 1e3, way = inside * -2e3;
-        if (i % 64 == 0) way = {};
-        const local_hit hit = meet(shape, plain, from, way);
+        reals from = inside + random_direction(dice) * dice.number(0, 20), displacement = (inside - from) * 1.5;
+        if (i % 8 == 1) displacement = {}, displacement[dice.below(D)] = dice.number(-20, 20);
+        if (i % 8 == 2) from = edge, displacement = random_direction(dice) * dice.number(0, 20);
+        if (i % 8 == 3) from = a + (b - a) * dice.number(-3, 0.5), displacement = (b - a) * dice.number(0, 5);
+        if (i % 8 == 4) displacement = (edge - from) * (dice.below(2) ? 1 : 2);
+        if (i % 8 == 5) from = inside + reals{0, 8, 0}, displacement = {0, -16, 0};
+        if (i % 8 == 6) from = inside * 1e3, displacement = inside * -2e3;
+        if (i % 64 == 0) displacement = {};
+        const local_hit hit = meet(shape, plain, from, displacement);
         hits += hit.hit;
         if (i % 16 != 15) continue;
         // Those in general position: GJK is as exact, but where they graze an edge.
-        const local_hit general = meet_by_gjk(plain, from, way);
-        const double apart = std::abs(hit.fraction - general.fraction) * size(way);
-        const double sine = hit.hit ? std::abs(dot(unit(way), to_reals_of(hit.normal))) : 1;
+        const local_hit general = meet_by_gjk(plain, from, displacement);
+        const double apart = std::abs(hit.fraction - general.fraction) * size(displacement);
+        const double sine = hit.hit ? std::abs(dot(unit(displacement), to_reals_of(hit.normal))) : 1;
         different += hit.hit != general.hit || apart * sine > tolerance;
         ++compared;
     }

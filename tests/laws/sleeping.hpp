@@ -78,13 +78,13 @@ CELL_CASE("sleep: whatever happens to a body wakes its island, and no other") {
         [](bedroom& b) { b.w.apply_angular_impulse(b.stack[1], about_z(0.125)); },
         [](bedroom& b) { b.w.set_linear_velocity(b.stack[2], along(0, 0.25)); },
         [](bedroom& b) { b.w.set_angular_velocity(b.stack[2], about_z(0.25)); },
-        [](bedroom& b) { b.w.set_pose(b.stack[2], at(0, 4), world::rotation{}); },
+        [](bedroom& b) { b.w.set_pose(b.stack[2], at(0, 4), world::rotation_type{}); },
         [](bedroom& b) { b.w.set_gravity_scale(b.stack[0], S(2)); },
         [](bedroom& b) { b.w.set_rotation_locked(b.stack[0], true); },
         [](bedroom& b) { b.w.set_can_sleep(b.stack[0], false); },
         [](bedroom& b) { b.w.set_mass(b.stack[0], b.w.mass(b.stack[1])); },
         [](bedroom& b) { b.w.reset_mass(b.stack[1]); },
-        [](bedroom& b) { b.w.set_surface(*b.w.shapes(b.stack[1]).begin(), {.friction = S(0)}); },
+        [](bedroom& b) { b.w.set_material(*b.w.shapes(b.stack[1]).begin(), {.friction = S(0)}); },
         [](bedroom& b) { b.w.create_shape(b.stack[1], world::ball{S(0.25)}); },
         [](bedroom& b) { b.w.set_type(b.stack[0], body_type::static_body), b.stack.erase(b.stack.begin()); },
         [](bedroom& b) { b.w.destroy_body(b.stack[0]), b.stack.erase(b.stack.begin()); },
@@ -120,8 +120,8 @@ CELL_CASE("sleep: what holds sleepers up wakes them as it goes, and what moves i
     };
     CHECK(wakes_all([](bedroom& b) { b.w.destroy_body(b.ground); }, 1));
     CHECK(wakes_all([](bedroom& b) { b.w.destroy_shape(*b.w.shapes(b.ground).begin()); }, 1));
-    CHECK(wakes_all([](bedroom& b) { b.w.set_pose(b.ground, at(0, -1), world::rotation{}); }, 1));
-    CHECK(wakes_all([](bedroom& b) { b.w.set_surface(*b.w.shapes(b.ground).begin(), {.friction = S(0)}); }, 1));
+    CHECK(wakes_all([](bedroom& b) { b.w.set_pose(b.ground, at(0, -1), world::rotation_type{}); }, 1));
+    CHECK(wakes_all([](bedroom& b) { b.w.set_material(*b.w.shapes(b.ground).begin(), {.friction = S(0)}); }, 1));
     CHECK(wakes_all([](bedroom& b) { b.w.set_settings(world::settings_type{}); }, 1));
     // A wall that is built into the stack, one that is put there, and others that are driven or carried there.
     const auto wall = [](bedroom& b, body_type type, double x) {
@@ -132,11 +132,13 @@ CELL_CASE("sleep: what holds sleepers up wakes them as it goes, and what moves i
     CHECK(wakes_all([&](bedroom& b) { wall(b, body_type::static_body, 0.5); }, 0));
     CHECK(!wakes_all([&](bedroom& b) { wall(b, body_type::static_body, -3); }, 64));
     CHECK(wakes_all(
-        [&](bedroom& b) { b.w.set_pose(wall(b, body_type::static_body, -3), at(-0.5, 1.5), world::rotation{}); }, 0));
+        [&](bedroom& b) { b.w.set_pose(wall(b, body_type::static_body, -3), at(-0.5, 1.5), world::rotation_type{}); },
+        0));
     CHECK(wakes_all([&](bedroom& b) { b.w.set_linear_velocity(wall(b, body_type::kinematic_body, -3), along(0, 2)); },
                     72));
     CHECK(wakes_all(
-        [&](bedroom& b) { b.w.move_to(wall(b, body_type::kinematic_body, -3), at(-0.5, 1.5), world::rotation{}); }, 1));
+        [&](bedroom& b) { b.w.move_to(wall(b, body_type::kinematic_body, -3), at(-0.5, 1.5), world::rotation_type{}); },
+        1));
 }
 
 CELL_CASE("sleep: on something that moves nobody sleeps; on what stands still they do") {

@@ -13,10 +13,11 @@ void solve_softly(problem& p, int substeps) {
     struct drift {
         problem& p;
 
-        void advance_velocities(S) {}
-        void advance_poses(S h) {
+        void integrate_velocities(S) {}
+        void integrate_positions(S h) {
             for (auto& b : p.bodies)
-                b.way = {b.way.linear + b.velocity.linear * h, b.way.angular + b.velocity.angular * h};
+                b.displacement = {b.displacement.linear + b.velocity.linear * h,
+                                  b.displacement.angular + b.velocity.angular * h};
         }
     };
     physics::arena scratch;
@@ -48,9 +49,9 @@ inline void enrich(cell::dice& dice, problem& p) {
             const vec aside = frame.combine(offset) * S(0.25);
             point.position = first.position + aside;
             point.separation = dice.real(-0.02, 0.02);
-            c.lasting = static_cast<std::uint8_t>(c.lasting | dice.below(2) << k);
+            c.persisted_mask = static_cast<std::uint8_t>(c.persisted_mask | dice.below(2) << k);
             point.normal_impulse = dice.real(0, 1);
-            point.load = c.persisted(k) ? dice.real(0, 2) : S(0);
+            point.substep_impulse = c.persisted(k) ? dice.real(0, 2) : S(0);
             draw(dice, point.friction_impulse);
         }
     }
@@ -61,13 +62,13 @@ struct sides_at {
     side_of a, b;
 
     sides_at(const problem& p, const contact& c, vec offset)
-        : a(p.bodies, c.body_a, c.levers(0).a + offset, -1), b(p.bodies, c.body_b, c.levers(0).b + offset, 1) {}
+        : a(p.bodies, c.body_a, c.anchors(0).a + offset, -1), b(p.bodies, c.body_b, c.anchors(0).b + offset, 1) {}
     /// The velocity that an impulse gives to B's side, seen from A's, at another place; and the angular one.
     reals velocity(reals impulse, const sides_at& at) const {
-        return impulse * (a.inverse_mass + b.inverse_mass) + cross(a.turn(cross(a.lever, impulse)), at.a.lever) +
-               cross(b.turn(cross(b.lever, impulse)), at.b.lever);
+        return impulse * (a.inverse_mass + b.inverse_mass) + cross(a.turn(cross(a.anchor, impulse)), at.a.anchor) +
+               cross(b.turn(cross(b.anchor, impulse)), at.b.anchor);
     }
-    reals spin(reals impulse) const { return a.turn(cross(a.lever, impulse)) + b.turn(cross(b.lever, impulse)); }
+    reals spin(reals impulse) const { return a.turn(cross(a.anchor, impulse)) + b.turn(cross(b.anchor, impulse)); }
     reals spin_about(reals axis) const { return a.turn(axis) + b.turn(axis); }
 };
 /// Of a speed of order 1, or of the answer to an impulse of order 1.
@@ -89,7 +90,7 @@ void check_cone(const Stop& stop, int lane, const sides_at& at, reals t, reals u
     same(xx * sxx + xy * sxy, 1, condition);
     same(xx * sxy + xy * syy, 0, condition);
     same(xy * sxy + yy * syy, 1, condition);
-    same(cell::number(stop.slip[lane]) * ((xx + yy) / 2 + std::hypot((xx - yy) / 2, xy)), 1, 4);
+    same(cell::number(stop.gradient_step[lane]) * ((xx + yy) / 2 + std::hypot((xx - yy) / 2, xy)), 1, 4);
 }
 
 template <class Block>
@@ -107,7 +108,7 @@ void check_lane(const Block& block, int lane, const problem& p, const contact& c
         same(cell::number(point.mass[lane]) * dot(n, here.velocity(n, here)), 1, 8);
         REQUIRE(point.separation[lane] == c.points[k].separation);
         if constexpr (cell::is_2d) {
-            same(cell::number(point.lever[lane]), cross(offset, n).z);
+            same(cell::number(point.moment_arm[lane]), cross(offset, n).z);
         } else {
             same(cell::number(point.x[lane]), dot(offset, t));
             same(cell::number(point.y[lane]), dot(offset, u));
@@ -117,11 +118,11 @@ void check_lane(const Block& block, int lane, const problem& p, const contact& c
     const double push = dot(n, middle.velocity(n, middle));
     if constexpr (cell::is_2d) {
         const double all[] = {push, spin.z, middle.spin_about({0, 0, 1}).z};
-        for (int i = 0; i < 3; ++i) same(static_cast<double>(block.answers[i][lane]), all[i], 8);
+        for (int i = 0; i < 3; ++i) same(static_cast<double>(block.k_matrix[i][lane]), all[i], 8);
     } else {
         const reals about_t = middle.spin_about(t), about_u = middle.spin_about(u);
         const double all[] = {push, dot(about_t, t), dot(about_u, u), dot(spin, t), dot(spin, u), dot(about_t, u)};
-        for (int i = 0; i < 6; ++i) same(static_cast<double>(block.answers[i][lane]), all[i], 8);
+        for (int i = 0; i < 6; ++i) same(static_cast<double>(block.k_matrix[i][lane]), all[i], 8);
     }
     if constexpr (cell::is_2d) {
         check_friction2(block, lane, middle, t);
@@ -182,10 +183,10 @@ inline void unload(cell::dice& dice, problem& p) {
         if (dice.below(2) == 0) c.rolling_resistance = S(0);
         if (dice.below(2) == 0) c.surface_velocity = {};
         const S gap = dice.below(3) == 0 ? S(0.001) : S(0.1);
-        c.lasting = 0;
+        c.persisted_mask = 0;
         for (int k = 0; k < c.count; ++k) {
             c.points[k].separation = gap + dice.real(0, 0.02);
-            c.points[k].load = S(0);
+            c.points[k].substep_impulse = S(0);
         }
     }
 }
@@ -243,7 +244,7 @@ CELL_CASE("soft contacts: where all points of a contact go on pushing, a round s
         p.contacts[0].body_b = 2;
         contact& c = p.contacts[0];
         c.count = number_of(2 + dice.below(physics::manifold<S, D>::capacity - 1));
-        c.lasting = 255;
+        c.persisted_mask = 255;
         for (auto& b : p.bodies) b.velocity = {};
         const auto first = c.points[0];
         double wanted[physics::manifold<S, D>::capacity], sum = 0;
@@ -256,7 +257,7 @@ CELL_CASE("soft contacts: where all points of a contact go on pushing, a round s
                                          (cell::is_2d ? reals{} : cross(n, t) * (0.2 * std::sin(angle))));
             c.points[k].position = first.position + aside;
             c.points[k].separation = S(-0.01);
-            c.points[k].load = S(1);
+            c.points[k].substep_impulse = S(1);
             wanted[k] = 1 + 0.3 * std::cos(angle);
             sum += wanted[k];
         }
@@ -266,7 +267,7 @@ CELL_CASE("soft contacts: where all points of a contact go on pushing, a round s
                 const reals impulse = points[k].normal * (-side.sign * wanted[k]);
                 auto& velocity = p.bodies[side.body].velocity;
                 velocity.linear += from_reals(impulse * side.inverse_mass);
-                velocity.angular += to_angular(side.turn(cross(side.lever, impulse)));
+                velocity.angular += to_angular(side.turn(cross(side.anchor, impulse)));
             }
         solve_softly<physics::detail::native_width<S>, frictionless>(p, 1);
         double borne = 0;
@@ -284,7 +285,7 @@ CELL_CASE("soft contacts: points at all but one place, at different depths, push
         problem p = random_problem(dice, 1, 0, run % 2 != 0);
         contact& c = p.contacts[0];
         c.count = number_of(2 + dice.below(physics::manifold<S, D>::capacity - 1));
-        c.lasting = 255;
+        c.persisted_mask = 255;
         for (auto& b : p.bodies) b.velocity = {};
         const auto first = c.points[0];
         const double apart = std::pow(10, dice.number(-12, -1));
@@ -292,7 +293,7 @@ CELL_CASE("soft contacts: points at all but one place, at different depths, push
             const vec aside = from_reals(random_direction(dice) * apart);
             c.points[k].position = first.position + aside;
             c.points[k].separation = dice.real(-0.02, 0);
-            c.points[k].load = dice.real(0, 0.01);
+            c.points[k].substep_impulse = dice.real(0, 0.01);
         }
         solve_softly<physics::detail::native_width<S>, frictionless>(p, 4);
         for (const point_of& q : points_of(p)) {

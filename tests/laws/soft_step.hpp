@@ -28,11 +28,12 @@ CELL_CASE("colours: every contact has one, and no two of a colour push the same 
             c.body_a = run % 3 == 0 ? 0u : static_cast<std::uint32_t>(dice.below(body_count));
             do c.body_b = static_cast<std::uint32_t>(dice.below(body_count));
             while (c.body_b == c.body_a);
-            contacts.push(c);
+            contacts.push_back(c);
         }
         physics::arena scratch;
         const physics::solver_bodies<S, D> view{bodies.data(), static_cast<std::uint32_t>(body_count)};
-        const auto colours = physics::detail::colour(physics::contact_list<S, D>(contacts, scratch), view, scratch);
+        const auto colours =
+            physics::detail::colour(physics::contact_constraints<S, D>(contacts, scratch), view, scratch);
         std::vector<int> seen(static_cast<std::size_t>(contact_count));
         REQUIRE(colours.begin[colours.count] == contacts.size());
         for (std::uint32_t group = 0; group < colours.count; ++group) {
@@ -73,23 +74,24 @@ CELL_CASE("batches: islands are whole, every contact is in one, in order, and na
             const auto pushed = [&](std::uint32_t b) {
                 return b < bodies.size() && bodies[b].inverse_mass > physics::inverse_of<S>(0);
             };
-            if (pushed(c.body_a) || pushed(c.body_b)) contacts.push(c);
+            if (pushed(c.body_a) || pushed(c.body_b)) contacts.push_back(c);
         }
         physics::arena scratch;
-        bool* is_pushed = scratch.take<bool>(static_cast<std::uint32_t>(body_count) + 1);
+        bool* is_pushed = scratch.allocate<bool>(static_cast<std::uint32_t>(body_count) + 1);
         for (int i = 0; i < body_count; ++i)
             is_pushed[i] = bodies[static_cast<std::size_t>(i)].inverse_mass > physics::inverse_of<S>(0);
         is_pushed[body_count] = false;
         const physics::buffer<contact> named = contacts;
         const auto parts =
-            physics::detail::batch_maker(contacts, is_pushed, static_cast<std::uint32_t>(body_count), scratch).result();
+            physics::detail::graph_builder(contacts, is_pushed, static_cast<std::uint32_t>(body_count), scratch)
+                .result();
         std::vector<int> times(contacts.size());
         std::vector<std::uint32_t> home(bodies.size(), ~0u);
         std::uint32_t largest = 0;
         for (std::uint32_t k = 0; k < parts.count; ++k) {
             const auto& part = parts.first[k];
             const auto name_of = [&](std::uint32_t number) { return parts.body_at[part.bodies + number]; };
-            REQUIRE(name_of(part.nobody - part.bodies) == static_cast<std::uint32_t>(body_count));
+            REQUIRE(name_of(part.static_slot - part.bodies) == static_cast<std::uint32_t>(body_count));
             for (std::uint32_t i = part.contacts; i < part.end; ++i) {
                 const std::uint32_t n = parts.order[i];
                 if (i > part.contacts) REQUIRE(parts.order[i - 1] < n);
@@ -109,7 +111,7 @@ CELL_CASE("batches: islands are whole, every contact is in one, in order, and na
         // Unless one island holds nearly all, there are several batches, none much above the size that is aimed at.
         if (reach == 1) {
             CHECK(parts.count > 1);
-            CHECK(largest <= physics::detail::batch_maker::enough);
+            CHECK(largest <= physics::detail::graph_builder::target_weight);
         }
     }
 }
@@ -136,7 +138,7 @@ soft_world soft_slope(double angle, double friction, double restitution = 0) {
     soft_world::settings_type settings;
     settings.gravity = {};
     settings.gravity.y = S(-10);
-    settings.solver.restitution_slop = S(0);
+    settings.solver.restitution_threshold = S(0);
     soft_world w(settings);
     soft_world::halfspace ground;
     ground.normal.x = S(-std::sin(angle));
@@ -185,8 +187,8 @@ CELL_CASE("soft step: a cube stops after v^2 / (2 mu g), less half a substep's w
     speed.x = S(v);
     w.set_linear_velocity(b, speed);
     run(w, 240);
-    const double way = cell::number(w.position(b).x) - start;
-    CHECK(std::abs(way - (v * v / (2 * 5) - 0.5 * v / 240)) <= 0.001);
+    const double displacement = cell::number(w.position(b).x) - start;
+    CHECK(std::abs(displacement - (v * v / (2 * 5) - 0.5 * v / 240)) <= 0.001);
 }
 
 template <int N>
@@ -381,11 +383,11 @@ CELL_CASE("soft step: refuses settings out of range") {
         CHECK_THROWS_AS(soft_world{settings}, physics::error);
     };
     refused([](auto& s) { s.substeps = 0; });
-    refused([](auto& s) { s.stiffness = S(0); });
+    refused([](auto& s) { s.contact_frequency_ratio = S(0); });
     refused([](auto& s) { s.damping_ratio = S(-1); });
     refused([](auto& s) { s.frequency_cap = S(-1); });
-    refused([](auto& s) { s.max_push_speed = S(-1); });
-    refused([](auto& s) { s.restitution_slop = S(-1); });
+    refused([](auto& s) { s.max_depenetration_speed = S(-1); });
+    refused([](auto& s) { s.restitution_threshold = S(-1); });
 }
 
 }  // namespace soft_step_laws

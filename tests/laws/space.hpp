@@ -99,7 +99,7 @@ CELL_CASE("vec: split finds direction and length of tiny and of huge vectors") {
             reals exact = to_reals(v);
             if (exact.x == 0 && exact.y == 0 && exact.z == 0) continue;
             exact = exact * std::ldexp(1.0, -power);
-            const auto [direction, length] = split(v);
+            const auto [direction, length] = direction_and_length_of(v);
             REQUIRE(std::abs(size(to_reals(direction)) - 1) <= 3 * epsilon);
             REQUIRE(near(direction, unit(exact), 4));
             const double step = cell::is_fixed ? epsilon * std::ldexp(1.0, -power) : 0;
@@ -120,7 +120,7 @@ CELL_CASE("vec: split finds direction and length of tiny and of huge vectors") {
             CHECK(to_reals(normalized(v))[i] == sign);
         }
     CHECK(normalized(vec{}) == vec{});
-    CHECK(split(vec{}).length == S(0));
+    CHECK(direction_and_length_of(vec{}).length == S(0));
     vec huge = vec::filled(cell::traits::max());
     CHECK(near(normalized(huge), unit(reals{1, 1, cell::is_3d ? 1.0 : 0}), 4));
 }

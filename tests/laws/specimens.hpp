@@ -53,10 +53,10 @@ enum class size_class { common, thin, tiny, huge, large, small, mite, swollen, g
 constexpr int size_classes = 9;
 
 /// Hulls of all sorts of corners; no hull where the scalar sees no volume.
-inline bool random_hull(cell::dice& dice, double size, reals stretch, body_wish wish, convex_body& to) {
+inline bool random_hull(cell::dice& dice, double size, reals rescale_impulses, body_wish wish, convex_body& to) {
     constexpr solid::kind kinds[] = {solid::kind::cloud, solid::kind::prism, solid::kind::lattice,
                                      solid::kind::simplex};
-    solid s = random_solid(kinds[dice.below(4)], dice, size, stretch);
+    solid s = random_solid(kinds[dice.below(4)], dice, size, rescale_impulses);
     if (wish.step > 0)
         for (vec& v : s.points)
             for (int i = 0; i < D; ++i) v[i] = S(std::round(cell::number(v[i]) / wish.step) * wish.step);
@@ -91,9 +91,9 @@ public:
                 if (kind != of::hull) {
                     b = random_body(kind, dice, size, wish);
                 } else {
-                    reals stretch{1, 1, 1};
-                    if (in == size_class::thin) stretch[dice.below(D)] = 1e-5;
-                    if (!random_hull(dice, size, stretch, wish, b)) continue;
+                    reals rescale_impulses{1, 1, 1};
+                    if (in == size_class::thin) rescale_impulses[dice.below(D)] = 1e-5;
+                    if (!random_hull(dice, size, rescale_impulses, wish, b)) continue;
                 }
                 of_[c].emplace_back(b);
             }
@@ -268,9 +268,10 @@ inline meet random_meet(const pool& of_a, const pool& of_b, state in, cell::dice
             const double cores = double(std::fmin(a.extent - a.radius, b.extent - b.radius));
             // Around where the cores themselves touch, and deep in each other.
             const double about[] = {0, 1e-3, -1e-3, -0.1};
-            const int way = dice.below(8);
-            if (way < 4) place(m, about[way] * cores - double(m.couple().radii()));
-            if (way == 4) m.b_in_a.position = from_reals(random_direction(dice) * (dice.number(0, 0.3) * cores));
+            const int displacement = dice.below(8);
+            if (displacement < 4) place(m, about[displacement] * cores - double(m.couple().radii()));
+            if (displacement == 4)
+                m.b_in_a.position = from_reals(random_direction(dice) * (dice.number(0, 0.3) * cores));
             break;
         }
         case state::leaning:

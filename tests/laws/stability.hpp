@@ -29,12 +29,13 @@ CELL_CASE("K1: columns stand that are lower than where their springs buckle") {
     // bears its own weight up to n^3 = 7.84 k / (m g) (Greenhill 1881).
     for (const int substeps : {2, 4, 8}) {
         CAPTURE(substeps);
-        const double frequency = 2 * 3.14159265358979323846 * number(pulled().solver.stiffness) * 60 * substeps;
+        const double frequency =
+            2 * 3.14159265358979323846 * number(pulled().solver.contact_frequency_ratio) * 60 * substeps;
         // An edge presses on each of two crates at a corner (3D: two corners): 1 / mass + lever^2 / inertia of each.
         const int points = cell::is_2d ? 2 : 4;
         const double mass = 1 / (2 * (1 + 0.25 * 6 * (cell::is_2d ? 1 : 2)));
-        const double stiffness = points * mass * frequency * frequency * 0.25;
-        const int height = static_cast<int>(0.75 * std::cbrt(7.84 * stiffness / 10));
+        const double contact_frequency_ratio = points * mass * frequency * frequency * 0.25;
+        const int height = static_cast<int>(0.75 * std::cbrt(7.84 * contact_frequency_ratio / 10));
         CAPTURE(height);
         world w(pulled(substeps));
         stand_stack(w, height);
@@ -136,7 +137,8 @@ CELL_CASE("M1: heavy crates rest on a light one; how deep they sink falls with t
         CHECK(f.sideways <= 0.015);
         CHECK(f.asleep_after > 0);
         // The springs are those that the settings say: two (3D: four) a surface, the lower ones against the ground.
-        const double frequency = 2 * 3.14159265358979323846 * number(pulled().solver.stiffness) * 60 * substeps;
+        const double frequency =
+            2 * 3.14159265358979323846 * number(pulled().solver.contact_frequency_ratio) * 60 * substeps;
         const double lever = 0.25 * 6 * (cell::is_2d ? 1 : 2), share = (cell::is_2d ? 2 : 4) * frequency * frequency;
         const double between = 10 * mass / (share / ((1 + lever) * (1 + 1 / mass)));
         const double below = 10 * (mass + 1) / (share / (1 + lever));
@@ -196,7 +198,7 @@ CELL_CASE("a plate that lies on 400 boxes touches all of them from the first ste
         if (i >= 30) CHECK(load == doctest::Approx(weight).epsilon(0.02));
     }
     CHECK(number(w.position(plate).y) == doctest::Approx(0.25).epsilon(0.02));
-    CHECK(gap(w.orientation(plate), world::rotation{}) <= 1e-4);
+    CHECK(gap(w.rotation(plate), world::rotation_type{}) <= 1e-4);
 }
 
 }  // namespace stability_laws

@@ -106,10 +106,10 @@ fate live_by(world& w, double seconds, Step&& length_of_step) {
         if (w.awake_count() == 0) f.asleep_after = i + 1;
     }
     for (const auto& [id, from] : start) {
-        const vec way = w.position(id) - from;
-        f.sideways = std::max(f.sideways, sideways(way));
-        f.sunk = std::max(f.sunk, -number(way.y));
-        f.risen = std::max(f.risen, number(way.y));
+        const vec displacement = w.position(id) - from;
+        f.sideways = std::max(f.sideways, sideways(displacement));
+        f.sunk = std::max(f.sunk, -number(displacement.y));
+        f.risen = std::max(f.risen, number(displacement.y));
     }
     return f;
 }

@@ -143,7 +143,7 @@ CELL_CASE("rolling: resistance slows a ball by 5/7 g b / r, a disc by 2/3 g b / 
 template <class World>
 void rolls_down_from() {
     const double b = 0.05, r = 0.5;
-    const auto way = [&](double tangent) {
+    const auto displacement = [&](double tangent) {
         const double angle = std::atan(tangent);
         World w = ground<World>({.friction = S(1), .rolling_resistance = S(b)}, angle);
         const body_id id = ball(w, r, angle);
@@ -152,9 +152,9 @@ void rolls_down_from() {
         return size(w.position(id) - start);
     };
     // Above the critical slope after 4 s: 1/2 * share * g * 0.02 tan * 16 > 0.1 m.
-    CHECK(way(0.98 * b / r) <= 0.005);
-    CHECK(way(1.02 * b / r) >= 0.05);
-    CHECK(way(0.5 * b / r) <= 0.005);
+    CHECK(displacement(0.98 * b / r) <= 0.005);
+    CHECK(displacement(1.02 * b / r) >= 0.05);
+    CHECK(displacement(0.5 * b / r) <= 0.005);
 }
 CELL_CASE("rolling: a ball stays on slopes below b / r and rolls down above, to 2 %") {
     rolls_down_from<sequential>();
@@ -168,8 +168,8 @@ CELL_CASE("rolling: resistance comes and goes with the material, and leaves no i
     run(w, 16);
     roll(w, id, along(0, 1), 4, 0.5);
     run(w, 32);
-    w.set_surface(floor, {});
-    CHECK(w.surface(floor).rolling_resistance == S(0));
+    w.set_material(floor, {});
+    CHECK(w.material(floor).rolling_resistance == S(0));
     run(w, 1);
     const double v = size(w.linear_velocity(id));
     CHECK((*w.contacts().begin()).rolling_impulse == physics::tangential<S, D>{});
@@ -189,7 +189,7 @@ void carried_along() {
         w.create_shape(id, typename World::box{vec::filled(S(0.25))}, {.material = {.friction = S(mu)}});
         run(w, 32);
         CHECK(size(w.linear_velocity(id)) <= 1e-4 + fine);
-        w.set_surface(belt, {.friction = S(mu), .surface_velocity = running(towards * S(speed))});
+        w.set_material(belt, {.friction = S(mu), .surface_velocity = running(towards * S(speed))});
         run(w, 1);
         const double first = number(dot(w.linear_velocity(id), towards));
         run(w, 16);
@@ -250,7 +250,7 @@ CELL_CASE("belt: it runs in its shape's frame, also where the shape comes second
     CHECK(std::abs(speed_of(self_driven(0, 2)) + 2) <= 0.005);
     CHECK(std::abs(speed_of(self_driven(pi / 2, 2)) + 2) <= 0.005);
     const auto both = [&](patches& w) {
-        w.set_surface(*w.shapes(*w.bodies().begin()).begin(), {.surface_velocity = running(along(0, 3))});
+        w.set_material(*w.shapes(*w.bodies().begin()).begin(), {.surface_velocity = running(along(0, 3))});
         return self_driven(0, 2)(w);
     };
     CHECK(std::abs(speed_of(both) - 1) <= 0.005);
@@ -277,16 +277,16 @@ void slide_of() {
         const vec start = w.position(id);
         w.set_linear_velocity(id, towards * S(10));
         run(w, 192);
-        const vec way = w.position(id) - start;
+        const vec displacement = w.position(id) - start;
         // v^2 / (2 mu g), less half the way of a substep, to as much.
-        CHECK(std::abs(size(way) - (10 - 0.5 * 10 / 256)) <= 0.5 * 10 / 256);
-        CHECK(size(way - towards * dot(way, towards)) <= 0.01);
+        CHECK(std::abs(size(displacement) - (10 - 0.5 * 10 / 256)) <= 0.5 * 10 / 256);
+        CHECK(size(displacement - towards * dot(displacement, towards)) <= 0.01);
     }
 }
 template <class World>
 void slips_from() {
     const double angle = 20 * pi / 180;
-    const auto way = [&](double mu) {
+    const auto displacement = [&](double mu) {
         World w = ground<World>({.friction = S(mu)}, angle);
         const body_id id =
             w.create_body({.position = along(0, -0.25 * std::sin(angle)) + along(1, 0.25 * std::cos(angle)),
@@ -297,9 +297,9 @@ void slips_from() {
         run(w, 320);
         return size(w.position(id) - start);
     };
-    CHECK(way(0.995 * std::tan(angle)) > 0.1);
-    CHECK(way(1.005 * std::tan(angle)) <= 0.1);
-    CHECK(way(1.1 * std::tan(angle)) <= 0.005);
+    CHECK(displacement(0.995 * std::tan(angle)) > 0.1);
+    CHECK(displacement(1.005 * std::tan(angle)) <= 0.1);
+    CHECK(displacement(1.1 * std::tan(angle)) <= 0.005);
 }
 CELL_CASE("S1 slide, S2 incline: of patches and of points alike, in 12 directions and to 0.5 %") {
     slide_of<patches>();
@@ -482,7 +482,7 @@ CELL_CASE("mixing: the step refuses what no solver takes, and changes nothing") 
         "physics: step: a coefficient of two surfaces is out of range; the mixing rule must give friction "
         "and rolling_resistance that are finite and at least 0, and a restitution of 0 to 1");
     CHECK(w.state_hash() == before);
-    w.set_surface(shape, {.friction = S(0.5)});
+    w.set_material(shape, {.friction = S(0.5)});
     w.step(S(1.0 / 64));
     CHECK(w.steps() == 1);
 }
@@ -521,7 +521,7 @@ std::string refusal_of(const material& m) {
     const std::uint64_t before = w.state_hash();
     std::string said;
     try {
-        w.set_surface(shape, m);
+        w.set_material(shape, m);
     } catch (const physics::error& e) {
         said = e.what();
         CHECK(w.state_hash() == before);
@@ -533,9 +533,9 @@ CELL_CASE("features: surfaces cannot ask for what the recipe leaves out") {
     const material bounces{.restitution = S(0.5)}, rubs{.friction = S(0.5)};
     using no_friction = of<without<physics::feature::friction>>;
     CHECK(refusal_of<of<without<rolling_resistance>>>(resists) ==
-          "physics: set_surface: rolling_resistance is 0.25; the recipe leaves it out");
+          "physics: set_material: rolling_resistance is 0.25; the recipe leaves it out");
     CHECK(refusal_of<of<without<physics::feature::restitution>>>(bounces) ==
-          "physics: set_surface: restitution is 0.5; the recipe leaves it out");
+          "physics: set_material: restitution is 0.5; the recipe leaves it out");
     CHECK(refusal_of<of<without<surface_velocity>>>(runs).find("the recipe leaves it out") != std::string::npos);
     CHECK(refusal_of<no_friction>(runs).find("surface_velocity") != std::string::npos);
     CHECK(refusal_of<no_friction>(rubs).empty());
@@ -563,7 +563,7 @@ CELL_CASE("features: without them neither resistance nor belts nor friction act"
 template <class Features>
 using contact_of = physics::contact<S, D, Features>;
 template <class Features>
-using kept_by = physics::detail::kept_material<S, D, Features>;
+using kept_by = physics::detail::stored_material<S, D, Features>;
 using bare = without<physics::feature::friction, physics::feature::restitution, rolling_resistance>;
 static_assert(sizeof(contact_of<bare>) + sizeof(S) * (D == 2 ? 8 : 16) == sizeof(contact_of<without<>>));
 static_assert(sizeof(contact_of<without<physics::feature::restitution>>) < sizeof(contact_of<without<>>));

@@ -61,7 +61,7 @@ struct turning_bodies {
                 physics::rotation<S, 3>{dice.real(-1, 1), dice.real(-1, 1), dice.real(-1, 1), dice.real(-1, 1)});
             const double fast = dice.below(8) ? 4 : 400;
             solved[k].velocity = {dice.vec<vec>(-4, 4), dice.vec<vec>(-fast, fast)};
-            solved[k].way = {dice.vec<vec>(-1, 1), dice.vec<vec>(-1, 1)};
+            solved[k].displacement = {dice.vec<vec>(-1, 1), dice.vec<vec>(-1, 1)};
             moved[k].rotation = turn;
             if (dice.below(3) == 0) continue;
             const double a = dice.number(0.5, 1), b = dice.below(3) ? dice.number(0.5, 1) : a;
@@ -69,7 +69,7 @@ struct turning_bodies {
             tops[k].mass.inertia = rotated(diagonal, matrix(turn));
             tops[k].inverse_inertia = physics::inverted_inertia(tops[k].mass.inertia);
             tops[k].spin = physics::free_spin<S, 3>(tops[k].mass.inertia);
-            moved[k].top = &tops[k];
+            moved[k].gyroscopic = &tops[k];
         }
     }
     /// Some of them, in lanes; what their spins have changed by goes to `changed`.
@@ -82,7 +82,7 @@ struct turning_bodies {
         physics::detail::pose_lanes<S, 3, true> lanes({some.data(), static_cast<std::uint32_t>(count + 2)},
                                                       moved.data() + first, scratch);
         std::vector<physics::twist<S, 3>> begun(count + 2);
-        physics::detail::crew alone;
+        physics::detail::task_runner alone;
         for (int i = 0; i < parts; ++i) lanes.advance(h, begun.data(), alone);
         lanes.finish(0, static_cast<std::uint32_t>(count));
         std::copy_n(some.begin(), count, solved.begin() + static_cast<std::ptrdiff_t>(first));
@@ -91,9 +91,9 @@ struct turning_bodies {
 };
 /// |L| of a body, in double.
 double momentum_of(const turning_bodies& b, std::size_t k) {
-    const auto turn = [&](const reals& v, double way) {
+    const auto turn = [&](const reals& v, double displacement) {
         const auto& q = b.moved[k].rotation;
-        const reals u = to_reals(q.imaginary()) * way;
+        const reals u = to_reals(q.imaginary()) * displacement;
         const double w = cell::number(q.w), unit = dot(u, u) + w * w;
         return v + (cross(u, v) * w + cross(u, cross(u, v))) * (2 / unit);
     };
@@ -119,7 +119,7 @@ CELL_CASE("integrator: free spins neither gain nor lose momentum in the mean, an
             b.tops[k].mass.inertia = k % 2 ? rotated(diagonal, matrix(b.moved[k].rotation)) : diagonal;
             b.tops[k].inverse_inertia = physics::inverted_inertia(b.tops[k].mass.inertia);
             b.tops[k].spin = physics::free_spin<S, 3>(b.tops[k].mass.inertia);
-            b.moved[k].top = &b.tops[k];
+            b.moved[k].gyroscopic = &b.tops[k];
             b.solved[k].velocity.angular = dice.vec<vec>(-4, 4);
             start.push_back(momentum_of(b, k));
         }
@@ -179,7 +179,7 @@ CELL_CASE("integrator: a flywheel keeps its spin, however large its moment is be
         b.tops[0].mass.inertia = inertia;
         b.tops[0].inverse_inertia = physics::inverted_inertia(inertia);
         b.tops[0].spin = physics::free_spin<S, 3>(inertia);
-        b.moved[0].top = &b.tops[0];
+        b.moved[0].gyroscopic = &b.tops[0];
         b.moved[0].rotation = {};
         b.solved[0].velocity = {{}, {S(0), S(0.5), S(0)}};
         std::vector<physics::twist<S, 3>> changed;
@@ -204,10 +204,10 @@ CELL_CASE("integrator: in lanes poses advance as one by one, and nobody's bits d
         for (std::size_t k = 0; k < count; ++k) {
             auto& body = one_by_one.solved[k];
             const auto start = body.velocity.angular;
-            integrator::advance_pose(one_by_one.moved[k], body.velocity, body.way, h);
+            integrator::integrate_pose(one_by_one.moved[k], body.velocity, body.displacement, h);
             const auto& lane = in_lanes.solved[k];
             const double fast = 1 + cell::number(length(start)), near_to = 64 * epsilon;
-            REQUIRE(lane.way == body.way);
+            REQUIRE(lane.displacement == body.displacement);
             REQUIRE(lane.velocity.linear == body.velocity.linear);
             REQUIRE(cell::number(length(lane.velocity.angular - body.velocity.angular)) <= 4 * near_to * fast);
             const auto gap = in_lanes.moved[k].rotation * inverse(one_by_one.moved[k].rotation);
@@ -216,7 +216,7 @@ CELL_CASE("integrator: in lanes poses advance as one by one, and nobody's bits d
             // What a spin changes by is told as seen from the body, drawn where it was turned at the start.
             const double told = cell::number(length(start + changed[k].angular));
             REQUIRE(std::abs(told - cell::number(length(lane.velocity.angular))) <= near_to * fast);
-            if (!one_by_one.moved[k].top) REQUIRE(lane.velocity.angular == start);
+            if (!one_by_one.moved[k].gyroscopic) REQUIRE(lane.velocity.angular == start);
 
             alone.advance_in_lanes(k, 1, h, changed_alone);
             REQUIRE(alone.solved[k].velocity == lane.velocity);

@@ -98,7 +98,7 @@ struct pile {
         // Off-centre forces and impulses turn nobody.
         if (i % 16 == 3) w.apply_impulse_at(bodies[5], at(0.5, 1), w.position(bodies[5]) + at(0.25, 0.125));
         if (i % 16 == 7) w.apply_force_at(bodies[7], at(-8, 24), w.position(bodies[7]) + at(0.125, 0.25));
-        if (i < 128) w.move_to(pusher, w.position(pusher) + along(0, 0.03125), w.orientation(pusher));
+        if (i < 128) w.move_to(pusher, w.position(pusher) + along(0, 0.03125), w.rotation(pusher));
         w.step(step);
     }
 };
@@ -140,16 +140,16 @@ CELL_CASE("without rotation: a crate slides straight, as far as Coulomb says, wh
         const body_id crate = add(w, at(0, 0.5), vec::filled(S(0.5)), 0, def);
         run(w, 16);
         const double angle = k * 0.5235987755982988;
-        const vec way =
+        const vec displacement =
             cell::is_2d ? along(0, k % 2 ? -1 : 1) : along(0, std::cos(angle)) + along(D - 1, std::sin(angle));
-        w.set_linear_velocity(crate, way * S(3));
+        w.set_linear_velocity(crate, displacement * S(3));
         const vec start = w.position(crate);
         run(w, 64);
         const vec gone = w.position(crate) - start;
-        const double far = number(dot(gone, way));
+        const double far = number(dot(gone, displacement));
         // v^2 / (2 mu g), but for the first substep's part of it.
         CHECK(std::abs(far - 0.9) <= 0.02);
-        CHECK(number(length(gone - way * S(far))) <= 0.003);
+        CHECK(number(length(gone - displacement * S(far))) <= 0.003);
         CHECK(number(length(w.linear_velocity(crate))) <= 1e-4);
     }
 }
@@ -179,19 +179,19 @@ CELL_CASE("without rotation: every width of the lanes gives the same bits") {
 CELL_CASE("without rotation: nothing turns, whatever hits it") {
     pile<plain> p(true, 15);
     std::vector<rotation> before;
-    for (const body_id b : p.bodies) before.push_back(p.w.orientation(b));
+    for (const body_id b : p.bodies) before.push_back(p.w.rotation(b));
     for (int i = 0; i < 200; ++i) p.advance(i);
     for (std::size_t k = 0; k < p.bodies.size(); ++k) {
-        CHECK(p.w.orientation(p.bodies[k]) == before[k]);
+        CHECK(p.w.rotation(p.bodies[k]) == before[k]);
         CHECK(p.w.angular_velocity(p.bodies[k]) == plain::angular{});
         CHECK(p.w.rotation_locked(p.bodies[k]));
     }
     // But a pose can be set.
     p.w.set_pose(p.bodies[0], at(0, 20), turned_about_z(1));
-    CHECK(!(p.w.orientation(p.bodies[0]) == before[0]));
-    const rotation now = p.w.orientation(p.bodies[0]);
+    CHECK(!(p.w.rotation(p.bodies[0]) == before[0]));
+    const rotation now = p.w.rotation(p.bodies[0]);
     run(p.w, 32);
-    CHECK(p.w.orientation(p.bodies[0]) == now);
+    CHECK(p.w.rotation(p.bodies[0]) == now);
 }
 
 CELL_CASE("without rotation: a slope holds what friction can, and the rest slides as Coulomb says") {
@@ -317,7 +317,7 @@ CELL_CASE("without rotation: what would turn a body is refused, and nothing is h
     }
     before = w.state_hash();
     CHECK(said([&] { w.move_to(door, at(9, 8), turned_about_z(0.5)); }) ==
-          "physics: move_to: orientation is another one; the recipe leaves rotation out");
+          "physics: move_to: rotation is another one; the recipe leaves rotation out");
     plain::mass_properties mass = w.mass(crate);
     CHECK(mass.inertia == decltype(mass.inertia){});
     mass.inertia = physics::mass_of(plain::box{vec::filled(S(0.5))}, S(1)).inertia;

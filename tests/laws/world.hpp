@@ -218,7 +218,7 @@ CELL_CASE("world: every change of a bit that matters changes the hash; user data
         change(c);
         CHECK(c.w.state_hash() != before);
     };
-    check([](crowd& c) { c.w.set_pose(c.box, c.w.position(c.box) + along(0, 1), c.w.orientation(c.box)); });
+    check([](crowd& c) { c.w.set_pose(c.box, c.w.position(c.box) + along(0, 1), c.w.rotation(c.box)); });
     check([](crowd& c) { c.w.set_pose(c.box, c.w.position(c.box), turned_about_z(0.25)); });
     check([](crowd& c) {
         vec v = c.w.linear_velocity(c.box);
@@ -242,13 +242,13 @@ CELL_CASE("world: every change of a bit that matters changes the hash; user data
     check([](crowd& c) { c.w.set_damping(c.box, S(0), cell::traits::epsilon()); });
     check([](crowd& c) { c.w.set_gravity_scale(c.box, next_to(S(1))); });
     check([](crowd& c) { c.w.set_rotation_locked(c.box, true); });
-    check([](crowd& c) { c.w.set_surface(c.face, {.friction = next_to(S(0.6)), .restitution = S(0.5)}); });
-    check([](crowd& c) { c.w.set_surface(c.face, {.restitution = next_to(S(0.5))}); });
+    check([](crowd& c) { c.w.set_material(c.face, {.friction = next_to(S(0.6)), .restitution = S(0.5)}); });
+    check([](crowd& c) { c.w.set_material(c.face, {.restitution = next_to(S(0.5))}); });
     check([](crowd& c) {
-        c.w.set_surface(c.face, {.restitution = S(0.5), .rolling_resistance = cell::traits::epsilon()});
+        c.w.set_material(c.face, {.restitution = S(0.5), .rolling_resistance = cell::traits::epsilon()});
     });
     check([](crowd& c) {
-        c.w.set_surface(c.face, {.restitution = S(0.5), .surface_velocity = about_z(number(cell::traits::epsilon()))});
+        c.w.set_material(c.face, {.restitution = S(0.5), .surface_velocity = about_z(number(cell::traits::epsilon()))});
     });
     check([](crowd& c) { c.w.create_body(); });
     check([](crowd& c) { c.w.create_shape(c.ground, world::ball{}); });

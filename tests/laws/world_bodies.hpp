@@ -78,7 +78,7 @@ CELL_CASE("bodies: mass, centre and inertia follow the shapes as they come and g
             CHECK(weighs(w, id, sum.mass > 0 ? sum : real_mass{1, {}, {}}));
         }
         CHECK(gap(w.position(id), pose.position) <= rounding(100, 4));
-        CHECK(gap(w.orientation(id), pose.rotation) == 0);
+        CHECK(gap(w.rotation(id), pose.rotation) == 0);
     }
 }
 
@@ -178,7 +178,7 @@ CELL_CASE("bodies: forces and impulses change momentum and angular momentum as t
         const body_id id = add_compound(w, dice);
         const bool local = round % 2 != 0, with_point = round / 2 % 2 != 0, impulse = round / 4 % 2 != 0;
         const vec f = dice.vec<vec>(-8, 8), p = dice.vec<vec>(-4, 4);
-        const vec in_world = local ? w.orientation(id) * f : f;
+        const vec in_world = local ? w.rotation(id) * f : f;
         const vec where = !with_point ? w.center_of_mass(id) : local ? w.pose(id) * p : p;
         const momentum before = momentum_of(w, id);
         if (impulse) {
@@ -266,7 +266,7 @@ CELL_CASE("bodies: a locked rotation stays, in any collision, until it is freed"
     world w(weightless());
     const body_id locked = w.create_body({.rotation = turned_about_z(0.5), .rotation_locked = true});
     w.create_shape(locked, world::box{vec::filled(S(0.5))});
-    const world::rotation start = w.orientation(locked);
+    const world::rotation_type start = w.rotation(locked);
     const body_id ball = add_ball(w, at(-3, 0.4));
     w.set_linear_velocity(ball, along(0, 5));
     w.apply_torque(locked, skew(1));
@@ -274,7 +274,7 @@ CELL_CASE("bodies: a locked rotation stays, in any collision, until it is freed"
     run(w, 64);
     CHECK(number(w.linear_velocity(locked).x) > 1);
     CHECK(w.angular_velocity(locked) == angular{});
-    CHECK(gap(w.orientation(locked), start) <= rounding(500));
+    CHECK(gap(w.rotation(locked), start) <= rounding(500));
     w.set_rotation_locked(locked, false);
     CHECK_FALSE(w.rotation_locked(locked));
     w.apply_angular_impulse(locked, about_z(1));
@@ -298,13 +298,13 @@ CELL_CASE("bodies: a kinematic body keeps its velocity and reaches its target ex
     CHECK(number(w.linear_velocity(box).x) > 0.95);
 
     // A turn about z and one in general position, far beyond what a velocity would do in one step.
-    for (const world::rotation& turn : {turned_about_z(2.5), turned(turned_about_z(1), skew(0.5))}) {
+    for (const world::rotation_type& turn : {turned_about_z(2.5), turned(turned_about_z(1), skew(0.5))}) {
         const vec target = w.position(pusher) + at(0.5, 0.25);
         w.move_to(pusher, target, turn);
         CHECK(w.position(pusher) != target);
         run(w, 1);
         CHECK(w.position(pusher) == target);
-        CHECK(gap(w.orientation(pusher), turn) <= rounding(4));
+        CHECK(gap(w.rotation(pusher), turn) <= rounding(4));
         run(w, 5);
         CHECK(w.position(pusher) == target);
         CHECK(w.linear_velocity(pusher) == vec{});

@@ -126,10 +126,10 @@ CELL_CASE("contacts: each tells its bodies, a unit normal from A to B, and point
     }
     CHECK(count == w.contacts().size());
     run(w, 1);
-    int lasting = 0;
+    int persisted_mask = 0;
     for (const auto& c : w.contacts())
-        for (int k = 0; k < c.count; ++k) lasting += c.points[k].persisted;
-    CHECK(lasting > 0);
+        for (int k = 0; k < c.count; ++k) persisted_mask += c.points[k].persisted;
+    CHECK(persisted_mask > 0);
 
     // Balls tell the normal without doubt.
     world two(weightless());
@@ -152,15 +152,15 @@ CELL_CASE("contacts: surfaces mix, friction by the mean of their squares, bounce
     REQUIRE(w.contacts().size() == 1);
     CHECK((*w.contacts().begin()).friction == S(0.5));
     CHECK((*w.contacts().begin()).restitution == S(0.5));
-    CHECK(w.surface(floor).friction == S(0.25));
-    w.set_surface(block, {.friction = S(0), .restitution = S(1)});
-    CHECK(w.surface(block).restitution == S(1));
+    CHECK(w.material(floor).friction == S(0.25));
+    w.set_material(block, {.friction = S(0), .restitution = S(1)});
+    CHECK(w.material(block).restitution == S(1));
     const vec v = w.linear_velocity(box);
     run(w, 32);
     CHECK(gap(w.linear_velocity(box).x, v.x) <= rounding(200, 4));
     CHECK((*w.contacts().begin()).restitution == S(1));
-    w.set_surface(floor, {.friction = S(0.5)});
-    w.set_surface(block, {.friction = S(0.5)});
+    w.set_material(floor, {.friction = S(0.5)});
+    w.set_material(block, {.friction = S(0.5)});
     run(w, 96);
     CHECK(number(physics::length(w.linear_velocity(box))) <= 0.02);
 }

@@ -20,7 +20,7 @@ const entry<body_id> body_entries[] = {
     {"create_shape", [](world& w, body_id b) { w.create_shape(b, world::ball{}); }},
     {"shapes", [](world& w, body_id b) { (void)w.shapes(b); }},
     {"position", [](world& w, body_id b) { (void)w.position(b); }},
-    {"orientation", [](world& w, body_id b) { (void)w.orientation(b); }},
+    {"rotation", [](world& w, body_id b) { (void)w.rotation(b); }},
     {"pose", [](world& w, body_id b) { (void)w.pose(b); }},
     {"center_of_mass", [](world& w, body_id b) { (void)w.center_of_mass(b); }},
     {"set_pose", [](world& w, body_id b) { w.set_pose(b, {}, {}); }},
@@ -66,8 +66,8 @@ const entry<shape_id> shape_entries[] = {
     {"body", [](world& w, shape_id s) { (void)w.body(s); }},
     {"shape", [](world& w, shape_id s) { (void)w.shape(s); }},
     {"local_pose", [](world& w, shape_id s) { (void)w.local_pose(s); }},
-    {"surface", [](world& w, shape_id s) { (void)w.surface(s); }},
-    {"set_surface", [](world& w, shape_id s) { w.set_surface(s, {}); }},
+    {"material", [](world& w, shape_id s) { (void)w.material(s); }},
+    {"set_material", [](world& w, shape_id s) { w.set_material(s, {}); }},
     {"user_data", [](world& w, shape_id s) { (void)w.user_data(s); }},
     {"set_user_data", [](world& w, shape_id s) { w.set_user_data(s, 1); }},
 };
@@ -147,16 +147,17 @@ CELL_CASE("errors: worlds and their settings refuse numbers out of range") {
     both("sleeping.speed", rule::not_negative, [](world::settings_type& x, S bad) { x.sleeping.speed = bad; });
     both("sleeping.spin", rule::not_negative, [](world::settings_type& x, S bad) { x.sleeping.spin = bad; });
     both("sleeping.drift", rule::not_negative, [](world::settings_type& x, S bad) { x.sleeping.drift = bad; });
-    both("solver.stiffness", rule::positive, [](world::settings_type& x, S bad) { x.solver.stiffness = bad; });
+    both("solver.contact_frequency_ratio", rule::positive,
+         [](world::settings_type& x, S bad) { x.solver.contact_frequency_ratio = bad; });
     both("solver.damping_ratio", rule::positive, [](world::settings_type& x, S bad) { x.solver.damping_ratio = bad; });
     both("solver.frequency_cap", rule::not_negative,
          [](world::settings_type& x, S bad) { x.solver.frequency_cap = bad; });
-    both("solver.max_push_speed", rule::not_negative,
-         [](world::settings_type& x, S bad) { x.solver.max_push_speed = bad; });
+    both("solver.max_depenetration_speed", rule::not_negative,
+         [](world::settings_type& x, S bad) { x.solver.max_depenetration_speed = bad; });
     both("solver.impact_speed", rule::not_negative,
          [](world::settings_type& x, S bad) { x.solver.impact_speed = bad; });
-    both("solver.restitution_slop", rule::not_negative,
-         [](world::settings_type& x, S bad) { x.solver.restitution_slop = bad; });
+    both("solver.restitution_threshold", rule::not_negative,
+         [](world::settings_type& x, S bad) { x.solver.restitution_threshold = bad; });
     world::settings_type settings;
     settings.solver.substeps = 0;
     refuses(s.w, "set_settings", "solver.substeps", "0", [&] { s.w.set_settings(settings); });
@@ -168,7 +169,7 @@ CELL_CASE("errors: bodies and shapes refuse numbers out of range") {
     scenery s;
     world& w = s.w;
     refuses_vec(w, "create_body", "position", rule::finite, [&](vec bad) { w.create_body({.position = bad}); });
-    refuses_rotation(w, "create_body", [&](const world::rotation& bad) { w.create_body({.rotation = bad}); });
+    refuses_rotation(w, "create_body", [&](const world::rotation_type& bad) { w.create_body({.rotation = bad}); });
     refuses_vec(w, "create_body", "linear_velocity", rule::finite,
                 [&](vec bad) { w.create_body({.linear_velocity = bad}); });
     refuses_angular(w, "create_body", "angular_velocity",
@@ -182,7 +183,7 @@ CELL_CASE("errors: bodies and shapes refuse numbers out of range") {
 
     const auto add = [&](const world::shape_def& def) { w.create_shape(s.box, world::box{}, def); };
     refuses_vec(w, "create_shape", "position", rule::finite, [&](vec bad) { add({.position = bad}); });
-    refuses_rotation(w, "create_shape", [&](const world::rotation& bad) { add({.rotation = bad}); });
+    refuses_rotation(w, "create_shape", [&](const world::rotation_type& bad) { add({.rotation = bad}); });
     refuses_number(w, "create_shape", "density", rule::not_negative, [&](S bad) { add({.density = bad}); });
     refuses_number(w, "create_shape", "friction", rule::not_negative,
                    [&](S bad) { add({.material = {.friction = bad}}); });
@@ -190,18 +191,18 @@ CELL_CASE("errors: bodies and shapes refuse numbers out of range") {
                    [&](S bad) { add({.material = {.restitution = bad}}); });
     refuses_number(w, "create_shape", "rolling_resistance", rule::not_negative,
                    [&](S bad) { add({.material = {.rolling_resistance = bad}}); });
-    refuses_number(w, "set_surface", "rolling_resistance", rule::not_negative,
-                   [&](S bad) { w.set_surface(s.face, {.rolling_resistance = bad}); });
+    refuses_number(w, "set_material", "rolling_resistance", rule::not_negative,
+                   [&](S bad) { w.set_material(s.face, {.rolling_resistance = bad}); });
     refuses_angular(w, "create_shape", "surface_velocity",
                     [&](angular bad) { add({.material = {.surface_velocity = bad}}); });
-    refuses_angular(w, "set_surface", "surface_velocity",
-                    [&](angular bad) { w.set_surface(s.face, {.surface_velocity = bad}); });
+    refuses_angular(w, "set_material", "surface_velocity",
+                    [&](angular bad) { w.set_material(s.face, {.surface_velocity = bad}); });
     refuses(w, "create_shape", "restitution", "1.5", [&] { add({.material = {.restitution = S(1.5)}}); });
-    refuses(w, "set_surface", "restitution", "2", [&] { w.set_surface(s.face, {.restitution = S(2)}); });
-    refuses_number(w, "set_surface", "friction", rule::not_negative,
-                   [&](S bad) { w.set_surface(s.face, {.friction = bad}); });
-    refuses_number(w, "set_surface", "restitution", rule::not_negative,
-                   [&](S bad) { w.set_surface(s.face, {.restitution = bad}); });
+    refuses(w, "set_material", "restitution", "2", [&] { w.set_material(s.face, {.restitution = S(2)}); });
+    refuses_number(w, "set_material", "friction", rule::not_negative,
+                   [&](S bad) { w.set_material(s.face, {.friction = bad}); });
+    refuses_number(w, "set_material", "restitution", rule::not_negative,
+                   [&](S bad) { w.set_material(s.face, {.restitution = bad}); });
 
     refuses_number(w, "create_shape", "radius", rule::positive,
                    [&](S bad) { w.create_shape(s.box, world::ball{bad}); });
@@ -230,9 +231,9 @@ CELL_CASE("errors: setters, forces and queries refuse numbers out of range") {
     world& w = s.w;
     refuses_vec(w, "set_pose", "position", rule::finite, [&](vec bad) { w.set_pose(s.box, bad, {}); });
     refuses_vec(w, "set_pose", "position", rule::finite, [&](vec bad) { w.set_pose(s.ground, {bad, {}}); });
-    refuses_rotation(w, "set_pose", [&](const world::rotation& bad) { w.set_pose(s.box, {}, bad); });
+    refuses_rotation(w, "set_pose", [&](const world::rotation_type& bad) { w.set_pose(s.box, {}, bad); });
     refuses_vec(w, "move_to", "position", rule::finite, [&](vec bad) { w.move_to(s.platform, bad, {}); });
-    refuses_rotation(w, "move_to", [&](const world::rotation& bad) { w.move_to(s.platform, {{}, bad}); });
+    refuses_rotation(w, "move_to", [&](const world::rotation_type& bad) { w.move_to(s.platform, {{}, bad}); });
     refuses_vec(w, "velocity_at", "point", rule::finite, [&](vec bad) { (void)w.velocity_at(s.box, bad); });
     refuses_vec(w, "set_linear_velocity", "v", rule::finite, [&](vec bad) { w.set_linear_velocity(s.box, bad); });
     refuses_angular(w, "set_angular_velocity", "w", [&](angular bad) { w.set_angular_velocity(s.box, bad); });

@@ -150,7 +150,7 @@ std::vector<S> picture(const world& w) {
     };
     for (const body_id id : w.bodies()) {
         add(w.position(id));
-        add(w.orientation(id) * at(1, 2));
+        add(w.rotation(id) * at(1, 2));
         add(w.linear_velocity(id));
     }
     for (const auto& c : w.contacts())

@@ -55,17 +55,17 @@ void agrees_with_each_shape(std::uint64_t seed) {
     const World& w = c.world;
     int hits = 0;
     for (int i = 0; i < 200; ++i) {
-        const vec origin = dice.vec<vec>(-9, 9), way = dice.vec<vec>(-12, 12);
+        const vec origin = dice.vec<vec>(-9, 9), displacement = dice.vec<vec>(-12, 12);
         typename World::world_hit best;
         std::vector<shape_id> expected;
         for (const shape_id id : c.shapes) {
-            const auto hit = ray_cast(w.shape(id), c.pose(id), origin, way);
+            const auto hit = cast_ray(w.shape(id), c.pose(id), origin, displacement);
             if (!hit) continue;
             expected.push_back(id);
             if (!best || hit.fraction < best.fraction || (hit.fraction == best.fraction && id.index < best.shape.index))
                 best = {id, w.body(id), hit.fraction, hit.point, hit.normal};
         }
-        const auto found = w.cast_ray(origin, way);
+        const auto found = w.cast_ray(origin, displacement);
         REQUIRE(found.shape == best.shape);
         if (best) {
             ++hits;
@@ -75,7 +75,7 @@ void agrees_with_each_shape(std::uint64_t seed) {
             REQUIRE(found.normal == best.normal);
         }
         std::vector<shape_id> all;
-        w.each_on_ray(origin, way, {}, [&](const auto& hit) {
+        w.each_hit_along_ray(origin, displacement, {}, [&](const auto& hit) {
             all.push_back(hit.shape);
             return S(1);
         });
@@ -90,7 +90,7 @@ void agrees_with_each_shape(std::uint64_t seed) {
     const physics::box<S, cell::dimension> probe{vec::filled(S(0.75))};
     for (int i = 0; i < 100; ++i) {
         const typename World::transform pose{dice.vec<vec>(-8, 8), random_rotation(dice)};
-        const vec way = dice.vec<vec>(-6, 6);
+        const vec displacement = dice.vec<vec>(-6, 6);
         std::vector<shape_id> expected, all;
         S first(2), nearest(0);
         shape_id closest;
@@ -98,7 +98,7 @@ void agrees_with_each_shape(std::uint64_t seed) {
             const auto local = relative(c.pose(id), pose);
             w.shape(id).visit([&](const auto& shape) {
                 if (!(separation(shape, probe, local).distance > S(0))) expected.push_back(id);
-                const auto hit = shape_cast(shape, probe, local, inverse_rotate(c.pose(id).rotation, way));
+                const auto hit = cast_shape(shape, probe, local, inverse_rotate(c.pose(id).rotation, displacement));
                 if (hit && hit.fraction < first) first = hit.fraction;
                 const physics::ball<S, cell::dimension> tip{S(0)};
                 const S d = separation(shape, tip, relative(c.pose(id), {pose.position, {}})).distance;
@@ -110,7 +110,7 @@ void agrees_with_each_shape(std::uint64_t seed) {
         std::sort(expected.begin(), expected.end(), [](shape_id a, shape_id b) { return a.index < b.index; });
         REQUIRE(all == expected);
         overlaps += static_cast<int>(all.size());
-        const auto cast = w.cast_shape(probe, pose, way);
+        const auto cast = w.cast_shape(probe, pose, displacement);
         REQUIRE(static_cast<bool>(cast) == !(first > S(1)));
         if (cast) REQUIRE(cast.fraction == first);
         casts += static_cast<bool>(cast);

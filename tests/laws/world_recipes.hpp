@@ -38,7 +38,7 @@ struct address_book {
                 for (auto b = std::next(a); b != boxes_.end(); ++b)
                     if (physics::overlap(a->second.box, b->second.box) &&
                         physics::may_meet(a->second.filter, b->second.filter) && accept(a->first, b->first))
-                        pairs_.push({a->first, b->first});
+                        pairs_.push_back({a->first, b->first});
             return pairs_;
         }
 
@@ -71,9 +71,9 @@ struct upside_down {
     struct in : physics::semi_implicit_euler::in<Space> {
         using T = typename Space::scalar;
         static constexpr int D = Space::dimension;
-        static void advance_velocity(physics::twist<T, D>& v, physics::moving_body<T, D> b, T h) {
+        static void integrate_velocity(physics::twist<T, D>& v, physics::moving_body<T, D> b, T h) {
             b.acceleration = -b.acceleration;
-            physics::semi_implicit_euler::in<Space>::advance_velocity(v, b, h);
+            physics::semi_implicit_euler::in<Space>::integrate_velocity(v, b, h);
         }
     };
 };
@@ -91,13 +91,13 @@ struct glue {
         using T = typename Space::scalar;
         static constexpr int D = Space::dimension;
         template <class Motion>
-        static void solve(physics::solver_bodies<T, D> bodies, physics::contact_list<T, D, Features> contacts,
+        static void solve(physics::solver_bodies<T, D> bodies, physics::contact_constraints<T, D, Features> contacts,
                           const settings& with, T h, physics::arena&, Motion&& motion) {
             for (int i = 0; i < with.substeps; ++i) {
-                motion.advance_velocities(h / T(with.substeps));
+                motion.integrate_velocities(h / T(with.substeps));
                 for (std::uint32_t k = 0; k < contacts.size(); ++k)
                     bodies[contacts[k].body_a].velocity = bodies[contacts[k].body_b].velocity = {};
-                motion.advance_poses(h / T(with.substeps));
+                motion.integrate_positions(h / T(with.substeps));
             }
         }
     };

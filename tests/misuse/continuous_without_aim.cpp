@@ -1,4 +1,4 @@
-// expect: physics::recipe: the continuous policy does not model physics::continuous_for; its in<Space> needs aim(stride) or ahead(stride)
+// expect: physics::recipe: the continuous policy does not model physics::continuous_for; its in<Space> needs sweep_against(body_motion) or ahead(body_motion)
 #include <physics.hpp>
 
 struct careless {

@@ -1,4 +1,4 @@
-// expect: physics::recipe: the integrator's in<Space> needs advance_velocity and advance_pose; without rotation for physics::linear_twist and physics::moving_body<S, D, false>
+// expect: physics::recipe: the integrator's in<Space> needs integrate_velocity and integrate_pose; without rotation for physics::linear_twist and physics::moving_body<S, D, false>
 #include <physics.hpp>
 
 struct half_euler {
@@ -6,7 +6,7 @@ struct half_euler {
     template <class Space>
     struct in {
         template <class... Arguments>
-        static void advance_velocity(Arguments&&...);
+        static void integrate_velocity(Arguments&&...);
     };
 };
 struct mine : physics::recipe<float, 2, half_euler> {};

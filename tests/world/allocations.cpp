@@ -20,7 +20,7 @@ using physics::fixed32;
 /// An executor whose workers take turns: as with threads, each has memory of its own, but always for the same parts.
 struct turns {
     std::uint32_t workers() const { return 3; }
-    void run(std::uint32_t parts, const physics::work& what) const {
+    void run(std::uint32_t parts, const physics::task_set& what) const {
         for (std::uint32_t k = 0; k < parts; ++k) what(k, k % 3);
     }
 };
@@ -127,13 +127,13 @@ struct playground {
         std::uint64_t hash = 0;
     };
     record play(int steps, bool shared = false) {
-        turns hands;
+        turns tasks;
         record r;
         std::uint32_t awake = arena.awake_count(), touching = 0;
         for (int i = 0; i < steps; ++i) {
             const unsigned long made = calls_of([&] {
                 act(i);
-                if (shared) arena.step(S(1.0 / 64), hands);
+                if (shared) arena.step(S(1.0 / 64), tasks);
                 else arena.step(S(1.0 / 64));
                 r.hits += ask(i);
             });
@@ -217,7 +217,7 @@ TEST_CASE_TEMPLATE_DEFINE("allocations: none while things rest", Recipe, rest) {
     p.arena.destroy_body(p.dart);
     for (const body_id body : p.arena.bodies())
         for (const physics::shape_id shape : p.arena.shapes(body))
-            p.arena.set_surface(shape, {.rolling_resistance = typename playground<Recipe>::S(0.0625)});
+            p.arena.set_material(shape, {.rolling_resistance = typename playground<Recipe>::S(0.0625)});
     const auto steps = [&](int count) {
         for (int i = 0; i < count; ++i) p.arena.step(typename playground<Recipe>::S(1.0 / 64));
     };
@@ -225,12 +225,12 @@ TEST_CASE_TEMPLATE_DEFINE("allocations: none while things rest", Recipe, rest) {
     CHECK(calls_of([&] { steps(100); }) == 0);
 }
 
-TEST_CASE_TEMPLATE_DEFINE("allocations: none to save and to restore where there was room", Recipe, images) {
+TEST_CASE_TEMPLATE_DEFINE("allocations: none to save and to restore where there was room", Recipe, snapshots) {
     constexpr int count = 120;
     using physics::detail::world_access;
     playground<Recipe> p(true);
     p.play(30);
-    physics::detail::state_image<typename physics::detail::plan_of<Recipe>::type> first, last;
+    physics::detail::raw_snapshot<typename physics::detail::plan_of<Recipe>::type> first, last;
     CHECK(calls_of([&] { first.save(world_access::state_of(p.arena)); }) > 0);
     p.play(count);
     last.save(world_access::state_of(p.arena));
@@ -249,7 +249,7 @@ TEST_CASE_TEMPLATE_DEFINE("allocations: none to save and to restore where there 
             CHECK(p.arena.state_hash() == end);
         }
     }
-    // An image that has been as large makes room for none again.
+    // A snapshot that has been as large makes room for none again.
     for (int i = 0; i < 3; ++i) {
         CHECK(calls_of([&] { last.save(world_access::state_of(p.arena)); }) == 0);
         p.play(8);
@@ -307,7 +307,7 @@ TEST_CASE_TEMPLATE("allocations: none in searches of a broadphase that earlier o
 }
 
 TEST_CASE_TEMPLATE_INVOKE(steps, cell<float, 2>, cell<float, 3>, cell<fixed32, 2>, others);
-TEST_CASE_TEMPLATE_INVOKE(images, cell<float, 2>, cell<float, 3>, cell<fixed32, 2>, others);
+TEST_CASE_TEMPLATE_INVOKE(snapshots, cell<float, 2>, cell<float, 3>, cell<fixed32, 2>, others);
 TEST_CASE_TEMPLATE_INVOKE(rest, cell<float, 2>, cell<float, 3>, cell<fixed32, 2>);
 
 }  // namespace

@@ -7,7 +7,7 @@
 
 PHYSICS_HPP_BEGIN
 
-/// Scratch memory. take() costs a few instructions; reset() frees everything and, where the last round did
+/// Scratch memory. allocate() costs a few instructions; reset() frees everything and, where the last round did
 /// not fit into one block, merges the blocks, so that a steady step allocates nothing. A copy starts empty.
 class arena {
 public:
@@ -26,7 +26,7 @@ public:
 
     /// Room for count values, not initialised, aligned for T and to at least 16 bytes; valid until reset().
     template <class T>
-    T* take(std::uint32_t count) {
+    T* allocate(std::uint32_t count) {
         static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= alignment);
         const std::size_t bytes = (std::size_t{count} * sizeof(T) + alignment - 1) / alignment * alignment;
         if (blocks_.empty() || blocks_.back().size - used_ < bytes) add_block(bytes);
@@ -89,7 +89,7 @@ private:
             detail::refuse("arena", "memory", static_cast<double>(size), "the bytes are not available");
             std::abort();
         }
-        blocks_.push({static_cast<unsigned char*>(memory), size});
+        blocks_.push_back({static_cast<unsigned char*>(memory), size});
         used_ = start(blocks_.back());
     }
 

@@ -19,7 +19,7 @@ public:
     void clear(std::uint32_t i) { words_[i / 64] &= ~(std::uint64_t{1} << i % 64); }
 
     template <class Self, class F>
-    static void each_part(Self& self, F&& f) {
+    static void each_member(Self& self, F&& f) {
         f(self.words_);
     }
 

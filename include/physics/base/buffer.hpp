@@ -57,13 +57,13 @@ public:
         if (capacity > capacity_) grow_to(capacity);
     }
     /// Adds a copy of value at the end; the value may lie within the buffer.
-    T& push(const T& value) {
-        if (size_ == capacity_) return push_into_more(value);
+    T& push_back(const T& value) {
+        if (size_ == capacity_) return push_back_grown(value);
         return *new (static_cast<void*>(data_ + size_++)) T(value);
     }
     /// Adds T{parts...} at the end; nothing of it may lie within the buffer.
     template <class... Parts>
-    T& emplace(Parts&&... parts) {
+    T& emplace_back(Parts&&... parts) {
         if (size_ == capacity_) grow_to(std::uint64_t{size_} + 1);
         return *new (static_cast<void*>(data_ + size_++)) T{static_cast<Parts&&>(parts)...};
     }
@@ -73,7 +73,7 @@ public:
         size_ += count;
         return end() - count;
     }
-    void pop() { --size_; }
+    void pop_back() { --size_; }
     /// Shortens the buffer, or fills it up with copies of value, which may lie within the buffer.
     void resize(std::uint32_t size, const T& value = T{}) {
         const T copy = value;
@@ -86,22 +86,22 @@ private:
     static_assert(alignof(T) <= alignof(std::max_align_t));
 
     // What grows may move the value away from under the caller.
-    PHYSICS_HPP_COLD T& push_into_more(const T& value) {
+    PHYSICS_HPP_COLD T& push_back_grown(const T& value) {
         const T copy = value;
         grow_to(std::uint64_t{size_} + 1);
         return *new (static_cast<void*>(data_ + size_++)) T(copy);
     }
 
     PHYSICS_HPP_COLD void grow_to(std::uint64_t needed) {
-        constexpr std::uint64_t most = 0xffffffffu < SIZE_MAX / sizeof(T) ? 0xffffffffu : SIZE_MAX / sizeof(T);
+        constexpr std::uint64_t maximum = 0xffffffffu < SIZE_MAX / sizeof(T) ? 0xffffffffu : SIZE_MAX / sizeof(T);
         std::uint64_t capacity = capacity_ < 8 ? 16 : std::uint64_t{capacity_} * 2;
         if (capacity < needed) capacity = needed;
-        if (capacity > most && needed <= most) capacity = most;
-        void* grown = capacity > most
+        if (capacity > maximum && needed <= maximum) capacity = maximum;
+        void* grown = capacity > maximum
                           ? nullptr
                           : std::realloc(static_cast<void*>(data_), static_cast<std::size_t>(capacity) * sizeof(T));
         if (grown == nullptr) {
-            // Nobody can go on without the memory, so a handler that returns must not reach the caller.
+            // Nothing can go on without the memory, so a handler that returns must not reach the caller.
             detail::refuse("buffer", "memory", static_cast<double>(capacity) * sizeof(T),
                            "the bytes are not available");
             std::abort();
@@ -132,7 +132,7 @@ public:
     }
     operator T() const { return value_; }
     template <class Self, class F>
-    static void each_part(Self& self, F&& f) {
+    static void each_member(Self& self, F&& f) {
         f(self.value_);
     }
     T operator++() { return ++value_; }
@@ -144,12 +144,12 @@ private:
 
 /// A T that lasts for a step: copies of it begin empty, and assigning leaves it as it is.
 template <class T>
-struct of_a_step : T {
-    of_a_step() = default;
-    of_a_step(const of_a_step&) : T() {}
-    of_a_step(of_a_step&&) noexcept = default;
-    of_a_step& operator=(const of_a_step&) { return *this; }
-    of_a_step& operator=(of_a_step&&) noexcept = default;
+struct step_scratch : T {
+    step_scratch() = default;
+    step_scratch(const step_scratch&) : T() {}
+    step_scratch(step_scratch&&) noexcept = default;
+    step_scratch& operator=(const step_scratch&) { return *this; }
+    step_scratch& operator=(step_scratch&&) noexcept = default;
 };
 
 }  // namespace detail

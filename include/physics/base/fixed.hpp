@@ -58,8 +58,8 @@ constexpr Rep saturated(bool negative) {
 /// sign * magnitude, saturating.
 template <class Rep>
 constexpr Rep signed_saturating(bool negative, std::uint64_t magnitude) {
-    const std::uint64_t most = static_cast<std::uint64_t>(std::numeric_limits<Rep>::max()) + std::uint64_t{negative};
-    if (magnitude > most) return saturated<Rep>(negative);
+    const std::uint64_t maximum = static_cast<std::uint64_t>(std::numeric_limits<Rep>::max()) + std::uint64_t{negative};
+    if (magnitude > maximum) return saturated<Rep>(negative);
     return static_cast<Rep>(static_cast<std::int64_t>(negative ? std::uint64_t{0} - magnitude : magnitude));
 }
 template <class Rep>
@@ -226,8 +226,8 @@ private:
         return from_raw(difference);
     }
     static constexpr Rep from_integer(std::int64_t value) {
-        const std::int64_t most = static_cast<std::int64_t>(limits::max() >> FractionBits);
-        if (value > most || value < -most - 1) return detail::saturated<Rep>(value < 0);
+        const std::int64_t maximum = static_cast<std::int64_t>(limits::max() >> FractionBits);
+        if (value > maximum || value < -maximum - 1) return detail::saturated<Rep>(value < 0);
         return static_cast<Rep>(value * (std::int64_t{1} << FractionBits));
     }
     static constexpr Rep from_double(double value) {

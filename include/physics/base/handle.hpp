@@ -5,16 +5,23 @@
 
 PHYSICS_HPP_BEGIN
 
+namespace detail {
+
+/// The index of nothing.
+inline constexpr std::uint32_t null_index = 0xffffffffu;
+
+}  // namespace detail
+
 /// A small value that names a body, a shape... of one world. It stays unique when its slot is used again,
 /// and a world recognises handles of another. The default one is null.
 template <class Tag>
 struct handle {
-    std::uint32_t index = 0xffffffffu;
+    std::uint32_t index = detail::null_index;
     std::uint16_t generation = 0;
     std::uint16_t world = 0;
 
     /// False for the null handle; true says nothing about whether the thing still lives.
-    constexpr explicit operator bool() const { return index != 0xffffffffu; }
+    constexpr explicit operator bool() const { return index != detail::null_index; }
     friend bool operator==(handle, handle) = default;
 };
 

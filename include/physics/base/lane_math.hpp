@@ -65,18 +65,18 @@ PHYSICS_HPP_ALWAYS_INLINE pack_mask<S, W, Bytes> lane_is_longer(const pack<S, W,
 }
 /// x * share; one lane is left as it is where the share is all of it.
 template <class P>
-PHYSICS_HPP_ALWAYS_INLINE P lane_part(const P& x, const P& share) {
+PHYSICS_HPP_ALWAYS_INLINE P lane_scaled(const P& x, const P& share) {
     if constexpr (P::width == 1)
         if (share.value == typename P::scalar(1)) return x;
     return x * share;
 }
-/// The greatest lane.
+/// The largest lane.
 template <class S, int W, int Bytes>
-PHYSICS_HPP_ALWAYS_INLINE S greatest_lane(const pack<S, W, Bytes>& x) {
+PHYSICS_HPP_ALWAYS_INLINE S largest_lane(const pack<S, W, Bytes>& x) {
     if constexpr (W == 1) return x.value;
-    else if constexpr (requires { x.low; }) return greatest_lane(max(x.low, x.high));
+    else if constexpr (requires { x.low; }) return largest_lane(max(x.low, x.high));
     else if constexpr (W == 2) return max(x.lane(0), x.lane(1));
-    else if constexpr (sizeof x == 32) return greatest_lane(max(half_of<false>(x), half_of<true>(x)));
+    else if constexpr (sizeof x == 32) return largest_lane(max(half_of<false>(x), half_of<true>(x)));
     else return max(max(x.lane(0), x.lane(2)), max(x.lane(1), x.lane(3)));
 }
 

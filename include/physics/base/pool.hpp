@@ -45,8 +45,8 @@ public:
         std::uint32_t index = free_;
         if (index == none) {
             index = items_.size();
-            items_.push(item);
-            slots_.push({occupied, 1});
+            items_.push_back(item);
+            slots_.push_back({occupied, 1});
         } else {
             free_ = slots_[index].next;
             slots_[index].next = occupied;
@@ -97,7 +97,7 @@ public:
 
     /// What lasts of it, see base/lasting.hpp.
     template <class Self, class F>
-    static void each_part(Self& self, F&& f) {
+    static void each_member(Self& self, F&& f) {
         f(self.items_);
         f(self.slots_);
         f(self.free_);

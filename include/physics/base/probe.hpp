@@ -168,14 +168,14 @@ private:
 namespace detail {
 
 template <class F>
-PHYSICS_HPP_NOINLINE auto call_apart(F& f) {
+PHYSICS_HPP_NOINLINE auto call_noinline(F& f) {
     return f();
 }
-/// f(), with the arithmetic of a step whatever the host has switched on.
+/// f() in a float_control_scope: the bits of a step, whatever modes the host has set.
 template <class F>
-auto exactly(F&& f) {
+auto scoped(F&& f) {
     const float_control_scope control;
-    return call_apart(f);
+    return call_noinline(f);
 }
 
 PHYSICS_HPP_DEFINE_PROBED_ARITHMETIC(region_arithmetic, PHYSICS_HPP_NOINLINE)

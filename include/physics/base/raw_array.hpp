@@ -1,4 +1,4 @@
-// An array that nobody fills until it is used.
+// An array whose elements are not initialised.
 #pragma once
 
 #include <concepts>

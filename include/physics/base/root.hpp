@@ -56,10 +56,10 @@ struct integer_root {
 constexpr integer_root root_by_digits(uint128 a) {
     uint128 root{}, rest = a;
     for (uint128 bit = uint128(std::uint64_t{1}) << 126; bit > uint128(std::uint64_t{0}); bit = bit >> 2) {
-        const uint128 least = root + bit;
+        const uint128 minimum = root + bit;
         root = root >> 1;
-        if (rest >= least) {
-            rest = rest - least;
+        if (rest >= minimum) {
+            rest = rest - minimum;
             root = root + bit;
         }
     }

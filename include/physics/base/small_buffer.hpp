@@ -18,7 +18,7 @@ public:
     small_buffer(const small_buffer&) = delete;
     small_buffer& operator=(const small_buffer&) = delete;
 
-    void push(const T& value) {
+    void push_back(const T& value) {
         if (size_ < Few) {
             new (static_cast<void*>(few_ + size_++)) T(value);
             return;
@@ -27,7 +27,7 @@ public:
             T* const all = many_.extend(Few);
             for (std::uint32_t i = 0; i < Few; ++i) all[i] = few_[i];
         }
-        many_.push(value);
+        many_.push_back(value);
         ++size_;
     }
     [[nodiscard]] std::uint32_t size() const { return size_; }

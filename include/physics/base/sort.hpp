@@ -10,9 +10,9 @@ PHYSICS_HPP_BEGIN
 namespace detail {
 
 /// Sorts keys by their bits from `low` to below `high`, those that are alike in the order in which they came. Returns
-/// where the sorted keys are: in `keys`, or in `spare`, which has room for as many. Cost: 2 ns a key for every 8 to 11
-/// bits in which keys differ. Source: radix sort from the least digit (Seward 1954).
-inline std::uint64_t* radix_sort(std::uint64_t* keys, std::uint64_t* spare, std::uint32_t count, int low, int high) {
+/// where the sorted keys are: in `keys`, or in `scratch`, which has room for as many. Cost: 2 ns a key for every 8 to
+/// 11 bits in which keys differ. Source: radix sort from the least digit (Seward 1954).
+inline std::uint64_t* radix_sort(std::uint64_t* keys, std::uint64_t* scratch, std::uint32_t count, int low, int high) {
     if (count <= 48) {
         const std::uint64_t mask =
             high - low >= 64 ? ~std::uint64_t{0} : ((std::uint64_t{1} << (high - low)) - 1) << low;
@@ -24,8 +24,8 @@ inline std::uint64_t* radix_sort(std::uint64_t* keys, std::uint64_t* spare, std:
         }
         return keys;
     }
-    const int most = count < 4096 ? 8 : 11;
-    const int passes = (high - low + most - 1) / most;
+    const int maximum = count < 4096 ? 8 : 11;
+    const int passes = (high - low + maximum - 1) / maximum;
     for (int pass = 0; pass < passes; ++pass) {
         // Digits of even width: a last one of few bits would cost as much as a full one.
         const int from = low + (high - low) * pass / passes, to = low + (high - low) * (pass + 1) / passes;
@@ -40,9 +40,9 @@ inline std::uint64_t* radix_sort(std::uint64_t* keys, std::uint64_t* spare, std:
             starts[b] = sum;
             sum += here;
         }
-        for (std::uint32_t i = 0; i < count; ++i) spare[starts[keys[i] >> from & (buckets - 1)]++] = keys[i];
-        std::uint64_t* sorted = spare;
-        spare = keys;
+        for (std::uint32_t i = 0; i < count; ++i) scratch[starts[keys[i] >> from & (buckets - 1)]++] = keys[i];
+        std::uint64_t* sorted = scratch;
+        scratch = keys;
         keys = sorted;
     }
     return keys;

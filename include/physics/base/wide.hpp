@@ -246,9 +246,10 @@ constexpr std::int64_t shift_nearest(std::int64_t a, int n) {
 template <class Unsigned>
 PHYSICS_HPP_ALWAYS_INLINE constexpr std::int64_t low_of_shift_nearest(basic_int128<Unsigned> a, int n) {
     const std::uint64_t high = high_half(a.bits), low = static_cast<std::uint64_t>(a.bits);
-    const std::uint64_t half = std::uint64_t{1} << (n - 1), rest = low & (2 * half - 1), most = half - 1 + (high >> 63);
+    const std::uint64_t half = std::uint64_t{1} << (n - 1), rest = low & (2 * half - 1),
+                        maximum = half - 1 + (high >> 63);
     std::uint64_t result = (high << (64 - n)) | (low >> n);
-    result += most < rest;
+    result += maximum < rest;
     return static_cast<std::int64_t>(result);
 }
 constexpr std::int64_t low_of_shift_nearest(std::int64_t a, int n) { return shift_nearest(a, n); }

@@ -25,26 +25,26 @@ struct float_range {
     }
     /// Bins to put numbers into; 0 where they are too close to tell apart.
     float scale(int bins) const {
-        const float width = high - low, most = std::numeric_limits<float>::max();
-        return width > static_cast<float>(bins) / most ? static_cast<float>(bins) / width : 0;
+        const float width = high - low, maximum = std::numeric_limits<float>::max();
+        return width > static_cast<float>(bins) / maximum ? static_cast<float>(bins) / width : 0;
     }
 };
 
 /// Orders items so that the first `count_left` have the smallest middles along an axis. Each round counts items in bins
-/// and goes on in the one that holds the border, so that no input takes more than a few rounds. `spare` has room for
+/// and goes on in the one that holds the border, so that no input takes more than a few rounds. `scratch` has room for
 /// as many. Cost: 4 ns an item.
-inline void split_items(packed_item* items, packed_item* spare, std::uint32_t count, std::uint32_t count_left, int axis,
-                        float_range range) {
+inline void split_items(packed_item* items, packed_item* scratch, std::uint32_t count, std::uint32_t count_left,
+                        int axis, float_range range) {
     while (count > 24) {
-        constexpr int most_bins = 256;
-        const int bins = count < 512 ? 32 : most_bins;
+        constexpr int max_bins = 256;
+        const int bins = count < 512 ? 32 : max_bins;
         const float scale = range.scale(bins);
         if (!(scale > 0)) return;
         const auto bin_of = [&](const packed_item& item) {
             const int bin = static_cast<int>((item.middle[axis] - range.low) * scale);
             return bin < bins ? bin : bins - 1;
         };
-        std::uint32_t sizes[most_bins] = {};
+        std::uint32_t sizes[max_bins] = {};
         for (std::uint32_t i = 0; i < count; ++i) ++sizes[bin_of(items[i])];
         std::uint32_t before = 0;
         int border = 0;
@@ -54,9 +54,9 @@ inline void split_items(packed_item* items, packed_item* spare, std::uint32_t co
         std::uint32_t places[3] = {0, before, before + within};
         for (std::uint32_t i = 0; i < count; ++i) {
             const int bin = bin_of(items[i]);
-            spare[places[int{bin >= border} + int{bin > border}]++] = items[i];
+            scratch[places[int{bin >= border} + int{bin > border}]++] = items[i];
         }
-        std::memcpy(items, spare, count * sizeof *items);
+        std::memcpy(items, scratch, count * sizeof *items);
         items += before;
         count = within;
         count_left -= before;
@@ -76,7 +76,7 @@ inline void split_items(packed_item* items, packed_item* spare, std::uint32_t co
 /// again, so that eights of items, eights of eights and so on are compact. Distant strays and clusters do not spoil
 /// it. Cost: 4 ns an item for each halving, 50 to 80 ns in all.
 template <int D>
-void arrange(packed_item* items, packed_item* spare, std::uint32_t count) {
+void arrange(packed_item* items, packed_item* scratch, std::uint32_t count) {
     while (count > 8) {
         float_range ranges[D];
         for (std::uint32_t i = 0; i < count; ++i)
@@ -87,8 +87,8 @@ void arrange(packed_item* items, packed_item* spare, std::uint32_t count) {
         std::uint32_t subtree = 8;
         while (std::uint64_t{subtree} * 8 < count) subtree *= 8;
         const std::uint32_t left = (count + subtree - 1) / subtree / 2 * subtree;
-        split_items(items, spare, count, left, longest, ranges[longest]);
-        arrange<D>(items, spare, left);
+        split_items(items, scratch, count, left, longest, ranges[longest]);
+        arrange<D>(items, scratch, left);
         items += left;
         count -= left;
     }

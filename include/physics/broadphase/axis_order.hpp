@@ -32,7 +32,7 @@ public:
     [[nodiscard]] float width() const { return width_; }
 
     /// Adds a proxy, in no order: to be followed by sort().
-    void add(std::uint32_t id) { keys_.push(id); }
+    void add(std::uint32_t id) { keys_.push_back(id); }
     void remove(std::uint32_t slot) {
         clear(slot);
         keys_[slot] |= no_proxy;
@@ -43,17 +43,17 @@ public:
     void sort(Get&& get, At&& at) {
         ids_.clear();
         for (const std::uint64_t key : keys_)
-            if (static_cast<std::uint32_t>(key) != no_proxy) ids_.push(static_cast<std::uint32_t>(key));
+            if (static_cast<std::uint32_t>(key) != no_proxy) ids_.push_back(static_cast<std::uint32_t>(key));
         const std::uint32_t count = ids_.size();
         boxes_.clear();
         boxes_.reserve(count);
-        for (const std::uint32_t id : ids_) boxes_.push(get(id));
+        for (const std::uint32_t id : ids_) boxes_.push_back(get(id));
         live_ = used_ = count;
         choose_axis();
         keys_.resize(count);
         for (std::uint32_t k = 0; k < count; ++k) keys_[k] = key_of(boxes_[k], k);
-        spare_.resize(count);
-        if (radix_sort(keys_.begin(), spare_.begin(), count, 32, 64) != keys_.begin()) keys_.swap(spare_);
+        scratch_.resize(count);
+        if (radix_sort(keys_.begin(), scratch_.begin(), count, 32, 64) != keys_.begin()) keys_.swap(scratch_);
         // Behind the last one, room for some that come.
         const std::uint32_t blocks = count == 0 ? 0 : (count + count / 16 + 32) / 8;
         keys_.resize(blocks * 8, ~std::uint64_t{0});
@@ -70,28 +70,28 @@ public:
         starts_.clear();
         reaches_.clear();
         for (std::uint32_t n = blocks_.size(); n > 0; n = n > 1 ? (n + 7) / 8 : 0) {
-            starts_.push(reaches_.size());
+            starts_.push_back(reaches_.size());
             // Whole eights, the last ones reaching nowhere.
             reaches_.resize(reaches_.size() + (n + 7) / 8 * 8, -std::numeric_limits<float>::infinity());
         }
         for (std::uint32_t b = 0; b < blocks_.size(); ++b) lift(b);
-        settle();
+        finish_order();
     }
     /// Whether there is room for one more without sorting everything.
     [[nodiscard]] bool has_room() const { return used_ < size(); }
     /// Puts a proxy that has come where it belongs; the rest is as with move().
     template <class At>
-    std::uint32_t insert(std::uint32_t id, const box& to, std::uint32_t most, At&& at) {
+    std::uint32_t insert(std::uint32_t id, const box& to, std::uint32_t maximum, At&& at) {
         keys_[used_] = keys_[used_] >> 32 << 32 | id;
         ++live_;
         const std::uint32_t slot = used_;
         used_ = slot + 1;
-        return move(slot, to, most, at);
+        return move(slot, to, maximum, at);
     }
     /// Puts a proxy with another box where it belongs, and tells where the others are now. Returns past how many it
-    /// went, or stops after `most`; then the order is to be sorted.
+    /// went, or stops after `maximum`; then the order is to be sorted.
     template <class At>
-    std::uint32_t move(std::uint32_t slot, const box& to, std::uint32_t most, At&& at) {
+    std::uint32_t move(std::uint32_t slot, const box& to, std::uint32_t maximum, At&& at) {
         const std::uint64_t key = key_of(to, id(slot));
         const std::uint32_t from = slot, front = static_cast<std::uint32_t>(key >> 32);
         const auto shift = [&](std::uint32_t other) {
@@ -99,9 +99,9 @@ public:
             blocks_[slot / 8].set(slot % 8, blocks_[other / 8].get(other % 8));
             if (id(slot) != no_proxy) at(id(slot), slot);
             slot = other;
-            return --most > 0;
+            return --maximum > 0;
         };
-        bool on = most > 0;
+        bool on = maximum > 0;
         while (on && slot > 0 && keys_[slot - 1] >> 32 > front) on = shift(slot - 1);
         while (on && slot + 1 < size() && keys_[slot + 1] >> 32 < front) on = shift(slot + 1);
         keys_[slot] = key;
@@ -113,7 +113,7 @@ public:
     }
 
     /// To be called after moves, before searches.
-    void settle() {
+    void finish_order() {
         float reach = -std::numeric_limits<float>::infinity();
         before_.resize(blocks_.size());
         for (std::uint32_t b = 0; b < blocks_.size(); ++b) before_[b] = reach = max(reach, reaches_[b]);
@@ -177,7 +177,7 @@ public:
     }
 
     template <class Self, class F>
-    static void each_part(Self& self, F&& f) {
+    static void each_member(Self& self, F&& f) {
         f(self.keys_);
         f(self.blocks_);
         f(self.reaches_);
@@ -218,7 +218,7 @@ private:
     }
     /// The axis along which the middle half of the boxes is spread widest, unless the present one is about as good.
     void choose_axis() {
-        const std::uint32_t stride = boxes_.size() / float_sample::most + 1;
+        const std::uint32_t stride = boxes_.size() / float_sample::capacity + 1;
         float best = 0;
         int best_axis = axis_;
         float_sample sizes;
@@ -256,7 +256,7 @@ private:
     int axis_ = 0;
     float usual_size_ = 1, width_ = 0, middle_[D]{};
     // Scratch, while everything is sorted.
-    buffer<std::uint64_t> spare_;
+    buffer<std::uint64_t> scratch_;
     buffer<std::uint32_t> ids_;
     buffer<box> boxes_;
 };

@@ -35,8 +35,8 @@ public:
         const float_point<D> at(point, self().origin());
         float reach = above_square<S>(limit), squares[8], done = -1;
         const auto see = [&](std::uint32_t id) { reach = above_square<S>(visit(id)); };
-        const auto scan = [&](float most, const box_block<D>& block, auto&& id_of) {
-            each_bit(at.within(block, min(most, reach), squares), [&](std::uint32_t lane) {
+        const auto scan = [&](float maximum, const box_block<D>& block, auto&& id_of) {
+            each_bit(at.within(block, min(maximum, reach), squares), [&](std::uint32_t lane) {
                 if (squares[lane] > done && !(squares[lane] > reach)) see(id_of(lane));
             });
             return true;
@@ -49,9 +49,9 @@ public:
                 near.lower[i] = at.lower[i] - radius * 1.00001f;
                 near.upper[i] = at.upper[i] + radius * 1.00001f;
             }
-            const float most = radius * radius;
-            self().each_eight(near, [&](const auto& block, auto&& id_of) { return scan(most, block, id_of); });
-            done = most;
+            const float maximum = radius * radius;
+            self().each_eight(near, [&](const auto& block, auto&& id_of) { return scan(maximum, block, id_of); });
+            done = maximum;
         }
         if (done < reach) self().each_eight([&](const auto& block, auto&& id_of) { return scan(reach, block, id_of); });
     }

@@ -19,9 +19,9 @@ struct float_box {
 
 /// The next float below or above x, or the end of the range.
 inline float stepped(float x, bool up) {
-    constexpr float most = std::numeric_limits<float>::max();
-    if (x != x) return up ? most : -most;
-    if (up ? x >= most : x <= -most) return up ? most : -most;
+    constexpr float maximum = std::numeric_limits<float>::max();
+    if (x != x) return up ? maximum : -maximum;
+    if (up ? x >= maximum : x <= -maximum) return up ? maximum : -maximum;
     std::int32_t bits = 0;
     if (x == 0.0f) {
         bits = up ? 1 : static_cast<std::int32_t>(0x80000001u);
@@ -30,11 +30,11 @@ inline float stepped(float x, bool up) {
         bits += (x > 0.0f) == up ? 1 : -1;
     }
     std::memcpy(&x, &bits, sizeof x);
-    return x < -most ? -most : x > most ? most : x;
+    return x < -maximum ? -maximum : x > maximum ? maximum : x;
 }
 inline float to_float(double x) {
-    constexpr double most = std::numeric_limits<float>::max();
-    return static_cast<float>(x > most ? most : x < -most ? -most : x);
+    constexpr double maximum = std::numeric_limits<float>::max();
+    return static_cast<float>(x > maximum ? maximum : x < -maximum ? -maximum : x);
 }
 
 /// The smallest float box around a box, seen from an origin. Of float itself it is the box, and the origin is 0.
@@ -91,8 +91,8 @@ struct box_block {
         float_box<D> box;
         for (int i = 0; i < D; ++i) {
             const lanes l = lanes::load(lower[i]), u = lanes::load(upper[i]);
-            box.lower[i] = least<false>(l);
-            box.upper[i] = least<true>(u);
+            box.lower[i] = minimum<false>(l);
+            box.upper[i] = minimum<true>(u);
         }
         return box;
     }
@@ -114,7 +114,7 @@ private:
     }
     /// The smallest lane, or the largest.
     template <bool Largest, class P>
-    PHYSICS_HPP_ALWAYS_INLINE static float least(const P& a) {
+    PHYSICS_HPP_ALWAYS_INLINE static float minimum(const P& a) {
         float lane[size];
         a.store(lane);
         float best = lane[0];

@@ -12,9 +12,9 @@ namespace detail {
 template <class T>
 float above(T x) {
     if constexpr (std::is_same_v<T, float>) return x;
-    constexpr float most = std::numeric_limits<float>::max();
+    constexpr float maximum = std::numeric_limits<float>::max();
     const float f = stepped(to_float(static_cast<double>(x)), true);
-    return f < most ? f : std::numeric_limits<float>::infinity();
+    return f < maximum ? f : std::numeric_limits<float>::infinity();
 }
 
 /// How far apart neighbouring numbers of a scalar are, wherever they are; 0 for floats, whose steps shrink with them.
@@ -31,7 +31,7 @@ float above_square(wide_of<S> square) {
 }
 
 /// How far a coordinate may be off after its way to float, a few roundings included.
-inline float doubt(float x) { return (x < 0 ? -x : x) * 0x1p-21f; }
+inline float rounding_pad(float x) { return (x < 0 ? -x : x) * 0x1p-21f; }
 
 /// A ray among boxes in float.
 template <int D>
@@ -61,14 +61,14 @@ struct float_ray {
                 from_lower = r.origin[i] + r.extent[i];
                 from_upper = r.origin[i] - r.extent[i];
                 // A ray in float is what it is, a box may be rounded.
-                if (r.extent[i] != 0) pad = doubt(r.origin[i]) + doubt(r.extent[i]);
+                if (r.extent[i] != 0) pad = rounding_pad(r.origin[i]) + rounding_pad(r.extent[i]);
             } else {
                 const double o = static_cast<double>(r.origin[i]) - static_cast<double>(origin[i]);
                 const double e = static_cast<double>(r.extent[i]);
                 f = to_float(static_cast<double>(r.translation[i]));
                 from_lower = to_float(o + e);
                 from_upper = to_float(o - e);
-                pad = doubt(to_float(o)) + doubt(to_float(e));
+                pad = rounding_pad(to_float(o)) + rounding_pad(to_float(e));
             }
             moves[i] = f > tiny || f < -tiny;
             moves_along_all = moves_along_all && moves[i];
@@ -122,7 +122,7 @@ struct float_point {
     float_point(const vec<S, D>& p, const vec<S, D>& origin) {
         for (int i = 0; i < D; ++i) {
             const float f = to_float(static_cast<double>(p[i]) - static_cast<double>(origin[i]));
-            const float pad = std::is_same_v<S, float> ? 0 : doubt(f);
+            const float pad = std::is_same_v<S, float> ? 0 : rounding_pad(f);
             lower[i] = f - pad;
             upper[i] = f + pad;
         }
@@ -169,7 +169,7 @@ struct float_plane {
             parts += o < 0 ? -o : o;
         }
         offset = above(sum + parts * 0x1p-40);
-        offset += doubt(offset);
+        offset += rounding_pad(offset);
     }
     /// Which of eight boxes are not wholly beyond.
     std::uint32_t reaches(const box_block<D>& boxes) const {
@@ -193,7 +193,7 @@ class float_region {
 public:
     template <class S>
     float_region(const bounding_plane<S, D>* planes, std::uint32_t count, const vec<S, D>& origin)
-        : count_(count < most ? count : most) {
+        : count_(count < capacity ? count : capacity) {
         for (std::uint32_t i = 0; i < count_; ++i) planes_[i] = {planes[i], origin};
     }
     /// Which of eight boxes are not wholly beyond any of them.
@@ -204,10 +204,10 @@ public:
     }
 
 private:
-    static constexpr std::uint32_t most = 16;
+    static constexpr std::uint32_t capacity = 16;
 
     std::uint32_t count_;
-    float_plane<D> planes_[most];
+    float_plane<D> planes_[capacity];
 };
 
 }  // namespace detail

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "physics/base/buffer.hpp"
+#include "physics/base/handle.hpp"
 #include "physics/broadphase/box_block.hpp"
 #include "physics/broadphase/proxies.hpp"
 
@@ -9,7 +10,7 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-inline constexpr std::uint32_t no_block = 0xffffffffu;
+inline constexpr std::uint32_t no_block = null_index;
 
 /// Up to eight boxes of one cell. Lanes from 0 to count - 1 are in use, the others empty.
 template <int D>
@@ -44,7 +45,7 @@ public:
     std::uint32_t add(std::uint32_t& head, std::uint64_t key, std::uint32_t level, const float_box<D>& box,
                       std::uint32_t id, bool movable) {
         if (head == no_block || blocks_[head].count == 8) {
-            const std::uint32_t fresh = take();
+            const std::uint32_t fresh = allocate();
             blocks_[fresh].key = key;
             blocks_[fresh].level = static_cast<std::uint8_t>(level);
             blocks_[fresh].next = head;
@@ -71,14 +72,14 @@ public:
         from.boxes.clear(last);
         set_bit(from.movable, last, false);
         if (last == 0) {
-            free_.push(head);
+            free_.push_back(head);
             head = from.next;
         }
         return moved;
     }
 
     template <class Self, class F>
-    static void each_part(Self& self, F&& f) {
+    static void each_member(Self& self, F&& f) {
         f(self.blocks_);
         f(self.free_);
     }
@@ -87,15 +88,15 @@ private:
     static void set_bit(std::uint8_t& bits, std::uint32_t bit, bool value) {
         bits = static_cast<std::uint8_t>((bits & ~(1u << bit)) | (value ? 1u << bit : 0u));
     }
-    std::uint32_t take() {
+    std::uint32_t allocate() {
         if (!free_.empty()) {
             const std::uint32_t b = free_.back();
-            free_.pop();
+            free_.pop_back();
             return b;
         }
         block empty{};
         for (std::uint32_t lane = 0; lane < 8; ++lane) empty.boxes.clear(lane);
-        blocks_.push(empty);
+        blocks_.push_back(empty);
         return blocks_.size() - 1;
     }
 

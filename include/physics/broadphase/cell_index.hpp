@@ -47,7 +47,7 @@ public:
                 put(all, id, b);
             }
         }
-        if (worn(all)) pack(all);
+        if (needs_rebuild(all)) pack(all);
     }
 
     /// See tree_index: the pairs of which one at least has moved.
@@ -61,7 +61,7 @@ public:
             if (!all.has(id)) continue;
             auto& block = blocks_[places_[id] / 8];
             ++moved[block.level];
-            if (block.moved == 0) touched_.push(places_[id] / 8);
+            if (block.moved == 0) touched_.push_back(places_[id] / 8);
             block.moved = static_cast<std::uint8_t>(block.moved | 1u << places_[id] % 8);
             movable += all.is_movable(id);
         }
@@ -93,14 +93,14 @@ public:
     /// Along the cells that the ray goes through, layer by layer.
     template <class Visit>
     void each_along(const table&, const ray<S, D>& r, S limit, Visit&& visit) const {
-        const float_ray<D> way(r, origin_);
-        float reach = above(limit) + way.step, near[8];
+        const float_ray<D> fast_ray(r, origin_);
+        float reach = above(limit) + fast_ray.step, near[8];
         const auto meet = [&](std::uint32_t b) {
-            each_bit(way.meets(blocks_[b].boxes, reach, near),
-                     [&](std::uint32_t lane) { reach = above(visit(blocks_[b].ids[lane])) + way.step; });
+            each_bit(fast_ray.meets(blocks_[b].boxes, reach, near),
+                     [&](std::uint32_t lane) { reach = above(visit(blocks_[b].ids[lane])) + fast_ray.step; });
             return !(reach < 0);
         };
-        const cell_walk<S, D> cells(r, origin_, way.step);
+        const cell_walk<S, D> cells(r, origin_, fast_ray.step);
         std::uint32_t wide = 0;
         // Large ones first: they are few, and likely to end it.
         for (std::uint32_t l = levels_.size(); l-- > 0 && !(reach < 0);) {
@@ -130,7 +130,7 @@ public:
     [[nodiscard]] const typename Space::vec& origin() const { return origin_; }
 
     template <class Self, class F>
-    static void each_part(Self& self, F&& f) {
+    static void each_member(Self& self, F&& f) {
         f(self.cells_);
         f(self.blocks_);
         f(self.levels_);
@@ -192,14 +192,14 @@ private:
     }
 
     /// So much has come, gone or wandered off that other cells, or another order in memory, are likely to be better.
-    bool worn(const table& all) const {
+    bool needs_rebuild(const table& all) const {
         return wear_ > 8 * std::uint64_t{all.count()} + 512 || all.count() > packed_ + packed_ / 2 + 64;
     }
 
     /// Looks at what there is, arranges cells for it and puts everything in anew.
     void pack(const table& all) {
         float_sample sides, lows[D];
-        const std::uint32_t stride = all.count() / float_sample::most + 1;
+        const std::uint32_t stride = all.count() / float_sample::capacity + 1;
         const auto sample = [&](auto&& use) {
             std::uint32_t seen = 0;
             for (std::uint32_t id = 0; id < all.size(); ++id)
@@ -240,10 +240,10 @@ private:
         sample([&](const box& b) { population[level_of(b)] += stride; });
         keys_.clear();
         for (std::uint32_t id = 0; id < all.size(); ++id)
-            if (all.has(id)) keys_.push(std::uint64_t{place_of(box_of(all, id), region)} << 32 | id);
+            if (all.has(id)) keys_.push_back(std::uint64_t{place_of(box_of(all, id), region)} << 32 | id);
         const std::uint32_t count = keys_.size();
-        spare_.resize(count);
-        const std::uint64_t* order = radix_sort(keys_.begin(), spare_.begin(), count, 32, 62);
+        scratch_.resize(count);
+        const std::uint64_t* order = radix_sort(keys_.begin(), scratch_.begin(), count, 32, 62);
         for (int attempt = 0;; ++attempt) {
             cells_.arrange(levels_.begin(), level_count, usual, region, population);
             blocks_.clear();
@@ -266,9 +266,10 @@ private:
         constexpr int bits = 30 / D;
         std::uint32_t place = 0;
         for (int i = 0; i < D; ++i) {
-            const float part = (b.lower[i] - region.lower[i]) / (region.upper[i] - region.lower[i]);
+            const float fraction = (b.lower[i] - region.lower[i]) / (region.upper[i] - region.lower[i]);
             // Not a number where the region is flat.
-            const auto cell = static_cast<std::uint32_t>(part > 0 ? (part < 1 ? part : 1) * ((1 << bits) - 1) : 0);
+            const auto cell =
+                static_cast<std::uint32_t>(fraction > 0 ? (fraction < 1 ? fraction : 1) * ((1 << bits) - 1) : 0);
             for (int bit = 0; bit < bits; ++bit) place |= (cell >> bit & 1u) << (bit * D + i);
         }
         return place;
@@ -359,7 +360,7 @@ private:
     /// The blocks with a box that has moved, while pairs are searched, and where the caller threw out of it.
     buffer<std::uint32_t> touched_;
     // Scratch.
-    buffer<std::uint64_t> keys_, spare_;
+    buffer<std::uint64_t> keys_, scratch_;
     typename Space::vec origin_{};
     /// How many there were when cells were arranged, and how many are movable.
     reset_on_move<std::uint32_t> packed_, movable_;

@@ -17,7 +17,7 @@ struct cell_level {
     float cell, inverse;
     float low[D];
     /// The last coordinate.
-    float most[D];
+    float maximum[D];
     /// The key of a cell is base + the sum of coordinate * stride.
     std::uint64_t base, stride[D];
     /// How many boxes there are, and how many cells have any.
@@ -25,11 +25,11 @@ struct cell_level {
 
     [[nodiscard]] std::uint32_t at(int axis, float x) const {
         const float t = (x - low[axis]) * inverse;
-        return t > 0 ? static_cast<std::uint32_t>(t < most[axis] ? t : most[axis]) : 0;
+        return t > 0 ? static_cast<std::uint32_t>(t < maximum[axis] ? t : maximum[axis]) : 0;
     }
     [[nodiscard]] bool outside(int axis, float x) const {
         const float t = (x - low[axis]) * inverse;
-        return t < 0 || t > most[axis] + 1;
+        return t < 0 || t > maximum[axis] + 1;
     }
     void set_cell(float size) {
         cell = size;

@@ -29,7 +29,7 @@ public:
     /// of the ray, until it returns false or `reach`, a fraction of the translation that visit may lower, is passed.
     /// False, and nothing is visited, where that would be more than so many cells.
     template <class Visit>
-    bool each_layer(const cell_level<D>& level, const float& reach, std::uint32_t most_cells, Visit&& visit) const {
+    bool each_layer(const cell_level<D>& level, const float& reach, std::uint32_t max_cells, Visit&& visit) const {
         const int m = main_;
         const double side = static_cast<double>(level.reach), cell = static_cast<double>(level.cell);
         // As exact as coordinates of cells, and as numbers of the exact test.
@@ -44,7 +44,7 @@ public:
         double cells = layers;
         for (int i = 0; i < D; ++i)
             if (i != m) cells *= (2 * extent_[i] + side) / cell + 2;
-        if (cells > most_cells) return false;
+        if (cells > max_cells) return false;
         for (std::uint32_t n = 0; n < layers; ++n) {
             const std::uint32_t at = forward ? lowest + n : highest - n;
             const double low = static_cast<double>(level.low[m]) + at * cell - pad - extent_[m];
@@ -53,18 +53,18 @@ public:
             double leave = ((forward ? high : low) - from_[m]) / way_[m];
             // Those at the border have no end.
             if (at == 0) (forward ? enter : leave) = forward ? 0 : limit;
-            if (at == static_cast<std::uint32_t>(level.most[m])) (forward ? leave : enter) = forward ? limit : 0;
+            if (at == static_cast<std::uint32_t>(level.maximum[m])) (forward ? leave : enter) = forward ? limit : 0;
             enter = enter > step_ ? enter - step_ : -step_;
             leave = leave < limit ? leave + step_ : limit;
             if (enter > static_cast<double>(reach)) break;
             if (leave < enter) continue;
-            float_box<D> part;
+            float_box<D> slice;
             for (int i = 0; i < D; ++i) {
                 const double a = from_[i] + way_[i] * enter, b = from_[i] + way_[i] * leave;
-                part.lower[i] = to_float((a < b ? a : b) - extent_[i] - pad);
-                part.upper[i] = to_float((a < b ? b : a) + extent_[i] + pad);
+                slice.lower[i] = to_float((a < b ? a : b) - extent_[i] - pad);
+                slice.upper[i] = to_float((a < b ? b : a) + extent_[i] + pad);
             }
-            cell_range<D> range(level, part);
+            cell_range<D> range(level, slice);
             range.first[m] = range.last[m] = at;
             if (!visit(range)) break;
         }

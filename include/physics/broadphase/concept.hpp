@@ -23,15 +23,15 @@ constexpr bool operator<(proxy_pair x, proxy_pair y) { return x.a != y.a ? x.a <
 ///                        accept(a, b) are true, each once, in ascending order; pairs of boxes that are close may be
 ///                        among them
 /// and, if it likes, configure(broadphase_settings), update(), which is called when boxes have moved, so that queries
-/// see them, and each_part(self, f), which names what lasts of it, for images of worlds (see base/lasting.hpp).
+/// see them, and each_member(self, f), which names what lasts of it, for snapshots of worlds (see base/lasting.hpp).
 /// A policy is a type with `using stage = physics::stage::broadphase` and such a class as `in<Space>`: of your own, or
 /// an indexed_broadphase around an index of your own.
 template <class B, class Space>
 concept broadphase_for = std::copyable<B> && std::default_initializable<B> &&
-    requires(B b, std::uint32_t id, const typename Space::aabb box, const typename Space::vec way,
+    requires(B b, std::uint32_t id, const typename Space::aabb box, const typename Space::vec displacement,
              const proxy_filter filter, bool (*accept)(std::uint32_t, std::uint32_t)) {
     b.insert(id, box, filter);
-    b.move(id, box, way);
+    b.move(id, box, displacement);
     b.erase(id);
     { b.pairs(accept) } -> std::convertible_to<const buffer<proxy_pair>&>;
 };

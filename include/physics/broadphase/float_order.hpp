@@ -26,12 +26,12 @@ inline float from_ordered(std::uint32_t key) {
 /// A few numbers of many, to learn how they are spread without being misled by the outermost.
 class float_sample {
 public:
-    static constexpr std::uint32_t most = 512;
+    static constexpr std::uint32_t capacity = 512;
 
     void add(float x) { keys_[count_++] = std::uint64_t{to_ordered(x)} << 32; }
     void sort() {
-        std::uint64_t spare[most];
-        const std::uint64_t* sorted = radix_sort(keys_, spare, count_, 32, 64);
+        std::uint64_t scratch[capacity];
+        const std::uint64_t* sorted = radix_sort(keys_, scratch, count_, 32, 64);
         if (sorted != keys_) std::memcpy(keys_, sorted, count_ * sizeof *keys_);
     }
     [[nodiscard]] std::uint32_t size() const { return count_; }
@@ -43,7 +43,7 @@ public:
     }
 
 private:
-    std::uint64_t keys_[most];
+    std::uint64_t keys_[capacity];
     std::uint32_t count_ = 0;
 };
 

@@ -28,14 +28,14 @@ public:
                 return product;
             };
             float cell = l + 1 < count ? level.side : std::numeric_limits<float>::max();
-            const double most = population[l] / 4 + 1;
-            while (number(cell) > most) cell *= 1.1f;
+            const double maximum = population[l] / 4 + 1;
+            while (number(cell) > maximum) cell *= 1.1f;
             level.set_cell(cell);
             level.base = total;
             std::uint32_t stride = 1;
             for (int i = 0; i < D; ++i) {
                 level.low[i] = region.lower[i];
-                level.most[i] = static_cast<float>(dimension(i, cell) - 1);
+                level.maximum[i] = static_cast<float>(dimension(i, cell) - 1);
                 level.stride[i] = stride;
                 stride *= static_cast<std::uint32_t>(dimension(i, cell));
             }
@@ -49,7 +49,7 @@ public:
     std::uint32_t& at(std::uint64_t key) { return heads_[static_cast<std::uint32_t>(key)]; }
 
     template <class Self, class F>
-    static void each_part(Self& self, F&& f) {
+    static void each_member(Self& self, F&& f) {
         f(self.heads_);
     }
 

@@ -16,7 +16,7 @@ public:
                  const std::uint32_t*) {
         // Cells of small ones not much smaller than of most: large ones look through them.
         for (std::uint32_t l = stretch_.size(); l < count; ++l)
-            stretch_.push(l + 1 < usual ? static_cast<float>(1 << 2 * (usual - l - 1)) : 1.0f);
+            stretch_.push_back(l + 1 < usual ? static_cast<float>(1 << 2 * (usual - l - 1)) : 1.0f);
         for (std::uint32_t l = 0; l < count; ++l) {
             cell_level<D>& level = levels[l];
             const bool endless = l + 1 == count;
@@ -26,7 +26,7 @@ public:
                 // A million cells along each axis, what there is in their middle.
                 const float middle = region.lower[i] * 0.5f + region.upper[i] * 0.5f;
                 level.low[i] = endless ? 0 : middle - level.cell * (1 << (bits - 1));
-                level.most[i] = endless ? 0.0f : static_cast<float>((1 << bits) - 1);
+                level.maximum[i] = endless ? 0.0f : static_cast<float>((1 << bits) - 1);
                 level.stride[i] = std::uint64_t{1} << i * bits;
             }
         }
@@ -60,7 +60,7 @@ public:
     }
 
     template <class Self, class F>
-    static void each_part(Self& self, F&& f) {
+    static void each_member(Self& self, F&& f) {
         f(self.entries_);
         f(self.stretch_);
         f(self.used_);
@@ -84,11 +84,11 @@ private:
         for (const entry& e : entries_) live += e.head != no_block;
         std::uint32_t size = 64;
         while (size < 4 * (live + 1)) size *= 2;
-        spare_.clear();
-        spare_.resize(size, entry{no_key, no_block});
-        entries_.swap(spare_);
+        scratch_.clear();
+        scratch_.resize(size, entry{no_key, no_block});
+        entries_.swap(scratch_);
         used_ = 0;
-        for (const entry& e : spare_)
+        for (const entry& e : scratch_)
             if (e.head != no_block) at(e.key) = e.head;
     }
 
@@ -97,7 +97,7 @@ private:
     buffer<float> stretch_;
     reset_on_move<std::uint32_t> used_;
     /// Scratch.
-    buffer<entry> spare_;
+    buffer<entry> scratch_;
 };
 
 }  // namespace detail

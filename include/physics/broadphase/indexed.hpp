@@ -1,7 +1,7 @@
 // A broadphase made of an index of boxes: what all that the library ships have in common.
 #pragma once
 
-#include "physics/base/lasting.hpp"
+#include "physics/base/members.hpp"
 #include "physics/broadphase/guard.hpp"
 #include "physics/broadphase/pair_set.hpp"
 #include "physics/broadphase/queries.hpp"
@@ -22,8 +22,8 @@ PHYSICS_HPP_BEGIN
 ///   each_near(all, box, visit)        visit(id) where the box may overlap, until it returns false; or, of an index
 ///                                     that keeps them itself, visit(candidate) with filter and box
 /// and, where it knows a better way than to search boxes, each_along, each_around, each_inside (see tree_index),
-/// each_fixed_near, which is each_near for those that are not movable, and each_part(self, f), for images of worlds
-/// (see base/lasting.hpp).
+/// each_fixed_near, which is each_near for those that are not movable, and each_member(self, f), for snapshots of
+/// worlds (see base/lasting.hpp).
 template <class Space, class Index>
 class indexed_broadphase {
 public:
@@ -61,19 +61,19 @@ public:
     }
     /// The proxy is in this box now, and on the way (m a step); nothing happens as long as it keeps within its
     /// margins. Queries see it after update() or pairs(). Cost: 3 to 5 ns.
-    bool move(std::uint32_t id, const aabb& box, const vec& way = {}) {
+    bool move(std::uint32_t id, const aabb& box, const vec& displacement = {}) {
         const char* f = "move";
         if (!check_id(f, id)) return false;
         if (all_.holds(id, box)) return true;
         if (!query_scope_allows(f) || !check_box(f, box)) return false;
-        all_.move(id, box, way);
+        all_.move(id, box, displacement);
         return true;
     }
     /// Shows what has moved to queries.
     void update() {
         if (!query_scope_allows("update")) return;
-        index_.update(all_, all_.unseen().begin(), all_.unseen().size());
-        all_.show();
+        index_.update(all_, all_.dirty_for_index().begin(), all_.dirty_for_index().size());
+        all_.flush_to_index();
     }
 
     /// All pairs of proxies that may meet, whose boxes overlap and that accept(a, b) takes, in ascending order. It is
@@ -95,7 +95,7 @@ public:
             if (accept(a < b ? a : b, a < b ? b : a)) found.add(a, b);
         });
         pairs_.finish(found, all_, everything);
-        all_.settle();
+        all_.clear_dirty();
         return pairs_.pairs();
     }
     /// What the last call of pairs() had and the one before it had not, in ascending order; and the reverse. A number
@@ -117,12 +117,12 @@ public:
             if (!filter.movable) return index_.each_fixed_near(all_, box, see);
         index_.each_near(all_, box, see);
     }
-    /// Writes up to `most` of them to `out` instead; returns how many there are.
+    /// Writes up to `maximum` of them to `out` instead; returns how many there are.
     std::uint32_t overlapping(const aabb& box, const query_filter& filter, std::uint32_t* out,
-                              std::uint32_t most) const {
+                              std::uint32_t maximum) const {
         std::uint32_t count = 0;
         each_overlapping(box, filter, [&](std::uint32_t id) {
-            if (count < most) out[count] = id;
+            if (count < maximum) out[count] = id;
             ++count;
         });
         return count;
@@ -182,16 +182,17 @@ public:
         });
         return best;
     }
-    /// Writes up to `most` hits to `out`, the first ones, in order; of equal fractions that of the least number first.
-    /// Returns how many.
-    std::uint32_t along(const ray<S, D>& r, const query_filter& filter, proxy_hit<S>* out, std::uint32_t most) const {
+    /// Writes up to `maximum` hits to `out`, the first ones, in order; of equal fractions that of the least number
+    /// first. Returns how many.
+    std::uint32_t along(const ray<S, D>& r, const query_filter& filter, proxy_hit<S>* out,
+                        std::uint32_t maximum) const {
         std::uint32_t count = 0;
         each_along(r, filter, [&](const proxy_hit<S>& hit) {
             const auto after = [&](const proxy_hit<S>& other) {
                 return other.fraction > hit.fraction || (other.fraction == hit.fraction && other.id > hit.id);
             };
-            detail::insert_sorted(out, count, most, hit, after);
-            return count < most ? S(1) : most == 0 ? S(-1) : out[most - 1].fraction;
+            detail::insert_sorted(out, count, maximum, hit, after);
+            return count < maximum ? S(1) : maximum == 0 ? S(-1) : out[maximum - 1].fraction;
         });
         return count;
     }
@@ -204,12 +205,12 @@ public:
         });
         return found;
     }
-    /// Writes up to `most` proxies to `out`, the nearest to the point first, of equals that of the least number, none
-    /// farther than `reach`; returns how many.
+    /// Writes up to `maximum` proxies to `out`, the nearest to the point first, of equals that of the least number,
+    /// none farther than `reach`; returns how many.
     std::uint32_t nearest(const vec& point, S reach, const query_filter& filter, std::uint32_t* out,
-                          std::uint32_t most) const {
+                          std::uint32_t maximum) const {
         const char* f = "nearest";
-        if (!detail::check_finite(f, "point", point) || !detail::check_not_negative(f, "reach", reach) || most == 0)
+        if (!detail::check_finite(f, "point", point) || !detail::check_not_negative(f, "reach", reach) || maximum == 0)
             return 0;
         const detail::query_scope scope(this);
         std::uint32_t count = 0;
@@ -223,9 +224,9 @@ public:
                 const auto after = [&](std::uint32_t other) {
                     return square(other) > here || (square(other) == here && other > id);
                 };
-                detail::insert_sorted(out, count, most, id, after);
+                detail::insert_sorted(out, count, maximum, id, after);
             }
-            return count < most ? farthest : square(out[count - 1]);
+            return count < maximum ? farthest : square(out[count - 1]);
         };
         if constexpr (requires { index_.each_around(all_, point, farthest, see); })
             index_.each_around(all_, point, farthest, see);
@@ -239,8 +240,8 @@ public:
 
     /// What lasts of it, see base/lasting.hpp: of an index that names its parts, or has none.
     template <class Self, class F>
-        requires(detail::names_parts<Index> || std::is_empty_v<Index>)
-    static void each_part(Self& self, F&& f) {
+        requires(detail::names_members<Index> || std::is_empty_v<Index>)
+    static void each_member(Self& self, F&& f) {
         f(self.all_);
         f(self.index_);
         f(self.pairs_);

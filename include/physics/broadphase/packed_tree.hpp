@@ -18,7 +18,7 @@ class packed_tree {
 public:
     using block = box_block<D>;
     using box = float_box<D>;
-    static constexpr int most_levels = 11;
+    static constexpr int max_levels = 11;
 
     /// Holds the proxies of these items, in their order; box_at(i) gives the box of item i, filter_of(id) a filter.
     template <class Box, class Filter>
@@ -127,7 +127,7 @@ public:
                 nodes_[starts_[level + 1] + n / 8].set(n % 8, after);
                 if (kept == 0 || touched[kept - 1] != n / 8) touched[kept++] = n / 8;
             }
-            while (touched.size() > kept) touched.pop();
+            while (touched.size() > kept) touched.pop_back();
         }
         return grown;
     }
@@ -146,7 +146,7 @@ public:
         if (levels_ == 0) return;
         struct {
             std::uint32_t node, lanes;
-        } path[most_levels];
+        } path[max_levels];
         int level = levels_ - 1;
         path[level] = {0, test(node(level, 0))};
         for (;;) {
@@ -180,7 +180,7 @@ public:
             int level;
         };
         if (levels_ == 0) return;
-        entry stack[7 * most_levels];
+        entry stack[7 * max_levels];
         entry next{0, 0, levels_ - 1};
         int top = 0;
         for (;;) {
@@ -214,7 +214,7 @@ public:
     }
 
     template <class Self, class F>
-    static void each_part(Self& self, F&& f) {
+    static void each_member(Self& self, F&& f) {
         f(self.nodes_);
         f(self.ids_);
         f(self.filters_);
@@ -244,7 +244,7 @@ private:
     /// Copies, so that pairs are filtered without a look at proxies far away in memory.
     buffer<proxy_filter> filters_;
     buffer<std::uint8_t> marks_;
-    std::uint32_t starts_[most_levels]{};
+    std::uint32_t starts_[max_levels]{};
     reset_on_move<int> levels_;
     reset_on_move<std::uint32_t> live_, marked_;
 };

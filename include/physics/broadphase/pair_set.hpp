@@ -32,13 +32,13 @@ public:
     }
     /// Their keys in order.
     const std::uint64_t* sorted() {
-        return radix_sort(found_, scratch_.take<std::uint64_t>(count_), count_, 0, 2 * bits_);
+        return radix_sort(found_, scratch_.allocate<std::uint64_t>(count_), count_, 0, 2 * bits_);
     }
 
 private:
     PHYSICS_HPP_COLD void grow() {
         capacity_ = capacity_ < 128 ? 256 : capacity_ * 2;
-        auto* const larger = scratch_.take<std::uint64_t>(capacity_);
+        auto* const larger = scratch_.allocate<std::uint64_t>(capacity_);
         if (count_ > 0) std::memcpy(larger, found_, count_ * sizeof *found_);
         found_ = larger;
     }
@@ -68,7 +68,7 @@ public:
         const std::uint64_t* const end = now + found.size();
         std::uint32_t left = 0, added = 0;
         const auto begin_pair = [&](std::uint64_t key) {
-            begun_.push(found.pair(key));
+            begun_.push_back(found.pair(key));
             ++added;
         };
         for (const proxy_pair p : pairs_) {
@@ -77,12 +77,12 @@ public:
             if (now < end && *now == key) {
                 ++now;
                 pairs_[left++] = p;
-                if (!all.given_up(p.a) && !all.given_up(p.b)) continue;
+                if (!all.slot_reused(p.a) && !all.slot_reused(p.b)) continue;
                 // Other proxies that bear the same numbers.
-                ended_.push(p);
-                begun_.push(p);
+                ended_.push_back(p);
+                begun_.push_back(p);
             } else if (everything || all.stale(p.a) || all.stale(p.b)) {
-                ended_.push(p);
+                ended_.push_back(p);
             } else {
                 pairs_[left++] = p;
             }
@@ -93,7 +93,7 @@ public:
     }
 
     template <class Self, class F>
-    static void each_part(Self& self, F&& f) {
+    static void each_member(Self& self, F&& f) {
         f(self.pairs_);
         f(self.begun_);
         f(self.ended_);

@@ -1,19 +1,23 @@
-// What a broadphase knows of its proxies: a box for each, who may meet whom, and which have moved.
+// The proxies of a broadphase: boxes, filters, and which have moved.
 #pragma once
 
 #include "physics/base/bit_array.hpp"
+#include "physics/base/handle.hpp"
 #include "physics/space/check.hpp"
 #include "physics/space/space.hpp"
 
 PHYSICS_HPP_BEGIN
 
-/// Who may meet whom: each side's category must be in the other's mask, the owners must differ, and one side at least
-/// must be movable.
+/// A mask of every category.
+inline constexpr std::uint32_t all_categories = 0xffffffffu;
+
+/// Which proxies can form a pair: each one's category must be in the other's mask, the owners must differ, and at least
+/// one must be movable.
 struct proxy_filter {
     std::uint32_t category = 1;
-    std::uint32_t mask = 0xffffffffu;
+    std::uint32_t mask = all_categories;
     /// Proxies of one owner, say shapes of one body, never meet; none by default.
-    std::uint32_t owner = 0xffffffffu;
+    std::uint32_t owner = detail::null_index;
     /// False for what nothing pushes: static and kinematic geometry. Such proxies never meet each other, and cost
     /// nothing while they rest.
     bool movable = true;
@@ -23,8 +27,8 @@ struct proxy_filter {
 
 /// True if the two may meet.
 constexpr bool may_meet(const proxy_filter& a, const proxy_filter& b) {
-    return (a.category & b.mask) != 0 && (b.category & a.mask) != 0 && (a.owner != b.owner || a.owner == 0xffffffffu) &&
-           (a.movable || b.movable);
+    return (a.category & b.mask) != 0 && (b.category & a.mask) != 0 &&
+           (a.owner != b.owner || a.owner == detail::null_index) && (a.movable || b.movable);
 }
 
 /// How much larger than their proxies boxes are kept, so that small moves leave them alone.
@@ -53,7 +57,7 @@ struct candidate {
 };
 
 /// No proxy has this number.
-inline constexpr std::uint32_t no_proxy = 0xffffffffu;
+inline constexpr std::uint32_t no_proxy = null_index;
 
 /// The proxies of a broadphase by number.
 template <class Space>
@@ -81,7 +85,7 @@ public:
     /// Whether the proxy came, went or left its box since the last search for pairs.
     [[nodiscard]] bool stale(std::uint32_t id) const { return stale_[id]; }
     /// Whether the number was given up since then, and perhaps given to another proxy.
-    [[nodiscard]] bool given_up(std::uint32_t id) const { return any_given_up_ && entries_[id].given_up; }
+    [[nodiscard]] bool slot_reused(std::uint32_t id) const { return any_slot_reused_ && entries_[id].slot_reused; }
     [[nodiscard]] candidate<Space> candidate_at(std::uint32_t id) const { return {id, filter(id), box(id)}; }
     [[nodiscard]] const candidate<Space>& candidate_at(const candidate<Space>& c) const { return c; }
     [[nodiscard]] bool may_meet(std::uint32_t a, std::uint32_t b) const {
@@ -90,9 +94,9 @@ public:
     /// Those that came, went or left their box since then, once each.
     [[nodiscard]] const buffer<std::uint32_t>& changed() const { return changed_; }
     /// Those that left their box since the index last heard of it, once each.
-    [[nodiscard]] const buffer<std::uint32_t>& unseen() const { return unseen_; }
-    void show() {
-        for (const std::uint32_t id : unseen_) entries_[id].unseen = false;
+    [[nodiscard]] const buffer<std::uint32_t>& dirty_for_index() const { return unseen_; }
+    void flush_to_index() {
+        for (const std::uint32_t id : unseen_) entries_[id].dirty_for_index = false;
         unseen_.clear();
     }
 
@@ -111,7 +115,7 @@ public:
     }
     void erase(std::uint32_t id) {
         used_.clear(id);
-        entries_[id].given_up = any_given_up_ = true;
+        entries_[id].slot_reused = any_slot_reused_ = true;
         --count_;
         note(id);
     }
@@ -124,31 +128,31 @@ public:
         return true;
     }
     /// Gives a proxy a new box around this one, wider on the way ahead.
-    void move(std::uint32_t id, const aabb& box, const vec& way) {
+    void move(std::uint32_t id, const aabb& box, const vec& displacement) {
         boxes_[id] = grown(box, settings.margin);
         for (int i = 0; i < D; ++i) {
             // No farther than the box is wide: a teleport is no velocity.
-            const S most = box.upper[i] - box.lower[i] + settings.margin;
-            const S ahead = clamp(way[i] * settings.prediction, -most, most);
+            const S maximum = box.upper[i] - box.lower[i] + settings.margin;
+            const S ahead = clamp(displacement[i] * settings.prediction, -maximum, maximum);
             if (ahead > S(0)) boxes_[id].upper[i] += ahead;
             else boxes_[id].lower[i] += ahead;
         }
         note(id);
-        if (!entries_[id].unseen) unseen_.push(id);
-        entries_[id].unseen = true;
+        if (!entries_[id].dirty_for_index) unseen_.push_back(id);
+        entries_[id].dirty_for_index = true;
     }
     /// Forgets which have changed.
-    void settle() {
+    void clear_dirty() {
         for (const std::uint32_t id : changed_) {
             stale_.clear(id);
-            if (any_given_up_) entries_[id].given_up = false;
+            if (any_slot_reused_) entries_[id].slot_reused = false;
         }
         changed_.clear();
-        any_given_up_ = false;
+        any_slot_reused_ = false;
     }
 
     template <class Self, class F>
-    static void each_part(Self& self, F&& f) {
+    static void each_member(Self& self, F&& f) {
         f(self.settings);
         f(self.boxes_);
         f(self.entries_);
@@ -157,19 +161,19 @@ public:
         f(self.used_);
         f(self.stale_);
         f(self.count_);
-        f(self.any_given_up_);
+        f(self.any_slot_reused_);
     }
 
 private:
     struct entry {
         proxy_filter filter;
-        bool given_up = false, unseen = false;
+        bool slot_reused = false, dirty_for_index = false;
     };
 
     void note(std::uint32_t id) {
         if (stale_[id]) return;
         stale_.set(id);
-        changed_.push(id);
+        changed_.push_back(id);
     }
 
     buffer<aabb> boxes_;
@@ -177,7 +181,7 @@ private:
     buffer<std::uint32_t> changed_, unseen_;
     bit_array used_, stale_;
     reset_on_move<std::uint32_t> count_;
-    bool any_given_up_ = false;
+    bool any_slot_reused_ = false;
 };
 
 }  // namespace detail

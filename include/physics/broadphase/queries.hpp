@@ -1,6 +1,7 @@
 // What can be asked of boxes: exact answers, the same from every broadphase.
 #pragma once
 
+#include "physics/base/handle.hpp"
 #include "physics/broadphase/proxies.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -8,7 +9,7 @@ PHYSICS_HPP_BEGIN
 /// Which proxies a query sees: those whose category is in its mask and whose mask holds its category.
 struct query_filter {
     std::uint32_t category = 1;
-    std::uint32_t mask = 0xffffffffu;
+    std::uint32_t mask = all_categories;
     /// Whether it sees movable ones too; of a world these are the shapes of dynamic bodies that are awake.
     bool movable = true;
 
@@ -35,10 +36,10 @@ struct bounding_plane {
 /// Where a ray enters the box of a proxy: at `fraction` of its translation, 0 if it begins within.
 template <class S>
 struct proxy_hit {
-    std::uint32_t id = 0xffffffffu;
+    std::uint32_t id = detail::null_index;
     S fraction = S(1);
 
-    explicit operator bool() const { return id != 0xffffffffu; }
+    explicit operator bool() const { return id != detail::null_index; }
 };
 
 namespace detail {
@@ -50,7 +51,8 @@ constexpr bool meets(const ray<S, D>& r, const aabb<S, D>& box, S limit, S& frac
     S near = S(0), far = limit;
     for (int i = 0; i < D; ++i) {
         // Wide, since boxes may be as large as the range.
-        const wide_of<S> way = widen(r.translation[i]), extent = widen(r.extent[i]), origin = widen(r.origin[i]);
+        const wide_of<S> translation = widen(r.translation[i]), extent = widen(r.extent[i]),
+                         origin = widen(r.origin[i]);
         const wide_of<S> to_lower = widen(box.lower[i]) - extent - origin;
         const wide_of<S> to_upper = widen(box.upper[i]) + extent - origin;
         if (r.translation[i] == S(0)) {
@@ -58,8 +60,8 @@ constexpr bool meets(const ray<S, D>& r, const aabb<S, D>& box, S limit, S& frac
             continue;
         }
         const bool forward = r.translation[i] > S(0);
-        near = max(near, quotient<S>(forward ? to_lower : to_upper, way));
-        far = min(far, quotient<S>(forward ? to_upper : to_lower, way));
+        near = max(near, quotient<S>(forward ? to_lower : to_upper, translation));
+        far = min(far, quotient<S>(forward ? to_upper : to_lower, translation));
         if (near > far) return false;
     }
     fraction = near;
@@ -69,14 +71,14 @@ constexpr bool meets(const ray<S, D>& r, const aabb<S, D>& box, S limit, S& frac
 /// The box around a whole ray, no larger than the range, with room for what meets() rounds.
 template <class S, int D>
 constexpr aabb<S, D> around(const ray<S, D>& r) {
-    const S most = scalar_traits<S>::max(), step = scalar_traits<S>::epsilon() * S(4);
+    const S maximum = scalar_traits<S>::max(), step = scalar_traits<S>::epsilon() * S(4);
     aabb<S, D> box;
     for (int i = 0; i < D; ++i) {
         const S end = r.origin[i] + r.translation[i], low = min(r.origin[i], end), high = max(r.origin[i], end);
         const S rounded = abs(r.translation[i]) * step + (abs(low) * step + abs(high) * step) + step;
-        const S reach = r.extent[i] > most - rounded ? most : r.extent[i] + rounded;
-        box.lower[i] = low < reach - most ? -most : low - reach;
-        box.upper[i] = high > most - reach ? most : high + reach;
+        const S reach = r.extent[i] > maximum - rounded ? maximum : r.extent[i] + rounded;
+        box.lower[i] = low < reach - maximum ? -maximum : low - reach;
+        box.upper[i] = high > maximum - reach ? maximum : high + reach;
     }
     return box;
 }
@@ -98,10 +100,10 @@ constexpr wide_of<S> distance_squared(const aabb<S, D>& box, const vec<S, D>& po
 /// Whether a box lies wholly beyond a plane.
 template <class S, int D>
 constexpr bool beyond(const bounding_plane<S, D>& plane, const aabb<S, D>& box) {
-    wide_of<S> least{};
+    wide_of<S> minimum{};
     for (int i = 0; i < D; ++i)
-        least = least + product(plane.normal[i], plane.normal[i] > S(0) ? box.lower[i] : box.upper[i]);
-    return least > widen(plane.offset);
+        minimum = minimum + product(plane.normal[i], plane.normal[i] > S(0) ? box.lower[i] : box.upper[i]);
+    return minimum > widen(plane.offset);
 }
 
 /// Calls visit(id); where it returns a bool, false ends the query.
@@ -111,14 +113,14 @@ constexpr bool go_on(Visit& visit, Id id) {
     else return static_cast<bool>(visit(id));
 }
 
-/// Puts an item into a sorted list of at most `most`, before all that come after it by after(other); the last one is
+/// Puts an item into a sorted list of at most `maximum`, before all that come after it by after(other); the last one is
 /// lost where the list is full.
 template <class T, class After>
-constexpr void insert_sorted(T* list, std::uint32_t& count, std::uint32_t most, const T& item, After&& after) {
+constexpr void insert_sorted(T* list, std::uint32_t& count, std::uint32_t maximum, const T& item, After&& after) {
     std::uint32_t at = count;
     while (at > 0 && after(list[at - 1])) --at;
-    if (at == most) return;
-    if (count < most) ++count;
+    if (at == maximum) return;
+    if (count < maximum) ++count;
     for (std::uint32_t i = count - 1; i > at; --i) list[i] = list[i - 1];
     list[at] = item;
 }

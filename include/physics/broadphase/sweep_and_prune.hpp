@@ -23,26 +23,26 @@ public:
     void insert(const table& all, std::uint32_t id) {
         if (id >= places_.size()) places_.resize(id + 1);
         kind& k = kinds_[all.is_movable(id)];
-        places_[id] = tail_place | k.tail.size();
-        k.tail.push(id);
-        if (k.tail.size() > 64 + k.order.live() / 4) sort(all, k);
+        places_[id] = unsorted_place | k.unsorted.size();
+        k.unsorted.push_back(id);
+        if (k.unsorted.size() > 64 + k.order.live() / 4) sort(all, k);
     }
     void erase(const table& all, std::uint32_t id) {
         kind& k = kinds_[all.is_movable(id)];
-        const std::uint32_t slot = places_[id] & ~tail_place;
+        const std::uint32_t slot = places_[id] & ~unsorted_place;
         if (places_[id] == slot) {
             k.order.remove(slot);
         } else {
-            k.tail[slot] = k.tail.back();
-            places_[k.tail[slot]] = tail_place | slot;
-            k.tail.pop();
+            k.unsorted[slot] = k.unsorted.back();
+            places_[k.unsorted[slot]] = unsorted_place | slot;
+            k.unsorted.pop_back();
         }
     }
     void update(const table& all, const std::uint32_t* ids, std::uint32_t count) {
         for (int m = 0; m < 2; ++m) {
             kind& k = kinds_[m];
             const auto ours = [&](std::uint32_t id) { return all.has(id) && all.is_movable(id) == (m == 1); };
-            std::uint32_t moves = k.tail.size();
+            std::uint32_t moves = k.unsorted.size();
             for (std::uint32_t i = 0; i < count; ++i) moves += ours(ids[i]);
             bool sorted = moves < k.too_many && k.order.live() + k.order.live() / 4 + 64 > k.order.size() &&
                           k.since_sorted < 32 * (std::uint64_t{k.order.live()} + 64);
@@ -54,16 +54,16 @@ public:
                 if (left == 0) k.too_many = moves;
                 return left > 0;
             };
-            while (!k.tail.empty() && (sorted = sorted && k.order.has_room())) {
-                const std::uint32_t id = k.tail.back();
-                k.tail.pop();
+            while (!k.unsorted.empty() && (sorted = sorted && k.order.has_room())) {
+                const std::uint32_t id = k.unsorted.back();
+                k.unsorted.pop_back();
                 sorted = spend(k.order.insert(id, box_of(all, id), left, at()));
             }
             for (std::uint32_t i = 0; i < count && sorted; ++i)
                 if (ours(ids[i])) sorted = spend(k.order.move(places_[ids[i]], box_of(all, ids[i]), left, at()));
             // Now and then it is worth another try.
             if (!sorted && k.too_many < 1u << 30) k.too_many += k.too_many / 16 + 1;
-            if (sorted) k.order.settle();
+            if (sorted) k.order.finish_order();
             else if (moves > 0 || k.order.size() > 0) sort(all, k);
         }
     }
@@ -136,23 +136,23 @@ public:
     }
     template <class Visit>
     void each_along(const table&, const ray<S, D>& r, S limit, Visit&& visit) const {
-        const float_ray<D> way(r, origin_);
-        float reach = above(limit) + way.step, near[8];
-        const auto see = [&](std::uint32_t id) { reach = above(visit(id)) + way.step; };
+        const float_ray<D> fast_ray(r, origin_);
+        float reach = above(limit) + fast_ray.step, near[8];
+        const auto see = [&](std::uint32_t id) { reach = above(visit(id)) + fast_ray.step; };
         each_loose(see);
-        box near_way;
+        box near_translation;
         for (int i = 0; i < D; ++i) {
             const double from = static_cast<double>(r.origin[i]) - static_cast<double>(origin_[i]);
             const double to = from + static_cast<double>(r.translation[i]);
             const double low = from < to ? from : to, high = from < to ? to : from;
             // The exact test may round a fraction, and take what is a little beside the way.
-            const double room = (high - low) * static_cast<double>(way.step) + static_cast<double>(r.extent[i]) +
+            const double room = (high - low) * static_cast<double>(fast_ray.step) + static_cast<double>(r.extent[i]) +
                                 ((low < 0 ? -low : low) + (high < 0 ? -high : high)) * 1e-6;
-            near_way.lower[i] = to_float(low - room);
-            near_way.upper[i] = to_float(high + room);
+            near_translation.lower[i] = to_float(low - room);
+            near_translation.upper[i] = to_float(high + room);
         }
-        each_eight(near_way, [&](const auto& block, auto&& id_of) {
-            each_bit(way.meets(block, reach, near), [&](std::uint32_t lane) { see(id_of(lane)); });
+        each_eight(near_translation, [&](const auto& block, auto&& id_of) {
+            each_bit(fast_ray.meets(block, reach, near), [&](std::uint32_t lane) { see(id_of(lane)); });
             return !(reach < 0);
         });
     }
@@ -175,23 +175,23 @@ public:
     template <class F>
     void each_loose(F&& f) const {
         for (const kind& k : kinds_)
-            for (const std::uint32_t id : k.tail) f(id);
+            for (const std::uint32_t id : k.unsorted) f(id);
     }
     [[nodiscard]] const typename Space::vec& origin() const { return origin_; }
 
     template <class Self, class F>
-    static void each_part(Self& self, F&& f) {
+    static void each_member(Self& self, F&& f) {
         for (auto& k : self.kinds_) f(k);
         f(self.places_);
         f(self.origin_);
     }
 
 private:
-    static constexpr std::uint32_t tail_place = 1u << 31;
+    static constexpr std::uint32_t unsorted_place = 1u << 31;
 
     struct kind {
         detail::axis_order<D> order;
-        buffer<std::uint32_t> tail;
+        buffer<std::uint32_t> unsorted;
         /// So many moves at once have been too many for small steps.
         std::uint32_t too_many = 1u << 31;
         /// Moves in small steps: after many, another axis may be better.
@@ -200,9 +200,9 @@ private:
         buffer<std::uint8_t> moved;
 
         template <class Self, class F>
-        static void each_part(Self& self, F&& f) {
+        static void each_member(Self& self, F&& f) {
             f(self.order);
-            f(self.tail);
+            f(self.unsorted);
             f(self.too_many);
             f(self.since_sorted);
         }
@@ -213,8 +213,8 @@ private:
         return [&](std::uint32_t id, std::uint32_t slot) { places_[id] = slot; };
     }
     void sort(const table& all, kind& k) {
-        for (const std::uint32_t id : k.tail) k.order.add(id);
-        k.tail.clear();
+        for (const std::uint32_t id : k.unsorted) k.order.add(id);
+        k.unsorted.clear();
         k.since_sorted = 0;
         k.order.sort([&](std::uint32_t id) { return box_of(all, id); }, at());
         if (&k == &kinds_[1]) follow(all);

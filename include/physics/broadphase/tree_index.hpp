@@ -27,9 +27,9 @@ public:
     void insert(const table& all, std::uint32_t id) {
         if (id >= places_.size()) places_.resize(id + 1);
         kind& k = kinds_[all.is_movable(id)];
-        places_[id] = tail_place | k.tail.size();
-        k.tail.push(id);
-        shorten_tail(all, k);
+        places_[id] = unsorted_place | k.unsorted.size();
+        k.unsorted.push_back(id);
+        pop_unsorted(all, k);
     }
     void erase(const table& all, std::uint32_t id) { take_out(kinds_[all.is_movable(id)], id); }
 
@@ -41,11 +41,11 @@ public:
             for (std::uint32_t i = 0; i < count; ++i) {
                 const std::uint32_t id = ids[i];
                 if (!all.has(id) || all.is_movable(id) != (m == 1)) continue;
-                if (places_[id] & young_place) send_to_tail(k, id);
-                else if (!(places_[id] & tail_place)) keys_.push(std::uint64_t{places_[id]} << 32 | id);
+                if (places_[id] & staging_place) move_to_unsorted(k, id);
+                else if (!(places_[id] & unsorted_place)) keys_.push_back(std::uint64_t{places_[id]} << 32 | id);
             }
-            const std::uint32_t young = k.young.live() + k.tail.size(), live = k.main.live() + young;
-            if (young > live / 8 || (k.size > most_growth * k.packed_size && !keys_.empty())) {
+            const std::uint32_t staging = k.staging.live() + k.unsorted.size(), live = k.main.live() + staging;
+            if (staging > live / 8 || (k.size > max_growth * k.packed_size && !keys_.empty())) {
                 pack_all(all, k);
                 if (m == 1) follow(all);
                 continue;
@@ -58,12 +58,12 @@ public:
                     if (id != no_proxy && all.stale(id)) place(all, k, id);
                 }
             } else {
-                spare_.resize(keys_.size());
-                const std::uint64_t* sorted = radix_sort(keys_.begin(), spare_.begin(), keys_.size(), 32, 64);
+                scratch_.resize(keys_.size());
+                const std::uint64_t* sorted = radix_sort(keys_.begin(), scratch_.begin(), keys_.size(), 32, 64);
                 for (std::uint32_t i = 0; i < keys_.size(); ++i) place(all, k, static_cast<std::uint32_t>(sorted[i]));
             }
             k.size += k.main.refit(touched_);
-            shorten_tail(all, k);
+            pop_unsorted(all, k);
         }
     }
 
@@ -80,22 +80,22 @@ public:
             emit_pair(a, b);
         };
         for (kind& k : kinds_)
-            if (!k.tail.empty()) pack_young(all, k);
+            if (!k.unsorted.empty()) pack_staging(all, k);
         kind &fixed = kinds_[0], &movable = kinds_[1];
         bool everything = true;
-        for (tree* x : {&movable.main, &movable.young}) everything = everything && x->all_marked();
-        for (tree* x : {&movable.main, &movable.young}) {
+        for (tree* x : {&movable.main, &movable.staging}) everything = everything && x->all_marked();
+        for (tree* x : {&movable.main, &movable.staging}) {
             const bool first = x == &movable.main;
             find_pairs(*x, movable.main, first ? same : before, everything, emit);
-            find_pairs(*x, movable.young, first ? after : same, everything, emit);
+            find_pairs(*x, movable.staging, first ? after : same, everything, emit);
             find_pairs(*x, fixed.main, after, false, emit);
-            find_pairs(*x, fixed.young, after, false, emit);
+            find_pairs(*x, fixed.staging, after, false, emit);
         }
-        for (tree* x : {&fixed.main, &fixed.young})
-            for (tree* y : {&movable.main, &movable.young}) find_pairs(*x, *y, before, false, emit);
+        for (tree* x : {&fixed.main, &fixed.staging})
+            for (tree* y : {&movable.main, &movable.staging}) find_pairs(*x, *y, before, false, emit);
         for (kind& k : kinds_) {
             k.main.clear_marks();
-            k.young.clear_marks();
+            k.staging.clear_marks();
         }
         return everything;
     }
@@ -105,7 +105,7 @@ public:
         const float_box<D> reach = enclosing(box, origin_);
         std::uint32_t count = 0;
         for (const kind& k : kinds_)
-            for (const tree* t : {&k.main, &k.young})
+            for (const tree* t : {&k.main, &k.staging})
                 t->search(
                     0, [&](const auto& block) { return ++count, block.overlapping(reach); },
                     [](std::uint32_t, std::uint32_t) {});
@@ -135,11 +135,11 @@ public:
     /// translation the search is to go on.
     template <class Visit>
     void each_along(const table& all, const ray<S, D>& r, S limit, Visit&& visit) const {
-        const float_ray<D> way(r, origin_);
-        float reach = above(limit) + way.step;
+        const float_ray<D> fast_ray(r, origin_);
+        float reach = above(limit) + fast_ray.step;
         each_in_order(
-            all, [&](const auto& block, auto& keys) { return way.meets(block, reach, keys); },
-            [&](float key) { return key > reach; }, [&](const auto& c) { reach = above(visit(c)) + way.step; });
+            all, [&](const auto& block, auto& keys) { return fast_ray.meets(block, reach, keys); },
+            [&](float key) { return key > reach; }, [&](const auto& c) { reach = above(visit(c)) + fast_ray.step; });
     }
     /// Calls visit(id) for proxies near a point, the nearest ones early. It returns the square of the distance up to
     /// which the search is to go on.
@@ -153,7 +153,7 @@ public:
     }
 
     template <class Self, class F>
-    static void each_part(Self& self, F&& f) {
+    static void each_member(Self& self, F&& f) {
         for (auto& k : self.kinds_) f(k);
         f(self.places_);
         f(self.origin_);
@@ -181,41 +181,41 @@ private:
         bool on = true;
         for (int m = 0; m < kinds; ++m) {
             const kind& k = kinds_[m];
-            for (const tree* t : {&k.main, &k.young})
+            for (const tree* t : {&k.main, &k.staging})
                 t->search(
                     0, [&](const auto& block) { return on ? test(block) : 0u; },
                     [&](std::uint32_t leaf, std::uint32_t lanes) {
                         each_bit(lanes,
                                  [&](std::uint32_t i) { on = on && visit(candidate_in(all, *t, leaf * 8 + i)); });
                     });
-            for (std::uint32_t i = 0; i < k.tail.size() && on; ++i) on = visit(all.candidate_at(k.tail[i]));
+            for (std::uint32_t i = 0; i < k.unsorted.size() && on; ++i) on = visit(all.candidate_at(k.unsorted[i]));
         }
     }
     template <class Test, class Outside, class Visit>
     void each_in_order(const table& all, Test&& test, Outside&& outside, Visit&& visit) const {
         for (const kind& k : kinds_) {
-            for (const tree* t : {&k.main, &k.young})
+            for (const tree* t : {&k.main, &k.staging})
                 t->search_in_order(test, outside, [&](std::uint32_t slot) { visit(candidate_in(all, *t, slot)); });
-            for (const std::uint32_t id : k.tail) visit(all.candidate_at(id));
+            for (const std::uint32_t id : k.unsorted) visit(all.candidate_at(id));
         }
     }
 
-    enum : std::uint32_t { young_place = 1u << 30, tail_place = 2u << 30, slot_mask = (1u << 30) - 1 };
+    enum : std::uint32_t { staging_place = 1u << 30, unsorted_place = 2u << 30, slot_mask = (1u << 30) - 1 };
     enum order { before, same, after };
     /// How much larger leaves may get by moving before the tree is packed anew.
-    static constexpr double most_growth = 1.2;
+    static constexpr double max_growth = 1.2;
 
     struct kind {
-        tree main, young;
-        buffer<std::uint32_t> tail;
+        tree main, staging;
+        buffer<std::uint32_t> unsorted;
         /// The sides of the boxes around leaves of the main tree, and above: as they are, and as they were packed.
         double size = 0, packed_size = 0;
 
         template <class Self, class F>
-        static void each_part(Self& self, F&& f) {
+        static void each_member(Self& self, F&& f) {
             f(self.main);
-            f(self.young);
-            f(self.tail);
+            f(self.staging);
+            f(self.unsorted);
             f(self.size);
             f(self.packed_size);
         }
@@ -226,12 +226,12 @@ private:
     /// Takes a proxy out of where it is.
     void take_out(kind& k, std::uint32_t id) {
         const std::uint32_t place = places_[id], slot = place & slot_mask;
-        if (place & tail_place) {
-            k.tail[slot] = k.tail.back();
-            places_[k.tail[slot]] = place;
-            k.tail.pop();
+        if (place & unsorted_place) {
+            k.unsorted[slot] = k.unsorted.back();
+            places_[k.unsorted[slot]] = place;
+            k.unsorted.pop_back();
         } else {
-            (place & young_place ? k.young : k.main).remove(slot);
+            (place & staging_place ? k.staging : k.main).remove(slot);
         }
     }
 
@@ -247,17 +247,17 @@ private:
             size += box.upper[i] - box.lower[i];
         }
         if (growth > 0.5f * size) {
-            send_to_tail(k, id);
+            move_to_unsorted(k, id);
             return;
         }
         k.main.set(p, box);
         k.main.mark(p);
-        if (touched_.empty() || touched_.back() != p / 8) touched_.push(p / 8);
+        if (touched_.empty() || touched_.back() != p / 8) touched_.push_back(p / 8);
     }
-    void send_to_tail(kind& k, std::uint32_t id) {
+    void move_to_unsorted(kind& k, std::uint32_t id) {
         take_out(k, id);
-        places_[id] = tail_place | k.tail.size();
-        k.tail.push(id);
+        places_[id] = unsorted_place | k.unsorted.size();
+        k.unsorted.push_back(id);
     }
 
     void gather(const table& all, const tree& from) {
@@ -276,11 +276,11 @@ private:
         packed_item item{{}, id};
         // A quarter of the sum of both ends: differences stay within the range.
         for (int i = 0; i < D; ++i) item.middle[i] = box.lower[i] * 0.25f + box.upper[i] * 0.25f;
-        items_.push(item);
+        items_.push_back(item);
     }
     void pack(const table& all, kind& k, tree& to, std::uint32_t tag) {
-        for (const std::uint32_t id : k.tail) add_item(all, id);
-        k.tail.clear();
+        for (const std::uint32_t id : k.unsorted) add_item(all, id);
+        k.unsorted.clear();
         spare_items_.resize(items_.size());
         arrange<D>(items_.begin(), spare_items_.begin(), items_.size());
         to.build(
@@ -299,17 +299,17 @@ private:
         items_.clear();
     }
     /// Packs what waits in the tail once it is long for a search one by one; a search for pairs does so in any case.
-    void shorten_tail(const table& all, kind& k) {
-        if (k.tail.size() > 64 + k.young.live()) pack_young(all, k);
+    void pop_unsorted(const table& all, kind& k) {
+        if (k.unsorted.size() > 64 + k.staging.live()) pack_staging(all, k);
     }
-    void pack_young(const table& all, kind& k) {
-        gather(all, k.young);
-        pack(all, k, k.young, young_place);
+    void pack_staging(const table& all, kind& k) {
+        gather(all, k.staging);
+        pack(all, k, k.staging, staging_place);
     }
     void pack_all(const table& all, kind& k) {
         gather(all, k.main);
-        gather(all, k.young);
-        k.young.clear();
+        gather(all, k.staging);
+        k.staging.clear();
         pack(all, k, k.main, 0);
         k.size = k.packed_size = k.main.size();
     }
@@ -369,7 +369,7 @@ private:
     buffer<std::uint32_t> places_;
     typename Space::vec origin_{};
     // Scratch.
-    buffer<std::uint64_t> keys_, spare_;
+    buffer<std::uint64_t> keys_, scratch_;
     buffer<packed_item> items_, spare_items_;
     buffer<std::uint32_t> touched_;
 };

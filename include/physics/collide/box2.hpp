@@ -1,4 +1,4 @@
-// Contact of two boxes in the plane, in lanes across pairs: separating axes and clipping without a branch.
+// Contact of two boxes in 2D, in lanes across pairs: separating axes and clipping without a branch.
 #pragma once
 
 #include "physics/base/lane_math.hpp"
@@ -53,15 +53,15 @@ PHYSICS_HPP_ALWAYS_INLINE box_contact_lanes2<P> touch_boxes(const box_lanes2<P>&
 
     // The boxes' turn but for quarters: which edge faces which. Of two that are as good the same one wins, so that
     // rounding does not choose. (A sign is one minus zero or two: those need no blend, and name the edges below.)
-    const P least = ac + value(1.0 / 1024);
-    const auto by_quarter = [&](const P& even, const P& odd) { return select_greater(as, least, odd, even); };
+    const P minimum = ac + value(1.0 / 1024);
+    const auto by_quarter = [&](const P& even, const P& odd) { return select_greater(as, minimum, odd, even); };
     const P quarter = by_quarter(zero, one), run = by_quarter(ac, as), nearest = by_quarter(c, s);
     const P back = select_greater(zero, nearest, two, zero), lean = by_quarter(s, -c) * (one - back);
     const P slope_in_a = lean / run;
 
     // A preference for A's edge keeps the reference from flipping between two that are alike.
-    const P least_b = best_a + twice;
-    const auto of_reference = [&](const P& a, const P& b) { return select_greater(best_b, least_b, b, a); };
+    const P minimum_b = best_a + twice;
+    const auto of_reference = [&](const P& a, const P& b) { return select_greater(best_b, minimum_b, b, a); };
     const P reference_x = of_reference(in.ax, in.bx), reference_y = of_reference(in.ay, in.by);
     const P incident_x = of_reference(in.bx, in.ax), incident_y = of_reference(in.by, in.ay);
     const P from_b = of_reference(zero, two), direction = one - from_b, flipped = from_b - one;
@@ -121,9 +121,9 @@ PHYSICS_HPP_ALWAYS_INLINE box_contact_lanes2<P> touch_boxes(const box_lanes2<P>&
 }
 
 /// The contact of a corner at an end of the reference edge, which B has or A, and the point of the other box that is
-/// closest to it. `parting` is the edge's normal from A to B, `parted` how far the best edge parts the boxes.
+/// closest to it. `parting` is the edge's normal from A to B, `axis_gap` how far the best edge parts the boxes.
 template <class S>
-void touch_box_corner(const box_pair<S, 2>& pair, bool of_b, vec<S, 2> parting, S parted, S margin,
+void touch_box_corner(const box_pair<S, 2>& pair, bool of_b, vec<S, 2> parting, S axis_gap, S margin,
                       manifold<S, 2>& out) {
     const transform<S, 2>& b_in_a = *pair.b_in_a;
     const rotation<S, 2> r = b_in_a.rotation;
@@ -139,14 +139,14 @@ void touch_box_corner(const box_pair<S, 2>& pair, bool of_b, vec<S, 2> parting, 
     const vec<S, 2> local = of_b ? b_in_a * corner : inverse_transform(b_in_a, corner);
     const vec<S, 2> beyond = local - max(-other_half, min(other_half, local));
 
-    auto [direction, gap] = split(beyond);
+    auto [direction, gap] = direction_and_length_of(beyond);
     const vec<S, 2> in_a = of_b ? direction : -(r * direction), in_b = of_b ? inverse_rotate(r, direction) : -direction;
     const S along =
         dot(in_a, b_in_a.position) - dot(abs(in_a), pair.a->half_extents) - dot(abs(in_b), pair.b->half_extents);
     // Of points that all but coincide the direction is chance.
     const S rounding = rounding_of(largest(half) + largest(other_half) + largest(b_in_a.position));
-    const bool clear = gap > S(0) && !(along < parted - rounding);
-    if (!clear) gap = parted;
+    const bool clear = gap > S(0) && !(along < axis_gap - rounding);
+    if (!clear) gap = axis_gap;
     out = {};
     if (gap > margin) return;
     out.normal = clear ? in_a : parting;

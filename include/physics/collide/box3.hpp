@@ -1,4 +1,4 @@
-// Contact of two boxes in space: separating axes, then clipping, a pair of edges, or the nearest corner.
+// Contact of two boxes in 3D: separating axes, then clipping, a pair of edges, or the nearest corner.
 #pragma once
 
 #include "physics/collide/clip3.hpp"
@@ -31,14 +31,14 @@ bool touch_edges(const box_axes<S, W>& boxes, int lane, const edge_normal<S>& e,
     const S dw = turn(w, z), du = turn(u, z), dv = turn(v, z);
     // Seen along A's edge, a point and a line: this keeps its precision where the edges are nearly parallel.
     const S scale = boxes.scale[3 * w + z][lane], su = du * scale, sv = dv * scale;
-    const S most = half_b * sum_of_products(du, su, dv, sv), along = -sum_of_products(ou, su, ov, sv);
+    const S maximum = half_b * sum_of_products(du, su, dv, sv), along = -sum_of_products(ou, su, ov, sv);
     const auto within = [](S value, S limit) { return max(-limit, min(limit, value)); };
-    S t = within(along, most) * scale;
+    S t = within(along, maximum) * scale;
     S s = within(ow + dw * t, half_a);
     t = within(dw * s - narrow<S>(product(dw, ow) + product(du, ou) + product(dv, ov)), half_b);
     s = within(ow + dw * t, half_a);
     const S bw = ow + dw * t - s, bu = ou + du * t, bv = ov + dv * t;
-    const S apart = max(size_of(bw), max(size_of(bu - nu * gap), size_of(bv - nv * gap)));
+    const S apart = max(magnitude_of(bw), max(magnitude_of(bu - nu * gap), magnitude_of(bv - nv * gap)));
     if (apart > boxes.slack[lane]) return false;
     S p[3];
     p[w] = s + bw * S(0.5);
@@ -66,43 +66,45 @@ struct corner_distance {
 template <class S>
 corner_distance<S> closest_corner(vec<S, 3> center, const mat<S, 3>& axes, vec<S, 3> half, vec<S, 3> whole) {
     corner_distance<S> best;
-    wide_of<S> least{};
+    wide_of<S> minimum{};
     for (std::uint32_t i = 0; i < 8; ++i) {
         vec<S, 3> p = center;
         for (int k = 0; k < 3; ++k) p += axes.column[k] * ((i >> k & 1u) != 0 ? half[k] : -half[k]);
         const vec<S, 3> beyond = p - max(-whole, min(whole, p));
         const wide_of<S> distance = length_squared(beyond);
-        if (i > 0 && !(distance < least)) continue;
-        least = distance;
+        if (i > 0 && !(distance < minimum)) continue;
+        minimum = distance;
         best.corner = p;
         best.offset = beyond;
         best.number = i;
     }
-    const auto [direction, gap] = split(best.offset);
+    const auto [direction, gap] = direction_and_length_of(best.offset);
     best.direction = direction;
     best.gap = gap;
     return best;
 }
 
 /// Adds the closest pair of a corner of one box and a point of the other, for boxes that do not overlap. `n` is
-/// the best separating axis, from A to B, and `parted` how far it parts them.
+/// the best separating axis, from A to B, and `axis_gap` how far it parts them.
 template <class S, int W>
-void touch_corner(const box_axes<S, W>& boxes, int lane, vec<S, 3> n, S parted, S margin, manifold<S, 3>& out) {
+void touch_corner(const box_axes<S, W>& boxes, int lane, vec<S, 3> n, S axis_gap, S margin, manifold<S, 3>& out) {
     const auto row = [&](const auto& from) { return vec<S, 3>{from[0][lane], from[1][lane], from[2][lane]}; };
     const vec<S, 3> half_a = row(boxes.half[0]), half_b = row(boxes.half[1]), offset = row(boxes.center[0]);
     const mat<S, 3> to_b{{row(boxes.turn[0][0]), row(boxes.turn[0][1]), row(boxes.turn[0][2])}},
         axes = transposed(to_b);
     const corner_distance<S> of_a = closest_corner(row(boxes.center[1]), to_b, half_a, half_b),
                              of_b = closest_corner(offset, axes, half_b, half_a);
-    const auto parts = [&](vec<S, 3> m) { return dot(m, offset) - dot(abs(m), half_a) - dot(abs(to_b * m), half_b); };
+    const auto separation = [&](vec<S, 3> m) {
+        return dot(m, offset) - dot(abs(m), half_a) - dot(abs(to_b * m), half_b);
+    };
     // Where both are as close, one of the normals may be chance; and so may both where all but coincides.
     const vec<S, 3> from_a = -(axes * of_a.direction);
-    const S by_a = parts(from_a), by_b = parts(of_b.direction);
+    const S by_a = separation(from_a), by_b = separation(of_b.direction);
     const bool use_a = by_a > by_b;
     const corner_distance<S>& best = use_a ? of_a : of_b;
-    const bool clear = best.gap > S(0) && !(max(by_a, by_b) < parted - boxes.rounding[lane]);
+    const bool clear = best.gap > S(0) && !(max(by_a, by_b) < axis_gap - boxes.rounding[lane]);
     out.normal = !clear ? n : use_a ? from_a : best.direction;
-    const S gap = clear ? best.gap : parted;
+    const S gap = clear ? best.gap : axis_gap;
     if (gap > margin) return;
     vec<S, 3> corner = best.corner;
     if (use_a)
@@ -139,7 +141,7 @@ void touch_boxes(const box_axes<S, W>& boxes, int lane, S margin, manifold<S, 3>
         if constexpr (is_fixed<S>)
             if (boxes.scale[number][lane] > S(8)) {
                 // What rounding the sine did to the normal's length, it did to the gap.
-                const auto [direction, length] = split(vec<S, 2>{su, sv});
+                const auto [direction, length] = direction_and_length_of(vec<S, 2>{su, sv});
                 su = direction.x;
                 sv = direction.y;
                 gap_edges = gap_edges / length;
@@ -168,12 +170,12 @@ void touch_boxes(const box_axes<S, W>& boxes, int lane, S margin, manifold<S, 3>
     touch_corner(boxes, lane, n, boxes.face_gap[better][lane], margin, out);
 }
 
-/// out[i] becomes what collide() of pair i gives from an empty manifold, bit for bit, whatever `count` is. `parted`,
-/// where it is not null, gets the number of the axis that parts pair i by more than the margin, for parted_along();
-/// -1 where none does.
+/// out[i] becomes what collide() of pair i gives from an empty manifold, bit for bit, whatever `count` is.
+/// `separating_axes`, where it is not null, gets the number of the axis that parts pair i by more than the margin, for
+/// separation_along(); -1 where none does.
 template <class S>
 void collide_boxes(const box_pair<S, 3>* pairs, std::uint32_t count, S margin, manifold<S, 3>* out,
-                   int* parted = nullptr) {
+                   int* separating_axes = nullptr) {
     constexpr std::uint32_t width = native_width<S>;
     for (std::uint32_t first = 0; first < count; first += width) {
         const std::uint32_t here = count - first < width ? count - first : width;
@@ -184,7 +186,7 @@ void collide_boxes(const box_pair<S, 3>* pairs, std::uint32_t count, S margin, m
             const int lane = static_cast<int>(i);
             const bool meet = (found.meet >> i & 1u) != 0;
             out[first + i] = {};
-            if (parted != nullptr) parted[first + i] = meet ? -1 : found.parting(lane, margin);
+            if (separating_axes != nullptr) separating_axes[first + i] = meet ? -1 : found.parting(lane, margin);
             if (meet) touch_boxes(found, lane, margin, out[first + i]);
         }
     }

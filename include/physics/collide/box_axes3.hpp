@@ -1,4 +1,4 @@
-// The search for the axis that parts two boxes in space best, in lanes across pairs.
+// The search for the axis that parts two boxes in 3D best, in lanes across pairs.
 #pragma once
 
 #include "physics/base/lane_math.hpp"
@@ -184,7 +184,7 @@ void find_axes(S margin, box_axes<S, W>& out) {
 
 /// True if the axis of that number parts the boxes by more than margin; any number is safe. Cost: 20 ns.
 template <class S>
-bool parted_along(const box<S, 3>& a, const box<S, 3>& b, const transform<S, 3>& b_in_a, int axis, S margin) {
+bool separation_along(const box<S, 3>& a, const box<S, 3>& b, const transform<S, 3>& b_in_a, int axis, S margin) {
     if (axis < 0 || axis > 14) return false;
     using P = pack<S, 1>;
     box_lanes<P> box;

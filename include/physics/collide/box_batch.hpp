@@ -20,10 +20,10 @@ class box_batch {
     using box = physics::box<S, D>;
 
 public:
-    static constexpr std::uint32_t most = 64;
+    static constexpr std::uint32_t capacity = 64;
     static constexpr bool is_used = Methods.closed_forms && !Methods.persistent && is_among<box, Shapes<S, D>...>;
 
-    /// Meets the boxes among up to `most` queries.
+    /// Meets the boxes among up to `capacity` queries.
     box_batch(const query* queries, std::uint32_t count, S margin, memory* memories) {
         constexpr int kind = table::any::template kind_of<box>();
         for (std::uint32_t i = 0; i < count; ++i) {
@@ -36,7 +36,7 @@ public:
         if constexpr (D == 2) {
             collide_boxes(pairs_.items, met_, margin, found_.items);
         } else {
-            raw_array<int, most> parting;
+            raw_array<int, capacity> parting;
             collide_boxes(pairs_.items, met_, margin, found_.items, parting.items);
             for (std::uint32_t k = 0; k < met_; ++k) {
                 if (owner_[k] == nullptr) continue;
@@ -48,7 +48,7 @@ public:
     /// Whether query i is a pair of boxes, and adds its manifold to the list if it has one, under that number.
     bool add(std::uint32_t i, std::uint32_t number, manifold_list<S, D>& out) const {
         if (place_[i] == elsewhere) return false;
-        if (place_[i] != apart && found_[place_[i]].count > 0) out.emplace(number, 0u, found_[place_[i]]);
+        if (place_[i] != apart && found_[place_[i]].count > 0) out.emplace_back(number, 0u, found_[place_[i]]);
         return true;
     }
 
@@ -60,13 +60,13 @@ private:
             if (m != nullptr) {
                 if (is_still(*m, *pair.b_in_a)) {
                     // From behind: those that are met lie side by side.
-                    manifold<S, D>& carried = found_[most - ++carried_];
+                    manifold<S, D>& carried = found_[capacity - ++carried_];
                     carried = {};
                     carry_along(*m, *pair.b_in_a, margin, carried);
-                    return static_cast<std::uint8_t>(most - carried_);
+                    return static_cast<std::uint8_t>(capacity - carried_);
                 }
                 if (m->contact.count == 0 && m->parting >= 0 &&
-                    parted_along(*pair.a, *pair.b, *pair.b_in_a, m->parting, margin))
+                    separation_along(*pair.a, *pair.b, *pair.b_in_a, m->parting, margin))
                     return apart;
             }
         owner_[met_] = m;
@@ -75,10 +75,10 @@ private:
     }
 
     std::uint32_t met_ = 0, carried_ = 0;
-    raw_array<std::uint8_t, most> place_;
-    raw_array<memory*, most> owner_;
-    raw_array<box_pair<S, D>, most> pairs_;
-    raw_array<manifold<S, D>, most> found_;
+    raw_array<std::uint8_t, capacity> place_;
+    raw_array<memory*, capacity> owner_;
+    raw_array<box_pair<S, D>, capacity> pairs_;
+    raw_array<manifold<S, D>, capacity> found_;
 };
 
 }  // namespace detail

@@ -1,4 +1,4 @@
-// Contact of capsules with capsules and boxes in space.
+// Contact of capsules with capsules and boxes in 3D.
 #pragma once
 
 #include "physics/collide/box3.hpp"
@@ -87,7 +87,7 @@ constexpr parting<S> part_from_box(const axis_segment<S>& s, vec<S, 3> half, S s
     for (int i = 0; i < 3; ++i) {
         vec<S, 3> e;
         e[i] = S(1);
-        const auto [n, sine] = split(cross(e, s.direction));
+        const auto [n, sine] = direction_and_length_of(cross(e, s.direction));
         // An edge so nearly parallel to the segment that a face says the same.
         if (sine * (half[i] + s.half) < slack) continue;
         const S along = dot(n, s.middle);
@@ -112,14 +112,14 @@ constexpr void collide(const capsule<S, 3>& a, const capsule<S, 3>& b, const tra
     const detail::axis_segment<S> s{b_in_a.position, b_in_a.rotation * vec<S, 3>{S(1), S(0), S(0)}, b.half_length};
     const auto closest = closest_to_axis(0, a.half_length, s.middle, s.direction, s.half);
     const vec<S, 3> on_a{closest.on_a, S(0), S(0)}, on_b = s.at(closest.on_b);
-    auto [n, gap] = split(on_b - on_a);
+    auto [n, gap] = direction_and_length_of(on_b - on_a);
     const S reach = a.radius + b.radius, thinner = min(a.radius, b.radius);
     if (gap > reach + margin) return;
 
     // Of points that all but coincide the direction is chance: try what is across one axis or both.
-    const auto parted = [&](vec<S, 3> m) { return dot(m, s.middle) - abs(m.x) * a.half_length - s.reach(m); };
+    const auto axis_gap = [&](vec<S, 3> m) { return dot(m, s.middle) - abs(m.x) * a.half_length - s.reach(m); };
     const S rounding = detail::rounding_of(a.half_length + b.half_length);
-    if (!(gap > S(0)) || parted(n) < gap - rounding) {
+    if (!(gap > S(0)) || axis_gap(n) < gap - rounding) {
         const vec<S, 3> d = s.direction;
         vec<S, 3> across{S(0), -d.z, d.y};
         if (across == vec<S, 3>{}) across.y = S(1);
@@ -127,10 +127,10 @@ constexpr void collide(const capsule<S, 3>& a, const capsule<S, 3>& b, const tra
         const vec<S, 3> along = n - d * dot(d, n),
                         candidates[3] = {across, {S(0), n.y, n.z}, along - d * dot(d, along)};
         bool found = gap > S(0);
-        gap = parted(n);
+        gap = axis_gap(n);
         for (const vec<S, 3>& candidate : candidates) {
             const vec<S, 3> m = normalized(candidate);
-            const S by = parted(m);
+            const S by = axis_gap(m);
             if (m == vec<S, 3>{} || (found && !(by > gap))) continue;
             found = true;
             n = m;
@@ -182,7 +182,7 @@ constexpr void collide(const capsule<S, 3>& a, const box<S, 3>& b, const transfo
     S at = closest_to_box(s, h);
     const vec<S, 3> nearest = s.at(at);
     const vec<S, 3> offset = nearest - max(-h, min(h, nearest));
-    const auto parting = split(offset);
+    const auto parting = direction_and_length_of(offset);
     vec<S, 3> n = parting.direction;
     S gap = parting.length;
     if (gap > a.radius + margin) return;
@@ -191,21 +191,21 @@ constexpr void collide(const capsule<S, 3>& a, const box<S, 3>& b, const transfo
         n = normalized(n - s.direction * dot(s.direction, n));
     // Of points that all but coincide the direction is chance; of near ones it is rounded: try what is across the axis
     // or an edge.
-    const auto parted_along = [&](vec<S, 3> m) { return dot(m, s.middle) - dot(abs(m), h) - s.reach(m); };
-    S parted = parted_along(n);
-    if (!(gap > S(0)) || parted < gap - rounding) {
+    const auto separation_along = [&](vec<S, 3> m) { return dot(m, s.middle) - dot(abs(m), h) - s.reach(m); };
+    S axis_gap = separation_along(n);
+    if (!(gap > S(0)) || axis_gap < gap - rounding) {
         const vec<S, 3> across_axis = n - s.direction * dot(s.direction, n);
         for (int i = 0; i < 4 && gap > S(0); ++i) {
             vec<S, 3> m = i < 3 ? n : across_axis;
             if (i < 3) m[i] = S(0);
             m = normalized(m);
-            const S by = parted_along(m);
-            if (!(by > parted)) continue;
+            const S by = separation_along(m);
+            if (!(by > axis_gap)) continue;
             n = m;
-            parted = gap = by;
+            axis_gap = gap = by;
         }
         const auto best = detail::part_from_box(s, h, slack);
-        if (!(gap > S(0)) || best.gap > parted) {
+        if (!(gap > S(0)) || best.gap > axis_gap) {
             n = best.normal;
             gap = best.gap;
             at = best.at;

@@ -1,4 +1,4 @@
-// The faces of two boxes in space, clipped to what they share.
+// The faces of two boxes in 3D, clipped to what they share.
 #pragma once
 
 #include "physics/collide/box_axes3.hpp"
@@ -13,7 +13,7 @@ inline constexpr int next_coordinate[3] = {1, 2, 0};
 
 /// x by magnitude, without a branch.
 template <class S>
-constexpr S size_of(S x) {
+constexpr S magnitude_of(S x) {
     return max(x, -x);
 }
 /// -1 or 1; by address, since signs are hard to predict.
@@ -50,14 +50,14 @@ struct clipped_face {
     bool deep = false;
 
     PHYSICS_HPP_ALWAYS_INLINE void put(int at, const pack<S, 4>& pu, const pack<S, 4>& pv, const pack<S, 4>& depth,
-                                       const pack<S, 4>& names, std::uint32_t exist, S most, S margin) {
+                                       const pack<S, 4>& names, std::uint32_t exist, S maximum, S margin) {
         using P = pack<S, 4>;
         pu.store(u + at);
         pv.store(v + at);
         depth.store(separation + at);
         names.store(name + at);
         within |= (exist & ~greater(depth, P::broadcast(margin)).bits()) << at;
-        deep = deep || (exist & ~greater(depth, P::broadcast(most)).bits()) != 0;
+        deep = deep || (exist & ~greater(depth, P::broadcast(maximum)).bits()) != 0;
     }
 };
 
@@ -66,7 +66,7 @@ template <class S>
 struct picked_points {
     /// Of vectors of 16 bytes at most, which scalars fill.
     using lanes = pack < S, 8, vector_bytes<16 ? vector_bytes : 16>;
-    static constexpr int most_packs = 1;
+    static constexpr int max_packs = 1;
 
     flat_points<lanes> all;
     S at_u[8], at_v[8];
@@ -107,18 +107,18 @@ PHYSICS_HPP_ALWAYS_INLINE P next_of(const P& x) {
 /// Cuts a face down to |u| <= limit_u, |v| <= limit_v, and keeps what is within the margin. Each edge goes for itself,
 /// all four in lanes. Source: Liang, Barsky, A new concept and method for line clipping (1984).
 template <class S>
-PHYSICS_HPP_ALWAYS_INLINE void clip_face(const seen_face<S>& face, S limit_u, S limit_v, S rounding, S most, S margin,
-                                         clipped_face<S>& out) {
+PHYSICS_HPP_ALWAYS_INLINE void clip_face(const seen_face<S>& face, S limit_u, S limit_v, S rounding, S maximum,
+                                         S margin, clipped_face<S>& out) {
     using P = pack<S, 4>;
     const auto &m = face.middle, &x = face.along[0], &y = face.along[1];
     const S xu = x[0] * face.half[0], xv = x[1] * face.half[0], xs = x[2] * face.half[0];
     const S yu = y[0] * face.half[1], yv = y[1] * face.half[1], ys = y[2] * face.half[1];
     const P u = corners_of(m[0], xu, yu), v = corners_of(m[1], xv, yv), s = corners_of(m[2], xs, ys);
     const P corner = lanes_of<P>(S(0), S(0x11), S(0x22), S(0x33));
-    const S beyond_u = size_of(m[0]) + size_of(xu) + size_of(yu) - limit_u,
-            beyond_v = size_of(m[1]) + size_of(xv) + size_of(yv) - limit_v;
+    const S beyond_u = magnitude_of(m[0]) + magnitude_of(xu) + magnitude_of(yu) - limit_u,
+            beyond_v = magnitude_of(m[1]) + magnitude_of(xv) + magnitude_of(yv) - limit_v;
     if (!(max(beyond_u, beyond_v) > S(0))) {
-        out.put(0, u, v, s, corner, 0xfu, most, margin);
+        out.put(0, u, v, s, corner, 0xfu, maximum, margin);
         return;
     }
 
@@ -140,8 +140,8 @@ PHYSICS_HPP_ALWAYS_INLINE void clip_face(const seen_face<S>& face, S limit_u, S 
         select_greater(stop_u, stop_v, next_of(name_u), next_of(name_v)) + lanes_of<P>(S(0), S(0x10), S(0x20), S(0x30));
     const std::uint32_t left = greater(stop, start).bits(), cut = greater(rest, zero).bits();
     out.put(0, u + du * start, v + dv * start, s + ds * start, select_greater(start, zero, start_name, corner),
-            left | (~greater(start, zero).bits() & 0xfu), most, margin);
-    out.put(4, u + du * stop, v + dv * stop, s + ds * stop, stop_name, left & cut, most, margin);
+            left | (~greater(start, zero).bits() & 0xfu), maximum, margin);
+    out.put(4, u + du * stop, v + dv * stop, s + ds * stop, stop_name, left & cut, maximum, margin);
 
     // The corners of the limits, by how far along the face's sides they lie. Those that miss the face by a hair count:
     // the edge that passes there may have been lost to rounding.
@@ -155,7 +155,7 @@ PHYSICS_HPP_ALWAYS_INLINE void clip_face(const seen_face<S>& face, S limit_u, S 
     const P depth = P::broadcast(m[2]) + lane_sum(P::broadcast(x[2]), max(-half_x, min(half_x, at_x)),
                                                   P::broadcast(y[2]), max(-half_y, min(half_y, at_y)));
     out.put(8, corner_u, corner_v, depth, lanes_of<P>(S(0x46), S(0x56), S(0x57), S(0x47)),
-            ~greater(outside, hair + hair).bits() & 0xfu, most, margin);
+            ~greater(outside, hair + hair).bits() & 0xfu, maximum, margin);
 }
 
 /// Clips the face of the other box that faces the best face of the reference box to the latter's sides, and adds what
@@ -172,7 +172,7 @@ bool clip_faces(const box_axes<S, W>& boxes, int lane, int reference, const edge
     const auto &turn_u = boxes.turn[reference][u], &turn_v = boxes.turn[reference][v],
                &turn_w = boxes.turn[reference][w];
     // A lower number wins unless another face is clearly better, so that rounding does not choose.
-    const S facing[3] = {size_of(turn_w[0][lane]), size_of(turn_w[1][lane]), size_of(turn_w[2][lane])};
+    const S facing[3] = {magnitude_of(turn_w[0][lane]), magnitude_of(turn_w[1][lane]), magnitude_of(turn_w[2][lane])};
     int across = facing[1] > facing[0] + S(1.0 / 1024) ? 1 : 0;
     across = facing[2] > facing[across] + S(1.0 / 1024) ? 2 : across;
     const bool upper = !(turn_w[across][lane] * sign > S(0));

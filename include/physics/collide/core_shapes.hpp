@@ -15,15 +15,15 @@ namespace detail {
 /// How far a core with these corners reaches along any direction, or more.
 template <int D>
 double extent_of_corners(const core<D>& c, int count) {
-    double most = 0;
+    double maximum = 0;
     for (int i = 0; i < count; ++i) {
         double sum = 0;
         for (int k = 0; k < D; ++k) sum += abs(c.corner[i][k]);
-        most = max(most, sum);
+        maximum = max(maximum, sum);
     }
-    return most;
+    return maximum;
 }
-inline core<3> core_of_discs(const discs<double>& d) {
+inline core<3> core_of_frustum(const discs<double>& d) {
     core<3> c;
     c.kind = core_kind::disc;
     c.corner[0] = {d.half, d.low, d.high};
@@ -69,11 +69,11 @@ detail::core<D> core_of(const rounded_box<S, D>& b) {
 }
 template <class S>
 detail::core<3> core_of(const cylinder<S, 3>& c) {
-    return detail::core_of_discs(detail::discs_of(c.template as<double>()));
+    return detail::core_of_frustum(detail::frustum_of(c.template as<double>()));
 }
 template <class S>
 detail::core<3> core_of(const cone<S, 3>& c) {
-    return detail::core_of_discs(detail::discs_of(c.template as<double>()));
+    return detail::core_of_frustum(detail::frustum_of(c.template as<double>()));
 }
 
 PHYSICS_HPP_END

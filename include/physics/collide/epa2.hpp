@@ -1,4 +1,4 @@
-// How deep two convex sets in the plane overlap: EPA.
+// How deep two convex sets in 2D overlap: EPA.
 #pragma once
 
 #include "physics/collide/epa3.hpp"
@@ -10,7 +10,7 @@ namespace detail {
 /// A growing convex polygon of vertices of B - A, counter-clockwise; edge i leads from vertex i to the next.
 class cso_polygon {
 public:
-    static constexpr int most_vertices = 128;
+    static constexpr int max_vertices = 128;
 
     cso_polygon(const cso_vertex<2>& a, const cso_vertex<2>& b, const cso_vertex<2>& c) {
         put(a, b);
@@ -21,7 +21,7 @@ public:
     [[nodiscard]] const point<2>& normal(int i) const { return at(i).normal; }
     [[nodiscard]] double distance(int i) const { return at(i).distance; }
     [[nodiscard]] int after(int i) const { return i + 1 < count_ ? i + 1 : 0; }
-    [[nodiscard]] bool full() const { return count_ == most_vertices; }
+    [[nodiscard]] bool full() const { return count_ == max_vertices; }
     /// The edge that is closest to the origin, seen from within; its distance is negative if the origin is outside.
     [[nodiscard]] int closest() const {
         int best = 0;
@@ -66,7 +66,7 @@ private:
         rings_[now_][count_++] = {from, n, dot(n, from.w)};
     }
 
-    raw_array<corner, most_vertices> rings_[2];
+    raw_array<corner, max_vertices> rings_[2];
     int now_ = 0, count_ = 0;
 };
 
@@ -99,7 +99,7 @@ inline bool make_triangle(const core<2>& a, const placed_core<2>& b, const simpl
     return side != 0;
 }
 
-/// The penetration of two cores in the plane that GJK found to overlap; see the one in space.
+/// The penetration of two cores in 2D that GJK found to overlap; see the one in 3D.
 inline penetration<2> epa(const core<2>& a, const placed_core<2>& b, const simplex<2>& from, double tolerance) {
     const double size = power_above(extent_of(a, b)), noise = 0x1p-48 * size;
     const orientation grid(size);
@@ -136,7 +136,8 @@ inline penetration<2> epa(const core<2>& a, const placed_core<2>& b, const simpl
             best.names[0] = p.name;
             best.names[1] = best.names[2] = q.name;
             best.located = at.count == 2;
-            if (!best.located && best.depth <= 0.25 * noise && from.count < 3) keep_touching(from, 0.25 * noise, best);
+            if (!best.located && best.depth <= 0.25 * noise && from.count < 3)
+                keep_faces_at_distance_zero(from, 0.25 * noise, best);
             return best;
         }
         hull.add(next, f, grid);

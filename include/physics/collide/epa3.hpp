@@ -1,4 +1,4 @@
-// How deep two convex sets in space overlap: EPA.
+// How deep two convex sets in 3D overlap: EPA.
 #pragma once
 
 #include "physics/base/raw_array.hpp"
@@ -29,7 +29,7 @@ struct penetration {
 /// and convex whatever rounding does: each new vertex lies beyond at least one face, and no face is ever without area.
 class cso_hull {
 public:
-    static constexpr int most_vertices = 160, most_faces = 2 * most_vertices;
+    static constexpr int max_vertices = 160, max_faces = 2 * max_vertices;
     using index = std::uint16_t;
 
     struct face {
@@ -45,7 +45,7 @@ public:
 
     /// Begins with a tetrahedron: three points that are counter-clockwise as seen from outside, and one behind them.
     cso_hull(const orientation& grid, double size, const raw_array<cso_vertex<3>, 4>& v)
-        : grid_(grid), size_(size), least_error_(size * size * size * 0x1p-53) {
+        : grid_(grid), size_(size), minimum_error_(size * size * size * 0x1p-53) {
         for (int i = 0; i < 4; ++i) vertices_[i] = v[i];
         vertex_count_ = 4;
         set(0, 0, 1, 2, 1, 2, 3);
@@ -57,14 +57,14 @@ public:
 
     [[nodiscard]] const cso_vertex<3>& vertex(int i) const { return vertices_[i]; }
     [[nodiscard]] const face& at(int i) const { return faces_[i]; }
-    [[nodiscard]] bool full() const { return vertex_count_ == most_vertices; }
+    [[nodiscard]] bool full() const { return vertex_count_ == max_vertices; }
     /// The face that is closest to the origin, seen from within; the origin may be outside.
     [[nodiscard]] int closest() const {
         int best = 0;
-        double least = key_[0];
+        double minimum = key_[0];
         for (int i = 1; i < face_count_; ++i) {
-            best = key_[i] < least ? i : best;
-            least = min(key_[i], least);
+            best = key_[i] < minimum ? i : best;
+            minimum = min(key_[i], minimum);
         }
         return best;
     }
@@ -178,7 +178,7 @@ private:
         it.squared_normal = nn;
         it.height = height;
         // Products of coordinates below size, and differences that the grid moves by 2 steps of size * 2^-59.
-        it.error = size_ * ((ee + gg) * 0x1p-44) + least_error_;
+        it.error = size_ * ((ee + gg) * 0x1p-44) + minimum_error_;
         // Faces so thin that rounding leaves no normal take no part: beside them are others in the same plane.
         key_[f] = nn > 0 ? key_of(height, nn) : never;
     }
@@ -189,15 +189,15 @@ private:
     static constexpr double never = 1e300, gone = 1.7976931348623157e308;
 
     orientation grid_;
-    double size_, least_error_;
+    double size_, minimum_error_;
     int vertex_count_ = 0, face_count_ = 0, horizon_count_ = 0, spare_count_ = 0;
-    raw_array<cso_vertex<3>, most_vertices> vertices_;
-    raw_array<face, most_faces> faces_;
+    raw_array<cso_vertex<3>, max_vertices> vertices_;
+    raw_array<face, max_faces> faces_;
     /// The squares of the faces' distances from the origin, with the distances' signs.
-    raw_array<double, most_faces> key_;
-    raw_array<index, most_faces> spare_;
-    raw_array<edge, most_faces> horizon_;
-    raw_array<crossing, 2 * most_faces> todo_;
+    raw_array<double, max_faces> key_;
+    raw_array<index, max_faces> spare_;
+    raw_array<edge, max_faces> horizon_;
+    raw_array<crossing, 2 * max_faces> todo_;
 };
 
 /// Completes a simplex to a tetrahedron, as cso_hull takes it, with the farthest points beside it; false if B - A is
@@ -276,7 +276,7 @@ void locate(const core<D>& a, const placed_core<D>& b, double size, penetration<
 
 /// Takes the normal of a face of B - A from the edges of A and B that it is made of, where that is no worse: where one
 /// shape is much larger than the other, the vertices of B - A have lost digits that these still have.
-inline void sharpen(const core<3>& a, const placed_core<3>& b, double noise, penetration<3>& p) {
+inline void refine_face_normal(const core<3>& a, const placed_core<3>& b, double noise, penetration<3>& p) {
     if (!a.has_vertices() || !b.shape->has_vertices()) return;
     point<3> of_a[3], of_b[3];
     for (int i = 0; i < 3; ++i) {
@@ -305,9 +305,9 @@ inline void sharpen(const core<3>& a, const placed_core<3>& b, double noise, pen
 
 /// Improves a way out on round shapes: parted along it, where they are closest shows a shorter one. Ends at a way that
 /// is shorter than all others near it.
-inline void shorten(const core<3>& a, const placed_core<3>& b, double size, double tolerance, penetration<3>& p) {
-    constexpr int most_iterations = 32;
-    for (int i = 0; i < most_iterations; ++i) {
+inline void descend(const core<3>& a, const placed_core<3>& b, double size, double tolerance, penetration<3>& p) {
+    constexpr int max_iterations = 32;
+    for (int i = 0; i < max_iterations; ++i) {
         placed_core<3> apart = b;
         apart.at += p.normal * (p.depth + 0x1p-10 * size);
         const gjk_result<3> r = gjk(a, apart, size, 0x1p-50, nullptr);
@@ -323,7 +323,7 @@ inline void shorten(const core<3>& a, const placed_core<3>& b, double size, doub
 
 /// Of cores that touch and no more: where GJK saw them do so.
 template <int D>
-void keep_touching(const simplex<D>& from, double noise, penetration<D>& p) {
+void keep_faces_at_distance_zero(const simplex<D>& from, double noise, penetration<D>& p) {
     point<D> left;
     for (int i = 0; i < from.count; ++i) left += from.vertex[i].w * from.weight[i];
     if (!(largest(left) <= noise)) return;
@@ -381,10 +381,11 @@ inline penetration<3> epa(const core<3>& a, const placed_core<3>& b, const simpl
             if (at.count == 3) correct_weights(w[0], w[1], w[2], n, weight);
             for (int i = 0; i < 3; ++i) best.on_a += hull.vertex(face.vertex[i]).on_a * weight[i];
             // Not where the normal turns by less than matters.
-            if (!(tolerance * length > 0x1p-48 * size * size * size)) sharpen(a, b, noise, best);
-            if (!converged) shorten(a, b, size, tolerance, best);
+            if (!(tolerance * length > 0x1p-48 * size * size * size)) refine_face_normal(a, b, noise, best);
+            if (!converged) descend(a, b, size, tolerance, best);
             best.located = at.count == 3 && converged;
-            if (!best.located && best.depth <= 0.25 * noise && from.count < 4) keep_touching(from, 0.25 * noise, best);
+            if (!best.located && best.depth <= 0.25 * noise && from.count < 4)
+                keep_faces_at_distance_zero(from, 0.25 * noise, best);
             return best;
         }
         hull.add(next, f);

@@ -39,9 +39,9 @@ struct gjk_result {
     bool overlapping = false;
     /// The search ended since the distance exceeds what was asked for.
     bool beyond = false;
-    /// The normal may part them by less than the distance says; if it does, and they are in `doubt` or it does not part
-    /// them at all, they touch.
-    bool askew = false, doubt = false;
+    /// normal_inexact: the separation along `normal` may be smaller than `distance`. If it is, cores that are
+    /// maybe_touching count as touching; others only if that separation is not positive.
+    bool normal_inexact = false, maybe_touching = false;
     query_status status = query_status::converged;
 };
 
@@ -97,14 +97,14 @@ void measure(gjk_result<D>& r, point<D> v) {
 
 /// GJK itself; see gjk().
 template <int D>
-gjk_result<D> search(const core<D>& a, const placed_core<D>& b, double most, double tolerance, gjk_cache* cache) {
-    constexpr int most_iterations = 128, most_stalls = 8, most_refinements = 8;
+gjk_result<D> search(const core<D>& a, const placed_core<D>& b, double maximum, double tolerance, gjk_cache* cache) {
+    constexpr int max_iterations = 128, max_stalls = 8, max_refinements = 8;
     gjk_result<D> r;
     int stalls = 0, refinements = 0;
-    double least_unknown = no_limit, most_parted = 0;
+    double minimum_unknown = no_limit, best_separated = 0;
     raw_array<gjk_result<D>, 1> best;
     // What rounding may do to a coordinate of the vertices.
-    const double noise = 0x1p-51 * extent_of(a, b), squared_noise = noise * noise, squared_most = most * most;
+    const double noise = 0x1p-51 * extent_of(a, b), squared_noise = noise * noise, squared_most = maximum * maximum;
     const bool smooth = !a.has_vertices() || !b.shape->has_vertices();
     // How far apart they must be for a normal that parts them by less than it says to count.
     const double trusted = (smooth ? 0x1p20 : 0x1p10) * noise;
@@ -118,7 +118,7 @@ gjk_result<D> search(const core<D>& a, const placed_core<D>& b, double most, dou
         point<D> axis;
         for (int i = 0; i < D; ++i) axis[i] = detail::to_double(cache->axis[i]);
         const double squared = dot(axis, axis);
-        if (squared > 0 && (smooth || most < no_limit)) {
+        if (squared > 0 && (smooth || maximum < no_limit)) {
             v = axis;
             // What parted the two may part them still.
             cso_vertex<D>& next = r.at.vertex[0];
@@ -158,7 +158,7 @@ gjk_result<D> search(const core<D>& a, const placed_core<D>& b, double most, dou
             done = gap <= tolerance * vv || gap * gap <= squared_noise * vv;
             for (int i = 0; i < r.at.count && !done; ++i)
                 done = smooth ? r.at.vertex[i].w == next.w : r.at.vertex[i].name == next.name;
-            if (!done && iteration >= most_iterations) {
+            if (!done && iteration >= max_iterations) {
                 r.status = query_status::iteration_limit;
                 done = true;
             }
@@ -175,11 +175,11 @@ gjk_result<D> search(const core<D>& a, const placed_core<D>& b, double most, dou
                 }
                 // Rounding lets it come no closer. The normal may still gain: the distance is flat where that is best.
                 const bool taken = closest.vertex[closest.count - 1] == r.at.count - 1;
-                if (gap * gap < 0.5 * least_unknown * vv) {
-                    least_unknown = gap * gap / vv;
+                if (gap * gap < 0.5 * minimum_unknown * vv) {
+                    minimum_unknown = gap * gap / vv;
                     stalls = 0;
                 }
-                done = !taken || ++stalls > most_stalls;
+                done = !taken || ++stalls > max_stalls;
             }
             if (done) --r.at.count;
             else {
@@ -195,14 +195,14 @@ gjk_result<D> search(const core<D>& a, const placed_core<D>& b, double most, dou
             // its own support tells more; one that never does is none, and they touch.
             if (!r.overlapping && r.distance < 0x1p30 * noise) [[unlikely]] {
                 const cso_vertex<D> farther = support_along(a, b, r.normal);
-                const double parted = dot(r.normal, farther.w);
-                if (parted < r.distance - 4 * noise) {
+                const double separated = dot(r.normal, farther.w);
+                if (separated < r.distance - 4 * noise) {
                     // Beside edges of B - A that all but touch, as near the tip of a cone, the next may part them less.
-                    if (refinements == 0 || parted > most_parted) {
-                        most_parted = parted;
+                    if (refinements == 0 || separated > best_separated) {
+                        best_separated = separated;
                         best[0] = r;
                     }
-                    if (r.at.count <= D && refinements++ < most_refinements) {
+                    if (r.at.count <= D && refinements++ < max_refinements) {
                         r.at.vertex[r.at.count++] = farther;
                         const closest_of<D> closest = closest_of_simplex(r.at, true);
                         if (closest.count <= D) r.at.keep(closest);
@@ -213,16 +213,16 @@ gjk_result<D> search(const core<D>& a, const placed_core<D>& b, double most, dou
                         continue;
                     }
                     r = best[0];
-                    r.askew = true;
-                    r.doubt = r.distance < trusted || (smooth && !(most_parted > 0));
+                    r.normal_inexact = true;
+                    r.maybe_touching = r.distance < trusted || (smooth && !(best_separated > 0));
                 }
             }
-            r.askew = !r.overlapping && (r.askew || leaves_before);
+            r.normal_inexact = !r.overlapping && (r.normal_inexact || leaves_before);
             break;
         }
     }
     // Rounding can't bring together what a normal was seen to part.
-    if (r.overlapping && most_parted > trusted) [[unlikely]]
+    if (r.overlapping && best_separated > trusted) [[unlikely]]
         r = best[0];
     if (cache != nullptr) {
         cache->count = static_cast<std::uint8_t>(r.at.count);
@@ -235,31 +235,33 @@ gjk_result<D> search(const core<D>& a, const placed_core<D>& b, double most, dou
 /// Mends a normal that rounding turned, as what parts the two is short beside them: parted farther along it, the normal
 /// between the same features is told by a longer vector. Each step is as long as the last one was exact. Takes how far
 /// a normal is wanted to part them, and how far this one does, which grows.
-inline void straighten(const core<3>& a, const placed_core<3>& b, double wanted, double& parted, gjk_result<3>& r) {
+inline void refine_normal(const core<3>& a, const placed_core<3>& b, double wanted, double& separated,
+                          gjk_result<3>& r) {
     constexpr double longer = 0x1p8;
-    const double most = max(0.25 * extent_of(a, b), r.distance);
+    const double maximum = max(0.25 * extent_of(a, b), r.distance);
     gjk_cache near;
     near.count = static_cast<std::uint8_t>(r.at.count);
     for (int i = 0; i < r.at.count; ++i) near.vertex[i] = r.at.vertex[i].name;
     point<3> n = r.normal;
-    for (double step = r.distance * longer; parted < wanted; step *= longer) {
+    for (double step = r.distance * longer; separated < wanted; step *= longer) {
         placed_core<3> apart = b;
-        apart.at += n * min(step, most);
+        apart.at += n * min(step, maximum);
         for (int i = 0; i < 3; ++i) near.axis[i] = static_cast<float>(n[i]);
         const gjk_result<3> found = search(a, apart, no_limit, 0x1p-54, &near);
         if (found.overlapping) return;
         n = found.normal;
         const double here = dot(n, support_along(a, b, n).w);
-        if (here > parted) parted = here, r.normal = n;
-        if (step >= most) return;
+        if (here > separated) separated = here, r.normal = n;
+        if (step >= maximum) return;
     }
 }
-/// The same in the plane: across the edge from what lies before the normal to the end below the origin, or the farther
+/// The same in 2D: across the edge from what lies before the normal to the end below the origin, or the farther
 /// one.
-inline void straighten(const core<2>& a, const placed_core<2>& b, double wanted, double& parted, gjk_result<2>& r) {
-    constexpr int most_steps = 8;
+inline void refine_normal(const core<2>& a, const placed_core<2>& b, double wanted, double& separated,
+                          gjk_result<2>& r) {
+    constexpr int max_steps = 8;
     point<2> from = r.at.vertex[0].w, to = r.at.vertex[r.at.count > 1 ? 1 : 0].w, n = r.normal;
-    for (int i = 0; i < most_steps && parted < wanted; ++i) {
+    for (int i = 0; i < max_steps && separated < wanted; ++i) {
         const point<2> before = support_along(a, b, n).w, e = before - from, f = before - to;
         const bool below_e = dot(before, e) > 0, below_f = dot(before, f) > 0;
         const bool keeps_from = below_e != below_f ? below_e : dot(e, e) > dot(f, f);
@@ -267,22 +269,22 @@ inline void straighten(const core<2>& a, const placed_core<2>& b, double wanted,
         n = dot(across, n) < 0 ? -across : across;
         (keeps_from ? to : from) = before;
         const double here = dot(n, support_along(a, b, n).w);
-        if (here > parted) parted = here, r.normal = n;
+        if (here > separated) separated = here, r.normal = n;
     }
 }
 
-/// The distance of two cores, in A's frame; gives up as soon as it is known to exceed `most`, and ends where it is
+/// The distance of two cores, in A's frame; gives up as soon as it is known to exceed `maximum`, and ends where it is
 /// known within the part `tolerance`. Source: Gilbert, Johnson, Keerthi (1988); van den Bergen, Collision detection in
 /// interactive 3D environments (2003), 4.3. Cost: 4 to 10 supports of both, 1 or 2 with a cache.
 template <int D>
-gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double most, double tolerance, gjk_cache* cache) {
-    gjk_result<D> r = search(a, b, most, tolerance, cache);
-    if (r.askew) [[unlikely]] {
+gjk_result<D> gjk(const core<D>& a, const placed_core<D>& b, double maximum, double tolerance, gjk_cache* cache) {
+    gjk_result<D> r = search(a, b, maximum, tolerance, cache);
+    if (r.normal_inexact) [[unlikely]] {
         const double wanted = r.distance - 0x1p-49 * extent_of(a, b);
-        double parted = dot(r.normal, support_along(a, b, r.normal).w);
-        if (parted < wanted) straighten(a, b, wanted, parted, r);
-        if (parted >= wanted) r.distance = min(r.distance, parted);
-        else if (r.doubt || !(parted > 0)) r.overlapping = true, r.normal = {}, r.distance = 0;
+        double separated = dot(r.normal, support_along(a, b, r.normal).w);
+        if (separated < wanted) refine_normal(a, b, wanted, separated, r);
+        if (separated >= wanted) r.distance = min(r.distance, separated);
+        else if (r.maybe_touching || !(separated > 0)) r.overlapping = true, r.normal = {}, r.distance = 0;
     }
     return r;
 }

@@ -1,4 +1,4 @@
-// Contact of convex polygons of a few vertices in the plane.
+// Contact of convex polygons of a few vertices in 2D.
 #pragma once
 
 #include "physics/collide/patch.hpp"
@@ -9,11 +9,11 @@ PHYSICS_HPP_BEGIN
 namespace detail {
 
 /// Polygons of more vertices are quicker by GJK; thin ones need its precision.
-inline constexpr int most_separating_edges = 8;
+inline constexpr int max_separating_edges = 8;
 
 template <class S>
 bool is_small(const hull<S, 2>& h) {
-    return h.geometry->vertex_count <= std::uint32_t{most_separating_edges} &&
+    return h.geometry->vertex_count <= std::uint32_t{max_separating_edges} &&
            h.geometry->inradius > 0x1p-7 * h.geometry->reach;
 }
 /// In its own frame, and in another one.
@@ -59,8 +59,8 @@ rounded_polygon<S, N> polygon_of(const hull<S, 2>& h, const transform<S, 2>& at)
 }
 /// Whether circles around the origins of their frames part two hulls.
 template <class S>
-bool are_far_apart(const hull<S, 2>& a, const hull<S, 2>& b, const vec<S, 2>& way, S margin) {
-    const double x = to_double(way.x), y = to_double(way.y);
+bool are_far_apart(const hull<S, 2>& a, const hull<S, 2>& b, const vec<S, 2>& offset, S margin) {
+    const double x = to_double(offset.x), y = to_double(offset.y);
     const double reach = (a.geometry->span + b.geometry->span) * (1 + 0x1p-20) + to_double(a.radius) +
                          to_double(b.radius) + to_double(margin);
     return x * x + y * y > reach * reach;
@@ -69,8 +69,8 @@ bool are_far_apart(const hull<S, 2>& a, const hull<S, 2>& b, const vec<S, 2>& wa
 template <class A, class S>
 void collide_with_hull(const A& a, const hull<S, 2>& b, bool small, const transform<S, 2>& b_in_a, S margin,
                        manifold<S, 2>& out) {
-    constexpr int most = most_separating_edges;
-    if (small) collide_polygons(polygon_of<most>(a), polygon_of<most>(b, b_in_a), margin, out);
+    constexpr int maximum = max_separating_edges;
+    if (small) collide_polygons(polygon_of<maximum>(a), polygon_of<maximum>(b, b_in_a), margin, out);
     else collide_cores(a, b, b_in_a, margin, nullptr, overlap_method::epa, out);
 }
 

@@ -16,7 +16,7 @@ struct manifold_point {
     std::uint32_t feature = 0;
 };
 
-/// The points in which two shapes touch or nearly touch: at most 2 in the plane and 4 in space.
+/// The points in which two shapes touch or nearly touch: at most 2 in 2D and 4 in 3D.
 template <class S, int D>
 struct manifold {
     static constexpr int capacity = D == 2 ? 2 : 4;
@@ -49,7 +49,7 @@ constexpr void collide_round(vec<S, D> a, S radius_a, vec<S, D> b, S radius_b, v
     const vec<S, D> offset = b - a;
     const S reach = radius_a + radius_b + margin;
     if (largest(offset) > reach) return;
-    const auto [direction, gap] = split(offset);
+    const auto [direction, gap] = direction_and_length_of(offset);
     if (gap > reach) return;
     out.normal = gap > S(0) ? direction : fallback;
     add_rounded(out, a, radius_a, b, radius_b, gap, feature);

@@ -32,7 +32,7 @@ inline penetration<3> portal_penetration(const cso_vertex<3> (&v)[3], const poin
 /// longer. It starts at the difference of the cores' centres. Source: Snethen,
 /// XenoCollide: complex collision made simple, Game Programming Gems 7 (2008). Cost: about half of EPA's.
 inline penetration<3> mpr(const core<3>& a, const placed_core<3>& b, const simplex<3>& from, double tolerance) {
-    constexpr int most_iterations = 64;
+    constexpr int max_iterations = 64;
     const double noise = 0x1p-48 * extent_of(a, b);
     point<3> inside = b.axes * b.shape->center + b.at - a.center;
     if (!(largest(inside) > noise)) inside = {4 * noise, 0, 0};
@@ -51,10 +51,10 @@ inline penetration<3> mpr(const core<3>& a, const placed_core<3>& b, const simpl
         else if (dot(cross(v[2].w, v[1].w), inside) < 0) v[0] = v[2];
         else break;
         // Flat sets have no portal.
-        if (i == most_iterations) return epa(a, b, from, tolerance);
+        if (i == max_iterations) return epa(a, b, from, tolerance);
         n = cross(v[0].w - inside, v[1].w - inside);
     }
-    for (int i = 0; i < most_iterations; ++i) {
+    for (int i = 0; i < max_iterations; ++i) {
         n = unit(cross(v[1].w - v[0].w, v[2].w - v[0].w));
         if (dot(n, v[0].w - inside) < 0) n = -n;
         // Where the ray only grazes the portal, what was found may be one that it does not pass.
@@ -69,9 +69,9 @@ inline penetration<3> mpr(const core<3>& a, const placed_core<3>& b, const simpl
     return epa(a, b, from, tolerance);
 }
 
-/// The same in the plane.
+/// The same in 2D.
 inline penetration<2> mpr(const core<2>& a, const placed_core<2>& b, const simplex<2>& from, double tolerance) {
-    constexpr int most_iterations = 64;
+    constexpr int max_iterations = 64;
     const double noise = 0x1p-48 * extent_of(a, b);
     point<2> inside = b.axes * b.shape->center + b.at - a.center;
     if (!(largest(inside) > noise)) inside = {4 * noise, 0};
@@ -81,7 +81,7 @@ inline penetration<2> mpr(const core<2>& a, const placed_core<2>& b, const simpl
     const double side = cross(v[0].w - inside, -inside);
     point<2> n = perpendicular(v[0].w - inside);
     v[1] = farthest_along(a, b, side > 0 ? -n : n);
-    for (int i = 0; i < most_iterations; ++i) {
+    for (int i = 0; i < max_iterations; ++i) {
         n = unit(perpendicular(v[1].w - v[0].w));
         if (dot(n, v[0].w - inside) < 0) n = -n;
         if (!(-dot(n, inside) > grazing * length(inside))) break;

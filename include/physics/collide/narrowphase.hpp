@@ -47,10 +47,10 @@ struct pairwise_narrowphase {
                             manifold_list<S, D>& found) {
             using boxes = box_batch<Methods, S, D, Shapes...>;
             if constexpr (boxes::is_used) {
-                for (std::uint32_t first = 0; first < count; first += boxes::most) {
-                    const std::uint32_t part = count - first < boxes::most ? count - first : boxes::most;
-                    const boxes batch(queries + first, part, margin, memories);
-                    for (std::uint32_t i = 0; i < part; ++i)
+                for (std::uint32_t first = 0; first < count; first += boxes::capacity) {
+                    const std::uint32_t chunk = count - first < boxes::capacity ? count - first : boxes::capacity;
+                    const boxes batch(queries + first, chunk, margin, memories);
+                    for (std::uint32_t i = 0; i < chunk; ++i)
                         if (!batch.add(i, first + i, found)) collide_one(queries, first + i, margin, memories, found);
                 }
             } else {

@@ -19,7 +19,7 @@ struct pair_memory {
     transform<S, D> b_in_a;
     /// How far B reaches from its origin, and how far its points may move while the manifold is carried along (m).
     S reach{};
-    S still{};
+    S reuse_distance{};
     manifold<S, D> contact;
     /// Set by whatever changes it, and no part of what is remembered.
     bool changed = false;
@@ -40,8 +40,8 @@ constexpr S turned_by(rotation<S, 3> a, rotation<S, 3> b, S arm) {
 /// Whether the pair has moved so little since its manifold was found that it may be carried along.
 template <class S, int D>
 constexpr bool is_still(const pair_memory<S, D>& m, const transform<S, D>& b_in_a) {
-    return m.contact.count > 0 && !(largest(b_in_a.position - m.b_in_a.position) > m.still) &&
-           !(turned_by(b_in_a.rotation, m.b_in_a.rotation, m.reach) > m.still);
+    return m.contact.count > 0 && !(largest(b_in_a.position - m.b_in_a.position) > m.reuse_distance) &&
+           !(turned_by(b_in_a.rotation, m.b_in_a.rotation, m.reach) > m.reuse_distance);
 }
 
 /// The manifold that was remembered, its points carried along with their shapes: those of B by what it has moved in
@@ -71,7 +71,7 @@ void remember(const manifold<S, D>& found, const transform<S, D>& b_in_a, S reac
     m.contact = found;
     m.b_in_a = b_in_a;
     m.reach = reach;
-    m.still = thin * S(1.0 / 512);
+    m.reuse_distance = thin * S(1.0 / 512);
     m.changed = true;
 }
 template <class A, class B, class S, int D>
@@ -90,8 +90,8 @@ void remember(const A& a, const B& b, const transform<S, D>& b_in_a, const manif
 template <class S>
 void remember(const box<S, 3>& a, const box<S, 3>& b, const transform<S, 3>& b_in_a, const manifold<S, 3>& found,
               pair_memory<S, 3>& m) {
-    const vec<S, 3> least = min(a.half_extents, b.half_extents), of_b = b.half_extents;
-    remember(found, b_in_a, of_b.x + of_b.y + of_b.z, min(least.x, min(least.y, least.z)), m);
+    const vec<S, 3> minimum = min(a.half_extents, b.half_extents), of_b = b.half_extents;
+    remember(found, b_in_a, of_b.x + of_b.y + of_b.z, min(minimum.x, min(minimum.y, minimum.z)), m);
 }
 
 /// Of a pair that did not touch: true if the axis that parted it last parts it still, by more than the margin. Clearly
@@ -104,8 +104,8 @@ bool still_parted(const A& a, const B& b, const transform<S, D>& b_in_a, S margi
     if (dot(axis, axis) > 0) {
         const core_pair<D> pair(a, b, b_in_a);
         const double reach = pair.a.radius + pair.b.radius + detail::to_double(margin);
-        const double parted = dot(axis, support_along(pair.a, pair.placed, axis).w) / length(axis);
-        if (parted > reach + 0x1p-30 * (reach + extent_of(pair.a, pair.placed))) return true;
+        const double separated = dot(axis, support_along(pair.a, pair.placed, axis).w) / length(axis);
+        if (separated > reach + 0x1p-30 * (reach + extent_of(pair.a, pair.placed))) return true;
     }
     cache = {};
     return false;

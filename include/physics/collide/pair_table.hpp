@@ -1,6 +1,7 @@
 // What each pair of kinds of shapes does to meet.
 #pragma once
 
+#include "physics/base/handle.hpp"
 #include "physics/collide/hull2.hpp"
 #include "physics/collide/pair_memory.hpp"
 #include "physics/collide/pairs2.hpp"
@@ -25,15 +26,10 @@ struct narrowphase_query {
     /// Which of the memories is this pair's.
     std::uint32_t memory = no_memory;
 
-    static constexpr std::uint32_t no_memory = 0xffffffffu;
+    static constexpr std::uint32_t no_memory = detail::null_index;
 };
 
 namespace detail {
-
-template <class Shape>
-constexpr bool is_halfspace = false;
-template <class S, int D>
-constexpr bool is_halfspace<halfspace<S, D>> = true;
 
 /// True if the general kernels serve a pair, in this order.
 template <class A, class B>
@@ -96,11 +92,11 @@ struct pair_table {
         } else if constexpr (collides_by_parts<B, A, D>) {
             const std::uint32_t first = out.size();
             run_parts(b, a, inverse(q.b_in_a), number, margin, out);
-            for (std::uint32_t i = first; i < out.size(); ++i) turn_round(out[i].contact, q.b_in_a);
+            for (std::uint32_t i = first; i < out.size(); ++i) flipped_in_place(out[i].contact, q.b_in_a);
         } else {
-            found_manifold<S, D>& found = out.emplace(number, 0u);
+            found_manifold<S, D>& found = out.emplace_back(number, 0u);
             run_convex(a, b, q.b_in_a, margin, m, found.contact);
-            if (found.contact.count == 0) out.pop();
+            if (found.contact.count == 0) out.pop_back();
         }
     }
     template <class A, class B>
@@ -111,7 +107,7 @@ struct pair_table {
         else if constexpr (is_compound<A, D> && is_halfspace<B>)
             collide_children_with_plane(a, b, b_in_a, margin, number, out);
     }
-    static void turn_round(manifold<S, D>& m, const transform<S, D>& b_in_a) {
+    static void flipped_in_place(manifold<S, D>& m, const transform<S, D>& b_in_a) {
         m.normal = -(b_in_a.rotation * m.normal);
         for (int i = 0; i < m.count; ++i) m.points[i].position = b_in_a * m.points[i].position;
     }
@@ -154,7 +150,7 @@ struct pair_table {
     static void run_swapped(const A& a, const B& b, const transform<S, D>& b_in_a, S margin, gjk_cache* cache,
                             manifold<S, D>& out) {
         run(b, a, inverse(b_in_a), margin, cache, out);
-        turn_round(out, b_in_a);
+        flipped_in_place(out, b_in_a);
     }
     template <class A>
     static constexpr void fill_row(function* row, bool* remembered) {

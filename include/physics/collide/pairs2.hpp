@@ -1,9 +1,9 @@
 // Contact of the pairs that are particular to the plane.
 #pragma once
 
+#include "physics/collide/ball_pairs.hpp"
 #include "physics/collide/box2.hpp"
 #include "physics/collide/polygon2.hpp"
-#include "physics/collide/round.hpp"
 
 PHYSICS_HPP_BEGIN
 

@@ -1,8 +1,8 @@
 // Contact of the pairs that are particular to space.
 #pragma once
 
+#include "physics/collide/ball_pairs.hpp"
 #include "physics/collide/capsule3.hpp"
-#include "physics/collide/round.hpp"
 
 PHYSICS_HPP_BEGIN
 

@@ -32,23 +32,24 @@ bool faces(const surface_part<D>& part, const point<D>& from) {
 /// When shape B, moving by `translation`, first touches a surface or a compound; see shape_cast of convex shapes.
 /// One-sided parts stop what begins before them. Cost: a cast for each part near the way.
 template <class A, class B, class S, int D>
-    requires detail::has_parts<A, D> && detail::has_core<B> cast_hit<S, D> shape_cast(
+    requires detail::has_parts<A, D> && detail::has_core<B> cast_hit<S, D> cast_shape(
         const A& a, const B& b, const transform<S, D>& b_in_a, std::type_identity_t<vec<S, D>> translation,
-        std::type_identity_t<S> most = S(1)) {
+        std::type_identity_t<S> maximum = S(1)) {
         using detail::point;
         const detail::core<D> shape = core_of(b);
         const mat<double, D> axes = detail::to_matrix(b_in_a.rotation);
-        const point<D> from = detail::to_point(b_in_a.position), way = detail::to_point(translation);
+        const point<D> from = detail::to_point(b_in_a.position), displacement = detail::to_point(translation);
         const aabb<double, D> start = detail::bounds_of(detail::placed_core<D>{&shape, axes, from}, 0.0);
-        const aabb<double, D> box{min(start.lower, start.lower + way), max(start.upper, start.upper + way)};
+        const aabb<double, D> box{min(start.lower, start.lower + displacement),
+                                  max(start.upper, start.upper + displacement)};
         cast_hit<S, D> first;
         detail::each_piece(
             a, box, [&](const auto& part) { return detail::faces(part, axes * shape.center + from); },
             [&](const detail::core<D>& piece, const mat<double, D>& piece_axes, const point<D>& at, std::uint32_t) {
                 const mat<double, D> back = transposed(piece_axes);
                 const detail::core_pair<D> pair(piece, shape, back * axes, back * (from - at));
-                const double left = detail::to_double(first ? first.fraction : most);
-                cast_hit<S, D> hit = detail::cast_shapes<S>(pair, back * way, left);
+                const double left = detail::to_double(first ? first.fraction : maximum);
+                cast_hit<S, D> hit = detail::cast_shapes<S>(pair, back * displacement, left);
                 if (!hit || (first && !(hit.fraction < first.fraction))) return;
                 hit.normal = detail::from_point<S>(piece_axes * detail::to_point(hit.normal));
                 hit.point = detail::from_point<S>(piece_axes * detail::to_point(hit.point) + at);

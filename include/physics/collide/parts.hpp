@@ -2,6 +2,7 @@
 #pragma once
 
 #include "physics/base/buffer.hpp"
+#include "physics/base/handle.hpp"
 #include "physics/collide/surface.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -19,7 +20,7 @@ using manifold_list = buffer<found_manifold<S, D>>;
 
 namespace detail {
 
-struct nobody {
+struct no_op {
     template <class T>
     void operator()(const T&) const {}
 };
@@ -27,12 +28,12 @@ struct nobody {
 /// the shape's frame; it has a `radius`.
 template <class Shape, int D>
 concept is_surface = requires(const Shape s, const aabb<double, D> box) {
-    each_part(s, box, nobody{});
+    each_part(s, box, no_op{});
 };
 /// A shape made of convex shapes: each_child(shape, box, f) calls f(compound_child) likewise.
 template <class Shape, int D>
 concept is_compound = requires(const Shape s, const aabb<double, D> box) {
-    each_child(s, box, nobody{});
+    each_child(s, box, no_op{});
 };
 
 /// Calls f(core where it stands, number) for the convex shapes that a solid consists of and that may reach into the
@@ -79,10 +80,11 @@ void collide_children_with_plane(const A& a, const halfspace<S, D>& b, const tra
     const bounding_half<D> half(b, b_in_a);
     each_child(a, everywhere(b_in_a.rotation), [&](const auto& child) {
         manifold<double, D> m;
-        touch_half<S>(placed_core<D>{&child.shape, child.axes, child.at}, half, detail::to_double(margin), m);
+        find_halfspace_contacts<S>(placed_core<D>{&child.shape, child.axes, child.at}, half, detail::to_double(margin),
+                                   m);
         if (m.count == 0) return;
-        add_rounded_once(m, out.emplace(query, child.number).contact);
-        for (int i = 0; i < m.count; ++i) out.back().contact.points[i].feature += mixed(child.number, 0);
+        add_rounded_once(m, out.emplace_back(query, child.number).contact);
+        for (int i = 0; i < m.count; ++i) out.back().contact.points[i].feature += hash_mixed(child.number, 0);
     });
 }
 
@@ -97,9 +99,9 @@ void collide_parts(const A& a, const B& b, const transform<S, D>& b_in_a, S marg
     double slack = 0;
     const auto add = [&](const manifold<double, D>& m, std::uint32_t of_a, std::uint32_t of_b) {
         if (m.count == 0) return;
-        auto& found = out.emplace(query, of_a);
+        auto& found = out.emplace_back(query, of_a);
         add_rounded_once(m, found.contact);
-        for (int i = 0; i < m.count; ++i) found.contact.points[i].feature += mixed(of_a, of_b);
+        for (int i = 0; i < m.count; ++i) found.contact.points[i].feature += hash_mixed(of_a, of_b);
     };
     if constexpr (is_surface<A, D>) {
         const double radius = detail::to_double(a.radius);
@@ -108,8 +110,8 @@ void collide_parts(const A& a, const B& b, const transform<S, D>& b_in_a, S marg
             const std::uint32_t first_of_body = out.size();
             doubtful_parts<D> doubtful;
             manifold<double, D> last_resort;
-            turned_facet<D> facets;
-            std::uint32_t last_part = 0xffffffffu;
+            rotated_support_feature<D> facets;
+            std::uint32_t last_part = null_index;
             slack = max(slack, slack_of_body);
             each_part(a, bounds_of(body, radius + reach), [&](const surface_part<D>& part) {
                 manifold<double, D> m;
@@ -128,7 +130,7 @@ void collide_parts(const A& a, const B& b, const transform<S, D>& b_in_a, S marg
                 const mat<double, D> back = transposed(child.axes);
                 const core_pair<D> pair(child.shape, *body.shape, back * body.axes, back * (body.at - child.at));
                 manifold<double, D> m;
-                touch_cores<S>(pair, reach, nullptr, method, m);
+                find_core_contacts<S>(pair, reach, nullptr, method, m);
                 m.normal = child.axes * m.normal;
                 for (int i = 0; i < m.count; ++i) m.points[i].position = child.axes * m.points[i].position + child.at;
                 add(m, child.number, of_b);

@@ -4,9 +4,9 @@
 #include "physics/base/raw_array.hpp"
 #include "physics/collide/bounding_half.hpp"
 #include "physics/collide/convex.hpp"
-#include "physics/collide/facet.hpp"
 #include "physics/collide/reduce2.hpp"
 #include "physics/collide/reduce3.hpp"
+#include "physics/collide/support_feature.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -18,7 +18,9 @@ struct patch_limits {
     double reference_radius, incident_radius, margin, slack;
 };
 
-inline std::uint32_t mixed(std::uint32_t a, std::uint32_t b) { return (a ^ b * 0x9e3779b1u) * 0x85ebca6bu ^ a >> 15; }
+inline std::uint32_t hash_mixed(std::uint32_t a, std::uint32_t b) {
+    return (a ^ b * 0x9e3779b1u) * 0x85ebca6bu ^ a >> 15;
+}
 
 /// Adds the contact of a core point of the incident shape that lies `gap` beyond the reference's core, seen along n
 /// from the reference.
@@ -32,7 +34,7 @@ manifold_point<double, D> touching(const point<D>& on_incident, const point<D>& 
 /// Whether a facet lies within five degrees of the plane across n. A round edge leads its surface along its own normal,
 /// which n then misses by 1/255 of the radius at most: where it tilts more, only its deepest point touches.
 template <int D>
-bool lies_flat(const facet<D>& f, const point<D>& n) {
+bool lies_flat(const support_feature<D>& f, const point<D>& n) {
     if (f.flat) return dot(f.normal, n) < -1 + 1.0 / 256;
     const point<D> edge = f.corner[1] - f.corner[0];
     const double tilt = dot(edge, n);
@@ -43,22 +45,23 @@ bool lies_flat(const facet<D>& f, const point<D>& n) {
 /// it is within the margin; `gap` is how far n parts the cores. False, with nothing added, if what n finds closest was
 /// cut off: then the two do not touch face to face. Seen in a frame of the caller's; `flip` says that the reference is
 /// shape B. Source: Sutherland, Hodgman, Reentrant polygon clipping (1974).
-inline bool clip_facets(const facet<3>& reference, const point<3>& n, double gap, const facet<3>& incident, bool flip,
-                        const patch_limits& by, manifold<double, 3>& out) {
+inline bool clip_support_features(const support_feature<3>& reference, const point<3>& n, double gap,
+                                  const support_feature<3>& incident, bool flip, const patch_limits& by,
+                                  manifold<double, 3>& out) {
     struct corner {
         point<3> at;
         std::uint8_t before, after;
     };
     // Each cut adds a corner at most, and no more than three corners of a face are sharp.
-    static_assert(2 * facet<3>::most + 3 <= most_candidates);
-    raw_array<corner, most_candidates> rings[2];
+    static_assert(2 * support_feature<3>::capacity + 3 <= max_candidates);
+    raw_array<corner, max_candidates> rings[2];
     int count = incident.count, ring = 0;
     for (int i = 0; i < count; ++i)
         rings[0][i] = {incident.corner[i], static_cast<std::uint8_t>(i > 0 ? i - 1 : count - 1),
                        static_cast<std::uint8_t>(i)};
     // Keeps what lies within the limit along m.
     const auto cut = [&](const point<3>& m, const point<3>& from, double limit, int number) {
-        const auto name = static_cast<std::uint8_t>(facet<3>::most + number);
+        const auto name = static_cast<std::uint8_t>(support_feature<3>::capacity + number);
         const auto& in = rings[ring];
         auto& kept = rings[1 - ring];
         int left = 0;
@@ -92,7 +95,7 @@ inline bool clip_facets(const facet<3>& reference, const point<3>& n, double gap
         if (reference.count > 2 && count > 0 && turn < 0 && turn * turn > 0.25 * lengths) {
             // Across n, since the facet that is cut may lie far below.
             const point<3> mean = normalized(before) - normalized(edge), tip = mean - n * dot(mean, n);
-            cut(tip, from, by.slack * length(tip), facet<3>::most + e);
+            cut(tip, from, by.slack * length(tip), support_feature<3>::capacity + e);
         }
         before = edge;
     }
@@ -103,17 +106,17 @@ inline bool clip_facets(const facet<3>& reference, const point<3>& n, double gap
         aside = normalized(cross(edge, up));
     }
     const double steep = 1 / dot(up, n);
-    raw_array<manifold_point<double, 3>, most_candidates> found;
+    raw_array<manifold_point<double, 3>, max_candidates> found;
     int candidates = 0;
     double deepest = gap + 3 * by.slack;
-    const std::uint32_t faces = mixed(reference.number << 1 | std::uint32_t{flip}, incident.number);
+    const std::uint32_t faces = hash_mixed(reference.number << 1 | std::uint32_t{flip}, incident.number);
     for (int i = 0; i < count; ++i) {
         const corner& c = rings[ring][i];
         const double here = dot(up, c.at - base) * steep;
         deepest = min(deepest, here);
         // Two lines touch side by side only where one lies above the other.
         if (!reference.flat && abs(dot(aside, c.at - base)) > by.slack) return false;
-        const std::uint32_t feature = mixed(faces, static_cast<std::uint32_t>(c.before << 8 | c.after));
+        const std::uint32_t feature = hash_mixed(faces, static_cast<std::uint32_t>(c.before << 8 | c.after));
         const manifold_point<double, 3> p = touching(c.at, n, here, by, feature);
         if (!(p.separation > by.margin)) found[candidates++] = p;
     }
@@ -128,8 +131,9 @@ inline bool clip_facets(const facet<3>& reference, const point<3>& n, double gap
     return true;
 }
 
-inline bool clip_facets(const facet<2>& reference, const point<2>& n, double gap, const facet<2>& incident, bool flip,
-                        const patch_limits& by, manifold<double, 2>& out) {
+inline bool clip_support_features(const support_feature<2>& reference, const point<2>& n, double gap,
+                                  const support_feature<2>& incident, bool flip, const patch_limits& by,
+                                  manifold<double, 2>& out) {
     const point<2> from = reference.corner[0], edge = reference.corner[1] - from;
     const point<2> up = reference.normal;
     const double whole = dot(edge, edge), limit = by.slack * sqrt(whole), steep = 1 / dot(up, n);
@@ -146,8 +150,8 @@ inline bool clip_facets(const facet<2>& reference, const point<2>& n, double gap
         if (stop != at[k]) p += (incident.corner[1 - k] - p) * ((stop - at[k]) / (at[1 - k] - at[k]));
         gaps[k] = dot(up, p - from) * steep;
         // Whether the end is a corner or a cut stays out of the name: of equal boxes it changes with rounding.
-        const std::uint32_t feature =
-            mixed(mixed(reference.number << 1 | std::uint32_t{flip}, incident.number), static_cast<std::uint32_t>(k));
+        const std::uint32_t feature = hash_mixed(
+            hash_mixed(reference.number << 1 | std::uint32_t{flip}, incident.number), static_cast<std::uint32_t>(k));
         found[k] = touching(p, n, gaps[k], by, feature);
     }
     if (min(gaps[0], gaps[1]) > gap + 2 * by.slack) return false;
@@ -174,16 +178,17 @@ double slack_of(const core_pair<D>& pair) {
 /// the features of bodies at rest, contacts may deviate by two slacks, never more; points on a round side that leans by
 /// up to five degrees by 1/255 of its radius as well, since it is taken for flat.
 template <int D>
-void touch_parted(const core_pair<D>& pair, core_separation<D> s, double margin, double slack,
-                  manifold<double, D>& out) {
-    const facet<D> of_a = facet_of(pair.a, s.normal), of_b = facet_of(pair.placed, -s.normal);
+void find_separated_contacts(const core_pair<D>& pair, core_separation<D> s, double margin, double slack,
+                             manifold<double, D>& out) {
+    const support_feature<D> of_a = support_feature_of(pair.a, s.normal),
+                             of_b = support_feature_of(pair.placed, -s.normal);
     const patch_limits from_a{pair.a.radius, pair.b.radius, margin, slack};
     const patch_limits from_b{pair.b.radius, pair.a.radius, margin, slack};
     const auto by_face_of_a = [&](const point<D>& n, double gap) {
-        return of_b.count > 1 && clip_facets(of_a, n, gap, of_b, false, from_a, out);
+        return of_b.count > 1 && clip_support_features(of_a, n, gap, of_b, false, from_a, out);
     };
     const auto by_face_of_b = [&](const point<D>& n, double gap) {
-        return of_a.count > 1 && clip_facets(of_b, n, gap, of_a, true, from_b, out);
+        return of_a.count > 1 && clip_support_features(of_b, n, gap, of_a, true, from_b, out);
     };
     // Faces before edges and a's before b's where they are alike, so that the choice does not flicker.
     const double gap_a =
@@ -202,18 +207,18 @@ void touch_parted(const core_pair<D>& pair, core_separation<D> s, double margin,
 
     locate(pair, s);
     std::uint32_t feature = 0x80000000u;
-    for (int i = 0; i < s.name_count; ++i) feature += mixed(s.names[i], 0x51u);
+    for (int i = 0; i < s.name_count; ++i) feature += hash_mixed(s.names[i], 0x51u);
     out.normal = s.normal;
     out.points[out.count++] = touching<D>(s.on_a + s.normal * s.gap, s.normal, s.gap, from_a, feature);
 }
 
 /// Contact of two cores; what pairs without a function of their own get.
 template <class S, int D>
-void touch_cores(const core_pair<D>& pair, double margin, gjk_cache* cache, overlap_method method,
-                 manifold<double, D>& out) {
+void find_core_contacts(const core_pair<D>& pair, double margin, gjk_cache* cache, overlap_method method,
+                        manifold<double, D>& out) {
     const double reach = pair.a.radius + pair.b.radius + margin;
     const core_separation<D> s = separate<S>(pair, reach, cache, method);
-    if (!s.beyond && !(s.gap > reach)) touch_parted(pair, s, margin, slack_of<S>(pair), out);
+    if (!s.beyond && !(s.gap > reach)) find_separated_contacts(pair, s, margin, slack_of<S>(pair), out);
 }
 
 template <class S, int D>
@@ -229,16 +234,17 @@ void collide_cores(const A& a, const B& b, const transform<S, D>& b_in_a, S marg
                    overlap_method method, manifold<S, D>& out) {
     const core_pair<D> pair(a, b, b_in_a);
     manifold<double, D> m;
-    touch_cores<S>(pair, detail::to_double(margin), cache, method, m);
+    find_core_contacts<S>(pair, detail::to_double(margin), cache, method, m);
     add_rounded_once(m, out);
 }
 
 /// Contact of a core with a halfspace: the corners of what the core turns towards it.
 template <class S, int D>
-void touch_half(const placed_core<D>& c, const bounding_half<D>& half, double margin, manifold<double, D>& out) {
+void find_halfspace_contacts(const placed_core<D>& c, const bounding_half<D>& half, double margin,
+                             manifold<double, D>& out) {
     const point<D>& n = half.normal;
-    const facet<D> f = facet_of(c, -n);
-    raw_array<manifold_point<double, D>, facet<D>::most + 1> found;
+    const support_feature<D> f = support_feature_of(c, -n);
+    raw_array<manifold_point<double, D>, support_feature<D>::capacity + 1> found;
     const patch_limits by{0, c.shape->radius, margin, 0};
     int count = 0;
     const auto touch = [&](const point<D>& p, std::uint32_t feature) {
@@ -248,13 +254,13 @@ void touch_half(const placed_core<D>& c, const bounding_half<D>& half, double ma
     double deepest = no_limit;
     for (int i = 0; i < f.count; ++i) {
         deepest = min(deepest, dot(n, f.corner[i]));
-        touch(f.corner[i], mixed(f.number, static_cast<std::uint32_t>(i)));
+        touch(f.corner[i], hash_mixed(f.number, static_cast<std::uint32_t>(i)));
     }
     // The lowest point may be none of the corners, of round shapes and of faces that were thinned out.
     const support_point<D> lowest = c.support(-n);
     const double slack =
         max(c.shape->thickness * (1.0 / 512), static_cast<double>(rounding_of(S(1))) * c.shape->extent);
-    if (dot(n, lowest.at) < deepest - slack) touch(lowest.at, mixed(0x80000000u, lowest.vertex));
+    if (dot(n, lowest.at) < deepest - slack) touch(lowest.at, hash_mixed(0x80000000u, lowest.vertex));
     out.normal = -n;
     reduce(found.items, count, n, slack, out);
 }
@@ -264,8 +270,8 @@ void collide_with_plane(const A& a, const halfspace<S, D>& b, const transform<S,
                         manifold<S, D>& out) {
     const core<D> c = core_of(a);
     manifold<double, D> m;
-    touch_half<S>(placed_core<D>{&c, mat<double, D>::identity(), {}}, bounding_half<D>(b, b_in_a),
-                  detail::to_double(margin), m);
+    find_halfspace_contacts<S>(placed_core<D>{&c, mat<double, D>::identity(), {}}, bounding_half<D>(b, b_in_a),
+                               detail::to_double(margin), m);
     add_rounded_once(m, out);
 }
 

@@ -53,17 +53,17 @@ constexpr void add_point(persistent_manifold<S, D>& m, vec<S, D> on_a, vec<S, D>
         m.points[i].on_b = on_b;
         return;
     }
-    constexpr int most = manifold<S, D>::capacity;
+    constexpr int maximum = manifold<S, D>::capacity;
     const typename persistent_manifold<S, D>::point added{on_a, on_b, m.named++};
-    if (m.count < most) {
+    if (m.count < maximum) {
         m.points[m.count++] = added;
         return;
     }
-    manifold_point<S, D> all[most + 1];
+    manifold_point<S, D> all[maximum + 1];
     all[0] = where_now<S, D>(added, b_in_a, n);
-    for (int i = 0; i < most; ++i) all[i + 1] = where_now<S, D>(m.points[i], b_in_a, n);
+    for (int i = 0; i < maximum; ++i) all[i + 1] = where_now<S, D>(m.points[i], b_in_a, n);
     manifold<S, D> kept;
-    reduce(all, most + 1, n, slack, kept);
+    reduce(all, maximum + 1, n, slack, kept);
     const auto is_kept = [&](std::uint32_t feature) {
         for (int i = 0; i < kept.count; ++i)
             if (kept.points[i].feature == feature) return true;

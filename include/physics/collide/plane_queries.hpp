@@ -89,12 +89,8 @@ bool overlap(const halfspace<S, D>& a, const B& b, const transform<S, D>& b_in_a
 
 namespace detail {
 
-template <class Shape>
-constexpr bool is_plane = false;
-template <class S, int D>
-constexpr bool is_plane<halfspace<S, D>> = true;
 template <class A, class B>
-concept plane_pair = (is_plane<A> && has_core<B>) || (has_core<A> && is_plane<B>);
+concept plane_pair = (is_halfspace<A> && has_core<B>) || (has_core<A> && is_halfspace<B>);
 
 }  // namespace detail
 

@@ -1,4 +1,4 @@
-// Contact of rounded polygons in the plane: boxes, capsules, small hulls.
+// Contact of rounded polygons in 2D: boxes, capsules, small hulls.
 #pragma once
 
 #include "physics/base/lane_math.hpp"
@@ -162,9 +162,9 @@ bool clip_edges(const rounded_polygon<S, N>& reference, edge_distance<S> found, 
 }
 
 /// Adds the closest pair of a vertex of one polygon and an edge or vertex of the other; of cores that overlap, how
-/// deep. `parting` is the best of the edges' normals, from a to b, and `parted` how far it parts the cores.
+/// deep. `parting` is the best of the edges' normals, from a to b, and `axis_gap` how far it parts the cores.
 template <class S, int N>
-void collide_nearest(const rounded_polygon<S, N>& a, const rounded_polygon<S, N>& b, vec<S, 2> parting, S parted,
+void collide_nearest(const rounded_polygon<S, N>& a, const rounded_polygon<S, N>& b, vec<S, 2> parting, S axis_gap,
                      S rounding, S margin, manifold<S, 2>& out) {
     vec<S, 2> on_a, on_b;
     wide_of<S> best{};
@@ -191,11 +191,11 @@ void collide_nearest(const rounded_polygon<S, N>& a, const rounded_polygon<S, N>
             }
         }
     }
-    auto [n, gap] = split(on_b - on_a);
+    auto [n, gap] = direction_and_length_of(on_b - on_a);
     // Of points that all but coincide the direction is chance; where cores overlap, another vertex may be near.
-    if (!(gap > S(0)) || parted < S(0) || distance_along(a, b, n) < parted - rounding) {
+    if (!(gap > S(0)) || axis_gap < S(0) || distance_along(a, b, n) < axis_gap - rounding) {
         n = parting;
-        gap = parted;
+        gap = axis_gap;
     }
     if (gap - a.radius - b.radius > margin) return;
     out.normal = n;

@@ -22,10 +22,10 @@ struct ray_hit {
 namespace detail {
 
 template <class S, int D>
-local_hit<D> cast_on_core(const local_ray<D>& ray, const core<D>& shape, double most = 1) {
-    const core<D> tip;
-    const core_cast<D> c = cast(shape, placed_core<D>{&tip, mat<double, D>::identity(), ray.origin}, ray.way, most,
-                                cast_precision::of<S>(shape, tip));
+local_hit<D> cast_on_core(const local_ray<D>& ray, const core<D>& shape, double maximum = 1) {
+    const core<D> center_point;
+    const core_cast<D> c = cast(shape, placed_core<D>{&center_point, mat<double, D>::identity(), ray.origin},
+                                ray.displacement, maximum, cast_precision::of<S>(shape, center_point));
     if (c.ended == core_cast<D>::outcome::missed) return {};
     return {true, c.fraction, c.ended == core_cast<D>::outcome::hit ? c.normal : point<D>{}};
 }
@@ -47,7 +47,8 @@ template <class S, int D>
 local_hit<D> cast_on(const halfspace<S, D>& h, const local_ray<D>& ray) {
     const bounding_half<D> half(h);
     clipped_ray<D> left;
-    if (!left.keep(dot(half.normal, ray.origin) - half.offset, dot(half.normal, ray.way), half.normal)) return {};
+    if (!left.keep(dot(half.normal, ray.origin) - half.offset, dot(half.normal, ray.displacement), half.normal))
+        return {};
     return left.hit();
 }
 template <class S, int D>
@@ -80,22 +81,22 @@ template <template <class, int> class Shape, class S, int D>
 /// compounds 0.1 us and more, O(log n) and the parts on the way.
 template <class Shape, class S, int D>
     requires requires(const Shape& s, const detail::local_ray<D>& r) { cast_on(s, r); }
-ray_hit<S, D> ray_cast(const Shape& shape, const transform<S, D>& at, std::type_identity_t<vec<S, D>> origin,
+ray_hit<S, D> cast_ray(const Shape& shape, const transform<S, D>& at, std::type_identity_t<vec<S, D>> origin,
                        std::type_identity_t<vec<S, D>> translation) {
     const mat<double, D> axes = detail::to_matrix(at.rotation);
-    const detail::point<D> from = detail::to_point(origin), way = detail::to_point(translation);
+    const detail::point<D> from = detail::to_point(origin), displacement = detail::to_point(translation);
     const detail::local_hit<D> h =
         cast_on(shape, detail::local_ray<D>{transposed_times(axes, from - detail::to_point(at.position)),
-                                            transposed_times(axes, way)});
+                                            transposed_times(axes, displacement)});
     if (!h.hit) return {};
     return {true, static_cast<S>(h.fraction), detail::from_point<S>(axes * h.normal),
-            detail::from_point<S>(from + way * h.fraction)};
+            detail::from_point<S>(from + displacement * h.fraction)};
 }
 /// The same for a shape of a set.
 template <class S, int D, template <class, int> class... Shapes>
-ray_hit<S, D> ray_cast(const any_shape<S, D, Shapes...>& shape, const transform<S, D>& at,
+ray_hit<S, D> cast_ray(const any_shape<S, D, Shapes...>& shape, const transform<S, D>& at,
                        std::type_identity_t<vec<S, D>> origin, std::type_identity_t<vec<S, D>> translation) {
-    return shape.visit([&](const auto& s) { return ray_cast(s, at, origin, translation); });
+    return shape.visit([&](const auto& s) { return cast_ray(s, at, origin, translation); });
 }
 
 PHYSICS_HPP_END

@@ -19,9 +19,9 @@ concept has_parts = is_surface<Shape, D> || is_compound<Shape, D>;
 template <int D>
 class ray_view {
 public:
-    explicit ray_view(const point<D>& way) : way_(way) {
+    explicit ray_view(const point<D>& displacement) : displacement_(displacement) {
         for (int i = 1; i < D; ++i)
-            if (abs(way[i]) > abs(way[axis_])) axis_ = i;
+            if (abs(displacement[i]) > abs(displacement[axis_])) axis_ = i;
     }
     /// Whether it passes between corners that are given as seen from its origin, ends included.
     [[nodiscard]] bool passes(const point<2> (&c)[2]) const {
@@ -39,10 +39,10 @@ private:
     /// Times the way along its own axis.
     [[nodiscard]] double aside(const point<D>& c, int i) const {
         const int other = i < axis_ ? i : i + 1;
-        return c[other] * way_[axis_] - way_[other] * c[axis_];
+        return c[other] * displacement_[axis_] - displacement_[other] * c[axis_];
     }
 
-    point<D> way_;
+    point<D> displacement_;
     int axis_ = 0;
 };
 /// A vector across the part, out of its front.
@@ -63,9 +63,9 @@ struct first_hit {
     ray_view<D> view;
     local_hit<D> hit;
 
-    explicit first_hit(const local_ray<D>& r) : ray(r), view(r.way) {}
-    [[nodiscard]] double most() const { return hit.hit ? hit.fraction : 1; }
-    void take(const local_hit<D>& other) {
+    explicit first_hit(const local_ray<D>& r) : ray(r), view(r.displacement) {}
+    [[nodiscard]] double maximum() const { return hit.hit ? hit.fraction : 1; }
+    void keep_first(const local_hit<D>& other) {
         if (other.hit && (!hit.hit || other.fraction < hit.fraction)) hit = other;
     }
     /// A part without a radius stops what comes from its front, or from both sides.
@@ -78,30 +78,30 @@ struct first_hit {
         }
         const point<D> out = detail::across(corner);
         // How far the origin is behind the part, times the length of `out`.
-        const double behind = dot(out, corner[0]), climb = dot(out, ray.way);
+        const double behind = dot(out, corner[0]), climb = dot(out, ray.displacement);
         const double noise = 0x1p-49 * (size + largest(ray.origin)) * largest(out);
-        if (abs(behind) <= noise) return take(cast_on_core<S>(ray, core_of_face(face, 0), most()));
+        if (abs(behind) <= noise) return keep_first(cast_on_core<S>(ray, core_of_face(face, 0), maximum()));
         if ((behind > 0 && !face.two_sided) || (behind > 0) != (climb > 0)) return;
-        if (abs(behind) > abs(climb) * most() + noise || !view.passes(corner)) return;
-        take({true, min(behind / climb, most()), behind > 0 ? -out : out});
+        if (abs(behind) > abs(climb) * maximum() + noise || !view.passes(corner)) return;
+        keep_first({true, min(behind / climb, maximum()), behind > 0 ? -out : out});
     }
     /// The same of a part with a radius.
     void meet(const surface_face<D>& face, double radius) {
         const double behind = dot(across(face.corner), face.corner[0] - ray.origin);
-        if (face.two_sided || !(behind > 0)) take(cast_on_core<S>(ray, core_of_face(face, radius), most()));
+        if (face.two_sided || !(behind > 0)) keep_first(cast_on_core<S>(ray, core_of_face(face, radius), maximum()));
     }
 };
 
 /// A ray and a convex shape whose type is forgotten: by a closed form, if its core has one in its own frame.
 template <class S, int D>
-local_hit<D> cast_on_solid(const local_ray<D>& ray, const core<D>& shape, double most) {
+local_hit<D> cast_on_solid(const local_ray<D>& ray, const core<D>& shape, double maximum) {
     if (shape.radius == 0 && shape.kind == core_kind::box) return cast_on_box(ray, shape.corner[0]);
     if constexpr (D == 3)
         if (shape.radius == 0 && shape.kind == core_kind::disc)
             return cast_on_cone(ray, shape.corner[0].x, shape.corner[0].y, shape.corner[0].z);
     if (shape.radius > 0 && shape.kind == core_kind::point)
-        return cast_on_ball(local_ray<D>{ray.origin - shape.corner[0], ray.way}, shape.radius);
-    return cast_on_core<S>(ray, shape, most);
+        return cast_on_ball(local_ray<D>{ray.origin - shape.corner[0], ray.displacement}, shape.radius);
+    return cast_on_core<S>(ray, shape, maximum);
 }
 
 template <class Shape, int D>
@@ -113,9 +113,9 @@ template <class Shape, int D>
             const auto meet = [&](const surface_face<D>& face) {
                 if (radius > 0) first.meet(face, radius);
                 else first.meet(face);
-                return first.most();
+                return first.maximum();
             };
-            const box_ray<D> search(ray.origin, ray.way, radius);
+            const box_ray<D> search(ray.origin, ray.displacement, radius);
             if constexpr (requires { each_part_along(shape, search, meet); }) {
                 each_part_along(shape, search, meet);
             } else {
@@ -128,13 +128,13 @@ template <class Shape, int D>
         } else {
             const auto meet = [&](const auto& child) {
                 const local_ray<D> seen{transposed_times(child.axes, ray.origin - child.at),
-                                        transposed_times(child.axes, ray.way)};
-                local_hit<D> hit = cast_on_solid<S>(seen, child.shape, first.most());
+                                        transposed_times(child.axes, ray.displacement)};
+                local_hit<D> hit = cast_on_solid<S>(seen, child.shape, first.maximum());
                 hit.normal = child.axes * hit.normal;
-                first.take(hit);
-                return first.most();
+                first.keep_first(hit);
+                return first.maximum();
             };
-            const box_ray<D> search(ray.origin, ray.way, 0);
+            const box_ray<D> search(ray.origin, ray.displacement, 0);
             if constexpr (requires { each_child_along(shape, search, meet); }) each_child_along(shape, search, meet);
             else each_child(shape, search.bounds(), meet);
         }

@@ -10,7 +10,7 @@ namespace detail {
 /// A ray in a shape's frame, and where it meets the shape; the normal stays null where it begins within.
 template <int D>
 struct local_ray {
-    point<D> origin, way;
+    point<D> origin, displacement;
 };
 template <int D>
 struct local_hit {
@@ -23,7 +23,7 @@ struct local_hit {
 /// start. Source: Haines et al., Precision improvements for ray/sphere intersection, Ray Tracing Gems (2019), 7.
 template <int D>
 bool ball_span(const local_ray<D>& ray, double r, double& near, double& far) {
-    const auto [direction, length] = split(ray.way);
+    const auto [direction, length] = direction_and_length_of(ray.displacement);
     const double along = -dot(ray.origin, direction), from = physics::length(ray.origin);
     const double aside = physics::length(ray.origin + direction * along);
     if (!(length > 0) || aside > r) return false;
@@ -39,21 +39,21 @@ local_hit<D> cast_on_ball(const local_ray<D>& ray, double r) {
     if (dot(ray.origin, ray.origin) <= r * r) return {true, 0, {}};
     double near = 0, far = 0;
     if (!ball_span(ray, r, near, far) || near < 0 || near > 1) return {};
-    return {true, near, normalized(ray.origin + ray.way * near)};
+    return {true, near, normalized(ray.origin + ray.displacement * near)};
 }
 
 /// First the endless cylinder around the axis, then the side or the ball at the end where the ray enters that.
 template <int D>
 local_hit<D> cast_on_capsule(const local_ray<D>& ray, double half_length, double r) {
     local_ray<D> across = ray;
-    across.origin.x = across.way.x = 0;
+    across.origin.x = across.displacement.x = 0;
     double near = 0, far = 0;
     const bool begins_beside = dot(across.origin, across.origin) <= r * r;
     if (!begins_beside && (!ball_span(across, r, near, far) || near < 0 || near > 1)) return {};
-    const double x = ray.origin.x + ray.way.x * near;
+    const double x = ray.origin.x + ray.displacement.x * near;
     if (abs(x) <= half_length) {
         if (begins_beside) return {true, 0, {}};
-        return {true, near, normalized(across.origin + across.way * near)};
+        return {true, near, normalized(across.origin + across.displacement * near)};
     }
     local_ray<D> to_end = ray;
     to_end.origin.x -= x < 0 ? -half_length : half_length;
@@ -88,7 +88,7 @@ local_hit<D> cast_on_box(const local_ray<D>& ray, const point<D>& half) {
         for (const double side : {1.0, -1.0}) {
             point<D> n;
             n[i] = side;
-            if (!left.keep(side * ray.origin[i] - half[i], side * ray.way[i], n)) return {};
+            if (!left.keep(side * ray.origin[i] - half[i], side * ray.displacement[i], n)) return {};
         }
     return left.hit();
 }
@@ -98,7 +98,7 @@ local_hit<D> cast_on_hull(const local_ray<D>& ray, const hull_data<R, D>& h) {
     clipped_ray<D> left;
     for (std::uint32_t i = 0; i < h.face_count; ++i) {
         const point<D>& n = h.normal(i);
-        if (!left.keep(dot(n, ray.origin) - h.offset(i), dot(n, ray.way), n)) return {};
+        if (!left.keep(dot(n, ray.origin) - h.offset(i), dot(n, ray.displacement), n)) return {};
     }
     return left.hit();
 }
@@ -107,15 +107,15 @@ local_hit<D> cast_on_hull(const local_ray<D>& ray, const hull_data<R, D>& h) {
 inline local_hit<3> cast_on_cylinder(const local_ray<3>& ray, double half, double r) {
     clipped_ray<3> left;
     for (const double side : {1.0, -1.0})
-        if (!left.keep(side * ray.origin.x - half, side * ray.way.x, {side, 0, 0})) return {};
+        if (!left.keep(side * ray.origin.x - half, side * ray.displacement.x, {side, 0, 0})) return {};
     local_ray<3> across = ray;
-    across.origin.x = across.way.x = 0;
+    across.origin.x = across.displacement.x = 0;
     const bool begins_beside = dot(across.origin, across.origin) <= r * r;
-    if (largest(across.way) == 0) return begins_beside ? left.hit() : local_hit<3>{};
+    if (largest(across.displacement) == 0) return begins_beside ? left.hit() : local_hit<3>{};
     double near = 0, far = 0;
     if (!ball_span(across, r, near, far)) return {};
     if (begins_beside) return left.near <= max(far, 0.0) ? left.hit() : local_hit<3>{};
-    if (near > left.near) left = {near, left.far, normalized(across.origin + across.way * near)};
+    if (near > left.near) left = {near, left.far, normalized(across.origin + across.displacement * near)};
     return left.near <= min(left.far, far) ? left.hit() : local_hit<3>{};
 }
 
@@ -156,13 +156,13 @@ inline bool cone_span(const point<3>& base, const point<3>& u, double radius, do
 inline local_hit<3> cast_on_cone(const local_ray<3>& ray, double half, double low, double high) {
     clipped_ray<3> left;
     for (const double side : {1.0, -1.0})
-        if (!left.keep(side * ray.origin.x - half, side * ray.way.x, {side, 0, 0})) return {};
+        if (!left.keep(side * ray.origin.x - half, side * ray.displacement.x, {side, 0, 0})) return {};
     const double slope = (high - low) / (2 * half), aside = length(vec<double, 2>{ray.origin.y, ray.origin.z});
     // As seen from the narrow end: there the digits count.
     const point<3> end{low < high ? -half : half, 0, 0}, origin = ray.origin - end;
     const double narrow = min(low, high);
     const bool begins_beside = aside <= narrow + slope * origin.x;
-    const auto [u, length] = split(ray.way);
+    const auto [u, length] = direction_and_length_of(ray.displacement);
     if (!(length > 0)) return begins_beside ? left.hit() : local_hit<3>{};
     const double start = -dot(origin, u);
     double near = 0, far = 0;
@@ -171,7 +171,7 @@ inline local_hit<3> cast_on_cone(const local_ray<3>& ray, double half, double lo
     far = (far + start) / length;
     if (begins_beside) return left.near <= max(far, 0.0) ? left.hit() : local_hit<3>{};
     if (near > left.near) {
-        const point<3> at = origin + ray.way * near;
+        const point<3> at = origin + ray.displacement * near;
         vec<double, 2> out{at.y, at.z};
         // At the tip the side that the ray sees.
         if (largest(out) <= 0x1p-40 * (half + largest(origin))) out = {-u.y, -u.z};

@@ -16,15 +16,15 @@ constexpr void reduce(const manifold_point<S, 2>* candidates, int count, vec<S, 
     if (count == 0) return;
     const vec<S, 2> along = perpendicular(normal);
     const auto place = [&](int i) { return dot(along, candidates[i].position - candidates[0].position); };
-    S low = S(0), high = S(0), most = candidates[0].separation;
+    S low = S(0), high = S(0), maximum = candidates[0].separation;
     for (int i = 1; i < count; ++i) {
         low = min(low, place(i));
         high = max(high, place(i));
-        most = min(most, candidates[i].separation);
+        maximum = min(maximum, candidates[i].separation);
     }
-    most += slack;
+    maximum += slack;
     const S middle = low + (high - low) * S(0.5);
-    const auto take = [&](S from, S deep) {
+    const auto pick = [&](S from, S deep) {
         int best = -1;
         for (int i = 0; i < count; ++i)
             if (!(candidates[i].separation > deep) &&
@@ -32,7 +32,7 @@ constexpr void reduce(const manifold_point<S, 2>* candidates, int count, vec<S, 
                 best = i;
         return best;
     };
-    const int deepest = take(middle, most), farthest = take(place(deepest), scalar_traits<S>::max());
+    const int deepest = pick(middle, maximum), farthest = pick(place(deepest), scalar_traits<S>::max());
     out.points[out.count++] = candidates[deepest];
     if (abs(place(farthest) - place(deepest)) > slack) out.points[out.count++] = candidates[farthest];
 }

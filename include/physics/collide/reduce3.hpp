@@ -11,7 +11,7 @@ PHYSICS_HPP_BEGIN
 namespace detail {
 
 /// The most points that reduce() chooses from.
-inline constexpr int most_candidates = 72;
+inline constexpr int max_candidates = 72;
 
 /// Points of a plane in lanes, each with a depth.
 template <class P>
@@ -25,13 +25,13 @@ template <class Source>
 struct point_choice {
     using P = typename Source::lanes;
     using S = typename P::scalar;
-    static constexpr bool one = Source::most_packs == 1;
+    static constexpr bool one = Source::max_packs == 1;
 
     const Source& source;
     int packs;
-    P scores[Source::most_packs];
+    P scores[Source::max_packs];
     /// Which points are not taken.
-    std::uint32_t free[Source::most_packs];
+    std::uint32_t free[Source::max_packs];
 
     PHYSICS_HPP_ALWAYS_INLINE point_choice(const Source& from, int count)
         : source(from), packs(one ? 1 : (count + P::width - 1) / P::width) {
@@ -46,15 +46,15 @@ struct point_choice {
             scores[i] = score(source.points(i));
             high = max(high, scores[i]);
         }
-        return greatest_lane(high);
+        return largest_lane(high);
     }
     /// Takes the first point whose score is about that high, or where all of these are taken the first that is not.
-    PHYSICS_HPP_ALWAYS_INLINE int take(S highest) {
-        const P least = P::broadcast(highest * S(31.0 / 32));
+    PHYSICS_HPP_ALWAYS_INLINE int pick(S highest) {
+        const P minimum = P::broadcast(highest * S(31.0 / 32));
         int best = 0, first = 0;
         std::uint32_t bits = 0;
         for (int i = packs - 1; i >= 0; --i) {
-            const std::uint32_t here = free[i] & ~greater(least, scores[i]).bits();
+            const std::uint32_t here = free[i] & ~greater(minimum, scores[i]).bits();
             if (one || here != 0) bits = here, best = i;
             if (one || free[i] != 0) first = i;
         }
@@ -100,12 +100,12 @@ void choose_four(const Source& source, int count, S slack, int (&chosen)[4]) {
     point_choice<Source> left(source, count);
     P low = source.points(0).separation;
     for (int i = 1; i < left.packs; ++i) low = min(low, source.points(i).separation);
-    const P most = P::broadcast(slack - greatest_lane(-low)), none = P::broadcast(S(-1));
+    const P maximum = P::broadcast(slack - largest_lane(-low)), none = P::broadcast(S(-1));
     // The first is one of the deepest; of those that are alike the one farthest out.
-    chosen[0] = left.take(left.weigh(
-        [&](const points& p) { return select_greater(p.separation, most, none, lane_sum(p.u, p.u, p.v, p.v)); }));
+    chosen[0] = left.pick(left.weigh(
+        [&](const points& p) { return select_greater(p.separation, maximum, none, lane_sum(p.u, p.u, p.v, p.v)); }));
     const place a = at(chosen[0]);
-    chosen[1] = left.take(left.weigh([&](const points& p) {
+    chosen[1] = left.pick(left.weigh([&](const points& p) {
         const P du = p.u - a.u, dv = p.v - a.v;
         return lane_sum(du, du, dv, dv);
     }));
@@ -117,8 +117,8 @@ void choose_four(const Source& source, int count, S slack, int (&chosen)[4]) {
     point_choice<Source> right = left;
     const S on_left = left.weigh([&](const points&p) { return -beside(a, b, p); }),
             on_right = right.weigh([&](const points&p) { return beside(a, b, p); });
-    chosen[2] = right.take(on_right);
-    chosen[3] = left.take(on_left);
+    chosen[2] = right.pick(on_right);
+    chosen[3] = left.pick(on_left);
     // Where one side holds next to nothing, there may be more beyond the triangle's others.
     if (S(8) * min(on_left, on_right) > max(on_left, on_right)) return;
     const bool clockwise = on_right > on_left;
@@ -132,9 +132,9 @@ template <class S>
 struct seen_points {
     /// There may be many, and few pairs have them: scalars compile faster.
     using lanes = pack<S, 1>;
-    static constexpr int most_packs = most_candidates;
+    static constexpr int max_packs = max_candidates;
 
-    flat_points<lanes> all[most_candidates];
+    flat_points<lanes> all[max_candidates];
 
     seen_points(const manifold_point<S, 3>* candidates, int count, vec<S, 3> normal) {
         const vec<S, 3> first = candidates[0].position, u_axis = perpendicular(normal), v_axis = cross(normal, u_axis);

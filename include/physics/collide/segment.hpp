@@ -31,9 +31,9 @@ template <class S>
 constexpr segment_parameters<S> closest_to_axis(int a, S half_a, vec<S, 3> center, vec<S, 3> b, S half_b) {
     vec<S, 3> beside = center, across = b;
     beside[a] = across[a] = S(0);
-    const auto [direction, sine] = split(across);
-    const S along = -dot(beside, direction), most = half_b * sine;
-    S t = !(along < most) ? half_b : !(along > -most) ? -half_b : along / sine;
+    const auto [direction, sine] = direction_and_length_of(across);
+    const S along = -dot(beside, direction), maximum = half_b * sine;
+    S t = !(along < maximum) ? half_b : !(along > -maximum) ? -half_b : along / sine;
     S s = clamp(center[a] + b[a] * t, -half_a, half_a);
     t = clamp(b[a] * s - dot(b, center), -half_b, half_b);
     s = clamp(center[a] + b[a] * t, -half_a, half_a);

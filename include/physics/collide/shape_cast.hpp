@@ -58,47 +58,47 @@ struct core_cast {
     gjk_result<D> at;
 };
 
-/// When B, moving by `most` times `way` in A's frame, comes as close as the radii of both. Their distance is a convex
-/// function of the time, and a plane that parts them says until when at least they can't meet: this is Newton's method,
-/// which never passes the first root. Any plane will do for that, so that no error of GJK is one of the answer's.
-/// Source: van den Bergen, Ray casting against general convex objects (2004); Mirtich, Impulse-based dynamic simulation
-/// of rigid body systems (1996), 2.3. Cost: one GJK, then 1 to 5 that begin with the last one's features; where the
-/// shapes graze each other up to 25.
+/// When B, moving by `maximum` times `displacement` in A's frame, comes as close as the radii of both. Their distance
+/// is a convex function of the time, and a plane that parts them says until when at least they can't meet: this is
+/// Newton's method, which never passes the first root. Any plane will do for that, so that no error of GJK is one of
+/// the answer's. Source: van den Bergen, Ray casting against general convex objects (2004); Mirtich, Impulse-based
+/// dynamic simulation of rigid body systems (1996), 2.3. Cost: one GJK, then 1 to 5 that begin with the last one's
+/// features; where the shapes graze each other up to 25.
 template <int D>
-core_cast<D> cast(const core<D>& a, placed_core<D> b, const point<D>& way, double most,
+core_cast<D> cast(const core<D>& a, placed_core<D> b, const point<D>& displacement, double maximum,
                   const cast_precision& precision) {
-    constexpr int most_iterations = 100;
-    const double reach = a.radius + b.shape->radius, length = physics::length(way);
+    constexpr int max_iterations = 100;
+    const double reach = a.radius + b.shape->radius, length = physics::length(displacement);
     const point<D> start = b.at;
     gjk_cache cache;
     core_cast<D> c;
     for (int i = 0;; ++i) {
-        b.at = start + way * c.fraction;
+        b.at = start + displacement * c.fraction;
         const double noise = 0x1p-49 * (extent_of(a, b) + largest(start) + reach) + precision.error;
-        const double rest = (most - c.fraction) * length;
+        const double rest = (maximum - c.fraction) * length;
         c.at = gjk(a, b, rest + 0x1p-40 * rest + reach + 2 * noise, precision.relative, &cache);
         if (c.at.beyond) return c;
         const double distance = c.at.overlapping ? 0 : c.at.distance;
         if (distance <= reach + noise + 2 * precision.relative * distance) {
             // Across a gap no wider than rounding the direction of the last plane is the better one.
-            const bool clear = distance > 0x1p20 * noise && dot(c.at.normal, way) < 0;
+            const bool clear = distance > 0x1p20 * noise && dot(c.at.normal, displacement) < 0;
             if (clear || c.fraction == 0) c.normal = c.at.normal;
             c.ended = c.fraction > 0 ? core_cast<D>::outcome::hit : core_cast<D>::outcome::began_in_touch;
             return c;
         }
         const double gap = dot(c.at.normal, support_along(a, b, c.at.normal).w) - reach;
-        const double speed = -dot(c.at.normal, way);
-        if (gap > 0 && (!(speed > 0) || gap > speed * (most - c.fraction) + noise)) return c;
-        const double step = gap > 0 ? min(gap / speed, most - c.fraction) : 0;
+        const double speed = -dot(c.at.normal, displacement);
+        if (gap > 0 && (!(speed > 0) || gap > speed * (maximum - c.fraction) + noise)) return c;
+        const double step = gap > 0 ? min(gap / speed, maximum - c.fraction) : 0;
         if (step > 0 || c.fraction == 0) c.normal = c.at.normal;
-        if (!(c.fraction + step > c.fraction) || i == most_iterations) {
-            if (!(gap > 0) || i == most_iterations) c.status = query_status::iteration_limit;
+        if (!(c.fraction + step > c.fraction) || i == max_iterations) {
+            if (!(gap > 0) || i == max_iterations) c.status = query_status::iteration_limit;
             c.ended = core_cast<D>::outcome::hit;
             return c;
         }
         c.fraction += step;
         // Often the features that were closest are those that touch: then GJK need not look again.
-        for (int k = 0; k < c.at.at.count; ++k) c.at.at.vertex[k].w += way * step;
+        for (int k = 0; k < c.at.at.count; ++k) c.at.at.vertex[k].w += displacement * step;
         const closest_of<D> near = closest_of_simplex(c.at.at, false);
         if (near.count <= D && dot(near.at, near.at) <= (reach + noise) * (reach + noise)) {
             c.at.at.keep(near);
@@ -129,16 +129,17 @@ double touch_tolerance(double size) {
 /// Whether two cores that touch, or overlap by no more than `touch`, never get deeper on the way; there may be several
 /// planes between them, so that one is sought a little later. `normal` and `gap` are those of the start.
 template <int D>
-bool parts(const core<D>& a, placed_core<D> b, const point<D>& way, const point<D>& normal, double gap, double touch) {
+bool separates(const core<D>& a, placed_core<D> b, const point<D>& displacement, const point<D>& normal, double gap,
+               double touch) {
     const auto stays_out = [&](const point<D>& n, double height) {
-        return height >= -touch && height + min(dot(n, way), 0.0) >= -touch;
+        return height >= -touch && height + min(dot(n, displacement), 0.0) >= -touch;
     };
     if (stays_out(normal, gap)) return true;
     const double reach = a.radius + b.shape->radius;
     if (gap < -touch || reach > 0x1p-20 * extent_of(a, b)) return false;
     const point<D> start = b.at;
-    const double little = 0x1p-20 * (a.extent + b.shape->extent), length = physics::length(way);
-    b.at += length > little ? way * (little / length) : way;
+    const double little = 0x1p-20 * (a.extent + b.shape->extent), length = physics::length(displacement);
+    b.at += length > little ? displacement * (little / length) : displacement;
     const gjk_result<D> r = gjk(a, b, no_limit, 0x1p-50, nullptr);
     const point<D> n = r.distance > 0x1p-10 * little ? r.normal : epa(a, b, r.at, 0x1p-10 * little).normal;
     b.at = start;
@@ -151,12 +152,12 @@ cast_hit<S, D> rounded_hit(double fraction, const point<D>& normal, const point<
 }
 
 template <class S, int D>
-cast_hit<S, D> cast_shapes(const core_pair<D>& pair, const point<D>& way, double most) {
+cast_hit<S, D> cast_shapes(const core_pair<D>& pair, const point<D>& displacement, double maximum) {
     const core<D>&a = pair.a, &b = pair.b;
-    core_cast<D> c = cast(a, pair.placed, way, most, cast_precision::of<S>(a, b));
+    core_cast<D> c = cast(a, pair.placed, displacement, maximum, cast_precision::of<S>(a, b));
     if (c.ended == core_cast<D>::outcome::missed) return {};
     placed_core<D> there = pair.placed;
-    there.at += way * c.fraction;
+    there.at += displacement * c.fraction;
     if (c.ended == core_cast<D>::outcome::hit)
         return rounded_hit<S>(c.fraction, c.normal, touching_point(a, there, c) + c.normal * a.radius, c.status);
     const double size = extent_of(a, there), reach = a.radius + b.radius, touch = touch_tolerance<S>(size + reach);
@@ -170,7 +171,7 @@ cast_hit<S, D> cast_shapes(const core_pair<D>& pair, const point<D>& way, double
         gap = -p.depth - reach;
         on_a = p.on_a;
     }
-    if (parts(a, there, way * most, c.normal, gap, touch)) return {};
+    if (separates(a, there, displacement * maximum, c.normal, gap, touch)) return {};
     return rounded_hit<S>(0, c.normal, on_a + c.normal * a.radius, c.status);
 }
 
@@ -182,62 +183,64 @@ struct half_cast {
     point<D> at;
 };
 template <int D>
-half_cast<D> cast_on_half(const bounding_half<D>& h, const placed_core<D>& b, const point<D>& way, double most,
-                          double touch) {
+half_cast<D> cast_on_half(const bounding_half<D>& h, const placed_core<D>& b, const point<D>& displacement,
+                          double maximum, double touch) {
     const point<D> lowest = b.support(-h.normal).at - h.normal * b.shape->radius;
-    const double height = dot(h.normal, lowest) - h.offset, speed = -dot(h.normal, way);
+    const double height = dot(h.normal, lowest) - h.offset, speed = -dot(h.normal, displacement);
     const double fraction = height > 0 && speed > 0 ? height / speed : 0;
-    const bool in_touch = height <= 0 && height >= -touch && height - max(speed, 0.0) * most >= -touch;
-    const bool hit = height > 0 ? speed > 0 && fraction <= most : !in_touch;
-    return {hit, fraction, lowest + way * fraction};
+    const bool in_touch = height <= 0 && height >= -touch && height - max(speed, 0.0) * maximum >= -touch;
+    const bool hit = height > 0 ? speed > 0 && fraction <= maximum : !in_touch;
+    return {hit, fraction, lowest + displacement * fraction};
 }
 
 }  // namespace detail
 
 /// The first time at which shape B, moving by `translation` (m) in A's frame without turning, touches shape A, if it
-/// has made at most the part `most` of its way by then. Shapes that overlap from the start hit at 0, with the normal
+/// has made at most the part `maximum` of its way by then. Shapes that overlap from the start hit at 0, with the normal
 /// along which they part soonest. Shapes that touch within rounding (8 spacings of S, of their sizes) and move apart or
 /// along each other don't hit. Exact to a few roundings of double, of the sizes and of the way: only ways that graze A
-/// by less may be judged either way. Cost: 0.3 us in the plane, 1 us in space;
+/// by less may be judged either way. Cost: 0.3 us in 2D, 1 us in 3D;
 /// hulls of many vertices 1 to 3 us.
 template <class A, class B, class S, int D>
-    requires detail::has_core<A> && detail::has_core<B> cast_hit<S, D> shape_cast(
+    requires detail::has_core<A> && detail::has_core<B> cast_hit<S, D> cast_shape(
         const A& a, const B& b, const transform<S, D>& b_in_a, std::type_identity_t<vec<S, D>> translation,
-        std::type_identity_t<S> most = S(1)) {
+        std::type_identity_t<S> maximum = S(1)) {
         const detail::core_pair<D> pair(a, b, b_in_a);
-        return detail::cast_shapes<S>(pair, detail::to_point(translation), detail::to_double(most));
+        return detail::cast_shapes<S>(pair, detail::to_point(translation), detail::to_double(maximum));
     }
 /// The same where A is a halfspace. Cost: 50 ns.
 template <class B, class S, int D>
-    requires detail::has_core<B> cast_hit<S, D> shape_cast(const halfspace<S, D>& a, const B& b,
+    requires detail::has_core<B> cast_hit<S, D> cast_shape(const halfspace<S, D>& a, const B& b,
                                                            const transform<S, D>& b_in_a,
                                                            std::type_identity_t<vec<S, D>> translation,
-                                                           std::type_identity_t<S> most = S(1)) {
+                                                           std::type_identity_t<S> maximum = S(1)) {
         const detail::bounding_half<D> half(a);
         const detail::core<D> shape = core_of(b);
         const detail::placed_core<D> placed{&shape, detail::to_matrix(b_in_a.rotation),
                                             detail::to_point(b_in_a.position)};
         const double touch = detail::touch_tolerance<S>(shape.extent + shape.radius + largest(placed.at));
         const detail::half_cast<D> c =
-            detail::cast_on_half(half, placed, detail::to_point(translation), detail::to_double(most), touch);
+            detail::cast_on_half(half, placed, detail::to_point(translation), detail::to_double(maximum), touch);
         if (!c.hit) return {};
         const detail::point<D> onto = half.normal * (half.offset - dot(half.normal, c.at));
         return detail::rounded_hit<S>(c.fraction, half.normal, c.at + onto, query_status::converged);
     }
 /// The same where B is a halfspace.
 template <class A, class S, int D>
-    requires detail::has_core<A> cast_hit<S, D> shape_cast(const A& a, const halfspace<S, D>& b,
+    requires detail::has_core<A> cast_hit<S, D> cast_shape(const A& a, const halfspace<S, D>& b,
                                                            const transform<S, D>& b_in_a,
                                                            std::type_identity_t<vec<S, D>> translation,
-                                                           std::type_identity_t<S> most = S(1)) {
+                                                           std::type_identity_t<S> maximum = S(1)) {
         const detail::bounding_half<D> half(b, b_in_a);
         const detail::core<D> shape = core_of(a);
         const detail::placed_core<D> placed{&shape, mat<double, D>::identity(), {}};
-        const detail::point<D> way = detail::to_point(translation);
+        const detail::point<D> displacement = detail::to_point(translation);
         const double touch = detail::touch_tolerance<S>(shape.extent + shape.radius + abs(half.offset));
-        const detail::half_cast<D> c = detail::cast_on_half(half, placed, -way, detail::to_double(most), touch);
+        const detail::half_cast<D> c =
+            detail::cast_on_half(half, placed, -displacement, detail::to_double(maximum), touch);
         if (!c.hit) return {};
-        return detail::rounded_hit<S>(c.fraction, -half.normal, c.at + way * c.fraction, query_status::converged);
+        return detail::rounded_hit<S>(c.fraction, -half.normal, c.at + displacement * c.fraction,
+                                      query_status::converged);
     }
 
 PHYSICS_HPP_END

@@ -117,7 +117,7 @@ inline point<3> normal_by_shorter_edges(const point<3>& a, const point<3>& b, co
 /// has it all. Others' are exact, and left.
 inline void correct_weights(const point<3>& a, const point<3>& b, const point<3>& c, const point<3>& n,
                             double (&weight)[3]) {
-    constexpr int most_steps = 4;
+    constexpr int max_steps = 4;
     const double squared = dot(n, n), longest = max(max(dot(b - a, b - a), dot(c - b, c - b)), dot(a - c, a - c));
     if (squared > 0x1p-6 * longest * longest) return;
     const double scale = squared > 0 ? 1 / squared : 0;
@@ -126,7 +126,7 @@ inline void correct_weights(const point<3>& a, const point<3>& b, const point<3>
         return at - n * (dot(n, at) * scale);
     };
     point<3> missed = missed_by(weight[0], weight[1], weight[2]);
-    for (int i = 0; i < most_steps; ++i) {
+    for (int i = 0; i < max_steps; ++i) {
         const point<3> turned = cross(missed, n) * scale;
         const double of_a = weight[0] - dot(c - b, turned), of_b = weight[1] - dot(a - c, turned),
                      of_c = 1 - of_a - of_b;
@@ -140,15 +140,15 @@ inline void correct_weights(const point<3>& a, const point<3>& b, const point<3>
     const double noise = 0x1p-49 * max(max(largest(a), largest(b)), largest(c));
     const bool within = min(min(weight[0], weight[1]), weight[2]) >= 0;
     if (within && dot(missed, missed) <= noise * noise) return;
-    double least = within ? dot(missed, missed) : 1e300;
+    double minimum = within ? dot(missed, missed) : 1e300;
     const closest_of<3> edges[3] = {closest_on_edge(a, b, 0, 1), closest_on_edge(b, c, 1, 2),
                                     closest_on_edge(c, a, 2, 0)};
     for (const closest_of<3>& on : edges) {
         double by_edge[3] = {};
         for (int i = 0; i < on.count; ++i) by_edge[on.vertex[i]] = on.weight[i];
         const point<3> left = missed_by(by_edge[0], by_edge[1], by_edge[2]);
-        if (!(dot(left, left) < least)) continue;
-        least = dot(left, left);
+        if (!(dot(left, left) < minimum)) continue;
+        minimum = dot(left, left);
         for (int i = 0; i < 3; ++i) weight[i] = by_edge[i];
     }
 }
@@ -210,7 +210,7 @@ inline closest_of<2> closest_of_simplex(const simplex<2>& s, bool, bool doubtful
     const double area = cross(p[1] - p[0], p[2] - p[0]);
     const double noise = 0x1p-50 * max(max(largest(p[0]), largest(p[1])), largest(p[2]));
     closest_of<2> best;
-    double least = 0;
+    double minimum = 0;
     for (int i = 0; i < 3; ++i) {
         const int j = i < 2 ? i + 1 : 0, k = i > 0 ? i - 1 : 2;
         const point<2> e = p[j] - p[i];
@@ -219,8 +219,8 @@ inline closest_of<2> closest_of_simplex(const simplex<2>& s, bool, bool doubtful
         if (!flat && (cross(p[i], e) < 0) == (area < 0)) continue;
         const closest_of<2> c = closest_on_edge(p[i], p[j], i, j);
         const double distance = dot(c.at, c.at);
-        if (best.count < 3 && !(distance < least)) continue;
-        least = distance;
+        if (best.count < 3 && !(distance < minimum)) continue;
+        minimum = distance;
         best = c;
     }
     // In ascending order, so that none is overwritten before it has moved.
@@ -250,11 +250,11 @@ inline closest_of<3> closest_of_simplex(const simplex<3>& s, bool grown, bool do
     const double noise = 0x1p-50 * (largest(d) + max(max(l[0], l[1]), l[2]));
     const bool flat = doubtful || !(abs(volume) > max(noise * area, 0x1p-48 * l[0] * l[1] * l[2]));
     closest_of<3> best;
-    double least = 0;
+    double minimum = 0;
     const auto consider = [&](const closest_of<3>& c) {
         const double distance = dot(c.at, c.at);
-        if (best.count < 4 && !(distance < least)) return;
-        least = distance;
+        if (best.count < 4 && !(distance < minimum)) return;
+        minimum = distance;
         best = c;
     };
     for (int k = 0; k < 3; ++k) {

@@ -1,8 +1,8 @@
 // Contact with surfaces made of flat parts, such as meshes and chains, without bumps where parts meet.
 #pragma once
 
+#include "physics/collide/contact_support_set.hpp"
 #include "physics/collide/patch.hpp"
-#include "physics/collide/supports.hpp"
 #include "physics/shape/surface_part.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -18,12 +18,12 @@ inline point<3> outwards(const surface_part<3>& p, int i) {
     return cross(p.corner[i < 2 ? i + 1 : 0] - p.corner[i], p.normal);
 }
 
-inline void turn_round(surface_part<2>& p) {
+inline void flipped_in_place(surface_part<2>& p) {
     std::swap(p.corner[0], p.corner[1]);
     std::swap(p.beyond[0], p.beyond[1]);
     std::swap(p.continues[0], p.continues[1]);
 }
-inline void turn_round(surface_part<3>& p) {
+inline void flipped_in_place(surface_part<3>& p) {
     std::swap(p.corner[0], p.corner[1]);
     std::swap(p.beyond[1], p.beyond[2]);
     std::swap(p.continues[1], p.continues[2]);
@@ -32,11 +32,11 @@ inline void turn_round(surface_part<3>& p) {
 /// Unit vectors may deviate by as much and count as the same.
 inline constexpr double same_direction = 1e-4;
 
-/// Whether a body that touches the part along the unit vector m touches the part itself: m leads out over no end or
-/// edge beyond which the surface goes on, unless that bends away and m lies before its normal. Source: the idea is that
-/// of ghost vertices, Catto, Box2D (2010).
+/// Whether the contact normal m lies in the part's own arc of normals: m does not lean out over an edge beyond which
+/// the surface continues, unless that neighbour bends away and m lies before its normal. Prevents ghost collisions.
+/// Source: ghost vertices, Catto, Box2D (2010).
 template <int D>
-bool owns(const surface_part<D>& p, const point<D>& m) {
+bool in_normal_arc(const surface_part<D>& p, const point<D>& m) {
     constexpr double blur = same_direction;
     const double up = dot(m, p.normal);
     bool around_edge = false;
@@ -100,15 +100,15 @@ void touch_lowest(const surface_part<D>& p, const point<D>& lowest, const patch_
 
 /// What a body turns towards parts, kept from part to part: most lie in few planes.
 template <int D>
-struct turned_facet {
-    facet<D> ground, above;
+struct rotated_support_feature {
+    support_feature<D> ground, above;
     /// The normal of the parts that `above` is for; null at first.
     point<D> normal;
 
-    const facet<D>& of(const placed_core<D>& body, const point<D>& n) {
+    const support_feature<D>& of(const placed_core<D>& body, const point<D>& n) {
         if (n == normal) return above;
         normal = n;
-        above = facet_of(body, -n);
+        above = support_feature_of(body, -n);
         return above;
     }
 };
@@ -116,18 +116,18 @@ struct turned_facet {
 /// What stands above a part, and how far.
 template <int D>
 void touch_above(const surface_part<D>& part, const placed_core<D>& body, const point<D>& lowest,
-                 const patch_limits& by, turned_facet<D>& facets, manifold<double, D>& out) {
-    const facet<D>& above = facets.of(body, part.normal);
+                 const patch_limits& by, rotated_support_feature<D>& facets, manifold<double, D>& out) {
+    const support_feature<D>& above = facets.of(body, part.normal);
     if (above.count == 0) {
         touch_lowest(part, lowest, by, out);
         return;
     }
-    facet<D>& ground = facets.ground;
+    support_feature<D>& ground = facets.ground;
     ground.count = D;
     ground.flat = true;
     ground.normal = part.normal;
     for (int i = 0; i < D; ++i) ground.corner[i] = part.corner[i];
-    clip_facets(ground, part.normal, no_limit, above, false, by, out);
+    clip_support_features(ground, part.normal, no_limit, above, false, by, out);
     if constexpr (D == 3) touch_lowest(part, lowest, by, out);
 }
 
@@ -138,11 +138,11 @@ void touch_above(const surface_part<D>& part, const placed_core<D>& body, const 
 /// way to part them, if it holds no deeper one.
 template <class S, int D>
 bool touch_part(surface_part<D> part, double radius, const placed_core<D>& body, double margin, overlap_method method,
-                turned_facet<D>& facets, manifold<double, D>& out, manifold<double, D>& last_resort) {
+                rotated_support_feature<D>& facets, manifold<double, D>& out, manifold<double, D>& last_resort) {
     const point<D> center = body.axes * body.shape->center + body.at;
     if (dot(part.normal, center - part.corner[0]) < 0) {
         if (!part.two_sided) return true;
-        turn_round(part);
+        flipped_in_place(part);
         part.normal = -part.normal;
         for (point<D>& n : part.beyond) n = -n;
     }
@@ -177,7 +177,7 @@ bool touch_part(surface_part<D> part, double radius, const placed_core<D>& body,
         out = {};
         return true;
     }
-    const bool flat = height >= s.gap - 2 * slack, own = owns(part, s.normal);
+    const bool flat = height >= s.gap - 2 * slack, own = in_normal_arc(part, s.normal);
     const auto touch_once = [&](manifold<double, D>& m) {
         locate(pair, s);
         m = {};
@@ -192,15 +192,15 @@ bool touch_part(surface_part<D> part, double radius, const placed_core<D>& body,
     }
     if (flat && deepest < s.gap - radii + 2 * slack) return true;
     out = {};
-    touch_parted(pair, s, margin, slack, out);
-    if (out.count > 0 && owns(part, out.normal)) return true;
+    find_separated_contacts(pair, s, margin, slack, out);
+    if (out.count > 0 && in_normal_arc(part, out.normal)) return true;
     touch_once(out);
     return true;
 }
 
 /// Whether a part and a core that has moved are parted, or all but.
 template <class S, int D>
-bool parted(const surface_part<D>& part, double radius, const placed_core<D>& body, const point<D>& moved) {
+bool separated(const surface_part<D>& part, double radius, const placed_core<D>& body, const point<D>& moved) {
     const core_pair<D> pair(core_of_part(part, radius), *body.shape, body.axes, body.at + moved);
     const double reach = radius + body.shape->radius;
     const gjk_result<D> r = gjk(pair.a, pair.placed, reach, relative_tolerance<S>(), nullptr);
@@ -210,13 +210,13 @@ bool parted(const surface_part<D>& part, double radius, const placed_core<D>& bo
 /// The parts of a surface that a body touches and that are in doubt; where there are more, the rest counts as certain.
 template <int D>
 struct doubtful_parts {
-    static constexpr int most = 16;
-    raw_array<surface_part<D>, most> part;
-    std::uint32_t place[most];
+    static constexpr int capacity = 16;
+    raw_array<surface_part<D>, capacity> part;
+    std::uint32_t place[capacity];
     int count = 0;
 
     void add(const surface_part<D>& p, std::uint32_t in_list) {
-        if (count == most) return;
+        if (count == capacity) return;
         part[count] = p;
         place[count++] = in_list;
     }
@@ -249,19 +249,20 @@ void drop_doubtful(List& list, std::uint32_t first, doubtful_parts<D>& doubtful,
     bool one_way = true;
     for (std::uint32_t i = first; i < list.size(); ++i) one_way = one_way && !other_way(first, i);
     while (!one_way && doubtful.count > 0) {
-        int least = 0;
+        int minimum = 0;
         for (int k = 1; k < doubtful.count; ++k)
-            if (depth_of(list[doubtful.place[k]].contact) < depth_of(list[doubtful.place[least]].contact)) least = k;
-        const std::uint32_t here = doubtful.place[least];
+            if (depth_of(list[doubtful.place[k]].contact) < depth_of(list[doubtful.place[minimum]].contact))
+                minimum = k;
+        const std::uint32_t here = doubtful.place[minimum];
         auto& contact = list[here].contact;
         for (std::uint32_t i = first; i < list.size() && contact.count > 0; ++i) {
             const auto& other = list[i].contact;
             const double depth = depth_of(other);
             if (depth > 0 && other_way(i, here) && !doubtful.holds(i) &&
-                parted<S>(doubtful.part[least], radius, body, to_point(other.normal) * (depth + 2 * slack)))
+                separated<S>(doubtful.part[minimum], radius, body, to_point(other.normal) * (depth + 2 * slack)))
                 contact.count = 0;
         }
-        doubtful.remove(least);
+        doubtful.remove(minimum);
     }
 }
 
@@ -274,13 +275,13 @@ void join_alike(List& list, std::uint32_t first, S slack) {
     for (std::uint32_t i = first; i < end; ++i) {
         if (list[i].contact.count == 0) continue;
         auto joined = list[i];
-        manifold_point<S, D> points[most_candidates];
+        manifold_point<S, D> points[max_candidates];
         int count = 0;
         const auto thin_out = [&] { count = keep_supports(points, count, joined.contact.normal, slack); };
         for (std::uint32_t j = i; j < end; ++j) {
             auto& other = list[j].contact;
             if (other.count == 0 || !(dot(other.normal, joined.contact.normal) > alike)) continue;
-            if (count + other.count > most_candidates) thin_out();
+            if (count + other.count > max_candidates) thin_out();
             for (int k = 0; k < other.count; ++k) points[count++] = other.points[k];
             joined.part = list[j].part < joined.part ? list[j].part : joined.part;
             other.count = 0;
@@ -289,12 +290,12 @@ void join_alike(List& list, std::uint32_t first, S slack) {
         for (int from = 0; from < count; from += capacity) {
             joined.contact.count = count - from < capacity ? count - from : capacity;
             for (int k = 0; k < joined.contact.count; ++k) joined.contact.points[k] = points[from + k];
-            list.push(joined);
+            list.push_back(joined);
         }
     }
     const std::uint32_t kept = list.size() - end;
     for (std::uint32_t k = 0; k < kept; ++k) list[first + k] = list[end + k];
-    while (list.size() > first + kept) list.pop();
+    while (list.size() > first + kept) list.pop_back();
 }
 
 /// The box around a core that stands somewhere, grown by a margin.

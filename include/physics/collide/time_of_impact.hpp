@@ -13,7 +13,7 @@ physics::rotation<S, 2> rotation_by(S turn) {
 }
 template <class S>
 physics::rotation<S, 3> rotation_by(const vec<S, 3>& turn) {
-    const auto [axis, angle] = split(turn);
+    const auto [axis, angle] = direction_and_length_of(turn);
     return physics::rotation<S, 3>::from_axis_angle(axis, angle);
 }
 
@@ -27,7 +27,7 @@ struct sweep {
     vec<S, D> start, end;
     /// The body's rotation at the beginning.
     physics::rotation<S, D> rotation;
-    /// How far it turns until the end: the angle, in space axis times angle (rad), in the outer frame; any number of
+    /// How far it turns until the end: the angle, in 3D axis times angle (rad), in the outer frame; any number of
     /// times around.
     angular<S, D> turn{};
     /// The shape's frame, as seen from the centre of mass in a frame that turns with the body.
@@ -81,7 +81,7 @@ struct impact_settings {
 
 namespace detail {
 
-// Turns, their lengths and the lengths of their cross products, in the plane and in space.
+// Turns, their lengths and the lengths of their cross products, in 2D and in 3D.
 inline double magnitude(double w) { return abs(w); }
 inline double magnitude(const point<3>& w) { return length(w); }
 inline double magnitude_of_cross(double, double) { return 0; }
@@ -92,7 +92,7 @@ inline mat<double, 2> turning(double angle) {
 }
 /// Source: Rodrigues.
 inline mat<double, 3> turning(const point<3>& turn) {
-    const auto [k, angle] = split(turn);
+    const auto [k, angle] = direction_and_length_of(turn);
     const auto [s, c] = sine_cosine(angle);
     const double half = sine_cosine(angle * 0.5).sine, v = 2 * half * half;
     return {{{c + k.x * k.x * v, k.x * k.y * v + k.z * s, k.x * k.z * v - k.y * s},
@@ -118,7 +118,7 @@ struct moving_core {
     angular<double, D> turn;
     mat<double, D> axes;
     /// From the centre of mass to the shape's frame, at time 0.
-    point<D> lever;
+    point<D> center_offset;
     /// No point of the core is farther from the centre of mass.
     double reach;
 
@@ -133,7 +133,7 @@ struct moving_core {
         const mat<double, D> body = to_matrix(s.rotation);
         start = to_point(s.start) - origin;
         axes = body * local;
-        lever = body * arm;
+        center_offset = body * arm;
         // The box around the core in its own frame, seen from the centre of mass.
         const point<D> center = -transposed_times(local, arm);
         double square = 0;
@@ -147,9 +147,9 @@ struct moving_core {
     }
     /// Where it is at a time, its centre of mass having moved to `center`.
     [[nodiscard]] placed_core<D> at(double time, const point<D>& center) const {
-        if (!(magnitude(turn) > 0)) return {&shape, axes, center + lever};
+        if (!(magnitude(turn) > 0)) return {&shape, axes, center + center_offset};
         const mat<double, D> m = turning(turn * time);
-        return {&shape, m * axes, center + m * lever};
+        return {&shape, m * axes, center + m * center_offset};
     }
 };
 
@@ -168,7 +168,7 @@ inline void across_edges(const point<2>&, const point<2>&, const point<2>&, doub
 template <int D>
 struct moving_pair {
     const moving_core<D>&a, &b;
-    point<D> way;
+    point<D> displacement;
     /// Of the halfspace, in A's own frame; else null.
     const point<D>* face;
     /// The radii of both.
@@ -176,10 +176,10 @@ struct moving_pair {
     double error;
     double tolerance;
 
-    [[nodiscard]] point<D> center(double t) const { return b.start + way * t; }
+    [[nodiscard]] point<D> center(double t) const { return b.start + displacement * t; }
     /// What rounding may do to a distance.
     [[nodiscard]] double noise() const {
-        const double far = max(largest(b.start), largest(b.start + way));
+        const double far = max(largest(b.start), largest(b.start + displacement));
         return 0x1p-48 * (a.reach + b.reach + radii + far) + error;
     }
     /// The halfspace's point.
@@ -195,14 +195,14 @@ struct moving_pair {
 /// The axis along which a moving pair is farthest apart at a time, null if it overlaps; at what rate that should turn
 /// so that the features it stands on stay the closest ones; and the point of A's core.
 template <int D>
-struct parting_axis {
+struct separating_axis {
     point<D> normal, on_a;
     angular<double, D> turn{};
 };
 
 template <int D>
-parting_axis<D> closest_features(const moving_pair<D>& p, double t, gjk_cache& cache) {
-    parting_axis<D> axis;
+separating_axis<D> closest_features(const moving_pair<D>& p, double t, gjk_cache& cache) {
+    separating_axis<D> axis;
     const placed_core<D> on_a = p.a.at(t, {}), on_b = p.b.at(t, p.center(t));
     if (p.face != nullptr) {
         axis.normal = on_a.axes * *p.face;
@@ -248,7 +248,7 @@ parting_axis<D> closest_features(const moving_pair<D>& p, double t, gjk_cache& c
 /// the chord between two times, less bend / 2 times the product of the times since and until. At both ends it is known
 /// from supports. Some second times are tried, and the best bound taken.
 template <int D>
-double proven_advance(const moving_pair<D>& p, const parting_axis<D>& axis, double t, double gap, double end,
+double proven_advance(const moving_pair<D>& p, const separating_axis<D>& axis, double t, double gap, double end,
                       double goal) {
     const auto &a = p.a, &b = p.b;
     const auto curving = [&](const moving_core<D>& c) {
@@ -257,7 +257,7 @@ double proven_advance(const moving_pair<D>& p, const parting_axis<D>& axis, doub
     };
     const double whirl = length(cross(axis.turn, axis.normal));
     const double far = max(length(cross(axis.turn, p.center(t))), length(cross(axis.turn, p.center(end))));
-    const double bend = curving(a) + curving(b) + whirl * (far + 2 * length(p.way)), spare = gap - goal;
+    const double bend = curving(a) + curving(b) + whirl * (far + 2 * length(p.displacement)), spare = gap - goal;
     double best = 0, span = end - t;
     if (bend * span * span > 8 * spare) span = physics::sqrt(8 * spare / bend);
     for (int i = 0; i < 4 && span > best; ++i) {
@@ -290,13 +290,13 @@ struct moving_impact {
 
 template <int D>
 moving_impact<D> first_impact(const moving_pair<D>& p, double target, double tolerance) {
-    constexpr int most_iterations = 100;
+    constexpr int max_iterations = 100;
     const double noise = p.noise();
     double t = 0, end = 1, goal = max(target, 0.0), slack = max(tolerance, 4 * noise);
     // Apart from the times at which the balls around them, about the centres of mass, are close, nothing can happen.
     if (p.face == nullptr) {
         const double near_by = (p.a.reach + p.b.reach + p.radii + goal) + noise;
-        const local_ray<D> ray{p.b.start, p.way};
+        const local_ray<D> ray{p.b.start, p.displacement};
         const bool begins = dot(ray.origin, ray.origin) <= near_by * near_by;
         double from = 0, to = 1;
         const bool meets = ball_span(ray, near_by, from, to);
@@ -306,7 +306,7 @@ moving_impact<D> first_impact(const moving_pair<D>& p, double target, double tol
     }
     gjk_cache cache;
     for (int iterations = 0;; ++iterations) {
-        const parting_axis<D> axis = closest_features(p, t, cache);
+        const separating_axis<D> axis = closest_features(p, t, cache);
         const double gap = axis.normal == point<D>{} ? 0 : p.gap(t, axis.normal);
         if (iterations == 0 && t == 0) {
             if (!(gap > noise)) return {impact_state::overlapping, 0, {}, {}, 0, 0};
@@ -315,7 +315,7 @@ moving_impact<D> first_impact(const moving_pair<D>& p, double target, double tol
         if (gap <= goal + slack) return {impact_state::hit, t, axis.normal, axis.on_a, gap, iterations};
         const double next = t + proven_advance(p, axis, t, gap, end, goal);
         if (next >= end) return {impact_state::separated, 1, {}, {}, 0, iterations};
-        if (!(next > t) || iterations == most_iterations)
+        if (!(next > t) || iterations == max_iterations)
             return {impact_state::iteration_limit, t, {}, {}, 0, iterations};
         t = next;
     }
@@ -337,9 +337,10 @@ moving_impact<D> swept_impact(const core<D>& a, const sweep<S, D>& motion_a, con
     const cast_precision precision = cast_precision::of<S>(a, b);
     const point<D> origin = to_point(motion_a.start);
     const moving_core<D> moving_a(a, motion_a, origin), moving_b(b, motion_b, origin);
-    const point<D> way =
+    const point<D> displacement =
         (to_point(motion_b.end) - to_point(motion_b.start)) - (to_point(motion_a.end) - to_point(motion_a.start));
-    const moving_pair<D> pair{moving_a, moving_b, way, face, a.radius + b.radius, precision.error, precision.relative};
+    const moving_pair<D> pair{moving_a,        moving_b,          displacement, face, a.radius + b.radius,
+                              precision.error, precision.relative};
     return first_impact(pair, detail::to_double(settings.target), detail::to_double(settings.tolerance));
 }
 template <class S, int D>
@@ -360,7 +361,7 @@ impact<S, D> rounded_impact(const moving_impact<D>& m, const sweep<S, D>& motion
 /// where that is less; rounding of double aside. So shapes that rest on each other or slide are not stopped. Any number
 /// of turns within the motion is seen. Source: Mirtich, Impulse-based dynamic simulation of rigid body systems (1996);
 /// the separating axis that turns along is Catto's, Continuous collision, GDC (2013), here with a bound that proves it.
-/// Cost: 0.1 us where they stay far apart, else 0.6 to 2 us in the plane, 1.5 to 5 us in space; more for many turns.
+/// Cost: 0.1 us where they stay far apart, else 0.6 to 2 us in 2D, 1.5 to 5 us in 3D; more for many turns.
 template <class A, class B, class S, int D>
     requires detail::has_core<A> && detail::has_core<B> impact<S, D> time_of_impact(
         const A& a, const sweep<S, D>& motion_a, const B& b, const sweep<S, D>& motion_b,

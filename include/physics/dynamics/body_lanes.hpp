@@ -49,7 +49,7 @@ PHYSICS_HPP_ALWAYS_INLINE lanes3<P> lane_combine(const lanes3<P>& a, const P& s,
     return {lane_sum(a.x, s, b.x, t), lane_sum(a.y, s, b.y, t), lane_sum(a.z, s, b.z, t)};
 }
 
-/// Velocities, or ways, of W bodies in the plane.
+/// Velocities, or ways, of W bodies in 2D.
 template <class P>
 struct twist_lanes2 {
     lanes2<P> linear;
@@ -65,24 +65,24 @@ struct body_lanes2 {
     using S = typename P::scalar;
     static constexpr int stride = sizeof(solver_body<S, 2>) / sizeof(S);
 
-    twist_lanes2<P> velocity, way;
+    twist_lanes2<P> velocity, displacement;
 
     PHYSICS_HPP_ALWAYS_INLINE void load(const solver_body<S, 2>* bodies, const std::uint32_t* index) {
         const auto* first = reinterpret_cast<const S*>(bodies);
         const quad<P> v = load4<P>(indexed_rows<const S, stride>{first, index});
         velocity = {{v.x, v.y}, v.z};
         const quad<P> w = load4<P>(indexed_rows<const S, stride>{first + 4, index});
-        way = {{v.w, w.x}, w.y};
+        displacement = {{v.w, w.x}, w.y};
     }
     PHYSICS_HPP_ALWAYS_INLINE void store(solver_body<S, 2>* bodies, const std::uint32_t* index) const {
         store4(indexed_rows<S, stride>{reinterpret_cast<S*>(bodies), index},
-               quad<P>{velocity.linear.x, velocity.linear.y, velocity.angular, way.linear.x});
+               quad<P>{velocity.linear.x, velocity.linear.y, velocity.angular, displacement.linear.x});
     }
 };
-/// Writes how bodies in the plane answer to impulses into lanes.
+/// Writes how bodies in 2D answer to impulses into lanes.
 template <class S, int W>
-PHYSICS_HPP_ALWAYS_INLINE void load_answers(const solver_body<S, 2>* bodies, const std::uint32_t (&index)[W],
-                                            inverse_of<S> (&mass)[W], inverse_of<S> (&inertia)[W]) {
+PHYSICS_HPP_ALWAYS_INLINE void load_inverse_masses(const solver_body<S, 2>* bodies, const std::uint32_t (&index)[W],
+                                                   inverse_of<S> (&mass)[W], inverse_of<S> (&inertia)[W]) {
     if constexpr (std::is_floating_point_v<S>) {
         using P = kernel_pack<S, W>;
         constexpr int stride = sizeof(solver_body<S, 2>) / sizeof(S);
@@ -96,10 +96,10 @@ PHYSICS_HPP_ALWAYS_INLINE void load_answers(const solver_body<S, 2>* bodies, con
         }
     }
 }
-/// The same in space.
+/// The same in 3D.
 template <class S, int W>
-PHYSICS_HPP_ALWAYS_INLINE void load_answers(const solver_body<S, 3>* bodies, const std::uint32_t (&index)[W],
-                                            inverse_of<S> (&mass)[W], inverse_of<S> (&inertia)[6][W]) {
+PHYSICS_HPP_ALWAYS_INLINE void load_inverse_masses(const solver_body<S, 3>* bodies, const std::uint32_t (&index)[W],
+                                                   inverse_of<S> (&mass)[W], inverse_of<S> (&inertia)[6][W]) {
     if constexpr (std::is_floating_point_v<S>) {
         using P = kernel_pack<S, W>;
         constexpr int stride = sizeof(solver_body<S, 3>) / sizeof(S);
@@ -129,7 +129,7 @@ struct body_lanes3 {
     using S = typename P::scalar;
     static constexpr int stride = sizeof(solver_body<S, 3>) / sizeof(S);
 
-    twist_lanes3<P> velocity, way;
+    twist_lanes3<P> velocity, displacement;
 
     PHYSICS_HPP_ALWAYS_INLINE void load(const solver_body<S, 3>* bodies, const std::uint32_t* index) {
         const auto* first = reinterpret_cast<const S*>(bodies);
@@ -137,20 +137,21 @@ struct body_lanes3 {
         const quad<P> b = load4<P>(indexed_rows<const S, stride>{first + 4, index});
         const quad<P> c = load4<P>(indexed_rows<const S, stride>{first + 8, index});
         velocity = {{a.x, a.y, a.z}, {a.w, b.x, b.y}};
-        way = {{b.z, b.w, c.x}, {c.y, c.z, c.w}};
+        displacement = {{b.z, b.w, c.x}, {c.y, c.z, c.w}};
     }
     PHYSICS_HPP_ALWAYS_INLINE void store(solver_body<S, 3>* bodies, const std::uint32_t* index) const {
         auto* first = reinterpret_cast<S*>(bodies);
         const auto& [v, w] = velocity;
         store4(indexed_rows<S, stride>{first, index}, quad<P>{v.x, v.y, v.z, w.x});
-        store4(indexed_rows<S, stride>{first + 4, index}, quad<P>{w.y, w.z, way.linear.x, way.linear.y});
+        store4(indexed_rows<S, stride>{first + 4, index},
+               quad<P>{w.y, w.z, displacement.linear.x, displacement.linear.y});
     }
     /// With the ways.
     PHYSICS_HPP_ALWAYS_INLINE void store_all(solver_body<S, 3>* bodies, const std::uint32_t* index) const {
         store(bodies, index);
         auto* first = reinterpret_cast<S*>(bodies);
         store4(indexed_rows<S, stride>{first + 8, index},
-               quad<P>{way.linear.z, way.angular.x, way.angular.y, way.angular.z});
+               quad<P>{displacement.linear.z, displacement.angular.x, displacement.angular.y, displacement.angular.z});
     }
 };
 

@@ -8,13 +8,13 @@
 
 PHYSICS_HPP_BEGIN
 
-/// What acts along the tangents of a contact: one number in the plane, two in space.
+/// What acts along the tangents of a contact: one number in 2D, two in 3D.
 template <class S, int D>
 using tangential = std::conditional_t<D == 2, S, vec<S, 2>>;
 
 /// Levers from the centres of mass of A and B to a point, in world axes (m).
 template <class S, int D>
-struct levers {
+struct anchors {
     vec<S, D> a, b;
 };
 
@@ -27,9 +27,10 @@ struct contact_point {
     S separation{};
     /// Sum of the impulses of the last step along the normal, at least 0, and along the tangents (N s).
     S normal_impulse{};
-    [[no_unique_address]] detail::kept_if<Features::friction, tangential<S, D>, feature::friction> friction_impulse{};
+    [[no_unique_address]] detail::optional_member<Features::friction, tangential<S, D>, feature::friction>
+        friction_impulse{};
     /// The impulse along the normal of the last substep, where a solver takes several (N s).
-    S load{};
+    S substep_impulse{};
     std::uint32_t feature = 0;
 };
 
@@ -44,12 +45,12 @@ struct contact {
     std::uint32_t part = 0;
     vec<S, D> normal;
     /// From the centre of mass of either body to the origin of shape A, in world axes (m).
-    vec<S, D> arm_a, arm_b;
+    vec<S, D> r_a, r_b;
     std::uint8_t count = 0;
     /// Of each point a bit: 1 if the same features touched in the step before.
-    std::uint8_t lasting = 0;
+    std::uint8_t persisted_mask = 0;
     contact_point<S, D, Features> points[manifold<S, D>::capacity] = {};
-    /// Of both surfaces together. A contact_list tells them also where all contacts have them in common.
+    /// Of both surfaces together. A contact_constraints tells them also where all contacts have them in common.
     [[no_unique_address]] detail::coefficient_of_contact<Features::friction, S, feature::friction, Features> friction{};
     [[no_unique_address]] detail::coefficient_of_contact<Features::restitution, S, feature::restitution, Features>
         restitution{};
@@ -57,27 +58,30 @@ struct contact {
                                                          Features>
         rolling_resistance{};
     /// How fast B slides over A along the tangents where the surfaces themselves do not slip (m/s).
-    [[no_unique_address]] detail::kept_if<Features::surface_velocity, tangential<S, D>, feature::surface_velocity>
+    [[no_unique_address]] detail::optional_member<Features::surface_velocity, tangential<S, D>,
+                                                  feature::surface_velocity>
         surface_velocity{};
     /// Angular impulse of friction about the normal, where the solver lets contacts resist twisting (N m s).
-    [[no_unique_address]] detail::kept_if<Features::friction && D == 3, S, feature::friction, 1> twist_impulse{};
-    /// In the plane, friction of the last substep, where a solver takes several: what the next step begins with (N s).
-    [[no_unique_address]] detail::kept_if<Features::friction && D == 2, S, feature::friction, 2> friction_load{};
-    /// Angular impulse that resists rolling: about z in the plane, about both tangents in space (N m s).
-    [[no_unique_address]] detail::kept_if<Features::rolling_resistance, tangential<S, D>, feature::rolling_resistance,
-                                          1>
+    [[no_unique_address]] detail::optional_member<Features::friction && D == 3, S, feature::friction, 1>
+        twist_impulse{};
+    /// In 2D, friction of the last substep, where a solver takes several: what the next step begins with (N s).
+    [[no_unique_address]] detail::optional_member<Features::friction && D == 2, S, feature::friction, 2>
+        substep_friction{};
+    /// Angular impulse that resists rolling: about z in 2D, about both tangents in 3D (N m s).
+    [[no_unique_address]] detail::optional_member<Features::rolling_resistance, tangential<S, D>,
+                                                  feature::rolling_resistance, 1>
         rolling_impulse{};
 
-    [[nodiscard]] constexpr physics::levers<S, D> levers(int k) const {
-        return {arm_a + points[k].position, arm_b + points[k].position};
+    [[nodiscard]] constexpr physics::anchors<S, D> anchors(int k) const {
+        return {r_a + points[k].position, r_b + points[k].position};
     }
-    [[nodiscard]] constexpr bool persisted(int k) const { return (lasting >> k & 1) != 0; }
+    [[nodiscard]] constexpr bool persisted(int k) const { return (persisted_mask >> k & 1) != 0; }
     [[nodiscard]] constexpr proxy_pair key() const {
         return shape_a < shape_b ? proxy_pair{shape_a, shape_b} : proxy_pair{shape_b, shape_a};
     }
 };
 
-/// The tangent of a contact normal in the plane.
+/// The tangent of a contact normal in 2D.
 template <class S>
 struct tangents2 {
     vec<S, 2> t;
@@ -86,7 +90,7 @@ struct tangents2 {
     [[nodiscard]] constexpr S components(vec<S, 2> v) const { return dot(t, v); }
     [[nodiscard]] constexpr vec<S, 2> combine(S along) const { return t * along; }
 };
-/// The same in space.
+/// The same in 3D.
 template <class S>
 struct tangents3 {
     vec<S, 3> t, u;
@@ -108,13 +112,14 @@ using tangents = std::conditional_t<D == 2, tangents2<S>, tangents3<S>>;
 
 /// How fast B slides over A along the tangents where neither surface slips, of how the surfaces run and are turned.
 template <class S>
-constexpr S driven(const tangents2<S>&, const rotation<S, 2>&, S of_a, const rotation<S, 2>&, S of_b) {
+constexpr S relative_surface_velocity(const tangents2<S>&, const rotation<S, 2>&, S of_a, const rotation<S, 2>&,
+                                      S of_b) {
     // Seen from outside of B, the tangent points the other way.
     return of_a + of_b;
 }
 template <class S>
-constexpr vec<S, 2> driven(const tangents3<S>& frame, const rotation<S, 3>& turn_a, vec<S, 3> of_a,
-                           const rotation<S, 3>& turn_b, vec<S, 3> of_b) {
+constexpr vec<S, 2> relative_surface_velocity(const tangents3<S>& frame, const rotation<S, 3>& turn_a, vec<S, 3> of_a,
+                                              const rotation<S, 3>& turn_b, vec<S, 3> of_b) {
     return frame.components(turn_a * of_a - turn_b * of_b);
 }
 
@@ -125,7 +130,7 @@ bool inherit_impulse(const contact<S, D, Features>& old, const tangents<S, D>& o
     for (int j = 0; j < old.count; ++j) {
         if (old.points[j].feature != point.feature) continue;
         point.normal_impulse = old.points[j].normal_impulse;
-        point.load = old.points[j].load;
+        point.substep_impulse = old.points[j].substep_impulse;
         if constexpr (Features::friction)
             point.friction_impulse = frame.components(old_frame.combine(old.points[j].friction_impulse));
         return true;
@@ -133,7 +138,7 @@ bool inherit_impulse(const contact<S, D, Features>& old, const tangents<S, D>& o
     return false;
 }
 
-/// What resisted rolling about old tangents, about new ones; in the plane they all turn about z.
+/// What resisted rolling about old tangents, about new ones; in 2D they all turn about z.
 template <class S>
 constexpr S same_moment(const tangents2<S>&, const tangents2<S>&, S moment) {
     return moment;
@@ -146,22 +151,22 @@ constexpr vec<S, 2> same_moment(const tangents3<S>& old, const tangents3<S>& fra
 /// Hands the impulses of the same features in an old contact to a contact, whose surfaces resist rolling or do not.
 template <class S, int D, class Features>
 void inherit_impulses(const contact<S, D, Features>& old, const tangents<S, D>& frame, contact<S, D, Features>& c,
-                      [[maybe_unused]] const detail::mixture<S, Features>& surfaces) {
+                      [[maybe_unused]] const detail::combined_material<S, Features>& surfaces) {
     const tangents<S, D> old_frame(old.normal);
-    const std::uint8_t before = c.lasting;
+    const std::uint8_t before = c.persisted_mask;
     for (int k = 0; k < c.count; ++k)
         if (!c.persisted(k) && inherit_impulse(old, old_frame, frame, c.points[k]))
-            c.lasting = static_cast<std::uint8_t>(c.lasting | 1 << k);
-    if (c.lasting == before) return;
+            c.persisted_mask = static_cast<std::uint8_t>(c.persisted_mask | 1 << k);
+    if (c.persisted_mask == before) return;
     if constexpr (Features::friction && D == 3) c.twist_impulse = old.twist_impulse;
     if constexpr (Features::friction && D == 2) {
         // Of points that are gone the friction is gone too, as their load is.
         S kept = S(0), all = S(0);
         for (int k = 0; k < c.count; ++k)
-            if (((c.lasting & ~before) >> k & 1) != 0) kept += c.points[k].load;
-        for (int k = 0; k < old.count; ++k) all += old.points[k].load;
+            if (((c.persisted_mask & ~before) >> k & 1) != 0) kept += c.points[k].substep_impulse;
+        for (int k = 0; k < old.count; ++k) all += old.points[k].substep_impulse;
         const S share = kept < all ? kept / all : S(1);
-        c.friction_load += frame.components(old_frame.combine(old.friction_load)) * share;
+        c.substep_friction += frame.components(old_frame.combine(old.substep_friction)) * share;
     }
     if constexpr (Features::rolling_resistance)
         if (surfaces.rolling_resistance_of(c) > S(0))
@@ -171,19 +176,19 @@ void inherit_impulses(const contact<S, D, Features>& old, const tangents<S, D>& 
 /// Scales the impulses of contacts from a step of one length to one of another: they hold loads, which a longer step
 /// holds by larger ones.
 template <class S, int D, class Features>
-void stretch(contact<S, D, Features>* first, const contact<S, D, Features>* end, S from, S to) {
+void rescale_impulses(contact<S, D, Features>* first, const contact<S, D, Features>* end, S from, S to) {
     if (!(from > S(0)) || from == to) return;
     const S ratio = to / from;
     for (; first != end; ++first) {
         // A substep's friction is noisier than its load: where that is scaled up, columns are shaken.
-        if constexpr (Features::friction && D == 2) first->friction_load *= min(ratio, S(1));
+        if constexpr (Features::friction && D == 2) first->substep_friction *= min(ratio, S(1));
         if constexpr (Features::friction && D == 3) first->twist_impulse *= ratio;
         if constexpr (Features::rolling_resistance) first->rolling_impulse *= ratio;
         for (int k = 0; k < first->count; ++k) {
             contact_point<S, D, Features>& p = first->points[k];
             p.normal_impulse *= ratio;
             if constexpr (Features::friction) p.friction_impulse *= ratio;
-            p.load *= ratio;
+            p.substep_impulse *= ratio;
         }
     }
 }
@@ -193,7 +198,7 @@ void stretch(contact<S, D, Features>* first, const contact<S, D, Features>* end,
 /// searched whole. Points that are new start from zero: only what outlives a step is warm.
 template <class S, int D, class Features>
 void inherit_impulses(const buffer<contact<S, D, Features>>& before, contact<S, D, Features>* first,
-                      const contact<S, D, Features>* end, const detail::mixture<S, Features>& surfaces = {}) {
+                      const contact<S, D, Features>* end, const detail::combined_material<S, Features>& surfaces = {}) {
     if (first == end) return;
     std::uint32_t i = 0;
     for (std::uint32_t size = before.size(); size > 0;) {

@@ -1,4 +1,4 @@
-// Contacts in space as their bodies see them, in lanes: their frame, how fast they move, and what impulses come to.
+// Contacts in 3D as their bodies see them, in lanes: their frame, how fast they move, and what impulses come to.
 #pragma once
 
 #include "physics/dynamics/body_lanes.hpp"
@@ -10,20 +10,20 @@ namespace detail {
 /// The normal, both tangents, and from the bodies' centres to the middle.
 template <class P>
 struct contact_frame3 {
-    lanes3<P> n, t, u, arm_a, arm_b;
+    lanes3<P> n, t, u, r_a, r_b;
 
     template <class Block>
     PHYSICS_HPP_ALWAYS_INLINE explicit contact_frame3(const Block& c)
         : n(lanes3<P>::load(c.normal)),
           t(lanes3<P>::load(c.tangent)),
           u(c.across.of(n, t)),
-          arm_a(lanes3<P>::load(c.arm_a)),
-          arm_b(lanes3<P>::load(c.arm_b)) {}
+          r_a(lanes3<P>::load(c.r_a)),
+          r_b(lanes3<P>::load(c.r_b)) {}
 
     /// How B moves against A at the middle.
     PHYSICS_HPP_ALWAYS_INLINE lanes3<P> at_middle(const twist_lanes3<P>& a, const twist_lanes3<P>& b) const {
-        return lane_subtract(lane_add(b.linear, lane_cross(b.angular, arm_b)),
-                             lane_add(a.linear, lane_cross(a.angular, arm_a)));
+        return lane_subtract(lane_add(b.linear, lane_cross(b.angular, r_b)),
+                             lane_add(a.linear, lane_cross(a.angular, r_a)));
     }
 };
 

@@ -7,7 +7,7 @@
 PHYSICS_HPP_BEGIN
 
 /// What a body is stopped by on its way, so that it does not pass through.
-enum class swept_against : std::uint8_t {
+enum class sweep_target : std::uint8_t {
     nothing,
     /// Shapes of static bodies.
     fixed,
@@ -17,9 +17,9 @@ enum class swept_against : std::uint8_t {
 
 /// How a body moves in a step, and how far it may without passing anything.
 template <class S, int D>
-struct stride {
-    /// Way of the centre of mass (m), and turn (rad), in space along its axis.
-    vec<S, D> way;
+struct body_motion {
+    /// Way of the centre of mass (m), and turn (rad), in 3D along its axis.
+    vec<S, D> translation;
     angular<S, D> turn{};
     /// No point of a capsule's axis, of a box, of a hull without its radius... is farther from the centre of mass (m).
     S reach{};
@@ -35,11 +35,11 @@ struct stride {
     /// At least as far as any point has moved, quickly.
     [[nodiscard]] constexpr S bound() const {
         S sum{};
-        for (int i = 0; i < D; ++i) sum += abs(way[i]);
+        for (int i = 0; i < D; ++i) sum += abs(translation[i]);
         return sum + taxicab(turn) * reach;
     }
     /// How far any point but those of round edges can have moved.
-    [[nodiscard]] S length() const { return physics::length(way) + angle(turn) * reach; }
+    [[nodiscard]] S length() const { return physics::length(translation) + angle(turn) * reach; }
 
 private:
     static constexpr S taxicab(S w) { return abs(w); }
@@ -68,10 +68,10 @@ struct swept {
     struct in {
         using S = typename Space::scalar;
 
-        [[nodiscard]] static swept_against aim(const stride<S, Space::dimension>& s) {
-            const S through = s.thickness * S(0.5) - s.depth, most = through < s.margin ? through : s.margin;
-            if (!(s.bound() > most) || !(s.length() > most)) return swept_against::nothing;
-            return s.flagged ? swept_against::everything : swept_against::fixed;
+        [[nodiscard]] static sweep_target sweep_against(const body_motion<S, Space::dimension>& s) {
+            const S through = s.thickness * S(0.5) - s.depth, maximum = through < s.margin ? through : s.margin;
+            if (!(s.bound() > maximum) || !(s.length() > maximum)) return sweep_target::nothing;
+            return s.flagged ? sweep_target::everything : sweep_target::fixed;
         }
     };
 };
@@ -88,9 +88,9 @@ struct speculative {
         using S = typename Space::scalar;
 
         /// How much farther contacts are looked for (m).
-        [[nodiscard]] static S ahead(const stride<S, Space::dimension>& s) {
-            const S most = s.thickness * S(0.5);
-            return s.bound() > most ? s.length() : S(0);
+        [[nodiscard]] static S ahead(const body_motion<S, Space::dimension>& s) {
+            const S maximum = s.thickness * S(0.5);
+            return s.bound() > maximum ? s.length() : S(0);
         }
     };
 };
@@ -117,19 +117,19 @@ struct no_continuous {
 
 /// Whether a policy bound to a space sweeps bodies, and whether it looks ahead.
 template <class C, class S, int D>
-concept sweeps = requires(const stride<S, D>& s) {
-    { C::aim(s) } -> std::same_as<swept_against>;
+concept sweeps = requires(const body_motion<S, D>& s) {
+    { C::sweep_against(s) } -> std::same_as<sweep_target>;
 };
 template <class C, class S, int D>
-concept looks_ahead = requires(const stride<S, D>& s) {
+concept looks_ahead = requires(const body_motion<S, D>& s) {
     { C::ahead(s) } -> std::same_as<S>;
 };
 
 }  // namespace detail
 
 /// A continuous collision policy bound to a space offers one or both of
-///   swept_against aim(stride)   what a dynamic body that has moved so is swept against
-///   S ahead(stride)             how much farther contacts of a body that is about to move so are looked for (m)
+///   sweep_target sweep_against(body_motion)   what a dynamic body that has moved so is swept against
+///   S ahead(body_motion)             how much farther contacts of a body that is about to move so are looked for (m)
 /// as static functions. A policy is a type with `using stage = physics::stage::continuous` and such a class as
 /// `in<Space>`.
 template <class C, class S, int D>

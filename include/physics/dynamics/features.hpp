@@ -23,7 +23,7 @@ struct rolling_resistance {};
 struct surface_velocity {};
 /// Looking after fast bodies on their way through a step.
 struct continuous {};
-/// A material a shape. Without it all surfaces are made of the one that the world's settings name, and none runs.
+/// Per-shape materials. Without them settings.material applies to all shapes, and surface velocities are 0.
 struct materials {};
 }  // namespace feature
 
@@ -58,11 +58,11 @@ namespace detail {
 /// Stands where a value is left out: it takes no room, is not written, and reads as 0. Nth tells two in one struct
 /// apart, which would take room for that.
 template <class T, class Feature, int Nth>
-struct left_out {
-    constexpr left_out() = default;
-    constexpr explicit left_out(const T&) {}
+struct absent {
+    constexpr absent() = default;
+    constexpr explicit absent(const T&) {}
     constexpr operator T() const { return T{}; }
-    friend constexpr bool operator==(const left_out&, const left_out&) = default;
+    friend constexpr bool operator==(const absent&, const absent&) = default;
 };
 /// What a value that may be left out reads as.
 template <class T>
@@ -70,12 +70,12 @@ constexpr const T& value_of(const T& value) {
     return value;
 }
 template <class T, class Feature, int Nth>
-constexpr T value_of(const left_out<T, Feature, Nth>& value) {
+constexpr T value_of(const absent<T, Feature, Nth>& value) {
     return value;
 }
 /// A value that is there if `Kept`.
 template <bool Kept, class T, class Feature, int Nth = 0>
-using kept_if = std::conditional_t<Kept, T, left_out<T, Feature, Nth>>;
+using optional_member = std::conditional_t<Kept, T, absent<T, Feature, Nth>>;
 
 }  // namespace detail
 

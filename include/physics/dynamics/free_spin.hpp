@@ -48,8 +48,8 @@ template <class S>
 rotation<S, 3> rounded_rotation(const rotation<double, 3>& a) {
     const S plain[] = {S(a.x), S(a.y), S(a.z), S(a.w)};
     rotation<S, 3> best;
-    std::int64_t least = std::numeric_limits<std::int64_t>::max();
-    for (int n = 0; n < 81 && least > 4; ++n) {
+    std::int64_t minimum = std::numeric_limits<std::int64_t>::max();
+    for (int n = 0; n < 81 && minimum > 4; ++n) {
         S r[4];
         // |r|^2 - 1 in parts of 2^-60.
         int128 sum{};
@@ -63,8 +63,8 @@ rotation<S, 3> rounded_rotation(const rotation<double, 3>& a) {
             sum = sum + product128(units, units);
         }
         const std::int64_t error = (sum >> 60).low() - (std::int64_t{1} << 60), size = error < 0 ? -error : error;
-        if (!(size < least)) continue;
-        least = size;
+        if (!(size < minimum)) continue;
+        minimum = size;
         best = {r[0], r[1], r[2], r[3]};
     }
     return best;
@@ -72,13 +72,13 @@ rotation<S, 3> rounded_rotation(const rotation<double, 3>& a) {
 
 }  // namespace detail
 
-/// What a body's free spin needs to know of its inertia: nothing in the plane.
+/// What a body's free spin needs to know of its inertia: nothing in 2D.
 template <class S, int D>
 struct free_spin {
     constexpr free_spin() = default;
     constexpr explicit free_spin(S) {}
 };
-/// In space: its principal axes and the moments about them, the inverse of the first one, and by how much the inverses
+/// In 3D: its principal axes and the moments about them, the inverse of the first one, and by how much the inverses
 /// of the others differ from that; the second is the one that differs least.
 template <class S>
 struct free_spin<S, 3> {

@@ -1,4 +1,4 @@
-// Coulomb friction at one point, and resistance to rolling: an interval in the plane, a circular cone in space.
+// Coulomb friction at one point, and resistance to rolling: an interval in 2D, a circular cone in 3D.
 #pragma once
 
 #include "physics/dynamics/body.hpp"
@@ -11,13 +11,13 @@ namespace detail {
 /// How much a unit impulse along n at lever r changes the velocity along m at the same point, by rotation
 /// alone, in the inverse format.
 template <class S>
-constexpr inverse_of<S> angular_answer(inverse_of<S> inverse_inertia, vec<S, 2> r, vec<S, 2> n, vec<S, 2> m) {
+constexpr inverse_of<S> angular_k_of_body(inverse_of<S> inverse_inertia, vec<S, 2> r, vec<S, 2> n, vec<S, 2> m) {
     using I = inverse_of<S>;
     return mul<I>(mul<I>(inverse_inertia, cross(r, n)), cross(r, m));
 }
 /// The change of angular velocity about b by an angular impulse about a.
 template <class S>
-constexpr inverse_of<S> torque_answer(const symmetric<inverse_of<S>>& inverse_inertia, vec<S, 3> a, vec<S, 3> b) {
+constexpr inverse_of<S> torque_k(const symmetric<inverse_of<S>>& inverse_inertia, vec<S, 3> a, vec<S, 3> b) {
     using I = inverse_of<S>;
     const auto& k = inverse_inertia;
     const I x = narrow<I>(product(k.xx, a.x) + product(k.xy, a.y) + product(k.xz, a.z));
@@ -26,41 +26,42 @@ constexpr inverse_of<S> torque_answer(const symmetric<inverse_of<S>>& inverse_in
     return narrow<I>(product(x, b.x) + product(y, b.y) + product(z, b.z));
 }
 template <class S>
-constexpr inverse_of<S> angular_answer(const symmetric<inverse_of<S>>& inverse_inertia, vec<S, 3> r, vec<S, 3> n,
-                                       vec<S, 3> m) {
-    return torque_answer<S>(inverse_inertia, cross(r, n), cross(r, m));
+constexpr inverse_of<S> angular_k_of_body(const symmetric<inverse_of<S>>& inverse_inertia, vec<S, 3> r, vec<S, 3> n,
+                                          vec<S, 3> m) {
+    return torque_k<S>(inverse_inertia, cross(r, n), cross(r, m));
 }
 
 /// Both bodies' answer along m to a unit impulse along n at a contact point, by rotation alone.
-template <class S, int D, bool Turns>
-constexpr inverse_of<S> answer([[maybe_unused]] const solver_body<S, D, Turns>& a,
-                               [[maybe_unused]] const solver_body<S, D, Turns>& b,
-                               [[maybe_unused]] const levers<S, D>& to, [[maybe_unused]] vec<S, D> n,
-                               [[maybe_unused]] vec<S, D> m) {
-    if constexpr (Turns)
-        return angular_answer<S>(a.inverse_inertia, to.a, n, m) + angular_answer<S>(b.inverse_inertia, to.b, n, m);
+template <class S, int D, bool Rotates>
+constexpr inverse_of<S> angular_k([[maybe_unused]] const solver_body<S, D, Rotates>& a,
+                                  [[maybe_unused]] const solver_body<S, D, Rotates>& b,
+                                  [[maybe_unused]] const anchors<S, D>& to, [[maybe_unused]] vec<S, D> n,
+                                  [[maybe_unused]] vec<S, D> m) {
+    if constexpr (Rotates)
+        return angular_k_of_body<S>(a.inverse_inertia, to.a, n, m) +
+               angular_k_of_body<S>(b.inverse_inertia, to.b, n, m);
     else return inverse_of<S>(0);
 }
 
 /// The effective mass along n: the impulse that changes the relative velocity along n by 1.
-template <class S, int D, bool Turns>
-constexpr S effective_mass(const solver_body<S, D, Turns>& a, const solver_body<S, D, Turns>& b, const levers<S, D>& to,
-                           vec<S, D> n) {
-    const inverse_of<S> k = a.inverse_mass + b.inverse_mass + answer(a, b, to, n, n);
+template <class S, int D, bool Rotates>
+constexpr S effective_mass(const solver_body<S, D, Rotates>& a, const solver_body<S, D, Rotates>& b,
+                           const anchors<S, D>& to, vec<S, D> n) {
+    const inverse_of<S> k = a.inverse_mass + b.inverse_mass + angular_k(a, b, to, n, n);
     return k > inverse_of<S>(0) ? reciprocal<S>(k) : S(0);
 }
 
 }  // namespace detail
 
-/// Friction of a point in the plane.
+/// Friction of a point in 2D.
 template <class S>
 struct friction2 {
     S mass{};
 
     constexpr friction2() = default;
-    template <bool Turns>
-    constexpr friction2(const solver_body<S, 2, Turns>& a, const solver_body<S, 2, Turns>& b, const levers<S, 2>& to,
-                        const tangents2<S>& frame)
+    template <bool Rotates>
+    constexpr friction2(const solver_body<S, 2, Rotates>& a, const solver_body<S, 2, Rotates>& b,
+                        const anchors<S, 2>& to, const tangents2<S>& frame)
         : mass(detail::effective_mass(a, b, to, frame.t)) {}
 
     /// The accumulated impulse that stops the slip v, or the largest that friction can give.
@@ -71,13 +72,13 @@ struct friction2 {
 /// by the inverse of their 2 x 2 answer. Slipping takes a gradient step, scaled by the largest eigenvalue, onto the
 /// circular cone: its fixed point opposes the slip in any direction, which per-tangent limits do not.
 template <class S>
-struct circular_cone {
+struct friction_cone {
     S xx{}, xy{}, yy{};
-    S slip{};
+    S gradient_step{};
 
-    constexpr circular_cone() = default;
+    constexpr friction_cone() = default;
     /// Of the speeds' answers to unit impulses.
-    constexpr circular_cone(inverse_of<S> kxx, inverse_of<S> kxy, inverse_of<S> kyy) {
+    constexpr friction_cone(inverse_of<S> kxx, inverse_of<S> kxy, inverse_of<S> kyy) {
         using I = inverse_of<S>;
         const auto determinant = product(kxx, kyy) - product(kxy, kxy);
         if (!(determinant > wide_of<I>{})) return;
@@ -85,37 +86,37 @@ struct circular_cone {
         yy = quotient<S>(kxx, determinant);
         xy = -quotient<S>(kxy, determinant);
         const I half = mul<I>(kxx - kyy, S(0.5));
-        slip = reciprocal<S>(mul<I>(kxx + kyy, S(0.5)) + root<I>(product(half, half) + product(kxy, kxy)));
+        gradient_step = reciprocal<S>(mul<I>(kxx + kyy, S(0.5)) + root<I>(product(half, half) + product(kxy, kxy)));
     }
 
     [[nodiscard]] constexpr vec<S, 2> next(vec<S, 2> impulse, vec<S, 2> v, S limit) const {
         const vec<S, 2> stick =
             impulse - vec<S, 2>{sum_of_products(xx, v.x, xy, v.y), sum_of_products(xy, v.x, yy, v.y)};
-        const wide_of<S> most = product(limit, limit);
-        if (!(length_squared(stick) > most)) return stick;
-        const vec<S, 2> slide = impulse - v * slip;
-        if (!(length_squared(slide) > most)) return slide;
+        const wide_of<S> maximum = product(limit, limit);
+        if (!(length_squared(stick) > maximum)) return stick;
+        const vec<S, 2> slide = impulse - v * gradient_step;
+        if (!(length_squared(slide) > maximum)) return slide;
         return normalized(slide) * limit;
     }
 };
 
-/// Friction of a point in space.
+/// Friction of a point in 3D.
 template <class S>
-struct friction3 : circular_cone<S> {
+struct friction3 : friction_cone<S> {
     constexpr friction3() = default;
-    template <bool Turns>
-    constexpr friction3(const solver_body<S, 3, Turns>& a, const solver_body<S, 3, Turns>& b, const levers<S, 3>& to,
-                        const tangents3<S>& frame)
-        : circular_cone<S>(a.inverse_mass + b.inverse_mass + detail::answer(a, b, to, frame.t, frame.t),
-                           detail::answer(a, b, to, frame.t, frame.u),
-                           a.inverse_mass + b.inverse_mass + detail::answer(a, b, to, frame.u, frame.u)) {}
+    template <bool Rotates>
+    constexpr friction3(const solver_body<S, 3, Rotates>& a, const solver_body<S, 3, Rotates>& b,
+                        const anchors<S, 3>& to, const tangents3<S>& frame)
+        : friction_cone<S>(a.inverse_mass + b.inverse_mass + detail::angular_k(a, b, to, frame.t, frame.t),
+                           detail::angular_k(a, b, to, frame.t, frame.u),
+                           a.inverse_mass + b.inverse_mass + detail::angular_k(a, b, to, frame.u, frame.u)) {}
 };
 
 /// Friction of a point in D dimensions.
 template <class S, int D>
 using friction_at = std::conditional_t<D == 2, friction2<S>, friction3<S>>;
 
-/// Resistance to rolling in the plane: a limited angular impulse about z.
+/// Resistance to rolling in 2D: a limited angular impulse about z.
 template <class S>
 struct rolling2 {
     S inertia{};
@@ -133,12 +134,12 @@ struct rolling2 {
         return clamp(impulse - inertia * w, -limit, limit);
     }
 };
-/// Resistance to rolling in space: a limited angular impulse about both tangents.
+/// Resistance to rolling in 3D: a limited angular impulse about both tangents.
 template <class S>
-struct rolling3 : circular_cone<S> {
+struct rolling3 : friction_cone<S> {
     constexpr rolling3() = default;
     constexpr rolling3(const solver_body<S, 3>& a, const solver_body<S, 3>& b, const tangents3<S>& frame)
-        : circular_cone<S>(both(a, b, frame.t, frame.t), both(a, b, frame.t, frame.u), both(a, b, frame.u, frame.u)) {}
+        : friction_cone<S>(both(a, b, frame.t, frame.t), both(a, b, frame.t, frame.u), both(a, b, frame.u, frame.u)) {}
 
     [[nodiscard]] static constexpr vec<S, 2> components(const tangents3<S>& frame, vec<S, 3> w) {
         return frame.components(w);
@@ -150,8 +151,7 @@ struct rolling3 : circular_cone<S> {
 private:
     static constexpr inverse_of<S> both(const solver_body<S, 3>& a, const solver_body<S, 3>& b, vec<S, 3> of,
                                         vec<S, 3> about) {
-        return detail::torque_answer<S>(a.inverse_inertia, of, about) +
-               detail::torque_answer<S>(b.inverse_inertia, of, about);
+        return detail::torque_k<S>(a.inverse_inertia, of, about) + detail::torque_k<S>(b.inverse_inertia, of, about);
     }
 };
 

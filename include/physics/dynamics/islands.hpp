@@ -10,7 +10,7 @@ PHYSICS_HPP_BEGIN
 /// When bodies fall asleep.
 template <class S>
 struct sleep_settings {
-    /// False: nobody does.
+    /// False: no body does.
     bool enabled = true;
     /// For so long an island must be still (s),
     S time = S(0.5);
@@ -36,7 +36,7 @@ namespace detail {
 /// union algorithm (1975), with halving of paths; the least number rules, so that names follow from the sets alone.
 class disjoint_sets {
 public:
-    disjoint_sets(std::uint32_t count, arena& scratch) : parent_(scratch.take<std::uint32_t>(count)) {
+    disjoint_sets(std::uint32_t count, arena& scratch) : parent_(scratch.allocate<std::uint32_t>(count)) {
         for (std::uint32_t i = 0; i < count; ++i) parent_[i] = i;
     }
     [[nodiscard]] std::uint32_t find(std::uint32_t i) {
@@ -57,9 +57,9 @@ private:
 /// True if two bodies of these velocities touch within two steps of h, or would if something drew them together by
 /// `slack` (m) more. Two, since the last round of a solver looks ahead as far as another part of a step.
 template <class S, int D, class Features, class Twist>
-bool comes_to_touch(const contact<S, D, Features>& c, const Twist& a, const Twist& b, S h, S slack) {
+bool will_touch(const contact<S, D, Features>& c, const Twist& a, const Twist& b, S h, S slack) {
     for (int k = 0; k < c.count; ++k) {
-        const auto [to_a, to_b] = c.levers(k);
+        const auto [to_a, to_b] = c.anchors(k);
         const S speed = dot(c.normal, velocity_at(b, to_b) - velocity_at(a, to_a));
         if (c.points[k].separation + min(speed, S(0)) * (h + h) <= slack) return true;
     }

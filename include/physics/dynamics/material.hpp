@@ -6,7 +6,7 @@
 
 PHYSICS_HPP_BEGIN
 
-/// How a surface runs against its own shape: a speed in the plane, a vector in space.
+/// How a surface runs against its own shape: a speed in 2D, a vector in 3D.
 template <class S, int D>
 using surface_motion = std::conditional_t<D == 2, S, vec<S, 3>>;
 
@@ -22,8 +22,8 @@ struct material {
     /// of radius r stays on slopes up to the angle of tangent rolling_resistance / r. Source: Coulomb, Théorie des
     /// machines simples (1785).
     S rolling_resistance = S(0);
-    /// How the surface itself runs, as a conveyor belt's (m/s): friction drives what touches it along. In the plane
-    /// clockwise about the shape: on top of it to the right, +x. In space a vector in the shape's frame, of which
+    /// How the surface itself runs, as a conveyor belt's (m/s): friction drives what touches it along. In 2D
+    /// clockwise about the shape: on top of it to the right, +x. In 3D a vector in the shape's frame, of which
     /// counts what lies in the surface.
     surface_motion<S, D> surface_velocity{};
 
@@ -79,18 +79,18 @@ namespace detail {
 
 /// As much of a material as a recipe keeps of each shape.
 template <class S, int D, class Features>
-struct kept_material {
+struct stored_material {
     static constexpr bool each = Features::materials;
 
-    [[no_unique_address]] kept_if<each && Features::friction, S, feature::friction> friction{};
-    [[no_unique_address]] kept_if<each && Features::restitution, S, feature::restitution> restitution{};
-    [[no_unique_address]] kept_if<each && Features::rolling_resistance, S, feature::rolling_resistance>
+    [[no_unique_address]] optional_member<each && Features::friction, S, feature::friction> friction{};
+    [[no_unique_address]] optional_member<each && Features::restitution, S, feature::restitution> restitution{};
+    [[no_unique_address]] optional_member<each && Features::rolling_resistance, S, feature::rolling_resistance>
         rolling_resistance{};
-    [[no_unique_address]] kept_if<Features::surface_velocity, surface_motion<S, D>, feature::surface_velocity>
+    [[no_unique_address]] optional_member<Features::surface_velocity, surface_motion<S, D>, feature::surface_velocity>
         surface_velocity{};
 
-    constexpr kept_material() = default;
-    constexpr kept_material(const material<S, D>& m)
+    constexpr stored_material() = default;
+    constexpr stored_material(const material<S, D>& m)
         : friction(m.friction),
           restitution(m.restitution),
           rolling_resistance(m.rolling_resistance),
@@ -100,23 +100,23 @@ struct kept_material {
     }
 };
 
-/// Stands in a contact for a coefficient that all contacts have in common. It is no number: who looks for one here, and
-/// not where it is, does not compile.
+/// In place of a coefficient that all contacts share. Not a number, so reading it from the contact by mistake does not
+/// compile.
 template <class Feature>
 struct common_coefficient {};
 /// A coefficient of two surfaces, as a contact holds it.
 template <bool Kept, class S, class Feature, class Features>
 using coefficient_of_contact =
-    std::conditional_t<Kept && !Features::materials, common_coefficient<Feature>, kept_if<Kept, S, Feature>>;
+    std::conditional_t<Kept && !Features::materials, common_coefficient<Feature>, optional_member<Kept, S, Feature>>;
 
 /// What the surfaces of any contact make of each other, as far as contacts do not hold it themselves.
 template <class S, class Features>
-struct mixture {
+struct combined_material {
     static constexpr bool common = !Features::materials;
 
-    [[no_unique_address]] kept_if<common && Features::friction, S, feature::friction> friction{};
-    [[no_unique_address]] kept_if<common && Features::restitution, S, feature::restitution> restitution{};
-    [[no_unique_address]] kept_if<common && Features::rolling_resistance, S, feature::rolling_resistance>
+    [[no_unique_address]] optional_member<common && Features::friction, S, feature::friction> friction{};
+    [[no_unique_address]] optional_member<common && Features::restitution, S, feature::restitution> restitution{};
+    [[no_unique_address]] optional_member<common && Features::rolling_resistance, S, feature::rolling_resistance>
         rolling_resistance{};
 
     /// Coefficients of a contact; 0 of what the recipe leaves out.

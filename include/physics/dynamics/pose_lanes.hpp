@@ -1,7 +1,7 @@
-// Poses of bodies in space, advanced in lanes.
+// Poses of bodies in 3D, advanced in lanes.
 #pragma once
 
-#include "physics/base/crew.hpp"
+#include "physics/base/task_runner.hpp"
 #include "physics/dynamics/body_lanes.hpp"
 #include "physics/dynamics/turning.hpp"
 
@@ -55,18 +55,18 @@ struct spin_lanes {
     /// Of tops: the angular velocity that the last turn has left, and the angular momentum that belongs to it: so that
     /// a momentum that nothing changes is not rounded again in each part of a step.
     S known[3][W], momentum[3][W];
-    bool any_top;
+    bool any_gyroscopic;
 };
 
-/// What semi_implicit_euler does with the poses of the bodies of a batch, for several at once: nothing but in space.
-template <class S, int D, bool Turns>
+/// What semi_implicit_euler does with the poses of the bodies of a batch, for several at once: nothing but in 3D.
+template <class S, int D, bool Rotates>
 struct pose_lanes {
     static constexpr bool serves = false;
 };
 template <class S>
 class pose_lanes<S, 3, true> {
     static constexpr int width = native_width<S>;
-    /// So many bodies are worth handing to somebody else.
+    /// Smallest number of bodies that makes a task.
     static constexpr std::uint32_t share = 128;
     using P = kernel_pack<S, width>;
     using Q = kernel_pack<inverse_of<S>, width>;
@@ -77,17 +77,17 @@ public:
     static constexpr bool serves = true;
 
     pose_lanes(solver_bodies<S, 3> bodies, moving_body<S, 3>* moving, arena& scratch)
-        : bodies_(bodies), moving_(moving), count_((bodies.nobody() + width - 1) / width) {
-        blocks_ = scratch.take<block>(count_);
+        : bodies_(bodies), moving_(moving), count_((bodies.static_body() + width - 1) / width) {
+        blocks_ = scratch.allocate<block>(count_);
         for (std::uint32_t n = 0; n < count_; ++n) {
             block& to = *new (blocks_ + n) block{};
             for (int lane = 0; lane < width; ++lane) put(to, lane, n * width + static_cast<std::uint32_t>(lane));
         }
     }
-    /// Advances poses by h; what a spin changes by, it changes in `begun` too.
-    void advance(S h, twist<S, 3>* begun, crew& hands) {
-        hands.each_range(count_, share / width, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
-            for (std::uint32_t n = first; n < end; ++n) advance(blocks_[n], h, begun);
+    /// Advances poses by h; what a spin changes by, it changes in `start_velocity` too.
+    void advance(S h, twist<S, 3>* start_velocity, task_runner& tasks) {
+        tasks.parallel_for(count_, share / width, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
+            for (std::uint32_t n = first; n < end; ++n) advance(blocks_[n], h, start_velocity);
         });
     }
     /// Says how some of the bodies are turned, and how they spin in world axes.
@@ -97,8 +97,8 @@ public:
             moving_body<S, 3>& b = moving_[k];
             const int lane = static_cast<int>(k % width);
             const rotation<S, 3> axes = rotation_of(of.axes, lane);
-            b.rotation = b.top ? axes * inverse(b.top->spin.axes) : axes;
-            if (!b.top) continue;
+            b.rotation = b.gyroscopic ? axes * inverse(b.gyroscopic->spin.axes) : axes;
+            if (!b.gyroscopic) continue;
             vec<S, 3>& w = bodies_[k].velocity.angular;
             w = rotated_as_unit(axes, rotated_as_unit(inverse(rotation_of(of.start, lane)), w));
         }
@@ -106,18 +106,18 @@ public:
 
 private:
     void put(block& to, int lane, std::uint32_t k) {
-        to.body[lane] = k < bodies_.nobody() ? k : bodies_.spare();
+        to.body[lane] = k < bodies_.static_body() ? k : bodies_.dummy_body();
         to.axes[3][lane] = S(1);
-        if (!(k < bodies_.nobody())) return;
+        if (!(k < bodies_.static_body())) return;
         const moving_body<S, 3>& b = moving_[k];
-        set_axes(to, lane, b.top ? b.rotation * b.top->spin.axes : b.rotation);
-        if (!b.top) return;
-        const free_spin<S, 3>& spin = b.top->spin;
+        set_axes(to, lane, b.gyroscopic ? b.rotation * b.gyroscopic->spin.axes : b.rotation);
+        if (!b.gyroscopic) return;
+        const free_spin<S, 3>& spin = b.gyroscopic->spin;
         for (int i = 0; i < 3; ++i) to.moments[i][lane] = spin.moments[i];
         to.first[lane] = spin.first;
         to.second[lane] = spin.second;
         to.third[lane] = spin.third;
-        to.any_top = true;
+        to.any_gyroscopic = true;
     }
     static rotation<S, 3> rotation_of(const S (&rows)[4][width], int lane) {
         return {rows[0][lane], rows[1][lane], rows[2][lane], rows[3][lane]};
@@ -130,30 +130,30 @@ private:
         return {P::load(rows[0]), P::load(rows[1]), P::load(rows[2]), P::load(rows[3])};
     }
 
-    void advance(block& of, S h, twist<S, 3>* begun) {
+    void advance(block& of, S h, twist<S, 3>* start_velocity) {
         body_lanes3<P> at;
         at.load(bodies_.first, of.body);
         const P step = P::broadcast(h);
         lanes3<P>& w = at.velocity.angular;
         const lanes3<P> before = w, angle = scaled(w, step);
-        at.way.linear = lane_add(at.way.linear, scaled(at.velocity.linear, step));
-        at.way.angular = lane_add(at.way.angular, angle);
+        at.displacement.linear = lane_add(at.displacement.linear, scaled(at.velocity.linear, step));
+        at.displacement.angular = lane_add(at.displacement.angular, angle);
         const rotation_lanes<P> frame = lanes_of(of.axes);
         std::uint32_t far = 0;
         rotation_lanes<P> axes = frame;
-        if (of.any_top) spin(of, h, frame, axes, w, far);
+        if (of.any_gyroscopic) spin(of, h, frame, axes, w, far);
         else axes = turned(frame, angle, far);
         if (far != 0) turn_far(of, h, far, before, axes, w);
-        if (of.any_top) w.store(of.known);
+        if (of.any_gyroscopic) w.store(of.known);
         axes.x.store(of.axes[0]);
         axes.y.store(of.axes[1]);
         axes.z.store(of.axes[2]);
         axes.w.store(of.axes[3]);
         at.store_all(bodies_.first, of.body);
-        if (!of.any_top || begun == nullptr) return;
+        if (!of.any_gyroscopic || start_velocity == nullptr) return;
         const lanes3<P> change = lane_subtract(w, before);
         for (int lane = 0; lane < width; ++lane)
-            if (of.moments[0][lane] > S(0)) begun[of.body[lane]].angular += lane_of(change, lane);
+            if (of.moments[0][lane] > S(0)) start_velocity[of.body[lane]].angular += lane_of(change, lane);
     }
     /// As turn_freely, for tops; others turn by their velocity. During a step the velocities of tops are as seen from
     /// themselves, drawn where they were turned as it began: there contacts' levers and inverse inertias stay true
@@ -175,33 +175,35 @@ private:
         turn_about(axes.y, axes.z, axes.x, axes.w, seen.z, seen.x, mul<S>(second, seen.y) * half, far);
         turn_about(axes.z, axes.x, axes.y, axes.w, seen.x, seen.y, mul<S>(third, seen.z) * whole, far);
         turn_about(axes.y, axes.z, axes.x, axes.w, seen.z, seen.x, mul<S>(second, seen.y) * half, far);
-        const auto of_tops = [&](const P& then, const P& otherwise)
-                                 PHYSICS_HPP_INLINE_LAMBDA { return select_greater(moments.x, zero, then, otherwise); };
-        const rotation_lanes<P> start{of_tops(axes.x, frame.x), of_tops(axes.y, frame.y), of_tops(axes.z, frame.z),
-                                      of_tops(axes.w, frame.w)};
-        const lanes3<P> angle = {of_tops(mul<S>(first, momentum.x), w.x) * whole,
-                                 of_tops(mul<S>(first, momentum.y), w.y) * whole,
-                                 of_tops(mul<S>(first, momentum.z), w.z) * whole};
+        const auto of_gyroscopic = [&](const P& then, const P& otherwise) PHYSICS_HPP_INLINE_LAMBDA {
+            return select_greater(moments.x, zero, then, otherwise);
+        };
+        const rotation_lanes<P> start{of_gyroscopic(axes.x, frame.x), of_gyroscopic(axes.y, frame.y),
+                                      of_gyroscopic(axes.z, frame.z), of_gyroscopic(axes.w, frame.w)};
+        const lanes3<P> angle = {of_gyroscopic(mul<S>(first, momentum.x), w.x) * whole,
+                                 of_gyroscopic(mul<S>(first, momentum.y), w.y) * whole,
+                                 of_gyroscopic(mul<S>(first, momentum.z), w.z) * whole};
         axes = turned(start, angle, far);
         // Momentum as it was, not as the turns have rounded it; and quotients, which undo the products: a factor that
         // is an ulp off would act in every step.
         const P left = axes.norm_lack();
         const lanes3<P> kept = lane_rotated(axes.inverse(), left, momentum);
-        const lanes3<P> spinning = {kept.x / of_tops(moments.x, one), kept.y / of_tops(moments.y, one),
-                                    kept.z / of_tops(moments.z, one)};
+        const lanes3<P> spinning = {kept.x / of_gyroscopic(moments.x, one), kept.y / of_gyroscopic(moments.y, one),
+                                    kept.z / of_gyroscopic(moments.z, one)};
         const lanes3<P> after = lane_rotated(drawn, drawn_lack, spinning);
-        w = {of_tops(after.x, w.x), of_tops(after.y, w.y), of_tops(after.z, w.z)};
+        w = {of_gyroscopic(after.x, w.x), of_gyroscopic(after.y, w.y), of_gyroscopic(after.z, w.z)};
     }
     /// Lanes that turn so far that it takes trigonometry: anew, one by one.
     PHYSICS_HPP_COLD void turn_far(const block& of, S h, std::uint32_t far, const lanes3<P>& before,
                                    rotation_lanes<P>& axes, lanes3<P>& w) const {
         for (int lane = 0; lane < width; ++lane) {
-            if ((far >> lane & 1) == 0 || of.body[lane] == bodies_.spare()) continue;
-            const auto* top = moving_[of.body[lane]].top;
+            if ((far >> lane & 1) == 0 || of.body[lane] == bodies_.dummy_body()) continue;
+            const auto* gyroscopic = moving_[of.body[lane]].gyroscopic;
             vec<S, 3> v = lane_of(before, lane);
             rotation<S, 3> now = rotation_of(of.axes, lane);
-            if (top) {
-                v = turn_top(top->spin, now, {of.momentum[0][lane], of.momentum[1][lane], of.momentum[2][lane]}, h);
+            if (gyroscopic) {
+                v = turn_gyroscopic(gyroscopic->spin, now,
+                                    {of.momentum[0][lane], of.momentum[1][lane], of.momentum[2][lane]}, h);
                 v = rotated_as_unit(rotation_of(of.start, lane), rotated_as_unit(inverse(now), v));
             } else now = physics::turned(now, v * h);
             axes.x.set_lane(lane, now.x);
@@ -222,8 +224,8 @@ private:
     PHYSICS_HPP_ALWAYS_INLINE static P near(const P& quarter) {
         if constexpr (std::floating_point<S>) return quarter;
         else {
-            const P most = P::broadcast(S(0.5));
-            return max(min(quarter, most), -most);
+            const P maximum = P::broadcast(S(0.5));
+            return max(min(quarter, maximum), -maximum);
         }
     }
     PHYSICS_HPP_ALWAYS_INLINE static P tangent_ratio_of(const P& xx) {

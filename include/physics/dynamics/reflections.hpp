@@ -16,7 +16,7 @@ namespace detail {
 class unordered_sum {
 public:
     void show(double x) {
-        most_ = max(most_, abs(x));
+        maximum_ = max(maximum_, abs(x));
         ++count_;
     }
     void add(double x) {
@@ -25,21 +25,21 @@ public:
     }
     /// Not a number where a term is none.
     [[nodiscard]] double total() const {
-        return is_finite(most_) ? static_cast<double>(sum_) / multiples() * unit() : most_ - most_;
+        return is_finite(maximum_) ? static_cast<double>(sum_) / multiples() * unit() : maximum_ - maximum_;
     }
 
 private:
     /// The power of two below the largest term; where that is so small that quotients overflow, a larger one.
     [[nodiscard]] double unit() const {
         constexpr std::uint64_t exponent = 0x7ff0000000000000;
-        return std::bit_cast<double>(std::bit_cast<std::uint64_t>(max(most_, 0x1p-500)) & exponent);
+        return std::bit_cast<double>(std::bit_cast<std::uint64_t>(max(maximum_, 0x1p-500)) & exponent);
     }
     /// All terms together stay below 2^62.
     [[nodiscard]] double multiples() const {
         return static_cast<double>(std::uint64_t{1} << (61 - std::bit_width(count_)));
     }
 
-    double most_ = 0;
+    double maximum_ = 0;
     std::int64_t sum_ = 0;
     std::uint32_t count_ = 0;
 };
@@ -62,25 +62,25 @@ struct bounce {
 /// of a projection.
 template <class S, int D, class Features>
 class reflections {
-    static constexpr bool turns = Features::rotation;
-    using body = solver_body<S, D, turns>;
-    using bodies_type = solver_bodies<S, D, turns>;
+    static constexpr bool rotates = Features::rotation;
+    using body = solver_body<S, D, rotates>;
+    using bodies_type = solver_bodies<S, D, rotates>;
     using contact = physics::contact<S, D, Features>;
-    using twist_type = twist_of<S, D, turns>;
+    using twist_type = twist_of<S, D, rotates>;
 
 public:
     reflections(bodies_type bodies, std::uint32_t capacity, arena& scratch) : bodies_(bodies) {
         if (capacity == 0) return;
-        points_ = scratch.template take<point>(capacity);
-        hits_ = scratch.template take<std::uint32_t>(capacity);
-        touched_ = scratch.template take<std::uint32_t>(bodies.count);
-        answers_ = scratch.template take<twist_type>(bodies.count);
-        nodes_ = scratch.template take<node>(bodies.count);
+        points_ = scratch.template allocate<point>(capacity);
+        hits_ = scratch.template allocate<std::uint32_t>(capacity);
+        touched_ = scratch.template allocate<std::uint32_t>(bodies.count);
+        responses_ = scratch.template allocate<twist_type>(bodies.count);
+        nodes_ = scratch.template allocate<node>(bodies.count);
         for (std::uint32_t i = 0; i < bodies.count; ++i) new (nodes_ + i) node{};
     }
     /// Point k of a contact bounces with this restitution; `given` tells in each substep what that does.
     void add(const contact& c, int k, S restitution, S effective_mass, bounce<S>& given) {
-        const levers<S, D> to = c.levers(k);
+        const anchors<S, D> to = c.anchors(k);
         const bool driven = drives(bodies_[c.body_a]) || drives(bodies_[c.body_b]);
         new (points_ + count_++) point{&c,
                                        &given,
@@ -109,8 +109,9 @@ public:
     }
     /// How far apart the surfaces are at point k of a contact, as its bodies have come in this step.
     [[nodiscard]] static S separation_of(const contact& c, int k, bodies_type bodies) {
-        const auto [to_a, to_b] = c.levers(k);
-        const vec<S, D> shift = velocity_at(bodies[c.body_b].way, to_b) - velocity_at(bodies[c.body_a].way, to_a);
+        const auto [to_a, to_b] = c.anchors(k);
+        const vec<S, D> shift =
+            velocity_at(bodies[c.body_b].displacement, to_b) - velocity_at(bodies[c.body_a].displacement, to_a);
         return c.points[k].separation + dot(c.normal, shift);
     }
 
@@ -119,10 +120,10 @@ private:
         const contact* of;
         bounce<S>* given;
         int number;
-        levers<S, D> to;
+        anchors<S, D> to;
         S mass, restitution;
         /// The gap, and how much half of the substep's acceleration adds to the speed of parting.
-        S gap, kick;
+        S gap, half_acceleration;
         S approach, impulse;
         /// One of the bodies drives the other: it strikes once a step, and not what it already has in its jaws.
         bool driven, struck;
@@ -133,16 +134,16 @@ private:
         double share;
         unordered_sum linear[D], angular[D == 2 ? 1 : 3];
         /// The work of the impulses that would stop each point alone, of those that act, and of their answers.
-        unordered_sum stopping, acting, answering;
+        unordered_sum stopping, acting, response_work;
     };
 
     /// A lever along the normal turns nothing: what rounding makes of it would.
-    static vec<S, D> without_noise(vec<S, D> lever, vec<S, D> normal) {
-        const S reach = dot(lever, normal);
-        const vec<S, D> across = lever - normal * reach;
-        S most = S(0);
-        for (int i = 0; i < D; ++i) most = max(most, abs(across[i]));
-        return most > scalar_traits<S>::epsilon() * S(32) * max(abs(reach), S(1)) ? lever : vec<S, D>{};
+    static vec<S, D> without_noise(vec<S, D> anchor, vec<S, D> normal) {
+        const S reach = dot(anchor, normal);
+        const vec<S, D> across = anchor - normal * reach;
+        S maximum = S(0);
+        for (int i = 0; i < D; ++i) maximum = max(maximum, abs(across[i]));
+        return maximum > scalar_traits<S>::epsilon() * S(32) * max(abs(reach), S(1)) ? anchor : vec<S, D>{};
     }
     [[nodiscard]] vec<S, D> slip(const point& p, const twist_type& a, const twist_type& b) const {
         return velocity_at(b, p.to.b) - velocity_at(a, p.to.a);
@@ -150,7 +151,7 @@ private:
     void begin(point& p, const twist_type* driven) {
         *p.given = {};
         p.gap = separation_of(*p.of, p.number, bodies_);
-        p.kick = dot(p.of->normal, slip(p, driven[p.of->body_a], driven[p.of->body_b])) * S(0.5);
+        p.half_acceleration = dot(p.of->normal, slip(p, driven[p.of->body_a], driven[p.of->body_b])) * S(0.5);
     }
     bool find_hits(S slop, S h) {
         hit_count_ = 0;
@@ -159,12 +160,12 @@ private:
             const vec<S, D> v = slip(p, bodies_[p.of->body_a].velocity, bodies_[p.of->body_b].velocity);
             const S parting = dot(p.of->normal, v);
             if (!(p.gap + parting * h < S(0)) || (p.driven && p.struck)) continue;
-            p.approach = p.kick - parting;
+            p.approach = p.half_acceleration - parting;
             S size = S(0);
             for (int k = 0; k < D; ++k) size += abs(v[k]);
             p.given->rounding = size * (scalar_traits<S>::epsilon() * S(64));
             // What acceleration brings about within a substep is rest, no impact.
-            if (!(p.approach > max(max(slop, p.given->rounding), p.kick * S(-2)))) continue;
+            if (!(p.approach > max(max(slop, p.given->rounding), p.half_acceleration * S(-2)))) continue;
             hits_[hit_count_++] = i;
             p.struck = true;
         }
@@ -194,7 +195,7 @@ private:
             node& n = nodes_[i];
             const double sign = is_b ? 1 : -1;
             for (int k = 0; k < D; ++k) f(n.linear[k], sign * to_double(impulse[k]));
-            if constexpr (turns) {
+            if constexpr (rotates) {
                 const auto moment = cross(is_b ? p.to.b : p.to.a, impulse);
                 if constexpr (D == 2) f(n.angular[0], sign * to_double(moment));
                 else
@@ -203,14 +204,14 @@ private:
         }
     }
     /// The change of a body's velocity by a share of the impulses that it is given.
-    [[nodiscard]] twist_type answer_of(std::uint32_t i, double share) const {
+    [[nodiscard]] twist_type response_of(std::uint32_t i, double share) const {
         const node& n = nodes_[i];
         body b{};
         b.inverse_mass = bodies_[i].inverse_mass;
         vec<S, D> impulse;
         for (int k = 0; k < D; ++k) impulse[k] = S(n.linear[k].total() * share);
         b.apply(impulse, {});
-        if constexpr (turns) {
+        if constexpr (rotates) {
             const auto& inverse = bodies_[i].inverse_inertia;
             if constexpr (D == 2) {
                 b.velocity.angular = times(inverse, S(n.angular[0].total() * share));
@@ -227,20 +228,20 @@ private:
     void each_work(const point& p, F&& f) {
         const twist_type none{};
         const std::uint32_t a = p.of->body_a, b = p.of->body_b;
-        const S answer = dot(p.of->normal, slip(p, moves(a) ? answers_[a] : none, moves(b) ? answers_[b] : none));
+        const S response = dot(p.of->normal, slip(p, moves(a) ? responses_[a] : none, moves(b) ? responses_[b] : none));
         const double impulse = to_double(p.impulse), work = impulse * to_double(p.approach);
         node& group = group_of(p);
         f(group.stopping, 2 * work / (1 + to_double(p.restitution)));
         f(group.acting, work);
-        f(group.answering, impulse * to_double(answer));
+        f(group.response_work, impulse * to_double(response));
     }
     /// Where all of a group have the same restitution, its impulses leave as much energy as that says; else no more
     /// than before.
     static void find_share(node& group) {
-        const double answering = group.answering.total(), stopping = group.stopping.total();
+        const double response_work = group.response_work.total(), stopping = group.stopping.total();
         const double acting = group.acting.total();
         if (group.hits == 1) group.share = 2;
-        else group.share = answering > 0 && stopping > 0 ? 2 * (acting / answering) * (acting / stopping) : 0;
+        else group.share = response_work > 0 && stopping > 0 ? 2 * (acting / response_work) * (acting / stopping) : 0;
     }
     /// Reflects all hits at once.
     void reflect() {
@@ -256,7 +257,7 @@ private:
         }
         for (std::uint32_t i = 0; i < hit_count_; ++i)
             each_term(points_[hits_[i]], [](unordered_sum& sum, double x) { sum.add(x); });
-        for (std::uint32_t i = 0; i < touched_count_; ++i) answers_[touched_[i]] = answer_of(touched_[i], 1);
+        for (std::uint32_t i = 0; i < touched_count_; ++i) responses_[touched_[i]] = response_of(touched_[i], 1);
         for (std::uint32_t i = 0; i < hit_count_; ++i) {
             ++group_of(points_[hits_[i]]).hits;
             each_work(points_[hits_[i]], [](unordered_sum& sum, double x) { sum.show(x); });
@@ -267,7 +268,7 @@ private:
         for (std::uint32_t i = 0; i < touched_count_; ++i) {
             const std::uint32_t k = touched_[i];
             auto& v = bodies_[k].velocity;
-            v = v + answer_of(k, nodes_[root_of(k)].share);
+            v = v + response_of(k, nodes_[root_of(k)].share);
         }
         for (std::uint32_t i = 0; i < hit_count_; ++i) {
             const point& p = points_[hits_[i]];
@@ -278,7 +279,7 @@ private:
     bodies_type bodies_;
     point* points_ = nullptr;
     std::uint32_t *hits_ = nullptr, *touched_ = nullptr;
-    twist_type* answers_ = nullptr;
+    twist_type* responses_ = nullptr;
     node* nodes_ = nullptr;
     std::uint32_t count_ = 0, hit_count_ = 0, touched_count_ = 0, round_ = 0;
 };

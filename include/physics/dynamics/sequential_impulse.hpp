@@ -1,8 +1,8 @@
 // The sequential impulse solver: one constraint at a time, impulses accumulated and clamped; bounces all at once.
 #pragma once
 
-#include "physics/dynamics/batches.hpp"
 #include "physics/dynamics/friction.hpp"
+#include "physics/dynamics/graph.hpp"
 #include "physics/dynamics/integrator.hpp"
 #include "physics/dynamics/reflections.hpp"
 #include "physics/space/check.hpp"
@@ -21,10 +21,11 @@ struct sequential_impulse_settings {
     /// Overlap that is left alone, so that resting contacts persist.
     S penetration_slop = S(0.005);
     /// Speed at which overlaps are pushed apart, at most.
-    S max_push_speed = S(3);
+    S max_depenetration_speed = S(3);
     /// Approaches slower than this do not bounce, nor those that acceleration brings about within a substep.
-    S restitution_slop = S(0.5);
-    /// Rounds of bounces in a substep, at most: a blow passes one contact in a round. What approaches after them stops.
+    S restitution_threshold = S(0.5);
+    /// Rounds of bounces in a substep, at most: an impact passes one contact in a round. What approaches after them
+    /// stops.
     int reflections = 64;
 };
 
@@ -39,24 +40,24 @@ bool check(const sequential_impulse_settings<S>& with, const char* function) {
                               "it must be at most 1");
     return detail::check_not_negative(function, "solver.baumgarte", with.baumgarte) &&
            detail::check_not_negative(function, "solver.penetration_slop", with.penetration_slop) &&
-           detail::check_not_negative(function, "solver.max_push_speed", with.max_push_speed) &&
-           detail::check_not_negative(function, "solver.restitution_slop", with.restitution_slop);
+           detail::check_not_negative(function, "solver.max_depenetration_speed", with.max_depenetration_speed) &&
+           detail::check_not_negative(function, "solver.restitution_threshold", with.restitution_threshold);
 }
 
 /// Sequential impulses in small steps (projected Gauss-Seidel on velocities). In each substep surfaces with restitution
 /// bounce first, all that meet at once (detail::reflections); then rounds go over all contacts, with accumulated
 /// impulses clamped to what contacts can give, warm starting, Coulomb friction on a circular cone and resistance to
 /// rolling; then overlaps beyond the slop are pushed apart by velocities that only last for the substep, no faster than
-/// max_push_speed, so that no overlap becomes speed. Contacts are rigid: nothing springs, and no energy is made.
-/// Good for what bounces, since crowds of elastic bodies keep energy, momentum and mirror symmetry (with
-/// restitution_slop 0), for deep overlaps and squeezes, and for columns of 30 crates and loads of 100:1 at the
+/// max_depenetration_speed, so that no overlap becomes speed. Contacts are rigid: nothing springs, and no energy is
+/// made. Good for what bounces, since crowds of elastic bodies keep energy, momentum and mirror symmetry (with
+/// restitution_threshold 0), for deep overlaps and squeezes, and for columns of 30 crates and loads of 100:1 at the
 /// defaults; more substeps bear more. Not for large piles: it works on one contact at a time, where soft_step works in
 /// lanes and by several threads. Needles thinner than 1:500 want a single substep of 20 iterations. Error: of order h;
 /// stacks settle into the slop. Momentum is kept to rounding where no gravity pulls; where it does, what pushes lift is
 /// taken from speeds. Cost: substeps x iterations x points, and for bounces a
-/// walk over the points with restitution a round, of which there are as many as a blow passes contacts. Source: Catto,
-/// Iterative Dynamics with Temporal Coherence (2005), Solver2D (2024, "TGS"); Macklin et al., Small Steps in Physics
-/// Simulation (2019); Guendelman, Bridson, Fedkiw, Nonconvex Rigid Bodies with Stacking (2003).
+/// walk over the points with restitution a round, of which there are as many as an impact passes contacts. Source:
+/// Catto, Iterative Dynamics with Temporal Coherence (2005), Solver2D (2024, "TGS"); Macklin et al., Small Steps in
+/// Physics Simulation (2019); Guendelman, Bridson, Fedkiw, Nonconvex Rigid Bodies with Stacking (2003).
 struct sequential_impulse {
     using stage = physics::stage::solver;
 
@@ -65,54 +66,56 @@ struct sequential_impulse {
     public:
         using S = typename Space::scalar;
         static constexpr int D = Space::dimension;
-        static constexpr bool turns = Features::rotation;
+        static constexpr bool rotates = Features::rotation;
         using settings = sequential_impulse_settings<S>;
         using contact = physics::contact<S, D, Features>;
-        using body = solver_body<S, D, turns>;
-        using bodies_type = solver_bodies<S, D, turns>;
+        using body = solver_body<S, D, rotates>;
+        using bodies_type = solver_bodies<S, D, rotates>;
 
-        /// Advances velocities and poses by h: `motion` offers advance_velocities(h) and advance_poses(h).
+        /// Advances velocities and poses by h: `motion` offers integrate_velocities(h) and integrate_positions(h).
         template <class Motion>
-        static void solve(bodies_type bodies, contact_list<S, D, Features> contacts, const settings& with, S h,
+        static void solve(bodies_type bodies, contact_constraints<S, D, Features> contacts, const settings& with, S h,
                           arena& scratch, Motion&& motion) {
-            const S part = h / S(with.substeps), share = S(1) / S(with.substeps);
+            const S h_sub = h / S(with.substeps), share = S(1) / S(with.substeps);
             const surfaces of = contacts.surfaces();
-            block* blocks = scratch.template take<block>(contacts.size());
+            block* blocks = scratch.template allocate<block>(contacts.size());
             for (std::uint32_t i = 0; i < contacts.size(); ++i) new (blocks + i) block(contacts[i], of, bodies, share);
             bounces impacts = bounces_of(contacts, of, blocks, bodies, scratch);
-            twist_type* const driven = scratch.template take<twist_type>(bodies.count);
-            twist_type* const pushes = scratch.template take<twist_type>(bodies.count);
+            twist_type* const velocity_change = scratch.template allocate<twist_type>(bodies.count);
+            twist_type* const position_velocities = scratch.template allocate<twist_type>(bodies.count);
             for (int i = 0; i < with.substeps; ++i) {
-                for (std::uint32_t k = 0; k < bodies.count; ++k) driven[k] = bodies[k].velocity;
-                motion.advance_velocities(part);
-                for (std::uint32_t k = 0; k < bodies.count; ++k) driven[k] = bodies[k].velocity - driven[k];
-                if (impacts.any()) impacts.solve(driven, with.restitution_slop, part, with.reflections);
+                for (std::uint32_t k = 0; k < bodies.count; ++k) velocity_change[k] = bodies[k].velocity;
+                motion.integrate_velocities(h_sub);
+                for (std::uint32_t k = 0; k < bodies.count; ++k)
+                    velocity_change[k] = bodies[k].velocity - velocity_change[k];
+                if (impacts.any()) impacts.solve(velocity_change, with.restitution_threshold, h_sub, with.reflections);
                 for (std::uint32_t k = 0; k < contacts.size(); ++k) {
-                    set_targets(contacts[k], blocks[k], bodies, with, part);
+                    set_targets(contacts[k], blocks[k], bodies, with, h_sub);
                     warm_start(contacts[k], of, blocks[k], bodies);
                 }
-                in_turns(with.iterations, contacts, [&](contact& c, std::uint32_t k, bool back) {
+                alternating_passes(with.iterations, contacts, [&](contact& c, std::uint32_t k, bool back) {
                     solve_contact(c, of, blocks[k], bodies, with, back);
                     return true;
                 });
-                for (std::uint32_t k = 0; k < bodies.count; ++k) pushes[k] = {};
-                in_turns(with.iterations, contacts, [&](const contact& c, std::uint32_t k, bool back) {
-                    return push_contact(c, blocks[k], bodies, pushes, back);
+                for (std::uint32_t k = 0; k < bodies.count; ++k) position_velocities[k] = {};
+                alternating_passes(with.iterations, contacts, [&](const contact& c, std::uint32_t k, bool back) {
+                    return solve_position(c, blocks[k], bodies, position_velocities, back);
                 });
-                advance_poses(bodies, driven, pushes, with.max_push_speed, part, motion);
+                integrate_positions(bodies, velocity_change, position_velocities, with.max_depenetration_speed, h_sub,
+                                    motion);
                 for (std::uint32_t k = 0; k < contacts.size(); ++k) blocks[k].add_up(contacts[k].count);
             }
             for (std::uint32_t i = 0; i < contacts.size(); ++i) blocks[i].store(contacts[i]);
         }
 
     private:
-        using surfaces = detail::mixture<S, Features>;
+        using surfaces = detail::combined_material<S, Features>;
         using bounces = detail::reflections<S, D, Features>;
-        using twist_type = twist_of<S, D, turns>;
+        using twist_type = twist_of<S, D, rotates>;
 
         struct no_friction {
             constexpr no_friction() = default;
-            constexpr no_friction(const body&, const body&, const levers<S, D>&, const tangents<S, D>&) {}
+            constexpr no_friction(const body&, const body&, const anchors<S, D>&, const tangents<S, D>&) {}
         };
         struct no_rolling {};
         /// What one point needs while iterating.
@@ -122,24 +125,25 @@ struct sequential_impulse {
             /// Of this substep: impulses along the normal and, apart, by bounces; and along the tangents.
             S normal{};
             detail::bounce<S> bounce{};
-            [[no_unique_address]] detail::kept_if<Features::friction, tangential<S, D>, feature::friction> friction{};
+            [[no_unique_address]] detail::optional_member<Features::friction, tangential<S, D>, feature::friction>
+                friction{};
             /// The speed along the normal with which the surfaces must part at least, and that with pushes.
-            S target{}, push_target{};
-            S push{};
+            S target{}, position_target{};
+            S position_impulse{};
             /// Of the whole step.
             S total{};
-            [[no_unique_address]] detail::kept_if<Features::friction, tangential<S, D>, feature::friction, 1>
+            [[no_unique_address]] detail::optional_member<Features::friction, tangential<S, D>, feature::friction, 1>
                 total_friction{};
         };
         struct block {
             tangents<S, D> frame;
             [[no_unique_address]] std::conditional_t<Features::rolling_resistance, rolling_at<S, D>, no_rolling>
                 with_rolling{};
-            [[no_unique_address]] detail::kept_if<Features::rolling_resistance, tangential<S, D>,
-                                                  feature::rolling_resistance, 1>
+            [[no_unique_address]] detail::optional_member<Features::rolling_resistance, tangential<S, D>,
+                                                          feature::rolling_resistance, 1>
                 rolling{};
-            [[no_unique_address]] detail::kept_if<Features::rolling_resistance, tangential<S, D>,
-                                                  feature::rolling_resistance, 2>
+            [[no_unique_address]] detail::optional_member<Features::rolling_resistance, tangential<S, D>,
+                                                          feature::rolling_resistance, 2>
                 total_rolling{};
             bool yields;
             row rows[manifold<S, D>::capacity];
@@ -154,10 +158,10 @@ struct sequential_impulse {
                         rolling = c.rolling_impulse * share;
                     }
                 for (int k = 0; k < c.count; ++k) {
-                    const levers<S, D> to = c.levers(k);
+                    const anchors<S, D> to = c.anchors(k);
                     row& r = *new (rows + k) row{{a, b, to, frame}, detail::effective_mass(a, b, to, c.normal)};
                     if (!c.persisted(k)) continue;
-                    r.normal = c.points[k].load;
+                    r.normal = c.points[k].substep_impulse;
                     if constexpr (Features::friction) r.friction = c.points[k].friction_impulse * share;
                 }
             }
@@ -171,14 +175,15 @@ struct sequential_impulse {
             void store(contact& c) const {
                 for (int k = 0; k < c.count; ++k) {
                     c.points[k].normal_impulse = rows[k].total;
-                    c.points[k].load = rows[k].normal;
+                    c.points[k].substep_impulse = rows[k].normal;
                     if constexpr (Features::friction) c.points[k].friction_impulse = rows[k].total_friction;
                 }
                 if constexpr (Features::rolling_resistance) c.rolling_impulse = total_rolling;
             }
         };
-        static bounces bounces_of(const contact_list<S, D, Features>& contacts, [[maybe_unused]] const surfaces& of,
-                                  [[maybe_unused]] block* blocks, bodies_type bodies, arena& scratch) {
+        static bounces bounces_of(const contact_constraints<S, D, Features>& contacts,
+                                  [[maybe_unused]] const surfaces& of, [[maybe_unused]] block* blocks,
+                                  bodies_type bodies, arena& scratch) {
             std::uint32_t capacity = 0;
             if constexpr (Features::restitution)
                 for (std::uint32_t i = 0; i < contacts.size(); ++i)
@@ -202,16 +207,16 @@ struct sequential_impulse {
                 const S separation = bounces::separation_of(c, k, bodies);
                 r.target = min(-separation / h, S(0)) - r.bounce.rounding;
                 const S beyond = -separation - numbers.penetration_slop;
-                r.push_target =
-                    beyond > S(0) ? min(beyond * numbers.baumgarte / h, numbers.max_push_speed) : beyond / h;
-                r.push = S(0);
+                r.position_target =
+                    beyond > S(0) ? min(beyond * numbers.baumgarte / h, numbers.max_depenetration_speed) : beyond / h;
+                r.position_impulse = S(0);
             }
         }
 
         static void warm_start(const contact& c, [[maybe_unused]] surfaces of, block& with, bodies_type bodies) {
             for (int k = 0; k < c.count; ++k) {
                 row& r = with.rows[k];
-                const auto [to_a, to_b] = c.levers(k);
+                const auto [to_a, to_b] = c.anchors(k);
                 vec<S, D> impulse = c.normal * r.normal;
                 if constexpr (Features::friction) {
                     // Of what a bounce has borne, nothing is left.
@@ -239,10 +244,10 @@ struct sequential_impulse {
             with.rolling = impulse;
         }
 
-        /// Calls f with all contacts, forth and back in turns: loads and corrections travel as far one way as the
-        /// other. Ends after some rounds, or one in which f says of all that nothing has changed.
+        /// Passes over all contacts in alternating directions, so that impulses and corrections propagate equally both
+        /// ways. Ends after `rounds` passes, or after one in which f returns false for all contacts.
         template <class F>
-        static void in_turns(int rounds, const contact_list<S, D, Features>& contacts, F&& f) {
+        static void alternating_passes(int rounds, const contact_constraints<S, D, Features>& contacts, F&& f) {
             bool changed = true;
             for (int round = 0; round < rounds && changed; ++round) {
                 const bool back = round % 2 != 0;
@@ -256,7 +261,7 @@ struct sequential_impulse {
         /// Calls f with the numbers of a contact's points, across and back, because the points of one contact depend
         /// on each other the most: what they leave open lets a stack sway.
         template <class F>
-        static void across(int count, bool back, F&& f) {
+        static void symmetric_pass(int count, bool back, F&& f) {
             const int visits = 2 * count - 1;
             for (int i = 0; i < visits; ++i) {
                 const int across = i < count ? i : visits - 1 - i;
@@ -276,7 +281,7 @@ struct sequential_impulse {
                 for (int i = 0; i < c.count; ++i) {
                     const int k = back ? c.count - 1 - i : i;
                     row& r = with.rows[k];
-                    const auto [to_a, to_b] = c.levers(k);
+                    const auto [to_a, to_b] = c.anchors(k);
                     const vec<S, D> v = velocity_at(b.velocity, to_b) - velocity_at(a.velocity, to_a);
                     auto slip = frame.components(v);
                     if constexpr (Features::surface_velocity) slip -= c.surface_velocity;
@@ -289,12 +294,12 @@ struct sequential_impulse {
                 }
             }
             // Normals last: not sinking in matters more than not sliding.
-            across(c.count, back, [&](int k) {
+            symmetric_pass(c.count, back, [&](int k) {
                 row& r = with.rows[k];
-                const auto [to_a, to_b] = c.levers(k);
+                const auto [to_a, to_b] = c.anchors(k);
                 const vec<S, D> v = velocity_at(b.velocity, to_b) - velocity_at(a.velocity, to_a);
                 S impulse = max(r.normal + r.mass * (r.target - dot(c.normal, v)), S(0));
-                if (with.yields) impulse = yielding(impulse, r.mass * numbers.max_push_speed);
+                if (with.yields) impulse = yielding(impulse, r.mass * numbers.max_depenetration_speed);
                 const vec<S, D> change = c.normal * (impulse - r.normal);
                 r.normal = impulse;
                 a.apply(-change, to_a);
@@ -303,61 +308,67 @@ struct sequential_impulse {
         }
         /// What drives without being pushed gives way beyond some impulse: else impulses between two of them would grow
         /// without end, and throw what is between once it is free.
-        static S yielding(S impulse, S most) { return impulse > most ? most + (impulse - most) * S(0.25) : impulse; }
+        static S yielding(S impulse, S maximum) {
+            return impulse > maximum ? maximum + (impulse - maximum) * S(0.25) : impulse;
+        }
 
         /// Pushes overlaps apart by velocities of their own, which last for this substep: they move bodies and leave
         /// nothing behind. True if something has changed.
-        static bool push_contact(const contact& c, block& with, bodies_type bodies, twist_type* pushes, bool back) {
+        static bool solve_position(const contact& c, block& with, bodies_type bodies, twist_type* position_velocities,
+                                   bool back) {
             bool changed = false;
             body& a = bodies[c.body_a];
             body& b = bodies[c.body_b];
-            across(c.count, back, [&](int k) {
+            symmetric_pass(c.count, back, [&](int k) {
                 row& r = with.rows[k];
-                const auto [to_a, to_b] = c.levers(k);
-                const vec<S, D> v =
-                    velocity_at(b.velocity + pushes[c.body_b], to_b) - velocity_at(a.velocity + pushes[c.body_a], to_a);
-                const S impulse = max(r.push + r.mass * (r.push_target - dot(c.normal, v)), S(0));
-                if (impulse == r.push) return;
-                const vec<S, D> change = c.normal * (impulse - r.push);
-                r.push = impulse;
-                push(pushes[c.body_a], a, -change, to_a);
-                push(pushes[c.body_b], b, change, to_b);
+                const auto [to_a, to_b] = c.anchors(k);
+                const vec<S, D> v = velocity_at(b.velocity + position_velocities[c.body_b], to_b) -
+                                    velocity_at(a.velocity + position_velocities[c.body_a], to_a);
+                const S impulse = max(r.position_impulse + r.mass * (r.position_target - dot(c.normal, v)), S(0));
+                if (impulse == r.position_impulse) return;
+                const vec<S, D> change = c.normal * (impulse - r.position_impulse);
+                r.position_impulse = impulse;
+                apply_position_impulse(position_velocities[c.body_a], a, -change, to_a);
+                apply_position_impulse(position_velocities[c.body_b], b, change, to_b);
                 changed = true;
             });
             return changed;
         }
-        static void push(twist_type& of, const body& b, vec<S, D> impulse, vec<S, D> lever) {
+        static void apply_position_impulse(twist_type& of, const body& b, vec<S, D> impulse, vec<S, D> anchor) {
             body pushed{};
             pushed.velocity = of;
             pushed.inverse_mass = b.inverse_mass;
             pushed.inverse_inertia = b.inverse_inertia;
-            pushed.apply(impulse, lever);
+            pushed.apply(impulse, anchor);
             of = pushed.velocity;
         }
         template <class Motion>
-        static void advance_poses(bodies_type bodies, const twist_type* driven, twist_type* pushes, S fastest, S h,
-                                  Motion& motion) {
+        static void integrate_positions(bodies_type bodies, const twist_type* velocity_change,
+                                        twist_type* position_velocities, S fastest, S h, Motion& motion) {
             for (std::uint32_t i = 0; i < bodies.count; ++i) {
-                if (pushes[i] == twist_type{}) continue;
-                limit(pushes[i], fastest);
-                pay(bodies[i].velocity, pushes[i], driven[i]);
-                bodies[i].velocity = bodies[i].velocity + pushes[i];
+                if (position_velocities[i] == twist_type{}) continue;
+                limit(position_velocities[i], fastest);
+                take_from_speed(bodies[i].velocity, position_velocities[i], velocity_change[i]);
+                bodies[i].velocity = bodies[i].velocity + position_velocities[i];
             }
-            motion.advance_poses(h);
+            motion.integrate_positions(h);
             for (std::uint32_t i = 0; i < bodies.count; ++i)
-                if (!(pushes[i] == twist_type{})) bodies[i].velocity = bodies[i].velocity - pushes[i];
+                if (!(position_velocities[i] == twist_type{}))
+                    bodies[i].velocity = bodies[i].velocity - position_velocities[i];
         }
         /// No faster than that, or turning as its share.
-        static void limit(twist_type& push, S fastest) {
-            if (!(length_squared(push.linear) > product(fastest, fastest))) return;
-            const S share = fastest / length(push.linear);
-            push.linear *= share;
-            if constexpr (turns) push.angular *= share;
+        static void limit(twist_type& position_impulse, S fastest) {
+            if (!(length_squared(position_impulse.linear) > product(fastest, fastest))) return;
+            const S share = fastest / length(position_impulse.linear);
+            position_impulse.linear *= share;
+            if constexpr (rotates) position_impulse.angular *= share;
         }
-        /// What a push adds to a body's height it pays for with speed: else coins would spin, and elastic boxes bounce,
-        /// higher and higher. As far as it has any: in a substep it loses a sixteenth of its speed at most.
-        static void pay(twist_type& v, const twist_type& push, const twist_type& driven) {
-            const S gain = -dot(push.linear, driven.linear) * S(2), square = dot(v.linear, v.linear);
+        /// Takes the potential energy that a position correction adds from the body's speed, else coins would spin up
+        /// and elastic boxes bounce higher and higher; at most a sixteenth of the speed a substep.
+        static void take_from_speed(twist_type& v, const twist_type& position_impulse,
+                                    const twist_type& velocity_change) {
+            const S gain = -dot(position_impulse.linear, velocity_change.linear) * S(2),
+                    square = dot(v.linear, v.linear);
             if (gain > S(0) && square > S(0)) v.linear *= sqrt(S(1) - min(gain / square, S(0.125)));
         }
     };

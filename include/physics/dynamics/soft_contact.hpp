@@ -1,10 +1,10 @@
-// What the contacts of the soft solver have in common in the plane and in space.
+// What the contacts of the soft solver have in common in 2D and in 3D.
 #pragma once
 
+#include "physics/dynamics/block_solve.hpp"
 #include "physics/dynamics/body_lanes.hpp"
 #include "physics/dynamics/restitution.hpp"
 #include "physics/dynamics/soft_friction.hpp"
-#include "physics/dynamics/soft_whole.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -38,14 +38,14 @@ struct soft_bounces {
     }
     /// Notes the approaches of points that bear nothing yet and meet within the substep, in lanes; true if there are
     /// any. Before contacts change velocities: what stops an approach is not to be what bounces.
-    template <class P, class Point, class Round, class WayAt, class SpeedAt>
-    PHYSICS_HPP_ALWAYS_INLINE bool note(const Point* points, int count, const Round& how, WayAt&& way_at,
-                                        SpeedAt&& speed_at) {
-        const P zero = P::broadcast(S(0)), slop = P::broadcast(how.bounce_slop), e = P::load(restitution);
+    template <class P, class Point, class Pass, class DisplacementAt, class SpeedAt>
+    PHYSICS_HPP_ALWAYS_INLINE bool note(const Point* points, int count, const Pass& pass,
+                                        DisplacementAt&& displacement_at, SpeedAt&& speed_at) {
+        const P zero = P::broadcast(S(0)), slop = P::broadcast(pass.bounce_slop), e = P::load(restitution);
         P any = zero;
         for (int k = 0; k < count; ++k) {
-            const P v = speed_at(k), gap = P::load(points[k].separation) + way_at(k);
-            const P arrives = min(-v - slop, -(v + gap * P::broadcast(how.inverse_step)));
+            const P v = speed_at(k), gap = P::load(points[k].separation) + displacement_at(k);
+            const P arrives = min(-v - slop, -(v + gap * P::broadcast(pass.inverse_step)));
             const P meets = select_greater(P::load(points[k].impulse), zero, zero, min(arrives, e));
             const P target = select_greater(min(meets, P::load(points[k].mass)), zero, e * -v, zero);
             target.store(speed[k]);
@@ -53,11 +53,11 @@ struct soft_bounces {
         }
         if (greater(any, zero).bits() == 0) return false;
         for (int k = 0; k < count; ++k) {
-            const P v = speed_at(k), gap = P::load(points[k].separation) + way_at(k);
+            const P v = speed_at(k), gap = P::load(points[k].separation) + displacement_at(k);
             for (int lane = 0; lane < W; ++lane)
                 if (speed[k][lane] > S(0))
                     speed[k][lane] =
-                        rebound_speed(restitution[lane], -v.lane(lane), gap.lane(lane), closing[lane], how.substep);
+                        rebound_speed(restitution[lane], -v.lane(lane), gap.lane(lane), closing[lane], pass.substep);
         }
         return true;
     }
@@ -90,7 +90,7 @@ struct bounces_of_block {
         for (int k = 0; k < c.count && share > S(0); ++k)
             meets = meets || !c.persisted(k) || c.points[k].separation > -with.overlap;
         if (!meets) return;
-        if (at == nullptr) at = new (scratch.template take<bounces>(1)) bounces{};
+        if (at == nullptr) at = new (scratch.template allocate<bounces>(1)) bounces{};
         at->restitution[lane] = share;
         at->closing[lane] = with.closing(c);
     }
@@ -108,47 +108,50 @@ PHYSICS_HPP_ALWAYS_INLINE P load_of(const Point* points, int count) {
 }
 /// Whether nothing has to be given to any lane of a block when a substep begins, nor be taken back.
 template <class P, class Block>
-PHYSICS_HPP_ALWAYS_INLINE bool bears_nothing(const Block& block) {
-    P most = load_of<P>(block.points, block.point_count);
-    if constexpr (requires { block.friction.held(1); }) most = max(most, block.friction.held(block.point_count));
+PHYSICS_HPP_ALWAYS_INLINE bool carries_no_impulse(const Block& block) {
+    P maximum = load_of<P>(block.points, block.point_count);
+    if constexpr (requires { block.friction.max_impulse(1); })
+        maximum = max(maximum, block.friction.max_impulse(block.point_count));
     if constexpr (requires { block.extras.at; })
         if (block.extras.at != nullptr) return false;
-    return greater(most, P::broadcast(typename P::scalar(0))).bits() == 0;
+    return greater(maximum, P::broadcast(typename P::scalar(0))).bits() == 0;
 }
-/// Points are visited across and back, so that no corner answers first in all rounds. The way turns at the first point,
-/// which all lanes have: it is the same whatever contacts share the lanes.
+/// Symmetric Gauss-Seidel over the points: last to first and back, so that no corner is always solved first. The order
+/// turns at the first point, which all lanes have, so it does not depend on which contacts share lanes.
 template <class F>
-PHYSICS_HPP_ALWAYS_INLINE void across_and_back(int points, F&& f) {
+PHYSICS_HPP_ALWAYS_INLINE void symmetric_gauss_seidel(int points, F&& f) {
     for (int i = 1 - points; i < points; ++i) f(i < 0 ? -i : i);
 }
-/// Less than all of an impulse lasts where surfaces meet with a blow: of its load what was held before. A body then
-/// begins the next substep without the rest.
+/// After an impact only the impulse held before it is warm started; the rest is removed from the next substep's start
+/// velocity.
 template <class S, int D>
-void begin_without(twist<S, D>& begun, const solver_body<S, D>& b, vec<S, D> impulse, angular<S, D> moment) {
-    for (int i = 0; i < D; ++i) begun.linear[i] += mul<S>(b.inverse_mass, impulse[i]);
-    begun.angular += times(b.inverse_inertia, moment);
+void remove_from_start(twist<S, D>& start_velocity, const solver_body<S, D>& b, vec<S, D> impulse,
+                       angular<S, D> moment) {
+    for (int i = 0; i < D; ++i) start_velocity.linear[i] += mul<S>(b.inverse_mass, impulse[i]);
+    start_velocity.angular += times(b.inverse_inertia, moment);
 }
 template <class S, int D>
-void begin_without(linear_twist<S, D>& begun, const solver_body<S, D, false>& b, vec<S, D> impulse) {
-    for (int i = 0; i < D; ++i) begun.linear[i] += mul<S>(b.inverse_mass, impulse[i]);
+void remove_from_start(linear_twist<S, D>& start_velocity, const solver_body<S, D, false>& b, vec<S, D> impulse) {
+    for (int i = 0; i < D; ++i) start_velocity.linear[i] += mul<S>(b.inverse_mass, impulse[i]);
 }
 /// The change of a point's impulse that its speed along the normal asks for, in lanes that are left to visits (1, else
 /// 0).
-template <class P, class Point, class Round, class S = typename P::scalar>
-PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& way, const Round& how, const P& left) {
+template <class P, class Point, class Pass, class S = typename P::scalar>
+PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& displacement, const Pass& pass,
+                                         const P& left) {
     const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
-    const P gap = P::load(point.separation) + way, mass = P::load(point.mass), before = P::load(point.impulse);
-    const P closing = gap * P::broadcast(how.inverse_step);
-    P bias = zero, strength = lane_part(mass, left), kept = before;
-    if (how.pushes) {
-        bias = max(gap * P::broadcast(how.spring.rate), P::broadcast(-how.push_speed));
-        strength = strength * select_greater(gap, zero, one, P::broadcast(how.spring.mass_scale));
-        kept =
-            before - lane_part(before, left) * select_greater(gap, zero, zero, P::broadcast(how.spring.impulse_scale));
+    const P gap = P::load(point.separation) + displacement, mass = P::load(point.mass), before = P::load(point.impulse);
+    const P closing = gap * P::broadcast(pass.inverse_step);
+    P bias = zero, strength = lane_scaled(mass, left), kept = before;
+    if (pass.use_bias) {
+        bias = max(gap * P::broadcast(pass.spring.rate), P::broadcast(-pass.max_depenetration_speed));
+        strength = strength * select_greater(gap, zero, one, P::broadcast(pass.spring.mass_scale));
+        kept = before -
+               lane_scaled(before, left) * select_greater(gap, zero, zero, P::broadcast(pass.spring.impulse_scale));
     }
     // Once poses have advanced, gaps that nothing has held close are left to the next substep: an approach that is
     // slowed here would bounce with less.
-    if (!how.pushes) strength = select_greater(zero, gap, strength, select_greater(before, zero, strength, zero));
+    if (!pass.use_bias) strength = select_greater(zero, gap, strength, select_greater(before, zero, strength, zero));
     const P wanted = select_greater(gap, zero, closing, bias);
     const P impulse = max(kept - strength * (speed + wanted), zero);
     impulse.store(point.impulse);
@@ -166,7 +169,7 @@ S bounce_points(Point* points, int count, const Bounces& bounces, int lane, Spee
         own += points[k].mass[lane] > S(0) ? 1 : 0;
     }
     for (int round = 0; round < (own > 1 ? 4 : 1); ++round)
-        across_and_back(count, [&](int k) {
+        symmetric_gauss_seidel(count, [&](int k) {
             const S target = bounces.speed[k][lane], bears = points[k].impulse[lane];
             if (!(target > S(0) || bears > S(0))) return;
             const S next = max(impulses[k] + points[k].mass[lane] * (target - speed_at(k)), -bears);

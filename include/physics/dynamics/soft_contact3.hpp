@@ -1,4 +1,4 @@
-// Contacts of the soft solver in space, in lanes.
+// Contacts of the soft solver in 3D, in lanes.
 #pragma once
 
 #include "physics/dynamics/contact_frame3.hpp"
@@ -17,7 +17,7 @@ struct soft_contact3 {
     using P = kernel_pack<S, W>;
     using Q = kernel_pack<I, W>;
     using body = solver_body<S, 3>;
-    using gathering = gathered_contacts<S, 3, W, Features>;
+    using gathering = contact_gather<S, 3, W, Features>;
 
     struct point : soft_point<S, 3, W> {
         /// Along both tangents, from the middle (m).
@@ -28,16 +28,16 @@ struct soft_contact3 {
     S normal[3][W], tangent[3][W];
     [[no_unique_address]] second_tangent_of<S, W> across;
     /// From the bodies' centres to the middle (m).
-    S arm_a[3][W], arm_b[3][W];
+    S r_a[3][W], r_b[3][W];
     I mass_a[W], mass_b[W], inertia_a[6][W], inertia_b[6][W];
     static constexpr int capacity = manifold<S, 3>::capacity;
     point points[capacity];
-    soft_whole<S, 3, W> whole;
+    block_solve<S, 3, W> direct;
     [[no_unique_address]] soft_friction3_of<S, W, Features, Friction> friction;
     /// What the points bore together as the substep began.
-    S held[W];
+    S start_load[W];
     /// How B has moved against A as of the last round that did not push: the next one that does asks for the same.
-    S last_ways[3][W];
+    S last_displacements[3][W];
     int point_count = 0;
     /// Whether any point is going to bounce in this substep.
     bool bounces_now = false;
@@ -46,20 +46,20 @@ struct soft_contact3 {
     [[no_unique_address]] extras_of_block<S, W, 3, Features> extras;
     // What most rounds do not ask for comes last, and stays out of their caches.
     /// How the three speeds answer to an impulse at the middle and to angular ones: xx, yy, zz, xy, xz, yz.
-    I answers[6][W];
+    I k_matrix[6][W];
     [[no_unique_address]] soft_bounces_of<S, capacity, W, Features> bounce_to;
 
     /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
-    void put(int lane, const contact<S, 3, Features>& c, const body* bodies, const soft_start<S, 3, Features>& with,
+    void put(int lane, const contact<S, 3, Features>& c, const body* bodies, const prepare_input<S, 3, Features>& with,
              gathering& gathered, arena& scratch) {
         const body& first = bodies[c.body_a];
         const body& second = bodies[c.body_b];
         a[lane] = c.body_a;
         b[lane] = c.body_b;
-        gathered.put(lane, c);
+        gathered.add(lane, c);
         point_count = point_count < c.count ? c.count : point_count;
         for (int k = 0; k < c.count; ++k) {
-            points[k].impulse[lane] = c.persisted(k) ? c.points[k].load : S(0);
+            points[k].impulse[lane] = c.persisted(k) ? c.points[k].substep_impulse : S(0);
         }
         if constexpr (Features::restitution) bounce_to.put(lane, c, with, scratch);
         if constexpr (Features::friction) friction.put(lane, c, with);
@@ -68,15 +68,15 @@ struct soft_contact3 {
     /// Works out, once all lanes have been written, what the rounds need.
     PHYSICS_HPP_ALWAYS_INLINE void prepare(const body* bodies, gathering& gathered) {
         gathered.read(*this, point_count);
-        load_answers(bodies, a, mass_a, inertia_a);
-        load_answers(bodies, b, mass_b, inertia_b);
+        load_inverse_masses(bodies, a, mass_a, inertia_a);
+        load_inverse_masses(bodies, b, mass_b, inertia_b);
         using K = preparing<S, W>;
         const lanes3<K> n = lanes3_from<K>(normal), t = lane_tangent(n);
         const contact_lanes3<K> c = {n,
                                      t,
                                      lane_cross(n, t),
-                                     lanes3_from<K>(arm_a),
-                                     lanes3_from<K>(arm_b),
+                                     lanes3_from<K>(r_a),
+                                     lanes3_from<K>(r_b),
                                      lanes_from<K>(mass_a) + lanes_from<K>(mass_b),
                                      symmetric_lanes<K>::load(inertia_a),
                                      symmetric_lanes<K>::load(inertia_b)};
@@ -85,7 +85,7 @@ struct soft_contact3 {
         put_lanes(t.z, tangent[2]);
         across.prepare(normal, tangent);
         // How the three speeds answer to an impulse at the middle and to angular ones about the tangents.
-        const lanes3<K> turn_a = lane_cross(c.arm_a, n), turn_b = lane_cross(c.arm_b, n);
+        const lanes3<K> turn_a = lane_cross(c.r_a, n), turn_b = lane_cross(c.r_b, n);
         const lanes3<K> by_a = lane_times(c.inertia_a, turn_a), by_b = lane_times(c.inertia_b, turn_b);
         const symmetric_lanes<K> inertia = lane_add(c.inertia_a, c.inertia_b);
         const lanes3<K> by_n = lane_add(by_a, by_b), by_t = lane_times(inertia, t), by_u = lane_times(inertia, c.u);
@@ -96,18 +96,18 @@ struct soft_contact3 {
                                            lane_dot(c.u, by_n),
                                            lane_dot(c.u, by_t)};
 
-        speeds.store(answers);
+        speeds.store(k_matrix);
 
         using C = typename K::scalar;
         const K zero = K::broadcast(C(0));
-        K levers[capacity][3], of_points[capacity][3], own[capacity], there[capacity];
+        K jacobians[capacity][3], of_points[capacity][3], own[capacity], there[capacity];
         for (int k = 0; k < point_count; ++k) {
             const lanes3<K> offset = lanes3_from<K>(gathered.offset[k]);
             const K x = lane_dot(offset, t), y = lane_dot(offset, c.u);
             const lanes3<K> of = lane_times(speeds, lanes3<K>{K::broadcast(C(1)), y, -x});
-            levers[k][0] = K::broadcast(C(1));
-            levers[k][1] = y;
-            levers[k][2] = -x;
+            jacobians[k][0] = K::broadcast(C(1));
+            jacobians[k][1] = y;
+            jacobians[k][2] = -x;
             of_points[k][0] = of.x;
             of_points[k][1] = of.y;
             of_points[k][2] = of.z;
@@ -119,38 +119,38 @@ struct soft_contact3 {
             put_lanes(y, to.y);
             put_lanes(select_greater(there[k], zero, lane_reciprocal(own[k]), zero), to.mass);
         }
-        whole.clear();
+        direct.clear();
         const K count = lanes_from<K>(gathered.count);
         // Each writes the lanes that are its own; a single lane is either.
-        if (W == 1 ? point_count == 2 : point_count > 1) whole.prepare_edge(points, levers, of_points, own, count);
-        if (point_count > 2) whole.prepare_face(points, point_count, levers, there, speeds, count);
+        if (W == 1 ? point_count == 2 : point_count > 1) direct.prepare_edge(points, jacobians, of_points, own, count);
+        if (point_count > 2) direct.prepare_face(points, point_count, jacobians, there, speeds, count);
         if constexpr (Features::friction) friction.prepare(c, points, point_count, count);
     }
     /// Hands the impulses back.
-    void take(int lane, contact<S, 3, Features>& c) const {
+    void store_impulses(int lane, contact<S, 3, Features>& c) const {
         S load = S(0);
         for (int k = 0; k < c.count; ++k) load += points[k].total[lane];
         for (int k = 0; k < c.count; ++k) {
             auto& to = c.points[k];
             to.normal_impulse = points[k].total[lane];
-            to.load = points[k].impulse[lane];
+            to.substep_impulse = points[k].impulse[lane];
             if constexpr (Features::friction)
                 to.friction_impulse = friction.of_point(lane, k, load > S(0) ? to.normal_impulse / load : S(0));
         }
         if constexpr (Features::friction) c.twist_impulse = friction.about_normal(lane);
-        extras.take(lane, c);
+        extras.store_impulses(lane, c);
     }
 
     /// Gives the bodies the impulses of the last substep at once.
     PHYSICS_HPP_ALWAYS_INLINE void warm_start(body* bodies) {
-        load_of<P>(points, point_count).store(held);
-        if (bears_nothing<P>(*this)) return;
+        load_of<P>(points, point_count).store(start_load);
+        if (carries_no_impulse<P>(*this)) return;
         frame_lanes f(*this);
         body_lanes3<P> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const P zero = P::broadcast(S(0));
-        push_sum sum{zero, zero, zero};
+        impulse_sum sum{zero, zero, zero};
         for (int k = 0; k < point_count; ++k) sum.add(points[k], P::load(points[k].impulse));
         if constexpr (Features::rolling_resistance) {
             if (extras.at != nullptr) {
@@ -165,70 +165,72 @@ struct soft_contact3 {
             impulse = lane_add(impulse, lane_combine(f.t, last.x, f.u, last.y));
             moment = lane_add(moment, {f.n.x * last.twist, f.n.y * last.twist, f.n.z * last.twist});
         }
-        push(f, impulse, moment, at_a, at_b);
+        apply(f, impulse, moment, at_a, at_b);
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
 
     /// One round over the contacts: the points at once, or across and back, then friction by their load. While overlaps
     /// are pushed apart friction rests: else boxes that stand on four others sway, and piles of them slide apart.
-    PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const soft_round<S, 3>& how) {
+    PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const contact_pass<S, 3>& pass) {
         frame_lanes f(*this);
         body_lanes3<P> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
-        const relative_motion speed(f, at_a.velocity, at_b.velocity), way = way_of(f, at_a, at_b, how);
-        const auto way_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return way.at(points[k]); };
+        const relative_motion speed(f, at_a.velocity, at_b.velocity),
+            displacement = displacement_of(f, at_a, at_b, pass);
+        const auto displacement_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return displacement.at(points[k]); };
         const auto speed_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); };
-        if (bears_nothing<P>(*this) && are_idle(points, point_count, how, P::broadcast(S(1)), way_at, speed_at)) {
-            if (!how.pushes) P::broadcast(S(0)).store(held);
+        if (carries_no_impulse<P>(*this) &&
+            are_inactive(points, point_count, pass, P::broadcast(S(1)), displacement_at, speed_at)) {
+            if (!pass.use_bias) P::broadcast(S(0)).store(start_load);
             else if constexpr (Features::restitution) bounces_now = false;
             return;
         }
         P speeds[] = {speed.along, speed.about_t, speed.about_u};
-        const P ways[] = {way.along, way.about_t, way.about_u};
+        const P displacements[] = {displacement.along, displacement.about_t, displacement.about_u};
         const P zero = P::broadcast(S(0));
-        push_sum sum{zero, zero, zero};
+        impulse_sum sum{zero, zero, zero};
         P left;
-        if (whole.push(points, point_count, how, speeds, ways, left, sum, way_at, speed_at))
-            visit_points(speed, sum, [&](int k, const P& v) PHYSICS_HPP_INLINE_LAMBDA {
-                return next_impulse(points[k], v, way_at(k), how, left);
+        if (direct.solve(points, point_count, pass, speeds, displacements, left, sum, displacement_at, speed_at))
+            solve_points(speed, sum, [&](int k, const P& v) PHYSICS_HPP_INLINE_LAMBDA {
+                return next_impulse(points[k], v, displacement_at(k), pass, left);
             });
-        push(f, sum, at_a, at_b);
+        apply(f, sum, at_a, at_b);
         if constexpr (Features::restitution)
-            if (how.pushes && bounces_now) bounce_to.at->template keep_pushed<P>(points, point_count);
-        if (!how.pushes) {
-            if constexpr (Features::friction) rub(f, at_a, at_b);
+            if (pass.use_bias && bounces_now) bounce_to.at->template keep_pushed<P>(points, point_count);
+        if (!pass.use_bias) {
+            if constexpr (Features::friction) solve_friction(f, at_a, at_b);
             add_totals<P>(points, point_count);
-            const P blow = P::broadcast(how.impact_speed);
-            if (greater(-speed.along, blow).bits() != 0) forget_blows(bodies, how, speed.along);
-            load_of<P>(points, point_count).store(held);
+            const P impact_speed = P::broadcast(pass.impact_speed);
+            if (greater(-speed.along, impact_speed).bits() != 0) discard_impacts(bodies, pass, speed.along);
+            load_of<P>(points, point_count).store(start_load);
         }
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
     /// Notes which points are going to bounce, before anything stops them.
     PHYSICS_HPP_ALWAYS_INLINE void note_approaches(const body* bodies,
-                                                   const soft_round<S, 3>& how) requires Features::restitution {
+                                                   const contact_pass<S, 3>& pass) requires Features::restitution {
         bounces_now = false;
         if (!bounce_to.at->template any_free<P>(points, point_count)) return;
         const frame_lanes f(*this);
         body_lanes3<P> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
-        const relative_motion speed(f, at_a.velocity, at_b.velocity), way(lanes3<P>::load(last_ways));
+        const relative_motion speed(f, at_a.velocity, at_b.velocity), displacement(lanes3<P>::load(last_displacements));
         bounces_now = bounce_to.at->template note<P>(
-            points, point_count, how, [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return way.at(points[k]); },
+            points, point_count, pass, [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return displacement.at(points[k]); },
             [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); });
     }
     /// Lets bounce what has met in this substep. The next one does not begin with any of that.
-    PHYSICS_HPP_NOINLINE void bounce(body* bodies, const soft_round<S, 3>& how) requires Features::restitution {
+    PHYSICS_HPP_NOINLINE void bounce(body* bodies, const contact_pass<S, 3>& pass) requires Features::restitution {
         for (int lane = 0; lane < W; ++lane) {
             if (!bounce_to.at->has(lane, point_count)) continue;
             body& of_a = bodies[a[lane]];
             body& of_b = bodies[b[lane]];
             const auto at = [&](const auto& rows) { return vec<S, 3>{rows[0][lane], rows[1][lane], rows[2][lane]}; };
-            const vec<S, 3> n = at(normal), t = at(tangent), u = cross(n, t), to_a = at(arm_a), to_b = at(arm_b);
+            const vec<S, 3> n = at(normal), t = at(tangent), u = cross(n, t), to_a = at(r_a), to_b = at(r_b);
             const vec<S, 3> spin = of_b.velocity.angular - of_a.velocity.angular;
             // Along the normal at the middle, and about the tangents.
             vec<S, 3> v{dot(n, velocity_at(of_b.velocity, to_b) - velocity_at(of_a.velocity, to_a)), dot(t, spin),
@@ -245,27 +247,28 @@ struct soft_contact3 {
                     sum += by;
                     constexpr int row[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
                     for (int i = 0; i < 3; ++i)
-                        v[i] += mul<S>(answers[row[i][0]][lane], by.x) + mul<S>(answers[row[i][1]][lane], by.y) +
-                                mul<S>(answers[row[i][2]][lane], by.z);
+                        v[i] += mul<S>(k_matrix[row[i][0]][lane], by.x) + mul<S>(k_matrix[row[i][1]][lane], by.y) +
+                                mul<S>(k_matrix[row[i][2]][lane], by.z);
                 });
             const vec<S, 3> impulse = n * sum.x, moment = t * sum.y + u * sum.z;
-            if (moves_a) begin_without(of_a.velocity, of_a, -impulse, -(cross(to_a, impulse) + moment));
-            if (moves_b) begin_without(of_b.velocity, of_b, impulse, cross(to_b, impulse) + moment);
+            if (moves_a) remove_from_start(of_a.velocity, of_a, -impulse, -(cross(to_a, impulse) + moment));
+            if (moves_b) remove_from_start(of_b.velocity, of_b, impulse, cross(to_b, impulse) + moment);
             for (int k = 0; k < point_count; ++k) {
                 if (!(bounce_to.at->speed[k][lane] > S(0))) continue;
                 sum += impulses_of(k, points[k].impulse[lane]);
                 points[k].impulse[lane] = S(0);
             }
-            slide_lanes<S> rubbed{};
-            if constexpr (Features::friction) rubbed = friction.take(lane, points, point_count, S(1) - share);
-            begin_next_without(lane, bodies, how, sum, rubbed);
+            slide_lanes<S> lost_friction{};
+            if constexpr (Features::friction)
+                lost_friction = friction.reduce_impulses(lane, points, point_count, S(1) - share);
+            remove_from_next_start(lane, bodies, pass, sum, lost_friction);
         }
-        load_of<P>(points, point_count).store(held);
+        load_of<P>(points, point_count).store(start_load);
         bounces_now = false;
     }
     /// Whether a round begins with roll().
-    bool rolls(const soft_round<S, 3>& how) const requires Features::rolling_resistance {
-        return !how.pushes && extras.at != nullptr;
+    bool rolls(const contact_pass<S, 3>& pass) const requires Features::rolling_resistance {
+        return !pass.use_bias && extras.at != nullptr;
     }
     /// Stops the bodies' rolling against each other, or slows it.
     PHYSICS_HPP_ALWAYS_INLINE void roll(body* bodies) requires Features::rolling_resistance {
@@ -291,62 +294,66 @@ struct soft_contact3 {
 private:
     using frame_lanes = contact_frame3<P>;
     using relative_motion = contact_motion3<P>;
-    using push_sum = contact_impulse3<P>;
+    using impulse_sum = contact_impulse3<P>;
 
-    PHYSICS_HPP_ALWAYS_INLINE relative_motion way_of(const frame_lanes& f, const body_lanes3<P>& at_a,
-                                                     const body_lanes3<P>& at_b, const soft_round<S, 3>& how) {
-        if (how.pushes) return relative_motion(lanes3<P>::load(last_ways));
-        const relative_motion way(f, at_a.way, at_b.way);
-        way.along.store(last_ways[0]);
-        way.about_t.store(last_ways[1]);
-        way.about_u.store(last_ways[2]);
-        return way;
+    PHYSICS_HPP_ALWAYS_INLINE relative_motion displacement_of(const frame_lanes& f, const body_lanes3<P>& at_a,
+                                                              const body_lanes3<P>& at_b,
+                                                              const contact_pass<S, 3>& pass) {
+        if (pass.use_bias) return relative_motion(lanes3<P>::load(last_displacements));
+        const relative_motion displacement(f, at_a.displacement, at_b.displacement);
+        displacement.along.store(last_displacements[0]);
+        displacement.about_t.store(last_displacements[1]);
+        displacement.about_u.store(last_displacements[2]);
+        return displacement;
     }
     /// Changes impulses point by point, each by the speed that the ones before left.
     template <class Next>
-    PHYSICS_HPP_ALWAYS_INLINE void visit_points(const relative_motion& start, push_sum& sum, Next&& next) {
+    PHYSICS_HPP_ALWAYS_INLINE void solve_points(const relative_motion& start, impulse_sum& sum, Next&& next) {
         relative_motion speed = start;
-        across_and_back(point_count, [&](int k) PHYSICS_HPP_INLINE_LAMBDA {
+        symmetric_gauss_seidel(point_count, [&](int k) PHYSICS_HPP_INLINE_LAMBDA {
             const point& p = points[k];
             const P change = next(k, speed.at(p));
             sum.add(p, change);
-            const lanes3<P> by = times(answers, {change, P::load(p.y) * change, -(P::load(p.x) * change)});
+            const lanes3<P> by = times(k_matrix, {change, P::load(p.y) * change, -(P::load(p.x) * change)});
             speed.along = speed.along + by.x;
             speed.about_t = speed.about_t + by.y;
             speed.about_u = speed.about_u + by.z;
         });
     }
-    /// Takes back, where surfaces met with a blow, of what the next substep begins with all but what was held before.
-    PHYSICS_HPP_NOINLINE void forget_blows(const body* bodies, const soft_round<S, 3>& how, const P& speed) {
+    /// After an impact, removes from the start velocities of the next substep all impulse but what was held before it.
+    PHYSICS_HPP_NOINLINE void discard_impacts(const body* bodies, const contact_pass<S, 3>& pass, const P& speed) {
         for (int lane = 0; lane < W; ++lane) {
             S load = S(0);
             for (int k = 0; k < point_count; ++k) load += points[k].impulse[lane];
-            if (!(-speed.lane(lane) > how.impact_speed) || !(load > held[lane])) continue;
-            const S share = held[lane] / load;
+            if (!(-speed.lane(lane) > pass.impact_speed) || !(load > start_load[lane])) continue;
+            const S share = start_load[lane] / load;
             vec<S, 3> sum;
             for (int k = 0; k < point_count; ++k) {
-                const S part = take_from(points[k].impulse[lane], share);
-                sum += vec<S, 3>{part, points[k].y[lane] * part, -(points[k].x[lane] * part)};
+                const S removed = reduce_to(points[k].impulse[lane], share);
+                sum += vec<S, 3>{removed, points[k].y[lane] * removed, -(points[k].x[lane] * removed)};
             }
-            slide_lanes<S> rubbed{};
-            if constexpr (Features::friction) rubbed = friction.take(lane, points, point_count, share);
-            begin_next_without(lane, bodies, how, sum, rubbed);
+            slide_lanes<S> lost_friction{};
+            if constexpr (Features::friction)
+                lost_friction = friction.reduce_impulses(lane, points, point_count, share);
+            remove_from_next_start(lane, bodies, pass, sum, lost_friction);
         }
     }
     /// Takes impulses of a lane, along the normal at the middle and about the tangents, and friction, from what the
     /// next substep begins with.
-    void begin_next_without(int lane, const body* bodies, const soft_round<S, 3>& how, const vec<S, 3>& sum,
-                            const slide_lanes<S>& rubbed) {
+    void remove_from_next_start(int lane, const body* bodies, const contact_pass<S, 3>& pass, const vec<S, 3>& sum,
+                                const slide_lanes<S>& lost_friction) {
         const auto at = [&](const auto& rows) { return vec<S, 3>{rows[0][lane], rows[1][lane], rows[2][lane]}; };
         const vec<S, 3> n = at(normal), t = at(tangent), u = cross(n, t);
-        const vec<S, 3> impulse = n * sum.x + t * rubbed.x + u * rubbed.y;
-        const vec<S, 3> moment = t * sum.y + u * sum.z + n * rubbed.twist;
+        const vec<S, 3> impulse = n * sum.x + t * lost_friction.x + u * lost_friction.y;
+        const vec<S, 3> moment = t * sum.y + u * sum.z + n * lost_friction.twist;
         if (moves_a)
-            begin_without(how.begun[a[lane]], bodies[a[lane]], -impulse, -(cross(at(arm_a), impulse) + moment));
-        if (moves_b) begin_without(how.begun[b[lane]], bodies[b[lane]], impulse, cross(at(arm_b), impulse) + moment);
+            remove_from_start(pass.start_velocity[a[lane]], bodies[a[lane]], -impulse,
+                              -(cross(at(r_a), impulse) + moment));
+        if (moves_b)
+            remove_from_start(pass.start_velocity[b[lane]], bodies[b[lane]], impulse, cross(at(r_b), impulse) + moment);
     }
     /// Stops the slip, or lets it slide on the cone.
-    PHYSICS_HPP_ALWAYS_INLINE void rub(const frame_lanes& f, body_lanes3<P>& at_a, body_lanes3<P>& at_b) {
+    PHYSICS_HPP_ALWAYS_INLINE void solve_friction(const frame_lanes& f, body_lanes3<P>& at_a, body_lanes3<P>& at_b) {
         P loads[capacity];
         for (int k = 0; k < point_count; ++k) loads[k] = P::load(points[k].impulse);
         const lanes3<P> slipping = f.at_middle(at_a.velocity, at_b.velocity);
@@ -359,23 +366,24 @@ private:
             }
         }
         const slide_lanes<P> by = friction.next(slip, points, loads, point_count);
-        push(f, lane_combine(f.t, by.x, f.u, by.y), {f.n.x * by.twist, f.n.y * by.twist, f.n.z * by.twist}, at_a, at_b);
+        apply(f, lane_combine(f.t, by.x, f.u, by.y), {f.n.x * by.twist, f.n.y * by.twist, f.n.z * by.twist}, at_a,
+              at_b);
     }
-    PHYSICS_HPP_ALWAYS_INLINE void push(const frame_lanes& f, const push_sum& sum, body_lanes3<P>& at_a,
-                                        body_lanes3<P>& at_b) const {
-        push(f, {f.n.x * sum.load, f.n.y * sum.load, f.n.z * sum.load},
-             lane_combine(f.t, sum.about_t, f.u, sum.about_u), at_a, at_b);
+    PHYSICS_HPP_ALWAYS_INLINE void apply(const frame_lanes& f, const impulse_sum& sum, body_lanes3<P>& at_a,
+                                         body_lanes3<P>& at_b) const {
+        apply(f, {f.n.x * sum.load, f.n.y * sum.load, f.n.z * sum.load},
+              lane_combine(f.t, sum.about_t, f.u, sum.about_u), at_a, at_b);
     }
     /// An impulse at the middle and an angular impulse, from A on B.
-    PHYSICS_HPP_ALWAYS_INLINE void push(const frame_lanes& f, const lanes3<P>& impulse, const lanes3<P>& moment,
-                                        body_lanes3<P>& at_a, body_lanes3<P>& at_b) const {
+    PHYSICS_HPP_ALWAYS_INLINE void apply(const frame_lanes& f, const lanes3<P>& impulse, const lanes3<P>& moment,
+                                         body_lanes3<P>& at_a, body_lanes3<P>& at_b) const {
         const Q m_a = Q::load(mass_a), m_b = Q::load(mass_b);
         auto& [v_a, w_a] = at_a.velocity;
         auto& [v_b, w_b] = at_b.velocity;
         v_a = {v_a.x - mul<S>(m_a, impulse.x), v_a.y - mul<S>(m_a, impulse.y), v_a.z - mul<S>(m_a, impulse.z)};
         v_b = {v_b.x + mul<S>(m_b, impulse.x), v_b.y + mul<S>(m_b, impulse.y), v_b.z + mul<S>(m_b, impulse.z)};
-        w_a = lane_subtract(w_a, times(inertia_a, lane_add(lane_cross(f.arm_a, impulse), moment)));
-        w_b = lane_add(w_b, times(inertia_b, lane_add(lane_cross(f.arm_b, impulse), moment)));
+        w_a = lane_subtract(w_a, times(inertia_a, lane_add(lane_cross(f.r_a, impulse), moment)));
+        w_b = lane_add(w_b, times(inertia_b, lane_add(lane_cross(f.r_b, impulse), moment)));
     }
     PHYSICS_HPP_ALWAYS_INLINE static lanes3<P> times(const I (&matrix)[6][W], const lanes3<P>& v) {
         const Q xx = Q::load(matrix[0]), yy = Q::load(matrix[1]), zz = Q::load(matrix[2]);

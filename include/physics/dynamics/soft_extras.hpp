@@ -3,9 +3,9 @@
 
 #include "physics/base/arena.hpp"
 #include "physics/base/probe.hpp"
+#include "physics/dynamics/contact_pass.hpp"
 #include "physics/dynamics/friction.hpp"
 #include "physics/dynamics/soft_prepare.hpp"
-#include "physics/dynamics/soft_round.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -13,27 +13,27 @@ namespace detail {
 
 /// A circular cone in lanes.
 template <class S, int W>
-struct cone_lanes {
+struct friction_cone_lanes {
     using P = kernel_pack<S, W>;
 
-    S xx[W], xy[W], yy[W], slip[W];
+    S xx[W], xy[W], yy[W], gradient_step[W];
 
-    void put(int lane, const circular_cone<S>& cone) {
+    void put(int lane, const friction_cone<S>& cone) {
         xx[lane] = cone.xx;
         xy[lane] = cone.xy;
         yy[lane] = cone.yy;
-        slip[lane] = cone.slip;
+        gradient_step[lane] = cone.gradient_step;
     }
-    /// Of the speeds' answers to unit impulses, as circular_cone.
+    /// Of the speeds' answers to unit impulses, as friction_cone.
     template <class K>
     PHYSICS_HPP_ALWAYS_INLINE void prepare(const K& kxx, const K& kxy, const K& kyy) {
         using C = typename K::scalar;
         const K determinant = kxx * kyy - kxy * kxy, half = K::broadcast(C(0.5));
-        put_lanes(lane_share(kyy, determinant), xx);
-        put_lanes(lane_share(-kxy, determinant), xy);
-        put_lanes(lane_share(kxx, determinant), yy);
+        put_lanes(lane_quotient(kyy, determinant), xx);
+        put_lanes(lane_quotient(-kxy, determinant), xy);
+        put_lanes(lane_quotient(kxx, determinant), yy);
         const K zero = K::broadcast(C(0)), greatest = half * (kxx + kyy) + lane_length(half * (kxx - kyy), kxy);
-        put_lanes(select_greater(determinant, zero, lane_reciprocal(greatest), zero), slip);
+        put_lanes(select_greater(determinant, zero, lane_reciprocal(greatest), zero), gradient_step);
     }
     /// The impulses that follow those before where the speeds are v: they stop them, or slide on the cone.
     PHYSICS_HPP_ALWAYS_INLINE lanes2<P> next(const lanes2<P>& before, const lanes2<P>& v, const P& limit) const {
@@ -41,7 +41,7 @@ struct cone_lanes {
         const P stick_x = before.x - lane_sum(P::load(xx), v.x, across, v.y);
         const P stick_y = before.y - lane_sum(across, v.x, P::load(yy), v.y);
         if (lane_is_longer(stick_x, stick_y, limit).bits() == 0) return {stick_x, stick_y};
-        const P scale = P::load(slip), slide_x = before.x - scale * v.x, slide_y = before.y - scale * v.y;
+        const P scale = P::load(gradient_step), slide_x = before.x - scale * v.x, slide_y = before.y - scale * v.y;
         const P sliding = lane_length(slide_x, slide_y), sticking = lane_length(stick_x, stick_y);
         const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
         const P share = select_greater(sliding, limit, limit / select_greater(sliding, zero, sliding, one), one);
@@ -116,11 +116,11 @@ struct rolling_lanes {
         inertia[lane] = with.inertia;
         impulse[lane] = c.rolling_impulse * share;
     }
-    void take(int lane, contact<S, 2, Features>& c) const { c.rolling_impulse = total[lane]; }
+    void store_impulses(int lane, contact<S, 2, Features>& c) const { c.rolling_impulse = total[lane]; }
     /// The change of the angular impulse where B turns by w against A.
     PHYSICS_HPP_ALWAYS_INLINE P next(const P& w, const P& load) {
-        const P before = P::load(impulse), reach = arm.all(), most = reach * load, zero = P::broadcast(S(0));
-        const P after = max(min(before - P::load(inertia) * w, most), -most);
+        const P before = P::load(impulse), reach = arm.all(), maximum = reach * load, zero = P::broadcast(S(0));
+        const P after = max(min(before - P::load(inertia) * w, maximum), -maximum);
         const P now = select_greater(reach, zero, after, before);
         now.store(impulse);
         (P::load(total) + now).store(total);
@@ -132,7 +132,7 @@ struct rolling_lanes<S, W, 3, Features> {
     using P = kernel_pack<S, W>;
 
     coefficient_lanes<S, W, Features> arm;
-    cone_lanes<S, W> stop;
+    friction_cone_lanes<S, W> stop;
     S x[W], y[W], total_x[W], total_y[W];
 
     void put(int lane, const contact<S, 3, Features>& c, S resistance, const rolling3<S>& with, S share) {
@@ -141,7 +141,9 @@ struct rolling_lanes<S, W, 3, Features> {
         x[lane] = c.rolling_impulse.x * share;
         y[lane] = c.rolling_impulse.y * share;
     }
-    void take(int lane, contact<S, 3, Features>& c) const { c.rolling_impulse = {total_x[lane], total_y[lane]}; }
+    void store_impulses(int lane, contact<S, 3, Features>& c) const {
+        c.rolling_impulse = {total_x[lane], total_y[lane]};
+    }
     PHYSICS_HPP_ALWAYS_INLINE lanes2<P> next(const lanes2<P>& w, const P& load) {
         const lanes2<P> before = {P::load(x), P::load(y)};
         const P reach = arm.all(), zero = P::broadcast(S(0));
@@ -158,21 +160,21 @@ struct rolling_lanes<S, W, 3, Features> {
 
 /// In place of what a recipe leaves out.
 template <int Which>
-struct nothing {};
+struct absent_base {};
 
-/// What few contacts have lies apart from their block, so that the others pay for a look at a pointer.
+/// Rows that few contacts need (rolling resistance, belts) are allocated apart; other blocks pay one null check.
 template <class S, int W, int D, class Features>
-struct soft_extras : std::conditional_t<Features::rolling_resistance, rolling_lanes<S, W, D, Features>, nothing<0>>,
-                     std::conditional_t<Features::surface_velocity, belt_lanes<S, W, D>, nothing<1>> {
+struct soft_extras : std::conditional_t<Features::rolling_resistance, rolling_lanes<S, W, D, Features>, absent_base<0>>,
+                     std::conditional_t<Features::surface_velocity, belt_lanes<S, W, D>, absent_base<1>> {
     using rolling = rolling_lanes<S, W, D, Features>;
     using belt = belt_lanes<S, W, D>;
     using body = solver_body<S, D, Features::rotation>;
 
-    static bool needed_by(const contact<S, D, Features>& c, const soft_start<S, D, Features>& with) {
+    static bool needed_by(const contact<S, D, Features>& c, const prepare_input<S, D, Features>& with) {
         return with.surfaces.rolling_resistance_of(c) > S(0) || value_of(c.surface_velocity) != tangential<S, D>{};
     }
     void put(int lane, const contact<S, D, Features>& c, [[maybe_unused]] const body& a, [[maybe_unused]] const body& b,
-             [[maybe_unused]] const soft_start<S, D, Features>& with) {
+             [[maybe_unused]] const prepare_input<S, D, Features>& with) {
         if constexpr (Features::rolling_resistance)
             if (const S resistance = with.surfaces.rolling_resistance_of(c); resistance > S(0))
                 rolling::put(lane, c, resistance, rolling_at<S, D>(a, b, tangents<S, D>(c.normal)), with.share);
@@ -189,18 +191,18 @@ struct extras_of_block {
     extras* at = nullptr;
 
     void put(int lane, const contact<S, D, Features>& c, const body& a, const body& b,
-             const soft_start<S, D, Features>& with, arena& scratch) {
+             const prepare_input<S, D, Features>& with, arena& scratch) {
         if (extras::needed_by(c, with)) add(lane, c, a, b, with, scratch);
     }
-    void take(int lane, contact<S, D, Features>& c) const {
+    void store_impulses(int lane, contact<S, D, Features>& c) const {
         if constexpr (Features::rolling_resistance)
-            if (at != nullptr) at->extras::rolling::take(lane, c);
+            if (at != nullptr) at->extras::rolling::store_impulses(lane, c);
     }
 
 private:
     PHYSICS_HPP_NOINLINE void add(int lane, const contact<S, D, Features>& c, const body& a, const body& b,
-                                  const soft_start<S, D, Features>& with, arena& scratch) {
-        if (at == nullptr) at = new (scratch.template take<extras>(1)) extras{};
+                                  const prepare_input<S, D, Features>& with, arena& scratch) {
+        if (at == nullptr) at = new (scratch.template allocate<extras>(1)) extras{};
         at->put(lane, c, a, b, with);
     }
 };
@@ -208,9 +210,9 @@ template <class S, int W, int D, class Features>
     requires(!Features::rolling_resistance && !Features::surface_velocity)
 struct extras_of_block<S, W, D, Features> {
     template <class Body>
-    void put(int, const contact<S, D, Features>&, const Body&, const Body&, const soft_start<S, D, Features>&, arena&) {
-    }
-    void take(int, contact<S, D, Features>&) const {}
+    void put(int, const contact<S, D, Features>&, const Body&, const Body&, const prepare_input<S, D, Features>&,
+             arena&) {}
+    void store_impulses(int, contact<S, D, Features>&) const {}
 };
 
 }  // namespace detail

@@ -19,17 +19,17 @@ struct soft_kernels {
         block.prepare(bodies, gathered);
     }
     static void warm_start(Block& block, body* bodies) { block.warm_start(bodies); }
-    template <class Round>
-    static void solve(Block& block, body* bodies, const Round& how) {
-        if constexpr (requires { block.rolls(how); })
-            if (block.rolls(how)) roll(block, bodies);
-        block.solve(bodies, how);
+    template <class Pass>
+    static void solve(Block& block, body* bodies, const Pass& pass) {
+        if constexpr (requires { block.rolls(pass); })
+            if (block.rolls(pass)) roll(block, bodies);
+        block.solve(bodies, pass);
     }
     // Apart from the rest, so that contacts that don't roll have their registers to themselves.
     PHYSICS_HPP_NOINLINE static void roll(Block& block, body* bodies) { block.roll(bodies); }
-    template <class Round>
-    static void note_approaches(Block& block, const body* bodies, const Round& how) {
-        block.note_approaches(bodies, how);
+    template <class Pass>
+    static void note_approaches(Block& block, const body* bodies, const Pass& pass) {
+        block.note_approaches(bodies, pass);
     }
 };
 
@@ -48,16 +48,16 @@ struct avx2_kernels {
         block.prepare(bodies, gathered);
     }
     PHYSICS_HPP_AVX2_KERNEL void warm_start(Block& block, body* bodies) { block.warm_start(bodies); }
-    template <class Round>
-    PHYSICS_HPP_AVX2_KERNEL void solve(Block& block, body* bodies, const Round& how) {
-        if constexpr (requires { block.rolls(how); })
-            if (block.rolls(how)) roll(block, bodies);
-        block.solve(bodies, how);
+    template <class Pass>
+    PHYSICS_HPP_AVX2_KERNEL void solve(Block& block, body* bodies, const Pass& pass) {
+        if constexpr (requires { block.rolls(pass); })
+            if (block.rolls(pass)) roll(block, bodies);
+        block.solve(bodies, pass);
     }
     PHYSICS_HPP_AVX2_KERNEL void roll(Block& block, body* bodies) { block.roll(bodies); }
-    template <class Round>
-    PHYSICS_HPP_AVX2_KERNEL void note_approaches(Block& block, const body* bodies, const Round& how) {
-        block.note_approaches(bodies, how);
+    template <class Pass>
+    PHYSICS_HPP_AVX2_KERNEL void note_approaches(Block& block, const body* bodies, const Pass& pass) {
+        block.note_approaches(bodies, pass);
     }
 };
 

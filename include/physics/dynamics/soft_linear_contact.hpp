@@ -35,25 +35,25 @@ struct linear_lanes {
     static constexpr int stride = sizeof(body) / sizeof(S);
     static_assert(sizeof(linear_twist<S, D>) == D * sizeof(S));
 
-    vector_lanes<P, D> velocity, way;
+    vector_lanes<P, D> velocity, displacement;
 
     PHYSICS_HPP_ALWAYS_INLINE void load(const body* bodies, const std::uint32_t* index) {
         const auto* first = reinterpret_cast<const S*>(bodies);
         const quad<P> p = load4<P>(indexed_rows<const S, stride>{first, index});
         if constexpr (D == 2) {
             velocity = {{p.x, p.y}};
-            way = {{p.z, p.w}};
+            displacement = {{p.z, p.w}};
         } else {
             const quad<P> q = load4<P>(indexed_rows<const S, stride>{first + 4, index});
             velocity = {{p.x, p.y, p.z}};
-            way = {{p.w, q.x, q.y}};
+            displacement = {{p.w, q.x, q.y}};
         }
     }
     PHYSICS_HPP_ALWAYS_INLINE void store(body* bodies, const std::uint32_t* index) const {
         const indexed_rows<S, stride> to{reinterpret_cast<S*>(bodies), index};
         const auto& v = velocity.at;
-        if constexpr (D == 2) store4(to, quad<P>{v[0], v[1], way.at[0], way.at[1]});
-        else store4(to, quad<P>{v[0], v[1], v[2], way.at[0]});
+        if constexpr (D == 2) store4(to, quad<P>{v[0], v[1], displacement.at[0], displacement.at[1]});
+        else store4(to, quad<P>{v[0], v[1], v[2], displacement.at[0]});
     }
 };
 
@@ -66,41 +66,42 @@ struct soft_linear_friction {
     /// Along the tangents; of this substep, and of the whole step.
     S impulse[D - 1][W], total[D - 1][W];
 
-    void put(int lane, const contact<S, D, Features>& c, const soft_start<S, D, Features>& with) {
+    void put(int lane, const contact<S, D, Features>& c, const prepare_input<S, D, Features>& with) {
         coefficient.put(lane, with.surfaces.friction_of(c));
         if constexpr (D == 2) {
-            impulse[0][lane] = c.friction_load;
+            impulse[0][lane] = c.substep_friction;
         } else {
             const vec<S, 2> before = friction_of(c) * with.share;
             for (int i = 0; i < 2; ++i) impulse[i][lane] = before[i];
         }
     }
     /// Hands a share of the step's impulses back.
-    [[nodiscard]] tangential<S, D> part(int lane, S share) const {
+    [[nodiscard]] tangential<S, D> scaled_total(int lane, S share) const {
         if constexpr (D == 2) return total[0][lane] * share;
         else return {total[0][lane] * share, total[1][lane] * share};
     }
     /// More than 0 where it holds anything.
-    PHYSICS_HPP_ALWAYS_INLINE P held(int) const {
-        P most = lane_abs(P::load(impulse[0]));
-        for (int i = 1; i < D - 1; ++i) most = max(most, lane_abs(P::load(impulse[i])));
-        return most;
+    PHYSICS_HPP_ALWAYS_INLINE P max_impulse(int) const {
+        P maximum = lane_abs(P::load(impulse[0]));
+        for (int i = 1; i < D - 1; ++i) maximum = max(maximum, lane_abs(P::load(impulse[i])));
+        return maximum;
     }
     /// Turns slips into the changes of the impulses that stop them, under a load, or let them slide.
-    PHYSICS_HPP_ALWAYS_INLINE void answer(P (&slip)[D - 1], const P& mass, const P& load, bool use_bias) {
-        const P most = coefficient.all() * load;
+    PHYSICS_HPP_ALWAYS_INLINE void solve(P (&slip)[D - 1], const P& mass, const P& load, bool use_bias) {
+        const P maximum = coefficient.all() * load;
         P before[D - 1], after[D - 1];
         for (int i = 0; i < D - 1; ++i) {
             before[i] = P::load(impulse[i]);
             P stopping = mass * slip[i];
-            if constexpr (D == 2) stopping = stopping * friction_part(lane_abs(before[i]), most, use_bias);
+            if constexpr (D == 2) stopping = stopping * friction_part(lane_abs(before[i]), maximum, use_bias);
             after[i] = before[i] - stopping;
         }
         if constexpr (D == 2) {
-            after[0] = max(min(after[0], most), -most);
-        } else if (lane_is_longer(after[0], after[1], most).bits() != 0) {
+            after[0] = max(min(after[0], maximum), -maximum);
+        } else if (lane_is_longer(after[0], after[1], maximum).bits() != 0) {
             const P one = P::broadcast(S(1)), length = lane_length(after[0], after[1]);
-            const P share = select_greater(length, most, most / select_greater(length, most, length, one), one);
+            const P share =
+                select_greater(length, maximum, maximum / select_greater(length, maximum, length, one), one);
             for (P& along : after) along = along * share;
         }
         for (int i = 0; i < D - 1; ++i) {
@@ -111,7 +112,7 @@ struct soft_linear_friction {
     }
 };
 
-/// The first tangent in space, where it takes a root to find; in the plane it follows from the normal.
+/// The first tangent in 3D, where it takes a root to find; in 2D it follows from the normal.
 template <class S, int W>
 struct kept_tangent {
     S kept[3][W];
@@ -125,7 +126,7 @@ struct soft_linear_contact {
     using P = kernel_pack<S, W>;
     using Q = kernel_pack<I, W>;
     using body = solver_body<S, D, false>;
-    using round = soft_round<S, D, false>;
+    using pass_type = contact_pass<S, D, false>;
     struct gathering {};
 
     struct point {
@@ -137,14 +138,14 @@ struct soft_linear_contact {
 
     std::uint32_t a[W], b[W];
     S normal[D][W];
-    [[no_unique_address]] std::conditional_t<Features::friction && D == 3, kept_tangent<S, W>, nothing<2>> tangent;
+    [[no_unique_address]] std::conditional_t<Features::friction && D == 3, kept_tangent<S, W>, absent_base<2>> tangent;
     I mass_a[W], mass_b[W];
     point points[point_count];
     [[no_unique_address]] std::conditional_t<Features::friction, soft_linear_friction<S, D, W, Features>,
                                              no_soft_friction>
         friction;
     /// What the points bore together as the substep began.
-    S held[W];
+    S start_load[W];
     /// Whether any contact is going to bounce in this substep.
     bool bounces_now = false;
     /// Whether the contacts push their bodies, which is the same for all lanes.
@@ -153,7 +154,7 @@ struct soft_linear_contact {
     [[no_unique_address]] soft_bounces_of<S, 1, W, Features> bounce_to;
 
     /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
-    void put(int lane, const contact<S, D, Features>& c, const body* bodies, const soft_start<S, D, Features>& with,
+    void put(int lane, const contact<S, D, Features>& c, const body* bodies, const prepare_input<S, D, Features>& with,
              gathering&, arena& scratch) {
         const body& first = bodies[c.body_a];
         const body& second = bodies[c.body_b];
@@ -166,7 +167,7 @@ struct soft_linear_contact {
         S load = S(0);
         for (int k = 0; k < c.count; ++k) {
             if (c.points[k].separation < c.points[nearest].separation) nearest = k;
-            if (c.persisted(k)) load += c.points[k].load;
+            if (c.persisted(k)) load += c.points[k].substep_impulse;
         }
         points[0].separation[lane] = c.points[nearest].separation;
         points[0].impulse[lane] = load;
@@ -186,78 +187,80 @@ struct soft_linear_contact {
         }
     }
     /// Hands the impulses back.
-    void take(int lane, contact<S, D, Features>& c) const {
+    void store_impulses(int lane, contact<S, D, Features>& c) const {
         const S share = S(1) / S(int{c.count});
         for (int k = 0; k < c.count; ++k) {
             auto& to = c.points[k];
             to.normal_impulse = points[0].total[lane] * share;
-            to.load = points[0].impulse[lane] * share;
-            if constexpr (Features::friction) to.friction_impulse = friction.part(lane, share);
+            to.substep_impulse = points[0].impulse[lane] * share;
+            if constexpr (Features::friction) to.friction_impulse = friction.scaled_total(lane, share);
         }
-        if constexpr (Features::friction && D == 2) c.friction_load = friction.impulse[0][lane];
+        if constexpr (Features::friction && D == 2) c.substep_friction = friction.impulse[0][lane];
     }
 
     /// Gives the bodies the impulses of the last substep at once.
     PHYSICS_HPP_ALWAYS_INLINE void warm_start(body* bodies) {
-        P::load(points[0].impulse).store(held);
-        if (bears_nothing<P>(*this)) return;
+        P::load(points[0].impulse).store(start_load);
+        if (carries_no_impulse<P>(*this)) return;
         linear_lanes<P, D> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const P load = P::load(points[0].impulse);
         if constexpr (Features::friction) {
-            P rubs[D - 1];
-            for (int i = 0; i < D - 1; ++i) rubs[i] = P::load(friction.impulse[i]);
-            push(load, rubs, at_a, at_b);
+            P friction_impulses[D - 1];
+            for (int i = 0; i < D - 1; ++i) friction_impulses[i] = P::load(friction.impulse[i]);
+            apply(load, friction_impulses, at_a, at_b);
         } else {
-            push(load, at_a, at_b);
+            apply(load, at_a, at_b);
         }
         store(bodies, at_a, at_b);
     }
-    /// One round over the contacts, then friction by their load; in space it rests while overlaps are pushed apart (see
+    /// One round over the contacts, then friction by their load; in 3D it rests while overlaps are pushed apart (see
     /// soft_contact3).
-    PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const round& how) {
+    PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const pass_type& pass) {
         linear_lanes<P, D> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const vector n = normals();
-        const P speed = lane_dot(n, slip_of(at_a, at_b)), way = lane_dot(n, difference(at_b.way, at_a.way));
+        const P speed = lane_dot(n, slip_of(at_a, at_b)),
+                displacement = lane_dot(n, difference(at_b.displacement, at_a.displacement));
         const P one = P::broadcast(S(1));
-        const auto way_at = [&](int) PHYSICS_HPP_INLINE_LAMBDA { return way; };
+        const auto displacement_at = [&](int) PHYSICS_HPP_INLINE_LAMBDA { return displacement; };
         const auto speed_at = [&](int) PHYSICS_HPP_INLINE_LAMBDA { return speed; };
-        if (bears_nothing<P>(*this) && are_idle(points, 1, how, one, way_at, speed_at)) {
-            if (!how.pushes) P::broadcast(S(0)).store(held);
+        if (carries_no_impulse<P>(*this) && are_inactive(points, 1, pass, one, displacement_at, speed_at)) {
+            if (!pass.use_bias) P::broadcast(S(0)).store(start_load);
             else if constexpr (Features::restitution) bounces_now = false;
             return;
         }
-        push(next_impulse(points[0], speed, way, how, one), at_a, at_b);
+        apply(next_impulse(points[0], speed, displacement, pass, one), at_a, at_b);
         if constexpr (Features::restitution)
-            if (how.pushes && bounces_now) bounce_to.at->template keep_pushed<P>(points, 1);
+            if (pass.use_bias && bounces_now) bounce_to.at->template keep_pushed<P>(points, 1);
         if constexpr (Features::friction)
-            if (D == 2 || !how.pushes) rub(P::load(points[0].impulse), how.pushes, at_a, at_b);
-        if (!how.pushes) {
+            if (D == 2 || !pass.use_bias) solve_friction(P::load(points[0].impulse), pass.use_bias, at_a, at_b);
+        if (!pass.use_bias) {
             add_totals<P>(points, 1);
-            if (greater(-speed, P::broadcast(how.impact_speed)).bits() != 0) forget_blows(bodies, how, speed);
-            P::load(points[0].impulse).store(held);
+            if (greater(-speed, P::broadcast(pass.impact_speed)).bits() != 0) discard_impacts(bodies, pass, speed);
+            P::load(points[0].impulse).store(start_load);
         }
         store(bodies, at_a, at_b);
     }
     /// Notes which contacts are going to bounce, before anything stops them.
     PHYSICS_HPP_ALWAYS_INLINE void note_approaches(const body* bodies,
-                                                   const round& how) requires Features::restitution {
+                                                   const pass_type& pass) requires Features::restitution {
         bounces_now = false;
         if (!bounce_to.at->template any_free<P>(points, 1)) return;
         linear_lanes<P, D> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const vector n = normals();
-        const P speed = lane_dot(n, slip_of(at_a, at_b)), way = lane_dot(n, difference(at_b.way, at_a.way));
+        const P speed = lane_dot(n, slip_of(at_a, at_b)),
+                displacement = lane_dot(n, difference(at_b.displacement, at_a.displacement));
         bounces_now = bounce_to.at->template note<P>(
-            points, 1, how, [&](int) PHYSICS_HPP_INLINE_LAMBDA { return way; },
+            points, 1, pass, [&](int) PHYSICS_HPP_INLINE_LAMBDA { return displacement; },
             [&](int) PHYSICS_HPP_INLINE_LAMBDA { return speed; });
     }
     /// Lets bounce what has met in this substep. The next one does not begin with any of that.
-    PHYSICS_HPP_NOINLINE void bounce(body* bodies, const round& how) requires Features::restitution {
+    PHYSICS_HPP_NOINLINE void bounce(body* bodies, const pass_type& pass) requires Features::restitution {
         for (int lane = 0; lane < W; ++lane) {
             if (!bounce_to.at->has(lane, 1)) continue;
             body& of_a = bodies[a[lane]];
@@ -266,12 +269,12 @@ struct soft_linear_contact {
             for (int i = 0; i < D; ++i) n[i] = normal[i][lane];
             const S v = dot(n, of_b.velocity.linear - of_a.velocity.linear);
             const S impulse = max(points[0].mass[lane] * (bounce_to.at->speed[0][lane] - v), -points[0].impulse[lane]);
-            if (moves_a) begin_without(of_a.velocity, of_a, n * -impulse);
-            if (moves_b) begin_without(of_b.velocity, of_b, n * impulse);
+            if (moves_a) remove_from_start(of_a.velocity, of_a, n * -impulse);
+            if (moves_b) remove_from_start(of_b.velocity, of_b, n * impulse);
             points[0].total[lane] += impulse;
-            begin_next_without(lane, bodies, how, impulse + take_from(points[0].impulse[lane], S(0)), S(0));
+            remove_from_next_start(lane, bodies, pass, impulse + reduce_to(points[0].impulse[lane], S(0)), S(0));
         }
-        P::load(points[0].impulse).store(held);
+        P::load(points[0].impulse).store(start_load);
         bounces_now = false;
     }
 
@@ -299,8 +302,8 @@ private:
         return difference(at_b.velocity, at_a.velocity);
     }
     /// Stops the slip, or lets it slide.
-    PHYSICS_HPP_ALWAYS_INLINE void rub(const P& load, bool use_bias, linear_lanes<P, D>& at_a,
-                                       linear_lanes<P, D>& at_b) {
+    PHYSICS_HPP_ALWAYS_INLINE void solve_friction(const P& load, bool use_bias, linear_lanes<P, D>& at_a,
+                                                  linear_lanes<P, D>& at_b) {
         const vector slip = slip_of(at_a, at_b);
         P by[D - 1];
         for (int i = 0; i < D - 1; ++i) by[i] = lane_dot(along(i), slip);
@@ -314,21 +317,21 @@ private:
                 }
             }
         }
-        friction.answer(by, P::load(points[0].mass), load, use_bias);
-        push(P::broadcast(S(0)), by, at_a, at_b);
+        friction.solve(by, P::load(points[0].mass), load, use_bias);
+        apply(P::broadcast(S(0)), by, at_a, at_b);
     }
-    /// Takes back, where surfaces met with a blow, of what the next substep begins with all but what was held before.
-    PHYSICS_HPP_NOINLINE void forget_blows(const body* bodies, const round& how, const P& speed) {
+    /// After an impact, removes from the start velocities of the next substep all impulse but what was held before it.
+    PHYSICS_HPP_NOINLINE void discard_impacts(const body* bodies, const pass_type& pass, const P& speed) {
         for (int lane = 0; lane < W; ++lane) {
             const S load = points[0].impulse[lane];
-            if (!(-speed.lane(lane) > how.impact_speed) || !(load > held[lane])) continue;
-            const S share = held[lane] / load;
-            begin_next_without(lane, bodies, how, take_from(points[0].impulse[lane], share), share);
+            if (!(-speed.lane(lane) > pass.impact_speed) || !(load > start_load[lane])) continue;
+            const S share = start_load[lane] / load;
+            remove_from_next_start(lane, bodies, pass, reduce_to(points[0].impulse[lane], share), share);
         }
     }
     /// Takes an impulse along the normal of a lane, and all but a share of friction, from what the next substep begins
     /// with.
-    void begin_next_without(int lane, const body* bodies, const round& how, S load, [[maybe_unused]] S share) {
+    void remove_from_next_start(int lane, const body* bodies, const pass_type& pass, S load, [[maybe_unused]] S share) {
         vec<S, D> n;
         for (int i = 0; i < D; ++i) n[i] = normal[i][lane];
         vec<S, D> lost = n * load;
@@ -336,32 +339,32 @@ private:
             vec<S, D> t = n;
             if constexpr (D == 2) t = perpendicular(n);
             else t = {tangent.kept[0][lane], tangent.kept[1][lane], tangent.kept[2][lane]};
-            lost += t * take_from(friction.impulse[0][lane], share);
-            if constexpr (D == 3) lost += cross(n, t) * take_from(friction.impulse[1][lane], share);
+            lost += t * reduce_to(friction.impulse[0][lane], share);
+            if constexpr (D == 3) lost += cross(n, t) * reduce_to(friction.impulse[1][lane], share);
         }
-        if (moves_a) begin_without(how.begun[a[lane]], bodies[a[lane]], -lost);
-        if (moves_b) begin_without(how.begun[b[lane]], bodies[b[lane]], lost);
+        if (moves_a) remove_from_start(pass.start_velocity[a[lane]], bodies[a[lane]], -lost);
+        if (moves_b) remove_from_start(pass.start_velocity[b[lane]], bodies[b[lane]], lost);
     }
     /// Impulses along the normal and along the tangents, from A on B.
-    PHYSICS_HPP_ALWAYS_INLINE void push(const P& load, linear_lanes<P, D>& at_a, linear_lanes<P, D>& at_b) const {
+    PHYSICS_HPP_ALWAYS_INLINE void apply(const P& load, linear_lanes<P, D>& at_a, linear_lanes<P, D>& at_b) const {
         vector impulse = normals();
-        for (P& part : impulse.at) part = part * load;
-        give(impulse, at_a, at_b);
+        for (P& component : impulse.at) component = component * load;
+        apply_impulse(impulse, at_a, at_b);
     }
-    PHYSICS_HPP_ALWAYS_INLINE void push(const P& load, const P (&rubs)[D - 1], linear_lanes<P, D>& at_a,
-                                        linear_lanes<P, D>& at_b) const requires Features::friction {
+    PHYSICS_HPP_ALWAYS_INLINE void apply(const P& load, const P (&friction_impulses)[D - 1], linear_lanes<P, D>& at_a,
+                                         linear_lanes<P, D>& at_b) const requires Features::friction {
         const vector n = normals();
         vector impulse, tangents[D - 1];
         for (int k = 0; k < D - 1; ++k) tangents[k] = along(k);
         for (int i = 0; i < D; ++i) {
             auto sum = product(n.at[i], load);
-            for (int k = 0; k < D - 1; ++k) sum = sum + product(tangents[k].at[i], rubs[k]);
+            for (int k = 0; k < D - 1; ++k) sum = sum + product(tangents[k].at[i], friction_impulses[k]);
             impulse.at[i] = narrow<S>(sum);
         }
-        give(impulse, at_a, at_b);
+        apply_impulse(impulse, at_a, at_b);
     }
-    PHYSICS_HPP_ALWAYS_INLINE void give(const vector& impulse, linear_lanes<P, D>& at_a,
-                                        linear_lanes<P, D>& at_b) const {
+    PHYSICS_HPP_ALWAYS_INLINE void apply_impulse(const vector& impulse, linear_lanes<P, D>& at_a,
+                                                 linear_lanes<P, D>& at_b) const {
         const Q m_a = Q::load(mass_a), m_b = Q::load(mass_b);
         for (int i = 0; i < D; ++i) {
             at_a.velocity.at[i] = at_a.velocity.at[i] - mul<S>(m_a, impulse.at[i]);

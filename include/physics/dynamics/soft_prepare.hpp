@@ -38,14 +38,14 @@ PHYSICS_HPP_ALWAYS_INLINE lanes3<K> lanes3_from(const T (&from)[3][K::width]) {
 
 /// a / b where b is greater than 0, else 0.
 template <class K>
-PHYSICS_HPP_ALWAYS_INLINE K lane_share(const K& a, const K& b) {
+PHYSICS_HPP_ALWAYS_INLINE K lane_quotient(const K& a, const K& b) {
     using C = typename K::scalar;
     const K zero = K::broadcast(C(0)), one = K::broadcast(C(1));
     return select_greater(b, zero, a / select_greater(b, zero, b, one), zero);
 }
 template <class K>
 PHYSICS_HPP_ALWAYS_INLINE K lane_reciprocal(const K& x) {
-    return lane_share(K::broadcast(typename K::scalar(1)), x);
+    return lane_quotient(K::broadcast(typename K::scalar(1)), x);
 }
 
 template <class K>
@@ -89,39 +89,39 @@ PHYSICS_HPP_ALWAYS_INLINE symmetric_lanes<K> lane_inverse(const symmetric_lanes<
 /// W contacts that are prepared together, some of which may be none. Contacts are rows of scalars, which lanes read
 /// faster than one by one.
 template <class S, int D, int W, class Features>
-class gathered_contacts {
+class contact_gather {
     using contact = physics::contact<S, D, Features>;
     using P = kernel_pack<S, W>;
 
 public:
     static constexpr int capacity = manifold<S, D>::capacity;
 
-    gathered_contacts() {
+    contact_gather() {
         for (const contact*& one : at_) one = &none;
     }
-    void put(int lane, const contact& c) { at_[lane] = &c; }
+    void add(int lane, const contact& c) { at_[lane] = &c; }
 
     /// Where points are from their middles, in world axes, 1 for each point that there is, and how many there are.
     S offset[capacity][D][W], there[capacity][W], count[W];
 
-    /// Reads where contacts with up to `most` points lie, and writes that to their block.
+    /// Reads where contacts with up to `maximum` points lie, and writes that to their block.
     template <class Block>
-    PHYSICS_HPP_ALWAYS_INLINE void read(Block& to, int most) {
+    PHYSICS_HPP_ALWAYS_INLINE void read(Block& to, int maximum) {
         const S* rows[W];
         for (int lane = 0; lane < W; ++lane) {
             rows[lane] = &at_[lane]->normal[0];
             count[lane] = S(int{at_[lane]->count});
         }
         P frame[3 * D], place[capacity][D + 1], middle[D];
-        take(frame, rows);
+        read_rows(frame, rows);
         const P zero = P::broadcast(S(0)), one = P::broadcast(S(1)), points = P::load(count);
         for (int i = 0; i < D; ++i) middle[i] = zero;
-        for (int k = 0; k < most; ++k) {
+        for (int k = 0; k < maximum; ++k) {
             for (int lane = 0; lane < W; ++lane) rows[lane] = &at_[lane]->points[k].position[0];
-            take(place[k], rows);
+            read_rows(place[k], rows);
             const P is = select_greater(points, P::broadcast(S(k)), one, zero);
             is.store(there[k]);
-            for (P& part : place[k]) part = select_greater(is, zero, part, zero);
+            for (P& component : place[k]) component = select_greater(is, zero, component, zero);
             place[k][D].store(to.points[k].separation);
             for (int i = 0; i < D; ++i) middle[i] = k == 0 ? place[0][i] : middle[i] + place[k][i];
         }
@@ -129,9 +129,9 @@ public:
         for (int i = 0; i < D; ++i) {
             middle[i] = middle[i] * share;
             frame[i].store(to.normal[i]);
-            (frame[D + i] + middle[i]).store(to.arm_a[i]);
-            (frame[2 * D + i] + middle[i]).store(to.arm_b[i]);
-            for (int k = 0; k < most; ++k)
+            (frame[D + i] + middle[i]).store(to.r_a[i]);
+            (frame[2 * D + i] + middle[i]).store(to.r_b[i]);
+            for (int k = 0; k < maximum; ++k)
                 select_greater(P::load(there[k]), zero, place[k][i] - middle[i], zero).store(offset[k][i]);
         }
     }
@@ -146,7 +146,7 @@ private:
     };
     /// The first N scalars of each row. Lanes read on to a multiple of four, which is still within the contact.
     template <int N>
-    PHYSICS_HPP_ALWAYS_INLINE static void take(P (&to)[N], const S* const (&rows)[W]) {
+    PHYSICS_HPP_ALWAYS_INLINE static void read_rows(P (&to)[N], const S* const (&rows)[W]) {
         if constexpr (W == 1) {
             for (int i = 0; i < N; ++i) to[i] = {rows[0][i]};
         } else {
@@ -159,8 +159,8 @@ private:
             }
         }
     }
-    static_assert(offsetof(contact, arm_a) == offsetof(contact, normal) + D * sizeof(S) &&
-                  offsetof(contact, arm_b) == offsetof(contact, arm_a) + D * sizeof(S) &&
+    static_assert(offsetof(contact, r_a) == offsetof(contact, normal) + D * sizeof(S) &&
+                  offsetof(contact, r_b) == offsetof(contact, r_a) + D * sizeof(S) &&
                   sizeof(contact) >= offsetof(contact, normal) + (D == 2 ? 8 : 12) * sizeof(S));
     using point = contact_point<S, D, Features>;
     static_assert(offsetof(point, separation) == offsetof(point, position) + D * sizeof(S) &&
@@ -170,10 +170,10 @@ private:
     const contact* at_[W];
 };
 
-/// W contacts in space, and how their bodies answer to impulses at the middles.
+/// W contacts in 3D, and how their bodies answer to impulses at the middles.
 template <class K>
 struct contact_lanes3 {
-    lanes3<K> n, t, u, arm_a, arm_b;
+    lanes3<K> n, t, u, r_a, r_b;
     K mass;
     symmetric_lanes<K> inertia_a, inertia_b;
 
@@ -184,12 +184,12 @@ struct contact_lanes3 {
     }
 };
 
-/// The first tangent of normals in space, as tangents3 has it.
+/// The first tangent of normals in 3D, as tangents3 has it.
 template <class K>
 PHYSICS_HPP_ALWAYS_INLINE lanes3<K> lane_tangent(const lanes3<K>& n) {
     const K zero = K::broadcast(typename K::scalar(0)), x = lane_abs(n.x), z = lane_abs(n.z);
     const K from = select_greater(x, z, n.y, n.z), to = select_greater(x, z, n.x, n.y);
-    const K length = lane_length(from, to), back = lane_share(-from, length), on = lane_share(to, length);
+    const K length = lane_length(from, to), back = lane_quotient(-from, length), on = lane_quotient(to, length);
     return {select_greater(x, z, back, zero), select_greater(x, z, on, back), select_greater(x, z, zero, on)};
 }
 

@@ -1,4 +1,4 @@
-// How a body turns in space by its own inertia.
+// How a body turns in 3D by its own inertia.
 #pragma once
 
 #include "physics/dynamics/body.hpp"
@@ -34,7 +34,7 @@ private:
 /// Turns a body by its own inertia for a time h: its principal axes, with a momentum that stays; gives the angular
 /// velocity at the end.
 template <class S>
-constexpr vec<S, 3> turn_top(const free_spin<S, 3>& spin, rotation<S, 3>& axes, const vec<S, 3>& momentum, S h) {
+constexpr vec<S, 3> turn_gyroscopic(const free_spin<S, 3>& spin, rotation<S, 3>& axes, const vec<S, 3>& momentum, S h) {
     vec<S, 3> seen = rotated_as_unit(inverse(axes), momentum);
     const auto turn_about = [&](int axis, inverse_of<S> by, S time) {
         if (by != inverse_of<S>(0)) axis_turn<S>(mul<S>(by, seen[axis]) * time).apply(axis, axes, seen);
@@ -57,11 +57,11 @@ constexpr vec<S, 3> turn_top(const free_spin<S, 3>& spin, rotation<S, 3>& axes, 
 /// the Euler equations (1993); Hairer, Lubich, Wanner, Geometric Numerical Integration, VII.5.
 template <class S>
 constexpr void turn_freely(moving_body<S, 3>& b, vec<S, 3>& angular_velocity, S h) {
-    const free_spin<S, 3>& spin = b.top->spin;
+    const free_spin<S, 3>& spin = b.gyroscopic->spin;
     rotation<S, 3> axes = b.rotation * spin.axes;
     vec<S, 3> momentum = rotated_as_unit(inverse(axes), angular_velocity);
     for (int i = 0; i < 3; ++i) momentum[i] = spin.moments[i] * momentum[i];
-    angular_velocity = turn_top(spin, axes, rotated_as_unit(axes, momentum), h);
+    angular_velocity = turn_gyroscopic(spin, axes, rotated_as_unit(axes, momentum), h);
     b.rotation = axes * inverse(spin.axes);
 }
 

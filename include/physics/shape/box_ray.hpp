@@ -12,19 +12,20 @@ namespace detail {
 template <int D>
 class box_ray {
 public:
-    /// From `origin` along `way`; `reach` is what boxes are to be grown by.
-    box_ray(const vec<double, D>& origin, const vec<double, D>& way, double reach) : origin_(origin), way_(way) {
+    /// From `origin` along `displacement`; `reach` is what boxes are to be grown by.
+    box_ray(const vec<double, D>& origin, const vec<double, D>& displacement, double reach)
+        : origin_(origin), displacement_(displacement) {
         // The coordinates may be off by as much already.
-        reach_ = reach + 0x1p-46 * (largest(origin) + largest(way));
+        reach_ = reach + 0x1p-46 * (largest(origin) + largest(displacement));
         for (int i = 0; i < D; ++i) {
-            crosses_[i] = abs(way[i]) > 1e-250;
-            inverse_[i] = crosses_[i] ? 1 / way[i] : 0;
+            crosses_[i] = abs(displacement[i]) > 1e-250;
+            inverse_[i] = crosses_[i] ? 1 / displacement[i] : 0;
         }
     }
-    /// Whether it may meet the box before it has made more than the part `most` of its way.
+    /// Whether it may meet the box before it has made more than the part `maximum` of its way.
     template <class R>
-    [[nodiscard]] bool meets(const aabb<R, D>& box, double most) const {
-        double near = 0, far = most;
+    [[nodiscard]] bool meets(const aabb<R, D>& box, double maximum) const {
+        double near = 0, far = maximum;
         for (int i = 0; i < D; ++i) {
             const double lower = static_cast<double>(box.lower[i]) - reach_ - origin_[i];
             const double upper = static_cast<double>(box.upper[i]) + reach_ - origin_[i];
@@ -32,7 +33,7 @@ public:
                 const double a = lower * inverse_[i], b = upper * inverse_[i];
                 near = max(near, min(a, b));
                 far = min(far, max(a, b));
-            } else if (lower > abs(way_[i]) || upper < -abs(way_[i])) {
+            } else if (lower > abs(displacement_[i]) || upper < -abs(displacement_[i])) {
                 return false;
             }
         }
@@ -56,11 +57,11 @@ public:
 
 private:
     aabb<double, D> box_of_part(double near, double far) const {
-        const vec<double, D> a = origin_ + way_ * near, b = origin_ + way_ * far;
+        const vec<double, D> a = origin_ + displacement_ * near, b = origin_ + displacement_ * far;
         return grown(aabb<double, D>{min(a, b), max(a, b)}, reach_);
     }
 
-    vec<double, D> origin_, way_, inverse_;
+    vec<double, D> origin_, displacement_, inverse_;
     double reach_;
     bool crosses_[D];
 };

@@ -1,4 +1,4 @@
-// The chain: a line of segments in the plane, such as the ground of a level.
+// The chain: a line of segments in 2D, such as the ground of a level.
 #pragma once
 
 #include <initializer_list>
@@ -9,7 +9,7 @@
 
 PHYSICS_HPP_BEGIN
 
-/// All points within radius (m, 0 or more) of a line of segments in the shape's frame; it exists in the plane. It has
+/// All points within radius (m, 0 or more) of a line of segments in the shape's frame; it exists in 2D. It has
 /// no mass, so it serves static and kinematic bodies. A chain_geometry or a world keeps the points: as long as one of
 /// them does, the shape is good.
 template <class S, int D>
@@ -75,7 +75,7 @@ public:
     /// loop), and equal points next to each other. Cost: O(n log n), 0.5 us a point.
     [[nodiscard]] static chain_geometry build(const vec<S, 2>* points, std::uint32_t count,
                                               const chain_settings& settings = {}) {
-        return chain_geometry(detail::exactly([&] { return built(points, count, settings); }));
+        return chain_geometry(detail::scoped([&] { return built(points, count, settings); }));
     }
     template <std::size_t N>
     [[nodiscard]] static chain_geometry build(const vec<S, 2> (&points)[N], const chain_settings& settings = {}) {
@@ -110,9 +110,9 @@ private:
         }
         for (std::uint32_t i = 0; i < (settings.loop ? count : count - 1); ++i) {
             const std::uint32_t next = i + 1 < count ? i + 1 : 0;
-            const vec<double, 2> way = exact[next] - exact[i];
+            const vec<double, 2> edge_vector = exact[next] - exact[i];
             // Points so close that this underflows have no direction either.
-            if (dot(way, way) > 0) continue;
+            if (dot(edge_vector, edge_vector) > 0) continue;
             char field[40];
             std::snprintf(field, sizeof field, "points[%u].x", static_cast<unsigned>(next));
             detail::refuse(f, field, exact[next].x, "it must not be the same point as the one before");

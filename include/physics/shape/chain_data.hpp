@@ -99,7 +99,7 @@ const chain_data<R>* chain_data<R>::make(const buffer<vec<double, 2>>& points, c
     boxes.reserve(segments);
     for (std::uint32_t i = 0; i < segments; ++i) {
         const vec<double, 2> a = points[i], b = points[linked ? links[i].after : i + 1 < points.size() ? i + 1 : 0];
-        boxes.push(outward_floats(aabb<double, 2>{min(a, b), max(a, b)}));
+        boxes.push_back(outward_floats(aabb<double, 2>{min(a, b), max(a, b)}));
     }
     c->tree.build(c, at_tree, boxes.begin(), segments);
     return c;

@@ -87,10 +87,10 @@ void each_child(const compound<S, D>& c, const aabb<double, D>& box, F&& f) {
 template <class S, int D, class F>
 void each_child_along(const compound<S, D>& c, const detail::box_ray<D>& ray, F&& f) {
     const auto& g = *c.geometry;
-    double most = 1;
+    double maximum = 1;
     g.tree.visit(ray, [&](std::uint32_t i) {
-        if (ray.meets(g.boxes[i], most)) most = f(g.children[i]);
-        return most;
+        if (ray.meets(g.boxes[i], maximum)) maximum = f(g.children[i]);
+        return maximum;
     });
 }
 
@@ -103,8 +103,9 @@ public:
         requires detail::has_core<Shape> compound_child(const Shape& shape, vec<S, D> position = {},
                                                         const rotation<S, D>& turned = {})
             : position_(position), rotation_(turned) {
-            static_assert(sizeof(Shape) <= detail::solid_bytes::most && alignof(Shape) <= alignof(detail::solid_bytes),
-                          "physics::compound_child: the shape is larger than 64 bytes");
+            static_assert(
+                sizeof(Shape) <= detail::solid_bytes::capacity && alignof(Shape) <= alignof(detail::solid_bytes),
+                "physics::compound_child: the shape is larger than 64 bytes");
             solid_.functions = &detail::solid_functions_of<Shape, D>;
             new (static_cast<void*>(solid_.shape.bytes)) Shape(shape);
         }
@@ -135,7 +136,7 @@ public:
     /// Refuses what the shapes themselves do, naming the child, places that are not finite or too far out for S, and no
     /// children at all. Contacts name children by their order. Cost: O(n log n), 1 us a child, 0.3 KB each.
     [[nodiscard]] static compound_geometry build(const compound_child<S, D>* children, std::uint32_t count) {
-        return compound_geometry(detail::exactly([&] { return built(children, count); }));
+        return compound_geometry(detail::scoped([&] { return built(children, count); }));
     }
     [[nodiscard]] static compound_geometry build(std::initializer_list<compound_child<S, D>> children) {
         return build(children.begin(), static_cast<std::uint32_t>(children.size()));
@@ -144,7 +145,6 @@ public:
     explicit operator bool() const { return data() != nullptr; }
     /// The shape. It is good as long as this geometry, a copy of it or a world keeps it.
     [[nodiscard]] compound<S, D> shape() const { return {data()}; }
-    [[nodiscard]] std::uint32_t child_count() const { return data()->children.size(); }
 
     /// The block itself; null if there is none.
     [[nodiscard]] const detail::compound_data<D>* data() const { return owner_.get(); }
@@ -167,7 +167,7 @@ private:
             if (!child.solid_.functions->check(child.solid_.shape.bytes, name) ||
                 !detail::check_finite(name, "position", child.position_) || !check_rotation(name, child.rotation_))
                 return nullptr;
-            detail::loose_solid<D>& s = solids.push(child.solid_);
+            detail::loose_solid<D>& s = solids.push_back(child.solid_);
             s.axes = detail::to_matrix(child.rotation_);
             s.at = detail::to_point(child.position_);
             if (!detail::check_reach<S>(name, largest(s.at))) return nullptr;

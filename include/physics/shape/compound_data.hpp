@@ -37,8 +37,8 @@ inline constexpr solid_functions<D> solid_functions_of = {
 
 /// The bytes of any shape.
 struct solid_bytes {
-    static constexpr std::size_t most = 64;
-    alignas(8) unsigned char bytes[most] = {};
+    static constexpr std::size_t capacity = 64;
+    alignas(8) unsigned char bytes[capacity] = {};
 };
 /// A shape and its place, before they become a child.
 template <int D>

@@ -1,7 +1,7 @@
 // The cone, pointed or cut off: two discs of different radii on an axis and all between them.
 #pragma once
 
-#include "physics/shape/discs.hpp"
+#include "physics/shape/frustum.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -29,7 +29,7 @@ struct cone<S, 3> {
 
 namespace detail {
 template <class S>
-constexpr discs<S> discs_of(const cone<S, 3>& c) {
+constexpr discs<S> frustum_of(const cone<S, 3>& c) {
     return {c.half_length, c.lower_radius, c.upper_radius, c.rounding};
 }
 }  // namespace detail
@@ -46,16 +46,16 @@ bool check(const cone<S, 3>& c, const char* function) {
 }
 template <class S>
 constexpr aabb<S, 3> bounds(const cone<S, 3>& c, const transform<S, 3>& at) {
-    return detail::bounds_of(detail::discs_of(c), at);
+    return detail::bounds_of(detail::frustum_of(c), at);
 }
 template <class S>
 constexpr vec<S, 3> support(const cone<S, 3>& c, vec<S, 3> direction) {
-    return detail::support_of(detail::discs_of(c), direction);
+    return detail::support_of(detail::frustum_of(c), direction);
 }
 /// Exact, rounding included; calculated in double.
 template <class S>
 mass_properties<S, 3> mass_of(const cone<S, 3>& c, std::type_identity_t<S> density) {
-    return detail::mass_of_discs(detail::discs_of(c), density);
+    return detail::mass_of_discs(detail::frustum_of(c), density);
 }
 
 PHYSICS_HPP_END

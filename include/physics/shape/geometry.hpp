@@ -1,4 +1,4 @@
-// Blocks of immutable geometry, such as the vertices of a hull, that many shapes share; and who owns them.
+// Blocks of immutable geometry, such as the vertices of a hull, that many shapes share, and their owners.
 #pragma once
 
 #include <cstddef>
@@ -37,7 +37,7 @@ Block* new_geometry(std::size_t bytes) {
                   alignof(Block) <= geometry_block::alignment);
     void* memory = std::calloc(bytes + geometry_block::alignment, 1);
     if (memory == nullptr) {
-        // As for buffers: nobody can go on without the memory.
+        // As for buffers: without the memory nothing can continue.
         refuse("geometry", "memory", static_cast<double>(bytes), "the bytes are not available");
         std::abort();
     }

@@ -29,6 +29,15 @@ private:
     }
 };
 
+namespace detail {
+
+template <class Shape>
+constexpr bool is_halfspace = false;
+template <class S, int D>
+constexpr bool is_halfspace<halfspace<S, D>> = true;
+
+}  // namespace detail
+
 template <class S, int D>
 bool check(const halfspace<S, D>& h, const char* function) {
     if (!detail::check_finite(function, "normal", h.normal) || !detail::check_finite(function, "offset", h.offset))

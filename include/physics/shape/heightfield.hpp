@@ -68,7 +68,7 @@ template <class S, int D, class F>
 void each_part_along(const heightfield<S, D>& h, const detail::box_ray<D>& ray, F&& f) {
     const auto& g = *h.geometry;
     aabb<double, D> around = ray.bounds();
-    double most = 1;
+    double maximum = 1;
     if (!overlap(g.box, around)) return;
     detail::cells_between along_z(0, 0, 1, 1);
     if constexpr (D == 3) along_z = detail::cells_between(around.lower.z, around.upper.z, g.step_z, g.cells_z());
@@ -76,8 +76,8 @@ void each_part_along(const heightfield<S, D>& h, const detail::box_ray<D>& ray, 
         if (D == 3 && !ray.bounds_between(D - 1, z * g.step_z, (z + 1) * g.step_z, around)) continue;
         const detail::cells_between along_x(around.lower.x, around.upper.x, g.step_x, g.cells_x());
         for (std::uint32_t x = along_x.first; x < along_x.last; ++x) {
-            if (!ray.meets(cell_box(g, x, z), most) || !g.solid(x, z)) continue;
-            for (int k = 0; k < D - 1; ++k) most = f(cell_face(g, x, z, k));
+            if (!ray.meets(cell_box(g, x, z), maximum) || !g.solid(x, z)) continue;
+            for (int k = 0; k < D - 1; ++k) maximum = f(cell_face(g, x, z, k));
         }
     }
 }
@@ -86,7 +86,7 @@ void each_part_along(const heightfield<S, D>& h, const detail::box_ray<D>& ray, 
 struct heightfield_settings {
     /// Null, or one byte for each cell between samples, row by row: cells with a byte other than 0 are holes.
     const std::uint8_t* holes = nullptr;
-    /// In space cells are cut along the diagonal from the sample with the lowest x and z to that with the highest; if
+    /// In 3D cells are cut along the diagonal from the sample with the lowest x and z to that with the highest; if
     /// this is true, every second one along the other, as on a chessboard.
     bool alternating = false;
     /// Bodies are stopped from below too.
@@ -105,23 +105,23 @@ public:
     /// No heightfield: what build() gives in builds without exceptions when it has refused.
     heightfield_geometry() = default;
 
-    /// In the plane: heights (m) from left to right, spacing (m) apart. Refuses NaN and infinity, fewer than 2 samples,
+    /// In 2D: heights (m) from left to right, spacing (m) apart. Refuses NaN and infinity, fewer than 2 samples,
     /// a spacing that is not greater than 0, and coordinates beyond 1e30 or a quarter of the range of S. O(n).
     [[nodiscard]] static heightfield_geometry build(const S* heights, std::uint32_t count, S spacing,
                                                     const heightfield_settings& settings = {}) requires(D == 2) {
-        return heightfield_geometry(built_exactly(heights, count, 1, spacing, S(1), settings));
+        return heightfield_geometry(build_in_float_scope(heights, count, 1, spacing, S(1), settings));
     }
     [[nodiscard]] static heightfield_geometry build(std::initializer_list<S> heights, S spacing,
                                                     const heightfield_settings& settings = {}) requires(D == 2) {
-        return heightfield_geometry(
-            built_exactly(heights.begin(), static_cast<std::uint32_t>(heights.size()), 1, spacing, S(1), settings));
+        return heightfield_geometry(build_in_float_scope(heights.begin(), static_cast<std::uint32_t>(heights.size()), 1,
+                                                         spacing, S(1), settings));
     }
-    /// In space: heights[row * columns + column] (m), columns spacing_x apart along x, rows spacing_z along z. Refuses
+    /// In 3D: heights[row * columns + column] (m), columns spacing_x apart along x, rows spacing_z along z. Refuses
     /// what the other does, fewer than 2 columns or rows, and more than 2^31 samples. O(n).
     [[nodiscard]] static heightfield_geometry build(const S* heights, std::uint32_t columns, std::uint32_t rows,
                                                     S spacing_x, S spacing_z,
                                                     const heightfield_settings& settings = {}) requires(D == 3) {
-        return heightfield_geometry(built_exactly(heights, columns, rows, spacing_x, spacing_z, settings));
+        return heightfield_geometry(build_in_float_scope(heights, columns, rows, spacing_x, spacing_z, settings));
     }
 
     explicit operator bool() const { return data() != nullptr; }
@@ -136,9 +136,9 @@ private:
     using block = detail::heightfield_data<real, D>;
 
     explicit heightfield_geometry(const block* built) : owner_(built) {}
-    static const block* built_exactly(const S* heights, std::uint32_t columns, std::uint32_t rows, S spacing_x,
-                                      S spacing_z, const heightfield_settings& settings) {
-        return detail::exactly([&] { return built(heights, columns, rows, spacing_x, spacing_z, settings); });
+    static const block* build_in_float_scope(const S* heights, std::uint32_t columns, std::uint32_t rows, S spacing_x,
+                                             S spacing_z, const heightfield_settings& settings) {
+        return detail::scoped([&] { return built(heights, columns, rows, spacing_x, spacing_z, settings); });
     }
     static const block* built(const S* heights, std::uint32_t columns, std::uint32_t rows, S spacing_x, S spacing_z,
                               const heightfield_settings& settings) {
@@ -161,7 +161,7 @@ private:
         for (std::uint32_t i = 0; i < n; ++i) {
             if (!detail::check_item(f, "heights", i, heights[i])) return nullptr;
             const double height = static_cast<double>(heights[i]);
-            taken.push(static_cast<real>(height));
+            taken.push_back(static_cast<real>(height));
             reach = max(reach, abs(height));
         }
         if (!detail::check_reach<S>(f, reach)) return nullptr;

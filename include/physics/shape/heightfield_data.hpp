@@ -7,7 +7,7 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// Heights in R above a regular grid; in the plane it has one row.
+/// Heights in R above a regular grid; in 2D it has one row.
 template <class R, int D>
 struct heightfield_data : geometry_block {
     std::uint32_t columns, rows;
@@ -181,13 +181,13 @@ const heightfield_data<R, D>* heightfield_data<R, D>::make(const R* heights, std
     for (const std::uint32_t word : h->holes) mix_digest(h->digest, word);
     for (std::uint32_t v = 0; v < along_z; ++v)
         for (std::uint32_t u = 0; u < along_x; ++u) {
-            const auto part = [](std::uint32_t i, std::uint32_t n, std::uint32_t of) {
+            const auto split_at = [](std::uint32_t i, std::uint32_t n, std::uint32_t of) {
                 return static_cast<std::uint32_t>(std::uint64_t{i} * n / of);
             };
-            const std::uint32_t x = part(u, columns - 1, along_x), z = part(v, rows - 1, along_z);
+            const std::uint32_t x = split_at(u, columns - 1, along_x), z = split_at(v, rows - 1, along_z);
             aabb<double, D> around{h->sample(x, z), h->sample(x, z)};
-            for (std::uint32_t j = z; j <= part(v + 1, rows - 1, along_z); ++j)
-                for (std::uint32_t i = x; i <= part(u + 1, columns - 1, along_x); ++i)
+            for (std::uint32_t j = z; j <= split_at(v + 1, rows - 1, along_z); ++j)
+                for (std::uint32_t i = x; i <= split_at(u + 1, columns - 1, along_x); ++i)
                     around = {min(around.lower, h->sample(i, j)), max(around.upper, h->sample(i, j))};
             h->cover[v * along_x + u] = outward_floats(around);
             h->box = u + v == 0 ? around : merged(h->box, around);

@@ -55,7 +55,7 @@ struct hull {
 struct hull_settings {
     /// At most so many vertices, of those that reach farthest; at least 3, in 3D 4. The others then lie outside, see
     /// hull_geometry::shortfall(). 0: all.
-    std::uint32_t most_vertices = 0;
+    std::uint32_t max_vertices = 0;
 };
 
 namespace detail {
@@ -78,7 +78,7 @@ const hull_block<S, D>* build_hull(const vec<S, D>* points, std::uint32_t count,
         vec<double, D> p;
         for (int k = 0; k < D; ++k) p[k] = static_cast<double>(points[i][k]);
         // Without the sign of zeros, which would count as a difference in the digest.
-        exact.push(p + vec<double, D>{});
+        exact.push_back(p + vec<double, D>{});
         if (is_finite(p)) continue;
         char field[24];
         std::snprintf(field, sizeof field, "points[%u]", static_cast<unsigned>(i));
@@ -90,9 +90,9 @@ const hull_block<S, D>* build_hull(const vec<S, D>* points, std::uint32_t count,
                D == 2 ? "a polygon needs at least 3" : "a polyhedron needs at least 4");
         return nullptr;
     }
-    const std::uint32_t most = settings.most_vertices;
-    if (most > 0 && most < D + 1) {
-        refuse(function, "most_vertices", static_cast<double>(most),
+    const std::uint32_t maximum = settings.max_vertices;
+    if (maximum > 0 && maximum < D + 1) {
+        refuse(function, "most_vertices", static_cast<double>(maximum),
                D == 2 ? "it must be at least 3, or 0 for all" : "it must be at least 4, or 0 for all");
         return nullptr;
     }
@@ -105,7 +105,7 @@ const hull_block<S, D>* build_hull(const vec<S, D>* points, std::uint32_t count,
         refuse(function, "largest coordinate", reach, "it must be from 1e-30 to 1e30");
         return nullptr;
     }
-    const hull_outline<D> outline = build_outline(exact, hull_tolerance<S>(reach), most, function);
+    const hull_outline<D> outline = build_outline(exact, hull_tolerance<S>(reach), maximum, function);
     if (outline.empty()) return nullptr;
     const hull_block<S, D>* built = hull_block<S, D>::make(outline);
     if (built->volume() > 0) return built;
@@ -132,8 +132,8 @@ void vertex_ranges(const hull_data<R, D>& h, const vec<R, D> (&rows)[D], vec<R, 
             low = min(low, here);
             high = max(high, here);
         }
-        lower[axis] = -greatest_lane(-low);
-        upper[axis] = greatest_lane(high);
+        lower[axis] = -largest_lane(-low);
+        upper[axis] = largest_lane(high);
     }
 }
 
@@ -227,7 +227,7 @@ public:
     /// more than 65,535 vertices. Cost: O(n log n), in 3D 1 us a vertex and 0.1 to 0.5 us a point.
     [[nodiscard]] static hull_geometry build(const vec<S, D>* points, std::uint32_t count,
                                              const hull_settings& settings = {}) {
-        return hull_geometry(detail::exactly([&] { return detail::build_hull(points, count, settings); }));
+        return hull_geometry(detail::scoped([&] { return detail::build_hull(points, count, settings); }));
     }
     template <std::size_t N>
     [[nodiscard]] static hull_geometry build(const vec<S, D> (&points)[N], const hull_settings& settings = {}) {

@@ -10,18 +10,18 @@ namespace detail {
 
 /// Sorts items[0] to before items[count] with room for as many, so that alike ones keep their order: merge sort.
 template <class T, class Less>
-void merge_sort(T* items, T* spare, std::uint32_t count, Less&& less) {
+void merge_sort(T* items, T* scratch, std::uint32_t count, Less&& less) {
     if (count < 2) return;
     const std::uint32_t half = count / 2;
-    merge_sort(items, spare, half, less);
-    merge_sort(items + half, spare, count - half, less);
-    std::memcpy(static_cast<void*>(spare), items, half * sizeof(T));
+    merge_sort(items, scratch, half, less);
+    merge_sort(items + half, scratch, count - half, less);
+    std::memcpy(static_cast<void*>(scratch), items, half * sizeof(T));
     std::uint32_t a = 0, b = half, to = 0;
     while (a < half && b < count) {
-        if (less(items[b], spare[a])) items[to++] = items[b++];
-        else items[to++] = spare[a++];
+        if (less(items[b], scratch[a])) items[to++] = items[b++];
+        else items[to++] = scratch[a++];
     }
-    while (a < half) items[to++] = spare[a++];
+    while (a < half) items[to++] = scratch[a++];
 }
 
 /// Points by x, then y (then z), each once: all that follows depends on the set of points only. By their places on the
@@ -31,9 +31,9 @@ template <int D>
 void sort_points(buffer<vec<double, D>>& points, double size) {
     const double scale = 0x1p59 / size;
     const auto place = [&](double x) { return static_cast<std::int64_t>(x * scale); };
-    buffer<vec<double, D>> spare;
-    spare.resize(points.size() / 2 + 1);
-    merge_sort(points.begin(), spare.begin(), points.size(), [&](const vec<double, D>& a, const vec<double, D>& b) {
+    buffer<vec<double, D>> scratch;
+    scratch.resize(points.size() / 2 + 1);
+    merge_sort(points.begin(), scratch.begin(), points.size(), [&](const vec<double, D>& a, const vec<double, D>& b) {
         for (int i = 0; i < D; ++i)
             if (a[i] != b[i] && place(a[i]) != place(b[i])) return a[i] < b[i];
         for (int i = 0; i < D; ++i)
@@ -52,9 +52,9 @@ void sort_points(buffer<vec<double, D>>& points, double size) {
 /// The largest coordinate by magnitude.
 template <int D>
 double reach_of(const buffer<vec<double, D>>& points) {
-    double most = 0;
-    for (const auto& p : points) most = max(most, largest(p));
-    return most;
+    double maximum = 0;
+    for (const auto& p : points) maximum = max(maximum, largest(p));
+    return maximum;
 }
 
 /// The distance of p from the segment from a to b.
@@ -75,23 +75,23 @@ void simplify_chain(const vec<double, D>* points, const std::uint32_t* chain, st
         std::uint32_t first, last;
     };
     buffer<range> todo;
-    todo.push({0, count - 1});
+    todo.push_back({0, count - 1});
     while (!todo.empty()) {
         const range r = todo.back();
-        todo.pop();
+        todo.pop_back();
         std::uint32_t farthest = r.first;
-        double most = tolerance;
+        double maximum = tolerance;
         for (std::uint32_t i = r.first + 1; i < r.last; ++i) {
             const double distance = segment_distance(points[chain[i]], points[chain[r.first]], points[chain[r.last]]);
-            if (!(distance > most)) continue;
-            most = distance;
+            if (!(distance > maximum)) continue;
+            maximum = distance;
             farthest = i;
         }
         if (farthest == r.first) {
             for (std::uint32_t i = r.first + 1; i < r.last; ++i) drop[chain[i]] = true;
         } else {
-            todo.push({farthest, r.last});
-            todo.push({r.first, farthest});
+            todo.push_back({farthest, r.last});
+            todo.push_back({r.first, farthest});
         }
     }
 }
@@ -100,12 +100,12 @@ void simplify_chain(const vec<double, D>* points, const std::uint32_t* chain, st
 template <int D>
 std::uint32_t farthest_from(const vec<double, D>& p, const buffer<vec<double, D>>& points) {
     std::uint32_t best = 0;
-    double most = -1;
+    double maximum = -1;
     for (std::uint32_t i = 0; i < points.size(); ++i) {
         const vec<double, D> d = points[i] - p;
         const double distance = dot(d, d);
-        if (!(distance > most)) continue;
-        most = distance;
+        if (!(distance > maximum)) continue;
+        maximum = distance;
         best = i;
     }
     return best;
@@ -119,13 +119,13 @@ bool refuse_thickness(const char* function, double thickness) {
 }
 template <int D>
 bool check_hull_size(const char* function, std::uint32_t vertices) {
-    return vertices <= hull_data<double, D>::most_vertices ||
+    return vertices <= hull_data<double, D>::max_vertices ||
            refuse(function, "number of vertices", static_cast<double>(vertices), "it must be at most 65535");
 }
 
 /// Thins out a convex polygon to so many corners: takes the one farthest outside of the others, again and again.
 /// Returns how far the next one lies outside. Cost: O(n) a corner.
-inline double keep_farthest(buffer<vec<double, 2>>& corners, std::uint32_t first, std::uint32_t most) {
+inline double keep_farthest(buffer<vec<double, 2>>& corners, std::uint32_t first, std::uint32_t maximum) {
     const std::uint32_t n = corners.size();
     buffer<bool> keep;
     keep.resize(n, false);
@@ -147,7 +147,7 @@ inline double keep_farthest(buffer<vec<double, 2>>& corners, std::uint32_t first
             distance = d;
             best = at;
         }
-        if (kept >= most || best == first) break;
+        if (kept >= maximum || best == first) break;
         keep[best] = true;
     }
     std::uint32_t count = 0;
@@ -161,7 +161,7 @@ inline double keep_farthest(buffer<vec<double, 2>>& corners, std::uint32_t first
 /// between their neighbours are left out; what remains is strictly convex. most: if not 0, no more vertices than that.
 /// Cost: O(n log n), 60 ns a point.
 /// Source: monotone chains, Andrew (1979).
-inline hull_outline<2> build_outline(buffer<vec<double, 2>>& points, double tolerance, std::uint32_t most,
+inline hull_outline<2> build_outline(buffer<vec<double, 2>>& points, double tolerance, std::uint32_t maximum,
                                      const char* function) {
     hull_outline<2> result;
     const double size = power_above(reach_of(points));
@@ -171,17 +171,17 @@ inline hull_outline<2> build_outline(buffer<vec<double, 2>>& points, double tole
     const auto advance = [&](std::uint32_t from, std::uint32_t i) {
         while (chain.size() >= from + 2 &&
                turn.of(points[chain[chain.size() - 2]], points[chain.back()], points[i]) <= 0)
-            chain.pop();
-        chain.push(i);
+            chain.pop_back();
+        chain.push_back(i);
     };
     for (std::uint32_t i = 0; i < points.size(); ++i) advance(0, i);
     const std::uint32_t last = chain.size() - 1;
     for (std::uint32_t i = points.size() - 1; i-- > 0;) advance(last, i);
-    if (chain.size() > 1) chain.pop();
+    if (chain.size() > 1) chain.pop_back();
 
     // Two vertices that stick out whatever rounding did: the farthest from the middle, and the farthest from that.
     buffer<vec<double, 2>> corners;
-    for (const std::uint32_t i : chain) corners.push(points[i]);
+    for (const std::uint32_t i : chain) corners.push_back(points[i]);
     vec<double, 2> middle;
     for (const auto& p : corners) middle += (p - corners[0]) / corners.size();
     const std::uint32_t a = farthest_from(middle + corners[0], corners), b = farthest_from(corners[a], corners);
@@ -204,25 +204,25 @@ inline hull_outline<2> build_outline(buffer<vec<double, 2>>& points, double tole
     drop.resize(corners.size(), false);
     const auto simplify = [&](std::uint32_t from, std::uint32_t to) {
         chain.clear();
-        for (std::uint32_t i = from; i != to; i = i + 1 < corners.size() ? i + 1 : 0) chain.push(i);
-        chain.push(to);
+        for (std::uint32_t i = from; i != to; i = i + 1 < corners.size() ? i + 1 : 0) chain.push_back(i);
+        chain.push_back(to);
         simplify_chain(corners.begin(), chain.begin(), chain.size(), tolerance, drop);
     };
     simplify(a, b);
     simplify(b, a);
     for (std::uint32_t i = 0; i < corners.size(); ++i)
-        if (!drop[i]) result.vertices.push(corners[i]);
-    if (most > 0 && result.vertices.size() > most)
-        result.shortfall = keep_farthest(result.vertices, farthest_from(middle + corners[0], result.vertices), most);
+        if (!drop[i]) result.vertices.push_back(corners[i]);
+    if (maximum > 0 && result.vertices.size() > maximum)
+        result.shortfall = keep_farthest(result.vertices, farthest_from(middle + corners[0], result.vertices), maximum);
     const std::uint32_t n = result.vertices.size();
     if (n < 3) refuse_thickness<2>(function, thickness);
     if (n < 3 || !check_hull_size<2>(function, n)) return {};
     for (std::uint32_t i = 0; i < n; ++i) {
-        result.face_begin.push(2 * i);
-        result.face_vertices.push(static_cast<std::uint16_t>(i));
-        result.face_vertices.push(static_cast<std::uint16_t>(i + 1 < n ? i + 1 : 0));
+        result.face_begin.push_back(2 * i);
+        result.face_vertices.push_back(static_cast<std::uint16_t>(i));
+        result.face_vertices.push_back(static_cast<std::uint16_t>(i + 1 < n ? i + 1 : 0));
     }
-    result.face_begin.push(2 * n);
+    result.face_begin.push_back(2 * n);
     result.tolerance = tolerance;
     return result;
 }

@@ -26,7 +26,7 @@ inline void keep_corners(buffer<vec<double, 3>>& points, const buffer<hull_trian
 /// hence hulls are built anew of the others, at most six times. Points end up at most one tolerance outside, among
 /// noise of the tolerance's size eight. most: if not 0, no more vertices than that, those that reach farthest.
 /// Cost: see quickhull.
-inline hull_outline<3> build_outline(buffer<vec<double, 3>>& points, double tolerance, std::uint32_t most,
+inline hull_outline<3> build_outline(buffer<vec<double, 3>>& points, double tolerance, std::uint32_t maximum,
                                      const char* function) {
     hull_outline<3> result;
     sort_points(points, power_above(reach_of(points)));
@@ -45,11 +45,11 @@ inline hull_outline<3> build_outline(buffer<vec<double, 3>>& points, double tole
             continue;
         }
         faces.join(points.size(), result);
-        if (most > 0 && result.vertices.size() > most) {
+        if (maximum > 0 && result.vertices.size() > maximum) {
             quickhull simpler;
             all = points = result.vertices;
             result = {};
-            if (!simpler.build(points.begin(), points.size(), tolerance, thickness, most)) break;
+            if (!simpler.build(points.begin(), points.size(), tolerance, thickness, maximum)) break;
             simpler.collect(triangles);
             drop.clear();
             drop.resize(points.size(), false);

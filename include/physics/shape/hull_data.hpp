@@ -44,7 +44,7 @@ struct hull_outline {
 template <class R, int D>
 struct hull_data : geometry_block {
     static constexpr int dimension = D;
-    static constexpr std::uint32_t most_vertices = 65535;
+    static constexpr std::uint32_t max_vertices = 65535;
 
     // What each step asks for comes first, in one cache line.
     std::uint32_t vertex_count, face_count, edge_count;
@@ -115,7 +115,6 @@ struct hull_data : geometry_block {
     /// The volume (m^3; in 2D the area, m^2).
     [[nodiscard]] double volume() const { return moments.volume[0]; }
     /// The integral of (p - centroid) (p - centroid)^T over the hull (m^5; m^4 in 2D, where z is 0).
-    [[nodiscard]] const symmetric<double>& second_moments() const { return moments.second[0]; }
 
     /// A block from an outline, with one owner: the caller.
     static const hull_data* make(const hull_outline<D>& outline);
@@ -139,7 +138,7 @@ private:
     void set_normal(std::uint32_t f, const vec<double, D>& n);
     void lift_offsets();
     void lift_offset(std::uint32_t f, buffer<std::uint32_t>& seen_by, buffer<std::uint32_t>& todo, std::uint32_t stamp);
-    PHYSICS_HPP_COLD void straighten(buffer<std::uint32_t>& seen_by, buffer<std::uint32_t>& todo);
+    PHYSICS_HPP_COLD void refine_normal(buffer<std::uint32_t>& seen_by, buffer<std::uint32_t>& todo);
 };
 
 template <class R, int D>
@@ -224,7 +223,7 @@ void hull_data<R, D>::link(const hull_outline<D>& outline) {
             for (const std::uint16_t v : e.vertex) ++begins[v + 1];
         for (std::uint32_t v = 0; v < vertex_count; ++v) begins[v + 1] += begins[v];
         buffer<std::uint32_t> next;
-        for (std::uint32_t v = 0; v < vertex_count; ++v) next.push(begins[v]);
+        for (std::uint32_t v = 0; v < vertex_count; ++v) next.push_back(begins[v]);
         for (const hull_edge& e : outline.edges)
             for (int k = 0; k < 2; ++k) list[next[e.vertex[k]]++] = e.vertex[1 - k];
     }
@@ -246,47 +245,47 @@ template <class R, int D>
 void hull_data<R, D>::lift_offset(std::uint32_t f, buffer<std::uint32_t>& seen_by, buffer<std::uint32_t>& todo,
                                   std::uint32_t stamp) {
     const vec<double, D> n = normal(f);
-    double most = dot(n, exact_vertex(face_vertices()[face_begin(f)]));
+    double maximum = dot(n, exact_vertex(face_vertices()[face_begin(f)]));
     todo.clear();
     const auto visit = [&](std::uint32_t v) {
         if (seen_by[v] == stamp) return;
         seen_by[v] = stamp;
         const double height = dot(n, exact_vertex(v));
-        if (height < most - 4 * tolerance) return;
-        most = max(most, height);
-        todo.push(v);
+        if (height < maximum - 4 * tolerance) return;
+        maximum = max(maximum, height);
+        todo.push_back(v);
     };
     for (std::uint32_t i = face_begin(f); i < face_end(f); ++i) visit(face_vertices()[i]);
     while (!todo.empty()) {
         const std::uint32_t v = todo.back();
-        todo.pop();
+        todo.pop_back();
         for (std::uint32_t i = neighbours_begin(v); i < neighbours_end(v); ++i) visit(neighbours()[i]);
     }
-    at<double>(offsets_)[f] = most;
+    at<double>(offsets_)[f] = maximum;
 }
 template <class R, int D>
 void hull_data<R, D>::lift_offsets() {
     buffer<std::uint32_t> seen_by, todo;
     seen_by.resize(vertex_count, 0);
     for (std::uint32_t f = 0; f < face_count; ++f) lift_offset(f, seen_by, todo, f + 1);
-    if constexpr (D == 3) straighten(seen_by, todo);
+    if constexpr (D == 3) refine_normal(seen_by, todo);
 }
 
 /// A face hardly wider than the tolerance does not say how it is tilted about its length, so that its plane may cut
 /// the hull: it then takes the middle between the faces along it.
 template <class R, int D>
-void hull_data<R, D>::straighten(buffer<std::uint32_t>& seen_by, buffer<std::uint32_t>& todo) {
+void hull_data<R, D>::refine_normal(buffer<std::uint32_t>& seen_by, buffer<std::uint32_t>& todo) {
     buffer<std::uint32_t> cutting;
     const auto cuts = [&](std::uint32_t f) {
-        double least = offset(f);
+        double minimum = offset(f);
         for (std::uint32_t i = face_begin(f); i < face_end(f); ++i)
-            least = min(least, dot(normal(f), exact_vertex(face_vertices()[i])));
-        return offset(f) - least > 2 * tolerance;
+            minimum = min(minimum, dot(normal(f), exact_vertex(face_vertices()[i])));
+        return offset(f) - minimum > 2 * tolerance;
     };
     buffer<bool> bad;
     for (std::uint32_t f = 0; f < face_count; ++f) {
-        bad.push(cuts(f));
-        if (bad[f]) cutting.push(f);
+        bad.push_back(cuts(f));
+        if (bad[f]) cutting.push_back(f);
     }
     std::uint32_t stamp = face_count;
     for (const std::uint32_t f : cutting) {
@@ -295,9 +294,9 @@ void hull_data<R, D>::straighten(buffer<std::uint32_t>& seen_by, buffer<std::uin
             const hull_edge& e =
                 edge_between(face_vertices()[i], face_vertices()[i + 1 < face_end(f) ? i + 1 : face_begin(f)]);
             const std::uint32_t other = e.face[0] == f ? e.face[1] : e.face[0];
-            const vec<double, D> way = exact_vertex(e.vertex[1]) - exact_vertex(e.vertex[0]);
-            if (length(way) > length(along)) along = way;
-            if (!bad[other]) sum += normal(other) * length(way);
+            const vec<double, D> edge_vector = exact_vertex(e.vertex[1]) - exact_vertex(e.vertex[0]);
+            if (length(edge_vector) > length(along)) along = edge_vector;
+            if (!bad[other]) sum += normal(other) * length(edge_vector);
         }
         along = normalized(along);
         const vec<double, D> n = normalized(sum - along * dot(along, sum));

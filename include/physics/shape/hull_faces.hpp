@@ -1,6 +1,7 @@
 // From the triangles of a hull to its faces: what rounding bent is flat again.
 #pragma once
 
+#include "physics/base/handle.hpp"
 #include "physics/base/sort.hpp"
 #include "physics/shape/quickhull.hpp"
 
@@ -56,9 +57,9 @@ public:
             for (const std::uint32_t first : border_neighbours(start, corner_of[start])) {
                 if (borders[first] != 2 || done[first]) continue;
                 chain.clear();
-                chain.push(start);
+                chain.push_back(start);
                 for (std::uint32_t v = first, from = start; chain.back() != v;) {
-                    chain.push(v);
+                    chain.push_back(v);
                     if (borders[v] != 2) break;
                     done[v] = true;
                     const std::uint32_t to = links[2 * v] == from ? links[2 * v + 1] : links[2 * v];
@@ -78,15 +79,15 @@ public:
         degree_.resize(count, 0);
         for (std::uint32_t h = 0; h < n; ++h) {
             const std::uint32_t t = h / 3, k = h % 3;
-            next_.push(3 * t + next_corner(k));
-            previous_.push(3 * t + previous_corner(k));
+            next_.push_back(3 * t + next_corner(k));
+            previous_.push_back(3 * t + previous_corner(k));
             const hull_triangle& g = triangles_[triangles_[t].next[k]];
-            twin_.push(3 * triangles_[t].next[k] + g.find(triangles_[t].corner[next_corner(k)]));
+            twin_.push_back(3 * triangles_[t].next[k] + g.find(triangles_[t].corner[next_corner(k)]));
             ++degree_[origin(h)];
             if (k == 0) {
-                polygon_.push(t);
-                size_.push(3);
-                bent_.push(false);
+                polygon_.push_back(t);
+                size_.push_back(3);
+                bent_.push_back(false);
             }
         }
         gone_.resize(n, false);
@@ -99,7 +100,7 @@ public:
     }
 
 private:
-    static constexpr std::uint32_t none = 0xffffffffu;
+    static constexpr std::uint32_t none = null_index;
     /// Vertices as near as so many tolerances count as one: faces of that size would point anywhere.
     static constexpr double weld = 4;
 
@@ -113,17 +114,18 @@ private:
             double size;
             std::uint32_t triangle;
         };
-        buffer<entry> order, spare;
+        buffer<entry> order, scratch;
         for (std::uint32_t t = 0; t < count; ++t) {
             const std::uint32_t* c = triangles_[t].corner;
             const vec<double, 3>&p = points_[c[0]], &q = points_[c[1]], &r = points_[c[2]];
             const double size = length(cross(q - p, r - p));
             const double longest = max(length(q - p), max(length(r - q), length(p - r)));
-            area_.push(size > tolerance_ * longest ? triangle_normal(p, q, r) * size : vec<double, 3>{});
-            order.push({size, t});
+            area_.push_back(size > tolerance_ * longest ? triangle_normal(p, q, r) * size : vec<double, 3>{});
+            order.push_back({size, t});
         }
-        spare.resize(count / 2 + 1);
-        merge_sort(order.begin(), spare.begin(), count, [](const entry& a, const entry& b) { return a.size > b.size; });
+        scratch.resize(count / 2 + 1);
+        merge_sort(order.begin(), scratch.begin(), count,
+                   [](const entry& a, const entry& b) { return a.size > b.size; });
         region_.resize(count, none);
         for (const entry& e : order)
             if (region_[e.triangle] == none && !is_needle(e.triangle)) grow(e.triangle);
@@ -144,12 +146,12 @@ private:
     [[nodiscard]] bool is_needle(std::uint32_t t) const { return area_[t] == vec<double, 3>{}; }
     [[nodiscard]] std::uint32_t longest_edge(std::uint32_t t) const {
         std::uint32_t best = 0;
-        double most = 0;
+        double maximum = 0;
         for (std::uint32_t k = 0; k < 3; ++k) {
             const std::uint32_t* c = triangles_[t].corner;
             const double size = length(points_[c[next_corner(k)]] - points_[c[k]]);
-            if (size > most) best = k;
-            most = max(most, size);
+            if (size > maximum) best = k;
+            maximum = max(maximum, size);
         }
         return best;
     }
@@ -161,11 +163,11 @@ private:
         double low = 0, high = 0, radius = 0;
         corners_.clear();
         for (int k = 0; k < 3; ++k) {
-            corners_.push(c[k]);
+            corners_.push_back(c[k]);
             radius = max(radius, length(points_[c[k]] - base));
         }
         todo_.clear();
-        todo_.push(seed);
+        todo_.push_back(seed);
         region_[seed] = id;
         for (std::uint32_t i = 0; i < todo_.size() && !is_needle(seed); ++i)
             for (std::uint32_t k = 0; k < 3; ++k) {
@@ -196,10 +198,10 @@ private:
                 radius = reach;
                 sum += area_[g];
                 region_[g] = id;
-                corners_.push(apex);
-                todo_.push(g);
+                corners_.push_back(apex);
+                todo_.push_back(g);
             }
-        regions_.push(normalized(sum));
+        regions_.push_back(normalized(sum));
     }
 
     struct few {
@@ -214,7 +216,7 @@ private:
         std::uint32_t t = start;
         do {
             const std::uint32_t k = triangles_[t].find(v), g = triangles_[t].next[k];
-            if (region_[t] != region_[g]) todo_.push(triangles_[t].corner[next_corner(k)]);
+            if (region_[t] != region_[g]) todo_.push_back(triangles_[t].corner[next_corner(k)]);
             t = g;
         } while (t != start);
         return {todo_.begin(), todo_.end()};
@@ -244,8 +246,8 @@ private:
         if (u < -tolerance_ || v < -tolerance_) return false;
         // Corners that hardly stick out are bent, on another plane through the same points; of many corners no plane
         // is in doubt.
-        const double least = size_[a] + size_[b] < 64 ? tolerance_ : 0;
-        const bool bent = bent_[a] || bent_[b] || !(u > least) || !(v > least);
+        const double minimum = size_[a] + size_[b] < 64 ? tolerance_ : 0;
+        const bool bent = bent_[a] || bent_[b] || !(u > minimum) || !(v > minimum);
         unlink(h, t);
         if (bent && !convex(next_[t])) {
             link(h, t);
@@ -276,7 +278,7 @@ private:
         corners_.clear();
         std::uint32_t e = start;
         do {
-            corners_.push(origin(e));
+            corners_.push_back(origin(e));
             e = next_[e];
         } while (e != start);
         const vec<double, 3> n = hull_normal(points_, corners_.begin(), corners_.size());
@@ -301,29 +303,29 @@ private:
         for (std::uint32_t v = 0; v < count; ++v) {
             if (degree_[v] == 0) continue;
             number[v] = outline.vertices.size();
-            outline.vertices.push(points_[v]);
+            outline.vertices.push_back(points_[v]);
         }
-        if (outline.vertices.size() > hull_data<double, 3>::most_vertices) return;
-        outline.face_begin.push(0);
+        if (outline.vertices.size() > hull_data<double, 3>::max_vertices) return;
+        outline.face_begin.push_back(0);
         buffer<std::uint64_t> keys;
         for (std::uint32_t start = 0; start < n; ++start) {
             if (gone_[start] || face[start] != none) continue;
             std::uint32_t h = start;
             do {
                 face[h] = outline.face_begin.size() - 1;
-                outline.face_vertices.push(static_cast<std::uint16_t>(number[origin(h)]));
+                outline.face_vertices.push_back(static_cast<std::uint16_t>(number[origin(h)]));
                 const std::uint32_t from = number[origin(h)], to = number[origin(twin_[h])];
-                if (from < to) keys.push(std::uint64_t{h} << 32 | from << 16 | to);
+                if (from < to) keys.push_back(std::uint64_t{h} << 32 | from << 16 | to);
                 h = next_[h];
             } while (h != start);
-            outline.face_begin.push(outline.face_vertices.size());
+            outline.face_begin.push_back(outline.face_vertices.size());
         }
-        buffer<std::uint64_t> spare;
-        spare.resize(keys.size());
-        const std::uint64_t* sorted = radix_sort(keys.begin(), spare.begin(), keys.size(), 0, 32);
+        buffer<std::uint64_t> scratch;
+        scratch.resize(keys.size());
+        const std::uint64_t* sorted = radix_sort(keys.begin(), scratch.begin(), keys.size(), 0, 32);
         for (std::uint32_t i = 0; i < keys.size(); ++i) {
             const std::uint32_t h = static_cast<std::uint32_t>(sorted[i] >> 32);
-            outline.edges.push(
+            outline.edges.push_back(
                 {{static_cast<std::uint16_t>(sorted[i] >> 16 & 0xffff), static_cast<std::uint16_t>(sorted[i] & 0xffff)},
                  {face[h], face[twin_[h]]}});
         }

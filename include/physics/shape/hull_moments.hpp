@@ -144,17 +144,17 @@ vec<double, 2> compute_hull_moments(const Hull& h, hull_moments& m) requires(Hul
     vec<double, 2> centroid;
     for (std::uint32_t i = 1; i + 1 < n; ++i) {
         const vec<double, 2> a = h.exact_vertex(i) - base, b = h.exact_vertex(i + 1) - base;
-        const double part = 0.5 * cross(a, b);
-        area += part;
-        centroid += (a + b) * (part / 3);
+        const double contribution = 0.5 * cross(a, b);
+        area += contribution;
+        centroid += (a + b) * (contribution / 3);
     }
     centroid = centroid / area + base;
     for (std::uint32_t i = 0; i < n; ++i) {
         const std::uint32_t next = i + 1 < n ? i + 1 : 0;
         const vec<double, 3> a = in_space(h.exact_vertex(i) - centroid), b = in_space(h.exact_vertex(next) - centroid);
-        const double part = 0.5 * cross(a, b).z;
-        m.volume[0] += part;
-        m.second[0] = m.second[0] + over_triangle({}, a, b).second * part;
+        const double contribution = 0.5 * cross(a, b).z;
+        m.volume[0] += contribution;
+        m.second[0] = m.second[0] + over_triangle({}, a, b).second * contribution;
         const double size = length(b - a);
         const vec<double, 3> n1 = in_space(h.normal(i)), n2 = in_space(h.normal(next));
         m.add_prism(size, (a + b) * (0.5 * size), (square_of(a) + square_of(b) + square_of(a + b)) * (size / 6), n1);
@@ -182,18 +182,18 @@ vec<double, 3> compute_hull_moments(const Hull& h, hull_moments& m) requires(Hul
     double volume = 0;
     vec<double, 3> centroid;
     each_triangle(base, [&](std::uint32_t, const vec<double, 3>& a, const vec<double, 3>& b, const vec<double, 3>& c) {
-        const double part = dot(a, cross(b, c)) / 6;
-        volume += part;
-        centroid += (a + b + c) * (0.25 * part);
+        const double contribution = dot(a, cross(b, c)) / 6;
+        volume += contribution;
+        centroid += (a + b + c) * (0.25 * contribution);
     });
     centroid = centroid / volume + base;
     each_triangle(centroid,
                   [&](std::uint32_t f, const vec<double, 3>& a, const vec<double, 3>& b, const vec<double, 3>& c) {
-                      const double part = dot(a, cross(b, c)) / 6;
-                      m.volume[0] += part;
+                      const double contribution = dot(a, cross(b, c)) / 6;
+                      m.volume[0] += contribution;
                       // A tetrahedron's second moment is 3/5 of its base's, at a third of the base's height.
                       const simplex_sums sums = over_triangle(a, b, c);
-                      m.second[0] = m.second[0] + sums.second * (0.6 * part);
+                      m.second[0] = m.second[0] + sums.second * (0.6 * contribution);
                       const vec<double, 3> n = h.normal(f);
                       const double area = 0.5 * dot(n, cross(b - a, c - a));
                       m.add_prism(area, sums.first * area, sums.second * area, n);
@@ -210,7 +210,7 @@ vec<double, 3> compute_hull_moments(const Hull& h, hull_moments& m) requires(Hul
     for (std::uint32_t i = 0; i < h.edge_count; ++i) {
         const auto& e = h.edge(i);
         const vec<double, 3> a = h.exact_vertex(e.vertex[0]) - centroid, b = h.exact_vertex(e.vertex[1]) - centroid;
-        const auto [d, size] = split(b - a);
+        const auto [d, size] = direction_and_length_of(b - a);
         const vec<double, 3> n = h.normal(e.face[0]), other = h.normal(e.face[1]), t = normalized(cross(d, n));
         const double cosine = dot(n, other), sine = dot(t, other), angle = atan2(sine, cosine);
         m.add_wedge(size, (a + b) * (0.5 * size), (square_of(a) + square_of(b) + square_of(a + b)) * (size / 6), n, t,

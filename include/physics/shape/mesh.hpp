@@ -1,13 +1,14 @@
-// The mesh: a surface of triangles in space, such as the ground of a level.
+// The mesh: a surface of triangles in 3D, such as the ground of a level.
 #pragma once
 
+#include "physics/base/handle.hpp"
 #include "physics/base/probe.hpp"
 #include "physics/shape/concept.hpp"
 #include "physics/shape/mesh_data.hpp"
 
 PHYSICS_HPP_BEGIN
 
-/// All points within radius (m, 0 or more) of triangles in the shape's frame; it exists in space. It has no mass, so it
+/// All points within radius (m, 0 or more) of triangles in the shape's frame; it exists in 3D. It has no mass, so it
 /// serves static and kinematic bodies. A mesh_geometry or a world keeps the triangles: as long as one of them does, the
 /// shape is good.
 template <class S, int D>
@@ -84,7 +85,7 @@ public:
                                              const std::uint32_t* triangles, std::uint32_t triangle_count,
                                              const mesh_settings& settings = {}) {
         return mesh_geometry(
-            detail::exactly([&] { return built(vertices, vertex_count, triangles, triangle_count, settings); }));
+            detail::scoped([&] { return built(vertices, vertex_count, triangles, triangle_count, settings); }));
     }
 
     explicit operator bool() const { return data() != nullptr; }
@@ -114,7 +115,7 @@ const detail::mesh_data<detail::hull_real<S>>* mesh_geometry<S, 3>::built(const 
                                                                           std::uint32_t triangle_count,
                                                                           const mesh_settings& settings) {
     constexpr const char* f = "mesh_geometry::build";
-    if (triangle_count > 0xffffffffu / 3) {
+    if (triangle_count > detail::null_index / 3) {
         detail::refuse(f, "triangle_count", triangle_count, "it must be at most 1431655765");
         return nullptr;
     }
@@ -137,8 +138,8 @@ const detail::mesh_data<detail::hull_real<S>>* mesh_geometry<S, 3>::built(const 
         detail::mesh_outline::triangle t{{welded[v[0]], welded[v[1]], welded[v[2]]}, {}, {}};
         if (t.vertex[0] == t.vertex[1] || t.vertex[1] == t.vertex[2] || t.vertex[2] == t.vertex[0]) continue;
         t.normal = normalized(outline.area(t, spacing, detail::self_wide<S>));
-        outline.triangles.push(t);
-        outline.numbers.push(i);
+        outline.triangles.push_back(t);
+        outline.numbers.push_back(i);
     }
     outline.link();
     outline.drop_slivers();

@@ -83,7 +83,7 @@ const mesh_data<R>* mesh_data<R>::make(const mesh_outline& outline, bool two_sid
         t.number = outline.numbers[i];
         mix_digest(m->digest, t.number);
         t.normal = from_point<R>(given.normal);
-        boxes.push(outward_floats(m->box_of(t)));
+        boxes.push_back(outward_floats(m->box_of(t)));
     }
     m->tree.build(m, at_tree, boxes.begin(), triangles);
     return m;

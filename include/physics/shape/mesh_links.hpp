@@ -1,6 +1,7 @@
 // From loose triangles to a mesh: equal vertices made one, slivers dropped, neighbours found.
 #pragma once
 
+#include "physics/base/handle.hpp"
 #include "physics/shape/surface_shape.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -10,12 +11,12 @@ namespace detail {
 /// Numbers that are found again by what they stand for, in expected constant time; the hash decides nothing but speed.
 class number_table {
 public:
-    explicit number_table(std::uint32_t most) {
+    explicit number_table(std::uint32_t maximum) {
         std::uint32_t slots = 16;
-        while (slots < most * std::uint64_t{2} && slots < 0x80000000u) slots *= 2;
+        while (slots < maximum * std::uint64_t{2} && slots < 0x80000000u) slots *= 2;
         slots_.resize(slots, none);
     }
-    static constexpr std::uint32_t none = 0xffffffffu;
+    static constexpr std::uint32_t none = null_index;
     /// The place of the number for which same(number), or an empty one.
     template <class Same>
     std::uint32_t& find(std::uint64_t hash, Same&& same) {
@@ -38,7 +39,7 @@ struct mesh_outline {
         std::uint32_t beyond[3];
         vec<double, 3> normal;
     };
-    static constexpr std::uint32_t none = 0xffffffffu;
+    static constexpr std::uint32_t none = null_index;
 
     buffer<vec<double, 3>> vertices;
     buffer<triangle> triangles;
@@ -54,7 +55,7 @@ struct mesh_outline {
             mix_digest(hash, vertices[i]);
             std::uint32_t& place = table.find(hash, [&](std::uint32_t k) { return vertices[k] == vertices[i]; });
             if (place == number_table::none) vertices[place = kept++] = vertices[i];
-            new_numbers.push(place);
+            new_numbers.push_back(place);
         }
         vertices.resize(kept);
     }
@@ -66,8 +67,8 @@ struct mesh_outline {
         const vec<double, 3> n = cross(b - a, c - a);
         const double longest = sqrt(max(dot(b - a, b - a), max(dot(c - b, c - b), dot(a - c, a - c))));
         const double reach = max(largest(a), max(largest(b), largest(c)));
-        const double least = max(relative ? spacing * reach : spacing, 1e-12 * longest);
-        return length(n) > least * longest ? n : vec<double, 3>{};
+        const double minimum = max(relative ? spacing * reach : spacing, 1e-12 * longest);
+        return length(n) > minimum * longest ? n : vec<double, 3>{};
     }
 
     /// Finds what lies beyond each edge: the one triangle that runs along it the other way. Where several do, or one
@@ -77,8 +78,8 @@ struct mesh_outline {
     void drop_slivers();
 
 private:
-    /// Where one comes out who enters a sliver over edge e: over its longest edge, or if that is e, the longer one of
-    /// the others.
+    /// The edge through which a walk that enters a sliver over edge e leaves it: its longest edge, or if that is e, the
+    /// longer one of the others.
     [[nodiscard]] std::uint32_t way_out(const triangle& t, int e) const {
         double longest = -1;
         int best = e;
@@ -122,7 +123,7 @@ inline void mesh_outline::drop_slivers() {
     const auto is_sliver = [&](std::uint32_t t) { return triangles[t].normal == vec<double, 3>{}; };
     buffer<std::uint32_t> new_numbers;
     std::uint32_t kept = 0;
-    for (std::uint32_t t = 0; t < triangles.size(); ++t) new_numbers.push(is_sliver(t) ? none : kept++);
+    for (std::uint32_t t = 0; t < triangles.size(); ++t) new_numbers.push_back(is_sliver(t) ? none : kept++);
     if (kept == triangles.size()) return;
     for (std::uint32_t t = 0; t < triangles.size(); ++t) {
         if (is_sliver(t)) continue;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "physics/base/buffer.hpp"
+#include "physics/base/handle.hpp"
 #include "physics/base/sort.hpp"
 #include "physics/shape/block_array.hpp"
 #include "physics/shape/box_ray.hpp"
@@ -28,7 +29,7 @@ aabb<float, D> outward_floats(const aabb<double, D>& box) {
 
 /// A tree of boxes over numbered parts: nodes in the order of a walk that goes down first, each with the number of the
 /// node that follows what is below it. Parts are halved by their middles along the axis on which these spread most,
-/// down to four, so that no input makes it deeper than log2(n). Memory: 20 bytes a part in space, 16 in the plane.
+/// down to four, so that no input makes it deeper than log2(n). Memory: 20 bytes a part in 3D, 16 in 2D.
 /// Source: stackless walks are those of Smits, Efficiency issues for ray tracing (1998).
 template <int D>
 class part_tree {
@@ -76,16 +77,16 @@ public:
     void visit(const box_ray<D>& ray, F&& f) const {
         const node* const nodes = nodes_.begin();
         const std::uint32_t end = nodes_.size();
-        double most = 1;
+        double maximum = 1;
         for (std::uint32_t i = 0; i < end;) {
             const node& n = nodes[i];
-            if (!ray.meets(n.box, most)) {
+            if (!ray.meets(n.box, maximum)) {
                 i = n.next;
                 continue;
             }
             if (n.first != none) {
                 const std::uint32_t last = min(n.first + parts_of_leaf, parts_.size());
-                for (std::uint32_t k = n.first; k < last; ++k) most = f(parts_[k]);
+                for (std::uint32_t k = n.first; k < last; ++k) maximum = f(parts_[k]);
             }
             ++i;
         }
@@ -93,10 +94,10 @@ public:
     /// Calls f(box) for 32 to 64 boxes that contain all parts; for fewer where there are few.
     template <class F>
     void cover(F&& f) const {
-        const std::uint32_t most = nodes_.size() / 32;
+        const std::uint32_t maximum = nodes_.size() / 32;
         for (std::uint32_t i = 0; i < nodes_.size();) {
             const node& n = nodes_[i];
-            if (n.first != none || n.next - i <= most) {
+            if (n.first != none || n.next - i <= maximum) {
                 f(n.box);
                 i = n.next;
             } else {
@@ -106,7 +107,7 @@ public:
     }
 
 private:
-    static constexpr std::uint32_t none = 0xffffffffu;
+    static constexpr std::uint32_t none = null_index;
     struct node {
         aabb<float, D> box;
         std::uint32_t next;
@@ -114,7 +115,7 @@ private:
         std::uint32_t first;
     };
     static std::uint32_t min(std::uint32_t a, std::uint32_t b) { return a < b ? a : b; }
-    static void halve(std::uint64_t* keys, std::uint64_t* spare, std::uint32_t count, const aabb<float, D>* boxes);
+    static void halve(std::uint64_t* keys, std::uint64_t* scratch, std::uint32_t count, const aabb<float, D>* boxes);
 
     block_array<node> nodes_;
     block_array<std::uint32_t> parts_;
@@ -123,7 +124,8 @@ private:
 /// Brings keys, whose lower halves number parts, into the order of their middles along the axis on which they differ
 /// most.
 template <int D>
-void part_tree<D>::halve(std::uint64_t* keys, std::uint64_t* spare, std::uint32_t count, const aabb<float, D>* boxes) {
+void part_tree<D>::halve(std::uint64_t* keys, std::uint64_t* scratch, std::uint32_t count,
+                         const aabb<float, D>* boxes) {
     // Half of the sums, so that none overflows.
     const auto middle = [&](std::uint64_t key) {
         const aabb<float, D>& box = boxes[static_cast<std::uint32_t>(key)];
@@ -144,7 +146,7 @@ void part_tree<D>::halve(std::uint64_t* keys, std::uint64_t* spare, std::uint32_
         const std::uint32_t rank = bits >> 31 ? ~bits : bits | 0x80000000u;
         keys[i] = std::uint64_t{rank} << 32 | (keys[i] & 0xffffffffu);
     }
-    const std::uint64_t* sorted = radix_sort(keys, spare, count, 32, 64);
+    const std::uint64_t* sorted = radix_sort(keys, scratch, count, 32, 64);
     if (sorted != keys) std::memcpy(keys, sorted, count * sizeof *keys);
 }
 
@@ -153,9 +155,9 @@ void part_tree<D>::build(const geometry_block* block, places at, const aabb<floa
     nodes_.attach(block, at.nodes, nodes_for(count));
     parts_.attach(block, at.parts, count);
     if (count == 0) return;
-    buffer<std::uint64_t> keys, spare;
+    buffer<std::uint64_t> keys, scratch;
     keys.resize(count);
-    spare.resize(count);
+    scratch.resize(count);
     for (std::uint32_t i = 0; i < count; ++i) keys[i] = i;
     struct range {
         std::uint32_t first, count;
@@ -171,7 +173,7 @@ void part_tree<D>::build(const geometry_block* block, places at, const aabb<floa
             nodes_[i].first = r.first;
             continue;
         }
-        halve(keys.begin() + r.first, spare.begin() + r.first, r.count, boxes);
+        halve(keys.begin() + r.first, scratch.begin() + r.first, r.count, boxes);
         const std::uint32_t left = (r.count / 2 + parts_of_leaf - 1) / parts_of_leaf * parts_of_leaf;
         todo[waiting++] = {r.first + left, r.count - left};
         todo[waiting++] = {r.first, left};

@@ -1,6 +1,7 @@
-// The convex hull of points in space, as triangles: exact, whatever lies in one plane or on one line.
+// The convex hull of points in 3D, as triangles: exact, whatever lies in one plane or on one line.
 #pragma once
 
+#include "physics/base/handle.hpp"
 #include "physics/shape/hull_builder2.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -30,7 +31,7 @@ public:
     /// points: each once. False, and the thickness by which the points miss a volume, if it is at most `tolerance`.
     /// most: if not 0, takes the point that lies farthest outside of all until there are so many vertices, O(n) each.
     bool build(const vec<double, 3>* points, std::uint32_t count, double tolerance, double& thickness,
-               std::uint32_t most = 0) {
+               std::uint32_t maximum = 0) {
         points_ = points;
         double reach = 0;
         for (std::uint32_t i = 0; i < count; ++i) reach = max(reach, largest(points[i]));
@@ -40,14 +41,14 @@ public:
         next_point_.resize(count, none);
         facet_from_.resize(count, none);
         start(count, simplex);
-        for (std::uint32_t vertices = 4; most > 0; ++vertices) {
+        for (std::uint32_t vertices = 4; maximum > 0; ++vertices) {
             const std::uint32_t f = farthest_facet();
-            if (f == none || vertices >= most) return true;
+            if (f == none || vertices >= maximum) return true;
             add_farthest(f);
         }
         while (!pending_.empty()) {
             const std::uint32_t f = pending_.back();
-            pending_.pop();
+            pending_.pop_back();
             if (facets_[f].alive && facets_[f].outside != none) add_farthest(f);
         }
         return true;
@@ -64,12 +65,12 @@ public:
             if (!f.alive) continue;
             hull_triangle t = f.triangle;
             for (std::uint32_t& n : t.next) n = number[n];
-            triangles.push(t);
+            triangles.push_back(t);
         }
     }
 
 private:
-    static constexpr std::uint32_t none = 0xffffffffu;
+    static constexpr std::uint32_t none = null_index;
     struct facet {
         hull_triangle triangle;
         /// The points that it sees, a list, and the farthest of them with its height times twice the facet's area.
@@ -118,7 +119,7 @@ private:
             facets_.resize(f + 1);
         } else {
             f = free_.back();
-            free_.pop();
+            free_.pop_back();
         }
         facet& made = facets_[f];
         made = {};
@@ -133,7 +134,7 @@ private:
         return grid_.side(f.plane, points_[c[0]], points_[c[1]], points_[c[2]], points_[point]) > 0;
     }
     /// Whether a facet sees the point, which is then in its list.
-    bool take(facet& f, std::uint32_t point) {
+    bool add_outside_point(facet& f, std::uint32_t point) {
         if (!sees(f, point)) return false;
         const double height = dot(f.plane.normal(), points_[point] - points_[f.triangle.corner[0]]);
         if (f.outside == none || height > f.height) {
@@ -154,11 +155,11 @@ private:
         constexpr std::uint32_t next[4][3] = {{1, 2, 3}, {3, 2, 0}, {1, 3, 0}, {2, 1, 0}};
         for (std::uint32_t f = 0; f < 4; ++f) {
             for (int k = 0; k < 3; ++k) facets_[f].triangle.next[k] = next[f][k];
-            pending_.push(f);
+            pending_.push_back(f);
         }
         for (std::uint32_t i = 0; i < count; ++i)
             for (std::uint32_t f = 0; f < 4; ++f)
-                if (take(facets_[f], i)) break;
+                if (add_outside_point(facets_[f], i)) break;
     }
 
     /// The facet that sees a point from farthest.
@@ -183,7 +184,7 @@ private:
         horizon_.clear();
         facets_[f].seen_at = stamp_;
         facets_[f].visible = true;
-        visible_.push(f);
+        visible_.push_back(f);
         for (std::uint32_t i = 0; i < visible_.size(); ++i) {
             const hull_triangle t = facets_[visible_[i]].triangle;
             for (std::uint32_t k = 0; k < 3; ++k) {
@@ -191,9 +192,9 @@ private:
                 if (g.seen_at != stamp_) {
                     g.seen_at = stamp_;
                     g.visible = sees(g, p);
-                    if (g.visible) visible_.push(t.next[k]);
+                    if (g.visible) visible_.push_back(t.next[k]);
                 }
-                if (!g.visible) horizon_.push({t.corner[k], t.corner[next_corner(k)], t.next[k]});
+                if (!g.visible) horizon_.push_back({t.corner[k], t.corner[next_corner(k)], t.next[k]});
             }
         }
         made_.clear();
@@ -203,7 +204,7 @@ private:
             beyond.next[beyond.find(e.to)] = made;
             facets_[made].triangle.next[0] = e.beyond;
             facet_from_[e.from] = made;
-            made_.push(made);
+            made_.push_back(made);
         }
         for (const std::uint32_t made : made_) {
             hull_triangle& t = facets_[made].triangle;
@@ -212,17 +213,17 @@ private:
         }
         for (const std::uint32_t gone : visible_) {
             facets_[gone].alive = false;
-            free_.push(gone);
+            free_.push_back(gone);
             std::uint32_t next = none;
             for (std::uint32_t i = facets_[gone].outside; i != none; i = next) {
                 next = next_point_[i];
                 if (i == p) continue;
                 for (const std::uint32_t made : made_)
-                    if (take(facets_[made], i)) break;
+                    if (add_outside_point(facets_[made], i)) break;
             }
         }
         for (const std::uint32_t made : made_)
-            if (facets_[made].outside != none) pending_.push(made);
+            if (facets_[made].outside != none) pending_.push_back(made);
     }
 
     const vec<double, 3>* points_ = nullptr;

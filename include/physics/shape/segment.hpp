@@ -56,7 +56,7 @@ constexpr vec<S, D> support(const segment<S, D>& s, vec<S, D> direction) {
 template <class S, int D>
 mass_properties<S, D> mass_of(const segment<S, D>& s, std::type_identity_t<S> density) {
     const vec<double, 3> a = detail::exact_in_space(s.a), b = detail::exact_in_space(s.b);
-    const auto [u, whole] = split(b - a);
+    const auto [u, whole] = direction_and_length_of(b - a);
     const double l = 0.5 * whole, r = static_cast<double>(s.radius), rr = r * r;
     // Sizes of middle and ends, and the means of squares along and across.
     const double middle = D == 2 ? 4 * l * r : 2 * pi<double> * rr * l;

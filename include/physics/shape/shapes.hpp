@@ -70,9 +70,9 @@ private:
     };
     using first = typename head<Shapes<S, D>...>::type;
     static constexpr std::size_t bytes = [] {
-        std::size_t most = 0;
-        ((most = sizeof(Shapes<S, D>) > most ? sizeof(Shapes<S, D>) : most), ...);
-        return most;
+        std::size_t maximum = 0;
+        ((maximum = sizeof(Shapes<S, D>) > maximum ? sizeof(Shapes<S, D>) : maximum), ...);
+        return maximum;
     }();
 
     alignas(Shapes<S, D>...) unsigned char bytes_[bytes] = {};

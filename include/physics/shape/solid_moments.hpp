@@ -35,7 +35,7 @@ struct solid_moments {
     }
 };
 
-/// A point of a shape in double, in space.
+/// A point of a shape in double, in 3D.
 template <class S, int D>
 vec<double, 3> exact_in_space(const vec<S, D>& v) {
     vec<double, 3> p;

@@ -7,15 +7,15 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// One flat part of a surface, in the surface's frame: a segment in the plane, a triangle in space.
+/// One flat part of a surface, in the surface's frame: a segment in 2D, a triangle in 3D.
 template <int D>
 struct surface_part {
-    /// In the plane the ends, the solid being to the left on the way from the first to the second; in space
+    /// In 2D the ends, the solid being to the left on the way from the first to the second; in 3D
     /// counter-clockwise as seen from outside.
     vec<double, D> corner[D];
     /// Unit normal outwards.
     vec<double, D> normal;
-    /// Unit normals of the parts that follow beyond the ends or, in space, beyond edge i from corner i to the next.
+    /// Unit normals of the parts that follow beyond the ends or, in 3D, beyond edge i from corner i to the next.
     vec<double, D> beyond[D];
     /// Whether anything follows there.
     bool continues[D] = {};

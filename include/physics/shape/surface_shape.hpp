@@ -37,9 +37,9 @@ void mix_digest(std::uint64_t& digest, const vec<double, D>& p) {
 /// Coordinates that S can hold with room to spare, floats can bound and doubles can multiply.
 template <class S>
 bool check_reach(const char* function, double reach) {
-    const double most = min(1e30, static_cast<double>(scalar_traits<S>::max()) * 0.25);
-    return reach <= most || refuse(function, "largest coordinate", reach,
-                                   "it must be at most 1e30, and a quarter of the scalar's range");
+    const double maximum = min(1e30, static_cast<double>(scalar_traits<S>::max()) * 0.25);
+    return reach <= maximum || refuse(function, "largest coordinate", reach,
+                                      "it must be at most 1e30, and a quarter of the scalar's range");
 }
 /// A distance between parts whose square is a number too.
 template <class S>
@@ -65,7 +65,7 @@ bool take_points(const char* function, const char* name, const vec<S, D>* points
     double reach = 0;
     for (std::uint32_t i = 0; i < count; ++i) {
         if (!check_item(function, name, i, points[i])) return false;
-        reach = max(reach, largest(taken.push(to_point(points[i]))));
+        reach = max(reach, largest(taken.push_back(to_point(points[i]))));
     }
     return check_reach<S>(function, reach);
 }

@@ -1,4 +1,4 @@
-// The tile grid: solid and empty cells in the plane, such as the level of a platformer.
+// The tile grid: solid and empty cells in 2D, such as the level of a platformer.
 #pragma once
 
 #include "physics/base/probe.hpp"
@@ -7,7 +7,7 @@
 
 PHYSICS_HPP_BEGIN
 
-/// All points within radius (m, 0 or more) of the outline of solid cells; it exists in the plane. It has no mass, so it
+/// All points within radius (m, 0 or more) of the outline of solid cells; it exists in 2D. It has no mass, so it
 /// serves static and kinematic bodies. A tile_grid_geometry or a world keeps the outline: as long as one of them does,
 /// the shape is good.
 template <class S, int D>
@@ -65,7 +65,7 @@ public:
     /// cell. Cost: 2 to 5 ns a cell, 0.3 us a corner; memory for corners only.
     [[nodiscard]] static tile_grid_geometry build(const std::uint8_t* cells, std::uint32_t columns, std::uint32_t rows,
                                                   S cell_size) {
-        return tile_grid_geometry(detail::exactly([&] { return built(cells, columns, rows, cell_size); }));
+        return tile_grid_geometry(detail::scoped([&] { return built(cells, columns, rows, cell_size); }));
     }
 
     explicit operator bool() const { return data() != nullptr; }

@@ -23,14 +23,14 @@ public:
         first_.reserve((columns_ + 1) * (rows_ + 1));
         for (std::uint32_t y = 0; y <= rows_; ++y)
             for (std::uint32_t x = 0; x <= columns_; ++x) {
-                first_.push(starts_.size());
+                first_.push_back(starts_.size());
                 for (int d = 0; d < 4; ++d)
-                    if (side(x, y, d) && !arrives(x, y, d)) starts_.push({x, y, d});
+                    if (side(x, y, d) && !arrives(x, y, d)) starts_.push_back({x, y, d});
             }
         links.resize(starts_.size());
         for (std::uint32_t i = 0; i < starts_.size(); ++i) {
             corner c = starts_[i];
-            points.push({static_cast<double>(c.x), static_cast<double>(c.y)});
+            points.push_back({static_cast<double>(c.x), static_cast<double>(c.y)});
             do walk(c);
             while (side(c.x, c.y, c.direction));
             // Where both turns are open two cells touch: the right one keeps to the same air.

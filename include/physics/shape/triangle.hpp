@@ -72,8 +72,8 @@ bool check(const triangle<S, D>& t, const char* function) {
     const detail::triangle_sizes s = detail::sizes_of(t);
     // What rounding of the corners to S may make of three points on a line: 4 spacings.
     const double spacing = static_cast<double>(scalar_traits<S>::epsilon());
-    const double least = 4 * max(detail::is_fixed<S> ? spacing : spacing * s.reach, 0x1p-52 * s.reach);
-    return s.height > least ||
+    const double minimum = 4 * max(detail::is_fixed<S> ? spacing : spacing * s.reach, 0x1p-52 * s.reach);
+    return s.height > minimum ||
            detail::refuse(function, "area", 0.5 * s.longest * s.height, "the corners must not lie on one line");
 }
 template <class S, int D>
@@ -112,7 +112,7 @@ mass_properties<S, D> mass_of(const triangle<S, D>& t, std::type_identity_t<S> d
     const detail::simplex_sums mean = detail::over_triangle(corner[0], corner[1], corner[2]);
     m.add(slab, {}, mean.first * slab, mean.second * slab + nn * (slab * rr / 3));
     for (int i = 0; i < 3; ++i) {
-        const auto [u, l] = split(corner[i < 2 ? i + 1 : 0] - corner[i]);
+        const auto [u, l] = direction_and_length_of(corner[i < 2 ? i + 1 : 0] - corner[i]);
         edge[i] = u;
         const vec<double, 3> out = cross(u, n);
         const double strip = l * (D == 2 ? r : 0.5 * pi<double> * rr);

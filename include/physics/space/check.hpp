@@ -34,8 +34,8 @@ bool check_finite(const char* function, const char* field, T value) {
 template <scalar_type S>
 constexpr bool is_in_range(S x) {
     if constexpr (is_fixed<S>) {
-        const S most = scalar_traits<S>::max() / S(2);
-        return x <= most && x >= -most;
+        const S maximum = scalar_traits<S>::max() / S(2);
+        return x <= maximum && x >= -maximum;
     } else {
         return is_finite(x);
     }
@@ -69,8 +69,8 @@ inline bool check_array(const char* function, const char* field, const void* fir
 }
 /// A number of rounds: more than the limit is a mistake, and would look like a step that hangs.
 inline bool check_count(const char* function, const char* field, int count) {
-    constexpr int most = 65536;
-    return (count >= 1 && count <= most) ||
+    constexpr int maximum = 65536;
+    return (count >= 1 && count <= maximum) ||
            refuse(function, field, count, count < 1 ? "it must be at least 1" : "it must be at most 65536");
 }
 template <class S>

@@ -1,4 +1,4 @@
-// Rotation in the plane: a unit complex number.
+// Rotation in 2D: a unit complex number.
 #pragma once
 
 #include "physics/space/mat.hpp"
@@ -10,7 +10,7 @@ PHYSICS_HPP_BEGIN
 template <class S, int D>
 struct rotation;
 
-/// A rotation in the plane, counter-clockwise, by its cosine and sine.
+/// A rotation in 2D, counter-clockwise, by its cosine and sine.
 template <class S>
 struct rotation<S, 2> {
     S cosine = S(1);
@@ -64,12 +64,12 @@ constexpr S norm_error(rotation<S, 2> a) {
 /// a with length 1; the identity if a is null.
 template <class S>
 constexpr rotation<S, 2> normalized(rotation<S, 2> a) {
-    const auto [unit, length] = split(vec<S, 2>{a.cosine, a.sine});
+    const auto [unit, length] = direction_and_length_of(vec<S, 2>{a.cosine, a.sine});
     if (!(length > S(0))) return {};
     return {unit.x, unit.y};
 }
 
-/// The angle of a in radians, in [-pi, pi]; in space the rotation vector, axis times angle.
+/// The angle of a in radians, in [-pi, pi]; in 3D the rotation vector, axis times angle.
 template <class S>
 S rotation_vector(rotation<S, 2> a) {
     return a.angle();

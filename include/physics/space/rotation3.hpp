@@ -1,11 +1,11 @@
-// Rotation in space: a unit quaternion.
+// Rotation in 3D: a unit quaternion.
 #pragma once
 
 #include "physics/space/rotation2.hpp"
 
 PHYSICS_HPP_BEGIN
 
-/// A rotation in space as a unit quaternion x i + y j + z k + w.
+/// A rotation in 3D as a unit quaternion x i + y j + z k + w.
 template <class S>
 struct rotation<S, 3> {
     S x{}, y{}, z{};
@@ -100,18 +100,18 @@ constexpr rotation<S, 3> normalized(rotation<S, 3> a) {
 /// Axis times angle of a (radians, at most pi), so that turned({}, rotation_vector(a)) is a again.
 template <class S>
 vec<S, 3> rotation_vector(rotation<S, 3> a) {
-    const auto [axis, sine] = split(a.w < S(0) ? -a.imaginary() : a.imaginary());
+    const auto [axis, sine] = direction_and_length_of(a.w < S(0) ? -a.imaginary() : a.imaginary());
     return axis * (atan2(sine, abs(a.w)) * S(2));
 }
 
 /// a, turned further by a rotation vector (axis times angle, radians, in the outer frame); keeps length 1.
-/// One radian at most goes without trigonometry, as in the plane.
+/// One radian at most goes without trigonometry, as in 2D.
 template <class S>
 constexpr rotation<S, 3> turned(rotation<S, 3> a, vec<S, 3> angle) {
     const vec<S, 3> quarter = angle * S(0.25);
     const S xx = dot(quarter, quarter);
     if (largest(quarter) > S(0.25) || xx > S(0.0625)) {
-        const auto [axis, radians] = split(angle);
+        const auto [axis, radians] = direction_and_length_of(angle);
         return normalized(rotation<S, 3>::from_axis_angle(axis, radians) * a);
     }
     const vec<S, 3> t = quarter * detail::tangent_ratio(xx);

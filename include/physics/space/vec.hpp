@@ -216,7 +216,7 @@ struct direction_and_length {
 /// component first, so that neither tiny nor huge vectors lose their direction to underflow or overflow.
 // By reference: with -flto, g++ 12 drops what is stored for an argument that is handed on by value in memory.
 template <class S, int D>
-constexpr direction_and_length<S, D> split(const vec<S, D>& v) {
+constexpr direction_and_length<S, D> direction_and_length_of(const vec<S, D>& v) {
     const S scale = largest(v);
     if (!(scale > S(0))) return {};
     const vec<S, D> scaled = v / scale;
@@ -227,7 +227,7 @@ constexpr direction_and_length<S, D> split(const vec<S, D>& v) {
 /// The unit vector along v; the null vector for the null vector.
 template <class S, int D>
 constexpr vec<S, D> normalized(const vec<S, D>& v) {
-    return split(v).direction;
+    return direction_and_length_of(v).direction;
 }
 
 /// A unit vector across the unit vector n; in 2D n turned clockwise by a quarter.

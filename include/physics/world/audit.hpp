@@ -92,26 +92,26 @@ constexpr bool narrowphase_serves(const shapes<Shapes...>*) {
     return narrowphase_for<Policy, S, D, Shapes...>;
 }
 
-/// What an integrator must offer: advance_velocity(velocity, moving body, h), advance_pose(moving body, velocity,
-/// way, h), in the plane with a velocity that is const.
-template <class Policy, class S, int D, bool Turns>
-concept integrator_policy = requires(moving_body<S, D, Turns> b, twist_of<S, D, Turns> v,
-                                     turning_velocity<S, D, Turns> turning) {
-    Policy::template in<space<S, D>>::advance_velocity(v, b, S(1));
-    Policy::template in<space<S, D>>::advance_pose(b, turning, v, S(1));
+/// What an integrator must offer: integrate_velocity(velocity, moving body, h), integrate_pose(moving body, velocity,
+/// way, h), in 2D with a velocity that is const.
+template <class Policy, class S, int D, bool Rotates>
+concept integrator_policy = requires(moving_body<S, D, Rotates> b, twist_of<S, D, Rotates> v,
+                                     pose_velocity<S, D, Rotates> turning) {
+    Policy::template in<space<S, D>>::integrate_velocity(v, b, S(1));
+    Policy::template in<space<S, D>>::integrate_pose(b, turning, v, S(1));
 };
 
 /// What a solver asks of the world that it advances.
 template <class S>
 struct any_motion {
-    void advance_velocities(S) {}
-    void advance_poses(S) {}
+    void integrate_velocities(S) {}
+    void integrate_positions(S) {}
 };
 /// What a solver must offer: settings with a function check(settings, function) like that of shapes, and
 /// solve(bodies, contacts, settings, h, scratch, motion).
 template <class Policy, class S, int D, class Features>
-concept solver_policy = requires(solver_bodies<S, D, Features::rotation> bodies, contact_list<S, D, Features> contacts,
-                                 arena scratch, any_motion<S> motion,
+concept solver_policy = requires(solver_bodies<S, D, Features::rotation> bodies,
+                                 contact_constraints<S, D, Features> contacts, arena scratch, any_motion<S> motion,
                                  const typename Policy::template in<space<S, D>, Features>::settings settings) {
     { check(settings, "function") } -> std::same_as<bool>;
     Policy::template in<space<S, D>, Features>::solve(bodies, contacts, settings, S(1), scratch, motion);
@@ -183,7 +183,7 @@ struct plan_of {
         static_cast<const typename Recipe::policies*>(nullptr)));
 };
 template <class Recipe>
-struct plan_of<Recipe, false> : plan_of<recipe<float, 2>> {};
+struct plan_of<Recipe, false> : plan_of<std::conditional_t<sizeof(Recipe*) != 0, recipe<float, 2>, Recipe>> {};
 
 /// Says in one sentence what is wrong with a recipe.
 template <class Recipe>
@@ -226,14 +226,14 @@ struct audit {
                   "physics::recipe: the mixing rule does not model physics::mixing_for; its in<Space> needs friction, "
                   "restitution and rolling_resistance of two materials");
     static_assert(problem != recipe_problem::bad_integrator,
-                  "physics::recipe: the integrator's in<Space> needs advance_velocity and advance_pose; without "
+                  "physics::recipe: the integrator's in<Space> needs integrate_velocity and integrate_pose; without "
                   "rotation for physics::linear_twist and physics::moving_body<S, D, false>");
     static_assert(problem != recipe_problem::bad_solver,
                   "physics::recipe: the solver's in<Space, Features> needs a struct settings with a function check, "
                   "and a function solve");
     static_assert(problem != recipe_problem::bad_continuous,
                   "physics::recipe: the continuous policy does not model physics::continuous_for; its in<Space> needs "
-                  "aim(stride) or ahead(stride)");
+                  "sweep_against(body_motion) or ahead(body_motion)");
 };
 
 }  // namespace detail

@@ -9,7 +9,7 @@ PHYSICS_HPP_BEGIN
 namespace detail {
 
 /// What a handle names: its number, where ok.
-struct found {
+struct lookup {
     std::uint32_t index;
     bool ok;
     explicit operator bool() const { return ok; }
@@ -21,7 +21,7 @@ bool check_not_in_step(const state<Plan>& s, const char* function) {
 }
 /// A state that is not const is asked for in order to change it.
 template <class State, class Pool, class Tag>
-found find(State& s, const Pool& pool, handle<Tag> id, const char* function, const char* what) {
+lookup find(State& s, const Pool& pool, handle<Tag> id, const char* function, const char* what) {
     if constexpr (!std::is_const_v<State>)
         if (!check_not_in_step(s, function)) return {0, false};
     if (!id) return {0, refuse(function, what, "null", "it must name something that this world has created")};
@@ -32,11 +32,11 @@ found find(State& s, const Pool& pool, handle<Tag> id, const char* function, con
     return {id.index, true};
 }
 template <class State>
-found find_body(State& s, body_id id, const char* function) {
+lookup find_body(State& s, body_id id, const char* function) {
     return find(s, s.bodies, id, function, "body");
 }
 template <class State>
-found find_shape(State& s, shape_id id, const char* function) {
+lookup find_shape(State& s, shape_id id, const char* function) {
     return find(s, s.shapes, id, function, "shape");
 }
 inline const char* name_of(body_type type) {
@@ -44,24 +44,24 @@ inline const char* name_of(body_type type) {
 }
 /// The same for calls that only dynamic bodies take,
 template <class State>
-found find_dynamic(State& s, body_id id, const char* function) {
-    const found f = find_body(s, id, function);
+lookup find_dynamic(State& s, body_id id, const char* function) {
+    const lookup f = find_body(s, id, function);
     if (f && !s.bodies[f.index].is_dynamic())
         return {0, refuse(function, "body", name_of(s.bodies[f.index].type), "it must be dynamic")};
     return f;
 }
 /// only kinematic ones,
 template <class State>
-found find_kinematic(State& s, body_id id, const char* function) {
-    const found f = find_body(s, id, function);
+lookup find_kinematic(State& s, body_id id, const char* function) {
+    const lookup f = find_body(s, id, function);
     if (f && s.bodies[f.index].type != body_type::kinematic_body)
         return {0, refuse(function, "body", name_of(s.bodies[f.index].type), "it must be kinematic")};
     return f;
 }
 /// and only those that have a velocity.
 template <class State>
-found find_moving(State& s, body_id id, const char* function) {
-    const found f = find_body(s, id, function);
+lookup find_moving(State& s, body_id id, const char* function) {
+    const lookup f = find_body(s, id, function);
     if (f && s.bodies[f.index].type == body_type::static_body)
         return {0, refuse(function, "body", "static", "it must be dynamic or kinematic")};
     return f;
@@ -69,11 +69,11 @@ found find_moving(State& s, body_id id, const char* function) {
 
 /// The largest part of a number or vector, for messages.
 template <scalar_type S>
-double size_of(S x) {
+double largest_magnitude(S x) {
     return static_cast<double>(abs(x));
 }
 template <class S, int D>
-double size_of(vec<S, D> v) {
+double largest_magnitude(vec<S, D> v) {
     return static_cast<double>(largest(v));
 }
 
@@ -89,7 +89,7 @@ template <class Angular>
 bool check_angular_velocity(const char* function, const char* field, Angular w, bool rotation_locked) {
     if (!check_in_range(function, field, w)) return false;
     return !rotation_locked || w == Angular{} ||
-           refuse(function, field, size_of(w), "it must be 0, since the body's rotation is locked");
+           refuse(function, field, largest_magnitude(w), "it must be 0, since the body's rotation is locked");
 }
 inline bool check_type(const char* function, body_type type) {
     return type <= body_type::dynamic_body ||
@@ -108,8 +108,8 @@ bool check_body(const body_def<S, D>& def) {
 /// A recipe without rotation takes none.
 template <class Plan, class Angular, class S>
 bool check_turn(const char* function, Angular velocity, S damping) {
-    return Plan::turns || (check_left_out(function, "angular_velocity", velocity) &&
-                           check_left_out(function, "angular_damping", damping));
+    return Plan::rotates || (check_left_out(function, "angular_velocity", velocity) &&
+                             check_left_out(function, "angular_damping", damping));
 }
 /// A recipe that looks after no body takes no flag.
 template <class Plan>
@@ -198,9 +198,9 @@ bool check_inertia(const char* function, const symmetric<double>& i) {
     if (!(inverted.xx > 0) || !(inverted_inertia(converted<S>(i)).xx > inverse_of<S>(0)))
         return refuse(function, "inertia.xx", i.xx, "the tensor that it begins must be positive definite");
     // About an axis between those of the frame a body may turn more easily than about any of them, or less.
-    const double most = i.xx + i.yy + i.zz, least = 1 / (inverted.xx + inverted.yy + inverted.zz);
-    if (representable<S>(most) && representable<S>(least) && representable<inverse_of<S>>(1 / least) &&
-        representable<inverse_of<S>>(1 / most))
+    const double maximum = i.xx + i.yy + i.zz, minimum = 1 / (inverted.xx + inverted.yy + inverted.zz);
+    if (representable<S>(maximum) && representable<S>(minimum) && representable<inverse_of<S>>(1 / minimum) &&
+        representable<inverse_of<S>>(1 / maximum))
         return true;
     const principal_axes principal = principal_axes_of(i);
     for (const double moment : principal.moments)
@@ -221,37 +221,37 @@ using scalar_of = typename scalar_in<Quantity>::type;
 
 /// Whether what was computed may become state: in fixed point, which wraps on the way, it must be near the exact value.
 template <scalar_type S>
-bool is_sound(S x, double exact) {
+bool is_representable(S x, double exact) {
     const double error = static_cast<double>(x) - exact, slack = 1e-3 * (1 + (exact < 0 ? -exact : exact));
     return is_in_range(x) && (!is_fixed<S> || (error <= slack && error >= -slack));
 }
 template <class S, int D>
-bool is_sound(const vec<S, D>& v, const vec<double, D>& exact) {
+bool is_representable(const vec<S, D>& v, const vec<double, D>& exact) {
     for (int i = 0; i < D; ++i)
-        if (!is_sound(v[i], exact[i])) return false;
+        if (!is_representable(v[i], exact[i])) return false;
     return true;
 }
 /// Where a point of a body is in the world, if that is in range: says whether.
 template <class S, int D>
 bool has_point(const transform<S, D>& pose, const vec<S, D>& local) {
-    return is_sound(pose * local, converted<double>(pose) * converted<double>(local));
+    return is_representable(pose * local, converted<double>(pose) * converted<double>(local));
 }
-/// Whether the velocity of a body at a lever from its centre of mass is in range.
+/// Whether the velocity of a body at r from its centre of mass is in range.
 template <class Twist, class S, int D>
-bool has_velocity_at(const Twist& v, const vec<S, D>& lever) {
-    return is_sound(velocity_at(v, lever), velocity_at(converted<double>(v), converted<double>(lever)));
+bool has_velocity_at(const Twist& v, const vec<S, D>& r) {
+    return is_representable(velocity_at(v, r), velocity_at(converted<double>(v), converted<double>(r)));
 }
 
 /// Whether a dynamic body can have these mass properties, given in double, where it is now.
-template <class S, int D, bool Turns>
-bool check_mass(const char* function, const body<S, D, Turns>& b, const mass_properties<double, D>& m,
-                bool without_inertia = !Turns) {
+template <class S, int D, bool Rotates>
+bool check_mass(const char* function, const body<S, D, Rotates>& b, const mass_properties<double, D>& m,
+                bool without_inertia = !Rotates) {
     if (!check_mass_value<S>(function, "mass", m.mass, 1 / m.mass)) return false;
     if (!without_inertia && !check_inertia<S>(function, m.inertia)) return false;
     const vec<S, D> center = converted<S>(m.center), moved = b.pose() * center;
-    return (is_sound(center, m.center) && has_point(b.pose(), center) &&
+    return (is_representable(center, m.center) && has_point(b.pose(), center) &&
             has_velocity_at(b.velocity, moved - b.center)) ||
-           refuse(function, "center", size_of(m.center),
+           refuse(function, "center", largest_magnitude(m.center),
                   "the body's centre of mass or its velocity would be beyond the scalar's range");
 }
 /// Whether matter can be spread so that a body has this inertia, to a thousandth: no principal moment is above the sum
@@ -280,7 +280,8 @@ bool check_sums(const char* function, const mass_properties<S, D>& sums, const m
     const auto agree = [](double x, double y, double size) { return x - y <= 0.25 * size && y - x <= 0.25 * size; };
     bool sound = agree(static_cast<double>(sums.mass), exact.mass, exact.mass);
     for (int k = 0; k < D; ++k) {
-        sound = sound && agree(static_cast<double>(sums.center[k]), exact.center[k], 1 + size_of(exact.center));
+        sound =
+            sound && agree(static_cast<double>(sums.center[k]), exact.center[k], 1 + largest_magnitude(exact.center));
         sound = sound && agree(moment(sums.inertia, k), moment(exact.inertia, k), moment(exact.inertia, k));
     }
     return sound || refuse(function, "mass", exact.mass,

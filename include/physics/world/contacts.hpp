@@ -17,17 +17,17 @@ proxy_pair in_order_of_kinds(const state<Plan>& s, proxy_pair p) {
 /// Some pairs in a row with what the narrowphase is to know of them: a query of each, and what the last step remembered
 /// of those that it cares to remember.
 template <class Plan>
-class recalled_pairs {
+class pair_queries {
     using query = typename Plan::query;
     using memory = typename Plan::pair_memory;
 
 public:
     /// Both lists are in ascending order, so one walk along both finds what is remembered.
-    recalled_pairs(state<Plan>& s, const proxy_pair* pairs, std::uint32_t count, arena& scratch)
-        : pairs_(pairs), count_(count), queries_(scratch.take<query>(count)) {
+    pair_queries(state<Plan>& s, const proxy_pair* pairs, std::uint32_t count, arena& scratch)
+        : pairs_(pairs), count_(count), queries_(scratch.allocate<query>(count)) {
         if constexpr (Plan::remembers) {
-            memories_ = scratch.take<memory>(count);
-            owners_ = scratch.take<owner>(count);
+            memories_ = scratch.allocate<memory>(count);
+            owners_ = scratch.allocate<owner>(count);
         }
         [[maybe_unused]] std::uint32_t last = no_memory;
         for (std::uint32_t i = 0; i < count; ++i) {
@@ -54,11 +54,11 @@ public:
     [[nodiscard]] std::uint32_t size() const { return count_; }
 
     /// Says which memories stay as they are, and adds the others to a list.
-    void hand_on(const pair_memories<Plan>& before, bool* is_kept, pair_memories<Plan>& news) const {
+    void save_to_cache(const pair_cache<Plan>& before, bool* is_kept, pair_cache<Plan>& changes) const {
         for (std::uint32_t k = 0; k < remembered_; ++k) {
             const auto [i, known] = owners_[k];
-            if (known != no_memory && before.is_as_it_was(known, memories_[k])) is_kept[known] = true;
-            else news.add(pairs_[i], memories_[k]);
+            if (known != no_memory && before.is_unchanged(known, memories_[k])) is_kept[known] = true;
+            else changes.add(pairs_[i], memories_[k]);
         }
     }
 
@@ -78,14 +78,16 @@ private:
 
 /// How running surfaces drive. Apart from the rest, since few do.
 template <class Plan>
-PHYSICS_HPP_NOINLINE void drive(typename Plan::contact& c, const shape_record<Plan>& a, const shape_record<Plan>& b) {
-    c.surface_velocity = driven(tangents<typename Plan::scalar, Plan::dimension>(c.normal), a.pose.rotation,
-                                a.material.surface_velocity, b.pose.rotation, b.material.surface_velocity);
+PHYSICS_HPP_NOINLINE void set_belt_velocity(typename Plan::contact& c, const shape_record<Plan>& a,
+                                            const shape_record<Plan>& b) {
+    c.surface_velocity =
+        relative_surface_velocity(tangents<typename Plan::scalar, Plan::dimension>(c.normal), a.pose.rotation,
+                                  a.material.surface_velocity, b.pose.rotation, b.material.surface_velocity);
 }
 /// Writes down the coefficients of two materials together; false if the recipe's rule gives what no solver takes.
 template <class Plan, class Coefficients>
-bool mix(Coefficients& c, const material<typename Plan::scalar, Plan::dimension>& of_a,
-         const material<typename Plan::scalar, Plan::dimension>& of_b) {
+bool combine_materials(Coefficients& c, const material<typename Plan::scalar, Plan::dimension>& of_a,
+                       const material<typename Plan::scalar, Plan::dimension>& of_b) {
     using S = typename Plan::scalar;
     using features = typename Plan::features;
     const auto is_good = [](S x) { return x >= S(0) && is_finite(x); };
@@ -101,14 +103,14 @@ bool mix(Coefficients& c, const material<typename Plan::scalar, Plan::dimension>
 }
 /// What both surfaces make of a contact of A and B, unless that is the same for all.
 template <class Plan>
-bool mix_surfaces([[maybe_unused]] typename Plan::contact& c, [[maybe_unused]] const shape_record<Plan>& a,
-                  [[maybe_unused]] const shape_record<Plan>& b) {
+bool combine_surface_materials([[maybe_unused]] typename Plan::contact& c, [[maybe_unused]] const shape_record<Plan>& a,
+                               [[maybe_unused]] const shape_record<Plan>& b) {
     if constexpr (Plan::features::materials) {
         const material<typename Plan::scalar, Plan::dimension> of_a = a.material.whole(), of_b = b.material.whole();
-        const bool good = mix<Plan>(c, of_a, of_b);
+        const bool good = combine_materials<Plan>(c, of_a, of_b);
         if constexpr (Plan::features::surface_velocity) {
-            const surface_motion<typename Plan::scalar, Plan::dimension> still{};
-            if (of_a.surface_velocity != still || of_b.surface_velocity != still) drive(c, a, b);
+            const surface_motion<typename Plan::scalar, Plan::dimension> at_rest{};
+            if (of_a.surface_velocity != at_rest || of_b.surface_velocity != at_rest) set_belt_velocity(c, a, b);
         }
         return good;
     } else {
@@ -117,14 +119,14 @@ bool mix_surfaces([[maybe_unused]] typename Plan::contact& c, [[maybe_unused]] c
 }
 /// What all surfaces of this step make of each other, if they are of one material.
 template <class Plan>
-bool mix_common_surface([[maybe_unused]] state<Plan>& s) {
+bool combine_common_materials([[maybe_unused]] state<Plan>& s) {
     if constexpr (Plan::features::materials) {
         return true;
     } else {
         auto of_all = s.settings.material;
         // As materials of shapes, it lacks what the recipe leaves out.
         if constexpr (!Plan::features::friction) of_all.friction = {};
-        return mix<Plan>(s.found_surfaces, of_all, of_all);
+        return combine_materials<Plan>(s.new_material, of_all, of_all);
     }
 }
 
@@ -138,26 +140,26 @@ bool add_contact(const state<Plan>& s, proxy_pair pair, std::uint32_t part, cons
     const auto& a = s.shapes[p.a];
     const auto& b = s.shapes[p.b];
     const rotation<S, D> turn = a.pose.rotation;
-    auto& c = to.emplace(p.a, p.b, s.mover_of[a.body], s.mover_of[b.body], part, turn * m.normal, a.arm,
-                         b.arm + (a.pose.position - b.pose.position), static_cast<std::uint8_t>(m.count));
+    auto& c = to.emplace_back(p.a, p.b, s.awake_index[a.body], s.awake_index[b.body], part, turn * m.normal, a.r,
+                              b.r + (a.pose.position - b.pose.position), static_cast<std::uint8_t>(m.count));
     for (int k = 0; k < m.count; ++k) {
         c.points[k].position = turn * m.points[k].position;
         c.points[k].separation = m.points[k].separation;
         c.points[k].feature = m.points[k].feature;
     }
-    return mix_surfaces(c, a, b);
+    return combine_surface_materials(c, a, b);
 }
 
-/// What the search of pairs has come to: whether all surfaces mix, some shape is deep in another, and somebody who is
-/// awake comes near a sleeper.
-struct search_result {
-    bool mixed = true, deep = false, disturbs = false;
+/// Result flags of the narrowphase: all combined coefficients are valid; some contact is deep; an awake body is near a
+/// sleeping one.
+struct collide_result {
+    bool materials_valid = true, deep = false, near_sleeper = false;
 };
 /// Adds the contacts of some pairs in a row.
 template <class Plan>
-search_result search_pairs(state<Plan>& s, const recalled_pairs<Plan>& of,
-                           manifold_list<typename Plan::scalar, Plan::dimension>& manifolds,
-                           buffer<typename Plan::contact>& to) {
+collide_result collide_chunk(state<Plan>& s, const pair_queries<Plan>& of,
+                             manifold_list<typename Plan::scalar, Plan::dimension>& manifolds,
+                             buffer<typename Plan::contact>& to) {
     using S = typename Plan::scalar;
     manifolds.clear();
     const auto collide = [&](const auto* some, std::uint32_t count, S within) {
@@ -167,69 +169,69 @@ search_result search_pairs(state<Plan>& s, const recalled_pairs<Plan>& of,
     if constexpr (Plan::looks_ahead)
         collide_ahead(s, of.queries(), of.memories(), of.pairs(), of.size(), manifolds, collide);
     else collide(of.queries(), of.size(), s.settings.contact_margin);
-    search_result result;
+    collide_result result;
     for (const auto& [query, part, m] : manifolds) {
         const proxy_pair pair = of.pairs()[query];
         const std::uint32_t a = s.shapes[pair.a].body, b = s.shapes[pair.b].body;
-        // Broadphases need not report two that stand; if one does, nobody has to solve it.
-        if (s.mover_of[a] == s.mover_of[b]) continue;
-        result.mixed = add_contact(s, pair, part, m, to) && result.mixed;
+        // Broadphases need not leave out pairs of two bodies that are static or asleep; such a pair needs no solving.
+        if (s.awake_index[a] == s.awake_index[b]) continue;
+        result.materials_valid = add_contact(s, pair, part, m, to) && result.materials_valid;
         result.deep = result.deep || is_deep(s, to.back());
-        // Who stands or sleeps has the last number.
-        result.disturbs = result.disturbs || s.is_asleep(s.mover_of[a] < s.mover_of[b] ? b : a);
+        // Bodies that do not move or sleep have the last number.
+        result.near_sleeper = result.near_sleeper || s.is_asleep(s.awake_index[a] < s.awake_index[b] ? b : a);
     }
     return result;
 }
 
 /// The contacts of a part of the pairs: where they lie among those that a worker has found.
-struct found_piece {
+struct contact_chunk {
     std::uint32_t worker, first, end;
-    search_result is;
+    collide_result is;
 
     [[nodiscard]] std::uint32_t size() const { return end - first; }
 };
 /// Brings the pieces of several workers together, in their order, and notes which bodies they find deep in others.
 template <class Plan>
-search_result join_pieces(state<Plan>& s, found_piece* pieces, std::uint32_t count, crew& hands) {
+collide_result join_chunks(state<Plan>& s, contact_chunk* pieces, std::uint32_t count, task_runner& tasks) {
     using contact = typename Plan::contact;
-    search_result all;
+    collide_result all;
     std::uint32_t found = 0;
     for (std::uint32_t k = 0; k < count; ++k) {
-        all.mixed = all.mixed && pieces[k].is.mixed;
+        all.materials_valid = all.materials_valid && pieces[k].is.materials_valid;
         all.deep = all.deep || pieces[k].is.deep;
-        all.disturbs = all.disturbs || pieces[k].is.disturbs;
+        all.near_sleeper = all.near_sleeper || pieces[k].is.near_sleeper;
         found += pieces[k].size();
     }
     // What the caller has found first stays where it is.
     std::uint32_t kept = 0;
-    if (!hands.is_alone()) {
-        auto& own = s.found_by[0];
+    if (!tasks.is_serial()) {
+        auto& own = s.contacts_by_worker[0];
         std::uint32_t in_place = 0;
         for (; kept < count && pieces[kept].worker == 0 && pieces[kept].first == in_place; ++kept)
             in_place += pieces[kept].size();
         // The rest of it, if any, moves aside.
-        s.found.clear();
+        s.new_contacts.clear();
         if (own.size() > in_place)
-            std::memcpy(static_cast<void*>(s.found.extend(own.size() - in_place)), own.begin() + in_place,
+            std::memcpy(static_cast<void*>(s.new_contacts.extend(own.size() - in_place)), own.begin() + in_place,
                         (own.size() - in_place) * sizeof(contact));
         for (std::uint32_t k = kept; k < count; ++k)
             if (pieces[k].worker == 0) pieces[k].first -= in_place, pieces[k].end -= in_place;
         own.resize(in_place);
-        s.found.swap(own);
-        s.found.extend(found - in_place);
+        s.new_contacts.swap(own);
+        s.new_contacts.extend(found - in_place);
     }
-    contact* to = s.found.begin();
-    auto** places = s.scratch.template take<contact*>(count);
+    contact* to = s.new_contacts.begin();
+    auto** places = s.scratch.template allocate<contact*>(count);
     for (std::uint32_t k = 0; k < count; ++k) {
         places[k] = to;
         to += pieces[k].size();
     }
-    if (!hands.is_alone())
+    if (!tasks.is_serial())
         // Of all pieces, so that workers copy what they have found.
-        hands.each(kept < count ? count : 0, [&](std::uint32_t k, std::uint32_t) {
-            const found_piece& of = pieces[k];
+        tasks.parallel_tasks(kept < count ? count : 0, [&](std::uint32_t k, std::uint32_t) {
+            const contact_chunk& of = pieces[k];
             if (k < kept || of.size() == 0) return;
-            std::memcpy(static_cast<void*>(places[k]), s.found_by[of.worker].begin() + of.first,
+            std::memcpy(static_cast<void*>(places[k]), s.contacts_by_worker[of.worker].begin() + of.first,
                         of.size() * sizeof(contact));
         });
     for (std::uint32_t k = 0; k < count; ++k) {
@@ -243,56 +245,56 @@ search_result join_pieces(state<Plan>& s, found_piece* pieces, std::uint32_t cou
 /// same features had in a step of length `last`, scaled to one of h: they hold loads, which a longer step holds by
 /// larger ones. What it remembers of the pairs becomes the next step's, unless it is not to.
 template <class Plan>
-search_result find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs,
-                            const buffer<typename Plan::contact>& before, typename Plan::scalar last,
-                            typename Plan::scalar h, crew& hands, [[maybe_unused]] bool remembers = true) {
+collide_result find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs,
+                             const buffer<typename Plan::contact>& before, typename Plan::scalar last,
+                             typename Plan::scalar h, task_runner& tasks, [[maybe_unused]] bool remembers = true) {
     // So many pairs that what is found of them is still in the caches when it becomes contacts.
     constexpr std::uint32_t share = 256;
     const std::uint32_t count = (pairs.size() + share - 1) / share;
-    found_piece* pieces = s.scratch.template take<found_piece>(count);
-    [[maybe_unused]] auto& news = s.memory_changes;
+    contact_chunk* pieces = s.scratch.template allocate<contact_chunk>(count);
+    [[maybe_unused]] auto& changes = s.pair_cache_changes;
     if constexpr (Plan::remembers)
-        if (remembers) news.start(s.memories, count, hands, s.scratch);
-    s.found.clear();
-    if (hands.is_alone()) s.found.reserve(before.size());
+        if (remembers) changes.start(s.memories, count, tasks, s.scratch);
+    s.new_contacts.clear();
+    if (tasks.is_serial()) s.new_contacts.reserve(before.size());
     else
-        for (std::uint32_t k = 0; k < hands.workers(); ++k) s.found_by[k].clear();
-    hands.each_part(pairs.size(), share, [&](std::uint32_t first, std::uint32_t end, std::uint32_t worker) {
-        auto& to = hands.is_alone() ? s.found : s.found_by[worker];
+        for (std::uint32_t k = 0; k < tasks.workers(); ++k) s.contacts_by_worker[k].clear();
+    tasks.parallel_chunks(pairs.size(), share, [&](std::uint32_t first, std::uint32_t end, std::uint32_t worker) {
+        auto& to = tasks.is_serial() ? s.new_contacts : s.contacts_by_worker[worker];
         const std::uint32_t start = to.size();
         // Solvers come to it later in the step.
         arena& scratch = s.batch_scratch[worker];
         scratch.reset();
-        const recalled_pairs<Plan> some(s, pairs.begin() + first, end - first, scratch);
-        const search_result is = search_pairs(s, some, s.manifolds[worker], to);
+        const pair_queries<Plan> some(s, pairs.begin() + first, end - first, scratch);
+        const collide_result is = collide_chunk(s, some, s.manifolds[worker], to);
         if constexpr (Plan::remembers)
-            if (remembers) news.add(some, s.memories, first / share, worker);
-        inherit_impulses(before, to.begin() + start, to.end(), s.found_surfaces);
-        stretch(to.begin() + start, to.end(), last, h);
-        new (pieces + first / share) found_piece{worker, start, to.size(), is};
+            if (remembers) changes.add(some, s.memories, first / share, worker);
+        inherit_impulses(before, to.begin() + start, to.end(), s.new_material);
+        rescale_impulses(to.begin() + start, to.end(), last, h);
+        new (pieces + first / share) contact_chunk{worker, start, to.size(), is};
     });
-    return join_pieces(s, pieces, count, hands);
+    return join_chunks(s, pieces, count, tasks);
 }
 
-/// Who is woken brings contacts along: they are found anew, and join the others. False if surfaces do not mix.
+/// Adds the contacts of woken islands, found anew. False if materials do not combine.
 template <class Plan>
-bool find_contacts_of_woken(state<Plan>& s, typename Plan::scalar h, crew& hands) {
-    find_numbers(s);
-    for (auto& c : s.found) {
-        c.body_a = s.mover_of[body_a(s, c)];
-        c.body_b = s.mover_of[body_b(s, c)];
+bool find_contacts_of_woken(state<Plan>& s, typename Plan::scalar h, task_runner& tasks) {
+    index_awake(s);
+    for (auto& c : s.new_contacts) {
+        c.body_a = s.awake_index[body_a(s, c)];
+        c.body_b = s.awake_index[body_b(s, c)];
     }
     s.woken_pairs.clear();
-    // Kinematic bodies always count among those that move, but wake nobody.
-    const auto wakes = [&](std::uint32_t i) { return s.bodies[i].is_dynamic() && s.mover_of[i] < s.movers.size(); };
+    // Kinematic bodies are always in the awake list, but wake no other body.
+    const auto wakes = [&](std::uint32_t i) { return s.bodies[i].is_dynamic() && s.awake_index[i] < s.awake.size(); };
     for (const auto& c : s.sleep.contacts) {
         if (!wakes(body_a(s, c)) && !wakes(body_b(s, c))) continue;
-        if (s.woken_pairs.empty() || s.woken_pairs.back() < c.key()) s.woken_pairs.push(c.key());
+        if (s.woken_pairs.empty() || s.woken_pairs.back() < c.key()) s.woken_pairs.push_back(c.key());
     }
-    s.found.swap(s.woken_contacts);
-    const bool good = find_contacts(s, s.woken_pairs, s.sleep.contacts, s.sleep.step, h, hands, false).mixed;
-    merge_contacts(s.woken_contacts, s.found);
-    s.found.swap(s.woken_contacts);
+    s.new_contacts.swap(s.woken_contacts);
+    const bool good = find_contacts(s, s.woken_pairs, s.sleep.contacts, s.sleep.step, h, tasks, false).materials_valid;
+    merge_contacts(s.woken_contacts, s.new_contacts);
+    s.new_contacts.swap(s.woken_contacts);
     return good;
 }
 

@@ -13,8 +13,8 @@ template <class Plan>
 void refresh_boxes(state<Plan>& s, std::uint32_t body) {
     const auto& b = s.bodies[body];
     each_shape(s, body, [&](std::uint32_t i, shape_record<Plan>& shape) {
-        locate(shape, b.pose(), b.center);
-        s.broadphase.move(i, needed_box(s, shape), {});
+        update_pose(shape, b.pose(), b.center);
+        s.broadphase.move(i, query_bounds(s, shape), {});
     });
     update_broadphase(s);
 }
@@ -22,7 +22,7 @@ void refresh_boxes(state<Plan>& s, std::uint32_t body) {
 /// Forgets the contacts for which gone(contact) is true; the others keep their order.
 template <class Plan, class Gone>
 void drop_contacts(state<Plan>& s, Gone&& gone) {
-    part_contacts(
+    partition_contacts(
         s.contacts, [&](const auto& c) { return !gone(c); }, [](const auto&) {});
 }
 
@@ -39,7 +39,7 @@ body_id create_body(state<Plan>& s, const body_def<typename Plan::scalar, Plan::
     if (def.type != body_type::static_body) b.velocity.linear = def.linear_velocity;
     b.linear_damping = def.linear_damping;
     b.gravity_scale = def.gravity_scale;
-    if constexpr (Plan::turns) {
+    if constexpr (Plan::rotates) {
         if (def.type != body_type::static_body) b.velocity.angular = def.angular_velocity;
         b.angular_damping = def.angular_damping;
         b.rotation_locked = def.rotation_locked;
@@ -50,16 +50,16 @@ body_id create_body(state<Plan>& s, const body_def<typename Plan::scalar, Plan::
     const auto place = s.bodies.insert(b);
     if constexpr (Plan::sleeps) s.sleep.start(place.index, b.center);
     s.contact_starts.resize(s.bodies.slots());
-    s.movers_changed = true;
+    s.awake_changed = true;
     refresh_mass(s, place.index);
     return {place.index, place.generation, s.tag};
 }
 
 template <class Plan>
 void destroy_body(state<Plan>& s, std::uint32_t index) {
-    rouse(s, index);
+    wake_affected(s, index);
     drop_contacts(s, [&](const auto& c) { return body_a(s, c) == index || body_b(s, c) == index; });
-    s.movers_changed = true;
+    s.awake_changed = true;
     s.memories.drop([&](std::uint32_t shape) { return s.shapes[shape].body == index; });
     each_shape(s, index, [&](std::uint32_t i, const shape_record<Plan>&) {
         s.broadphase.erase(i);
@@ -72,7 +72,7 @@ template <class Plan, class Shape>
 shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape, const typename Plan::shape_def& def) {
     using S = typename Plan::scalar;
     const char* f = "create_shape";
-    const found at = find_body(s, body, f);
+    const lookup at = find_body(s, body, f);
     if (!at || !check(shape, f) || !check_pose(f, def.position, def.rotation) ||
         !check_not_negative(f, "density", def.density))
         return {};
@@ -90,21 +90,21 @@ shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape, const ty
     record.density = def.density;
     record.body = at.index;
     record.user_data = def.user_data;
-    locate(record, owner.pose(), owner.center);
-    const auto box = needed_box(s, record);
+    update_pose(record, owner.pose(), owner.center);
+    const auto box = query_bounds(s, record);
     if (!check_extent(f, box)) return {};
     if (def.density > S(0) && owner.is_dynamic() && !owner.mass_is_set &&
         !check_shapes_mass(s, at.index, f, no_shape, &record))
         return {};
     // First, so that what a sleeper touches is among the contacts that move with its centre of mass.
-    rouse(s, at.index);
+    wake_affected(s, at.index);
     const auto place = s.shapes.insert(record);
     std::uint32_t* link = &s.bodies[at.index].first_shape;
     while (*link != no_shape && *link > place.index) link = &s.shapes[*link].next;
     s.shapes[place.index].next = std::exchange(*link, place.index);
     s.broadphase.insert(place.index, box, filter_of(s, record));
     refresh_mass(s, at.index);
-    rouse_near(s, at.index);
+    wake_near(s, at.index);
     return {place.index, place.generation, s.tag};
 }
 
@@ -113,7 +113,7 @@ void destroy_shape(state<Plan>& s, std::uint32_t index) {
     const std::uint32_t body = s.shapes[index].body;
     const auto& owner = s.bodies[body];
     if (owner.is_dynamic() && !owner.mass_is_set && !check_shapes_mass(s, body, "destroy_shape", index)) return;
-    rouse(s, body);
+    wake_affected(s, body);
     drop_contacts(s, [&](const auto& c) { return c.shape_a == index || c.shape_b == index; });
     s.memories.drop([&](std::uint32_t shape) { return shape == index; });
     std::uint32_t* link = &s.bodies[body].first_shape;
@@ -129,40 +129,40 @@ void set_pose(state<Plan>& s, std::uint32_t index, const transform<typename Plan
     const char* f = "set_pose";
     auto& b = s.bodies[index];
     if (!has_point(pose, b.mass.center)) {
-        refuse(f, "centre of mass", size_of(pose * b.mass.center), "it must lie within the scalar's range");
+        refuse(f, "centre of mass", largest_magnitude(pose * b.mass.center), "it must lie within the scalar's range");
         return;
     }
     auto there = b;
     there.set_pose(pose);
     bool fits = true;
     each_shape(s, index, [&](std::uint32_t, shape_record<Plan> shape) {
-        locate(shape, there.pose(), there.center);
-        fits = fits && check_extent(f, needed_box(s, shape));
+        update_pose(shape, there.pose(), there.center);
+        fits = fits && check_extent(f, query_bounds(s, shape));
     });
     if (!fits) return;
-    rouse(s, index);
+    wake_affected(s, index);
     b.set_pose(pose);
-    if (b.type == body_type::static_body) s.movers_changed = true;
+    if (b.type == body_type::static_body) s.awake_changed = true;
     refresh_boxes(s, index);
-    rouse_near(s, index);
+    wake_near(s, index);
 }
 
 /// Wakes what lies on a kinematic body's way, unless it is told to stay where it is.
 template <class Plan>
 void move_to(state<Plan>& s, std::uint32_t index, vec<typename Plan::scalar, Plan::dimension> position,
-             const rotation<typename Plan::scalar, Plan::dimension>& orientation) {
+             const rotation<typename Plan::scalar, Plan::dimension>& rotation) {
     auto& b = s.bodies[index];
     // As it is turned, to the bit: it stands then.
-    const auto turn = orientation == b.rotation ? b.rotation : normalized(orientation);
-    // Neither what the body was made with, nor what it says that it has.
-    if (!Plan::turns && !(orientation == b.rotation) && !(turn == b.rotation)) {
-        refuse("move_to", "orientation", "another one", "the recipe leaves rotation out");
+    const auto turn = rotation == b.rotation ? b.rotation : normalized(rotation);
+    // Accept only the body's own rotation, as stored or as given before normalisation.
+    if (!Plan::rotates && !(rotation == b.rotation) && !(turn == b.rotation)) {
+        refuse("move_to", "rotation", "another one", "the recipe leaves rotation out");
         return;
     }
-    const transform<typename Plan::scalar, Plan::dimension> pose{position, Plan::turns ? turn : b.rotation};
+    const transform<typename Plan::scalar, Plan::dimension> pose{position, Plan::rotates ? turn : b.rotation};
     b.target = pose;
     b.has_target = true;
-    if (!(pose == b.pose())) rouse_near(s, index, pose);
+    if (!(pose == b.pose())) wake_near(s, index, pose);
 }
 
 /// A velocity that the user gives a body takes the place of one that it has from a target.
@@ -193,7 +193,7 @@ void set_type(state<Plan>& s, std::uint32_t index, body_type type) {
         }
         if (!b.mass_is_set && !check_shapes_mass(s, index, f)) return;
     }
-    rouse(s, index);
+    wake_affected(s, index);
     if (type == body_type::static_body) b.velocity = {};
     if (type != body_type::dynamic_body) {
         b.force = {};
@@ -202,9 +202,9 @@ void set_type(state<Plan>& s, std::uint32_t index, body_type type) {
     b.has_target = false;
     b.at_target = false;
     b.type = type;
-    s.movers_changed = true;
+    s.awake_changed = true;
     refresh_mass(s, index);
-    refile_proxies(s, index);
+    reinsert_proxies(s, index);
     drop_contacts(s, [&](const auto& c) {
         const std::uint32_t first = body_a(s, c), second = body_b(s, c);
         return (first == index || second == index) && !s.bodies[first].is_dynamic() && !s.bodies[second].is_dynamic();
@@ -216,7 +216,7 @@ void set_mass(state<Plan>& s, std::uint32_t index,
               const mass_properties<typename Plan::scalar, Plan::dimension>& mass) {
     const char* f = "set_mass";
     const bool nothing_turns_it = mass.inertia == decltype(mass.inertia){};
-    if (!Plan::turns && !nothing_turns_it) {
+    if (!Plan::rotates && !nothing_turns_it) {
         refuse(f, "inertia", "not 0", "the recipe leaves rotation out");
         return;
     }
@@ -224,21 +224,21 @@ void set_mass(state<Plan>& s, std::uint32_t index,
         !check_mass(f, s.bodies[index], converted<double>(mass), nothing_turns_it) ||
         (!nothing_turns_it && !check_spread(f, converted<double>(mass).inertia)))
         return;
-    rouse(s, index);
+    wake_affected(s, index);
     s.bodies[index].mass_is_set = true;
     set_mass_properties(s, index, mass);
 }
 template <class Plan>
 void reset_mass(state<Plan>& s, std::uint32_t index) {
     if (!check_shapes_mass(s, index, "reset_mass")) return;
-    rouse(s, index);
+    wake_affected(s, index);
     s.bodies[index].mass_is_set = false;
     refresh_mass(s, index);
 }
 
 template <class Plan>
 void set_rotation_locked(state<Plan>& s, std::uint32_t index, bool locked) {
-    rouse(s, index);
+    wake_affected(s, index);
     auto& b = s.bodies[index];
     b.rotation_locked = locked;
     if (locked) b.velocity.angular = {};
@@ -246,22 +246,22 @@ void set_rotation_locked(state<Plan>& s, std::uint32_t index, bool locked) {
 }
 
 template <class Plan>
-void set_surface(state<Plan>& s, shape_id id, const material<typename Plan::scalar, Plan::dimension>& m) {
-    const found at = find_shape(s, id, "set_surface");
-    if (!at || !check_material<Plan>("set_surface", m)) return;
-    rouse(s, s.shapes[at.index].body);
+void set_material(state<Plan>& s, shape_id id, const material<typename Plan::scalar, Plan::dimension>& m) {
+    const lookup at = find_shape(s, id, "set_material");
+    if (!at || !check_material<Plan>("set_material", m)) return;
+    wake_affected(s, s.shapes[at.index].body);
     s.shapes[at.index].material = m;
 }
 
 template <class Plan>
 bool is_continuous(const state<Plan>& s, body_id id) {
-    const found at = find_body(s, id, "continuous");
+    const lookup at = find_body(s, id, "continuous");
     return at && s.bodies[at.index].continuous;
 }
 template <class Plan>
 void set_continuous(state<Plan>& s, body_id id, bool on) {
     const char* f = "set_continuous";
-    const found at = find_body(s, id, f);
+    const lookup at = find_body(s, id, f);
     if (at && check_continuous<Plan>(f, on)) s.bodies[at.index].continuous = on;
 }
 
@@ -276,7 +276,7 @@ void change_settings(state<Plan>& s, const typename Plan::settings& settings) {
     if constexpr (Plan::sleeps)
         if (!settings.sleeping.enabled) {
             wake_all(s);
-            for (auto& still : s.sleep.still) still = {};
+            for (auto& sleep_time : s.sleep.sleep_time) sleep_time = {};
         }
     s.settings = settings;
     configure_broadphase(s);
@@ -293,103 +293,6 @@ void set_settings(state<Plan>& s, const typename Plan::settings& settings) {
             fits = fits && check_extent(f, box_within(settings.contact_margin, shape));
         });
     if (fits) change_settings(s, settings);
-}
-
-/// Stores a quantity that an action has changed, unless it is beyond the scalar's range: false then. Sums of two that
-/// are in range show it.
-template <class Quantity>
-bool assign(Quantity& to, const Quantity& value) {
-    if (!is_in_range(value)) return false;
-    to = value;
-    return true;
-}
-/// The same of what sums of products have come to: where they wrap, the exact value is asked for.
-template <class Quantity, class Exact>
-bool assign(Quantity& to, const Quantity& value, Exact&& exact) {
-    if constexpr (is_fixed<scalar_of<Quantity>>)
-        if (!is_sound(value, exact())) return false;
-    return assign(to, value);
-}
-inline bool refuse_action(const char* function, const char* field, double size) {
-    return refuse(function, field, size, "with it a force or velocity of the body would be beyond the scalar's range");
-}
-
-/// Calls f(body, force, lever) with a force or impulse and its lever from the centre of mass, in world axes;
-/// f says whether the body can take it.
-template <class Plan, class F>
-void act(state<Plan>& s, body_id id, const char* function, const char* field,
-         vec<typename Plan::scalar, Plan::dimension> force, bool local,
-         const vec<typename Plan::scalar, Plan::dimension>* point, F&& f) {
-    const found at = find_dynamic(s, id, function);
-    if (!at || !check_in_range(function, field, force) || (point && !check_in_range(function, "point", *point))) return;
-    auto& b = s.bodies[at.index];
-    vec<typename Plan::scalar, Plan::dimension> lever;
-    if (point) lever = local ? b.rotation * (*point - b.mass.center) : *point - b.center;
-    if (!f(b, local ? b.rotation * force : force, lever)) refuse_action(function, field, size_of(force));
-    else if (!(force == decltype(force){})) wake(s, at.index);
-}
-template <class Plan>
-void push(state<Plan>& s, body_id id, const char* function, vec<typename Plan::scalar, Plan::dimension> force,
-          bool local, const vec<typename Plan::scalar, Plan::dimension>* point) {
-    act(s, id, function, "force", force, local, point, [](auto& b, auto f, [[maybe_unused]] auto lever) {
-        if constexpr (Plan::turns) {
-            auto torque = b.torque;
-            const auto exact = [&] {
-                return converted<double>(b.torque) + cross(converted<double>(lever), converted<double>(f));
-            };
-            if (!assign(torque, b.torque + cross(lever, f), exact) || !assign(b.force, b.force + f)) return false;
-            b.torque = torque;
-            return true;
-        } else {
-            return assign(b.force, b.force + f);
-        }
-    });
-}
-/// The velocity of a body after an impulse at a lever, computed with the scalar T.
-template <class T, class S, int D, bool Turns>
-auto after_impulse(const body<S, D, Turns>& b, const vec<S, D>& impulse, [[maybe_unused]] const vec<S, D>& lever) {
-    solver_body<T, D, Turns> v{converted<T>(b.velocity), {}, static_cast<inverse_of<T>>(b.inverse_mass), {}};
-    if constexpr (Turns) v.inverse_inertia = converted<inverse_of<T>>(in_world(b.inverse_inertia, b.rotation));
-    v.apply(converted<T>(impulse), converted<T>(lever));
-    return v.velocity;
-}
-template <class Plan>
-void kick(state<Plan>& s, body_id id, const char* function, vec<typename Plan::scalar, Plan::dimension> impulse,
-          bool local, const vec<typename Plan::scalar, Plan::dimension>* point) {
-    act(s, id, function, "impulse", impulse, local, point, [](auto& b, auto p, auto lever) {
-        auto v = after_impulse<typename Plan::scalar>(b, p, lever);
-        const auto after = v;
-        if (!assign(v.linear, after.linear, [&] { return after_impulse<double>(b, p, lever).linear; })) return false;
-        if constexpr (Plan::turns)
-            if (!assign(v.angular, after.angular, [&] { return after_impulse<double>(b, p, lever).angular; }))
-                return false;
-        b.velocity = v;
-        return true;
-    });
-}
-template <class Plan>
-void push_spin(state<Plan>& s, body_id id, physics::angular<typename Plan::scalar, Plan::dimension> torque) {
-    const char* f = "apply_torque";
-    const found at = find_dynamic(s, id, f);
-    if (!at || !check_in_range(f, "torque", torque)) return;
-    auto& b = s.bodies[at.index];
-    if (!assign(b.torque, b.torque + torque)) refuse_action(f, "torque", size_of(torque));
-    else if (!(torque == decltype(torque){})) wake(s, at.index);
-}
-template <class Plan>
-void kick_spin(state<Plan>& s, body_id id, physics::angular<typename Plan::scalar, Plan::dimension> impulse) {
-    const char* f = "apply_angular_impulse";
-    const found at = find_dynamic(s, id, f);
-    if (!at || !check_in_range(f, "impulse", impulse)) return;
-    auto& b = s.bodies[at.index];
-    const auto inverse_inertia = in_world(b.inverse_inertia, b.rotation);
-    const auto exact = [&] {
-        return converted<double>(b.velocity.angular) +
-               times(converted<double>(inverse_inertia), converted<double>(impulse));
-    };
-    if (!assign(b.velocity.angular, b.velocity.angular + times(inverse_inertia, impulse), exact))
-        refuse_action(f, "impulse", size_of(impulse));
-    else if (!(impulse == decltype(impulse){})) wake(s, at.index);
 }
 
 }  // namespace detail

@@ -1,8 +1,8 @@
-// How thick bodies are and how far they reach, for those who look after fast ones.
+// Thickness and extent of bodies, for continuous collision.
 #pragma once
 
+#include "physics/collide/first_penetration.hpp"
 #include "physics/collide/part_queries.hpp"
-#include "physics/collide/passage.hpp"
 #include "physics/world/state.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -45,7 +45,7 @@ PHYSICS_HPP_COLD void measure_body(const state<Plan>& s, std::uint32_t index, bo
             each_swept_piece(shape, everywhere(record.local.rotation),
                              [&](const core<D>& c, const mat<double, D>& turned, const point<D>& where) {
                                  const double far = reach_from(c, transposed_times(turned, at - where));
-                                 thickness = min(thickness, inner_radius<Plan::few_corners>(c));
+                                 thickness = min(thickness, inradius_of<Plan::few_corners>(c));
                                  reach = max(reach, far);
                                  outer = max(outer, far + c.radius);
                              });
@@ -61,8 +61,8 @@ PHYSICS_HPP_COLD void measure_body(const state<Plan>& s, std::uint32_t index, bo
         }
         outer = max(outer, physics::sqrt(square));
     });
-    const double most = static_cast<double>(scalar_traits<S>::max()) * 0.25;
-    to = {static_cast<S>(min(thickness, most)), static_cast<S>(min(reach, most)), min(outer, most)};
+    const double maximum = static_cast<double>(scalar_traits<S>::max()) * 0.25;
+    to = {static_cast<S>(min(thickness, maximum)), static_cast<S>(min(reach, maximum)), min(outer, maximum)};
 }
 
 /// Keeps these of a body whose shapes or centre of mass have changed. O(shapes of the body).

@@ -45,8 +45,8 @@ public:
         add(t.position);
         add(t.rotation);
     }
-    template <class S, int D, bool Turns>
-    void add(const body<S, D, Turns>& b) {
+    template <class S, int D, bool Rotates>
+    void add(const body<S, D, Rotates>& b) {
         add(static_cast<std::uint64_t>(b.type) | std::uint64_t{b.rotation_locked} << 8 |
             std::uint64_t{b.mass_is_set} << 9 | std::uint64_t{b.has_target} << 10 | std::uint64_t{b.can_sleep} << 11 |
             std::uint64_t{b.at_target} << 12 | std::uint64_t{b.continuous} << 16);
@@ -85,13 +85,13 @@ public:
     void add(const contact<S, D, Features>& c) {
         add(c.normal);
         add(value_of(c.twist_impulse));
-        add(value_of(c.friction_load));
+        add(value_of(c.substep_friction));
         add(value_of(c.rolling_impulse));
         add(static_cast<std::uint64_t>(c.count) | std::uint64_t{c.part} << 32);
         for (int k = 0; k < c.count; ++k) {
             add(std::uint64_t{c.points[k].feature});
             add(c.points[k].normal_impulse);
-            add(c.points[k].load);
+            add(c.points[k].substep_impulse);
             add(value_of(c.points[k].friction_impulse));
         }
     }
@@ -164,9 +164,9 @@ std::uint64_t state_hash(const state<Plan>& s) {
     for (const auto& c : s.contacts) h.add(hash_of(std::uint64_t{c.shape_a} << 32 | c.shape_b, c));
     if constexpr (Plan::sleeps) {
         s.bodies.each([&](std::uint32_t i, const auto&) {
-            h.add(s.sleep.still[i]);
-            h.add(s.sleep.since[i]);
-            h.add(std::uint64_t{s.sleep.ring[i]});
+            h.add(s.sleep.sleep_time[i]);
+            h.add(s.sleep.sleep_anchor[i]);
+            h.add(std::uint64_t{s.sleep.island_next[i]});
         });
         if (!s.sleep.contacts.empty()) h.add(s.sleep.step);
         for (const auto& c : s.sleep.contacts) h.add(hash_of(std::uint64_t{c.shape_a} << 32 | c.shape_b, c));

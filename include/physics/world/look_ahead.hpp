@@ -30,7 +30,7 @@ void look_ahead(state<Plan>& s, typename Plan::scalar h) {
             if (!(ahead > S(0))) return;
             any = true;
             each_shape(s, i, [&](std::uint32_t k, const auto& shape) {
-                const auto box = grown(needed_box(s, shape), ahead);
+                const auto box = grown(query_bounds(s, shape), ahead);
                 if (is_box(box)) s.broadphase.move(k, box, {});
             });
         });

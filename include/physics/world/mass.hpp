@@ -102,20 +102,20 @@ void set_mass_properties(state<Plan>& s, std::uint32_t index,
         b.center = center;
         const vec<S, Plan::dimension> turned_shift = s.contact_starts[index].rotation * shift;
         for (auto& c : s.contacts) {
-            if (body_a(s, c) == index) c.arm_a -= turned_shift;
-            if (body_b(s, c) == index) c.arm_b -= turned_shift;
+            if (body_a(s, c) == index) c.r_a -= turned_shift;
+            if (body_b(s, c) == index) c.r_b -= turned_shift;
         }
     }
     b.mass = mass;
-    each_shape(s, index, [&](std::uint32_t, auto& shape) { locate(shape, b.pose(), b.center); });
+    each_shape(s, index, [&](std::uint32_t, auto& shape) { update_pose(shape, b.pose(), b.center); });
     refresh_extent(s, index);
     b.inverse_mass = b.is_dynamic() ? reciprocal<inverse_of<S>>(mass.mass) : inverse_of<S>(0);
-    if constexpr (Plan::turns) {
-        const bool turns = b.is_dynamic() && !b.rotation_locked;
+    if constexpr (Plan::rotates) {
+        const bool rotates = b.is_dynamic() && !b.rotation_locked;
         const auto inertia = as_turning(mass.inertia);
         b.inverse_inertia = {};
-        if (turns) b.inverse_inertia = inverted_inertia(inertia);
-        b.is_gyroscopic = turns && !is_isotropic(mass.inertia);
+        if (rotates) b.inverse_inertia = inverted_inertia(inertia);
+        b.is_gyroscopic = rotates && !is_isotropic(mass.inertia);
         if (b.is_gyroscopic) b.spin = free_spin<S, Plan::dimension>(inertia);
     }
 }

@@ -26,7 +26,7 @@ struct world_hit {
 
 /// The shape closest to a point.
 template <class S, int D>
-struct nearest_shape {
+struct closest_hit {
     shape_id shape;
     body_id body;
     /// From the surface to the point (m); negative within.
@@ -43,19 +43,19 @@ namespace detail {
 
 /// A point, as a shape to ask with.
 template <class S, int D>
-struct tip {};
+struct point_shape {};
 template <class S, int D>
-bool check(const tip<S, D>&, const char*) {
+bool check(const point_shape<S, D>&, const char*) {
     return true;
 }
 template <class S, int D>
-aabb<S, D> bounds(const tip<S, D>&, const transform<S, D>& at) {
+aabb<S, D> bounds(const point_shape<S, D>&, const transform<S, D>& at) {
     return {at.position, at.position};
 }
 // The one below must not hide those of shapes.
 using physics::core_of;
 template <class S, int D>
-core<D> core_of(const tip<S, D>&) {
+core<D> core_of(const point_shape<S, D>&) {
     return {};
 }
 
@@ -77,7 +77,7 @@ void each_near(const state<Plan>& s, const aabb<typename Plan::scalar, Plan::dim
         s.broadphase.each_overlapping(box, filter, f);
     } else {
         s.shapes.each([&](std::uint32_t i, const auto& shape) {
-            if (filter.sees(filter_of(s, shape)) && overlap(needed_box(s, shape), box)) f(i);
+            if (filter.sees(filter_of(s, shape)) && overlap(query_bounds(s, shape), box)) f(i);
         });
     }
 }
@@ -91,13 +91,13 @@ void each_on(const state<Plan>& s, const ray<typename Plan::scalar, Plan::dimens
     } else {
         S limit(1), at{};
         s.shapes.each([&](std::uint32_t i, const auto& shape) {
-            if (limit >= S(0) && filter.sees(filter_of(s, shape)) && meets(r, needed_box(s, shape), limit, at))
+            if (limit >= S(0) && filter.sees(filter_of(s, shape)) && meets(r, query_bounds(s, shape), limit, at))
                 limit = min(limit, f(i));
         });
     }
 }
 template <class S, int D>
-bool check_way(const char* function, const char* from, vec<S, D> origin, vec<S, D> translation) {
+bool check_translation(const char* function, const char* from, vec<S, D> origin, vec<S, D> translation) {
     return check_finite(function, from, origin) && check_finite(function, "translation", translation) &&
            check_finite(function, "end of the way", origin + translation);
 }
@@ -108,10 +108,10 @@ template <class Plan, class Visit>
 void cast_ray(const state<Plan>& s, const char* function, vec<typename Plan::scalar, Plan::dimension> origin,
               vec<typename Plan::scalar, Plan::dimension> translation, const query_filter& filter, Visit&& visit) {
     using S = typename Plan::scalar;
-    if (!check_way(function, "origin", origin, translation)) return;
+    if (!check_translation(function, "origin", origin, translation)) return;
     S limit(1);
     each_on(s, {origin, translation}, filter, [&](std::uint32_t i) {
-        const auto hit = ray_cast(s.shapes[i].shape, s.shapes[i].pose, origin, translation);
+        const auto hit = cast_ray(s.shapes[i].shape, s.shapes[i].pose, origin, translation);
         if (hit && !(hit.fraction > limit))
             limit = min(limit, visit(world_hit<S, Plan::dimension>{id_of_shape(s, i), body_of_shape(s, i), hit.fraction,
                                                                    hit.point, hit.normal}));
@@ -127,14 +127,15 @@ bool comes_first(const Hit& a, const Hit& b) {
 
 /// The same, the first ones first; visit may change the world. What it has destroyed is left out.
 template <class Plan, class Visit>
-void each_on_ray(const state<Plan>& s, vec<typename Plan::scalar, Plan::dimension> origin,
-                 vec<typename Plan::scalar, Plan::dimension> translation, const query_filter& filter, Visit&& visit) {
+void each_hit_along_ray(const state<Plan>& s, vec<typename Plan::scalar, Plan::dimension> origin,
+                        vec<typename Plan::scalar, Plan::dimension> translation, const query_filter& filter,
+                        Visit&& visit) {
     using S = typename Plan::scalar;
     using hit_type = world_hit<S, Plan::dimension>;
     small_buffer<hit_type, 16> hits;
-    exactly([&] {
-        cast_ray(s, "each_on_ray", origin, translation, filter, [&](const hit_type& hit) {
-            hits.push(hit);
+    scoped([&] {
+        cast_ray(s, "each_hit_along_ray", origin, translation, filter, [&](const hit_type& hit) {
+            hits.push_back(hit);
             return S(1);
         });
     });
@@ -155,7 +156,7 @@ world_hit<typename Plan::scalar, Plan::dimension> cast_shape(
     const char* f = "cast_shape";
     world_hit<S, D> first;
     if (!check(shape, f) || !check_pose(f, pose.position, pose.rotation) ||
-        !check_way(f, "position", pose.position, translation))
+        !check_translation(f, "position", pose.position, translation))
         return first;
     const aabb<S, D> box = bounds(shape, pose);
     if (!check_extent(f, box)) return first;
@@ -163,7 +164,7 @@ world_hit<typename Plan::scalar, Plan::dimension> cast_shape(
     each_on(s, {middle, translation, (box.upper - box.lower) * S(0.5)}, filter, [&](std::uint32_t i) {
         const transform<S, D> at = s.shapes[i].pose;
         s.shapes[i].shape.visit([&](const auto& other) {
-            const auto hit = shape_cast(other, shape, relative(at, pose), inverse_rotate(at.rotation, translation));
+            const auto hit = cast_shape(other, shape, relative(at, pose), inverse_rotate(at.rotation, translation));
             const world_hit<S, D> found{id_of_shape(s, i), body_of_shape(s, i), hit.fraction, at * hit.point,
                                         at.rotation * hit.normal};
             if (hit && comes_first(found, first)) first = found;
@@ -203,9 +204,9 @@ void each_overlapping(const state<Plan>& s, const char* f, const Shape& shape,
                       const transform<typename Plan::scalar, Plan::dimension>& pose, const query_filter& filter,
                       Visit&& visit) {
     small_buffer<std::uint64_t, 48> touched;
-    exactly([&] {
+    scoped([&] {
         find_touched(s, f, shape, pose, filter,
-                     [&](std::uint32_t i) { touched.push(std::uint64_t{s.shapes.generation(i)} << 32 | i); });
+                     [&](std::uint32_t i) { touched.push_back(std::uint64_t{s.shapes.generation(i)} << 32 | i); });
     });
     buffer<std::uint64_t> spare;
     // Fewer are sorted in place.
@@ -223,29 +224,30 @@ void each_overlapping(const state<Plan>& s, const char* f, const Shape& shape,
 /// All within a distance of a point, as far as numbers go.
 template <class S, int D>
 aabb<S, D> around(vec<S, D> point, S reach) {
-    const S most = scalar_traits<S>::max();
+    const S maximum = scalar_traits<S>::max();
     aabb<S, D> box;
     for (int i = 0; i < D; ++i) {
-        box.lower[i] = point[i] > reach - most ? point[i] - reach : -most;
-        box.upper[i] = point[i] < most - reach ? point[i] + reach : most;
+        box.lower[i] = point[i] > reach - maximum ? point[i] - reach : -maximum;
+        box.upper[i] = point[i] < maximum - reach ? point[i] + reach : maximum;
     }
     return box;
 }
 
 template <class Plan>
-nearest_shape<typename Plan::scalar, Plan::dimension> closest_shape(const state<Plan>& s,
-                                                                    vec<typename Plan::scalar, Plan::dimension> point,
-                                                                    typename Plan::scalar reach,
-                                                                    const query_filter& filter) {
+closest_hit<typename Plan::scalar, Plan::dimension> closest_shape(const state<Plan>& s,
+                                                                  vec<typename Plan::scalar, Plan::dimension> point,
+                                                                  typename Plan::scalar reach,
+                                                                  const query_filter& filter) {
     using S = typename Plan::scalar;
     constexpr int D = Plan::dimension;
     const char* f = "closest_shape";
-    nearest_shape<S, D> best;
+    closest_hit<S, D> best;
     if (!check_finite(f, "point", point) || !check_not_negative(f, "reach", reach)) return best;
     each_near(s, around(point, reach), filter, [&](std::uint32_t i) {
         const transform<S, D> at = s.shapes[i].pose;
         s.shapes[i].shape.visit([&](const auto& other) {
-            const auto c = separation_within(other, tip<S, D>{}, relative(at, transform<S, D>{point, {}}), reach);
+            const auto c =
+                separation_within(other, point_shape<S, D>{}, relative(at, transform<S, D>{point, {}}), reach);
             const bool nearer =
                 !best || c.distance < best.distance || (c.distance == best.distance && i < best.shape.index);
             if (c.distance > reach || !nearer) return;

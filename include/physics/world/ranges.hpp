@@ -98,7 +98,7 @@ auto view_of(const state<Plan>& s, const typename Plan::contact& c) {
                             c.rolling_impulse};
     for (int k = 0; k < c.count; ++k) {
         const auto& p = c.points[k];
-        const auto [to_a, to_b] = c.levers(k);
+        const auto [to_a, to_b] = c.anchors(k);
         const vec<S, D> local_a = inverse_rotate(s.contact_starts[at_a].rotation, to_a) + a.mass.center;
         const vec<S, D> local_b = inverse_rotate(s.contact_starts[at_b].rotation, to_b) + b.mass.center;
         view.points[k] = {a.pose() * local_a, local_a,       local_b, p.separation, p.normal_impulse,

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "physics/broadphase/dynamic_tree.hpp"
+#include "physics/collide/first_penetration.hpp"
 #include "physics/collide/narrowphase.hpp"
-#include "physics/collide/passage.hpp"
 #include "physics/dynamics/continuous.hpp"
 #include "physics/dynamics/sequential_impulse.hpp"
 #include "physics/dynamics/soft_step.hpp"
@@ -129,8 +129,8 @@ struct plan<S, D, shapes<Shapes...>, Policies...> {
     static constexpr int dimension = D;
     using space = physics::space<S, D>;
     using features = typename policy_for<stage::features, without<>, Policies...>::type;
-    static constexpr bool turns = features::rotation;
-    using body = physics::body<S, D, turns>;
+    static constexpr bool rotates = features::rotation;
+    using body = physics::body<S, D, rotates>;
     using contact = physics::contact<S, D, features>;
     using shape = any_shape<S, D, Shapes...>;
     using query = narrowphase_query<S, D, Shapes...>;

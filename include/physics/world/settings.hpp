@@ -74,7 +74,7 @@ struct shape_def {
     /// Pose of the shape's frame in the body's frame.
     vec<S, D> position = {};
     physics::rotation<S, D> rotation = {};
-    /// kg/m^3 in space, kg/m^2 in the plane; at least 0. Only ratios matter until forces act.
+    /// kg/m^3 in 3D, kg/m^2 in 2D; at least 0. Only ratios matter until forces act.
     S density = S(1);
     physics::material<S, D> material = {};
     std::uint64_t user_data = 0;
@@ -117,7 +117,7 @@ struct contact_view {
     body_id body_a, body_b;
     /// Which part of a concave shape touches: the number of a triangle, segment or child; 0 of convex shapes.
     std::uint32_t part;
-    /// Unit normal from A to B, and unit tangents (one in the plane, two in space), in world axes.
+    /// Unit normal from A to B, and unit tangents (one in 2D, two in 3D), in world axes.
     vec<S, D> normal;
     physics::tangents<S, D> tangents;
     point points[manifold<S, D>::capacity];
@@ -127,7 +127,7 @@ struct contact_view {
     /// How fast the surfaces drive B over A along the tangents (m/s).
     physics::tangential<S, D> surface_velocity;
     /// Angular impulses of the last step (N m s): about the normal, where the solver lets patches resist twisting, and
-    /// against rolling, about z in the plane and about both tangents in space.
+    /// against rolling, about z in 2D and about both tangents in 3D.
     S twist_impulse;
     physics::tangential<S, D> rolling_impulse;
 };

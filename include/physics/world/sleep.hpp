@@ -9,7 +9,7 @@ namespace detail {
 
 /// Keeps, in order, the contacts for which stays(contact) is true, and hands the others to out.
 template <class Contacts, class Stays, class Out>
-void part_contacts(Contacts& contacts, Stays&& stays, Out&& out) {
+void partition_contacts(Contacts& contacts, Stays&& stays, Out&& out) {
     std::uint32_t kept = 0;
     for (std::uint32_t i = 0; i < contacts.size(); ++i) {
         if (!stays(contacts[i])) {
@@ -19,7 +19,7 @@ void part_contacts(Contacts& contacts, Stays&& stays, Out&& out) {
         if (kept != i) contacts[kept] = contacts[i];
         ++kept;
     }
-    while (contacts.size() > kept) contacts.pop();
+    while (contacts.size() > kept) contacts.pop_back();
 }
 /// Adds contacts to others; both lists, and the result, are in ascending order of their pairs.
 template <class Contact>
@@ -38,7 +38,7 @@ template <class Plan, class F>
 void each_of_island(state<Plan>& s, std::uint32_t body, F&& f) {
     std::uint32_t i = body;
     do {
-        const std::uint32_t next = s.sleep.ring[i];
+        const std::uint32_t next = s.sleep.island_next[i];
         f(i);
         i = next;
     } while (i != body);
@@ -47,18 +47,18 @@ void each_of_island(state<Plan>& s, std::uint32_t body, F&& f) {
 /// Brings bodies back that were asleep, listed in s.sleep.woken: they can be pushed again, and what touches them is
 /// looked at again.
 template <class Plan>
-void rise(state<Plan>& s) {
+void finish_waking(state<Plan>& s) {
     for (const std::uint32_t i : s.sleep.woken) {
-        s.sleep.ring[i] = no_sleeper;
-        s.sleep.still[i] = {};
-        refile_proxies(s, i);
+        s.sleep.island_next[i] = no_sleeper;
+        s.sleep.sleep_time[i] = {};
+        reinsert_proxies(s, i);
     }
-    if (!s.sleep.woken.empty()) s.movers_changed = true;
+    if (!s.sleep.woken.empty()) s.awake_changed = true;
     s.sleep.woken.clear();
 }
-/// Whether nobody who can be pushed and is awake has a part in a contact.
+/// True if neither body of the contact is dynamic and awake.
 template <class Plan, class Contact>
-bool is_of_sleepers(const state<Plan>& s, const Contact& c) {
+bool touches_no_awake_body(const state<Plan>& s, const Contact& c) {
     return !s.is_awake_dynamic(body_a(s, c)) && !s.is_awake_dynamic(body_b(s, c));
 }
 /// Wakes the islands of those that each(f) calls f(body) for, at once, with their contacts. O(contacts of sleepers).
@@ -70,15 +70,16 @@ void wake_islands(state<Plan>& s, Each&& each) {
     each([&](std::uint32_t body) {
         if (!s.is_asleep(body)) return;
         any = true;
-        each_of_island(s, body, [&](std::uint32_t i) { s.sleep.woken.push(i); });
-        rise(s);
+        each_of_island(s, body, [&](std::uint32_t i) { s.sleep.woken.push_back(i); });
+        finish_waking(s);
     });
     if (!any) return;
-    s.found.clear();
-    part_contacts(
-        s.sleep.contacts, [&](const auto& c) { return is_of_sleepers(s, c); }, [&](const auto& c) { s.found.push(c); });
-    stretch(s.found.begin(), s.found.end(), s.sleep.step, s.last_step);
-    merge_contacts(s.contacts, s.found);
+    s.new_contacts.clear();
+    partition_contacts(
+        s.sleep.contacts, [&](const auto& c) { return touches_no_awake_body(s, c); },
+        [&](const auto& c) { s.new_contacts.push_back(c); });
+    rescale_impulses(s.new_contacts.begin(), s.new_contacts.end(), s.sleep.step, s.last_step);
+    merge_contacts(s.contacts, s.new_contacts);
 }
 template <class Plan>
 void wake(state<Plan>& s, std::uint32_t body) {
@@ -91,30 +92,30 @@ void wake_touching(state<Plan>& s, std::uint32_t body) {
         auto& touching = s.sleep.near;
         touching.clear();
         for (const auto& c : s.sleep.contacts) {
-            if (body_a(s, c) == body) touching.push(body_b(s, c));
-            if (body_b(s, c) == body) touching.push(body_a(s, c));
+            if (body_a(s, c) == body) touching.push_back(body_b(s, c));
+            if (body_b(s, c) == body) touching.push_back(body_a(s, c));
         }
         wake_islands(s, [&](auto&& f) {
             for (const std::uint32_t i : touching) f(i);
         });
     }
 }
-/// Something happens to a body: it wakes, or those that lie on it if it never sleeps.
+/// A body has changed: wakes its island if it is dynamic, else the islands that touch it.
 template <class Plan>
-void rouse(state<Plan>& s, std::uint32_t body) {
+void wake_affected(state<Plan>& s, std::uint32_t body) {
     if (s.bodies[body].is_dynamic()) wake(s, body);
     else wake_touching(s, body);
 }
 /// Wakes those that lie where a body is, or on its way to another pose.
 template <class Plan>
-void rouse_near(state<Plan>& s, std::uint32_t body, const transform<typename Plan::scalar, Plan::dimension>& to) {
+void wake_near(state<Plan>& s, std::uint32_t body, const transform<typename Plan::scalar, Plan::dimension>& to) {
     if constexpr (Plan::sleeps) {
         auto& near = s.sleep.near;
         near.clear();
         each_shape(s, body, [&](std::uint32_t, const auto& shape) {
-            const auto box = merged(needed_box(s, shape), bounds(shape.shape, to * shape.local));
+            const auto box = merged(query_bounds(s, shape), bounds(shape.shape, to * shape.local));
             each_near(s, box, query_filter{}, [&](std::uint32_t other) {
-                if (s.is_asleep(s.shapes[other].body)) near.push(s.shapes[other].body);
+                if (s.is_asleep(s.shapes[other].body)) near.push_back(s.shapes[other].body);
                 return true;
             });
         });
@@ -124,8 +125,8 @@ void rouse_near(state<Plan>& s, std::uint32_t body, const transform<typename Pla
     }
 }
 template <class Plan>
-void rouse_near(state<Plan>& s, std::uint32_t body) {
-    rouse_near(s, body, s.bodies[body].pose());
+void wake_near(state<Plan>& s, std::uint32_t body) {
+    wake_near(s, body, s.bodies[body].pose());
 }
 template <class Plan>
 void wake_all(state<Plan>& s) {
@@ -143,80 +144,80 @@ std::uint32_t count_awake(const state<Plan>& s) {
 
 /// How far gravity draws bodies together within a step, at most.
 template <class Plan>
-auto pull_of(const state<Plan>& s, typename Plan::scalar h) {
+auto gravity_slack(const state<Plan>& s, typename Plan::scalar h) {
     return length(s.settings.gravity) * h * h;
 }
 
-/// Lists the sleepers that something comes to touch in this step, with their islands, among those that move; they rise
-/// when the step has succeeded. True if there are any; if nobody who is awake is near one, there are none.
+/// Adds to the awake list the islands of sleeping bodies that a body will touch in this step; they wake for good when
+/// the step has succeeded. True if there are any.
 template <class Plan>
-bool disturb_sleepers(state<Plan>& s, bool any_near, typename Plan::scalar h) {
+bool list_woken(state<Plan>& s, bool any_near, typename Plan::scalar h) {
     s.sleep.woken.clear();
     if (!any_near) return false;
-    const auto slack = pull_of(s, h);
-    for (const auto& c : s.found) {
+    const auto slack = gravity_slack(s, h);
+    for (const auto& c : s.new_contacts) {
         const std::uint32_t a = body_a(s, c), b = body_b(s, c);
         const bool of_a = s.is_asleep(a);
         if (of_a == s.is_asleep(b)) continue;
         const std::uint32_t sleeper = of_a ? a : b;
-        if (s.mover_of[sleeper] < s.movers.size() ||
-            !comes_to_touch(c, s.bodies[a].velocity_ahead(h), s.bodies[b].velocity_ahead(h), h, slack))
+        if (s.awake_index[sleeper] < s.awake.size() ||
+            !will_touch(c, s.bodies[a].velocity_ahead(h), s.bodies[b].velocity_ahead(h), h, slack))
             continue;
         each_of_island(s, sleeper, [&](std::uint32_t i) {
-            s.mover_of[i] = 0;
-            s.sleep.woken.push(i);
+            s.awake_index[i] = 0;
+            s.sleep.woken.push_back(i);
         });
     }
     if (s.sleep.woken.empty()) return false;
-    for (const std::uint32_t i : s.sleep.woken) s.movers.push(i);
-    s.movers_changed = true;
+    for (const std::uint32_t i : s.sleep.woken) s.awake.push_back(i);
+    s.awake_changed = true;
     return true;
 }
 
 /// The step has succeeded: they are awake for good.
 template <class Plan>
-void wake_disturbed(state<Plan>& s) {
+void commit_woken(state<Plan>& s) {
     if (s.sleep.woken.empty()) return;
-    rise(s);
-    part_contacts(
-        s.sleep.contacts, [&](const auto& c) { return is_of_sleepers(s, c); }, [](const auto&) {});
+    finish_waking(s);
+    partition_contacts(
+        s.sleep.contacts, [&](const auto& c) { return touches_no_awake_body(s, c); }, [](const auto&) {});
 }
 
 /// Notes how long each body has been still, and lets islands sleep that have been so for long enough and rest on
 /// something, or do not move at all: a slow drift in free space goes on for ever.
 template <class Plan>
-class falling_asleep {
+class sleep_update {
     using S = typename Plan::scalar;
     static constexpr int D = Plan::dimension;
 
 public:
-    falling_asleep(state<Plan>& s, S h) : s_(s), step_(h) {
-        if (!note_stillness()) return;
-        count_ = s.movers.size();
+    sleep_update(state<Plan>& s, S h) : s_(s), step_(h) {
+        if (!update_sleep_times()) return;
+        count_ = s.awake.size();
         disjoint_sets sets(count_, s.scratch);
-        island_ = s.scratch.template take<island>(count_);
+        island_ = s.scratch.template allocate<island>(count_);
         for (std::uint32_t k = 0; k < count_; ++k) new (island_ + k) island{};
-        const S slack = pull_of(s, h);
+        const S slack = gravity_slack(s, h);
         for (const auto& c : s.contacts) {
-            const auto [a, b] = movers_of(c);
+            const auto [a, b] = awake_pair(c);
             if (is_dynamic(a) && is_dynamic(b) && touch(c, slack)) sets.unite(a, b);
         }
         for (std::uint32_t k = 0; k < count_; ++k)
-            if (is_dynamic(k)) judge(k, island_[sets.find(k)]);
+            if (is_dynamic(k)) add_to_island(k, island_[sets.find(k)]);
         for (const auto& c : s.contacts) {
-            const auto [a, b] = movers_of(c);
+            const auto [a, b] = awake_pair(c);
             if (is_dynamic(a) != is_dynamic(b) && touch(c, slack))
-                support(a, b, island_[sets.find(is_dynamic(a) ? a : b)]);
+                add_support(a, b, island_[sets.find(is_dynamic(a) ? a : b)]);
         }
         bool any = false;
         for (std::uint32_t k = 0; k < count_; ++k) {
             if (!is_dynamic(k)) continue;
             island& of = island_[sets.find(k)];
             if (!of.is_still || !(of.rests || of.is_stopped)) continue;
-            fall_asleep(s.movers[k], of);
+            fall_asleep(s.awake[k], of);
             any = true;
         }
-        if (any) take_contacts();
+        if (any) move_contacts_to_sleepers();
     }
 
 private:
@@ -226,70 +227,70 @@ private:
     };
 
     /// True if any body has been still for long enough.
-    bool note_stillness() {
+    bool update_sleep_times() {
         const auto& with = s_.settings.sleeping;
         if (!with.enabled) return false;
-        const auto fast = product(with.speed, with.speed), twirling = product(with.spin, with.spin),
+        const auto fast = product(with.speed, with.speed), spinning = product(with.spin, with.spin),
                    far = product(with.drift, with.drift);
         bool any = false;
-        for (const std::uint32_t i : s_.movers) {
+        for (const std::uint32_t i : s_.awake) {
             const auto& b = s_.bodies[i];
-            S& still = s_.sleep.still[i];
+            S& sleep_time = s_.sleep.sleep_time[i];
             const bool moves = length_squared(b.velocity.linear) > fast ||
-                               spin_squared(value_of(b.velocity.angular)) > twirling ||
-                               length_squared(b.center - s_.sleep.since[i]) > far;
+                               spin_squared(value_of(b.velocity.angular)) > spinning ||
+                               length_squared(b.center - s_.sleep.sleep_anchor[i]) > far;
             if (moves || !b.can_sleep) {
-                still = S(0);
-                s_.sleep.since[i] = b.center;
-            } else if (still < with.time) {
-                still += step_;
+                sleep_time = S(0);
+                s_.sleep.sleep_anchor[i] = b.center;
+            } else if (sleep_time < with.time) {
+                sleep_time += step_;
             }
-            any = any || (b.is_dynamic() && !(still < with.time));
+            any = any || (b.is_dynamic() && !(sleep_time < with.time));
         }
         return any;
     }
     static auto spin_squared(const vec<S, 3>& w) { return length_squared(w); }
     static auto spin_squared(S w) { return product(w, w); }
 
-    [[nodiscard]] bool is_dynamic(std::uint32_t k) const { return k < count_ && s_.bodies[s_.movers[k]].is_dynamic(); }
+    [[nodiscard]] bool is_dynamic(std::uint32_t k) const { return k < count_ && s_.bodies[s_.awake[k]].is_dynamic(); }
     struct sides {
         std::uint32_t a, b;
     };
-    [[nodiscard]] sides movers_of(const typename Plan::contact& c) const {
-        return {s_.mover_of[body_a(s_, c)], s_.mover_of[body_b(s_, c)]};
+    [[nodiscard]] sides awake_pair(const typename Plan::contact& c) const {
+        return {s_.awake_index[body_a(s_, c)], s_.awake_index[body_b(s_, c)]};
     }
     [[nodiscard]] bool touch(const typename Plan::contact& c, S slack) const {
-        return comes_to_touch(c, s_.bodies[body_a(s_, c)].velocity, s_.bodies[body_b(s_, c)].velocity, step_, slack);
+        return will_touch(c, s_.bodies[body_a(s_, c)].velocity, s_.bodies[body_b(s_, c)].velocity, step_, slack);
     }
-    void judge(std::uint32_t k, island& of) {
-        const std::uint32_t i = s_.movers[k];
-        of.is_still = of.is_still && s_.bodies[i].can_sleep && !(s_.sleep.still[i] < s_.settings.sleeping.time);
-        of.is_stopped = of.is_stopped && s_.bodies[i].velocity == twist_of<S, D, Plan::turns>{};
+    void add_to_island(std::uint32_t k, island& of) {
+        const std::uint32_t i = s_.awake[k];
+        of.is_still = of.is_still && s_.bodies[i].can_sleep && !(s_.sleep.sleep_time[i] < s_.settings.sleeping.time);
+        of.is_stopped = of.is_stopped && s_.bodies[i].velocity == twist_of<S, D, Plan::rotates>{};
     }
     /// One of the two is not dynamic: it carries the island if it stands still, and keeps it awake if it moves.
-    void support(std::uint32_t a, std::uint32_t b, island& of) {
+    void add_support(std::uint32_t a, std::uint32_t b, island& of) {
         const std::uint32_t other = is_dynamic(a) ? b : a;
-        const twist_of<S, D, Plan::turns> still{};
-        if (other < count_ && !(s_.bodies[s_.movers[other]].velocity == still)) of.is_still = false;
+        const twist_of<S, D, Plan::rotates> sleep_time{};
+        if (other < count_ && !(s_.bodies[s_.awake[other]].velocity == sleep_time)) of.is_still = false;
         else of.rests = true;
     }
     void fall_asleep(std::uint32_t i, island& of) {
         s_.bodies[i].velocity = {};
         if (of.first == no_sleeper) of.first = i;
-        else s_.sleep.ring[of.last] = i;
+        else s_.sleep.island_next[of.last] = i;
         of.last = i;
-        s_.sleep.ring[i] = of.first;
-        refile_proxies(s_, i);
-        s_.movers_changed = true;
+        s_.sleep.island_next[i] = of.first;
+        reinsert_proxies(s_, i);
+        s_.awake_changed = true;
     }
-    void take_contacts() {
-        s_.found.clear();
-        part_contacts(
-            s_.contacts, [&](const auto& c) { return !is_of_sleepers(s_, c); },
-            [&](const auto& c) { s_.found.push(c); });
+    void move_contacts_to_sleepers() {
+        s_.new_contacts.clear();
+        partition_contacts(
+            s_.contacts, [&](const auto& c) { return !touches_no_awake_body(s_, c); },
+            [&](const auto& c) { s_.new_contacts.push_back(c); });
         if (s_.sleep.contacts.empty()) s_.sleep.step = step_;
-        stretch(s_.found.begin(), s_.found.end(), step_, s_.sleep.step);
-        merge_contacts(s_.sleep.contacts, s_.found);
+        rescale_impulses(s_.new_contacts.begin(), s_.new_contacts.end(), step_, s_.sleep.step);
+        merge_contacts(s_.sleep.contacts, s_.new_contacts);
         if constexpr (Plan::remembers)
             s_.memories.drop([&](std::uint32_t shape) { return s_.is_asleep(s_.shapes[shape].body); });
     }

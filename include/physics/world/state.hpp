@@ -1,16 +1,17 @@
 // Everything that a world holds, as plain arrays.
 #pragma once
 
+#include "physics/base/handle.hpp"
 #include "physics/base/pool.hpp"
 #include "physics/world/audit.hpp"
-#include "physics/world/pair_memories.hpp"
+#include "physics/world/pair_cache.hpp"
 
 PHYSICS_HPP_BEGIN
 
 namespace detail {
 
 /// Behind the last shape of a body.
-inline constexpr std::uint32_t no_shape = 0xffffffffu;
+inline constexpr std::uint32_t no_shape = null_index;
 
 /// Everything that a world keeps of one shape.
 template <class Plan>
@@ -22,8 +23,8 @@ struct shape_record {
     transform<S, D> local;
     /// Where it is in the world, and its origin relative to the body's centre of mass, in world axes.
     transform<S, D> pose;
-    vec<S, D> arm;
-    [[no_unique_address]] kept_material<S, D, typename Plan::features> material;
+    vec<S, D> r;
+    [[no_unique_address]] stored_material<S, D, typename Plan::features> material;
     S density{};
     std::uint32_t body = 0;
     /// The body's shape of the next lower number.
@@ -74,43 +75,43 @@ public:
 };
 
 /// Stands for the next sleeper of a body that is awake.
-inline constexpr std::uint32_t no_sleeper = 0xffffffffu;
+inline constexpr std::uint32_t no_sleeper = null_index;
 
-/// Who sleeps. Arrays by the numbers of bodies.
+/// Which bodies sleep. Arrays by the numbers of bodies.
 template <class Plan>
 struct sleep_state {
     using S = typename Plan::scalar;
     static constexpr int D = Plan::dimension;
 
     /// For how long each body has been still (s), up to the time that it takes to fall asleep.
-    buffer<S> still;
+    buffer<S> sleep_time;
     /// Where its centre of mass was when it became so.
-    buffer<vec<S, D>> since;
+    buffer<vec<S, D>> sleep_anchor;
     /// Of each sleeper the next one of its island, in a ring.
-    buffer<std::uint32_t> ring;
+    buffer<std::uint32_t> island_next;
     /// Contacts of which no body that can be pushed is awake, in ascending order of their pairs.
     buffer<typename Plan::contact> contacts;
     /// Length of the step in which their impulses acted (s).
     S step{};
-    /// Scratch: who wakes in this step, and who lies where something happens.
+    /// Scratch: bodies woken in this step; sleeping bodies near a change.
     buffer<std::uint32_t> woken, near;
 
     /// A body has come, awake.
     void start(std::uint32_t body, vec<S, D> center) {
-        if (body >= ring.size()) {
-            still.resize(body + 1);
-            since.resize(body + 1);
-            ring.resize(body + 1);
+        if (body >= island_next.size()) {
+            sleep_time.resize(body + 1);
+            sleep_anchor.resize(body + 1);
+            island_next.resize(body + 1);
         }
-        still[body] = {};
-        since[body] = center;
-        ring[body] = no_sleeper;
+        sleep_time[body] = {};
+        sleep_anchor[body] = center;
+        island_next[body] = no_sleeper;
     }
     template <class Self, class F>
-    static void each_part(Self& self, F&& f) {
-        f(self.still);
-        f(self.since);
-        f(self.ring);
+    static void each_member(Self& self, F&& f) {
+        f(self.sleep_time);
+        f(self.sleep_anchor);
+        f(self.island_next);
         f(self.contacts);
         f(self.step);
     }
@@ -126,10 +127,10 @@ struct body_extent {
 };
 /// A body that goes far in a step, and what stops it.
 template <int D>
-struct swept_mover {
+struct swept_body {
     /// Its number, and that among those that move.
     std::uint32_t body, number;
-    swept_against against = swept_against::fixed;
+    sweep_target against = sweep_target::fixed;
     /// Whether it may pass through something, or only be in it at the end of the step.
     bool goes_far = true;
     bool stops = false, converged = true;
@@ -143,7 +144,7 @@ struct swept_mover {
     point<D> normal;
     double gap = 0;
 
-    swept_mover(std::uint32_t b, std::uint32_t n, swept_against a = swept_against::fixed)
+    swept_body(std::uint32_t b, std::uint32_t n, sweep_target a = sweep_target::fixed)
         : body(b), number(n), against(a) {}
 };
 /// What a moving body fills in a step.
@@ -162,7 +163,7 @@ struct continuous_state {
     continuous_report<S> report;
 
     template <class Self, class F>
-    static void each_part(Self& self, F&& f) {
+    static void each_member(Self& self, F&& f) {
         f(self.extents);
         f(self.report);
     }
@@ -172,16 +173,16 @@ struct continuous_state {
     buffer<S> depths;
     buffer<std::uint32_t> deep;
     /// Of every body, whether its boxes overlap those of something that stands.
-    buffer<bool> near_fixed;
-    buffer<swept_mover<Plan::dimension>> movers;
-    buffer<swept_box<Plan::dimension>> partners, pushers;
+    buffer<bool> near_static;
+    buffer<swept_body<Plan::dimension>> swept_bodies;
+    buffer<swept_box<Plan::dimension>> moving_bodies, pushers;
     buffer<std::uint64_t> candidates, spare;
     buffer<S> ahead;
 };
 struct nothing_continuous {};
 
 /// Whether something lasts just now.
-struct step_mark {
+struct step_flag {
     bool on = false;
 };
 
@@ -195,19 +196,18 @@ struct state {
     pool<typename Plan::body> bodies;
     shape_pool<Plan> shapes;
     typename Plan::broadphase broadphase;
-    /// Contacts of the last step that push somebody who is awake, in ascending order of their pairs.
+    /// Contacts of the last step with at least one awake dynamic body, in ascending order of their pairs.
     buffer<typename Plan::contact> contacts;
     /// What the surfaces of these contacts, and of those of sleepers, make of each other.
-    [[no_unique_address]] mixture<S, typename Plan::features> surfaces;
+    [[no_unique_address]] combined_material<S, typename Plan::features> surfaces;
     /// Where the centres of bodies were, and how bodies were turned, when these contacts were found.
     buffer<transform<S, D>> contact_starts;
-    /// Numbers of the bodies that move and are awake, and of each body its number among them: how many there are if it
-    /// does not.
-    buffer<std::uint32_t> movers, mover_of;
+    /// Awake bodies that are not static, and of each body its index in that list (the list's size if it is not in it).
+    buffer<std::uint32_t> awake, awake_index;
     /// Whether other bodies move, or bodies that do not have been put elsewhere, since that was found.
-    bool movers_changed = true;
+    bool awake_changed = true;
     /// What the narrowphase remembers of the last step's pairs.
-    pair_memories<Plan> memories;
+    pair_cache<Plan> memories;
     [[no_unique_address]] std::conditional_t<Plan::sleeps, sleep_state<Plan>, no_sleep_state> sleep;
     [[no_unique_address]] std::conditional_t<Plan::is_continuous, continuous_state<Plan>, nothing_continuous>
         continuous;
@@ -219,7 +219,7 @@ struct state {
 
     /// What lasts, see base/lasting.hpp.
     template <class Self, class F>
-    static void each_part(Self& self, F&& f) {
+    static void each_member(Self& self, F&& f) {
         f(self.settings);
         f(self.bodies);
         f(self.shapes);
@@ -227,9 +227,9 @@ struct state {
         f(self.contacts);
         f(self.surfaces);
         f(self.contact_starts);
-        f(self.movers);
-        f(self.mover_of);
-        f(self.movers_changed);
+        f(self.awake);
+        f(self.awake_index);
+        f(self.awake_changed);
         f(self.memories);
         f(self.sleep);
         f(self.continuous);
@@ -238,22 +238,22 @@ struct state {
     }
 
     /// Set while a step is under way.
-    of_a_step<step_mark> in_step;
+    step_scratch<step_flag> in_step;
     // Scratch of the step: nothing in it outlives one.
-    of_a_step<buffer<typename Plan::contact>> found;
-    [[no_unique_address]] mixture<S, typename Plan::features> found_surfaces;
-    detail::memory_changes<Plan> memory_changes;
-    of_a_step<buffer<proxy_pair>> woken_pairs;
-    of_a_step<buffer<typename Plan::contact>> woken_contacts;
+    step_scratch<buffer<typename Plan::contact>> new_contacts;
+    [[no_unique_address]] combined_material<S, typename Plan::features> new_material;
+    detail::pair_cache_changes<Plan> pair_cache_changes;
+    step_scratch<buffer<proxy_pair>> woken_pairs;
+    step_scratch<buffer<typename Plan::contact>> woken_contacts;
     arena scratch;
     per_worker<arena> batch_scratch;
     /// What each worker has found.
     per_worker<manifold_list<S, D>> manifolds;
-    per_worker<buffer<typename Plan::contact>> found_by;
-    buffer<unsigned char> parts_done;
+    per_worker<buffer<typename Plan::contact>> contacts_by_worker;
+    buffer<unsigned char> tasks_done;
 
     [[nodiscard]] bool is_asleep(std::uint32_t body) const {
-        if constexpr (Plan::sleeps) return sleep.ring[body] != no_sleeper;
+        if constexpr (Plan::sleeps) return sleep.island_next[body] != no_sleeper;
         else return false;
     }
     [[nodiscard]] bool is_awake_dynamic(std::uint32_t body) const {
@@ -284,9 +284,9 @@ auto surface_of([[maybe_unused]] const state<Plan>& s, const shape_record<Plan>&
 
 /// Says where a shape is, of a body whose frame and whose centre of mass are there.
 template <class Plan, class Vec, class Pose>
-void locate(shape_record<Plan>& shape, const Pose& body, const Vec& center) {
+void update_pose(shape_record<Plan>& shape, const Pose& body, const Vec& center) {
     shape.pose = body * shape.local;
-    shape.arm = shape.pose.position - center;
+    shape.r = shape.pose.position - center;
 }
 /// The body of either side of a contact.
 template <class Plan, class Contact>
@@ -304,7 +304,7 @@ auto box_within(typename Plan::scalar contact_margin, const shape_record<Plan>& 
     return grown(bounds(shape.shape, shape.pose), contact_margin / typename Plan::scalar(2));
 }
 template <class Plan>
-auto needed_box(const state<Plan>& s, const shape_record<Plan>& shape) {
+auto query_bounds(const state<Plan>& s, const shape_record<Plan>& shape) {
     return box_within(s.settings.contact_margin, shape);
 }
 /// What the broadphase knows of a shape besides.
@@ -335,10 +335,10 @@ void each_shape(State& s, std::uint32_t body, F&& f) {
 
 /// Enters the shapes of a body into the broadphase anew: it has become another kind of proxy.
 template <class Plan>
-void refile_proxies(state<Plan>& s, std::uint32_t body) {
+void reinsert_proxies(state<Plan>& s, std::uint32_t body) {
     each_shape(s, body, [&](std::uint32_t i, const shape_record<Plan>& shape) {
         s.broadphase.erase(i);
-        s.broadphase.insert(i, needed_box(s, shape), filter_of(s, shape));
+        s.broadphase.insert(i, query_bounds(s, shape), filter_of(s, shape));
     });
 }
 

@@ -1,7 +1,7 @@
 // Where bodies go in a step, as the sweeps see it, and what the contacts of the step tell them.
 #pragma once
 
-#include "physics/collide/passage.hpp"
+#include "physics/collide/first_penetration.hpp"
 #include "physics/world/state.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -16,9 +16,9 @@ S with_whole_turns(S turn, S rate) {
 }
 template <class S>
 vec<S, 3> with_whole_turns(const vec<S, 3>& turn, const vec<S, 3>& rate) {
-    const auto [axis, fast] = split(rate);
+    const auto [axis, fast] = direction_and_length_of(rate);
     if (!(fast > pi<S>)) return turn;
-    const auto [own, angle] = split(turn);
+    const auto [own, angle] = direction_and_length_of(turn);
     // A small turn's axis is mostly rounding.
     const vec<S, 3> about = angle > S(0.0625) ? own : axis;
     const S first = dot(turn, about);
@@ -27,30 +27,30 @@ vec<S, 3> with_whole_turns(const vec<S, 3>& turn, const vec<S, 3>& rate) {
 
 /// The ways of bodies through a step: from the poses at its start to the solver's.
 template <class Plan>
-class body_ways {
+class body_paths {
 public:
     using S = typename Plan::scalar;
     static constexpr int D = Plan::dimension;
 
-    body_ways(state<Plan>& s, moved_bodies<S, D, Plan::turns> moved, S h) : s_(s), moved_(moved), h_(h) {}
+    body_paths(state<Plan>& s, moved_bodies<S, D, Plan::rotates> moved, S h) : s_(s), moved_(moved), h_(h) {}
 
 protected:
-    using motion = sweep<S, D>;
-    using mover = swept_mover<D>;
+    using body_sweep = sweep<S, D>;
+    using swept_body_type = swept_body<D>;
 
     [[nodiscard]] double contact_margin() const { return detail::to_double(s_.settings.contact_margin); }
     static S length_of(S w) { return abs(w); }
     static S length_of(const vec<S, 2>& w) { return abs(w.x) + abs(w.y); }
     static S length_of(const vec<S, 3>& w) { return abs(w.x) + abs(w.y) + abs(w.z); }
     /// The farther of what it did and what it was about to.
-    stride<S, D> stride_of(std::uint32_t k, const typename Plan::body& b) const {
-        const std::uint32_t i = s_.movers[k];
+    body_motion<S, D> motion_of_body(std::uint32_t k, const typename Plan::body& b) const {
+        const std::uint32_t i = s_.awake[k];
         const auto& extent = s_.continuous.extents[i];
         const angular<S, D> w = value_of(moved_.velocity(k).angular), before = value_of(b.velocity.angular);
-        const vec<S, D> way = moved_[k].center - b.center, aimed = b.velocity.linear * h_;
-        const bool slower = length_of(w) < length_of(before), shorter = length_of(way) < length_of(aimed);
-        // Who was stopped in this step may have come to be in what stopped it.
-        return {shorter ? aimed : way,     (slower ? before : w) * h_, extent.reach,
+        const vec<S, D> path = moved_[k].center - b.center, aimed = b.velocity.linear * h_;
+        const bool slower = length_of(w) < length_of(before), shorter = length_of(path) < length_of(aimed);
+        // A body that was stopped in this step may now overlap what stopped it.
+        return {shorter ? aimed : path,    (slower ? before : w) * h_, extent.reach,
                 extent.thickness,          s_.continuous.depths[i],    b.continuous,
                 s_.settings.contact_margin};
     }
@@ -58,52 +58,53 @@ protected:
     /// Whether a shape of a kinematic body may pass the middle of another in this step, by its way as seen from there.
     PHYSICS_HPP_COLD bool crosses(std::uint32_t k, const typename Plan::body& b, std::uint32_t pusher) {
         const auto& from = s_.bodies[pusher];
-        const auto& moved = moved_[s_.mover_of[pusher]];
+        const auto& moved = moved_[s_.awake_index[pusher]];
         const rotation<S, D> turned = rotation_after(moved, from);
         const vec<S, D> start = inverse_transform(from.pose(), b.center),
                         end = inverse_transform(transform<S, D>{moved.center - turned * from.mass.center, turned},
                                                 moved_[k].center);
         // What turns leads the way around, not along the chord.
-        const double angle = detail::to_double(length_of(value_of(moved_.velocity(s_.mover_of[pusher]).angular) * h_));
+        const double angle =
+            detail::to_double(length_of(value_of(moved_.velocity(s_.awake_index[pusher]).angular) * h_));
         const double far = detail::to_double(length_of(start)) + detail::to_double(length_of(end));
         const double reach = contact_margin() + far * angle * angle / 8;
         if (!(angle < 1) || !(reach < detail::to_double(scalar_traits<S>::max()) / 4)) return true;
-        const aabb<S, D> way = grown(aabb<S, D>{min(start, end), max(start, end)}, static_cast<S>(reach));
+        const aabb<S, D> path = grown(aabb<S, D>{min(start, end), max(start, end)}, static_cast<S>(reach));
         bool crossed = false;
         each_shape(s_, pusher, [&](std::uint32_t, const shape_record<Plan>& record) {
-            crossed = crossed || overlap(bounds(record.shape, record.local), way);
+            crossed = crossed || overlap(bounds(record.shape, record.local), path);
         });
         return crossed;
     }
     /// The shape's frame is the body's.
-    PHYSICS_HPP_COLD motion motion_of(std::uint32_t i) const {
+    PHYSICS_HPP_COLD body_sweep motion_of(std::uint32_t i) const {
         const auto& b = s_.bodies[i];
-        const std::uint32_t k = s_.mover_of[i];
+        const std::uint32_t k = s_.awake_index[i];
         const transform<S, D> start{b.center, b.rotation};
-        if (!(k < s_.movers.size())) return {start.position, start.position, start.rotation, {}, {}};
+        if (!(k < s_.awake.size())) return {start.position, start.position, start.rotation, {}, {}};
         const rotation<S, D>& turn = rotation_after(moved_[k], b);
-        motion m{start.position, moved_[k].center, start.rotation, {}, {}};
+        body_sweep m{start.position, moved_[k].center, start.rotation, {}, {}};
         // What does not turn gets no turn from rounding either.
         if (!(turn == start.rotation)) m = sweep_between<S, D>(start, {m.end, turn});
-        if constexpr (Plan::turns) m.turn = with_whole_turns(m.turn, moved_.velocity(k).angular * h_);
+        if constexpr (Plan::rotates) m.turn = with_whole_turns(m.turn, moved_.velocity(k).angular * h_);
         return m;
     }
     /// All places of a body on its way.
-    aabb<double, D> box_of(const motion& m, double reach) const {
+    aabb<double, D> box_of(const body_sweep& m, double reach) const {
         const point<D> start = to_point(m.start), end = to_point(m.end);
         return grown(aabb<double, D>{min(start, end), max(start, end)}, reach);
     }
 
     /// Whether a body stays within boxes near which the broadphase knew nothing that stands; and what it fills on its
     /// way, or, where it does not go far, at the end.
-    bool keeps_clear(const mover& m, aabb<double, D>& box) const {
+    bool keeps_clear(const swept_body_type& m, aabb<double, D>& box) const {
         const std::uint32_t i = m.body;
         const auto& b = s_.bodies[i];
         const auto& extent = s_.continuous.extents[i];
         const point<D> start = to_point(b.center), end = to_point(moved_[m.number].center);
         const rotation<S, D>& turn = rotation_after(moved_[m.number], b);
         double spare = 0.5 * contact_margin();
-        if (Plan::turns && m.goes_far) {
+        if (Plan::rotates && m.goes_far) {
             // Points on arcs of the radius r leave their chords by up to r sin^2(angle / 2), and the squares of what
             // unit vectors move by sum up to 8 sin^2(angle / 2).
             double square = 0;
@@ -114,14 +115,14 @@ protected:
                 square += dot(by, by);
             }
             spare += extent.outer * square * (1.0 / 8);
-            if (m.against == swept_against::everything ||
+            if (m.against == sweep_target::everything ||
                 !(length_of(value_of(moved_.velocity(m.number).angular)) * h_ < S(2))) {
                 box = grown(aabb<double, D>{min(start, end), max(start, end)}, extent.outer + spare);
                 return false;
             }
         }
         const transform<S, D> pose{moved_[m.number].center - turn * b.mass.center, turn};
-        bool within = !s_.continuous.near_fixed[i] && !s_.is_asleep(i);
+        bool within = !s_.continuous.near_static[i] && !s_.is_asleep(i);
         bool first = true;
         each_shape(s_, i, [&](std::uint32_t k, const shape_record<Plan>& record) {
             aabb<double, D> own = box_at(record, pose * record.local);
@@ -137,7 +138,7 @@ protected:
     }
 
     state<Plan>& s_;
-    moved_bodies<S, D, Plan::turns> moved_;
+    moved_bodies<S, D, Plan::rotates> moved_;
     S h_;
 
 private:
@@ -154,8 +155,8 @@ void clear_depths(state<Plan>& s) {
         for (const std::uint32_t i : s.continuous.deep) s.continuous.depths[i] = {};
         s.continuous.deep.clear();
         s.continuous.depths.resize(s.bodies.slots());
-        s.continuous.near_fixed.clear();
-        s.continuous.near_fixed.resize(s.bodies.slots());
+        s.continuous.near_static.clear();
+        s.continuous.near_static.resize(s.bodies.slots());
     }
 }
 /// Notes which of two bodies whose boxes overlap is near one that stands; those have the last number.
@@ -165,21 +166,21 @@ void note_near(state<Plan>& s, std::uint32_t a, std::uint32_t b) {
         // Several workers may note the same body.
         const auto note = [&](std::uint32_t i) {
 #if defined(__GNUC__)
-            __atomic_store_n(&s.continuous.near_fixed[i], true, __ATOMIC_RELAXED);
+            __atomic_store_n(&s.continuous.near_static[i], true, __ATOMIC_RELAXED);
 #else
-            s.continuous.near_fixed[i] = true;
+            s.continuous.near_static[i] = true;
 #endif
         };
-        if (!(s.mover_of[a] < s.movers.size())) note(b);
-        if (!(s.mover_of[b] < s.movers.size())) note(a);
+        if (!(s.awake_index[a] < s.awake.size())) note(b);
+        if (!(s.awake_index[b] < s.awake.size())) note(a);
     }
 }
 /// Whether a contact is deep.
 template <class Plan, class Contact>
 bool is_deep(const state<Plan>& s, const Contact& c) {
     if constexpr (Plan::sweeps) {
-        // Who stands has the last number.
-        if ((c.body_a < s.movers.size()) == (c.body_b < s.movers.size())) return false;
+        // Bodies that do not move have the last number.
+        if ((c.body_a < s.awake.size()) == (c.body_b < s.awake.size())) return false;
         for (int k = 0; k < c.count; ++k)
             if (-c.points[k].separation > s.settings.contact_margin * typename Plan::scalar(0.125)) return true;
     }
@@ -195,7 +196,7 @@ void note_depth(state<Plan>& s, const Contact& c) {
         const std::uint32_t a = body_a(s, c), b = body_b(s, c);
         const auto note = [&](std::uint32_t i) {
             s.continuous.depths[i] = max(s.continuous.depths[i], depth);
-            s.continuous.deep.push(i);
+            s.continuous.deep.push_back(i);
         };
         if (s.bodies[a].type == body_type::static_body) note(b);
         if (s.bodies[b].type == body_type::static_body) note(a);

@@ -1,6 +1,7 @@
 // The world: what users hold.
 #pragma once
 
+#include "physics/world/forces.hpp"
 #include "physics/world/hash.hpp"
 #include "physics/world/queries.hpp"
 #include "physics/world/ranges.hpp"
@@ -12,12 +13,10 @@ PHYSICS_HPP_BEGIN
 ///
 /// SI units; x to the right, y up. Vectors, points and rotations are in world axes unless a name says
 /// "local", which means the body's own frame. Change a world between steps; loops over it, and visitors of its queries,
-/// may change it too. Every function refuses bad
-/// numbers and null, foreign or stale handles with physics::error (see there for builds without exceptions)
-/// and then leaves the world as it was. A copy of a world is a world in the same state, and handles serve both; a
-/// world that was moved from is empty.
-/// Two worlds may be used on two threads. Functions cost O(1) unless they say otherwise, and O(contacts of sleepers)
-/// where they wake somebody.
+/// may change it too. Every function refuses bad numbers and null, foreign or stale handles with physics::error (see
+/// there for builds without exceptions) and then leaves the world as it was. A copy of a world is a world in the same
+/// state, and handles serve both; a world that was moved from is empty. Two worlds may be used on two threads.
+/// Functions cost O(1) unless they say otherwise, and O(contacts of sleepers) where they wake an island.
 template <class Recipe>
 class world : public detail::shape_aliases<typename detail::plan_of<Recipe>::type::scalar,
                                            detail::plan_of<Recipe>::type::dimension> {
@@ -29,25 +28,25 @@ public:
     using scalar = typename plan::scalar;
     static constexpr int dimension = plan::dimension;
     using vec = physics::vec<scalar, dimension>;
-    /// Angular velocity, torque...: a scalar in the plane, a vector in space.
+    /// Angular velocity, torque...: a scalar in 2D, a vector in 3D.
     using angular = physics::angular<scalar, dimension>;
-    using rotation = physics::rotation<scalar, dimension>;
+    using rotation_type = physics::rotation<scalar, dimension>;
     using transform = physics::transform<scalar, dimension>;
     using mass_properties = physics::mass_properties<scalar, dimension>;
     using settings_type = typename plan::settings;
     using body_def = physics::body_def<scalar, dimension>;
     using shape_def = typename plan::shape_def;
     using contact_view = physics::contact_view<scalar, dimension>;
-    using material = physics::material<scalar, dimension>;
+    using material_type = physics::material<scalar, dimension>;
     using any_shape = typename plan::shape;
     using world_hit = physics::world_hit<scalar, dimension>;
-    using nearest_shape = physics::nearest_shape<scalar, dimension>;
+    using closest_hit = physics::closest_hit<scalar, dimension>;
 
     /// An empty world. Refuses settings out of range, and a build whose arithmetic would not give the same
     /// bits as every other (see float_environment).
     explicit world(const settings_type& settings = {}) {
         if (detail::check_settings<plan>(settings, "world") && detail::check_environment<scalar>("world"))
-            detail::exactly([&] { detail::change_settings(state_, settings); });
+            detail::scoped([&] { detail::change_settings(state_, settings); });
         state_.tag = detail::next_world_tag();
     }
 
@@ -56,28 +55,28 @@ public:
     void step(scalar dt) { detail::advance(state_, dt, {}); }
     /// The same, with the work shared out by an executor, such as a thread_pool; the bits do not depend on it.
     template <executor Executor>
-    void step(scalar dt, Executor& by) { detail::advance(state_, dt, {by, state_.parts_done, state_.batch_scratch}); }
+    void step(scalar dt, Executor& by) { detail::advance(state_, dt, {by, state_.tasks_done, state_.batch_scratch}); }
     /// Number of steps taken.
     [[nodiscard]] std::uint64_t steps() const { return state_.steps; }
     /// A number that worlds in the same state share, on any machine. User data and settings do not enter.
     /// O(bodies + shapes + contacts).
     [[nodiscard]] std::uint64_t state_hash() const {
-        return detail::exactly([&] { return detail::state_hash(state_); });
+        return detail::scoped([&] { return detail::state_hash(state_); });
     }
     [[nodiscard]] const settings_type& settings() const { return state_.settings; }
     /// Changes the settings from the next step on. O(shapes).
     void set_settings(const settings_type& settings) {
-        detail::exactly([&] { detail::set_settings(state_, settings); });
+        detail::scoped([&] { detail::set_settings(state_, settings); });
     }
 
     /// Adds a body; shapes give it extent and, if it is dynamic, mass. Without mass from shapes it is a point of
     /// 1 kg that nothing turns.
     body_id create_body(const body_def& def = {}) {
-        return detail::exactly([&] { return detail::create_body(state_, def); });
+        return detail::scoped([&] { return detail::create_body(state_, def); });
     }
     /// Removes a body with its shapes and contacts. O(shapes + contacts).
     void destroy_body(body_id id) {
-        if (const auto b = find(id, "destroy_body")) detail::exactly([&] { detail::destroy_body(state_, b.index); });
+        if (const auto b = find(id, "destroy_body")) detail::scoped([&] { detail::destroy_body(state_, b.index); });
     }
     /// Adds a shape of the recipe's set to a body; unless the body's mass is set, it changes with it. Refuses a mass
     /// that the scalar cannot hold. O(shapes of the body), and O(contacts) where the centre of mass moves.
@@ -87,13 +86,13 @@ public:
         static_assert(
             known,
             "physics::world::create_shape: the recipe's set of shapes lacks this one; name it in physics::shapes<...>");
-        if constexpr (known) return detail::exactly([&] { return detail::create_shape(state_, body, shape, def); });
+        if constexpr (known) return detail::scoped([&] { return detail::create_shape(state_, body, shape, def); });
         else return {};
     }
     /// Removes a shape and its contacts. Refused where the rest's mass is one that the scalar cannot hold. O(contacts).
     void destroy_shape(shape_id id) {
         const auto s = detail::find_shape(state_, id, "destroy_shape");
-        if (s) detail::exactly([&] { detail::destroy_shape(state_, s.index); });
+        if (s) detail::scoped([&] { detail::destroy_shape(state_, s.index); });
     }
     /// True if the handle names a living thing of this world; never an error.
     [[nodiscard]] bool contains(body_id id) const {
@@ -118,28 +117,28 @@ public:
     [[nodiscard]] vec position(body_id id) const {
         return get(id, "position", [](const auto& b) { return b.pose().position; });
     }
-    [[nodiscard]] rotation orientation(body_id id) const {
-        return get(id, "orientation", [](const auto& b) { return b.rotation; });
+    [[nodiscard]] rotation_type rotation(body_id id) const {
+        return get(id, "rotation", [](const auto& b) { return b.rotation; });
     }
     [[nodiscard]] transform pose(body_id id) const { return get(id, "pose", [](const auto& b) { return b.pose(); }); }
     [[nodiscard]] vec center_of_mass(body_id id) const {
         return get(id, "center_of_mass", [](const auto& b) { return b.center; });
     }
     /// Moves a body at once, without a path in between. Velocities stay.
-    void set_pose(body_id id, vec position, const rotation& orientation) {
+    void set_pose(body_id id, vec position, const rotation_type& rotation) {
         const auto b = find(id, "set_pose");
-        if (b && detail::check_pose("set_pose", position, orientation))
-            detail::exactly([&] { detail::set_pose(state_, b.index, {position, normalized(orientation)}); });
+        if (b && detail::check_pose("set_pose", position, rotation))
+            detail::scoped([&] { detail::set_pose(state_, b.index, {position, normalized(rotation)}); });
     }
     void set_pose(body_id id, const transform& pose) { set_pose(id, pose.position, pose.rotation); }
     /// Lets a kinematic body reach a pose by the end of the next step, and pushes what it touches as the velocity would
     /// that takes it there; what else is in its way a swept recipe moves to its front (see swept). That velocity is the
     /// body's until the step after, in which it stands unless told to go on. In recipes without rotation it cannot turn
     /// on the way: only set_pose does that.
-    void move_to(body_id id, vec position, const rotation& orientation) {
+    void move_to(body_id id, vec position, const rotation_type& rotation) {
         const auto b = detail::find_kinematic(state_, id, "move_to");
-        if (b && detail::check_pose("move_to", position, orientation))
-            detail::exactly([&] { detail::move_to(state_, b.index, position, orientation); });
+        if (b && detail::check_pose("move_to", position, rotation))
+            detail::scoped([&] { detail::move_to(state_, b.index, position, rotation); });
     }
     void move_to(body_id id, const transform& pose) { move_to(id, pose.position, pose.rotation); }
 
@@ -152,60 +151,58 @@ public:
                    [](const auto& b) -> angular { return detail::value_of(b.velocity.angular); });
     }
     [[nodiscard]] vec velocity_at(body_id id, vec point) const {
-        const auto b = find(id, "velocity_at");
-        if (!b || !detail::check_in_range("velocity_at", "point", point)) return {};
-        const auto& v = state_.bodies[b.index].velocity;
-        const vec lever = point - state_.bodies[b.index].center;
-        if (detail::has_velocity_at(v, lever)) return physics::velocity_at(v, lever);
-        detail::refuse_action("velocity_at", "point", detail::size_of(point));
-        return {};
+        return detail::scoped([&] { return detail::velocity_of_point(state_, id, point); });
     }
     /// Velocities of dynamic and kinematic bodies; static ones have none, and locked rotations stay at 0.
     void set_linear_velocity(body_id id, vec v) {
         const auto b = find_moving(id, "set_linear_velocity");
         if (!b || !detail::check_in_range("set_linear_velocity", "v", v)) return;
-        if (!(v == vec{})) rouse(b.index);
+        if (!(v == vec{})) wake_affected(b.index);
         detail::velocity_to_set(state_, b.index).linear = v;
     }
-    void set_angular_velocity(body_id id, angular w) requires plan::turns {
+    void set_angular_velocity(body_id id, angular w) requires plan::rotates {
         const auto b = find_moving(id, "set_angular_velocity");
         if (!b ||
             !detail::check_angular_velocity("set_angular_velocity", "w", w, state_.bodies[b.index].rotation_locked))
             return;
-        if (!(w == angular{})) rouse(b.index);
+        if (!(w == angular{})) wake_affected(b.index);
         detail::velocity_to_set(state_, b.index).angular = w;
     }
 
     /// A force (N) on a dynamic body during the next step, at its centre of mass or at a point; "local"
     /// takes force and point in the body's frame. Forces add up; refused where the sum would leave the scalar's range.
     /// In recipes without rotation the point does not matter.
-    void apply_force(body_id id, vec force) { push(id, "apply_force", force, false, nullptr); }
-    void apply_force_at(body_id id, vec force, vec point) { push(id, "apply_force_at", force, false, &point); }
-    void apply_local_force(body_id id, vec force) { push(id, "apply_local_force", force, true, nullptr); }
+    void apply_force(body_id id, vec force) { add_force(id, "apply_force", force, false, nullptr); }
+    void apply_force_at(body_id id, vec force, vec point) { add_force(id, "apply_force_at", force, false, &point); }
+    void apply_local_force(body_id id, vec force) { add_force(id, "apply_local_force", force, true, nullptr); }
     void apply_local_force_at(body_id id, vec force, vec point) {
-        push(id, "apply_local_force_at", force, true, &point);
+        add_force(id, "apply_local_force_at", force, true, &point);
     }
     /// A torque (N m) during the next step.
-    void apply_torque(body_id id, angular torque) requires plan::turns {
-        detail::exactly([&] { detail::push_spin(state_, id, torque); });
+    void apply_torque(body_id id, angular torque) requires plan::rotates {
+        detail::scoped([&] { detail::add_torque(state_, id, torque); });
     }
     /// Forgets the forces and torques that wait for the next step.
     void clear_forces(body_id id) {
-        const auto b = dynamic(id, "clear_forces");
+        const auto b = detail::find_dynamic(state_, id, "clear_forces");
         if (!b) return;
         state_.bodies[b.index].force = {};
         state_.bodies[b.index].torque = {};
     }
     /// An impulse (N s): changes velocities at once.
-    void apply_impulse(body_id id, vec impulse) { kick(id, "apply_impulse", impulse, false, nullptr); }
-    void apply_impulse_at(body_id id, vec impulse, vec point) { kick(id, "apply_impulse_at", impulse, false, &point); }
-    void apply_local_impulse(body_id id, vec impulse) { kick(id, "apply_local_impulse", impulse, true, nullptr); }
+    void apply_impulse(body_id id, vec impulse) { add_impulse(id, "apply_impulse", impulse, false, nullptr); }
+    void apply_impulse_at(body_id id, vec impulse, vec point) {
+        add_impulse(id, "apply_impulse_at", impulse, false, &point);
+    }
+    void apply_local_impulse(body_id id, vec impulse) {
+        add_impulse(id, "apply_local_impulse", impulse, true, nullptr);
+    }
     void apply_local_impulse_at(body_id id, vec impulse, vec point) {
-        kick(id, "apply_local_impulse_at", impulse, true, &point);
+        add_impulse(id, "apply_local_impulse_at", impulse, true, &point);
     }
     /// An angular impulse (N m s).
-    void apply_angular_impulse(body_id id, angular impulse) requires plan::turns {
-        detail::exactly([&] { detail::kick_spin(state_, id, impulse); });
+    void apply_angular_impulse(body_id id, angular impulse) requires plan::rotates {
+        detail::scoped([&] { detail::add_angular_impulse(state_, id, impulse); });
     }
 
     [[nodiscard]] body_type type(body_id id) const {
@@ -214,7 +211,7 @@ public:
     }
     /// Changes how a body moves; a static body loses its velocity. O(shapes + contacts).
     void set_type(body_id id, body_type type) {
-        if (const auto b = find(id, "set_type")) detail::exactly([&] { detail::set_type(state_, b.index, type); });
+        if (const auto b = find(id, "set_type")) detail::scoped([&] { detail::set_type(state_, b.index, type); });
     }
     /// Mass (kg), centre (m) and inertia about it (kg m^2) in the body's frame. Static and kinematic bodies take none
     /// from their shapes: they have mass 0 and their centre at the origin.
@@ -225,11 +222,13 @@ public:
     /// recipes without rotation, nothing turns it. Refuses what the scalar cannot hold, and tensors that are not
     /// positive definite.
     void set_mass(body_id id, const mass_properties& mass) {
-        if (const auto b = dynamic(id, "set_mass")) detail::exactly([&] { detail::set_mass(state_, b.index, mass); });
+        const auto b = detail::find_dynamic(state_, id, "set_mass");
+        if (b) detail::scoped([&] { detail::set_mass(state_, b.index, mass); });
     }
     /// Takes the mass from the shapes again. O(shapes).
     void reset_mass(body_id id) {
-        if (const auto b = dynamic(id, "reset_mass")) detail::exactly([&] { detail::reset_mass(state_, b.index); });
+        const auto b = detail::find_dynamic(state_, id, "reset_mass");
+        if (b) detail::scoped([&] { detail::reset_mass(state_, b.index); });
     }
     [[nodiscard]] scalar linear_damping(body_id id) const {
         return get(id, "linear_damping", [](const auto& b) { return b.linear_damping; });
@@ -242,10 +241,10 @@ public:
         const auto b = find(id, "set_damping");
         if (!b || !detail::check_not_negative("set_damping", "linear_rate", linear_rate) ||
             !detail::check_not_negative("set_damping", "angular_rate", angular_rate) ||
-            (!plan::turns && !detail::check_left_out("set_damping", "angular_rate", angular_rate)))
+            (!plan::rotates && !detail::check_left_out("set_damping", "angular_rate", angular_rate)))
             return;
         state_.bodies[b.index].linear_damping = linear_rate;
-        if constexpr (plan::turns) state_.bodies[b.index].angular_damping = angular_rate;
+        if constexpr (plan::rotates) state_.bodies[b.index].angular_damping = angular_rate;
     }
     [[nodiscard]] scalar gravity_scale(body_id id) const {
         return get(id, "gravity_scale", [](const auto& b) { return b.gravity_scale; });
@@ -253,19 +252,19 @@ public:
     void set_gravity_scale(body_id id, scalar factor) {
         const auto b = find(id, "set_gravity_scale");
         if (!b || !detail::check_in_range("set_gravity_scale", "factor", factor)) return;
-        rouse(b.index);
+        wake_affected(b.index);
         state_.bodies[b.index].gravity_scale = factor;
     }
     [[nodiscard]] bool rotation_locked(body_id id) const {
         return get(id, "rotation_locked", [](const auto& b) { return b.rotation_locked; });
     }
     /// Locks or frees rotation; locking stops it.
-    void set_rotation_locked(body_id id, bool locked) requires plan::turns {
+    void set_rotation_locked(body_id id, bool locked) requires plan::rotates {
         const auto b = find(id, "set_rotation_locked");
-        if (b) detail::exactly([&] { detail::set_rotation_locked(state_, b.index, locked); });
+        if (b) detail::scoped([&] { detail::set_rotation_locked(state_, b.index, locked); });
     }
     /// True while the body sleeps: an island of bodies that has been still for long enough (settings().sleeping) leaves
-    /// the step, until something touches it or somebody acts on it. Sleepers cost nothing.
+    /// the step, until something touches it or a call changes it. Sleepers cost nothing.
     [[nodiscard]] bool is_asleep(body_id id) const {
         const auto b = find(id, "is_asleep");
         return b && state_.is_asleep(b.index);
@@ -308,12 +307,12 @@ public:
     [[nodiscard]] transform local_pose(shape_id id) const {
         return get(id, "local_pose", [](const auto& s) { return s.local; });
     }
-    [[nodiscard]] material surface(shape_id id) const {
-        return get(id, "surface", [this](const auto& s) { return detail::surface_of(state_, s); });
+    [[nodiscard]] material_type material(shape_id id) const {
+        return get(id, "material", [this](const auto& s) { return detail::surface_of(state_, s); });
     }
     /// Changes a shape's material from the next step on; without feature::materials set_settings changes that of all.
-    void set_surface(shape_id id, const material& m) requires(plan::features::materials) {
-        detail::exactly([&] { detail::set_surface(state_, id, m); });
+    void set_material(shape_id id, const material_type& m) requires(plan::features::materials) {
+        detail::scoped([&] { detail::set_material(state_, id, m); });
     }
     [[nodiscard]] std::uint64_t user_data(shape_id id) const {
         return get(id, "user_data", [](const auto& s) { return s.user_data; });
@@ -328,7 +327,7 @@ public:
     /// the least number.
     [[nodiscard]] world_hit cast_ray(vec origin, vec translation, const query_filter& filter = {}) const {
         world_hit first;
-        detail::exactly([&] {
+        detail::scoped([&] {
             detail::cast_ray(state_, "cast_ray", origin, translation, filter, [&](const world_hit& hit) {
                 if (detail::comes_first(hit, first)) first = hit;
                 return first.fraction;
@@ -341,14 +340,14 @@ public:
     /// Calls visit(hit) for shapes that the ray meets, in their order along it. visit returns the fraction of the
     /// translation up to which the ray goes on: 1 for all, -1 to stop. To find the first alone, cast_ray is faster.
     template <class Visit>
-    void each_on_ray(vec origin, vec translation, const query_filter& filter, Visit&& visit) const {
-        detail::each_on_ray(state_, origin, translation, filter, visit);
+    void each_hit_along_ray(vec origin, vec translation, const query_filter& filter, Visit&& visit) const {
+        detail::each_hit_along_ray(state_, origin, translation, filter, visit);
     }
     /// The first shape that a convex shape meets on its way from a pose along a translation, without turning.
     template <class Shape>
     [[nodiscard]] world_hit cast_shape(const Shape& shape, const transform& pose, vec translation,
                                        const query_filter& filter = {}) const {
-        return detail::exactly([&] { return detail::cast_shape(state_, shape, pose, translation, filter); });
+        return detail::scoped([&] { return detail::cast_shape(state_, shape, pose, translation, filter); });
     }
     /// Calls visit(shape_id) for every shape that a convex shape at that pose touches or overlaps, in ascending order
     /// of numbers. Where visit returns a bool, false ends the query.
@@ -360,18 +359,18 @@ public:
     template <class Visit>
     void each_at(vec point, const query_filter& filter, Visit&& visit) const {
         if (detail::check_finite("each_at", "point", point))
-            detail::each_overlapping(state_, "each_at", detail::tip<scalar, dimension>{}, {point, {}}, filter, visit);
+            detail::each_overlapping(state_, "each_at", detail::point_shape<scalar, dimension>{}, {point, {}},
+                                     filter, visit);
     }
     /// The shape closest to a point, none farther than `reach` (m).
-    [[nodiscard]] nearest_shape closest_shape(vec point, scalar reach, const query_filter& filter = {}) const {
-        return detail::exactly([&] { return detail::closest_shape(state_, point, reach, filter); });
+    [[nodiscard]] closest_hit closest_shape(vec point, scalar reach, const query_filter& filter = {}) const {
+        return detail::scoped([&] { return detail::closest_shape(state_, point, reach, filter); });
     }
 
 private:
-    detail::found find(body_id id, const char* function) const { return detail::find_body(state_, id, function); }
-    detail::found find(body_id id, const char* function) { return detail::find_body(state_, id, function); }
-    detail::found dynamic(body_id id, const char* function) { return detail::find_dynamic(state_, id, function); }
-    detail::found find_moving(body_id id, const char* function) { return detail::find_moving(state_, id, function); }
+    detail::lookup find(body_id id, const char* function) const { return detail::find_body(state_, id, function); }
+    detail::lookup find(body_id id, const char* function) { return detail::find_body(state_, id, function); }
+    detail::lookup find_moving(body_id id, const char* function) { return detail::find_moving(state_, id, function); }
     /// f of the thing that the handle names, or a default value after refusing the handle.
     template <class F>
     auto get(body_id id, const char* function, F&& f) const
@@ -385,13 +384,13 @@ private:
         const auto s = detail::find_shape(state_, id, function);
         return s ? f(state_.shapes[s.index]) : decltype(f(state_.shapes[0])){};
     }
-    void rouse(std::uint32_t body) { detail::exactly([&] { detail::rouse(state_, body); }); }
-    void wake(std::uint32_t body) { detail::exactly([&] { detail::wake(state_, body); }); }
-    void push(body_id id, const char* function, vec force, bool local, const vec* point) {
-        detail::exactly([&] { detail::push(state_, id, function, force, local, point); });
+    void wake_affected(std::uint32_t body) { detail::scoped([&] { detail::wake_affected(state_, body); }); }
+    void wake(std::uint32_t body) { detail::scoped([&] { detail::wake(state_, body); }); }
+    void add_force(body_id id, const char* function, vec force, bool local, const vec* point) {
+        detail::scoped([&] { detail::add_force(state_, id, function, force, local, point); });
     }
-    void kick(body_id id, const char* function, vec impulse, bool local, const vec* point) {
-        detail::exactly([&] { detail::kick(state_, id, function, impulse, local, point); });
+    void add_impulse(body_id id, const char* function, vec impulse, bool local, const vec* point) {
+        detail::scoped([&] { detail::add_impulse(state_, id, function, impulse, local, point); });
     }
 
     detail::state<plan> state_;

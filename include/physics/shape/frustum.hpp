@@ -30,7 +30,7 @@ constexpr aabb<S, 3> bounds_of(const discs<S>& d, const transform<S, 3>& at) {
 template <class S>
 constexpr vec<S, 3> support_of(const discs<S>& d, vec<S, 3> direction) {
     const vec<S, 3> n = normalized(direction);
-    const auto [aside, across] = split(vec<S, 2>{n.y, n.z});
+    const auto [aside, across] = direction_and_length_of(vec<S, 2>{n.y, n.z});
     const bool upper = !(n.x * (d.half + d.half) < across * (d.low - d.high));
     const S r = upper ? d.high : d.low;
     return vec<S, 3>{upper ? d.half : -d.half, aside.x * r, aside.y * r} + n * d.rounding;

@@ -1,4 +1,4 @@
-// Laws of images of worlds: brought back to a moment, any world of the recipe goes on from there by the same bits.
+// Laws of snapshots of worlds: brought back to a moment, any world of the recipe goes on from there by the same bits.
 #pragma once
 
 #include <cstring>
@@ -11,7 +11,7 @@
 #include "cell.hpp"
 
 namespace {
-namespace images_laws {
+namespace snapshot_laws {
 
 using S = cell::scalar;
 constexpr int D = cell::dimension;
@@ -43,19 +43,19 @@ using one_by_one = of<few, physics::all_pairs, physics::without<physics::feature
 using with_geometry = of<many>;
 
 template <class Recipe>
-using image_of = physics::detail::state_image<typename physics::detail::plan_of<Recipe>::type>;
+using snapshot_of = physics::detail::raw_snapshot<typename physics::detail::plan_of<Recipe>::type>;
 template <class Recipe>
-image_of<Recipe> image(const physics::world<Recipe>& w) {
-    image_of<Recipe> made;
+snapshot_of<Recipe> snapshot(const physics::world<Recipe>& w) {
+    snapshot_of<Recipe> made;
     made.save(state_access::state_of(w));
     return made;
 }
 template <class Recipe>
-bool restore(const image_of<Recipe>& from, physics::world<Recipe>& w) {
+bool restore(const snapshot_of<Recipe>& from, physics::world<Recipe>& w) {
     return from.restore(state_access::state_of(w));
 }
-template <class Image>
-bool same_bytes(const Image& a, const Image& b) {
+template <class Snapshot>
+bool same_bytes(const Snapshot& a, const Snapshot& b) {
     return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size()) == 0;
 }
 
@@ -113,7 +113,7 @@ std::uint64_t number_of_numbers(const State& s) {
         for (std::size_t i = 0; i < size; ++i)
             hash = (hash ^ static_cast<const unsigned char*>(from)[i]) * 0x100000001b3u;
     };
-    physics::detail::each_piece_of(s, [&](const auto& piece) {
+    physics::detail::each_value_of(s, [&](const auto& piece) {
         using T = std::remove_cvref_t<decltype(piece)>;
         if constexpr (physics::detail::is_buffer<T>) {
             const std::uint32_t count = piece.size();
@@ -180,7 +180,7 @@ public:
         for (const body_id b : w.bodies()) {
             all.sleepers += w.is_asleep(b);
             all.reused += b.generation > 1;
-            all.waiting += s.bodies[b.index].is_pushed() || s.bodies[b.index].has_target;
+            all.waiting += s.bodies[b.index].has_external_force() || s.bodies[b.index].has_target;
         }
     }
     [[nodiscard]] seen look() const {
@@ -246,7 +246,7 @@ private:
                 if (dynamic) w.apply_torque(body, spin(dice.number(-5, 5)));
                 break;
             case 4: w.set_linear_velocity(body, at(dice.number(-90, 90), 5)); break;
-            case 5: w.set_pose(body, w.position(body) + at(0, 0.25), w.orientation(body)); break;
+            case 5: w.set_pose(body, w.position(body) + at(0, 0.25), w.rotation(body)); break;
             case 6: w.set_gravity_scale(body, dice.real(0.5, 1)); break;
             case 7:
                 if (dynamic) add_shape(dice, body);
@@ -273,7 +273,7 @@ private:
             w.apply_force(body, at(dice.number(-50, 50), 20));
         for (const body_id b : w.bodies())
             if (w.type(b) == body_type::kinematic_body && tick % 3 == 0)
-                w.move_to(b, w.position(b) + at(0.0625, 0), w.orientation(b));
+                w.move_to(b, w.position(b) + at(0.0625, 0), w.rotation(b));
     }
     static constexpr bool world_sweeps = physics::detail::plan_of<Recipe>::type::sweeps;
 
@@ -293,7 +293,7 @@ void check_going_on(std::uint64_t seed) {
     // Worlds with other histories: one that has been larger, and one that has moved.
     moved.play(0, 40, ignored);
     other.play(0, 8, ignored);
-    image_of<Recipe> of;
+    snapshot_of<Recipe> of;
     events all;
     for (std::uint64_t tick = 0; tick < ticks;) {
         std::vector<seen> before, again, elsewhere, afresh, there;
@@ -305,7 +305,7 @@ void check_going_on(std::uint64_t seed) {
         y.note(all);
         REQUIRE(restore(of, y.w));
         CHECK(y.look() == now);
-        CHECK(same_bytes(image(y.w), of));
+        CHECK(same_bytes(snapshot(y.w), of));
         y.play(tick, end, again);
         CHECK(before == again);
 
@@ -317,8 +317,8 @@ void check_going_on(std::uint64_t seed) {
         CHECK(before == elsewhere);
         std::swap(y.w, other.w);
 
-        const image_of<Recipe> copy = of;
-        of = image_of<Recipe>();
+        const snapshot_of<Recipe> copy = of;
+        of = snapshot_of<Recipe>();
         auto place = std::make_unique<physics::world<Recipe>>(std::move(moved.w));
         std::swap(y.w, *place);
         REQUIRE(restore(copy, y.w));
@@ -347,20 +347,20 @@ void check_going_on(std::uint64_t seed) {
     CHECK(all.waiting > 0);
 }
 
-CELL_CASE("images: steps from an image are the steps from the moment it was made, in this world and in others") {
+CELL_CASE("snapshots: steps from a snapshot are the steps from the moment it was made, in this world and in others") {
     check_going_on<in_tree>(1);
     check_going_on<in_tree>(2);
     check_going_on<with_geometry>(3);
     check_going_on<with_geometry>(4);
 }
-CELL_CASE("images: they hold what every broadphase and both solvers go on from") {
+CELL_CASE("snapshots: they hold what every broadphase and both solvers go on from") {
     check_going_on<swept_along>(5);
     check_going_on<in_cells>(6);
     check_going_on<in_hashed_cells>(7);
     check_going_on<one_by_one>(8);
 }
 
-CELL_CASE("images: nothing of what came after stays, and what has gone since is there again") {
+CELL_CASE("snapshots: nothing of what came after stays, and what has gone since is there again") {
     using world = physics::world<in_tree>;
     yard<in_tree> y(9);
     std::vector<seen> ignored;
@@ -368,7 +368,7 @@ CELL_CASE("images: nothing of what came after stays, and what has gone since is 
     world& w = y.w;
     const body_id gone = w.create_body({.position = at(0, 9), .user_data = 5});
     const shape_id round = w.create_shape(gone, world::ball{S(0.25)});
-    const auto of = image(w);
+    const auto of = snapshot(w);
     const seen then = y.look();
     w.destroy_body(gone);
     std::vector<body_id> born;
@@ -406,7 +406,7 @@ CELL_CASE("images: nothing of what came after stays, and what has gone since is 
     REQUIRE(restore(of, twin));
     CHECK(twin.contains(gone));
     // Also to nothing at all.
-    const auto empty = image(world());
+    const auto empty = snapshot(world());
     REQUIRE(restore(empty, w));
     CHECK(w.body_count() == 0);
     CHECK(w.shape_count() == 0);
@@ -419,12 +419,12 @@ CELL_CASE("images: nothing of what came after stays, and what has gone since is 
 /// An executor whose workers take turns, the last part first.
 struct turns {
     [[nodiscard]] std::uint32_t workers() const { return 4; }
-    void run(std::uint32_t parts, const physics::work& what) const {
+    void run(std::uint32_t parts, const physics::task_set& what) const {
         for (std::uint32_t k = parts; k-- > 0;) what(k, k % 4);
     }
 };
 
-CELL_CASE("images: what one worker has saved several go on from, and the other way round") {
+CELL_CASE("snapshots: what one worker has saved several go on from, and the other way round") {
     using world = physics::world<in_tree>;
     world w({.gravity = at(0, -10)});
     static_cast<void>(w.create_shape(w.create_body({.type = body_type::static_body}), world::halfspace{}));
@@ -445,7 +445,7 @@ CELL_CASE("images: what one worker has saved several go on from, and the other w
     const auto together = [&] { w.step(S(1.0 / 64), pool); };
     for (int round = 0; round < 2; ++round) {
         for (int i = 0; i < 4; ++i) round == 0 ? alone() : together();
-        const auto of = image(w);
+        const auto of = snapshot(w);
         const auto expected = hashes(alone);
         CHECK(restore(of, w));
         CHECK(hashes(together) == expected);
@@ -454,13 +454,13 @@ CELL_CASE("images: what one worker has saved several go on from, and the other w
     }
 }
 
-CELL_CASE("images: they keep the geometry of shapes alive, and no longer than they hold it") {
+CELL_CASE("snapshots: they keep the geometry of shapes alive, and no longer than they hold it") {
     using world = physics::world<with_geometry>;
     const auto owners = [](const auto& geometry) { return static_cast<int>(geometry.data()->owners); };
     const quarry q;
     const int alone = owners(q.rock);
     {
-        image_of<with_geometry> of, other;
+        snapshot_of<with_geometry> of, other;
         {
             world w;
             const body_id b = w.create_body({.type = body_type::static_body});
@@ -484,7 +484,7 @@ CELL_CASE("images: they keep the geometry of shapes alive, and no longer than th
         other = std::move(of);
         CHECK(owners(q.rock) == alone + 3);
         {
-            image_of<with_geometry> third(other);
+            snapshot_of<with_geometry> third(other);
             const auto fourth = std::move(third);
             CHECK(owners(q.rock) == alone + 6);
             world w;
@@ -497,7 +497,7 @@ CELL_CASE("images: they keep the geometry of shapes alive, and no longer than th
         CHECK(owners(q.rock) == alone);
     }
     // The last owner of all.
-    image_of<with_geometry> last;
+    snapshot_of<with_geometry> last;
     seen then;
     {
         yard<with_geometry> y(11);
@@ -515,15 +515,15 @@ CELL_CASE("images: they keep the geometry of shapes alive, and no longer than th
     CHECK(log.size() == 20);
 }
 
-CELL_CASE("images: an empty one is refused and nothing changes; a visitor may restore the world that it looks at") {
+CELL_CASE("snapshots: an empty one is refused and nothing changes; a visitor may restore the world that it looks at") {
     using world = physics::world<in_tree>;
     yard<in_tree> y(13);
     std::vector<seen> ignored;
     y.play(0, 10, ignored);
-    const auto of = image(y.w);
+    const auto of = snapshot(y.w);
     y.play(10, 12, ignored);
     const seen now = y.look();
-    const auto refusal = [&](const image_of<in_tree>& from) {
+    const auto refusal = [&](const snapshot_of<in_tree>& from) {
         try {
             static_cast<void>(restore(from, y.w));
         } catch (const physics::error& e) {
@@ -531,7 +531,7 @@ CELL_CASE("images: an empty one is refused and nothing changes; a visitor may re
         }
         return std::string();
     };
-    CHECK(refusal({}) == "physics: restore: image is empty; it must have been saved");
+    CHECK(refusal({}) == "physics: restore: snapshot is empty; it must have been saved");
     CHECK(y.look() == now);
     int asked = 0;
     y.w.each_overlapping(world::box{vec::filled(S(9))}, {}, {}, [&](shape_id) {
@@ -541,5 +541,5 @@ CELL_CASE("images: an empty one is refused and nothing changes; a visitor may re
     CHECK(y.look() != now);
 }
 
-}  // namespace images_laws
+}  // namespace snapshot_laws
 }  // namespace

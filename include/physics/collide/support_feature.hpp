@@ -9,13 +9,13 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// A face of a core, or what there is in place of one: an edge, a corner. Hulls' faces of more vertices are thinned
-/// out.
+/// The support feature of a core: the face, edge or vertex that is farthest along a direction (a supporting face in
+/// Jolt). Faces of hulls with more vertices are reduced.
 template <int D>
-struct facet {
-    static constexpr int most = D == 2 ? 2 : 32;
-    /// Counter-clockwise as seen from outside; in the plane the right end first.
-    raw_array<point<D>, most> corner;
+struct support_feature {
+    static constexpr int capacity = D == 2 ? 2 : 32;
+    /// Counter-clockwise as seen from outside; in 2D the right end first.
+    raw_array<point<D>, capacity> corner;
     int count = 0;
     /// Unit vector outwards, of a face.
     point<D> normal;
@@ -26,17 +26,18 @@ struct facet {
     std::uint32_t number = 0;
 };
 
-inline void add_corner(facet<3>& f, double x, double y, double z) { f.corner[f.count++] = {x, y, z}; }
+inline void add_corner(support_feature<3>& f, double x, double y, double z) { f.corner[f.count++] = {x, y, z}; }
 
 template <class R>
-facet<3> hull_facet(const hull_data<R, 3>& h, const point<3>& n) {
+support_feature<3> hull_support_feature(const hull_data<R, 3>& h, const point<3>& n) {
     const R* const rows[3] = {h.face_normal(0), h.face_normal(1), h.face_normal(2)};
-    facet<3> f;
+    support_feature<3> f;
     f.number = farthest_vertex<R, 3>(rows, h.padded_faces(), n);
     f.normal = h.normal(f.number);
     f.flat = true;
     const std::uint32_t begin = h.face_begin(f.number), count = h.face_end(f.number) - begin;
-    const std::uint32_t kept = count < std::uint32_t{facet<3>::most} ? count : std::uint32_t{facet<3>::most};
+    const std::uint32_t kept =
+        count < std::uint32_t{support_feature<3>::capacity} ? count : std::uint32_t{support_feature<3>::capacity};
     for (std::uint32_t i = 0; i < kept; ++i) {
         const std::uint32_t v = h.face_vertices()[begin + i * count / kept];
         add_corner(f, static_cast<double>(h.coordinate(0)[v]), static_cast<double>(h.coordinate(1)[v]),
@@ -45,9 +46,9 @@ facet<3> hull_facet(const hull_data<R, 3>& h, const point<3>& n) {
     return f;
 }
 template <class R>
-facet<2> hull_facet(const hull_data<R, 2>& h, const point<2>& n) {
+support_feature<2> hull_support_feature(const hull_data<R, 2>& h, const point<2>& n) {
     const R* const rows[2] = {h.face_normal(0), h.face_normal(1)};
-    facet<2> f;
+    support_feature<2> f;
     f.number = farthest_vertex<R, 2>(rows, h.padded_faces(), n);
     f.normal = h.normal(f.number);
     f.flat = true;
@@ -60,10 +61,10 @@ facet<2> hull_facet(const hull_data<R, 2>& h, const point<2>& n) {
 
 /// The face of discs, or what there is in place of it that a unit vector points out of most: a point of the rim, or the
 /// line on the side.
-inline facet<3> disc_facet(const core<3>& c, const point<3>& n) {
+inline support_feature<3> disc_facet(const core<3>& c, const point<3>& n) {
     // The tilt (rad) above which nothing lies on a face any more, so that its rim touches in one point.
     constexpr double tilted = 0.1;
-    facet<3> f;
+    support_feature<3> f;
     const double half = c.corner[0].x, low = c.corner[0].y, high = c.corner[0].z;
     const double across = physics::sqrt(n.y * n.y + n.z * n.z);
     // The outward normal of the side, in the plane of the axis and n.
@@ -82,16 +83,16 @@ inline facet<3> disc_facet(const core<3>& c, const point<3>& n) {
         static constexpr double around[8][2] = {{1, 0}, {c1, s1},  {d, d},  {s1, c1},
                                                 {0, 1}, {-s1, c1}, {-d, d}, {-c1, s1}};
         int lowest = 0;
-        double most = 0;
+        double maximum = 0;
         for (int i = 0; i < 16; ++i) {
             const int k = upper ? i : 15 - i;
             const double sign = k < 8 ? r : -r;
             add_corner(f, x, sign * around[k & 7][0], sign * around[k & 7][1]);
             const double out = n.y * f.corner[i].y + n.z * f.corner[i].z;
-            if (out > most) most = out, lowest = i;
+            if (out > maximum) maximum = out, lowest = i;
         }
         // But where the farthest point of the rim lies clearly beyond them, the nearest of them goes there.
-        if (r * across - most > c.thickness * (1.0 / 1024))
+        if (r * across - maximum > c.thickness * (1.0 / 1024))
             f.corner[lowest] = {x, r * (n.y / across), r * (n.z / across)};
         f.normal.x = upper ? 1 : -1;
         f.flat = true;
@@ -103,10 +104,10 @@ inline facet<3> disc_facet(const core<3>& c, const point<3>& n) {
     return f;
 }
 
-inline facet<3> triangle_facet(const core<3>& c, const point<3>& n) {
-    facet<3> f;
+inline support_feature<3> triangle_facet(const core<3>& c, const point<3>& n) {
+    support_feature<3> f;
     const point<3> e = c.corner[1] - c.corner[0], g = c.corner[2] - c.corner[0], h = g - e;
-    const auto [up, doubled_area] = split(cross(e, g));
+    const auto [up, doubled_area] = direction_and_length_of(cross(e, g));
     const double facing = dot(up, n);
     const bool back = facing < 0;
     f.number = std::uint32_t{back};
@@ -137,8 +138,8 @@ inline facet<3> triangle_facet(const core<3>& c, const point<3>& n) {
 }
 
 /// What a core turns towards the unit vector n, in the core's frame.
-inline facet<3> facet_of(const core<3>& c, const point<3>& n) {
-    facet<3> f;
+inline support_feature<3> support_feature_of(const core<3>& c, const point<3>& n) {
+    support_feature<3> f;
     switch (c.kind) {
         case core_kind::segment:
             f.count = 2;
@@ -165,16 +166,18 @@ inline facet<3> facet_of(const core<3>& c, const point<3>& n) {
             }
             break;
         }
-        case core_kind::hull_of_floats: return hull_facet(*static_cast<const hull_data<float, 3>*>(c.data), n);
-        case core_kind::hull_of_doubles: return hull_facet(*static_cast<const hull_data<double, 3>*>(c.data), n);
+        case core_kind::hull_of_floats:
+            return hull_support_feature(*static_cast<const hull_data<float, 3>*>(c.data), n);
+        case core_kind::hull_of_doubles:
+            return hull_support_feature(*static_cast<const hull_data<double, 3>*>(c.data), n);
         case core_kind::disc: return disc_facet(c, n);
         case core_kind::point:
         case core_kind::custom: break;
     }
     return f;
 }
-inline facet<2> facet_of(const core<2>& c, const point<2>& n) {
-    facet<2> f;
+inline support_feature<2> support_feature_of(const core<2>& c, const point<2>& n) {
+    support_feature<2> f;
     switch (c.kind) {
         case core_kind::segment: {
             // Flat on both sides.
@@ -207,8 +210,10 @@ inline facet<2> facet_of(const core<2>& c, const point<2>& n) {
             f.number = static_cast<std::uint32_t>(axis) << 1 | std::uint32_t{sign > 0};
             break;
         }
-        case core_kind::hull_of_floats: return hull_facet(*static_cast<const hull_data<float, 2>*>(c.data), n);
-        case core_kind::hull_of_doubles: return hull_facet(*static_cast<const hull_data<double, 2>*>(c.data), n);
+        case core_kind::hull_of_floats:
+            return hull_support_feature(*static_cast<const hull_data<float, 2>*>(c.data), n);
+        case core_kind::hull_of_doubles:
+            return hull_support_feature(*static_cast<const hull_data<double, 2>*>(c.data), n);
         default: return f;
     }
     f.count = 2;
@@ -218,8 +223,8 @@ inline facet<2> facet_of(const core<2>& c, const point<2>& n) {
 }
 
 template <int D>
-facet<D> facet_of(const placed_core<D>& c, const point<D>& n) {
-    facet<D> f = facet_of(*c.shape, transposed_times(c.axes, n));
+support_feature<D> support_feature_of(const placed_core<D>& c, const point<D>& n) {
+    support_feature<D> f = support_feature_of(*c.shape, transposed_times(c.axes, n));
     f.normal = c.axes * f.normal;
     for (int i = 0; i < f.count; ++i) f.corner[i] = c.axes * f.corner[i] + c.at;
     return f;

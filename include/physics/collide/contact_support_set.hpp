@@ -11,11 +11,11 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// Contact points that are kept, and which others they imply: however a body turns, while it overlaps with none of
-/// these it does not with what lies above the lines and triangles between them.
+/// A set of contact points that supports a body: points that lie above the lines and triangles between kept points are
+/// implied by them and dropped, since no rotation makes them overlap while the kept ones do not.
 template <int D>
-struct supports {
-    static constexpr int most = 8;
+struct contact_support_set {
+    static constexpr int capacity = 8;
 
     /// A point across the normal, and its separation.
     struct spot {
@@ -26,10 +26,10 @@ struct supports {
     point<D> normal;
     /// What deviation is small, of heights and of places (m): two parts that meet both have points where they do.
     double slack, reach;
-    raw_array<spot, most> kept;
+    raw_array<spot, capacity> kept;
     int count = 0;
 
-    supports(const point<D>& n, double small) : normal(n), slack(small), reach(4 * small) {}
+    contact_support_set(const point<D>& n, double small) : normal(n), slack(small), reach(4 * small) {}
 
     template <class S>
     [[nodiscard]] spot seen(const manifold_point<S, D>& p) const {
@@ -57,11 +57,11 @@ private:
     };
 
     [[nodiscard]] place over(const spot& a, const spot& b, const spot& p) const {
-        const point<D> way = b.at - a.at, from = p.at - a.at;
-        const double square = dot(way, way);
+        const point<D> segment = b.at - a.at, from = p.at - a.at;
+        const double square = dot(segment, segment);
         if (!(square > 0)) return {false, no_limit};
-        const double share = dot(from, way) / square, beyond = max(-share, share - 1);
-        const point<D> aside = from - way * share;
+        const double share = dot(from, segment) / square, beyond = max(-share, share - 1);
+        const point<D> aside = from - segment * share;
         if (dot(aside, aside) > reach * reach) return {false, no_limit};
         return {beyond <= 0 || beyond * beyond * square <= reach * reach,
                 p.height - a.height - (b.height - a.height) * share};
@@ -83,20 +83,20 @@ private:
 /// without end. Cost: O(count) for each of up to 84 lines and triangles, 10 on flat ground.
 template <class S, int D>
 int keep_supports(manifold_point<S, D>* points, int count, vec<S, D> normal, S slack) {
-    using spot = typename supports<D>::spot;
-    supports<D> held(to_point(normal), static_cast<double>(slack));
-    manifold_point<S, D> kept[supports<D>::most];
-    raw_array<spot, most_candidates> spots;
-    for (int i = 0; i < count; ++i) spots[i] = held.seen(points[i]);
+    using spot = typename contact_support_set<D>::spot;
+    contact_support_set<D> set(to_point(normal), static_cast<double>(slack));
+    manifold_point<S, D> kept[contact_support_set<D>::capacity];
+    raw_array<spot, max_candidates> spots;
+    for (int i = 0; i < count; ++i) spots[i] = set.seen(points[i]);
     manifold<S, D> chosen;
     reduce(points, count, normal, slack, chosen);
     bool flat = chosen.count == 1;
     for (int k = 0; k < chosen.count; ++k) {
         kept[k] = chosen.points[k];
-        held.kept[held.count++] = held.seen(kept[k]);
-        flat = flat || held.any_with_last([&](const auto& over) {
+        set.kept[set.count++] = set.seen(kept[k]);
+        flat = flat || set.any_with_last([&](const auto& over) {
             for (int i = 0; i < count; ++i)
-                if (abs(over(spots[i]).above) > held.slack) return false;
+                if (abs(over(spots[i]).above) > set.slack) return false;
             return true;
         });
     }
@@ -105,37 +105,37 @@ int keep_supports(manifold_point<S, D>* points, int count, vec<S, D> normal, S s
         const int before = left;
         left = 0;
         for (int i = 0; i < before; ++i) {
-            const bool implied = held.any_with_last([&](const auto& over) {
+            const bool implied = set.any_with_last([&](const auto& over) {
                 const auto at = over(spots[i]);
-                return at.between && at.above >= -held.slack;
+                return at.between && at.above >= -set.slack;
             });
             if (implied) continue;
             spots[left] = spots[i];
             points[left++] = points[i];
         }
     };
-    for (held.count = 1; held.count < chosen.count;) {
-        ++held.count;
+    for (set.count = 1; set.count < chosen.count;) {
+        ++set.count;
         drop_implied();
     }
-    while (left > 0 && held.count < supports<D>::most) {
+    while (left > 0 && set.count < contact_support_set<D>::capacity) {
         double low = spots[0].height;
         for (int i = 1; i < left; ++i) low = min(low, spots[i].height);
         // Of those that are alike the one farthest from the one before: ends imply what is between them.
         int deepest = -1;
-        double most = 0;
+        double maximum = 0;
         for (int i = 0; i < left; ++i) {
-            const double far = length(spots[i].at - held.kept[held.count - 1].at);
-            if (spots[i].height > low + held.slack || (deepest >= 0 && !(far > most + held.reach))) continue;
+            const double far = length(spots[i].at - set.kept[set.count - 1].at);
+            if (spots[i].height > low + set.slack || (deepest >= 0 && !(far > maximum + set.reach))) continue;
             deepest = i;
-            most = far;
+            maximum = far;
         }
-        kept[held.count] = points[deepest];
-        held.kept[held.count++] = spots[deepest];
+        kept[set.count] = points[deepest];
+        set.kept[set.count++] = spots[deepest];
         drop_implied();
     }
-    for (int k = 0; k < held.count; ++k) points[k] = kept[k];
-    return held.count;
+    for (int k = 0; k < set.count; ++k) points[k] = kept[k];
+    return set.count;
 }
 
 }  // namespace detail

@@ -1,4 +1,4 @@
-// Contact of the pairs that read alike in the plane and in space: balls, and round shapes on a halfspace.
+// Contact of the pairs that read alike in 2D and in 3D: balls, and round shapes on a halfspace.
 #pragma once
 
 #include "physics/collide/manifold.hpp"
@@ -26,7 +26,7 @@ constexpr void collide_ball(S radius_a, vec<S, D> half, S radius_b, const transf
     // In the box's frame, where the components of the normal along a face are exactly zero.
     const vec<S, D> center = inverse_transform(b_in_a, vec<S, D>{});
     const vec<S, D> nearest = max(-half, min(half, center));
-    auto [direction, gap] = split(nearest - center);
+    auto [direction, gap] = direction_and_length_of(nearest - center);
     if (gap > radius_a + radius_b + margin) return;
     std::uint32_t feature = 0;
     if (!(gap > S(0))) {

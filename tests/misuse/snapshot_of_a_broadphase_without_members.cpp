@@ -1,4 +1,4 @@
-// expect: physics::recipe: no image of the world can be made, as the broadphase does not name what lasts of it; its in<Space> needs a static each_part(self, f)
+// expect: physics::recipe: no snapshot of the world can be made, as the broadphase does not name what lasts of it; its in<Space> needs a static each_member(self, f)
 #include <physics.hpp>
 
 struct boxes {
@@ -16,7 +16,7 @@ struct boxes {
 struct mine : physics::recipe<float, 2, boxes> {};
 
 using plan = physics::detail::plan_of<mine>::type;
-bool there_and_back(physics::detail::state_image<plan>& image, physics::detail::state<plan>& state) {
-    image.save(state);
-    return image.restore(state);
+bool there_and_back(physics::detail::raw_snapshot<plan>& snapshot, physics::detail::state<plan>& state) {
+    snapshot.save(state);
+    return snapshot.restore(state);
 }

@@ -1,7 +1,7 @@
-// Images of a world's state: all that lasts from step to step, in one block of memory.
+// Snapshots of a world's state: all that lasts from step to step, in one block of memory.
 #pragma once
 
-#include "physics/base/lasting.hpp"
+#include "physics/base/members.hpp"
 #include "physics/world/check.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -45,7 +45,7 @@ public:
         each(release);
         blocks_.clear();
         shapes.each_geometry([&](const geometry_block* block) {
-            if (block != nullptr) blocks_.push(block);
+            if (block != nullptr) blocks_.push_back(block);
         });
     }
 
@@ -57,16 +57,17 @@ private:
     buffer<const geometry_block*> blocks_;
 };
 
-/// Says in one sentence why there can be no image of a world.
+/// Says in one sentence why there can be no snapshot of a world.
 template <class Plan>
-struct image_audit {
-    static constexpr bool has_parts = names_parts<typename Plan::broadphase>;
+struct snapshot_audit {
+    static constexpr bool has_members = names_members<typename Plan::broadphase>;
     static constexpr bool is_plain = std::is_trivially_copyable_v<typename Plan::settings>;
-    static_assert(has_parts,
-                  "physics::recipe: no image of the world can be made, as the broadphase does not name what lasts of "
-                  "it; its in<Space> needs a static each_part(self, f)");
+    static_assert(
+        has_members,
+        "physics::recipe: no snapshot of the world can be made, as the broadphase does not name what lasts of "
+        "it; its in<Space> needs a static each_member(self, f)");
     static_assert(is_plain,
-                  "physics::recipe: no image of the world can be made, as the solver's settings are not trivially "
+                  "physics::recipe: no snapshot of the world can be made, as the solver's settings are not trivially "
                   "copyable");
 };
 
@@ -74,22 +75,23 @@ struct image_audit {
 /// memory: of buffers how many values they have, and these; what lies behind them for growth stays out, and so does
 /// scratch. Written over a world of the same recipe, of whatever history, it brings back the state with its numbers,
 /// generations and settings: the steps that follow have the same bits. The world keeps its tag, so that those handles
-/// serve it that did before. Shapes share their geometry with the image, which is one of its owners.
+/// serve it that did before. Shapes share their geometry with the snapshot, which is one of its owners.
 /// For the process that made it: no format to store. Cost: that of copying the bytes, and some ns for each shape with
 /// geometry.
 template <class Plan>
-class state_image {
-    using audit = image_audit<Plan>;
+class raw_snapshot {
+    using audit = snapshot_audit<Plan>;
     static_assert(sizeof(audit) > 0);
 
 public:
-    /// Makes this the image of a world as it is now. Takes memory only where the image has not been so large before.
+    /// Makes this the snapshot of a world as it is now. Takes memory only where the snapshot has not been so large
+    /// before.
     void save(const state<Plan>& s) {
         std::uint64_t units = 0;
         each_piece(s, [&](const auto& piece) { units += units_of(piece); });
         if (units > 0xffffffffu) {
             // As for buffers: there is no such memory.
-            refuse("image", "memory", static_cast<double>(units) * sizeof(unit), "the bytes are not available");
+            refuse("snapshot", "memory", static_cast<double>(units) * sizeof(unit), "the bytes are not available");
             std::abort();
         }
         // What may fail comes first.
@@ -103,7 +105,7 @@ public:
     /// Brings a world to the state that was saved. Takes memory only where the world has not had so much before.
     /// Refused, with nothing changed, if nothing was saved or a step of the world is under way.
     bool restore(state<Plan>& s) const {
-        if (units_.empty()) return refuse("restore", "image", "empty", "it must have been saved");
+        if (units_.empty()) return refuse("restore", "snapshot", "empty", "it must have been saved");
         if (!check_not_in_step(s, "restore")) return false;
         // What may fail comes first.
         const unit* from = units_.begin();
@@ -139,7 +141,7 @@ private:
     /// Nothing of what was refused above, so that nothing else is said of it.
     template <class State, class F>
     static void each_piece(State& s, F&& f) {
-        if constexpr (audit::has_parts && audit::is_plain) each_piece_of(s, f);
+        if constexpr (audit::has_members && audit::is_plain) each_value_of(s, f);
     }
     void write(const void* from, std::size_t bytes) {
         if (bytes == 0) return;

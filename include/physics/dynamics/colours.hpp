@@ -3,21 +3,21 @@
 
 #include <bit>
 
-#include "physics/base/crew.hpp"
-#include "physics/dynamics/batches.hpp"
+#include "physics/base/task_runner.hpp"
+#include "physics/dynamics/graph.hpp"
 
 PHYSICS_HPP_BEGIN
 
 namespace detail {
 
 /// Contacts in groups of which no two push the same body, and a last group of those that found no such group.
-struct contact_colours {
-    static constexpr std::uint32_t most = 64;
+struct colours_of_contacts {
+    static constexpr std::uint32_t capacity = 64;
 
     /// Numbers of contacts, group by group.
     std::uint32_t* order = nullptr;
     /// Where each group begins; one more than there are groups.
-    std::uint32_t begin[most + 1] = {};
+    std::uint32_t begin[capacity + 1] = {};
     std::uint32_t count = 0;
     /// Whether the last group's contacts may push the same body.
     bool last_is_serial = false;
@@ -27,7 +27,7 @@ struct contact_colours {
 template <class S, int D, class Features>
 bool is_active(const contact<S, D, Features>& c) {
     bool active = false;
-    for (int k = 0; k < c.count; ++k) active |= c.points[k].load > S(0) || !(c.points[k].separation > S(0));
+    for (int k = 0; k < c.count; ++k) active |= c.points[k].substep_impulse > S(0) || !(c.points[k].separation > S(0));
     return active;
 }
 
@@ -36,44 +36,44 @@ bool is_active(const contact<S, D, Features>& c) {
 /// colour push the same sides. Within a colour those that are about to push come first, so that lanes have the same to
 /// do. O(contacts). Source: Catto, Solver2D (2024); greedy edge colouring.
 template <class S, int D, class Features>
-contact_colours colour(const contact_list<S, D, Features>& contacts, solver_bodies<S, D, Features::rotation> bodies,
-                       arena& scratch, crew& hands) {
+colours_of_contacts colour(const contact_constraints<S, D, Features>& contacts,
+                           solver_bodies<S, D, Features::rotation> bodies, arena& scratch, task_runner& tasks) {
     const std::uint32_t count = contacts.size();
-    contact_colours result;
-    result.order = scratch.template take<std::uint32_t>(count);
+    colours_of_contacts result;
+    result.order = scratch.template allocate<std::uint32_t>(count);
     const arena::mark needed = scratch.here();
-    auto* used = scratch.template take<std::uint64_t>(bodies.count);
+    auto* used = scratch.template allocate<std::uint64_t>(bodies.count);
     // Until a contact has its colour, which sides it pushes; and with either, whether it is idle.
-    auto* colour_of = scratch.template take<std::uint8_t>(count);
-    std::uint32_t sizes[contact_colours::most] = {}, first = 0;
-    constexpr std::uint32_t serial = contact_colours::most - 1, share = 256;
-    constexpr std::uint8_t waits = 128, idle = 64, pushes_a = 1, pushes_b = 2, pushes_both = 3;
+    auto* colour_of = scratch.template allocate<std::uint8_t>(count);
+    std::uint32_t sizes[colours_of_contacts::capacity] = {}, first = 0;
+    constexpr std::uint32_t serial = colours_of_contacts::capacity - 1, share = 256;
+    constexpr std::uint8_t uncoloured = 128, idle = 64, moves_a = 1, moves_b = 2, moves_both = 3;
     const auto is_pushed = [&](std::uint32_t i) { return bodies[i].inverse_mass > inverse_of<S>(0); };
     // Contacts are large: one look at each.
     struct ends {
         std::uint32_t a, b;
     };
-    auto* ends_of = scratch.template take<ends>(count);
-    hands.each_range(count, share, [&](std::uint32_t begin, std::uint32_t end, std::uint32_t) {
+    auto* ends_of = scratch.template allocate<ends>(count);
+    tasks.parallel_for(count, share, [&](std::uint32_t begin, std::uint32_t end, std::uint32_t) {
         // Copies, as what is written may be anything to the compiler.
-        const contact_list<S, D, Features> all = contacts;
+        const contact_constraints<S, D, Features> all = contacts;
         auto* const sides = colour_of;
         auto* const to = ends_of;
         for (std::uint32_t i = begin; i < end; ++i) {
             const auto& c = all[i];
             to[i] = {c.body_a, c.body_b};
             sides[i] =
-                static_cast<std::uint8_t>(waits | (is_active(c) ? 0 : idle) | (is_pushed(c.body_a) ? pushes_a : 0) |
-                                          (is_pushed(c.body_b) ? pushes_b : 0));
+                static_cast<std::uint8_t>(uncoloured | (is_active(c) ? 0 : idle) | (is_pushed(c.body_a) ? moves_a : 0) |
+                                          (is_pushed(c.body_b) ? moves_b : 0));
         }
     });
-    for (const std::uint8_t sides : {pushes_both, pushes_a, pushes_b, std::uint8_t{0}}) {
+    for (const std::uint8_t sides : {moves_both, moves_a, moves_b, std::uint8_t{0}}) {
         for (std::uint32_t i = 0; i < bodies.count; ++i) used[i] = 0;
         std::uint32_t end = first;
         for (std::uint32_t i = 0; i < count; ++i) {
-            if ((colour_of[i] & ~idle) != (waits | sides)) continue;
+            if ((colour_of[i] & ~idle) != (uncoloured | sides)) continue;
             const auto [body_a, body_b] = ends_of[i];
-            const bool a = (sides & pushes_a) != 0, b = (sides & pushes_b) != 0;
+            const bool a = (sides & moves_a) != 0, b = (sides & moves_b) != 0;
             const std::uint64_t taken = (a ? used[body_a] : 0) | (b ? used[body_b] : 0);
             const auto free = static_cast<std::uint32_t>(std::countr_one(taken));
             const std::uint32_t colour = first + free < serial ? first + free : serial;
@@ -87,8 +87,8 @@ contact_colours colour(const contact_list<S, D, Features>& contacts, solver_bodi
         }
         first = end;
     }
-    std::uint32_t place[contact_colours::most], at = 0;
-    for (std::uint32_t k = 0; k < contact_colours::most; ++k) {
+    std::uint32_t place[colours_of_contacts::capacity], at = 0;
+    for (std::uint32_t k = 0; k < colours_of_contacts::capacity; ++k) {
         place[k] = at;
         if (sizes[k] == 0) continue;
         result.begin[result.count++] = at;
@@ -104,10 +104,10 @@ contact_colours colour(const contact_list<S, D, Features>& contacts, solver_bodi
                 if ((colour_of[i] & idle) == kind && wanted(colour_of[i] & ~idle))
                     result.order[place[colour_of[i] & ~idle]++] = i;
     };
-    if (hands.is_alone()) {
+    if (tasks.is_serial()) {
         put(0, count, [](std::uint32_t) { return true; });
     } else {
-        const std::uint32_t chunk = count / (4 * hands.workers()) + 1;
+        const std::uint32_t chunk = count / (4 * tasks.workers()) + 1;
         for (std::uint32_t begin = 0; begin < count; begin += chunk)
             put(begin, count - begin < chunk ? count : begin + chunk, [](std::uint32_t of) { return of != serial; });
         put(0, count, [](std::uint32_t of) { return of == serial; });
@@ -116,9 +116,9 @@ contact_colours colour(const contact_list<S, D, Features>& contacts, solver_bodi
     return result;
 }
 template <class S, int D, class Features>
-contact_colours colour(const contact_list<S, D, Features>& contacts, solver_bodies<S, D, Features::rotation> bodies,
-                       arena& scratch) {
-    crew alone;
+colours_of_contacts colour(const contact_constraints<S, D, Features>& contacts,
+                           solver_bodies<S, D, Features::rotation> bodies, arena& scratch) {
+    task_runner alone;
     return colour(contacts, bodies, scratch, alone);
 }
 

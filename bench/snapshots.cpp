@@ -1,9 +1,9 @@
-// Images of whole worlds, as rollback needs them: bytes a body and of what, CPU time to save and to restore
+// Snapshots of whole worlds, as rollback needs them: bytes a body and of what, CPU time to save and to restore
 //
-//     bash bench/run images [--quick]    --quick: small scenes, few rounds
+//     bash bench/run snapshots [--quick]    --quick: small scenes, few rounds
 //
 // Each round takes a step, saves what came of it and restores it, scene after scene. Beside it a bare memcpy of as many
-// bytes between two blocks of memory: what no image can beat.
+// bytes between two blocks of memory: what no snapshot can beat.
 #include "timing.hpp"
 
 #include <cstring>
@@ -14,7 +14,7 @@
 
 namespace bench {
 
-using physics::detail::each_piece_of;
+using physics::detail::each_value_of;
 using physics::detail::world_access;
 
 /// Bytes that last of some parts of a state.
@@ -26,7 +26,7 @@ double bytes_of(const Parts&... parts) {
         if constexpr (physics::detail::is_buffer<T>) sum += static_cast<double>(piece.size() * sizeof *piece.begin());
         else sum += sizeof piece;
     };
-    (each_piece_of(parts, add), ...);
+    (each_value_of(parts, add), ...);
     return sum;
 }
 
@@ -59,22 +59,22 @@ public:
         auto& s = world_access::state_of(world_);
         const double thousands = static_cast<double>(world_.body_count()) / 1000;
         const stopwatch first;
-        image_.save(s);
+        snapshot_.save(s);
         to.save.push_back(first.ns() / 1000 / thousands);
         const stopwatch second;
-        if (!image_.restore(s)) std::fputs("not restored\n", stderr);
+        if (!snapshot_.restore(s)) std::fputs("not restored\n", stderr);
         to.restore.push_back(second.ns() / 1000 / thousands);
-        from_.resize(image_.size());
-        to_.resize(image_.size());
+        from_.resize(snapshot_.size());
+        to_.resize(snapshot_.size());
         const stopwatch third;
-        std::memcpy(to_.data(), from_.data(), image_.size());
+        std::memcpy(to_.data(), from_.data(), snapshot_.size());
         to.copy.push_back(third.ns() / 1000 / thousands);
 
         to.bodies = world_.body_count();
         to.contacts = world_.contacts().size();
-        to.bytes = static_cast<double>(image_.size());
+        to.bytes = static_cast<double>(snapshot_.size());
         to.of_contacts = bytes_of(s.contacts, s.sleep.contacts);
-        to.of_bodies = bytes_of(s.bodies, s.contact_starts, s.movers, s.mover_of, s.sleep, s.continuous) -
+        to.of_bodies = bytes_of(s.bodies, s.contact_starts, s.awake, s.awake_index, s.sleep, s.continuous) -
                        bytes_of(s.sleep.contacts);
         to.of_shapes = bytes_of(s.shapes);
         to.of_memories = bytes_of(s.memories);
@@ -85,7 +85,7 @@ private:
     void step() { world_.step(static_cast<typename world::scalar>(1.0 / 60)); }
 
     world world_;
-    physics::detail::state_image<typename physics::detail::plan_of<Recipe>::type> image_;
+    physics::detail::raw_snapshot<typename physics::detail::plan_of<Recipe>::type> snapshot_;
     std::vector<unsigned char> from_, to_;
 };
 
@@ -144,7 +144,7 @@ int main(int count, char** arguments) {
         for (bench::entry& e : all) e.it->play(e.of);
     }
     bar.clear();
-    std::FILE* csv = std::fopen("bench/out/images.csv", "w");
+    std::FILE* csv = std::fopen("bench/out/snapshots.csv", "w");
     if (csv)
         std::fputs(
             "scene,bodies,contacts,bytes,of_bodies,of_shapes,of_contacts,of_memories,of_boxes,save_min,"

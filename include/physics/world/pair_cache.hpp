@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "physics/base/arena.hpp"
-#include "physics/base/crew.hpp"
+#include "physics/base/task_runner.hpp"
 #include "physics/broadphase/concept.hpp"
 #include "physics/collide/pair_memory.hpp"
 
@@ -14,7 +14,7 @@ namespace detail {
 
 /// Memories of pairs, in ascending order of the pairs. Those of which there is nothing to keep are left out.
 template <class Plan>
-class pair_memories {
+class pair_cache {
     using memory = typename Plan::pair_memory;
     using kept = kept_memory<memory>;
     using unit = std::uint32_t;
@@ -53,7 +53,7 @@ public:
         return m;
     }
     /// Whether what was read from here has not changed: it says so, or all that there is to keep is a number.
-    [[nodiscard]] bool is_as_it_was(std::uint32_t i, const memory& m) const {
+    [[nodiscard]] bool is_unchanged(std::uint32_t i, const memory& m) const {
         return !kept::has_changed(m) || (is_brief(places_[i]) && contents_at(places_[i]) == kept::contents(m));
     }
 
@@ -68,8 +68,8 @@ public:
         const std::uint32_t contents = kept::contents(m);
         if (contents == 0) return;
         const std::uint32_t place = make_room(contents);
-        pairs_.push(pair);
-        places_.push(place);
+        pairs_.push_back(pair);
+        places_.push_back(place);
         if (is_brief(place)) return;
         kept::tidy(m);
         unit* to = units_.begin() + place;
@@ -87,35 +87,35 @@ public:
     void drop(Gone&& gone) {
         std::uint32_t left = 0;
         for (std::uint32_t i = 0; i < size(); ++i) {
-            if (gone(pairs_[i].a) || gone(pairs_[i].b)) give_back(places_[i]);
+            if (gone(pairs_[i].a) || gone(pairs_[i].b)) free_place(places_[i]);
             else move(i, left++);
         }
-        shorten(left);
-        tidy();
+        truncate(left);
+        clear_if_empty();
     }
 
     /// Lists of what is new, which follow on each other: the parts of some longer ones from `first` to `end`.
-    struct part {
-        pair_memories* of;
+    struct segment {
+        pair_cache* of;
         std::uint32_t first, end;
     };
     /// Forgets those that are not kept and takes in what is new. No pair is in both, and in its own place.
-    void change(const bool* is_kept, const part* parts, std::uint32_t count) {
+    void change(const bool* is_kept, const segment* segments, std::uint32_t count) {
         std::uint32_t i = 0, left = 0, added = 0;
         const auto pass = [&] {
             if (is_kept[i]) move(i, left++);
-            else give_back(places_[i]);
+            else free_place(places_[i]);
             ++i;
         };
         for (std::uint32_t k = 0; k < count; ++k)
-            for (std::uint32_t n = parts[k].first; n < parts[k].end; ++n) {
-                pair_memories& of = *parts[k].of;
+            for (std::uint32_t n = segments[k].first; n < segments[k].end; ++n) {
+                pair_cache& of = *segments[k].of;
                 const proxy_pair pair = of.pairs_[n];
                 while (i < size() && pairs_[i] < pair) pass();
                 const bool known = i < size() && pairs_[i] == pair;
                 const std::uint32_t contents = of.contents_at(of.places_[n]);
                 const bool fits = known && units_of(contents) == units_of(contents_at(places_[i]));
-                if (known && !fits) give_back(places_[i]);
+                if (known && !fits) free_place(places_[i]);
                 const std::uint32_t place = fits && !is_brief(places_[i]) ? places_[i] : make_room(contents);
                 if (!is_brief(place))
                     std::memcpy(units_.begin() + place, of.units_.begin() + of.places_[n],
@@ -131,20 +131,20 @@ public:
                 }
             }
         while (i < size()) pass();
-        shorten(left);
-        if (added > 0) insert(parts, count, added);
-        tidy();
+        truncate(left);
+        if (added > 0) insert(segments, count, added);
+        clear_if_empty();
     }
     /// Exchanges the memory of each of the buffers with that of another which is empty too, if it has more.
-    void take_larger(pair_memories& other) {
-        const auto take = [](auto& mine, auto& theirs) {
+    void swap_larger(pair_cache& other) {
+        const auto swap_larger_one = [](auto& mine, auto& theirs) {
             if (mine.capacity() < theirs.capacity()) mine.swap(theirs);
         };
-        take(pairs_, other.pairs_);
-        take(places_, other.places_);
-        take(units_, other.units_);
+        swap_larger_one(pairs_, other.pairs_);
+        swap_larger_one(places_, other.places_);
+        swap_larger_one(units_, other.units_);
     }
-    void swap(pair_memories& other) noexcept {
+    void swap(pair_cache& other) noexcept {
         pairs_.swap(other.pairs_);
         places_.swap(other.places_);
         units_.swap(other.units_);
@@ -152,7 +152,7 @@ public:
     }
 
     template <class Self, class F>
-    static void each_part(Self& self, F&& f) {
+    static void each_member(Self& self, F&& f) {
         f(self.pairs_);
         f(self.places_);
         f(self.units_);
@@ -169,10 +169,10 @@ private:
         return static_cast<std::uint32_t>(count);
     }
     /// No piece is smaller than a unit, and none is twice as large as what it holds.
-    static constexpr std::size_t most_units = 1 + 2 * units_for(sizeof(memory));
-    /// Places for contents of each size that nobody has now: by their numbers plus 1, each with that of the next one.
+    static constexpr std::size_t max_units = 1 + 2 * units_for(sizeof(memory));
+    /// Free lists by size: the first free place of each size plus 1; a free place holds the next one.
     struct free_places {
-        std::uint32_t first[most_units + 1];
+        std::uint32_t first[max_units + 1];
     };
     /// Marks the place of contents which are all that there is to keep.
     static constexpr std::uint32_t brief = 0x80000000u;
@@ -198,7 +198,7 @@ private:
         units_.extend(count);
         return place;
     }
-    void give_back(std::uint32_t place) {
+    void free_place(std::uint32_t place) {
         if (is_brief(place)) return;
         std::uint32_t& head = free_.first[units_of(units_[place])];
         units_[place] = head;
@@ -209,21 +209,21 @@ private:
         pairs_[to] = pairs_[from];
         places_[to] = places_[from];
     }
-    void shorten(std::uint32_t count) {
+    void truncate(std::uint32_t count) {
         pairs_.resize(count);
         places_.resize(count);
     }
-    void tidy() {
+    void clear_if_empty() {
         if (size() == 0) clear();
     }
     /// Puts new ones into the order, from behind.
-    void insert(const part* parts, std::uint32_t count, std::uint32_t added) {
+    void insert(const segment* segments, std::uint32_t count, std::uint32_t added) {
         std::uint32_t left = size(), to = left + added;
         pairs_.extend(added);
         places_.extend(added);
         for (std::uint32_t k = count; k-- > 0;)
-            for (std::uint32_t n = parts[k].end; n-- > parts[k].first;) {
-                const pair_memories& of = *parts[k].of;
+            for (std::uint32_t n = segments[k].end; n-- > segments[k].first;) {
+                const pair_cache& of = *segments[k].of;
                 const proxy_pair pair = of.pairs_[n];
                 if (pair.a == pair.b) continue;
                 while (left > 0 && pair < pairs_[left - 1]) move(--left, --to);
@@ -235,45 +235,45 @@ private:
     buffer<proxy_pair> pairs_;
     /// Where the contents of each begin, or these themselves.
     buffer<std::uint32_t> places_;
-    /// Of nobody where there are no pairs.
+    /// Empty where there are no pairs.
     buffer<unit> units_;
     free_places free_ = {};
 };
 
 /// What a step makes of the memories, until it has succeeded.
 template <class Plan>
-struct memory_changes {
-    using memories = pair_memories<Plan>;
+struct pair_cache_changes {
+    using memories = pair_cache<Plan>;
 
     /// What each worker has to add.
     per_worker<memories> by;
     /// For the step: which memories stay as they are, and the lists of those that are new, in the order of their pairs.
     bool* is_kept = nullptr;
-    typename memories::part* parts = nullptr;
+    typename memories::segment* segments = nullptr;
     std::uint32_t count = 0;
     /// Whether all of them are one list.
     bool is_one = false;
 
-    void start(memories& before, std::uint32_t most, const crew& hands, arena& scratch) {
-        for (std::uint32_t k = 0; k < hands.workers(); ++k) by[k].clear();
-        is_one = hands.is_alone();
+    void start(memories& before, std::uint32_t maximum, const task_runner& tasks, arena& scratch) {
+        for (std::uint32_t k = 0; k < tasks.workers(); ++k) by[k].clear();
+        is_one = tasks.is_serial();
         // It goes over as a whole, and comes back where the same begins anew.
-        if (is_one && before.size() == 0) by[0].take_larger(before);
-        is_kept = scratch.take<bool>(before.size());
+        if (is_one && before.size() == 0) by[0].swap_larger(before);
+        is_kept = scratch.allocate<bool>(before.size());
         for (std::uint32_t i = 0; i < before.size(); ++i) is_kept[i] = false;
-        parts = scratch.take<typename memories::part>(most);
-        count = most;
+        segments = scratch.allocate<typename memories::segment>(maximum);
+        count = maximum;
     }
     template <class Recalled>
-    void add(const Recalled& pairs, const memories& before, std::uint32_t part, std::uint32_t worker) {
+    void add(const Recalled& pairs, const memories& before, std::uint32_t segment, std::uint32_t worker) {
         memories& to = by[worker];
         const std::uint32_t first = to.size();
-        pairs.hand_on(before, is_kept, to);
-        parts[part] = {&to, first, to.size()};
+        pairs.save_to_cache(before, is_kept, to);
+        segments[segment] = {&to, first, to.size()};
     }
     void finish(memories& of) {
         if (is_one && of.size() == 0) of.swap(by[0]);
-        else of.change(is_kept, parts, count);
+        else of.change(is_kept, segments, count);
     }
 };
 

@@ -1,4 +1,4 @@
-// expect: physics::recipe: no image of the world can be made, as the solver's settings are not trivially copyable
+// expect: physics::recipe: no snapshot of the world can be made, as the solver's settings are not trivially copyable
 #include <physics.hpp>
 
 struct listening {
@@ -13,7 +13,7 @@ struct listening {
 struct mine : physics::recipe<float, 2, listening> {};
 
 using plan = physics::detail::plan_of<mine>::type;
-bool there_and_back(physics::detail::state_image<plan>& image, physics::detail::state<plan>& state) {
-    image.save(state);
-    return image.restore(state);
+bool there_and_back(physics::detail::raw_snapshot<plan>& snapshot, physics::detail::state<plan>& state) {
+    snapshot.save(state);
+    return snapshot.restore(state);
 }

@@ -7,34 +7,34 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// What a core can enter another by at most before its own inside does (m): the radius of a ball inside, as a lower
-/// bound.
+/// Lower bound of the inradius of a core, rounding included (m): how deep it can enter another core before its own
+/// interior does.
 template <bool Few, int D>
-PHYSICS_HPP_COLD double inner_radius(const core<D>& c) {
+PHYSICS_HPP_COLD double inradius_of(const core<D>& c) {
     double inside = c.thickness;
     // Half the smallest width, which exceeds that radius by less than a factor of two.
     if (c.kind == core_kind::triangle || (c.kind == core_kind::disc && c.corner[0].y != c.corner[0][D - 1]))
         inside *= 0.5;
     if constexpr (!Few)
         if (c.kind == core_kind::custom) {
-            const core<D> tip;
-            const placed_core<D> middle{&tip, mat<double, D>::identity(), c.center};
+            const core<D> center_point;
+            const placed_core<D> middle{&center_point, mat<double, D>::identity(), c.center};
             const gjk_result<D> r = gjk(c, middle, no_limit, 0x1p-20, nullptr);
             inside = r.overlapping ? 0.75 * max(epa(c, middle, r.at, 0x1p-10 * c.extent).depth, 0.0) : 0;
         }
     return inside + c.radius;
 }
 
-/// Which passages are stopped, and where; lengths in metres.
-struct passage_rule {
+/// Limits of a first-penetration search: which penetrations stop a sweep, and where; lengths in metres.
+struct penetration_limits {
     /// Shapes that begin closer are in contact: the solver stops them, unless they sink in.
     double touch;
     /// How far apart the others are left, and how much farther at most.
     double target, tolerance;
     /// The mover may sink in by half of this on its way, if it is out again at the end.
     double depth;
-    /// How deep it may be at the end: that which begins in touch, more than it was; and what comes in sideways, as
-    /// what slides over joints of a surface does, that it is in all along.
+    /// How deep it may be at the end of the sweep: `sink` if it begins in contact and gets deeper; `sideways` if it
+    /// enters through a joint between parts of a surface, in which it has been all along.
     double sink, sideways;
     /// What rounding of poses may do to a gap.
     double blur;
@@ -44,7 +44,7 @@ struct passage_rule {
 
 /// When a shape is stopped, and at what: the axis on which it meets the other shape, towards it, and its gap there.
 template <int D>
-struct passage {
+struct first_penetration {
     bool stops = false;
     bool converged = true;
     double time = 1;
@@ -72,7 +72,7 @@ constexpr bool has_few_corners<triangle<S, D>, D> = true;
 template <class S, int D>
 constexpr bool has_few_corners<halfspace<S, D>, D> = true;
 
-/// The corners of a core in the plane, in order around it.
+/// The corners of a core in 2D, in order around it.
 struct few_corners {
     point<2> at[4];
     int count;
@@ -87,27 +87,27 @@ struct few_corners {
         // Those of boxes are numbered by signs.
         for (int i = 0; i < count; ++i) at[i] = c.vertex(static_cast<std::uint32_t>(count == 4 ? i ^ (i >> 1) : i)).at;
     }
-    [[nodiscard]] double least(const point<2>& n) const {
+    [[nodiscard]] double minimum(const point<2>& n) const {
         double result = dot(n, at[0]);
         for (int i = 1; i < count; ++i) result = min(result, dot(n, at[i]));
         return result;
     }
 };
 
-/// The axis along which two cores in the plane are farthest apart or, where they overlap, the shortest way out: that is
+/// The axis along which two cores in 2D are farthest apart or, where they overlap, the shortest way out: that is
 /// across an edge of either, or from corner to corner. Cost: all of them are tried.
-PHYSICS_HPP_COLD inline parting_axis<2> parting_edge(const placed_core<2>& a, const placed_core<2>& b, double turn_a,
-                                                     double turn_b) {
+PHYSICS_HPP_COLD inline separating_axis<2> parting_edge(const placed_core<2>& a, const placed_core<2>& b, double turn_a,
+                                                        double turn_b) {
     const few_corners on_a(a), on_b(b);
-    parting_axis<2> best;
-    double most = -no_limit;
-    const auto offer = [&](const point<2>& way, double turn) {
-        const double length = physics::length(way);
+    separating_axis<2> best;
+    double maximum = -no_limit;
+    const auto offer = [&](const point<2>& displacement, double turn) {
+        const double length = physics::length(displacement);
         if (!(length > 0)) return;
-        const point<2> n = way * (1 / length);
-        const double gap = on_b.least(n) + on_a.least(-n);
-        if (!(gap > most)) return;
-        most = gap;
+        const point<2> n = displacement * (1 / length);
+        const double gap = on_b.minimum(n) + on_a.minimum(-n);
+        if (!(gap > maximum)) return;
+        maximum = gap;
         best = {n, {}, turn};
     };
     for (int i = 0; i < on_a.count; ++i) {
@@ -120,15 +120,15 @@ PHYSICS_HPP_COLD inline parting_axis<2> parting_edge(const placed_core<2>& a, co
         offer(across, turn_b);
         offer(-across, turn_b);
     }
-    for (int i = 0; i < on_a.count && (most > 0 || most == -no_limit); ++i)
+    for (int i = 0; i < on_a.count && (maximum > 0 || maximum == -no_limit); ++i)
         for (int k = 0; k < on_b.count; ++k) offer(on_b.at[k] - on_a.at[i], 0);
     return best;
 }
 
 /// As closest_features; where the cores overlap, the axis of the shortest way out.
 template <int D>
-PHYSICS_HPP_COLD parting_axis<D> parting_features_of_any(const moving_pair<D>& p, double t, gjk_cache& cache) {
-    parting_axis<D> axis = closest_features(p, t, cache);
+PHYSICS_HPP_COLD separating_axis<D> parting_features_of_any(const moving_pair<D>& p, double t, gjk_cache& cache) {
+    separating_axis<D> axis = closest_features(p, t, cache);
     if (!(axis.normal == point<D>{})) return axis;
     const placed_core<D> on_a = p.a.at(t, {}), on_b = p.b.at(t, p.center(t));
     mat<double, D> seen;
@@ -155,9 +155,9 @@ PHYSICS_HPP_COLD parting_axis<D> parting_features_of_any(const moving_pair<D>& p
     return axis;
 }
 
-/// The same, in the plane, where cores with few corners need no general kernels. Few: both are known to be such.
+/// The same, in 2D, where cores with few corners need no general kernels. Few: both are known to be such.
 template <bool Few, int D>
-parting_axis<D> parting_features(const moving_pair<D>& p, double t, [[maybe_unused]] gjk_cache& cache) {
+separating_axis<D> parting_features(const moving_pair<D>& p, double t, [[maybe_unused]] gjk_cache& cache) {
     if constexpr (D == 2) {
         if (p.face != nullptr) return {p.a.at(t, {}).axes * *p.face, {}, p.a.turn};
         if (Few || (few_corners::has(p.a.shape) && few_corners::has(p.b.shape)))
@@ -169,7 +169,7 @@ parting_axis<D> parting_features(const moving_pair<D>& p, double t, [[maybe_unus
 /// Follows a pair from a time on until it is as close as `goal`, which may be an overlap. Conservative advancement, as
 /// for the time of impact.
 template <bool Few, int D>
-class passage_search {
+class penetration_search {
 public:
     struct found {
         impact_state state;
@@ -178,19 +178,19 @@ public:
         double gap = 0;
     };
 
-    explicit passage_search(const moving_pair<D>& pair) : pair_(pair) {}
+    explicit penetration_search(const moving_pair<D>& pair) : pair_(pair) {}
     [[nodiscard]] found at(double t) {
         const known& k = look(t);
         return {impact_state::hit, t, k.axis.normal, k.gap};
     }
     [[nodiscard]] PHYSICS_HPP_COLD found follow(double t, double end, double goal, double slack) {
-        constexpr int most_iterations = 100;
+        constexpr int max_iterations = 100;
         for (int iterations = 0;; ++iterations) {
             const auto& [time, axis, gap] = look(t);
             if (gap <= goal + slack) return {impact_state::hit, t, axis.normal, gap};
             const double next = t + proven_advance(pair_, axis, t, gap, end, goal);
             if (next >= end) return {impact_state::separated, end, {}};
-            if (!(next > t) || iterations == most_iterations)
+            if (!(next > t) || iterations == max_iterations)
                 return {impact_state::iteration_limit, t, axis.normal, gap};
             t = next;
         }
@@ -199,7 +199,7 @@ public:
 private:
     struct known {
         double time = -1;
-        parting_axis<D> axis;
+        separating_axis<D> axis;
         double gap = 0;
     };
     /// The start is looked at by all that follows.
@@ -245,26 +245,26 @@ template <bool Few, int D>
 PHYSICS_HPP_COLD bool is_deeper(const moving_pair<D>& p, double depth) {
     const point<D> n = p.face == nullptr ? axis_from_flat(p) : point<D>{};
     if (!(n == point<D>{}) && !(p.gap(0, n) < -depth)) return false;
-    passage_search<Few, D> search(p);
+    penetration_search<Few, D> search(p);
     return search.at(0).gap < -depth;
 }
 /// Whether it is plain that B is not stopped by a flat A, as it mostly is among the parts of a mesh: along one axis it
 /// stays apart, or is out of A at both ends and nearly so in between.
 template <int D>
-PHYSICS_HPP_COLD bool passes_by(const moving_pair<D>& p, const passage_rule& rule, double touch) {
+PHYSICS_HPP_COLD bool passes_by(const moving_pair<D>& p, const penetration_limits& rule, double touch) {
     const point<D> n = axis_from_flat(p);
     if (n == point<D>{}) return false;
-    const double gap = p.gap(0, n), then = p.gap(1, n), least = min(gap, then);
-    const double nearest = least - bulge_of(p);
+    const double gap = p.gap(0, n), then = p.gap(1, n), minimum = min(gap, then);
+    const double nearest = minimum - bulge_of(p);
     if (nearest > touch) return true;
     const bool may_sink = !rule.grazes && rule.depth > 16 * p.noise();
-    return may_sink && least >= 0 && nearest > -0.375 * rule.depth;
+    return may_sink && minimum >= 0 && nearest > -0.375 * rule.depth;
 }
 
 /// Whether a pair that began apart, or sunk in by so much, is too deep at the end of the way.
 template <bool Few, int D>
-PHYSICS_HPP_COLD bool ends_deep(const moving_pair<D>& p, passage_search<Few, D>& search, const passage_rule& rule,
-                                bool touching, double sunk) {
+PHYSICS_HPP_COLD bool ends_deep(const moving_pair<D>& p, penetration_search<Few, D>& search,
+                                const penetration_limits& rule, bool touching, double sunk) {
     const auto last = search.at(1);
     if (touching) return -last.gap > sunk + rule.sink;
     // What came in along the shortest way out came in there by all that it is deep, and by what they were apart.
@@ -279,13 +279,14 @@ PHYSICS_HPP_COLD bool ends_deep(const moving_pair<D>& p, passage_search<Few, D>&
 /// beyond that at once. The answer for one pair depends on no other; `latest` only spares work. Few: both cores are
 /// known to have few corners. Cost: 0.1 us where they stay far apart.
 template <bool Few, int D>
-PHYSICS_HPP_COLD passage<D> find_passage(const moving_pair<D>& p, const passage_rule& rule, double latest) {
+PHYSICS_HPP_COLD first_penetration<D> find_first_penetration(const moving_pair<D>& p, const penetration_limits& rule,
+                                                             double latest) {
     const double slack = max(rule.tolerance, 4 * p.noise()), touch = max(rule.touch, rule.target + slack);
     double from = 0, end = 1;
     bool near_by = true, ends_near = true;
     if (p.face == nullptr) {
         const double reach = (p.a.reach + p.b.reach + p.radii + touch) + p.noise();
-        const local_ray<D> ray{p.b.start, p.way};
+        const local_ray<D> ray{p.b.start, p.displacement};
         near_by = dot(ray.origin, ray.origin) <= reach * reach;
         double to = 1;
         const bool meets = ball_span(ray, reach, from, to);
@@ -294,10 +295,10 @@ PHYSICS_HPP_COLD passage<D> find_passage(const moving_pair<D>& p, const passage_
         if (meets && to < end) end = max(to, from), ends_near = false;
     }
     if (near_by && passes_by(p, rule, touch)) return {};
-    passage_search<Few, D> search(p);
+    penetration_search<Few, D> search(p);
     const double gap = near_by ? search.at(0).gap : no_limit;
     const bool touching = gap <= touch;
-    const auto stopped = [&](const auto& at) -> passage<D> {
+    const auto stopped = [&](const auto& at) -> first_penetration<D> {
         return {true, at.state == impact_state::hit, at.time, at.normal, at.gap, touching};
     };
     if (touching) {
@@ -321,11 +322,11 @@ PHYSICS_HPP_COLD passage<D> find_passage(const moving_pair<D>& p, const passage_
     const auto first = search.follow(from, latest < end ? latest : end, rule.target, slack);
     if (first.state == impact_state::separated) return {};
     if (first.state == impact_state::iteration_limit) return stopped(first);
-    const double least = rule.blur + 8 * p.noise(), most = rule.grazes ? least : 0.5 * rule.depth;
+    const double minimum = rule.blur + 8 * p.noise(), maximum = rule.grazes ? minimum : 0.5 * rule.depth;
     if (!(rule.depth > 16 * p.noise()) || (ends_near && ends_deep(p, search, rule, touching, 0))) return stopped(first);
-    const auto deep = search.follow(first.time, end, -most, most * (1.0 / 8));
+    const auto deep = search.follow(first.time, end, -maximum, maximum * (1.0 / 8));
     if (deep.state == impact_state::separated) return {};
-    passage<D> result = stopped(first);
+    first_penetration<D> result = stopped(first);
     result.converged = deep.state == impact_state::hit;
     return result;
 }
