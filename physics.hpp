@@ -27705,28 +27705,6 @@ bool comes_first(const Hit& a, const Hit& b) {
     return !b || a.fraction < b.fraction || (a.fraction == b.fraction && a.shape.index < b.shape.index);
 }
 
-/// The same, the first ones first; visit may change the world. What it has destroyed is left out.
-template <class Plan, class Visit>
-void each_hit_along_ray(const state<Plan>& s, vec<typename Plan::scalar, Plan::dimension> origin,
-                        vec<typename Plan::scalar, Plan::dimension> translation, const query_filter& filter,
-                        Visit&& visit) {
-    using S = typename Plan::scalar;
-    using hit_type = world_hit<S, Plan::dimension>;
-    small_buffer<hit_type, 16> hits;
-    scoped([&] {
-        cast_ray(s, "each_hit_along_ray", origin, translation, filter, [&](const hit_type& hit) {
-            hits.push_back(hit);
-            return S(1);
-        });
-    });
-    sort_in_place(hits.begin(), hits.size(), comes_first<hit_type>);
-    S limit(1);
-    for (const hit_type& hit : hits) {
-        if (hit.fraction > limit || hit.shape.world != s.tag) return;
-        if (s.shapes.contains(hit.shape.index, hit.shape.generation)) limit = min(limit, visit(hit));
-    }
-}
-
 template <class Plan, class Shape>
 world_hit<typename Plan::scalar, Plan::dimension> cast_shape(
     const state<Plan>& s, const Shape& shape, const transform<typename Plan::scalar, Plan::dimension>& pose,
@@ -28811,18 +28789,17 @@ void destroy_body(state<Plan>& s, std::uint32_t index) {
     s.bodies.erase(index);
 }
 
-template <class Plan, class Shape>
-shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape, const typename Plan::shape_def& def) {
+/// Adds a shape that has been checked to a body; without a mass, only to one that is not dynamic.
+template <class Plan>
+shape_id insert_shape(state<Plan>& s, std::uint32_t body, const typename Plan::shape& shape, bool has_mass,
+                      const typename Plan::shape_def& def) {
     using S = typename Plan::scalar;
     const char* f = "create_shape";
-    const lookup at = find_body(s, body, f);
-    if (!at || !check(shape, f) || !check_pose(f, def.position, def.rotation) ||
-        !check_not_negative(f, "density", def.density))
-        return {};
+    if (!check_pose(f, def.position, def.rotation) || !check_not_negative(f, "density", def.density)) return {};
     if constexpr (Plan::features::materials)
         if (!check_material<Plan>(f, def.material)) return {};
-    const auto& owner = s.bodies[at.index];
-    if (!solid_shape_for<Shape, S, Plan::dimension> && owner.is_dynamic()) {
+    const auto& owner = s.bodies[body];
+    if (!has_mass && owner.is_dynamic()) {
         refuse(f, "shape", "without mass", "a dynamic body needs shapes that have a mass");
         return {};
     }
@@ -28831,23 +28808,23 @@ shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape, const ty
     record.local = {def.position, normalized(def.rotation)};
     if constexpr (Plan::features::materials) record.material = def.material;
     record.density = def.density;
-    record.body = at.index;
+    record.body = body;
     record.user_data = def.user_data;
     update_pose(record, owner.pose(), owner.center);
     const auto box = query_bounds(s, record);
     if (!check_extent(f, box)) return {};
     if (def.density > S(0) && owner.is_dynamic() && !owner.mass_is_set &&
-        !check_shapes_mass(s, at.index, f, no_shape, &record))
+        !check_shapes_mass(s, body, f, no_shape, &record))
         return {};
     // First, so that what a sleeper touches is among the contacts that move with its centre of mass.
-    wake_affected(s, at.index);
+    wake_affected(s, body);
     const auto place = s.shapes.insert(record);
-    std::uint32_t* link = &s.bodies[at.index].first_shape;
+    std::uint32_t* link = &s.bodies[body].first_shape;
     while (*link != no_shape && *link > place.index) link = &s.shapes[*link].next;
     s.shapes[place.index].next = std::exchange(*link, place.index);
     s.broadphase.insert(place.index, box, filter_of(s, record));
-    refresh_mass(s, at.index);
-    wake_near(s, at.index);
+    refresh_mass(s, body);
+    wake_near(s, body);
     return {place.index, place.generation, s.tag};
 }
 
@@ -30720,6 +30697,216 @@ void advance(state<Plan>& s, typename Plan::scalar h, const task_runner& tasks) 
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/world/world_code.hpp
+// =================================================================================================
+// The functions of a world that take long to compile, so that one unit of a program can compile them for all.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// What the members of a world call. None is defined in the class: such functions would be inline, and then compiled
+/// in spite of PHYSICS_HPP_EXTERN. All run in a float_control_scope.
+template <class Plan>
+struct world_code {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+    using state = detail::state<Plan>;
+    using vec = physics::vec<S, D>;
+    using angular = physics::angular<S, D>;
+    using rotation = physics::rotation<S, D>;
+    using transform = physics::transform<S, D>;
+    using hit = world_hit<S, D>;
+    using hits = small_buffer<hit, 16>;
+    using closest = closest_hit<S, D>;
+
+    static void step(state& s, S h, const task_runner& tasks);
+    static std::uint64_t state_hash(const state& s);
+    static void change_settings(state& s, const typename Plan::settings& settings);
+    static void set_settings(state& s, const typename Plan::settings& settings);
+
+    static body_id create_body(state& s, const body_def<S, D>& def);
+    static void destroy_body(state& s, std::uint32_t body);
+    static shape_id insert_shape(state& s, std::uint32_t body, const typename Plan::shape& shape, bool has_mass,
+                                 const typename Plan::shape_def& def);
+    static void destroy_shape(state& s, std::uint32_t shape);
+
+    static void set_pose(state& s, std::uint32_t body, const transform& pose);
+    static void move_to(state& s, std::uint32_t body, vec position, const rotation& rotation);
+    static vec velocity_of_point(const state& s, body_id body, vec point);
+    static void wake(state& s, std::uint32_t body);
+    static void wake_affected(state& s, std::uint32_t body);
+    static void add_force(state& s, body_id body, const char* function, vec force, bool local, const vec* point);
+    static void add_torque(state& s, body_id body, angular torque) requires Plan::rotates;
+    static void add_impulse(state& s, body_id body, const char* function, vec impulse, bool local, const vec* point);
+    static void add_angular_impulse(state& s, body_id body, angular impulse) requires Plan::rotates;
+
+    static void set_type(state& s, std::uint32_t body, body_type type);
+    static void set_mass(state& s, std::uint32_t body, const mass_properties<S, D>& mass);
+    static void reset_mass(state& s, std::uint32_t body);
+    static void set_rotation_locked(state& s, std::uint32_t body, bool locked) requires Plan::rotates;
+
+    static hit cast_ray(const state& s, vec origin, vec translation, const query_filter& filter);
+    static void find_hits(const state& s, vec origin, vec translation, const query_filter& filter, hits& to);
+    static closest closest_shape(const state& s, vec point, S reach, const query_filter& filter);
+};
+
+template <class Plan>
+void world_code<Plan>::step(state& s, S h, const task_runner& tasks) {
+    advance(s, h, tasks);
+}
+template <class Plan>
+std::uint64_t world_code<Plan>::state_hash(const state& s) {
+    return scoped([&] { return detail::state_hash(s); });
+}
+template <class Plan>
+void world_code<Plan>::change_settings(state& s, const typename Plan::settings& settings) {
+    scoped([&] { detail::change_settings(s, settings); });
+}
+template <class Plan>
+void world_code<Plan>::set_settings(state& s, const typename Plan::settings& settings) {
+    scoped([&] { detail::set_settings(s, settings); });
+}
+
+template <class Plan>
+body_id world_code<Plan>::create_body(state& s, const body_def<S, D>& def) {
+    return scoped([&] { return detail::create_body(s, def); });
+}
+template <class Plan>
+void world_code<Plan>::destroy_body(state& s, std::uint32_t body) {
+    scoped([&] { detail::destroy_body(s, body); });
+}
+template <class Plan>
+shape_id world_code<Plan>::insert_shape(state& s, std::uint32_t body, const typename Plan::shape& shape, bool has_mass,
+                                        const typename Plan::shape_def& def) {
+    return scoped([&] { return detail::insert_shape(s, body, shape, has_mass, def); });
+}
+template <class Plan>
+void world_code<Plan>::destroy_shape(state& s, std::uint32_t shape) {
+    scoped([&] { detail::destroy_shape(s, shape); });
+}
+
+template <class Plan>
+void world_code<Plan>::set_pose(state& s, std::uint32_t body, const transform& pose) {
+    scoped([&] { detail::set_pose(s, body, {pose.position, normalized(pose.rotation)}); });
+}
+template <class Plan>
+void world_code<Plan>::move_to(state& s, std::uint32_t body, vec position, const rotation& rotation) {
+    scoped([&] { detail::move_to(s, body, position, rotation); });
+}
+template <class Plan>
+auto world_code<Plan>::velocity_of_point(const state& s, body_id body, vec point) -> vec {
+    return scoped([&] { return detail::velocity_of_point(s, body, point); });
+}
+template <class Plan>
+void world_code<Plan>::wake(state& s, std::uint32_t body) {
+    scoped([&] { detail::wake(s, body); });
+}
+template <class Plan>
+void world_code<Plan>::wake_affected(state& s, std::uint32_t body) {
+    scoped([&] { detail::wake_affected(s, body); });
+}
+template <class Plan>
+void world_code<Plan>::add_force(state& s, body_id body, const char* function, vec force, bool local,
+                                 const vec* point) {
+    scoped([&] { detail::add_force(s, body, function, force, local, point); });
+}
+template <class Plan>
+void world_code<Plan>::add_torque(state& s, body_id body, angular torque) requires Plan::rotates {
+    scoped([&] { detail::add_torque(s, body, torque); });
+}
+template <class Plan>
+void world_code<Plan>::add_impulse(state& s, body_id body, const char* function, vec impulse, bool local,
+                                   const vec* point) {
+    scoped([&] { detail::add_impulse(s, body, function, impulse, local, point); });
+}
+template <class Plan>
+void world_code<Plan>::add_angular_impulse(state& s, body_id body, angular impulse) requires Plan::rotates {
+    scoped([&] { detail::add_angular_impulse(s, body, impulse); });
+}
+
+template <class Plan>
+void world_code<Plan>::set_type(state& s, std::uint32_t body, body_type type) {
+    scoped([&] { detail::set_type(s, body, type); });
+}
+template <class Plan>
+void world_code<Plan>::set_mass(state& s, std::uint32_t body, const mass_properties<S, D>& mass) {
+    scoped([&] { detail::set_mass(s, body, mass); });
+}
+template <class Plan>
+void world_code<Plan>::reset_mass(state& s, std::uint32_t body) {
+    scoped([&] { detail::reset_mass(s, body); });
+}
+template <class Plan>
+void world_code<Plan>::set_rotation_locked(state& s, std::uint32_t body, bool locked) requires Plan::rotates {
+    scoped([&] { detail::set_rotation_locked(s, body, locked); });
+}
+
+template <class Plan>
+auto world_code<Plan>::cast_ray(const state& s, vec origin, vec translation, const query_filter& filter) -> hit {
+    hit first;
+    scoped([&] {
+        detail::cast_ray(s, "cast_ray", origin, translation, filter, [&](const hit& found) {
+            if (comes_first(found, first)) first = found;
+            return first.fraction;
+        });
+    });
+    return first;
+}
+template <class Plan>
+void world_code<Plan>::find_hits(const state& s, vec origin, vec translation, const query_filter& filter, hits& to) {
+    scoped([&] {
+        detail::cast_ray(s, "each_hit_along_ray", origin, translation, filter, [&](const hit& found) {
+            to.push_back(found);
+            return S(1);
+        });
+    });
+    sort_in_place(to.begin(), to.size(), comes_first<hit>);
+}
+template <class Plan>
+auto world_code<Plan>::closest_shape(const state& s, vec point, S reach, const query_filter& filter) -> closest {
+    return scoped([&] { return detail::closest_shape(s, point, reach, filter); });
+}
+
+/// Calls visit(hit) for shapes that a ray meets, the first ones first; visit may change the world. What it has
+/// destroyed is left out.
+template <class Plan, class Visit>
+void each_hit_along_ray(const state<Plan>& s, vec<typename Plan::scalar, Plan::dimension> origin,
+                        vec<typename Plan::scalar, Plan::dimension> translation, const query_filter& filter,
+                        Visit&& visit) {
+    typename world_code<Plan>::hits hits;
+    world_code<Plan>::find_hits(s, origin, translation, filter, hits);
+    typename Plan::scalar limit(1);
+    for (const auto& hit : hits) {
+        if (hit.fraction > limit || hit.shape.world != s.tag) return;
+        if (s.shapes.contains(hit.shape.index, hit.shape.generation)) limit = min(limit, visit(hit));
+    }
+}
+
+template <class Plan, class Shape>
+shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape, const typename Plan::shape_def& def) {
+    const lookup at = find_body(s, body, "create_shape");
+    if (!at || !scoped([&] { return check(shape, "create_shape"); })) return {};
+    constexpr bool has_mass = solid_shape_for<Shape, typename Plan::scalar, Plan::dimension>;
+    typename Plan::shape any;
+    any = shape;
+    return world_code<Plan>::insert_shape(s, at.index, any, has_mass, def);
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+/// Put PHYSICS_HPP_EXTERN(recipe) after a recipe in the header that shares it, in no namespace: units that use the
+/// world then compile none of its long functions. One unit of the program must say PHYSICS_HPP_INSTANTIATE(recipe),
+/// else the linker misses physics::detail::world_code<...>. Worlds of the same recipe in units without either are
+/// compiled as always.
+#define PHYSICS_HPP_EXTERN(...) \
+    extern template struct physics::detail::world_code<physics::detail::plan_of<__VA_ARGS__>::type>;
+#define PHYSICS_HPP_INSTANTIATE(...) \
+    template struct physics::detail::world_code<physics::detail::plan_of<__VA_ARGS__>::type>;
+
+// =================================================================================================
 // physics/world/world.hpp
 // =================================================================================================
 // The world: what users hold.
@@ -30739,6 +30926,7 @@ class world : public detail::shape_aliases<typename detail::plan_of<Recipe>::typ
                                            detail::plan_of<Recipe>::type::dimension> {
     friend detail::world_access;
     using plan = typename detail::plan_of<Recipe>::type;
+    using code = detail::world_code<plan>;
     static_assert(sizeof(detail::audit<Recipe>) > 0);
 
 public:
@@ -30763,37 +30951,33 @@ public:
     /// bits as every other (see float_environment).
     explicit world(const settings_type& settings = {}) {
         if (detail::check_settings<plan>(settings, "world") && detail::check_environment<scalar>("world"))
-            detail::scoped([&] { detail::change_settings(state_, settings); });
+            code::change_settings(state_, settings);
         state_.tag = detail::next_world_tag();
     }
 
     /// Advances time by dt seconds (greater than 0). Forces and torques act for this step and are then
     /// forgotten. Cost: see the policies. Refused, with nothing changed, if a number would leave its range.
-    void step(scalar dt) { detail::advance(state_, dt, {}); }
+    void step(scalar dt) { code::step(state_, dt, {}); }
     /// The same, with the work shared out by an executor, such as a thread_pool; the bits do not depend on it.
     template <executor Executor>
-    void step(scalar dt, Executor& by) { detail::advance(state_, dt, {by, state_.tasks_done, state_.batch_scratch}); }
+    void step(scalar dt, Executor& by) {
+        code::step(state_, dt, {by, state_.tasks_done, state_.batch_scratch});
+    }
     /// Number of steps taken.
     [[nodiscard]] std::uint64_t steps() const { return state_.steps; }
     /// A number that worlds in the same state share, on any machine. User data and settings do not enter.
     /// O(bodies + shapes + contacts).
-    [[nodiscard]] std::uint64_t state_hash() const {
-        return detail::scoped([&] { return detail::state_hash(state_); });
-    }
+    [[nodiscard]] std::uint64_t state_hash() const { return code::state_hash(state_); }
     [[nodiscard]] const settings_type& settings() const { return state_.settings; }
     /// Changes the settings from the next step on. O(shapes).
-    void set_settings(const settings_type& settings) {
-        detail::scoped([&] { detail::set_settings(state_, settings); });
-    }
+    void set_settings(const settings_type& settings) { code::set_settings(state_, settings); }
 
     /// Adds a body; shapes give it extent and, if it is dynamic, mass. Without mass from shapes it is a point of
     /// 1 kg that nothing turns.
-    body_id create_body(const body_def& def = {}) {
-        return detail::scoped([&] { return detail::create_body(state_, def); });
-    }
+    body_id create_body(const body_def& def = {}) { return code::create_body(state_, def); }
     /// Removes a body with its shapes and contacts. O(shapes + contacts).
     void destroy_body(body_id id) {
-        if (const auto b = find(id, "destroy_body")) detail::scoped([&] { detail::destroy_body(state_, b.index); });
+        if (const auto b = find(id, "destroy_body")) code::destroy_body(state_, b.index);
     }
     /// Adds a shape of the recipe's set to a body; unless the body's mass is set, it changes with it. Refuses a mass
     /// that the scalar cannot hold. O(shapes of the body), and O(contacts) where the centre of mass moves.
@@ -30803,13 +30987,13 @@ public:
         static_assert(
             known,
             "physics::world::create_shape: the recipe's set of shapes lacks this one; name it in physics::shapes<...>");
-        if constexpr (known) return detail::scoped([&] { return detail::create_shape(state_, body, shape, def); });
+        if constexpr (known) return detail::create_shape(state_, body, shape, def);
         else return {};
     }
     /// Removes a shape and its contacts. Refused where the rest's mass is one that the scalar cannot hold. O(contacts).
     void destroy_shape(shape_id id) {
         const auto s = detail::find_shape(state_, id, "destroy_shape");
-        if (s) detail::scoped([&] { detail::destroy_shape(state_, s.index); });
+        if (s) code::destroy_shape(state_, s.index);
     }
     /// True if the handle names a living thing of this world; never an error.
     [[nodiscard]] bool contains(body_id id) const {
@@ -30837,7 +31021,9 @@ public:
     [[nodiscard]] rotation_type rotation(body_id id) const {
         return get(id, "rotation", [](const auto& b) { return b.rotation; });
     }
-    [[nodiscard]] transform pose(body_id id) const { return get(id, "pose", [](const auto& b) { return b.pose(); }); }
+    [[nodiscard]] transform pose(body_id id) const {
+        return get(id, "pose", [](const auto& b) { return b.pose(); });
+    }
     [[nodiscard]] vec center_of_mass(body_id id) const {
         return get(id, "center_of_mass", [](const auto& b) { return b.center; });
     }
@@ -30845,7 +31031,7 @@ public:
     void set_pose(body_id id, vec position, const rotation_type& rotation) {
         const auto b = find(id, "set_pose");
         if (b && detail::check_pose("set_pose", position, rotation))
-            detail::scoped([&] { detail::set_pose(state_, b.index, {position, normalized(rotation)}); });
+            code::set_pose(state_, b.index, {position, rotation});
     }
     void set_pose(body_id id, const transform& pose) { set_pose(id, pose.position, pose.rotation); }
     /// Lets a kinematic body reach a pose by the end of the next step, and pushes what it touches as the velocity would
@@ -30854,8 +31040,7 @@ public:
     /// on the way: only set_pose does that.
     void move_to(body_id id, vec position, const rotation_type& rotation) {
         const auto b = detail::find_kinematic(state_, id, "move_to");
-        if (b && detail::check_pose("move_to", position, rotation))
-            detail::scoped([&] { detail::move_to(state_, b.index, position, rotation); });
+        if (b && detail::check_pose("move_to", position, rotation)) code::move_to(state_, b.index, position, rotation);
     }
     void move_to(body_id id, const transform& pose) { move_to(id, pose.position, pose.rotation); }
 
@@ -30867,14 +31052,12 @@ public:
         return get(id, "angular_velocity",
                    [](const auto& b) -> angular { return detail::value_of(b.velocity.angular); });
     }
-    [[nodiscard]] vec velocity_at(body_id id, vec point) const {
-        return detail::scoped([&] { return detail::velocity_of_point(state_, id, point); });
-    }
+    [[nodiscard]] vec velocity_at(body_id id, vec point) const { return code::velocity_of_point(state_, id, point); }
     /// Velocities of dynamic and kinematic bodies; static ones have none, and locked rotations stay at 0.
     void set_linear_velocity(body_id id, vec v) {
         const auto b = find_moving(id, "set_linear_velocity");
         if (!b || !detail::check_in_range("set_linear_velocity", "v", v)) return;
-        if (!(v == vec{})) wake_affected(b.index);
+        if (!(v == vec{})) code::wake_affected(state_, b.index);
         detail::velocity_to_set(state_, b.index).linear = v;
     }
     void set_angular_velocity(body_id id, angular w) requires plan::rotates {
@@ -30882,7 +31065,7 @@ public:
         if (!b ||
             !detail::check_angular_velocity("set_angular_velocity", "w", w, state_.bodies[b.index].rotation_locked))
             return;
-        if (!(w == angular{})) wake_affected(b.index);
+        if (!(w == angular{})) code::wake_affected(state_, b.index);
         detail::velocity_to_set(state_, b.index).angular = w;
     }
 
@@ -30896,9 +31079,7 @@ public:
         add_force(id, "apply_local_force_at", force, true, &point);
     }
     /// A torque (N m) during the next step.
-    void apply_torque(body_id id, angular torque) requires plan::rotates {
-        detail::scoped([&] { detail::add_torque(state_, id, torque); });
-    }
+    void apply_torque(body_id id, angular torque) requires plan::rotates { code::add_torque(state_, id, torque); }
     /// Forgets the forces and torques that wait for the next step.
     void clear_forces(body_id id) {
         const auto b = detail::find_dynamic(state_, id, "clear_forces");
@@ -30919,7 +31100,7 @@ public:
     }
     /// An angular impulse (N m s).
     void apply_angular_impulse(body_id id, angular impulse) requires plan::rotates {
-        detail::scoped([&] { detail::add_angular_impulse(state_, id, impulse); });
+        code::add_angular_impulse(state_, id, impulse);
     }
 
     [[nodiscard]] body_type type(body_id id) const {
@@ -30928,7 +31109,7 @@ public:
     }
     /// Changes how a body moves; a static body loses its velocity. O(shapes + contacts).
     void set_type(body_id id, body_type type) {
-        if (const auto b = find(id, "set_type")) detail::scoped([&] { detail::set_type(state_, b.index, type); });
+        if (const auto b = find(id, "set_type")) code::set_type(state_, b.index, type);
     }
     /// Mass (kg), centre (m) and inertia about it (kg m^2) in the body's frame. Static and kinematic bodies take none
     /// from their shapes: they have mass 0 and their centre at the origin.
@@ -30940,12 +31121,12 @@ public:
     /// positive definite.
     void set_mass(body_id id, const mass_properties& mass) {
         const auto b = detail::find_dynamic(state_, id, "set_mass");
-        if (b) detail::scoped([&] { detail::set_mass(state_, b.index, mass); });
+        if (b) code::set_mass(state_, b.index, mass);
     }
     /// Takes the mass from the shapes again. O(shapes).
     void reset_mass(body_id id) {
         const auto b = detail::find_dynamic(state_, id, "reset_mass");
-        if (b) detail::scoped([&] { detail::reset_mass(state_, b.index); });
+        if (b) code::reset_mass(state_, b.index);
     }
     [[nodiscard]] scalar linear_damping(body_id id) const {
         return get(id, "linear_damping", [](const auto& b) { return b.linear_damping; });
@@ -30969,7 +31150,7 @@ public:
     void set_gravity_scale(body_id id, scalar factor) {
         const auto b = find(id, "set_gravity_scale");
         if (!b || !detail::check_in_range("set_gravity_scale", "factor", factor)) return;
-        wake_affected(b.index);
+        code::wake_affected(state_, b.index);
         state_.bodies[b.index].gravity_scale = factor;
     }
     [[nodiscard]] bool rotation_locked(body_id id) const {
@@ -30978,7 +31159,7 @@ public:
     /// Locks or frees rotation; locking stops it.
     void set_rotation_locked(body_id id, bool locked) requires plan::rotates {
         const auto b = find(id, "set_rotation_locked");
-        if (b) detail::scoped([&] { detail::set_rotation_locked(state_, b.index, locked); });
+        if (b) code::set_rotation_locked(state_, b.index, locked);
     }
     /// True while the body sleeps: an island of bodies that has been still for long enough (settings().sleeping) leaves
     /// the step, until something touches it or a call changes it. Sleepers cost nothing.
@@ -30988,7 +31169,7 @@ public:
     }
     /// Wakes a body and its island. O(contacts of sleepers).
     void wake(body_id id) {
-        if (const auto b = find(id, "wake")) wake(b.index);
+        if (const auto b = find(id, "wake")) code::wake(state_, b.index);
     }
     /// False keeps a body awake, and those that touch it.
     [[nodiscard]] bool can_sleep(body_id id) const {
@@ -30998,7 +31179,7 @@ public:
         const auto b = find(id, "set_can_sleep");
         if (!b) return;
         state_.bodies[b.index].can_sleep = can;
-        if (!can) wake(b.index);
+        if (!can) code::wake(state_, b.index);
     }
     /// Number of bodies that move and are awake. O(bodies).
     [[nodiscard]] std::uint32_t awake_count() const { return detail::count_awake(state_); }
@@ -31020,7 +31201,9 @@ public:
         return {b, state_.bodies.generation(b), state_.tag};
     }
     /// The shape itself, and its pose in the body's frame: visit it to learn its kind.
-    [[nodiscard]] any_shape shape(shape_id id) const { return get(id, "shape", [](const auto& s) { return s.shape; }); }
+    [[nodiscard]] any_shape shape(shape_id id) const {
+        return get(id, "shape", [](const auto& s) { return s.shape; });
+    }
     [[nodiscard]] transform local_pose(shape_id id) const {
         return get(id, "local_pose", [](const auto& s) { return s.local; });
     }
@@ -31043,14 +31226,7 @@ public:
     /// The first shape that a ray meets on its way from a point, along a translation (m); of several at once that of
     /// the least number.
     [[nodiscard]] world_hit cast_ray(vec origin, vec translation, const query_filter& filter = {}) const {
-        world_hit first;
-        detail::scoped([&] {
-            detail::cast_ray(state_, "cast_ray", origin, translation, filter, [&](const world_hit& hit) {
-                if (detail::comes_first(hit, first)) first = hit;
-                return first.fraction;
-            });
-        });
-        return first;
+        return code::cast_ray(state_, origin, translation, filter);
     }
     /// Visitors are called after all has been found, so that they may change the world, or step it: what has been
     /// destroyed by then is left out.
@@ -31076,12 +31252,12 @@ public:
     template <class Visit>
     void each_at(vec point, const query_filter& filter, Visit&& visit) const {
         if (detail::check_finite("each_at", "point", point))
-            detail::each_overlapping(state_, "each_at", detail::point_shape<scalar, dimension>{}, {point, {}},
-                                     filter, visit);
+            detail::each_overlapping(state_, "each_at", detail::point_shape<scalar, dimension>{}, {point, {}}, filter,
+                                     visit);
     }
     /// The shape closest to a point, none farther than `reach` (m).
     [[nodiscard]] closest_hit closest_shape(vec point, scalar reach, const query_filter& filter = {}) const {
-        return detail::scoped([&] { return detail::closest_shape(state_, point, reach, filter); });
+        return code::closest_shape(state_, point, reach, filter);
     }
 
 private:
@@ -31090,8 +31266,7 @@ private:
     detail::lookup find_moving(body_id id, const char* function) { return detail::find_moving(state_, id, function); }
     /// f of the thing that the handle names, or a default value after refusing the handle.
     template <class F>
-    auto get(body_id id, const char* function, F&& f) const
-        -> decltype(f(std::declval<const typename plan::body&>())) {
+    auto get(body_id id, const char* function, F&& f) const -> decltype(f(std::declval<const typename plan::body&>())) {
         const auto b = find(id, function);
         return b ? f(state_.bodies[b.index]) : decltype(f(state_.bodies[0])){};
     }
@@ -31101,13 +31276,11 @@ private:
         const auto s = detail::find_shape(state_, id, function);
         return s ? f(state_.shapes[s.index]) : decltype(f(state_.shapes[0])){};
     }
-    void wake_affected(std::uint32_t body) { detail::scoped([&] { detail::wake_affected(state_, body); }); }
-    void wake(std::uint32_t body) { detail::scoped([&] { detail::wake(state_, body); }); }
     void add_force(body_id id, const char* function, vec force, bool local, const vec* point) {
-        detail::scoped([&] { detail::add_force(state_, id, function, force, local, point); });
+        code::add_force(state_, id, function, force, local, point);
     }
     void add_impulse(body_id id, const char* function, vec impulse, bool local, const vec* point) {
-        detail::scoped([&] { detail::add_impulse(state_, id, function, impulse, local, point); });
+        code::add_impulse(state_, id, function, impulse, local, point);
     }
 
     detail::state<plan> state_;

@@ -24,6 +24,8 @@ COMPILERS = ["g++", "clang++"]
 FLOORS = ["base", "space", "shape", "collide", "broadphase", "dynamics", "world", "loop", "kit"]
 INCLUDE_BUDGET = 0.5
 HELLO_BUDGET = 3.0
+# A unit that uses a world which another one compiles.
+SHARED = ROOT / "samples/05_two_units.cpp"
 EMPTY = "empty unit"
 
 
@@ -59,6 +61,7 @@ def units(quick):
     yield "physics.hpp", "#include <physics.hpp>", ".", INCLUDE_BUDGET, True
     if HELLO.is_file():
         yield "01_hello.cpp (linked)", HELLO, ".", HELLO_BUDGET, False
+    yield SHARED.name, SHARED, ".", None, False
 
 
 def main():

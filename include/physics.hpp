@@ -203,6 +203,7 @@
 #include "physics/world/state.hpp"
 #include "physics/world/step.hpp"
 #include "physics/world/world.hpp"
+#include "physics/world/world_code.hpp"
 
 // From elapsed time to fixed steps.
 #include "physics/loop/accumulator.hpp"

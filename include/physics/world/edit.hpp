@@ -68,18 +68,17 @@ void destroy_body(state<Plan>& s, std::uint32_t index) {
     s.bodies.erase(index);
 }
 
-template <class Plan, class Shape>
-shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape, const typename Plan::shape_def& def) {
+/// Adds a shape that has been checked to a body; without a mass, only to one that is not dynamic.
+template <class Plan>
+shape_id insert_shape(state<Plan>& s, std::uint32_t body, const typename Plan::shape& shape, bool has_mass,
+                      const typename Plan::shape_def& def) {
     using S = typename Plan::scalar;
     const char* f = "create_shape";
-    const lookup at = find_body(s, body, f);
-    if (!at || !check(shape, f) || !check_pose(f, def.position, def.rotation) ||
-        !check_not_negative(f, "density", def.density))
-        return {};
+    if (!check_pose(f, def.position, def.rotation) || !check_not_negative(f, "density", def.density)) return {};
     if constexpr (Plan::features::materials)
         if (!check_material<Plan>(f, def.material)) return {};
-    const auto& owner = s.bodies[at.index];
-    if (!solid_shape_for<Shape, S, Plan::dimension> && owner.is_dynamic()) {
+    const auto& owner = s.bodies[body];
+    if (!has_mass && owner.is_dynamic()) {
         refuse(f, "shape", "without mass", "a dynamic body needs shapes that have a mass");
         return {};
     }
@@ -88,23 +87,23 @@ shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape, const ty
     record.local = {def.position, normalized(def.rotation)};
     if constexpr (Plan::features::materials) record.material = def.material;
     record.density = def.density;
-    record.body = at.index;
+    record.body = body;
     record.user_data = def.user_data;
     update_pose(record, owner.pose(), owner.center);
     const auto box = query_bounds(s, record);
     if (!check_extent(f, box)) return {};
     if (def.density > S(0) && owner.is_dynamic() && !owner.mass_is_set &&
-        !check_shapes_mass(s, at.index, f, no_shape, &record))
+        !check_shapes_mass(s, body, f, no_shape, &record))
         return {};
     // First, so that what a sleeper touches is among the contacts that move with its centre of mass.
-    wake_affected(s, at.index);
+    wake_affected(s, body);
     const auto place = s.shapes.insert(record);
-    std::uint32_t* link = &s.bodies[at.index].first_shape;
+    std::uint32_t* link = &s.bodies[body].first_shape;
     while (*link != no_shape && *link > place.index) link = &s.shapes[*link].next;
     s.shapes[place.index].next = std::exchange(*link, place.index);
     s.broadphase.insert(place.index, box, filter_of(s, record));
-    refresh_mass(s, at.index);
-    wake_near(s, at.index);
+    refresh_mass(s, body);
+    wake_near(s, body);
     return {place.index, place.generation, s.tag};
 }
 

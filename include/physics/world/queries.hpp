@@ -125,28 +125,6 @@ bool comes_first(const Hit& a, const Hit& b) {
     return !b || a.fraction < b.fraction || (a.fraction == b.fraction && a.shape.index < b.shape.index);
 }
 
-/// The same, the first ones first; visit may change the world. What it has destroyed is left out.
-template <class Plan, class Visit>
-void each_hit_along_ray(const state<Plan>& s, vec<typename Plan::scalar, Plan::dimension> origin,
-                        vec<typename Plan::scalar, Plan::dimension> translation, const query_filter& filter,
-                        Visit&& visit) {
-    using S = typename Plan::scalar;
-    using hit_type = world_hit<S, Plan::dimension>;
-    small_buffer<hit_type, 16> hits;
-    scoped([&] {
-        cast_ray(s, "each_hit_along_ray", origin, translation, filter, [&](const hit_type& hit) {
-            hits.push_back(hit);
-            return S(1);
-        });
-    });
-    sort_in_place(hits.begin(), hits.size(), comes_first<hit_type>);
-    S limit(1);
-    for (const hit_type& hit : hits) {
-        if (hit.fraction > limit || hit.shape.world != s.tag) return;
-        if (s.shapes.contains(hit.shape.index, hit.shape.generation)) limit = min(limit, visit(hit));
-    }
-}
-
 template <class Plan, class Shape>
 world_hit<typename Plan::scalar, Plan::dimension> cast_shape(
     const state<Plan>& s, const Shape& shape, const transform<typename Plan::scalar, Plan::dimension>& pose,

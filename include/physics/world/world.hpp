@@ -1,11 +1,8 @@
 // The world: what users hold.
 #pragma once
 
-#include "physics/world/forces.hpp"
-#include "physics/world/hash.hpp"
-#include "physics/world/queries.hpp"
 #include "physics/world/ranges.hpp"
-#include "physics/world/step.hpp"
+#include "physics/world/world_code.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -22,6 +19,7 @@ class world : public detail::shape_aliases<typename detail::plan_of<Recipe>::typ
                                            detail::plan_of<Recipe>::type::dimension> {
     friend detail::world_access;
     using plan = typename detail::plan_of<Recipe>::type;
+    using code = detail::world_code<plan>;
     static_assert(sizeof(detail::audit<Recipe>) > 0);
 
 public:
@@ -46,37 +44,33 @@ public:
     /// bits as every other (see float_environment).
     explicit world(const settings_type& settings = {}) {
         if (detail::check_settings<plan>(settings, "world") && detail::check_environment<scalar>("world"))
-            detail::scoped([&] { detail::change_settings(state_, settings); });
+            code::change_settings(state_, settings);
         state_.tag = detail::next_world_tag();
     }
 
     /// Advances time by dt seconds (greater than 0). Forces and torques act for this step and are then
     /// forgotten. Cost: see the policies. Refused, with nothing changed, if a number would leave its range.
-    void step(scalar dt) { detail::advance(state_, dt, {}); }
+    void step(scalar dt) { code::step(state_, dt, {}); }
     /// The same, with the work shared out by an executor, such as a thread_pool; the bits do not depend on it.
     template <executor Executor>
-    void step(scalar dt, Executor& by) { detail::advance(state_, dt, {by, state_.tasks_done, state_.batch_scratch}); }
+    void step(scalar dt, Executor& by) {
+        code::step(state_, dt, {by, state_.tasks_done, state_.batch_scratch});
+    }
     /// Number of steps taken.
     [[nodiscard]] std::uint64_t steps() const { return state_.steps; }
     /// A number that worlds in the same state share, on any machine. User data and settings do not enter.
     /// O(bodies + shapes + contacts).
-    [[nodiscard]] std::uint64_t state_hash() const {
-        return detail::scoped([&] { return detail::state_hash(state_); });
-    }
+    [[nodiscard]] std::uint64_t state_hash() const { return code::state_hash(state_); }
     [[nodiscard]] const settings_type& settings() const { return state_.settings; }
     /// Changes the settings from the next step on. O(shapes).
-    void set_settings(const settings_type& settings) {
-        detail::scoped([&] { detail::set_settings(state_, settings); });
-    }
+    void set_settings(const settings_type& settings) { code::set_settings(state_, settings); }
 
     /// Adds a body; shapes give it extent and, if it is dynamic, mass. Without mass from shapes it is a point of
     /// 1 kg that nothing turns.
-    body_id create_body(const body_def& def = {}) {
-        return detail::scoped([&] { return detail::create_body(state_, def); });
-    }
+    body_id create_body(const body_def& def = {}) { return code::create_body(state_, def); }
     /// Removes a body with its shapes and contacts. O(shapes + contacts).
     void destroy_body(body_id id) {
-        if (const auto b = find(id, "destroy_body")) detail::scoped([&] { detail::destroy_body(state_, b.index); });
+        if (const auto b = find(id, "destroy_body")) code::destroy_body(state_, b.index);
     }
     /// Adds a shape of the recipe's set to a body; unless the body's mass is set, it changes with it. Refuses a mass
     /// that the scalar cannot hold. O(shapes of the body), and O(contacts) where the centre of mass moves.
@@ -86,13 +80,13 @@ public:
         static_assert(
             known,
             "physics::world::create_shape: the recipe's set of shapes lacks this one; name it in physics::shapes<...>");
-        if constexpr (known) return detail::scoped([&] { return detail::create_shape(state_, body, shape, def); });
+        if constexpr (known) return detail::create_shape(state_, body, shape, def);
         else return {};
     }
     /// Removes a shape and its contacts. Refused where the rest's mass is one that the scalar cannot hold. O(contacts).
     void destroy_shape(shape_id id) {
         const auto s = detail::find_shape(state_, id, "destroy_shape");
-        if (s) detail::scoped([&] { detail::destroy_shape(state_, s.index); });
+        if (s) code::destroy_shape(state_, s.index);
     }
     /// True if the handle names a living thing of this world; never an error.
     [[nodiscard]] bool contains(body_id id) const {
@@ -120,7 +114,9 @@ public:
     [[nodiscard]] rotation_type rotation(body_id id) const {
         return get(id, "rotation", [](const auto& b) { return b.rotation; });
     }
-    [[nodiscard]] transform pose(body_id id) const { return get(id, "pose", [](const auto& b) { return b.pose(); }); }
+    [[nodiscard]] transform pose(body_id id) const {
+        return get(id, "pose", [](const auto& b) { return b.pose(); });
+    }
     [[nodiscard]] vec center_of_mass(body_id id) const {
         return get(id, "center_of_mass", [](const auto& b) { return b.center; });
     }
@@ -128,7 +124,7 @@ public:
     void set_pose(body_id id, vec position, const rotation_type& rotation) {
         const auto b = find(id, "set_pose");
         if (b && detail::check_pose("set_pose", position, rotation))
-            detail::scoped([&] { detail::set_pose(state_, b.index, {position, normalized(rotation)}); });
+            code::set_pose(state_, b.index, {position, rotation});
     }
     void set_pose(body_id id, const transform& pose) { set_pose(id, pose.position, pose.rotation); }
     /// Lets a kinematic body reach a pose by the end of the next step, and pushes what it touches as the velocity would
@@ -137,8 +133,7 @@ public:
     /// on the way: only set_pose does that.
     void move_to(body_id id, vec position, const rotation_type& rotation) {
         const auto b = detail::find_kinematic(state_, id, "move_to");
-        if (b && detail::check_pose("move_to", position, rotation))
-            detail::scoped([&] { detail::move_to(state_, b.index, position, rotation); });
+        if (b && detail::check_pose("move_to", position, rotation)) code::move_to(state_, b.index, position, rotation);
     }
     void move_to(body_id id, const transform& pose) { move_to(id, pose.position, pose.rotation); }
 
@@ -150,14 +145,12 @@ public:
         return get(id, "angular_velocity",
                    [](const auto& b) -> angular { return detail::value_of(b.velocity.angular); });
     }
-    [[nodiscard]] vec velocity_at(body_id id, vec point) const {
-        return detail::scoped([&] { return detail::velocity_of_point(state_, id, point); });
-    }
+    [[nodiscard]] vec velocity_at(body_id id, vec point) const { return code::velocity_of_point(state_, id, point); }
     /// Velocities of dynamic and kinematic bodies; static ones have none, and locked rotations stay at 0.
     void set_linear_velocity(body_id id, vec v) {
         const auto b = find_moving(id, "set_linear_velocity");
         if (!b || !detail::check_in_range("set_linear_velocity", "v", v)) return;
-        if (!(v == vec{})) wake_affected(b.index);
+        if (!(v == vec{})) code::wake_affected(state_, b.index);
         detail::velocity_to_set(state_, b.index).linear = v;
     }
     void set_angular_velocity(body_id id, angular w) requires plan::rotates {
@@ -165,7 +158,7 @@ public:
         if (!b ||
             !detail::check_angular_velocity("set_angular_velocity", "w", w, state_.bodies[b.index].rotation_locked))
             return;
-        if (!(w == angular{})) wake_affected(b.index);
+        if (!(w == angular{})) code::wake_affected(state_, b.index);
         detail::velocity_to_set(state_, b.index).angular = w;
     }
 
@@ -179,9 +172,7 @@ public:
         add_force(id, "apply_local_force_at", force, true, &point);
     }
     /// A torque (N m) during the next step.
-    void apply_torque(body_id id, angular torque) requires plan::rotates {
-        detail::scoped([&] { detail::add_torque(state_, id, torque); });
-    }
+    void apply_torque(body_id id, angular torque) requires plan::rotates { code::add_torque(state_, id, torque); }
     /// Forgets the forces and torques that wait for the next step.
     void clear_forces(body_id id) {
         const auto b = detail::find_dynamic(state_, id, "clear_forces");
@@ -202,7 +193,7 @@ public:
     }
     /// An angular impulse (N m s).
     void apply_angular_impulse(body_id id, angular impulse) requires plan::rotates {
-        detail::scoped([&] { detail::add_angular_impulse(state_, id, impulse); });
+        code::add_angular_impulse(state_, id, impulse);
     }
 
     [[nodiscard]] body_type type(body_id id) const {
@@ -211,7 +202,7 @@ public:
     }
     /// Changes how a body moves; a static body loses its velocity. O(shapes + contacts).
     void set_type(body_id id, body_type type) {
-        if (const auto b = find(id, "set_type")) detail::scoped([&] { detail::set_type(state_, b.index, type); });
+        if (const auto b = find(id, "set_type")) code::set_type(state_, b.index, type);
     }
     /// Mass (kg), centre (m) and inertia about it (kg m^2) in the body's frame. Static and kinematic bodies take none
     /// from their shapes: they have mass 0 and their centre at the origin.
@@ -223,12 +214,12 @@ public:
     /// positive definite.
     void set_mass(body_id id, const mass_properties& mass) {
         const auto b = detail::find_dynamic(state_, id, "set_mass");
-        if (b) detail::scoped([&] { detail::set_mass(state_, b.index, mass); });
+        if (b) code::set_mass(state_, b.index, mass);
     }
     /// Takes the mass from the shapes again. O(shapes).
     void reset_mass(body_id id) {
         const auto b = detail::find_dynamic(state_, id, "reset_mass");
-        if (b) detail::scoped([&] { detail::reset_mass(state_, b.index); });
+        if (b) code::reset_mass(state_, b.index);
     }
     [[nodiscard]] scalar linear_damping(body_id id) const {
         return get(id, "linear_damping", [](const auto& b) { return b.linear_damping; });
@@ -252,7 +243,7 @@ public:
     void set_gravity_scale(body_id id, scalar factor) {
         const auto b = find(id, "set_gravity_scale");
         if (!b || !detail::check_in_range("set_gravity_scale", "factor", factor)) return;
-        wake_affected(b.index);
+        code::wake_affected(state_, b.index);
         state_.bodies[b.index].gravity_scale = factor;
     }
     [[nodiscard]] bool rotation_locked(body_id id) const {
@@ -261,7 +252,7 @@ public:
     /// Locks or frees rotation; locking stops it.
     void set_rotation_locked(body_id id, bool locked) requires plan::rotates {
         const auto b = find(id, "set_rotation_locked");
-        if (b) detail::scoped([&] { detail::set_rotation_locked(state_, b.index, locked); });
+        if (b) code::set_rotation_locked(state_, b.index, locked);
     }
     /// True while the body sleeps: an island of bodies that has been still for long enough (settings().sleeping) leaves
     /// the step, until something touches it or a call changes it. Sleepers cost nothing.
@@ -271,7 +262,7 @@ public:
     }
     /// Wakes a body and its island. O(contacts of sleepers).
     void wake(body_id id) {
-        if (const auto b = find(id, "wake")) wake(b.index);
+        if (const auto b = find(id, "wake")) code::wake(state_, b.index);
     }
     /// False keeps a body awake, and those that touch it.
     [[nodiscard]] bool can_sleep(body_id id) const {
@@ -281,7 +272,7 @@ public:
         const auto b = find(id, "set_can_sleep");
         if (!b) return;
         state_.bodies[b.index].can_sleep = can;
-        if (!can) wake(b.index);
+        if (!can) code::wake(state_, b.index);
     }
     /// Number of bodies that move and are awake. O(bodies).
     [[nodiscard]] std::uint32_t awake_count() const { return detail::count_awake(state_); }
@@ -303,7 +294,9 @@ public:
         return {b, state_.bodies.generation(b), state_.tag};
     }
     /// The shape itself, and its pose in the body's frame: visit it to learn its kind.
-    [[nodiscard]] any_shape shape(shape_id id) const { return get(id, "shape", [](const auto& s) { return s.shape; }); }
+    [[nodiscard]] any_shape shape(shape_id id) const {
+        return get(id, "shape", [](const auto& s) { return s.shape; });
+    }
     [[nodiscard]] transform local_pose(shape_id id) const {
         return get(id, "local_pose", [](const auto& s) { return s.local; });
     }
@@ -326,14 +319,7 @@ public:
     /// The first shape that a ray meets on its way from a point, along a translation (m); of several at once that of
     /// the least number.
     [[nodiscard]] world_hit cast_ray(vec origin, vec translation, const query_filter& filter = {}) const {
-        world_hit first;
-        detail::scoped([&] {
-            detail::cast_ray(state_, "cast_ray", origin, translation, filter, [&](const world_hit& hit) {
-                if (detail::comes_first(hit, first)) first = hit;
-                return first.fraction;
-            });
-        });
-        return first;
+        return code::cast_ray(state_, origin, translation, filter);
     }
     /// Visitors are called after all has been found, so that they may change the world, or step it: what has been
     /// destroyed by then is left out.
@@ -359,12 +345,12 @@ public:
     template <class Visit>
     void each_at(vec point, const query_filter& filter, Visit&& visit) const {
         if (detail::check_finite("each_at", "point", point))
-            detail::each_overlapping(state_, "each_at", detail::point_shape<scalar, dimension>{}, {point, {}},
-                                     filter, visit);
+            detail::each_overlapping(state_, "each_at", detail::point_shape<scalar, dimension>{}, {point, {}}, filter,
+                                     visit);
     }
     /// The shape closest to a point, none farther than `reach` (m).
     [[nodiscard]] closest_hit closest_shape(vec point, scalar reach, const query_filter& filter = {}) const {
-        return detail::scoped([&] { return detail::closest_shape(state_, point, reach, filter); });
+        return code::closest_shape(state_, point, reach, filter);
     }
 
 private:
@@ -373,8 +359,7 @@ private:
     detail::lookup find_moving(body_id id, const char* function) { return detail::find_moving(state_, id, function); }
     /// f of the thing that the handle names, or a default value after refusing the handle.
     template <class F>
-    auto get(body_id id, const char* function, F&& f) const
-        -> decltype(f(std::declval<const typename plan::body&>())) {
+    auto get(body_id id, const char* function, F&& f) const -> decltype(f(std::declval<const typename plan::body&>())) {
         const auto b = find(id, function);
         return b ? f(state_.bodies[b.index]) : decltype(f(state_.bodies[0])){};
     }
@@ -384,13 +369,11 @@ private:
         const auto s = detail::find_shape(state_, id, function);
         return s ? f(state_.shapes[s.index]) : decltype(f(state_.shapes[0])){};
     }
-    void wake_affected(std::uint32_t body) { detail::scoped([&] { detail::wake_affected(state_, body); }); }
-    void wake(std::uint32_t body) { detail::scoped([&] { detail::wake(state_, body); }); }
     void add_force(body_id id, const char* function, vec force, bool local, const vec* point) {
-        detail::scoped([&] { detail::add_force(state_, id, function, force, local, point); });
+        code::add_force(state_, id, function, force, local, point);
     }
     void add_impulse(body_id id, const char* function, vec impulse, bool local, const vec* point) {
-        detail::scoped([&] { detail::add_impulse(state_, id, function, impulse, local, point); });
+        code::add_impulse(state_, id, function, impulse, local, point);
     }
 
     detail::state<plan> state_;
