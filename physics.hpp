@@ -911,9 +911,9 @@ constexpr integer_root root_of(uint128 a) {
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/base/fixed.hpp
+// physics/base/wide_fixed.hpp
 // =================================================================================================
-// Fixed-point numbers with exact wide products: integers only, hence the same bits by construction.
+// Exact products of fixed-point numbers; how results are narrowed and saturated, and overflows counted.
 
 PHYSICS_HPP_BEGIN
 
@@ -1045,19 +1045,42 @@ constexpr wide_fixed<Int, F> operator+(wide_fixed<Int, F> a, wide_fixed<Int, F> 
     return {detail::wide_sum(a.raw, b.raw)};
 }
 template <class Int, int F>
-constexpr wide_fixed<Int, F> operator-(wide_fixed<Int, F> a, wide_fixed<Int, F> b) { return a + -b; }
+constexpr wide_fixed<Int, F> operator-(wide_fixed<Int, F> a, wide_fixed<Int, F> b) {
+    return a + -b;
+}
 template <class Int, int F>
-constexpr wide_fixed<Int, F> operator-(wide_fixed<Int, F> a) { return {detail::wide_negated(a.raw)}; }
+constexpr wide_fixed<Int, F> operator-(wide_fixed<Int, F> a) {
+    return {detail::wide_negated(a.raw)};
+}
 template <class Int, int F>
-constexpr bool operator==(wide_fixed<Int, F> a, wide_fixed<Int, F> b) { return a.raw == b.raw; }
+constexpr bool operator==(wide_fixed<Int, F> a, wide_fixed<Int, F> b) {
+    return a.raw == b.raw;
+}
 template <class Int, int F>
-constexpr bool operator<(wide_fixed<Int, F> a, wide_fixed<Int, F> b) { return a.raw < b.raw; }
+constexpr bool operator<(wide_fixed<Int, F> a, wide_fixed<Int, F> b) {
+    return a.raw < b.raw;
+}
 template <class Int, int F>
-constexpr bool operator>(wide_fixed<Int, F> a, wide_fixed<Int, F> b) { return b.raw < a.raw; }
+constexpr bool operator>(wide_fixed<Int, F> a, wide_fixed<Int, F> b) {
+    return b.raw < a.raw;
+}
 template <class Int, int F>
-constexpr bool operator<=(wide_fixed<Int, F> a, wide_fixed<Int, F> b) { return !(b.raw < a.raw); }
+constexpr bool operator<=(wide_fixed<Int, F> a, wide_fixed<Int, F> b) {
+    return !(b.raw < a.raw);
+}
 template <class Int, int F>
-constexpr bool operator>=(wide_fixed<Int, F> a, wide_fixed<Int, F> b) { return !(a.raw < b.raw); }
+constexpr bool operator>=(wide_fixed<Int, F> a, wide_fixed<Int, F> b) {
+    return !(a.raw < b.raw);
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/base/fixed.hpp
+// =================================================================================================
+// Fixed-point numbers with exact wide products: integers only, hence the same bits by construction.
+
+PHYSICS_HPP_BEGIN
 
 /// A fixed-point number: an integer of type Rep that counts units of 2^-FractionBits.
 /// Sums and products wrap, quotients, roots and conversions saturate, all rounding is to nearest with ties
@@ -1164,29 +1187,53 @@ private:
 // Operators stand outside of their classes, here and wherever they compute: gcc takes friends that are defined within
 // a class template out of the determinism region, and then neither keeps products apart in them nor inlines into them.
 template <class Rep, int F>
-constexpr fixed<Rep, F> operator+(fixed<Rep, F> a, fixed<Rep, F> b) { return a += b; }
+constexpr fixed<Rep, F> operator+(fixed<Rep, F> a, fixed<Rep, F> b) {
+    return a += b;
+}
 template <class Rep, int F>
-constexpr fixed<Rep, F> operator-(fixed<Rep, F> a, fixed<Rep, F> b) { return a -= b; }
+constexpr fixed<Rep, F> operator-(fixed<Rep, F> a, fixed<Rep, F> b) {
+    return a -= b;
+}
 template <class Rep, int F>
-PHYSICS_HPP_ALWAYS_INLINE constexpr fixed<Rep, F> operator*(fixed<Rep, F> a, fixed<Rep, F> b) { return a *= b; }
+PHYSICS_HPP_ALWAYS_INLINE constexpr fixed<Rep, F> operator*(fixed<Rep, F> a, fixed<Rep, F> b) {
+    return a *= b;
+}
 template <class Rep, int F>
-constexpr fixed<Rep, F> operator/(fixed<Rep, F> a, fixed<Rep, F> b) { return a /= b; }
+constexpr fixed<Rep, F> operator/(fixed<Rep, F> a, fixed<Rep, F> b) {
+    return a /= b;
+}
 template <class Rep, int F>
-constexpr fixed<Rep, F> operator-(fixed<Rep, F> a) { return fixed<Rep, F>() -= a; }
+constexpr fixed<Rep, F> operator-(fixed<Rep, F> a) {
+    return fixed<Rep, F>() -= a;
+}
 template <class Rep, int F>
-constexpr fixed<Rep, F> operator+(fixed<Rep, F> a) { return a; }
+constexpr fixed<Rep, F> operator+(fixed<Rep, F> a) {
+    return a;
+}
 template <class Rep, int F>
-constexpr bool operator==(fixed<Rep, F> a, fixed<Rep, F> b) { return a.raw() == b.raw(); }
+constexpr bool operator==(fixed<Rep, F> a, fixed<Rep, F> b) {
+    return a.raw() == b.raw();
+}
 template <class Rep, int F>
-constexpr bool operator!=(fixed<Rep, F> a, fixed<Rep, F> b) { return a.raw() != b.raw(); }
+constexpr bool operator!=(fixed<Rep, F> a, fixed<Rep, F> b) {
+    return a.raw() != b.raw();
+}
 template <class Rep, int F>
-constexpr bool operator<(fixed<Rep, F> a, fixed<Rep, F> b) { return a.raw() < b.raw(); }
+constexpr bool operator<(fixed<Rep, F> a, fixed<Rep, F> b) {
+    return a.raw() < b.raw();
+}
 template <class Rep, int F>
-constexpr bool operator>(fixed<Rep, F> a, fixed<Rep, F> b) { return a.raw() > b.raw(); }
+constexpr bool operator>(fixed<Rep, F> a, fixed<Rep, F> b) {
+    return a.raw() > b.raw();
+}
 template <class Rep, int F>
-constexpr bool operator<=(fixed<Rep, F> a, fixed<Rep, F> b) { return a.raw() <= b.raw(); }
+constexpr bool operator<=(fixed<Rep, F> a, fixed<Rep, F> b) {
+    return a.raw() <= b.raw();
+}
 template <class Rep, int F>
-constexpr bool operator>=(fixed<Rep, F> a, fixed<Rep, F> b) { return a.raw() >= b.raw(); }
+constexpr bool operator>=(fixed<Rep, F> a, fixed<Rep, F> b) {
+    return a.raw() >= b.raw();
+}
 
 /// Q32.32, the default fixed point: range +-2.1e9, step 2.3e-10.
 using fixed32 = fixed<std::int64_t, 32>;
@@ -1243,8 +1290,7 @@ constexpr R root(wide_fixed<Int, FractionBits> a) {
                   "physics::root: the operand must have at least twice the result's fraction bits");
     if (a < wide_fixed<Int, FractionBits>{}) return detail::note_overflow(true), R{};
     const detail::integer_root found = detail::root_of(detail::magnitude128(a.raw));
-    if constexpr (shift == 0)
-        return R::from_raw(detail::signed_saturating<typename R::rep>(false, found.nearest()));
+    if constexpr (shift == 0) return R::from_raw(detail::signed_saturating<typename R::rep>(false, found.nearest()));
     else
         return R::from_raw(
             detail::signed_saturating<typename R::rep>(false, ((found.root >> (-shift / 2 - 1)) + 1) >> 1));

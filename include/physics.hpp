@@ -34,6 +34,7 @@
 #include "physics/base/stage.hpp"
 #include "physics/base/task_runner.hpp"
 #include "physics/base/wide.hpp"
+#include "physics/base/wide_fixed.hpp"
 
 // Vectors, rotations, transforms, inertia, boxes.
 #include "physics/space/aabb.hpp"

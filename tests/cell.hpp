@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <random>
+#include <type_traits>
 
 #include "archetype.hpp"
 
@@ -32,6 +33,10 @@ struct cell {
         S::fraction_bits;
     };
     static constexpr bool is_fixed = has_fraction_bits<scalar>;
+
+    /// Of how many random cases a law makes n, where its kernel computes in double whatever the scalar is: all in the
+    /// cells of double, a tenth in the others.
+    static constexpr int draws(int n) { return std::is_same_v<scalar, double> ? n : n < 10 ? 1 : n / 10; }
 
     static scalar real(double x) { return scalar(x); }
     static double number(scalar x) { return static_cast<double>(x); }

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """The groups of tests, in the order in which they run: cheap checks first, heavy builds after. tests/run calls this.
+What a run checks depends on the commit alone: no test passes or fails by a clock, and fuzzers have seeds and counts.
 
 Counts doctest's test cases over all builds, the checks of each script, and one failure for each unit that does not
 compile. The last line is `N passed, M failed`; the exit code is 0 only where something passed and nothing failed.
@@ -22,10 +23,15 @@ JOBS = os.cpu_count() or 1
 TERMINAL = sys.stdout.isatty()
 MOST_LINES = 20      # of what a failing unit or program says
 MOST_SECONDS = 600   # for one test program
+FUZZ_INPUTS = 3000   # of each fuzzer
 
 COUNTED = re.compile(r"^(\d+) passed, (\d+) failed$", re.MULTILINE)
 DOCTEST = re.compile(r"^\[doctest\] test cases: +\d+ \| +(\d+) passed \| +(\d+) failed", re.MULTILINE)
 STEP = re.compile(r"^\[(\d+)/(\d+)\] ")
+
+
+# Seconds that each group takes on two idle cores: all that the estimates of what is left are made of.
+SECONDS = {"cheap": 60, "misuse": 60, "gcc": 200, "clang": 200, "determinism": 120, "sanitize": 100, "fuzz": 60, "quick": 90}
 
 
 class Tally:
@@ -48,6 +54,31 @@ def since(start):
     """How long ago that was, as text."""
     now = clock()
     return f"{now[0] - start[0]:.0f} s, {now[1] - start[1]:.0f} CPU s"
+
+
+def left(seconds):
+    return f"{seconds:.0f} s" if seconds < 100 else f"{seconds / 60:.0f} min"
+
+
+class Progress:
+    """Which group runs, how much is done, and how long the rest will take at the speed so far."""
+
+    def __init__(self, groups):
+        self.groups = groups
+        self.done = 0.0  # of the seconds that were expected
+        self.total = sum(SECONDS[group.__name__] for group in groups)
+        self.started = time.monotonic()
+
+    def begin(self, group):
+        elapsed = time.monotonic() - self.started
+        rest = self.total - self.done
+        if self.done > 0:
+            rest *= elapsed / self.done
+        place = f"{self.groups.index(group) + 1} of {len(self.groups)}"
+        say(f"{group.__name__} ({place}, {100 * self.done / self.total:.0f} % done, about {left(rest)} left): {group.__doc__}")
+
+    def end(self, group):
+        self.done += SECONDS[group.__name__]
 
 
 def show(text):
@@ -209,10 +240,16 @@ def build(tally, name, compiler, suite, *options):
         say(f"  {name}: {program}: {passed} passed, {failed} failed ({seconds:.1f} s)")
 
 
+def order(tally):
+    """What takes seconds: the layers, the format, and whether the single header is fresh."""
+    script(tally, ROOT / "tests/layers.py")
+    script(tally, ROOT / "tests/format.py")
+    script(tally, ROOT / "include/amalgamate.py", "--check")
+
+
 def cheap(tally):
     """the order of the house, the single header is fresh, every part compiles alone"""
-    script(tally, ROOT / "tests/layers.py")
-    script(tally, ROOT / "include/amalgamate.py", "--check")
+    order(tally)
     script(tally, ROOT / "tests/alone.py")
     script(tally, ROOT / "tests/readme.py")
 
@@ -224,20 +261,14 @@ def misuse(tally):
 
 
 def gcc(tally):
-    """the cells of the matrix that fall to g++, from the parts, most at -O1; all with EVERYTHING=1"""
-    build(tally, "gcc", "g++", "parts", "-Doptimization=1", "-Dwerror=true")
+    """the cells of the matrix that fall to g++, from the single header; all with EVERYTHING=1; and the installed package"""
+    build(tally, "gcc", "g++", "cells", "-Doptimization=1", "-Dwerror=true")
+    package(tally)
 
 
 def clang(tally):
-    """the cells of the matrix that fall to clang++, from the parts, most at -O0; all with EVERYTHING=1"""
-    build(tally, "clang", "clang++", "parts", "-Doptimization=0", "-Dwerror=true")
-
-
-def single(tally):
-    """a part of the matrix, from the single header, by g++ -O2 and clang++ -O0; and the installed package"""
-    build(tally, "single-gcc", "g++", "single", "-Doptimization=2", "-Dwerror=true")
-    build(tally, "single-clang", "clang++", "single", "-Doptimization=0", "-Dwerror=true")
-    package(tally)
+    """the cells of the matrix that fall to clang++, from the parts; all with EVERYTHING=1"""
+    build(tally, "clang", "clang++", "cells", "-Doptimization=0", "-Dwerror=true")
 
 
 def determinism(tally):
@@ -246,23 +277,36 @@ def determinism(tally):
 
 
 def sanitize(tally):
-    """a part of the matrix under the address and undefined-behaviour sanitizers, with clang++"""
-    build(tally, "sanitize", "clang++", "small", "-Doptimization=0", "-Ddebug=true", "-Db_sanitize=address,undefined",
+    """two cells of worlds and the single tests under the address and undefined-behaviour sanitizers, with clang++"""
+    build(tally, "sanitize", "clang++", "sanitized", "-Doptimization=0", "-Ddebug=true", "-Db_sanitize=address,undefined",
           "-Db_lundef=false")
+
+
+def quick(tally):
+    """what to run before a commit: the order of the house, the float cells by clang++ -O0, one hash of each scene"""
+    order(tally)
+    os.environ["QUICK"] = "1"
+    build(tally, "quick", "clang++", "cells", "-Doptimization=0", "-Dwerror=true")
+    script(tally, ROOT / "tests/determinism/check.py", "--one")
 
 
 def fuzz_one(source):
     """Compiles and runs one fuzzer; returns its name, how many inputs it tried, whether all went well, what it said."""
     name = source.stem
     found = BUILD / "fuzz" / name
-    found.mkdir(parents=True, exist_ok=True)
     program = BUILD / "fuzz" / f"{name}.run"
+    seconds = os.environ.get("FUZZ_SECONDS")
+    if not seconds:
+        # Nothing of an earlier run is left, so that the same inputs come again.
+        shutil.rmtree(found, ignore_errors=True)
+    found.mkdir(parents=True, exist_ok=True)
+    bound = [f"-max_total_time={seconds}"] if seconds else ["-seed=1", f"-runs={FUZZ_INPUTS}"]
     compiler = ["ccache", "clang++"] if shutil.which("ccache") else ["clang++"]
     # New inputs go to the first folder; those of the repository are only read.
     steps = [[*compiler, "-std=c++20", "-O1", "-g1", "-fsanitize=fuzzer,address,undefined",
               "-fno-sanitize-recover=undefined", "-Iinclude", source, "-o", program],
-             [program, f"-max_total_time={os.environ.get('FUZZ_SECONDS', '10')}", "-max_len=400",
-              "-print_final_stats=1", f"-artifact_prefix={found.parent}/", found, ROOT / "tests/fuzz/corpus" / name]]
+             [program, *bound, "-max_len=400", "-print_final_stats=1", f"-artifact_prefix={found.parent}/", found,
+              ROOT / "tests/fuzz/corpus" / name]]
     for step in steps:
         done = subprocess.run(step, cwd=ROOT, text=True, errors="replace", stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT)
@@ -274,7 +318,7 @@ def fuzz_one(source):
 
 
 def fuzz(tally):
-    """hulls, separations and casts under libFuzzer and sanitizers; FUZZ_SECONDS says how long each, 10 by default"""
+    """hulls, separations and casts under libFuzzer and sanitizers, always the same inputs; others for FUZZ_SECONDS each"""
     with concurrent.futures.ThreadPoolExecutor(JOBS) as pool:
         for name, inputs, good, said in pool.map(fuzz_one, sorted((ROOT / "tests/fuzz").glob("*.cpp"))):
             tally.add(int(good), int(not good))
@@ -288,7 +332,7 @@ def package(tally):
     target = BUILD / "package"
     shutil.rmtree(target, ignore_errors=True)
     show("package ...")
-    done = subprocess.run(["meson", "install", "-C", BUILD / "single-gcc", "--no-rebuild", "--destdir", target],
+    done = subprocess.run(["meson", "install", "-C", BUILD / "gcc", "--no-rebuild", "--destdir", target],
                           text=True, errors="replace", stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     message = done.stdout if done.returncode else ""
     described = list(target.rglob("physics.pc"))
@@ -314,16 +358,17 @@ def package(tally):
         print(excerpt(message))
 
 
-GROUPS = [cheap, misuse, gcc, clang, single, determinism, sanitize, fuzz]
+GROUPS = [cheap, misuse, gcc, clang, determinism, sanitize, fuzz]
+BY_NAME = {group.__name__: group for group in [*GROUPS, quick]}
 
 
 def main():
     names = sys.argv[1:]
     if names == ["--list"]:
-        for group in GROUPS:
-            print(f"{group.__name__:12} {group.__doc__}")
+        for name, group in BY_NAME.items():
+            print(f"{name:12} {group.__doc__}")
         return 0
-    unknown = set(names) - {group.__name__ for group in GROUPS}
+    unknown = set(names) - set(BY_NAME)
     if unknown:
         print(f"no such group: {', '.join(sorted(unknown))}; bash tests/run --list names them", file=sys.stderr)
         return 2
@@ -331,12 +376,12 @@ def main():
     BUILD.mkdir(exist_ok=True)
     tally = Tally()
     started = clock()
-    for group in GROUPS:
-        if names and group.__name__ not in names:
-            continue
-        say(f"{group.__name__}: {group.__doc__}")
+    progress = Progress([group for name, group in BY_NAME.items() if (name in names if names else group is not quick)])
+    for group in progress.groups:
+        progress.begin(group)
         began = clock()
         group(tally)
+        progress.end(group)
         say(f"  {since(began)}")
     say(f"all in {since(started)}")
     if tally.passed == 0:

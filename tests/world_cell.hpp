@@ -5,9 +5,14 @@
 
 #include "cell.hpp"
 
+/// Named alike in all units of a cell, so that they share one compiled world (cell_kernels.cpp.in).
+template <class S, int D>
+struct scene_of : physics::recipe<S, D> {};
+PHYSICS_HPP_EXTERN(scene_of<CELL_SCALAR, CELL_DIMENSION>)
+
 namespace {
 
-struct scene : physics::recipe<cell::scalar, cell::dimension> {};
+using scene = scene_of<cell::scalar, cell::dimension>;
 using world = physics::world<scene>;
 using S = world::scalar;
 using vec = world::vec;

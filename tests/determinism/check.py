@@ -2,7 +2,9 @@
 """One hash for each scene of hash.cpp, whatever compiled it: both compilers, each optimisation level, this machine's
 own instructions, both 128-bit paths, the parts and the single header, and no flag that asks for it.
 
-    python3 tests/determinism/check.py [--quick]    --quick: half of the builds; EVERYTHING=1 in the environment: more
+    python3 tests/determinism/check.py [--quick|--one]    --quick: half of the builds; EVERYTHING=1 in the environment:
+                                                          more; --one: one build, whose hashes are compared with those
+                                                          of the last run of several: what differs moves otherwise
 
 The program prints `NAME HASH` lines. As a control, a build that gives up the determinism region has to differ where
 the processor can fuse a product into a sum: else the scenes could not see the fusing that the region prevents.
@@ -39,7 +41,9 @@ MORE_BUILDS = [
     ("g++", "-O3", PARTS),
     ("clang++", "-O3", PARTS),
 ]
-CONTROL = ("g++", "-O2", "-march=native", PARTS, "-DPHYSICS_HPP_NONDETERMINISTIC")
+CONTROL = ("g++", "-O2", "-march=native", PARTS, "-DPHYSICS_HPP_NONDETERMINISTIC", "-DCONTROL")
+ONE = ("g++", "-O0", PARTS)
+LAST = OUT / "hashes.txt"
 
 
 def label(build):
@@ -71,7 +75,10 @@ def fuses(compiler):
 def main():
     quick = "--quick" in sys.argv[1:]
     builds = BUILDS[:len(BUILDS) // 2] if quick else BUILDS + MORE_BUILDS * bool(os.environ.get("EVERYTHING"))
-    control = [CONTROL] if fuses(CONTROL[0]) else []
+    one = "--one" in sys.argv[1:]
+    if one:
+        builds = [ONE]
+    control = [CONTROL] if not one and fuses(CONTROL[0]) else []
     OUT.mkdir(parents=True, exist_ok=True)
     passed = failed = 0
     hashes = {}
@@ -103,7 +110,14 @@ def main():
             passed += bool(seen)
             failed += not seen
             print(f"control without the region: {len(seen)} of {len(scenes)} scenes differ")
-    if not control:
+    if one:
+        last = dict(line.split() for line in LAST.read_text().splitlines()) if LAST.is_file() else {}
+        for scene, value in sorted(results[ONE][0].items()):
+            if last.get(scene, value) != value:
+                print(f"{scene}: {value} instead of {last[scene]} in the last run of several builds")
+    elif not failed:
+        LAST.write_text("".join(f"{scene} {next(iter(values))}\n" for scene, values in hashes.items()))
+    if not one and not control:
         print("control without the region: left out, this processor does not fuse")
     print(f"{time.monotonic() - started:.0f} s")
     print(f"{passed} passed, {failed} failed")

@@ -97,7 +97,7 @@ void tumble(const char* cell) {
 
 /// Balls, capsules and boxes fall into a heap on tilted ground; the hash of every 16th state of 4 seconds.
 template <class S, int D, class... Policies>
-void heap(const char* cell, const char* scene = "heap") {
+void heap(const char* cell) {
     struct falling : physics::recipe<S, D, Policies...> {};
     using world = physics::world<falling>;
     world w;
@@ -120,7 +120,7 @@ void heap(const char* cell, const char* scene = "heap") {
         w.step(S(1.0 / 64));
         if (i % 16 == 0) sum.word(w.state_hash());
     }
-    sum.print(scene, cell);
+    sum.print("heap", cell);
 }
 
 /// Balls and boxes on belts that resist rolling: a slope that runs uphill, and a slab that turns upon it. They lie far
@@ -189,19 +189,18 @@ int main() {
     tumble<physics::fixed32, 2>("fixed32/2D");
     tumble<physics::fixed32, 3>("fixed32/3D");
     heap<float, 2>("float/2D");
+#ifndef CONTROL  // Which only has to show that flags can change bits.
     heap<float, 3>("float/3D");
     heap<double, 2>("double/2D");
     heap<double, 3>("double/3D");
     heap<physics::fixed32, 2>("fixed32/2D");
     heap<physics::fixed32, 3>("fixed32/3D");
-    heap<float, 2, physics::soft_step>("float/2D", "soft_heap");
-    heap<double, 3, physics::soft_step>("double/3D", "soft_heap");
-    heap<float, 3, physics::soft_step>("float/3D", "soft_heap");
-    belts<float, 2, physics::soft_step>("float/2D");
-    belts<float, 3, physics::soft_step>("float/3D");
+    belts<float, 2>("float/2D");
+    belts<float, 3>("float/3D");
     belts<double, 3, physics::soft_step_with<physics::point_friction>>("double/3D");
     belts<physics::fixed32, 3>("fixed32/3D");
     flagships<float>("float/2D", "float/3D");
     flagships<double>("double/2D", "double/3D");
     flagships<physics::fixed32>("fixed32/2D", "fixed32/3D");
+#endif
 }

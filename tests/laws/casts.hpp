@@ -231,7 +231,7 @@ inline std::string broken_law(const ray_case& r) {
 CELL_CASE("casts: rays meet shapes where their distance from a point says") {
     cell::dice dice(91);
     int hits = 0;
-    for (int i = 0; i < 60000; ++i) {
+    for (int i = 0; i < cell::draws(60000); ++i) {
         const double scale = i % 5 == 3 ? 1e-2 : 1;
         ray_case r;
         r.shape = random_sample(dice, scale, 7);
@@ -265,14 +265,14 @@ CELL_CASE("casts: rays meet shapes where their distance from a point says") {
         hits += r.shape.visit(
             [&](const auto& s, const auto&) { return cast_ray(s, r.at, r.origin, r.translation).hit ? 1 : 0; });
     }
-    CHECK(hits > 16000);
+    CHECK(hits > cell::draws(16000));
     CHECK(hits < 50000);
 }
 
 CELL_CASE("casts: rays in the planes of faces, along edges, through corners, without length, as boxes of proxies") {
     cell::dice dice(92);
     int hits = 0;
-    for (int i = 0; i < 20000; ++i) {
+    for (int i = 0; i < cell::draws(20000); ++i) {
         physics::box<S, D> box;
         transform at;
         vec from, displacement;
@@ -294,7 +294,7 @@ CELL_CASE("casts: rays in the planes of faces, along edges, through corners, wit
         REQUIRE(grown.hit == expected);
         if (hit) REQUIRE(cell::near(grown.fraction, fraction, 1));
     }
-    CHECK(hits > 1500);
+    CHECK(hits > cell::draws(1500));
     // Tangents.
     const auto meets = [](const auto& shape, reals from, reals displacement) {
         return cast_ray(shape, transform{}, from_reals(from), from_reals(displacement)).hit;
@@ -405,7 +405,7 @@ inline cast_case random_cast(cell::dice& dice, int i) {
 CELL_CASE("casts: shapes that move touch where their distance says, in either order") {
     cell::dice dice(93);
     int hits = 0;
-    for (int i = 0; i < 40000; ++i) {
+    for (int i = 0; i < cell::draws(40000); ++i) {
         const cast_case c = random_cast(dice, i);
         std::string broken = broken_law(c);
         if (!broken.empty()) FAIL_CHECK(broken << c.text());
@@ -418,13 +418,13 @@ CELL_CASE("casts: shapes that move touch where their distance says, in either or
         broken = broken_law(swapped);
         if (!broken.empty()) FAIL_CHECK("swapped, " << broken << swapped.text());
     }
-    CHECK(hits > 10000);
+    CHECK(hits > cell::draws(10000));
     CHECK(hits < 36000);
 }
 
 CELL_CASE("casts: a part of the way gives the hits of that part") {
     cell::dice dice(94);
-    for (int i = 0; i < 3000; ++i) {
+    for (int i = 0; i < cell::draws(3000); ++i) {
         const cast_case c = random_cast(dice, 1 + 4 * i);
         const auto whole = c.cast();
         const S most = dice.real(0, 1);
@@ -464,7 +464,7 @@ CELL_CASE("casts: boxes that touch hit only if they approach along all faces tha
 CELL_CASE("casts: on a halfspace, in either order") {
     cell::dice dice(96);
     int hits = 0;
-    for (int i = 0; i < 10000; ++i) {
+    for (int i = 0; i < cell::draws(10000); ++i) {
         const sample s = random_sample(dice, 1, 5);
         const physics::halfspace<S, D> ground{from_reals(random_direction(dice)), dice.real(-1, 1)};
         const transform at{dice.vec<vec>(-3, 3), random_rotation(dice)};
@@ -496,7 +496,7 @@ CELL_CASE("casts: on a halfspace, in either order") {
             }
         });
     }
-    CHECK(hits > 8000);
+    CHECK(hits > cell::draws(8000));
     // At rest on the ground: along it and away from it nothing is hit.
     const physics::box<S, D> box;
     const auto from = [&](reals p, reals displacement) {
@@ -604,7 +604,7 @@ inline cell::space::angular random_turn(cell::dice& dice, double most) {
 CELL_CASE("casts: shapes that move and turn stay apart until the time of impact") {
     cell::dice dice(97);
     int states[4] = {};
-    for (int i = 0; i < 20000; ++i) {
+    for (int i = 0; i < cell::draws(20000); ++i) {
         impact_case c;
         c.a = random_sample(dice, 1, 5);
         c.b = random_sample(dice, 1, 5);
@@ -621,8 +621,8 @@ CELL_CASE("casts: shapes that move and turn stay apart until the time of impact"
         if (!broken.empty()) FAIL_CHECK(broken << c.text());
         ++states[static_cast<int>(c.run().state)];
     }
-    CHECK(states[0] > 5000);
-    CHECK(states[1] > 1500);
+    CHECK(states[0] > cell::draws(5000));
+    CHECK(states[1] > cell::draws(1500));
     CHECK(states[3] == 0);
 }
 
@@ -630,7 +630,7 @@ CELL_CASE("casts: powers of two change no bit of a fraction or a normal") {
     if (cell::is_fixed) return;
     cell::dice dice(95);
     int hits = 0;
-    for (int i = 0; i < 4000; ++i) {
+    for (int i = 0; i < cell::draws(4000); ++i) {
         cast_case c = random_cast(dice, 1 + 5 * i);
         if (c.a.of == sample::hull || c.b.of == sample::hull) continue;
         impact_case m{c.a, c.b, {}, {}, {S(0.01), S(0.001)}};
@@ -665,12 +665,12 @@ CELL_CASE("casts: powers of two change no bit of a fraction or a normal") {
         REQUIRE(seen_there.fraction == seen.fraction);
         hits += hit.hit + seen.hit + (met.state == impact_state::hit);
     }
-    CHECK(hits > 1000);
+    CHECK(hits > cell::draws(1000));
 }
 
 CELL_CASE("casts: thin blades that spin by half a turn and more hit small balls in their way") {
     cell::dice dice(98);
-    for (int i = 0; i < 10000; ++i) {
+    for (int i = 0; i < cell::draws(10000); ++i) {
         const physics::box<S, D> blade{[] {
             vec h = vec::filled(S(0.125));
             h.x = S(2), h.y = S(0.001);
@@ -721,7 +721,7 @@ CELL_CASE("casts: what rests or slides at a small distance is not stopped, what 
 CELL_CASE("casts: shapes that tumble onto the ground, in either order") {
     cell::dice dice(99);
     int hits = 0;
-    for (int i = 0; i < 10000; ++i) {
+    for (int i = 0; i < cell::draws(10000); ++i) {
         const sample s = random_sample(dice, 1, 5);
         sweep still, moving;
         still.rotation = random_rotation(dice);
@@ -760,7 +760,7 @@ CELL_CASE("casts: shapes that tumble onto the ground, in either order") {
             REQUIRE(std::abs(off) < 4 * tolerance);
         });
     }
-    CHECK(hits > 500);
+    CHECK(hits > cell::draws(500));
 }
 
 CELL_CASE("casts: a sweep leads from its start to its end") {

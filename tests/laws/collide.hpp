@@ -129,6 +129,9 @@ CELL_CASE("oracle: no direction parts the shapes better than the signed distance
 /// Draws pairs of every two kinds in both orders, and hands them to a check that returns a complaint.
 template <class Check>
 void every_pair(encounters draw, int times, double larger, Check&& check) {
+#ifdef CELL_NARROWPHASE_IN_DOUBLE
+    times = cell::draws(times);
+#endif
     for (int a = 0; a < kinds; ++a)
         for (int b = 0; b < kinds; ++b) {
             if (a == 3 && b == 3) continue;

@@ -2,4 +2,5 @@
 #pragma once
 
 #define CELL_NARROWPHASE physics::gjk_epa
+#define CELL_NARROWPHASE_IN_DOUBLE
 #include "collide.hpp"

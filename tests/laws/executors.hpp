@@ -4,7 +4,6 @@
 #include <atomic>
 #include <chrono>
 #include <functional>
-#include <physics/base/thread_pool.hpp>
 #include <thread>
 
 #include "refusal.hpp"

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <map>
-#include <physics/world/world.hpp>
 #include <utility>
 #include <vector>
 

@@ -125,7 +125,7 @@ inline void random_ray(const frustum& f, cell::dice& dice, int i, reals& from, r
 CELL_CASE("rays: cylinders and cones are met where points are first within them") {
     cell::dice dice(101);
     int hits = 0;
-    for (int i = 0; i < 200000; ++i) {
+    for (int i = 0; i < cell::draws(200000); ++i) {
         const frustum f = frustum::random(dice, i % 5 == 3 ? 1e-2 : 1);
         reals from, displacement;
         random_ray(f, dice, i, from, displacement);
@@ -139,14 +139,14 @@ CELL_CASE("rays: cylinders and cones are met where points are first within them"
                               << from.z << " way " << displacement.x << " " << displacement.y << " " << displacement.z);
         hits += hit.hit;
     }
-    CHECK(hits > 60000);
+    CHECK(hits > cell::draws(60000));
     CHECK(hits < 160000);
 }
 
 CELL_CASE("rays: cylinders and cones are met where the general method says") {
     cell::dice dice(102);
     int hits = 0;
-    for (int i = 0; i < 20000; ++i) {
+    for (int i = 0; i < cell::draws(20000); ++i) {
         const frustum f = frustum::random(dice, 1);
         reals from, displacement;
         random_ray(f, dice, i, from, displacement);
@@ -168,7 +168,7 @@ CELL_CASE("rays: cylinders and cones are met where the general method says") {
                      sine < 1e-3));
         });
     }
-    CHECK(hits > 6000);
+    CHECK(hits > cell::draws(6000));
 }
 
 CELL_CASE("rays: exact points of cylinders and cones") {
@@ -278,7 +278,7 @@ void meets_all(const Shape& shape, const Plain& plain, const std::vector<reals>&
                std::uint64_t seed) {
     cell::dice dice(seed);
     int hits = 0, compared = 0, different = 0;
-    for (int i = 0; i < 3000; ++i) {
+    for (int i = 0; i < cell::draws(3000); ++i) {
         const auto part = static_cast<std::size_t>(dice.below(static_cast<int>(corners.size()) / D)) * D;
         const reals a = corners[part], b = corners[part + 1], c = corners[part + D - 1];
         const double share = dice.number(0, 1);
@@ -302,7 +302,7 @@ void meets_all(const Shape& shape, const Plain& plain, const std::vector<reals>&
         different += hit.hit != general.hit || apart * sine > tolerance;
         ++compared;
     }
-    CHECK(hits > 800);
+    CHECK(hits > cell::draws(800));
     CHECK(different * 100 <= compared);
 }
 template <class Shape>
@@ -409,7 +409,7 @@ CELL_CASE("rays: none passes between the parts of a surface") {
             if (contains(within, {part.corner[i], part.corner[i]}))
                 corners.insert(corners.end(), {part.corner[i], part.corner[i < D - 1 ? i + 1 : 0]});
     });
-    for (int i = 0; i < 40000; ++i) {
+    for (int i = 0; i < cell::draws(40000); ++i) {
         const auto k = static_cast<std::size_t>(dice.below(static_cast<int>(corners.size()) / 2)) * 2;
         // Onto an edge, or onto the corner that two segments or several triangles share.
         const double share = D == 2 || i % 2 ? 0 : dice.number(0, 1);

@@ -43,7 +43,7 @@ bool with_shapes(const convex_pair& p, F&& f) {
 
 inline int rounds() {
     const char* wanted = std::getenv("SEPARATION_ROUNDS");
-    return wanted ? std::atoi(wanted) : 3;
+    return wanted ? std::atoi(wanted) : cell::draws(3);
 }
 
 /// Calls check(pair, shape a, shape b) for every two kinds of solids in each state; it returns a complaint.

@@ -3,7 +3,6 @@
 
 #include <cstring>
 #include <memory>
-#include <physics/base/thread_pool.hpp>
 #include <string>
 #include <utility>
 #include <vector>
