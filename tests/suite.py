@@ -31,7 +31,8 @@ STEP = re.compile(r"^\[(\d+)/(\d+)\] ")
 
 
 # Seconds that each group takes on two idle cores: all that the estimates of what is left are made of.
-SECONDS = {"cheap": 60, "misuse": 60, "gcc": 200, "clang": 200, "determinism": 120, "sanitize": 100, "fuzz": 60, "quick": 90}
+SECONDS = {"cheap": 63, "misuse": 35, "gcc": 360, "clang": 600, "determinism": 205, "sanitize": 180, "fuzz": 94,
+           "quick": 257}
 
 
 class Tally:
@@ -264,6 +265,7 @@ def gcc(tally):
     """the cells of the matrix that fall to g++, from the single header; all with EVERYTHING=1; and the installed package"""
     build(tally, "gcc", "g++", "cells", "-Doptimization=1", "-Dwerror=true")
     package(tally)
+    units(tally)
 
 
 def clang(tally):
@@ -354,6 +356,30 @@ def package(tally):
             message = done.stdout if done.returncode else ""
     tally.add(int(not message), int(bool(message)))
     say(f"  package: {int(not message)} passed, {int(bool(message))} failed")
+    if message:
+        print(excerpt(message))
+
+
+def units(tally):
+    """The sample of two units runs, and does not link without the one that compiles the world."""
+    objects = [BUILD / "two_units.o", BUILD / "arena.o"]
+    message = ""
+    for source, made in zip(("samples/05_two_units.cpp", "samples/two_units/arena.cpp"), objects):
+        done = subprocess.run(["g++", "-std=c++20", "-O0", "-Wall", "-Wextra", "-Werror", "-I.", "-c", source, "-o", made],
+                              cwd=ROOT, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        message += done.stdout if done.returncode else ""
+    program = BUILD / "two_units"
+    alone, both = (subprocess.run(["g++", *linked, "-o", program], text=True, errors="replace", stdout=subprocess.PIPE,
+                                  stderr=subprocess.STDOUT) for linked in (objects[:1], objects))
+    if not message and (alone.returncode == 0 or "world_code" not in alone.stdout):
+        message = f"without its world it links, or the linker does not name world_code:\n{alone.stdout}"
+    if not message and both.returncode:
+        message = both.stdout
+    if not message and not re.search(r"^state \w{16}$", subprocess.run([program], text=True, stdout=subprocess.PIPE).stdout,
+                                     re.MULTILINE):
+        message = "the sample prints no state"
+    tally.add(int(not message), int(bool(message)))
+    say(f"  two units: {int(not message)} passed, {int(bool(message))} failed")
     if message:
         print(excerpt(message))
 

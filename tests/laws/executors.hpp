@@ -2,7 +2,6 @@
 #pragma once
 
 #include <atomic>
-#include <chrono>
 #include <functional>
 #include <thread>
 
@@ -180,8 +179,8 @@ CELL_CASE("executors: a worker of the pool begins with parts of its own, and one
     constexpr std::uint32_t parts = 16;
     physics::thread_pool pool(2);
     std::vector<unsigned char> notes(parts);
-    std::atomic<int> begun[parts], ended{0}, by_other{0};
-    std::atomic<bool> keeps_to_its_own{true}, was_stuck{false}, was_left_alone{false};
+    std::atomic<int> begun[parts], ended{0};
+    std::atomic<bool> keeps_to_its_own{true}, was_stuck{false};
     auto watch = [&](std::uint32_t part, std::uint32_t worker) {
         begun[part] = 1;
         const std::uint32_t first = worker * parts / 2;
@@ -191,29 +190,19 @@ CELL_CASE("executors: a worker of the pool begins with parts of its own, and one
             for (std::uint32_t k = first; k < first + parts / 2; ++k) waiting += begun[k] == 0;
             if (waiting > 1) keeps_to_its_own = false;
         }
-        if (worker == 1 && !was_stuck.exchange(true)) {
-            const auto then = std::chrono::steady_clock::now();
-            while (ended < static_cast<int>(parts) - 1)
-                if (std::chrono::steady_clock::now() - then > std::chrono::seconds(20)) {
-                    was_left_alone = true;
-                    break;
-                }
-        }
-        by_other += worker == 1;
+        // Where nobody takes the others, this one never ends, and the run of the test is stopped.
+        if (worker == 1 && !was_stuck.exchange(true))
+            while (ended < static_cast<int>(parts) - 1) std::this_thread::yield();
         for (int k = 0; k < 200; ++k) static_cast<void>(begun[part].load());
         ++ended;
     };
-    // Until the machine has let the other worker come often enough, if it does.
-    const auto start = std::chrono::steady_clock::now();
-    for (int round = 0; by_other < 200; ++round) {
-        if (std::chrono::steady_clock::now() - start > std::chrono::seconds(2)) break;
+    for (int round = 0; round < 2000; ++round) {
         for (auto& of : begun) of = 0;
         ended = 0;
         pool.run(parts, physics::task_set(watch, notes.data(), parts, 2));
         if (ended != static_cast<int>(parts)) FAIL("parts were left out");
     }
     CHECK(keeps_to_its_own);
-    CHECK(!was_left_alone);
 }
 
 CELL_CASE("executors: an accumulator hands them on") {
