@@ -5,7 +5,12 @@
 
 namespace {
 struct recipe_of_two : physics::recipe<physics::fixed32, 2> {};
+struct unturned : physics::recipe<float, 2, physics::without<physics::feature::rotation>> {};
 }  // namespace
+
+// In a unit that does both, and of a recipe that leaves functions out.
+PHYSICS_HPP_EXTERN(unturned)
+PHYSICS_HPP_INSTANTIATE(unturned)
 
 template class physics::world<shared_recipe>;
 template class physics::world<recipe_of_two>;
@@ -14,6 +19,7 @@ TEST_CASE("odr: two units share a recipe, and each has one of its own") {
     CHECK(shared_hash_in_one() == hash_of_landing<shared_recipe>());
     CHECK(own_hash_in_one() != shared_hash_in_one());
     CHECK(hash_of_landing<recipe_of_two>() != shared_hash_in_one());
+    CHECK(hash_of_landing<unturned>() != shared_hash_in_one());
 }
 
 TEST_CASE("odr: a unit built with other options has types of its own, and the same results") {

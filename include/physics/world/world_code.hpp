@@ -11,7 +11,8 @@ PHYSICS_HPP_BEGIN
 namespace detail {
 
 /// What the members of a world call. None is defined in the class: such functions would be inline, and then compiled
-/// in spite of PHYSICS_HPP_EXTERN. All run in a float_control_scope.
+/// in spite of PHYSICS_HPP_EXTERN. None has a constraint: clang 14 instantiates such members though they do not hold.
+/// All run in a float_control_scope.
 template <class Plan>
 struct world_code {
     using S = typename Plan::scalar;
@@ -42,14 +43,14 @@ struct world_code {
     static void wake(state& s, std::uint32_t body);
     static void wake_affected(state& s, std::uint32_t body);
     static void add_force(state& s, body_id body, const char* function, vec force, bool local, const vec* point);
-    static void add_torque(state& s, body_id body, angular torque) requires Plan::rotates;
+    static void add_torque(state& s, body_id body, angular torque);
     static void add_impulse(state& s, body_id body, const char* function, vec impulse, bool local, const vec* point);
-    static void add_angular_impulse(state& s, body_id body, angular impulse) requires Plan::rotates;
+    static void add_angular_impulse(state& s, body_id body, angular impulse);
 
     static void set_type(state& s, std::uint32_t body, body_type type);
     static void set_mass(state& s, std::uint32_t body, const mass_properties<S, D>& mass);
     static void reset_mass(state& s, std::uint32_t body);
-    static void set_rotation_locked(state& s, std::uint32_t body, bool locked) requires Plan::rotates;
+    static void set_rotation_locked(state& s, std::uint32_t body, bool locked);
 
     static hit cast_ray(const state& s, vec origin, vec translation, const query_filter& filter);
     static void find_hits(const state& s, vec origin, vec translation, const query_filter& filter, hits& to);
@@ -117,8 +118,8 @@ void world_code<Plan>::add_force(state& s, body_id body, const char* function, v
     scoped([&] { detail::add_force(s, body, function, force, local, point); });
 }
 template <class Plan>
-void world_code<Plan>::add_torque(state& s, body_id body, angular torque) requires Plan::rotates {
-    scoped([&] { detail::add_torque(s, body, torque); });
+void world_code<Plan>::add_torque(state& s, body_id body, angular torque) {
+    if constexpr (Plan::rotates) scoped([&] { detail::add_torque(s, body, torque); });
 }
 template <class Plan>
 void world_code<Plan>::add_impulse(state& s, body_id body, const char* function, vec impulse, bool local,
@@ -126,8 +127,8 @@ void world_code<Plan>::add_impulse(state& s, body_id body, const char* function,
     scoped([&] { detail::add_impulse(s, body, function, impulse, local, point); });
 }
 template <class Plan>
-void world_code<Plan>::add_angular_impulse(state& s, body_id body, angular impulse) requires Plan::rotates {
-    scoped([&] { detail::add_angular_impulse(s, body, impulse); });
+void world_code<Plan>::add_angular_impulse(state& s, body_id body, angular impulse) {
+    if constexpr (Plan::rotates) scoped([&] { detail::add_angular_impulse(s, body, impulse); });
 }
 
 template <class Plan>
@@ -143,8 +144,8 @@ void world_code<Plan>::reset_mass(state& s, std::uint32_t body) {
     scoped([&] { detail::reset_mass(s, body); });
 }
 template <class Plan>
-void world_code<Plan>::set_rotation_locked(state& s, std::uint32_t body, bool locked) requires Plan::rotates {
-    scoped([&] { detail::set_rotation_locked(s, body, locked); });
+void world_code<Plan>::set_rotation_locked(state& s, std::uint32_t body, bool locked) {
+    if constexpr (Plan::rotates) scoped([&] { detail::set_rotation_locked(s, body, locked); });
 }
 
 template <class Plan>
