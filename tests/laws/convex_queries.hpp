@@ -75,7 +75,7 @@ void each_encounter(std::uint64_t seed, int times, F&& f) {
 
 CELL_CASE("convex shapes: distances and ways out are proven, and no other direction does better") {
     int limits = 0, on_axis = 0, all = 0;
-    each_encounter(210, 6, [&](const convex_encounter& e, meeting in, cell::dice& dice) {
+    each_encounter(210, cell::draws(6), [&](const convex_encounter& e, meeting in, cell::dice& dice) {
         const std::string law = complaint(e, dice);
         CHECK_MESSAGE(law.empty(), name_of(in) << ": " << law);
         ++all;
