@@ -15,6 +15,95 @@
 #ifndef PHYSICS_HPP
 #define PHYSICS_HPP
 
+// Names that other headers define as macros, <windows.h>, <curses.h>, <complex.h>, Qt, Unreal and Arduino among them:
+// put aside until the end.
+#pragma push_macro("abs")
+#undef abs
+#pragma push_macro("bit")
+#undef bit
+#pragma push_macro("border")
+#undef border
+#pragma push_macro("box")
+#undef box
+#pragma push_macro("calloc")
+#undef calloc
+#pragma push_macro("check")
+#undef check
+#pragma push_macro("clamp")
+#undef clamp
+#pragma push_macro("clear")
+#undef clear
+#pragma push_macro("distance")
+#undef distance
+#pragma push_macro("emit")
+#undef emit
+#pragma push_macro("erase")
+#undef erase
+#pragma push_macro("F")
+#undef F
+#pragma push_macro("far")
+#undef far
+#pragma push_macro("free")
+#undef free
+#pragma push_macro("half")
+#undef half
+#pragma push_macro("high")
+#undef high
+#pragma push_macro("huge")
+#undef huge
+#pragma push_macro("I")
+#undef I
+#pragma push_macro("imaginary")
+#undef imaginary
+#pragma push_macro("index")
+#undef index
+#pragma push_macro("insert")
+#undef insert
+#pragma push_macro("length")
+#undef length
+#pragma push_macro("low")
+#undef low
+#pragma push_macro("malloc")
+#undef malloc
+#pragma push_macro("max")
+#undef max
+#pragma push_macro("min")
+#undef min
+#pragma push_macro("move")
+#undef move
+#pragma push_macro("near")
+#undef near
+#pragma push_macro("new")
+#undef new
+#pragma push_macro("norm")
+#undef norm
+#pragma push_macro("pi")
+#undef pi
+#pragma push_macro("radians")
+#undef radians
+#pragma push_macro("real")
+#undef real
+#pragma push_macro("realloc")
+#undef realloc
+#pragma push_macro("reflect")
+#undef reflect
+#pragma push_macro("remove")
+#undef remove
+#pragma push_macro("round")
+#undef round
+#pragma push_macro("slots")
+#undef slots
+#pragma push_macro("small")
+#undef small
+#pragma push_macro("step")
+#undef step
+#pragma push_macro("swap")
+#undef swap
+#pragma push_macro("unlikely")
+#undef unlikely
+#pragma push_macro("word")
+#undef word
+
 #include <bit>
 #include <concepts>
 #include <cstddef>
@@ -553,6 +642,13 @@ PHYSICS_HPP_END
 PHYSICS_HPP_BEGIN
 
 namespace detail {
+
+/// The bits of a value as another type of the same size. Not std::bit_cast, which libc++ lacks before version 14.
+template <class To, class From>
+constexpr To bit_cast(const From& value) {
+    static_assert(sizeof(To) == sizeof(From));
+    return __builtin_bit_cast(To, value);
+}
 
 /// Unsigned 128-bit integer from two 64-bit halves; the twin of the compiler's, for targets without one
 /// and for wasm, where it is the faster of the two.
@@ -1389,7 +1485,7 @@ constexpr double_pair two_product(double a, double b) {
 }
 
 /// 2^n as a double; n from -1022 to 1023.
-constexpr double power_of_two(int n) { return std::bit_cast<double>(static_cast<std::uint64_t>(n + 1023) << 52); }
+constexpr double power_of_two(int n) { return detail::bit_cast<double>(static_cast<std::uint64_t>(n + 1023) << 52); }
 
 /// The integer nearest to x; ties away from zero. |x| < 2^31.
 constexpr int nearest_int(double x) { return static_cast<int>(x < 0 ? x - 0.5 : x + 0.5); }
@@ -1414,7 +1510,7 @@ struct reduced_angle {
 /// count that are neither multiples of 4 after the product nor below 2^-137. No double comes closer than
 /// 2^-62 to a multiple of pi/2 (relative to pi/2), so 64 good bits remain. ~15 ns.
 PHYSICS_HPP_COLD constexpr reduced_angle reduce_huge(double x) {
-    const std::uint64_t word = std::bit_cast<std::uint64_t>(x);
+    const std::uint64_t word = detail::bit_cast<std::uint64_t>(x);
     const std::uint64_t m = (word & 0xfffffffffffffu) | 0x10000000000000u;
     const int e = static_cast<int>((word >> 52) & 0x7ff) - 1075;
     const int first = e - 2 + 64;
@@ -1910,8 +2006,8 @@ constexpr double_pair arctangent(double n, double d) {
 template <bool Precise>
 constexpr double arctangent2(double y, double x) {
     if (x != x || y != y) return not_a_number;
-    const bool y_negative = std::bit_cast<std::uint64_t>(y) >> 63 != 0;
-    const bool x_negative = std::bit_cast<std::uint64_t>(x) >> 63 != 0;
+    const bool y_negative = detail::bit_cast<std::uint64_t>(y) >> 63 != 0;
+    const bool x_negative = detail::bit_cast<std::uint64_t>(x) >> 63 != 0;
     double height = y_negative ? -y : y, width = x_negative ? -x : x;
     if (height == infinite || width == infinite) {
         const bool both = height == width;
@@ -2005,9 +2101,9 @@ constexpr double logarithm(double x) {
         n -= 54;
     }
     constexpr std::uint64_t root_half = 0x3fe6a09e667f3bcd, one = 0x3ff0000000000000;
-    const std::uint64_t word = std::bit_cast<std::uint64_t>(x) - root_half + one;
+    const std::uint64_t word = detail::bit_cast<std::uint64_t>(x) - root_half + one;
     n += static_cast<int>(word >> 52);
-    const double m = std::bit_cast<double>((word & 0xfffffffffffff) + root_half);
+    const double m = detail::bit_cast<double>((word & 0xfffffffffffff) + root_half);
     const double turns = static_cast<double>(n);
     const double f = m - 1;
     const double s = f / (2 + f);
@@ -2822,7 +2918,7 @@ PHYSICS_HPP_ALWAYS_INLINE pack<S, W, Bytes> lane_abs(const pack<S, W, Bytes>& x)
         return max(x, -x);
     } else if constexpr (W == 1) {
         using bits = std::conditional_t<sizeof(S) == 4, std::uint32_t, std::uint64_t>;
-        return {std::bit_cast<S>(std::bit_cast<bits>(x.value) & ~std::bit_cast<bits>(S(-0.0)))};
+        return {detail::bit_cast<S>(detail::bit_cast<bits>(x.value) & ~detail::bit_cast<bits>(S(-0.0)))};
     } else if constexpr (requires { x.low; }) {
         return {lane_abs(x.low), lane_abs(x.high)};
     } else {
@@ -4772,8 +4868,8 @@ namespace detail {
 
 /// The smallest power of two above |x|; x finite and normal, or 0, which gives the smallest of all.
 inline double power_above(double x) {
-    const std::uint64_t exponent = std::bit_cast<std::uint64_t>(x) >> 52 & 0x7ff;
-    return std::bit_cast<double>((exponent < 2046 ? exponent + 1 : exponent) << 52);
+    const std::uint64_t exponent = detail::bit_cast<std::uint64_t>(x) >> 52 & 0x7ff;
+    return detail::bit_cast<double>((exponent < 2046 ? exponent + 1 : exponent) << 52);
 }
 
 /// high * 2^64 + low, of which the sign is wanted.
@@ -7261,6 +7357,10 @@ private:
     std::int32_t kind_ = 0;
 };
 
+/// No set: only asked for by compilers that take any_shape for a shape's own template (P0522, as clang 19 does).
+template <class S, int D>
+class any_shape<S, D> {};
+
 template <class S, int D, template <class, int> class... Shapes>
 aabb<S, D> bounds(const any_shape<S, D, Shapes...>& shape, const transform<S, D>& at) {
     return shape.visit([&](const auto& s) { return bounds(s, at); });
@@ -7371,8 +7471,8 @@ struct core {
         support_point<D> result;
         for (int i = 0; i < D; ++i) {
             // Zeros have one sign only, so that corners do not depend on how a zero came about.
-            const std::uint64_t sign = std::bit_cast<std::uint64_t>(d[i] + 0.0) & sign_bit;
-            result.at[i] = std::bit_cast<double>(std::bit_cast<std::uint64_t>(corner[0][i]) ^ sign);
+            const std::uint64_t sign = detail::bit_cast<std::uint64_t>(d[i] + 0.0) & sign_bit;
+            result.at[i] = detail::bit_cast<double>(detail::bit_cast<std::uint64_t>(corner[0][i]) ^ sign);
             result.vertex |= static_cast<std::uint32_t>(sign >> (63 - i));
         }
         return result;
@@ -7396,7 +7496,7 @@ struct core {
         support_point<D> result{{}, i & ((1u << D) - 1)};
         for (int k = 0; k < D; ++k) {
             const std::uint64_t sign = static_cast<std::uint64_t>(i) << (63 - k) & sign_bit;
-            result.at[k] = std::bit_cast<double>(std::bit_cast<std::uint64_t>(corner[0][k]) ^ sign);
+            result.at[k] = detail::bit_cast<double>(detail::bit_cast<std::uint64_t>(corner[0][k]) ^ sign);
         }
         return result;
     }
@@ -17672,7 +17772,9 @@ private:
         for (int i = 0; i < D; ++i) {
             if (!detail::check_not_negative(function, "extent", r.extent[i])) return false;
             const S end = r.origin[i] + r.translation[i];
-            if (!is_finite(end) || (end > r.origin[i]) != (r.translation[i] > S(0)))
+            // In fixed point a sum beyond the range comes out on the other side; in floats a small one changes nothing.
+            const bool wrapped = r.translation[i] > S(0) ? end < r.origin[i] : end > r.origin[i];
+            if (!is_finite(end) || wrapped)
                 return detail::refuse(function, "translation", static_cast<double>(r.translation[i]),
                                       "it must end within the scalar's range");
         }
@@ -22437,7 +22539,7 @@ private:
     /// The power of two below the largest term; where that is so small that quotients overflow, a larger one.
     [[nodiscard]] double unit() const {
         constexpr std::uint64_t exponent = 0x7ff0000000000000;
-        return std::bit_cast<double>(std::bit_cast<std::uint64_t>(max(maximum_, 0x1p-500)) & exponent);
+        return detail::bit_cast<double>(detail::bit_cast<std::uint64_t>(max(maximum_, 0x1p-500)) & exponent);
     }
     /// All terms together stay below 2^62.
     [[nodiscard]] double multiples() const {
@@ -23817,6 +23919,10 @@ struct extras_of_block {
 
     extras* at = nullptr;
 
+    // Named apart for g++ 11, which cannot say at->rolling::x.
+    [[nodiscard]] const typename extras::rolling& rolling() const { return *at; }
+    [[nodiscard]] const typename extras::belt& belt() const { return *at; }
+
     void put(int lane, const contact<S, D, Features>& c, const body& a, const body& b,
              const prepare_input<S, D, Features>& with, arena& scratch) {
         if (extras::needed_by(c, with)) add(lane, c, a, b, with, scratch);
@@ -24900,8 +25006,8 @@ struct soft_contact3 {
         for (int k = 0; k < point_count; ++k) sum.add(points[k], P::load(points[k].impulse));
         if constexpr (Features::rolling_resistance) {
             if (extras.at != nullptr) {
-                sum.about_t = sum.about_t + P::load(extras.at->rolling::x);
-                sum.about_u = sum.about_u + P::load(extras.at->rolling::y);
+                sum.about_t = sum.about_t + P::load(extras.rolling().x);
+                sum.about_u = sum.about_u + P::load(extras.rolling().y);
             }
         }
         lanes3<P> impulse = {f.n.x * sum.load, f.n.y * sum.load, f.n.z * sum.load};
@@ -25107,8 +25213,8 @@ private:
                                lane_dot(f.n, lane_subtract(at_b.velocity.angular, at_a.velocity.angular))};
         if constexpr (Features::surface_velocity) {
             if (extras.at != nullptr) {
-                slip.x = slip.x - P::load(extras.at->belt::x);
-                slip.y = slip.y - P::load(extras.at->belt::y);
+                slip.x = slip.x - P::load(extras.belt().x);
+                slip.y = slip.y - P::load(extras.belt().y);
             }
         }
         const slide_lanes<P> by = friction.next(slip, points, loads, point_count);
@@ -25459,8 +25565,8 @@ private:
                 if constexpr (D == 2) {
                     by[0] = by[0] - P::load(extras.at->along);
                 } else {
-                    by[0] = by[0] - P::load(extras.at->belt::x);
-                    by[1] = by[1] - P::load(extras.at->belt::y);
+                    by[0] = by[0] - P::load(extras.belt().x);
+                    by[1] = by[1] - P::load(extras.belt().y);
                 }
             }
         }
@@ -31480,6 +31586,8 @@ private:
 };
 
 PHYSICS_HPP_END
+
+// Threads: apart, as <thread> and <atomic> take longer to compile than all of the above.
 #if defined(PHYSICS_HPP_THREADS)
 
 // =================================================================================================
@@ -31675,5 +31783,48 @@ private:
 
 PHYSICS_HPP_END
 #endif
+#pragma pop_macro("abs")
+#pragma pop_macro("bit")
+#pragma pop_macro("border")
+#pragma pop_macro("box")
+#pragma pop_macro("calloc")
+#pragma pop_macro("check")
+#pragma pop_macro("clamp")
+#pragma pop_macro("clear")
+#pragma pop_macro("distance")
+#pragma pop_macro("emit")
+#pragma pop_macro("erase")
+#pragma pop_macro("F")
+#pragma pop_macro("far")
+#pragma pop_macro("free")
+#pragma pop_macro("half")
+#pragma pop_macro("high")
+#pragma pop_macro("huge")
+#pragma pop_macro("I")
+#pragma pop_macro("imaginary")
+#pragma pop_macro("index")
+#pragma pop_macro("insert")
+#pragma pop_macro("length")
+#pragma pop_macro("low")
+#pragma pop_macro("malloc")
+#pragma pop_macro("max")
+#pragma pop_macro("min")
+#pragma pop_macro("move")
+#pragma pop_macro("near")
+#pragma pop_macro("new")
+#pragma pop_macro("norm")
+#pragma pop_macro("pi")
+#pragma pop_macro("radians")
+#pragma pop_macro("real")
+#pragma pop_macro("realloc")
+#pragma pop_macro("reflect")
+#pragma pop_macro("remove")
+#pragma pop_macro("round")
+#pragma pop_macro("slots")
+#pragma pop_macro("small")
+#pragma pop_macro("step")
+#pragma pop_macro("swap")
+#pragma pop_macro("unlikely")
+#pragma pop_macro("word")
 
 #endif  // PHYSICS_HPP

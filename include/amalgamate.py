@@ -108,8 +108,11 @@ class Amalgam:
         return result
 
     def umbrella(self):
-        """The umbrella's lines, each include replaced by its part; one under a condition stays under it."""
+        """The umbrella's lines, each include replaced by its part; one under a condition stays under it. What is said of
+        a directive stays with it; what heads a group of includes does not."""
         depth = 0
+        said = []
+        before = []
         header = []
         in_header = True
         for line in UMBRELLA.read_text(encoding="utf-8").splitlines():
@@ -118,22 +121,28 @@ class Amalgam:
                     header.append(line)
                 continue
             in_header = False
+            if line.startswith("//"):
+                said.append(line)
+                continue
             own = OWN.match(line)
             if own:
+                said = []
                 self.part(own.group(1), depth > 0)
                 continue
             if ANY_INCLUDE.match(line):
                 raise Refused(f"include/physics.hpp includes something else than a part: {line.strip()}")
             if line.startswith("#"):
                 depth += bool(OPENS.match(line)) - bool(CLOSES.match(line))
-                self.lines.append(line)
+                (self.lines if self.done else before).extend([*([""] if said else []), *said, line])
+                said = []
         self.trim()
-        return header
+        # What the umbrella says before its first part acts on standard headers too.
+        return header, before
 
 
 def amalgamate():
     amalgam = Amalgam()
-    header = amalgam.umbrella()
+    header, before = amalgam.umbrella()
     parts = {str(path.relative_to(INCLUDE)) for path in (INCLUDE / "physics").rglob("*.hpp")}
     missing = sorted(parts - amalgam.done)
     if missing:
@@ -148,6 +157,7 @@ def amalgamate():
         "// Made from include/physics.hpp and its parts by include/amalgamate.py: change those, not this file.",
         f"#ifndef {GUARD}",
         f"#define {GUARD}",
+        *before,
         "",
         *(f"#include <{name}>" for name in sorted(amalgam.standard)),
     ]

@@ -122,6 +122,8 @@ CELL_CASE("queries: rays and swept boxes meet the same, at the same fractions, w
                     if (r.translation[k] > S(1000) || r.translation[k] < S(-1000)) r.translation[k] = S(0);
                 if (i % 4 == 1) r.translation[dice.below(D)] = S(0);
                 if (i % 16 == 2) r.translation = {};
+                // Ways so short along an axis that the origin's number does not change.
+                if (i % 8 == 3) r.translation[dice.below(D)] = cell::real(i % 16 == 3 ? 1e-20 : -1e-40);
                 if (i % 3 == 0) r.extent = dice.vec<vec>(0, 1);
                 const physics::query_filter filter = filter_in(dice);
                 const auto all_hits = [&](const auto& b) {

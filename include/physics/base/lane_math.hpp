@@ -1,8 +1,6 @@
 // Short formulas in lanes.
 #pragma once
 
-#include <bit>
-
 #include "physics/base/pack_mask.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -16,7 +14,7 @@ PHYSICS_HPP_ALWAYS_INLINE pack<S, W, Bytes> lane_abs(const pack<S, W, Bytes>& x)
         return max(x, -x);
     } else if constexpr (W == 1) {
         using bits = std::conditional_t<sizeof(S) == 4, std::uint32_t, std::uint64_t>;
-        return {std::bit_cast<S>(std::bit_cast<bits>(x.value) & ~std::bit_cast<bits>(S(-0.0)))};
+        return {detail::bit_cast<S>(detail::bit_cast<bits>(x.value) & ~detail::bit_cast<bits>(S(-0.0)))};
     } else if constexpr (requires { x.low; }) {
         return {lane_abs(x.low), lane_abs(x.high)};
     } else {

@@ -1,7 +1,6 @@
 // Elementary functions of float and double: the same bits everywhere, from + - * / and sqrt alone.
 #pragma once
 
-#include <bit>
 #include <limits>
 #include <type_traits>
 
@@ -152,8 +151,8 @@ constexpr double_pair arctangent(double n, double d) {
 template <bool Precise>
 constexpr double arctangent2(double y, double x) {
     if (x != x || y != y) return not_a_number;
-    const bool y_negative = std::bit_cast<std::uint64_t>(y) >> 63 != 0;
-    const bool x_negative = std::bit_cast<std::uint64_t>(x) >> 63 != 0;
+    const bool y_negative = detail::bit_cast<std::uint64_t>(y) >> 63 != 0;
+    const bool x_negative = detail::bit_cast<std::uint64_t>(x) >> 63 != 0;
     double height = y_negative ? -y : y, width = x_negative ? -x : x;
     if (height == infinite || width == infinite) {
         const bool both = height == width;
@@ -247,9 +246,9 @@ constexpr double logarithm(double x) {
         n -= 54;
     }
     constexpr std::uint64_t root_half = 0x3fe6a09e667f3bcd, one = 0x3ff0000000000000;
-    const std::uint64_t word = std::bit_cast<std::uint64_t>(x) - root_half + one;
+    const std::uint64_t word = detail::bit_cast<std::uint64_t>(x) - root_half + one;
     n += static_cast<int>(word >> 52);
-    const double m = std::bit_cast<double>((word & 0xfffffffffffff) + root_half);
+    const double m = detail::bit_cast<double>((word & 0xfffffffffffff) + root_half);
     const double turns = static_cast<double>(n);
     const double f = m - 1;
     const double s = f / (2 + f);

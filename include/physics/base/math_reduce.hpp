@@ -1,8 +1,6 @@
 // Angles modulo a quarter turn, exactly enough for any finite number.
 #pragma once
 
-#include <bit>
-
 #include "physics/base/wide.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -38,7 +36,7 @@ constexpr double_pair two_product(double a, double b) {
 }
 
 /// 2^n as a double; n from -1022 to 1023.
-constexpr double power_of_two(int n) { return std::bit_cast<double>(static_cast<std::uint64_t>(n + 1023) << 52); }
+constexpr double power_of_two(int n) { return detail::bit_cast<double>(static_cast<std::uint64_t>(n + 1023) << 52); }
 
 /// The integer nearest to x; ties away from zero. |x| < 2^31.
 constexpr int nearest_int(double x) { return static_cast<int>(x < 0 ? x - 0.5 : x + 0.5); }
@@ -63,7 +61,7 @@ struct reduced_angle {
 /// count that are neither multiples of 4 after the product nor below 2^-137. No double comes closer than
 /// 2^-62 to a multiple of pi/2 (relative to pi/2), so 64 good bits remain. ~15 ns.
 PHYSICS_HPP_COLD constexpr reduced_angle reduce_huge(double x) {
-    const std::uint64_t word = std::bit_cast<std::uint64_t>(x);
+    const std::uint64_t word = detail::bit_cast<std::uint64_t>(x);
     const std::uint64_t m = (word & 0xfffffffffffffu) | 0x10000000000000u;
     const int e = static_cast<int>((word >> 52) & 0x7ff) - 1075;
     const int first = e - 2 + 64;

@@ -9,6 +9,13 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
+/// The bits of a value as another type of the same size. Not std::bit_cast, which libc++ lacks before version 14.
+template <class To, class From>
+constexpr To bit_cast(const From& value) {
+    static_assert(sizeof(To) == sizeof(From));
+    return __builtin_bit_cast(To, value);
+}
+
 /// Unsigned 128-bit integer from two 64-bit halves; the twin of the compiler's, for targets without one
 /// and for wasm, where it is the faster of the two.
 struct portable_uint128 {

@@ -270,7 +270,9 @@ private:
         for (int i = 0; i < D; ++i) {
             if (!detail::check_not_negative(function, "extent", r.extent[i])) return false;
             const S end = r.origin[i] + r.translation[i];
-            if (!is_finite(end) || (end > r.origin[i]) != (r.translation[i] > S(0)))
+            // In fixed point a sum beyond the range comes out on the other side; in floats a small one changes nothing.
+            const bool wrapped = r.translation[i] > S(0) ? end < r.origin[i] : end > r.origin[i];
+            if (!is_finite(end) || wrapped)
                 return detail::refuse(function, "translation", static_cast<double>(r.translation[i]),
                                       "it must end within the scalar's range");
         }

@@ -32,7 +32,7 @@ private:
     /// The power of two below the largest term; where that is so small that quotients overflow, a larger one.
     [[nodiscard]] double unit() const {
         constexpr std::uint64_t exponent = 0x7ff0000000000000;
-        return std::bit_cast<double>(std::bit_cast<std::uint64_t>(max(maximum_, 0x1p-500)) & exponent);
+        return detail::bit_cast<double>(detail::bit_cast<std::uint64_t>(max(maximum_, 0x1p-500)) & exponent);
     }
     /// All terms together stay below 2^62.
     [[nodiscard]] double multiples() const {

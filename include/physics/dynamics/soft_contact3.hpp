@@ -154,8 +154,8 @@ struct soft_contact3 {
         for (int k = 0; k < point_count; ++k) sum.add(points[k], P::load(points[k].impulse));
         if constexpr (Features::rolling_resistance) {
             if (extras.at != nullptr) {
-                sum.about_t = sum.about_t + P::load(extras.at->rolling::x);
-                sum.about_u = sum.about_u + P::load(extras.at->rolling::y);
+                sum.about_t = sum.about_t + P::load(extras.rolling().x);
+                sum.about_u = sum.about_u + P::load(extras.rolling().y);
             }
         }
         lanes3<P> impulse = {f.n.x * sum.load, f.n.y * sum.load, f.n.z * sum.load};
@@ -361,8 +361,8 @@ private:
                                lane_dot(f.n, lane_subtract(at_b.velocity.angular, at_a.velocity.angular))};
         if constexpr (Features::surface_velocity) {
             if (extras.at != nullptr) {
-                slip.x = slip.x - P::load(extras.at->belt::x);
-                slip.y = slip.y - P::load(extras.at->belt::y);
+                slip.x = slip.x - P::load(extras.belt().x);
+                slip.y = slip.y - P::load(extras.belt().y);
             }
         }
         const slide_lanes<P> by = friction.next(slip, points, loads, point_count);

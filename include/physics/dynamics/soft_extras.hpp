@@ -190,6 +190,10 @@ struct extras_of_block {
 
     extras* at = nullptr;
 
+    // Named apart for g++ 11, which cannot say at->rolling::x.
+    [[nodiscard]] const typename extras::rolling& rolling() const { return *at; }
+    [[nodiscard]] const typename extras::belt& belt() const { return *at; }
+
     void put(int lane, const contact<S, D, Features>& c, const body& a, const body& b,
              const prepare_input<S, D, Features>& with, arena& scratch) {
         if (extras::needed_by(c, with)) add(lane, c, a, b, with, scratch);

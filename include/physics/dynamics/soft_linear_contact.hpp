@@ -312,8 +312,8 @@ private:
                 if constexpr (D == 2) {
                     by[0] = by[0] - P::load(extras.at->along);
                 } else {
-                    by[0] = by[0] - P::load(extras.at->belt::x);
-                    by[1] = by[1] - P::load(extras.at->belt::y);
+                    by[0] = by[0] - P::load(extras.belt().x);
+                    by[1] = by[1] - P::load(extras.belt().y);
                 }
             }
         }

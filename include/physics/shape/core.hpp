@@ -1,8 +1,6 @@
 // Convex shapes as the general kernels see them: a core with support points, and a radius around it.
 #pragma once
 
-#include <bit>
-
 #include "physics/shape/hull.hpp"
 #include "physics/shape/shapes.hpp"
 
@@ -104,8 +102,8 @@ struct core {
         support_point<D> result;
         for (int i = 0; i < D; ++i) {
             // Zeros have one sign only, so that corners do not depend on how a zero came about.
-            const std::uint64_t sign = std::bit_cast<std::uint64_t>(d[i] + 0.0) & sign_bit;
-            result.at[i] = std::bit_cast<double>(std::bit_cast<std::uint64_t>(corner[0][i]) ^ sign);
+            const std::uint64_t sign = detail::bit_cast<std::uint64_t>(d[i] + 0.0) & sign_bit;
+            result.at[i] = detail::bit_cast<double>(detail::bit_cast<std::uint64_t>(corner[0][i]) ^ sign);
             result.vertex |= static_cast<std::uint32_t>(sign >> (63 - i));
         }
         return result;
@@ -129,7 +127,7 @@ struct core {
         support_point<D> result{{}, i & ((1u << D) - 1)};
         for (int k = 0; k < D; ++k) {
             const std::uint64_t sign = static_cast<std::uint64_t>(i) << (63 - k) & sign_bit;
-            result.at[k] = std::bit_cast<double>(std::bit_cast<std::uint64_t>(corner[0][k]) ^ sign);
+            result.at[k] = detail::bit_cast<double>(detail::bit_cast<std::uint64_t>(corner[0][k]) ^ sign);
         }
         return result;
     }

@@ -79,6 +79,10 @@ private:
     std::int32_t kind_ = 0;
 };
 
+/// No set: only asked for by compilers that take any_shape for a shape's own template (P0522, as clang 19 does).
+template <class S, int D>
+class any_shape<S, D> {};
+
 template <class S, int D, template <class, int> class... Shapes>
 aabb<S, D> bounds(const any_shape<S, D, Shapes...>& shape, const transform<S, D>& at) {
     return shape.visit([&](const auto& s) { return bounds(s, at); });

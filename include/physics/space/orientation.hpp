@@ -1,8 +1,6 @@
 // On which side of a line or plane a point lies: never wrong, so that what is built on it never breaks.
 #pragma once
 
-#include <bit>
-
 #include "physics/space/vec.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -11,8 +9,8 @@ namespace detail {
 
 /// The smallest power of two above |x|; x finite and normal, or 0, which gives the smallest of all.
 inline double power_above(double x) {
-    const std::uint64_t exponent = std::bit_cast<std::uint64_t>(x) >> 52 & 0x7ff;
-    return std::bit_cast<double>((exponent < 2046 ? exponent + 1 : exponent) << 52);
+    const std::uint64_t exponent = detail::bit_cast<std::uint64_t>(x) >> 52 & 0x7ff;
+    return detail::bit_cast<double>((exponent < 2046 ? exponent + 1 : exponent) << 52);
 }
 
 /// high * 2^64 + low, of which the sign is wanted.
