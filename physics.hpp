@@ -21194,7 +21194,8 @@ struct contact_point {
     S normal_impulse{};
     [[no_unique_address]] detail::optional_member<Features::friction, tangential<S, D>, feature::friction>
         friction_impulse{};
-    /// The impulse along the normal of the last substep, where a solver takes several (N s).
+    /// What the next step begins with: the impulse along the normal of the last substep, where a solver takes several;
+    /// of a usual one, where steps differ in length (N s).
     S substep_impulse{};
     std::uint32_t feature = 0;
 };
@@ -21338,21 +21339,40 @@ void inherit_impulses(const contact<S, D, Features>& old, const tangents<S, D>& 
             c.rolling_impulse = same_moment(old_frame, frame, old.rolling_impulse);
 }
 
-/// Scales the impulses of contacts from a step of one length to one of another: they hold loads, which a longer step
-/// holds by larger ones.
+/// What impulses of a step of one length are multiplied with to begin one of another, at most by so much: they hold
+/// loads, which a longer step holds by larger ones. Never nothing, so that loads outlive steps of microseconds.
+template <class S>
+constexpr S impulse_ratio(S from, S to, S maximum = S(128)) {
+    if (to >= from) return to > from * maximum ? maximum : to / from;
+    const S minimum = S(0x1p-20);
+    return to > from * minimum ? to / from : minimum;
+}
+
+/// Of what length the steps are in which impulses act (s): loads in usual ones, all others in the last one.
+template <class S>
+struct step_lengths {
+    S usual{}, last{};
+
+    friend bool operator==(step_lengths, step_lengths) = default;
+};
+
+/// Scales the impulses of contacts from a step of one length to one of another, loads at most by so much.
 template <class S, int D, class Features>
-void rescale_impulses(contact<S, D, Features>* first, const contact<S, D, Features>* end, S from, S to) {
-    if (!(from > S(0)) || from == to) return;
-    const S ratio = to / from;
+void rescale_impulses(contact<S, D, Features>* first, const contact<S, D, Features>* end, step_lengths<S> from,
+                      step_lengths<S> to, S maximum = S(128)) {
+    if (!(from.usual > S(0)) || from == to) return;
+    const S ratio = impulse_ratio(from.usual, to.usual, maximum);
+    // Friction and resistance to rolling of a single short step are noise, and not scaled up.
+    const S others = min(impulse_ratio(from.last, to.last, maximum), max(ratio, S(1)));
     for (; first != end; ++first) {
         // A substep's friction is noisier than its load: where that is scaled up, columns are shaken.
-        if constexpr (Features::friction && D == 2) first->substep_friction *= min(ratio, S(1));
-        if constexpr (Features::friction && D == 3) first->twist_impulse *= ratio;
-        if constexpr (Features::rolling_resistance) first->rolling_impulse *= ratio;
+        if constexpr (Features::friction && D == 2) first->substep_friction *= min(others, S(1));
+        if constexpr (Features::friction && D == 3) first->twist_impulse *= others;
+        if constexpr (Features::rolling_resistance) first->rolling_impulse *= others;
         for (int k = 0; k < first->count; ++k) {
             contact_point<S, D, Features>& p = first->points[k];
-            p.normal_impulse *= ratio;
-            if constexpr (Features::friction) p.friction_impulse *= ratio;
+            p.normal_impulse *= others;
+            if constexpr (Features::friction) p.friction_impulse *= others;
             p.substep_impulse *= ratio;
         }
     }
@@ -25805,7 +25825,9 @@ struct soft_step_with {
                 contacts.surfaces()};
             const blocks_in_colours blocks = pack(colours, contacts, all, prepare_with, scratch, tasks);
             const S h_sub = h / S(with.substeps);
-            const S frequency = with.contact_frequency_ratio / h_sub;
+            S usual = h;
+            if constexpr (requires { motion.usual_step(); }) usual = motion.usual_step();
+            const S frequency = with.contact_frequency_ratio / (usual / S(with.substeps));
             const bool capped = with.frequency_cap > S(0) && with.frequency_cap < frequency;
             detail::substep_start<S, D, rotates> start(all, scratch);
             const detail::contact_pass<S, D, rotates> biased{
@@ -27013,8 +27035,8 @@ struct state {
     [[no_unique_address]] std::conditional_t<Plan::is_continuous, continuous_state<Plan>, nothing_continuous>
         continuous;
     std::uint64_t steps = 0;
-    /// Length of the last step (s), in which the contacts' impulses acted.
-    S last_step{};
+    /// Lengths of the steps in which the contacts' impulses act.
+    physics::step_lengths<S> step_lengths;
     /// By which handles know the world; no part of what lasts, so that they serve it whatever state it is brought to.
     std::uint16_t tag = 0;
 
@@ -27035,7 +27057,7 @@ struct state {
         f(self.sleep);
         f(self.continuous);
         f(self.steps);
-        f(self.last_step);
+        f(self.step_lengths);
     }
 
     /// Set while a step is under way.
@@ -27972,6 +27994,901 @@ closest_hit<typename Plan::scalar, Plan::dimension> closest_shape(const state<Pl
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/world/sleep.hpp
+// =================================================================================================
+// Sleep: islands that are still leave the step until something happens to them.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Keeps, in order, the contacts for which stays(contact) is true, and hands the others to out.
+template <class Contacts, class Stays, class Out>
+void partition_contacts(Contacts& contacts, Stays&& stays, Out&& out) {
+    std::uint32_t kept = 0;
+    for (std::uint32_t i = 0; i < contacts.size(); ++i) {
+        if (!stays(contacts[i])) {
+            out(contacts[i]);
+            continue;
+        }
+        if (kept != i) contacts[kept] = contacts[i];
+        ++kept;
+    }
+    while (contacts.size() > kept) contacts.pop_back();
+}
+/// Adds contacts to others; both lists, and the result, are in ascending order of their pairs.
+template <class Contact>
+void merge_contacts(buffer<Contact>& to, const buffer<Contact>& more) {
+    std::uint32_t i = to.size(), j = more.size();
+    if (j == 0) return;
+    to.resize(i + j, more[0]);
+    for (std::uint32_t at = to.size(); j > 0;) {
+        const bool is_last = i > 0 && more[j - 1].key() < to[i - 1].key();
+        to[--at] = is_last ? to[--i] : more[--j];
+    }
+}
+
+/// Calls f(body) for all of a sleeper's island, itself included; f may wake them.
+template <class Plan, class F>
+void each_of_island(state<Plan>& s, std::uint32_t body, F&& f) {
+    std::uint32_t i = body;
+    do {
+        const std::uint32_t next = s.sleep.island_next[i];
+        f(i);
+        i = next;
+    } while (i != body);
+}
+
+/// Brings bodies back that were asleep, listed in s.sleep.woken: they can be pushed again, and what touches them is
+/// looked at again.
+template <class Plan>
+void finish_waking(state<Plan>& s) {
+    for (const std::uint32_t i : s.sleep.woken) {
+        s.sleep.island_next[i] = no_sleeper;
+        s.sleep.sleep_time[i] = {};
+        reinsert_proxies(s, i);
+    }
+    if (!s.sleep.woken.empty()) s.awake_changed = true;
+    s.sleep.woken.clear();
+}
+/// True if neither body of the contact is dynamic and awake.
+template <class Plan, class Contact>
+bool touches_no_awake_body(const state<Plan>& s, const Contact& c) {
+    return !s.is_awake_dynamic(body_a(s, c)) && !s.is_awake_dynamic(body_b(s, c));
+}
+/// Wakes the islands of those that each(f) calls f(body) for, at once, with their contacts. O(contacts of sleepers).
+template <class Plan, class Each>
+void wake_islands(state<Plan>& s, Each&& each) {
+    // A step that was refused may have left its list.
+    s.sleep.woken.clear();
+    bool any = false;
+    each([&](std::uint32_t body) {
+        if (!s.is_asleep(body)) return;
+        any = true;
+        each_of_island(s, body, [&](std::uint32_t i) { s.sleep.woken.push_back(i); });
+        finish_waking(s);
+    });
+    if (!any) return;
+    s.new_contacts.clear();
+    partition_contacts(
+        s.sleep.contacts, [&](const auto& c) { return touches_no_awake_body(s, c); },
+        [&](const auto& c) { s.new_contacts.push_back(c); });
+    rescale_impulses(s.new_contacts.begin(), s.new_contacts.end(), {s.sleep.step, s.sleep.step}, s.step_lengths);
+    merge_contacts(s.contacts, s.new_contacts);
+}
+template <class Plan>
+void wake(state<Plan>& s, std::uint32_t body) {
+    if constexpr (Plan::sleeps) wake_islands(s, [&](auto&& f) { f(body); });
+}
+/// Wakes those that touch a body.
+template <class Plan>
+void wake_touching(state<Plan>& s, std::uint32_t body) {
+    if constexpr (Plan::sleeps) {
+        auto& touching = s.sleep.near;
+        touching.clear();
+        for (const auto& c : s.sleep.contacts) {
+            if (body_a(s, c) == body) touching.push_back(body_b(s, c));
+            if (body_b(s, c) == body) touching.push_back(body_a(s, c));
+        }
+        wake_islands(s, [&](auto&& f) {
+            for (const std::uint32_t i : touching) f(i);
+        });
+    }
+}
+/// A body has changed: wakes its island if it is dynamic, else the islands that touch it.
+template <class Plan>
+void wake_affected(state<Plan>& s, std::uint32_t body) {
+    if (s.bodies[body].is_dynamic()) wake(s, body);
+    else wake_touching(s, body);
+}
+/// Wakes those that lie where a body is, or on its way to another pose.
+template <class Plan>
+void wake_near(state<Plan>& s, std::uint32_t body, const transform<typename Plan::scalar, Plan::dimension>& to) {
+    if constexpr (Plan::sleeps) {
+        auto& near = s.sleep.near;
+        near.clear();
+        each_shape(s, body, [&](std::uint32_t, const auto& shape) {
+            const auto box = merged(query_bounds(s, shape), bounds(shape.shape, to * shape.local));
+            each_near(s, box, query_filter{}, [&](std::uint32_t other) {
+                if (s.is_asleep(s.shapes[other].body)) near.push_back(s.shapes[other].body);
+                return true;
+            });
+        });
+        wake_islands(s, [&](auto&& f) {
+            for (const std::uint32_t i : near) f(i);
+        });
+    }
+}
+template <class Plan>
+void wake_near(state<Plan>& s, std::uint32_t body) {
+    wake_near(s, body, s.bodies[body].pose());
+}
+template <class Plan>
+void wake_all(state<Plan>& s) {
+    if constexpr (Plan::sleeps)
+        wake_islands(s, [&](auto&& f) { s.bodies.each([&](std::uint32_t i, const auto&) { f(i); }); });
+}
+
+template <class Plan>
+std::uint32_t count_awake(const state<Plan>& s) {
+    std::uint32_t count = 0;
+    s.bodies.each(
+        [&](std::uint32_t i, const auto& b) { count += b.type != body_type::static_body && !s.is_asleep(i); });
+    return count;
+}
+
+/// How far gravity draws bodies together within a step, at most.
+template <class Plan>
+auto gravity_slack(const state<Plan>& s, typename Plan::scalar h) {
+    return length(s.settings.gravity) * h * h;
+}
+
+/// Adds to the awake list the islands of sleeping bodies that a body will touch in this step; they wake for good when
+/// the step has succeeded. True if there are any.
+template <class Plan>
+bool list_woken(state<Plan>& s, bool any_near, typename Plan::scalar h) {
+    s.sleep.woken.clear();
+    if (!any_near) return false;
+    const auto slack = gravity_slack(s, h);
+    for (const auto& c : s.new_contacts) {
+        const std::uint32_t a = body_a(s, c), b = body_b(s, c);
+        const bool of_a = s.is_asleep(a);
+        if (of_a == s.is_asleep(b)) continue;
+        const std::uint32_t sleeper = of_a ? a : b;
+        if (s.awake_index[sleeper] < s.awake.size() ||
+            !will_touch(c, s.bodies[a].velocity_ahead(h), s.bodies[b].velocity_ahead(h), h, slack))
+            continue;
+        each_of_island(s, sleeper, [&](std::uint32_t i) {
+            s.awake_index[i] = 0;
+            s.sleep.woken.push_back(i);
+        });
+    }
+    if (s.sleep.woken.empty()) return false;
+    for (const std::uint32_t i : s.sleep.woken) s.awake.push_back(i);
+    s.awake_changed = true;
+    return true;
+}
+
+/// The step has succeeded: they are awake for good.
+template <class Plan>
+void commit_woken(state<Plan>& s) {
+    if (s.sleep.woken.empty()) return;
+    finish_waking(s);
+    partition_contacts(
+        s.sleep.contacts, [&](const auto& c) { return touches_no_awake_body(s, c); }, [](const auto&) {});
+}
+
+/// Notes how long each body has been still, and lets islands sleep that have been so for long enough and rest on
+/// something, or do not move at all: a slow drift in free space goes on for ever.
+template <class Plan>
+class sleep_update {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+
+public:
+    sleep_update(state<Plan>& s, S h) : s_(s), step_(h) {
+        if (!update_sleep_times()) return;
+        count_ = s.awake.size();
+        disjoint_sets sets(count_, s.scratch);
+        island_ = s.scratch.template allocate<island>(count_);
+        for (std::uint32_t k = 0; k < count_; ++k) new (island_ + k) island{};
+        const S slack = gravity_slack(s, h);
+        for (const auto& c : s.contacts) {
+            const auto [a, b] = awake_pair(c);
+            if (is_dynamic(a) && is_dynamic(b) && touch(c, slack)) sets.unite(a, b);
+        }
+        for (std::uint32_t k = 0; k < count_; ++k)
+            if (is_dynamic(k)) add_to_island(k, island_[sets.find(k)]);
+        for (const auto& c : s.contacts) {
+            const auto [a, b] = awake_pair(c);
+            if (is_dynamic(a) != is_dynamic(b) && touch(c, slack))
+                add_support(a, b, island_[sets.find(is_dynamic(a) ? a : b)]);
+        }
+        bool any = false;
+        for (std::uint32_t k = 0; k < count_; ++k) {
+            if (!is_dynamic(k)) continue;
+            island& of = island_[sets.find(k)];
+            if (!of.is_still || !(of.rests || of.is_stopped)) continue;
+            fall_asleep(s.awake[k], of);
+            any = true;
+        }
+        if (any) move_contacts_to_sleepers();
+    }
+
+private:
+    struct island {
+        bool is_still = true, is_stopped = true, rests = false;
+        std::uint32_t first = no_sleeper, last = no_sleeper;
+    };
+
+    /// True if any body has been still for long enough.
+    bool update_sleep_times() {
+        const auto& with = s_.settings.sleeping;
+        if (!with.enabled) return false;
+        const auto fast = product(with.speed, with.speed), spinning = product(with.spin, with.spin),
+                   far = product(with.drift, with.drift);
+        bool any = false;
+        for (const std::uint32_t i : s_.awake) {
+            const auto& b = s_.bodies[i];
+            S& sleep_time = s_.sleep.sleep_time[i];
+            const bool moves = length_squared(b.velocity.linear) > fast ||
+                               spin_squared(value_of(b.velocity.angular)) > spinning ||
+                               length_squared(b.center - s_.sleep.sleep_anchor[i]) > far;
+            if (moves || !b.can_sleep) {
+                sleep_time = S(0);
+                s_.sleep.sleep_anchor[i] = b.center;
+            } else if (sleep_time < with.time) {
+                sleep_time += step_;
+            }
+            any = any || (b.is_dynamic() && !(sleep_time < with.time));
+        }
+        return any;
+    }
+    static auto spin_squared(const vec<S, 3>& w) { return length_squared(w); }
+    static auto spin_squared(S w) { return product(w, w); }
+
+    [[nodiscard]] bool is_dynamic(std::uint32_t k) const { return k < count_ && s_.bodies[s_.awake[k]].is_dynamic(); }
+    struct sides {
+        std::uint32_t a, b;
+    };
+    [[nodiscard]] sides awake_pair(const typename Plan::contact& c) const {
+        return {s_.awake_index[body_a(s_, c)], s_.awake_index[body_b(s_, c)]};
+    }
+    [[nodiscard]] bool touch(const typename Plan::contact& c, S slack) const {
+        return will_touch(c, s_.bodies[body_a(s_, c)].velocity, s_.bodies[body_b(s_, c)].velocity, step_, slack);
+    }
+    void add_to_island(std::uint32_t k, island& of) {
+        const std::uint32_t i = s_.awake[k];
+        of.is_still = of.is_still && s_.bodies[i].can_sleep && !(s_.sleep.sleep_time[i] < s_.settings.sleeping.time);
+        of.is_stopped = of.is_stopped && s_.bodies[i].velocity == twist_of<S, D, Plan::rotates>{};
+    }
+    /// One of the two is not dynamic: it carries the island if it stands still, and keeps it awake if it moves.
+    void add_support(std::uint32_t a, std::uint32_t b, island& of) {
+        const std::uint32_t other = is_dynamic(a) ? b : a;
+        const twist_of<S, D, Plan::rotates> sleep_time{};
+        if (other < count_ && !(s_.bodies[s_.awake[other]].velocity == sleep_time)) of.is_still = false;
+        else of.rests = true;
+    }
+    void fall_asleep(std::uint32_t i, island& of) {
+        s_.bodies[i].velocity = {};
+        if (of.first == no_sleeper) of.first = i;
+        else s_.sleep.island_next[of.last] = i;
+        of.last = i;
+        s_.sleep.island_next[i] = of.first;
+        reinsert_proxies(s_, i);
+        s_.awake_changed = true;
+    }
+    void move_contacts_to_sleepers() {
+        s_.new_contacts.clear();
+        partition_contacts(
+            s_.contacts, [&](const auto& c) { return !touches_no_awake_body(s_, c); },
+            [&](const auto& c) { s_.new_contacts.push_back(c); });
+        if (s_.sleep.contacts.empty()) s_.sleep.step = s_.step_lengths.usual;
+        rescale_impulses(s_.new_contacts.begin(), s_.new_contacts.end(), s_.step_lengths,
+                         {s_.sleep.step, s_.sleep.step});
+        merge_contacts(s_.sleep.contacts, s_.new_contacts);
+        if constexpr (Plan::remembers)
+            s_.memories.drop([&](std::uint32_t shape) { return s_.is_asleep(s_.shapes[shape].body); });
+    }
+
+    state<Plan>& s_;
+    S step_;
+    std::uint32_t count_ = 0;
+    island* island_ = nullptr;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/world/edit.hpp
+// =================================================================================================
+// How bodies and shapes come, go and change between steps.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Tells the broadphase where the shapes of a body are now.
+template <class Plan>
+void refresh_boxes(state<Plan>& s, std::uint32_t body) {
+    const auto& b = s.bodies[body];
+    each_shape(s, body, [&](std::uint32_t i, shape_record<Plan>& shape) {
+        update_pose(shape, b.pose(), b.center);
+        s.broadphase.move(i, query_bounds(s, shape), {});
+    });
+    update_broadphase(s);
+}
+
+/// Forgets the contacts for which gone(contact) is true; the others keep their order.
+template <class Plan, class Gone>
+void drop_contacts(state<Plan>& s, Gone&& gone) {
+    partition_contacts(
+        s.contacts, [&](const auto& c) { return !gone(c); }, [](const auto&) {});
+}
+
+template <class Plan>
+body_id create_body(state<Plan>& s, const body_def<typename Plan::scalar, Plan::dimension>& def) {
+    if (!check_not_in_step(s, "create_body") || !check_body(def) ||
+        !check_turn<Plan>("create_body", def.angular_velocity, def.angular_damping) ||
+        !check_continuous<Plan>("create_body", def.continuous))
+        return {};
+    typename Plan::body b;
+    b.type = def.type;
+    b.rotation = normalized(def.rotation);
+    b.center = def.position;
+    if (def.type != body_type::static_body) b.velocity.linear = def.linear_velocity;
+    b.linear_damping = def.linear_damping;
+    b.gravity_scale = def.gravity_scale;
+    if constexpr (Plan::rotates) {
+        if (def.type != body_type::static_body) b.velocity.angular = def.angular_velocity;
+        b.angular_damping = def.angular_damping;
+        b.rotation_locked = def.rotation_locked;
+    }
+    b.can_sleep = def.can_sleep;
+    b.continuous = def.continuous;
+    b.user_data = def.user_data;
+    const auto place = s.bodies.insert(b);
+    if constexpr (Plan::sleeps) s.sleep.start(place.index, b.center);
+    s.contact_starts.resize(s.bodies.slots());
+    s.awake_changed = true;
+    refresh_mass(s, place.index);
+    return {place.index, place.generation, s.tag};
+}
+
+template <class Plan>
+void destroy_body(state<Plan>& s, std::uint32_t index) {
+    wake_affected(s, index);
+    drop_contacts(s, [&](const auto& c) { return body_a(s, c) == index || body_b(s, c) == index; });
+    s.awake_changed = true;
+    s.memories.drop([&](std::uint32_t shape) { return s.shapes[shape].body == index; });
+    each_shape(s, index, [&](std::uint32_t i, const shape_record<Plan>&) {
+        s.broadphase.erase(i);
+        s.shapes.erase(i);
+    });
+    s.bodies.erase(index);
+}
+
+/// Adds a shape that has been checked to a body; without a mass, only to one that is not dynamic.
+template <class Plan>
+shape_id insert_shape(state<Plan>& s, std::uint32_t body, const typename Plan::shape& shape, bool has_mass,
+                      const typename Plan::shape_def& def) {
+    using S = typename Plan::scalar;
+    const char* f = "create_shape";
+    if (!check_pose(f, def.position, def.rotation) || !check_not_negative(f, "density", def.density)) return {};
+    if constexpr (Plan::features::materials)
+        if (!check_material<Plan>(f, def.material)) return {};
+    const auto& owner = s.bodies[body];
+    if (!has_mass && owner.is_dynamic()) {
+        refuse(f, "shape", "without mass", "a dynamic body needs shapes that have a mass");
+        return {};
+    }
+    shape_record<Plan> record;
+    record.shape = shape;
+    record.local = {def.position, normalized(def.rotation)};
+    if constexpr (Plan::features::materials) record.material = def.material;
+    record.density = def.density;
+    record.body = body;
+    record.user_data = def.user_data;
+    update_pose(record, owner.pose(), owner.center);
+    const auto box = query_bounds(s, record);
+    if (!check_extent(f, box)) return {};
+    if (def.density > S(0) && owner.is_dynamic() && !owner.mass_is_set &&
+        !check_shapes_mass(s, body, f, no_shape, &record))
+        return {};
+    // First, so that what a sleeper touches is among the contacts that move with its centre of mass.
+    wake_affected(s, body);
+    const auto place = s.shapes.insert(record);
+    std::uint32_t* link = &s.bodies[body].first_shape;
+    while (*link != no_shape && *link > place.index) link = &s.shapes[*link].next;
+    s.shapes[place.index].next = std::exchange(*link, place.index);
+    s.broadphase.insert(place.index, box, filter_of(s, record));
+    refresh_mass(s, body);
+    wake_near(s, body);
+    return {place.index, place.generation, s.tag};
+}
+
+template <class Plan>
+void destroy_shape(state<Plan>& s, std::uint32_t index) {
+    const std::uint32_t body = s.shapes[index].body;
+    const auto& owner = s.bodies[body];
+    if (owner.is_dynamic() && !owner.mass_is_set && !check_shapes_mass(s, body, "destroy_shape", index)) return;
+    wake_affected(s, body);
+    drop_contacts(s, [&](const auto& c) { return c.shape_a == index || c.shape_b == index; });
+    s.memories.drop([&](std::uint32_t shape) { return shape == index; });
+    std::uint32_t* link = &s.bodies[body].first_shape;
+    while (*link != index) link = &s.shapes[*link].next;
+    *link = s.shapes[index].next;
+    s.broadphase.erase(index);
+    s.shapes.erase(index);
+    refresh_mass(s, body);
+}
+
+template <class Plan>
+void set_pose(state<Plan>& s, std::uint32_t index, const transform<typename Plan::scalar, Plan::dimension>& pose) {
+    const char* f = "set_pose";
+    auto& b = s.bodies[index];
+    if (!has_point(pose, b.mass.center)) {
+        refuse(f, "centre of mass", largest_magnitude(pose * b.mass.center), "it must lie within the scalar's range");
+        return;
+    }
+    auto there = b;
+    there.set_pose(pose);
+    bool fits = true;
+    each_shape(s, index, [&](std::uint32_t, shape_record<Plan> shape) {
+        update_pose(shape, there.pose(), there.center);
+        fits = fits && check_extent(f, query_bounds(s, shape));
+    });
+    if (!fits) return;
+    wake_affected(s, index);
+    b.set_pose(pose);
+    if (b.type == body_type::static_body) s.awake_changed = true;
+    refresh_boxes(s, index);
+    wake_near(s, index);
+}
+
+/// Wakes what lies on a kinematic body's way, unless it is told to stay where it is.
+template <class Plan>
+void move_to(state<Plan>& s, std::uint32_t index, vec<typename Plan::scalar, Plan::dimension> position,
+             const rotation<typename Plan::scalar, Plan::dimension>& rotation) {
+    auto& b = s.bodies[index];
+    // As it is turned, to the bit: it stands then.
+    const auto turn = rotation == b.rotation ? b.rotation : normalized(rotation);
+    // Accept only the body's own rotation, as stored or as given before normalisation.
+    if (!Plan::rotates && !(rotation == b.rotation) && !(turn == b.rotation)) {
+        refuse("move_to", "rotation", "another one", "the recipe leaves rotation out");
+        return;
+    }
+    const transform<typename Plan::scalar, Plan::dimension> pose{position, Plan::rotates ? turn : b.rotation};
+    b.target = pose;
+    b.has_target = true;
+    if (!(pose == b.pose())) wake_near(s, index, pose);
+}
+
+/// A velocity that the user gives a body takes the place of one that it has from a target.
+template <class Plan>
+auto& velocity_to_set(state<Plan>& s, std::uint32_t index) {
+    auto& b = s.bodies[index];
+    if (std::exchange(b.at_target, false)) b.velocity = {};
+    return b.velocity;
+}
+
+template <class Plan>
+void set_type(state<Plan>& s, std::uint32_t index, body_type type) {
+    using S = typename Plan::scalar;
+    constexpr int D = Plan::dimension;
+    const char* f = "set_type";
+    auto& b = s.bodies[index];
+    if (!check_type(f, type) || type == b.type) return;
+    if (type == body_type::dynamic_body) {
+        bool solid = true;
+        each_shape(s, index, [&](std::uint32_t, const auto& record) {
+            record.shape.visit([&](const auto& shape) {
+                solid = solid && solid_shape_for<std::remove_cvref_t<decltype(shape)>, S, D>;
+            });
+        });
+        if (!solid) {
+            refuse(f, "shape", "without mass", "a dynamic body needs shapes that have a mass");
+            return;
+        }
+        if (!b.mass_is_set && !check_shapes_mass(s, index, f)) return;
+    }
+    wake_affected(s, index);
+    if (type == body_type::static_body) b.velocity = {};
+    if (type != body_type::dynamic_body) {
+        b.force = {};
+        b.torque = {};
+    }
+    b.has_target = false;
+    b.at_target = false;
+    b.type = type;
+    s.awake_changed = true;
+    refresh_mass(s, index);
+    reinsert_proxies(s, index);
+    drop_contacts(s, [&](const auto& c) {
+        const std::uint32_t first = body_a(s, c), second = body_b(s, c);
+        return (first == index || second == index) && !s.bodies[first].is_dynamic() && !s.bodies[second].is_dynamic();
+    });
+}
+
+template <class Plan>
+void set_mass(state<Plan>& s, std::uint32_t index,
+              const mass_properties<typename Plan::scalar, Plan::dimension>& mass) {
+    const char* f = "set_mass";
+    const bool nothing_turns_it = mass.inertia == decltype(mass.inertia){};
+    if (!Plan::rotates && !nothing_turns_it) {
+        refuse(f, "inertia", "not 0", "the recipe leaves rotation out");
+        return;
+    }
+    if (!check_finite(f, "center", mass.center) ||
+        !check_mass(f, s.bodies[index], converted<double>(mass), nothing_turns_it) ||
+        (!nothing_turns_it && !check_spread(f, converted<double>(mass).inertia)))
+        return;
+    wake_affected(s, index);
+    s.bodies[index].mass_is_set = true;
+    set_mass_properties(s, index, mass);
+}
+template <class Plan>
+void reset_mass(state<Plan>& s, std::uint32_t index) {
+    if (!check_shapes_mass(s, index, "reset_mass")) return;
+    wake_affected(s, index);
+    s.bodies[index].mass_is_set = false;
+    refresh_mass(s, index);
+}
+
+template <class Plan>
+void set_rotation_locked(state<Plan>& s, std::uint32_t index, bool locked) {
+    wake_affected(s, index);
+    auto& b = s.bodies[index];
+    b.rotation_locked = locked;
+    if (locked) b.velocity.angular = {};
+    refresh_mass(s, index);
+}
+
+template <class Plan>
+void set_material(state<Plan>& s, shape_id id, const material<typename Plan::scalar, Plan::dimension>& m) {
+    const lookup at = find_shape(s, id, "set_material");
+    if (!at || !check_material<Plan>("set_material", m)) return;
+    wake_affected(s, s.shapes[at.index].body);
+    s.shapes[at.index].material = m;
+}
+
+template <class Plan>
+bool is_continuous(const state<Plan>& s, body_id id) {
+    const lookup at = find_body(s, id, "continuous");
+    return at && s.bodies[at.index].continuous;
+}
+template <class Plan>
+void set_continuous(state<Plan>& s, body_id id, bool on) {
+    const char* f = "set_continuous";
+    const lookup at = find_body(s, id, f);
+    if (at && check_continuous<Plan>(f, on)) s.bodies[at.index].continuous = on;
+}
+
+/// Brings a world to settings that have been checked.
+template <class Plan>
+void change_settings(state<Plan>& s, const typename Plan::settings& settings) {
+    // What was carried along was found within the old margin.
+    if (settings.contact_margin != s.settings.contact_margin) s.memories.clear();
+    if (!(settings.gravity == s.settings.gravity)) wake_all(s);
+    if constexpr (!Plan::features::materials)
+        if (!(settings.material == s.settings.material)) wake_all(s);
+    if constexpr (Plan::sleeps)
+        if (!settings.sleeping.enabled) {
+            wake_all(s);
+            for (auto& sleep_time : s.sleep.sleep_time) sleep_time = {};
+        }
+    s.settings = settings;
+    configure_broadphase(s);
+    s.bodies.each([&](std::uint32_t i, const auto&) { refresh_boxes(s, i); });
+}
+
+template <class Plan>
+void set_settings(state<Plan>& s, const typename Plan::settings& settings) {
+    const char* f = "set_settings";
+    if (!check_not_in_step(s, f) || !check_settings<Plan>(settings, f)) return;
+    bool fits = true;
+    if (settings.contact_margin > s.settings.contact_margin)
+        s.shapes.each([&](std::uint32_t, const auto& shape) {
+            fits = fits && check_extent(f, box_within(settings.contact_margin, shape));
+        });
+    if (fits) change_settings(s, settings);
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/world/overflow.hpp
+// =================================================================================================
+// Whether numbers stay in range in a step.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// The number of substeps of a solver; 1 if it has no such setting.
+template <class Settings>
+int substeps_of(const Settings& settings) {
+    if constexpr (requires { settings.substeps; }) return settings.substeps;
+    else return 1;
+}
+
+/// Whether a body's velocity and displacement keep within half of the scalar's range in a step of h seconds, by the
+/// forces on it: in double, since fixed-point numbers wrap. The whole step's force may act in the first substep.
+template <class S, int D, bool Rotates>
+bool stays_in_range(const vec<S, D>& gravity, const body<S, D, Rotates>& b, const solver_body<S, D, Rotates>& now, S h,
+                    int substeps) {
+    const double maximum = static_cast<double>(scalar_traits<S>::max()) / 2, step = static_cast<double>(h);
+    const auto size = [](double x) { return x < 0 ? -x : x; };
+    const auto fits = [&](double velocity, double force, double drive) {
+        const double speed = size(velocity) + drive * step;
+        return force * substeps <= maximum && drive * substeps <= maximum && speed <= maximum &&
+               speed * step <= maximum;
+    };
+    bool good = true;
+    for (int i = 0; i < D; ++i) {
+        const double force = size(static_cast<double>(b.force[i]));
+        double drive = force * static_cast<double>(b.inverse_mass);
+        if (b.is_dynamic()) drive += size(static_cast<double>(gravity[i]) * static_cast<double>(b.gravity_scale));
+        good = good && fits(static_cast<double>(now.velocity.linear[i]), force, drive);
+    }
+    if constexpr (Rotates)
+        good =
+            good && fits(largest_magnitude(now.velocity.angular), largest_magnitude(b.torque),
+                         largest_magnitude(times(converted<double>(now.inverse_inertia), converted<double>(b.torque))));
+    return good;
+}
+
+/// Whether a body's position and velocity are in range.
+template <class S, int D, bool Rotates>
+bool is_in_range(const moving_body<S, D, Rotates>& at, const twist_of<S, D, Rotates>& velocity) {
+    if (!is_in_range(at.center) || !is_in_range(velocity.linear)) return false;
+    if constexpr (Rotates) return is_finite(at.rotation) && is_in_range(velocity.angular);
+    else return true;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/world/batch_integrator.hpp
+// =================================================================================================
+// Bodies as they move through a step: copies in tight arrays, which become the world's when the step has succeeded.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// The number of each body among those that move.
+template <class Plan>
+void index_awake(state<Plan>& s) {
+    s.awake_index.clear();
+    s.awake_index.resize(s.bodies.slots(), s.awake.size());
+    for (std::uint32_t k = 0; k < s.awake.size(); ++k) s.awake_index[s.awake[k]] = k;
+}
+/// Finds which bodies move, where that has changed.
+template <class Plan>
+void list_awake(state<Plan>& s) {
+    if (!s.awake_changed) return;
+    s.awake.clear();
+    s.bodies.each([&](std::uint32_t i, const auto& b) {
+        if (b.type != body_type::static_body && !s.is_asleep(i)) s.awake.push_back(i);
+    });
+    index_awake(s);
+}
+
+/// Whether an integrator advances poses in lanes: not one that derives from such, and may have poses of its own.
+template <class Integrator, bool Rotates>
+concept advances_in_lanes = requires {
+    requires std::same_as<typename Integrator::owner_of_lanes, Integrator>;
+    requires Integrator::template lanes<Rotates>::serves;
+};
+template <class Integrator, bool Rotates>
+struct pose_lanes_of {
+    struct type {};
+};
+template <class Integrator, bool Rotates>
+    requires advances_in_lanes<Integrator, Rotates>
+struct pose_lanes_of<Integrator, Rotates> {
+    using type = typename Integrator::template lanes<Rotates>;
+};
+
+/// How the solver moves a batch: it asks for velocities and poses to advance, once or in substeps.
+template <class Plan>
+class batch_integrator {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+    static constexpr bool rotates = Plan::rotates;
+    using integrator = typename Plan::integrator;
+    static constexpr bool in_lanes = advances_in_lanes<integrator, rotates>;
+    using lanes = typename pose_lanes_of<integrator, rotates>::type;
+
+public:
+    /// Copies the bodies of a part into their slots.
+    batch_integrator(const state<Plan>& s, const batches& all, const batch& one, moved_bodies<S, D, rotates> slots, S h,
+                     arena& scratch, task_runner& tasks)
+        : state_(s),
+          members_(all.body_at + one.bodies),
+          bodies_(slots.solved + one.bodies),
+          moving_(slots.moved + one.bodies),
+          count_(one.static_slot - one.bodies),
+          step_(h),
+          tasks_(tasks),
+          counts_(scratch.template allocate<std::uint32_t>(tasks.workers())) {
+        free_count_ = count_of([&](std::uint32_t k) { return gather(k); });
+        if constexpr (is_fixed<S>)
+            starts_in_range_ = count_of([&](std::uint32_t k) {
+                                   return !stays_in_range(s.settings.gravity, member(k), bodies_[k], h,
+                                                          substeps_of(s.settings.solver));
+                               }) == 0;
+        for (std::uint32_t k = count_; k < one.static_slot - one.bodies + 2; ++k)
+            new (bodies_ + k) solver_body<S, D, rotates>{};
+        if (free_count_ > 0) find_free_bodies(all, one, scratch);
+        if constexpr (in_lanes) lanes_ = new (scratch.template allocate<lanes>(1)) lanes(bodies(), moving_, scratch);
+    }
+
+    /// The bodies as the solver sees them; the last two are the static body and a dummy.
+    [[nodiscard]] solver_bodies<S, D, rotates> bodies() const { return {bodies_, count_ + 2}; }
+
+    /// By gravity and forces (m/s^2); nothing drives what is not dynamic.
+    [[nodiscard]] const vec<S, D>& acceleration(std::uint32_t k) const { return moving_[k].acceleration; }
+
+    /// How long steps usually take (s), or this one, if that is longer: contacts are no stiffer in a shorter one.
+    [[nodiscard]] S usual_step() const { return max(step_, state_.step_lengths.usual); }
+
+    void integrate_velocities(S h) {
+        if (free_count_ > 0) set_free_forces(step_ / h);
+        each([&](std::uint32_t k) { integrate_velocity(k, h); });
+        if (free_count_ > 0) set_free_forces(S(0));
+    }
+    /// The same; also reapplies what contacts gave in the last substep, v - start_velocity, and sets start_velocity
+    /// to the velocity before that.
+    void integrate_velocities(S h, twist_of<S, D, rotates>* start_velocity) {
+        if (free_count_ > 0) set_free_forces(step_ / h);
+        each([&](std::uint32_t k) {
+            auto& v = bodies_[k].velocity;
+            const auto got = v - start_velocity[k];
+            integrate_velocity(k, h);
+            start_velocity[k] = v;
+            v = v + got;
+        });
+        if (free_count_ > 0) set_free_forces(S(0));
+    }
+    void integrate_positions(S h) { integrate_positions(h, nullptr); }
+    /// The same; what velocities change by as bodies turn, they change in `start_velocity` too.
+    void integrate_positions(S h, twist_of<S, D, rotates>* start_velocity) {
+        if constexpr (in_lanes) {
+            lanes_->advance(h, start_velocity, tasks_);
+            return;
+        }
+        each([&](std::uint32_t k) {
+            pose_velocity<S, D, rotates>& v = bodies_[k].velocity;
+            const auto before = v;
+            integrator::integrate_pose(moving_[k], v, bodies_[k].displacement, h);
+            if constexpr (D == 3 && rotates)
+                if (start_velocity != nullptr && !(v == before)) start_velocity[k] = start_velocity[k] + (v - before);
+        });
+    }
+
+    /// Ends the step. False if something that moved is where numbers do not reach.
+    [[nodiscard]] bool finish() {
+        const std::uint32_t lost = count_of([&](std::uint32_t k) {
+            if constexpr (in_lanes) lanes_->finish(k, k + 1);
+            const auto& by = bodies_[k].displacement;
+            moving_[k].center += by.linear;
+            if constexpr (D == 2 && rotates)
+                if (by.angular != S(0)) moving_[k].rotation = turned(moving_[k].rotation, by.angular);
+            return !is_in_range(moving_[k], bodies_[k].velocity);
+        });
+        return lost == 0 && starts_in_range_;
+    }
+
+private:
+    /// Calls f(k) for all bodies.
+    template <class F>
+    void each(F&& f) {
+        tasks_.parallel_for(count_, min_per_task, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
+            for (std::uint32_t k = first; k < end; ++k) f(k);
+        });
+    }
+    /// For how many of them f(k) is true.
+    template <class F>
+    std::uint32_t count_of(F&& f) {
+        for (std::uint32_t k = 0; k < tasks_.workers(); ++k) counts_[k] = 0;
+        tasks_.parallel_for(count_, min_per_task, [&](std::uint32_t first, std::uint32_t end, std::uint32_t worker) {
+            std::uint32_t count = 0;
+            for (std::uint32_t k = first; k < end; ++k) count += f(k);
+            counts_[worker] += count;
+        });
+        for (std::uint32_t k = 1; k < tasks_.workers(); ++k) counts_[0] += counts_[k];
+        return counts_[0];
+    }
+    void integrate_velocity(std::uint32_t k, S h) {
+        if (!(bodies_[k].inverse_mass > inverse_of<S>(0))) return;
+        integrator::integrate_velocity(bodies_[k].velocity, moving_[k], h);
+        // -0 becomes 0, which no impulse of 0 changes: so the bits are the same whether solvers give it or not.
+        bodies_[k].velocity.linear += vec<S, D>{};
+        if constexpr (rotates) bodies_[k].velocity.angular += angular<S, D>{};
+    }
+    [[nodiscard]] const typename Plan::body& member(std::uint32_t k) const {
+        return state_.bodies[state_.awake[members_[k]]];
+    }
+    /// Says whether a force acts on it.
+    bool gather(std::uint32_t k) {
+        const auto& b = member(k);
+        auto& seen = *new (bodies_ + k) solver_body<S, D, rotates>{b.velocity_ahead(step_), {}, b.inverse_mass, {}};
+        auto& m = *new (moving_ + k) moving_body<S, D, rotates>{};
+        m.center = b.center;
+        if constexpr (rotates) {
+            seen.inverse_inertia = in_world(b.inverse_inertia, b.rotation);
+            m.rotation = b.rotation;
+        }
+        if (!b.is_dynamic()) return false;
+        m.acceleration = state_.settings.gravity * b.gravity_scale;
+        m.linear_damping = b.linear_damping;
+        if constexpr (rotates) {
+            m.angular_damping = b.angular_damping;
+            if (b.is_gyroscopic) m.gyroscopic = &b;
+        }
+        if (!b.has_external_force()) return false;
+        add_force(k, S(1));
+        return true;
+    }
+    /// Lets `share` of the force on a body act.
+    void add_force(std::uint32_t k, S share) {
+        const auto& b = member(k);
+        for (int i = 0; i < D; ++i) moving_[k].acceleration[i] += mul<S>(b.inverse_mass, b.force[i] * share);
+        if constexpr (rotates) moving_[k].angular_acceleration += times(bodies_[k].inverse_inertia, b.torque * share);
+    }
+    /// Bodies that are pushed and touch nothing.
+    void find_free_bodies(const batches& all, const batch& one, arena& scratch) {
+        auto* touches = scratch.template allocate<bool>(count_ + 1);
+        for (std::uint32_t k = 0; k <= count_; ++k) touches[k] = false;
+        for (std::uint32_t n = one.contacts; n < one.end; ++n) {
+            const auto& c = state_.new_contacts[all.order[n]];
+            touches[c.body_a] = touches[c.body_b] = true;
+        }
+        free_ = scratch.template allocate<std::uint32_t>(free_count_);
+        free_count_ = 0;
+        for (std::uint32_t k = 0; k < count_; ++k)
+            if (!touches[k] && member(k).has_external_force()) free_[free_count_++] = k;
+    }
+    /// Free bodies get the whole impulse of a user force in the first substep: spread over substeps, explicit user
+    /// springs would gain energy.
+    void set_free_forces(S share) {
+        for (std::uint32_t n = 0; n < free_count_; ++n) {
+            const std::uint32_t k = free_[n];
+            moving_[k].acceleration = state_.settings.gravity * member(k).gravity_scale;
+            if constexpr (rotates) moving_[k].angular_acceleration = {};
+            if (share > S(0)) add_force(k, share);
+        }
+        if (!(share > S(0))) free_count_ = 0;
+    }
+
+    const state<Plan>& state_;
+    const std::uint32_t* members_;
+    solver_body<S, D, rotates>* bodies_;
+    moving_body<S, D, rotates>* moving_;
+    std::uint32_t count_;
+    S step_;
+    task_runner& tasks_;
+    std::uint32_t* counts_;  ///< What each worker has counted.
+    std::uint32_t* free_ = nullptr;
+    std::uint32_t free_count_ = 0;
+    bool starts_in_range_ = true;
+    lanes* lanes_ = nullptr;
+    static constexpr std::uint32_t min_per_task = 128;  ///< The smallest number of bodies that makes a task.
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/world/ways.hpp
 // =================================================================================================
 // Where bodies go in a step, as the sweeps see it, and what the contacts of the step tell them.
@@ -28566,612 +29483,6 @@ void sweep_fast_bodies(state<Plan>& s, moved_bodies<typename Plan::scalar, Plan:
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/world/sleep.hpp
-// =================================================================================================
-// Sleep: islands that are still leave the step until something happens to them.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// Keeps, in order, the contacts for which stays(contact) is true, and hands the others to out.
-template <class Contacts, class Stays, class Out>
-void partition_contacts(Contacts& contacts, Stays&& stays, Out&& out) {
-    std::uint32_t kept = 0;
-    for (std::uint32_t i = 0; i < contacts.size(); ++i) {
-        if (!stays(contacts[i])) {
-            out(contacts[i]);
-            continue;
-        }
-        if (kept != i) contacts[kept] = contacts[i];
-        ++kept;
-    }
-    while (contacts.size() > kept) contacts.pop_back();
-}
-/// Adds contacts to others; both lists, and the result, are in ascending order of their pairs.
-template <class Contact>
-void merge_contacts(buffer<Contact>& to, const buffer<Contact>& more) {
-    std::uint32_t i = to.size(), j = more.size();
-    if (j == 0) return;
-    to.resize(i + j, more[0]);
-    for (std::uint32_t at = to.size(); j > 0;) {
-        const bool is_last = i > 0 && more[j - 1].key() < to[i - 1].key();
-        to[--at] = is_last ? to[--i] : more[--j];
-    }
-}
-
-/// Calls f(body) for all of a sleeper's island, itself included; f may wake them.
-template <class Plan, class F>
-void each_of_island(state<Plan>& s, std::uint32_t body, F&& f) {
-    std::uint32_t i = body;
-    do {
-        const std::uint32_t next = s.sleep.island_next[i];
-        f(i);
-        i = next;
-    } while (i != body);
-}
-
-/// Brings bodies back that were asleep, listed in s.sleep.woken: they can be pushed again, and what touches them is
-/// looked at again.
-template <class Plan>
-void finish_waking(state<Plan>& s) {
-    for (const std::uint32_t i : s.sleep.woken) {
-        s.sleep.island_next[i] = no_sleeper;
-        s.sleep.sleep_time[i] = {};
-        reinsert_proxies(s, i);
-    }
-    if (!s.sleep.woken.empty()) s.awake_changed = true;
-    s.sleep.woken.clear();
-}
-/// True if neither body of the contact is dynamic and awake.
-template <class Plan, class Contact>
-bool touches_no_awake_body(const state<Plan>& s, const Contact& c) {
-    return !s.is_awake_dynamic(body_a(s, c)) && !s.is_awake_dynamic(body_b(s, c));
-}
-/// Wakes the islands of those that each(f) calls f(body) for, at once, with their contacts. O(contacts of sleepers).
-template <class Plan, class Each>
-void wake_islands(state<Plan>& s, Each&& each) {
-    // A step that was refused may have left its list.
-    s.sleep.woken.clear();
-    bool any = false;
-    each([&](std::uint32_t body) {
-        if (!s.is_asleep(body)) return;
-        any = true;
-        each_of_island(s, body, [&](std::uint32_t i) { s.sleep.woken.push_back(i); });
-        finish_waking(s);
-    });
-    if (!any) return;
-    s.new_contacts.clear();
-    partition_contacts(
-        s.sleep.contacts, [&](const auto& c) { return touches_no_awake_body(s, c); },
-        [&](const auto& c) { s.new_contacts.push_back(c); });
-    rescale_impulses(s.new_contacts.begin(), s.new_contacts.end(), s.sleep.step, s.last_step);
-    merge_contacts(s.contacts, s.new_contacts);
-}
-template <class Plan>
-void wake(state<Plan>& s, std::uint32_t body) {
-    if constexpr (Plan::sleeps) wake_islands(s, [&](auto&& f) { f(body); });
-}
-/// Wakes those that touch a body.
-template <class Plan>
-void wake_touching(state<Plan>& s, std::uint32_t body) {
-    if constexpr (Plan::sleeps) {
-        auto& touching = s.sleep.near;
-        touching.clear();
-        for (const auto& c : s.sleep.contacts) {
-            if (body_a(s, c) == body) touching.push_back(body_b(s, c));
-            if (body_b(s, c) == body) touching.push_back(body_a(s, c));
-        }
-        wake_islands(s, [&](auto&& f) {
-            for (const std::uint32_t i : touching) f(i);
-        });
-    }
-}
-/// A body has changed: wakes its island if it is dynamic, else the islands that touch it.
-template <class Plan>
-void wake_affected(state<Plan>& s, std::uint32_t body) {
-    if (s.bodies[body].is_dynamic()) wake(s, body);
-    else wake_touching(s, body);
-}
-/// Wakes those that lie where a body is, or on its way to another pose.
-template <class Plan>
-void wake_near(state<Plan>& s, std::uint32_t body, const transform<typename Plan::scalar, Plan::dimension>& to) {
-    if constexpr (Plan::sleeps) {
-        auto& near = s.sleep.near;
-        near.clear();
-        each_shape(s, body, [&](std::uint32_t, const auto& shape) {
-            const auto box = merged(query_bounds(s, shape), bounds(shape.shape, to * shape.local));
-            each_near(s, box, query_filter{}, [&](std::uint32_t other) {
-                if (s.is_asleep(s.shapes[other].body)) near.push_back(s.shapes[other].body);
-                return true;
-            });
-        });
-        wake_islands(s, [&](auto&& f) {
-            for (const std::uint32_t i : near) f(i);
-        });
-    }
-}
-template <class Plan>
-void wake_near(state<Plan>& s, std::uint32_t body) {
-    wake_near(s, body, s.bodies[body].pose());
-}
-template <class Plan>
-void wake_all(state<Plan>& s) {
-    if constexpr (Plan::sleeps)
-        wake_islands(s, [&](auto&& f) { s.bodies.each([&](std::uint32_t i, const auto&) { f(i); }); });
-}
-
-template <class Plan>
-std::uint32_t count_awake(const state<Plan>& s) {
-    std::uint32_t count = 0;
-    s.bodies.each(
-        [&](std::uint32_t i, const auto& b) { count += b.type != body_type::static_body && !s.is_asleep(i); });
-    return count;
-}
-
-/// How far gravity draws bodies together within a step, at most.
-template <class Plan>
-auto gravity_slack(const state<Plan>& s, typename Plan::scalar h) {
-    return length(s.settings.gravity) * h * h;
-}
-
-/// Adds to the awake list the islands of sleeping bodies that a body will touch in this step; they wake for good when
-/// the step has succeeded. True if there are any.
-template <class Plan>
-bool list_woken(state<Plan>& s, bool any_near, typename Plan::scalar h) {
-    s.sleep.woken.clear();
-    if (!any_near) return false;
-    const auto slack = gravity_slack(s, h);
-    for (const auto& c : s.new_contacts) {
-        const std::uint32_t a = body_a(s, c), b = body_b(s, c);
-        const bool of_a = s.is_asleep(a);
-        if (of_a == s.is_asleep(b)) continue;
-        const std::uint32_t sleeper = of_a ? a : b;
-        if (s.awake_index[sleeper] < s.awake.size() ||
-            !will_touch(c, s.bodies[a].velocity_ahead(h), s.bodies[b].velocity_ahead(h), h, slack))
-            continue;
-        each_of_island(s, sleeper, [&](std::uint32_t i) {
-            s.awake_index[i] = 0;
-            s.sleep.woken.push_back(i);
-        });
-    }
-    if (s.sleep.woken.empty()) return false;
-    for (const std::uint32_t i : s.sleep.woken) s.awake.push_back(i);
-    s.awake_changed = true;
-    return true;
-}
-
-/// The step has succeeded: they are awake for good.
-template <class Plan>
-void commit_woken(state<Plan>& s) {
-    if (s.sleep.woken.empty()) return;
-    finish_waking(s);
-    partition_contacts(
-        s.sleep.contacts, [&](const auto& c) { return touches_no_awake_body(s, c); }, [](const auto&) {});
-}
-
-/// Notes how long each body has been still, and lets islands sleep that have been so for long enough and rest on
-/// something, or do not move at all: a slow drift in free space goes on for ever.
-template <class Plan>
-class sleep_update {
-    using S = typename Plan::scalar;
-    static constexpr int D = Plan::dimension;
-
-public:
-    sleep_update(state<Plan>& s, S h) : s_(s), step_(h) {
-        if (!update_sleep_times()) return;
-        count_ = s.awake.size();
-        disjoint_sets sets(count_, s.scratch);
-        island_ = s.scratch.template allocate<island>(count_);
-        for (std::uint32_t k = 0; k < count_; ++k) new (island_ + k) island{};
-        const S slack = gravity_slack(s, h);
-        for (const auto& c : s.contacts) {
-            const auto [a, b] = awake_pair(c);
-            if (is_dynamic(a) && is_dynamic(b) && touch(c, slack)) sets.unite(a, b);
-        }
-        for (std::uint32_t k = 0; k < count_; ++k)
-            if (is_dynamic(k)) add_to_island(k, island_[sets.find(k)]);
-        for (const auto& c : s.contacts) {
-            const auto [a, b] = awake_pair(c);
-            if (is_dynamic(a) != is_dynamic(b) && touch(c, slack))
-                add_support(a, b, island_[sets.find(is_dynamic(a) ? a : b)]);
-        }
-        bool any = false;
-        for (std::uint32_t k = 0; k < count_; ++k) {
-            if (!is_dynamic(k)) continue;
-            island& of = island_[sets.find(k)];
-            if (!of.is_still || !(of.rests || of.is_stopped)) continue;
-            fall_asleep(s.awake[k], of);
-            any = true;
-        }
-        if (any) move_contacts_to_sleepers();
-    }
-
-private:
-    struct island {
-        bool is_still = true, is_stopped = true, rests = false;
-        std::uint32_t first = no_sleeper, last = no_sleeper;
-    };
-
-    /// True if any body has been still for long enough.
-    bool update_sleep_times() {
-        const auto& with = s_.settings.sleeping;
-        if (!with.enabled) return false;
-        const auto fast = product(with.speed, with.speed), spinning = product(with.spin, with.spin),
-                   far = product(with.drift, with.drift);
-        bool any = false;
-        for (const std::uint32_t i : s_.awake) {
-            const auto& b = s_.bodies[i];
-            S& sleep_time = s_.sleep.sleep_time[i];
-            const bool moves = length_squared(b.velocity.linear) > fast ||
-                               spin_squared(value_of(b.velocity.angular)) > spinning ||
-                               length_squared(b.center - s_.sleep.sleep_anchor[i]) > far;
-            if (moves || !b.can_sleep) {
-                sleep_time = S(0);
-                s_.sleep.sleep_anchor[i] = b.center;
-            } else if (sleep_time < with.time) {
-                sleep_time += step_;
-            }
-            any = any || (b.is_dynamic() && !(sleep_time < with.time));
-        }
-        return any;
-    }
-    static auto spin_squared(const vec<S, 3>& w) { return length_squared(w); }
-    static auto spin_squared(S w) { return product(w, w); }
-
-    [[nodiscard]] bool is_dynamic(std::uint32_t k) const { return k < count_ && s_.bodies[s_.awake[k]].is_dynamic(); }
-    struct sides {
-        std::uint32_t a, b;
-    };
-    [[nodiscard]] sides awake_pair(const typename Plan::contact& c) const {
-        return {s_.awake_index[body_a(s_, c)], s_.awake_index[body_b(s_, c)]};
-    }
-    [[nodiscard]] bool touch(const typename Plan::contact& c, S slack) const {
-        return will_touch(c, s_.bodies[body_a(s_, c)].velocity, s_.bodies[body_b(s_, c)].velocity, step_, slack);
-    }
-    void add_to_island(std::uint32_t k, island& of) {
-        const std::uint32_t i = s_.awake[k];
-        of.is_still = of.is_still && s_.bodies[i].can_sleep && !(s_.sleep.sleep_time[i] < s_.settings.sleeping.time);
-        of.is_stopped = of.is_stopped && s_.bodies[i].velocity == twist_of<S, D, Plan::rotates>{};
-    }
-    /// One of the two is not dynamic: it carries the island if it stands still, and keeps it awake if it moves.
-    void add_support(std::uint32_t a, std::uint32_t b, island& of) {
-        const std::uint32_t other = is_dynamic(a) ? b : a;
-        const twist_of<S, D, Plan::rotates> sleep_time{};
-        if (other < count_ && !(s_.bodies[s_.awake[other]].velocity == sleep_time)) of.is_still = false;
-        else of.rests = true;
-    }
-    void fall_asleep(std::uint32_t i, island& of) {
-        s_.bodies[i].velocity = {};
-        if (of.first == no_sleeper) of.first = i;
-        else s_.sleep.island_next[of.last] = i;
-        of.last = i;
-        s_.sleep.island_next[i] = of.first;
-        reinsert_proxies(s_, i);
-        s_.awake_changed = true;
-    }
-    void move_contacts_to_sleepers() {
-        s_.new_contacts.clear();
-        partition_contacts(
-            s_.contacts, [&](const auto& c) { return !touches_no_awake_body(s_, c); },
-            [&](const auto& c) { s_.new_contacts.push_back(c); });
-        if (s_.sleep.contacts.empty()) s_.sleep.step = step_;
-        rescale_impulses(s_.new_contacts.begin(), s_.new_contacts.end(), step_, s_.sleep.step);
-        merge_contacts(s_.sleep.contacts, s_.new_contacts);
-        if constexpr (Plan::remembers)
-            s_.memories.drop([&](std::uint32_t shape) { return s_.is_asleep(s_.shapes[shape].body); });
-    }
-
-    state<Plan>& s_;
-    S step_;
-    std::uint32_t count_ = 0;
-    island* island_ = nullptr;
-};
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/world/edit.hpp
-// =================================================================================================
-// How bodies and shapes come, go and change between steps.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// Tells the broadphase where the shapes of a body are now.
-template <class Plan>
-void refresh_boxes(state<Plan>& s, std::uint32_t body) {
-    const auto& b = s.bodies[body];
-    each_shape(s, body, [&](std::uint32_t i, shape_record<Plan>& shape) {
-        update_pose(shape, b.pose(), b.center);
-        s.broadphase.move(i, query_bounds(s, shape), {});
-    });
-    update_broadphase(s);
-}
-
-/// Forgets the contacts for which gone(contact) is true; the others keep their order.
-template <class Plan, class Gone>
-void drop_contacts(state<Plan>& s, Gone&& gone) {
-    partition_contacts(
-        s.contacts, [&](const auto& c) { return !gone(c); }, [](const auto&) {});
-}
-
-template <class Plan>
-body_id create_body(state<Plan>& s, const body_def<typename Plan::scalar, Plan::dimension>& def) {
-    if (!check_not_in_step(s, "create_body") || !check_body(def) ||
-        !check_turn<Plan>("create_body", def.angular_velocity, def.angular_damping) ||
-        !check_continuous<Plan>("create_body", def.continuous))
-        return {};
-    typename Plan::body b;
-    b.type = def.type;
-    b.rotation = normalized(def.rotation);
-    b.center = def.position;
-    if (def.type != body_type::static_body) b.velocity.linear = def.linear_velocity;
-    b.linear_damping = def.linear_damping;
-    b.gravity_scale = def.gravity_scale;
-    if constexpr (Plan::rotates) {
-        if (def.type != body_type::static_body) b.velocity.angular = def.angular_velocity;
-        b.angular_damping = def.angular_damping;
-        b.rotation_locked = def.rotation_locked;
-    }
-    b.can_sleep = def.can_sleep;
-    b.continuous = def.continuous;
-    b.user_data = def.user_data;
-    const auto place = s.bodies.insert(b);
-    if constexpr (Plan::sleeps) s.sleep.start(place.index, b.center);
-    s.contact_starts.resize(s.bodies.slots());
-    s.awake_changed = true;
-    refresh_mass(s, place.index);
-    return {place.index, place.generation, s.tag};
-}
-
-template <class Plan>
-void destroy_body(state<Plan>& s, std::uint32_t index) {
-    wake_affected(s, index);
-    drop_contacts(s, [&](const auto& c) { return body_a(s, c) == index || body_b(s, c) == index; });
-    s.awake_changed = true;
-    s.memories.drop([&](std::uint32_t shape) { return s.shapes[shape].body == index; });
-    each_shape(s, index, [&](std::uint32_t i, const shape_record<Plan>&) {
-        s.broadphase.erase(i);
-        s.shapes.erase(i);
-    });
-    s.bodies.erase(index);
-}
-
-/// Adds a shape that has been checked to a body; without a mass, only to one that is not dynamic.
-template <class Plan>
-shape_id insert_shape(state<Plan>& s, std::uint32_t body, const typename Plan::shape& shape, bool has_mass,
-                      const typename Plan::shape_def& def) {
-    using S = typename Plan::scalar;
-    const char* f = "create_shape";
-    if (!check_pose(f, def.position, def.rotation) || !check_not_negative(f, "density", def.density)) return {};
-    if constexpr (Plan::features::materials)
-        if (!check_material<Plan>(f, def.material)) return {};
-    const auto& owner = s.bodies[body];
-    if (!has_mass && owner.is_dynamic()) {
-        refuse(f, "shape", "without mass", "a dynamic body needs shapes that have a mass");
-        return {};
-    }
-    shape_record<Plan> record;
-    record.shape = shape;
-    record.local = {def.position, normalized(def.rotation)};
-    if constexpr (Plan::features::materials) record.material = def.material;
-    record.density = def.density;
-    record.body = body;
-    record.user_data = def.user_data;
-    update_pose(record, owner.pose(), owner.center);
-    const auto box = query_bounds(s, record);
-    if (!check_extent(f, box)) return {};
-    if (def.density > S(0) && owner.is_dynamic() && !owner.mass_is_set &&
-        !check_shapes_mass(s, body, f, no_shape, &record))
-        return {};
-    // First, so that what a sleeper touches is among the contacts that move with its centre of mass.
-    wake_affected(s, body);
-    const auto place = s.shapes.insert(record);
-    std::uint32_t* link = &s.bodies[body].first_shape;
-    while (*link != no_shape && *link > place.index) link = &s.shapes[*link].next;
-    s.shapes[place.index].next = std::exchange(*link, place.index);
-    s.broadphase.insert(place.index, box, filter_of(s, record));
-    refresh_mass(s, body);
-    wake_near(s, body);
-    return {place.index, place.generation, s.tag};
-}
-
-template <class Plan>
-void destroy_shape(state<Plan>& s, std::uint32_t index) {
-    const std::uint32_t body = s.shapes[index].body;
-    const auto& owner = s.bodies[body];
-    if (owner.is_dynamic() && !owner.mass_is_set && !check_shapes_mass(s, body, "destroy_shape", index)) return;
-    wake_affected(s, body);
-    drop_contacts(s, [&](const auto& c) { return c.shape_a == index || c.shape_b == index; });
-    s.memories.drop([&](std::uint32_t shape) { return shape == index; });
-    std::uint32_t* link = &s.bodies[body].first_shape;
-    while (*link != index) link = &s.shapes[*link].next;
-    *link = s.shapes[index].next;
-    s.broadphase.erase(index);
-    s.shapes.erase(index);
-    refresh_mass(s, body);
-}
-
-template <class Plan>
-void set_pose(state<Plan>& s, std::uint32_t index, const transform<typename Plan::scalar, Plan::dimension>& pose) {
-    const char* f = "set_pose";
-    auto& b = s.bodies[index];
-    if (!has_point(pose, b.mass.center)) {
-        refuse(f, "centre of mass", largest_magnitude(pose * b.mass.center), "it must lie within the scalar's range");
-        return;
-    }
-    auto there = b;
-    there.set_pose(pose);
-    bool fits = true;
-    each_shape(s, index, [&](std::uint32_t, shape_record<Plan> shape) {
-        update_pose(shape, there.pose(), there.center);
-        fits = fits && check_extent(f, query_bounds(s, shape));
-    });
-    if (!fits) return;
-    wake_affected(s, index);
-    b.set_pose(pose);
-    if (b.type == body_type::static_body) s.awake_changed = true;
-    refresh_boxes(s, index);
-    wake_near(s, index);
-}
-
-/// Wakes what lies on a kinematic body's way, unless it is told to stay where it is.
-template <class Plan>
-void move_to(state<Plan>& s, std::uint32_t index, vec<typename Plan::scalar, Plan::dimension> position,
-             const rotation<typename Plan::scalar, Plan::dimension>& rotation) {
-    auto& b = s.bodies[index];
-    // As it is turned, to the bit: it stands then.
-    const auto turn = rotation == b.rotation ? b.rotation : normalized(rotation);
-    // Accept only the body's own rotation, as stored or as given before normalisation.
-    if (!Plan::rotates && !(rotation == b.rotation) && !(turn == b.rotation)) {
-        refuse("move_to", "rotation", "another one", "the recipe leaves rotation out");
-        return;
-    }
-    const transform<typename Plan::scalar, Plan::dimension> pose{position, Plan::rotates ? turn : b.rotation};
-    b.target = pose;
-    b.has_target = true;
-    if (!(pose == b.pose())) wake_near(s, index, pose);
-}
-
-/// A velocity that the user gives a body takes the place of one that it has from a target.
-template <class Plan>
-auto& velocity_to_set(state<Plan>& s, std::uint32_t index) {
-    auto& b = s.bodies[index];
-    if (std::exchange(b.at_target, false)) b.velocity = {};
-    return b.velocity;
-}
-
-template <class Plan>
-void set_type(state<Plan>& s, std::uint32_t index, body_type type) {
-    using S = typename Plan::scalar;
-    constexpr int D = Plan::dimension;
-    const char* f = "set_type";
-    auto& b = s.bodies[index];
-    if (!check_type(f, type) || type == b.type) return;
-    if (type == body_type::dynamic_body) {
-        bool solid = true;
-        each_shape(s, index, [&](std::uint32_t, const auto& record) {
-            record.shape.visit([&](const auto& shape) {
-                solid = solid && solid_shape_for<std::remove_cvref_t<decltype(shape)>, S, D>;
-            });
-        });
-        if (!solid) {
-            refuse(f, "shape", "without mass", "a dynamic body needs shapes that have a mass");
-            return;
-        }
-        if (!b.mass_is_set && !check_shapes_mass(s, index, f)) return;
-    }
-    wake_affected(s, index);
-    if (type == body_type::static_body) b.velocity = {};
-    if (type != body_type::dynamic_body) {
-        b.force = {};
-        b.torque = {};
-    }
-    b.has_target = false;
-    b.at_target = false;
-    b.type = type;
-    s.awake_changed = true;
-    refresh_mass(s, index);
-    reinsert_proxies(s, index);
-    drop_contacts(s, [&](const auto& c) {
-        const std::uint32_t first = body_a(s, c), second = body_b(s, c);
-        return (first == index || second == index) && !s.bodies[first].is_dynamic() && !s.bodies[second].is_dynamic();
-    });
-}
-
-template <class Plan>
-void set_mass(state<Plan>& s, std::uint32_t index,
-              const mass_properties<typename Plan::scalar, Plan::dimension>& mass) {
-    const char* f = "set_mass";
-    const bool nothing_turns_it = mass.inertia == decltype(mass.inertia){};
-    if (!Plan::rotates && !nothing_turns_it) {
-        refuse(f, "inertia", "not 0", "the recipe leaves rotation out");
-        return;
-    }
-    if (!check_finite(f, "center", mass.center) ||
-        !check_mass(f, s.bodies[index], converted<double>(mass), nothing_turns_it) ||
-        (!nothing_turns_it && !check_spread(f, converted<double>(mass).inertia)))
-        return;
-    wake_affected(s, index);
-    s.bodies[index].mass_is_set = true;
-    set_mass_properties(s, index, mass);
-}
-template <class Plan>
-void reset_mass(state<Plan>& s, std::uint32_t index) {
-    if (!check_shapes_mass(s, index, "reset_mass")) return;
-    wake_affected(s, index);
-    s.bodies[index].mass_is_set = false;
-    refresh_mass(s, index);
-}
-
-template <class Plan>
-void set_rotation_locked(state<Plan>& s, std::uint32_t index, bool locked) {
-    wake_affected(s, index);
-    auto& b = s.bodies[index];
-    b.rotation_locked = locked;
-    if (locked) b.velocity.angular = {};
-    refresh_mass(s, index);
-}
-
-template <class Plan>
-void set_material(state<Plan>& s, shape_id id, const material<typename Plan::scalar, Plan::dimension>& m) {
-    const lookup at = find_shape(s, id, "set_material");
-    if (!at || !check_material<Plan>("set_material", m)) return;
-    wake_affected(s, s.shapes[at.index].body);
-    s.shapes[at.index].material = m;
-}
-
-template <class Plan>
-bool is_continuous(const state<Plan>& s, body_id id) {
-    const lookup at = find_body(s, id, "continuous");
-    return at && s.bodies[at.index].continuous;
-}
-template <class Plan>
-void set_continuous(state<Plan>& s, body_id id, bool on) {
-    const char* f = "set_continuous";
-    const lookup at = find_body(s, id, f);
-    if (at && check_continuous<Plan>(f, on)) s.bodies[at.index].continuous = on;
-}
-
-/// Brings a world to settings that have been checked.
-template <class Plan>
-void change_settings(state<Plan>& s, const typename Plan::settings& settings) {
-    // What was carried along was found within the old margin.
-    if (settings.contact_margin != s.settings.contact_margin) s.memories.clear();
-    if (!(settings.gravity == s.settings.gravity)) wake_all(s);
-    if constexpr (!Plan::features::materials)
-        if (!(settings.material == s.settings.material)) wake_all(s);
-    if constexpr (Plan::sleeps)
-        if (!settings.sleeping.enabled) {
-            wake_all(s);
-            for (auto& sleep_time : s.sleep.sleep_time) sleep_time = {};
-        }
-    s.settings = settings;
-    configure_broadphase(s);
-    s.bodies.each([&](std::uint32_t i, const auto&) { refresh_boxes(s, i); });
-}
-
-template <class Plan>
-void set_settings(state<Plan>& s, const typename Plan::settings& settings) {
-    const char* f = "set_settings";
-    if (!check_not_in_step(s, f) || !check_settings<Plan>(settings, f)) return;
-    bool fits = true;
-    if (settings.contact_margin > s.settings.contact_margin)
-        s.shapes.each([&](std::uint32_t, const auto& shape) {
-            fits = fits && check_extent(f, box_within(settings.contact_margin, shape));
-        });
-    if (fits) change_settings(s, settings);
-}
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
 // physics/world/look_ahead.hpp
 // =================================================================================================
 // Speculative contacts: found as far ahead of fast bodies as those may come in the step.
@@ -29257,54 +29568,62 @@ void watch_fast_bodies(state<Plan>& s, typename Plan::scalar h) {
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/world/overflow.hpp
+// physics/world/handed_on.hpp
 // =================================================================================================
-// Whether numbers stay in range in a step.
+// What contacts hand on from step to step where these differ in length.
 
 PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// The number of substeps of a solver; 1 if it has no such setting.
-template <class Settings>
-int substeps_of(const Settings& settings) {
-    if constexpr (requires { settings.substeps; }) return settings.substeps;
-    else return 1;
-}
+/// A step hands on what its contacts gave, as the load that the next one begins with. Where steps differ, what a single
+/// short one says of loads is noise; so what is handed on is what contacts gave within a usual step's time, to which
+/// the last step adds its part. How long steps usually take follows their length by an eighth at a time. Steps of one
+/// length hand on their impulses as they are, and cost nothing.
+template <class Plan>
+class handed_on_impulses {
+    using S = typename Plan::scalar;
 
-/// Whether a body's velocity and displacement keep within half of the scalar's range in a step of h seconds, by the
-/// forces on it: in double, since fixed-point numbers wrap. The whole step's force may act in the first substep.
-template <class S, int D, bool Rotates>
-bool stays_in_range(const vec<S, D>& gravity, const body<S, D, Rotates>& b, const solver_body<S, D, Rotates>& now, S h,
-                    int substeps) {
-    const double maximum = static_cast<double>(scalar_traits<S>::max()) / 2, step = static_cast<double>(h);
-    const auto size = [](double x) { return x < 0 ? -x : x; };
-    const auto fits = [&](double velocity, double force, double drive) {
-        const double speed = size(velocity) + drive * step;
-        return force * substeps <= maximum && drive * substeps <= maximum && speed <= maximum &&
-               speed * step <= maximum;
-    };
-    bool good = true;
-    for (int i = 0; i < D; ++i) {
-        const double force = size(static_cast<double>(b.force[i]));
-        double drive = force * static_cast<double>(b.inverse_mass);
-        if (b.is_dynamic()) drive += size(static_cast<double>(gravity[i]) * static_cast<double>(b.gravity_scale));
-        good = good && fits(static_cast<double>(now.velocity.linear[i]), force, drive);
+public:
+    handed_on_impulses(state<Plan>& s, S h) : state_(s), step_(h) {}
+
+    /// How long steps usually take, this one included (s).
+    [[nodiscard]] S usual_step() const {
+        const S last = state_.step_lengths.usual;
+        // A world's first steps may be shorter than those to come.
+        const S longest = state_.steps < 8 ? step_ : last + last * S(0.125);
+        return max(min(step_, longest), last - step_ * S(0.125));
     }
-    if constexpr (Rotates)
-        good =
-            good && fits(largest_magnitude(now.velocity.angular), largest_magnitude(b.torque),
-                         largest_magnitude(times(converted<double>(now.inverse_inertia), converted<double>(b.torque))));
-    return good;
-}
+    /// Remembers with what impulses this step begins.
+    void before_solve() {
+        if (!is_shorter()) return;
+        constexpr std::uint32_t capacity = manifold<S, Plan::dimension>::capacity;
+        begun_with_ = state_.scratch.template allocate<S>(state_.new_contacts.size() * capacity);
+        S* to = begun_with_;
+        for (const auto& c : state_.new_contacts)
+            for (int k = 0; k < c.count; ++k) *to++ = c.persisted(k) ? c.points[k].substep_impulse : S(0);
+    }
+    /// Turns this step's impulses into those of a usual one.
+    void after_solve() {
+        const S last = state_.step_lengths.usual, usual = usual_step();
+        if (usual == step_ && !is_shorter()) return;
+        const S ratio = impulse_ratio(last, step_), part = usual / max(step_, last);
+        const S* from = begun_with_;
+        for (auto& c : state_.new_contacts)
+            for (int k = 0; k < c.count; ++k) {
+                S& impulse = c.points[k].substep_impulse;
+                if (is_shorter()) impulse += *from / ratio - *from, ++from;
+                impulse *= part;
+            }
+    }
 
-/// Whether a body's position and velocity are in range.
-template <class S, int D, bool Rotates>
-bool is_in_range(const moving_body<S, D, Rotates>& at, const twist_of<S, D, Rotates>& velocity) {
-    if (!is_in_range(at.center) || !is_in_range(velocity.linear)) return false;
-    if constexpr (Rotates) return is_finite(at.rotation) && is_in_range(velocity.angular);
-    else return true;
-}
+private:
+    bool is_shorter() const { return step_ < state_.step_lengths.usual; }
+
+    state<Plan>& state_;
+    S step_;
+    S* begun_with_ = nullptr;
+};
 
 }  // namespace detail
 
@@ -29313,229 +29632,11 @@ PHYSICS_HPP_END
 // =================================================================================================
 // physics/world/motion.hpp
 // =================================================================================================
-// Bodies as they move through a step: copies in tight arrays, which become the world's when the step has succeeded.
+// How a step moves the world: islands in batches, solved one by one or in parallel, and what becomes of it.
 
 PHYSICS_HPP_BEGIN
 
 namespace detail {
-
-/// The number of each body among those that move.
-template <class Plan>
-void index_awake(state<Plan>& s) {
-    s.awake_index.clear();
-    s.awake_index.resize(s.bodies.slots(), s.awake.size());
-    for (std::uint32_t k = 0; k < s.awake.size(); ++k) s.awake_index[s.awake[k]] = k;
-}
-/// Finds which bodies move, where that has changed.
-template <class Plan>
-void list_awake(state<Plan>& s) {
-    if (!s.awake_changed) return;
-    s.awake.clear();
-    s.bodies.each([&](std::uint32_t i, const auto& b) {
-        if (b.type != body_type::static_body && !s.is_asleep(i)) s.awake.push_back(i);
-    });
-    index_awake(s);
-}
-
-/// Whether an integrator advances poses in lanes: not one that derives from such, and may have poses of its own.
-template <class Integrator, bool Rotates>
-concept advances_in_lanes = requires {
-    requires std::same_as<typename Integrator::owner_of_lanes, Integrator>;
-    requires Integrator::template lanes<Rotates>::serves;
-};
-template <class Integrator, bool Rotates>
-struct pose_lanes_of {
-    struct type {};
-};
-template <class Integrator, bool Rotates>
-    requires advances_in_lanes<Integrator, Rotates>
-struct pose_lanes_of<Integrator, Rotates> {
-    using type = typename Integrator::template lanes<Rotates>;
-};
-
-/// How the solver moves a batch: it asks for velocities and poses to advance, once or in substeps.
-template <class Plan>
-class batch_integrator {
-    using S = typename Plan::scalar;
-    static constexpr int D = Plan::dimension;
-    static constexpr bool rotates = Plan::rotates;
-    using integrator = typename Plan::integrator;
-    static constexpr bool in_lanes = advances_in_lanes<integrator, rotates>;
-    using lanes = typename pose_lanes_of<integrator, rotates>::type;
-
-public:
-    /// Copies the bodies of a part into their slots.
-    batch_integrator(const state<Plan>& s, const batches& all, const batch& one, moved_bodies<S, D, rotates> slots, S h,
-                     arena& scratch, task_runner& tasks)
-        : state_(s),
-          members_(all.body_at + one.bodies),
-          bodies_(slots.solved + one.bodies),
-          moving_(slots.moved + one.bodies),
-          count_(one.static_slot - one.bodies),
-          step_(h),
-          tasks_(tasks),
-          counts_(scratch.template allocate<std::uint32_t>(tasks.workers())) {
-        free_count_ = count_of([&](std::uint32_t k) { return gather(k); });
-        if constexpr (is_fixed<S>)
-            starts_in_range_ = count_of([&](std::uint32_t k) {
-                                   return !stays_in_range(s.settings.gravity, member(k), bodies_[k], h,
-                                                          substeps_of(s.settings.solver));
-                               }) == 0;
-        for (std::uint32_t k = count_; k < one.static_slot - one.bodies + 2; ++k)
-            new (bodies_ + k) solver_body<S, D, rotates>{};
-        if (free_count_ > 0) find_free_bodies(all, one, scratch);
-        if constexpr (in_lanes) lanes_ = new (scratch.template allocate<lanes>(1)) lanes(bodies(), moving_, scratch);
-    }
-
-    /// The bodies as the solver sees them; the last two are the static body and a dummy.
-    [[nodiscard]] solver_bodies<S, D, rotates> bodies() const { return {bodies_, count_ + 2}; }
-
-    /// By gravity and forces (m/s^2); nothing drives what is not dynamic.
-    [[nodiscard]] const vec<S, D>& acceleration(std::uint32_t k) const { return moving_[k].acceleration; }
-
-    void integrate_velocities(S h) {
-        if (free_count_ > 0) set_free_forces(step_ / h);
-        each([&](std::uint32_t k) { integrate_velocity(k, h); });
-        if (free_count_ > 0) set_free_forces(S(0));
-    }
-    /// The same; also reapplies what contacts gave in the last substep, v - start_velocity, and sets start_velocity
-    /// to the velocity before that.
-    void integrate_velocities(S h, twist_of<S, D, rotates>* start_velocity) {
-        if (free_count_ > 0) set_free_forces(step_ / h);
-        each([&](std::uint32_t k) {
-            auto& v = bodies_[k].velocity;
-            const auto got = v - start_velocity[k];
-            integrate_velocity(k, h);
-            start_velocity[k] = v;
-            v = v + got;
-        });
-        if (free_count_ > 0) set_free_forces(S(0));
-    }
-    void integrate_positions(S h) { integrate_positions(h, nullptr); }
-    /// The same; what velocities change by as bodies turn, they change in `start_velocity` too.
-    void integrate_positions(S h, twist_of<S, D, rotates>* start_velocity) {
-        if constexpr (in_lanes) {
-            lanes_->advance(h, start_velocity, tasks_);
-            return;
-        }
-        each([&](std::uint32_t k) {
-            pose_velocity<S, D, rotates>& v = bodies_[k].velocity;
-            const auto before = v;
-            integrator::integrate_pose(moving_[k], v, bodies_[k].displacement, h);
-            if constexpr (D == 3 && rotates)
-                if (start_velocity != nullptr && !(v == before)) start_velocity[k] = start_velocity[k] + (v - before);
-        });
-    }
-
-    /// Ends the step. False if something that moved is where numbers do not reach.
-    [[nodiscard]] bool finish() {
-        const std::uint32_t lost = count_of([&](std::uint32_t k) {
-            if constexpr (in_lanes) lanes_->finish(k, k + 1);
-            const auto& by = bodies_[k].displacement;
-            moving_[k].center += by.linear;
-            if constexpr (D == 2 && rotates)
-                if (by.angular != S(0)) moving_[k].rotation = turned(moving_[k].rotation, by.angular);
-            return !is_in_range(moving_[k], bodies_[k].velocity);
-        });
-        return lost == 0 && starts_in_range_;
-    }
-
-private:
-    /// Calls f(k) for all bodies.
-    template <class F>
-    void each(F&& f) {
-        tasks_.parallel_for(count_, min_per_task, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
-            for (std::uint32_t k = first; k < end; ++k) f(k);
-        });
-    }
-    /// For how many of them f(k) is true.
-    template <class F>
-    std::uint32_t count_of(F&& f) {
-        for (std::uint32_t k = 0; k < tasks_.workers(); ++k) counts_[k] = 0;
-        tasks_.parallel_for(count_, min_per_task, [&](std::uint32_t first, std::uint32_t end, std::uint32_t worker) {
-            std::uint32_t count = 0;
-            for (std::uint32_t k = first; k < end; ++k) count += f(k);
-            counts_[worker] += count;
-        });
-        for (std::uint32_t k = 1; k < tasks_.workers(); ++k) counts_[0] += counts_[k];
-        return counts_[0];
-    }
-    void integrate_velocity(std::uint32_t k, S h) {
-        if (!(bodies_[k].inverse_mass > inverse_of<S>(0))) return;
-        integrator::integrate_velocity(bodies_[k].velocity, moving_[k], h);
-        // -0 becomes 0, which no impulse of 0 changes: so the bits are the same whether solvers give it or not.
-        bodies_[k].velocity.linear += vec<S, D>{};
-        if constexpr (rotates) bodies_[k].velocity.angular += angular<S, D>{};
-    }
-    [[nodiscard]] const typename Plan::body& member(std::uint32_t k) const {
-        return state_.bodies[state_.awake[members_[k]]];
-    }
-    /// Says whether a force acts on it.
-    bool gather(std::uint32_t k) {
-        const auto& b = member(k);
-        auto& seen = *new (bodies_ + k) solver_body<S, D, rotates>{b.velocity_ahead(step_), {}, b.inverse_mass, {}};
-        auto& m = *new (moving_ + k) moving_body<S, D, rotates>{};
-        m.center = b.center;
-        if constexpr (rotates) {
-            seen.inverse_inertia = in_world(b.inverse_inertia, b.rotation);
-            m.rotation = b.rotation;
-        }
-        if (!b.is_dynamic()) return false;
-        m.acceleration = state_.settings.gravity * b.gravity_scale;
-        m.linear_damping = b.linear_damping;
-        if constexpr (rotates) {
-            m.angular_damping = b.angular_damping;
-            if (b.is_gyroscopic) m.gyroscopic = &b;
-        }
-        if (!b.has_external_force()) return false;
-        add_force(k, S(1));
-        return true;
-    }
-    /// Lets `share` of the force on a body act.
-    void add_force(std::uint32_t k, S share) {
-        const auto& b = member(k);
-        for (int i = 0; i < D; ++i) moving_[k].acceleration[i] += mul<S>(b.inverse_mass, b.force[i] * share);
-        if constexpr (rotates) moving_[k].angular_acceleration += times(bodies_[k].inverse_inertia, b.torque * share);
-    }
-    /// Bodies that are pushed and touch nothing.
-    void find_free_bodies(const batches& all, const batch& one, arena& scratch) {
-        auto* touches = scratch.template allocate<bool>(count_ + 1);
-        for (std::uint32_t k = 0; k <= count_; ++k) touches[k] = false;
-        for (std::uint32_t n = one.contacts; n < one.end; ++n) {
-            const auto& c = state_.new_contacts[all.order[n]];
-            touches[c.body_a] = touches[c.body_b] = true;
-        }
-        free_ = scratch.template allocate<std::uint32_t>(free_count_);
-        free_count_ = 0;
-        for (std::uint32_t k = 0; k < count_; ++k)
-            if (!touches[k] && member(k).has_external_force()) free_[free_count_++] = k;
-    }
-    /// Free bodies get the whole impulse of a user force in the first substep: spread over substeps, explicit user
-    /// springs would gain energy.
-    void set_free_forces(S share) {
-        for (std::uint32_t n = 0; n < free_count_; ++n) {
-            const std::uint32_t k = free_[n];
-            moving_[k].acceleration = state_.settings.gravity * member(k).gravity_scale;
-            if constexpr (rotates) moving_[k].angular_acceleration = {};
-            if (share > S(0)) add_force(k, share);
-        }
-        if (!(share > S(0))) free_count_ = 0;
-    }
-
-    const state<Plan>& state_;
-    const std::uint32_t* members_;
-    solver_body<S, D, rotates>* bodies_;
-    moving_body<S, D, rotates>* moving_;
-    std::uint32_t count_;
-    S step_;
-    task_runner& tasks_;
-    std::uint32_t* counts_;  ///< What each worker has counted.
-    std::uint32_t* free_ = nullptr;
-    std::uint32_t free_count_ = 0;
-    bool starts_in_range_ = true;
-    lanes* lanes_ = nullptr;
-    static constexpr std::uint32_t min_per_task = 128;  ///< The smallest number of bodies that makes a task.
-};
 
 /// How a step moves the world, batch by batch. Nothing of the world changes before update_boxes.
 template <class Plan>
@@ -29545,13 +29646,15 @@ class step_solver {
     static constexpr bool rotates = Plan::rotates;
 
 public:
-    step_solver(state<Plan>& s, S h, task_runner& tasks) : state_(s), batches_(batches_of(s, tasks)), step_(h) {
+    step_solver(state<Plan>& s, S h, task_runner& tasks)
+        : state_(s), batches_(batches_of(s, tasks)), step_(h), handed_on_(s, h) {
         moved_ = {s.scratch.template allocate<solver_body<S, D, rotates>>(batches_.slots),
                   s.scratch.template allocate<moving_body<S, D, rotates>>(batches_.slots), batches_.slot_of};
     }
 
     /// Solves all batches: large islands one by one on all workers, the others in parallel. False on overflow.
     bool solve(task_runner& tasks) {
+        handed_on_.before_solve();
         bool* solved = state_.scratch.template allocate<bool>(batches_.count);
         for (std::uint32_t k = 0; k < batches_.count; ++k) solved[k] = false;
         const auto is_large = [&](std::uint32_t k) {
@@ -29630,11 +29733,12 @@ public:
             b.set_pose(b.target);
             b.has_target = false;
         }
+        handed_on_.after_solve();
         state_.contacts.swap(state_.new_contacts);
         state_.surfaces = state_.new_material;
         if constexpr (Plan::remembers) state_.pair_cache_changes.finish(state_.memories);
         ++state_.steps;
-        state_.last_step = step_;
+        state_.step_lengths = {handed_on_.usual_step(), step_};
         if constexpr (Plan::sleeps) {
             commit_woken(state_);
             for (const std::uint32_t i : state_.awake) wake_ahead(i);
@@ -29703,6 +29807,7 @@ private:
     batches batches_;
     moved_bodies<S, D, rotates> moved_;
     S step_;
+    handed_on_impulses<Plan> handed_on_;
 };
 
 }  // namespace detail
@@ -29952,11 +30057,11 @@ collide_result join_chunks(state<Plan>& s, contact_chunk* pieces, std::uint32_t 
 }
 
 /// Narrowphase: contacts of the pairs that touch or nearly do, in the order of the pairs, with the impulses that the
-/// same features had in a step of length `last`, scaled to one of h: they hold loads, which a longer step holds by
+/// same features had in steps of those lengths, scaled to one of h: they hold loads, which a longer step holds by
 /// larger ones. What it remembers of the pairs becomes the next step's, unless it is not to.
 template <class Plan>
 collide_result find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs,
-                             const buffer<typename Plan::contact>& before, typename Plan::scalar last,
+                             const buffer<typename Plan::contact>& before, step_lengths<typename Plan::scalar> lengths,
                              typename Plan::scalar h, task_runner& tasks, [[maybe_unused]] bool remembers = true) {
     // So many pairs that what is found of them is still in the caches when it becomes contacts.
     constexpr std::uint32_t share = 256;
@@ -29980,7 +30085,10 @@ collide_result find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs,
         if constexpr (Plan::remembers)
             if (remembers) changes.add(some, s.memories, first / share, worker);
         inherit_impulses(before, to.begin() + start, to.end(), s.new_material);
-        rescale_impulses(to.begin() + start, to.end(), last, h);
+        // What pushes overlaps apart is as large in a short step as in a long one. As long as a world is young that may
+        // be most of its impulses, and must not be stretched.
+        const int maximum = s.steps < 128 ? static_cast<int>(s.steps) : 128;
+        rescale_impulses(to.begin() + start, to.end(), lengths, {h, h}, typename Plan::scalar(maximum));
         new (pieces + first / share) contact_chunk{worker, start, to.size(), is};
     });
     return join_chunks(s, pieces, count, tasks);
@@ -30002,7 +30110,8 @@ bool find_contacts_of_woken(state<Plan>& s, typename Plan::scalar h, task_runner
         if (s.woken_pairs.empty() || s.woken_pairs.back() < c.key()) s.woken_pairs.push_back(c.key());
     }
     s.new_contacts.swap(s.woken_contacts);
-    const bool good = find_contacts(s, s.woken_pairs, s.sleep.contacts, s.sleep.step, h, tasks, false).materials_valid;
+    const bool good = find_contacts(s, s.woken_pairs, s.sleep.contacts, {s.sleep.step, s.sleep.step}, h, tasks, false)
+                          .materials_valid;
     merge_contacts(s.woken_contacts, s.new_contacts);
     s.new_contacts.swap(s.woken_contacts);
     return good;
@@ -30296,7 +30405,8 @@ std::uint64_t state_hash(const state<Plan>& s) {
     h.add(s.steps);
     add_all(s.bodies);
     add_all(s.shapes);
-    h.add(s.last_step);
+    h.add(s.step_lengths.usual);
+    if (!(s.step_lengths.last == s.step_lengths.usual)) h.add(s.step_lengths.last);
     h.add(std::uint64_t{s.contacts.size()});
     for (const auto& c : s.contacts) h.add(hash_of(std::uint64_t{c.shape_a} << 32 | c.shape_b, c));
     if constexpr (Plan::sleeps) {
@@ -30797,7 +30907,7 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, t
     const auto& pairs = find_pairs(s);  // boxes             -> pairs, in order
     done(step_stage::find_pairs);
     // Pairs, poses, last step's contacts -> contacts with feature ids and warm impulses.
-    const collide_result found = find_contacts(s, pairs, s.contacts, s.last_step, h, tasks);
+    const collide_result found = find_contacts(s, pairs, s.contacts, s.step_lengths, h, tasks);
     if (!found.materials_valid) return step_result::bad_mixing_rule;
     if constexpr (Plan::sleeps)
         // Contacts with sleeping bodies -> contacts of the islands that they wake.

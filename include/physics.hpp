@@ -274,12 +274,14 @@
 
 // What users hold; world/step.hpp is the page to read first.
 #include "physics/world/audit.hpp"
+#include "physics/world/batch_integrator.hpp"
 #include "physics/world/check.hpp"
 #include "physics/world/contacts.hpp"
 #include "physics/world/continuous.hpp"
 #include "physics/world/edit.hpp"
 #include "physics/world/extents.hpp"
 #include "physics/world/forces.hpp"
+#include "physics/world/handed_on.hpp"
 #include "physics/world/hash.hpp"
 #include "physics/world/look_ahead.hpp"
 #include "physics/world/mass.hpp"

@@ -152,10 +152,10 @@ CELL_CASE("certificates: points lie in their hull, but for what its builder take
     for (const double thin : {1.0, 1e-2, 1e-4, 1e-5, 1e-6}) {
         double worst = 0;
         for (int i = 0; i < 200; ++i) {
-            reals rescale_impulses{1, 1, 1};
-            rescale_impulses[dice.below(D)] = thin;
+            reals stretch{1, 1, 1};
+            stretch[dice.below(D)] = thin;
             convex_body b;
-            if (!random_hull(dice, 10, rescale_impulses, {}, b)) continue;
+            if (!random_hull(dice, 10, stretch, {}, b)) continue;
             const judge::body exact(b);
             for (const judge::point& p : b.hull.points)
                 worst = std::fmax(worst, double(exact.distance(p)) / b.geometry.data()->tolerance);

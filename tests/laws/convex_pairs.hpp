@@ -44,12 +44,12 @@ inline oracle::frame to_frame(const physics::transform<S, 3>& t) {
     return oracle::frame::of_quaternion(v.x, v.y, v.z, cell::number(t.rotation.w), {p.x, p.y, p.z});
 }
 
-/// A solid of about a size: extents along the axes from a quarter of it to all of it, times `rescale_impulses`.
-inline solid random_solid(solid::kind of, cell::dice& dice, double size, reals rescale_impulses = {1, 1, 1}) {
+/// A solid of about a size: extents along the axes from a quarter of it to all of it, times `stretch`.
+inline solid random_solid(solid::kind of, cell::dice& dice, double size, reals stretch = {1, 1, 1}) {
     solid s;
     s.of = of;
     reals half;
-    for (int i = 0; i < D; ++i) half[i] = size * rescale_impulses[i] * dice.number(0.125, 0.5);
+    for (int i = 0; i < D; ++i) half[i] = size * stretch[i] * dice.number(0.125, 0.5);
     const auto add = [&](reals p) { s.points.push_back(from_reals({p.x * half.x, p.y * half.y, p.z * half.z})); };
     const auto ring = [&](int corners, double radius, double z) {
         const double first = dice.number(0, 2 * M_PI);
@@ -178,16 +178,16 @@ inline void stack(convex_pair& p, cell::dice& dice, double scale) {
 inline convex_pair random_pair(solid::kind of_a, solid::kind of_b, convex_pair::state in, cell::dice& dice) {
     using state = convex_pair::state;
     double scale = 1, of_b_to_a = 1;
-    reals rescale_impulses{1, 1, 1};
+    reals stretch{1, 1, 1};
     if (in == state::tiny) scale = 1e-3;
     if (in == state::huge) scale = 1e3;
     if (in == state::unequal) of_b_to_a = std::pow(10, dice.number(-4, -2)), scale = 100;
-    if (in == state::thin) rescale_impulses[dice.below(D)] = 1e-5, scale = 10;
+    if (in == state::thin) stretch[dice.below(D)] = 1e-5, scale = 10;
 
     convex_pair p;
     p.in = in;
-    p.a = random_solid(of_a, dice, scale, rescale_impulses);
-    p.b = random_solid(of_b, dice, scale * of_b_to_a, in == state::unequal ? reals{1, 1, 1} : rescale_impulses);
+    p.a = random_solid(of_a, dice, scale, stretch);
+    p.b = random_solid(of_b, dice, scale * of_b_to_a, in == state::unequal ? reals{1, 1, 1} : stretch);
     if (dice.below(2) && in == state::unequal) std::swap(p.a, p.b);
     const double least = scale * std::fmin(of_b_to_a, 1);
     p.b_in_a.rotation = random_rotation(dice);

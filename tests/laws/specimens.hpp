@@ -53,10 +53,10 @@ enum class size_class { common, thin, tiny, huge, large, small, mite, swollen, g
 constexpr int size_classes = 9;
 
 /// Hulls of all sorts of corners; no hull where the scalar sees no volume.
-inline bool random_hull(cell::dice& dice, double size, reals rescale_impulses, body_wish wish, convex_body& to) {
+inline bool random_hull(cell::dice& dice, double size, reals stretch, body_wish wish, convex_body& to) {
     constexpr solid::kind kinds[] = {solid::kind::cloud, solid::kind::prism, solid::kind::lattice,
                                      solid::kind::simplex};
-    solid s = random_solid(kinds[dice.below(4)], dice, size, rescale_impulses);
+    solid s = random_solid(kinds[dice.below(4)], dice, size, stretch);
     if (wish.step > 0)
         for (vec& v : s.points)
             for (int i = 0; i < D; ++i) v[i] = S(std::round(cell::number(v[i]) / wish.step) * wish.step);
@@ -91,9 +91,9 @@ public:
                 if (kind != of::hull) {
                     b = random_body(kind, dice, size, wish);
                 } else {
-                    reals rescale_impulses{1, 1, 1};
-                    if (in == size_class::thin) rescale_impulses[dice.below(D)] = 1e-5;
-                    if (!random_hull(dice, size, rescale_impulses, wish, b)) continue;
+                    reals stretch{1, 1, 1};
+                    if (in == size_class::thin) stretch[dice.below(D)] = 1e-5;
+                    if (!random_hull(dice, size, stretch, wish, b)) continue;
                 }
                 of_[c].emplace_back(b);
             }

@@ -29,7 +29,8 @@ struct contact_point {
     S normal_impulse{};
     [[no_unique_address]] detail::optional_member<Features::friction, tangential<S, D>, feature::friction>
         friction_impulse{};
-    /// The impulse along the normal of the last substep, where a solver takes several (N s).
+    /// What the next step begins with: the impulse along the normal of the last substep, where a solver takes several;
+    /// of a usual one, where steps differ in length (N s).
     S substep_impulse{};
     std::uint32_t feature = 0;
 };
@@ -173,21 +174,40 @@ void inherit_impulses(const contact<S, D, Features>& old, const tangents<S, D>& 
             c.rolling_impulse = same_moment(old_frame, frame, old.rolling_impulse);
 }
 
-/// Scales the impulses of contacts from a step of one length to one of another: they hold loads, which a longer step
-/// holds by larger ones.
+/// What impulses of a step of one length are multiplied with to begin one of another, at most by so much: they hold
+/// loads, which a longer step holds by larger ones. Never nothing, so that loads outlive steps of microseconds.
+template <class S>
+constexpr S impulse_ratio(S from, S to, S maximum = S(128)) {
+    if (to >= from) return to > from * maximum ? maximum : to / from;
+    const S minimum = S(0x1p-20);
+    return to > from * minimum ? to / from : minimum;
+}
+
+/// Of what length the steps are in which impulses act (s): loads in usual ones, all others in the last one.
+template <class S>
+struct step_lengths {
+    S usual{}, last{};
+
+    friend bool operator==(step_lengths, step_lengths) = default;
+};
+
+/// Scales the impulses of contacts from a step of one length to one of another, loads at most by so much.
 template <class S, int D, class Features>
-void rescale_impulses(contact<S, D, Features>* first, const contact<S, D, Features>* end, S from, S to) {
-    if (!(from > S(0)) || from == to) return;
-    const S ratio = to / from;
+void rescale_impulses(contact<S, D, Features>* first, const contact<S, D, Features>* end, step_lengths<S> from,
+                      step_lengths<S> to, S maximum = S(128)) {
+    if (!(from.usual > S(0)) || from == to) return;
+    const S ratio = impulse_ratio(from.usual, to.usual, maximum);
+    // Friction and resistance to rolling of a single short step are noise, and not scaled up.
+    const S others = min(impulse_ratio(from.last, to.last, maximum), max(ratio, S(1)));
     for (; first != end; ++first) {
         // A substep's friction is noisier than its load: where that is scaled up, columns are shaken.
-        if constexpr (Features::friction && D == 2) first->substep_friction *= min(ratio, S(1));
-        if constexpr (Features::friction && D == 3) first->twist_impulse *= ratio;
-        if constexpr (Features::rolling_resistance) first->rolling_impulse *= ratio;
+        if constexpr (Features::friction && D == 2) first->substep_friction *= min(others, S(1));
+        if constexpr (Features::friction && D == 3) first->twist_impulse *= others;
+        if constexpr (Features::rolling_resistance) first->rolling_impulse *= others;
         for (int k = 0; k < first->count; ++k) {
             contact_point<S, D, Features>& p = first->points[k];
-            p.normal_impulse *= ratio;
-            if constexpr (Features::friction) p.friction_impulse *= ratio;
+            p.normal_impulse *= others;
+            if constexpr (Features::friction) p.friction_impulse *= others;
             p.substep_impulse *= ratio;
         }
     }

@@ -103,7 +103,9 @@ struct soft_step_with {
                 contacts.surfaces()};
             const blocks_in_colours blocks = pack(colours, contacts, all, prepare_with, scratch, tasks);
             const S h_sub = h / S(with.substeps);
-            const S frequency = with.contact_frequency_ratio / h_sub;
+            S usual = h;
+            if constexpr (requires { motion.usual_step(); }) usual = motion.usual_step();
+            const S frequency = with.contact_frequency_ratio / (usual / S(with.substeps));
             const bool capped = with.frequency_cap > S(0) && with.frequency_cap < frequency;
             detail::substep_start<S, D, rotates> start(all, scratch);
             const detail::contact_pass<S, D, rotates> biased{

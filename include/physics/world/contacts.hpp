@@ -242,11 +242,11 @@ collide_result join_chunks(state<Plan>& s, contact_chunk* pieces, std::uint32_t 
 }
 
 /// Narrowphase: contacts of the pairs that touch or nearly do, in the order of the pairs, with the impulses that the
-/// same features had in a step of length `last`, scaled to one of h: they hold loads, which a longer step holds by
+/// same features had in steps of those lengths, scaled to one of h: they hold loads, which a longer step holds by
 /// larger ones. What it remembers of the pairs becomes the next step's, unless it is not to.
 template <class Plan>
 collide_result find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs,
-                             const buffer<typename Plan::contact>& before, typename Plan::scalar last,
+                             const buffer<typename Plan::contact>& before, step_lengths<typename Plan::scalar> lengths,
                              typename Plan::scalar h, task_runner& tasks, [[maybe_unused]] bool remembers = true) {
     // So many pairs that what is found of them is still in the caches when it becomes contacts.
     constexpr std::uint32_t share = 256;
@@ -270,7 +270,10 @@ collide_result find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs,
         if constexpr (Plan::remembers)
             if (remembers) changes.add(some, s.memories, first / share, worker);
         inherit_impulses(before, to.begin() + start, to.end(), s.new_material);
-        rescale_impulses(to.begin() + start, to.end(), last, h);
+        // What pushes overlaps apart is as large in a short step as in a long one. As long as a world is young that may
+        // be most of its impulses, and must not be stretched.
+        const int maximum = s.steps < 128 ? static_cast<int>(s.steps) : 128;
+        rescale_impulses(to.begin() + start, to.end(), lengths, {h, h}, typename Plan::scalar(maximum));
         new (pieces + first / share) contact_chunk{worker, start, to.size(), is};
     });
     return join_chunks(s, pieces, count, tasks);
@@ -292,7 +295,8 @@ bool find_contacts_of_woken(state<Plan>& s, typename Plan::scalar h, task_runner
         if (s.woken_pairs.empty() || s.woken_pairs.back() < c.key()) s.woken_pairs.push_back(c.key());
     }
     s.new_contacts.swap(s.woken_contacts);
-    const bool good = find_contacts(s, s.woken_pairs, s.sleep.contacts, s.sleep.step, h, tasks, false).materials_valid;
+    const bool good = find_contacts(s, s.woken_pairs, s.sleep.contacts, {s.sleep.step, s.sleep.step}, h, tasks, false)
+                          .materials_valid;
     merge_contacts(s.woken_contacts, s.new_contacts);
     s.new_contacts.swap(s.woken_contacts);
     return good;

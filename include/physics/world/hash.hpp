@@ -159,7 +159,8 @@ std::uint64_t state_hash(const state<Plan>& s) {
     h.add(s.steps);
     add_all(s.bodies);
     add_all(s.shapes);
-    h.add(s.last_step);
+    h.add(s.step_lengths.usual);
+    if (!(s.step_lengths.last == s.step_lengths.usual)) h.add(s.step_lengths.last);
     h.add(std::uint64_t{s.contacts.size()});
     for (const auto& c : s.contacts) h.add(hash_of(std::uint64_t{c.shape_a} << 32 | c.shape_b, c));
     if constexpr (Plan::sleeps) {

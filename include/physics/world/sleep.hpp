@@ -78,7 +78,7 @@ void wake_islands(state<Plan>& s, Each&& each) {
     partition_contacts(
         s.sleep.contacts, [&](const auto& c) { return touches_no_awake_body(s, c); },
         [&](const auto& c) { s.new_contacts.push_back(c); });
-    rescale_impulses(s.new_contacts.begin(), s.new_contacts.end(), s.sleep.step, s.last_step);
+    rescale_impulses(s.new_contacts.begin(), s.new_contacts.end(), {s.sleep.step, s.sleep.step}, s.step_lengths);
     merge_contacts(s.contacts, s.new_contacts);
 }
 template <class Plan>
@@ -288,8 +288,9 @@ private:
         partition_contacts(
             s_.contacts, [&](const auto& c) { return !touches_no_awake_body(s_, c); },
             [&](const auto& c) { s_.new_contacts.push_back(c); });
-        if (s_.sleep.contacts.empty()) s_.sleep.step = step_;
-        rescale_impulses(s_.new_contacts.begin(), s_.new_contacts.end(), step_, s_.sleep.step);
+        if (s_.sleep.contacts.empty()) s_.sleep.step = s_.step_lengths.usual;
+        rescale_impulses(s_.new_contacts.begin(), s_.new_contacts.end(), s_.step_lengths,
+                         {s_.sleep.step, s_.sleep.step});
         merge_contacts(s_.sleep.contacts, s_.new_contacts);
         if constexpr (Plan::remembers)
             s_.memories.drop([&](std::uint32_t shape) { return s_.is_asleep(s_.shapes[shape].body); });

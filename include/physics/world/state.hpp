@@ -212,8 +212,8 @@ struct state {
     [[no_unique_address]] std::conditional_t<Plan::is_continuous, continuous_state<Plan>, nothing_continuous>
         continuous;
     std::uint64_t steps = 0;
-    /// Length of the last step (s), in which the contacts' impulses acted.
-    S last_step{};
+    /// Lengths of the steps in which the contacts' impulses act.
+    physics::step_lengths<S> step_lengths;
     /// By which handles know the world; no part of what lasts, so that they serve it whatever state it is brought to.
     std::uint16_t tag = 0;
 
@@ -234,7 +234,7 @@ struct state {
         f(self.sleep);
         f(self.continuous);
         f(self.steps);
-        f(self.last_step);
+        f(self.step_lengths);
     }
 
     /// Set while a step is under way.

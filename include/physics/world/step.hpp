@@ -64,7 +64,7 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, t
     const auto& pairs = find_pairs(s);  // boxes             -> pairs, in order
     done(step_stage::find_pairs);
     // Pairs, poses, last step's contacts -> contacts with feature ids and warm impulses.
-    const collide_result found = find_contacts(s, pairs, s.contacts, s.last_step, h, tasks);
+    const collide_result found = find_contacts(s, pairs, s.contacts, s.step_lengths, h, tasks);
     if (!found.materials_valid) return step_result::bad_mixing_rule;
     if constexpr (Plan::sleeps)
         // Contacts with sleeping bodies -> contacts of the islands that they wake.
