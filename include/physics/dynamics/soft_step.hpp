@@ -15,8 +15,9 @@ template <class S>
 struct soft_step_settings {
     /// Parts of a step, each with its own round; more make contacts stiffer and heavy loads safer. At least 1.
     int substeps = 4;
-    /// Frequency of the springs that push overlaps apart, as a part of the substeps' rate: work buys stiffness. With
-    /// less a column of 15 crates buckles at 4 substeps, with more heavy loads and wide piles tremble.
+    /// Frequency of the springs that push overlaps apart, as a part of the substeps' rate (of usual ones, where steps
+    /// differ in length): work buys stiffness. With less a column of 15 crates buckles at 4 substeps, with more heavy
+    /// loads and wide piles tremble.
     S contact_frequency_ratio = S(0.2);
     /// Their damping ratio. With less, large piles breathe for longer; with more, columns that lean right themselves
     /// too late.
@@ -70,7 +71,8 @@ struct soft_step_with {
 
         /// Advances velocities and poses by h: `motion` offers integrate_velocities(h) and integrate_positions(h),
         /// which adds to their ways; where it takes the velocities with which the substep began as well (see
-        /// substep_start), it saves rounds over the bodies. With several hands, contacts of a colour are shared out.
+        /// substep_start), it saves rounds over the bodies; where it tells a usual_step(), contacts are no stiffer than
+        /// in steps of that length. With several hands, contacts of a colour are shared out.
         template <class Motion>
         static void solve(bodies_type all, contact_constraints<S, D, Features> contacts, const settings& with, S h,
                           arena& scratch, Motion&& motion, detail::task_runner& tasks) {
