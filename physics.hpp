@@ -25,8 +25,6 @@
 #undef border
 #pragma push_macro("box")
 #undef box
-#pragma push_macro("calloc")
-#undef calloc
 #pragma push_macro("check")
 #undef check
 #pragma push_macro("clamp")
@@ -43,8 +41,6 @@
 #undef F
 #pragma push_macro("far")
 #undef far
-#pragma push_macro("free")
-#undef free
 #pragma push_macro("half")
 #undef half
 #pragma push_macro("high")
@@ -63,8 +59,6 @@
 #undef length
 #pragma push_macro("low")
 #undef low
-#pragma push_macro("malloc")
-#undef malloc
 #pragma push_macro("max")
 #undef max
 #pragma push_macro("min")
@@ -83,8 +77,6 @@
 #undef radians
 #pragma push_macro("real")
 #undef real
-#pragma push_macro("realloc")
-#undef realloc
 #pragma push_macro("reflect")
 #undef reflect
 #pragma push_macro("remove")
@@ -31900,7 +31892,6 @@ PHYSICS_HPP_END
 #pragma pop_macro("bit")
 #pragma pop_macro("border")
 #pragma pop_macro("box")
-#pragma pop_macro("calloc")
 #pragma pop_macro("check")
 #pragma pop_macro("clamp")
 #pragma pop_macro("clear")
@@ -31909,7 +31900,6 @@ PHYSICS_HPP_END
 #pragma pop_macro("erase")
 #pragma pop_macro("F")
 #pragma pop_macro("far")
-#pragma pop_macro("free")
 #pragma pop_macro("half")
 #pragma pop_macro("high")
 #pragma pop_macro("huge")
@@ -31919,7 +31909,6 @@ PHYSICS_HPP_END
 #pragma pop_macro("insert")
 #pragma pop_macro("length")
 #pragma pop_macro("low")
-#pragma pop_macro("malloc")
 #pragma pop_macro("max")
 #pragma pop_macro("min")
 #pragma pop_macro("move")
@@ -31929,7 +31918,6 @@ PHYSICS_HPP_END
 #pragma pop_macro("pi")
 #pragma pop_macro("radians")
 #pragma pop_macro("real")
-#pragma pop_macro("realloc")
 #pragma pop_macro("reflect")
 #pragma pop_macro("remove")
 #pragma pop_macro("round")

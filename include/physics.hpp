@@ -18,8 +18,6 @@
 #undef border
 #pragma push_macro("box")
 #undef box
-#pragma push_macro("calloc")
-#undef calloc
 #pragma push_macro("check")
 #undef check
 #pragma push_macro("clamp")
@@ -36,8 +34,6 @@
 #undef F
 #pragma push_macro("far")
 #undef far
-#pragma push_macro("free")
-#undef free
 #pragma push_macro("half")
 #undef half
 #pragma push_macro("high")
@@ -56,8 +52,6 @@
 #undef length
 #pragma push_macro("low")
 #undef low
-#pragma push_macro("malloc")
-#undef malloc
 #pragma push_macro("max")
 #undef max
 #pragma push_macro("min")
@@ -76,8 +70,6 @@
 #undef radians
 #pragma push_macro("real")
 #undef real
-#pragma push_macro("realloc")
-#undef realloc
 #pragma push_macro("reflect")
 #undef reflect
 #pragma push_macro("remove")
@@ -309,7 +301,6 @@
 #pragma pop_macro("bit")
 #pragma pop_macro("border")
 #pragma pop_macro("box")
-#pragma pop_macro("calloc")
 #pragma pop_macro("check")
 #pragma pop_macro("clamp")
 #pragma pop_macro("clear")
@@ -318,7 +309,6 @@
 #pragma pop_macro("erase")
 #pragma pop_macro("F")
 #pragma pop_macro("far")
-#pragma pop_macro("free")
 #pragma pop_macro("half")
 #pragma pop_macro("high")
 #pragma pop_macro("huge")
@@ -328,7 +318,6 @@
 #pragma pop_macro("insert")
 #pragma pop_macro("length")
 #pragma pop_macro("low")
-#pragma pop_macro("malloc")
 #pragma pop_macro("max")
 #pragma pop_macro("min")
 #pragma pop_macro("move")
@@ -338,7 +327,6 @@
 #pragma pop_macro("pi")
 #pragma pop_macro("radians")
 #pragma pop_macro("real")
-#pragma pop_macro("realloc")
 #pragma pop_macro("reflect")
 #pragma pop_macro("remove")
 #pragma pop_macro("round")

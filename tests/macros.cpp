@@ -1,7 +1,7 @@
 // After headers whose macros take the library's names: it compiles, and they have their macros back.
 #include <doctest/doctest.h>
 
-// <windows.h>, <complex.h>, allocators that trace, the C library's older names.
+// <windows.h>, <complex.h>, debuggers of memory, the C library's older names.
 #define near
 #define far
 #define huge
@@ -10,10 +10,6 @@
 #define max(a, b) (((a) > (b)) ? (a) : (b))
 #define I (__extension__ 1.0i)
 #define imaginary _Imaginary
-#define malloc(size) traced_malloc(size, __FILE__, __LINE__)
-#define calloc(count, size) traced_calloc(count, size, __FILE__, __LINE__)
-#define realloc(block, size) traced_realloc(block, size, __FILE__, __LINE__)
-#define free(block) traced_free(block, __FILE__, __LINE__)
 #if defined(__clang__)
 #pragma clang diagnostic ignored "-Wkeyword-macro"
 #endif
