@@ -29562,7 +29562,7 @@ void watch_fast_bodies(state<Plan>& s, typename Plan::scalar h) {
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/world/handed_on.hpp
+// physics/world/warm_impulses.hpp
 // =================================================================================================
 // What contacts hand on from step to step where these differ in length.
 
@@ -29575,14 +29575,14 @@ namespace detail {
 /// the last step adds its part. How long steps usually take follows their length by an eighth at a time. Steps of one
 /// length hand on their impulses as they are, and cost nothing.
 template <class Plan>
-class handed_on_impulses {
+class warm_impulses {
     using S = typename Plan::scalar;
 
 public:
-    handed_on_impulses(state<Plan>& s, S h) : state_(s), step_(h) {}
+    warm_impulses(state<Plan>& s, S h) : state_(s), step_(h) {}
 
-    /// How long steps usually take, this one included (s).
-    [[nodiscard]] S usual_step() const {
+    /// How long steps usually take once this one counts among them (s).
+    [[nodiscard]] S next_usual_step() const {
         const S last = state_.step_lengths.usual;
         // A world's first steps may be shorter than those to come.
         const S longest = state_.steps < 8 ? step_ : last + last * S(0.125);
@@ -29599,7 +29599,7 @@ public:
     }
     /// Turns this step's impulses into those of a usual one.
     void after_solve() {
-        const S last = state_.step_lengths.usual, usual = usual_step();
+        const S last = state_.step_lengths.usual, usual = next_usual_step();
         if (usual == step_ && !is_shorter()) return;
         const S ratio = impulse_ratio(last, step_), part = usual / max(step_, last);
         const S* from = begun_with_;
@@ -29641,14 +29641,14 @@ class step_solver {
 
 public:
     step_solver(state<Plan>& s, S h, task_runner& tasks)
-        : state_(s), batches_(batches_of(s, tasks)), step_(h), handed_on_(s, h) {
+        : state_(s), batches_(batches_of(s, tasks)), step_(h), warm_(s, h) {
         moved_ = {s.scratch.template allocate<solver_body<S, D, rotates>>(batches_.slots),
                   s.scratch.template allocate<moving_body<S, D, rotates>>(batches_.slots), batches_.slot_of};
     }
 
     /// Solves all batches: large islands one by one on all workers, the others in parallel. False on overflow.
     bool solve(task_runner& tasks) {
-        handed_on_.before_solve();
+        warm_.before_solve();
         bool* solved = state_.scratch.template allocate<bool>(batches_.count);
         for (std::uint32_t k = 0; k < batches_.count; ++k) solved[k] = false;
         const auto is_large = [&](std::uint32_t k) {
@@ -29727,12 +29727,12 @@ public:
             b.set_pose(b.target);
             b.has_target = false;
         }
-        handed_on_.after_solve();
+        warm_.after_solve();
         state_.contacts.swap(state_.new_contacts);
         state_.surfaces = state_.new_material;
         if constexpr (Plan::remembers) state_.pair_cache_changes.finish(state_.memories);
         ++state_.steps;
-        state_.step_lengths = {handed_on_.usual_step(), step_};
+        state_.step_lengths = {warm_.next_usual_step(), step_};
         if constexpr (Plan::sleeps) {
             commit_woken(state_);
             for (const std::uint32_t i : state_.awake) wake_ahead(i);
@@ -29801,7 +29801,7 @@ private:
     batches batches_;
     moved_bodies<S, D, rotates> moved_;
     S step_;
-    handed_on_impulses<Plan> handed_on_;
+    warm_impulses<Plan> warm_;
 };
 
 }  // namespace detail
@@ -31213,7 +31213,7 @@ public:
     }
 
     /// Advances time by dt seconds (greater than 0). Forces and torques act for this step and are then
-    /// forgotten. Steps may differ in length: what rests stays at rest from 1 us to 1/15 s. Cost: see the policies.
+    /// forgotten. Steps may differ in length: none from 1 us to 1/15 s throws what rests. Cost: see the policies.
     /// Refused, with nothing changed, if a number would leave its range.
     void step(scalar dt) { code::step(state_, dt, {}); }
     /// The same, with the work shared out by an executor, such as a thread_pool; the bits do not depend on it.

@@ -273,7 +273,6 @@
 #include "physics/world/edit.hpp"
 #include "physics/world/extents.hpp"
 #include "physics/world/forces.hpp"
-#include "physics/world/handed_on.hpp"
 #include "physics/world/hash.hpp"
 #include "physics/world/look_ahead.hpp"
 #include "physics/world/mass.hpp"
@@ -286,6 +285,7 @@
 #include "physics/world/snapshot.hpp"
 #include "physics/world/state.hpp"
 #include "physics/world/step.hpp"
+#include "physics/world/warm_impulses.hpp"
 #include "physics/world/world.hpp"
 #include "physics/world/world_code.hpp"
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "physics/world/batch_integrator.hpp"
-#include "physics/world/handed_on.hpp"
+#include "physics/world/warm_impulses.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -17,14 +17,14 @@ class step_solver {
 
 public:
     step_solver(state<Plan>& s, S h, task_runner& tasks)
-        : state_(s), batches_(batches_of(s, tasks)), step_(h), handed_on_(s, h) {
+        : state_(s), batches_(batches_of(s, tasks)), step_(h), warm_(s, h) {
         moved_ = {s.scratch.template allocate<solver_body<S, D, rotates>>(batches_.slots),
                   s.scratch.template allocate<moving_body<S, D, rotates>>(batches_.slots), batches_.slot_of};
     }
 
     /// Solves all batches: large islands one by one on all workers, the others in parallel. False on overflow.
     bool solve(task_runner& tasks) {
-        handed_on_.before_solve();
+        warm_.before_solve();
         bool* solved = state_.scratch.template allocate<bool>(batches_.count);
         for (std::uint32_t k = 0; k < batches_.count; ++k) solved[k] = false;
         const auto is_large = [&](std::uint32_t k) {
@@ -103,12 +103,12 @@ public:
             b.set_pose(b.target);
             b.has_target = false;
         }
-        handed_on_.after_solve();
+        warm_.after_solve();
         state_.contacts.swap(state_.new_contacts);
         state_.surfaces = state_.new_material;
         if constexpr (Plan::remembers) state_.pair_cache_changes.finish(state_.memories);
         ++state_.steps;
-        state_.step_lengths = {handed_on_.usual_step(), step_};
+        state_.step_lengths = {warm_.next_usual_step(), step_};
         if constexpr (Plan::sleeps) {
             commit_woken(state_);
             for (const std::uint32_t i : state_.awake) wake_ahead(i);
@@ -177,7 +177,7 @@ private:
     batches batches_;
     moved_bodies<S, D, rotates> moved_;
     S step_;
-    handed_on_impulses<Plan> handed_on_;
+    warm_impulses<Plan> warm_;
 };
 
 }  // namespace detail

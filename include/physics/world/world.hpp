@@ -49,7 +49,7 @@ public:
     }
 
     /// Advances time by dt seconds (greater than 0). Forces and torques act for this step and are then
-    /// forgotten. Steps may differ in length: what rests stays at rest from 1 us to 1/15 s. Cost: see the policies.
+    /// forgotten. Steps may differ in length: none from 1 us to 1/15 s throws what rests. Cost: see the policies.
     /// Refused, with nothing changed, if a number would leave its range.
     void step(scalar dt) { code::step(state_, dt, {}); }
     /// The same, with the work shared out by an executor, such as a thread_pool; the bits do not depend on it.

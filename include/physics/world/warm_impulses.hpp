@@ -12,14 +12,14 @@ namespace detail {
 /// the last step adds its part. How long steps usually take follows their length by an eighth at a time. Steps of one
 /// length hand on their impulses as they are, and cost nothing.
 template <class Plan>
-class handed_on_impulses {
+class warm_impulses {
     using S = typename Plan::scalar;
 
 public:
-    handed_on_impulses(state<Plan>& s, S h) : state_(s), step_(h) {}
+    warm_impulses(state<Plan>& s, S h) : state_(s), step_(h) {}
 
-    /// How long steps usually take, this one included (s).
-    [[nodiscard]] S usual_step() const {
+    /// How long steps usually take once this one counts among them (s).
+    [[nodiscard]] S next_usual_step() const {
         const S last = state_.step_lengths.usual;
         // A world's first steps may be shorter than those to come.
         const S longest = state_.steps < 8 ? step_ : last + last * S(0.125);
@@ -36,7 +36,7 @@ public:
     }
     /// Turns this step's impulses into those of a usual one.
     void after_solve() {
-        const S last = state_.step_lengths.usual, usual = usual_step();
+        const S last = state_.step_lengths.usual, usual = next_usual_step();
         if (usual == step_ && !is_shorter()) return;
         const S ratio = impulse_ratio(last, step_), part = usual / max(step_, last);
         const S* from = begun_with_;
