@@ -4847,6 +4847,23 @@ template <class I, class S>
     requires std::same_as<I, inverse_of<S>>
 constexpr S times(I inverse_inertia, S moment) { return mul<S>(inverse_inertia, moment); }
 
+namespace detail {
+
+/// Twice the kinetic energy of what turns at w in world axes (J), with the given rotation.
+template <class S>
+double twice_spin_energy(S inertia, const rotation<S, 2>&, S w) {
+    return to_double(inertia) * to_double(w) * to_double(w);
+}
+template <class S>
+double twice_spin_energy(const symmetric<S>& m, const rotation<S, 3>& turned, const vec<S, 3>& w) {
+    const vec<S, 3> seen = inverse_rotate(turned, w);
+    const double x = to_double(seen.x), y = to_double(seen.y), z = to_double(seen.z);
+    return to_double(m.xx) * x * x + to_double(m.yy) * y * y + to_double(m.zz) * z * z +
+           2 * (to_double(m.xy) * x * y + to_double(m.xz) * x * z + to_double(m.yz) * y * z);
+}
+
+}  // namespace detail
+
 PHYSICS_HPP_END
 
 // =================================================================================================
@@ -16264,6 +16281,8 @@ struct first_penetration {
     double gap = 0;
     /// Whether it began in touch.
     bool touching = false;
+    /// How far along the axis it must be moved at the end of its way, to be no deeper than it began.
+    double push_out = 0;
 };
 
 /// Whether the core of a shape has at most four corners, or only parts have one, that have as few.
@@ -16529,7 +16548,9 @@ PHYSICS_HPP_COLD first_penetration<D> find_first_penetration(const moving_pair<D
         }
         const auto deep = search.follow(0, end, -(sunk + more), within);
         if (deep.state == impact_state::separated || deep.time > latest) return {};
-        return stopped(deep);
+        first_penetration<D> result = stopped(deep);
+        result.push_out = -(p.gap(1, deep.normal) + sunk);
+        return result;
     }
     const auto first = search.follow(from, latest < end ? latest : end, rule.target, slack);
     if (first.state == impact_state::separated) return {};
@@ -21870,14 +21891,15 @@ private:
 /// their straight and turning path, and stopped at the surface where they would end within something or pass into it by
 /// more than half of their thickness, flagged ones also where they would graze what moves. They keep their velocity,
 /// for the next step's contacts to deal with, and go on along a static surface for the rest of the step, without
-/// turning. So they pass through nothing, however thin, nothing sinks in where it lands, and what slides or rolls along
-/// a surface is not stopped. What a stopped body loses is the rest of the step's time (see continuous_report). Of two
-/// bodies that are stopped on each other's way, each is stopped by the path that the other would have taken. What turns
-/// by its own inertia (see integrator) is taken to turn about one axis.
-/// Dynamic bodies whose middle a kinematic one may pass on the way to its target count as flagged: it takes along what
-/// it meets, up to static bodies and through other dynamic ones, and gives that no velocity.
-/// Cost: 100 to 400 instructions for bodies near nothing that stands; else a query and 1 to 20 us for each shape on
-/// their way.
+/// turning. What touches already and only turns deeper, as rims of coins do, is pushed out at the end of the step
+/// instead. What stops or pushes it takes from its speed the height that it gives. So they pass through nothing,
+/// however thin, nothing sinks in where it lands, and what slides or rolls along a surface is not stopped. What a
+/// stopped body loses is the rest of the step's time (see continuous_report). Of two bodies that are stopped on each
+/// other's way, each is stopped by the path that the other would have taken. What turns by its own inertia (see
+/// integrator) is taken to turn about one axis. Dynamic bodies whose middle a kinematic one may pass on the way to its
+/// target count as flagged: it takes along what it meets, up to static bodies and through other dynamic ones, and gives
+/// that no velocity. Cost: 100 to 400 instructions for bodies near nothing that stands; else a query and 1 to 20 us for
+/// each shape on their way.
 struct swept {
     using stage = physics::stage::continuous;
 
@@ -26951,8 +26973,10 @@ struct swept_body {
     /// Whether it may pass through something, or only be in it at the end of the step.
     bool goes_far = true;
     bool stops = false, converged = true;
-    /// Whether it was in touch with what stops it as the step began.
+    /// Whether it was in touch with what stops it as the step began, and how far along the normal it must then be moved
+    /// at the end of the step, to be no deeper.
     bool touching = false;
+    double push_out = 0;
     /// Whether another body that it has stopped stops it too.
     bool cut = false;
     std::uint32_t other = 0;
@@ -29091,119 +29115,26 @@ void note_depth(state<Plan>& s, const Contact& c) {
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/world/continuous.hpp
+// physics/world/sweep_search.hpp
 // =================================================================================================
-// Continuous collision in a world: fast bodies are stopped where they would pass into something.
+// What stops a body on its way through a step: the shapes near by, and when it meets them.
 
 PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// The sweeps of one step. It reads poses at the step's start and the solver's; what stops bodies is applied when all
-/// is known, so that no order of bodies matters.
+/// Sweeps a body along a way, from piece to piece and from shape to shape.
 template <class Plan>
-class body_sweeps : body_paths<Plan> {
+class sweep_search : protected body_paths<Plan> {
     using paths = body_paths<Plan>;
-    using paths::box_of, paths::crosses, paths::D, paths::h_, paths::keeps_clear, paths::contact_margin,
-        paths::length_of, paths::motion_of, paths::moved_, paths::s_, paths::motion_of_body;
+
+protected:
+    using paths::contact_margin, paths::D, paths::motion_of, paths::moved_, paths::s_;
     using typename paths::body_sweep;
     using typename paths::S;
     using typename paths::swept_body_type;
-    using policy = typename Plan::continuous;
 
-public:
-    using paths::paths;
-
-    PHYSICS_HPP_NOINLINE void run() {
-        auto& report = s_.continuous.report;
-        report = {};
-        if (find_swept_bodies()) sweep_all(report);
-    }
-
-private:
-    buffer<swept_body_type>& swept_bodies() { return s_.continuous.swept_bodies; }
-
-    PHYSICS_HPP_COLD void sweep_all(continuous_report<S>& report) {
-        report.swept = swept_bodies().size();
-        if (any_flagged_) list_moving_bodies();
-        for (swept_body_type& m : swept_bodies()) find_stop(m);
-        for (swept_body_type& m : swept_bodies()) stop_other(m);
-        for (swept_body_type& m : swept_bodies()) stop(m);
-    }
-    bool find_swept_bodies() {
-        auto& pushers = s_.continuous.pushers;
-        pushers.clear();
-        const S thinnest = list_swept_bodies();
-        if (fastest_ > detail::to_double(thinnest)) {
-            for (auto& p : pushers) p.box = box_of(motion_of(p.body), s_.continuous.extents[p.body].outer);
-            list_swept_bodies();
-        }
-        return !swept_bodies().empty();
-    }
-    /// Gives the thickness of the thinnest dynamic body, so that what slow kinematic ones pass is not looked for.
-    S list_swept_bodies() {
-        swept_bodies().clear();
-        const bool anew = !s_.continuous.pushers.empty();
-        S thinnest = scalar_traits<S>::max();
-        for (std::uint32_t k = 0; k < s_.awake.size(); ++k) {
-            const std::uint32_t i = s_.awake[k];
-            const auto& b = s_.bodies[i];
-            const body_motion<S, D> own = motion_of_body(k, b);
-            if (!b.is_dynamic()) {
-                double far = detail::to_double(length_of(own.turn)) * s_.continuous.extents[i].outer;
-                for (int axis = 0; axis < D; ++axis) far += abs(detail::to_double(own.translation[axis]));
-                // By velocities drums and paddles go far all the time: what they pass is not looked for.
-                if (anew || !b.has_target || !(far > 0)) continue;
-                s_.continuous.pushers.push_back({i, {}});
-                fastest_ = max(fastest_, far);
-                continue;
-            }
-            thinnest = min(thinnest, own.thickness);
-            const body_motion<S, D> path = anew ? as_pushed(k, b, own) : own;
-            const auto against = policy::sweep_against(path);
-            if (against == sweep_target::nothing) continue;
-            const bool everything = against == sweep_target::everything;
-            swept_body_type m(i, k, against);
-            m.goes_far = everything || path.bound() > path.thickness * S(0.5) - path.depth;
-            swept_bodies().push_back(m);
-            any_flagged_ = any_flagged_ || everything;
-        }
-        return thinnest;
-    }
-    /// The stride of a body as seen from the first kinematic one that may pass its middle; it counts as flagged then.
-    PHYSICS_HPP_COLD body_motion<S, D> as_pushed(std::uint32_t k, const typename Plan::body& b,
-                                                 const body_motion<S, D>& own) {
-        const point<D> start = to_point(b.center), end = to_point(moved_[k].center);
-        const aabb<double, D> box =
-            grown(aabb<double, D>{min(start, end), max(start, end)}, s_.continuous.extents[s_.awake[k]].outer);
-        for (const auto& p : s_.continuous.pushers) {
-            if (!overlap(p.box, box)) continue;
-            const auto& from = s_.bodies[p.body];
-            const vec<S, D> velocity_of_pusher =
-                velocity_at(moved_.velocity(s_.awake_index[p.body]), b.center - from.center) * h_;
-            body_motion<S, D> seen = own, alone = own;
-            seen.translation -= velocity_of_pusher;
-            alone.translation = velocity_of_pusher;
-            seen.flagged = true;
-            if (seen.bound() > own.thickness && alone.bound() > own.thickness && crosses(k, b, p.body)) return seen;
-        }
-        return own;
-    }
-
-    /// What moves, and may be far from where the broadphase knows it.
-    void list_moving_bodies() {
-        s_.continuous.moving_bodies.clear();
-        const auto add = [&](std::uint32_t i) {
-            s_.continuous.moving_bodies.push_back({i, box_of(motion_of(i), s_.continuous.extents[i].outer)});
-        };
-        std::uint32_t next = 0;
-        for (std::uint32_t k = 0; k < s_.awake.size(); ++k) {
-            const std::uint32_t i = s_.awake[k];
-            const bool goes_far = next < swept_bodies().size() && swept_bodies()[next].number == k;
-            if (goes_far) ++next;
-            if (goes_far || !s_.bodies[i].is_dynamic()) add(i);
-        }
-    }
+    using paths::body_paths;
 
     /// Shapes that a body may meet on a way in a box, in ascending order.
     PHYSICS_HPP_COLD bool find_candidates(std::uint32_t body, const aabb<double, D>& path, bool everything) {
@@ -29242,17 +29173,6 @@ private:
         numbers.resize(kept);
     }
 
-    /// What does not go far passes through nothing: it is enough to look where it ends.
-    void find_stop(swept_body_type& m) {
-        const bool everything = m.against == sweep_target::everything;
-        aabb<double, D> box;
-        if (keeps_clear(m, box) && !everything) return;
-        if (!find_candidates(m.body, box, everything)) m.converged = false;
-        if (s_.continuous.candidates.empty()) return;
-        const body_sweep path = motion_of(m.body);
-        m.goes_far = m.goes_far || ends_in_something(m, path);
-        if (m.goes_far) sweep_body(m, path);
-    }
     PHYSICS_HPP_COLD bool ends_in_something(const swept_body_type& m, const body_sweep& path) {
         const transform<S, D> end{path.end, path.turn == angular<S, D>{} ? path.rotation : path.at(S(1)).rotation};
         swept_body_type probe(m.body, m.number);
@@ -29372,6 +29292,140 @@ private:
         m.normal = found.normal;
         m.gap = found.gap;
         m.touching = found.touching;
+        m.push_out = found.push_out;
+    }
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/world/continuous.hpp
+// =================================================================================================
+// Continuous collision in a world: fast bodies are stopped where they would pass into something.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// The sweeps of one step. It reads poses at the step's start and the solver's; what stops bodies is applied when all
+/// is known, so that no order of bodies matters.
+template <class Plan>
+class body_sweeps : sweep_search<Plan> {
+    using search = sweep_search<Plan>;
+    using search::box_of, search::crosses, search::D, search::h_, search::keeps_clear, search::contact_margin,
+        search::length_of, search::motion_of, search::moved_, search::s_, search::motion_of_body,
+        search::find_candidates, search::ends_in_something, search::sweep_body;
+    using typename search::body_sweep;
+    using typename search::S;
+    using typename search::swept_body_type;
+    using policy = typename Plan::continuous;
+
+public:
+    using search::sweep_search;
+
+    PHYSICS_HPP_NOINLINE void run() {
+        auto& report = s_.continuous.report;
+        report = {};
+        if (find_swept_bodies()) sweep_all(report);
+    }
+
+private:
+    buffer<swept_body_type>& swept_bodies() { return s_.continuous.swept_bodies; }
+
+    PHYSICS_HPP_COLD void sweep_all(continuous_report<S>& report) {
+        report.swept = swept_bodies().size();
+        if (any_flagged_) list_moving_bodies();
+        for (swept_body_type& m : swept_bodies()) find_stop(m);
+        for (swept_body_type& m : swept_bodies()) stop_other(m);
+        for (swept_body_type& m : swept_bodies()) stop(m);
+    }
+    bool find_swept_bodies() {
+        auto& pushers = s_.continuous.pushers;
+        pushers.clear();
+        const S thinnest = list_swept_bodies();
+        if (fastest_ > detail::to_double(thinnest)) {
+            for (auto& p : pushers) p.box = box_of(motion_of(p.body), s_.continuous.extents[p.body].outer);
+            list_swept_bodies();
+        }
+        return !swept_bodies().empty();
+    }
+    /// Gives the thickness of the thinnest dynamic body, so that what slow kinematic ones pass is not looked for.
+    S list_swept_bodies() {
+        swept_bodies().clear();
+        const bool anew = !s_.continuous.pushers.empty();
+        S thinnest = scalar_traits<S>::max();
+        for (std::uint32_t k = 0; k < s_.awake.size(); ++k) {
+            const std::uint32_t i = s_.awake[k];
+            const auto& b = s_.bodies[i];
+            const body_motion<S, D> own = motion_of_body(k, b);
+            if (!b.is_dynamic()) {
+                double far = detail::to_double(length_of(own.turn)) * s_.continuous.extents[i].outer;
+                for (int axis = 0; axis < D; ++axis) far += abs(detail::to_double(own.translation[axis]));
+                // By velocities drums and paddles go far all the time: what they pass is not looked for.
+                if (anew || !b.has_target || !(far > 0)) continue;
+                s_.continuous.pushers.push_back({i, {}});
+                fastest_ = max(fastest_, far);
+                continue;
+            }
+            thinnest = min(thinnest, own.thickness);
+            const body_motion<S, D> path = anew ? as_pushed(k, b, own) : own;
+            const auto against = policy::sweep_against(path);
+            if (against == sweep_target::nothing) continue;
+            const bool everything = against == sweep_target::everything;
+            swept_body_type m(i, k, against);
+            m.goes_far = everything || path.bound() > path.thickness * S(0.5) - path.depth;
+            swept_bodies().push_back(m);
+            any_flagged_ = any_flagged_ || everything;
+        }
+        return thinnest;
+    }
+    /// The stride of a body as seen from the first kinematic one that may pass its middle; it counts as flagged then.
+    PHYSICS_HPP_COLD body_motion<S, D> as_pushed(std::uint32_t k, const typename Plan::body& b,
+                                                 const body_motion<S, D>& own) {
+        const point<D> start = to_point(b.center), end = to_point(moved_[k].center);
+        const aabb<double, D> box =
+            grown(aabb<double, D>{min(start, end), max(start, end)}, s_.continuous.extents[s_.awake[k]].outer);
+        for (const auto& p : s_.continuous.pushers) {
+            if (!overlap(p.box, box)) continue;
+            const auto& from = s_.bodies[p.body];
+            const vec<S, D> velocity_of_pusher =
+                velocity_at(moved_.velocity(s_.awake_index[p.body]), b.center - from.center) * h_;
+            body_motion<S, D> seen = own, alone = own;
+            seen.translation -= velocity_of_pusher;
+            alone.translation = velocity_of_pusher;
+            seen.flagged = true;
+            if (seen.bound() > own.thickness && alone.bound() > own.thickness && crosses(k, b, p.body)) return seen;
+        }
+        return own;
+    }
+
+    /// What moves, and may be far from where the broadphase knows it.
+    void list_moving_bodies() {
+        s_.continuous.moving_bodies.clear();
+        const auto add = [&](std::uint32_t i) {
+            s_.continuous.moving_bodies.push_back({i, box_of(motion_of(i), s_.continuous.extents[i].outer)});
+        };
+        std::uint32_t next = 0;
+        for (std::uint32_t k = 0; k < s_.awake.size(); ++k) {
+            const std::uint32_t i = s_.awake[k];
+            const bool goes_far = next < swept_bodies().size() && swept_bodies()[next].number == k;
+            if (goes_far) ++next;
+            if (goes_far || !s_.bodies[i].is_dynamic()) add(i);
+        }
+    }
+
+    /// What does not go far passes through nothing: it is enough to look where it ends.
+    void find_stop(swept_body_type& m) {
+        const bool everything = m.against == sweep_target::everything;
+        aabb<double, D> box;
+        if (keeps_clear(m, box) && !everything) return;
+        if (!find_candidates(m.body, box, everything)) m.converged = false;
+        if (s_.continuous.candidates.empty()) return;
+        const body_sweep path = motion_of(m.body);
+        m.goes_far = m.goes_far || ends_in_something(m, path);
+        if (m.goes_far) sweep_body(m, path);
     }
 
     /// A dynamic body that goes far itself must not go on through the body that was stopped on its way.
@@ -29406,11 +29460,11 @@ private:
         const bool is_cut = m.cut && !(m.stops && m.time < m.cut_time);
         const double time = is_cut ? m.cut_time : m.time;
         auto& report = s_.continuous.report;
-        if ((is_cut || m.stops) && time < 1) {
+        const body_type type = s_.bodies[m.other].type;
+        const bool slides = !is_cut && m.stops && type == body_type::static_body && m.against == sweep_target::fixed;
+        if ((is_cut || m.stops) && time < 1 && !(slides && is_pushed_out(m))) {
             const body_sweep path = motion_of(m.body);
             transform<S, D> at = path.at(rounded_down<S>(time));
-            const body_type type = s_.bodies[m.other].type;
-            const bool slides = !is_cut && type == body_type::static_body && m.against == sweep_target::fixed;
             if (slides) at.position = slid_along(m, at, path.end);
             else if (!is_cut && type == body_type::kinematic_body) at = carried(m, at);
             moved_[m.number].center = at.position;
@@ -29418,14 +29472,61 @@ private:
                 if (!slides || !(path.turn == angular<S, D>{})) turn_back(m.number, at.rotation);
             const S lost = static_cast<S>(1 - time) * h_;
             // What gravity has given for the lost time would make a bounce higher than the fall.
-            vec<S, D>& v = moved_.velocity(m.number).linear;
-            const vec<S, D> ahead = slides ? from_point<S>(m.normal) : normalized(v);
-            if (!slides || !m.touching)
+            if (slides && m.touching) {
+                take_from_speed(m, at.position - path.end);
+            } else {
+                vec<S, D>& v = moved_.velocity(m.number).linear;
+                const vec<S, D> ahead = slides ? from_point<S>(m.normal) : normalized(v);
                 v -= ahead * (dot(ahead, s_.settings.gravity) * s_.bodies[m.body].gravity_scale * lost);
+            }
             ++report.stopped;
             report.lost = max(report.lost, lost);
         }
         if (!m.converged) ++report.unconverged;
+    }
+    /// What turns about a point of contact leaves the tangent along which the solver moves that point: rims of coins
+    /// would be stopped in every step. Where it is no deeper than that explains, it is pushed out at the end of the
+    /// step, and loses no time.
+    PHYSICS_HPP_COLD bool is_pushed_out(const swept_body_type& m) {
+        if constexpr (!Plan::rotates) return false;
+        body_sweep path = motion_of(m.body);
+        const double turn = detail::to_double(length_of(path.turn)),
+                     maximum = 0.5 * turn * turn * s_.continuous.extents[m.body].outer;
+        swept_body_type deepest = m;
+        // Twice, for what is in a corner.
+        for (int i = 0; i < 2; ++i) {
+            if (!deepest.touching || !(deepest.push_out <= maximum)) return false;
+            path.end += from_point<S>(deepest.normal * max(deepest.push_out, 0.0));
+            deepest = continue_on(m, path);
+            if (deepest.stops) continue;
+            vec<S, D>& center = moved_[m.number].center;
+            take_from_speed(m, path.end - center);
+            center = path.end;
+            return true;
+        }
+        return false;
+    }
+    /// Takes from the speed of a body what it has gained by being moved against gravity.
+    PHYSICS_HPP_COLD void take_from_speed(const swept_body_type& m, const vec<S, D>& by) {
+        const auto& b = s_.bodies[m.body];
+        const double gain = -dot(to_point(by), to_point(s_.settings.gravity)) * detail::to_double(b.gravity_scale);
+        if (!(gain > 0)) return;
+        auto& v = moved_.velocity(m.number);
+        double square = dot(to_point(v.linear), to_point(v.linear));
+        if constexpr (Plan::rotates)
+            square += twice_spin_energy(b.mass.inertia, moved_[m.number].rotation, v.angular) /
+                      detail::to_double(b.mass.mass);
+        const S kept = square > 2 * gain ? static_cast<S>(physics::sqrt(1 - 2 * gain / square)) : S(0);
+        v.linear *= kept;
+        if constexpr (Plan::rotates) v.angular *= kept;
+    }
+    /// What stops a body on another way, among static ones.
+    PHYSICS_HPP_COLD swept_body_type continue_on(const swept_body_type& m, const body_sweep& path) {
+        swept_body_type again(m.body, m.number);
+        const double reach = s_.continuous.extents[m.body].outer + contact_margin();
+        again.converged = find_candidates(m.body, box_of(path, reach), false);
+        sweep_body(again, path);
+        return again;
     }
     /// What a static body has stopped goes on along its surface for the rest of the step, until something else stops
     /// it.
@@ -29441,10 +29542,7 @@ private:
     }
     /// Where a body comes on a way after its stop, as far as static ones let it.
     PHYSICS_HPP_COLD transform<S, D> continue_from(swept_body_type& m, const body_sweep& path) {
-        swept_body_type again(m.body, m.number);
-        const double reach = s_.continuous.extents[m.body].outer + contact_margin();
-        again.converged = find_candidates(m.body, box_of(path, reach), false);
-        sweep_body(again, path);
+        const swept_body_type again = continue_on(m, path);
         m.converged = m.converged && again.converged;
         return path.at(rounded_down<S>(again.time));
     }
@@ -30116,6 +30214,339 @@ bool find_contacts_of_woken(state<Plan>& s, typename Plan::scalar h, task_runner
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/world/ranges.hpp
+// =================================================================================================
+// What a loop over a world's bodies and contacts walks along.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Where a loop ends.
+struct range_end {};
+
+/// The bodies of a world, in the order of their numbers. A loop may change the world: it leaves out what has been
+/// destroyed, and goes no farther than the numbers that there were when it began.
+template <class Plan>
+class body_range {
+public:
+    explicit body_range(const state<Plan>& s) : state_(&s) {}
+    class iterator {
+    public:
+        explicit iterator(const state<Plan>& s) : state_(&s), end_(s.bodies.slots()), at_(s.bodies.next(0)) {}
+        body_id operator*() const { return {at_, state_->bodies.generation(at_), state_->tag}; }
+        iterator& operator++() {
+            at_ = state_->bodies.next(at_ + 1);
+            return *this;
+        }
+        bool operator==(range_end) const { return at_ >= end_ || at_ >= state_->bodies.slots(); }
+
+    private:
+        const state<Plan>* state_;
+        std::uint32_t end_, at_;
+    };
+    iterator begin() const { return iterator(*state_); }
+    range_end end() const { return {}; }
+
+private:
+    const state<Plan>* state_;
+};
+
+/// The shapes of one body, in descending order of their numbers. A loop may change the world: it leaves out what has
+/// been destroyed.
+template <class Plan>
+class shape_range {
+public:
+    shape_range(const state<Plan>& s, body_id body) : state_(&s), body_(body) {}
+    class iterator {
+    public:
+        iterator(const state<Plan>& s, body_id body) : state_(&s), body_(body) { go_below(no_shape); }
+        shape_id operator*() const { return {at_, state_->shapes.generation(at_), state_->tag}; }
+        iterator& operator++() {
+            if (!state_->shapes.alive(at_) || state_->shapes[at_].body != body_.index || !has_body()) go_below(at_);
+            else at_ = state_->shapes[at_].next;
+            return *this;
+        }
+        bool operator==(range_end) const { return at_ == no_shape; }
+
+    private:
+        [[nodiscard]] bool has_body() const { return state_->bodies.contains(body_.index, body_.generation); }
+        /// To the first shape below a number.
+        void go_below(std::uint32_t number) {
+            at_ = has_body() ? state_->bodies[body_.index].first_shape : no_shape;
+            while (at_ != no_shape && at_ >= number) at_ = state_->shapes[at_].next;
+        }
+
+        const state<Plan>* state_;
+        body_id body_;
+        std::uint32_t at_ = no_shape;
+    };
+    iterator begin() const { return {*state_, body_}; }
+    range_end end() const { return {}; }
+
+private:
+    const state<Plan>* state_;
+    body_id body_;
+};
+
+template <class Plan>
+auto view_of(const state<Plan>& s, const typename Plan::contact& c) {
+    using S = typename Plan::scalar;
+    constexpr int D = Plan::dimension;
+    const std::uint32_t at_a = body_a(s, c), at_b = body_b(s, c);
+    const auto& a = s.bodies[at_a];
+    const auto& b = s.bodies[at_b];
+    contact_view<S, D> view{{c.shape_a, s.shapes.generation(c.shape_a), s.tag},
+                            {c.shape_b, s.shapes.generation(c.shape_b), s.tag},
+                            {at_a, s.bodies.generation(at_a), s.tag},
+                            {at_b, s.bodies.generation(at_b), s.tag},
+                            c.part,
+                            c.normal,
+                            tangents<S, D>(c.normal),
+                            {},
+                            c.count,
+                            s.surfaces.friction_of(c),
+                            s.surfaces.restitution_of(c),
+                            s.surfaces.rolling_resistance_of(c),
+                            c.surface_velocity,
+                            c.twist_impulse,
+                            c.rolling_impulse};
+    for (int k = 0; k < c.count; ++k) {
+        const auto& p = c.points[k];
+        const auto [to_a, to_b] = c.anchors(k);
+        const vec<S, D> local_a = inverse_rotate(s.contact_starts[at_a].rotation, to_a) + a.mass.center;
+        const vec<S, D> local_b = inverse_rotate(s.contact_starts[at_b].rotation, to_b) + b.mass.center;
+        view.points[k] = {a.pose() * local_a, local_a,       local_b, p.separation, p.normal_impulse,
+                          p.friction_impulse, c.persisted(k)};
+    }
+    return view;
+}
+
+/// What is seen of a contact that is gone.
+template <class S, int D>
+contact_view<S, D> no_contact() {
+    vec<S, D> any;
+    any[0] = S(1);
+    return {{}, {}, {}, {}, 0, any, tangents<S, D>(any), {}, 0, {}, {}, {}, {}, {}, {}};
+}
+
+/// The contacts of a world's last step, in ascending order of their shapes' numbers; those of sleepers as they were
+/// when they fell asleep. A loop may change the world: each contact that lasts comes once, and none that is gone.
+template <class Plan>
+class contact_range {
+    using list = buffer<typename Plan::contact>;
+
+public:
+    explicit contact_range(const state<Plan>& s) : state_(&s) {}
+    class iterator {
+    public:
+        explicit iterator(const state<Plan>& s) : state_(&s) { find(); }
+        /// One without shapes, bodies and points if the contact is gone.
+        auto operator*() const {
+            iterator here = *this;
+            here.find();
+            const bool lasts = !here.at_end_ && here.pair_ == pair_ && here.rank_ == rank_;
+            if (lasts) return view_of(*state_, lists()[here.list_][here.first_[here.list_] + rank_]);
+            return no_contact<typename Plan::scalar, Plan::dimension>();
+        }
+        iterator& operator++() {
+            ++rank_;
+            find();
+            return *this;
+        }
+        bool operator==(range_end) const { return at_end_; }
+
+    private:
+        struct both {
+            const list &awake, &asleep;
+            const list& operator[](int k) const { return k == 0 ? awake : asleep; }
+        };
+        [[nodiscard]] both lists() const {
+            if constexpr (Plan::sleeps) return {state_->contacts, state_->sleep.contacts};
+            else return {state_->contacts, state_->contacts};
+        }
+        static constexpr int count = Plan::sleeps ? 2 : 1;
+
+        /// The contact of this rank of the pair, or else the first one of the first pair behind. A pair's contacts are
+        /// side by side in one of the lists; to wake or to fall asleep takes them to the other.
+        void find() {
+            at_end_ = false;
+            for (list_ = 0; list_ < count; ++list_) {
+                const list& in = lists()[list_];
+                first_[list_] = first_from(in, first_[list_]);
+                const std::uint32_t at = first_[list_] + rank_;
+                if (at < in.size() && in[at].key() == pair_) return;
+            }
+            proxy_pair next = pair_;
+            at_end_ = true;
+            for (int k = 0; k < count; ++k) {
+                const list& in = lists()[k];
+                while (first_[k] < in.size() && in[first_[k]].key() == pair_) ++first_[k];
+                if (first_[k] == in.size() || (!at_end_ && !(in[first_[k]].key() < next))) continue;
+                next = in[first_[k]].key();
+                list_ = k;
+                at_end_ = false;
+            }
+            pair_ = next;
+            rank_ = 0;
+        }
+        /// The first contact in a list that is not before the pair; most often where it was.
+        [[nodiscard]] std::uint32_t first_from(const list& in, std::uint32_t guess) const {
+            if (guess <= in.size() && (guess == 0 || in[guess - 1].key() < pair_) &&
+                (guess == in.size() || !(in[guess].key() < pair_)))
+                return guess;
+            std::uint32_t at = 0;
+            for (std::uint32_t size = in.size(); size > 0;) {
+                const std::uint32_t half = size / 2;
+                const bool is_before = in[at + half].key() < pair_;
+                at += is_before ? half + 1 : 0;
+                size = is_before ? size - half - 1 : half;
+            }
+            return at;
+        }
+
+        const state<Plan>* state_;
+        proxy_pair pair_{};
+        std::uint32_t rank_ = 0;
+        /// In each list, the first contact that is not before the pair.
+        std::uint32_t first_[2] = {};
+        int list_ = 0;
+        bool at_end_ = false;
+    };
+    iterator begin() const { return iterator(*state_); }
+    range_end end() const { return {}; }
+    /// Number of contacts.
+    [[nodiscard]] std::uint32_t size() const {
+        if constexpr (Plan::sleeps) return state_->contacts.size() + state_->sleep.contacts.size();
+        else return state_->contacts.size();
+    }
+
+private:
+    const state<Plan>* state_;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/world/energy.hpp
+// =================================================================================================
+// The energy of a world, and what a step does to it.
+
+PHYSICS_HPP_BEGIN
+
+/// The energy of all dynamic bodies after a step, and where it came from (J).
+struct energy_report {
+    double kinetic = 0;
+    /// In gravity, 0 where a centre of mass is at the origin.
+    double potential = 0;
+    /// What forces, torques, kinematic bodies and moving surfaces gave in the step.
+    double work = 0;
+    /// What the step gained beyond that: at most 0 but for rounding, and for overlaps that were pushed apart.
+    double made = 0;
+};
+
+namespace detail {
+
+template <class Plan>
+void add_energy_of_body(const state<Plan>& s, const typename Plan::body& b, energy_report& to) {
+    if (!b.is_dynamic()) return;
+    const double mass = to_double(b.mass.mass), scale = to_double(b.gravity_scale);
+    const auto v = to_point(b.velocity.linear);
+    to.kinetic += 0.5 * mass * dot(v, v);
+    if constexpr (Plan::rotates) to.kinetic += 0.5 * twice_spin_energy(b.mass.inertia, b.rotation, b.velocity.angular);
+    to.potential -= mass * scale * dot(to_point(s.settings.gravity), to_point(b.center));
+}
+template <class Plan>
+energy_report energy_of(const state<Plan>& s) {
+    energy_report sum;
+    s.bodies.each([&](std::uint32_t, const auto& b) { add_energy_of_body(s, b, sum); });
+    return sum;
+}
+
+/// Compares the energy before a step with that after it.
+template <class Plan>
+class energy_balance {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+
+public:
+    explicit energy_balance(const state<Plan>& s) : s_(s), before_(energy_of(s)) {
+        s.bodies.each([&](std::uint32_t i, const auto& b) {
+            if (b.is_dynamic() && b.has_external_force())
+                pushed_.push_back({i, b.center, b.rotation, b.force, b.torque});
+        });
+    }
+    [[nodiscard]] energy_report after() const {
+        energy_report r = energy_of(s_);
+        for (const pushed& p : pushed_) {
+            const auto& b = s_.bodies[p.body];
+            r.work += dot(to_point(p.force), to_point(b.center - p.center));
+            if constexpr (Plan::rotates)
+                r.work += product_of(p.torque, rotation_vector(b.rotation * inverse(p.rotation)));
+        }
+        for (const auto& c : s_.contacts) r.work += work_at(c);
+        r.made = (r.kinetic + r.potential) - (before_.kinetic + before_.potential) - r.work;
+        return r;
+    }
+
+private:
+    struct pushed {
+        std::uint32_t body;
+        vec<S, D> center;
+        physics::rotation<S, D> rotation;
+        vec<S, D> force;
+        [[no_unique_address]] decltype(Plan::body::torque) torque;
+    };
+
+    static double product_of(S a, S b) { return to_double(a) * to_double(b); }
+    static double product_of(const vec<S, 3>& a, const vec<S, 3>& b) { return dot(to_point(a), to_point(b)); }
+    static double product_of(const vec<S, 2>& a, const vec<S, 2>& b) { return dot(to_point(a), to_point(b)); }
+
+    /// What a kinematic body or the run of a surface gives by a contact's impulses.
+    [[nodiscard]] double work_at(const typename Plan::contact& c) const {
+        const auto &a = s_.bodies[body_a(s_, c)], &b = s_.bodies[body_b(s_, c)];
+        const bool from_a = !a.is_dynamic(), from_b = !b.is_dynamic();
+        const tangents<S, D> frame(c.normal);
+        double work = 0;
+        for (int k = 0; k < c.count; ++k) {
+            const auto& p = c.points[k];
+            vec<S, D> impulse = c.normal * p.normal_impulse;
+            if constexpr (Plan::features::friction) {
+                impulse += frame.combine(p.friction_impulse);
+                if constexpr (Plan::features::surface_velocity)
+                    work += product_of(p.friction_impulse, c.surface_velocity);
+            }
+            const auto r = c.anchors(k);
+            if (from_a) work += dot(to_point(impulse), to_point(velocity_at(a.velocity, r.a)));
+            if (from_b) work -= dot(to_point(impulse), to_point(velocity_at(b.velocity, r.b)));
+        }
+        if constexpr (Plan::rotates && D == 3 && Plan::features::friction) {
+            const vec<S, 3> twist = c.normal * c.twist_impulse;
+            if (from_a) work += product_of(twist, a.velocity.angular);
+            if (from_b) work -= product_of(twist, b.velocity.angular);
+        }
+        if constexpr (Plan::rotates && Plan::features::rolling_resistance) {
+            const angular<S, D> moment = moment_of(frame, c.rolling_impulse);
+            if (from_a) work += product_of(moment, a.velocity.angular);
+            if (from_b) work -= product_of(moment, b.velocity.angular);
+        }
+        return work;
+    }
+    static S moment_of(const tangents2<S>&, S about) { return about; }
+    static vec<S, 3> moment_of(const tangents3<S>& frame, const vec<S, 2>& about) { return frame.combine(about); }
+
+    const state<Plan>& s_;
+    energy_report before_;
+    buffer<pushed> pushed_;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/world/forces.hpp
 // =================================================================================================
 // Forces, torques and impulses that calls apply to bodies, and velocities of their points.
@@ -30420,222 +30851,6 @@ std::uint64_t state_hash(const state<Plan>& s) {
         }
     return h.value();
 }
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/world/ranges.hpp
-// =================================================================================================
-// What a loop over a world's bodies and contacts walks along.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// Where a loop ends.
-struct range_end {};
-
-/// The bodies of a world, in the order of their numbers. A loop may change the world: it leaves out what has been
-/// destroyed, and goes no farther than the numbers that there were when it began.
-template <class Plan>
-class body_range {
-public:
-    explicit body_range(const state<Plan>& s) : state_(&s) {}
-    class iterator {
-    public:
-        explicit iterator(const state<Plan>& s) : state_(&s), end_(s.bodies.slots()), at_(s.bodies.next(0)) {}
-        body_id operator*() const { return {at_, state_->bodies.generation(at_), state_->tag}; }
-        iterator& operator++() {
-            at_ = state_->bodies.next(at_ + 1);
-            return *this;
-        }
-        bool operator==(range_end) const { return at_ >= end_ || at_ >= state_->bodies.slots(); }
-
-    private:
-        const state<Plan>* state_;
-        std::uint32_t end_, at_;
-    };
-    iterator begin() const { return iterator(*state_); }
-    range_end end() const { return {}; }
-
-private:
-    const state<Plan>* state_;
-};
-
-/// The shapes of one body, in descending order of their numbers. A loop may change the world: it leaves out what has
-/// been destroyed.
-template <class Plan>
-class shape_range {
-public:
-    shape_range(const state<Plan>& s, body_id body) : state_(&s), body_(body) {}
-    class iterator {
-    public:
-        iterator(const state<Plan>& s, body_id body) : state_(&s), body_(body) { go_below(no_shape); }
-        shape_id operator*() const { return {at_, state_->shapes.generation(at_), state_->tag}; }
-        iterator& operator++() {
-            if (!state_->shapes.alive(at_) || state_->shapes[at_].body != body_.index || !has_body()) go_below(at_);
-            else at_ = state_->shapes[at_].next;
-            return *this;
-        }
-        bool operator==(range_end) const { return at_ == no_shape; }
-
-    private:
-        [[nodiscard]] bool has_body() const { return state_->bodies.contains(body_.index, body_.generation); }
-        /// To the first shape below a number.
-        void go_below(std::uint32_t number) {
-            at_ = has_body() ? state_->bodies[body_.index].first_shape : no_shape;
-            while (at_ != no_shape && at_ >= number) at_ = state_->shapes[at_].next;
-        }
-
-        const state<Plan>* state_;
-        body_id body_;
-        std::uint32_t at_ = no_shape;
-    };
-    iterator begin() const { return {*state_, body_}; }
-    range_end end() const { return {}; }
-
-private:
-    const state<Plan>* state_;
-    body_id body_;
-};
-
-template <class Plan>
-auto view_of(const state<Plan>& s, const typename Plan::contact& c) {
-    using S = typename Plan::scalar;
-    constexpr int D = Plan::dimension;
-    const std::uint32_t at_a = body_a(s, c), at_b = body_b(s, c);
-    const auto& a = s.bodies[at_a];
-    const auto& b = s.bodies[at_b];
-    contact_view<S, D> view{{c.shape_a, s.shapes.generation(c.shape_a), s.tag},
-                            {c.shape_b, s.shapes.generation(c.shape_b), s.tag},
-                            {at_a, s.bodies.generation(at_a), s.tag},
-                            {at_b, s.bodies.generation(at_b), s.tag},
-                            c.part,
-                            c.normal,
-                            tangents<S, D>(c.normal),
-                            {},
-                            c.count,
-                            s.surfaces.friction_of(c),
-                            s.surfaces.restitution_of(c),
-                            s.surfaces.rolling_resistance_of(c),
-                            c.surface_velocity,
-                            c.twist_impulse,
-                            c.rolling_impulse};
-    for (int k = 0; k < c.count; ++k) {
-        const auto& p = c.points[k];
-        const auto [to_a, to_b] = c.anchors(k);
-        const vec<S, D> local_a = inverse_rotate(s.contact_starts[at_a].rotation, to_a) + a.mass.center;
-        const vec<S, D> local_b = inverse_rotate(s.contact_starts[at_b].rotation, to_b) + b.mass.center;
-        view.points[k] = {a.pose() * local_a, local_a,       local_b, p.separation, p.normal_impulse,
-                          p.friction_impulse, c.persisted(k)};
-    }
-    return view;
-}
-
-/// What is seen of a contact that is gone.
-template <class S, int D>
-contact_view<S, D> no_contact() {
-    vec<S, D> any;
-    any[0] = S(1);
-    return {{}, {}, {}, {}, 0, any, tangents<S, D>(any), {}, 0, {}, {}, {}, {}, {}, {}};
-}
-
-/// The contacts of a world's last step, in ascending order of their shapes' numbers; those of sleepers as they were
-/// when they fell asleep. A loop may change the world: each contact that lasts comes once, and none that is gone.
-template <class Plan>
-class contact_range {
-    using list = buffer<typename Plan::contact>;
-
-public:
-    explicit contact_range(const state<Plan>& s) : state_(&s) {}
-    class iterator {
-    public:
-        explicit iterator(const state<Plan>& s) : state_(&s) { find(); }
-        /// One without shapes, bodies and points if the contact is gone.
-        auto operator*() const {
-            iterator here = *this;
-            here.find();
-            const bool lasts = !here.at_end_ && here.pair_ == pair_ && here.rank_ == rank_;
-            if (lasts) return view_of(*state_, lists()[here.list_][here.first_[here.list_] + rank_]);
-            return no_contact<typename Plan::scalar, Plan::dimension>();
-        }
-        iterator& operator++() {
-            ++rank_;
-            find();
-            return *this;
-        }
-        bool operator==(range_end) const { return at_end_; }
-
-    private:
-        struct both {
-            const list &awake, &asleep;
-            const list& operator[](int k) const { return k == 0 ? awake : asleep; }
-        };
-        [[nodiscard]] both lists() const {
-            if constexpr (Plan::sleeps) return {state_->contacts, state_->sleep.contacts};
-            else return {state_->contacts, state_->contacts};
-        }
-        static constexpr int count = Plan::sleeps ? 2 : 1;
-
-        /// The contact of this rank of the pair, or else the first one of the first pair behind. A pair's contacts are
-        /// side by side in one of the lists; to wake or to fall asleep takes them to the other.
-        void find() {
-            at_end_ = false;
-            for (list_ = 0; list_ < count; ++list_) {
-                const list& in = lists()[list_];
-                first_[list_] = first_from(in, first_[list_]);
-                const std::uint32_t at = first_[list_] + rank_;
-                if (at < in.size() && in[at].key() == pair_) return;
-            }
-            proxy_pair next = pair_;
-            at_end_ = true;
-            for (int k = 0; k < count; ++k) {
-                const list& in = lists()[k];
-                while (first_[k] < in.size() && in[first_[k]].key() == pair_) ++first_[k];
-                if (first_[k] == in.size() || (!at_end_ && !(in[first_[k]].key() < next))) continue;
-                next = in[first_[k]].key();
-                list_ = k;
-                at_end_ = false;
-            }
-            pair_ = next;
-            rank_ = 0;
-        }
-        /// The first contact in a list that is not before the pair; most often where it was.
-        [[nodiscard]] std::uint32_t first_from(const list& in, std::uint32_t guess) const {
-            if (guess <= in.size() && (guess == 0 || in[guess - 1].key() < pair_) &&
-                (guess == in.size() || !(in[guess].key() < pair_)))
-                return guess;
-            std::uint32_t at = 0;
-            for (std::uint32_t size = in.size(); size > 0;) {
-                const std::uint32_t half = size / 2;
-                const bool is_before = in[at + half].key() < pair_;
-                at += is_before ? half + 1 : 0;
-                size = is_before ? size - half - 1 : half;
-            }
-            return at;
-        }
-
-        const state<Plan>* state_;
-        proxy_pair pair_{};
-        std::uint32_t rank_ = 0;
-        /// In each list, the first contact that is not before the pair.
-        std::uint32_t first_[2] = {};
-        int list_ = 0;
-        bool at_end_ = false;
-    };
-    iterator begin() const { return iterator(*state_); }
-    range_end end() const { return {}; }
-    /// Number of contacts.
-    [[nodiscard]] std::uint32_t size() const {
-        if constexpr (Plan::sleeps) return state_->contacts.size() + state_->sleep.contacts.size();
-        else return state_->contacts.size();
-    }
-
-private:
-    const state<Plan>* state_;
-};
 
 }  // namespace detail
 
@@ -31221,6 +31436,14 @@ public:
     void step(scalar dt, Executor& by) {
         code::step(state_, dt, {by, state_.tasks_done, state_.batch_scratch});
     }
+    /// Steps, and tells what that did to the energy: a net under scenes that must not gain any. O(bodies + contacts).
+    [[nodiscard]] energy_report step_with_energy_report(scalar dt) {
+        const detail::energy_balance<plan> balance(state_);
+        step(dt);
+        return balance.after();
+    }
+    /// Kinetic and potential energy as bodies are now. O(bodies).
+    [[nodiscard]] energy_report energy() const { return detail::energy_of(state_); }
     /// Number of steps taken.
     [[nodiscard]] std::uint64_t steps() const { return state_.steps; }
     /// A number that worlds in the same state share, on any machine. User data and settings do not enter.

@@ -52,6 +52,8 @@ struct first_penetration {
     double gap = 0;
     /// Whether it began in touch.
     bool touching = false;
+    /// How far along the axis it must be moved at the end of its way, to be no deeper than it began.
+    double push_out = 0;
 };
 
 /// Whether the core of a shape has at most four corners, or only parts have one, that have as few.
@@ -317,7 +319,9 @@ PHYSICS_HPP_COLD first_penetration<D> find_first_penetration(const moving_pair<D
         }
         const auto deep = search.follow(0, end, -(sunk + more), within);
         if (deep.state == impact_state::separated || deep.time > latest) return {};
-        return stopped(deep);
+        first_penetration<D> result = stopped(deep);
+        result.push_out = -(p.gap(1, deep.normal) + sunk);
+        return result;
     }
     const auto first = search.follow(from, latest < end ? latest : end, rule.target, slack);
     if (first.state == impact_state::separated) return {};

@@ -53,14 +53,15 @@ private:
 /// their straight and turning path, and stopped at the surface where they would end within something or pass into it by
 /// more than half of their thickness, flagged ones also where they would graze what moves. They keep their velocity,
 /// for the next step's contacts to deal with, and go on along a static surface for the rest of the step, without
-/// turning. So they pass through nothing, however thin, nothing sinks in where it lands, and what slides or rolls along
-/// a surface is not stopped. What a stopped body loses is the rest of the step's time (see continuous_report). Of two
-/// bodies that are stopped on each other's way, each is stopped by the path that the other would have taken. What turns
-/// by its own inertia (see integrator) is taken to turn about one axis.
-/// Dynamic bodies whose middle a kinematic one may pass on the way to its target count as flagged: it takes along what
-/// it meets, up to static bodies and through other dynamic ones, and gives that no velocity.
-/// Cost: 100 to 400 instructions for bodies near nothing that stands; else a query and 1 to 20 us for each shape on
-/// their way.
+/// turning. What touches already and only turns deeper, as rims of coins do, is pushed out at the end of the step
+/// instead. What stops or pushes it takes from its speed the height that it gives. So they pass through nothing,
+/// however thin, nothing sinks in where it lands, and what slides or rolls along a surface is not stopped. What a
+/// stopped body loses is the rest of the step's time (see continuous_report). Of two bodies that are stopped on each
+/// other's way, each is stopped by the path that the other would have taken. What turns by its own inertia (see
+/// integrator) is taken to turn about one axis. Dynamic bodies whose middle a kinematic one may pass on the way to its
+/// target count as flagged: it takes along what it meets, up to static bodies and through other dynamic ones, and gives
+/// that no velocity. Cost: 100 to 400 instructions for bodies near nothing that stands; else a query and 1 to 20 us for
+/// each shape on their way.
 struct swept {
     using stage = physics::stage::continuous;
 

@@ -87,4 +87,21 @@ template <class I, class S>
     requires std::same_as<I, inverse_of<S>>
 constexpr S times(I inverse_inertia, S moment) { return mul<S>(inverse_inertia, moment); }
 
+namespace detail {
+
+/// Twice the kinetic energy of what turns at w in world axes (J), with the given rotation.
+template <class S>
+double twice_spin_energy(S inertia, const rotation<S, 2>&, S w) {
+    return to_double(inertia) * to_double(w) * to_double(w);
+}
+template <class S>
+double twice_spin_energy(const symmetric<S>& m, const rotation<S, 3>& turned, const vec<S, 3>& w) {
+    const vec<S, 3> seen = inverse_rotate(turned, w);
+    const double x = to_double(seen.x), y = to_double(seen.y), z = to_double(seen.z);
+    return to_double(m.xx) * x * x + to_double(m.yy) * y * y + to_double(m.zz) * z * z +
+           2 * (to_double(m.xy) * x * y + to_double(m.xz) * x * z + to_double(m.yz) * y * z);
+}
+
+}  // namespace detail
+
 PHYSICS_HPP_END

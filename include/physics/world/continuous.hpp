@@ -1,10 +1,7 @@
 // Continuous collision in a world: fast bodies are stopped where they would pass into something.
 #pragma once
 
-#include "physics/base/sort.hpp"
-#include "physics/world/extents.hpp"
-#include "physics/world/queries.hpp"
-#include "physics/world/ways.hpp"
+#include "physics/world/sweep_search.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -13,17 +10,18 @@ namespace detail {
 /// The sweeps of one step. It reads poses at the step's start and the solver's; what stops bodies is applied when all
 /// is known, so that no order of bodies matters.
 template <class Plan>
-class body_sweeps : body_paths<Plan> {
-    using paths = body_paths<Plan>;
-    using paths::box_of, paths::crosses, paths::D, paths::h_, paths::keeps_clear, paths::contact_margin,
-        paths::length_of, paths::motion_of, paths::moved_, paths::s_, paths::motion_of_body;
-    using typename paths::body_sweep;
-    using typename paths::S;
-    using typename paths::swept_body_type;
+class body_sweeps : sweep_search<Plan> {
+    using search = sweep_search<Plan>;
+    using search::box_of, search::crosses, search::D, search::h_, search::keeps_clear, search::contact_margin,
+        search::length_of, search::motion_of, search::moved_, search::s_, search::motion_of_body,
+        search::find_candidates, search::ends_in_something, search::sweep_body;
+    using typename search::body_sweep;
+    using typename search::S;
+    using typename search::swept_body_type;
     using policy = typename Plan::continuous;
 
 public:
-    using paths::paths;
+    using search::sweep_search;
 
     PHYSICS_HPP_NOINLINE void run() {
         auto& report = s_.continuous.report;
@@ -116,43 +114,6 @@ private:
         }
     }
 
-    /// Shapes that a body may meet on a way in a box, in ascending order.
-    PHYSICS_HPP_COLD bool find_candidates(std::uint32_t body, const aabb<double, D>& path, bool everything) {
-        auto& found = s_.continuous.candidates;
-        found.clear();
-        aabb<S, D> box;
-        const double maximum = static_cast<double>(scalar_traits<S>::max());
-        const double pose_error = 2 * static_cast<double>(scalar_traits<S>::epsilon());
-        for (int i = 0; i < D; ++i) {
-            if (!(path.lower[i] > -maximum && path.upper[i] < maximum)) return false;
-            box.lower[i] = static_cast<S>(path.lower[i] - pose_error * (abs(path.lower[i]) + 1));
-            box.upper[i] = static_cast<S>(path.upper[i] + pose_error * (abs(path.upper[i]) + 1));
-        }
-        if (!is_box(box)) return false;
-        const proxy_filter own{.owner = body, .movable = true};
-        const auto add = [&](std::uint32_t shape) {
-            const auto& record = s_.shapes[shape];
-            if (!everything && s_.bodies[record.body].type != body_type::static_body) return;
-            if (may_meet(own, filter_of(s_, record))) found.push_back(shape);
-        };
-        each_near(s_, box, query_filter{.category = all_categories, .movable = everything}, add);
-        if (everything)
-            for (const auto& partner : s_.continuous.moving_bodies)
-                if (overlap(partner.box, path))
-                    each_shape(s_, partner.body, [&](std::uint32_t k, const auto&) { add(k); });
-        sort_once(found, s_.continuous.spare);
-        return true;
-    }
-    static void sort_once(buffer<std::uint64_t>& numbers, buffer<std::uint64_t>& spare) {
-        if (numbers.size() < 2) return;
-        spare.resize(numbers.size());
-        if (radix_sort(numbers.begin(), spare.begin(), numbers.size(), 0, 32) != numbers.begin()) numbers.swap(spare);
-        std::uint32_t kept = 0;
-        for (std::uint32_t i = 0; i < numbers.size(); ++i)
-            if (kept == 0 || numbers[kept - 1] != numbers[i]) numbers[kept++] = numbers[i];
-        numbers.resize(kept);
-    }
-
     /// What does not go far passes through nothing: it is enough to look where it ends.
     void find_stop(swept_body_type& m) {
         const bool everything = m.against == sweep_target::everything;
@@ -163,126 +124,6 @@ private:
         const body_sweep path = motion_of(m.body);
         m.goes_far = m.goes_far || ends_in_something(m, path);
         if (m.goes_far) sweep_body(m, path);
-    }
-    PHYSICS_HPP_COLD bool ends_in_something(const swept_body_type& m, const body_sweep& path) {
-        const transform<S, D> end{path.end, path.turn == angular<S, D>{} ? path.rotation : path.at(S(1)).rotation};
-        swept_body_type probe(m.body, m.number);
-        probe.goes_far = false;
-        sweep_body(probe, {end.position, end.position, end.rotation, {}, {}});
-        return probe.stops;
-    }
-    /// Finds the first of the candidates that stops a body, of several at once that of the lowest number.
-    PHYSICS_HPP_COLD void sweep_body(swept_body_type& m, const body_sweep& path) {
-        m.stops = false;
-        m.time = 1;
-        each_shape(s_, m.body, [&](std::uint32_t, const shape_record<Plan>& record) {
-            const mat<double, D> axes = to_matrix(record.local.rotation);
-            const point<D> at = to_point(record.local.position) - to_point(s_.bodies[m.body].mass.center);
-            record.shape.visit([&](const auto& shape) {
-                each_swept_piece(shape, everywhere(record.local.rotation),
-                                 [&](const core<D>& c, const mat<double, D>& turned, const point<D>& where) {
-                                     sweep_piece(m, path, c, axes * turned, axes * where + at);
-                                 });
-            });
-        });
-    }
-    PHYSICS_HPP_COLD void sweep_piece(swept_body_type& m, const body_sweep& path, const core<D>& piece,
-                                      const mat<double, D>& axes, const point<D>& at) {
-        const double thickness = inradius_of<Plan::few_corners>(piece);
-        for (const std::uint64_t k : s_.continuous.candidates) {
-            const auto& record = s_.shapes[static_cast<std::uint32_t>(k)];
-            const body_sweep other = motion_of(record.body);
-            const obstacle o{
-                other,
-                moving_core<D>(piece, path, axes, at, to_point(other.start)),
-                (to_point(path.end) - to_point(path.start)) - (to_point(other.end) - to_point(other.start)),
-                to_matrix(record.local.rotation),
-                to_point(record.local.position) - to_point(s_.bodies[record.body].mass.center),
-                thickness,
-                record.body};
-            record.shape.visit([&](const auto& shape) { sweep_shape(shape, o, m); });
-        }
-    }
-    /// A shape on the way of a piece: where it is on its body, and how the piece moves as seen from the body's centre.
-    struct obstacle {
-        const body_sweep& other;
-        moving_core<D> mine;
-        point<D> path;
-        mat<double, D> axes;
-        point<D> at;
-        double thickness;
-        std::uint32_t body;
-    };
-
-    template <class Shape>
-    void sweep_shape(const Shape& shape, const obstacle& o, swept_body_type& m) {
-        if constexpr (is_halfspace<Shape>) {
-            const bounding_half<D> half(shape);
-            core<D> surface;
-            surface.corner[0] = half.normal * half.offset;
-            sweep_core(surface, mat<double, D>::identity(), {}, &half.normal, o, m);
-        } else if constexpr (has_parts<Shape, D>) {
-            point<D> center;
-            const aabb<double, D> box = box_of_path(o, center);
-            each_piece(
-                shape, box, [&](const auto& part) { return faces(part, center); },
-                [&](const core<D>& piece, const mat<double, D>& turned, const point<D>& where, std::uint32_t) {
-                    sweep_core(piece, turned, where, nullptr, o, m);
-                });
-        } else if constexpr (has_core<Shape>) {
-            sweep_core(core_of(shape), mat<double, D>::identity(), {}, nullptr, o, m);
-        }
-    }
-    /// What a piece fills on its way, and its middle at the step's start, in the frame of the obstacle.
-    PHYSICS_HPP_COLD aabb<double, D> box_of_path(const obstacle& o, point<D>& center) const {
-        const mat<double, D> body = to_matrix(o.other.rotation), seen = transposed(body * o.axes);
-        const point<D> origin = body * o.at, start = o.mine.start, end = o.mine.start + o.path;
-        const double reach = (o.mine.reach + o.mine.shape.radius) + 2 * contact_margin();
-        const placed_core<D> mine = o.mine.at(0, start);
-        center = seen * (mine.axes * o.mine.shape.center + mine.at - origin);
-        if (!(o.other.turn == angular<S, D>{})) {
-            const point<D> middle = -transposed_times(o.axes, o.at);
-            return grown(aabb<double, D>{middle, middle}, reach + max(length(start), length(end)));
-        }
-        const point<D> from = seen * (start - origin), to = seen * (end - origin);
-        return grown(aabb<double, D>{min(from, to), max(from, to)}, reach);
-    }
-    /// A piece of an obstacle, which stands in its frame as given; of a halfspace a point, with its normal.
-    PHYSICS_HPP_COLD void sweep_core(const core<D>& piece, const mat<double, D>& turned, const point<D>& where,
-                                     const point<D>* face, const obstacle& o, swept_body_type& m) {
-        const moving_core<D> a(piece, o.other, o.axes * turned, o.axes * where + o.at, to_point(o.other.start));
-        const moving_core<D>& b = o.mine;
-        const cast_precision precision = cast_precision::of<S>(piece, b.shape);
-        const moving_pair<D> pair{
-            a, b, o.path, face, piece.radius + b.shape.radius, precision.error, precision.relative};
-        const double margin = contact_margin();
-        if (!m.goes_far) {
-            m.stops = m.stops || is_deeper<Plan::few_corners>(pair, margin * (1.0 / 32));
-            return;
-        }
-        // What rounding of poses may do to a gap.
-        const double epsilon = static_cast<double>(scalar_traits<S>::epsilon());
-        const double size = largest(to_point(o.other.start)) + largest(b.start) + largest(o.path);
-        const double pose_error = 4 * epsilon * (is_fixed<S> ? 1 + b.reach : size + b.reach);
-        const bool thin = s_.bodies[o.body].is_dynamic();
-        const double depth = detail::to_double(s_.continuous.depths[m.body]);
-        const penetration_limits rule{margin + pose_error,
-                                      margin * (1.0 / 64),
-                                      margin * (1.0 / 64),
-                                      thin ? min(o.thickness, inradius_of<Plan::few_corners>(piece)) : o.thickness,
-                                      margin * (1.0 / 16) + pose_error,
-                                      margin * (1.0 / 4) + depth + pose_error,
-                                      pose_error,
-                                      thin};
-        const auto found = find_first_penetration<Plan::few_corners>(pair, rule, m.stops ? m.time : 1.0);
-        m.converged = m.converged && found.converged;
-        if (!found.stops || (m.stops && !(found.time < m.time))) return;
-        m.stops = true;
-        m.time = found.time;
-        m.other = o.body;
-        m.normal = found.normal;
-        m.gap = found.gap;
-        m.touching = found.touching;
     }
 
     /// A dynamic body that goes far itself must not go on through the body that was stopped on its way.
@@ -317,11 +158,11 @@ private:
         const bool is_cut = m.cut && !(m.stops && m.time < m.cut_time);
         const double time = is_cut ? m.cut_time : m.time;
         auto& report = s_.continuous.report;
-        if ((is_cut || m.stops) && time < 1) {
+        const body_type type = s_.bodies[m.other].type;
+        const bool slides = !is_cut && m.stops && type == body_type::static_body && m.against == sweep_target::fixed;
+        if ((is_cut || m.stops) && time < 1 && !(slides && is_pushed_out(m))) {
             const body_sweep path = motion_of(m.body);
             transform<S, D> at = path.at(rounded_down<S>(time));
-            const body_type type = s_.bodies[m.other].type;
-            const bool slides = !is_cut && type == body_type::static_body && m.against == sweep_target::fixed;
             if (slides) at.position = slid_along(m, at, path.end);
             else if (!is_cut && type == body_type::kinematic_body) at = carried(m, at);
             moved_[m.number].center = at.position;
@@ -329,14 +170,61 @@ private:
                 if (!slides || !(path.turn == angular<S, D>{})) turn_back(m.number, at.rotation);
             const S lost = static_cast<S>(1 - time) * h_;
             // What gravity has given for the lost time would make a bounce higher than the fall.
-            vec<S, D>& v = moved_.velocity(m.number).linear;
-            const vec<S, D> ahead = slides ? from_point<S>(m.normal) : normalized(v);
-            if (!slides || !m.touching)
+            if (slides && m.touching) {
+                take_from_speed(m, at.position - path.end);
+            } else {
+                vec<S, D>& v = moved_.velocity(m.number).linear;
+                const vec<S, D> ahead = slides ? from_point<S>(m.normal) : normalized(v);
                 v -= ahead * (dot(ahead, s_.settings.gravity) * s_.bodies[m.body].gravity_scale * lost);
+            }
             ++report.stopped;
             report.lost = max(report.lost, lost);
         }
         if (!m.converged) ++report.unconverged;
+    }
+    /// What turns about a point of contact leaves the tangent along which the solver moves that point: rims of coins
+    /// would be stopped in every step. Where it is no deeper than that explains, it is pushed out at the end of the
+    /// step, and loses no time.
+    PHYSICS_HPP_COLD bool is_pushed_out(const swept_body_type& m) {
+        if constexpr (!Plan::rotates) return false;
+        body_sweep path = motion_of(m.body);
+        const double turn = detail::to_double(length_of(path.turn)),
+                     maximum = 0.5 * turn * turn * s_.continuous.extents[m.body].outer;
+        swept_body_type deepest = m;
+        // Twice, for what is in a corner.
+        for (int i = 0; i < 2; ++i) {
+            if (!deepest.touching || !(deepest.push_out <= maximum)) return false;
+            path.end += from_point<S>(deepest.normal * max(deepest.push_out, 0.0));
+            deepest = continue_on(m, path);
+            if (deepest.stops) continue;
+            vec<S, D>& center = moved_[m.number].center;
+            take_from_speed(m, path.end - center);
+            center = path.end;
+            return true;
+        }
+        return false;
+    }
+    /// Takes from the speed of a body what it has gained by being moved against gravity.
+    PHYSICS_HPP_COLD void take_from_speed(const swept_body_type& m, const vec<S, D>& by) {
+        const auto& b = s_.bodies[m.body];
+        const double gain = -dot(to_point(by), to_point(s_.settings.gravity)) * detail::to_double(b.gravity_scale);
+        if (!(gain > 0)) return;
+        auto& v = moved_.velocity(m.number);
+        double square = dot(to_point(v.linear), to_point(v.linear));
+        if constexpr (Plan::rotates)
+            square += twice_spin_energy(b.mass.inertia, moved_[m.number].rotation, v.angular) /
+                      detail::to_double(b.mass.mass);
+        const S kept = square > 2 * gain ? static_cast<S>(physics::sqrt(1 - 2 * gain / square)) : S(0);
+        v.linear *= kept;
+        if constexpr (Plan::rotates) v.angular *= kept;
+    }
+    /// What stops a body on another way, among static ones.
+    PHYSICS_HPP_COLD swept_body_type continue_on(const swept_body_type& m, const body_sweep& path) {
+        swept_body_type again(m.body, m.number);
+        const double reach = s_.continuous.extents[m.body].outer + contact_margin();
+        again.converged = find_candidates(m.body, box_of(path, reach), false);
+        sweep_body(again, path);
+        return again;
     }
     /// What a static body has stopped goes on along its surface for the rest of the step, until something else stops
     /// it.
@@ -352,10 +240,7 @@ private:
     }
     /// Where a body comes on a way after its stop, as far as static ones let it.
     PHYSICS_HPP_COLD transform<S, D> continue_from(swept_body_type& m, const body_sweep& path) {
-        swept_body_type again(m.body, m.number);
-        const double reach = s_.continuous.extents[m.body].outer + contact_margin();
-        again.converged = find_candidates(m.body, box_of(path, reach), false);
-        sweep_body(again, path);
+        const swept_body_type again = continue_on(m, path);
         m.converged = m.converged && again.converged;
         return path.at(rounded_down<S>(again.time));
     }

@@ -134,8 +134,10 @@ struct swept_body {
     /// Whether it may pass through something, or only be in it at the end of the step.
     bool goes_far = true;
     bool stops = false, converged = true;
-    /// Whether it was in touch with what stops it as the step began.
+    /// Whether it was in touch with what stops it as the step began, and how far along the normal it must then be moved
+    /// at the end of the step, to be no deeper.
     bool touching = false;
+    double push_out = 0;
     /// Whether another body that it has stopped stops it too.
     bool cut = false;
     std::uint32_t other = 0;

@@ -1,7 +1,7 @@
 // The world: what users hold.
 #pragma once
 
-#include "physics/world/ranges.hpp"
+#include "physics/world/energy.hpp"
 #include "physics/world/world_code.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -57,6 +57,14 @@ public:
     void step(scalar dt, Executor& by) {
         code::step(state_, dt, {by, state_.tasks_done, state_.batch_scratch});
     }
+    /// Steps, and tells what that did to the energy: a net under scenes that must not gain any. O(bodies + contacts).
+    [[nodiscard]] energy_report step_with_energy_report(scalar dt) {
+        const detail::energy_balance<plan> balance(state_);
+        step(dt);
+        return balance.after();
+    }
+    /// Kinetic and potential energy as bodies are now. O(bodies).
+    [[nodiscard]] energy_report energy() const { return detail::energy_of(state_); }
     /// Number of steps taken.
     [[nodiscard]] std::uint64_t steps() const { return state_.steps; }
     /// A number that worlds in the same state share, on any machine. User data and settings do not enter.
