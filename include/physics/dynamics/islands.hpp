@@ -19,7 +19,7 @@ struct sleep_settings {
     /// turns faster than this (rad/s),
     S spin = S(0.05);
     /// or gets farther than this from where it was when it became still (m): what begins to slip stays awake.
-    S drift = S(0.015);
+    S drift = S(0.0009);
 };
 
 template <class S>

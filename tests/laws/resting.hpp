@@ -1,0 +1,121 @@
+// Laws of rest: stacks come to rest at any number of substeps; and what moves on, however slowly, stays awake.
+#pragma once
+
+#include <functional>
+
+#include "world_cell.hpp"
+
+namespace {
+namespace resting_laws {
+
+inline world::settings_type pulled(bool sleeps, int substeps = 4) {
+    world::settings_type settings;
+    settings.gravity = along(1, -10);
+    settings.sleeping.enabled = sleeps;
+    settings.solver.substeps = substeps;
+    return settings;
+}
+
+CELL_CASE("towers rest below 0.1 mm/s at every number of substeps") {
+    for (const int height : {8, 20})
+        for (const int substeps : {2, 4, 6, 8, 16, 32}) {
+            CAPTURE(height);
+            CAPTURE(substeps);
+            world w(pulled(false, substeps));
+            add_ground(w);
+            for (int i = 0; i < height; ++i) add_box(w, at(0, 0.5 + i));
+            run(w, 10 * 64);
+            double fastest = 0;
+            for (int i = 0; i < 64; ++i) {
+                run(w, 1);
+                for (const body_id body : w.bodies())
+                    fastest = std::max(fastest, number(length(w.linear_velocity(body))));
+            }
+            CHECK(fastest <= 1e-4);
+        }
+}
+
+/// How far the body that `build` makes goes along x in some seconds, and how far without sleep.
+struct ways {
+    double with_sleep, without;
+};
+inline ways ways_of(const std::function<body_id(world&)>& build, int seconds,
+                    const std::function<void(world&, body_id)>& push = {}) {
+    double way[2];
+    for (const bool sleeps : {false, true}) {
+        world w(pulled(sleeps));
+        const body_id body = build(w);
+        const double start = number(w.center_of_mass(body).x);
+        for (int i = 0; i < seconds * 64; ++i) {
+            if (push) push(w, body);
+            run(w, 1);
+        }
+        way[sleeps] = number(w.center_of_mass(body).x) - start;
+    }
+    return {way[1], way[0]};
+}
+/// Sleep changes nothing.
+inline void check_same(const ways& w) { CHECK(w.with_sleep == w.without); }
+
+CELL_CASE("sleep: what a belt carries at 2 mm/s and more stays awake") {
+    for (const double speed : {0.002, 0.01, 0.03}) {
+        CAPTURE(speed);
+        const auto w = ways_of(
+            [&](world& w) {
+                world::shape_def belt;
+                belt.material.surface_velocity = -about_z<physics::surface_motion<S, cell::dimension>>(speed);
+                w.create_shape(w.create_body({.type = body_type::static_body}), world::halfspace{}, belt);
+                return add_box(w, at(0, 0.5));
+            },
+            10);
+        check_same(w);
+        if (cell::is_2d) CHECK(std::abs(std::abs(w.with_sleep) - 10 * speed) <= 0.05 * speed + rounding(4096));
+    }
+}
+CELL_CASE("sleep: what rolls at 2 mm/s and more stays awake") {
+    for (const double speed : {0.002, 0.02, 0.04}) {
+        CAPTURE(speed);
+        const auto w = ways_of(
+            [&](world& w) {
+                add_ground(w);
+                const body_id ball = add_ball(w, at(0, 0.5));
+                w.set_linear_velocity(ball, along(0, speed));
+                w.set_angular_velocity(ball, about_z(-2 * speed));
+                return ball;
+            },
+            10);
+        check_same(w);
+        CHECK(std::abs(w.with_sleep - 10 * speed) <= 0.02 * speed + rounding(4096));
+    }
+}
+CELL_CASE("sleep: what begins to slip or to tip stays awake") {
+    // Pushed by 1 % more than friction holds.
+    check_same(ways_of(
+        [](world& w) {
+            add_ground(w);
+            return add_box(w, at(0, 0.5));
+        },
+        5, [](world& w, body_id body) { w.apply_force(body, along(0, 1.01 * 0.6 * 10 * number(w.mass(body).mass))); }));
+    for (const double beyond : {0.001, 0.002, 0.01}) {
+        CAPTURE(beyond);
+        // A slab that stands on its edge, out of balance by so many radians.
+        const double lean = std::atan(0.1) + beyond;
+        const auto w = ways_of(
+            [&](world& w) {
+                add_ground(w);
+                vec half = vec::filled(S(0.5));
+                half.x = S(0.1);
+                half.y = S(1);
+                const body_id slab = w.create_body(
+                    {.position = at(0, std::cos(lean) + 0.1 * std::sin(lean)), .rotation = turned_about_z(-lean)});
+                w.create_shape(slab, world::box{half});
+                return slab;
+            },
+            8);
+        CHECK(w.with_sleep > 0.5);
+        CHECK(std::abs(w.with_sleep - w.without) <= 0.05);
+    }
+}
+
+}  // namespace resting_laws
+}  // namespace
