@@ -21434,7 +21434,8 @@ struct sleep_settings {
     S speed = S(0.05);
     /// turns faster than this (rad/s),
     S spin = S(0.05);
-    /// or gets farther than this from where it was when it became still (m): what begins to slip stays awake.
+    /// or gets farther than this from where it was when it became still (m): what begins to slip stays awake. What
+    /// lies on other bodies only may go along with those, as long as the island slows down.
     S drift = S(0.0009);
 };
 
@@ -26928,6 +26929,8 @@ struct sleep_state {
     buffer<S> sleep_time;
     /// Where its centre of mass was when it became so.
     buffer<vec<S, D>> sleep_anchor;
+    /// How fast it was, squared, when it first went along with others since then; -1: it has not.
+    buffer<S> carried_from;
     /// Of each sleeper the next one of its island, in a ring.
     buffer<std::uint32_t> island_next;
     /// Contacts of which no body that can be pushed is awake, in ascending order of their pairs.
@@ -26942,16 +26945,19 @@ struct sleep_state {
         if (body >= island_next.size()) {
             sleep_time.resize(body + 1);
             sleep_anchor.resize(body + 1);
+            carried_from.resize(body + 1);
             island_next.resize(body + 1);
         }
         sleep_time[body] = {};
         sleep_anchor[body] = center;
+        carried_from[body] = S(-1);
         island_next[body] = no_sleeper;
     }
     template <class Self, class F>
     static void each_member(Self& self, F&& f) {
         f(self.sleep_time);
         f(self.sleep_anchor);
+        f(self.carried_from);
         f(self.island_next);
         f(self.contacts);
         f(self.step);
@@ -28199,7 +28205,9 @@ void commit_woken(state<Plan>& s) {
 }
 
 /// Notes how long each body has been still, and lets islands sleep that have been so for long enough and rest on
-/// something, or do not move at all: a slow drift in free space goes on for ever.
+/// something, or do not move at all: a slow drift in free space goes on for ever. What lies on other bodies only may go
+/// along with them: the upper rows of a large pile breathe by centimetres while no two that touch move against each
+/// other. Then the island must have lost half of that energy since, so that what tips, or moves steadily, stays awake.
 template <class Plan>
 class sleep_update {
     using S = typename Plan::scalar;
@@ -28228,7 +28236,7 @@ public:
         for (std::uint32_t k = 0; k < count_; ++k) {
             if (!is_dynamic(k)) continue;
             island& of = island_[sets.find(k)];
-            if (!of.is_still || !(of.rests || of.is_stopped)) continue;
+            if (!of.is_still || !(of.rests || of.is_stopped) || of.now > 0.5 * of.before) continue;
             fall_asleep(s.awake[k], of);
             any = true;
         }
@@ -28238,6 +28246,8 @@ public:
 private:
     struct island {
         bool is_still = true, is_stopped = true, rests = false;
+        /// Of bodies that went along with others, mass times speed squared now, and when they began to.
+        double now = 0, before = 0;
         std::uint32_t first = no_sleeper, last = no_sleeper;
     };
 
@@ -28247,22 +28257,57 @@ private:
         if (!with.enabled) return false;
         const auto fast = product(with.speed, with.speed), spinning = product(with.spin, with.spin),
                    far = product(with.drift, with.drift);
+        const auto is_slow = [&](const auto& b) {
+            return !(length_squared(b.velocity.linear) > fast || spin_squared(value_of(b.velocity.angular)) > spinning);
+        };
+        const auto is_far = [&](std::uint32_t i) {
+            return length_squared(s_.bodies[i].center - s_.sleep.sleep_anchor[i]) > far;
+        };
+        const support* supports = find_supports(is_slow, is_far);
         bool any = false;
-        for (const std::uint32_t i : s_.awake) {
+        for (std::uint32_t k = 0; k < s_.awake.size(); ++k) {
+            const std::uint32_t i = s_.awake[k];
             const auto& b = s_.bodies[i];
-            S& sleep_time = s_.sleep.sleep_time[i];
-            const bool moves = length_squared(b.velocity.linear) > fast ||
-                               spin_squared(value_of(b.velocity.angular)) > spinning ||
-                               length_squared(b.center - s_.sleep.sleep_anchor[i]) > far;
-            if (moves || !b.can_sleep) {
-                sleep_time = S(0);
-                s_.sleep.sleep_anchor[i] = b.center;
-            } else if (sleep_time < with.time) {
-                sleep_time += step_;
-            }
+            S &sleep_time = s_.sleep.sleep_time[i], &carried_from = s_.sleep.carried_from[i];
+            const bool moved = is_far(i), is_carried = supports != nullptr && supports[k] == support::carried;
+            if (!(sleep_time > S(0))) carried_from = S(-1);
+            if (!is_slow(b) || !b.can_sleep || (moved && !is_carried)) sleep_time = S(0);
+            else if (sleep_time < with.time) sleep_time += step_;
+            if (!(sleep_time > S(0))) carried_from = S(-1);
+            else if (moved && carried_from < S(0)) carried_from = dot(b.velocity.linear, b.velocity.linear);
+            if (moved || !(sleep_time > S(0))) s_.sleep.sleep_anchor[i] = b.center;
             any = any || (b.is_dynamic() && !(sleep_time < with.time));
         }
         return any;
+    }
+    /// What a slow body lies on: nothing, other bodies that move as it does, or anything else.
+    enum class support : std::uint8_t { none, carried, other };
+
+    /// Of each body that moves; null if none of the slow ones has moved far.
+    template <class IsSlow, class IsFar>
+    const support* find_supports(IsSlow&& is_slow, IsFar&& is_far) {
+        const std::uint32_t count = s_.awake.size();
+        bool any = false;
+        for (std::uint32_t k = 0; k < count && !any; ++k) any = is_slow(s_.bodies[s_.awake[k]]) && is_far(s_.awake[k]);
+        if (!any || !(s_.settings.sleeping.time > S(0))) return nullptr;
+        auto* found = s_.scratch.template allocate<support>(count + 1);
+        for (std::uint32_t k = 0; k <= count; ++k) found[k] = support::none;
+        const S fast = s_.settings.sleeping.drift / s_.settings.sleeping.time;
+        const auto square = product(fast, fast);
+        for (const auto& c : s_.contacts) {
+            bool bears = false;
+            for (int k = 0; k < c.count; ++k) bears = bears || c.points[k].normal_impulse > S(0);
+            if (!bears) continue;
+            const auto [a, b] = awake_pair(c);
+            const auto &of_a = s_.bodies[body_a(s_, c)], &of_b = s_.bodies[body_b(s_, c)];
+            const bool along = of_a.is_dynamic() && of_b.is_dynamic() &&
+                               !(length_squared(of_b.velocity.linear - of_a.velocity.linear) > square);
+            for (const std::uint32_t k : {a, b}) {
+                support& one = found[k < count ? k : count];
+                one = along && one != support::other ? support::carried : support::other;
+            }
+        }
+        return found;
     }
     static auto spin_squared(const vec<S, 3>& w) { return length_squared(w); }
     static auto spin_squared(S w) { return product(w, w); }
@@ -28280,6 +28325,12 @@ private:
     void add_to_island(std::uint32_t k, island& of) {
         const std::uint32_t i = s_.awake[k];
         of.is_still = of.is_still && s_.bodies[i].can_sleep && !(s_.sleep.sleep_time[i] < s_.settings.sleeping.time);
+        if (const S from = s_.sleep.carried_from[i]; !(from < S(0))) {
+            const auto v = to_point(s_.bodies[i].velocity.linear);
+            const double mass = to_double(s_.bodies[i].mass.mass);
+            of.now += mass * dot(v, v);
+            of.before += mass * to_double(from);
+        }
         of.is_stopped = of.is_stopped && s_.bodies[i].velocity == twist_of<S, D, Plan::rotates>{};
     }
     /// One of the two is not dynamic: it carries the island if it stands still, and keeps it awake if it moves.
@@ -30840,6 +30891,7 @@ std::uint64_t state_hash(const state<Plan>& s) {
         s.bodies.each([&](std::uint32_t i, const auto&) {
             h.add(s.sleep.sleep_time[i]);
             h.add(s.sleep.sleep_anchor[i]);
+            h.add(s.sleep.carried_from[i]);
             h.add(std::uint64_t{s.sleep.island_next[i]});
         });
         if (!s.sleep.contacts.empty()) h.add(s.sleep.step);

@@ -88,6 +88,46 @@ CELL_CASE("sleep: what rolls at 2 mm/s and more stays awake") {
         CHECK(std::abs(w.with_sleep - 10 * speed) <= 0.02 * speed + rounding(4096));
     }
 }
+CELL_CASE("sleep: what goes along with others, as steadily, stays awake") {
+    for (const double speed : {0.002, 0.01, 0.03}) {
+        CAPTURE(speed);
+        // A stack on a belt; a ball that rolls over a plank.
+        check_same(ways_of(
+            [&](world& w) {
+                world::shape_def belt;
+                belt.material.surface_velocity = -about_z<physics::surface_motion<S, cell::dimension>>(speed);
+                w.create_shape(w.create_body({.type = body_type::static_body}), world::halfspace{}, belt);
+                for (int i = 0; i < 3; ++i) add_box(w, at(0, 0.5 + i));
+                return add_box(w, at(0, 3.5));
+            },
+            6));
+        const auto rolls = ways_of(
+            [&](world& w) {
+                add_ground(w);
+                vec half = vec::filled(S(5));
+                half.y = S(0.5);
+                w.create_shape(w.create_body({.position = at(0, 0.5)}), world::box{half});
+                const body_id ball = add_ball(w, at(0, 1.5));
+                w.set_linear_velocity(ball, along(0, speed));
+                w.set_angular_velocity(ball, about_z(-2 * speed));
+                return ball;
+            },
+            6);
+        check_same(rolls);
+        CHECK(std::abs(rolls.with_sleep - 6 * speed) <= 0.02 * speed + rounding(4096));
+    }
+}
+#if CELL_DIMENSION == 2
+CELL_CASE("sleep: a pile breathes as it comes to rest, which keeps it awake no longer than its rows slip") {
+    world w(pulled(true, 2));
+    add_ground(w);
+    const int rows = 50;
+    for (int row = 0; row < rows; ++row)
+        for (int i = row; i < rows; ++i) add_box(w, at(0.5 * (row + 1) + (i - row) - 0.5 * rows, row + 0.5));
+    run(w, 9 * 64);
+    CHECK(w.awake_count() == 0);
+}
+#endif
 CELL_CASE("sleep: what begins to slip or to tip stays awake") {
     // Pushed by 1 % more than friction holds.
     check_same(ways_of(

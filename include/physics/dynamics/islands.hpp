@@ -18,7 +18,8 @@ struct sleep_settings {
     S speed = S(0.05);
     /// turns faster than this (rad/s),
     S spin = S(0.05);
-    /// or gets farther than this from where it was when it became still (m): what begins to slip stays awake.
+    /// or gets farther than this from where it was when it became still (m): what begins to slip stays awake. What
+    /// lies on other bodies only may go along with those, as long as the island slows down.
     S drift = S(0.0009);
 };
 

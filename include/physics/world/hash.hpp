@@ -167,6 +167,7 @@ std::uint64_t state_hash(const state<Plan>& s) {
         s.bodies.each([&](std::uint32_t i, const auto&) {
             h.add(s.sleep.sleep_time[i]);
             h.add(s.sleep.sleep_anchor[i]);
+            h.add(s.sleep.carried_from[i]);
             h.add(std::uint64_t{s.sleep.island_next[i]});
         });
         if (!s.sleep.contacts.empty()) h.add(s.sleep.step);

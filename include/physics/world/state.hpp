@@ -87,6 +87,8 @@ struct sleep_state {
     buffer<S> sleep_time;
     /// Where its centre of mass was when it became so.
     buffer<vec<S, D>> sleep_anchor;
+    /// How fast it was, squared, when it first went along with others since then; -1: it has not.
+    buffer<S> carried_from;
     /// Of each sleeper the next one of its island, in a ring.
     buffer<std::uint32_t> island_next;
     /// Contacts of which no body that can be pushed is awake, in ascending order of their pairs.
@@ -101,16 +103,19 @@ struct sleep_state {
         if (body >= island_next.size()) {
             sleep_time.resize(body + 1);
             sleep_anchor.resize(body + 1);
+            carried_from.resize(body + 1);
             island_next.resize(body + 1);
         }
         sleep_time[body] = {};
         sleep_anchor[body] = center;
+        carried_from[body] = S(-1);
         island_next[body] = no_sleeper;
     }
     template <class Self, class F>
     static void each_member(Self& self, F&& f) {
         f(self.sleep_time);
         f(self.sleep_anchor);
+        f(self.carried_from);
         f(self.island_next);
         f(self.contacts);
         f(self.step);
