@@ -130,6 +130,36 @@ void agrees_with_each_shape(std::uint64_t seed) {
     CHECK(casts > 30);
 }
 
+CELL_CASE("world queries: no ray passes between boxes that abut on one body, however it is turned") {
+    cell::dice dice(612);
+    for (int run = 0; run < 24; ++run) {
+        world w;
+        const body_id floor = w.create_body(
+            {.type = body_type::static_body, .position = dice.vec<vec>(-20, 20), .rotation = random_rotation(dice)});
+        // A row of them in 2D, in 3D a square.
+        const int across = cell::is_2d ? 1 : 6;
+        for (int x = 0; x < 6; ++x)
+            for (int z = 0; z < across; ++z) {
+                vec local = at(x, 0);
+                local[cell::dimension - 1] += S(cell::is_2d ? 0 : z);
+                w.create_shape(floor, world::box{vec::filled(S(0.5))}, {.position = local});
+            }
+        const auto pose = w.pose(floor);
+        for (int seam = 0; seam < 5; ++seam)
+            for (int i = 0; i < 8; ++i) {
+                // Down at a seam, or at a corner of four, from straight above or from along the seam.
+                vec from = at(seam + 0.5, 4), down = at(0, -8);
+                if (cell::is_3d) {
+                    from[cell::dimension - 1] = i % 2 ? S(seam + 0.5) : dice.real(0, 5);
+                    if (i % 4 > 1) down[cell::dimension - 1] = dice.real(-1, 1);
+                }
+                CAPTURE(run);
+                CAPTURE(seam);
+                CAPTURE(i);
+                CHECK(w.cast_ray(pose * from, pose.rotation * down));
+            }
+    }
+}
 CELL_CASE("world queries: as each shape would answer") {
     agrees_with_each_shape<physics::world<asked<physics::dynamic_tree>>>(70);
 }

@@ -73,30 +73,44 @@ template <template <class, int> class Shape, class S, int D>
 
 }  // namespace detail
 
-/// Where a ray, from `origin` along `translation` (m), first meets a shape that stands at `at`. Surfaces belong to
-/// shapes: a ray that begins on one hits at 0, one in the plane of a face at its edge, one without length hits what it
-/// is in. Exact to a few roundings of double, of the sizes and of the distance: only rays that graze the shape by less
-/// may be judged either way; none passes between parts of a surface that share corners. Cost: 15 to 100 ns; hulls 3 ns
-/// a face; rounded hulls and boxes and other shapes 0.3 to 1.5 us, rounded cylinders and cones up to 8; surfaces and
-/// compounds 0.1 us and more, O(log n) and the parts on the way.
+/// Where a ray, from `origin` along `translation` (m), first meets a shape that stands at `local` in the frame of a
+/// body at `body`. Surfaces belong to shapes: a ray that begins on one hits at 0, one in the plane of a face at its
+/// edge, one without length hits what it is in. Exact to a few roundings of double, of the sizes and of the distance:
+/// only rays that graze the shape by less may be judged either way; none passes between parts of a surface that share
+/// corners. Cost: 15 to 100 ns; hulls 3 ns a face; rounded hulls and boxes and other shapes 0.3 to 1.5 us, rounded
+/// cylinders and cones up to 8; surfaces and compounds 0.1 us and more, O(log n) and the parts on the way.
+template <class Shape, class S, int D>
+    requires requires(const Shape& s, const detail::local_ray<D>& r) { cast_on(s, r); }
+ray_hit<S, D> cast_ray(const Shape& shape, const transform<S, D>& body, const transform<S, D>& local,
+                       std::type_identity_t<vec<S, D>> origin, std::type_identity_t<vec<S, D>> translation) {
+    const mat<double, D> outer = detail::to_matrix(body.rotation), inner = detail::to_matrix(local.rotation);
+    const detail::point<D> from = detail::to_point(origin), displacement = detail::to_point(translation),
+                           seen = transposed_times(outer, from - detail::to_point(body.position));
+    const detail::local_hit<D> h =
+        cast_on(shape, detail::local_ray<D>{transposed_times(inner, seen - detail::to_point(local.position)),
+                                            transposed_times(inner, transposed_times(outer, displacement))});
+    if (!h.hit) return {};
+    return {true, static_cast<S>(h.fraction), detail::from_point<S>(outer * (inner * h.normal)),
+            detail::from_point<S>(from + displacement * h.fraction)};
+}
+/// The same for a shape that stands at `at`.
 template <class Shape, class S, int D>
     requires requires(const Shape& s, const detail::local_ray<D>& r) { cast_on(s, r); }
 ray_hit<S, D> cast_ray(const Shape& shape, const transform<S, D>& at, std::type_identity_t<vec<S, D>> origin,
                        std::type_identity_t<vec<S, D>> translation) {
-    const mat<double, D> axes = detail::to_matrix(at.rotation);
-    const detail::point<D> from = detail::to_point(origin), displacement = detail::to_point(translation);
-    const detail::local_hit<D> h =
-        cast_on(shape, detail::local_ray<D>{transposed_times(axes, from - detail::to_point(at.position)),
-                                            transposed_times(axes, displacement)});
-    if (!h.hit) return {};
-    return {true, static_cast<S>(h.fraction), detail::from_point<S>(axes * h.normal),
-            detail::from_point<S>(from + displacement * h.fraction)};
+    return cast_ray(shape, at, transform<S, D>{}, origin, translation);
 }
 /// The same for a shape of a set.
 template <class S, int D, template <class, int> class... Shapes>
+ray_hit<S, D> cast_ray(const any_shape<S, D, Shapes...>& shape, const transform<S, D>& body,
+                       const transform<S, D>& local, std::type_identity_t<vec<S, D>> origin,
+                       std::type_identity_t<vec<S, D>> translation) {
+    return shape.visit([&](const auto& s) { return cast_ray(s, body, local, origin, translation); });
+}
+template <class S, int D, template <class, int> class... Shapes>
 ray_hit<S, D> cast_ray(const any_shape<S, D, Shapes...>& shape, const transform<S, D>& at,
                        std::type_identity_t<vec<S, D>> origin, std::type_identity_t<vec<S, D>> translation) {
-    return shape.visit([&](const auto& s) { return cast_ray(s, at, origin, translation); });
+    return cast_ray(shape, at, transform<S, D>{}, origin, translation);
 }
 
 PHYSICS_HPP_END

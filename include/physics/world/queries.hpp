@@ -111,7 +111,8 @@ void cast_ray(const state<Plan>& s, const char* function, vec<typename Plan::sca
     if (!check_translation(function, "origin", origin, translation)) return;
     S limit(1);
     each_on(s, {origin, translation}, filter, [&](std::uint32_t i) {
-        const auto hit = cast_ray(s.shapes[i].shape, s.shapes[i].pose, origin, translation);
+        const auto& shape = s.shapes[i];
+        const auto hit = cast_ray(shape.shape, s.bodies[shape.body].pose(), shape.local, origin, translation);
         if (hit && !(hit.fraction > limit))
             limit = min(limit, visit(world_hit<S, Plan::dimension>{id_of_shape(s, i), body_of_shape(s, i), hit.fraction,
                                                                    hit.point, hit.normal}));
