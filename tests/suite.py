@@ -31,7 +31,7 @@ STEP = re.compile(r"^\[(\d+)/(\d+)\] ")
 
 
 # Seconds that each group takes on two idle cores: all that the estimates of what is left are made of.
-SECONDS = {"cheap": 63, "misuse": 28, "gcc": 300, "clang": 470, "determinism": 205, "sanitize": 135, "fuzz": 50,
+SECONDS = {"cheap": 63, "misuse": 28, "gcc": 300, "clang": 470, "determinism": 290, "sanitize": 135, "fuzz": 50,
            "quick": 220}
 
 

@@ -13,6 +13,7 @@ Last line: `N passed, M failed`, counted in scenes and the control.
 import concurrent.futures
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
 import time
@@ -31,6 +32,9 @@ BUILDS = [
     ("g++", "-O0", PARTS),
     ("clang++", "-O2", PARTS),
     ("g++", "-O2", "-flto", PARTS),
+    ("g++", "-Os", PARTS),
+    ("g++-11", "-O2", PARTS),
+    ("clang++-19", "-O2", PARTS),
     ("g++", "-O2", SINGLE, "-DPHYSICS_HPP_NO_INT128", "-DPHYSICS_HPP_RUNTIME_AVX2"),
     ("clang++", "-O1", SINGLE, "-DPHYSICS_HPP_NO_INT128", "-DPHYSICS_HPP_RUNTIME_AVX2"),
 ]
@@ -78,6 +82,9 @@ def main():
     one = "--one" in sys.argv[1:]
     if one:
         builds = [ONE]
+    for build in [build for build in builds if not shutil.which(build[0])]:
+        print(f"skipped, not installed: {label(build)}")
+        builds = [other for other in builds if other != build]
     control = [CONTROL] if not one and fuses(CONTROL[0]) else []
     OUT.mkdir(parents=True, exist_ok=True)
     passed = failed = 0
