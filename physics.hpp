@@ -28289,7 +28289,9 @@ private:
             if (!is_slow(b) || !b.can_sleep || (moved && !is_carried)) sleep_time = S(0);
             else if (sleep_time < with.time) sleep_time += step_;
             if (!(sleep_time > S(0))) carried_from = S(-1);
-            else if (moved && carried_from < S(0)) carried_from = dot(b.velocity.linear, b.velocity.linear);
+            else if (moved && carried_from < S(0))
+                carried_from =
+                    static_cast<S>(min(square_of(b.velocity.linear), to_double(scalar_traits<S>::max()) / 2));
             if (moved || !(sleep_time > S(0))) s_.sleep.sleep_anchor[i] = b.center;
             any = any || (b.is_dynamic() && !(sleep_time < with.time));
         }
@@ -28307,16 +28309,15 @@ private:
         if (!any || !(s_.settings.sleeping.time > S(0))) return nullptr;
         auto* found = s_.scratch.template allocate<support>(count + 1);
         for (std::uint32_t k = 0; k <= count; ++k) found[k] = support::none;
-        const S fast = s_.settings.sleeping.drift / s_.settings.sleeping.time;
-        const auto square = product(fast, fast);
+        const double fast = to_double(s_.settings.sleeping.drift) / to_double(s_.settings.sleeping.time);
         for (const auto& c : s_.contacts) {
             bool bears = false;
             for (int k = 0; k < c.count; ++k) bears = bears || c.points[k].normal_impulse > S(0);
             if (!bears) continue;
             const auto [a, b] = awake_pair(c);
             const auto &of_a = s_.bodies[body_a(s_, c)], &of_b = s_.bodies[body_b(s_, c)];
-            const bool along = of_a.is_dynamic() && of_b.is_dynamic() &&
-                               !(length_squared(of_b.velocity.linear - of_a.velocity.linear) > square);
+            const auto apart = to_point(of_b.velocity.linear) - to_point(of_a.velocity.linear);
+            const bool along = of_a.is_dynamic() && of_b.is_dynamic() && !(dot(apart, apart) > fast * fast);
             for (const std::uint32_t k : {a, b}) {
                 support& one = found[k < count ? k : count];
                 one = along && one != support::other ? support::carried : support::other;
@@ -28324,6 +28325,7 @@ private:
         }
         return found;
     }
+    static double square_of(const vec<S, D>& v) { return dot(to_point(v), to_point(v)); }
     static auto spin_squared(const vec<S, 3>& w) { return length_squared(w); }
     static auto spin_squared(S w) { return product(w, w); }
 
@@ -28341,9 +28343,8 @@ private:
         const std::uint32_t i = s_.awake[k];
         of.is_still = of.is_still && s_.bodies[i].can_sleep && !(s_.sleep.sleep_time[i] < s_.settings.sleeping.time);
         if (const S from = s_.sleep.carried_from[i]; !(from < S(0))) {
-            const auto v = to_point(s_.bodies[i].velocity.linear);
             const double mass = to_double(s_.bodies[i].mass.mass);
-            of.now += mass * dot(v, v);
+            of.now += mass * square_of(s_.bodies[i].velocity.linear);
             of.before += mass * to_double(from);
         }
         of.is_stopped = of.is_stopped && s_.bodies[i].velocity == twist_of<S, D, Plan::rotates>{};
@@ -30511,7 +30512,8 @@ struct energy_report {
     double potential = 0;
     /// What forces, torques, kinematic bodies and moving surfaces gave in the step.
     double work = 0;
-    /// What the step gained beyond that: at most 0 but for rounding, and for overlaps that were pushed apart.
+    /// What the step gained beyond that: at most 0 but for rounding, for overlaps that were pushed apart, and for what
+    /// a kinematic body took along (see swept).
     double made = 0;
 };
 
@@ -31509,6 +31511,12 @@ public:
     [[nodiscard]] energy_report step_with_energy_report(scalar dt) {
         const detail::energy_balance<plan> balance(state_);
         step(dt);
+        return balance.after();
+    }
+    template <executor Executor>
+    [[nodiscard]] energy_report step_with_energy_report(scalar dt, Executor& by) {
+        const detail::energy_balance<plan> balance(state_);
+        step(dt, by);
         return balance.after();
     }
     /// Kinetic and potential energy as bodies are now. O(bodies).

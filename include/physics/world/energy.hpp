@@ -12,7 +12,8 @@ struct energy_report {
     double potential = 0;
     /// What forces, torques, kinematic bodies and moving surfaces gave in the step.
     double work = 0;
-    /// What the step gained beyond that: at most 0 but for rounding, and for overlaps that were pushed apart.
+    /// What the step gained beyond that: at most 0 but for rounding, for overlaps that were pushed apart, and for what
+    /// a kinematic body took along (see swept).
     double made = 0;
 };
 

@@ -63,6 +63,12 @@ public:
         step(dt);
         return balance.after();
     }
+    template <executor Executor>
+    [[nodiscard]] energy_report step_with_energy_report(scalar dt, Executor& by) {
+        const detail::energy_balance<plan> balance(state_);
+        step(dt, by);
+        return balance.after();
+    }
     /// Kinetic and potential energy as bodies are now. O(bodies).
     [[nodiscard]] energy_report energy() const { return detail::energy_of(state_); }
     /// Number of steps taken.
