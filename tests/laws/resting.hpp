@@ -55,12 +55,12 @@ inline ways ways_of(const std::function<body_id(world&)>& build, int seconds,
     return {way[1], way[0]};
 }
 /// Sleep changes nothing.
-inline void check_same(const ways& w) { CHECK(w.with_sleep == w.without); }
+inline void check_same(const ways& way) { CHECK(way.with_sleep == way.without); }
 
 CELL_CASE("sleep: what a belt carries at 2 mm/s and more stays awake") {
     for (const double speed : {0.002, 0.01, 0.03}) {
         CAPTURE(speed);
-        const auto w = ways_of(
+        const auto way = ways_of(
             [&](world& w) {
                 world::shape_def belt;
                 belt.material.surface_velocity = -about_z<physics::surface_motion<S, cell::dimension>>(speed);
@@ -68,14 +68,14 @@ CELL_CASE("sleep: what a belt carries at 2 mm/s and more stays awake") {
                 return add_box(w, at(0, 0.5));
             },
             10);
-        check_same(w);
-        if (cell::is_2d) CHECK(std::abs(std::abs(w.with_sleep) - 10 * speed) <= 0.05 * speed + rounding(4096));
+        check_same(way);
+        if (cell::is_2d) CHECK(std::abs(std::abs(way.with_sleep) - 10 * speed) <= 0.05 * speed + rounding(4096));
     }
 }
 CELL_CASE("sleep: what rolls at 2 mm/s and more stays awake") {
     for (const double speed : {0.002, 0.02, 0.04}) {
         CAPTURE(speed);
-        const auto w = ways_of(
+        const auto way = ways_of(
             [&](world& w) {
                 add_ground(w);
                 const body_id ball = add_ball(w, at(0, 0.5));
@@ -84,8 +84,8 @@ CELL_CASE("sleep: what rolls at 2 mm/s and more stays awake") {
                 return ball;
             },
             10);
-        check_same(w);
-        CHECK(std::abs(w.with_sleep - 10 * speed) <= 0.02 * speed + rounding(4096));
+        check_same(way);
+        CHECK(std::abs(way.with_sleep - 10 * speed) <= 0.02 * speed + rounding(4096));
     }
 }
 CELL_CASE("sleep: what goes along with others, as steadily, stays awake") {
@@ -140,7 +140,7 @@ CELL_CASE("sleep: what begins to slip or to tip stays awake") {
         CAPTURE(beyond);
         // A slab that stands on its edge, out of balance by so many radians.
         const double lean = std::atan(0.1) + beyond;
-        const auto w = ways_of(
+        const auto way = ways_of(
             [&](world& w) {
                 add_ground(w);
                 vec half = vec::filled(S(0.5));
@@ -152,8 +152,8 @@ CELL_CASE("sleep: what begins to slip or to tip stays awake") {
                 return slab;
             },
             8);
-        CHECK(w.with_sleep > 0.5);
-        CHECK(std::abs(w.with_sleep - w.without) <= 0.05);
+        CHECK(way.with_sleep > 0.5);
+        CHECK(std::abs(way.with_sleep - way.without) <= 0.05);
     }
 }
 
