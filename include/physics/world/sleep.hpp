@@ -261,31 +261,35 @@ private:
         }
         return any;
     }
-    /// What a slow body lies on: nothing, other bodies that move as it does, or anything else.
-    enum class support : std::uint8_t { none, carried, other };
+    /// What a slow body that has moved far lies on: nothing, other bodies that move as it does, or anything else.
+    enum class support : std::uint8_t { unasked, none, carried, other };
 
     /// Of each body that moves; null if none of the slow ones has moved far.
     template <class IsSlow, class IsFar>
     const support* find_supports(IsSlow&& is_slow, IsFar&& is_far) {
         const std::uint32_t count = s_.awake.size();
-        bool any = false;
-        for (std::uint32_t k = 0; k < count && !any; ++k) any = is_slow(s_.bodies[s_.awake[k]]) && is_far(s_.awake[k]);
-        if (!any || !(s_.settings.sleeping.time > S(0))) return nullptr;
         auto* found = s_.scratch.template allocate<support>(count + 1);
-        for (std::uint32_t k = 0; k <= count; ++k) found[k] = support::none;
+        bool any = false;
+        for (std::uint32_t k = 0; k < count; ++k) {
+            const bool asked = is_slow(s_.bodies[s_.awake[k]]) && is_far(s_.awake[k]);
+            found[k] = asked ? support::none : support::unasked;
+            any = any || asked;
+        }
+        found[count] = support::unasked;
+        if (!any || !(s_.settings.sleeping.time > S(0))) return nullptr;
         const double fast = to_double(s_.settings.sleeping.drift) / to_double(s_.settings.sleeping.time);
         for (const auto& c : s_.contacts) {
+            const auto [a, b] = awake_pair(c);
+            support &one = found[a < count ? a : count], &other = found[b < count ? b : count];
+            if (one == support::unasked && other == support::unasked) continue;
             bool bears = false;
             for (int k = 0; k < c.count; ++k) bears = bears || c.points[k].normal_impulse > S(0);
             if (!bears) continue;
-            const auto [a, b] = awake_pair(c);
             const auto &of_a = s_.bodies[body_a(s_, c)], &of_b = s_.bodies[body_b(s_, c)];
             const auto apart = to_point(of_b.velocity.linear) - to_point(of_a.velocity.linear);
             const bool along = of_a.is_dynamic() && of_b.is_dynamic() && !(dot(apart, apart) > fast * fast);
-            for (const std::uint32_t k : {a, b}) {
-                support& one = found[k < count ? k : count];
-                one = along && one != support::other ? support::carried : support::other;
-            }
+            for (support* on : {&one, &other})
+                if (*on != support::unasked) *on = along && *on != support::other ? support::carried : support::other;
         }
         return found;
     }
