@@ -30556,7 +30556,7 @@ public:
         energy_report r = energy_of(s_);
         for (const pushed& p : pushed_) {
             const auto& b = s_.bodies[p.body];
-            r.work += dot(to_point(p.force), to_point(b.center - p.center));
+            r.work += product_of(p.force, b.center - p.center);
             if constexpr (Plan::rotates)
                 r.work += product_of(p.torque, rotation_vector(b.rotation * inverse(p.rotation)));
         }
@@ -30575,8 +30575,10 @@ private:
     };
 
     static double product_of(S a, S b) { return to_double(a) * to_double(b); }
-    static double product_of(const vec<S, 3>& a, const vec<S, 3>& b) { return dot(to_point(a), to_point(b)); }
-    static double product_of(const vec<S, 2>& a, const vec<S, 2>& b) { return dot(to_point(a), to_point(b)); }
+    template <int N>
+    static double product_of(const vec<S, N>& a, const vec<S, N>& b) {
+        return dot(to_point(a), to_point(b));
+    }
 
     /// What a kinematic body or the run of a surface gives by a contact's impulses.
     [[nodiscard]] double work_at(const typename Plan::contact& c) const {
@@ -30593,8 +30595,8 @@ private:
                     work += product_of(p.friction_impulse, c.surface_velocity);
             }
             const auto r = c.anchors(k);
-            if (from_a) work += dot(to_point(impulse), to_point(velocity_at(a.velocity, r.a)));
-            if (from_b) work -= dot(to_point(impulse), to_point(velocity_at(b.velocity, r.b)));
+            if (from_a) work += product_of(impulse, velocity_at(a.velocity, r.a));
+            if (from_b) work -= product_of(impulse, velocity_at(b.velocity, r.b));
         }
         if constexpr (Plan::rotates && D == 3 && Plan::features::friction) {
             const vec<S, 3> twist = c.normal * c.twist_impulse;
