@@ -161,6 +161,10 @@
 // 16 is what gcc says where _Float16 has arithmetic of its own; float and double then have too.
 #error \
     "physics.hpp promises the same bits everywhere, which x87 arithmetic breaks: add -msse2 -mfpmath=sse, or define PHYSICS_HPP_NONDETERMINISTIC"
+#elif defined(__wasm_simd128__) && defined(__clang__) && __clang_major__ < 16 && !defined(PHYSICS_HPP_NO_SLP_VECTORIZE)
+// No macro shows that flag. clang 14 miscompiles what its SLP vectoriser makes of plain numbers.
+#error \
+    "physics.hpp promises the same bits everywhere, which -msimd128 breaks for wasm in clang before 16: add -fno-slp-vectorize -DPHYSICS_HPP_NO_SLP_VECTORIZE, or define PHYSICS_HPP_NONDETERMINISTIC"
 #endif
 #endif
 
@@ -23615,6 +23619,10 @@ PHYSICS_HPP_ALWAYS_INLINE bool are_inactive(const Point* points, int count, cons
         const P needed = max(P::load(points[k].impulse), ahead);
         // Of points that only other lanes have nothing is asked.
         busy = max(busy, select_greater(P::load(points[k].mass), zero, needed, zero));
+#if defined(__GNUC__) && !defined(__clang__)
+        // No instruction. -floop-nest-optimize of g++ 12 joins this loop with others, and gets it wrong.
+        asm volatile("");
+#endif
     }
     return greater(lanes * busy, zero).bits() == 0;
 }

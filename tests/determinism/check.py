@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """One hash for each scene of hash.cpp, whatever compiled it: both compilers, each optimisation level, this machine's
-own instructions, both 128-bit paths, the parts and the single header, and no flag that asks for it.
+own instructions, 32 bits, wasm, both 128-bit paths, the parts and the single header, and no flag that asks for it.
 
     python3 tests/determinism/check.py [--quick|--one]    --quick: half of the builds; EVERYTHING=1 in the environment:
                                                           more; --one: one build, whose hashes are compared with those
@@ -26,6 +26,8 @@ MOST_SECONDS = 300  # for one run of the program; clang++ -O0 takes more than a 
 PARTS = "-Iinclude"
 SINGLE = "-I."
 
+WASM = ("clang++", "--target=wasm32-wasi", "-fno-exceptions", "-Wl,-z,stack-size=1048576")
+
 BUILDS = [
     ("g++", "-O3", "-march=native", PARTS),
     ("clang++", "-O3", "-march=native", PARTS),
@@ -34,7 +36,10 @@ BUILDS = [
     ("g++", "-O2", "-flto", PARTS),
     ("g++", "-Os", PARTS),
     ("g++-11", "-O2", PARTS),
+    ("clang++-16", "-O2", PARTS),
     ("clang++-19", "-O2", PARTS),
+    ("g++", "-O1", "-m32", "-msse2", "-mfpmath=sse", PARTS),
+    (*WASM, "-O2", "-msimd128", "-fno-slp-vectorize", "-DPHYSICS_HPP_NO_SLP_VECTORIZE", PARTS),
     ("g++", "-O2", SINGLE, "-DPHYSICS_HPP_NO_INT128", "-DPHYSICS_HPP_RUNTIME_AVX2"),
     ("clang++", "-O1", SINGLE, "-DPHYSICS_HPP_NO_INT128", "-DPHYSICS_HPP_RUNTIME_AVX2"),
 ]
@@ -43,6 +48,7 @@ MORE_BUILDS = [
     ("g++", "-O2", PARTS),
     ("clang++", "-O0", PARTS),
     ("g++", "-O3", PARTS),
+    ("g++", "-O3", "-floop-nest-optimize", PARTS),
     ("clang++", "-O3", PARTS),
 ]
 CONTROL = ("g++", "-O2", "-march=native", PARTS, "-DPHYSICS_HPP_NONDETERMINISTIC", "-DCONTROL")
@@ -51,7 +57,19 @@ LAST = OUT / "hashes.txt"
 
 
 def label(build):
-    return " ".join(flag for flag in build if not flag.startswith("-I") or flag == SINGLE)
+    return " ".join(flag for flag in build if not flag.startswith(("-I", "-Wl")) or flag == SINGLE)
+
+
+def can_build(build):
+    """Whether the compiler is there, with the libraries of its target."""
+    if not shutil.which(build[0]) or (build[: len(WASM)] == WASM and not shutil.which("node")):
+        return False
+    return subprocess.run([*build, "-std=c++20", "-x", "c++", "-", "-o", "/dev/null"], cwd=ROOT, text=True,
+                          input="#include <vector>\nint main() {}", capture_output=True).returncode == 0
+
+
+def command_of(build, program):
+    return ["node", "--no-warnings", HERE / "wasi.mjs", program] if build[: len(WASM)] == WASM else [program]
 
 
 def scenes_of(build):
@@ -61,7 +79,7 @@ def scenes_of(build):
                           errors="replace", stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     if done.returncode == 0:
         try:
-            done = subprocess.run([program], cwd=ROOT, text=True, errors="replace", timeout=MOST_SECONDS,
+            done = subprocess.run(command_of(build, program), cwd=ROOT, text=True, errors="replace", timeout=MOST_SECONDS,
                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
         except subprocess.TimeoutExpired:
             return {}, f"stopped after {MOST_SECONDS} s"
@@ -82,7 +100,7 @@ def main():
     one = "--one" in sys.argv[1:]
     if one:
         builds = [ONE]
-    for build in [build for build in builds if not shutil.which(build[0])]:
+    for build in [build for build in builds if not can_build(build)]:
         print(f"skipped, not installed: {label(build)}")
         builds = [other for other in builds if other != build]
     control = [CONTROL] if not one and fuses(CONTROL[0]) else []

@@ -159,6 +159,63 @@ void belts(const char* cell) {
     sum.print("belts", cell);
 }
 
+/// Hulls, cylinders and cones rain on a mesh, some of them thrown at it so fast that they are swept; and what rays and
+/// shapes that are cast find there.
+template <class S>
+void rubble(const char* cell) {
+    struct quarry
+        : physics::recipe<S, 3, physics::shapes<physics::hull, physics::cylinder, physics::cone, physics::mesh>> {};
+    using world = physics::world<quarry>;
+    using vec = typename world::vec;
+    std::uint32_t seed = 1;
+    // From -1 to 1, in steps of 1/64.
+    const auto random = [&seed] {
+        seed = seed * 1664525u + 1013904223u;
+        return S(static_cast<int>(seed >> 25) - 64) / S(64);
+    };
+    constexpr std::uint32_t side = 9;
+    vec ground[side * side];
+    std::uint32_t triangles[6 * (side - 1) * (side - 1)], count = 0;
+    for (std::uint32_t i = 0; i < side * side; ++i)
+        ground[i] = {S(static_cast<int>(i % side) - 4), random() / S(2), S(static_cast<int>(i / side) - 4)};
+    for (std::uint32_t z = 0; z + 1 < side; ++z)
+        for (std::uint32_t x = 0; x + 1 < side; ++x) {
+            const std::uint32_t at = z * side + x;
+            for (const std::uint32_t corner : {at, at + side, at + 1, at + 1, at + side, at + side + 1})
+                triangles[count++] = corner;
+        }
+    const auto mesh = physics::mesh_geometry<S, 3>::build(ground, side * side, triangles, count / 3);
+    world w;
+    w.create_shape(w.create_body({.type = physics::body_type::static_body}), mesh.shape());
+    for (int i = 0; i < 24; ++i) {
+        typename world::body_def def;
+        def.position = {S(i % 4 - 2) + random() / S(4), S(i / 4 + 2), S(i / 2 % 4 - 2) + random() / S(4)};
+        if (i % 6 == 5) def.linear_velocity = {random(), S(-64), random()};
+        def.angular_velocity = {random(), random(), random()};
+        const auto body = w.create_body(def);
+        vec points[12];
+        for (vec& p : points) p = {random() / S(2), random() / S(2), random() / S(2)};
+        if (i % 3 == 0) w.create_shape(body, physics::cylinder<S, 3>{S(0.25), S(0.375)});
+        if (i % 3 == 1) w.create_shape(body, physics::cone<S, 3>{S(0.25), S(0.375)});
+        if (i % 3 == 2) w.create_shape(body, physics::hull_geometry<S, 3>::build(points, 12).shape());
+    }
+    digest sum;
+    for (int i = 1; i <= 128; ++i) {
+        w.step(S(1.0 / 64));
+        if (i % 8 == 0) sum.word(w.state_hash());
+    }
+    for (int i = 0; i < 64; ++i) {
+        const vec from{random() * S(4), S(8), random() * S(4)}, along{random() * S(4), S(-12), random() * S(4)};
+        const auto ray = w.cast_ray(from, along);
+        const auto swept = w.cast_shape(physics::cylinder<S, 3>{S(0.5), S(0.25)}, {from, {}}, along);
+        sum.add(ray.fraction);
+        sum.add(ray.normal);
+        sum.add(swept.fraction);
+        sum.add(swept.normal);
+    }
+    sum.print("rubble", cell);
+}
+
 /// The scenes of the flagship sample: a structure that stands, then is hit; the hash of every 30th state.
 template <class S, int D, class Build>
 void flagship(const char* scene, const char* cell, Build&& build) {
@@ -199,6 +256,8 @@ int main() {
     belts<float, 3>("float/3D");
     belts<double, 3, physics::soft_step_with<physics::point_friction>>("double/3D");
     belts<physics::fixed32, 3>("fixed32/3D");
+    rubble<float>("float/3D");
+    rubble<physics::fixed32>("fixed32/3D");
     flagships<float>("float/2D", "float/3D");
     flagships<double>("double/2D", "double/3D");
     flagships<physics::fixed32>("fixed32/2D", "fixed32/3D");

@@ -23,6 +23,10 @@ PHYSICS_HPP_ALWAYS_INLINE bool are_inactive(const Point* points, int count, cons
         const P needed = max(P::load(points[k].impulse), ahead);
         // Of points that only other lanes have nothing is asked.
         busy = max(busy, select_greater(P::load(points[k].mass), zero, needed, zero));
+#if defined(__GNUC__) && !defined(__clang__)
+        // No instruction. -floop-nest-optimize of g++ 12 joins this loop with others, and gets it wrong.
+        asm volatile("");
+#endif
     }
     return greater(lanes * busy, zero).bits() == 0;
 }
