@@ -281,6 +281,7 @@
 #include "physics/world/queries.hpp"
 #include "physics/world/ranges.hpp"
 #include "physics/world/recipe.hpp"
+#include "physics/world/seams.hpp"
 #include "physics/world/settings.hpp"
 #include "physics/world/sleep.hpp"
 #include "physics/world/snapshot.hpp"

@@ -3,6 +3,7 @@
 
 #include "physics/world/contacts.hpp"
 #include "physics/world/motion.hpp"
+#include "physics/world/seams.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -70,6 +71,7 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, t
         // Contacts with sleeping bodies -> contacts of the islands that they wake.
         if (list_woken(s, found.near_sleeper, h) && !find_contacts_of_woken(s, h, tasks))
             return step_result::bad_mixing_rule;
+    const seam_contacts seams(s, h);  // contacts          -> without those at flush edges
     done(step_stage::find_contacts);
     step_solver<Plan> solver(s, h, tasks);  // contacts          -> islands, in batches
     done(step_stage::make_batches);

@@ -1,0 +1,143 @@
+// Seams: where static shapes lie flush, what slides over them does not push at the next one's edge.
+#pragma once
+
+#include "physics/world/contacts.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Leaves out contacts that a body would make with a static shape that is flush with the one it rests on. Where a body
+/// sinks in by a hair, or contacts are looked for ahead of it, the side or the corner of the next shape is in its way;
+/// lifted out, it would pass. So those contacts go that a body would not have at the end of the step if it were lifted
+/// by what it has sunk in, and 1/512 of its thickness. O(contacts), and a query of the narrowphase for each in
+/// question.
+template <class Plan>
+class seam_contacts {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+    using contact = typename Plan::contact;
+
+public:
+    seam_contacts(state<Plan>& s, S h) : s_(s), step_(h) {
+        // Thickness is known of bodies that may be swept.
+        if constexpr (Plan::is_continuous) find();
+    }
+
+private:
+    void find() {
+        const std::uint32_t count = s_.awake.size();
+        support_ = s_.scratch.template allocate<std::uint32_t>(count);
+        for (std::uint32_t i = 0; i < count; ++i) support_[i] = null_index;
+        // Most bodies touch one static shape, or none.
+        bool any = false;
+        for (std::uint32_t i = 0; i < s_.new_contacts.size(); ++i) {
+            const contact& c = s_.new_contacts[i];
+            if ((c.body_a < count) == (c.body_b < count)) continue;
+            std::uint32_t& first = support_[c.body_a < count ? c.body_a : c.body_b];
+            if (first == null_index) first = i;
+            else any = any || other_shape(c) != other_shape(s_.new_contacts[first]);
+        }
+        if (!any) return;
+        for (std::uint32_t i = 0; i < count; ++i) support_[i] = null_index;
+        for (std::uint32_t i = 0; i < s_.new_contacts.size(); ++i) {
+            const contact& c = s_.new_contacts[i];
+            const std::uint32_t body = pushed_body(c);
+            if (body == null_index || !(load_of(c) > S(0))) continue;
+            std::uint32_t& support = support_[body];
+            if (support == null_index || load_of(c) > load_of(s_.new_contacts[support])) support = i;
+        }
+        remove();
+    }
+    /// The number among awake bodies of the dynamic one, where the other is static; else null.
+    [[nodiscard]] std::uint32_t pushed_body(const contact& c) const {
+        const std::uint32_t count = s_.awake.size();
+        const bool has_a = c.body_a < count, has_b = c.body_b < count;
+        if (has_a == has_b) return null_index;
+        const std::uint32_t other = has_a ? detail::body_b(s_, c) : detail::body_a(s_, c);
+        const std::uint32_t body = has_a ? c.body_a : c.body_b;
+        if (s_.bodies[other].type != body_type::static_body || !s_.bodies[s_.awake[body]].is_dynamic())
+            return null_index;
+        return body;
+    }
+    [[nodiscard]] static S load_of(const contact& c) {
+        S load = S(0);
+        for (int k = 0; k < c.count; ++k)
+            if (c.persisted(k)) load = max(load, c.points[k].normal_impulse);
+        return load;
+    }
+    /// Out of the static shape.
+    [[nodiscard]] vec<S, D> outwards(const contact& c) const {
+        return c.body_a < s_.awake.size() ? -c.normal : c.normal;
+    }
+    [[nodiscard]] static S deepest(const contact& c) {
+        S separation = c.points[0].separation;
+        for (int k = 1; k < c.count; ++k) separation = min(separation, c.points[k].separation);
+        return separation;
+    }
+    void remove() {
+        std::uint32_t* is_seam = s_.scratch.template allocate<std::uint32_t>(s_.new_contacts.size());
+        bool any = false;
+        for (std::uint32_t i = 0; i < s_.new_contacts.size(); ++i) {
+            is_seam[i] = lies_on_seam(i);
+            any = any || is_seam[i] != 0;
+        }
+        if (!any) return;
+        std::uint32_t kept = 0;
+        for (std::uint32_t i = 0; i < s_.new_contacts.size(); ++i) {
+            if (is_seam[i] != 0) continue;
+            if (kept != i) s_.new_contacts[kept] = s_.new_contacts[i];
+            ++kept;
+        }
+        s_.new_contacts.resize(kept);
+    }
+    [[nodiscard]] bool lies_on_seam(std::uint32_t i) {
+        const contact& c = s_.new_contacts[i];
+        const std::uint32_t body = pushed_body(c);
+        if (body == null_index || support_[body] == null_index || support_[body] == i) return false;
+        const contact& support = s_.new_contacts[support_[body]];
+        if (other_shape(c) == other_shape(support)) return false;
+        const vec<S, D> up = outwards(support), n = outwards(c);
+        // Alike, both carry it.
+        const S alike = dot(n, up);
+        const vec<S, D> across = n - up * alike;
+        if (!(largest(across) > S(1.0 / 256)) || alike < S(-1.0 / 64)) return false;
+        const vec<S, D> v = s_.bodies[s_.awake[body]].velocity_ahead(step_).linear;
+        if (!(dot(n, v) < S(0))) return false;
+        if (!(deepest(c) + dot(n, v) * step_ < S(0))) return false;
+        const S thickness = s_.continuous.extents[s_.awake[body]].thickness;
+        const S lift = max(-deepest(support), S(0)) + thickness * S(1.0 / 512);
+        const vec<S, D> along = v * step_ - up * min(dot(v, up) * step_, S(0));
+        if (length(along) > thickness) return false;
+        const vec<S, D> shift = along + up * lift;
+        if (would_touch(c, shift)) return false;
+        // Nor farther on, where a shape that rises from the other one, however slowly, is in the way.
+        return !would_touch(c, shift - normalized(across) * min(lift * S(256), thickness));
+    }
+    [[nodiscard]] std::uint32_t other_shape(const contact& c) const {
+        return c.body_a < s_.awake.size() ? c.shape_b : c.shape_a;
+    }
+    [[nodiscard]] bool would_touch(const contact& c, const vec<S, D>& shift) {
+        const auto& a = s_.shapes[c.shape_a];
+        const auto& b = s_.shapes[c.shape_b];
+        auto at_a = a.pose, at_b = b.pose;
+        (c.body_a < s_.awake.size() ? at_a : at_b).position += shift;
+        const typename Plan::query query{&a.shape, &b.shape, relative(at_a, at_b)};
+        auto& found = s_.manifolds[0];
+        found.clear();
+        if constexpr (Plan::remembers) Plan::narrowphase::collide(&query, 1, S(0), nullptr, found);
+        else Plan::narrowphase::collide(&query, 1, S(0), found);
+        for (const auto& [number, part, m] : found)
+            for (int k = 0; k < m.count; ++k)
+                if (m.points[k].separation < S(0)) return true;
+        return false;
+    }
+
+    state<Plan>& s_;
+    S step_;
+    std::uint32_t* support_ = nullptr;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
