@@ -8,15 +8,17 @@ PHYSICS_HPP_BEGIN
 namespace detail {
 
 /// Leaves out contacts that a body would make with a static shape that is flush with the one it rests on. Where a body
-/// sinks in by a hair, or contacts are looked for ahead of it, the side or the corner of the next shape is in its way;
-/// lifted out, it would pass. So those contacts go that a body would not have at the end of the step if it were lifted
-/// by what it has sunk in, and 1/512 of its thickness. O(contacts), and a query of the narrowphase for each in
-/// question.
+/// sinks in by a hair, or contacts are looked for ahead of it, the side or the corner of the next shape is in its
+/// distance; lifted out, it would pass. So those contacts go that a body would not have at the end of the step if it
+/// were lifted by what it has sunk in, and 1/512 of its thickness. O(contacts), and a query of the narrowphase for each
+/// in question.
 template <class Plan>
 class seam_contacts {
     using S = typename Plan::scalar;
     static constexpr int D = Plan::dimension;
     using contact = typename Plan::contact;
+    /// A body that goes farther in a step, in thicknesses, keeps its contacts.
+    static constexpr int max_tests = 16;
 
 public:
     seam_contacts(state<Plan>& s, S h) : s_(s), step_(h) {
@@ -103,16 +105,19 @@ private:
         const vec<S, D> across = n - up * alike;
         if (!(largest(across) > S(1.0 / 256)) || alike < S(-1.0 / 64)) return false;
         const vec<S, D> v = s_.bodies[s_.awake[body]].velocity_ahead(step_).linear;
-        if (!(dot(n, v) < S(0))) return false;
-        if (!(deepest(c) + dot(n, v) * step_ < S(0))) return false;
+        if (!(deepest(c) + min(dot(n, v), S(0)) * step_ < S(0))) return false;
         const S thickness = s_.continuous.extents[s_.awake[body]].thickness;
-        const S lift = max(-deepest(support), S(0)) + thickness * S(1.0 / 512);
         const vec<S, D> along = v * step_ - up * min(dot(v, up) * step_, S(0));
-        if (length(along) > thickness) return false;
-        const vec<S, D> shift = along + up * lift;
-        if (would_touch(c, shift)) return false;
-        // Nor farther on, where a shape that rises from the other one, however slowly, is in the way.
-        return !would_touch(c, shift - normalized(across) * min(lift * S(256), thickness));
+        const S distance = length(along);
+        if (!(distance * S(1.0 / max_tests) < thickness)) return false;
+        const S lift = max(-deepest(support), S(0)) + thickness * S(1.0 / 512);
+        // No thin shape is between two places.
+        for (S at = min(distance, thickness);; at = min(at + thickness, distance)) {
+            if (would_touch(c, (distance > S(0) ? along * (at / distance) : along) + up * lift)) return false;
+            if (!(at < distance)) break;
+        }
+        // Nor farther on, where a shape that rises from the other one, however slowly, would stop it.
+        return !would_touch(c, along + up * lift - normalized(across) * min(lift * S(256), thickness));
     }
     [[nodiscard]] std::uint32_t other_shape(const contact& c) const {
         return c.body_a < s_.awake.size() ? c.shape_b : c.shape_a;
