@@ -69,7 +69,11 @@ def can_build(build):
 
 
 def command_of(build, program):
-    return ["node", "--no-warnings", HERE / "wasi.mjs", program] if build[: len(WASM)] == WASM else [program]
+    if build[: len(WASM)] != WASM:
+        return [program]
+    version = subprocess.run(["node", "--version"], text=True, stdout=subprocess.PIPE).stdout
+    old = int(version.lstrip("v").split(".")[0]) < 20  # Of Debian 12: WASI is behind a flag there.
+    return ["node", "--no-warnings", *["--experimental-wasi-unstable-preview1"] * old, HERE / "wasi.mjs", program]
 
 
 def scenes_of(build):
