@@ -8,10 +8,10 @@ PHYSICS_HPP_BEGIN
 namespace detail {
 
 /// Leaves out contacts that a body would make with a static shape that is flush with the one it rests on. Where a body
-/// sinks in by a hair, or contacts are looked for ahead of it, the side or the corner of the next shape is in its
-/// distance; lifted out, it would pass. So those contacts go that a body would not have at the end of the step if it
-/// were lifted by what it has sunk in, and 1/512 of its thickness. O(contacts), and a query of the narrowphase for each
-/// in question.
+/// sinks in by a hair, or contacts are looked for ahead of it, it would be stopped by the side or the corner of the
+/// next shape; lifted out, it would pass. So those contacts go that a body would not have up to the end of the step if
+/// it were lifted by what it has sunk in, and 1/512 of its thickness. O(contacts), and some queries of the narrowphase
+/// for each in question.
 template <class Plan>
 class seam_contacts {
     using S = typename Plan::scalar;
@@ -78,20 +78,12 @@ private:
         return separation;
     }
     void remove() {
-        std::uint32_t* is_seam = s_.scratch.template allocate<std::uint32_t>(s_.new_contacts.size());
-        bool any = false;
-        for (std::uint32_t i = 0; i < s_.new_contacts.size(); ++i) {
-            is_seam[i] = lies_on_seam(i);
-            any = any || is_seam[i] != 0;
-        }
-        if (!any) return;
-        std::uint32_t kept = 0;
-        for (std::uint32_t i = 0; i < s_.new_contacts.size(); ++i) {
-            if (is_seam[i] != 0) continue;
-            if (kept != i) s_.new_contacts[kept] = s_.new_contacts[i];
-            ++kept;
-        }
-        s_.new_contacts.resize(kept);
+        auto& contacts = s_.new_contacts;
+        // All are looked at before any moves.
+        bool* const is_seam = s_.scratch.template allocate<bool>(contacts.size());
+        for (std::uint32_t i = 0; i < contacts.size(); ++i) is_seam[i] = lies_on_seam(i);
+        partition_contacts(
+            contacts, [&](const contact& c) { return !is_seam[&c - contacts.begin()]; }, [](const contact&) {});
     }
     [[nodiscard]] bool lies_on_seam(std::uint32_t i) {
         const contact& c = s_.new_contacts[i];
