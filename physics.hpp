@@ -31620,13 +31620,16 @@ PHYSICS_HPP_BEGIN
 /// there for builds without exceptions) and then leaves the world as it was. A copy of a world is a world in the same
 /// state, and handles serve both; a world that was moved from is empty. Two worlds may be used on two threads.
 /// Functions cost O(1) unless they say otherwise, and O(contacts of sleepers) where they wake an island.
-template <class Recipe>
+///
+/// Plan follows from the recipe and is never written. It makes two recipes of the same name in two units two types.
+template <class Recipe, class Plan = typename detail::plan_of<Recipe>::type>
 class world : public detail::shape_aliases<typename detail::plan_of<Recipe>::type::scalar,
                                            detail::plan_of<Recipe>::type::dimension> {
     friend detail::world_access;
     using plan = typename detail::plan_of<Recipe>::type;
     using code = detail::world_code<plan>;
     static_assert(sizeof(detail::audit<Recipe>) > 0);
+    static_assert(std::same_as<plan, Plan>, "physics::world: the second argument is not for you; write world<mine>");
 
 public:
     using scalar = typename plan::scalar;

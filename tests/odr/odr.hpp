@@ -26,9 +26,20 @@ std::uint64_t hash_of_landing() {
     return w.state_hash();
 }
 
+/// A ball falls for a second.
+template <class World>
+std::uint64_t hash_of_fall() {
+    World w;
+    w.create_shape(w.create_body(), typename World::ball{});
+    for (int i = 0; i < 64; ++i) w.step(typename World::scalar(1.0 / 64));
+    return World(w).state_hash();
+}
+
 /// Defined in one.cpp: the shared recipe, and a recipe of that unit alone.
 std::uint64_t shared_hash_in_one();
 std::uint64_t own_hash_in_one();
+/// Of a recipe that has another one's name in two.cpp.
+std::uint64_t namesake_hash_in_one();
 /// Defined in audited.cpp, which is built with other options: there, all types are others.
 int overflows_in_audited();
 std::uint64_t shared_hash_in_audited();

@@ -9,6 +9,12 @@ struct recipe_of_one : physics::recipe<double, 3> {};
 template class physics::world<shared_recipe>;
 template class physics::world<recipe_of_one>;
 
+// two.cpp has another recipe of this name.
+struct namesake : physics::recipe<float, 3, physics::without<physics::feature::sleeping>> {};
+template class physics::world<namesake>;
+
+std::uint64_t namesake_hash_in_one() { return hash_of_fall<physics::world<namesake>>(); }
+
 std::uint64_t shared_hash_in_one() { return hash_of_landing<shared_recipe>(); }
 
 std::uint64_t own_hash_in_one() { return hash_of_landing<recipe_of_one>(); }
