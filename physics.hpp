@@ -23716,17 +23716,18 @@ struct block_solve {
     /// Answers the speeds, and adds what that comes to to the sum. `left` is 1 in lanes that are left to visits, where
     /// nothing changes; returns whether any is. `at(k)` is the way at point k.
     template <class Point, class Sum, class At, class SpeedAt>
-    PHYSICS_HPP_ALWAYS_INLINE bool solve(Point* points, int count, const contact_pass<S, D>& pass, P (&speed)[D],
-                                         const P (&displacement)[D], P& left, Sum& sum, At&& at,
+    PHYSICS_HPP_ALWAYS_INLINE bool solve(Point* points, int count, const contact_pass<S, D>& pass,
+                                         const P (&unbiased)[D], const P (&displacement)[D], P& left, Sum& sum, At&& at,
                                          SpeedAt&& speed_at) const {
         const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
         left = one;
         if (count == 1) return true;
         P ok = P::load(valid), kept = one, strength = one, changes[capacity];
-        P calm = P::broadcast(scalar_traits<S>::max()), sum_of_changes = zero, there = zero;
+        P calm = P::broadcast(scalar_traits<S>::max()), sum_of_changes = zero, there = zero, speed[D];
+        for (int i = 0; i < D; ++i) speed[i] = unbiased[i];
         if (pass.use_bias) {
             const P rate = P::broadcast(pass.spring.rate);
-            for (int i = 0; i < D; ++i) speed[i] = speed[i] + rate * (P::load(separation[i]) + displacement[i]);
+            for (int i = 0; i < D; ++i) speed[i] = unbiased[i] + rate * (P::load(separation[i]) + displacement[i]);
             kept = P::broadcast(S(1) - pass.spring.impulse_scale);
             strength = P::broadcast(pass.spring.mass_scale);
         }
@@ -23762,6 +23763,47 @@ struct block_solve {
             sum.add(points[k], change);
         }
         return any_left;
+    }
+    /// The same for lanes that are left to visits, and land: that bore nothing as the substep began, or meet or part
+    /// fast, and whose gaps all close within it. What lands flat is stopped without a turn, which friction would make a
+    /// slide of. Not where the middle's way is longer than the contact is wide: needles turn by more than their gaps
+    /// are good for before the substep ends.
+    template <class Point, class Sum, class At, class SpeedAt>
+    PHYSICS_HPP_ALWAYS_INLINE void solve_landing(Point* points, int count, const contact_pass<S, D>& pass,
+                                                 const P (&speed)[D], const P (&displacement)[D], S* start_load,
+                                                 const P& half_width, P& left, Sum& sum, At&& at,
+                                                 SpeedAt&& speed_at) const {
+        if (count == 1) return;
+        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1)), per_step = P::broadcast(pass.inverse_step);
+        const P half_way = lane_abs(speed[0]) * P::broadcast(pass.substep * S(0.5));
+        const P rests = select_greater(lane_abs(speed[0]), P::broadcast(pass.impact_speed), zero, P::load(start_load));
+        P lands = select_greater(max(rests, -P::load(valid)), zero, zero, left);
+        lands = select_greater(half_way, half_width, zero, lands);
+        if (greater(lands, zero).bits() == 0) return;
+        P closing[D], changes[capacity];
+        for (int i = 0; i < D; ++i) closing[i] = speed[i] + per_step * (P::load(separation[i]) + displacement[i]);
+        for (int k = 0; k < count; ++k) {
+            changes[k] = P::load(points[k].share[0]) * closing[0];
+            for (int i = 1; i < D; ++i) changes[k] = changes[k] + P::load(points[k].share[i]) * closing[i];
+            changes[k] = zero - changes[k];
+            const P before = P::load(points[k].impulse), gap = P::load(points[k].separation) + at(k);
+            // Gaps that are all but closed may be overlaps by rounding.
+            const P rounding = lane_abs(speed_at(k)) * P::broadcast(pass.substep * S(1.0 / 1024));
+            P good = min(gap + rounding, before + changes[k]);
+            // As visits do.
+            if (!pass.use_bias) good = min(good, before);
+            good = select_greater(good, zero, one, zero);
+            lands = min(lands, select_greater(P::load(points[k].mass), zero, good, one));
+        }
+        for (int k = 0; k < count; ++k) {
+            const P change = select_greater(lands, zero, changes[k], zero);
+            (P::load(points[k].impulse) + change).store(points[k].impulse);
+            sum.add(points[k], change);
+        }
+        left = left - lands;
+        if (!pass.use_bias) return;
+        const P impact = select_greater(-speed[0], P::broadcast(pass.impact_speed), lands, zero);
+        select_greater(impact, zero, -one, P::load(start_load)).store(start_load);
     }
 
 private:
@@ -24448,19 +24490,22 @@ PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& 
 template <class S, class Point, class Bounces, class SpeedAt, class Change>
 S bounce_points(Point* points, int count, const Bounces& bounces, int lane, SpeedAt&& speed_at, Change&& change) {
     S impulses[4] = {}, load = S(0), stopped = S(0);
-    int own = 0;
-    for (int k = 0; k < count; ++k) {
-        load += points[k].impulse[lane];
-        own += points[k].mass[lane] > S(0) ? 1 : 0;
-    }
-    for (int round = 0; round < (own > 1 ? 4 : 1); ++round)
+    for (int k = 0; k < count; ++k) load += points[k].impulse[lane];
+    // A plate's ends take ten rounds: what is left turns it, and friction makes a slide of that.
+    S last = S(1), total = S(0);
+    for (int round = 0; round < 16 && last > total * S(1.0 / 4096); ++round) {
+        last = total = S(0);
         symmetric_gauss_seidel(count, [&](int k) {
             const S target = bounces.speed[k][lane], bears = points[k].impulse[lane];
             if (!(target > S(0) || bears > S(0))) return;
             const S next = max(impulses[k] + points[k].mass[lane] * (target - speed_at(k)), -bears);
-            change(k, next - impulses[k]);
+            const S by = next - impulses[k];
+            change(k, by);
             impulses[k] = next;
+            last = max(last, abs(by));
+            total = max(total, abs(next));
         });
+    }
     for (int k = 0; k < count; ++k) {
         points[k].total[lane] += impulses[k];
         if (bounces.speed[k][lane] > S(0)) stopped += points[k].impulse[lane];
@@ -24511,7 +24556,7 @@ struct soft_contact2 {
     point points[capacity];
     block_solve<S, 2, W> direct;
     [[no_unique_address]] soft_friction2_of<S, W, Features> friction;
-    /// What the points bore together as the substep began.
+    /// What the points bore together as the substep began; less than 0 where they land in it with an impact.
     S start_load[W];
     /// How B has moved against A as of the last round that did not push: the next one that does asks for the same.
     S last_displacements[2][W];
@@ -24535,9 +24580,7 @@ struct soft_contact2 {
         b[lane] = c.body_b;
         gathered.add(lane, c);
         point_count = point_count < c.count ? c.count : point_count;
-        for (int k = 0; k < c.count; ++k) {
-            points[k].impulse[lane] = c.persisted(k) ? c.points[k].substep_impulse : S(0);
-        }
+        for (int k = 0; k < c.count; ++k) points[k].impulse[lane] = c.persisted(k) ? c.points[k].substep_impulse : S(0);
         if constexpr (Features::restitution) bounce_to.put(lane, c, with, scratch);
         if constexpr (Features::friction) {
             friction.coefficient.put(lane, with.surfaces.friction_of(c));
@@ -24636,23 +24679,26 @@ struct soft_contact2 {
             else if constexpr (Features::restitution) bounces_now = false;
             return;
         }
-        P speeds[] = {speed.along, speed.turn};
+        const P speeds[] = {speed.along, speed.turn};
         const P displacements[] = {displacement.along, displacement.turn};
         const P zero = P::broadcast(S(0));
         impulse_sum sum{zero, zero};
         P left;
-        if (direct.solve(points, point_count, pass, speeds, displacements, left, sum, displacement_at, speed_at))
+        if (direct.solve(points, point_count, pass, speeds, displacements, left, sum, displacement_at, speed_at)) {
+            direct.solve_landing(points, point_count, pass, speeds, displacements, start_load,
+                                 lane_abs(P::load(points[0].moment_arm)), left, sum, displacement_at, speed_at);
             solve_points(speed, sum, [&](int k, const P& v) PHYSICS_HPP_INLINE_LAMBDA {
                 return next_impulse(points[k], v, displacement_at(k), pass, left);
             });
+        }
         apply(f, sum.load, zero, sum.moment, at_a, at_b);
         if constexpr (Features::restitution)
             if (pass.use_bias && bounces_now) bounce_to.at->template keep_pushed<P>(points, point_count);
         if constexpr (Features::friction) solve_friction(f, pass, at_a, at_b);
         if (!pass.use_bias) {
             add_totals<P>(points, point_count);
-            const P impact_speed = P::broadcast(pass.impact_speed);
-            if (greater(-speed.along, impact_speed).bits() != 0) discard_impacts(bodies, pass, speed.along);
+            const P impact = max(-speed.along - P::broadcast(pass.impact_speed), -P::load(start_load));
+            if (greater(impact, zero).bits() != 0) discard_impacts(bodies, pass, impact);
             load_of<P>(points, point_count).store(start_load);
         }
         if (moves_a) at_a.store(bodies, a);
@@ -24788,12 +24834,13 @@ private:
         });
     }
     /// After an impact, removes from the start velocities of the next substep all impulse but what was held before it.
-    PHYSICS_HPP_NOINLINE void discard_impacts(const body* bodies, const contact_pass<S, 2>& pass, const P& speed) {
+    PHYSICS_HPP_NOINLINE void discard_impacts(const body* bodies, const contact_pass<S, 2>& pass, const P& impact) {
         for (int lane = 0; lane < W; ++lane) {
             S load = S(0), lost = S(0), moment = S(0), lost_friction = S(0);
             for (int k = 0; k < point_count; ++k) load += points[k].impulse[lane];
-            if (!(-speed.lane(lane) > pass.impact_speed) || !(load > start_load[lane])) continue;
-            const S share = start_load[lane] / load;
+            const S held = max(start_load[lane], S(0));
+            if (!(impact.lane(lane) > S(0)) || !(load > held)) continue;
+            const S share = held / load;
             for (int k = 0; k < point_count; ++k) {
                 const S removed = reduce_to(points[k].impulse[lane], share);
                 lost += removed;
@@ -24906,6 +24953,19 @@ struct contact_impulse3 {
     }
 };
 
+/// From the middle to points: where they are more than two, in the narrower direction.
+template <class P, class Point>
+PHYSICS_HPP_ALWAYS_INLINE P half_width_of(const Point* points, int count) {
+    P x = lane_abs(P::load(points[0].x)), y = lane_abs(P::load(points[0].y));
+    for (int k = 1; k < count; ++k) {
+        x = max(x, lane_abs(P::load(points[k].x)));
+        y = max(y, lane_abs(P::load(points[k].y)));
+    }
+    const P longer = max(x, y);
+    if (count < 3) return longer;
+    return select_greater(P::load(points[2].mass), P::broadcast(typename P::scalar(0)), min(x, y), longer);
+}
+
 }  // namespace detail
 
 PHYSICS_HPP_END
@@ -24945,7 +25005,7 @@ struct soft_contact3 {
     point points[capacity];
     block_solve<S, 3, W> direct;
     [[no_unique_address]] soft_friction3_of<S, W, Features, Friction> friction;
-    /// What the points bore together as the substep began.
+    /// What the points bore together as the substep began; less than 0 where they land in it with an impact.
     S start_load[W];
     /// How B has moved against A as of the last round that did not push: the next one that does asks for the same.
     S last_displacements[3][W];
@@ -24969,9 +25029,7 @@ struct soft_contact3 {
         b[lane] = c.body_b;
         gathered.add(lane, c);
         point_count = point_count < c.count ? c.count : point_count;
-        for (int k = 0; k < c.count; ++k) {
-            points[k].impulse[lane] = c.persisted(k) ? c.points[k].substep_impulse : S(0);
-        }
+        for (int k = 0; k < c.count; ++k) points[k].impulse[lane] = c.persisted(k) ? c.points[k].substep_impulse : S(0);
         if constexpr (Features::restitution) bounce_to.put(lane, c, with, scratch);
         if constexpr (Features::friction) friction.put(lane, c, with);
         extras.put(lane, c, first, second, with, scratch);
@@ -25098,23 +25156,25 @@ struct soft_contact3 {
             else if constexpr (Features::restitution) bounces_now = false;
             return;
         }
-        P speeds[] = {speed.along, speed.about_t, speed.about_u};
+        const P speeds[] = {speed.along, speed.about_t, speed.about_u};
         const P displacements[] = {displacement.along, displacement.about_t, displacement.about_u};
-        const P zero = P::broadcast(S(0));
+        P zero = P::broadcast(S(0)), left;
         impulse_sum sum{zero, zero, zero};
-        P left;
-        if (direct.solve(points, point_count, pass, speeds, displacements, left, sum, displacement_at, speed_at))
+        if (direct.solve(points, point_count, pass, speeds, displacements, left, sum, displacement_at, speed_at)) {
+            direct.solve_landing(points, point_count, pass, speeds, displacements, start_load,
+                                 half_width_of<P>(points, point_count), left, sum, displacement_at, speed_at);
             solve_points(speed, sum, [&](int k, const P& v) PHYSICS_HPP_INLINE_LAMBDA {
                 return next_impulse(points[k], v, displacement_at(k), pass, left);
             });
+        }
         apply(f, sum, at_a, at_b);
         if constexpr (Features::restitution)
             if (pass.use_bias && bounces_now) bounce_to.at->template keep_pushed<P>(points, point_count);
         if (!pass.use_bias) {
             if constexpr (Features::friction) solve_friction(f, at_a, at_b);
             add_totals<P>(points, point_count);
-            const P impact_speed = P::broadcast(pass.impact_speed);
-            if (greater(-speed.along, impact_speed).bits() != 0) discard_impacts(bodies, pass, speed.along);
+            const P impact = max(-speed.along - P::broadcast(pass.impact_speed), -P::load(start_load));
+            if (greater(impact, zero).bits() != 0) discard_impacts(bodies, pass, impact);
             load_of<P>(points, point_count).store(start_load);
         }
         if (moves_a) at_a.store(bodies, a);
@@ -25232,12 +25292,12 @@ private:
         });
     }
     /// After an impact, removes from the start velocities of the next substep all impulse but what was held before it.
-    PHYSICS_HPP_NOINLINE void discard_impacts(const body* bodies, const contact_pass<S, 3>& pass, const P& speed) {
+    PHYSICS_HPP_NOINLINE void discard_impacts(const body* bodies, const contact_pass<S, 3>& pass, const P& impact) {
         for (int lane = 0; lane < W; ++lane) {
-            S load = S(0);
+            S load = S(0), held = max(start_load[lane], S(0));
             for (int k = 0; k < point_count; ++k) load += points[k].impulse[lane];
-            if (!(-speed.lane(lane) > pass.impact_speed) || !(load > start_load[lane])) continue;
-            const S share = start_load[lane] / load;
+            if (!(impact.lane(lane) > S(0)) || !(load > held)) continue;
+            const S share = held / load;
             vec<S, 3> sum;
             for (int k = 0; k < point_count; ++k) {
                 const S removed = reduce_to(points[k].impulse[lane], share);

@@ -133,6 +133,38 @@ CELL_CASE("landings: what bounces keeps its speed, and all keep their way along 
                 }
 }
 
+CELL_CASE("landings: what lands flat neither slides nor turns, nor hops") {
+    vec cube = vec::filled(S(0.5)), brick = cube;
+    brick.y = S(0.15);
+    for (const ground kind : {ground::slab, ground::half, ground::parts})
+        for (const double speed : {4.0, 16.0})
+            for (const double e : {0.0, 0.5, 1.0})
+                for (const int substeps : {1, 4, 16})
+                    for (int run = 0; run < 16; ++run) {
+                        const vec half = run % 2 == 0 ? cube : brick;
+                        const physics::material<S, D> rough{.friction = S(0.6), .restitution = S(e)};
+                        wide_world::settings_type settings;
+                        settings.solver.substeps = substeps;
+                        wide_world w(settings);
+                        add_ground(w, kind, rough);
+                        const double height = number(half.y) + 0.02 + speed / 64 * (1 + run / 16.0);
+                        const body_id body =
+                            w.create_body({.position = at(0.2, height), .linear_velocity = along(1, -speed)});
+                        w.create_shape(body, wide_world::box{half}, {.material = rough});
+                        for (int i = 0; i < 16; ++i) w.step(S(1.0 / 64));
+                        vec v = w.linear_velocity(body);
+                        v.y = S(0);
+                        CAPTURE(int(kind));
+                        CAPTURE(speed);
+                        CAPTURE(e);
+                        CAPTURE(substeps);
+                        CAPTURE(run);
+                        CHECK(gap(v, vec{}) <= 0.001 * speed);
+                        if (e == 0) CHECK(number(w.position(body).y) <= number(half.y) + 0.002);
+                        CHECK(gap(w.angular_velocity(body), about_z(0)) <= 0.002 * speed);
+                    }
+}
+
 CELL_CASE("flagged balls that go by each other closer than they are wide meet, however little") {
     struct flags : physics::recipe<S, D, physics::soft_step> {};
     for (const double speed : {18.0, 200.0})

@@ -120,17 +120,18 @@ struct block_solve {
     /// Answers the speeds, and adds what that comes to to the sum. `left` is 1 in lanes that are left to visits, where
     /// nothing changes; returns whether any is. `at(k)` is the way at point k.
     template <class Point, class Sum, class At, class SpeedAt>
-    PHYSICS_HPP_ALWAYS_INLINE bool solve(Point* points, int count, const contact_pass<S, D>& pass, P (&speed)[D],
-                                         const P (&displacement)[D], P& left, Sum& sum, At&& at,
+    PHYSICS_HPP_ALWAYS_INLINE bool solve(Point* points, int count, const contact_pass<S, D>& pass,
+                                         const P (&unbiased)[D], const P (&displacement)[D], P& left, Sum& sum, At&& at,
                                          SpeedAt&& speed_at) const {
         const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
         left = one;
         if (count == 1) return true;
         P ok = P::load(valid), kept = one, strength = one, changes[capacity];
-        P calm = P::broadcast(scalar_traits<S>::max()), sum_of_changes = zero, there = zero;
+        P calm = P::broadcast(scalar_traits<S>::max()), sum_of_changes = zero, there = zero, speed[D];
+        for (int i = 0; i < D; ++i) speed[i] = unbiased[i];
         if (pass.use_bias) {
             const P rate = P::broadcast(pass.spring.rate);
-            for (int i = 0; i < D; ++i) speed[i] = speed[i] + rate * (P::load(separation[i]) + displacement[i]);
+            for (int i = 0; i < D; ++i) speed[i] = unbiased[i] + rate * (P::load(separation[i]) + displacement[i]);
             kept = P::broadcast(S(1) - pass.spring.impulse_scale);
             strength = P::broadcast(pass.spring.mass_scale);
         }
@@ -166,6 +167,47 @@ struct block_solve {
             sum.add(points[k], change);
         }
         return any_left;
+    }
+    /// The same for lanes that are left to visits, and land: that bore nothing as the substep began, or meet or part
+    /// fast, and whose gaps all close within it. What lands flat is stopped without a turn, which friction would make a
+    /// slide of. Not where the middle's way is longer than the contact is wide: needles turn by more than their gaps
+    /// are good for before the substep ends.
+    template <class Point, class Sum, class At, class SpeedAt>
+    PHYSICS_HPP_ALWAYS_INLINE void solve_landing(Point* points, int count, const contact_pass<S, D>& pass,
+                                                 const P (&speed)[D], const P (&displacement)[D], S* start_load,
+                                                 const P& half_width, P& left, Sum& sum, At&& at,
+                                                 SpeedAt&& speed_at) const {
+        if (count == 1) return;
+        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1)), per_step = P::broadcast(pass.inverse_step);
+        const P half_way = lane_abs(speed[0]) * P::broadcast(pass.substep * S(0.5));
+        const P rests = select_greater(lane_abs(speed[0]), P::broadcast(pass.impact_speed), zero, P::load(start_load));
+        P lands = select_greater(max(rests, -P::load(valid)), zero, zero, left);
+        lands = select_greater(half_way, half_width, zero, lands);
+        if (greater(lands, zero).bits() == 0) return;
+        P closing[D], changes[capacity];
+        for (int i = 0; i < D; ++i) closing[i] = speed[i] + per_step * (P::load(separation[i]) + displacement[i]);
+        for (int k = 0; k < count; ++k) {
+            changes[k] = P::load(points[k].share[0]) * closing[0];
+            for (int i = 1; i < D; ++i) changes[k] = changes[k] + P::load(points[k].share[i]) * closing[i];
+            changes[k] = zero - changes[k];
+            const P before = P::load(points[k].impulse), gap = P::load(points[k].separation) + at(k);
+            // Gaps that are all but closed may be overlaps by rounding.
+            const P rounding = lane_abs(speed_at(k)) * P::broadcast(pass.substep * S(1.0 / 1024));
+            P good = min(gap + rounding, before + changes[k]);
+            // As visits do.
+            if (!pass.use_bias) good = min(good, before);
+            good = select_greater(good, zero, one, zero);
+            lands = min(lands, select_greater(P::load(points[k].mass), zero, good, one));
+        }
+        for (int k = 0; k < count; ++k) {
+            const P change = select_greater(lands, zero, changes[k], zero);
+            (P::load(points[k].impulse) + change).store(points[k].impulse);
+            sum.add(points[k], change);
+        }
+        left = left - lands;
+        if (!pass.use_bias) return;
+        const P impact = select_greater(-speed[0], P::broadcast(pass.impact_speed), lands, zero);
+        select_greater(impact, zero, -one, P::load(start_load)).store(start_load);
     }
 
 private:

@@ -60,6 +60,19 @@ struct contact_impulse3 {
     }
 };
 
+/// From the middle to points: where they are more than two, in the narrower direction.
+template <class P, class Point>
+PHYSICS_HPP_ALWAYS_INLINE P half_width_of(const Point* points, int count) {
+    P x = lane_abs(P::load(points[0].x)), y = lane_abs(P::load(points[0].y));
+    for (int k = 1; k < count; ++k) {
+        x = max(x, lane_abs(P::load(points[k].x)));
+        y = max(y, lane_abs(P::load(points[k].y)));
+    }
+    const P longer = max(x, y);
+    if (count < 3) return longer;
+    return select_greater(P::load(points[2].mass), P::broadcast(typename P::scalar(0)), min(x, y), longer);
+}
+
 }  // namespace detail
 
 PHYSICS_HPP_END

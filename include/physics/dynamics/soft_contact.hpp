@@ -163,19 +163,22 @@ PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& 
 template <class S, class Point, class Bounces, class SpeedAt, class Change>
 S bounce_points(Point* points, int count, const Bounces& bounces, int lane, SpeedAt&& speed_at, Change&& change) {
     S impulses[4] = {}, load = S(0), stopped = S(0);
-    int own = 0;
-    for (int k = 0; k < count; ++k) {
-        load += points[k].impulse[lane];
-        own += points[k].mass[lane] > S(0) ? 1 : 0;
-    }
-    for (int round = 0; round < (own > 1 ? 4 : 1); ++round)
+    for (int k = 0; k < count; ++k) load += points[k].impulse[lane];
+    // A plate's ends take ten rounds: what is left turns it, and friction makes a slide of that.
+    S last = S(1), total = S(0);
+    for (int round = 0; round < 16 && last > total * S(1.0 / 4096); ++round) {
+        last = total = S(0);
         symmetric_gauss_seidel(count, [&](int k) {
             const S target = bounces.speed[k][lane], bears = points[k].impulse[lane];
             if (!(target > S(0) || bears > S(0))) return;
             const S next = max(impulses[k] + points[k].mass[lane] * (target - speed_at(k)), -bears);
-            change(k, next - impulses[k]);
+            const S by = next - impulses[k];
+            change(k, by);
             impulses[k] = next;
+            last = max(last, abs(by));
+            total = max(total, abs(next));
         });
+    }
     for (int k = 0; k < count; ++k) {
         points[k].total[lane] += impulses[k];
         if (bounces.speed[k][lane] > S(0)) stopped += points[k].impulse[lane];

@@ -32,7 +32,7 @@ struct soft_contact2 {
     point points[capacity];
     block_solve<S, 2, W> direct;
     [[no_unique_address]] soft_friction2_of<S, W, Features> friction;
-    /// What the points bore together as the substep began.
+    /// What the points bore together as the substep began; less than 0 where they land in it with an impact.
     S start_load[W];
     /// How B has moved against A as of the last round that did not push: the next one that does asks for the same.
     S last_displacements[2][W];
@@ -56,9 +56,7 @@ struct soft_contact2 {
         b[lane] = c.body_b;
         gathered.add(lane, c);
         point_count = point_count < c.count ? c.count : point_count;
-        for (int k = 0; k < c.count; ++k) {
-            points[k].impulse[lane] = c.persisted(k) ? c.points[k].substep_impulse : S(0);
-        }
+        for (int k = 0; k < c.count; ++k) points[k].impulse[lane] = c.persisted(k) ? c.points[k].substep_impulse : S(0);
         if constexpr (Features::restitution) bounce_to.put(lane, c, with, scratch);
         if constexpr (Features::friction) {
             friction.coefficient.put(lane, with.surfaces.friction_of(c));
@@ -157,23 +155,26 @@ struct soft_contact2 {
             else if constexpr (Features::restitution) bounces_now = false;
             return;
         }
-        P speeds[] = {speed.along, speed.turn};
+        const P speeds[] = {speed.along, speed.turn};
         const P displacements[] = {displacement.along, displacement.turn};
         const P zero = P::broadcast(S(0));
         impulse_sum sum{zero, zero};
         P left;
-        if (direct.solve(points, point_count, pass, speeds, displacements, left, sum, displacement_at, speed_at))
+        if (direct.solve(points, point_count, pass, speeds, displacements, left, sum, displacement_at, speed_at)) {
+            direct.solve_landing(points, point_count, pass, speeds, displacements, start_load,
+                                 lane_abs(P::load(points[0].moment_arm)), left, sum, displacement_at, speed_at);
             solve_points(speed, sum, [&](int k, const P& v) PHYSICS_HPP_INLINE_LAMBDA {
                 return next_impulse(points[k], v, displacement_at(k), pass, left);
             });
+        }
         apply(f, sum.load, zero, sum.moment, at_a, at_b);
         if constexpr (Features::restitution)
             if (pass.use_bias && bounces_now) bounce_to.at->template keep_pushed<P>(points, point_count);
         if constexpr (Features::friction) solve_friction(f, pass, at_a, at_b);
         if (!pass.use_bias) {
             add_totals<P>(points, point_count);
-            const P impact_speed = P::broadcast(pass.impact_speed);
-            if (greater(-speed.along, impact_speed).bits() != 0) discard_impacts(bodies, pass, speed.along);
+            const P impact = max(-speed.along - P::broadcast(pass.impact_speed), -P::load(start_load));
+            if (greater(impact, zero).bits() != 0) discard_impacts(bodies, pass, impact);
             load_of<P>(points, point_count).store(start_load);
         }
         if (moves_a) at_a.store(bodies, a);
@@ -309,12 +310,13 @@ private:
         });
     }
     /// After an impact, removes from the start velocities of the next substep all impulse but what was held before it.
-    PHYSICS_HPP_NOINLINE void discard_impacts(const body* bodies, const contact_pass<S, 2>& pass, const P& speed) {
+    PHYSICS_HPP_NOINLINE void discard_impacts(const body* bodies, const contact_pass<S, 2>& pass, const P& impact) {
         for (int lane = 0; lane < W; ++lane) {
             S load = S(0), lost = S(0), moment = S(0), lost_friction = S(0);
             for (int k = 0; k < point_count; ++k) load += points[k].impulse[lane];
-            if (!(-speed.lane(lane) > pass.impact_speed) || !(load > start_load[lane])) continue;
-            const S share = start_load[lane] / load;
+            const S held = max(start_load[lane], S(0));
+            if (!(impact.lane(lane) > S(0)) || !(load > held)) continue;
+            const S share = held / load;
             for (int k = 0; k < point_count; ++k) {
                 const S removed = reduce_to(points[k].impulse[lane], share);
                 lost += removed;

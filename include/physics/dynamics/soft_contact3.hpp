@@ -34,7 +34,7 @@ struct soft_contact3 {
     point points[capacity];
     block_solve<S, 3, W> direct;
     [[no_unique_address]] soft_friction3_of<S, W, Features, Friction> friction;
-    /// What the points bore together as the substep began.
+    /// What the points bore together as the substep began; less than 0 where they land in it with an impact.
     S start_load[W];
     /// How B has moved against A as of the last round that did not push: the next one that does asks for the same.
     S last_displacements[3][W];
@@ -58,9 +58,7 @@ struct soft_contact3 {
         b[lane] = c.body_b;
         gathered.add(lane, c);
         point_count = point_count < c.count ? c.count : point_count;
-        for (int k = 0; k < c.count; ++k) {
-            points[k].impulse[lane] = c.persisted(k) ? c.points[k].substep_impulse : S(0);
-        }
+        for (int k = 0; k < c.count; ++k) points[k].impulse[lane] = c.persisted(k) ? c.points[k].substep_impulse : S(0);
         if constexpr (Features::restitution) bounce_to.put(lane, c, with, scratch);
         if constexpr (Features::friction) friction.put(lane, c, with);
         extras.put(lane, c, first, second, with, scratch);
@@ -187,23 +185,25 @@ struct soft_contact3 {
             else if constexpr (Features::restitution) bounces_now = false;
             return;
         }
-        P speeds[] = {speed.along, speed.about_t, speed.about_u};
+        const P speeds[] = {speed.along, speed.about_t, speed.about_u};
         const P displacements[] = {displacement.along, displacement.about_t, displacement.about_u};
-        const P zero = P::broadcast(S(0));
+        P zero = P::broadcast(S(0)), left;
         impulse_sum sum{zero, zero, zero};
-        P left;
-        if (direct.solve(points, point_count, pass, speeds, displacements, left, sum, displacement_at, speed_at))
+        if (direct.solve(points, point_count, pass, speeds, displacements, left, sum, displacement_at, speed_at)) {
+            direct.solve_landing(points, point_count, pass, speeds, displacements, start_load,
+                                 half_width_of<P>(points, point_count), left, sum, displacement_at, speed_at);
             solve_points(speed, sum, [&](int k, const P& v) PHYSICS_HPP_INLINE_LAMBDA {
                 return next_impulse(points[k], v, displacement_at(k), pass, left);
             });
+        }
         apply(f, sum, at_a, at_b);
         if constexpr (Features::restitution)
             if (pass.use_bias && bounces_now) bounce_to.at->template keep_pushed<P>(points, point_count);
         if (!pass.use_bias) {
             if constexpr (Features::friction) solve_friction(f, at_a, at_b);
             add_totals<P>(points, point_count);
-            const P impact_speed = P::broadcast(pass.impact_speed);
-            if (greater(-speed.along, impact_speed).bits() != 0) discard_impacts(bodies, pass, speed.along);
+            const P impact = max(-speed.along - P::broadcast(pass.impact_speed), -P::load(start_load));
+            if (greater(impact, zero).bits() != 0) discard_impacts(bodies, pass, impact);
             load_of<P>(points, point_count).store(start_load);
         }
         if (moves_a) at_a.store(bodies, a);
@@ -321,12 +321,12 @@ private:
         });
     }
     /// After an impact, removes from the start velocities of the next substep all impulse but what was held before it.
-    PHYSICS_HPP_NOINLINE void discard_impacts(const body* bodies, const contact_pass<S, 3>& pass, const P& speed) {
+    PHYSICS_HPP_NOINLINE void discard_impacts(const body* bodies, const contact_pass<S, 3>& pass, const P& impact) {
         for (int lane = 0; lane < W; ++lane) {
-            S load = S(0);
+            S load = S(0), held = max(start_load[lane], S(0));
             for (int k = 0; k < point_count; ++k) load += points[k].impulse[lane];
-            if (!(-speed.lane(lane) > pass.impact_speed) || !(load > start_load[lane])) continue;
-            const S share = start_load[lane] / load;
+            if (!(impact.lane(lane) > S(0)) || !(load > held)) continue;
+            const S share = held / load;
             vec<S, 3> sum;
             for (int k = 0; k < point_count; ++k) {
                 const S removed = reduce_to(points[k].impulse[lane], share);
