@@ -164,9 +164,9 @@ template <class S, class Point, class Bounces, class SpeedAt, class Change>
 S bounce_points(Point* points, int count, const Bounces& bounces, int lane, SpeedAt&& speed_at, Change&& change) {
     S impulses[4] = {}, load = S(0), stopped = S(0);
     for (int k = 0; k < count; ++k) load += points[k].impulse[lane];
-    // A plate's ends take ten rounds: what is left turns it, and friction makes a slide of that.
+    // To rounding, which takes five rounds for a cube: what is left turns it, and friction makes a slide of that.
     S last = S(1), total = S(0);
-    for (int round = 0; round < 16 && last > total * S(1.0 / 4096); ++round) {
+    for (int round = 0; round < 32 && last > total * S(1.0 / (1 << 22)); ++round) {
         last = total = S(0);
         symmetric_gauss_seidel(count, [&](int k) {
             const S target = bounces.speed[k][lane], bears = points[k].impulse[lane];
