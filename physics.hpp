@@ -24490,10 +24490,14 @@ PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& 
 template <class S, class Point, class Bounces, class SpeedAt, class Change>
 S bounce_points(Point* points, int count, const Bounces& bounces, int lane, SpeedAt&& speed_at, Change&& change) {
     S impulses[4] = {}, load = S(0), stopped = S(0);
-    for (int k = 0; k < count; ++k) load += points[k].impulse[lane];
+    int own = 0;
+    for (int k = 0; k < count; ++k) {
+        load += points[k].impulse[lane];
+        own += points[k].mass[lane] > S(0) ? 1 : 0;
+    }
     // To rounding, which takes five rounds for a cube: what is left turns it, and friction makes a slide of that.
     S last = S(1), total = S(0);
-    for (int round = 0; round < 32 && last > total * S(1.0 / (1 << 22)); ++round) {
+    for (int round = 0; round < (own > 1 ? 32 : 1) && last > total * S(1.0 / (1 << 22)); ++round) {
         last = total = S(0);
         symmetric_gauss_seidel(count, [&](int k) {
             const S target = bounces.speed[k][lane], bears = points[k].impulse[lane];
