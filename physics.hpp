@@ -23779,7 +23779,7 @@ struct block_solve {
         const P rests = select_greater(lane_abs(speed[0]), P::broadcast(pass.impact_speed), zero, P::load(start_load));
         P lands = select_greater(max(rests, -P::load(valid)), zero, zero, left);
         lands = select_greater(half_way, half_width, zero, lands);
-        if (greater(lands, zero).bits() == 0) return;
+        // No early return where no lane lands: g++ 11 and 12 fail to compile it (in gimple_expand_vec_cond_expr).
         P closing[D], changes[capacity];
         for (int i = 0; i < D; ++i) closing[i] = speed[i] + per_step * (P::load(separation[i]) + displacement[i]);
         for (int k = 0; k < count; ++k) {
@@ -23792,8 +23792,7 @@ struct block_solve {
             P good = min(gap + rounding, before + changes[k]);
             // As visits do.
             if (!pass.use_bias) good = min(good, before);
-            good = select_greater(good, zero, one, zero);
-            lands = min(lands, select_greater(P::load(points[k].mass), zero, good, one));
+            lands = select_greater(P::load(points[k].mass), zero, select_greater(good, zero, lands, zero), lands);
         }
         for (int k = 0; k < count; ++k) {
             const P change = select_greater(lands, zero, changes[k], zero);
