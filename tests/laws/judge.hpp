@@ -235,7 +235,7 @@ struct couple {
     [[nodiscard]] std::size_t work() const { return a->edges.size() * b->edges.size(); }
 
     /// The best that any face of the difference of two polytopes says: that is the signed distance where they overlap.
-    /// The normals of these faces are the faces' of A and of B, and in space those across an edge of A and one of B
+    /// The normals of these faces are the faces' of A and of B, and in 3D those across an edge of A and one of B
     /// that both may touch the same plane from its two sides. Candidates that are none do no harm: what a direction
     /// parts is parted. Source: Gauss maps, Gregorius, The separating axis test (2013).
     [[nodiscard]] real best_of_all() const {

@@ -12,7 +12,7 @@ struct rest {
     std::string name;
     encounter pair;
     int points;
-    /// Length of the contact in the plane, its area (of a capsule its length) in space.
+    /// Length of the contact in 2D, its area (of a capsule its length) in 3D.
     double extent;
 };
 

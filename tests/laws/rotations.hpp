@@ -66,7 +66,7 @@ CELL_CASE("rotation: counter-clockwise, by the angle given") {
 CELL_CASE("rotation: turned goes by the angle given, in all its ranges") {
     cell::dice dice(23);
     const double limit = cell::is_fixed ? 10000 : 1e6;
-    // At half a radian in the plane and one in space the method changes.
+    // At half a radian in 2D and one in 3D the method changes.
     std::vector<double> angles{0, 0.4999, 0.5001, 0.9999, 1.0001, M_PI, 3.2, 2 * M_PI, 6.3, 100, limit};
     for (double angle = 0.7; angle > epsilon * 16; angle *= 0.7) angles.push_back(angle);
     for (const double angle : angles)

@@ -59,7 +59,7 @@ void run(World& w, int steps) {
     for (int i = 0; i < steps; ++i) w.step(step);
 }
 
-/// Where a rotation is locked, in space it is still rounded in every step, unless it is none.
+/// Where a rotation is locked, in 3D it is still rounded in every step, unless it is none.
 const double turned = cell::is_2d ? 1 : 0;
 
 /// What falls onto a tilted box, a ground and a pusher: boxes turned this way and that, or balls alone.
@@ -128,7 +128,7 @@ CELL_CASE("without rotation: in lanes, balls, of which one point touches, move a
     using no_friction = physics::without<physics::feature::friction>;
     using neither = physics::without<physics::feature::friction, physics::feature::rotation>;
     if constexpr (cell::is_2d) compare<straight<>, turning<>>(false, 13);
-    // In space a locked rotation costs velocities a rounding, and friction goes by a general cone.
+    // In 3D a locked rotation costs velocities a rounding, and friction goes by a general cone.
     const double within = cell::is_2d ? 0 : cell::is_fixed ? 1e-4 : 1e4 * number(cell::traits::epsilon());
     compare<physics::world<of<neither>>, physics::world<of<no_friction>>>(false, 13, cell::is_2d ? 256 : 40, within);
 }
@@ -167,7 +167,7 @@ std::uint64_t hash_of_pile() {
     return p.w.state_hash();
 }
 CELL_CASE("without rotation: every width of the lanes gives the same bits") {
-    // Others have lanes in the plane only, which the solver's own laws compare.
+    // Others have lanes in 2D only, which the solver's own laws compare.
     if constexpr (std::is_floating_point_v<S>) {
         const std::uint64_t hash = hash_of_pile<1>();
         CHECK(hash_of_pile<2>() == hash);
