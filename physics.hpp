@@ -23494,11 +23494,23 @@ public:
             for (int i = 0; i < D; ++i) middle[i] = k == 0 ? place[0][i] : middle[i] + place[k][i];
         }
         const P share = one / max(points, one);
+        // In 3D friction has its lever from each body's own surface: from halfway between them, that of a needle which
+        // is tilted over the ground would be many times as long as the one about its own axis is.
+        P half_gap = zero;
+        if constexpr (D == 3) {
+            for (int k = 0; k < maximum; ++k) half_gap = half_gap + place[k][D];
+            half_gap = max(half_gap, zero) * share * P::broadcast(S(0.5));
+        }
         for (int i = 0; i < D; ++i) {
             middle[i] = middle[i] * share;
             frame[i].store(to.normal[i]);
-            (frame[D + i] + middle[i]).store(to.r_a[i]);
-            (frame[2 * D + i] + middle[i]).store(to.r_b[i]);
+            P on_a = middle[i], on_b = middle[i];
+            if constexpr (D == 3) {
+                on_a = on_a - half_gap * frame[i];
+                on_b = on_b + half_gap * frame[i];
+            }
+            (frame[D + i] + on_a).store(to.r_a[i]);
+            (frame[2 * D + i] + on_b).store(to.r_b[i]);
             for (int k = 0; k < maximum; ++k)
                 select_greater(P::load(there[k]), zero, place[k][i] - middle[i], zero).store(offset[k][i]);
         }
@@ -25001,7 +25013,7 @@ struct soft_contact3 {
     std::uint32_t a[W], b[W];
     S normal[3][W], tangent[3][W];
     [[no_unique_address]] second_tangent_of<S, W> across;
-    /// From the bodies' centres to the middle (m).
+    /// From the bodies' centres to the middle, on either surface (m).
     S r_a[3][W], r_b[3][W];
     I mass_a[W], mass_b[W], inertia_a[6][W], inertia_b[6][W];
     static constexpr int capacity = manifold<S, 3>::capacity;
@@ -25875,8 +25887,9 @@ bool check(const soft_step_settings<S>& with, const char* function) {
 /// one. Bounces come last. Normals act per manifold, friction on a circular cone per manifold (patch_friction) or per
 /// point (point_friction). Error: of order h / substeps; the springs follow the substep, so that more work always means
 /// less error. Momentum is kept to rounding, angular momentum but for how far bodies that collide move past each other
-/// within the step. Cost: 2 rounds a substep, contacts of one colour in lanes. Source: Macklin et al., Small Steps in
-/// Physics Simulation (2019); Catto, Soft constraints (GDC 2011), Solver2D (2024).
+/// within the step, and in 3D for friction across their gap, which each has at its own surface as the step begins.
+/// Cost: 2 rounds a substep, contacts of one colour in lanes. Source: Macklin et al., Small Steps in Physics Simulation
+/// (2019); Catto, Soft constraints (GDC 2011), Solver2D (2024).
 template <class Friction>
 struct soft_step_with {
     using stage = physics::stage::solver;

@@ -61,8 +61,15 @@ inline void enrich(cell::dice& dice, problem& p) {
 struct sides_at {
     side_of a, b;
 
+    /// In 3D on each body's own surface, where all points together are apart.
     sides_at(const problem& p, const contact& c, vec offset)
-        : a(p.bodies, c.body_a, c.anchors(0).a + offset, -1), b(p.bodies, c.body_b, c.anchors(0).b + offset, 1) {}
+        : a(p.bodies, c.body_a, c.anchors(0).a + offset - half_gap(c), -1),
+          b(p.bodies, c.body_b, c.anchors(0).b + offset + half_gap(c), 1) {}
+    static vec half_gap(const contact& c) {
+        S sum = S(0);
+        for (int k = 0; k < c.count; ++k) sum += c.points[k].separation;
+        return sum > S(0) && !cell::is_2d ? c.normal * (sum * S(0.5 / c.count)) : vec{};
+    }
     /// The velocity that an impulse gives to B's side, seen from A's, at another place; and the angular one.
     reals velocity(reals impulse, const sides_at& at) const {
         return impulse * (a.inverse_mass + b.inverse_mass) + cross(a.turn(cross(a.anchor, impulse)), at.a.anchor) +

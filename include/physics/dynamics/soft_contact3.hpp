@@ -27,7 +27,7 @@ struct soft_contact3 {
     std::uint32_t a[W], b[W];
     S normal[3][W], tangent[3][W];
     [[no_unique_address]] second_tangent_of<S, W> across;
-    /// From the bodies' centres to the middle (m).
+    /// From the bodies' centres to the middle, on either surface (m).
     S r_a[3][W], r_b[3][W];
     I mass_a[W], mass_b[W], inertia_a[6][W], inertia_b[6][W];
     static constexpr int capacity = manifold<S, 3>::capacity;

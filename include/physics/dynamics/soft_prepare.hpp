@@ -126,11 +126,23 @@ public:
             for (int i = 0; i < D; ++i) middle[i] = k == 0 ? place[0][i] : middle[i] + place[k][i];
         }
         const P share = one / max(points, one);
+        // In 3D friction has its lever from each body's own surface: from halfway between them, that of a needle which
+        // is tilted over the ground would be many times as long as the one about its own axis is.
+        P half_gap = zero;
+        if constexpr (D == 3) {
+            for (int k = 0; k < maximum; ++k) half_gap = half_gap + place[k][D];
+            half_gap = max(half_gap, zero) * share * P::broadcast(S(0.5));
+        }
         for (int i = 0; i < D; ++i) {
             middle[i] = middle[i] * share;
             frame[i].store(to.normal[i]);
-            (frame[D + i] + middle[i]).store(to.r_a[i]);
-            (frame[2 * D + i] + middle[i]).store(to.r_b[i]);
+            P on_a = middle[i], on_b = middle[i];
+            if constexpr (D == 3) {
+                on_a = on_a - half_gap * frame[i];
+                on_b = on_b + half_gap * frame[i];
+            }
+            (frame[D + i] + on_a).store(to.r_a[i]);
+            (frame[2 * D + i] + on_b).store(to.r_b[i]);
             for (int k = 0; k < maximum; ++k)
                 select_greater(P::load(there[k]), zero, place[k][i] - middle[i], zero).store(offset[k][i]);
         }

@@ -51,8 +51,9 @@ bool check(const soft_step_settings<S>& with, const char* function) {
 /// one. Bounces come last. Normals act per manifold, friction on a circular cone per manifold (patch_friction) or per
 /// point (point_friction). Error: of order h / substeps; the springs follow the substep, so that more work always means
 /// less error. Momentum is kept to rounding, angular momentum but for how far bodies that collide move past each other
-/// within the step. Cost: 2 rounds a substep, contacts of one colour in lanes. Source: Macklin et al., Small Steps in
-/// Physics Simulation (2019); Catto, Soft constraints (GDC 2011), Solver2D (2024).
+/// within the step, and in 3D for friction across their gap, which each has at its own surface as the step begins.
+/// Cost: 2 rounds a substep, contacts of one colour in lanes. Source: Macklin et al., Small Steps in Physics Simulation
+/// (2019); Catto, Soft constraints (GDC 2011), Solver2D (2024).
 template <class Friction>
 struct soft_step_with {
     using stage = physics::stage::solver;
