@@ -347,6 +347,56 @@ using detail::refuse;
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/base/members.hpp
+// =================================================================================================
+// The members of a struct, listed once: what snapshots, the hash and whoever compares two states are made of.
+
+/// Lists all data members of a struct, in the order in which they are declared: one more or less does not compile.
+/// Gives it each_member(self, f), which calls f(member) for each, of const and other structs, and member_names.
+/// For structs whose data is all in one class of the hierarchy.
+#define PHYSICS_HPP_MEMBERS(...)                              \
+    static constexpr const char* member_names = #__VA_ARGS__; \
+    template <class Self, class F>                            \
+    static constexpr void each_member(Self& self, F&& f) {    \
+        auto& [__VA_ARGS__] = self;                           \
+        ::physics::detail::call_with_each(f, __VA_ARGS__);    \
+    }
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+template <class F, class... Members>
+constexpr void call_with_each(F& f, Members&... members) {
+    (f(members), ...);
+}
+
+/// Stands for whatever asks for members.
+struct member_visitor {
+    template <class Member>
+    void operator()(Member&) const;
+};
+
+/// A class that lists its members, or whose each_member(self, f) calls f(member) for const and non-const self and
+/// always in the same order. What lasts from step to step is buffers, plain values, and other such classes. They are
+/// copied as bytes, also to other addresses, so they hold no pointers, except to memory that something else keeps
+/// alive.
+template <class T>
+concept names_members = requires(T& self) {
+    T::each_member(self, member_visitor{});
+};
+
+/// What does not last: snapshots leave it out.
+template <class T>
+concept scratch_member = requires {
+    typename T::is_scratch;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/base/buffer.hpp
 // =================================================================================================
 // A growable array of plain values: what all state of a world is made of.
@@ -473,10 +523,7 @@ public:
         return *this;
     }
     operator T() const { return value_; }
-    template <class Self, class F>
-    static void each_member(Self& self, F&& f) {
-        f(self.value_);
-    }
+    PHYSICS_HPP_MEMBERS(value_)
     T operator++() { return ++value_; }
     T operator--() { return --value_; }
 
@@ -487,12 +534,37 @@ private:
 /// A T that lasts for a step: copies of it begin empty, and assigning leaves it as it is.
 template <class T>
 struct step_scratch : T {
+    using is_scratch = void;
+
     step_scratch() = default;
     step_scratch(const step_scratch&) : T() {}
     step_scratch(step_scratch&&) noexcept = default;
     step_scratch& operator=(const step_scratch&) { return *this; }
     step_scratch& operator=(step_scratch&&) noexcept = default;
 };
+
+template <class T>
+inline constexpr bool is_buffer = false;
+template <class T>
+inline constexpr bool is_buffer<buffer<T>> = true;
+
+/// Calls f for each buffer and each plain value that something is made of, members of members included, in order;
+/// scratch is left out.
+template <class Member, class F>
+void each_value_of(Member& member, F&& f) {
+    using T = std::remove_const_t<Member>;
+    if constexpr (scratch_member<T>) {
+        return;
+    } else if constexpr (names_members<T>) {
+        T::each_member(member, [&](auto& inner) { each_value_of(inner, f); });
+    } else if constexpr (std::is_array_v<T> && !std::is_trivially_copyable_v<T>) {
+        for (auto& element : member) each_value_of(element, f);
+    } else if constexpr (!std::is_empty_v<T>) {
+        static_assert(is_buffer<T> || std::is_trivially_copyable_v<T>,
+                      "physics::detail::each_value_of: what lasts is a buffer, a plain value, or names its members");
+        f(member);
+    }
+}
 
 }  // namespace detail
 
@@ -509,6 +581,8 @@ PHYSICS_HPP_BEGIN
 /// not fit into one block, merges the blocks, so that a steady step allocates nothing. A copy starts empty.
 class arena {
 public:
+    using is_scratch = void;
+
     arena() = default;
     arena(const arena&) {}
     arena(arena&& other) noexcept { swap(other); }
@@ -617,10 +691,7 @@ public:
     void set(std::uint32_t i) { words_[i / 64] |= std::uint64_t{1} << i % 64; }
     void clear(std::uint32_t i) { words_[i / 64] &= ~(std::uint64_t{1} << i % 64); }
 
-    template <class Self, class F>
-    static void each_member(Self& self, F&& f) {
-        f(self.words_);
-    }
+    PHYSICS_HPP_MEMBERS(words_)
 
 private:
     buffer<std::uint64_t> words_;
@@ -2983,52 +3054,6 @@ PHYSICS_HPP_ALWAYS_INLINE S largest_lane(const pack<S, W, Bytes>& x) {
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/base/members.hpp
-// =================================================================================================
-// What of a state lasts from step to step, named part by part: what a snapshot of it is made of.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// Stands for whatever asks for parts.
-struct member_visitor {
-    template <class Member>
-    void operator()(Member&) const;
-};
-
-/// A class whose `static void each_member(self, f)` calls f(member), for const and non-const self and always in the
-/// same order, for every member that lasts from step to step: buffers, plain values, and other such classes. They are
-/// copied as bytes, also to other addresses, so they hold no pointers, except to memory that something else keeps
-/// alive. Scratch is no member. A derived class with members of its own names them anew.
-template <class T>
-concept names_members = requires(T& self) {
-    T::each_member(self, member_visitor{});
-};
-
-template <class T>
-inline constexpr bool is_buffer = false;
-template <class T>
-inline constexpr bool is_buffer<buffer<T>> = true;
-
-/// Calls f for each buffer and each plain value that something is made of, parts of parts included, in order.
-template <class Member, class F>
-void each_value_of(Member& member, F&& f) {
-    using T = std::remove_const_t<Member>;
-    if constexpr (names_members<T>) {
-        T::each_member(member, [&](auto& inner) { each_value_of(inner, f); });
-    } else if constexpr (!std::is_empty_v<T>) {
-        static_assert(is_buffer<T> || std::is_trivially_copyable_v<T>,
-                      "physics::detail::each_piece_of: what lasts is a buffer, a plain value, or names its parts");
-        f(member);
-    }
-}
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
 // physics/base/pack_rows.hpp
 // =================================================================================================
 // Rows of four scalars into lanes and back: how kernels read and write bodies.
@@ -3275,14 +3300,8 @@ public:
         for (std::uint32_t i = next(0); i < slots(); i = next(i + 1)) f(i, items_[i]);
     }
 
-    /// What lasts of it, see base/lasting.hpp.
-    template <class Self, class F>
-    static void each_member(Self& self, F&& f) {
-        f(self.items_);
-        f(self.slots_);
-        f(self.free_);
-        f(self.count_);
-    }
+    /// What lasts of it, see base/members.hpp.
+    PHYSICS_HPP_MEMBERS(items_, slots_, free_, count_)
 
 private:
     static constexpr std::uint32_t none = 0xffffffffu, occupied = 0xfffffffeu, retired = 0xfffffffdu;
@@ -3789,6 +3808,8 @@ namespace detail {
 template <class T>
 class per_worker {
 public:
+    using is_scratch = void;
+
     per_worker() = default;
     per_worker(const per_worker&) {}
     per_worker(per_worker&& other) noexcept { swap(other); }
@@ -17212,18 +17233,7 @@ public:
         any_slot_reused_ = false;
     }
 
-    template <class Self, class F>
-    static void each_member(Self& self, F&& f) {
-        f(self.settings);
-        f(self.boxes_);
-        f(self.entries_);
-        f(self.changed_);
-        f(self.unseen_);
-        f(self.used_);
-        f(self.stale_);
-        f(self.count_);
-        f(self.any_slot_reused_);
-    }
+    PHYSICS_HPP_MEMBERS(settings, boxes_, entries_, changed_, unseen_, used_, stale_, count_, any_slot_reused_)
 
 private:
     struct entry {
@@ -17272,7 +17282,7 @@ constexpr bool operator<(proxy_pair x, proxy_pair y) { return x.a != y.a ? x.a <
 ///                        accept(a, b) are true, each once, in ascending order; pairs of boxes that are close may be
 ///                        among them
 /// and, if it likes, configure(broadphase_settings), update(), which is called when boxes have moved, so that queries
-/// see them, and each_member(self, f), which names what lasts of it, for snapshots of worlds (see base/lasting.hpp).
+/// see them, and each_member(self, f), which names what lasts of it, for snapshots of worlds (see base/members.hpp).
 /// A policy is a type with `using stage = physics::stage::broadphase` and such a class as `in<Space>`: of your own, or
 /// an indexed_broadphase around an index of your own.
 template <class B, class Space>
@@ -17378,12 +17388,7 @@ public:
         insert_begun(added);
     }
 
-    template <class Self, class F>
-    static void each_member(Self& self, F&& f) {
-        f(self.pairs_);
-        f(self.begun_);
-        f(self.ended_);
-    }
+    PHYSICS_HPP_MEMBERS(pairs_, begun_, ended_)
 
 private:
     /// Puts so many of the pairs that begin among the others, from behind; the rest of them is there.
@@ -17556,7 +17561,7 @@ PHYSICS_HPP_BEGIN
 ///                                     that keeps them itself, visit(candidate) with filter and box
 /// and, where it knows a better way than to search boxes, each_along, each_around, each_inside (see tree_index),
 /// each_fixed_near, which is each_near for those that are not movable, and each_member(self, f), for snapshots of
-/// worlds (see base/lasting.hpp).
+/// worlds (see base/members.hpp).
 template <class Space, class Index>
 class indexed_broadphase {
 public:
@@ -17771,13 +17776,12 @@ public:
         return count;
     }
 
-    /// What lasts of it, see base/lasting.hpp: of an index that names its parts, or has none.
+    /// All members, see base/members.hpp: of an index that names its own, or has none.
     template <class Self, class F>
         requires(detail::names_members<Index> || std::is_empty_v<Index>)
     static void each_member(Self& self, F&& f) {
-        f(self.all_);
-        f(self.index_);
-        f(self.pairs_);
+        auto& [all, index, pairs, scratch] = self;
+        detail::call_with_each(f, all, index, pairs, scratch);
     }
 
 private:
@@ -18323,20 +18327,8 @@ public:
         }
     }
 
-    template <class Self, class F>
-    static void each_member(Self& self, F&& f) {
-        f(self.keys_);
-        f(self.blocks_);
-        f(self.reaches_);
-        f(self.before_);
-        f(self.starts_);
-        f(self.live_);
-        f(self.used_);
-        f(self.axis_);
-        f(self.usual_size_);
-        f(self.width_);
-        f(self.middle_);
-    }
+    PHYSICS_HPP_MEMBERS(keys_, blocks_, reaches_, before_, starts_, live_, used_, axis_, usual_size_, width_, middle_,
+                        scratch_, ids_, boxes_)
 
 private:
     [[nodiscard]] int levels() const { return static_cast<int>(starts_.size()); }
@@ -18403,9 +18395,9 @@ private:
     int axis_ = 0;
     float usual_size_ = 1, width_ = 0, middle_[D]{};
     // Scratch, while everything is sorted.
-    buffer<std::uint64_t> scratch_;
-    buffer<std::uint32_t> ids_;
-    buffer<box> boxes_;
+    step_scratch<buffer<std::uint64_t>> scratch_;
+    step_scratch<buffer<std::uint32_t>> ids_;
+    step_scratch<buffer<box>> boxes_;
 };
 
 }  // namespace detail
@@ -18770,11 +18762,7 @@ public:
         return moved;
     }
 
-    template <class Self, class F>
-    static void each_member(Self& self, F&& f) {
-        f(self.blocks_);
-        f(self.free_);
-    }
+    PHYSICS_HPP_MEMBERS(blocks_, free_)
 
 private:
     static void set_bit(std::uint8_t& bits, std::uint32_t bit, bool value) {
@@ -19084,18 +19072,7 @@ public:
     void each_loose(F&&) const {}
     [[nodiscard]] const typename Space::vec& origin() const { return origin_; }
 
-    template <class Self, class F>
-    static void each_member(Self& self, F&& f) {
-        f(self.cells_);
-        f(self.blocks_);
-        f(self.levels_);
-        f(self.places_);
-        f(self.touched_);
-        f(self.origin_);
-        f(self.packed_);
-        f(self.movable_);
-        f(self.wear_);
-    }
+    PHYSICS_HPP_MEMBERS(cells_, blocks_, levels_, places_, touched_, keys_, scratch_, origin_, packed_, movable_, wear_)
 
 private:
     /// Below and above the level that most boxes are in; the last one has no bounds, and one cell.
@@ -19315,7 +19292,7 @@ private:
     /// The blocks with a box that has moved, while pairs are searched, and where the caller threw out of it.
     buffer<std::uint32_t> touched_;
     // Scratch.
-    buffer<std::uint64_t> keys_, scratch_;
+    step_scratch<buffer<std::uint64_t>> keys_, scratch_;
     typename Space::vec origin_{};
     /// How many there were when cells were arranged, and how many are movable.
     reset_on_move<std::uint32_t> packed_, movable_;
@@ -19539,17 +19516,7 @@ public:
         }
     }
 
-    template <class Self, class F>
-    static void each_member(Self& self, F&& f) {
-        f(self.nodes_);
-        f(self.ids_);
-        f(self.filters_);
-        f(self.marks_);
-        f(self.starts_);
-        f(self.levels_);
-        f(self.live_);
-        f(self.marked_);
-    }
+    PHYSICS_HPP_MEMBERS(nodes_, ids_, filters_, marks_, starts_, levels_, live_, marked_)
 
 private:
     void fetch(int level, std::uint32_t n) const {
@@ -19729,12 +19696,7 @@ public:
             [&](float key) { return key > reach; }, [&](const auto& c) { reach = above_square<S>(visit(c)); });
     }
 
-    template <class Self, class F>
-    static void each_member(Self& self, F&& f) {
-        for (auto& k : self.kinds_) f(k);
-        f(self.places_);
-        f(self.origin_);
-    }
+    PHYSICS_HPP_MEMBERS(kinds_, places_, origin_, keys_, scratch_, items_, spare_items_, touched_)
 
 private:
     /// What is in a slot; of float the box in the lane is the exact one, and near in memory.
@@ -19788,14 +19750,7 @@ private:
         /// The sides of the boxes around leaves of the main tree, and above: as they are, and as they were packed.
         double size = 0, packed_size = 0;
 
-        template <class Self, class F>
-        static void each_member(Self& self, F&& f) {
-            f(self.main);
-            f(self.staging);
-            f(self.unsorted);
-            f(self.size);
-            f(self.packed_size);
-        }
+        PHYSICS_HPP_MEMBERS(main, staging, unsorted, size, packed_size)
     };
 
     auto box_of(const table& all, std::uint32_t id) const { return enclosing(all.box(id), origin_); }
@@ -19946,9 +19901,9 @@ private:
     buffer<std::uint32_t> places_;
     typename Space::vec origin_{};
     // Scratch.
-    buffer<std::uint64_t> keys_, scratch_;
-    buffer<packed_item> items_, spare_items_;
-    buffer<std::uint32_t> touched_;
+    step_scratch<buffer<std::uint64_t>> keys_, scratch_;
+    step_scratch<buffer<packed_item>> items_, spare_items_;
+    step_scratch<buffer<std::uint32_t>> touched_;
 };
 
 }  // namespace detail
@@ -20028,10 +19983,7 @@ public:
     [[nodiscard]] std::uint32_t head(std::uint64_t key) const { return heads_[static_cast<std::uint32_t>(key)]; }
     std::uint32_t& at(std::uint64_t key) { return heads_[static_cast<std::uint32_t>(key)]; }
 
-    template <class Self, class F>
-    static void each_member(Self& self, F&& f) {
-        f(self.heads_);
-    }
+    PHYSICS_HPP_MEMBERS(heads_)
 
 private:
     buffer<std::uint32_t> heads_;
@@ -20121,12 +20073,7 @@ public:
         return entries_[i].head;
     }
 
-    template <class Self, class F>
-    static void each_member(Self& self, F&& f) {
-        f(self.entries_);
-        f(self.stretch_);
-        f(self.used_);
-    }
+    PHYSICS_HPP_MEMBERS(entries_, stretch_, used_, scratch_)
 
 private:
     static constexpr int bits = 20;
@@ -20159,7 +20106,7 @@ private:
     buffer<float> stretch_;
     reset_on_move<std::uint32_t> used_;
     /// Scratch.
-    buffer<entry> scratch_;
+    step_scratch<buffer<entry>> scratch_;
 };
 
 }  // namespace detail
@@ -20363,12 +20310,7 @@ public:
     }
     [[nodiscard]] const typename Space::vec& origin() const { return origin_; }
 
-    template <class Self, class F>
-    static void each_member(Self& self, F&& f) {
-        for (auto& k : self.kinds_) f(k);
-        f(self.places_);
-        f(self.origin_);
-    }
+    PHYSICS_HPP_MEMBERS(kinds_, places_, origin_, searching_)
 
 private:
     static constexpr std::uint32_t unsorted_place = 1u << 31;
@@ -20381,15 +20323,9 @@ private:
         /// Moves in small steps: after many, another axis may be better.
         std::uint64_t since_sorted = 0;
         /// Scratch: by block, a bit for each box that has moved; all 0 but while pairs are searched.
-        buffer<std::uint8_t> moved;
+        step_scratch<buffer<std::uint8_t>> moved;
 
-        template <class Self, class F>
-        static void each_member(Self& self, F&& f) {
-            f(self.order);
-            f(self.unsorted);
-            f(self.too_many);
-            f(self.since_sorted);
-        }
+        PHYSICS_HPP_MEMBERS(order, unsorted, too_many, since_sorted, moved)
     };
 
     box box_of(const table& all, std::uint32_t id) const { return enclosing(all.box(id), origin_); }
@@ -20753,6 +20689,9 @@ struct body {
     /// True while its velocity is that with which it has reached a target: it does not go on with it.
     bool at_target = false;
     bool continuous = false;
+    PHYSICS_HPP_MEMBERS(center, rotation, velocity, force, torque, mass, inverse_mass, inverse_inertia, spin,
+                        linear_damping, angular_damping, gravity_scale, target, user_data, first_shape, type,
+                        rotation_locked, can_sleep, is_gyroscopic, mass_is_set, has_target, at_target, continuous)
 
     /// The pose of the body's own frame, in which its shapes lie.
     [[nodiscard]] constexpr transform<S, D> pose() const { return {center - rotation * mass.center, rotation}; }
@@ -21229,6 +21168,7 @@ struct contact_point {
     /// of a usual one, where steps differ in length (N s).
     S substep_impulse{};
     std::uint32_t feature = 0;
+    PHYSICS_HPP_MEMBERS(position, separation, normal_impulse, friction_impulse, substep_impulse, feature)
 };
 
 /// Two shapes of different bodies that touch or are about to. Without a feature it lacks what belongs to that.
@@ -21268,6 +21208,9 @@ struct contact {
     [[no_unique_address]] detail::optional_member<Features::rolling_resistance, tangential<S, D>,
                                                   feature::rolling_resistance, 1>
         rolling_impulse{};
+    PHYSICS_HPP_MEMBERS(shape_a, shape_b, body_a, body_b, part, normal, r_a, r_b, count, persisted_mask, points,
+                        friction, restitution, rolling_resistance, surface_velocity, twist_impulse, substep_friction,
+                        rolling_impulse)
 
     [[nodiscard]] constexpr physics::anchors<S, D> anchors(int k) const {
         return {r_a + points[k].position, r_b + points[k].position};
@@ -26811,13 +26754,7 @@ public:
         std::swap(free_, other.free_);
     }
 
-    template <class Self, class F>
-    static void each_member(Self& self, F&& f) {
-        f(self.pairs_);
-        f(self.places_);
-        f(self.units_);
-        f(self.free_);
-    }
+    PHYSICS_HPP_MEMBERS(pairs_, places_, units_, free_)
 
 private:
     static constexpr std::size_t units_for(std::size_t bytes) { return (bytes + sizeof(unit) - 1) / sizeof(unit); }
@@ -26970,6 +26907,7 @@ struct shape_record {
     /// The body's shape of the next lower number.
     std::uint32_t next = no_shape;
     std::uint64_t user_data = 0;
+    PHYSICS_HPP_MEMBERS(shape, local, pose, r, material, density, body, next, user_data)
 };
 
 /// The shapes of a world. It is one of the owners of the geometry that its shapes are made of.
@@ -27164,7 +27102,7 @@ struct state {
     /// By which handles know the world; no part of what lasts, so that they serve it whatever state it is brought to.
     std::uint16_t tag = 0;
 
-    /// What lasts, see base/lasting.hpp.
+    /// What lasts, see base/members.hpp.
     template <class Self, class F>
     static void each_member(Self& self, F&& f) {
         f(self.settings);
@@ -30953,6 +30891,24 @@ public:
 private:
     std::uint64_t hash_ = 0x9e3779b97f4a7c15u;
 };
+
+// Members that the hash leaves out, as they follow from others or bear on no result; a law tries all of them.
+template <class S, int D, bool Rotates>
+constexpr const char* unhashed_members(const body<S, D, Rotates>&) {
+    return "inverse_mass, inverse_inertia, spin, user_data, first_shape, is_gyroscopic";
+}
+template <class Plan>
+constexpr const char* unhashed_members(const shape_record<Plan>&) {
+    return "pose, r, next, user_data";
+}
+template <class S, int D, class Features>
+constexpr const char* unhashed_members(const contact<S, D, Features>&) {
+    return "body_a, body_b, r_a, r_b, persisted_mask, friction, restitution, rolling_resistance, surface_velocity";
+}
+template <class S, int D, class Features>
+constexpr const char* unhashed_members(const contact_point<S, D, Features>&) {
+    return "position, separation";
+}
 
 /// One number for one thing: processors work on several at a time, and a difference can be traced to its thing.
 template <class Item>

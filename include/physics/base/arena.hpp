@@ -11,6 +11,8 @@ PHYSICS_HPP_BEGIN
 /// not fit into one block, merges the blocks, so that a steady step allocates nothing. A copy starts empty.
 class arena {
 public:
+    using is_scratch = void;
+
     arena() = default;
     arena(const arena&) {}
     arena(arena&& other) noexcept { swap(other); }

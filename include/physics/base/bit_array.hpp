@@ -18,10 +18,7 @@ public:
     void set(std::uint32_t i) { words_[i / 64] |= std::uint64_t{1} << i % 64; }
     void clear(std::uint32_t i) { words_[i / 64] &= ~(std::uint64_t{1} << i % 64); }
 
-    template <class Self, class F>
-    static void each_member(Self& self, F&& f) {
-        f(self.words_);
-    }
+    PHYSICS_HPP_MEMBERS(words_)
 
 private:
     buffer<std::uint64_t> words_;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "physics/base/error.hpp"
+#include "physics/base/members.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -131,10 +132,7 @@ public:
         return *this;
     }
     operator T() const { return value_; }
-    template <class Self, class F>
-    static void each_member(Self& self, F&& f) {
-        f(self.value_);
-    }
+    PHYSICS_HPP_MEMBERS(value_)
     T operator++() { return ++value_; }
     T operator--() { return --value_; }
 
@@ -145,12 +143,37 @@ private:
 /// A T that lasts for a step: copies of it begin empty, and assigning leaves it as it is.
 template <class T>
 struct step_scratch : T {
+    using is_scratch = void;
+
     step_scratch() = default;
     step_scratch(const step_scratch&) : T() {}
     step_scratch(step_scratch&&) noexcept = default;
     step_scratch& operator=(const step_scratch&) { return *this; }
     step_scratch& operator=(step_scratch&&) noexcept = default;
 };
+
+template <class T>
+inline constexpr bool is_buffer = false;
+template <class T>
+inline constexpr bool is_buffer<buffer<T>> = true;
+
+/// Calls f for each buffer and each plain value that something is made of, members of members included, in order;
+/// scratch is left out.
+template <class Member, class F>
+void each_value_of(Member& member, F&& f) {
+    using T = std::remove_const_t<Member>;
+    if constexpr (scratch_member<T>) {
+        return;
+    } else if constexpr (names_members<T>) {
+        T::each_member(member, [&](auto& inner) { each_value_of(inner, f); });
+    } else if constexpr (std::is_array_v<T> && !std::is_trivially_copyable_v<T>) {
+        for (auto& element : member) each_value_of(element, f);
+    } else if constexpr (!std::is_empty_v<T>) {
+        static_assert(is_buffer<T> || std::is_trivially_copyable_v<T>,
+                      "physics::detail::each_value_of: what lasts is a buffer, a plain value, or names its members");
+        f(member);
+    }
+}
 
 }  // namespace detail
 

@@ -95,14 +95,8 @@ public:
         for (std::uint32_t i = next(0); i < slots(); i = next(i + 1)) f(i, items_[i]);
     }
 
-    /// What lasts of it, see base/lasting.hpp.
-    template <class Self, class F>
-    static void each_member(Self& self, F&& f) {
-        f(self.items_);
-        f(self.slots_);
-        f(self.free_);
-        f(self.count_);
-    }
+    /// What lasts of it, see base/members.hpp.
+    PHYSICS_HPP_MEMBERS(items_, slots_, free_, count_)
 
 private:
     static constexpr std::uint32_t none = 0xffffffffu, occupied = 0xfffffffeu, retired = 0xfffffffdu;

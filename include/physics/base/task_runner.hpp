@@ -75,6 +75,8 @@ namespace detail {
 template <class T>
 class per_worker {
 public:
+    using is_scratch = void;
+
     per_worker() = default;
     per_worker(const per_worker&) {}
     per_worker(per_worker&& other) noexcept { swap(other); }

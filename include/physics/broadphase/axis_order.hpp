@@ -176,20 +176,8 @@ public:
         }
     }
 
-    template <class Self, class F>
-    static void each_member(Self& self, F&& f) {
-        f(self.keys_);
-        f(self.blocks_);
-        f(self.reaches_);
-        f(self.before_);
-        f(self.starts_);
-        f(self.live_);
-        f(self.used_);
-        f(self.axis_);
-        f(self.usual_size_);
-        f(self.width_);
-        f(self.middle_);
-    }
+    PHYSICS_HPP_MEMBERS(keys_, blocks_, reaches_, before_, starts_, live_, used_, axis_, usual_size_, width_, middle_,
+                        scratch_, ids_, boxes_)
 
 private:
     [[nodiscard]] int levels() const { return static_cast<int>(starts_.size()); }
@@ -256,9 +244,9 @@ private:
     int axis_ = 0;
     float usual_size_ = 1, width_ = 0, middle_[D]{};
     // Scratch, while everything is sorted.
-    buffer<std::uint64_t> scratch_;
-    buffer<std::uint32_t> ids_;
-    buffer<box> boxes_;
+    step_scratch<buffer<std::uint64_t>> scratch_;
+    step_scratch<buffer<std::uint32_t>> ids_;
+    step_scratch<buffer<box>> boxes_;
 };
 
 }  // namespace detail

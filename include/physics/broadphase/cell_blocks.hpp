@@ -78,11 +78,7 @@ public:
         return moved;
     }
 
-    template <class Self, class F>
-    static void each_member(Self& self, F&& f) {
-        f(self.blocks_);
-        f(self.free_);
-    }
+    PHYSICS_HPP_MEMBERS(blocks_, free_)
 
 private:
     static void set_bit(std::uint8_t& bits, std::uint32_t bit, bool value) {

@@ -129,18 +129,7 @@ public:
     void each_loose(F&&) const {}
     [[nodiscard]] const typename Space::vec& origin() const { return origin_; }
 
-    template <class Self, class F>
-    static void each_member(Self& self, F&& f) {
-        f(self.cells_);
-        f(self.blocks_);
-        f(self.levels_);
-        f(self.places_);
-        f(self.touched_);
-        f(self.origin_);
-        f(self.packed_);
-        f(self.movable_);
-        f(self.wear_);
-    }
+    PHYSICS_HPP_MEMBERS(cells_, blocks_, levels_, places_, touched_, keys_, scratch_, origin_, packed_, movable_, wear_)
 
 private:
     /// Below and above the level that most boxes are in; the last one has no bounds, and one cell.
@@ -360,7 +349,7 @@ private:
     /// The blocks with a box that has moved, while pairs are searched, and where the caller threw out of it.
     buffer<std::uint32_t> touched_;
     // Scratch.
-    buffer<std::uint64_t> keys_, scratch_;
+    step_scratch<buffer<std::uint64_t>> keys_, scratch_;
     typename Space::vec origin_{};
     /// How many there were when cells were arranged, and how many are movable.
     reset_on_move<std::uint32_t> packed_, movable_;

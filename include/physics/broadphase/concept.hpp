@@ -23,7 +23,7 @@ constexpr bool operator<(proxy_pair x, proxy_pair y) { return x.a != y.a ? x.a <
 ///                        accept(a, b) are true, each once, in ascending order; pairs of boxes that are close may be
 ///                        among them
 /// and, if it likes, configure(broadphase_settings), update(), which is called when boxes have moved, so that queries
-/// see them, and each_member(self, f), which names what lasts of it, for snapshots of worlds (see base/lasting.hpp).
+/// see them, and each_member(self, f), which names what lasts of it, for snapshots of worlds (see base/members.hpp).
 /// A policy is a type with `using stage = physics::stage::broadphase` and such a class as `in<Space>`: of your own, or
 /// an indexed_broadphase around an index of your own.
 template <class B, class Space>

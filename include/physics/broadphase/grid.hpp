@@ -48,10 +48,7 @@ public:
     [[nodiscard]] std::uint32_t head(std::uint64_t key) const { return heads_[static_cast<std::uint32_t>(key)]; }
     std::uint32_t& at(std::uint64_t key) { return heads_[static_cast<std::uint32_t>(key)]; }
 
-    template <class Self, class F>
-    static void each_member(Self& self, F&& f) {
-        f(self.heads_);
-    }
+    PHYSICS_HPP_MEMBERS(heads_)
 
 private:
     buffer<std::uint32_t> heads_;

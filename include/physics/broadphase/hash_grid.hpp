@@ -59,12 +59,7 @@ public:
         return entries_[i].head;
     }
 
-    template <class Self, class F>
-    static void each_member(Self& self, F&& f) {
-        f(self.entries_);
-        f(self.stretch_);
-        f(self.used_);
-    }
+    PHYSICS_HPP_MEMBERS(entries_, stretch_, used_, scratch_)
 
 private:
     static constexpr int bits = 20;
@@ -97,7 +92,7 @@ private:
     buffer<float> stretch_;
     reset_on_move<std::uint32_t> used_;
     /// Scratch.
-    buffer<entry> scratch_;
+    step_scratch<buffer<entry>> scratch_;
 };
 
 }  // namespace detail

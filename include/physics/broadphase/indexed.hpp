@@ -23,7 +23,7 @@ PHYSICS_HPP_BEGIN
 ///                                     that keeps them itself, visit(candidate) with filter and box
 /// and, where it knows a better way than to search boxes, each_along, each_around, each_inside (see tree_index),
 /// each_fixed_near, which is each_near for those that are not movable, and each_member(self, f), for snapshots of
-/// worlds (see base/lasting.hpp).
+/// worlds (see base/members.hpp).
 template <class Space, class Index>
 class indexed_broadphase {
 public:
@@ -238,13 +238,12 @@ public:
         return count;
     }
 
-    /// What lasts of it, see base/lasting.hpp: of an index that names its parts, or has none.
+    /// All members, see base/members.hpp: of an index that names its own, or has none.
     template <class Self, class F>
         requires(detail::names_members<Index> || std::is_empty_v<Index>)
     static void each_member(Self& self, F&& f) {
-        f(self.all_);
-        f(self.index_);
-        f(self.pairs_);
+        auto& [all, index, pairs, scratch] = self;
+        detail::call_with_each(f, all, index, pairs, scratch);
     }
 
 private:

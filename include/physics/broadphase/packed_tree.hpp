@@ -213,17 +213,7 @@ public:
         }
     }
 
-    template <class Self, class F>
-    static void each_member(Self& self, F&& f) {
-        f(self.nodes_);
-        f(self.ids_);
-        f(self.filters_);
-        f(self.marks_);
-        f(self.starts_);
-        f(self.levels_);
-        f(self.live_);
-        f(self.marked_);
-    }
+    PHYSICS_HPP_MEMBERS(nodes_, ids_, filters_, marks_, starts_, levels_, live_, marked_)
 
 private:
     void fetch(int level, std::uint32_t n) const {

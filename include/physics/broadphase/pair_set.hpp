@@ -92,12 +92,7 @@ public:
         insert_begun(added);
     }
 
-    template <class Self, class F>
-    static void each_member(Self& self, F&& f) {
-        f(self.pairs_);
-        f(self.begun_);
-        f(self.ended_);
-    }
+    PHYSICS_HPP_MEMBERS(pairs_, begun_, ended_)
 
 private:
     /// Puts so many of the pairs that begin among the others, from behind; the rest of them is there.

@@ -151,18 +151,7 @@ public:
         any_slot_reused_ = false;
     }
 
-    template <class Self, class F>
-    static void each_member(Self& self, F&& f) {
-        f(self.settings);
-        f(self.boxes_);
-        f(self.entries_);
-        f(self.changed_);
-        f(self.unseen_);
-        f(self.used_);
-        f(self.stale_);
-        f(self.count_);
-        f(self.any_slot_reused_);
-    }
+    PHYSICS_HPP_MEMBERS(settings, boxes_, entries_, changed_, unseen_, used_, stale_, count_, any_slot_reused_)
 
 private:
     struct entry {

@@ -179,12 +179,7 @@ public:
     }
     [[nodiscard]] const typename Space::vec& origin() const { return origin_; }
 
-    template <class Self, class F>
-    static void each_member(Self& self, F&& f) {
-        for (auto& k : self.kinds_) f(k);
-        f(self.places_);
-        f(self.origin_);
-    }
+    PHYSICS_HPP_MEMBERS(kinds_, places_, origin_, searching_)
 
 private:
     static constexpr std::uint32_t unsorted_place = 1u << 31;
@@ -197,15 +192,9 @@ private:
         /// Moves in small steps: after many, another axis may be better.
         std::uint64_t since_sorted = 0;
         /// Scratch: by block, a bit for each box that has moved; all 0 but while pairs are searched.
-        buffer<std::uint8_t> moved;
+        step_scratch<buffer<std::uint8_t>> moved;
 
-        template <class Self, class F>
-        static void each_member(Self& self, F&& f) {
-            f(self.order);
-            f(self.unsorted);
-            f(self.too_many);
-            f(self.since_sorted);
-        }
+        PHYSICS_HPP_MEMBERS(order, unsorted, too_many, since_sorted, moved)
     };
 
     box box_of(const table& all, std::uint32_t id) const { return enclosing(all.box(id), origin_); }

@@ -152,12 +152,7 @@ public:
             [&](float key) { return key > reach; }, [&](const auto& c) { reach = above_square<S>(visit(c)); });
     }
 
-    template <class Self, class F>
-    static void each_member(Self& self, F&& f) {
-        for (auto& k : self.kinds_) f(k);
-        f(self.places_);
-        f(self.origin_);
-    }
+    PHYSICS_HPP_MEMBERS(kinds_, places_, origin_, keys_, scratch_, items_, spare_items_, touched_)
 
 private:
     /// What is in a slot; of float the box in the lane is the exact one, and near in memory.
@@ -211,14 +206,7 @@ private:
         /// The sides of the boxes around leaves of the main tree, and above: as they are, and as they were packed.
         double size = 0, packed_size = 0;
 
-        template <class Self, class F>
-        static void each_member(Self& self, F&& f) {
-            f(self.main);
-            f(self.staging);
-            f(self.unsorted);
-            f(self.size);
-            f(self.packed_size);
-        }
+        PHYSICS_HPP_MEMBERS(main, staging, unsorted, size, packed_size)
     };
 
     auto box_of(const table& all, std::uint32_t id) const { return enclosing(all.box(id), origin_); }
@@ -369,9 +357,9 @@ private:
     buffer<std::uint32_t> places_;
     typename Space::vec origin_{};
     // Scratch.
-    buffer<std::uint64_t> keys_, scratch_;
-    buffer<packed_item> items_, spare_items_;
-    buffer<std::uint32_t> touched_;
+    step_scratch<buffer<std::uint64_t>> keys_, scratch_;
+    step_scratch<buffer<packed_item>> items_, spare_items_;
+    step_scratch<buffer<std::uint32_t>> touched_;
 };
 
 }  // namespace detail

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "physics/base/handle.hpp"
+#include "physics/base/members.hpp"
 #include "physics/dynamics/features.hpp"
 #include "physics/dynamics/free_spin.hpp"
 
@@ -89,6 +90,9 @@ struct body {
     /// True while its velocity is that with which it has reached a target: it does not go on with it.
     bool at_target = false;
     bool continuous = false;
+    PHYSICS_HPP_MEMBERS(center, rotation, velocity, force, torque, mass, inverse_mass, inverse_inertia, spin,
+                        linear_damping, angular_damping, gravity_scale, target, user_data, first_shape, type,
+                        rotation_locked, can_sleep, is_gyroscopic, mass_is_set, has_target, at_target, continuous)
 
     /// The pose of the body's own frame, in which its shapes lie.
     [[nodiscard]] constexpr transform<S, D> pose() const { return {center - rotation * mass.center, rotation}; }

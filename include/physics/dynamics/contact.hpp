@@ -33,6 +33,7 @@ struct contact_point {
     /// of a usual one, where steps differ in length (N s).
     S substep_impulse{};
     std::uint32_t feature = 0;
+    PHYSICS_HPP_MEMBERS(position, separation, normal_impulse, friction_impulse, substep_impulse, feature)
 };
 
 /// Two shapes of different bodies that touch or are about to. Without a feature it lacks what belongs to that.
@@ -72,6 +73,9 @@ struct contact {
     [[no_unique_address]] detail::optional_member<Features::rolling_resistance, tangential<S, D>,
                                                   feature::rolling_resistance, 1>
         rolling_impulse{};
+    PHYSICS_HPP_MEMBERS(shape_a, shape_b, body_a, body_b, part, normal, r_a, r_b, count, persisted_mask, points,
+                        friction, restitution, rolling_resistance, surface_velocity, twist_impulse, substep_friction,
+                        rolling_impulse)
 
     [[nodiscard]] constexpr physics::anchors<S, D> anchors(int k) const {
         return {r_a + points[k].position, r_b + points[k].position};

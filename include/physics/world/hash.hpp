@@ -123,6 +123,24 @@ private:
     std::uint64_t hash_ = 0x9e3779b97f4a7c15u;
 };
 
+// Members that the hash leaves out, as they follow from others or bear on no result; a law tries all of them.
+template <class S, int D, bool Rotates>
+constexpr const char* unhashed_members(const body<S, D, Rotates>&) {
+    return "inverse_mass, inverse_inertia, spin, user_data, first_shape, is_gyroscopic";
+}
+template <class Plan>
+constexpr const char* unhashed_members(const shape_record<Plan>&) {
+    return "pose, r, next, user_data";
+}
+template <class S, int D, class Features>
+constexpr const char* unhashed_members(const contact<S, D, Features>&) {
+    return "body_a, body_b, r_a, r_b, persisted_mask, friction, restitution, rolling_resistance, surface_velocity";
+}
+template <class S, int D, class Features>
+constexpr const char* unhashed_members(const contact_point<S, D, Features>&) {
+    return "position, separation";
+}
+
 /// One number for one thing: processors work on several at a time, and a difference can be traced to its thing.
 template <class Item>
 std::uint64_t hash_of(std::uint64_t name, const Item& item) {

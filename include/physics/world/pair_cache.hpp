@@ -151,13 +151,7 @@ public:
         std::swap(free_, other.free_);
     }
 
-    template <class Self, class F>
-    static void each_member(Self& self, F&& f) {
-        f(self.pairs_);
-        f(self.places_);
-        f(self.units_);
-        f(self.free_);
-    }
+    PHYSICS_HPP_MEMBERS(pairs_, places_, units_, free_)
 
 private:
     static constexpr std::size_t units_for(std::size_t bytes) { return (bytes + sizeof(unit) - 1) / sizeof(unit); }

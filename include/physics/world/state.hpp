@@ -30,6 +30,7 @@ struct shape_record {
     /// The body's shape of the next lower number.
     std::uint32_t next = no_shape;
     std::uint64_t user_data = 0;
+    PHYSICS_HPP_MEMBERS(shape, local, pose, r, material, density, body, next, user_data)
 };
 
 /// The shapes of a world. It is one of the owners of the geometry that its shapes are made of.
@@ -224,7 +225,7 @@ struct state {
     /// By which handles know the world; no part of what lasts, so that they serve it whatever state it is brought to.
     std::uint16_t tag = 0;
 
-    /// What lasts, see base/lasting.hpp.
+    /// What lasts, see base/members.hpp.
     template <class Self, class F>
     static void each_member(Self& self, F&& f) {
         f(self.settings);
