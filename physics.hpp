@@ -20955,6 +20955,25 @@ struct body_lanes3 {
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/dynamics/edge.hpp
+// =================================================================================================
+// What holds two bodies together.
+
+PHYSICS_HPP_BEGIN
+
+/// Two bodies, by their numbers in the world, that something holds together: a contact, or whatever else constrains
+/// them.
+struct edge {
+    std::uint32_t body_a, body_b;
+};
+/// Two bodies, by their numbers among those that a solver sees.
+struct body_pair {
+    std::uint32_t a, b;
+};
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/dynamics/material.hpp
 // =================================================================================================
 // What surfaces are made of, and what two of them make of a contact.
@@ -21176,8 +21195,7 @@ template <class S, int D, class Features = without<>>
 struct contact {
     /// Numbers of the shapes; the normal points from A to B.
     std::uint32_t shape_a, shape_b;
-    /// Numbers of the bodies among those that a solver sees, while it does.
-    std::uint32_t body_a, body_b;
+    edge bodies;
     /// Which part of a concave shape touches; 0 of convex ones.
     std::uint32_t part = 0;
     vec<S, D> normal;
@@ -21208,8 +21226,8 @@ struct contact {
     [[no_unique_address]] detail::optional_member<Features::rolling_resistance, tangential<S, D>,
                                                   feature::rolling_resistance, 1>
         rolling_impulse{};
-    PHYSICS_HPP_MEMBERS(shape_a, shape_b, body_a, body_b, part, normal, r_a, r_b, count, persisted_mask, points,
-                        friction, restitution, rolling_resistance, surface_velocity, twist_impulse, substep_friction,
+    PHYSICS_HPP_MEMBERS(shape_a, shape_b, bodies, part, normal, r_a, r_b, count, persisted_mask, points, friction,
+                        restitution, rolling_resistance, surface_velocity, twist_impulse, substep_friction,
                         rolling_impulse)
 
     [[nodiscard]] constexpr physics::anchors<S, D> anchors(int k) const {
@@ -21472,15 +21490,22 @@ class contact_constraints {
     using combined_material = detail::combined_material<S, Features>;
 
 public:
-    contact_constraints(contact* all, const std::uint32_t* numbers, std::uint32_t count,
+    contact_constraints(contact* all, const std::uint32_t* numbers, const body_pair* bodies, std::uint32_t count,
                         const combined_material& surfaces = {})
-        : all_(all), numbers_(numbers), count_(count), surfaces_(surfaces) {}
-    /// All contacts of a buffer.
+        : all_(all), numbers_(numbers), bodies_(bodies), count_(count), surfaces_(surfaces) {}
+    /// All contacts of a buffer, in a world of which the solver sees all bodies.
     contact_constraints(buffer<contact>& all, arena& scratch, const combined_material& surfaces = {})
-        : contact_constraints(all.begin(), detail::iota(all.size(), scratch), all.size(), surfaces) {}
+        : all_(all.begin()), numbers_(detail::iota(all.size(), scratch)), count_(all.size()), surfaces_(surfaces) {
+        auto* const bodies = scratch.allocate<body_pair>(count_);
+        for (std::uint32_t i = 0; i < count_; ++i)
+            new (bodies + i) body_pair{all[i].bodies.body_a, all[i].bodies.body_b};
+        bodies_ = bodies;
+    }
 
     [[nodiscard]] std::uint32_t size() const { return count_; }
     contact& operator[](std::uint32_t i) const { return all_[numbers_[i]]; }
+    /// The bodies of a contact, by their numbers among those that the solver sees.
+    [[nodiscard]] const body_pair& bodies(std::uint32_t i) const { return bodies_[i]; }
 
     /// Coefficients of a contact (see material), whether it holds them or, in a recipe without materials a shape, all
     /// contacts have them in common; 0 of what the recipe leaves out.
@@ -21493,6 +21518,7 @@ public:
 private:
     contact* all_;
     const std::uint32_t* numbers_;
+    const body_pair* bodies_ = nullptr;
     std::uint32_t count_;
     [[no_unique_address]] combined_material surfaces_;
 };
@@ -21500,13 +21526,13 @@ private:
 namespace detail {
 
 /// Islands that are solved together: a range of body slots, followed by the static body's and a dummy slot, and a range
-/// of the contact order.
+/// of the order of edges.
 struct batch {
-    std::uint32_t bodies, static_slot, contacts, end;
+    std::uint32_t bodies, static_slot, edges, end;
 
     [[nodiscard]] std::uint32_t slots() const { return static_slot + 2 - bodies; }
     /// How much work there is in it.
-    [[nodiscard]] std::uint32_t weight() const { return static_slot - bodies + end - contacts; }
+    [[nodiscard]] std::uint32_t weight() const { return static_slot - bodies + end - edges; }
 };
 
 /// The batches of a step. Bodies that can be pushed have one slot; those that only push have another one in each batch
@@ -21514,8 +21540,9 @@ struct batch {
 struct batches {
     batch* first = nullptr;
     std::uint32_t count = 0;
-    /// Numbers of contacts, batch by batch, in each in ascending order.
+    /// Numbers of edges, batch by batch, in each in ascending order; beside it their bodies by numbers in the batch.
     std::uint32_t* order = nullptr;
+    body_pair* ends = nullptr;
     /// Of each body its slot, and of each slot its body.
     std::uint32_t *slot_of = nullptr, *body_at = nullptr;
     std::uint32_t slots = 0;
@@ -21523,28 +21550,29 @@ struct batches {
 
 /// Groups islands into batches: each island is in one batch, and small islands share one up to a weight that fits into
 /// the caches. Batches share no body that can move, and each keeps the order of the whole list, so neither their size
-/// nor their order changes any bit. Rewrites contact body numbers from awake index (static: the count) to batch slot.
-/// O(bodies + contacts).
+/// nor their order changes any bit. O(bodies + edges).
 class graph_builder {
 public:
     static constexpr std::uint32_t target_weight = 512;
 
-    /// is_pushed: of each body, and false for one more. Up to `batch_limit` bodies and contacts make one batch.
-    template <class S, int D, class Features>
-    graph_builder(buffer<contact<S, D, Features>>& contacts, const bool* is_pushed, std::uint32_t bodies,
-                  arena& scratch, std::uint32_t batch_limit = target_weight, task_runner* tasks = nullptr)
-        : scratch_(scratch), is_pushed_(is_pushed), bodies_(bodies), contacts_(contacts.size()) {
-        if (bodies_ + contacts_ <= batch_limit) {
+    /// Of each body of the world its number among the awake ones, which is their count for all others; is_pushed: of
+    /// each awake body, and false for one more. Up to `batch_limit` bodies and edges make one batch.
+    graph_builder(const buffer<edge>& edges, const std::uint32_t* awake_index, const bool* is_pushed,
+                  std::uint32_t bodies, arena& scratch, std::uint32_t batch_limit = target_weight,
+                  task_runner* tasks = nullptr)
+        : scratch_(scratch), is_pushed_(is_pushed), bodies_(bodies), edges_(edges.size()) {
+        ends_ = scratch.allocate<body_pair>(edges_);
+        task_runner alone;
+        (tasks != nullptr ? *tasks : alone)
+            .parallel_for(edges_, target_weight, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
+                for (std::uint32_t n = first; n < end; ++n)
+                    ends_[n] = {awake_index[edges[n].body_a], awake_index[edges[n].body_b]};
+            });
+        if (bodies_ + edges_ <= batch_limit) {
             make_single_batch();
             return;
         }
         const arena::mark start = scratch.here();
-        ends_ = scratch.allocate<ends>(contacts_);
-        task_runner alone;
-        (tasks != nullptr ? *tasks : alone)
-            .parallel_for(contacts_, target_weight, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
-                for (std::uint32_t n = first; n < end; ++n) ends_[n] = {contacts[n].body_a, contacts[n].body_b};
-            });
         fill();
         if (result_.count == 1) {
             scratch.rewind(start);
@@ -21555,11 +21583,10 @@ public:
         for (std::uint32_t k = 0; k < result_.count; ++k) {
             batch& of = result_.first[k];
             if (any_shared_)
-                for (std::uint32_t i = of.contacts; i < of.end; ++i) add_shared_body(of, ends_[result_.order[i]]);
-            for (std::uint32_t i = of.contacts; i < of.end; ++i) {
-                const std::uint32_t n = result_.order[i];
-                contacts[n].body_a = number_in(of, ends_[n].a);
-                contacts[n].body_b = number_in(of, ends_[n].b);
+                for (std::uint32_t i = of.edges; i < of.end; ++i) add_shared_body(of, ends_[result_.order[i]]);
+            for (std::uint32_t i = of.edges; i < of.end; ++i) {
+                const body_pair& ends = ends_[result_.order[i]];
+                result_.ends[i] = {number_in(of, ends.a), number_in(of, ends.b)};
             }
             result_.body_at[of.static_slot] = bodies_;
         }
@@ -21567,27 +21594,24 @@ public:
     [[nodiscard]] const batches& result() const { return result_; }
 
 private:
-    struct ends {
-        std::uint32_t a, b;
-    };
-
     void make_single_batch() {
-        result_.first = new (scratch_.allocate<batch>(1)) batch{0, bodies_, 0, contacts_};
+        result_.first = new (scratch_.allocate<batch>(1)) batch{0, bodies_, 0, edges_};
         result_.count = 1;
         result_.slots = result_.first->slots();
-        result_.order = iota(contacts_, scratch_);
+        result_.order = iota(edges_, scratch_);
+        result_.ends = ends_;
         result_.slot_of = result_.body_at = iota(bodies_ + 1, scratch_);
     }
 
     /// Says which batch each body is in.
     void fill() {
         disjoint_sets islands(bodies_, scratch_);
-        for (std::uint32_t n = 0; n < contacts_; ++n)
+        for (std::uint32_t n = 0; n < edges_; ++n)
             if (is_pushed_[ends_[n].a] && is_pushed_[ends_[n].b]) islands.unite(ends_[n].a, ends_[n].b);
         auto* weight = scratch_.allocate<std::uint32_t>(bodies_);
         for (std::uint32_t i = 0; i < bodies_; ++i) weight[i] = 0;
         for (std::uint32_t i = 0; i < bodies_; ++i) ++weight[islands.find(i)];
-        for (std::uint32_t n = 0; n < contacts_; ++n) ++weight[islands.find(owner(n))];
+        for (std::uint32_t n = 0; n < edges_; ++n) ++weight[islands.find(owner(n))];
 
         batch_of_ = scratch_.allocate<std::uint32_t>(bodies_);
         std::uint32_t filled = 0;
@@ -21604,7 +21628,7 @@ private:
         }
         ++result_.count;
     }
-    /// The body whose batch a contact belongs to.
+    /// The body whose batch an edge belongs to.
     [[nodiscard]] std::uint32_t owner(std::uint32_t n) const {
         const auto [a, b] = ends_[n];
         if (is_pushed_[a] || !(b < bodies_)) return a;
@@ -21612,13 +21636,13 @@ private:
     }
 
     /// Assigns body slots, with room for kinematic bodies shared by several batches and for the static slot, and orders
-    /// contacts by batch.
+    /// edges by batch.
     void place_bodies() {
         batch* const first = result_.first = scratch_.allocate<batch>(result_.count);
         auto* room = scratch_.allocate<std::uint32_t>(result_.count);
         for (std::uint32_t k = 0; k < result_.count; ++k) new (first + k) batch{0, 0, 0, 0}, room[k] = 2;
         for (std::uint32_t i = 0; i < bodies_; ++i) ++room[batch_of_[i]];
-        for (std::uint32_t n = 0; n < contacts_; ++n) {
+        for (std::uint32_t n = 0; n < edges_; ++n) {
             const auto [a, b] = ends_[n];
             const std::uint32_t k = batch_of_[owner(n)];
             ++first[k].end;
@@ -21636,20 +21660,21 @@ private:
             at += size;
         }
         result_.slots = slot;
-        result_.order = scratch_.allocate<std::uint32_t>(contacts_);
+        result_.order = scratch_.allocate<std::uint32_t>(edges_);
+        result_.ends = scratch_.allocate<body_pair>(edges_);
         result_.slot_of = scratch_.allocate<std::uint32_t>(bodies_);
         result_.body_at = scratch_.allocate<std::uint32_t>(slot);
         shared_slot_of_ = scratch_.allocate<std::uint32_t>(bodies_);
         for (std::uint32_t i = 0; i < bodies_; ++i)
             result_.slot_of[i] = shared_slot_of_[i] = add(first[batch_of_[i]], i);
-        for (std::uint32_t n = 0; n < contacts_; ++n) result_.order[first[batch_of_[owner(n)]].end++] = n;
+        for (std::uint32_t n = 0; n < edges_; ++n) result_.order[first[batch_of_[owner(n)]].end++] = n;
     }
     std::uint32_t add(batch& to, std::uint32_t body) {
         result_.body_at[to.static_slot] = body;
         return to.static_slot++;
     }
     /// Gives bodies that push something in a batch, and are not of it, a slot there.
-    void add_shared_body(batch& to, const ends& of) {
+    void add_shared_body(batch& to, const body_pair& of) {
         for (const std::uint32_t body : {of.a, of.b})
             if (body < bodies_ && !has(to, slot_in(to, body))) shared_slot_of_[body] = add(to, body);
     }
@@ -21663,9 +21688,9 @@ private:
 
     arena& scratch_;
     const bool* is_pushed_;
-    std::uint32_t bodies_, contacts_;
+    std::uint32_t bodies_, edges_;
     bool any_shared_ = false;
-    ends* ends_ = nullptr;
+    body_pair* ends_ = nullptr;
     std::uint32_t *batch_of_ = nullptr, *shared_slot_of_ = nullptr;
     batches result_;
 };
@@ -21722,22 +21747,14 @@ colours_of_contacts colour(const contact_constraints<S, D, Features>& contacts,
     constexpr std::uint32_t serial = colours_of_contacts::capacity - 1, share = 256;
     constexpr std::uint8_t uncoloured = 128, idle = 64, moves_a = 1, moves_b = 2, moves_both = 3;
     const auto is_pushed = [&](std::uint32_t i) { return bodies[i].inverse_mass > inverse_of<S>(0); };
-    // Contacts are large: one look at each.
-    struct ends {
-        std::uint32_t a, b;
-    };
-    auto* ends_of = scratch.template allocate<ends>(count);
     tasks.parallel_for(count, share, [&](std::uint32_t begin, std::uint32_t end, std::uint32_t) {
         // Copies, as what is written may be anything to the compiler.
         const contact_constraints<S, D, Features> all = contacts;
         auto* const sides = colour_of;
-        auto* const to = ends_of;
         for (std::uint32_t i = begin; i < end; ++i) {
-            const auto& c = all[i];
-            to[i] = {c.body_a, c.body_b};
-            sides[i] =
-                static_cast<std::uint8_t>(uncoloured | (is_active(c) ? 0 : idle) | (is_pushed(c.body_a) ? moves_a : 0) |
-                                          (is_pushed(c.body_b) ? moves_b : 0));
+            const body_pair of = all.bodies(i);
+            sides[i] = static_cast<std::uint8_t>(uncoloured | (is_active(all[i]) ? 0 : idle) |
+                                                 (is_pushed(of.a) ? moves_a : 0) | (is_pushed(of.b) ? moves_b : 0));
         }
     });
     for (const std::uint8_t sides : {moves_both, moves_a, moves_b, std::uint8_t{0}}) {
@@ -21745,7 +21762,7 @@ colours_of_contacts colour(const contact_constraints<S, D, Features>& contacts,
         std::uint32_t end = first;
         for (std::uint32_t i = 0; i < count; ++i) {
             if ((colour_of[i] & ~idle) != (uncoloured | sides)) continue;
-            const auto [body_a, body_b] = ends_of[i];
+            const auto [body_a, body_b] = contacts.bodies(i);
             const bool a = (sides & moves_a) != 0, b = (sides & moves_b) != 0;
             const std::uint64_t taken = (a ? used[body_a] : 0) | (b ? used[body_b] : 0);
             const auto free = static_cast<std::uint32_t>(std::countr_one(taken));
@@ -22582,10 +22599,11 @@ public:
         for (std::uint32_t i = 0; i < bodies.count; ++i) new (nodes_ + i) node{};
     }
     /// Point k of a contact bounces with this restitution; `given` tells in each substep what that does.
-    void add(const contact& c, int k, S restitution, S effective_mass, bounce<S>& given) {
+    void add(const contact& c, const body_pair& bodies, int k, S restitution, S effective_mass, bounce<S>& given) {
         const anchors<S, D> to = c.anchors(k);
-        const bool driven = drives(bodies_[c.body_a]) || drives(bodies_[c.body_b]);
+        const bool driven = drives(bodies_[bodies.a]) || drives(bodies_[bodies.b]);
         new (points_ + count_++) point{&c,
+                                       bodies,
                                        &given,
                                        k,
                                        {without_noise(to.a, c.normal), without_noise(to.b, c.normal)},
@@ -22611,16 +22629,17 @@ public:
         return !(b.inverse_mass > inverse_of<S>(0)) && !(b.velocity == twist_type{});
     }
     /// How far apart the surfaces are at point k of a contact, as its bodies have come in this step.
-    [[nodiscard]] static S separation_of(const contact& c, int k, bodies_type bodies) {
+    [[nodiscard]] static S separation_of(const contact& c, const body_pair& of, int k, bodies_type bodies) {
         const auto [to_a, to_b] = c.anchors(k);
         const vec<S, D> shift =
-            velocity_at(bodies[c.body_b].displacement, to_b) - velocity_at(bodies[c.body_a].displacement, to_a);
+            velocity_at(bodies[of.b].displacement, to_b) - velocity_at(bodies[of.a].displacement, to_a);
         return c.points[k].separation + dot(c.normal, shift);
     }
 
 private:
     struct point {
         const contact* of;
+        body_pair bodies;
         bounce<S>* given;
         int number;
         anchors<S, D> to;
@@ -22653,14 +22672,14 @@ private:
     }
     void begin(point& p, const twist_type* driven) {
         *p.given = {};
-        p.gap = separation_of(*p.of, p.number, bodies_);
-        p.half_acceleration = dot(p.of->normal, slip(p, driven[p.of->body_a], driven[p.of->body_b])) * S(0.5);
+        p.gap = separation_of(*p.of, p.bodies, p.number, bodies_);
+        p.half_acceleration = dot(p.of->normal, slip(p, driven[p.bodies.a], driven[p.bodies.b])) * S(0.5);
     }
     bool find_hits(S slop, S h) {
         hit_count_ = 0;
         for (std::uint32_t i = 0; i < count_; ++i) {
             point& p = points_[i];
-            const vec<S, D> v = slip(p, bodies_[p.of->body_a].velocity, bodies_[p.of->body_b].velocity);
+            const vec<S, D> v = slip(p, bodies_[p.bodies.a].velocity, bodies_[p.bodies.b].velocity);
             const S parting = dot(p.of->normal, v);
             if (!(p.gap + parting * h < S(0)) || (p.driven && p.struck)) continue;
             p.approach = p.half_acceleration - parting;
@@ -22680,7 +22699,7 @@ private:
         while (nodes_[i].parent != i) i = nodes_[i].parent = nodes_[nodes_[i].parent].parent;
         return i;
     }
-    node& group_of(const point& p) { return nodes_[root_of(moves(p.of->body_a) ? p.of->body_a : p.of->body_b)]; }
+    node& group_of(const point& p) { return nodes_[root_of(moves(p.bodies.a) ? p.bodies.a : p.bodies.b)]; }
     void touch(std::uint32_t i) {
         if (nodes_[i].round == round_) return;
         nodes_[i] = node{};
@@ -22693,7 +22712,7 @@ private:
     void each_term(const point& p, F&& f) {
         const vec<S, D> impulse = p.of->normal * p.impulse;
         for (const bool is_b : {false, true}) {
-            const std::uint32_t i = is_b ? p.of->body_b : p.of->body_a;
+            const std::uint32_t i = is_b ? p.bodies.b : p.bodies.a;
             if (!moves(i)) continue;
             node& n = nodes_[i];
             const double sign = is_b ? 1 : -1;
@@ -22730,7 +22749,7 @@ private:
     template <class F>
     void each_work(const point& p, F&& f) {
         const twist_type none{};
-        const std::uint32_t a = p.of->body_a, b = p.of->body_b;
+        const std::uint32_t a = p.bodies.a, b = p.bodies.b;
         const S response = dot(p.of->normal, slip(p, moves(a) ? responses_[a] : none, moves(b) ? responses_[b] : none));
         const double impulse = to_double(p.impulse), work = impulse * to_double(p.approach);
         node& group = group_of(p);
@@ -22752,7 +22771,7 @@ private:
         for (std::uint32_t i = 0; i < hit_count_; ++i) {
             point& p = points_[hits_[i]];
             p.impulse = p.mass * p.approach * (S(0.5) + p.restitution * S(0.5));
-            const std::uint32_t a = p.of->body_a, b = p.of->body_b;
+            const std::uint32_t a = p.bodies.a, b = p.bodies.b;
             if (moves(a)) touch(a);
             if (moves(b)) touch(b);
             if (moves(a) && moves(b)) nodes_[root_of(a)].parent = root_of(b);
@@ -22894,7 +22913,8 @@ struct sequential_impulse {
             const S h_sub = h / S(with.substeps), share = S(1) / S(with.substeps);
             const surfaces of = contacts.surfaces();
             block* blocks = scratch.template allocate<block>(contacts.size());
-            for (std::uint32_t i = 0; i < contacts.size(); ++i) new (blocks + i) block(contacts[i], of, bodies, share);
+            for (std::uint32_t i = 0; i < contacts.size(); ++i)
+                new (blocks + i) block(contacts[i], contacts.bodies(i), of, bodies, share);
             bounces impacts = bounces_of(contacts, of, blocks, bodies, scratch);
             twist_type* const velocity_change = scratch.template allocate<twist_type>(bodies.count);
             twist_type* const position_velocities = scratch.template allocate<twist_type>(bodies.count);
@@ -22952,6 +22972,7 @@ struct sequential_impulse {
         };
         struct block {
             tangents<S, D> frame;
+            body_pair ends;
             [[no_unique_address]] std::conditional_t<Features::rolling_resistance, rolling_at<S, D>, no_rolling>
                 with_rolling{};
             [[no_unique_address]] detail::optional_member<Features::rolling_resistance, tangential<S, D>,
@@ -22963,9 +22984,10 @@ struct sequential_impulse {
             bool yields;
             row rows[manifold<S, D>::capacity];
 
-            block(const contact& c, surfaces of, bodies_type bodies, S share) : frame(c.normal) {
-                const body& a = bodies[c.body_a];
-                const body& b = bodies[c.body_b];
+            block(const contact& c, const body_pair& pair, surfaces of, bodies_type bodies, S share)
+                : frame(c.normal), ends(pair) {
+                const body& a = bodies[ends.a];
+                const body& b = bodies[ends.b];
                 yields = bounces::drives(a) || bounces::drives(b);
                 if constexpr (Features::rolling_resistance)
                     if (of.rolling_resistance_of(c) > S(0)) {
@@ -23008,7 +23030,8 @@ struct sequential_impulse {
                 for (std::uint32_t i = 0; i < contacts.size(); ++i) {
                     const S restitution = of.restitution_of(contacts[i]);
                     for (int k = 0; restitution > S(0) && k < contacts[i].count; ++k)
-                        result.add(contacts[i], k, restitution, blocks[i].rows[k].mass, blocks[i].rows[k].bounce);
+                        result.add(contacts[i], blocks[i].ends, k, restitution, blocks[i].rows[k].mass,
+                                   blocks[i].rows[k].bounce);
                 }
             }
             return result;
@@ -23019,7 +23042,7 @@ struct sequential_impulse {
         static void set_targets(const contact& c, block& with, bodies_type bodies, const settings& numbers, S h) {
             for (int k = 0; k < c.count; ++k) {
                 row& r = with.rows[k];
-                const S separation = bounces::separation_of(c, k, bodies);
+                const S separation = bounces::separation_of(c, with.ends, k, bodies);
                 r.target = min(-separation / h, S(0)) - r.bounce.rounding;
                 const S beyond = -separation - numbers.penetration_slop;
                 r.position_target =
@@ -23038,11 +23061,12 @@ struct sequential_impulse {
                     r.friction = r.with_friction.next(r.friction, {}, of.friction_of(c) * r.normal);
                     impulse += with.frame.combine(r.friction);
                 }
-                bodies[c.body_a].apply(-impulse, to_a);
-                bodies[c.body_b].apply(impulse, to_b);
+                bodies[with.ends.a].apply(-impulse, to_a);
+                bodies[with.ends.b].apply(impulse, to_b);
             }
             if constexpr (Features::rolling_resistance)
-                if (of.rolling_resistance_of(c) > S(0)) turn(with, with.rolling, bodies[c.body_a], bodies[c.body_b]);
+                if (of.rolling_resistance_of(c) > S(0))
+                    turn(with, with.rolling, bodies[with.ends.a], bodies[with.ends.b]);
         }
         /// An angular impulse against rolling, from A on B.
         static void turn(const block& with, tangential<S, D> impulse, body& a, body& b) {
@@ -23086,8 +23110,8 @@ struct sequential_impulse {
 
         static void solve_contact(const contact& c, [[maybe_unused]] surfaces of, block& with, bodies_type bodies,
                                   const settings& numbers, bool back) {
-            body& a = bodies[c.body_a];
-            body& b = bodies[c.body_b];
+            body& a = bodies[with.ends.a];
+            body& b = bodies[with.ends.b];
             if constexpr (Features::rolling_resistance)
                 if (const S resistance = of.rolling_resistance_of(c); resistance > S(0))
                     resist_rolling(c, resistance, with, a, b);
@@ -23132,19 +23156,19 @@ struct sequential_impulse {
         static bool solve_position(const contact& c, block& with, bodies_type bodies, twist_type* position_velocities,
                                    bool back) {
             bool changed = false;
-            body& a = bodies[c.body_a];
-            body& b = bodies[c.body_b];
+            body& a = bodies[with.ends.a];
+            body& b = bodies[with.ends.b];
             symmetric_pass(c.count, back, [&](int k) {
                 row& r = with.rows[k];
                 const auto [to_a, to_b] = c.anchors(k);
-                const vec<S, D> v = velocity_at(b.velocity + position_velocities[c.body_b], to_b) -
-                                    velocity_at(a.velocity + position_velocities[c.body_a], to_a);
+                const vec<S, D> v = velocity_at(b.velocity + position_velocities[with.ends.b], to_b) -
+                                    velocity_at(a.velocity + position_velocities[with.ends.a], to_a);
                 const S impulse = max(r.position_impulse + r.mass * (r.position_target - dot(c.normal, v)), S(0));
                 if (impulse == r.position_impulse) return;
                 const vec<S, D> change = c.normal * (impulse - r.position_impulse);
                 r.position_impulse = impulse;
-                apply_position_impulse(position_velocities[c.body_a], a, -change, to_a);
-                apply_position_impulse(position_velocities[c.body_b], b, change, to_b);
+                apply_position_impulse(position_velocities[with.ends.a], a, -change, to_a);
+                apply_position_impulse(position_velocities[with.ends.b], b, change, to_b);
                 changed = true;
             });
             return changed;
@@ -23302,9 +23326,9 @@ struct prepare_input {
     [[no_unique_address]] combined_material<S, Features> surfaces{};
 
     /// How fast a contact's bodies are drawn together.
-    [[nodiscard]] S closing(const contact<S, D, Features>& c) const {
+    [[nodiscard]] S closing(const contact<S, D, Features>& c, const body_pair& bodies) const {
         if (accelerations == nullptr) return S(0);
-        return dot(c.normal, accelerations[c.body_a]) - dot(c.normal, accelerations[c.body_b]);
+        return dot(c.normal, accelerations[bodies.a]) - dot(c.normal, accelerations[bodies.b]);
     }
 };
 
@@ -24365,7 +24389,7 @@ struct bounces_of_block {
     /// Writes a contact into a lane. Points that were there in the last step, and overlap, have met before: what
     /// approaches there springs back, as it does in a crowd that is squeezed.
     template <class Contact, class Start>
-    void put(int lane, const Contact& c, const Start& with, arena& scratch) {
+    void put(int lane, const Contact& c, const body_pair& ends, const Start& with, arena& scratch) {
         const S share = with.surfaces.restitution_of(c);
         bool meets = false;
         for (int k = 0; k < c.count && share > S(0); ++k)
@@ -24373,7 +24397,7 @@ struct bounces_of_block {
         if (!meets) return;
         if (at == nullptr) at = new (scratch.template allocate<bounces>(1)) bounces{};
         at->restitution[lane] = share;
-        at->closing[lane] = with.closing(c);
+        at->closing[lane] = with.closing(c, ends);
     }
 };
 struct no_bounces_of_block {};
@@ -24530,16 +24554,16 @@ struct soft_contact2 {
     [[no_unique_address]] soft_bounces_of<S, capacity, W, Features> bounce_to;
 
     /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
-    void put(int lane, const contact<S, 2, Features>& c, const body* bodies, const prepare_input<S, 2, Features>& with,
-             gathering& gathered, arena& scratch) {
-        const body& first = bodies[c.body_a];
-        const body& second = bodies[c.body_b];
-        a[lane] = c.body_a;
-        b[lane] = c.body_b;
+    void put(int lane, const contact<S, 2, Features>& c, const body_pair& ends, const body* bodies,
+             const prepare_input<S, 2, Features>& with, gathering& gathered, arena& scratch) {
+        const body& first = bodies[ends.a];
+        const body& second = bodies[ends.b];
+        a[lane] = ends.a;
+        b[lane] = ends.b;
         gathered.add(lane, c);
         point_count = point_count < c.count ? c.count : point_count;
         for (int k = 0; k < c.count; ++k) points[k].impulse[lane] = c.persisted(k) ? c.points[k].substep_impulse : S(0);
-        if constexpr (Features::restitution) bounce_to.put(lane, c, with, scratch);
+        if constexpr (Features::restitution) bounce_to.put(lane, c, ends, with, scratch);
         if constexpr (Features::friction) {
             friction.coefficient.put(lane, with.surfaces.friction_of(c));
             friction.impulse[lane] = c.substep_friction;
@@ -24979,16 +25003,16 @@ struct soft_contact3 {
     [[no_unique_address]] soft_bounces_of<S, capacity, W, Features> bounce_to;
 
     /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
-    void put(int lane, const contact<S, 3, Features>& c, const body* bodies, const prepare_input<S, 3, Features>& with,
-             gathering& gathered, arena& scratch) {
-        const body& first = bodies[c.body_a];
-        const body& second = bodies[c.body_b];
-        a[lane] = c.body_a;
-        b[lane] = c.body_b;
+    void put(int lane, const contact<S, 3, Features>& c, const body_pair& ends, const body* bodies,
+             const prepare_input<S, 3, Features>& with, gathering& gathered, arena& scratch) {
+        const body& first = bodies[ends.a];
+        const body& second = bodies[ends.b];
+        a[lane] = ends.a;
+        b[lane] = ends.b;
         gathered.add(lane, c);
         point_count = point_count < c.count ? c.count : point_count;
         for (int k = 0; k < c.count; ++k) points[k].impulse[lane] = c.persisted(k) ? c.points[k].substep_impulse : S(0);
-        if constexpr (Features::restitution) bounce_to.put(lane, c, with, scratch);
+        if constexpr (Features::restitution) bounce_to.put(lane, c, ends, with, scratch);
         if constexpr (Features::friction) friction.put(lane, c, with);
         extras.put(lane, c, first, second, with, scratch);
     }
@@ -25484,12 +25508,12 @@ struct soft_linear_contact {
     [[no_unique_address]] soft_bounces_of<S, 1, W, Features> bounce_to;
 
     /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
-    void put(int lane, const contact<S, D, Features>& c, const body* bodies, const prepare_input<S, D, Features>& with,
-             gathering&, arena& scratch) {
-        const body& first = bodies[c.body_a];
-        const body& second = bodies[c.body_b];
-        a[lane] = c.body_a;
-        b[lane] = c.body_b;
+    void put(int lane, const contact<S, D, Features>& c, const body_pair& ends, const body* bodies,
+             const prepare_input<S, D, Features>& with, gathering&, arena& scratch) {
+        const body& first = bodies[ends.a];
+        const body& second = bodies[ends.b];
+        a[lane] = ends.a;
+        b[lane] = ends.b;
         mass_a[lane] = first.inverse_mass;
         mass_b[lane] = second.inverse_mass;
         for (int i = 0; i < D; ++i) normal[i][lane] = c.normal[i];
@@ -25501,7 +25525,7 @@ struct soft_linear_contact {
         }
         points[0].separation[lane] = c.points[nearest].separation;
         points[0].impulse[lane] = load;
-        if constexpr (Features::restitution) bounce_to.put(lane, c, with, scratch);
+        if constexpr (Features::restitution) bounce_to.put(lane, c, ends, with, scratch);
         if constexpr (Features::friction) friction.put(lane, c, with);
         extras.put(lane, c, first, second, with, scratch);
     }
@@ -26061,7 +26085,9 @@ struct soft_step_with {
             for (int lane = 0; lane < width; ++lane) {
                 const bool has = static_cast<std::uint32_t>(lane) < used;
                 numbers[lane] = has ? order[lane] : none;
-                if (has) to.put(lane, contacts[order[lane]], bodies.first, with, gathered, scratch);
+                if (has)
+                    to.put(lane, contacts[order[lane]], contacts.bodies(order[lane]), bodies.first, with, gathered,
+                           scratch);
                 else to.a[lane] = to.b[lane] = bodies.dummy_body();
             }
             kernels::prepare(to, bodies.first, gathered);
@@ -27130,6 +27156,8 @@ struct state {
     detail::pair_cache_changes<Plan> pair_cache_changes;
     step_scratch<buffer<proxy_pair>> woken_pairs;
     step_scratch<buffer<typename Plan::contact>> woken_contacts;
+    /// All that holds bodies together: of contacts, in their order.
+    step_scratch<buffer<edge>> edges;
     arena scratch;
     per_worker<arena> batch_scratch;
     /// What each worker has found.
@@ -27173,14 +27201,10 @@ void update_pose(shape_record<Plan>& shape, const Pose& body, const Vec& center)
     shape.pose = body * shape.local;
     shape.r = shape.pose.position - center;
 }
-/// The body of either side of a contact.
-template <class Plan, class Contact>
-std::uint32_t body_a(const state<Plan>& s, const Contact& c) {
-    return s.shapes[c.shape_a].body;
-}
-template <class Plan, class Contact>
-std::uint32_t body_b(const state<Plan>& s, const Contact& c) {
-    return s.shapes[c.shape_b].body;
+/// Whether a body moves or may be pushed in this step.
+template <class Plan>
+bool is_awake(const state<Plan>& s, std::uint32_t body) {
+    return s.awake_index[body] < s.awake.size();
 }
 
 /// The box that the narrowphase needs the broadphase to know: all within half the contact margin.
@@ -27424,8 +27448,8 @@ void set_mass_properties(state<Plan>& s, std::uint32_t index,
         b.center = center;
         const vec<S, Plan::dimension> turned_shift = s.contact_starts[index].rotation * shift;
         for (auto& c : s.contacts) {
-            if (body_a(s, c) == index) c.r_a -= turned_shift;
-            if (body_b(s, c) == index) c.r_b -= turned_shift;
+            if (c.bodies.body_a == index) c.r_a -= turned_shift;
+            if (c.bodies.body_b == index) c.r_b -= turned_shift;
         }
     }
     b.mass = mass;
@@ -28117,7 +28141,7 @@ void finish_waking(state<Plan>& s) {
 /// True if neither body of the contact is dynamic and awake.
 template <class Plan, class Contact>
 bool touches_no_awake_body(const state<Plan>& s, const Contact& c) {
-    return !s.is_awake_dynamic(body_a(s, c)) && !s.is_awake_dynamic(body_b(s, c));
+    return !s.is_awake_dynamic(c.bodies.body_a) && !s.is_awake_dynamic(c.bodies.body_b);
 }
 /// Wakes the islands of those that each(f) calls f(body) for, at once, with their contacts. O(contacts of sleepers).
 template <class Plan, class Each>
@@ -28150,8 +28174,8 @@ void wake_touching(state<Plan>& s, std::uint32_t body) {
         auto& touching = s.sleep.near;
         touching.clear();
         for (const auto& c : s.sleep.contacts) {
-            if (body_a(s, c) == body) touching.push_back(body_b(s, c));
-            if (body_b(s, c) == body) touching.push_back(body_a(s, c));
+            if (c.bodies.body_a == body) touching.push_back(c.bodies.body_b);
+            if (c.bodies.body_b == body) touching.push_back(c.bodies.body_a);
         }
         wake_islands(s, [&](auto&& f) {
             for (const std::uint32_t i : touching) f(i);
@@ -28214,7 +28238,7 @@ bool list_woken(state<Plan>& s, bool any_near, typename Plan::scalar h) {
     if (!any_near) return false;
     const auto slack = gravity_slack(s, h);
     for (const auto& c : s.new_contacts) {
-        const std::uint32_t a = body_a(s, c), b = body_b(s, c);
+        const std::uint32_t a = c.bodies.body_a, b = c.bodies.body_b;
         const bool of_a = s.is_asleep(a);
         if (of_a == s.is_asleep(b)) continue;
         const std::uint32_t sleeper = of_a ? a : b;
@@ -28343,7 +28367,7 @@ private:
             bool bears = false;
             for (int k = 0; k < c.count; ++k) bears = bears || c.points[k].normal_impulse > S(0);
             if (!bears) continue;
-            const auto &of_a = s_.bodies[body_a(s_, c)], &of_b = s_.bodies[body_b(s_, c)];
+            const auto &of_a = s_.bodies[c.bodies.body_a], &of_b = s_.bodies[c.bodies.body_b];
             const auto apart = to_point(of_b.velocity.linear) - to_point(of_a.velocity.linear);
             const bool along = of_a.is_dynamic() && of_b.is_dynamic() && !(dot(apart, apart) > fast * fast);
             for (support* on : {&one, &other})
@@ -28356,14 +28380,11 @@ private:
     static auto spin_squared(S w) { return product(w, w); }
 
     [[nodiscard]] bool is_dynamic(std::uint32_t k) const { return k < count_ && s_.bodies[s_.awake[k]].is_dynamic(); }
-    struct sides {
-        std::uint32_t a, b;
-    };
-    [[nodiscard]] sides awake_pair(const typename Plan::contact& c) const {
-        return {s_.awake_index[body_a(s_, c)], s_.awake_index[body_b(s_, c)]};
+    [[nodiscard]] body_pair awake_pair(const typename Plan::contact& c) const {
+        return {s_.awake_index[c.bodies.body_a], s_.awake_index[c.bodies.body_b]};
     }
     [[nodiscard]] bool touch(const typename Plan::contact& c, S slack) const {
-        return will_touch(c, s_.bodies[body_a(s_, c)].velocity, s_.bodies[body_b(s_, c)].velocity, step_, slack);
+        return will_touch(c, s_.bodies[c.bodies.body_a].velocity, s_.bodies[c.bodies.body_b].velocity, step_, slack);
     }
     void add_to_island(std::uint32_t k, island& of) {
         const std::uint32_t i = s_.awake[k];
@@ -28473,7 +28494,7 @@ body_id create_body(state<Plan>& s, const body_def<typename Plan::scalar, Plan::
 template <class Plan>
 void destroy_body(state<Plan>& s, std::uint32_t index) {
     wake_affected(s, index);
-    drop_contacts(s, [&](const auto& c) { return body_a(s, c) == index || body_b(s, c) == index; });
+    drop_contacts(s, [&](const auto& c) { return c.bodies.body_a == index || c.bodies.body_b == index; });
     s.awake_changed = true;
     s.memories.drop([&](std::uint32_t shape) { return s.shapes[shape].body == index; });
     each_shape(s, index, [&](std::uint32_t i, const shape_record<Plan>&) {
@@ -28620,7 +28641,7 @@ void set_type(state<Plan>& s, std::uint32_t index, body_type type) {
     refresh_mass(s, index);
     reinsert_proxies(s, index);
     drop_contacts(s, [&](const auto& c) {
-        const std::uint32_t first = body_a(s, c), second = body_b(s, c);
+        const std::uint32_t first = c.bodies.body_a, second = c.bodies.body_b;
         return (first == index || second == index) && !s.bodies[first].is_dynamic() && !s.bodies[second].is_dynamic();
     });
 }
@@ -28961,10 +28982,7 @@ private:
     void find_free_bodies(const batches& all, const batch& one, arena& scratch) {
         auto* touches = scratch.template allocate<bool>(count_ + 1);
         for (std::uint32_t k = 0; k <= count_; ++k) touches[k] = false;
-        for (std::uint32_t n = one.contacts; n < one.end; ++n) {
-            const auto& c = state_.new_contacts[all.order[n]];
-            touches[c.body_a] = touches[c.body_b] = true;
-        }
+        for (std::uint32_t n = one.edges; n < one.end; ++n) touches[all.ends[n].a] = touches[all.ends[n].b] = true;
         free_ = scratch.template allocate<std::uint32_t>(free_count_);
         free_count_ = 0;
         for (std::uint32_t k = 0; k < count_; ++k)
@@ -29182,7 +29200,7 @@ template <class Plan, class Contact>
 bool is_deep(const state<Plan>& s, const Contact& c) {
     if constexpr (Plan::sweeps) {
         // Bodies that do not move have the last number.
-        if ((c.body_a < s.awake.size()) == (c.body_b < s.awake.size())) return false;
+        if (is_awake(s, c.bodies.body_a) == is_awake(s, c.bodies.body_b)) return false;
         for (int k = 0; k < c.count; ++k)
             if (-c.points[k].separation > s.settings.contact_margin * typename Plan::scalar(0.125)) return true;
     }
@@ -29195,7 +29213,7 @@ void note_depth(state<Plan>& s, const Contact& c) {
         if (!is_deep(s, c)) return;
         typename Plan::scalar depth{};
         for (int k = 0; k < c.count; ++k) depth = max(depth, -c.points[k].separation);
-        const std::uint32_t a = body_a(s, c), b = body_b(s, c);
+        const std::uint32_t a = c.bodies.body_a, b = c.bodies.body_b;
         const auto note = [&](std::uint32_t i) {
             s.continuous.depths[i] = max(s.continuous.depths[i], depth);
             s.continuous.deep.push_back(i);
@@ -29966,14 +29984,16 @@ private:
         for (std::uint32_t k = 0; k < count; ++k)
             has_external_force[k] = s.bodies[s.awake[k]].inverse_mass > inverse_of<S>(0);
         has_external_force[count] = false;
-        return graph_builder(s.new_contacts, has_external_force, count, s.scratch, batch_limit, &tasks).result();
+        return graph_builder(s.edges, s.awake_index.begin(), has_external_force, count, s.scratch, batch_limit, &tasks)
+            .result();
     }
     bool solve(const batch& one, arena& scratch, task_runner& tasks) {
         scratch.reset();
         for (std::uint32_t k = 1; k < tasks.workers(); ++k) state_.batch_scratch[k].reset();
         batch_integrator<Plan> moving(state_, batches_, one, moved_, step_, scratch, tasks);
         const contact_constraints<S, D, typename Plan::features> contacts(
-            state_.new_contacts.begin(), batches_.order + one.contacts, one.end - one.contacts, state_.new_material);
+            state_.new_contacts.begin(), batches_.order + one.edges, batches_.ends + one.edges, one.end - one.edges,
+            state_.new_material);
         const auto& with = state_.settings.solver;
         if constexpr (requires { Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving, tasks); })
             Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving, tasks);
@@ -30142,7 +30162,7 @@ bool add_contact(const state<Plan>& s, proxy_pair pair, std::uint32_t part, cons
     const auto& a = s.shapes[p.a];
     const auto& b = s.shapes[p.b];
     const rotation<S, D> turn = a.pose.rotation;
-    auto& c = to.emplace_back(p.a, p.b, s.awake_index[a.body], s.awake_index[b.body], part, turn * m.normal, a.r,
+    auto& c = to.emplace_back(p.a, p.b, edge{a.body, b.body}, part, turn * m.normal, a.r,
                               b.r + (a.pose.position - b.pose.position), static_cast<std::uint8_t>(m.count));
     for (int k = 0; k < m.count; ++k) {
         c.points[k].position = turn * m.points[k].position;
@@ -30285,15 +30305,11 @@ collide_result find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs,
 template <class Plan>
 bool find_contacts_of_woken(state<Plan>& s, typename Plan::scalar h, task_runner& tasks) {
     index_awake(s);
-    for (auto& c : s.new_contacts) {
-        c.body_a = s.awake_index[body_a(s, c)];
-        c.body_b = s.awake_index[body_b(s, c)];
-    }
     s.woken_pairs.clear();
     // Kinematic bodies are always in the awake list, but wake no other body.
     const auto wakes = [&](std::uint32_t i) { return s.bodies[i].is_dynamic() && s.awake_index[i] < s.awake.size(); };
     for (const auto& c : s.sleep.contacts) {
-        if (!wakes(body_a(s, c)) && !wakes(body_b(s, c))) continue;
+        if (!wakes(c.bodies.body_a) && !wakes(c.bodies.body_b)) continue;
         if (s.woken_pairs.empty() || s.woken_pairs.back() < c.key()) s.woken_pairs.push_back(c.key());
     }
     s.new_contacts.swap(s.woken_contacts);
@@ -30302,6 +30318,34 @@ bool find_contacts_of_woken(state<Plan>& s, typename Plan::scalar h, task_runner
     merge_contacts(s.woken_contacts, s.new_contacts);
     s.new_contacts.swap(s.woken_contacts);
     return good;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/world/edges.hpp
+// =================================================================================================
+// What holds bodies together in a step.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Contacts -> edges, in the order of the contacts: what islands, batches and colours are made of.
+template <class Plan>
+void list_edges(state<Plan>& s, task_runner& tasks) {
+    constexpr std::uint32_t share = 1024;
+    const std::uint32_t count = s.new_contacts.size();
+    s.edges.clear();
+    s.edges.extend(count);
+    tasks.parallel_for(count, share, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
+        // Copies, as what is written may be anything to the compiler.
+        const auto* const from = s.new_contacts.begin();
+        edge* const to = s.edges.begin();
+        for (std::uint32_t n = first; n < end; ++n) to[n] = from[n].bodies;
+    });
 }
 
 }  // namespace detail
@@ -30388,7 +30432,7 @@ template <class Plan>
 auto view_of(const state<Plan>& s, const typename Plan::contact& c) {
     using S = typename Plan::scalar;
     constexpr int D = Plan::dimension;
-    const std::uint32_t at_a = body_a(s, c), at_b = body_b(s, c);
+    const std::uint32_t at_a = c.bodies.body_a, at_b = c.bodies.body_b;
     const auto& a = s.bodies[at_a];
     const auto& b = s.bodies[at_b];
     contact_view<S, D> view{{c.shape_a, s.shapes.generation(c.shape_a), s.tag},
@@ -30604,7 +30648,7 @@ private:
 
     /// What a kinematic body or the run of a surface gives by a contact's impulses.
     [[nodiscard]] double work_at(const typename Plan::contact& c) const {
-        const auto &a = s_.bodies[body_a(s_, c)], &b = s_.bodies[body_b(s_, c)];
+        const auto &a = s_.bodies[c.bodies.body_a], &b = s_.bodies[c.bodies.body_b];
         const bool from_a = !a.is_dynamic(), from_b = !b.is_dynamic();
         const tangents<S, D> frame(c.normal);
         double work = 0;
@@ -30903,7 +30947,7 @@ constexpr const char* unhashed_members(const shape_record<Plan>&) {
 }
 template <class S, int D, class Features>
 constexpr const char* unhashed_members(const contact<S, D, Features>&) {
-    return "body_a, body_b, r_a, r_b, persisted_mask, friction, restitution, rolling_resistance, surface_velocity";
+    return "bodies, r_a, r_b, persisted_mask, friction, restitution, rolling_resistance, surface_velocity";
 }
 template <class S, int D, class Features>
 constexpr const char* unhashed_members(const contact_point<S, D, Features>&) {
@@ -31010,8 +31054,9 @@ private:
         bool any = false;
         for (std::uint32_t i = 0; i < s_.new_contacts.size(); ++i) {
             const contact& c = s_.new_contacts[i];
-            if ((c.body_a < count) == (c.body_b < count)) continue;
-            std::uint32_t& first = support_[c.body_a < count ? c.body_a : c.body_b];
+            const auto [a, b] = awake_pair(c);
+            if ((a < count) == (b < count)) continue;
+            std::uint32_t& first = support_[a < count ? a : b];
             if (first == null_index) first = i;
             else any = any || other_shape(c) != other_shape(s_.new_contacts[first]);
         }
@@ -31026,13 +31071,16 @@ private:
         }
         remove();
     }
+    [[nodiscard]] body_pair awake_pair(const contact& c) const {
+        return {s_.awake_index[c.bodies.body_a], s_.awake_index[c.bodies.body_b]};
+    }
     /// The number among awake bodies of the dynamic one, where the other is static; else null.
     [[nodiscard]] std::uint32_t pushed_body(const contact& c) const {
         const std::uint32_t count = s_.awake.size();
-        const bool has_a = c.body_a < count, has_b = c.body_b < count;
-        if (has_a == has_b) return null_index;
-        const std::uint32_t other = has_a ? detail::body_b(s_, c) : detail::body_a(s_, c);
-        const std::uint32_t body = has_a ? c.body_a : c.body_b;
+        const auto [a, b] = awake_pair(c);
+        if ((a < count) == (b < count)) return null_index;
+        const std::uint32_t other = a < count ? c.bodies.body_b : c.bodies.body_a;
+        const std::uint32_t body = a < count ? a : b;
         if (s_.bodies[other].type != body_type::static_body || !s_.bodies[s_.awake[body]].is_dynamic())
             return null_index;
         return body;
@@ -31045,7 +31093,7 @@ private:
     }
     /// Out of the static shape.
     [[nodiscard]] vec<S, D> outwards(const contact& c) const {
-        return c.body_a < s_.awake.size() ? -c.normal : c.normal;
+        return is_awake(s_, c.bodies.body_a) ? -c.normal : c.normal;
     }
     [[nodiscard]] static S deepest(const contact& c) {
         S separation = c.points[0].separation;
@@ -31087,13 +31135,13 @@ private:
         return !would_touch(c, along + up * lift - normalized(across) * min(lift * S(256), thickness));
     }
     [[nodiscard]] std::uint32_t other_shape(const contact& c) const {
-        return c.body_a < s_.awake.size() ? c.shape_b : c.shape_a;
+        return is_awake(s_, c.bodies.body_a) ? c.shape_b : c.shape_a;
     }
     [[nodiscard]] bool would_touch(const contact& c, const vec<S, D>& shift) {
         const auto& a = s_.shapes[c.shape_a];
         const auto& b = s_.shapes[c.shape_b];
         auto at_a = a.pose, at_b = b.pose;
-        (c.body_a < s_.awake.size() ? at_a : at_b).position += shift;
+        (is_awake(s_, c.bodies.body_a) ? at_a : at_b).position += shift;
         const typename Plan::query query{&a.shape, &b.shape, relative(at_a, at_b)};
         auto& found = s_.manifolds[0];
         found.clear();
@@ -31381,8 +31429,9 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, t
         if (list_woken(s, found.near_sleeper, h) && !find_contacts_of_woken(s, h, tasks))
             return step_result::bad_mixing_rule;
     const seam_contacts seams(s, h);  // contacts          -> without those at flush edges
+    list_edges(s, tasks);             // contacts          -> which bodies they hold together
     done(step_stage::find_contacts);
-    step_solver<Plan> solver(s, h, tasks);  // contacts          -> islands, in batches
+    step_solver<Plan> solver(s, h, tasks);  // edges             -> islands, in batches
     done(step_stage::make_batches);
     const bool solved = solver.solve(tasks);  // bodies, contacts  -> velocities, poses
     done(step_stage::solve);

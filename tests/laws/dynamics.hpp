@@ -196,7 +196,7 @@ double speed_after(double separation, double speed, double restitution) {
     p.bodies[1].inverse_mass = physics::inverse_of<S>(0.5);
     p.bodies[1].velocity.linear.y = S(speed);
     contact c{};
-    c.body_b = 1;
+    c.bodies.body_b = 1;
     c.normal.y = S(1);
     c.count = 1;
     c.points[0].separation = S(separation);

@@ -27,8 +27,7 @@ inline std::uint8_t number_of(int count) { return static_cast<std::uint8_t>(coun
 /// Copies what contacts with and without features have in common.
 template <class To, class From>
 void copy_common(To& to, const From& from) {
-    to.body_a = from.body_a;
-    to.body_b = from.body_b;
+    to.bodies = from.bodies;
     to.normal = from.normal;
     to.r_a = from.r_a;
     to.r_b = from.r_b;
@@ -112,7 +111,7 @@ inline std::vector<point_of> points_of(const problem& p) {
             const auto [to_a, to_b] = c.anchors(k);
             // Only gaps: how overlaps and bounces set the target has a law of its own.
             const double target = -cell::number(q.separation) * 64;
-            all.push_back({{{p.bodies, c.body_a, to_a, -1}, {p.bodies, c.body_b, to_b, 1}},
+            all.push_back({{{p.bodies, c.bodies.body_a, to_a, -1}, {p.bodies, c.bodies.body_b, to_b, 1}},
                            to_reals(c.normal),
                            friction_of(c, q),
                            target,
@@ -168,13 +167,14 @@ inline problem random_problem(cell::dice& dice, int points, double friction, boo
     }
     for (int i = 0; i < points; ++i) {
         contact c{};
-        c.body_a = static_cast<std::uint32_t>(dice.below(3));
-        c.body_b = c.body_a + 1 + static_cast<std::uint32_t>(dice.below(3 - static_cast<int>(c.body_a)));
+        c.bodies.body_a = static_cast<std::uint32_t>(dice.below(3));
+        c.bodies.body_b =
+            c.bodies.body_a + 1 + static_cast<std::uint32_t>(dice.below(3 - static_cast<int>(c.bodies.body_a)));
         c.normal = normalized(from_reals(random_direction(dice)));
         c.count = 1;
         const reals at = random_direction(dice);
-        c.r_a = from_reals(at - p.places[c.body_a]);
-        c.r_b = from_reals(at - p.places[c.body_b]);
+        c.r_a = from_reals(at - p.places[c.bodies.body_a]);
+        c.r_b = from_reals(at - p.places[c.bodies.body_b]);
         c.points[0].separation = dice.real(0, 0.02);
         c.friction = S(friction);
         p.contacts.push_back(c);

@@ -63,8 +63,8 @@ struct sides_at {
 
     /// In 3D on each body's own surface, where all points together are apart.
     sides_at(const problem& p, const contact& c, vec offset)
-        : a(p.bodies, c.body_a, c.anchors(0).a + offset - half_gap(c), -1),
-          b(p.bodies, c.body_b, c.anchors(0).b + offset + half_gap(c), 1) {}
+        : a(p.bodies, c.bodies.body_a, c.anchors(0).a + offset - half_gap(c), -1),
+          b(p.bodies, c.bodies.body_b, c.anchors(0).b + offset + half_gap(c), 1) {}
     static vec half_gap(const contact& c) {
         S sum = S(0);
         for (int k = 0; k < c.count; ++k) sum += c.points[k].separation;
@@ -146,6 +146,12 @@ void check_lane(const Block& block, int lane, const problem& p, const contact& c
                        t, u);
     }
 }
+template <class Block>
+void put_into_lane(Block& block, int lane, const problem& p, typename Block::gathering& gathered,
+                   physics::arena& scratch) {
+    const contact& c = p.contacts[static_cast<std::uint32_t>(lane)];
+    block.put(lane, c, {c.bodies.body_a, c.bodies.body_b}, p.bodies.data(), {S(0.25)}, gathered, scratch);
+}
 template <class Friction>
 void check_prepared(std::uint64_t seed) {
     constexpr int width = 4;
@@ -162,9 +168,7 @@ void check_prepared(std::uint64_t seed) {
         block_type block{};
         typename block_type::gathering gathered;
         for (int lane = 0; lane < width; ++lane) {
-            if (lane < used)
-                block.put(lane, p.contacts[static_cast<std::uint32_t>(lane)], p.bodies.data(), {S(0.25)}, gathered,
-                          scratch);
+            if (lane < used) put_into_lane(block, lane, p, gathered, scratch);
             else block.a[lane] = block.b[lane] = 4;
         }
         block.prepare(p.bodies.data(), gathered);
@@ -247,8 +251,8 @@ CELL_CASE("soft contacts: where all points of a contact go on pushing, a round s
     cell::dice dice(404);
     for (int run = 0; run < 200; ++run) {
         problem p = random_problem(dice, 1, 0, run % 2 != 0);
-        p.contacts[0].body_a = static_cast<std::uint32_t>(dice.below(2));
-        p.contacts[0].body_b = 2;
+        p.contacts[0].bodies.body_a = static_cast<std::uint32_t>(dice.below(2));
+        p.contacts[0].bodies.body_b = 2;
         contact& c = p.contacts[0];
         c.count = number_of(2 + dice.below(physics::manifold<S, D>::capacity - 1));
         c.persisted_mask = 255;

@@ -96,7 +96,7 @@ struct glue {
             for (int i = 0; i < with.substeps; ++i) {
                 motion.integrate_velocities(h / T(with.substeps));
                 for (std::uint32_t k = 0; k < contacts.size(); ++k)
-                    bodies[contacts[k].body_a].velocity = bodies[contacts[k].body_b].velocity = {};
+                    bodies[contacts.bodies(k).a].velocity = bodies[contacts.bodies(k).b].velocity = {};
                 motion.integrate_positions(h / T(with.substeps));
             }
         }

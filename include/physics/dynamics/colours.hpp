@@ -49,22 +49,14 @@ colours_of_contacts colour(const contact_constraints<S, D, Features>& contacts,
     constexpr std::uint32_t serial = colours_of_contacts::capacity - 1, share = 256;
     constexpr std::uint8_t uncoloured = 128, idle = 64, moves_a = 1, moves_b = 2, moves_both = 3;
     const auto is_pushed = [&](std::uint32_t i) { return bodies[i].inverse_mass > inverse_of<S>(0); };
-    // Contacts are large: one look at each.
-    struct ends {
-        std::uint32_t a, b;
-    };
-    auto* ends_of = scratch.template allocate<ends>(count);
     tasks.parallel_for(count, share, [&](std::uint32_t begin, std::uint32_t end, std::uint32_t) {
         // Copies, as what is written may be anything to the compiler.
         const contact_constraints<S, D, Features> all = contacts;
         auto* const sides = colour_of;
-        auto* const to = ends_of;
         for (std::uint32_t i = begin; i < end; ++i) {
-            const auto& c = all[i];
-            to[i] = {c.body_a, c.body_b};
-            sides[i] =
-                static_cast<std::uint8_t>(uncoloured | (is_active(c) ? 0 : idle) | (is_pushed(c.body_a) ? moves_a : 0) |
-                                          (is_pushed(c.body_b) ? moves_b : 0));
+            const body_pair of = all.bodies(i);
+            sides[i] = static_cast<std::uint8_t>(uncoloured | (is_active(all[i]) ? 0 : idle) |
+                                                 (is_pushed(of.a) ? moves_a : 0) | (is_pushed(of.b) ? moves_b : 0));
         }
     });
     for (const std::uint8_t sides : {moves_both, moves_a, moves_b, std::uint8_t{0}}) {
@@ -72,7 +64,7 @@ colours_of_contacts colour(const contact_constraints<S, D, Features>& contacts,
         std::uint32_t end = first;
         for (std::uint32_t i = 0; i < count; ++i) {
             if ((colour_of[i] & ~idle) != (uncoloured | sides)) continue;
-            const auto [body_a, body_b] = ends_of[i];
+            const auto [body_a, body_b] = contacts.bodies(i);
             const bool a = (sides & moves_a) != 0, b = (sides & moves_b) != 0;
             const std::uint64_t taken = (a ? used[body_a] : 0) | (b ? used[body_b] : 0);
             const auto free = static_cast<std::uint32_t>(std::countr_one(taken));

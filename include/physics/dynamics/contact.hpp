@@ -4,6 +4,7 @@
 #include "physics/base/buffer.hpp"
 #include "physics/broadphase/concept.hpp"
 #include "physics/collide/manifold.hpp"
+#include "physics/dynamics/edge.hpp"
 #include "physics/dynamics/material.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -41,8 +42,7 @@ template <class S, int D, class Features = without<>>
 struct contact {
     /// Numbers of the shapes; the normal points from A to B.
     std::uint32_t shape_a, shape_b;
-    /// Numbers of the bodies among those that a solver sees, while it does.
-    std::uint32_t body_a, body_b;
+    edge bodies;
     /// Which part of a concave shape touches; 0 of convex ones.
     std::uint32_t part = 0;
     vec<S, D> normal;
@@ -73,8 +73,8 @@ struct contact {
     [[no_unique_address]] detail::optional_member<Features::rolling_resistance, tangential<S, D>,
                                                   feature::rolling_resistance, 1>
         rolling_impulse{};
-    PHYSICS_HPP_MEMBERS(shape_a, shape_b, body_a, body_b, part, normal, r_a, r_b, count, persisted_mask, points,
-                        friction, restitution, rolling_resistance, surface_velocity, twist_impulse, substep_friction,
+    PHYSICS_HPP_MEMBERS(shape_a, shape_b, bodies, part, normal, r_a, r_b, count, persisted_mask, points, friction,
+                        restitution, rolling_resistance, surface_velocity, twist_impulse, substep_friction,
                         rolling_impulse)
 
     [[nodiscard]] constexpr physics::anchors<S, D> anchors(int k) const {

@@ -111,9 +111,9 @@ struct prepare_input {
     [[no_unique_address]] combined_material<S, Features> surfaces{};
 
     /// How fast a contact's bodies are drawn together.
-    [[nodiscard]] S closing(const contact<S, D, Features>& c) const {
+    [[nodiscard]] S closing(const contact<S, D, Features>& c, const body_pair& bodies) const {
         if (accelerations == nullptr) return S(0);
-        return dot(c.normal, accelerations[c.body_a]) - dot(c.normal, accelerations[c.body_b]);
+        return dot(c.normal, accelerations[bodies.a]) - dot(c.normal, accelerations[bodies.b]);
     }
 };
 

@@ -23,15 +23,22 @@ class contact_constraints {
     using combined_material = detail::combined_material<S, Features>;
 
 public:
-    contact_constraints(contact* all, const std::uint32_t* numbers, std::uint32_t count,
+    contact_constraints(contact* all, const std::uint32_t* numbers, const body_pair* bodies, std::uint32_t count,
                         const combined_material& surfaces = {})
-        : all_(all), numbers_(numbers), count_(count), surfaces_(surfaces) {}
-    /// All contacts of a buffer.
+        : all_(all), numbers_(numbers), bodies_(bodies), count_(count), surfaces_(surfaces) {}
+    /// All contacts of a buffer, in a world of which the solver sees all bodies.
     contact_constraints(buffer<contact>& all, arena& scratch, const combined_material& surfaces = {})
-        : contact_constraints(all.begin(), detail::iota(all.size(), scratch), all.size(), surfaces) {}
+        : all_(all.begin()), numbers_(detail::iota(all.size(), scratch)), count_(all.size()), surfaces_(surfaces) {
+        auto* const bodies = scratch.allocate<body_pair>(count_);
+        for (std::uint32_t i = 0; i < count_; ++i)
+            new (bodies + i) body_pair{all[i].bodies.body_a, all[i].bodies.body_b};
+        bodies_ = bodies;
+    }
 
     [[nodiscard]] std::uint32_t size() const { return count_; }
     contact& operator[](std::uint32_t i) const { return all_[numbers_[i]]; }
+    /// The bodies of a contact, by their numbers among those that the solver sees.
+    [[nodiscard]] const body_pair& bodies(std::uint32_t i) const { return bodies_[i]; }
 
     /// Coefficients of a contact (see material), whether it holds them or, in a recipe without materials a shape, all
     /// contacts have them in common; 0 of what the recipe leaves out.
@@ -44,6 +51,7 @@ public:
 private:
     contact* all_;
     const std::uint32_t* numbers_;
+    const body_pair* bodies_ = nullptr;
     std::uint32_t count_;
     [[no_unique_address]] combined_material surfaces_;
 };
@@ -51,13 +59,13 @@ private:
 namespace detail {
 
 /// Islands that are solved together: a range of body slots, followed by the static body's and a dummy slot, and a range
-/// of the contact order.
+/// of the order of edges.
 struct batch {
-    std::uint32_t bodies, static_slot, contacts, end;
+    std::uint32_t bodies, static_slot, edges, end;
 
     [[nodiscard]] std::uint32_t slots() const { return static_slot + 2 - bodies; }
     /// How much work there is in it.
-    [[nodiscard]] std::uint32_t weight() const { return static_slot - bodies + end - contacts; }
+    [[nodiscard]] std::uint32_t weight() const { return static_slot - bodies + end - edges; }
 };
 
 /// The batches of a step. Bodies that can be pushed have one slot; those that only push have another one in each batch
@@ -65,8 +73,9 @@ struct batch {
 struct batches {
     batch* first = nullptr;
     std::uint32_t count = 0;
-    /// Numbers of contacts, batch by batch, in each in ascending order.
+    /// Numbers of edges, batch by batch, in each in ascending order; beside it their bodies by numbers in the batch.
     std::uint32_t* order = nullptr;
+    body_pair* ends = nullptr;
     /// Of each body its slot, and of each slot its body.
     std::uint32_t *slot_of = nullptr, *body_at = nullptr;
     std::uint32_t slots = 0;
@@ -74,28 +83,29 @@ struct batches {
 
 /// Groups islands into batches: each island is in one batch, and small islands share one up to a weight that fits into
 /// the caches. Batches share no body that can move, and each keeps the order of the whole list, so neither their size
-/// nor their order changes any bit. Rewrites contact body numbers from awake index (static: the count) to batch slot.
-/// O(bodies + contacts).
+/// nor their order changes any bit. O(bodies + edges).
 class graph_builder {
 public:
     static constexpr std::uint32_t target_weight = 512;
 
-    /// is_pushed: of each body, and false for one more. Up to `batch_limit` bodies and contacts make one batch.
-    template <class S, int D, class Features>
-    graph_builder(buffer<contact<S, D, Features>>& contacts, const bool* is_pushed, std::uint32_t bodies,
-                  arena& scratch, std::uint32_t batch_limit = target_weight, task_runner* tasks = nullptr)
-        : scratch_(scratch), is_pushed_(is_pushed), bodies_(bodies), contacts_(contacts.size()) {
-        if (bodies_ + contacts_ <= batch_limit) {
+    /// Of each body of the world its number among the awake ones, which is their count for all others; is_pushed: of
+    /// each awake body, and false for one more. Up to `batch_limit` bodies and edges make one batch.
+    graph_builder(const buffer<edge>& edges, const std::uint32_t* awake_index, const bool* is_pushed,
+                  std::uint32_t bodies, arena& scratch, std::uint32_t batch_limit = target_weight,
+                  task_runner* tasks = nullptr)
+        : scratch_(scratch), is_pushed_(is_pushed), bodies_(bodies), edges_(edges.size()) {
+        ends_ = scratch.allocate<body_pair>(edges_);
+        task_runner alone;
+        (tasks != nullptr ? *tasks : alone)
+            .parallel_for(edges_, target_weight, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
+                for (std::uint32_t n = first; n < end; ++n)
+                    ends_[n] = {awake_index[edges[n].body_a], awake_index[edges[n].body_b]};
+            });
+        if (bodies_ + edges_ <= batch_limit) {
             make_single_batch();
             return;
         }
         const arena::mark start = scratch.here();
-        ends_ = scratch.allocate<ends>(contacts_);
-        task_runner alone;
-        (tasks != nullptr ? *tasks : alone)
-            .parallel_for(contacts_, target_weight, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
-                for (std::uint32_t n = first; n < end; ++n) ends_[n] = {contacts[n].body_a, contacts[n].body_b};
-            });
         fill();
         if (result_.count == 1) {
             scratch.rewind(start);
@@ -106,11 +116,10 @@ public:
         for (std::uint32_t k = 0; k < result_.count; ++k) {
             batch& of = result_.first[k];
             if (any_shared_)
-                for (std::uint32_t i = of.contacts; i < of.end; ++i) add_shared_body(of, ends_[result_.order[i]]);
-            for (std::uint32_t i = of.contacts; i < of.end; ++i) {
-                const std::uint32_t n = result_.order[i];
-                contacts[n].body_a = number_in(of, ends_[n].a);
-                contacts[n].body_b = number_in(of, ends_[n].b);
+                for (std::uint32_t i = of.edges; i < of.end; ++i) add_shared_body(of, ends_[result_.order[i]]);
+            for (std::uint32_t i = of.edges; i < of.end; ++i) {
+                const body_pair& ends = ends_[result_.order[i]];
+                result_.ends[i] = {number_in(of, ends.a), number_in(of, ends.b)};
             }
             result_.body_at[of.static_slot] = bodies_;
         }
@@ -118,27 +127,24 @@ public:
     [[nodiscard]] const batches& result() const { return result_; }
 
 private:
-    struct ends {
-        std::uint32_t a, b;
-    };
-
     void make_single_batch() {
-        result_.first = new (scratch_.allocate<batch>(1)) batch{0, bodies_, 0, contacts_};
+        result_.first = new (scratch_.allocate<batch>(1)) batch{0, bodies_, 0, edges_};
         result_.count = 1;
         result_.slots = result_.first->slots();
-        result_.order = iota(contacts_, scratch_);
+        result_.order = iota(edges_, scratch_);
+        result_.ends = ends_;
         result_.slot_of = result_.body_at = iota(bodies_ + 1, scratch_);
     }
 
     /// Says which batch each body is in.
     void fill() {
         disjoint_sets islands(bodies_, scratch_);
-        for (std::uint32_t n = 0; n < contacts_; ++n)
+        for (std::uint32_t n = 0; n < edges_; ++n)
             if (is_pushed_[ends_[n].a] && is_pushed_[ends_[n].b]) islands.unite(ends_[n].a, ends_[n].b);
         auto* weight = scratch_.allocate<std::uint32_t>(bodies_);
         for (std::uint32_t i = 0; i < bodies_; ++i) weight[i] = 0;
         for (std::uint32_t i = 0; i < bodies_; ++i) ++weight[islands.find(i)];
-        for (std::uint32_t n = 0; n < contacts_; ++n) ++weight[islands.find(owner(n))];
+        for (std::uint32_t n = 0; n < edges_; ++n) ++weight[islands.find(owner(n))];
 
         batch_of_ = scratch_.allocate<std::uint32_t>(bodies_);
         std::uint32_t filled = 0;
@@ -155,7 +161,7 @@ private:
         }
         ++result_.count;
     }
-    /// The body whose batch a contact belongs to.
+    /// The body whose batch an edge belongs to.
     [[nodiscard]] std::uint32_t owner(std::uint32_t n) const {
         const auto [a, b] = ends_[n];
         if (is_pushed_[a] || !(b < bodies_)) return a;
@@ -163,13 +169,13 @@ private:
     }
 
     /// Assigns body slots, with room for kinematic bodies shared by several batches and for the static slot, and orders
-    /// contacts by batch.
+    /// edges by batch.
     void place_bodies() {
         batch* const first = result_.first = scratch_.allocate<batch>(result_.count);
         auto* room = scratch_.allocate<std::uint32_t>(result_.count);
         for (std::uint32_t k = 0; k < result_.count; ++k) new (first + k) batch{0, 0, 0, 0}, room[k] = 2;
         for (std::uint32_t i = 0; i < bodies_; ++i) ++room[batch_of_[i]];
-        for (std::uint32_t n = 0; n < contacts_; ++n) {
+        for (std::uint32_t n = 0; n < edges_; ++n) {
             const auto [a, b] = ends_[n];
             const std::uint32_t k = batch_of_[owner(n)];
             ++first[k].end;
@@ -187,20 +193,21 @@ private:
             at += size;
         }
         result_.slots = slot;
-        result_.order = scratch_.allocate<std::uint32_t>(contacts_);
+        result_.order = scratch_.allocate<std::uint32_t>(edges_);
+        result_.ends = scratch_.allocate<body_pair>(edges_);
         result_.slot_of = scratch_.allocate<std::uint32_t>(bodies_);
         result_.body_at = scratch_.allocate<std::uint32_t>(slot);
         shared_slot_of_ = scratch_.allocate<std::uint32_t>(bodies_);
         for (std::uint32_t i = 0; i < bodies_; ++i)
             result_.slot_of[i] = shared_slot_of_[i] = add(first[batch_of_[i]], i);
-        for (std::uint32_t n = 0; n < contacts_; ++n) result_.order[first[batch_of_[owner(n)]].end++] = n;
+        for (std::uint32_t n = 0; n < edges_; ++n) result_.order[first[batch_of_[owner(n)]].end++] = n;
     }
     std::uint32_t add(batch& to, std::uint32_t body) {
         result_.body_at[to.static_slot] = body;
         return to.static_slot++;
     }
     /// Gives bodies that push something in a batch, and are not of it, a slot there.
-    void add_shared_body(batch& to, const ends& of) {
+    void add_shared_body(batch& to, const body_pair& of) {
         for (const std::uint32_t body : {of.a, of.b})
             if (body < bodies_ && !has(to, slot_in(to, body))) shared_slot_of_[body] = add(to, body);
     }
@@ -214,9 +221,9 @@ private:
 
     arena& scratch_;
     const bool* is_pushed_;
-    std::uint32_t bodies_, contacts_;
+    std::uint32_t bodies_, edges_;
     bool any_shared_ = false;
-    ends* ends_ = nullptr;
+    body_pair* ends_ = nullptr;
     std::uint32_t *batch_of_ = nullptr, *shared_slot_of_ = nullptr;
     batches result_;
 };

@@ -79,10 +79,11 @@ public:
         for (std::uint32_t i = 0; i < bodies.count; ++i) new (nodes_ + i) node{};
     }
     /// Point k of a contact bounces with this restitution; `given` tells in each substep what that does.
-    void add(const contact& c, int k, S restitution, S effective_mass, bounce<S>& given) {
+    void add(const contact& c, const body_pair& bodies, int k, S restitution, S effective_mass, bounce<S>& given) {
         const anchors<S, D> to = c.anchors(k);
-        const bool driven = drives(bodies_[c.body_a]) || drives(bodies_[c.body_b]);
+        const bool driven = drives(bodies_[bodies.a]) || drives(bodies_[bodies.b]);
         new (points_ + count_++) point{&c,
+                                       bodies,
                                        &given,
                                        k,
                                        {without_noise(to.a, c.normal), without_noise(to.b, c.normal)},
@@ -108,16 +109,17 @@ public:
         return !(b.inverse_mass > inverse_of<S>(0)) && !(b.velocity == twist_type{});
     }
     /// How far apart the surfaces are at point k of a contact, as its bodies have come in this step.
-    [[nodiscard]] static S separation_of(const contact& c, int k, bodies_type bodies) {
+    [[nodiscard]] static S separation_of(const contact& c, const body_pair& of, int k, bodies_type bodies) {
         const auto [to_a, to_b] = c.anchors(k);
         const vec<S, D> shift =
-            velocity_at(bodies[c.body_b].displacement, to_b) - velocity_at(bodies[c.body_a].displacement, to_a);
+            velocity_at(bodies[of.b].displacement, to_b) - velocity_at(bodies[of.a].displacement, to_a);
         return c.points[k].separation + dot(c.normal, shift);
     }
 
 private:
     struct point {
         const contact* of;
+        body_pair bodies;
         bounce<S>* given;
         int number;
         anchors<S, D> to;
@@ -150,14 +152,14 @@ private:
     }
     void begin(point& p, const twist_type* driven) {
         *p.given = {};
-        p.gap = separation_of(*p.of, p.number, bodies_);
-        p.half_acceleration = dot(p.of->normal, slip(p, driven[p.of->body_a], driven[p.of->body_b])) * S(0.5);
+        p.gap = separation_of(*p.of, p.bodies, p.number, bodies_);
+        p.half_acceleration = dot(p.of->normal, slip(p, driven[p.bodies.a], driven[p.bodies.b])) * S(0.5);
     }
     bool find_hits(S slop, S h) {
         hit_count_ = 0;
         for (std::uint32_t i = 0; i < count_; ++i) {
             point& p = points_[i];
-            const vec<S, D> v = slip(p, bodies_[p.of->body_a].velocity, bodies_[p.of->body_b].velocity);
+            const vec<S, D> v = slip(p, bodies_[p.bodies.a].velocity, bodies_[p.bodies.b].velocity);
             const S parting = dot(p.of->normal, v);
             if (!(p.gap + parting * h < S(0)) || (p.driven && p.struck)) continue;
             p.approach = p.half_acceleration - parting;
@@ -177,7 +179,7 @@ private:
         while (nodes_[i].parent != i) i = nodes_[i].parent = nodes_[nodes_[i].parent].parent;
         return i;
     }
-    node& group_of(const point& p) { return nodes_[root_of(moves(p.of->body_a) ? p.of->body_a : p.of->body_b)]; }
+    node& group_of(const point& p) { return nodes_[root_of(moves(p.bodies.a) ? p.bodies.a : p.bodies.b)]; }
     void touch(std::uint32_t i) {
         if (nodes_[i].round == round_) return;
         nodes_[i] = node{};
@@ -190,7 +192,7 @@ private:
     void each_term(const point& p, F&& f) {
         const vec<S, D> impulse = p.of->normal * p.impulse;
         for (const bool is_b : {false, true}) {
-            const std::uint32_t i = is_b ? p.of->body_b : p.of->body_a;
+            const std::uint32_t i = is_b ? p.bodies.b : p.bodies.a;
             if (!moves(i)) continue;
             node& n = nodes_[i];
             const double sign = is_b ? 1 : -1;
@@ -227,7 +229,7 @@ private:
     template <class F>
     void each_work(const point& p, F&& f) {
         const twist_type none{};
-        const std::uint32_t a = p.of->body_a, b = p.of->body_b;
+        const std::uint32_t a = p.bodies.a, b = p.bodies.b;
         const S response = dot(p.of->normal, slip(p, moves(a) ? responses_[a] : none, moves(b) ? responses_[b] : none));
         const double impulse = to_double(p.impulse), work = impulse * to_double(p.approach);
         node& group = group_of(p);
@@ -249,7 +251,7 @@ private:
         for (std::uint32_t i = 0; i < hit_count_; ++i) {
             point& p = points_[hits_[i]];
             p.impulse = p.mass * p.approach * (S(0.5) + p.restitution * S(0.5));
-            const std::uint32_t a = p.of->body_a, b = p.of->body_b;
+            const std::uint32_t a = p.bodies.a, b = p.bodies.b;
             if (moves(a)) touch(a);
             if (moves(b)) touch(b);
             if (moves(a) && moves(b)) nodes_[root_of(a)].parent = root_of(b);

@@ -79,7 +79,8 @@ struct sequential_impulse {
             const S h_sub = h / S(with.substeps), share = S(1) / S(with.substeps);
             const surfaces of = contacts.surfaces();
             block* blocks = scratch.template allocate<block>(contacts.size());
-            for (std::uint32_t i = 0; i < contacts.size(); ++i) new (blocks + i) block(contacts[i], of, bodies, share);
+            for (std::uint32_t i = 0; i < contacts.size(); ++i)
+                new (blocks + i) block(contacts[i], contacts.bodies(i), of, bodies, share);
             bounces impacts = bounces_of(contacts, of, blocks, bodies, scratch);
             twist_type* const velocity_change = scratch.template allocate<twist_type>(bodies.count);
             twist_type* const position_velocities = scratch.template allocate<twist_type>(bodies.count);
@@ -137,6 +138,7 @@ struct sequential_impulse {
         };
         struct block {
             tangents<S, D> frame;
+            body_pair ends;
             [[no_unique_address]] std::conditional_t<Features::rolling_resistance, rolling_at<S, D>, no_rolling>
                 with_rolling{};
             [[no_unique_address]] detail::optional_member<Features::rolling_resistance, tangential<S, D>,
@@ -148,9 +150,10 @@ struct sequential_impulse {
             bool yields;
             row rows[manifold<S, D>::capacity];
 
-            block(const contact& c, surfaces of, bodies_type bodies, S share) : frame(c.normal) {
-                const body& a = bodies[c.body_a];
-                const body& b = bodies[c.body_b];
+            block(const contact& c, const body_pair& pair, surfaces of, bodies_type bodies, S share)
+                : frame(c.normal), ends(pair) {
+                const body& a = bodies[ends.a];
+                const body& b = bodies[ends.b];
                 yields = bounces::drives(a) || bounces::drives(b);
                 if constexpr (Features::rolling_resistance)
                     if (of.rolling_resistance_of(c) > S(0)) {
@@ -193,7 +196,8 @@ struct sequential_impulse {
                 for (std::uint32_t i = 0; i < contacts.size(); ++i) {
                     const S restitution = of.restitution_of(contacts[i]);
                     for (int k = 0; restitution > S(0) && k < contacts[i].count; ++k)
-                        result.add(contacts[i], k, restitution, blocks[i].rows[k].mass, blocks[i].rows[k].bounce);
+                        result.add(contacts[i], blocks[i].ends, k, restitution, blocks[i].rows[k].mass,
+                                   blocks[i].rows[k].bounce);
                 }
             }
             return result;
@@ -204,7 +208,7 @@ struct sequential_impulse {
         static void set_targets(const contact& c, block& with, bodies_type bodies, const settings& numbers, S h) {
             for (int k = 0; k < c.count; ++k) {
                 row& r = with.rows[k];
-                const S separation = bounces::separation_of(c, k, bodies);
+                const S separation = bounces::separation_of(c, with.ends, k, bodies);
                 r.target = min(-separation / h, S(0)) - r.bounce.rounding;
                 const S beyond = -separation - numbers.penetration_slop;
                 r.position_target =
@@ -223,11 +227,12 @@ struct sequential_impulse {
                     r.friction = r.with_friction.next(r.friction, {}, of.friction_of(c) * r.normal);
                     impulse += with.frame.combine(r.friction);
                 }
-                bodies[c.body_a].apply(-impulse, to_a);
-                bodies[c.body_b].apply(impulse, to_b);
+                bodies[with.ends.a].apply(-impulse, to_a);
+                bodies[with.ends.b].apply(impulse, to_b);
             }
             if constexpr (Features::rolling_resistance)
-                if (of.rolling_resistance_of(c) > S(0)) turn(with, with.rolling, bodies[c.body_a], bodies[c.body_b]);
+                if (of.rolling_resistance_of(c) > S(0))
+                    turn(with, with.rolling, bodies[with.ends.a], bodies[with.ends.b]);
         }
         /// An angular impulse against rolling, from A on B.
         static void turn(const block& with, tangential<S, D> impulse, body& a, body& b) {
@@ -271,8 +276,8 @@ struct sequential_impulse {
 
         static void solve_contact(const contact& c, [[maybe_unused]] surfaces of, block& with, bodies_type bodies,
                                   const settings& numbers, bool back) {
-            body& a = bodies[c.body_a];
-            body& b = bodies[c.body_b];
+            body& a = bodies[with.ends.a];
+            body& b = bodies[with.ends.b];
             if constexpr (Features::rolling_resistance)
                 if (const S resistance = of.rolling_resistance_of(c); resistance > S(0))
                     resist_rolling(c, resistance, with, a, b);
@@ -317,19 +322,19 @@ struct sequential_impulse {
         static bool solve_position(const contact& c, block& with, bodies_type bodies, twist_type* position_velocities,
                                    bool back) {
             bool changed = false;
-            body& a = bodies[c.body_a];
-            body& b = bodies[c.body_b];
+            body& a = bodies[with.ends.a];
+            body& b = bodies[with.ends.b];
             symmetric_pass(c.count, back, [&](int k) {
                 row& r = with.rows[k];
                 const auto [to_a, to_b] = c.anchors(k);
-                const vec<S, D> v = velocity_at(b.velocity + position_velocities[c.body_b], to_b) -
-                                    velocity_at(a.velocity + position_velocities[c.body_a], to_a);
+                const vec<S, D> v = velocity_at(b.velocity + position_velocities[with.ends.b], to_b) -
+                                    velocity_at(a.velocity + position_velocities[with.ends.a], to_a);
                 const S impulse = max(r.position_impulse + r.mass * (r.position_target - dot(c.normal, v)), S(0));
                 if (impulse == r.position_impulse) return;
                 const vec<S, D> change = c.normal * (impulse - r.position_impulse);
                 r.position_impulse = impulse;
-                apply_position_impulse(position_velocities[c.body_a], a, -change, to_a);
-                apply_position_impulse(position_velocities[c.body_b], b, change, to_b);
+                apply_position_impulse(position_velocities[with.ends.a], a, -change, to_a);
+                apply_position_impulse(position_velocities[with.ends.b], b, change, to_b);
                 changed = true;
             });
             return changed;

@@ -84,7 +84,7 @@ struct bounces_of_block {
     /// Writes a contact into a lane. Points that were there in the last step, and overlap, have met before: what
     /// approaches there springs back, as it does in a crowd that is squeezed.
     template <class Contact, class Start>
-    void put(int lane, const Contact& c, const Start& with, arena& scratch) {
+    void put(int lane, const Contact& c, const body_pair& ends, const Start& with, arena& scratch) {
         const S share = with.surfaces.restitution_of(c);
         bool meets = false;
         for (int k = 0; k < c.count && share > S(0); ++k)
@@ -92,7 +92,7 @@ struct bounces_of_block {
         if (!meets) return;
         if (at == nullptr) at = new (scratch.template allocate<bounces>(1)) bounces{};
         at->restitution[lane] = share;
-        at->closing[lane] = with.closing(c);
+        at->closing[lane] = with.closing(c, ends);
     }
 };
 struct no_bounces_of_block {};

@@ -48,16 +48,16 @@ struct soft_contact2 {
     [[no_unique_address]] soft_bounces_of<S, capacity, W, Features> bounce_to;
 
     /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
-    void put(int lane, const contact<S, 2, Features>& c, const body* bodies, const prepare_input<S, 2, Features>& with,
-             gathering& gathered, arena& scratch) {
-        const body& first = bodies[c.body_a];
-        const body& second = bodies[c.body_b];
-        a[lane] = c.body_a;
-        b[lane] = c.body_b;
+    void put(int lane, const contact<S, 2, Features>& c, const body_pair& ends, const body* bodies,
+             const prepare_input<S, 2, Features>& with, gathering& gathered, arena& scratch) {
+        const body& first = bodies[ends.a];
+        const body& second = bodies[ends.b];
+        a[lane] = ends.a;
+        b[lane] = ends.b;
         gathered.add(lane, c);
         point_count = point_count < c.count ? c.count : point_count;
         for (int k = 0; k < c.count; ++k) points[k].impulse[lane] = c.persisted(k) ? c.points[k].substep_impulse : S(0);
-        if constexpr (Features::restitution) bounce_to.put(lane, c, with, scratch);
+        if constexpr (Features::restitution) bounce_to.put(lane, c, ends, with, scratch);
         if constexpr (Features::friction) {
             friction.coefficient.put(lane, with.surfaces.friction_of(c));
             friction.impulse[lane] = c.substep_friction;

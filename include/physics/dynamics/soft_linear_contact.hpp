@@ -154,12 +154,12 @@ struct soft_linear_contact {
     [[no_unique_address]] soft_bounces_of<S, 1, W, Features> bounce_to;
 
     /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
-    void put(int lane, const contact<S, D, Features>& c, const body* bodies, const prepare_input<S, D, Features>& with,
-             gathering&, arena& scratch) {
-        const body& first = bodies[c.body_a];
-        const body& second = bodies[c.body_b];
-        a[lane] = c.body_a;
-        b[lane] = c.body_b;
+    void put(int lane, const contact<S, D, Features>& c, const body_pair& ends, const body* bodies,
+             const prepare_input<S, D, Features>& with, gathering&, arena& scratch) {
+        const body& first = bodies[ends.a];
+        const body& second = bodies[ends.b];
+        a[lane] = ends.a;
+        b[lane] = ends.b;
         mass_a[lane] = first.inverse_mass;
         mass_b[lane] = second.inverse_mass;
         for (int i = 0; i < D; ++i) normal[i][lane] = c.normal[i];
@@ -171,7 +171,7 @@ struct soft_linear_contact {
         }
         points[0].separation[lane] = c.points[nearest].separation;
         points[0].impulse[lane] = load;
-        if constexpr (Features::restitution) bounce_to.put(lane, c, with, scratch);
+        if constexpr (Features::restitution) bounce_to.put(lane, c, ends, with, scratch);
         if constexpr (Features::friction) friction.put(lane, c, with);
         extras.put(lane, c, first, second, with, scratch);
     }

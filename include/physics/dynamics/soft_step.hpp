@@ -282,7 +282,9 @@ struct soft_step_with {
             for (int lane = 0; lane < width; ++lane) {
                 const bool has = static_cast<std::uint32_t>(lane) < used;
                 numbers[lane] = has ? order[lane] : none;
-                if (has) to.put(lane, contacts[order[lane]], bodies.first, with, gathered, scratch);
+                if (has)
+                    to.put(lane, contacts[order[lane]], contacts.bodies(order[lane]), bodies.first, with, gathered,
+                           scratch);
                 else to.a[lane] = to.b[lane] = bodies.dummy_body();
             }
             kernels::prepare(to, bodies.first, gathered);

@@ -194,10 +194,7 @@ private:
     void find_free_bodies(const batches& all, const batch& one, arena& scratch) {
         auto* touches = scratch.template allocate<bool>(count_ + 1);
         for (std::uint32_t k = 0; k <= count_; ++k) touches[k] = false;
-        for (std::uint32_t n = one.contacts; n < one.end; ++n) {
-            const auto& c = state_.new_contacts[all.order[n]];
-            touches[c.body_a] = touches[c.body_b] = true;
-        }
+        for (std::uint32_t n = one.edges; n < one.end; ++n) touches[all.ends[n].a] = touches[all.ends[n].b] = true;
         free_ = scratch.template allocate<std::uint32_t>(free_count_);
         free_count_ = 0;
         for (std::uint32_t k = 0; k < count_; ++k)

@@ -140,7 +140,7 @@ bool add_contact(const state<Plan>& s, proxy_pair pair, std::uint32_t part, cons
     const auto& a = s.shapes[p.a];
     const auto& b = s.shapes[p.b];
     const rotation<S, D> turn = a.pose.rotation;
-    auto& c = to.emplace_back(p.a, p.b, s.awake_index[a.body], s.awake_index[b.body], part, turn * m.normal, a.r,
+    auto& c = to.emplace_back(p.a, p.b, edge{a.body, b.body}, part, turn * m.normal, a.r,
                               b.r + (a.pose.position - b.pose.position), static_cast<std::uint8_t>(m.count));
     for (int k = 0; k < m.count; ++k) {
         c.points[k].position = turn * m.points[k].position;
@@ -283,15 +283,11 @@ collide_result find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs,
 template <class Plan>
 bool find_contacts_of_woken(state<Plan>& s, typename Plan::scalar h, task_runner& tasks) {
     index_awake(s);
-    for (auto& c : s.new_contacts) {
-        c.body_a = s.awake_index[body_a(s, c)];
-        c.body_b = s.awake_index[body_b(s, c)];
-    }
     s.woken_pairs.clear();
     // Kinematic bodies are always in the awake list, but wake no other body.
     const auto wakes = [&](std::uint32_t i) { return s.bodies[i].is_dynamic() && s.awake_index[i] < s.awake.size(); };
     for (const auto& c : s.sleep.contacts) {
-        if (!wakes(body_a(s, c)) && !wakes(body_b(s, c))) continue;
+        if (!wakes(c.bodies.body_a) && !wakes(c.bodies.body_b)) continue;
         if (s.woken_pairs.empty() || s.woken_pairs.back() < c.key()) s.woken_pairs.push_back(c.key());
     }
     s.new_contacts.swap(s.woken_contacts);

@@ -58,7 +58,7 @@ body_id create_body(state<Plan>& s, const body_def<typename Plan::scalar, Plan::
 template <class Plan>
 void destroy_body(state<Plan>& s, std::uint32_t index) {
     wake_affected(s, index);
-    drop_contacts(s, [&](const auto& c) { return body_a(s, c) == index || body_b(s, c) == index; });
+    drop_contacts(s, [&](const auto& c) { return c.bodies.body_a == index || c.bodies.body_b == index; });
     s.awake_changed = true;
     s.memories.drop([&](std::uint32_t shape) { return s.shapes[shape].body == index; });
     each_shape(s, index, [&](std::uint32_t i, const shape_record<Plan>&) {
@@ -205,7 +205,7 @@ void set_type(state<Plan>& s, std::uint32_t index, body_type type) {
     refresh_mass(s, index);
     reinsert_proxies(s, index);
     drop_contacts(s, [&](const auto& c) {
-        const std::uint32_t first = body_a(s, c), second = body_b(s, c);
+        const std::uint32_t first = c.bodies.body_a, second = c.bodies.body_b;
         return (first == index || second == index) && !s.bodies[first].is_dynamic() && !s.bodies[second].is_dynamic();
     });
 }

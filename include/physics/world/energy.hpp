@@ -78,7 +78,7 @@ private:
 
     /// What a kinematic body or the run of a surface gives by a contact's impulses.
     [[nodiscard]] double work_at(const typename Plan::contact& c) const {
-        const auto &a = s_.bodies[body_a(s_, c)], &b = s_.bodies[body_b(s_, c)];
+        const auto &a = s_.bodies[c.bodies.body_a], &b = s_.bodies[c.bodies.body_b];
         const bool from_a = !a.is_dynamic(), from_b = !b.is_dynamic();
         const tangents<S, D> frame(c.normal);
         double work = 0;

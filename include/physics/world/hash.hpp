@@ -134,7 +134,7 @@ constexpr const char* unhashed_members(const shape_record<Plan>&) {
 }
 template <class S, int D, class Features>
 constexpr const char* unhashed_members(const contact<S, D, Features>&) {
-    return "body_a, body_b, r_a, r_b, persisted_mask, friction, restitution, rolling_resistance, surface_velocity";
+    return "bodies, r_a, r_b, persisted_mask, friction, restitution, rolling_resistance, surface_velocity";
 }
 template <class S, int D, class Features>
 constexpr const char* unhashed_members(const contact_point<S, D, Features>&) {

@@ -102,8 +102,8 @@ void set_mass_properties(state<Plan>& s, std::uint32_t index,
         b.center = center;
         const vec<S, Plan::dimension> turned_shift = s.contact_starts[index].rotation * shift;
         for (auto& c : s.contacts) {
-            if (body_a(s, c) == index) c.r_a -= turned_shift;
-            if (body_b(s, c) == index) c.r_b -= turned_shift;
+            if (c.bodies.body_a == index) c.r_a -= turned_shift;
+            if (c.bodies.body_b == index) c.r_b -= turned_shift;
         }
     }
     b.mass = mass;

@@ -149,14 +149,16 @@ private:
         for (std::uint32_t k = 0; k < count; ++k)
             has_external_force[k] = s.bodies[s.awake[k]].inverse_mass > inverse_of<S>(0);
         has_external_force[count] = false;
-        return graph_builder(s.new_contacts, has_external_force, count, s.scratch, batch_limit, &tasks).result();
+        return graph_builder(s.edges, s.awake_index.begin(), has_external_force, count, s.scratch, batch_limit, &tasks)
+            .result();
     }
     bool solve(const batch& one, arena& scratch, task_runner& tasks) {
         scratch.reset();
         for (std::uint32_t k = 1; k < tasks.workers(); ++k) state_.batch_scratch[k].reset();
         batch_integrator<Plan> moving(state_, batches_, one, moved_, step_, scratch, tasks);
         const contact_constraints<S, D, typename Plan::features> contacts(
-            state_.new_contacts.begin(), batches_.order + one.contacts, one.end - one.contacts, state_.new_material);
+            state_.new_contacts.begin(), batches_.order + one.edges, batches_.ends + one.edges, one.end - one.edges,
+            state_.new_material);
         const auto& with = state_.settings.solver;
         if constexpr (requires { Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving, tasks); })
             Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving, tasks);

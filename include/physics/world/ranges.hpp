@@ -78,7 +78,7 @@ template <class Plan>
 auto view_of(const state<Plan>& s, const typename Plan::contact& c) {
     using S = typename Plan::scalar;
     constexpr int D = Plan::dimension;
-    const std::uint32_t at_a = body_a(s, c), at_b = body_b(s, c);
+    const std::uint32_t at_a = c.bodies.body_a, at_b = c.bodies.body_b;
     const auto& a = s.bodies[at_a];
     const auto& b = s.bodies[at_b];
     contact_view<S, D> view{{c.shape_a, s.shapes.generation(c.shape_a), s.tag},

@@ -35,8 +35,9 @@ private:
         bool any = false;
         for (std::uint32_t i = 0; i < s_.new_contacts.size(); ++i) {
             const contact& c = s_.new_contacts[i];
-            if ((c.body_a < count) == (c.body_b < count)) continue;
-            std::uint32_t& first = support_[c.body_a < count ? c.body_a : c.body_b];
+            const auto [a, b] = awake_pair(c);
+            if ((a < count) == (b < count)) continue;
+            std::uint32_t& first = support_[a < count ? a : b];
             if (first == null_index) first = i;
             else any = any || other_shape(c) != other_shape(s_.new_contacts[first]);
         }
@@ -51,13 +52,16 @@ private:
         }
         remove();
     }
+    [[nodiscard]] body_pair awake_pair(const contact& c) const {
+        return {s_.awake_index[c.bodies.body_a], s_.awake_index[c.bodies.body_b]};
+    }
     /// The number among awake bodies of the dynamic one, where the other is static; else null.
     [[nodiscard]] std::uint32_t pushed_body(const contact& c) const {
         const std::uint32_t count = s_.awake.size();
-        const bool has_a = c.body_a < count, has_b = c.body_b < count;
-        if (has_a == has_b) return null_index;
-        const std::uint32_t other = has_a ? detail::body_b(s_, c) : detail::body_a(s_, c);
-        const std::uint32_t body = has_a ? c.body_a : c.body_b;
+        const auto [a, b] = awake_pair(c);
+        if ((a < count) == (b < count)) return null_index;
+        const std::uint32_t other = a < count ? c.bodies.body_b : c.bodies.body_a;
+        const std::uint32_t body = a < count ? a : b;
         if (s_.bodies[other].type != body_type::static_body || !s_.bodies[s_.awake[body]].is_dynamic())
             return null_index;
         return body;
@@ -70,7 +74,7 @@ private:
     }
     /// Out of the static shape.
     [[nodiscard]] vec<S, D> outwards(const contact& c) const {
-        return c.body_a < s_.awake.size() ? -c.normal : c.normal;
+        return is_awake(s_, c.bodies.body_a) ? -c.normal : c.normal;
     }
     [[nodiscard]] static S deepest(const contact& c) {
         S separation = c.points[0].separation;
@@ -112,13 +116,13 @@ private:
         return !would_touch(c, along + up * lift - normalized(across) * min(lift * S(256), thickness));
     }
     [[nodiscard]] std::uint32_t other_shape(const contact& c) const {
-        return c.body_a < s_.awake.size() ? c.shape_b : c.shape_a;
+        return is_awake(s_, c.bodies.body_a) ? c.shape_b : c.shape_a;
     }
     [[nodiscard]] bool would_touch(const contact& c, const vec<S, D>& shift) {
         const auto& a = s_.shapes[c.shape_a];
         const auto& b = s_.shapes[c.shape_b];
         auto at_a = a.pose, at_b = b.pose;
-        (c.body_a < s_.awake.size() ? at_a : at_b).position += shift;
+        (is_awake(s_, c.bodies.body_a) ? at_a : at_b).position += shift;
         const typename Plan::query query{&a.shape, &b.shape, relative(at_a, at_b)};
         auto& found = s_.manifolds[0];
         found.clear();

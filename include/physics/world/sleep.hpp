@@ -59,7 +59,7 @@ void finish_waking(state<Plan>& s) {
 /// True if neither body of the contact is dynamic and awake.
 template <class Plan, class Contact>
 bool touches_no_awake_body(const state<Plan>& s, const Contact& c) {
-    return !s.is_awake_dynamic(body_a(s, c)) && !s.is_awake_dynamic(body_b(s, c));
+    return !s.is_awake_dynamic(c.bodies.body_a) && !s.is_awake_dynamic(c.bodies.body_b);
 }
 /// Wakes the islands of those that each(f) calls f(body) for, at once, with their contacts. O(contacts of sleepers).
 template <class Plan, class Each>
@@ -92,8 +92,8 @@ void wake_touching(state<Plan>& s, std::uint32_t body) {
         auto& touching = s.sleep.near;
         touching.clear();
         for (const auto& c : s.sleep.contacts) {
-            if (body_a(s, c) == body) touching.push_back(body_b(s, c));
-            if (body_b(s, c) == body) touching.push_back(body_a(s, c));
+            if (c.bodies.body_a == body) touching.push_back(c.bodies.body_b);
+            if (c.bodies.body_b == body) touching.push_back(c.bodies.body_a);
         }
         wake_islands(s, [&](auto&& f) {
             for (const std::uint32_t i : touching) f(i);
@@ -156,7 +156,7 @@ bool list_woken(state<Plan>& s, bool any_near, typename Plan::scalar h) {
     if (!any_near) return false;
     const auto slack = gravity_slack(s, h);
     for (const auto& c : s.new_contacts) {
-        const std::uint32_t a = body_a(s, c), b = body_b(s, c);
+        const std::uint32_t a = c.bodies.body_a, b = c.bodies.body_b;
         const bool of_a = s.is_asleep(a);
         if (of_a == s.is_asleep(b)) continue;
         const std::uint32_t sleeper = of_a ? a : b;
@@ -285,7 +285,7 @@ private:
             bool bears = false;
             for (int k = 0; k < c.count; ++k) bears = bears || c.points[k].normal_impulse > S(0);
             if (!bears) continue;
-            const auto &of_a = s_.bodies[body_a(s_, c)], &of_b = s_.bodies[body_b(s_, c)];
+            const auto &of_a = s_.bodies[c.bodies.body_a], &of_b = s_.bodies[c.bodies.body_b];
             const auto apart = to_point(of_b.velocity.linear) - to_point(of_a.velocity.linear);
             const bool along = of_a.is_dynamic() && of_b.is_dynamic() && !(dot(apart, apart) > fast * fast);
             for (support* on : {&one, &other})
@@ -298,14 +298,11 @@ private:
     static auto spin_squared(S w) { return product(w, w); }
 
     [[nodiscard]] bool is_dynamic(std::uint32_t k) const { return k < count_ && s_.bodies[s_.awake[k]].is_dynamic(); }
-    struct sides {
-        std::uint32_t a, b;
-    };
-    [[nodiscard]] sides awake_pair(const typename Plan::contact& c) const {
-        return {s_.awake_index[body_a(s_, c)], s_.awake_index[body_b(s_, c)]};
+    [[nodiscard]] body_pair awake_pair(const typename Plan::contact& c) const {
+        return {s_.awake_index[c.bodies.body_a], s_.awake_index[c.bodies.body_b]};
     }
     [[nodiscard]] bool touch(const typename Plan::contact& c, S slack) const {
-        return will_touch(c, s_.bodies[body_a(s_, c)].velocity, s_.bodies[body_b(s_, c)].velocity, step_, slack);
+        return will_touch(c, s_.bodies[c.bodies.body_a].velocity, s_.bodies[c.bodies.body_b].velocity, step_, slack);
     }
     void add_to_island(std::uint32_t k, island& of) {
         const std::uint32_t i = s_.awake[k];

@@ -253,6 +253,8 @@ struct state {
     detail::pair_cache_changes<Plan> pair_cache_changes;
     step_scratch<buffer<proxy_pair>> woken_pairs;
     step_scratch<buffer<typename Plan::contact>> woken_contacts;
+    /// All that holds bodies together: of contacts, in their order.
+    step_scratch<buffer<edge>> edges;
     arena scratch;
     per_worker<arena> batch_scratch;
     /// What each worker has found.
@@ -296,14 +298,10 @@ void update_pose(shape_record<Plan>& shape, const Pose& body, const Vec& center)
     shape.pose = body * shape.local;
     shape.r = shape.pose.position - center;
 }
-/// The body of either side of a contact.
-template <class Plan, class Contact>
-std::uint32_t body_a(const state<Plan>& s, const Contact& c) {
-    return s.shapes[c.shape_a].body;
-}
-template <class Plan, class Contact>
-std::uint32_t body_b(const state<Plan>& s, const Contact& c) {
-    return s.shapes[c.shape_b].body;
+/// Whether a body moves or may be pushed in this step.
+template <class Plan>
+bool is_awake(const state<Plan>& s, std::uint32_t body) {
+    return s.awake_index[body] < s.awake.size();
 }
 
 /// The box that the narrowphase needs the broadphase to know: all within half the contact margin.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "physics/world/contacts.hpp"
+#include "physics/world/edges.hpp"
 #include "physics/world/motion.hpp"
 #include "physics/world/seams.hpp"
 
@@ -72,8 +73,9 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, t
         if (list_woken(s, found.near_sleeper, h) && !find_contacts_of_woken(s, h, tasks))
             return step_result::bad_mixing_rule;
     const seam_contacts seams(s, h);  // contacts          -> without those at flush edges
+    list_edges(s, tasks);             // contacts          -> which bodies they hold together
     done(step_stage::find_contacts);
-    step_solver<Plan> solver(s, h, tasks);  // contacts          -> islands, in batches
+    step_solver<Plan> solver(s, h, tasks);  // edges             -> islands, in batches
     done(step_stage::make_batches);
     const bool solved = solver.solve(tasks);  // bodies, contacts  -> velocities, poses
     done(step_stage::solve);

@@ -180,7 +180,7 @@ template <class Plan, class Contact>
 bool is_deep(const state<Plan>& s, const Contact& c) {
     if constexpr (Plan::sweeps) {
         // Bodies that do not move have the last number.
-        if ((c.body_a < s.awake.size()) == (c.body_b < s.awake.size())) return false;
+        if (is_awake(s, c.bodies.body_a) == is_awake(s, c.bodies.body_b)) return false;
         for (int k = 0; k < c.count; ++k)
             if (-c.points[k].separation > s.settings.contact_margin * typename Plan::scalar(0.125)) return true;
     }
@@ -193,7 +193,7 @@ void note_depth(state<Plan>& s, const Contact& c) {
         if (!is_deep(s, c)) return;
         typename Plan::scalar depth{};
         for (int k = 0; k < c.count; ++k) depth = max(depth, -c.points[k].separation);
-        const std::uint32_t a = body_a(s, c), b = body_b(s, c);
+        const std::uint32_t a = c.bodies.body_a, b = c.bodies.body_b;
         const auto note = [&](std::uint32_t i) {
             s.continuous.depths[i] = max(s.continuous.depths[i], depth);
             s.continuous.deep.push_back(i);

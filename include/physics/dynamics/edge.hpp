@@ -1,0 +1,20 @@
+// What holds two bodies together.
+#pragma once
+
+#include <cstdint>
+
+#include "physics/base/config.hpp"
+
+PHYSICS_HPP_BEGIN
+
+/// Two bodies, by their numbers in the world, that something holds together: a contact, or whatever else constrains
+/// them.
+struct edge {
+    std::uint32_t body_a, body_b;
+};
+/// Two bodies, by their numbers among those that a solver sees.
+struct body_pair {
+    std::uint32_t a, b;
+};
+
+PHYSICS_HPP_END
