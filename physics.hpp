@@ -543,6 +543,16 @@ struct step_scratch : T {
     step_scratch& operator=(step_scratch&&) noexcept = default;
 };
 
+/// A value that snapshots leave out; copies have it.
+template <class T>
+struct unsaved {
+    using is_scratch = void;
+
+    T value{};
+
+    constexpr operator T() const { return value; }
+};
+
 template <class T>
 inline constexpr bool is_buffer = false;
 template <class T>
@@ -26905,6 +26915,98 @@ struct pair_cache_changes {
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/world/step_data.hpp
+// =================================================================================================
+// What a step works with: nothing of it outlives the step, but its memory.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// A body that goes far in a step, and what stops it.
+template <int D>
+struct swept_body {
+    /// Its number, and that among those that move.
+    std::uint32_t body, number;
+    sweep_target against = sweep_target::fixed;
+    /// Whether it may pass through something, or only be in it at the end of the step.
+    bool goes_far = true;
+    bool stops = false, converged = true;
+    /// Whether it was in touch with what stops it as the step began, and how far along the normal it must then be moved
+    /// at the end of the step, to be no deeper.
+    bool touching = false;
+    double push_out = 0;
+    /// Whether another body that it has stopped stops it too.
+    bool cut = false;
+    std::uint32_t other = 0;
+    double time = 1, cut_time = 1;
+    /// From what stops it towards it, and the gap there (m).
+    point<D> normal;
+    double gap = 0;
+
+    swept_body(std::uint32_t b, std::uint32_t n, sweep_target a = sweep_target::fixed)
+        : body(b), number(n), against(a) {}
+};
+/// What a moving body fills in a step.
+template <int D>
+struct swept_box {
+    std::uint32_t body;
+    aabb<double, D> box;
+};
+/// What continuous collision works with.
+template <class Plan>
+struct sweep_data {
+    using S = typename Plan::scalar;
+
+    /// How deep each body is in static ones, and which of them are: 0 of all others.
+    buffer<S> depths;
+    buffer<std::uint32_t> deep;
+    /// Of every body, whether its boxes overlap those of something that stands.
+    buffer<bool> near_static;
+    buffer<swept_body<Plan::dimension>> swept_bodies;
+    buffer<swept_box<Plan::dimension>> moving_bodies, pushers;
+    buffer<std::uint64_t> candidates, spare;
+    buffer<S> ahead;
+};
+struct no_sweep_data {};
+
+/// Whether a step is under way.
+struct step_flag {
+    bool on = false;
+};
+
+template <class Plan>
+struct step_data {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+    using contact = typename Plan::contact;
+
+    step_flag in_step;
+    /// What the step finds, to become the state's.
+    buffer<contact> new_contacts;
+    [[no_unique_address]] combined_material<S, typename Plan::features> new_material;
+    detail::pair_cache_changes<Plan> pair_cache_changes;
+    /// All that holds bodies together: of contacts, in their order.
+    buffer<edge> edges;
+    /// Bodies woken in this step; sleeping bodies near a change.
+    buffer<std::uint32_t> woken, near;
+    buffer<proxy_pair> woken_pairs;
+    buffer<contact> woken_contacts;
+    [[no_unique_address]] std::conditional_t<Plan::is_continuous, sweep_data<Plan>, no_sweep_data> sweep;
+
+    arena scratch;
+    per_worker<arena> batch_scratch;
+    /// What each worker has found.
+    per_worker<manifold_list<S, D>> manifolds;
+    per_worker<buffer<contact>> contacts_by_worker;
+    buffer<unsigned char> tasks_done;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/world/state.hpp
 // =================================================================================================
 // Everything that a world holds, as plain arrays.
@@ -26999,8 +27101,6 @@ struct sleep_state {
     buffer<typename Plan::contact> contacts;
     /// Length of the step in which their impulses acted (s).
     S step{};
-    /// Scratch: bodies woken in this step; sleeping bodies near a change.
-    buffer<std::uint32_t> woken, near;
 
     /// A body has come, awake.
     void start(std::uint32_t body, vec<S, D> center) {
@@ -27015,15 +27115,7 @@ struct sleep_state {
         carried_from[body] = S(-1);
         island_next[body] = no_sleeper;
     }
-    template <class Self, class F>
-    static void each_member(Self& self, F&& f) {
-        f(self.sleep_time);
-        f(self.sleep_anchor);
-        f(self.carried_from);
-        f(self.island_next);
-        f(self.contacts);
-        f(self.step);
-    }
+    PHYSICS_HPP_MEMBERS(sleep_time, sleep_anchor, carried_from, island_next, contacts, step)
 };
 struct no_sleep_state {};
 
@@ -27034,36 +27126,6 @@ struct body_extent {
     /// No point of the body is farther from it.
     double outer = 0;
 };
-/// A body that goes far in a step, and what stops it.
-template <int D>
-struct swept_body {
-    /// Its number, and that among those that move.
-    std::uint32_t body, number;
-    sweep_target against = sweep_target::fixed;
-    /// Whether it may pass through something, or only be in it at the end of the step.
-    bool goes_far = true;
-    bool stops = false, converged = true;
-    /// Whether it was in touch with what stops it as the step began, and how far along the normal it must then be moved
-    /// at the end of the step, to be no deeper.
-    bool touching = false;
-    double push_out = 0;
-    /// Whether another body that it has stopped stops it too.
-    bool cut = false;
-    std::uint32_t other = 0;
-    double time = 1, cut_time = 1;
-    /// From what stops it towards it, and the gap there (m).
-    point<D> normal;
-    double gap = 0;
-
-    swept_body(std::uint32_t b, std::uint32_t n, sweep_target a = sweep_target::fixed)
-        : body(b), number(n), against(a) {}
-};
-/// What a moving body fills in a step.
-template <int D>
-struct swept_box {
-    std::uint32_t body;
-    aabb<double, D> box;
-};
 /// What continuous collision needs.
 template <class Plan>
 struct continuous_state {
@@ -27073,29 +27135,9 @@ struct continuous_state {
     buffer<body_extent<S>> extents;
     continuous_report<S> report;
 
-    template <class Self, class F>
-    static void each_member(Self& self, F&& f) {
-        f(self.extents);
-        f(self.report);
-    }
-
-    // Scratch of the step.
-    /// How deep each body is in static ones, and which of them are: 0 of all others.
-    buffer<S> depths;
-    buffer<std::uint32_t> deep;
-    /// Of every body, whether its boxes overlap those of something that stands.
-    buffer<bool> near_static;
-    buffer<swept_body<Plan::dimension>> swept_bodies;
-    buffer<swept_box<Plan::dimension>> moving_bodies, pushers;
-    buffer<std::uint64_t> candidates, spare;
-    buffer<S> ahead;
+    PHYSICS_HPP_MEMBERS(extents, report)
 };
 struct nothing_continuous {};
-
-/// Whether something lasts just now.
-struct step_flag {
-    bool on = false;
-};
 
 /// The state of a world. Copying it copies the world.
 template <class Plan>
@@ -27126,44 +27168,12 @@ struct state {
     /// Lengths of the steps in which the contacts' impulses act.
     physics::step_lengths<S> step_lengths;
     /// By which handles know the world; no part of what lasts, so that they serve it whatever state it is brought to.
-    std::uint16_t tag = 0;
+    unsaved<std::uint16_t> tag;
 
-    /// What lasts, see base/members.hpp.
-    template <class Self, class F>
-    static void each_member(Self& self, F&& f) {
-        f(self.settings);
-        f(self.bodies);
-        f(self.shapes);
-        f(self.broadphase);
-        f(self.contacts);
-        f(self.surfaces);
-        f(self.contact_starts);
-        f(self.awake);
-        f(self.awake_index);
-        f(self.awake_changed);
-        f(self.memories);
-        f(self.sleep);
-        f(self.continuous);
-        f(self.steps);
-        f(self.step_lengths);
-    }
-
-    /// Set while a step is under way.
-    step_scratch<step_flag> in_step;
-    // Scratch of the step: nothing in it outlives one.
-    step_scratch<buffer<typename Plan::contact>> new_contacts;
-    [[no_unique_address]] combined_material<S, typename Plan::features> new_material;
-    detail::pair_cache_changes<Plan> pair_cache_changes;
-    step_scratch<buffer<proxy_pair>> woken_pairs;
-    step_scratch<buffer<typename Plan::contact>> woken_contacts;
-    /// All that holds bodies together: of contacts, in their order.
-    step_scratch<buffer<edge>> edges;
-    arena scratch;
-    per_worker<arena> batch_scratch;
-    /// What each worker has found.
-    per_worker<manifold_list<S, D>> manifolds;
-    per_worker<buffer<typename Plan::contact>> contacts_by_worker;
-    buffer<unsigned char> tasks_done;
+    /// What a step works with; copies begin without.
+    step_scratch<step_data<Plan>> step;
+    PHYSICS_HPP_MEMBERS(settings, bodies, shapes, broadphase, contacts, surfaces, contact_starts, awake, awake_index,
+                        awake_changed, memories, sleep, continuous, steps, step_lengths, tag, step)
 
     [[nodiscard]] bool is_asleep(std::uint32_t body) const {
         if constexpr (Plan::sleeps) return sleep.island_next[body] != no_sleeper;
@@ -27500,7 +27510,7 @@ struct lookup {
 /// Refuses to change a world in the middle of its step, from an executor or a policy.
 template <class Plan>
 bool check_not_in_step(const state<Plan>& s, const char* function) {
-    return !s.in_step.on || refuse(function, "world", "in a step", "it can be changed before and after");
+    return !s.step.in_step.on || refuse(function, "world", "in a step", "it can be changed before and after");
 }
 /// A state that is not const is asked for in order to change it.
 template <class State, class Pool, class Tag>
@@ -28126,17 +28136,17 @@ void each_of_island(state<Plan>& s, std::uint32_t body, F&& f) {
     } while (i != body);
 }
 
-/// Brings bodies back that were asleep, listed in s.sleep.woken: they can be pushed again, and what touches them is
+/// Brings bodies back that were asleep, listed in s.step.woken: they can be pushed again, and what touches them is
 /// looked at again.
 template <class Plan>
 void finish_waking(state<Plan>& s) {
-    for (const std::uint32_t i : s.sleep.woken) {
+    for (const std::uint32_t i : s.step.woken) {
         s.sleep.island_next[i] = no_sleeper;
         s.sleep.sleep_time[i] = {};
         reinsert_proxies(s, i);
     }
-    if (!s.sleep.woken.empty()) s.awake_changed = true;
-    s.sleep.woken.clear();
+    if (!s.step.woken.empty()) s.awake_changed = true;
+    s.step.woken.clear();
 }
 /// True if neither body of the contact is dynamic and awake.
 template <class Plan, class Contact>
@@ -28147,21 +28157,22 @@ bool touches_no_awake_body(const state<Plan>& s, const Contact& c) {
 template <class Plan, class Each>
 void wake_islands(state<Plan>& s, Each&& each) {
     // A step that was refused may have left its list.
-    s.sleep.woken.clear();
+    s.step.woken.clear();
     bool any = false;
     each([&](std::uint32_t body) {
         if (!s.is_asleep(body)) return;
         any = true;
-        each_of_island(s, body, [&](std::uint32_t i) { s.sleep.woken.push_back(i); });
+        each_of_island(s, body, [&](std::uint32_t i) { s.step.woken.push_back(i); });
         finish_waking(s);
     });
     if (!any) return;
-    s.new_contacts.clear();
+    s.step.new_contacts.clear();
     partition_contacts(
         s.sleep.contacts, [&](const auto& c) { return touches_no_awake_body(s, c); },
-        [&](const auto& c) { s.new_contacts.push_back(c); });
-    rescale_impulses(s.new_contacts.begin(), s.new_contacts.end(), {s.sleep.step, s.sleep.step}, s.step_lengths);
-    merge_contacts(s.contacts, s.new_contacts);
+        [&](const auto& c) { s.step.new_contacts.push_back(c); });
+    rescale_impulses(s.step.new_contacts.begin(), s.step.new_contacts.end(), {s.sleep.step, s.sleep.step},
+                     s.step_lengths);
+    merge_contacts(s.contacts, s.step.new_contacts);
 }
 template <class Plan>
 void wake(state<Plan>& s, std::uint32_t body) {
@@ -28171,7 +28182,7 @@ void wake(state<Plan>& s, std::uint32_t body) {
 template <class Plan>
 void wake_touching(state<Plan>& s, std::uint32_t body) {
     if constexpr (Plan::sleeps) {
-        auto& touching = s.sleep.near;
+        auto& touching = s.step.near;
         touching.clear();
         for (const auto& c : s.sleep.contacts) {
             if (c.bodies.body_a == body) touching.push_back(c.bodies.body_b);
@@ -28192,7 +28203,7 @@ void wake_affected(state<Plan>& s, std::uint32_t body) {
 template <class Plan>
 void wake_near(state<Plan>& s, std::uint32_t body, const transform<typename Plan::scalar, Plan::dimension>& to) {
     if constexpr (Plan::sleeps) {
-        auto& near = s.sleep.near;
+        auto& near = s.step.near;
         near.clear();
         each_shape(s, body, [&](std::uint32_t, const auto& shape) {
             const auto box = merged(query_bounds(s, shape), bounds(shape.shape, to * shape.local));
@@ -28234,10 +28245,10 @@ auto gravity_slack(const state<Plan>& s, typename Plan::scalar h) {
 /// the step has succeeded. True if there are any.
 template <class Plan>
 bool list_woken(state<Plan>& s, bool any_near, typename Plan::scalar h) {
-    s.sleep.woken.clear();
+    s.step.woken.clear();
     if (!any_near) return false;
     const auto slack = gravity_slack(s, h);
-    for (const auto& c : s.new_contacts) {
+    for (const auto& c : s.step.new_contacts) {
         const std::uint32_t a = c.bodies.body_a, b = c.bodies.body_b;
         const bool of_a = s.is_asleep(a);
         if (of_a == s.is_asleep(b)) continue;
@@ -28247,11 +28258,11 @@ bool list_woken(state<Plan>& s, bool any_near, typename Plan::scalar h) {
             continue;
         each_of_island(s, sleeper, [&](std::uint32_t i) {
             s.awake_index[i] = 0;
-            s.sleep.woken.push_back(i);
+            s.step.woken.push_back(i);
         });
     }
-    if (s.sleep.woken.empty()) return false;
-    for (const std::uint32_t i : s.sleep.woken) s.awake.push_back(i);
+    if (s.step.woken.empty()) return false;
+    for (const std::uint32_t i : s.step.woken) s.awake.push_back(i);
     s.awake_changed = true;
     return true;
 }
@@ -28259,7 +28270,7 @@ bool list_woken(state<Plan>& s, bool any_near, typename Plan::scalar h) {
 /// The step has succeeded: they are awake for good.
 template <class Plan>
 void commit_woken(state<Plan>& s) {
-    if (s.sleep.woken.empty()) return;
+    if (s.step.woken.empty()) return;
     finish_waking(s);
     partition_contacts(
         s.sleep.contacts, [&](const auto& c) { return touches_no_awake_body(s, c); }, [](const auto&) {});
@@ -28278,8 +28289,8 @@ public:
     sleep_update(state<Plan>& s, S h) : s_(s), step_(h) {
         if (!update_sleep_times()) return;
         count_ = s.awake.size();
-        disjoint_sets sets(count_, s.scratch);
-        island_ = s.scratch.template allocate<island>(count_);
+        disjoint_sets sets(count_, s.step.scratch);
+        island_ = s.step.scratch.template allocate<island>(count_);
         for (std::uint32_t k = 0; k < count_; ++k) new (island_ + k) island{};
         const S slack = gravity_slack(s, h);
         for (const auto& c : s.contacts) {
@@ -28350,7 +28361,7 @@ private:
     template <class IsSlow, class IsFar>
     const support* find_supports(IsSlow&& is_slow, IsFar&& is_far) {
         const std::uint32_t count = s_.awake.size();
-        auto* found = s_.scratch.template allocate<support>(count + 1);
+        auto* found = s_.step.scratch.template allocate<support>(count + 1);
         bool any = false;
         for (std::uint32_t k = 0; k < count; ++k) {
             const bool asked = is_slow(s_.bodies[s_.awake[k]]) && is_far(s_.awake[k]);
@@ -28413,14 +28424,14 @@ private:
         s_.awake_changed = true;
     }
     void move_contacts_to_sleepers() {
-        s_.new_contacts.clear();
+        s_.step.new_contacts.clear();
         partition_contacts(
             s_.contacts, [&](const auto& c) { return !touches_no_awake_body(s_, c); },
-            [&](const auto& c) { s_.new_contacts.push_back(c); });
+            [&](const auto& c) { s_.step.new_contacts.push_back(c); });
         if (s_.sleep.contacts.empty()) s_.sleep.step = s_.step_lengths.usual;
-        rescale_impulses(s_.new_contacts.begin(), s_.new_contacts.end(), s_.step_lengths,
+        rescale_impulses(s_.step.new_contacts.begin(), s_.step.new_contacts.end(), s_.step_lengths,
                          {s_.sleep.step, s_.sleep.step});
-        merge_contacts(s_.sleep.contacts, s_.new_contacts);
+        merge_contacts(s_.sleep.contacts, s_.step.new_contacts);
         if constexpr (Plan::remembers)
             s_.memories.drop([&](std::uint32_t shape) { return s_.is_asleep(s_.shapes[shape].body); });
     }
@@ -29071,7 +29082,7 @@ protected:
         const bool slower = length_of(w) < length_of(before), shorter = length_of(path) < length_of(aimed);
         // A body that was stopped in this step may now overlap what stopped it.
         return {shorter ? aimed : path,    (slower ? before : w) * h_, extent.reach,
-                extent.thickness,          s_.continuous.depths[i],    b.continuous,
+                extent.thickness,          s_.step.sweep.depths[i],    b.continuous,
                 s_.settings.contact_margin};
     }
 
@@ -29142,7 +29153,7 @@ protected:
             }
         }
         const transform<S, D> pose{moved_[m.number].center - turn * b.mass.center, turn};
-        bool within = !s_.continuous.near_static[i] && !s_.is_asleep(i);
+        bool within = !s_.step.sweep.near_static[i] && !s_.is_asleep(i);
         bool first = true;
         each_shape(s_, i, [&](std::uint32_t k, const shape_record<Plan>& record) {
             aabb<double, D> own = box_at(record, pose * record.local);
@@ -29172,11 +29183,11 @@ private:
 template <class Plan>
 void clear_depths(state<Plan>& s) {
     if constexpr (Plan::sweeps) {
-        for (const std::uint32_t i : s.continuous.deep) s.continuous.depths[i] = {};
-        s.continuous.deep.clear();
-        s.continuous.depths.resize(s.bodies.slots());
-        s.continuous.near_static.clear();
-        s.continuous.near_static.resize(s.bodies.slots());
+        for (const std::uint32_t i : s.step.sweep.deep) s.step.sweep.depths[i] = {};
+        s.step.sweep.deep.clear();
+        s.step.sweep.depths.resize(s.bodies.slots());
+        s.step.sweep.near_static.clear();
+        s.step.sweep.near_static.resize(s.bodies.slots());
     }
 }
 /// Notes which of two bodies whose boxes overlap is near one that stands; those have the last number.
@@ -29186,9 +29197,9 @@ void note_near(state<Plan>& s, std::uint32_t a, std::uint32_t b) {
         // Several workers may note the same body.
         const auto note = [&](std::uint32_t i) {
 #if defined(__GNUC__)
-            __atomic_store_n(&s.continuous.near_static[i], true, __ATOMIC_RELAXED);
+            __atomic_store_n(&s.step.sweep.near_static[i], true, __ATOMIC_RELAXED);
 #else
-            s.continuous.near_static[i] = true;
+            s.step.sweep.near_static[i] = true;
 #endif
         };
         if (!(s.awake_index[a] < s.awake.size())) note(b);
@@ -29215,8 +29226,8 @@ void note_depth(state<Plan>& s, const Contact& c) {
         for (int k = 0; k < c.count; ++k) depth = max(depth, -c.points[k].separation);
         const std::uint32_t a = c.bodies.body_a, b = c.bodies.body_b;
         const auto note = [&](std::uint32_t i) {
-            s.continuous.depths[i] = max(s.continuous.depths[i], depth);
-            s.continuous.deep.push_back(i);
+            s.step.sweep.depths[i] = max(s.step.sweep.depths[i], depth);
+            s.step.sweep.deep.push_back(i);
         };
         if (s.bodies[a].type == body_type::static_body) note(b);
         if (s.bodies[b].type == body_type::static_body) note(a);
@@ -29251,7 +29262,7 @@ protected:
 
     /// Shapes that a body may meet on a way in a box, in ascending order.
     PHYSICS_HPP_COLD bool find_candidates(std::uint32_t body, const aabb<double, D>& path, bool everything) {
-        auto& found = s_.continuous.candidates;
+        auto& found = s_.step.sweep.candidates;
         found.clear();
         aabb<S, D> box;
         const double maximum = static_cast<double>(scalar_traits<S>::max());
@@ -29270,10 +29281,10 @@ protected:
         };
         each_near(s_, box, query_filter{.category = all_categories, .movable = everything}, add);
         if (everything)
-            for (const auto& partner : s_.continuous.moving_bodies)
+            for (const auto& partner : s_.step.sweep.moving_bodies)
                 if (overlap(partner.box, path))
                     each_shape(s_, partner.body, [&](std::uint32_t k, const auto&) { add(k); });
-        sort_once(found, s_.continuous.spare);
+        sort_once(found, s_.step.sweep.spare);
         return true;
     }
     static void sort_once(buffer<std::uint64_t>& numbers, buffer<std::uint64_t>& spare) {
@@ -29311,7 +29322,7 @@ protected:
     PHYSICS_HPP_COLD void sweep_piece(swept_body_type& m, const body_sweep& path, const core<D>& piece,
                                       const mat<double, D>& axes, const point<D>& at) {
         const double thickness = inradius_of<Plan::few_corners>(piece);
-        for (const std::uint64_t k : s_.continuous.candidates) {
+        for (const std::uint64_t k : s_.step.sweep.candidates) {
             const auto& record = s_.shapes[static_cast<std::uint32_t>(k)];
             const body_sweep other = motion_of(record.body);
             const obstacle o{
@@ -29387,7 +29398,7 @@ protected:
         const double size = largest(to_point(o.other.start)) + largest(b.start) + largest(o.path);
         const double pose_error = 4 * epsilon * (is_fixed<S> ? 1 + b.reach : size + b.reach);
         const bool thin = s_.bodies[o.body].is_dynamic();
-        const double depth = detail::to_double(s_.continuous.depths[m.body]);
+        const double depth = detail::to_double(s_.step.sweep.depths[m.body]);
         const penetration_limits rule{margin + pose_error,
                                       margin * (1.0 / 64),
                                       margin * (1.0 / 64),
@@ -29445,7 +29456,7 @@ public:
     }
 
 private:
-    buffer<swept_body_type>& swept_bodies() { return s_.continuous.swept_bodies; }
+    buffer<swept_body_type>& swept_bodies() { return s_.step.sweep.swept_bodies; }
 
     PHYSICS_HPP_COLD void sweep_all(continuous_report<S>& report) {
         report.swept = swept_bodies().size();
@@ -29455,7 +29466,7 @@ private:
         for (swept_body_type& m : swept_bodies()) stop(m);
     }
     bool find_swept_bodies() {
-        auto& pushers = s_.continuous.pushers;
+        auto& pushers = s_.step.sweep.pushers;
         pushers.clear();
         const S thinnest = list_swept_bodies();
         if (fastest_ > detail::to_double(thinnest)) {
@@ -29467,7 +29478,7 @@ private:
     /// Gives the thickness of the thinnest dynamic body, so that what slow kinematic ones pass is not looked for.
     S list_swept_bodies() {
         swept_bodies().clear();
-        const bool anew = !s_.continuous.pushers.empty();
+        const bool anew = !s_.step.sweep.pushers.empty();
         S thinnest = scalar_traits<S>::max();
         for (std::uint32_t k = 0; k < s_.awake.size(); ++k) {
             const std::uint32_t i = s_.awake[k];
@@ -29478,7 +29489,7 @@ private:
                 for (int axis = 0; axis < D; ++axis) far += abs(detail::to_double(own.translation[axis]));
                 // By velocities drums and paddles go far all the time: what they pass is not looked for.
                 if (anew || !b.has_target || !(far > 0)) continue;
-                s_.continuous.pushers.push_back({i, {}});
+                s_.step.sweep.pushers.push_back({i, {}});
                 fastest_ = max(fastest_, far);
                 continue;
             }
@@ -29500,7 +29511,7 @@ private:
         const point<D> start = to_point(b.center), end = to_point(moved_[k].center);
         const aabb<double, D> box =
             grown(aabb<double, D>{min(start, end), max(start, end)}, s_.continuous.extents[s_.awake[k]].outer);
-        for (const auto& p : s_.continuous.pushers) {
+        for (const auto& p : s_.step.sweep.pushers) {
             if (!overlap(p.box, box)) continue;
             const auto& from = s_.bodies[p.body];
             const vec<S, D> velocity_of_pusher =
@@ -29516,9 +29527,9 @@ private:
 
     /// What moves, and may be far from where the broadphase knows it.
     void list_moving_bodies() {
-        s_.continuous.moving_bodies.clear();
+        s_.step.sweep.moving_bodies.clear();
         const auto add = [&](std::uint32_t i) {
-            s_.continuous.moving_bodies.push_back({i, box_of(motion_of(i), s_.continuous.extents[i].outer)});
+            s_.step.sweep.moving_bodies.push_back({i, box_of(motion_of(i), s_.continuous.extents[i].outer)});
         };
         std::uint32_t next = 0;
         for (std::uint32_t k = 0; k < s_.awake.size(); ++k) {
@@ -29535,7 +29546,7 @@ private:
         aabb<double, D> box;
         if (keeps_clear(m, box) && !everything) return;
         if (!find_candidates(m.body, box, everything)) m.converged = false;
-        if (s_.continuous.candidates.empty()) return;
+        if (s_.step.sweep.candidates.empty()) return;
         const body_sweep path = motion_of(m.body);
         m.goes_far = m.goes_far || ends_in_something(m, path);
         if (m.goes_far) sweep_body(m, path);
@@ -29702,10 +29713,10 @@ void look_ahead(state<Plan>& s, typename Plan::scalar h) {
     if constexpr (Plan::looks_ahead) {
         using S = typename Plan::scalar;
         constexpr int D = Plan::dimension;
-        s.continuous.ahead.resize(s.bodies.slots());
+        s.step.sweep.ahead.resize(s.bodies.slots());
         bool any = false;
         s.bodies.each([&](std::uint32_t i, const auto& b) {
-            S& ahead = s.continuous.ahead[i];
+            S& ahead = s.step.sweep.ahead[i];
             ahead = S(0);
             if (s.is_asleep(i)) return;
             if (b.type == body_type::static_body) return;
@@ -29740,7 +29751,7 @@ void collide_ahead(state<Plan>& s, const Query* queries, typename Plan::pair_mem
     using S = typename Plan::scalar;
     const S margin = s.settings.contact_margin;
     const auto farther = [&](std::uint32_t i) {
-        return s.continuous.ahead[s.shapes[pairs[i].a].body] + s.continuous.ahead[s.shapes[pairs[i].b].body];
+        return s.step.sweep.ahead[s.shapes[pairs[i].a].body] + s.step.sweep.ahead[s.shapes[pairs[i].b].body];
     };
     for (std::uint32_t i = 0; i < count;) {
         const S more = farther(i);
@@ -29803,9 +29814,9 @@ public:
     void before_solve() {
         if (!is_shorter()) return;
         constexpr std::uint32_t capacity = manifold<S, Plan::dimension>::capacity;
-        begun_with_ = state_.scratch.template allocate<S>(state_.new_contacts.size() * capacity);
+        begun_with_ = state_.step.scratch.template allocate<S>(state_.step.new_contacts.size() * capacity);
         S* to = begun_with_;
-        for (const auto& c : state_.new_contacts)
+        for (const auto& c : state_.step.new_contacts)
             for (int k = 0; k < c.count; ++k) *to++ = c.persisted(k) ? c.points[k].substep_impulse : S(0);
     }
     /// Turns this step's impulses into those of a usual one.
@@ -29814,7 +29825,7 @@ public:
         if (usual == step_ && !is_shorter()) return;
         const S ratio = impulse_ratio(last, step_), part = usual / max(step_, last);
         const S* from = begun_with_;
-        for (auto& c : state_.new_contacts)
+        for (auto& c : state_.step.new_contacts)
             for (int k = 0; k < c.count; ++k) {
                 S& impulse = c.points[k].substep_impulse;
                 if (is_shorter()) impulse += *from / ratio - *from, ++from;
@@ -29853,23 +29864,23 @@ class step_solver {
 public:
     step_solver(state<Plan>& s, S h, task_runner& tasks)
         : state_(s), batches_(batches_of(s, tasks)), step_(h), warm_(s, h) {
-        moved_ = {s.scratch.template allocate<solver_body<S, D, rotates>>(batches_.slots),
-                  s.scratch.template allocate<moving_body<S, D, rotates>>(batches_.slots), batches_.slot_of};
+        moved_ = {s.step.scratch.template allocate<solver_body<S, D, rotates>>(batches_.slots),
+                  s.step.scratch.template allocate<moving_body<S, D, rotates>>(batches_.slots), batches_.slot_of};
     }
 
     /// Solves all batches: large islands one by one on all workers, the others in parallel. False on overflow.
     bool solve(task_runner& tasks) {
         warm_.before_solve();
-        bool* solved = state_.scratch.template allocate<bool>(batches_.count);
+        bool* solved = state_.step.scratch.template allocate<bool>(batches_.count);
         for (std::uint32_t k = 0; k < batches_.count; ++k) solved[k] = false;
         const auto is_large = [&](std::uint32_t k) {
             return !tasks.is_serial() && batches_.first[k].weight() > large_factor * graph_builder::target_weight;
         };
         task_runner alone;
         for (std::uint32_t k = 0; k < batches_.count; ++k)
-            if (is_large(k)) solved[k] = solve(batches_.first[k], state_.batch_scratch[0], tasks);
+            if (is_large(k)) solved[k] = solve(batches_.first[k], state_.step.batch_scratch[0], tasks);
         tasks.parallel_tasks(batches_.count, [&](std::uint32_t k, std::uint32_t worker) {
-            if (!is_large(k)) solved[k] = solve(batches_.first[k], state_.batch_scratch[worker], alone);
+            if (!is_large(k)) solved[k] = solve(batches_.first[k], state_.step.batch_scratch[worker], alone);
         });
         for (std::uint32_t k = 0; k < batches_.count; ++k)
             if (!solved[k]) return false;
@@ -29892,7 +29903,7 @@ public:
         } else {
             // Boxes that are left move one by one: what the broadphase makes of them may depend on their order.
             enum : std::uint8_t { stays = 0, leaves = 1, lost = 2 };
-            auto* box_changes = state_.scratch.template allocate<std::uint8_t>(count);
+            auto* box_changes = state_.step.scratch.template allocate<std::uint8_t>(count);
             tasks.parallel_for(count, 128, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
                 for (std::uint32_t k = first; k < end; ++k) {
                     box_changes[k] = stays;
@@ -29939,9 +29950,9 @@ public:
             b.has_target = false;
         }
         warm_.after_solve();
-        state_.contacts.swap(state_.new_contacts);
-        state_.surfaces = state_.new_material;
-        if constexpr (Plan::remembers) state_.pair_cache_changes.finish(state_.memories);
+        state_.contacts.swap(state_.step.new_contacts);
+        state_.surfaces = state_.step.new_material;
+        if constexpr (Plan::remembers) state_.step.pair_cache_changes.finish(state_.memories);
         ++state_.steps;
         state_.step_lengths = {warm_.next_usual_step(), step_};
         if constexpr (Plan::sleeps) {
@@ -29980,20 +29991,21 @@ private:
         const std::uint32_t batch_limit = graph_builder::target_weight * (tasks.is_serial() ? (D == 2 ? 8 : 2) : 1);
 
         const std::uint32_t count = s.awake.size();
-        bool* has_external_force = s.scratch.template allocate<bool>(count + 1);
+        bool* has_external_force = s.step.scratch.template allocate<bool>(count + 1);
         for (std::uint32_t k = 0; k < count; ++k)
             has_external_force[k] = s.bodies[s.awake[k]].inverse_mass > inverse_of<S>(0);
         has_external_force[count] = false;
-        return graph_builder(s.edges, s.awake_index.begin(), has_external_force, count, s.scratch, batch_limit, &tasks)
+        return graph_builder(s.step.edges, s.awake_index.begin(), has_external_force, count, s.step.scratch,
+                             batch_limit, &tasks)
             .result();
     }
     bool solve(const batch& one, arena& scratch, task_runner& tasks) {
         scratch.reset();
-        for (std::uint32_t k = 1; k < tasks.workers(); ++k) state_.batch_scratch[k].reset();
+        for (std::uint32_t k = 1; k < tasks.workers(); ++k) state_.step.batch_scratch[k].reset();
         batch_integrator<Plan> moving(state_, batches_, one, moved_, step_, scratch, tasks);
         const contact_constraints<S, D, typename Plan::features> contacts(
-            state_.new_contacts.begin(), batches_.order + one.edges, batches_.ends + one.edges, one.end - one.edges,
-            state_.new_material);
+            state_.step.new_contacts.begin(), batches_.order + one.edges, batches_.ends + one.edges,
+            one.end - one.edges, state_.step.new_material);
         const auto& with = state_.settings.solver;
         if constexpr (requires { Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving, tasks); })
             Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving, tasks);
@@ -30148,7 +30160,7 @@ bool combine_common_materials([[maybe_unused]] state<Plan>& s) {
         auto of_all = s.settings.material;
         // As materials of shapes, it lacks what the recipe leaves out.
         if constexpr (!Plan::features::friction) of_all.friction = {};
-        return combine_materials<Plan>(s.new_material, of_all, of_all);
+        return combine_materials<Plan>(s.step.new_material, of_all, of_all);
     }
 }
 
@@ -30227,23 +30239,23 @@ collide_result join_chunks(state<Plan>& s, contact_chunk* pieces, std::uint32_t 
     // What the caller has found first stays where it is.
     std::uint32_t kept = 0;
     if (!tasks.is_serial()) {
-        auto& own = s.contacts_by_worker[0];
+        auto& own = s.step.contacts_by_worker[0];
         std::uint32_t in_place = 0;
         for (; kept < count && pieces[kept].worker == 0 && pieces[kept].first == in_place; ++kept)
             in_place += pieces[kept].size();
         // The rest of it, if any, moves aside.
-        s.new_contacts.clear();
+        s.step.new_contacts.clear();
         if (own.size() > in_place)
-            std::memcpy(static_cast<void*>(s.new_contacts.extend(own.size() - in_place)), own.begin() + in_place,
+            std::memcpy(static_cast<void*>(s.step.new_contacts.extend(own.size() - in_place)), own.begin() + in_place,
                         (own.size() - in_place) * sizeof(contact));
         for (std::uint32_t k = kept; k < count; ++k)
             if (pieces[k].worker == 0) pieces[k].first -= in_place, pieces[k].end -= in_place;
         own.resize(in_place);
-        s.new_contacts.swap(own);
-        s.new_contacts.extend(found - in_place);
+        s.step.new_contacts.swap(own);
+        s.step.new_contacts.extend(found - in_place);
     }
-    contact* to = s.new_contacts.begin();
-    auto** places = s.scratch.template allocate<contact*>(count);
+    contact* to = s.step.new_contacts.begin();
+    auto** places = s.step.scratch.template allocate<contact*>(count);
     for (std::uint32_t k = 0; k < count; ++k) {
         places[k] = to;
         to += pieces[k].size();
@@ -30253,7 +30265,7 @@ collide_result join_chunks(state<Plan>& s, contact_chunk* pieces, std::uint32_t 
         tasks.parallel_tasks(kept < count ? count : 0, [&](std::uint32_t k, std::uint32_t) {
             const contact_chunk& of = pieces[k];
             if (k < kept || of.size() == 0) return;
-            std::memcpy(static_cast<void*>(places[k]), s.contacts_by_worker[of.worker].begin() + of.first,
+            std::memcpy(static_cast<void*>(places[k]), s.step.contacts_by_worker[of.worker].begin() + of.first,
                         of.size() * sizeof(contact));
         });
     for (std::uint32_t k = 0; k < count; ++k) {
@@ -30273,25 +30285,25 @@ collide_result find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs,
     // So many pairs that what is found of them is still in the caches when it becomes contacts.
     constexpr std::uint32_t share = 256;
     const std::uint32_t count = (pairs.size() + share - 1) / share;
-    contact_chunk* pieces = s.scratch.template allocate<contact_chunk>(count);
-    [[maybe_unused]] auto& changes = s.pair_cache_changes;
+    contact_chunk* pieces = s.step.scratch.template allocate<contact_chunk>(count);
+    [[maybe_unused]] auto& changes = s.step.pair_cache_changes;
     if constexpr (Plan::remembers)
-        if (remembers) changes.start(s.memories, count, tasks, s.scratch);
-    s.new_contacts.clear();
-    if (tasks.is_serial()) s.new_contacts.reserve(before.size());
+        if (remembers) changes.start(s.memories, count, tasks, s.step.scratch);
+    s.step.new_contacts.clear();
+    if (tasks.is_serial()) s.step.new_contacts.reserve(before.size());
     else
-        for (std::uint32_t k = 0; k < tasks.workers(); ++k) s.contacts_by_worker[k].clear();
+        for (std::uint32_t k = 0; k < tasks.workers(); ++k) s.step.contacts_by_worker[k].clear();
     tasks.parallel_chunks(pairs.size(), share, [&](std::uint32_t first, std::uint32_t end, std::uint32_t worker) {
-        auto& to = tasks.is_serial() ? s.new_contacts : s.contacts_by_worker[worker];
+        auto& to = tasks.is_serial() ? s.step.new_contacts : s.step.contacts_by_worker[worker];
         const std::uint32_t start = to.size();
         // Solvers come to it later in the step.
-        arena& scratch = s.batch_scratch[worker];
+        arena& scratch = s.step.batch_scratch[worker];
         scratch.reset();
         const pair_queries<Plan> some(s, pairs.begin() + first, end - first, scratch);
-        const collide_result is = collide_chunk(s, some, s.manifolds[worker], to);
+        const collide_result is = collide_chunk(s, some, s.step.manifolds[worker], to);
         if constexpr (Plan::remembers)
             if (remembers) changes.add(some, s.memories, first / share, worker);
-        inherit_impulses(before, to.begin() + start, to.end(), s.new_material);
+        inherit_impulses(before, to.begin() + start, to.end(), s.step.new_material);
         // What pushes overlaps apart is as large in a short step as in a long one. As long as a world is young that may
         // be most of its impulses, and must not be stretched.
         const int maximum = s.steps < 128 ? static_cast<int>(s.steps) : 128;
@@ -30305,18 +30317,19 @@ collide_result find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs,
 template <class Plan>
 bool find_contacts_of_woken(state<Plan>& s, typename Plan::scalar h, task_runner& tasks) {
     index_awake(s);
-    s.woken_pairs.clear();
+    s.step.woken_pairs.clear();
     // Kinematic bodies are always in the awake list, but wake no other body.
     const auto wakes = [&](std::uint32_t i) { return s.bodies[i].is_dynamic() && s.awake_index[i] < s.awake.size(); };
     for (const auto& c : s.sleep.contacts) {
         if (!wakes(c.bodies.body_a) && !wakes(c.bodies.body_b)) continue;
-        if (s.woken_pairs.empty() || s.woken_pairs.back() < c.key()) s.woken_pairs.push_back(c.key());
+        if (s.step.woken_pairs.empty() || s.step.woken_pairs.back() < c.key()) s.step.woken_pairs.push_back(c.key());
     }
-    s.new_contacts.swap(s.woken_contacts);
-    const bool good = find_contacts(s, s.woken_pairs, s.sleep.contacts, {s.sleep.step, s.sleep.step}, h, tasks, false)
-                          .materials_valid;
-    merge_contacts(s.woken_contacts, s.new_contacts);
-    s.new_contacts.swap(s.woken_contacts);
+    s.step.new_contacts.swap(s.step.woken_contacts);
+    const bool good =
+        find_contacts(s, s.step.woken_pairs, s.sleep.contacts, {s.sleep.step, s.sleep.step}, h, tasks, false)
+            .materials_valid;
+    merge_contacts(s.step.woken_contacts, s.step.new_contacts);
+    s.step.new_contacts.swap(s.step.woken_contacts);
     return good;
 }
 
@@ -30337,13 +30350,13 @@ namespace detail {
 template <class Plan>
 void list_edges(state<Plan>& s, task_runner& tasks) {
     constexpr std::uint32_t share = 1024;
-    const std::uint32_t count = s.new_contacts.size();
-    s.edges.clear();
-    s.edges.extend(count);
+    const std::uint32_t count = s.step.new_contacts.size();
+    s.step.edges.clear();
+    s.step.edges.extend(count);
     tasks.parallel_for(count, share, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
         // Copies, as what is written may be anything to the compiler.
-        const auto* const from = s.new_contacts.begin();
-        edge* const to = s.edges.begin();
+        const auto* const from = s.step.new_contacts.begin();
+        edge* const to = s.step.edges.begin();
         for (std::uint32_t n = first; n < end; ++n) to[n] = from[n].bodies;
     });
 }
@@ -31048,26 +31061,26 @@ public:
 private:
     void find() {
         const std::uint32_t count = s_.awake.size();
-        support_ = s_.scratch.template allocate<std::uint32_t>(count);
+        support_ = s_.step.scratch.template allocate<std::uint32_t>(count);
         for (std::uint32_t i = 0; i < count; ++i) support_[i] = null_index;
         // Most bodies touch one static shape, or none.
         bool any = false;
-        for (std::uint32_t i = 0; i < s_.new_contacts.size(); ++i) {
-            const contact& c = s_.new_contacts[i];
+        for (std::uint32_t i = 0; i < s_.step.new_contacts.size(); ++i) {
+            const contact& c = s_.step.new_contacts[i];
             const auto [a, b] = awake_pair(c);
             if ((a < count) == (b < count)) continue;
             std::uint32_t& first = support_[a < count ? a : b];
             if (first == null_index) first = i;
-            else any = any || other_shape(c) != other_shape(s_.new_contacts[first]);
+            else any = any || other_shape(c) != other_shape(s_.step.new_contacts[first]);
         }
         if (!any) return;
         for (std::uint32_t i = 0; i < count; ++i) support_[i] = null_index;
-        for (std::uint32_t i = 0; i < s_.new_contacts.size(); ++i) {
-            const contact& c = s_.new_contacts[i];
+        for (std::uint32_t i = 0; i < s_.step.new_contacts.size(); ++i) {
+            const contact& c = s_.step.new_contacts[i];
             const std::uint32_t body = pushed_body(c);
             if (body == null_index || !(load_of(c) > S(0))) continue;
             std::uint32_t& support = support_[body];
-            if (support == null_index || load_of(c) > load_of(s_.new_contacts[support])) support = i;
+            if (support == null_index || load_of(c) > load_of(s_.step.new_contacts[support])) support = i;
         }
         remove();
     }
@@ -31101,18 +31114,18 @@ private:
         return separation;
     }
     void remove() {
-        auto& contacts = s_.new_contacts;
+        auto& contacts = s_.step.new_contacts;
         // All are looked at before any moves.
-        bool* const is_seam = s_.scratch.template allocate<bool>(contacts.size());
+        bool* const is_seam = s_.step.scratch.template allocate<bool>(contacts.size());
         for (std::uint32_t i = 0; i < contacts.size(); ++i) is_seam[i] = lies_on_seam(i);
         partition_contacts(
             contacts, [&](const contact& c) { return !is_seam[&c - contacts.begin()]; }, [](const contact&) {});
     }
     [[nodiscard]] bool lies_on_seam(std::uint32_t i) {
-        const contact& c = s_.new_contacts[i];
+        const contact& c = s_.step.new_contacts[i];
         const std::uint32_t body = pushed_body(c);
         if (body == null_index || support_[body] == null_index || support_[body] == i) return false;
-        const contact& support = s_.new_contacts[support_[body]];
+        const contact& support = s_.step.new_contacts[support_[body]];
         if (other_shape(c) == other_shape(support)) return false;
         const vec<S, D> up = outwards(support), n = outwards(c);
         // Alike, both carry it.
@@ -31143,7 +31156,7 @@ private:
         auto at_a = a.pose, at_b = b.pose;
         (is_awake(s_, c.bodies.body_a) ? at_a : at_b).position += shift;
         const typename Plan::query query{&a.shape, &b.shape, relative(at_a, at_b)};
-        auto& found = s_.manifolds[0];
+        auto& found = s_.step.manifolds[0];
         found.clear();
         if constexpr (Plan::remembers) Plan::narrowphase::collide(&query, 1, S(0), nullptr, found);
         else Plan::narrowphase::collide(&query, 1, S(0), found);
@@ -31371,18 +31384,18 @@ namespace detail {
 template <class Plan>
 const buffer<proxy_pair>& find_pairs(state<Plan>& s) {
     const auto all = [](std::uint32_t, std::uint32_t) { return true; };
-    if constexpr (requires { s.broadphase.pairs(all, s.scratch); }) return s.broadphase.pairs(all, s.scratch);
+    if constexpr (requires { s.broadphase.pairs(all, s.step.scratch); }) return s.broadphase.pairs(all, s.step.scratch);
     else return s.broadphase.pairs(all);
 }
 
 /// Makes ready what a step works with.
 template <class Plan>
 void start_step(state<Plan>& s, const task_runner& tasks) {
-    s.scratch.reset();
-    s.batch_scratch.prepare(tasks.workers());
-    s.manifolds.prepare(tasks.workers());
-    s.contacts_by_worker.prepare(tasks.workers());
-    s.pair_cache_changes.by.prepare(tasks.workers());
+    s.step.scratch.reset();
+    s.step.batch_scratch.prepare(tasks.workers());
+    s.step.manifolds.prepare(tasks.workers());
+    s.step.contacts_by_worker.prepare(tasks.workers());
+    s.step.pair_cache_changes.by.prepare(tasks.workers());
 }
 
 /// How a step went; if not well, the world is as it was.
@@ -31461,7 +31474,7 @@ private:
 
 template <class Plan>
 step_result step_in_scope(state<Plan>& s, typename Plan::scalar h, const task_runner& tasks) {
-    const step_scope mark(s.in_step);
+    const step_scope mark(s.step.in_step);
     return step(s, h, tasks);
 }
 template <class Plan>
@@ -31735,7 +31748,7 @@ public:
     explicit world(const settings_type& settings = {}) {
         if (detail::check_settings<plan>(settings, "world") && detail::check_environment<scalar>("world"))
             code::change_settings(state_, settings);
-        state_.tag = detail::next_world_tag();
+        state_.tag = {detail::next_world_tag()};
     }
 
     /// Advances time by dt seconds (greater than 0). Forces and torques act for this step and are then
@@ -31745,7 +31758,7 @@ public:
     /// The same, with the work shared out by an executor, such as a thread_pool; the bits do not depend on it.
     template <executor Executor>
     void step(scalar dt, Executor& by) {
-        code::step(state_, dt, {by, state_.tasks_done, state_.batch_scratch});
+        code::step(state_, dt, {by, state_.step.tasks_done, state_.step.batch_scratch});
     }
     /// Steps, and tells what that did to the energy: a net under scenes that must not gain any. O(bodies + contacts).
     [[nodiscard]] energy_report step_with_energy_report(scalar dt) {

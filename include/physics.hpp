@@ -289,6 +289,7 @@
 #include "physics/world/snapshot.hpp"
 #include "physics/world/state.hpp"
 #include "physics/world/step.hpp"
+#include "physics/world/step_data.hpp"
 #include "physics/world/sweep_search.hpp"
 #include "physics/world/warm_impulses.hpp"
 #include "physics/world/world.hpp"

@@ -194,7 +194,7 @@ CELL_CASE("pair stores: a step at rest hands nothing on but what lasts") {
     std::uint32_t changed = 0;
     for (int i = 0; i < 10; ++i) {
         w.step(S(1.0 / 60));
-        changed += s.pair_cache_changes.by[0].size();
+        changed += s.step.pair_cache_changes.by[0].size();
     }
     if (D == 3) CHECK(before > 15);
     CHECK(changed <= before);

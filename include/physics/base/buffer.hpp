@@ -152,6 +152,16 @@ struct step_scratch : T {
     step_scratch& operator=(step_scratch&&) noexcept = default;
 };
 
+/// A value that snapshots leave out; copies have it.
+template <class T>
+struct unsaved {
+    using is_scratch = void;
+
+    T value{};
+
+    constexpr operator T() const { return value; }
+};
+
 template <class T>
 inline constexpr bool is_buffer = false;
 template <class T>

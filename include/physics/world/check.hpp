@@ -17,7 +17,7 @@ struct lookup {
 /// Refuses to change a world in the middle of its step, from an executor or a policy.
 template <class Plan>
 bool check_not_in_step(const state<Plan>& s, const char* function) {
-    return !s.in_step.on || refuse(function, "world", "in a step", "it can be changed before and after");
+    return !s.step.in_step.on || refuse(function, "world", "in a step", "it can be changed before and after");
 }
 /// A state that is not const is asked for in order to change it.
 template <class State, class Pool, class Tag>

@@ -126,7 +126,7 @@ bool combine_common_materials([[maybe_unused]] state<Plan>& s) {
         auto of_all = s.settings.material;
         // As materials of shapes, it lacks what the recipe leaves out.
         if constexpr (!Plan::features::friction) of_all.friction = {};
-        return combine_materials<Plan>(s.new_material, of_all, of_all);
+        return combine_materials<Plan>(s.step.new_material, of_all, of_all);
     }
 }
 
@@ -205,23 +205,23 @@ collide_result join_chunks(state<Plan>& s, contact_chunk* pieces, std::uint32_t 
     // What the caller has found first stays where it is.
     std::uint32_t kept = 0;
     if (!tasks.is_serial()) {
-        auto& own = s.contacts_by_worker[0];
+        auto& own = s.step.contacts_by_worker[0];
         std::uint32_t in_place = 0;
         for (; kept < count && pieces[kept].worker == 0 && pieces[kept].first == in_place; ++kept)
             in_place += pieces[kept].size();
         // The rest of it, if any, moves aside.
-        s.new_contacts.clear();
+        s.step.new_contacts.clear();
         if (own.size() > in_place)
-            std::memcpy(static_cast<void*>(s.new_contacts.extend(own.size() - in_place)), own.begin() + in_place,
+            std::memcpy(static_cast<void*>(s.step.new_contacts.extend(own.size() - in_place)), own.begin() + in_place,
                         (own.size() - in_place) * sizeof(contact));
         for (std::uint32_t k = kept; k < count; ++k)
             if (pieces[k].worker == 0) pieces[k].first -= in_place, pieces[k].end -= in_place;
         own.resize(in_place);
-        s.new_contacts.swap(own);
-        s.new_contacts.extend(found - in_place);
+        s.step.new_contacts.swap(own);
+        s.step.new_contacts.extend(found - in_place);
     }
-    contact* to = s.new_contacts.begin();
-    auto** places = s.scratch.template allocate<contact*>(count);
+    contact* to = s.step.new_contacts.begin();
+    auto** places = s.step.scratch.template allocate<contact*>(count);
     for (std::uint32_t k = 0; k < count; ++k) {
         places[k] = to;
         to += pieces[k].size();
@@ -231,7 +231,7 @@ collide_result join_chunks(state<Plan>& s, contact_chunk* pieces, std::uint32_t 
         tasks.parallel_tasks(kept < count ? count : 0, [&](std::uint32_t k, std::uint32_t) {
             const contact_chunk& of = pieces[k];
             if (k < kept || of.size() == 0) return;
-            std::memcpy(static_cast<void*>(places[k]), s.contacts_by_worker[of.worker].begin() + of.first,
+            std::memcpy(static_cast<void*>(places[k]), s.step.contacts_by_worker[of.worker].begin() + of.first,
                         of.size() * sizeof(contact));
         });
     for (std::uint32_t k = 0; k < count; ++k) {
@@ -251,25 +251,25 @@ collide_result find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs,
     // So many pairs that what is found of them is still in the caches when it becomes contacts.
     constexpr std::uint32_t share = 256;
     const std::uint32_t count = (pairs.size() + share - 1) / share;
-    contact_chunk* pieces = s.scratch.template allocate<contact_chunk>(count);
-    [[maybe_unused]] auto& changes = s.pair_cache_changes;
+    contact_chunk* pieces = s.step.scratch.template allocate<contact_chunk>(count);
+    [[maybe_unused]] auto& changes = s.step.pair_cache_changes;
     if constexpr (Plan::remembers)
-        if (remembers) changes.start(s.memories, count, tasks, s.scratch);
-    s.new_contacts.clear();
-    if (tasks.is_serial()) s.new_contacts.reserve(before.size());
+        if (remembers) changes.start(s.memories, count, tasks, s.step.scratch);
+    s.step.new_contacts.clear();
+    if (tasks.is_serial()) s.step.new_contacts.reserve(before.size());
     else
-        for (std::uint32_t k = 0; k < tasks.workers(); ++k) s.contacts_by_worker[k].clear();
+        for (std::uint32_t k = 0; k < tasks.workers(); ++k) s.step.contacts_by_worker[k].clear();
     tasks.parallel_chunks(pairs.size(), share, [&](std::uint32_t first, std::uint32_t end, std::uint32_t worker) {
-        auto& to = tasks.is_serial() ? s.new_contacts : s.contacts_by_worker[worker];
+        auto& to = tasks.is_serial() ? s.step.new_contacts : s.step.contacts_by_worker[worker];
         const std::uint32_t start = to.size();
         // Solvers come to it later in the step.
-        arena& scratch = s.batch_scratch[worker];
+        arena& scratch = s.step.batch_scratch[worker];
         scratch.reset();
         const pair_queries<Plan> some(s, pairs.begin() + first, end - first, scratch);
-        const collide_result is = collide_chunk(s, some, s.manifolds[worker], to);
+        const collide_result is = collide_chunk(s, some, s.step.manifolds[worker], to);
         if constexpr (Plan::remembers)
             if (remembers) changes.add(some, s.memories, first / share, worker);
-        inherit_impulses(before, to.begin() + start, to.end(), s.new_material);
+        inherit_impulses(before, to.begin() + start, to.end(), s.step.new_material);
         // What pushes overlaps apart is as large in a short step as in a long one. As long as a world is young that may
         // be most of its impulses, and must not be stretched.
         const int maximum = s.steps < 128 ? static_cast<int>(s.steps) : 128;
@@ -283,18 +283,19 @@ collide_result find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs,
 template <class Plan>
 bool find_contacts_of_woken(state<Plan>& s, typename Plan::scalar h, task_runner& tasks) {
     index_awake(s);
-    s.woken_pairs.clear();
+    s.step.woken_pairs.clear();
     // Kinematic bodies are always in the awake list, but wake no other body.
     const auto wakes = [&](std::uint32_t i) { return s.bodies[i].is_dynamic() && s.awake_index[i] < s.awake.size(); };
     for (const auto& c : s.sleep.contacts) {
         if (!wakes(c.bodies.body_a) && !wakes(c.bodies.body_b)) continue;
-        if (s.woken_pairs.empty() || s.woken_pairs.back() < c.key()) s.woken_pairs.push_back(c.key());
+        if (s.step.woken_pairs.empty() || s.step.woken_pairs.back() < c.key()) s.step.woken_pairs.push_back(c.key());
     }
-    s.new_contacts.swap(s.woken_contacts);
-    const bool good = find_contacts(s, s.woken_pairs, s.sleep.contacts, {s.sleep.step, s.sleep.step}, h, tasks, false)
-                          .materials_valid;
-    merge_contacts(s.woken_contacts, s.new_contacts);
-    s.new_contacts.swap(s.woken_contacts);
+    s.step.new_contacts.swap(s.step.woken_contacts);
+    const bool good =
+        find_contacts(s, s.step.woken_pairs, s.sleep.contacts, {s.sleep.step, s.sleep.step}, h, tasks, false)
+            .materials_valid;
+    merge_contacts(s.step.woken_contacts, s.step.new_contacts);
+    s.step.new_contacts.swap(s.step.woken_contacts);
     return good;
 }
 

@@ -30,7 +30,7 @@ public:
     }
 
 private:
-    buffer<swept_body_type>& swept_bodies() { return s_.continuous.swept_bodies; }
+    buffer<swept_body_type>& swept_bodies() { return s_.step.sweep.swept_bodies; }
 
     PHYSICS_HPP_COLD void sweep_all(continuous_report<S>& report) {
         report.swept = swept_bodies().size();
@@ -40,7 +40,7 @@ private:
         for (swept_body_type& m : swept_bodies()) stop(m);
     }
     bool find_swept_bodies() {
-        auto& pushers = s_.continuous.pushers;
+        auto& pushers = s_.step.sweep.pushers;
         pushers.clear();
         const S thinnest = list_swept_bodies();
         if (fastest_ > detail::to_double(thinnest)) {
@@ -52,7 +52,7 @@ private:
     /// Gives the thickness of the thinnest dynamic body, so that what slow kinematic ones pass is not looked for.
     S list_swept_bodies() {
         swept_bodies().clear();
-        const bool anew = !s_.continuous.pushers.empty();
+        const bool anew = !s_.step.sweep.pushers.empty();
         S thinnest = scalar_traits<S>::max();
         for (std::uint32_t k = 0; k < s_.awake.size(); ++k) {
             const std::uint32_t i = s_.awake[k];
@@ -63,7 +63,7 @@ private:
                 for (int axis = 0; axis < D; ++axis) far += abs(detail::to_double(own.translation[axis]));
                 // By velocities drums and paddles go far all the time: what they pass is not looked for.
                 if (anew || !b.has_target || !(far > 0)) continue;
-                s_.continuous.pushers.push_back({i, {}});
+                s_.step.sweep.pushers.push_back({i, {}});
                 fastest_ = max(fastest_, far);
                 continue;
             }
@@ -85,7 +85,7 @@ private:
         const point<D> start = to_point(b.center), end = to_point(moved_[k].center);
         const aabb<double, D> box =
             grown(aabb<double, D>{min(start, end), max(start, end)}, s_.continuous.extents[s_.awake[k]].outer);
-        for (const auto& p : s_.continuous.pushers) {
+        for (const auto& p : s_.step.sweep.pushers) {
             if (!overlap(p.box, box)) continue;
             const auto& from = s_.bodies[p.body];
             const vec<S, D> velocity_of_pusher =
@@ -101,9 +101,9 @@ private:
 
     /// What moves, and may be far from where the broadphase knows it.
     void list_moving_bodies() {
-        s_.continuous.moving_bodies.clear();
+        s_.step.sweep.moving_bodies.clear();
         const auto add = [&](std::uint32_t i) {
-            s_.continuous.moving_bodies.push_back({i, box_of(motion_of(i), s_.continuous.extents[i].outer)});
+            s_.step.sweep.moving_bodies.push_back({i, box_of(motion_of(i), s_.continuous.extents[i].outer)});
         };
         std::uint32_t next = 0;
         for (std::uint32_t k = 0; k < s_.awake.size(); ++k) {
@@ -120,7 +120,7 @@ private:
         aabb<double, D> box;
         if (keeps_clear(m, box) && !everything) return;
         if (!find_candidates(m.body, box, everything)) m.converged = false;
-        if (s_.continuous.candidates.empty()) return;
+        if (s_.step.sweep.candidates.empty()) return;
         const body_sweep path = motion_of(m.body);
         m.goes_far = m.goes_far || ends_in_something(m, path);
         if (m.goes_far) sweep_body(m, path);

@@ -11,13 +11,13 @@ namespace detail {
 template <class Plan>
 void list_edges(state<Plan>& s, task_runner& tasks) {
     constexpr std::uint32_t share = 1024;
-    const std::uint32_t count = s.new_contacts.size();
-    s.edges.clear();
-    s.edges.extend(count);
+    const std::uint32_t count = s.step.new_contacts.size();
+    s.step.edges.clear();
+    s.step.edges.extend(count);
     tasks.parallel_for(count, share, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
         // Copies, as what is written may be anything to the compiler.
-        const auto* const from = s.new_contacts.begin();
-        edge* const to = s.edges.begin();
+        const auto* const from = s.step.new_contacts.begin();
+        edge* const to = s.step.edges.begin();
         for (std::uint32_t n = first; n < end; ++n) to[n] = from[n].bodies;
     });
 }

@@ -14,10 +14,10 @@ void look_ahead(state<Plan>& s, typename Plan::scalar h) {
     if constexpr (Plan::looks_ahead) {
         using S = typename Plan::scalar;
         constexpr int D = Plan::dimension;
-        s.continuous.ahead.resize(s.bodies.slots());
+        s.step.sweep.ahead.resize(s.bodies.slots());
         bool any = false;
         s.bodies.each([&](std::uint32_t i, const auto& b) {
-            S& ahead = s.continuous.ahead[i];
+            S& ahead = s.step.sweep.ahead[i];
             ahead = S(0);
             if (s.is_asleep(i)) return;
             if (b.type == body_type::static_body) return;
@@ -52,7 +52,7 @@ void collide_ahead(state<Plan>& s, const Query* queries, typename Plan::pair_mem
     using S = typename Plan::scalar;
     const S margin = s.settings.contact_margin;
     const auto farther = [&](std::uint32_t i) {
-        return s.continuous.ahead[s.shapes[pairs[i].a].body] + s.continuous.ahead[s.shapes[pairs[i].b].body];
+        return s.step.sweep.ahead[s.shapes[pairs[i].a].body] + s.step.sweep.ahead[s.shapes[pairs[i].b].body];
     };
     for (std::uint32_t i = 0; i < count;) {
         const S more = farther(i);

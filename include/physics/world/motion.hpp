@@ -18,23 +18,23 @@ class step_solver {
 public:
     step_solver(state<Plan>& s, S h, task_runner& tasks)
         : state_(s), batches_(batches_of(s, tasks)), step_(h), warm_(s, h) {
-        moved_ = {s.scratch.template allocate<solver_body<S, D, rotates>>(batches_.slots),
-                  s.scratch.template allocate<moving_body<S, D, rotates>>(batches_.slots), batches_.slot_of};
+        moved_ = {s.step.scratch.template allocate<solver_body<S, D, rotates>>(batches_.slots),
+                  s.step.scratch.template allocate<moving_body<S, D, rotates>>(batches_.slots), batches_.slot_of};
     }
 
     /// Solves all batches: large islands one by one on all workers, the others in parallel. False on overflow.
     bool solve(task_runner& tasks) {
         warm_.before_solve();
-        bool* solved = state_.scratch.template allocate<bool>(batches_.count);
+        bool* solved = state_.step.scratch.template allocate<bool>(batches_.count);
         for (std::uint32_t k = 0; k < batches_.count; ++k) solved[k] = false;
         const auto is_large = [&](std::uint32_t k) {
             return !tasks.is_serial() && batches_.first[k].weight() > large_factor * graph_builder::target_weight;
         };
         task_runner alone;
         for (std::uint32_t k = 0; k < batches_.count; ++k)
-            if (is_large(k)) solved[k] = solve(batches_.first[k], state_.batch_scratch[0], tasks);
+            if (is_large(k)) solved[k] = solve(batches_.first[k], state_.step.batch_scratch[0], tasks);
         tasks.parallel_tasks(batches_.count, [&](std::uint32_t k, std::uint32_t worker) {
-            if (!is_large(k)) solved[k] = solve(batches_.first[k], state_.batch_scratch[worker], alone);
+            if (!is_large(k)) solved[k] = solve(batches_.first[k], state_.step.batch_scratch[worker], alone);
         });
         for (std::uint32_t k = 0; k < batches_.count; ++k)
             if (!solved[k]) return false;
@@ -57,7 +57,7 @@ public:
         } else {
             // Boxes that are left move one by one: what the broadphase makes of them may depend on their order.
             enum : std::uint8_t { stays = 0, leaves = 1, lost = 2 };
-            auto* box_changes = state_.scratch.template allocate<std::uint8_t>(count);
+            auto* box_changes = state_.step.scratch.template allocate<std::uint8_t>(count);
             tasks.parallel_for(count, 128, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
                 for (std::uint32_t k = first; k < end; ++k) {
                     box_changes[k] = stays;
@@ -104,9 +104,9 @@ public:
             b.has_target = false;
         }
         warm_.after_solve();
-        state_.contacts.swap(state_.new_contacts);
-        state_.surfaces = state_.new_material;
-        if constexpr (Plan::remembers) state_.pair_cache_changes.finish(state_.memories);
+        state_.contacts.swap(state_.step.new_contacts);
+        state_.surfaces = state_.step.new_material;
+        if constexpr (Plan::remembers) state_.step.pair_cache_changes.finish(state_.memories);
         ++state_.steps;
         state_.step_lengths = {warm_.next_usual_step(), step_};
         if constexpr (Plan::sleeps) {
@@ -145,20 +145,21 @@ private:
         const std::uint32_t batch_limit = graph_builder::target_weight * (tasks.is_serial() ? (D == 2 ? 8 : 2) : 1);
 
         const std::uint32_t count = s.awake.size();
-        bool* has_external_force = s.scratch.template allocate<bool>(count + 1);
+        bool* has_external_force = s.step.scratch.template allocate<bool>(count + 1);
         for (std::uint32_t k = 0; k < count; ++k)
             has_external_force[k] = s.bodies[s.awake[k]].inverse_mass > inverse_of<S>(0);
         has_external_force[count] = false;
-        return graph_builder(s.edges, s.awake_index.begin(), has_external_force, count, s.scratch, batch_limit, &tasks)
+        return graph_builder(s.step.edges, s.awake_index.begin(), has_external_force, count, s.step.scratch,
+                             batch_limit, &tasks)
             .result();
     }
     bool solve(const batch& one, arena& scratch, task_runner& tasks) {
         scratch.reset();
-        for (std::uint32_t k = 1; k < tasks.workers(); ++k) state_.batch_scratch[k].reset();
+        for (std::uint32_t k = 1; k < tasks.workers(); ++k) state_.step.batch_scratch[k].reset();
         batch_integrator<Plan> moving(state_, batches_, one, moved_, step_, scratch, tasks);
         const contact_constraints<S, D, typename Plan::features> contacts(
-            state_.new_contacts.begin(), batches_.order + one.edges, batches_.ends + one.edges, one.end - one.edges,
-            state_.new_material);
+            state_.step.new_contacts.begin(), batches_.order + one.edges, batches_.ends + one.edges,
+            one.end - one.edges, state_.step.new_material);
         const auto& with = state_.settings.solver;
         if constexpr (requires { Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving, tasks); })
             Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving, tasks);

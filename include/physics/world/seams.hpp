@@ -29,26 +29,26 @@ public:
 private:
     void find() {
         const std::uint32_t count = s_.awake.size();
-        support_ = s_.scratch.template allocate<std::uint32_t>(count);
+        support_ = s_.step.scratch.template allocate<std::uint32_t>(count);
         for (std::uint32_t i = 0; i < count; ++i) support_[i] = null_index;
         // Most bodies touch one static shape, or none.
         bool any = false;
-        for (std::uint32_t i = 0; i < s_.new_contacts.size(); ++i) {
-            const contact& c = s_.new_contacts[i];
+        for (std::uint32_t i = 0; i < s_.step.new_contacts.size(); ++i) {
+            const contact& c = s_.step.new_contacts[i];
             const auto [a, b] = awake_pair(c);
             if ((a < count) == (b < count)) continue;
             std::uint32_t& first = support_[a < count ? a : b];
             if (first == null_index) first = i;
-            else any = any || other_shape(c) != other_shape(s_.new_contacts[first]);
+            else any = any || other_shape(c) != other_shape(s_.step.new_contacts[first]);
         }
         if (!any) return;
         for (std::uint32_t i = 0; i < count; ++i) support_[i] = null_index;
-        for (std::uint32_t i = 0; i < s_.new_contacts.size(); ++i) {
-            const contact& c = s_.new_contacts[i];
+        for (std::uint32_t i = 0; i < s_.step.new_contacts.size(); ++i) {
+            const contact& c = s_.step.new_contacts[i];
             const std::uint32_t body = pushed_body(c);
             if (body == null_index || !(load_of(c) > S(0))) continue;
             std::uint32_t& support = support_[body];
-            if (support == null_index || load_of(c) > load_of(s_.new_contacts[support])) support = i;
+            if (support == null_index || load_of(c) > load_of(s_.step.new_contacts[support])) support = i;
         }
         remove();
     }
@@ -82,18 +82,18 @@ private:
         return separation;
     }
     void remove() {
-        auto& contacts = s_.new_contacts;
+        auto& contacts = s_.step.new_contacts;
         // All are looked at before any moves.
-        bool* const is_seam = s_.scratch.template allocate<bool>(contacts.size());
+        bool* const is_seam = s_.step.scratch.template allocate<bool>(contacts.size());
         for (std::uint32_t i = 0; i < contacts.size(); ++i) is_seam[i] = lies_on_seam(i);
         partition_contacts(
             contacts, [&](const contact& c) { return !is_seam[&c - contacts.begin()]; }, [](const contact&) {});
     }
     [[nodiscard]] bool lies_on_seam(std::uint32_t i) {
-        const contact& c = s_.new_contacts[i];
+        const contact& c = s_.step.new_contacts[i];
         const std::uint32_t body = pushed_body(c);
         if (body == null_index || support_[body] == null_index || support_[body] == i) return false;
-        const contact& support = s_.new_contacts[support_[body]];
+        const contact& support = s_.step.new_contacts[support_[body]];
         if (other_shape(c) == other_shape(support)) return false;
         const vec<S, D> up = outwards(support), n = outwards(c);
         // Alike, both carry it.
@@ -124,7 +124,7 @@ private:
         auto at_a = a.pose, at_b = b.pose;
         (is_awake(s_, c.bodies.body_a) ? at_a : at_b).position += shift;
         const typename Plan::query query{&a.shape, &b.shape, relative(at_a, at_b)};
-        auto& found = s_.manifolds[0];
+        auto& found = s_.step.manifolds[0];
         found.clear();
         if constexpr (Plan::remembers) Plan::narrowphase::collide(&query, 1, S(0), nullptr, found);
         else Plan::narrowphase::collide(&query, 1, S(0), found);

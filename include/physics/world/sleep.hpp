@@ -44,17 +44,17 @@ void each_of_island(state<Plan>& s, std::uint32_t body, F&& f) {
     } while (i != body);
 }
 
-/// Brings bodies back that were asleep, listed in s.sleep.woken: they can be pushed again, and what touches them is
+/// Brings bodies back that were asleep, listed in s.step.woken: they can be pushed again, and what touches them is
 /// looked at again.
 template <class Plan>
 void finish_waking(state<Plan>& s) {
-    for (const std::uint32_t i : s.sleep.woken) {
+    for (const std::uint32_t i : s.step.woken) {
         s.sleep.island_next[i] = no_sleeper;
         s.sleep.sleep_time[i] = {};
         reinsert_proxies(s, i);
     }
-    if (!s.sleep.woken.empty()) s.awake_changed = true;
-    s.sleep.woken.clear();
+    if (!s.step.woken.empty()) s.awake_changed = true;
+    s.step.woken.clear();
 }
 /// True if neither body of the contact is dynamic and awake.
 template <class Plan, class Contact>
@@ -65,21 +65,22 @@ bool touches_no_awake_body(const state<Plan>& s, const Contact& c) {
 template <class Plan, class Each>
 void wake_islands(state<Plan>& s, Each&& each) {
     // A step that was refused may have left its list.
-    s.sleep.woken.clear();
+    s.step.woken.clear();
     bool any = false;
     each([&](std::uint32_t body) {
         if (!s.is_asleep(body)) return;
         any = true;
-        each_of_island(s, body, [&](std::uint32_t i) { s.sleep.woken.push_back(i); });
+        each_of_island(s, body, [&](std::uint32_t i) { s.step.woken.push_back(i); });
         finish_waking(s);
     });
     if (!any) return;
-    s.new_contacts.clear();
+    s.step.new_contacts.clear();
     partition_contacts(
         s.sleep.contacts, [&](const auto& c) { return touches_no_awake_body(s, c); },
-        [&](const auto& c) { s.new_contacts.push_back(c); });
-    rescale_impulses(s.new_contacts.begin(), s.new_contacts.end(), {s.sleep.step, s.sleep.step}, s.step_lengths);
-    merge_contacts(s.contacts, s.new_contacts);
+        [&](const auto& c) { s.step.new_contacts.push_back(c); });
+    rescale_impulses(s.step.new_contacts.begin(), s.step.new_contacts.end(), {s.sleep.step, s.sleep.step},
+                     s.step_lengths);
+    merge_contacts(s.contacts, s.step.new_contacts);
 }
 template <class Plan>
 void wake(state<Plan>& s, std::uint32_t body) {
@@ -89,7 +90,7 @@ void wake(state<Plan>& s, std::uint32_t body) {
 template <class Plan>
 void wake_touching(state<Plan>& s, std::uint32_t body) {
     if constexpr (Plan::sleeps) {
-        auto& touching = s.sleep.near;
+        auto& touching = s.step.near;
         touching.clear();
         for (const auto& c : s.sleep.contacts) {
             if (c.bodies.body_a == body) touching.push_back(c.bodies.body_b);
@@ -110,7 +111,7 @@ void wake_affected(state<Plan>& s, std::uint32_t body) {
 template <class Plan>
 void wake_near(state<Plan>& s, std::uint32_t body, const transform<typename Plan::scalar, Plan::dimension>& to) {
     if constexpr (Plan::sleeps) {
-        auto& near = s.sleep.near;
+        auto& near = s.step.near;
         near.clear();
         each_shape(s, body, [&](std::uint32_t, const auto& shape) {
             const auto box = merged(query_bounds(s, shape), bounds(shape.shape, to * shape.local));
@@ -152,10 +153,10 @@ auto gravity_slack(const state<Plan>& s, typename Plan::scalar h) {
 /// the step has succeeded. True if there are any.
 template <class Plan>
 bool list_woken(state<Plan>& s, bool any_near, typename Plan::scalar h) {
-    s.sleep.woken.clear();
+    s.step.woken.clear();
     if (!any_near) return false;
     const auto slack = gravity_slack(s, h);
-    for (const auto& c : s.new_contacts) {
+    for (const auto& c : s.step.new_contacts) {
         const std::uint32_t a = c.bodies.body_a, b = c.bodies.body_b;
         const bool of_a = s.is_asleep(a);
         if (of_a == s.is_asleep(b)) continue;
@@ -165,11 +166,11 @@ bool list_woken(state<Plan>& s, bool any_near, typename Plan::scalar h) {
             continue;
         each_of_island(s, sleeper, [&](std::uint32_t i) {
             s.awake_index[i] = 0;
-            s.sleep.woken.push_back(i);
+            s.step.woken.push_back(i);
         });
     }
-    if (s.sleep.woken.empty()) return false;
-    for (const std::uint32_t i : s.sleep.woken) s.awake.push_back(i);
+    if (s.step.woken.empty()) return false;
+    for (const std::uint32_t i : s.step.woken) s.awake.push_back(i);
     s.awake_changed = true;
     return true;
 }
@@ -177,7 +178,7 @@ bool list_woken(state<Plan>& s, bool any_near, typename Plan::scalar h) {
 /// The step has succeeded: they are awake for good.
 template <class Plan>
 void commit_woken(state<Plan>& s) {
-    if (s.sleep.woken.empty()) return;
+    if (s.step.woken.empty()) return;
     finish_waking(s);
     partition_contacts(
         s.sleep.contacts, [&](const auto& c) { return touches_no_awake_body(s, c); }, [](const auto&) {});
@@ -196,8 +197,8 @@ public:
     sleep_update(state<Plan>& s, S h) : s_(s), step_(h) {
         if (!update_sleep_times()) return;
         count_ = s.awake.size();
-        disjoint_sets sets(count_, s.scratch);
-        island_ = s.scratch.template allocate<island>(count_);
+        disjoint_sets sets(count_, s.step.scratch);
+        island_ = s.step.scratch.template allocate<island>(count_);
         for (std::uint32_t k = 0; k < count_; ++k) new (island_ + k) island{};
         const S slack = gravity_slack(s, h);
         for (const auto& c : s.contacts) {
@@ -268,7 +269,7 @@ private:
     template <class IsSlow, class IsFar>
     const support* find_supports(IsSlow&& is_slow, IsFar&& is_far) {
         const std::uint32_t count = s_.awake.size();
-        auto* found = s_.scratch.template allocate<support>(count + 1);
+        auto* found = s_.step.scratch.template allocate<support>(count + 1);
         bool any = false;
         for (std::uint32_t k = 0; k < count; ++k) {
             const bool asked = is_slow(s_.bodies[s_.awake[k]]) && is_far(s_.awake[k]);
@@ -331,14 +332,14 @@ private:
         s_.awake_changed = true;
     }
     void move_contacts_to_sleepers() {
-        s_.new_contacts.clear();
+        s_.step.new_contacts.clear();
         partition_contacts(
             s_.contacts, [&](const auto& c) { return !touches_no_awake_body(s_, c); },
-            [&](const auto& c) { s_.new_contacts.push_back(c); });
+            [&](const auto& c) { s_.step.new_contacts.push_back(c); });
         if (s_.sleep.contacts.empty()) s_.sleep.step = s_.step_lengths.usual;
-        rescale_impulses(s_.new_contacts.begin(), s_.new_contacts.end(), s_.step_lengths,
+        rescale_impulses(s_.step.new_contacts.begin(), s_.step.new_contacts.end(), s_.step_lengths,
                          {s_.sleep.step, s_.sleep.step});
-        merge_contacts(s_.sleep.contacts, s_.new_contacts);
+        merge_contacts(s_.sleep.contacts, s_.step.new_contacts);
         if constexpr (Plan::remembers)
             s_.memories.drop([&](std::uint32_t shape) { return s_.is_asleep(s_.shapes[shape].body); });
     }

@@ -3,8 +3,7 @@
 
 #include "physics/base/handle.hpp"
 #include "physics/base/pool.hpp"
-#include "physics/world/audit.hpp"
-#include "physics/world/pair_cache.hpp"
+#include "physics/world/step_data.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -96,8 +95,6 @@ struct sleep_state {
     buffer<typename Plan::contact> contacts;
     /// Length of the step in which their impulses acted (s).
     S step{};
-    /// Scratch: bodies woken in this step; sleeping bodies near a change.
-    buffer<std::uint32_t> woken, near;
 
     /// A body has come, awake.
     void start(std::uint32_t body, vec<S, D> center) {
@@ -112,15 +109,7 @@ struct sleep_state {
         carried_from[body] = S(-1);
         island_next[body] = no_sleeper;
     }
-    template <class Self, class F>
-    static void each_member(Self& self, F&& f) {
-        f(self.sleep_time);
-        f(self.sleep_anchor);
-        f(self.carried_from);
-        f(self.island_next);
-        f(self.contacts);
-        f(self.step);
-    }
+    PHYSICS_HPP_MEMBERS(sleep_time, sleep_anchor, carried_from, island_next, contacts, step)
 };
 struct no_sleep_state {};
 
@@ -131,36 +120,6 @@ struct body_extent {
     /// No point of the body is farther from it.
     double outer = 0;
 };
-/// A body that goes far in a step, and what stops it.
-template <int D>
-struct swept_body {
-    /// Its number, and that among those that move.
-    std::uint32_t body, number;
-    sweep_target against = sweep_target::fixed;
-    /// Whether it may pass through something, or only be in it at the end of the step.
-    bool goes_far = true;
-    bool stops = false, converged = true;
-    /// Whether it was in touch with what stops it as the step began, and how far along the normal it must then be moved
-    /// at the end of the step, to be no deeper.
-    bool touching = false;
-    double push_out = 0;
-    /// Whether another body that it has stopped stops it too.
-    bool cut = false;
-    std::uint32_t other = 0;
-    double time = 1, cut_time = 1;
-    /// From what stops it towards it, and the gap there (m).
-    point<D> normal;
-    double gap = 0;
-
-    swept_body(std::uint32_t b, std::uint32_t n, sweep_target a = sweep_target::fixed)
-        : body(b), number(n), against(a) {}
-};
-/// What a moving body fills in a step.
-template <int D>
-struct swept_box {
-    std::uint32_t body;
-    aabb<double, D> box;
-};
 /// What continuous collision needs.
 template <class Plan>
 struct continuous_state {
@@ -170,29 +129,9 @@ struct continuous_state {
     buffer<body_extent<S>> extents;
     continuous_report<S> report;
 
-    template <class Self, class F>
-    static void each_member(Self& self, F&& f) {
-        f(self.extents);
-        f(self.report);
-    }
-
-    // Scratch of the step.
-    /// How deep each body is in static ones, and which of them are: 0 of all others.
-    buffer<S> depths;
-    buffer<std::uint32_t> deep;
-    /// Of every body, whether its boxes overlap those of something that stands.
-    buffer<bool> near_static;
-    buffer<swept_body<Plan::dimension>> swept_bodies;
-    buffer<swept_box<Plan::dimension>> moving_bodies, pushers;
-    buffer<std::uint64_t> candidates, spare;
-    buffer<S> ahead;
+    PHYSICS_HPP_MEMBERS(extents, report)
 };
 struct nothing_continuous {};
-
-/// Whether something lasts just now.
-struct step_flag {
-    bool on = false;
-};
 
 /// The state of a world. Copying it copies the world.
 template <class Plan>
@@ -223,44 +162,12 @@ struct state {
     /// Lengths of the steps in which the contacts' impulses act.
     physics::step_lengths<S> step_lengths;
     /// By which handles know the world; no part of what lasts, so that they serve it whatever state it is brought to.
-    std::uint16_t tag = 0;
+    unsaved<std::uint16_t> tag;
 
-    /// What lasts, see base/members.hpp.
-    template <class Self, class F>
-    static void each_member(Self& self, F&& f) {
-        f(self.settings);
-        f(self.bodies);
-        f(self.shapes);
-        f(self.broadphase);
-        f(self.contacts);
-        f(self.surfaces);
-        f(self.contact_starts);
-        f(self.awake);
-        f(self.awake_index);
-        f(self.awake_changed);
-        f(self.memories);
-        f(self.sleep);
-        f(self.continuous);
-        f(self.steps);
-        f(self.step_lengths);
-    }
-
-    /// Set while a step is under way.
-    step_scratch<step_flag> in_step;
-    // Scratch of the step: nothing in it outlives one.
-    step_scratch<buffer<typename Plan::contact>> new_contacts;
-    [[no_unique_address]] combined_material<S, typename Plan::features> new_material;
-    detail::pair_cache_changes<Plan> pair_cache_changes;
-    step_scratch<buffer<proxy_pair>> woken_pairs;
-    step_scratch<buffer<typename Plan::contact>> woken_contacts;
-    /// All that holds bodies together: of contacts, in their order.
-    step_scratch<buffer<edge>> edges;
-    arena scratch;
-    per_worker<arena> batch_scratch;
-    /// What each worker has found.
-    per_worker<manifold_list<S, D>> manifolds;
-    per_worker<buffer<typename Plan::contact>> contacts_by_worker;
-    buffer<unsigned char> tasks_done;
+    /// What a step works with; copies begin without.
+    step_scratch<step_data<Plan>> step;
+    PHYSICS_HPP_MEMBERS(settings, bodies, shapes, broadphase, contacts, surfaces, contact_starts, awake, awake_index,
+                        awake_changed, memories, sleep, continuous, steps, step_lengths, tag, step)
 
     [[nodiscard]] bool is_asleep(std::uint32_t body) const {
         if constexpr (Plan::sleeps) return sleep.island_next[body] != no_sleeper;

@@ -15,18 +15,18 @@ namespace detail {
 template <class Plan>
 const buffer<proxy_pair>& find_pairs(state<Plan>& s) {
     const auto all = [](std::uint32_t, std::uint32_t) { return true; };
-    if constexpr (requires { s.broadphase.pairs(all, s.scratch); }) return s.broadphase.pairs(all, s.scratch);
+    if constexpr (requires { s.broadphase.pairs(all, s.step.scratch); }) return s.broadphase.pairs(all, s.step.scratch);
     else return s.broadphase.pairs(all);
 }
 
 /// Makes ready what a step works with.
 template <class Plan>
 void start_step(state<Plan>& s, const task_runner& tasks) {
-    s.scratch.reset();
-    s.batch_scratch.prepare(tasks.workers());
-    s.manifolds.prepare(tasks.workers());
-    s.contacts_by_worker.prepare(tasks.workers());
-    s.pair_cache_changes.by.prepare(tasks.workers());
+    s.step.scratch.reset();
+    s.step.batch_scratch.prepare(tasks.workers());
+    s.step.manifolds.prepare(tasks.workers());
+    s.step.contacts_by_worker.prepare(tasks.workers());
+    s.step.pair_cache_changes.by.prepare(tasks.workers());
 }
 
 /// How a step went; if not well, the world is as it was.
@@ -105,7 +105,7 @@ private:
 
 template <class Plan>
 step_result step_in_scope(state<Plan>& s, typename Plan::scalar h, const task_runner& tasks) {
-    const step_scope mark(s.in_step);
+    const step_scope mark(s.step.in_step);
     return step(s, h, tasks);
 }
 template <class Plan>

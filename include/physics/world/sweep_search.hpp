@@ -25,7 +25,7 @@ protected:
 
     /// Shapes that a body may meet on a way in a box, in ascending order.
     PHYSICS_HPP_COLD bool find_candidates(std::uint32_t body, const aabb<double, D>& path, bool everything) {
-        auto& found = s_.continuous.candidates;
+        auto& found = s_.step.sweep.candidates;
         found.clear();
         aabb<S, D> box;
         const double maximum = static_cast<double>(scalar_traits<S>::max());
@@ -44,10 +44,10 @@ protected:
         };
         each_near(s_, box, query_filter{.category = all_categories, .movable = everything}, add);
         if (everything)
-            for (const auto& partner : s_.continuous.moving_bodies)
+            for (const auto& partner : s_.step.sweep.moving_bodies)
                 if (overlap(partner.box, path))
                     each_shape(s_, partner.body, [&](std::uint32_t k, const auto&) { add(k); });
-        sort_once(found, s_.continuous.spare);
+        sort_once(found, s_.step.sweep.spare);
         return true;
     }
     static void sort_once(buffer<std::uint64_t>& numbers, buffer<std::uint64_t>& spare) {
@@ -85,7 +85,7 @@ protected:
     PHYSICS_HPP_COLD void sweep_piece(swept_body_type& m, const body_sweep& path, const core<D>& piece,
                                       const mat<double, D>& axes, const point<D>& at) {
         const double thickness = inradius_of<Plan::few_corners>(piece);
-        for (const std::uint64_t k : s_.continuous.candidates) {
+        for (const std::uint64_t k : s_.step.sweep.candidates) {
             const auto& record = s_.shapes[static_cast<std::uint32_t>(k)];
             const body_sweep other = motion_of(record.body);
             const obstacle o{
@@ -161,7 +161,7 @@ protected:
         const double size = largest(to_point(o.other.start)) + largest(b.start) + largest(o.path);
         const double pose_error = 4 * epsilon * (is_fixed<S> ? 1 + b.reach : size + b.reach);
         const bool thin = s_.bodies[o.body].is_dynamic();
-        const double depth = detail::to_double(s_.continuous.depths[m.body]);
+        const double depth = detail::to_double(s_.step.sweep.depths[m.body]);
         const penetration_limits rule{margin + pose_error,
                                       margin * (1.0 / 64),
                                       margin * (1.0 / 64),

@@ -29,9 +29,9 @@ public:
     void before_solve() {
         if (!is_shorter()) return;
         constexpr std::uint32_t capacity = manifold<S, Plan::dimension>::capacity;
-        begun_with_ = state_.scratch.template allocate<S>(state_.new_contacts.size() * capacity);
+        begun_with_ = state_.step.scratch.template allocate<S>(state_.step.new_contacts.size() * capacity);
         S* to = begun_with_;
-        for (const auto& c : state_.new_contacts)
+        for (const auto& c : state_.step.new_contacts)
             for (int k = 0; k < c.count; ++k) *to++ = c.persisted(k) ? c.points[k].substep_impulse : S(0);
     }
     /// Turns this step's impulses into those of a usual one.
@@ -40,7 +40,7 @@ public:
         if (usual == step_ && !is_shorter()) return;
         const S ratio = impulse_ratio(last, step_), part = usual / max(step_, last);
         const S* from = begun_with_;
-        for (auto& c : state_.new_contacts)
+        for (auto& c : state_.step.new_contacts)
             for (int k = 0; k < c.count; ++k) {
                 S& impulse = c.points[k].substep_impulse;
                 if (is_shorter()) impulse += *from / ratio - *from, ++from;

@@ -51,7 +51,7 @@ protected:
         const bool slower = length_of(w) < length_of(before), shorter = length_of(path) < length_of(aimed);
         // A body that was stopped in this step may now overlap what stopped it.
         return {shorter ? aimed : path,    (slower ? before : w) * h_, extent.reach,
-                extent.thickness,          s_.continuous.depths[i],    b.continuous,
+                extent.thickness,          s_.step.sweep.depths[i],    b.continuous,
                 s_.settings.contact_margin};
     }
 
@@ -122,7 +122,7 @@ protected:
             }
         }
         const transform<S, D> pose{moved_[m.number].center - turn * b.mass.center, turn};
-        bool within = !s_.continuous.near_static[i] && !s_.is_asleep(i);
+        bool within = !s_.step.sweep.near_static[i] && !s_.is_asleep(i);
         bool first = true;
         each_shape(s_, i, [&](std::uint32_t k, const shape_record<Plan>& record) {
             aabb<double, D> own = box_at(record, pose * record.local);
@@ -152,11 +152,11 @@ private:
 template <class Plan>
 void clear_depths(state<Plan>& s) {
     if constexpr (Plan::sweeps) {
-        for (const std::uint32_t i : s.continuous.deep) s.continuous.depths[i] = {};
-        s.continuous.deep.clear();
-        s.continuous.depths.resize(s.bodies.slots());
-        s.continuous.near_static.clear();
-        s.continuous.near_static.resize(s.bodies.slots());
+        for (const std::uint32_t i : s.step.sweep.deep) s.step.sweep.depths[i] = {};
+        s.step.sweep.deep.clear();
+        s.step.sweep.depths.resize(s.bodies.slots());
+        s.step.sweep.near_static.clear();
+        s.step.sweep.near_static.resize(s.bodies.slots());
     }
 }
 /// Notes which of two bodies whose boxes overlap is near one that stands; those have the last number.
@@ -166,9 +166,9 @@ void note_near(state<Plan>& s, std::uint32_t a, std::uint32_t b) {
         // Several workers may note the same body.
         const auto note = [&](std::uint32_t i) {
 #if defined(__GNUC__)
-            __atomic_store_n(&s.continuous.near_static[i], true, __ATOMIC_RELAXED);
+            __atomic_store_n(&s.step.sweep.near_static[i], true, __ATOMIC_RELAXED);
 #else
-            s.continuous.near_static[i] = true;
+            s.step.sweep.near_static[i] = true;
 #endif
         };
         if (!(s.awake_index[a] < s.awake.size())) note(b);
@@ -195,8 +195,8 @@ void note_depth(state<Plan>& s, const Contact& c) {
         for (int k = 0; k < c.count; ++k) depth = max(depth, -c.points[k].separation);
         const std::uint32_t a = c.bodies.body_a, b = c.bodies.body_b;
         const auto note = [&](std::uint32_t i) {
-            s.continuous.depths[i] = max(s.continuous.depths[i], depth);
-            s.continuous.deep.push_back(i);
+            s.step.sweep.depths[i] = max(s.step.sweep.depths[i], depth);
+            s.step.sweep.deep.push_back(i);
         };
         if (s.bodies[a].type == body_type::static_body) note(b);
         if (s.bodies[b].type == body_type::static_body) note(a);

@@ -48,7 +48,7 @@ public:
     explicit world(const settings_type& settings = {}) {
         if (detail::check_settings<plan>(settings, "world") && detail::check_environment<scalar>("world"))
             code::change_settings(state_, settings);
-        state_.tag = detail::next_world_tag();
+        state_.tag = {detail::next_world_tag()};
     }
 
     /// Advances time by dt seconds (greater than 0). Forces and torques act for this step and are then
@@ -58,7 +58,7 @@ public:
     /// The same, with the work shared out by an executor, such as a thread_pool; the bits do not depend on it.
     template <executor Executor>
     void step(scalar dt, Executor& by) {
-        code::step(state_, dt, {by, state_.tasks_done, state_.batch_scratch});
+        code::step(state_, dt, {by, state_.step.tasks_done, state_.step.batch_scratch});
     }
     /// Steps, and tells what that did to the energy: a net under scenes that must not gain any. O(bodies + contacts).
     [[nodiscard]] energy_report step_with_energy_report(scalar dt) {

@@ -1,0 +1,92 @@
+// What a step works with: nothing of it outlives the step, but its memory.
+#pragma once
+
+#include "physics/world/audit.hpp"
+#include "physics/world/pair_cache.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// A body that goes far in a step, and what stops it.
+template <int D>
+struct swept_body {
+    /// Its number, and that among those that move.
+    std::uint32_t body, number;
+    sweep_target against = sweep_target::fixed;
+    /// Whether it may pass through something, or only be in it at the end of the step.
+    bool goes_far = true;
+    bool stops = false, converged = true;
+    /// Whether it was in touch with what stops it as the step began, and how far along the normal it must then be moved
+    /// at the end of the step, to be no deeper.
+    bool touching = false;
+    double push_out = 0;
+    /// Whether another body that it has stopped stops it too.
+    bool cut = false;
+    std::uint32_t other = 0;
+    double time = 1, cut_time = 1;
+    /// From what stops it towards it, and the gap there (m).
+    point<D> normal;
+    double gap = 0;
+
+    swept_body(std::uint32_t b, std::uint32_t n, sweep_target a = sweep_target::fixed)
+        : body(b), number(n), against(a) {}
+};
+/// What a moving body fills in a step.
+template <int D>
+struct swept_box {
+    std::uint32_t body;
+    aabb<double, D> box;
+};
+/// What continuous collision works with.
+template <class Plan>
+struct sweep_data {
+    using S = typename Plan::scalar;
+
+    /// How deep each body is in static ones, and which of them are: 0 of all others.
+    buffer<S> depths;
+    buffer<std::uint32_t> deep;
+    /// Of every body, whether its boxes overlap those of something that stands.
+    buffer<bool> near_static;
+    buffer<swept_body<Plan::dimension>> swept_bodies;
+    buffer<swept_box<Plan::dimension>> moving_bodies, pushers;
+    buffer<std::uint64_t> candidates, spare;
+    buffer<S> ahead;
+};
+struct no_sweep_data {};
+
+/// Whether a step is under way.
+struct step_flag {
+    bool on = false;
+};
+
+template <class Plan>
+struct step_data {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+    using contact = typename Plan::contact;
+
+    step_flag in_step;
+    /// What the step finds, to become the state's.
+    buffer<contact> new_contacts;
+    [[no_unique_address]] combined_material<S, typename Plan::features> new_material;
+    detail::pair_cache_changes<Plan> pair_cache_changes;
+    /// All that holds bodies together: of contacts, in their order.
+    buffer<edge> edges;
+    /// Bodies woken in this step; sleeping bodies near a change.
+    buffer<std::uint32_t> woken, near;
+    buffer<proxy_pair> woken_pairs;
+    buffer<contact> woken_contacts;
+    [[no_unique_address]] std::conditional_t<Plan::is_continuous, sweep_data<Plan>, no_sweep_data> sweep;
+
+    arena scratch;
+    per_worker<arena> batch_scratch;
+    /// What each worker has found.
+    per_worker<manifold_list<S, D>> manifolds;
+    per_worker<buffer<contact>> contacts_by_worker;
+    buffer<unsigned char> tasks_done;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
