@@ -21966,6 +21966,69 @@ concept continuous_for = detail::sweeps<C, S, D> || detail::looks_ahead<C, S, D>
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/dynamics/convert.hpp
+// =================================================================================================
+// Values of bodies in another scalar, and how large they are.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+template <class T, class S>
+rotation<T, 2> converted(const rotation<S, 2>& r) {
+    return {static_cast<T>(r.cosine), static_cast<T>(r.sine)};
+}
+template <class T, class S>
+rotation<T, 3> converted(const rotation<S, 3>& r) {
+    return {static_cast<T>(r.x), static_cast<T>(r.y), static_cast<T>(r.z), static_cast<T>(r.w)};
+}
+template <class T, class S, int D>
+vec<T, D> converted(vec<S, D> v) {
+    vec<T, D> result;
+    for (int i = 0; i < D; ++i) result[i] = static_cast<T>(v[i]);
+    return result;
+}
+template <class T, class S, int D>
+transform<T, D> converted(const transform<S, D>& t) {
+    return {converted<T>(t.position), converted<T>(t.rotation)};
+}
+template <class T, scalar_type S>
+T converted(S x) {
+    return static_cast<T>(x);
+}
+template <class T, class S>
+symmetric<T> converted(const symmetric<S>& m) {
+    return {static_cast<T>(m.xx), static_cast<T>(m.yy), static_cast<T>(m.zz),
+            static_cast<T>(m.xy), static_cast<T>(m.xz), static_cast<T>(m.yz)};
+}
+template <class T, class S, int D>
+twist<T, D> converted(const twist<S, D>& v) {
+    return {converted<T>(v.linear), converted<T>(v.angular)};
+}
+template <class T, class S, int D>
+linear_twist<T, D> converted(const linear_twist<S, D>& v) {
+    return {converted<T>(v.linear)};
+}
+template <class T, class S, int D>
+mass_properties<T, D> converted(const mass_properties<S, D>& m) {
+    return {static_cast<T>(m.mass), converted<T>(m.center), converted<T>(m.inertia)};
+}
+
+/// The largest part of a number or vector, for messages.
+template <scalar_type S>
+double largest_magnitude(S x) {
+    return static_cast<double>(abs(x));
+}
+template <class S, int D>
+double largest_magnitude(vec<S, D> v) {
+    return static_cast<double>(largest(v));
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/dynamics/friction.hpp
 // =================================================================================================
 // Coulomb friction at one point, and resistance to rolling: an interval in 2D, a circular cone in 3D.
@@ -26113,6 +26176,2958 @@ struct soft_step : soft_step_with<patch_friction> {};
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/step/pair_cache.hpp
+// =================================================================================================
+// What a narrowphase remembers of pairs from step to step, packed: of most pairs it is little.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Memories of pairs, in ascending order of the pairs. Those of which there is nothing to keep are left out.
+template <class Plan>
+class pair_cache {
+    using memory = typename Plan::pair_memory;
+    using kept = kept_memory<memory>;
+    using unit = std::uint32_t;
+
+public:
+    [[nodiscard]] std::uint32_t size() const { return pairs_.size(); }
+    [[nodiscard]] proxy_pair pair(std::uint32_t i) const { return pairs_[i]; }
+    /// The first one that is not of an earlier pair.
+    [[nodiscard]] std::uint32_t find(proxy_pair pair) const {
+        std::uint32_t i = 0;
+        for (std::uint32_t size = pairs_.size(); size > 0;) {
+            const std::uint32_t half = size / 2;
+            const bool is_before = pairs_[i + half] < pair;
+            i += is_before ? half + 1 : 0;
+            size = is_before ? size - half - 1 : half;
+        }
+        return i;
+    }
+    /// Writes an empty one.
+    static void clear(memory& m) { kept::clear(m); }
+    void read(std::uint32_t i, memory& m) const {
+        clear(m);
+        const std::uint32_t contents = contents_at(places_[i]);
+        if (!is_brief(places_[i])) {
+            const unit* from = units_.begin() + places_[i] + 1;
+            kept::each_piece(m, contents, [&](void* to, std::size_t bytes) {
+                std::memcpy(to, from, bytes);
+                from += units_for(bytes);
+            });
+        }
+        kept::complete(m, contents);
+    }
+    [[nodiscard]] memory operator[](std::uint32_t i) const {
+        memory m{};
+        read(i, m);
+        return m;
+    }
+    /// Whether what was read from here has not changed: it says so, or all that there is to keep is a number.
+    [[nodiscard]] bool is_unchanged(std::uint32_t i, const memory& m) const {
+        return !kept::has_changed(m) || (is_brief(places_[i]) && contents_at(places_[i]) == kept::contents(m));
+    }
+
+    void clear() {
+        pairs_.clear();
+        places_.clear();
+        units_.clear();
+        free_ = {};
+    }
+    /// Adds a memory after the others, unless there is nothing to keep of it.
+    void add(proxy_pair pair, memory& m) {
+        const std::uint32_t contents = kept::contents(m);
+        if (contents == 0) return;
+        const std::uint32_t place = make_room(contents);
+        pairs_.push_back(pair);
+        places_.push_back(place);
+        if (is_brief(place)) return;
+        kept::tidy(m);
+        unit* to = units_.begin() + place;
+        *to++ = contents;
+        kept::each_piece(m, contents, [&](const void* from, std::size_t bytes) {
+            const std::size_t count = units_for(bytes);
+            // What is behind the last byte.
+            to[count - 1] = 0;
+            std::memcpy(to, from, bytes);
+            to += count;
+        });
+    }
+    /// Forgets the pairs that have a shape for which gone(shape) is true.
+    template <class Gone>
+    void drop(Gone&& gone) {
+        std::uint32_t left = 0;
+        for (std::uint32_t i = 0; i < size(); ++i) {
+            if (gone(pairs_[i].a) || gone(pairs_[i].b)) free_place(places_[i]);
+            else move(i, left++);
+        }
+        truncate(left);
+        clear_if_empty();
+    }
+
+    /// Lists of what is new, which follow on each other: the parts of some longer ones from `first` to `end`.
+    struct segment {
+        pair_cache* of;
+        std::uint32_t first, end;
+    };
+    /// Forgets those that are not kept and takes in what is new. No pair is in both, and in its own place.
+    void change(const bool* is_kept, const segment* segments, std::uint32_t count) {
+        std::uint32_t i = 0, left = 0, added = 0;
+        const auto pass = [&] {
+            if (is_kept[i]) move(i, left++);
+            else free_place(places_[i]);
+            ++i;
+        };
+        for (std::uint32_t k = 0; k < count; ++k)
+            for (std::uint32_t n = segments[k].first; n < segments[k].end; ++n) {
+                pair_cache& of = *segments[k].of;
+                const proxy_pair pair = of.pairs_[n];
+                while (i < size() && pairs_[i] < pair) pass();
+                const bool known = i < size() && pairs_[i] == pair;
+                const std::uint32_t contents = of.contents_at(of.places_[n]);
+                const bool fits = known && units_of(contents) == units_of(contents_at(places_[i]));
+                if (known && !fits) free_place(places_[i]);
+                const std::uint32_t place = fits && !is_brief(places_[i]) ? places_[i] : make_room(contents);
+                if (!is_brief(place))
+                    std::memcpy(units_.begin() + place, of.units_.begin() + of.places_[n],
+                                units_of(contents) * sizeof(unit));
+                if (known) {
+                    places_[i] = place;
+                    move(i++, left++);
+                    // No shape meets itself: this one is in its place.
+                    of.pairs_[n].b = pair.a;
+                } else {
+                    of.places_[n] = place;
+                    ++added;
+                }
+            }
+        while (i < size()) pass();
+        truncate(left);
+        if (added > 0) insert(segments, count, added);
+        clear_if_empty();
+    }
+    /// Exchanges the memory of each of the buffers with that of another which is empty too, if it has more.
+    void swap_larger(pair_cache& other) {
+        const auto swap_larger_one = [](auto& mine, auto& theirs) {
+            if (mine.capacity() < theirs.capacity()) mine.swap(theirs);
+        };
+        swap_larger_one(pairs_, other.pairs_);
+        swap_larger_one(places_, other.places_);
+        swap_larger_one(units_, other.units_);
+    }
+    void swap(pair_cache& other) noexcept {
+        pairs_.swap(other.pairs_);
+        places_.swap(other.places_);
+        units_.swap(other.units_);
+        std::swap(free_, other.free_);
+    }
+
+    PHYSICS_HPP_MEMBERS(pairs_, places_, units_, free_)
+
+private:
+    static constexpr std::size_t units_for(std::size_t bytes) { return (bytes + sizeof(unit) - 1) / sizeof(unit); }
+    /// So much does a memory of these contents need.
+    static std::uint32_t units_of(std::uint32_t contents) {
+        std::size_t count = 1;
+        const memory m{};
+        kept::each_piece(m, contents, [&](const void*, std::size_t bytes) { count += units_for(bytes); });
+        return static_cast<std::uint32_t>(count);
+    }
+    /// No piece is smaller than a unit, and none is twice as large as what it holds.
+    static constexpr std::size_t max_units = 1 + 2 * units_for(sizeof(memory));
+    /// Free lists by size: the first free place of each size plus 1; a free place holds the next one.
+    struct free_places {
+        std::uint32_t first[max_units + 1];
+    };
+    /// Marks the place of contents which are all that there is to keep.
+    static constexpr std::uint32_t brief = 0x80000000u;
+    static bool is_brief(std::uint32_t place) { return (place & brief) != 0; }
+    [[nodiscard]] std::uint32_t contents_at(std::uint32_t place) const {
+        return is_brief(place) ? place & ~brief : units_[place];
+    }
+
+    std::uint32_t make_room(std::uint32_t contents) {
+        const std::uint32_t count = units_of(contents);
+        if (count == 1 && !is_brief(contents)) return brief | contents;
+        std::uint32_t& head = free_.first[count];
+        if (head != 0) {
+            const std::uint32_t place = head - 1;
+            head = units_[place];
+            return place;
+        }
+        const std::uint32_t place = units_.size();
+        if (is_brief(place + count)) {
+            refuse("step", "pairs", static_cast<double>(size()), "there are more than can be remembered");
+            std::abort();
+        }
+        units_.extend(count);
+        return place;
+    }
+    void free_place(std::uint32_t place) {
+        if (is_brief(place)) return;
+        std::uint32_t& head = free_.first[units_of(units_[place])];
+        units_[place] = head;
+        head = place + 1;
+    }
+    void move(std::uint32_t from, std::uint32_t to) {
+        if (from == to) return;
+        pairs_[to] = pairs_[from];
+        places_[to] = places_[from];
+    }
+    void truncate(std::uint32_t count) {
+        pairs_.resize(count);
+        places_.resize(count);
+    }
+    void clear_if_empty() {
+        if (size() == 0) clear();
+    }
+    /// Puts new ones into the order, from behind.
+    void insert(const segment* segments, std::uint32_t count, std::uint32_t added) {
+        std::uint32_t left = size(), to = left + added;
+        pairs_.extend(added);
+        places_.extend(added);
+        for (std::uint32_t k = count; k-- > 0;)
+            for (std::uint32_t n = segments[k].end; n-- > segments[k].first;) {
+                const pair_cache& of = *segments[k].of;
+                const proxy_pair pair = of.pairs_[n];
+                if (pair.a == pair.b) continue;
+                while (left > 0 && pair < pairs_[left - 1]) move(--left, --to);
+                pairs_[--to] = pair;
+                places_[to] = of.places_[n];
+            }
+    }
+
+    buffer<proxy_pair> pairs_;
+    /// Where the contents of each begin, or these themselves.
+    buffer<std::uint32_t> places_;
+    /// Empty where there are no pairs.
+    buffer<unit> units_;
+    free_places free_ = {};
+};
+
+/// What a step makes of the memories, until it has succeeded.
+template <class Plan>
+struct pair_cache_changes {
+    using memories = pair_cache<Plan>;
+
+    /// What each worker has to add.
+    per_worker<memories> by;
+    /// For the step: which memories stay as they are, and the lists of those that are new, in the order of their pairs.
+    bool* is_kept = nullptr;
+    typename memories::segment* segments = nullptr;
+    std::uint32_t count = 0;
+    /// Whether all of them are one list.
+    bool is_one = false;
+
+    void start(memories& before, std::uint32_t maximum, const task_runner& tasks, arena& scratch) {
+        for (std::uint32_t k = 0; k < tasks.workers(); ++k) by[k].clear();
+        is_one = tasks.is_serial();
+        // It goes over as a whole, and comes back where the same begins anew.
+        if (is_one && before.size() == 0) by[0].swap_larger(before);
+        is_kept = scratch.allocate<bool>(before.size());
+        for (std::uint32_t i = 0; i < before.size(); ++i) is_kept[i] = false;
+        segments = scratch.allocate<typename memories::segment>(maximum);
+        count = maximum;
+    }
+    template <class Recalled>
+    void add(const Recalled& pairs, const memories& before, std::uint32_t segment, std::uint32_t worker) {
+        memories& to = by[worker];
+        const std::uint32_t first = to.size();
+        pairs.save_to_cache(before, is_kept, to);
+        segments[segment] = {&to, first, to.size()};
+    }
+    void finish(memories& of) {
+        if (is_one && of.size() == 0) of.swap(by[0]);
+        else of.change(is_kept, segments, count);
+    }
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/step_data.hpp
+// =================================================================================================
+// What a step works with: nothing of it outlives the step, but its memory.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// A body that goes far in a step, and what stops it.
+template <int D>
+struct swept_body {
+    /// Its number, and that among those that move.
+    std::uint32_t body, number;
+    sweep_target against = sweep_target::fixed;
+    /// Whether it may pass through something, or only be in it at the end of the step.
+    bool goes_far = true;
+    bool stops = false, converged = true;
+    /// Whether it was in touch with what stops it as the step began, and how far along the normal it must then be moved
+    /// at the end of the step, to be no deeper.
+    bool touching = false;
+    double push_out = 0;
+    /// Whether another body that it has stopped stops it too.
+    bool cut = false;
+    std::uint32_t other = 0;
+    double time = 1, cut_time = 1;
+    /// From what stops it towards it, and the gap there (m).
+    point<D> normal;
+    double gap = 0;
+
+    swept_body(std::uint32_t b, std::uint32_t n, sweep_target a = sweep_target::fixed)
+        : body(b), number(n), against(a) {}
+};
+/// What a moving body fills in a step.
+template <int D>
+struct swept_box {
+    std::uint32_t body;
+    aabb<double, D> box;
+};
+/// What continuous collision works with.
+template <class Plan>
+struct sweep_data {
+    using S = typename Plan::scalar;
+
+    /// How deep each body is in static ones, and which of them are: 0 of all others.
+    buffer<S> depths;
+    buffer<std::uint32_t> deep;
+    /// Of every body, whether its boxes overlap those of something that stands.
+    buffer<bool> near_static;
+    buffer<swept_body<Plan::dimension>> swept_bodies;
+    buffer<swept_box<Plan::dimension>> moving_bodies, pushers;
+    buffer<std::uint64_t> candidates, spare;
+    buffer<S> ahead;
+};
+struct no_sweep_data {};
+
+/// Whether a step is under way.
+struct step_flag {
+    bool on = false;
+};
+
+template <class Plan>
+struct step_data {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+    using contact = typename Plan::contact;
+
+    step_flag in_step;
+    /// What the step finds, to become the state's.
+    buffer<contact> new_contacts;
+    [[no_unique_address]] combined_material<S, typename Plan::features> new_material;
+    detail::pair_cache_changes<Plan> pair_cache_changes;
+    /// All that holds bodies together: of contacts, in their order.
+    buffer<edge> edges;
+    /// Bodies woken in this step; sleeping bodies near a change.
+    buffer<std::uint32_t> woken, near;
+    buffer<proxy_pair> woken_pairs;
+    buffer<contact> woken_contacts;
+    [[no_unique_address]] std::conditional_t<Plan::is_continuous, sweep_data<Plan>, no_sweep_data> sweep;
+
+    arena scratch;
+    per_worker<arena> batch_scratch;
+    /// What each worker has found.
+    per_worker<manifold_list<S, D>> manifolds;
+    per_worker<buffer<contact>> contacts_by_worker;
+    buffer<unsigned char> tasks_done;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/state.hpp
+// =================================================================================================
+// Everything that a world holds, as plain arrays.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Behind the last shape of a body.
+inline constexpr std::uint32_t no_shape = null_index;
+
+/// Everything that a world keeps of one shape.
+template <class Plan>
+struct shape_record {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+
+    typename Plan::shape shape;
+    transform<S, D> local;
+    /// Where it is in the world, and its origin relative to the body's centre of mass, in world axes.
+    transform<S, D> pose;
+    vec<S, D> r;
+    [[no_unique_address]] stored_material<S, D, typename Plan::features> material;
+    S density{};
+    std::uint32_t body = 0;
+    /// The body's shape of the next lower number.
+    std::uint32_t next = no_shape;
+    std::uint64_t user_data = 0;
+    PHYSICS_HPP_MEMBERS(shape, local, pose, r, material, density, body, next, user_data)
+};
+
+/// The shapes of a world. It is one of the owners of the geometry that its shapes are made of.
+template <class Plan>
+class shape_pool : public pool<shape_record<Plan>> {
+    using base = pool<shape_record<Plan>>;
+
+public:
+    shape_pool() = default;
+    shape_pool(const shape_pool& other) : base(other) { each_geometry(retain); }
+    shape_pool(shape_pool&& other) noexcept = default;
+    shape_pool& operator=(const shape_pool& other) {
+        if (this == &other) return *this;
+        // What may fail comes first.
+        base::reserve(other.slots());
+        other.each_geometry(retain);
+        each_geometry(release);
+        base::operator=(other);
+        return *this;
+    }
+    shape_pool& operator=(shape_pool&& other) noexcept {
+        shape_pool taken(std::move(other));
+        base::swap(taken);
+        return *this;
+    }
+    ~shape_pool() { each_geometry(release); }
+
+    typename base::place insert(const shape_record<Plan>& record) {
+        retain(record.shape.geometry());
+        return base::insert(record);
+    }
+    void erase(std::uint32_t index) {
+        release((*this)[index].shape.geometry());
+        base::erase(index);
+    }
+
+    /// Calls f with the block of geometry of each shape, null for those that have none.
+    template <class F>
+    void each_geometry(F&& f) const {
+        if constexpr (Plan::shape::has_geometry)
+            base::each([&](std::uint32_t, const auto& record) { f(record.shape.geometry()); });
+    }
+};
+
+/// Stands for the next sleeper of a body that is awake.
+inline constexpr std::uint32_t no_sleeper = null_index;
+
+/// Which bodies sleep. Arrays by the numbers of bodies.
+template <class Plan>
+struct sleep_state {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+
+    /// For how long each body has been still (s), up to the time that it takes to fall asleep.
+    buffer<S> sleep_time;
+    /// Where its centre of mass was when it became so.
+    buffer<vec<S, D>> sleep_anchor;
+    /// How fast it was, squared, when it first went along with others since then; -1: it has not.
+    buffer<S> carried_from;
+    /// Of each sleeper the next one of its island, in a ring.
+    buffer<std::uint32_t> island_next;
+    /// Contacts of which no body that can be pushed is awake, in ascending order of their pairs.
+    buffer<typename Plan::contact> contacts;
+    /// Length of the step in which their impulses acted (s).
+    S step{};
+
+    /// A body has come, awake.
+    void start(std::uint32_t body, vec<S, D> center) {
+        if (body >= island_next.size()) {
+            sleep_time.resize(body + 1);
+            sleep_anchor.resize(body + 1);
+            carried_from.resize(body + 1);
+            island_next.resize(body + 1);
+        }
+        sleep_time[body] = {};
+        sleep_anchor[body] = center;
+        carried_from[body] = S(-1);
+        island_next[body] = no_sleeper;
+    }
+    PHYSICS_HPP_MEMBERS(sleep_time, sleep_anchor, carried_from, island_next, contacts, step)
+};
+struct no_sleep_state {};
+
+/// How far a body's shapes reach from its centre of mass; see stride.
+template <class S>
+struct body_extent {
+    S thickness{}, reach{};
+    /// No point of the body is farther from it.
+    double outer = 0;
+};
+/// What continuous collision needs.
+template <class Plan>
+struct continuous_state {
+    using S = typename Plan::scalar;
+
+    /// Of every body; follow from shapes and masses.
+    buffer<body_extent<S>> extents;
+    continuous_report<S> report;
+
+    PHYSICS_HPP_MEMBERS(extents, report)
+};
+struct nothing_continuous {};
+
+/// The state of a world. Copying it copies the world.
+template <class Plan>
+struct state {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+
+    typename Plan::settings settings;
+    pool<typename Plan::body> bodies;
+    shape_pool<Plan> shapes;
+    typename Plan::broadphase broadphase;
+    /// Contacts of the last step with at least one awake dynamic body, in ascending order of their pairs.
+    buffer<typename Plan::contact> contacts;
+    /// What the surfaces of these contacts, and of those of sleepers, make of each other.
+    [[no_unique_address]] combined_material<S, typename Plan::features> surfaces;
+    /// Where the centres of bodies were, and how bodies were turned, when these contacts were found.
+    buffer<transform<S, D>> contact_starts;
+    /// Awake bodies that are not static, and of each body its index in that list (the list's size if it is not in it).
+    buffer<std::uint32_t> awake, awake_index;
+    /// Whether other bodies move, or bodies that do not have been put elsewhere, since that was found.
+    bool awake_changed = true;
+    /// What the narrowphase remembers of the last step's pairs.
+    pair_cache<Plan> memories;
+    [[no_unique_address]] std::conditional_t<Plan::sleeps, sleep_state<Plan>, no_sleep_state> sleep;
+    [[no_unique_address]] std::conditional_t<Plan::is_continuous, continuous_state<Plan>, nothing_continuous>
+        continuous;
+    std::uint64_t steps = 0;
+    /// Lengths of the steps in which the contacts' impulses act.
+    physics::step_lengths<S> step_lengths;
+    /// By which handles know the world; no part of what lasts, so that they serve it whatever state it is brought to.
+    unsaved<std::uint16_t> tag;
+
+    /// What a step works with; copies begin without.
+    step_scratch<step_data<Plan>> step;
+    PHYSICS_HPP_MEMBERS(settings, bodies, shapes, broadphase, contacts, surfaces, contact_starts, awake, awake_index,
+                        awake_changed, memories, sleep, continuous, steps, step_lengths, tag, step)
+
+    [[nodiscard]] bool is_asleep(std::uint32_t body) const {
+        if constexpr (Plan::sleeps) return sleep.island_next[body] != no_sleeper;
+        else return false;
+    }
+    [[nodiscard]] bool is_awake_dynamic(std::uint32_t body) const {
+        return bodies[body].is_dynamic() && !is_asleep(body);
+    }
+};
+
+/// The inside of a world, for what stands beside it.
+struct world_access {
+    template <class World>
+    static auto& state_of(World& w) {
+        return w.state_;
+    }
+};
+
+template <class Plan>
+continuous_report<typename Plan::scalar> report_of(const state<Plan>& s) {
+    if constexpr (Plan::sweeps) return s.continuous.report;
+    else return {};
+}
+
+/// What a shape's surface is made of.
+template <class Plan>
+auto surface_of([[maybe_unused]] const state<Plan>& s, const shape_record<Plan>& shape) {
+    if constexpr (Plan::features::materials) return shape.material.whole();
+    else return s.settings.material;
+}
+
+/// Says where a shape is, of a body whose frame and whose centre of mass are there.
+template <class Plan, class Vec, class Pose>
+void update_pose(shape_record<Plan>& shape, const Pose& body, const Vec& center) {
+    shape.pose = body * shape.local;
+    shape.r = shape.pose.position - center;
+}
+/// Whether a body moves or may be pushed in this step.
+template <class Plan>
+bool is_awake(const state<Plan>& s, std::uint32_t body) {
+    return s.awake_index[body] < s.awake.size();
+}
+
+/// The box that the narrowphase needs the broadphase to know: all within half the contact margin.
+template <class Plan>
+auto box_within(typename Plan::scalar contact_margin, const shape_record<Plan>& shape) {
+    return grown(bounds(shape.shape, shape.pose), contact_margin / typename Plan::scalar(2));
+}
+template <class Plan>
+auto query_bounds(const state<Plan>& s, const shape_record<Plan>& shape) {
+    return box_within(s.settings.contact_margin, shape);
+}
+/// What the broadphase knows of a shape besides.
+template <class Plan>
+proxy_filter filter_of(const state<Plan>& s, const shape_record<Plan>& shape) {
+    return {.owner = shape.body, .movable = s.is_awake_dynamic(shape.body)};
+}
+template <class Plan>
+void configure_broadphase(state<Plan>& s) {
+    if constexpr (requires { s.broadphase.configure(s.settings.broadphase); })
+        s.broadphase.configure(s.settings.broadphase);
+}
+/// Lets queries see where shapes are, if the broadphase wants to be told.
+template <class Plan>
+void update_broadphase(state<Plan>& s) {
+    if constexpr (requires { s.broadphase.update(); }) s.broadphase.update();
+}
+
+/// Calls f(index, shape) for every shape of a body.
+template <class State, class F>
+void each_shape(State& s, std::uint32_t body, F&& f) {
+    for (std::uint32_t i = s.bodies[body].first_shape; i != no_shape;) {
+        const std::uint32_t next = s.shapes[i].next;
+        f(i, s.shapes[i]);
+        i = next;
+    }
+}
+
+/// Enters the shapes of a body into the broadphase anew: it has become another kind of proxy.
+template <class Plan>
+void reinsert_proxies(state<Plan>& s, std::uint32_t body) {
+    each_shape(s, body, [&](std::uint32_t i, const shape_record<Plan>& shape) {
+        s.broadphase.erase(i);
+        s.broadphase.insert(i, query_bounds(s, shape), filter_of(s, shape));
+    });
+}
+
+/// Tells the broadphase where the shapes of a body are now.
+template <class Plan>
+void refresh_boxes(state<Plan>& s, std::uint32_t body) {
+    const auto& b = s.bodies[body];
+    each_shape(s, body, [&](std::uint32_t i, shape_record<Plan>& shape) {
+        update_pose(shape, b.pose(), b.center);
+        s.broadphase.move(i, query_bounds(s, shape), {});
+    });
+    update_broadphase(s);
+}
+
+/// A number for each world of the program, to recognise foreign handles; after 65535 worlds numbers come again. It
+/// never enters any result.
+inline std::uint16_t next_world_tag() noexcept {
+    static std::uint32_t count = 0;
+#if defined(__GNUC__)
+    return static_cast<std::uint16_t>(__atomic_add_fetch(&count, 1u, __ATOMIC_RELAXED));
+#else
+    return static_cast<std::uint16_t>(++count);
+#endif
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/extents.hpp
+// =================================================================================================
+// Thickness and extent of bodies, for continuous collision.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Calls f(core, axes, at) for the convex pieces of a shape that may be swept, in its frame; surfaces and halfspaces,
+/// which no dynamic body carries, have none.
+template <class Shape, int D, class F>
+void each_swept_piece(const Shape& shape, const aabb<double, D>& everywhere, F&& f) {
+    if constexpr (has_core<Shape>) f(core_of(shape), mat<double, D>::identity(), point<D>{});
+    else if constexpr (is_compound<Shape, D>)
+        each_child(shape, everywhere, [&](const auto& child) { f(child.shape, child.axes, child.at); });
+}
+
+/// How far a core reaches from a point of its own frame.
+template <int D>
+PHYSICS_HPP_COLD double reach_from(const core<D>& c, const point<D>& center) {
+    double square = 0;
+    for (int i = 0; i < D; ++i) {
+        point<D> n;
+        n[i] = 1;
+        const double far = max(abs(c.support(n).at[i] - center[i]), abs(c.support(-n).at[i] - center[i]));
+        square += far * far;
+    }
+    return physics::sqrt(square);
+}
+
+/// Of a body: how thick its thinnest piece is, how far its cores reach from the centre of mass, and how far all of it.
+template <class Plan>
+PHYSICS_HPP_COLD void measure_body(const state<Plan>& s, std::uint32_t index, body_extent<typename Plan::scalar>& to) {
+    using S = typename Plan::scalar;
+    constexpr int D = Plan::dimension;
+    const point<D> center = to_point(s.bodies[index].mass.center);
+    double thickness = no_limit, reach = 0, outer = 0;
+    each_shape(s, index, [&](std::uint32_t, const shape_record<Plan>& record) {
+        const mat<double, D> axes = to_matrix(record.local.rotation);
+        const point<D> at = transposed_times(axes, center - to_point(record.local.position));
+        record.shape.visit([&](const auto& shape) {
+            each_swept_piece(shape, everywhere(record.local.rotation),
+                             [&](const core<D>& c, const mat<double, D>& turned, const point<D>& where) {
+                                 const double far = reach_from(c, transposed_times(turned, at - where));
+                                 thickness = min(thickness, inradius_of<Plan::few_corners>(c));
+                                 reach = max(reach, far);
+                                 outer = max(outer, far + c.radius);
+                             });
+        });
+        // Of what has no pieces, a box.
+        if (s.bodies[index].is_dynamic()) return;
+        const auto box = bounds(record.shape, record.local);
+        double square = 0;
+        for (int i = 0; i < D; ++i) {
+            const double far =
+                max(abs(detail::to_double(box.lower[i]) - center[i]), abs(detail::to_double(box.upper[i]) - center[i]));
+            square += far * far;
+        }
+        outer = max(outer, physics::sqrt(square));
+    });
+    const double maximum = static_cast<double>(scalar_traits<S>::max()) * 0.25;
+    to = {static_cast<S>(min(thickness, maximum)), static_cast<S>(min(reach, maximum)), min(outer, maximum)};
+}
+
+/// Keeps these of a body whose shapes or centre of mass have changed. O(shapes of the body).
+template <class Plan>
+void refresh_extent(state<Plan>& s, std::uint32_t index) {
+    if constexpr (Plan::is_continuous) {
+        s.continuous.extents.resize(s.bodies.slots());
+        measure_body(s, index, s.continuous.extents[index]);
+    }
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/nearby.hpp
+// =================================================================================================
+// Which shapes are near.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Calls f(shape's number) for shapes whose boxes reach into a box.
+template <class Plan, class F>
+void each_near(const state<Plan>& s, const aabb<typename Plan::scalar, Plan::dimension>& box,
+               const query_filter& filter, F&& f) {
+    if constexpr (requires { s.broadphase.each_overlapping(box, filter, f); }) {
+        s.broadphase.each_overlapping(box, filter, f);
+    } else {
+        s.shapes.each([&](std::uint32_t i, const auto& shape) {
+            if (filter.sees(filter_of(s, shape)) && overlap(query_bounds(s, shape), box)) f(i);
+        });
+    }
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/sweep_paths.hpp
+// =================================================================================================
+// Where bodies go in a step, as the sweeps see it, and what the contacts of the step tell them.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Adds whole turns to a turn of at most half of one, as a rate says (rad a step).
+template <class S>
+S with_whole_turns(S turn, S rate) {
+    constexpr double whole = 6.283185307179586;
+    return turn + static_cast<S>(physics::floor((to_double(rate) - to_double(turn)) / whole + 0.5) * whole);
+}
+template <class S>
+vec<S, 3> with_whole_turns(const vec<S, 3>& turn, const vec<S, 3>& rate) {
+    const auto [axis, fast] = direction_and_length_of(rate);
+    if (!(fast > pi<S>)) return turn;
+    const auto [own, angle] = direction_and_length_of(turn);
+    // A small turn's axis is mostly rounding.
+    const vec<S, 3> about = angle > S(0.0625) ? own : axis;
+    const S first = dot(turn, about);
+    return about * with_whole_turns(first, dot(rate, about));
+}
+
+/// The ways of bodies through a step: from the poses at its start to the solver's.
+template <class Plan>
+class body_paths {
+public:
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+
+    body_paths(state<Plan>& s, moved_bodies<S, D, Plan::rotates> moved, S h) : s_(s), moved_(moved), h_(h) {}
+
+protected:
+    using body_sweep = sweep<S, D>;
+    using swept_body_type = swept_body<D>;
+
+    [[nodiscard]] double contact_margin() const { return detail::to_double(s_.settings.contact_margin); }
+    static S length_of(S w) { return abs(w); }
+    static S length_of(const vec<S, 2>& w) { return abs(w.x) + abs(w.y); }
+    static S length_of(const vec<S, 3>& w) { return abs(w.x) + abs(w.y) + abs(w.z); }
+    /// The farther of what it did and what it was about to.
+    body_motion<S, D> motion_of_body(std::uint32_t k, const typename Plan::body& b) const {
+        const std::uint32_t i = s_.awake[k];
+        const auto& extent = s_.continuous.extents[i];
+        const angular<S, D> w = value_of(moved_.velocity(k).angular), before = value_of(b.velocity.angular);
+        const vec<S, D> path = moved_[k].center - b.center, aimed = b.velocity.linear * h_;
+        const bool slower = length_of(w) < length_of(before), shorter = length_of(path) < length_of(aimed);
+        // A body that was stopped in this step may now overlap what stopped it.
+        return {shorter ? aimed : path,    (slower ? before : w) * h_, extent.reach,
+                extent.thickness,          s_.step.sweep.depths[i],    b.continuous,
+                s_.settings.contact_margin};
+    }
+
+    /// Whether a shape of a kinematic body may pass the middle of another in this step, by its way as seen from there.
+    PHYSICS_HPP_COLD bool crosses(std::uint32_t k, const typename Plan::body& b, std::uint32_t pusher) {
+        const auto& from = s_.bodies[pusher];
+        const auto& moved = moved_[s_.awake_index[pusher]];
+        const rotation<S, D> turned = rotation_after(moved, from);
+        const vec<S, D> start = inverse_transform(from.pose(), b.center),
+                        end = inverse_transform(transform<S, D>{moved.center - turned * from.mass.center, turned},
+                                                moved_[k].center);
+        // What turns leads the way around, not along the chord.
+        const double angle =
+            detail::to_double(length_of(value_of(moved_.velocity(s_.awake_index[pusher]).angular) * h_));
+        const double far = detail::to_double(length_of(start)) + detail::to_double(length_of(end));
+        const double reach = contact_margin() + far * angle * angle / 8;
+        if (!(angle < 1) || !(reach < detail::to_double(scalar_traits<S>::max()) / 4)) return true;
+        const aabb<S, D> path = grown(aabb<S, D>{min(start, end), max(start, end)}, static_cast<S>(reach));
+        bool crossed = false;
+        each_shape(s_, pusher, [&](std::uint32_t, const shape_record<Plan>& record) {
+            crossed = crossed || overlap(bounds(record.shape, record.local), path);
+        });
+        return crossed;
+    }
+    /// The shape's frame is the body's.
+    PHYSICS_HPP_COLD body_sweep motion_of(std::uint32_t i) const {
+        const auto& b = s_.bodies[i];
+        const std::uint32_t k = s_.awake_index[i];
+        const transform<S, D> start{b.center, b.rotation};
+        if (!(k < s_.awake.size())) return {start.position, start.position, start.rotation, {}, {}};
+        const rotation<S, D>& turn = rotation_after(moved_[k], b);
+        body_sweep m{start.position, moved_[k].center, start.rotation, {}, {}};
+        // What does not turn gets no turn from rounding either.
+        if (!(turn == start.rotation)) m = sweep_between<S, D>(start, {m.end, turn});
+        if constexpr (Plan::rotates) m.turn = with_whole_turns(m.turn, moved_.velocity(k).angular * h_);
+        return m;
+    }
+    /// All places of a body on its way.
+    aabb<double, D> box_of(const body_sweep& m, double reach) const {
+        const point<D> start = to_point(m.start), end = to_point(m.end);
+        return grown(aabb<double, D>{min(start, end), max(start, end)}, reach);
+    }
+
+    /// Whether a body stays within boxes near which the broadphase knew nothing that stands; and what it fills on its
+    /// way, or, where it does not go far, at the end.
+    bool keeps_clear(const swept_body_type& m, aabb<double, D>& box) const {
+        const std::uint32_t i = m.body;
+        const auto& b = s_.bodies[i];
+        const auto& extent = s_.continuous.extents[i];
+        const point<D> start = to_point(b.center), end = to_point(moved_[m.number].center);
+        const rotation<S, D>& turn = rotation_after(moved_[m.number], b);
+        double spare = 0.5 * contact_margin();
+        if (Plan::rotates && m.goes_far) {
+            // Points on arcs of the radius r leave their chords by up to r sin^2(angle / 2), and the squares of what
+            // unit vectors move by sum up to 8 sin^2(angle / 2).
+            double square = 0;
+            for (int k = 0; k < D; ++k) {
+                vec<S, D> unit;
+                unit[k] = S(1);
+                const point<D> by = to_point(turn * unit - b.rotation * unit);
+                square += dot(by, by);
+            }
+            spare += extent.outer * square * (1.0 / 8);
+            if (m.against == sweep_target::everything ||
+                !(length_of(value_of(moved_.velocity(m.number).angular)) * h_ < S(2))) {
+                box = grown(aabb<double, D>{min(start, end), max(start, end)}, extent.outer + spare);
+                return false;
+            }
+        }
+        const transform<S, D> pose{moved_[m.number].center - turn * b.mass.center, turn};
+        bool within = !s_.step.sweep.near_static[i] && !s_.is_asleep(i);
+        bool first = true;
+        each_shape(s_, i, [&](std::uint32_t k, const shape_record<Plan>& record) {
+            aabb<double, D> own = box_at(record, pose * record.local);
+            if (m.goes_far) own = merged(own, box_at(record, record.pose));
+            own = grown(own, spare);
+            box = first ? own : merged(box, own);
+            first = false;
+            if constexpr (requires { s_.broadphase.box(k); })
+                within = within && contains(wide(s_.broadphase.box(k)), own);
+            else within = false;
+        });
+        return within;
+    }
+
+    state<Plan>& s_;
+    moved_bodies<S, D, Plan::rotates> moved_;
+    S h_;
+
+private:
+    static aabb<double, D> wide(const aabb<S, D>& box) { return {to_point(box.lower), to_point(box.upper)}; }
+    static aabb<double, D> box_at(const shape_record<Plan>& record, const transform<S, D>& pose) {
+        return wide(bounds(record.shape, pose));
+    }
+};
+
+/// Forgets which bodies were near static ones, or deep in them, in the last step.
+template <class Plan>
+void clear_depths(state<Plan>& s) {
+    if constexpr (Plan::sweeps) {
+        for (const std::uint32_t i : s.step.sweep.deep) s.step.sweep.depths[i] = {};
+        s.step.sweep.deep.clear();
+        s.step.sweep.depths.resize(s.bodies.slots());
+        s.step.sweep.near_static.clear();
+        s.step.sweep.near_static.resize(s.bodies.slots());
+    }
+}
+/// Notes which of two bodies whose boxes overlap is near one that stands; those have the last number.
+template <class Plan>
+void note_near(state<Plan>& s, std::uint32_t a, std::uint32_t b) {
+    if constexpr (Plan::sweeps) {
+        // Several workers may note the same body.
+        const auto note = [&](std::uint32_t i) {
+#if defined(__GNUC__)
+            __atomic_store_n(&s.step.sweep.near_static[i], true, __ATOMIC_RELAXED);
+#else
+            s.step.sweep.near_static[i] = true;
+#endif
+        };
+        if (!(s.awake_index[a] < s.awake.size())) note(b);
+        if (!(s.awake_index[b] < s.awake.size())) note(a);
+    }
+}
+/// Whether a contact is deep.
+template <class Plan, class Contact>
+bool is_deep(const state<Plan>& s, const Contact& c) {
+    if constexpr (Plan::sweeps) {
+        // Bodies that do not move have the last number.
+        if (is_awake(s, c.bodies.body_a) == is_awake(s, c.bodies.body_b)) return false;
+        for (int k = 0; k < c.count; ++k)
+            if (-c.points[k].separation > s.settings.contact_margin * typename Plan::scalar(0.125)) return true;
+    }
+    return false;
+}
+/// Notes how deep the body of a contact is in a static one.
+template <class Plan, class Contact>
+void note_depth(state<Plan>& s, const Contact& c) {
+    if constexpr (Plan::sweeps) {
+        if (!is_deep(s, c)) return;
+        typename Plan::scalar depth{};
+        for (int k = 0; k < c.count; ++k) depth = max(depth, -c.points[k].separation);
+        const std::uint32_t a = c.bodies.body_a, b = c.bodies.body_b;
+        const auto note = [&](std::uint32_t i) {
+            s.step.sweep.depths[i] = max(s.step.sweep.depths[i], depth);
+            s.step.sweep.deep.push_back(i);
+        };
+        if (s.bodies[a].type == body_type::static_body) note(b);
+        if (s.bodies[b].type == body_type::static_body) note(a);
+    }
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/sweep_search.hpp
+// =================================================================================================
+// What stops a body on its way through a step: the shapes near by, and when it meets them.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Sweeps a body along a way, from piece to piece and from shape to shape.
+template <class Plan>
+class sweep_search : protected body_paths<Plan> {
+    using paths = body_paths<Plan>;
+
+protected:
+    using paths::contact_margin, paths::D, paths::motion_of, paths::moved_, paths::s_;
+    using typename paths::body_sweep;
+    using typename paths::S;
+    using typename paths::swept_body_type;
+
+    using paths::body_paths;
+
+    /// Shapes that a body may meet on a way in a box, in ascending order.
+    PHYSICS_HPP_COLD bool find_candidates(std::uint32_t body, const aabb<double, D>& path, bool everything) {
+        auto& found = s_.step.sweep.candidates;
+        found.clear();
+        aabb<S, D> box;
+        const double maximum = static_cast<double>(scalar_traits<S>::max());
+        const double pose_error = 2 * static_cast<double>(scalar_traits<S>::epsilon());
+        for (int i = 0; i < D; ++i) {
+            if (!(path.lower[i] > -maximum && path.upper[i] < maximum)) return false;
+            box.lower[i] = static_cast<S>(path.lower[i] - pose_error * (abs(path.lower[i]) + 1));
+            box.upper[i] = static_cast<S>(path.upper[i] + pose_error * (abs(path.upper[i]) + 1));
+        }
+        if (!is_box(box)) return false;
+        const proxy_filter own{.owner = body, .movable = true};
+        const auto add = [&](std::uint32_t shape) {
+            const auto& record = s_.shapes[shape];
+            if (!everything && s_.bodies[record.body].type != body_type::static_body) return;
+            if (may_meet(own, filter_of(s_, record))) found.push_back(shape);
+        };
+        each_near(s_, box, query_filter{.category = all_categories, .movable = everything}, add);
+        if (everything)
+            for (const auto& partner : s_.step.sweep.moving_bodies)
+                if (overlap(partner.box, path))
+                    each_shape(s_, partner.body, [&](std::uint32_t k, const auto&) { add(k); });
+        sort_once(found, s_.step.sweep.spare);
+        return true;
+    }
+    static void sort_once(buffer<std::uint64_t>& numbers, buffer<std::uint64_t>& spare) {
+        if (numbers.size() < 2) return;
+        spare.resize(numbers.size());
+        if (radix_sort(numbers.begin(), spare.begin(), numbers.size(), 0, 32) != numbers.begin()) numbers.swap(spare);
+        std::uint32_t kept = 0;
+        for (std::uint32_t i = 0; i < numbers.size(); ++i)
+            if (kept == 0 || numbers[kept - 1] != numbers[i]) numbers[kept++] = numbers[i];
+        numbers.resize(kept);
+    }
+
+    PHYSICS_HPP_COLD bool ends_in_something(const swept_body_type& m, const body_sweep& path) {
+        const transform<S, D> end{path.end, path.turn == angular<S, D>{} ? path.rotation : path.at(S(1)).rotation};
+        swept_body_type probe(m.body, m.number);
+        probe.goes_far = false;
+        sweep_body(probe, {end.position, end.position, end.rotation, {}, {}});
+        return probe.stops;
+    }
+    /// Finds the first of the candidates that stops a body, of several at once that of the lowest number.
+    PHYSICS_HPP_COLD void sweep_body(swept_body_type& m, const body_sweep& path) {
+        m.stops = false;
+        m.time = 1;
+        each_shape(s_, m.body, [&](std::uint32_t, const shape_record<Plan>& record) {
+            const mat<double, D> axes = to_matrix(record.local.rotation);
+            const point<D> at = to_point(record.local.position) - to_point(s_.bodies[m.body].mass.center);
+            record.shape.visit([&](const auto& shape) {
+                each_swept_piece(shape, everywhere(record.local.rotation),
+                                 [&](const core<D>& c, const mat<double, D>& turned, const point<D>& where) {
+                                     sweep_piece(m, path, c, axes * turned, axes * where + at);
+                                 });
+            });
+        });
+    }
+    PHYSICS_HPP_COLD void sweep_piece(swept_body_type& m, const body_sweep& path, const core<D>& piece,
+                                      const mat<double, D>& axes, const point<D>& at) {
+        const double thickness = inradius_of<Plan::few_corners>(piece);
+        for (const std::uint64_t k : s_.step.sweep.candidates) {
+            const auto& record = s_.shapes[static_cast<std::uint32_t>(k)];
+            const body_sweep other = motion_of(record.body);
+            const obstacle o{
+                other,
+                moving_core<D>(piece, path, axes, at, to_point(other.start)),
+                (to_point(path.end) - to_point(path.start)) - (to_point(other.end) - to_point(other.start)),
+                to_matrix(record.local.rotation),
+                to_point(record.local.position) - to_point(s_.bodies[record.body].mass.center),
+                thickness,
+                record.body};
+            record.shape.visit([&](const auto& shape) { sweep_shape(shape, o, m); });
+        }
+    }
+    /// A shape on the way of a piece: where it is on its body, and how the piece moves as seen from the body's centre.
+    struct obstacle {
+        const body_sweep& other;
+        moving_core<D> mine;
+        point<D> path;
+        mat<double, D> axes;
+        point<D> at;
+        double thickness;
+        std::uint32_t body;
+    };
+
+    template <class Shape>
+    void sweep_shape(const Shape& shape, const obstacle& o, swept_body_type& m) {
+        if constexpr (is_halfspace<Shape>) {
+            const bounding_half<D> half(shape);
+            core<D> surface;
+            surface.corner[0] = half.normal * half.offset;
+            sweep_core(surface, mat<double, D>::identity(), {}, &half.normal, o, m);
+        } else if constexpr (has_parts<Shape, D>) {
+            point<D> center;
+            const aabb<double, D> box = box_of_path(o, center);
+            each_piece(
+                shape, box, [&](const auto& part) { return faces(part, center); },
+                [&](const core<D>& piece, const mat<double, D>& turned, const point<D>& where, std::uint32_t) {
+                    sweep_core(piece, turned, where, nullptr, o, m);
+                });
+        } else if constexpr (has_core<Shape>) {
+            sweep_core(core_of(shape), mat<double, D>::identity(), {}, nullptr, o, m);
+        }
+    }
+    /// What a piece fills on its way, and its middle at the step's start, in the frame of the obstacle.
+    PHYSICS_HPP_COLD aabb<double, D> box_of_path(const obstacle& o, point<D>& center) const {
+        const mat<double, D> body = to_matrix(o.other.rotation), seen = transposed(body * o.axes);
+        const point<D> origin = body * o.at, start = o.mine.start, end = o.mine.start + o.path;
+        const double reach = (o.mine.reach + o.mine.shape.radius) + 2 * contact_margin();
+        const placed_core<D> mine = o.mine.at(0, start);
+        center = seen * (mine.axes * o.mine.shape.center + mine.at - origin);
+        if (!(o.other.turn == angular<S, D>{})) {
+            const point<D> middle = -transposed_times(o.axes, o.at);
+            return grown(aabb<double, D>{middle, middle}, reach + max(length(start), length(end)));
+        }
+        const point<D> from = seen * (start - origin), to = seen * (end - origin);
+        return grown(aabb<double, D>{min(from, to), max(from, to)}, reach);
+    }
+    /// A piece of an obstacle, which stands in its frame as given; of a halfspace a point, with its normal.
+    PHYSICS_HPP_COLD void sweep_core(const core<D>& piece, const mat<double, D>& turned, const point<D>& where,
+                                     const point<D>* face, const obstacle& o, swept_body_type& m) {
+        const moving_core<D> a(piece, o.other, o.axes * turned, o.axes * where + o.at, to_point(o.other.start));
+        const moving_core<D>& b = o.mine;
+        const cast_precision precision = cast_precision::of<S>(piece, b.shape);
+        const moving_pair<D> pair{
+            a, b, o.path, face, piece.radius + b.shape.radius, precision.error, precision.relative};
+        const double margin = contact_margin();
+        if (!m.goes_far) {
+            m.stops = m.stops || is_deeper<Plan::few_corners>(pair, margin * (1.0 / 32));
+            return;
+        }
+        // What rounding of poses may do to a gap.
+        const double epsilon = static_cast<double>(scalar_traits<S>::epsilon());
+        const double size = largest(to_point(o.other.start)) + largest(b.start) + largest(o.path);
+        const double pose_error = 4 * epsilon * (is_fixed<S> ? 1 + b.reach : size + b.reach);
+        const bool thin = s_.bodies[o.body].is_dynamic();
+        const double depth = detail::to_double(s_.step.sweep.depths[m.body]);
+        const penetration_limits rule{margin + pose_error,
+                                      margin * (1.0 / 64),
+                                      margin * (1.0 / 64),
+                                      thin ? min(o.thickness, inradius_of<Plan::few_corners>(piece)) : o.thickness,
+                                      margin * (1.0 / 16) + pose_error,
+                                      margin * (1.0 / 4) + depth + pose_error,
+                                      pose_error,
+                                      thin};
+        const auto found = find_first_penetration<Plan::few_corners>(pair, rule, m.stops ? m.time : 1.0);
+        m.converged = m.converged && found.converged;
+        if (!found.stops || (m.stops && !(found.time < m.time))) return;
+        m.stops = true;
+        m.time = found.time;
+        m.other = o.body;
+        m.normal = found.normal;
+        m.gap = found.gap;
+        m.touching = found.touching;
+        m.push_out = found.push_out;
+    }
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/sweep.hpp
+// =================================================================================================
+// Continuous collision in a world: fast bodies are stopped where they would pass into something.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// The sweeps of one step. It reads poses at the step's start and the solver's; what stops bodies is applied when all
+/// is known, so that no order of bodies matters.
+template <class Plan>
+class body_sweeps : sweep_search<Plan> {
+    using search = sweep_search<Plan>;
+    using search::box_of, search::crosses, search::D, search::h_, search::keeps_clear, search::contact_margin,
+        search::length_of, search::motion_of, search::moved_, search::s_, search::motion_of_body,
+        search::find_candidates, search::ends_in_something, search::sweep_body;
+    using typename search::body_sweep;
+    using typename search::S;
+    using typename search::swept_body_type;
+    using policy = typename Plan::continuous;
+
+public:
+    using search::sweep_search;
+
+    PHYSICS_HPP_NOINLINE void run() {
+        auto& report = s_.continuous.report;
+        report = {};
+        if (find_swept_bodies()) sweep_all(report);
+    }
+
+private:
+    buffer<swept_body_type>& swept_bodies() { return s_.step.sweep.swept_bodies; }
+
+    PHYSICS_HPP_COLD void sweep_all(continuous_report<S>& report) {
+        report.swept = swept_bodies().size();
+        if (any_flagged_) list_moving_bodies();
+        for (swept_body_type& m : swept_bodies()) find_stop(m);
+        for (swept_body_type& m : swept_bodies()) stop_other(m);
+        for (swept_body_type& m : swept_bodies()) stop(m);
+    }
+    bool find_swept_bodies() {
+        auto& pushers = s_.step.sweep.pushers;
+        pushers.clear();
+        const S thinnest = list_swept_bodies();
+        if (fastest_ > detail::to_double(thinnest)) {
+            for (auto& p : pushers) p.box = box_of(motion_of(p.body), s_.continuous.extents[p.body].outer);
+            list_swept_bodies();
+        }
+        return !swept_bodies().empty();
+    }
+    /// Gives the thickness of the thinnest dynamic body, so that what slow kinematic ones pass is not looked for.
+    S list_swept_bodies() {
+        swept_bodies().clear();
+        const bool anew = !s_.step.sweep.pushers.empty();
+        S thinnest = scalar_traits<S>::max();
+        for (std::uint32_t k = 0; k < s_.awake.size(); ++k) {
+            const std::uint32_t i = s_.awake[k];
+            const auto& b = s_.bodies[i];
+            const body_motion<S, D> own = motion_of_body(k, b);
+            if (!b.is_dynamic()) {
+                double far = detail::to_double(length_of(own.turn)) * s_.continuous.extents[i].outer;
+                for (int axis = 0; axis < D; ++axis) far += abs(detail::to_double(own.translation[axis]));
+                // By velocities drums and paddles go far all the time: what they pass is not looked for.
+                if (anew || !b.has_target || !(far > 0)) continue;
+                s_.step.sweep.pushers.push_back({i, {}});
+                fastest_ = max(fastest_, far);
+                continue;
+            }
+            thinnest = min(thinnest, own.thickness);
+            const body_motion<S, D> path = anew ? as_pushed(k, b, own) : own;
+            const auto against = policy::sweep_against(path);
+            if (against == sweep_target::nothing) continue;
+            const bool everything = against == sweep_target::everything;
+            swept_body_type m(i, k, against);
+            m.goes_far = everything || path.bound() > path.thickness * S(0.5) - path.depth;
+            swept_bodies().push_back(m);
+            any_flagged_ = any_flagged_ || everything;
+        }
+        return thinnest;
+    }
+    /// The stride of a body as seen from the first kinematic one that may pass its middle; it counts as flagged then.
+    PHYSICS_HPP_COLD body_motion<S, D> as_pushed(std::uint32_t k, const typename Plan::body& b,
+                                                 const body_motion<S, D>& own) {
+        const point<D> start = to_point(b.center), end = to_point(moved_[k].center);
+        const aabb<double, D> box =
+            grown(aabb<double, D>{min(start, end), max(start, end)}, s_.continuous.extents[s_.awake[k]].outer);
+        for (const auto& p : s_.step.sweep.pushers) {
+            if (!overlap(p.box, box)) continue;
+            const auto& from = s_.bodies[p.body];
+            const vec<S, D> velocity_of_pusher =
+                velocity_at(moved_.velocity(s_.awake_index[p.body]), b.center - from.center) * h_;
+            body_motion<S, D> seen = own, alone = own;
+            seen.translation -= velocity_of_pusher;
+            alone.translation = velocity_of_pusher;
+            seen.flagged = true;
+            if (seen.bound() > own.thickness && alone.bound() > own.thickness && crosses(k, b, p.body)) return seen;
+        }
+        return own;
+    }
+
+    /// What moves, and may be far from where the broadphase knows it.
+    void list_moving_bodies() {
+        s_.step.sweep.moving_bodies.clear();
+        const auto add = [&](std::uint32_t i) {
+            s_.step.sweep.moving_bodies.push_back({i, box_of(motion_of(i), s_.continuous.extents[i].outer)});
+        };
+        std::uint32_t next = 0;
+        for (std::uint32_t k = 0; k < s_.awake.size(); ++k) {
+            const std::uint32_t i = s_.awake[k];
+            const bool goes_far = next < swept_bodies().size() && swept_bodies()[next].number == k;
+            if (goes_far) ++next;
+            if (goes_far || !s_.bodies[i].is_dynamic()) add(i);
+        }
+    }
+
+    /// What does not go far passes through nothing: it is enough to look where it ends.
+    void find_stop(swept_body_type& m) {
+        const bool everything = m.against == sweep_target::everything;
+        aabb<double, D> box;
+        if (keeps_clear(m, box) && !everything) return;
+        if (!find_candidates(m.body, box, everything)) m.converged = false;
+        if (s_.step.sweep.candidates.empty()) return;
+        const body_sweep path = motion_of(m.body);
+        m.goes_far = m.goes_far || ends_in_something(m, path);
+        if (m.goes_far) sweep_body(m, path);
+    }
+
+    /// A dynamic body that goes far itself must not go on through the body that was stopped on its way.
+    void stop_other(const swept_body_type& m) {
+        if (!m.stops || !s_.bodies[m.other].is_dynamic()) return;
+        swept_body_type* other = find_swept_body(s_.awake_index[m.other]);
+        if (other == nullptr || (other->cut && !(m.time < other->cut_time))) return;
+        other->cut = true;
+        other->cut_time = m.time;
+    }
+    swept_body_type* find_swept_body(std::uint32_t number) {
+        std::uint32_t low = 0, high = swept_bodies().size();
+        while (low < high) {
+            const std::uint32_t middle = (low + high) / 2;
+            if (number > swept_bodies()[middle].number) low = middle + 1;
+            else high = middle;
+        }
+        return low < swept_bodies().size() && swept_bodies()[low].number == number ? &swept_bodies()[low] : nullptr;
+    }
+
+    /// A body whose inertia depends on the axis spins on as seen from itself: else it would change its energy.
+    void turn_back(std::uint32_t number, const rotation<S, D>& to) {
+        auto& b = moved_[number];
+        if constexpr (D == 3)
+            if (b.gyroscopic) {
+                vec<S, 3>& w = moved_.velocity(number).angular;
+                w = to * inverse_rotate(b.rotation, w);
+            }
+        b.rotation = to;
+    }
+    PHYSICS_HPP_COLD void stop(swept_body_type& m) {
+        const bool is_cut = m.cut && !(m.stops && m.time < m.cut_time);
+        const double time = is_cut ? m.cut_time : m.time;
+        auto& report = s_.continuous.report;
+        const body_type type = s_.bodies[m.other].type;
+        const bool slides = !is_cut && m.stops && type == body_type::static_body && m.against == sweep_target::fixed;
+        if ((is_cut || m.stops) && time < 1 && !(slides && is_pushed_out(m))) {
+            const body_sweep path = motion_of(m.body);
+            transform<S, D> at = path.at(rounded_down<S>(time));
+            if (slides) at.position = slid_along(m, at, path.end);
+            else if (!is_cut && type == body_type::kinematic_body) at = carried(m, at);
+            moved_[m.number].center = at.position;
+            if constexpr (Plan::rotates)
+                if (!slides || !(path.turn == angular<S, D>{})) turn_back(m.number, at.rotation);
+            const S lost = static_cast<S>(1 - time) * h_;
+            // What gravity has given for the lost time would make a bounce higher than the fall.
+            if (slides && m.touching) {
+                take_from_speed(m, at.position - path.end);
+            } else {
+                vec<S, D>& v = moved_.velocity(m.number).linear;
+                const vec<S, D> ahead = slides ? from_point<S>(m.normal) : normalized(v);
+                v -= ahead * (dot(ahead, s_.settings.gravity) * s_.bodies[m.body].gravity_scale * lost);
+            }
+            ++report.stopped;
+            report.lost = max(report.lost, lost);
+        }
+        if (!m.converged) ++report.unconverged;
+    }
+    /// What turns about a point of contact leaves the tangent along which the solver moves that point: rims of coins
+    /// would be stopped in every step. Where it is no deeper than that explains, it is pushed out at the end of the
+    /// step, and loses no time.
+    PHYSICS_HPP_COLD bool is_pushed_out(const swept_body_type& m) {
+        if constexpr (!Plan::rotates) return false;
+        body_sweep path = motion_of(m.body);
+        const double turn = detail::to_double(length_of(path.turn)),
+                     maximum = 0.5 * turn * turn * s_.continuous.extents[m.body].outer;
+        swept_body_type deepest = m;
+        // Twice, for what is in a corner.
+        for (int i = 0; i < 2; ++i) {
+            if (!deepest.touching || !(deepest.push_out <= maximum)) return false;
+            path.end += from_point<S>(deepest.normal * max(deepest.push_out, 0.0));
+            deepest = continue_on(m, path);
+            if (deepest.stops) continue;
+            vec<S, D>& center = moved_[m.number].center;
+            take_from_speed(m, path.end - center);
+            center = path.end;
+            return true;
+        }
+        return false;
+    }
+    /// Takes from the speed of a body what it has gained by being moved against gravity.
+    PHYSICS_HPP_COLD void take_from_speed(const swept_body_type& m, const vec<S, D>& by) {
+        const auto& b = s_.bodies[m.body];
+        const double gain = -dot(to_point(by), to_point(s_.settings.gravity)) * detail::to_double(b.gravity_scale);
+        if (!(gain > 0)) return;
+        auto& v = moved_.velocity(m.number);
+        double square = dot(to_point(v.linear), to_point(v.linear));
+        if constexpr (Plan::rotates)
+            square += twice_spin_energy(b.mass.inertia, moved_[m.number].rotation, v.angular) /
+                      detail::to_double(b.mass.mass);
+        const S kept = square > 2 * gain ? static_cast<S>(physics::sqrt(1 - 2 * gain / square)) : S(0);
+        v.linear *= kept;
+        if constexpr (Plan::rotates) v.angular *= kept;
+    }
+    /// What stops a body on another way, among static ones.
+    PHYSICS_HPP_COLD swept_body_type continue_on(const swept_body_type& m, const body_sweep& path) {
+        swept_body_type again(m.body, m.number);
+        const double reach = s_.continuous.extents[m.body].outer + contact_margin();
+        again.converged = find_candidates(m.body, box_of(path, reach), false);
+        sweep_body(again, path);
+        return again;
+    }
+    /// What a static body has stopped goes on along its surface for the rest of the step, until something else stops
+    /// it.
+    PHYSICS_HPP_COLD vec<S, D> slid_along(swept_body_type& m, const transform<S, D>& at, const vec<S, D>& end) {
+        const double margin = contact_margin();
+        point<D> path = to_point(end) - to_point(at.position);
+        path -= m.normal * dot(m.normal, path);
+        // Just outside, the solver stops it at once.
+        if (m.gap > margin * (-1.0 / 8)) path += m.normal * max(margin * (1.0 / 64) - m.gap, 0.0);
+        const body_sweep along{at.position, at.position + from_point<S>(path), at.rotation, {}, {}};
+        if (dot(path, path) <= margin * margin * (1.0 / 64)) return along.end;
+        return continue_from(m, along).position;
+    }
+    /// Where a body comes on a way after its stop, as far as static ones let it.
+    PHYSICS_HPP_COLD transform<S, D> continue_from(swept_body_type& m, const body_sweep& path) {
+        const swept_body_type again = continue_on(m, path);
+        m.converged = m.converged && again.converged;
+        return path.at(rounded_down<S>(again.time));
+    }
+    /// What a kinematic body has caught it takes along for the rest of the step, as far as static ones let it: nothing
+    /// holds the kinematic one up.
+    PHYSICS_HPP_COLD transform<S, D> carried(swept_body_type& m, const transform<S, D>& at) {
+        const body_sweep other = motion_of(m.other);
+        const transform<S, D> there = other.at(rounded_down<S>(m.time));
+        const auto& moved = moved_[s_.awake_index[m.other]];
+        const transform<S, D> then{moved.center, rotation_after(moved, s_.bodies[m.other])};
+        const transform<S, D> end = then * relative(there, at);
+        const body_sweep path = sweep_between<S, D>(at, {end.position, normalized(end.rotation)});
+        return continue_from(m, path);
+    }
+
+    bool any_flagged_ = false;
+    /// How far a point of a kinematic body goes, at most.
+    double fastest_ = 0;
+};
+
+/// Stops bodies that would have passed into something; see the recipe's policy.
+template <class Plan>
+void sweep_fast_bodies(state<Plan>& s, moved_bodies<typename Plan::scalar, Plan::dimension, Plan::rotates> moved,
+                       typename Plan::scalar h) {
+    if constexpr (Plan::sweeps) body_sweeps<Plan>(s, moved, h).run();
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/look_ahead.hpp
+// =================================================================================================
+// Speculative contacts: found as far ahead of fast bodies as those may come in the step.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Makes the boxes of fast bodies as large as the contacts that are looked for ahead of them.
+template <class Plan>
+void look_ahead(state<Plan>& s, typename Plan::scalar h) {
+    if constexpr (Plan::looks_ahead) {
+        using S = typename Plan::scalar;
+        constexpr int D = Plan::dimension;
+        s.step.sweep.ahead.resize(s.bodies.slots());
+        bool any = false;
+        s.bodies.each([&](std::uint32_t i, const auto& b) {
+            S& ahead = s.step.sweep.ahead[i];
+            ahead = S(0);
+            if (s.is_asleep(i)) return;
+            if (b.type == body_type::static_body) return;
+            const auto before = b.velocity_ahead(h);
+            vec<S, D> v = before.linear;
+            if (b.is_dynamic()) v += s.settings.gravity * b.gravity_scale * h;
+            const auto& extent = s.continuous.extents[i];
+            ahead = Plan::continuous::ahead({v * h, value_of(before.angular) * h, extent.reach, extent.thickness, S(0),
+                                             b.continuous, s.settings.contact_margin});
+            if (!(ahead > S(0))) return;
+            any = true;
+            each_shape(s, i, [&](std::uint32_t k, const auto& shape) {
+                const auto box = grown(query_bounds(s, shape), ahead);
+                if (is_box(box)) s.broadphase.move(k, box, {});
+            });
+        });
+        if (any) update_broadphase(s);
+    }
+}
+
+/// What is remembered of a pair serves no other step.
+template <class Memory>
+void forget_pair(Memory& m) {
+    m = {};
+    if constexpr (requires { m.changed; }) m.changed = true;
+}
+
+/// The narrowphase of some pairs, where some of them are looked at farther ahead: as one batch those in between.
+template <class Plan, class Query, class Manifolds, class Collide>
+void collide_ahead(state<Plan>& s, const Query* queries, typename Plan::pair_memory* memories, const proxy_pair* pairs,
+                   std::uint32_t count, Manifolds& manifolds, Collide&& collide) {
+    using S = typename Plan::scalar;
+    const S margin = s.settings.contact_margin;
+    const auto farther = [&](std::uint32_t i) {
+        return s.step.sweep.ahead[s.shapes[pairs[i].a].body] + s.step.sweep.ahead[s.shapes[pairs[i].b].body];
+    };
+    for (std::uint32_t i = 0; i < count;) {
+        const S more = farther(i);
+        std::uint32_t end = i + 1;
+        if (!(more > S(0)))
+            while (end < count && !(farther(end) > S(0))) ++end;
+        // What is found farther ahead serves no other step.
+        const auto forget = [&] {
+            if constexpr (Plan::remembers)
+                if (more > S(0) && queries[i].memory != Query::no_memory) forget_pair(memories[queries[i].memory]);
+        };
+        const std::uint32_t before = manifolds.size();
+        forget();
+        collide(queries + i, end - i, margin + more);
+        forget();
+        for (std::uint32_t k = before; k < manifolds.size(); ++k) manifolds[k].query += i;
+        i = end;
+    }
+}
+
+/// What the step has to know of fast bodies before it looks for contacts.
+template <class Plan>
+void watch_fast_bodies(state<Plan>& s, typename Plan::scalar h) {
+    clear_depths(s);
+    look_ahead(s, h);
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/overflow.hpp
+// =================================================================================================
+// Whether numbers stay in range in a step.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// The number of substeps of a solver; 1 if it has no such setting.
+template <class Settings>
+int substeps_of(const Settings& settings) {
+    if constexpr (requires { settings.substeps; }) return settings.substeps;
+    else return 1;
+}
+
+/// Whether a body's velocity and displacement keep within half of the scalar's range in a step of h seconds, by the
+/// forces on it: in double, since fixed-point numbers wrap. The whole step's force may act in the first substep.
+template <class S, int D, bool Rotates>
+bool stays_in_range(const vec<S, D>& gravity, const body<S, D, Rotates>& b, const solver_body<S, D, Rotates>& now, S h,
+                    int substeps) {
+    const double maximum = static_cast<double>(scalar_traits<S>::max()) / 2, step = static_cast<double>(h);
+    const auto size = [](double x) { return x < 0 ? -x : x; };
+    const auto fits = [&](double velocity, double force, double drive) {
+        const double speed = size(velocity) + drive * step;
+        return force * substeps <= maximum && drive * substeps <= maximum && speed <= maximum &&
+               speed * step <= maximum;
+    };
+    bool good = true;
+    for (int i = 0; i < D; ++i) {
+        const double force = size(static_cast<double>(b.force[i]));
+        double drive = force * static_cast<double>(b.inverse_mass);
+        if (b.is_dynamic()) drive += size(static_cast<double>(gravity[i]) * static_cast<double>(b.gravity_scale));
+        good = good && fits(static_cast<double>(now.velocity.linear[i]), force, drive);
+    }
+    if constexpr (Rotates)
+        good =
+            good && fits(largest_magnitude(now.velocity.angular), largest_magnitude(b.torque),
+                         largest_magnitude(times(converted<double>(now.inverse_inertia), converted<double>(b.torque))));
+    return good;
+}
+
+/// Whether a body's position and velocity are in range.
+template <class S, int D, bool Rotates>
+bool is_in_range(const moving_body<S, D, Rotates>& at, const twist_of<S, D, Rotates>& velocity) {
+    if (!is_in_range(at.center) || !is_in_range(velocity.linear)) return false;
+    if constexpr (Rotates) return is_finite(at.rotation) && is_in_range(velocity.angular);
+    else return true;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/sleep.hpp
+// =================================================================================================
+// Sleep: islands that are still leave the step until something happens to them.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Keeps, in order, the contacts for which stays(contact) is true, and hands the others to out.
+template <class Contacts, class Stays, class Out>
+void partition_contacts(Contacts& contacts, Stays&& stays, Out&& out) {
+    std::uint32_t kept = 0;
+    for (std::uint32_t i = 0; i < contacts.size(); ++i) {
+        if (!stays(contacts[i])) {
+            out(contacts[i]);
+            continue;
+        }
+        if (kept != i) contacts[kept] = contacts[i];
+        ++kept;
+    }
+    while (contacts.size() > kept) contacts.pop_back();
+}
+/// Adds contacts to others; both lists, and the result, are in ascending order of their pairs.
+template <class Contact>
+void merge_contacts(buffer<Contact>& to, const buffer<Contact>& more) {
+    std::uint32_t i = to.size(), j = more.size();
+    if (j == 0) return;
+    to.resize(i + j, more[0]);
+    for (std::uint32_t at = to.size(); j > 0;) {
+        const bool is_last = i > 0 && more[j - 1].key() < to[i - 1].key();
+        to[--at] = is_last ? to[--i] : more[--j];
+    }
+}
+
+/// Calls f(body) for all of a sleeper's island, itself included; f may wake them.
+template <class Plan, class F>
+void each_of_island(state<Plan>& s, std::uint32_t body, F&& f) {
+    std::uint32_t i = body;
+    do {
+        const std::uint32_t next = s.sleep.island_next[i];
+        f(i);
+        i = next;
+    } while (i != body);
+}
+
+/// Brings bodies back that were asleep, listed in s.step.woken: they can be pushed again, and what touches them is
+/// looked at again.
+template <class Plan>
+void finish_waking(state<Plan>& s) {
+    for (const std::uint32_t i : s.step.woken) {
+        s.sleep.island_next[i] = no_sleeper;
+        s.sleep.sleep_time[i] = {};
+        reinsert_proxies(s, i);
+    }
+    if (!s.step.woken.empty()) s.awake_changed = true;
+    s.step.woken.clear();
+}
+/// True if neither body of the contact is dynamic and awake.
+template <class Plan, class Contact>
+bool touches_no_awake_body(const state<Plan>& s, const Contact& c) {
+    return !s.is_awake_dynamic(c.bodies.body_a) && !s.is_awake_dynamic(c.bodies.body_b);
+}
+/// Wakes the islands of those that each(f) calls f(body) for, at once, with their contacts. O(contacts of sleepers).
+template <class Plan, class Each>
+void wake_islands(state<Plan>& s, Each&& each) {
+    // A step that was refused may have left its list.
+    s.step.woken.clear();
+    bool any = false;
+    each([&](std::uint32_t body) {
+        if (!s.is_asleep(body)) return;
+        any = true;
+        each_of_island(s, body, [&](std::uint32_t i) { s.step.woken.push_back(i); });
+        finish_waking(s);
+    });
+    if (!any) return;
+    s.step.new_contacts.clear();
+    partition_contacts(
+        s.sleep.contacts, [&](const auto& c) { return touches_no_awake_body(s, c); },
+        [&](const auto& c) { s.step.new_contacts.push_back(c); });
+    rescale_impulses(s.step.new_contacts.begin(), s.step.new_contacts.end(), {s.sleep.step, s.sleep.step},
+                     s.step_lengths);
+    merge_contacts(s.contacts, s.step.new_contacts);
+}
+template <class Plan>
+void wake(state<Plan>& s, std::uint32_t body) {
+    if constexpr (Plan::sleeps) wake_islands(s, [&](auto&& f) { f(body); });
+}
+/// Wakes those that touch a body.
+template <class Plan>
+void wake_touching(state<Plan>& s, std::uint32_t body) {
+    if constexpr (Plan::sleeps) {
+        auto& touching = s.step.near;
+        touching.clear();
+        for (const auto& c : s.sleep.contacts) {
+            if (c.bodies.body_a == body) touching.push_back(c.bodies.body_b);
+            if (c.bodies.body_b == body) touching.push_back(c.bodies.body_a);
+        }
+        wake_islands(s, [&](auto&& f) {
+            for (const std::uint32_t i : touching) f(i);
+        });
+    }
+}
+/// A body has changed: wakes its island if it is dynamic, else the islands that touch it.
+template <class Plan>
+void wake_affected(state<Plan>& s, std::uint32_t body) {
+    if (s.bodies[body].is_dynamic()) wake(s, body);
+    else wake_touching(s, body);
+}
+/// Wakes those that lie where a body is, or on its way to another pose.
+template <class Plan>
+void wake_near(state<Plan>& s, std::uint32_t body, const transform<typename Plan::scalar, Plan::dimension>& to) {
+    if constexpr (Plan::sleeps) {
+        auto& near = s.step.near;
+        near.clear();
+        each_shape(s, body, [&](std::uint32_t, const auto& shape) {
+            const auto box = merged(query_bounds(s, shape), bounds(shape.shape, to * shape.local));
+            each_near(s, box, query_filter{}, [&](std::uint32_t other) {
+                if (s.is_asleep(s.shapes[other].body)) near.push_back(s.shapes[other].body);
+                return true;
+            });
+        });
+        wake_islands(s, [&](auto&& f) {
+            for (const std::uint32_t i : near) f(i);
+        });
+    }
+}
+template <class Plan>
+void wake_near(state<Plan>& s, std::uint32_t body) {
+    wake_near(s, body, s.bodies[body].pose());
+}
+template <class Plan>
+void wake_all(state<Plan>& s) {
+    if constexpr (Plan::sleeps)
+        wake_islands(s, [&](auto&& f) { s.bodies.each([&](std::uint32_t i, const auto&) { f(i); }); });
+}
+
+template <class Plan>
+std::uint32_t count_awake(const state<Plan>& s) {
+    std::uint32_t count = 0;
+    s.bodies.each(
+        [&](std::uint32_t i, const auto& b) { count += b.type != body_type::static_body && !s.is_asleep(i); });
+    return count;
+}
+
+/// How far gravity draws bodies together within a step, at most.
+template <class Plan>
+auto gravity_slack(const state<Plan>& s, typename Plan::scalar h) {
+    return length(s.settings.gravity) * h * h;
+}
+
+/// Adds to the awake list the islands of sleeping bodies that a body will touch in this step; they wake for good when
+/// the step has succeeded. True if there are any.
+template <class Plan>
+bool list_woken(state<Plan>& s, bool any_near, typename Plan::scalar h) {
+    s.step.woken.clear();
+    if (!any_near) return false;
+    const auto slack = gravity_slack(s, h);
+    for (const auto& c : s.step.new_contacts) {
+        const std::uint32_t a = c.bodies.body_a, b = c.bodies.body_b;
+        const bool of_a = s.is_asleep(a);
+        if (of_a == s.is_asleep(b)) continue;
+        const std::uint32_t sleeper = of_a ? a : b;
+        if (s.awake_index[sleeper] < s.awake.size() ||
+            !will_touch(c, s.bodies[a].velocity_ahead(h), s.bodies[b].velocity_ahead(h), h, slack))
+            continue;
+        each_of_island(s, sleeper, [&](std::uint32_t i) {
+            s.awake_index[i] = 0;
+            s.step.woken.push_back(i);
+        });
+    }
+    if (s.step.woken.empty()) return false;
+    for (const std::uint32_t i : s.step.woken) s.awake.push_back(i);
+    s.awake_changed = true;
+    return true;
+}
+
+/// The step has succeeded: they are awake for good.
+template <class Plan>
+void commit_woken(state<Plan>& s) {
+    if (s.step.woken.empty()) return;
+    finish_waking(s);
+    partition_contacts(
+        s.sleep.contacts, [&](const auto& c) { return touches_no_awake_body(s, c); }, [](const auto&) {});
+}
+
+/// Notes how long each body has been still, and lets islands sleep that have been so for long enough and rest on
+/// something, or do not move at all: a slow drift in free space goes on for ever. What lies on other bodies only may go
+/// along with them: the upper rows of a large pile breathe by centimetres while no two that touch move against each
+/// other. Then the island must have lost half of that energy since, so that what tips, or moves steadily, stays awake.
+template <class Plan>
+class sleep_update {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+
+public:
+    sleep_update(state<Plan>& s, S h) : s_(s), step_(h) {
+        if (!update_sleep_times()) return;
+        count_ = s.awake.size();
+        disjoint_sets sets(count_, s.step.scratch);
+        island_ = s.step.scratch.template allocate<island>(count_);
+        for (std::uint32_t k = 0; k < count_; ++k) new (island_ + k) island{};
+        const S slack = gravity_slack(s, h);
+        for (const auto& c : s.contacts) {
+            const auto [a, b] = awake_pair(c);
+            if (is_dynamic(a) && is_dynamic(b) && touch(c, slack)) sets.unite(a, b);
+        }
+        for (std::uint32_t k = 0; k < count_; ++k)
+            if (is_dynamic(k)) add_to_island(k, island_[sets.find(k)]);
+        for (const auto& c : s.contacts) {
+            const auto [a, b] = awake_pair(c);
+            if (is_dynamic(a) != is_dynamic(b) && touch(c, slack))
+                add_support(a, b, island_[sets.find(is_dynamic(a) ? a : b)]);
+        }
+        bool any = false;
+        for (std::uint32_t k = 0; k < count_; ++k) {
+            if (!is_dynamic(k)) continue;
+            island& of = island_[sets.find(k)];
+            if (!of.is_still || !(of.rests || of.is_stopped) || of.now > 0.5 * of.before) continue;
+            fall_asleep(s.awake[k], of);
+            any = true;
+        }
+        if (any) move_contacts_to_sleepers();
+    }
+
+private:
+    struct island {
+        bool is_still = true, is_stopped = true, rests = false;
+        /// Of bodies that went along with others, mass times speed squared now, and when they began to.
+        double now = 0, before = 0;
+        std::uint32_t first = no_sleeper, last = no_sleeper;
+    };
+
+    /// True if any body has been still for long enough.
+    bool update_sleep_times() {
+        const auto& with = s_.settings.sleeping;
+        if (!with.enabled) return false;
+        const auto fast = product(with.speed, with.speed), spinning = product(with.spin, with.spin),
+                   far = product(with.drift, with.drift);
+        const auto is_slow = [&](const auto& b) {
+            return !(length_squared(b.velocity.linear) > fast || spin_squared(value_of(b.velocity.angular)) > spinning);
+        };
+        const auto is_far = [&](std::uint32_t i) {
+            return length_squared(s_.bodies[i].center - s_.sleep.sleep_anchor[i]) > far;
+        };
+        const support* supports = find_supports(is_slow, is_far);
+        bool any = false;
+        for (std::uint32_t k = 0; k < s_.awake.size(); ++k) {
+            const std::uint32_t i = s_.awake[k];
+            const auto& b = s_.bodies[i];
+            S &sleep_time = s_.sleep.sleep_time[i], &carried_from = s_.sleep.carried_from[i];
+            const bool moved = is_far(i), is_carried = supports != nullptr && supports[k] == support::carried;
+            if (!(sleep_time > S(0))) carried_from = S(-1);
+            if (!is_slow(b) || !b.can_sleep || (moved && !is_carried)) sleep_time = S(0);
+            else if (sleep_time < with.time) sleep_time += step_;
+            if (!(sleep_time > S(0))) carried_from = S(-1);
+            else if (moved && carried_from < S(0))
+                carried_from =
+                    static_cast<S>(min(square_of(b.velocity.linear), to_double(scalar_traits<S>::max()) / 2));
+            if (moved || !(sleep_time > S(0))) s_.sleep.sleep_anchor[i] = b.center;
+            any = any || (b.is_dynamic() && !(sleep_time < with.time));
+        }
+        return any;
+    }
+    /// What a slow body that has moved far lies on: nothing, other bodies that move as it does, or anything else.
+    enum class support : std::uint8_t { unasked, none, carried, other };
+
+    /// Of each body that moves; null if none of the slow ones has moved far.
+    template <class IsSlow, class IsFar>
+    const support* find_supports(IsSlow&& is_slow, IsFar&& is_far) {
+        const std::uint32_t count = s_.awake.size();
+        auto* found = s_.step.scratch.template allocate<support>(count + 1);
+        bool any = false;
+        for (std::uint32_t k = 0; k < count; ++k) {
+            const bool asked = is_slow(s_.bodies[s_.awake[k]]) && is_far(s_.awake[k]);
+            found[k] = asked ? support::none : support::unasked;
+            any = any || asked;
+        }
+        found[count] = support::unasked;
+        if (!any || !(s_.settings.sleeping.time > S(0))) return nullptr;
+        const double fast = to_double(s_.settings.sleeping.drift) / to_double(s_.settings.sleeping.time);
+        for (const auto& c : s_.contacts) {
+            const auto [a, b] = awake_pair(c);
+            support &one = found[a < count ? a : count], &other = found[b < count ? b : count];
+            if (one == support::unasked && other == support::unasked) continue;
+            bool bears = false;
+            for (int k = 0; k < c.count; ++k) bears = bears || c.points[k].normal_impulse > S(0);
+            if (!bears) continue;
+            const auto &of_a = s_.bodies[c.bodies.body_a], &of_b = s_.bodies[c.bodies.body_b];
+            const auto apart = to_point(of_b.velocity.linear) - to_point(of_a.velocity.linear);
+            const bool along = of_a.is_dynamic() && of_b.is_dynamic() && !(dot(apart, apart) > fast * fast);
+            for (support* on : {&one, &other})
+                if (*on != support::unasked) *on = along && *on != support::other ? support::carried : support::other;
+        }
+        return found;
+    }
+    static double square_of(const vec<S, D>& v) { return dot(to_point(v), to_point(v)); }
+    static auto spin_squared(const vec<S, 3>& w) { return length_squared(w); }
+    static auto spin_squared(S w) { return product(w, w); }
+
+    [[nodiscard]] bool is_dynamic(std::uint32_t k) const { return k < count_ && s_.bodies[s_.awake[k]].is_dynamic(); }
+    [[nodiscard]] body_pair awake_pair(const typename Plan::contact& c) const {
+        return {s_.awake_index[c.bodies.body_a], s_.awake_index[c.bodies.body_b]};
+    }
+    [[nodiscard]] bool touch(const typename Plan::contact& c, S slack) const {
+        return will_touch(c, s_.bodies[c.bodies.body_a].velocity, s_.bodies[c.bodies.body_b].velocity, step_, slack);
+    }
+    void add_to_island(std::uint32_t k, island& of) {
+        const std::uint32_t i = s_.awake[k];
+        of.is_still = of.is_still && s_.bodies[i].can_sleep && !(s_.sleep.sleep_time[i] < s_.settings.sleeping.time);
+        if (const S from = s_.sleep.carried_from[i]; !(from < S(0))) {
+            const double mass = to_double(s_.bodies[i].mass.mass);
+            of.now += mass * square_of(s_.bodies[i].velocity.linear);
+            of.before += mass * to_double(from);
+        }
+        of.is_stopped = of.is_stopped && s_.bodies[i].velocity == twist_of<S, D, Plan::rotates>{};
+    }
+    /// One of the two is not dynamic: it carries the island if it stands still, and keeps it awake if it moves.
+    void add_support(std::uint32_t a, std::uint32_t b, island& of) {
+        const std::uint32_t other = is_dynamic(a) ? b : a;
+        const twist_of<S, D, Plan::rotates> sleep_time{};
+        if (other < count_ && !(s_.bodies[s_.awake[other]].velocity == sleep_time)) of.is_still = false;
+        else of.rests = true;
+    }
+    void fall_asleep(std::uint32_t i, island& of) {
+        s_.bodies[i].velocity = {};
+        if (of.first == no_sleeper) of.first = i;
+        else s_.sleep.island_next[of.last] = i;
+        of.last = i;
+        s_.sleep.island_next[i] = of.first;
+        reinsert_proxies(s_, i);
+        s_.awake_changed = true;
+    }
+    void move_contacts_to_sleepers() {
+        s_.step.new_contacts.clear();
+        partition_contacts(
+            s_.contacts, [&](const auto& c) { return !touches_no_awake_body(s_, c); },
+            [&](const auto& c) { s_.step.new_contacts.push_back(c); });
+        if (s_.sleep.contacts.empty()) s_.sleep.step = s_.step_lengths.usual;
+        rescale_impulses(s_.step.new_contacts.begin(), s_.step.new_contacts.end(), s_.step_lengths,
+                         {s_.sleep.step, s_.sleep.step});
+        merge_contacts(s_.sleep.contacts, s_.step.new_contacts);
+        if constexpr (Plan::remembers)
+            s_.memories.drop([&](std::uint32_t shape) { return s_.is_asleep(s_.shapes[shape].body); });
+    }
+
+    state<Plan>& s_;
+    S step_;
+    std::uint32_t count_ = 0;
+    island* island_ = nullptr;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/integrate.hpp
+// =================================================================================================
+// Bodies as they move through a step: copies in tight arrays, which become the world's when the step has succeeded.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// The number of each body among those that move.
+template <class Plan>
+void index_awake(state<Plan>& s) {
+    s.awake_index.clear();
+    s.awake_index.resize(s.bodies.slots(), s.awake.size());
+    for (std::uint32_t k = 0; k < s.awake.size(); ++k) s.awake_index[s.awake[k]] = k;
+}
+/// Finds which bodies move, where that has changed.
+template <class Plan>
+void list_awake(state<Plan>& s) {
+    if (!s.awake_changed) return;
+    s.awake.clear();
+    s.bodies.each([&](std::uint32_t i, const auto& b) {
+        if (b.type != body_type::static_body && !s.is_asleep(i)) s.awake.push_back(i);
+    });
+    index_awake(s);
+}
+
+/// Whether an integrator advances poses in lanes: not one that derives from such, and may have poses of its own.
+template <class Integrator, bool Rotates>
+concept advances_in_lanes = requires {
+    requires std::same_as<typename Integrator::owner_of_lanes, Integrator>;
+    requires Integrator::template lanes<Rotates>::serves;
+};
+template <class Integrator, bool Rotates>
+struct pose_lanes_of {
+    struct type {};
+};
+template <class Integrator, bool Rotates>
+    requires advances_in_lanes<Integrator, Rotates>
+struct pose_lanes_of<Integrator, Rotates> {
+    using type = typename Integrator::template lanes<Rotates>;
+};
+
+/// How the solver moves a batch: it asks for velocities and poses to advance, once or in substeps.
+template <class Plan>
+class batch_integrator {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+    static constexpr bool rotates = Plan::rotates;
+    using integrator = typename Plan::integrator;
+    static constexpr bool in_lanes = advances_in_lanes<integrator, rotates>;
+    using lanes = typename pose_lanes_of<integrator, rotates>::type;
+
+public:
+    /// Copies the bodies of a part into their slots.
+    batch_integrator(const state<Plan>& s, const batches& all, const batch& one, moved_bodies<S, D, rotates> slots, S h,
+                     arena& scratch, task_runner& tasks)
+        : state_(s),
+          members_(all.body_at + one.bodies),
+          bodies_(slots.solved + one.bodies),
+          moving_(slots.moved + one.bodies),
+          count_(one.static_slot - one.bodies),
+          step_(h),
+          tasks_(tasks),
+          counts_(scratch.template allocate<std::uint32_t>(tasks.workers())) {
+        free_count_ = count_of([&](std::uint32_t k) { return gather(k); });
+        if constexpr (is_fixed<S>)
+            starts_in_range_ = count_of([&](std::uint32_t k) {
+                                   return !stays_in_range(s.settings.gravity, member(k), bodies_[k], h,
+                                                          substeps_of(s.settings.solver));
+                               }) == 0;
+        for (std::uint32_t k = count_; k < one.static_slot - one.bodies + 2; ++k)
+            new (bodies_ + k) solver_body<S, D, rotates>{};
+        if (free_count_ > 0) find_free_bodies(all, one, scratch);
+        if constexpr (in_lanes) lanes_ = new (scratch.template allocate<lanes>(1)) lanes(bodies(), moving_, scratch);
+    }
+
+    /// The bodies as the solver sees them; the last two are the static body and a dummy.
+    [[nodiscard]] solver_bodies<S, D, rotates> bodies() const { return {bodies_, count_ + 2}; }
+
+    /// By gravity and forces (m/s^2); nothing drives what is not dynamic.
+    [[nodiscard]] const vec<S, D>& acceleration(std::uint32_t k) const { return moving_[k].acceleration; }
+
+    /// How long steps usually take (s), or this one, if that is longer: contacts are no stiffer in a shorter one.
+    [[nodiscard]] S usual_step() const { return max(step_, state_.step_lengths.usual); }
+
+    void integrate_velocities(S h) {
+        if (free_count_ > 0) set_free_forces(step_ / h);
+        each([&](std::uint32_t k) { integrate_velocity(k, h); });
+        if (free_count_ > 0) set_free_forces(S(0));
+    }
+    /// The same; also reapplies what contacts gave in the last substep, v - start_velocity, and sets start_velocity
+    /// to the velocity before that.
+    void integrate_velocities(S h, twist_of<S, D, rotates>* start_velocity) {
+        if (free_count_ > 0) set_free_forces(step_ / h);
+        each([&](std::uint32_t k) {
+            auto& v = bodies_[k].velocity;
+            const auto got = v - start_velocity[k];
+            integrate_velocity(k, h);
+            start_velocity[k] = v;
+            v = v + got;
+        });
+        if (free_count_ > 0) set_free_forces(S(0));
+    }
+    void integrate_positions(S h) { integrate_positions(h, nullptr); }
+    /// The same; what velocities change by as bodies turn, they change in `start_velocity` too.
+    void integrate_positions(S h, twist_of<S, D, rotates>* start_velocity) {
+        if constexpr (in_lanes) {
+            lanes_->advance(h, start_velocity, tasks_);
+            return;
+        }
+        each([&](std::uint32_t k) {
+            pose_velocity<S, D, rotates>& v = bodies_[k].velocity;
+            const auto before = v;
+            integrator::integrate_pose(moving_[k], v, bodies_[k].displacement, h);
+            if constexpr (D == 3 && rotates)
+                if (start_velocity != nullptr && !(v == before)) start_velocity[k] = start_velocity[k] + (v - before);
+        });
+    }
+
+    /// Ends the step. False if something that moved is where numbers do not reach.
+    [[nodiscard]] bool finish() {
+        const std::uint32_t lost = count_of([&](std::uint32_t k) {
+            if constexpr (in_lanes) lanes_->finish(k, k + 1);
+            const auto& by = bodies_[k].displacement;
+            moving_[k].center += by.linear;
+            if constexpr (D == 2 && rotates)
+                if (by.angular != S(0)) moving_[k].rotation = turned(moving_[k].rotation, by.angular);
+            return !is_in_range(moving_[k], bodies_[k].velocity);
+        });
+        return lost == 0 && starts_in_range_;
+    }
+
+private:
+    /// Calls f(k) for all bodies.
+    template <class F>
+    void each(F&& f) {
+        tasks_.parallel_for(count_, min_per_task, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
+            for (std::uint32_t k = first; k < end; ++k) f(k);
+        });
+    }
+    /// For how many of them f(k) is true.
+    template <class F>
+    std::uint32_t count_of(F&& f) {
+        for (std::uint32_t k = 0; k < tasks_.workers(); ++k) counts_[k] = 0;
+        tasks_.parallel_for(count_, min_per_task, [&](std::uint32_t first, std::uint32_t end, std::uint32_t worker) {
+            std::uint32_t count = 0;
+            for (std::uint32_t k = first; k < end; ++k) count += f(k);
+            counts_[worker] += count;
+        });
+        for (std::uint32_t k = 1; k < tasks_.workers(); ++k) counts_[0] += counts_[k];
+        return counts_[0];
+    }
+    void integrate_velocity(std::uint32_t k, S h) {
+        if (!(bodies_[k].inverse_mass > inverse_of<S>(0))) return;
+        integrator::integrate_velocity(bodies_[k].velocity, moving_[k], h);
+        // -0 becomes 0, which no impulse of 0 changes: so the bits are the same whether solvers give it or not.
+        bodies_[k].velocity.linear += vec<S, D>{};
+        if constexpr (rotates) bodies_[k].velocity.angular += angular<S, D>{};
+    }
+    [[nodiscard]] const typename Plan::body& member(std::uint32_t k) const {
+        return state_.bodies[state_.awake[members_[k]]];
+    }
+    /// Says whether a force acts on it.
+    bool gather(std::uint32_t k) {
+        const auto& b = member(k);
+        auto& seen = *new (bodies_ + k) solver_body<S, D, rotates>{b.velocity_ahead(step_), {}, b.inverse_mass, {}};
+        auto& m = *new (moving_ + k) moving_body<S, D, rotates>{};
+        m.center = b.center;
+        if constexpr (rotates) {
+            seen.inverse_inertia = in_world(b.inverse_inertia, b.rotation);
+            m.rotation = b.rotation;
+        }
+        if (!b.is_dynamic()) return false;
+        m.acceleration = state_.settings.gravity * b.gravity_scale;
+        m.linear_damping = b.linear_damping;
+        if constexpr (rotates) {
+            m.angular_damping = b.angular_damping;
+            if (b.is_gyroscopic) m.gyroscopic = &b;
+        }
+        if (!b.has_external_force()) return false;
+        add_force(k, S(1));
+        return true;
+    }
+    /// Lets `share` of the force on a body act.
+    void add_force(std::uint32_t k, S share) {
+        const auto& b = member(k);
+        for (int i = 0; i < D; ++i) moving_[k].acceleration[i] += mul<S>(b.inverse_mass, b.force[i] * share);
+        if constexpr (rotates) moving_[k].angular_acceleration += times(bodies_[k].inverse_inertia, b.torque * share);
+    }
+    /// Bodies that are pushed and touch nothing.
+    void find_free_bodies(const batches& all, const batch& one, arena& scratch) {
+        auto* touches = scratch.template allocate<bool>(count_ + 1);
+        for (std::uint32_t k = 0; k <= count_; ++k) touches[k] = false;
+        for (std::uint32_t n = one.edges; n < one.end; ++n) touches[all.ends[n].a] = touches[all.ends[n].b] = true;
+        free_ = scratch.template allocate<std::uint32_t>(free_count_);
+        free_count_ = 0;
+        for (std::uint32_t k = 0; k < count_; ++k)
+            if (!touches[k] && member(k).has_external_force()) free_[free_count_++] = k;
+    }
+    /// Free bodies get the whole impulse of a user force in the first substep: spread over substeps, explicit user
+    /// springs would gain energy.
+    void set_free_forces(S share) {
+        for (std::uint32_t n = 0; n < free_count_; ++n) {
+            const std::uint32_t k = free_[n];
+            moving_[k].acceleration = state_.settings.gravity * member(k).gravity_scale;
+            if constexpr (rotates) moving_[k].angular_acceleration = {};
+            if (share > S(0)) add_force(k, share);
+        }
+        if (!(share > S(0))) free_count_ = 0;
+    }
+
+    const state<Plan>& state_;
+    const std::uint32_t* members_;
+    solver_body<S, D, rotates>* bodies_;
+    moving_body<S, D, rotates>* moving_;
+    std::uint32_t count_;
+    S step_;
+    task_runner& tasks_;
+    std::uint32_t* counts_;  ///< What each worker has counted.
+    std::uint32_t* free_ = nullptr;
+    std::uint32_t free_count_ = 0;
+    bool starts_in_range_ = true;
+    lanes* lanes_ = nullptr;
+    static constexpr std::uint32_t min_per_task = 128;  ///< The smallest number of bodies that makes a task.
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/warm_impulses.hpp
+// =================================================================================================
+// What contacts hand on from step to step where these differ in length.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// A step hands on what its contacts gave, as the load that the next one begins with. Where steps differ, what a single
+/// short one says of loads is noise; so what is handed on is what contacts gave within a usual step's time, to which
+/// the last step adds its part. How long steps usually take follows their length by an eighth at a time. Steps of one
+/// length hand on their impulses as they are, and cost nothing.
+template <class Plan>
+class warm_impulses {
+    using S = typename Plan::scalar;
+
+public:
+    warm_impulses(state<Plan>& s, S h) : state_(s), step_(h) {}
+
+    /// How long steps usually take once this one counts among them (s).
+    [[nodiscard]] S next_usual_step() const {
+        const S last = state_.step_lengths.usual;
+        // A world's first steps may be shorter than those to come.
+        const S longest = state_.steps < 8 ? step_ : last + last * S(0.125);
+        return max(min(step_, longest), last - step_ * S(0.125));
+    }
+    /// Remembers with what impulses this step begins.
+    void before_solve() {
+        if (!is_shorter()) return;
+        constexpr std::uint32_t capacity = manifold<S, Plan::dimension>::capacity;
+        begun_with_ = state_.step.scratch.template allocate<S>(state_.step.new_contacts.size() * capacity);
+        S* to = begun_with_;
+        for (const auto& c : state_.step.new_contacts)
+            for (int k = 0; k < c.count; ++k) *to++ = c.persisted(k) ? c.points[k].substep_impulse : S(0);
+    }
+    /// Turns this step's impulses into those of a usual one.
+    void after_solve() {
+        const S last = state_.step_lengths.usual, usual = next_usual_step();
+        if (usual == step_ && !is_shorter()) return;
+        const S ratio = impulse_ratio(last, step_), part = usual / max(step_, last);
+        const S* from = begun_with_;
+        for (auto& c : state_.step.new_contacts)
+            for (int k = 0; k < c.count; ++k) {
+                S& impulse = c.points[k].substep_impulse;
+                if (is_shorter()) impulse += *from / ratio - *from, ++from;
+                impulse *= part;
+            }
+    }
+
+private:
+    bool is_shorter() const { return step_ < state_.step_lengths.usual; }
+
+    state<Plan>& state_;
+    S step_;
+    S* begun_with_ = nullptr;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/solve.hpp
+// =================================================================================================
+// How a step moves the world: islands in batches, solved one by one or in parallel, and what becomes of it.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// How a step moves the world, batch by batch. Nothing of the world changes before update_boxes.
+template <class Plan>
+class step_solver {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+    static constexpr bool rotates = Plan::rotates;
+
+public:
+    step_solver(state<Plan>& s, S h, task_runner& tasks)
+        : state_(s), batches_(batches_of(s, tasks)), step_(h), warm_(s, h) {
+        moved_ = {s.step.scratch.template allocate<solver_body<S, D, rotates>>(batches_.slots),
+                  s.step.scratch.template allocate<moving_body<S, D, rotates>>(batches_.slots), batches_.slot_of};
+    }
+
+    /// Solves all batches: large islands one by one on all workers, the others in parallel. False on overflow.
+    bool solve(task_runner& tasks) {
+        warm_.before_solve();
+        bool* solved = state_.step.scratch.template allocate<bool>(batches_.count);
+        for (std::uint32_t k = 0; k < batches_.count; ++k) solved[k] = false;
+        const auto is_large = [&](std::uint32_t k) {
+            return !tasks.is_serial() && batches_.first[k].weight() > large_factor * graph_builder::target_weight;
+        };
+        task_runner alone;
+        for (std::uint32_t k = 0; k < batches_.count; ++k)
+            if (is_large(k)) solved[k] = solve(batches_.first[k], state_.step.batch_scratch[0], tasks);
+        tasks.parallel_tasks(batches_.count, [&](std::uint32_t k, std::uint32_t worker) {
+            if (!is_large(k)) solved[k] = solve(batches_.first[k], state_.step.batch_scratch[worker], alone);
+        });
+        for (std::uint32_t k = 0; k < batches_.count; ++k)
+            if (!solved[k]) return false;
+        return true;
+    }
+    /// Where bodies have come.
+    [[nodiscard]] moved_bodies<S, D, rotates> moved() const { return moved_; }
+
+    /// Puts shapes where their bodies are now, and tells the broadphase, and where they are heading; bodies with a
+    /// target are there, to the bit. False, and all shapes where they were, if a box is beyond the scalar's range, or
+    /// the executor fails.
+    bool update_boxes(task_runner& tasks) {
+        const std::uint32_t count = state_.awake.size();
+        bool fit = true;
+        if (tasks.is_serial()) {
+            for (std::uint32_t k = 0; k < count && fit; ++k)
+                update_shape_poses(k, [&](std::uint32_t n, const aabb<S, D>& box) {
+                    if (fit = fit && is_box(box); fit) move_box(k, n, box);
+                });
+        } else {
+            // Boxes that are left move one by one: what the broadphase makes of them may depend on their order.
+            enum : std::uint8_t { stays = 0, leaves = 1, lost = 2 };
+            auto* box_changes = state_.step.scratch.template allocate<std::uint8_t>(count);
+            tasks.parallel_for(count, 128, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
+                for (std::uint32_t k = first; k < end; ++k) {
+                    box_changes[k] = stays;
+                    update_shape_poses(k, [&](std::uint32_t n, const aabb<S, D>& box) {
+                        if constexpr (requires { state_.broadphase.holds(n, box); })
+                            if (state_.broadphase.holds(n, box)) return;
+                        box_changes[k] = !is_box(box) || box_changes[k] == lost ? lost : leaves;
+                    });
+                }
+            });
+            fit = tasks.ran_all_tasks();
+            for (std::uint32_t k = 0; k < count; ++k) fit = fit && box_changes[k] != lost;
+            for (std::uint32_t k = 0; k < count && fit; ++k)
+                if (box_changes[k] == leaves)
+                    each_shape(state_, state_.awake[k], [&](std::uint32_t n, const auto& shape) {
+                        move_box(k, n, query_bounds(state_, shape));
+                    });
+        }
+        if (!fit)
+            for (const std::uint32_t i : state_.awake) refresh_boxes(state_, i);
+        else update_broadphase(state_);
+        return fit;
+    }
+
+    /// Stores what the step found: poses, velocities, contacts with their impulses. Forces act for one step, and so do
+    /// targets.
+    void finish() {
+        if (std::exchange(state_.awake_changed, false))
+            state_.bodies.each([&](std::uint32_t i, const auto& b) {
+                if (!state_.is_asleep(i)) state_.contact_starts[i] = {b.center, b.rotation};
+            });
+        for (std::uint32_t k = 0; k < state_.awake.size(); ++k) {
+            const std::uint32_t i = state_.awake[k];
+            auto& b = state_.bodies[i];
+            state_.contact_starts[i] = {b.center, b.rotation};
+            b.center = moved_[k].center;
+            if constexpr (rotates) b.rotation = moved_[k].rotation;
+            b.velocity = moved_.velocity(k);
+            b.force = {};
+            b.torque = {};
+            b.at_target = b.has_target;
+            if (!b.has_target) continue;
+            b.set_pose(b.target);
+            b.has_target = false;
+        }
+        warm_.after_solve();
+        state_.contacts.swap(state_.step.new_contacts);
+        state_.surfaces = state_.step.new_material;
+        if constexpr (Plan::remembers) state_.step.pair_cache_changes.finish(state_.memories);
+        ++state_.steps;
+        state_.step_lengths = {warm_.next_usual_step(), step_};
+        if constexpr (Plan::sleeps) {
+            commit_woken(state_);
+            for (const std::uint32_t i : state_.awake) wake_ahead(i);
+            sleep_update<Plan>(state_, step_);
+        }
+    }
+
+private:
+    /// Puts the shapes of a body where it is now, and calls f(shape's number, box) for each.
+    template <class F>
+    void update_shape_poses(std::uint32_t k, F&& f) {
+        const std::uint32_t i = state_.awake[k];
+        const auto& b = state_.bodies[i];
+        const transform<S, D> pose = pose_of(k);
+        const vec<S, D> center = b.has_target ? pose * b.mass.center : moved_[k].center;
+        each_shape(state_, i, [&](std::uint32_t n, auto& shape) {
+            update_pose(shape, pose, center);
+            f(n, query_bounds(state_, shape));
+        });
+    }
+    void move_box(std::uint32_t k, std::uint32_t n, const aabb<S, D>& box) {
+        state_.broadphase.move(n, box, moved_.velocity(k).linear * step_);
+    }
+    /// Wakes what a kinematic body is going to run into.
+    void wake_ahead(std::uint32_t i) {
+        const auto& b = state_.bodies[i];
+        if (b.is_dynamic() || b.at_target || b.velocity == twist_of<S, D, rotates>{}) return;
+        rotation<S, D> turn = b.rotation;
+        if constexpr (rotates) turn = turned(turn, b.velocity.angular * step_);
+        wake_near(state_, i, {b.center + b.velocity.linear * step_ - turn * b.mass.center, turn});
+    }
+    static batches batches_of(state<Plan>& s, task_runner& tasks) {
+        // On one thread, what goes into the second cache is not worth taking apart.
+        const std::uint32_t batch_limit = graph_builder::target_weight * (tasks.is_serial() ? (D == 2 ? 8 : 2) : 1);
+
+        const std::uint32_t count = s.awake.size();
+        bool* has_external_force = s.step.scratch.template allocate<bool>(count + 1);
+        for (std::uint32_t k = 0; k < count; ++k)
+            has_external_force[k] = s.bodies[s.awake[k]].inverse_mass > inverse_of<S>(0);
+        has_external_force[count] = false;
+        return graph_builder(s.step.edges, s.awake_index.begin(), has_external_force, count, s.step.scratch,
+                             batch_limit, &tasks)
+            .result();
+    }
+    bool solve(const batch& one, arena& scratch, task_runner& tasks) {
+        scratch.reset();
+        for (std::uint32_t k = 1; k < tasks.workers(); ++k) state_.step.batch_scratch[k].reset();
+        batch_integrator<Plan> moving(state_, batches_, one, moved_, step_, scratch, tasks);
+        const contact_constraints<S, D, typename Plan::features> contacts(
+            state_.step.new_contacts.begin(), batches_.order + one.edges, batches_.ends + one.edges,
+            one.end - one.edges, state_.step.new_material);
+        const auto& with = state_.settings.solver;
+        if constexpr (requires { Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving, tasks); })
+            Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving, tasks);
+        else Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving);
+        return moving.finish();
+    }
+    [[nodiscard]] transform<S, D> pose_of(std::uint32_t k) const {
+        const auto& b = state_.bodies[state_.awake[k]];
+        if (b.has_target) return b.target;
+        const rotation<S, D>& turn = rotation_after(moved_[k], b);
+        return {moved_[k].center - turn * b.mass.center, turn};
+    }
+
+    /// An island that is so many times as large as a batch is wide enough for several workers.
+    static constexpr std::uint32_t large_factor = 4;
+
+    state<Plan>& state_;
+    batches batches_;
+    moved_bodies<S, D, rotates> moved_;
+    S step_;
+    warm_impulses<Plan> warm_;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/collide.hpp
+// =================================================================================================
+// The contacts of a step: narrowphase, surfaces, and what is remembered of pairs.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// The narrowphase wants the shape of the lower kind first.
+template <class Plan>
+proxy_pair in_order_of_kinds(const state<Plan>& s, proxy_pair p) {
+    return s.shapes[p.a].shape.kind() > s.shapes[p.b].shape.kind() ? proxy_pair{p.b, p.a} : p;
+}
+
+/// Some pairs in a row with what the narrowphase is to know of them: a query of each, and what the last step remembered
+/// of those that it cares to remember.
+template <class Plan>
+class pair_queries {
+    using query = typename Plan::query;
+    using memory = typename Plan::pair_memory;
+
+public:
+    /// Both lists are in ascending order, so one walk along both finds what is remembered.
+    pair_queries(state<Plan>& s, const proxy_pair* pairs, std::uint32_t count, arena& scratch)
+        : pairs_(pairs), count_(count), queries_(scratch.allocate<query>(count)) {
+        if constexpr (Plan::remembers) {
+            memories_ = scratch.allocate<memory>(count);
+            owners_ = scratch.allocate<owner>(count);
+        }
+        [[maybe_unused]] std::uint32_t last = no_memory;
+        for (std::uint32_t i = 0; i < count; ++i) {
+            const proxy_pair p = in_order_of_kinds(s, pairs[i]);
+            const auto& a = s.shapes[p.a];
+            const auto& b = s.shapes[p.b];
+            note_near(s, a.body, b.body);
+            new (queries_ + i) query{&a.shape, &b.shape, relative(a.pose, b.pose)};
+            if constexpr (Plan::remembers) {
+                if (!Plan::narrowphase::remembers(a.shape.kind(), b.shape.kind())) continue;
+                if (last == no_memory) last = s.memories.find(pairs[i]);
+                while (last < s.memories.size() && s.memories.pair(last) < pairs[i]) ++last;
+                const bool known = last < s.memories.size() && s.memories.pair(last) == pairs[i];
+                if (known) s.memories.read(last, memories_[remembered_]);
+                else s.memories.clear(memories_[remembered_]);
+                owners_[remembered_] = {i, known ? last : no_memory};
+                queries_[i].memory = remembered_++;
+            }
+        }
+    }
+    [[nodiscard]] const query* queries() const { return queries_; }
+    [[nodiscard]] memory* memories() const { return memories_; }
+    [[nodiscard]] const proxy_pair* pairs() const { return pairs_; }
+    [[nodiscard]] std::uint32_t size() const { return count_; }
+
+    /// Says which memories stay as they are, and adds the others to a list.
+    void save_to_cache(const pair_cache<Plan>& before, bool* is_kept, pair_cache<Plan>& changes) const {
+        for (std::uint32_t k = 0; k < remembered_; ++k) {
+            const auto [i, known] = owners_[k];
+            if (known != no_memory && before.is_unchanged(known, memories_[k])) is_kept[known] = true;
+            else changes.add(pairs_[i], memories_[k]);
+        }
+    }
+
+private:
+    static constexpr std::uint32_t no_memory = query::no_memory;
+    /// Whose memory it is, and which one of the last step, if any.
+    struct owner {
+        std::uint32_t pair, known;
+    };
+
+    const proxy_pair* pairs_;
+    std::uint32_t count_, remembered_ = 0;
+    query* queries_;
+    memory* memories_ = nullptr;
+    owner* owners_ = nullptr;
+};
+
+/// How running surfaces drive. Apart from the rest, since few do.
+template <class Plan>
+PHYSICS_HPP_NOINLINE void set_belt_velocity(typename Plan::contact& c, const shape_record<Plan>& a,
+                                            const shape_record<Plan>& b) {
+    c.surface_velocity =
+        relative_surface_velocity(tangents<typename Plan::scalar, Plan::dimension>(c.normal), a.pose.rotation,
+                                  a.material.surface_velocity, b.pose.rotation, b.material.surface_velocity);
+}
+/// Writes down the coefficients of two materials together; false if the recipe's rule gives what no solver takes.
+template <class Plan, class Coefficients>
+bool combine_materials(Coefficients& c, const material<typename Plan::scalar, Plan::dimension>& of_a,
+                       const material<typename Plan::scalar, Plan::dimension>& of_b) {
+    using S = typename Plan::scalar;
+    using features = typename Plan::features;
+    const auto is_good = [](S x) { return x >= S(0) && is_finite(x); };
+    bool good = true;
+    if constexpr (features::friction) good = is_good(c.friction = Plan::mixing::friction(of_a, of_b));
+    if constexpr (features::restitution) {
+        c.restitution = Plan::mixing::restitution(of_a, of_b);
+        good = good && is_good(c.restitution) && !(c.restitution > S(1));
+    }
+    if constexpr (features::rolling_resistance)
+        good = is_good(c.rolling_resistance = Plan::mixing::rolling_resistance(of_a, of_b)) && good;
+    return good;
+}
+/// What both surfaces make of a contact of A and B, unless that is the same for all.
+template <class Plan>
+bool combine_surface_materials([[maybe_unused]] typename Plan::contact& c, [[maybe_unused]] const shape_record<Plan>& a,
+                               [[maybe_unused]] const shape_record<Plan>& b) {
+    if constexpr (Plan::features::materials) {
+        const material<typename Plan::scalar, Plan::dimension> of_a = a.material.whole(), of_b = b.material.whole();
+        const bool good = combine_materials<Plan>(c, of_a, of_b);
+        if constexpr (Plan::features::surface_velocity) {
+            const surface_motion<typename Plan::scalar, Plan::dimension> at_rest{};
+            if (of_a.surface_velocity != at_rest || of_b.surface_velocity != at_rest) set_belt_velocity(c, a, b);
+        }
+        return good;
+    } else {
+        return true;
+    }
+}
+/// What all surfaces of this step make of each other, if they are of one material.
+template <class Plan>
+bool combine_common_materials([[maybe_unused]] state<Plan>& s) {
+    if constexpr (Plan::features::materials) {
+        return true;
+    } else {
+        auto of_all = s.settings.material;
+        // As materials of shapes, it lacks what the recipe leaves out.
+        if constexpr (!Plan::features::friction) of_all.friction = {};
+        return combine_materials<Plan>(s.step.new_material, of_all, of_all);
+    }
+}
+
+/// Adds the contacts of a manifold between the shapes of a pair. False if their surfaces do not mix.
+template <class Plan, class Manifold>
+bool add_contact(const state<Plan>& s, proxy_pair pair, std::uint32_t part, const Manifold& m,
+                 buffer<typename Plan::contact>& to) {
+    using S = typename Plan::scalar;
+    constexpr int D = Plan::dimension;
+    const proxy_pair p = in_order_of_kinds(s, pair);
+    const auto& a = s.shapes[p.a];
+    const auto& b = s.shapes[p.b];
+    const rotation<S, D> turn = a.pose.rotation;
+    auto& c = to.emplace_back(p.a, p.b, edge{a.body, b.body}, part, turn * m.normal, a.r,
+                              b.r + (a.pose.position - b.pose.position), static_cast<std::uint8_t>(m.count));
+    for (int k = 0; k < m.count; ++k) {
+        c.points[k].position = turn * m.points[k].position;
+        c.points[k].separation = m.points[k].separation;
+        c.points[k].feature = m.points[k].feature;
+    }
+    return combine_surface_materials(c, a, b);
+}
+
+/// Result flags of the narrowphase: all combined coefficients are valid; some contact is deep; an awake body is near a
+/// sleeping one.
+struct collide_result {
+    bool materials_valid = true, deep = false, near_sleeper = false;
+};
+/// Adds the contacts of some pairs in a row.
+template <class Plan>
+collide_result collide_chunk(state<Plan>& s, const pair_queries<Plan>& of,
+                             manifold_list<typename Plan::scalar, Plan::dimension>& manifolds,
+                             buffer<typename Plan::contact>& to) {
+    using S = typename Plan::scalar;
+    manifolds.clear();
+    const auto collide = [&](const auto* some, std::uint32_t count, S within) {
+        if constexpr (Plan::remembers) Plan::narrowphase::collide(some, count, within, of.memories(), manifolds);
+        else Plan::narrowphase::collide(some, count, within, manifolds);
+    };
+    if constexpr (Plan::looks_ahead)
+        collide_ahead(s, of.queries(), of.memories(), of.pairs(), of.size(), manifolds, collide);
+    else collide(of.queries(), of.size(), s.settings.contact_margin);
+    collide_result result;
+    for (const auto& [query, part, m] : manifolds) {
+        const proxy_pair pair = of.pairs()[query];
+        const std::uint32_t a = s.shapes[pair.a].body, b = s.shapes[pair.b].body;
+        // Broadphases need not leave out pairs of two bodies that are static or asleep; such a pair needs no solving.
+        if (s.awake_index[a] == s.awake_index[b]) continue;
+        result.materials_valid = add_contact(s, pair, part, m, to) && result.materials_valid;
+        result.deep = result.deep || is_deep(s, to.back());
+        // Bodies that do not move or sleep have the last number.
+        result.near_sleeper = result.near_sleeper || s.is_asleep(s.awake_index[a] < s.awake_index[b] ? b : a);
+    }
+    return result;
+}
+
+/// The contacts of a part of the pairs: where they lie among those that a worker has found.
+struct contact_chunk {
+    std::uint32_t worker, first, end;
+    collide_result is;
+
+    [[nodiscard]] std::uint32_t size() const { return end - first; }
+};
+/// Brings the pieces of several workers together, in their order, and notes which bodies they find deep in others.
+template <class Plan>
+collide_result join_chunks(state<Plan>& s, contact_chunk* pieces, std::uint32_t count, task_runner& tasks) {
+    using contact = typename Plan::contact;
+    collide_result all;
+    std::uint32_t found = 0;
+    for (std::uint32_t k = 0; k < count; ++k) {
+        all.materials_valid = all.materials_valid && pieces[k].is.materials_valid;
+        all.deep = all.deep || pieces[k].is.deep;
+        all.near_sleeper = all.near_sleeper || pieces[k].is.near_sleeper;
+        found += pieces[k].size();
+    }
+    // What the caller has found first stays where it is.
+    std::uint32_t kept = 0;
+    if (!tasks.is_serial()) {
+        auto& own = s.step.contacts_by_worker[0];
+        std::uint32_t in_place = 0;
+        for (; kept < count && pieces[kept].worker == 0 && pieces[kept].first == in_place; ++kept)
+            in_place += pieces[kept].size();
+        // The rest of it, if any, moves aside.
+        s.step.new_contacts.clear();
+        if (own.size() > in_place)
+            std::memcpy(static_cast<void*>(s.step.new_contacts.extend(own.size() - in_place)), own.begin() + in_place,
+                        (own.size() - in_place) * sizeof(contact));
+        for (std::uint32_t k = kept; k < count; ++k)
+            if (pieces[k].worker == 0) pieces[k].first -= in_place, pieces[k].end -= in_place;
+        own.resize(in_place);
+        s.step.new_contacts.swap(own);
+        s.step.new_contacts.extend(found - in_place);
+    }
+    contact* to = s.step.new_contacts.begin();
+    auto** places = s.step.scratch.template allocate<contact*>(count);
+    for (std::uint32_t k = 0; k < count; ++k) {
+        places[k] = to;
+        to += pieces[k].size();
+    }
+    if (!tasks.is_serial())
+        // Of all pieces, so that workers copy what they have found.
+        tasks.parallel_tasks(kept < count ? count : 0, [&](std::uint32_t k, std::uint32_t) {
+            const contact_chunk& of = pieces[k];
+            if (k < kept || of.size() == 0) return;
+            std::memcpy(static_cast<void*>(places[k]), s.step.contacts_by_worker[of.worker].begin() + of.first,
+                        of.size() * sizeof(contact));
+        });
+    for (std::uint32_t k = 0; k < count; ++k) {
+        if (!pieces[k].is.deep) continue;
+        for (std::uint32_t i = 0; i < pieces[k].size(); ++i) note_depth(s, places[k][i]);
+    }
+    return all;
+}
+
+/// Narrowphase: contacts of the pairs that touch or nearly do, in the order of the pairs, with the impulses that the
+/// same features had in steps of those lengths, scaled to one of h: they hold loads, which a longer step holds by
+/// larger ones. What it remembers of the pairs becomes the next step's, unless it is not to.
+template <class Plan>
+collide_result find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs,
+                             const buffer<typename Plan::contact>& before, step_lengths<typename Plan::scalar> lengths,
+                             typename Plan::scalar h, task_runner& tasks, [[maybe_unused]] bool remembers = true) {
+    // So many pairs that what is found of them is still in the caches when it becomes contacts.
+    constexpr std::uint32_t share = 256;
+    const std::uint32_t count = (pairs.size() + share - 1) / share;
+    contact_chunk* pieces = s.step.scratch.template allocate<contact_chunk>(count);
+    [[maybe_unused]] auto& changes = s.step.pair_cache_changes;
+    if constexpr (Plan::remembers)
+        if (remembers) changes.start(s.memories, count, tasks, s.step.scratch);
+    s.step.new_contacts.clear();
+    if (tasks.is_serial()) s.step.new_contacts.reserve(before.size());
+    else
+        for (std::uint32_t k = 0; k < tasks.workers(); ++k) s.step.contacts_by_worker[k].clear();
+    tasks.parallel_chunks(pairs.size(), share, [&](std::uint32_t first, std::uint32_t end, std::uint32_t worker) {
+        auto& to = tasks.is_serial() ? s.step.new_contacts : s.step.contacts_by_worker[worker];
+        const std::uint32_t start = to.size();
+        // Solvers come to it later in the step.
+        arena& scratch = s.step.batch_scratch[worker];
+        scratch.reset();
+        const pair_queries<Plan> some(s, pairs.begin() + first, end - first, scratch);
+        const collide_result is = collide_chunk(s, some, s.step.manifolds[worker], to);
+        if constexpr (Plan::remembers)
+            if (remembers) changes.add(some, s.memories, first / share, worker);
+        inherit_impulses(before, to.begin() + start, to.end(), s.step.new_material);
+        // What pushes overlaps apart is as large in a short step as in a long one. As long as a world is young that may
+        // be most of its impulses, and must not be stretched.
+        const int maximum = s.steps < 128 ? static_cast<int>(s.steps) : 128;
+        rescale_impulses(to.begin() + start, to.end(), lengths, {h, h}, typename Plan::scalar(maximum));
+        new (pieces + first / share) contact_chunk{worker, start, to.size(), is};
+    });
+    return join_chunks(s, pieces, count, tasks);
+}
+
+/// Adds the contacts of woken islands, found anew. False if materials do not combine.
+template <class Plan>
+bool find_contacts_of_woken(state<Plan>& s, typename Plan::scalar h, task_runner& tasks) {
+    index_awake(s);
+    s.step.woken_pairs.clear();
+    // Kinematic bodies are always in the awake list, but wake no other body.
+    const auto wakes = [&](std::uint32_t i) { return s.bodies[i].is_dynamic() && s.awake_index[i] < s.awake.size(); };
+    for (const auto& c : s.sleep.contacts) {
+        if (!wakes(c.bodies.body_a) && !wakes(c.bodies.body_b)) continue;
+        if (s.step.woken_pairs.empty() || s.step.woken_pairs.back() < c.key()) s.step.woken_pairs.push_back(c.key());
+    }
+    s.step.new_contacts.swap(s.step.woken_contacts);
+    const bool good =
+        find_contacts(s, s.step.woken_pairs, s.sleep.contacts, {s.sleep.step, s.sleep.step}, h, tasks, false)
+            .materials_valid;
+    merge_contacts(s.step.woken_contacts, s.step.new_contacts);
+    s.step.new_contacts.swap(s.step.woken_contacts);
+    return good;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/edges.hpp
+// =================================================================================================
+// What holds bodies together in a step.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Contacts -> edges, in the order of the contacts: what islands, batches and colours are made of.
+template <class Plan>
+void list_edges(state<Plan>& s, task_runner& tasks) {
+    constexpr std::uint32_t share = 1024;
+    const std::uint32_t count = s.step.new_contacts.size();
+    s.step.edges.clear();
+    s.step.edges.extend(count);
+    tasks.parallel_for(count, share, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
+        // Copies, as what is written may be anything to the compiler.
+        const auto* const from = s.step.new_contacts.begin();
+        edge* const to = s.step.edges.begin();
+        for (std::uint32_t n = first; n < end; ++n) to[n] = from[n].bodies;
+    });
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/seams.hpp
+// =================================================================================================
+// Seams: where static shapes lie flush, what slides over them does not push at the next one's edge.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Leaves out contacts that a body would make with a static shape that is flush with the one it rests on. Where a body
+/// sinks in by a hair, or contacts are looked for ahead of it, it would be stopped by the side or the corner of the
+/// next shape; lifted out, it would pass. So those contacts go that a body would not have up to the end of the step if
+/// it were lifted by what it has sunk in, and 1/512 of its thickness. O(contacts), and some queries of the narrowphase
+/// for each in question.
+template <class Plan>
+class seam_contacts {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+    using contact = typename Plan::contact;
+    /// A body that goes farther in a step, in thicknesses, keeps its contacts.
+    static constexpr int max_tests = 16;
+
+public:
+    seam_contacts(state<Plan>& s, S h) : s_(s), step_(h) {
+        // Thickness is known of bodies that may be swept.
+        if constexpr (Plan::is_continuous) find();
+    }
+
+private:
+    void find() {
+        const std::uint32_t count = s_.awake.size();
+        support_ = s_.step.scratch.template allocate<std::uint32_t>(count);
+        for (std::uint32_t i = 0; i < count; ++i) support_[i] = null_index;
+        // Most bodies touch one static shape, or none.
+        bool any = false;
+        for (std::uint32_t i = 0; i < s_.step.new_contacts.size(); ++i) {
+            const contact& c = s_.step.new_contacts[i];
+            const auto [a, b] = awake_pair(c);
+            if ((a < count) == (b < count)) continue;
+            std::uint32_t& first = support_[a < count ? a : b];
+            if (first == null_index) first = i;
+            else any = any || other_shape(c) != other_shape(s_.step.new_contacts[first]);
+        }
+        if (!any) return;
+        for (std::uint32_t i = 0; i < count; ++i) support_[i] = null_index;
+        for (std::uint32_t i = 0; i < s_.step.new_contacts.size(); ++i) {
+            const contact& c = s_.step.new_contacts[i];
+            const std::uint32_t body = pushed_body(c);
+            if (body == null_index || !(load_of(c) > S(0))) continue;
+            std::uint32_t& support = support_[body];
+            if (support == null_index || load_of(c) > load_of(s_.step.new_contacts[support])) support = i;
+        }
+        remove();
+    }
+    [[nodiscard]] body_pair awake_pair(const contact& c) const {
+        return {s_.awake_index[c.bodies.body_a], s_.awake_index[c.bodies.body_b]};
+    }
+    /// The number among awake bodies of the dynamic one, where the other is static; else null.
+    [[nodiscard]] std::uint32_t pushed_body(const contact& c) const {
+        const std::uint32_t count = s_.awake.size();
+        const auto [a, b] = awake_pair(c);
+        if ((a < count) == (b < count)) return null_index;
+        const std::uint32_t other = a < count ? c.bodies.body_b : c.bodies.body_a;
+        const std::uint32_t body = a < count ? a : b;
+        if (s_.bodies[other].type != body_type::static_body || !s_.bodies[s_.awake[body]].is_dynamic())
+            return null_index;
+        return body;
+    }
+    [[nodiscard]] static S load_of(const contact& c) {
+        S load = S(0);
+        for (int k = 0; k < c.count; ++k)
+            if (c.persisted(k)) load = max(load, c.points[k].normal_impulse);
+        return load;
+    }
+    /// Out of the static shape.
+    [[nodiscard]] vec<S, D> outwards(const contact& c) const {
+        return is_awake(s_, c.bodies.body_a) ? -c.normal : c.normal;
+    }
+    [[nodiscard]] static S deepest(const contact& c) {
+        S separation = c.points[0].separation;
+        for (int k = 1; k < c.count; ++k) separation = min(separation, c.points[k].separation);
+        return separation;
+    }
+    void remove() {
+        auto& contacts = s_.step.new_contacts;
+        // All are looked at before any moves.
+        bool* const is_seam = s_.step.scratch.template allocate<bool>(contacts.size());
+        for (std::uint32_t i = 0; i < contacts.size(); ++i) is_seam[i] = lies_on_seam(i);
+        partition_contacts(
+            contacts, [&](const contact& c) { return !is_seam[&c - contacts.begin()]; }, [](const contact&) {});
+    }
+    [[nodiscard]] bool lies_on_seam(std::uint32_t i) {
+        const contact& c = s_.step.new_contacts[i];
+        const std::uint32_t body = pushed_body(c);
+        if (body == null_index || support_[body] == null_index || support_[body] == i) return false;
+        const contact& support = s_.step.new_contacts[support_[body]];
+        if (other_shape(c) == other_shape(support)) return false;
+        const vec<S, D> up = outwards(support), n = outwards(c);
+        // Alike, both carry it.
+        const S alike = dot(n, up);
+        const vec<S, D> across = n - up * alike;
+        if (!(largest(across) > S(1.0 / 256)) || alike < S(-1.0 / 64)) return false;
+        const vec<S, D> v = s_.bodies[s_.awake[body]].velocity_ahead(step_).linear;
+        if (!(deepest(c) + min(dot(n, v), S(0)) * step_ < S(0))) return false;
+        const S thickness = s_.continuous.extents[s_.awake[body]].thickness;
+        const vec<S, D> along = v * step_ - up * min(dot(v, up) * step_, S(0));
+        const S distance = length(along);
+        if (!(distance * S(1.0 / max_tests) < thickness)) return false;
+        const S lift = max(-deepest(support), S(0)) + thickness * S(1.0 / 512);
+        // No thin shape is between two places.
+        for (S at = min(distance, thickness);; at = min(at + thickness, distance)) {
+            if (would_touch(c, (distance > S(0) ? along * (at / distance) : along) + up * lift)) return false;
+            if (!(at < distance)) break;
+        }
+        // Nor farther on, where a shape that rises from the other one, however slowly, would stop it.
+        return !would_touch(c, along + up * lift - normalized(across) * min(lift * S(256), thickness));
+    }
+    [[nodiscard]] std::uint32_t other_shape(const contact& c) const {
+        return is_awake(s_, c.bodies.body_a) ? c.shape_b : c.shape_a;
+    }
+    [[nodiscard]] bool would_touch(const contact& c, const vec<S, D>& shift) {
+        const auto& a = s_.shapes[c.shape_a];
+        const auto& b = s_.shapes[c.shape_b];
+        auto at_a = a.pose, at_b = b.pose;
+        (is_awake(s_, c.bodies.body_a) ? at_a : at_b).position += shift;
+        const typename Plan::query query{&a.shape, &b.shape, relative(at_a, at_b)};
+        auto& found = s_.step.manifolds[0];
+        found.clear();
+        if constexpr (Plan::remembers) Plan::narrowphase::collide(&query, 1, S(0), nullptr, found);
+        else Plan::narrowphase::collide(&query, 1, S(0), found);
+        for (const auto& [number, part, m] : found)
+            for (int k = 0; k < m.count; ++k)
+                if (m.points[k].separation < S(0)) return true;
+        return false;
+    }
+
+    state<Plan>& s_;
+    S step_;
+    std::uint32_t* support_ = nullptr;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/step.hpp
+// =================================================================================================
+// One step of a world: the page to read first.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Broadphase: pairs of shapes whose boxes overlap, of two bodies of which one at least can be pushed: the filters that
+/// shapes were inserted with say so.
+template <class Plan>
+const buffer<proxy_pair>& find_pairs(state<Plan>& s) {
+    const auto all = [](std::uint32_t, std::uint32_t) { return true; };
+    if constexpr (requires { s.broadphase.pairs(all, s.step.scratch); }) return s.broadphase.pairs(all, s.step.scratch);
+    else return s.broadphase.pairs(all);
+}
+
+/// Makes ready what a step works with.
+template <class Plan>
+void start_step(state<Plan>& s, const task_runner& tasks) {
+    s.step.scratch.reset();
+    s.step.batch_scratch.prepare(tasks.workers());
+    s.step.manifolds.prepare(tasks.workers());
+    s.step.contacts_by_worker.prepare(tasks.workers());
+    s.step.pair_cache_changes.by.prepare(tasks.workers());
+}
+
+/// How a step went; if not well, the world is as it was.
+enum class step_result { done, bad_mixing_rule, out_of_range, bad_executor };
+
+/// What a step consists of, for whoever measures it.
+enum class step_stage { find_pairs, find_contacts, make_batches, solve, update_boxes, finish };
+
+/// Called after each stage; this one does nothing.
+struct no_watch {
+    void operator()(step_stage) const {}
+};
+
+/// Advances a world by h seconds. Each stage reads and writes plain arrays; only this function knows their
+/// order. Refused if surfaces do not mix, or if a velocity or a position would leave the range of numbers.
+/// Not inlined, so that no arithmetic moves out of the caller's float_control_scope.
+template <class Plan, class Watch = no_watch>
+PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, task_runner tasks, Watch done = {}) {
+    if (tasks.workers() == 0) return step_result::bad_executor;
+    start_step(s, tasks);
+    // Settings -> what all surfaces make of each other, where no shape has a material of its own.
+    if (!combine_common_materials(s)) return step_result::bad_mixing_rule;
+    watch_fast_bodies(s, h);            // velocities        -> boxes of bodies that look ahead
+    list_awake(s);                      // bodies            -> which of them move
+    const auto& pairs = find_pairs(s);  // boxes             -> pairs, in order
+    done(step_stage::find_pairs);
+    // Pairs, poses, last step's contacts -> contacts with feature ids and warm impulses.
+    const collide_result found = find_contacts(s, pairs, s.contacts, s.step_lengths, h, tasks);
+    if (!found.materials_valid) return step_result::bad_mixing_rule;
+    if constexpr (Plan::sleeps)
+        // Contacts with sleeping bodies -> contacts of the islands that they wake.
+        if (list_woken(s, found.near_sleeper, h) && !find_contacts_of_woken(s, h, tasks))
+            return step_result::bad_mixing_rule;
+    const seam_contacts seams(s, h);  // contacts          -> without those at flush edges
+    list_edges(s, tasks);             // contacts          -> which bodies they hold together
+    done(step_stage::find_contacts);
+    step_solver<Plan> solver(s, h, tasks);  // edges             -> islands, in batches
+    done(step_stage::make_batches);
+    const bool solved = solver.solve(tasks);  // bodies, contacts  -> velocities, poses
+    done(step_stage::solve);
+    if (!tasks.ran_all_tasks()) return step_result::bad_executor;
+    if (!solved) return step_result::out_of_range;
+    sweep_fast_bodies(s, solver.moved(), h);  // poses             -> poses short of what stops bodies
+    // Poses -> boxes of what has moved.
+    if (!solver.update_boxes(tasks))
+        return tasks.ran_all_tasks() ? step_result::out_of_range : step_result::bad_executor;
+    done(step_stage::update_boxes);
+    solver.finish();  // results           -> bodies and contacts
+    done(step_stage::finish);
+    return step_result::done;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/world/settings.hpp
 // =================================================================================================
 // Plain structs that users fill in: of a world, a body, a shape.
@@ -26643,718 +29658,6 @@ struct audit {
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/world/pair_cache.hpp
-// =================================================================================================
-// What a narrowphase remembers of pairs from step to step, packed: of most pairs it is little.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// Memories of pairs, in ascending order of the pairs. Those of which there is nothing to keep are left out.
-template <class Plan>
-class pair_cache {
-    using memory = typename Plan::pair_memory;
-    using kept = kept_memory<memory>;
-    using unit = std::uint32_t;
-
-public:
-    [[nodiscard]] std::uint32_t size() const { return pairs_.size(); }
-    [[nodiscard]] proxy_pair pair(std::uint32_t i) const { return pairs_[i]; }
-    /// The first one that is not of an earlier pair.
-    [[nodiscard]] std::uint32_t find(proxy_pair pair) const {
-        std::uint32_t i = 0;
-        for (std::uint32_t size = pairs_.size(); size > 0;) {
-            const std::uint32_t half = size / 2;
-            const bool is_before = pairs_[i + half] < pair;
-            i += is_before ? half + 1 : 0;
-            size = is_before ? size - half - 1 : half;
-        }
-        return i;
-    }
-    /// Writes an empty one.
-    static void clear(memory& m) { kept::clear(m); }
-    void read(std::uint32_t i, memory& m) const {
-        clear(m);
-        const std::uint32_t contents = contents_at(places_[i]);
-        if (!is_brief(places_[i])) {
-            const unit* from = units_.begin() + places_[i] + 1;
-            kept::each_piece(m, contents, [&](void* to, std::size_t bytes) {
-                std::memcpy(to, from, bytes);
-                from += units_for(bytes);
-            });
-        }
-        kept::complete(m, contents);
-    }
-    [[nodiscard]] memory operator[](std::uint32_t i) const {
-        memory m{};
-        read(i, m);
-        return m;
-    }
-    /// Whether what was read from here has not changed: it says so, or all that there is to keep is a number.
-    [[nodiscard]] bool is_unchanged(std::uint32_t i, const memory& m) const {
-        return !kept::has_changed(m) || (is_brief(places_[i]) && contents_at(places_[i]) == kept::contents(m));
-    }
-
-    void clear() {
-        pairs_.clear();
-        places_.clear();
-        units_.clear();
-        free_ = {};
-    }
-    /// Adds a memory after the others, unless there is nothing to keep of it.
-    void add(proxy_pair pair, memory& m) {
-        const std::uint32_t contents = kept::contents(m);
-        if (contents == 0) return;
-        const std::uint32_t place = make_room(contents);
-        pairs_.push_back(pair);
-        places_.push_back(place);
-        if (is_brief(place)) return;
-        kept::tidy(m);
-        unit* to = units_.begin() + place;
-        *to++ = contents;
-        kept::each_piece(m, contents, [&](const void* from, std::size_t bytes) {
-            const std::size_t count = units_for(bytes);
-            // What is behind the last byte.
-            to[count - 1] = 0;
-            std::memcpy(to, from, bytes);
-            to += count;
-        });
-    }
-    /// Forgets the pairs that have a shape for which gone(shape) is true.
-    template <class Gone>
-    void drop(Gone&& gone) {
-        std::uint32_t left = 0;
-        for (std::uint32_t i = 0; i < size(); ++i) {
-            if (gone(pairs_[i].a) || gone(pairs_[i].b)) free_place(places_[i]);
-            else move(i, left++);
-        }
-        truncate(left);
-        clear_if_empty();
-    }
-
-    /// Lists of what is new, which follow on each other: the parts of some longer ones from `first` to `end`.
-    struct segment {
-        pair_cache* of;
-        std::uint32_t first, end;
-    };
-    /// Forgets those that are not kept and takes in what is new. No pair is in both, and in its own place.
-    void change(const bool* is_kept, const segment* segments, std::uint32_t count) {
-        std::uint32_t i = 0, left = 0, added = 0;
-        const auto pass = [&] {
-            if (is_kept[i]) move(i, left++);
-            else free_place(places_[i]);
-            ++i;
-        };
-        for (std::uint32_t k = 0; k < count; ++k)
-            for (std::uint32_t n = segments[k].first; n < segments[k].end; ++n) {
-                pair_cache& of = *segments[k].of;
-                const proxy_pair pair = of.pairs_[n];
-                while (i < size() && pairs_[i] < pair) pass();
-                const bool known = i < size() && pairs_[i] == pair;
-                const std::uint32_t contents = of.contents_at(of.places_[n]);
-                const bool fits = known && units_of(contents) == units_of(contents_at(places_[i]));
-                if (known && !fits) free_place(places_[i]);
-                const std::uint32_t place = fits && !is_brief(places_[i]) ? places_[i] : make_room(contents);
-                if (!is_brief(place))
-                    std::memcpy(units_.begin() + place, of.units_.begin() + of.places_[n],
-                                units_of(contents) * sizeof(unit));
-                if (known) {
-                    places_[i] = place;
-                    move(i++, left++);
-                    // No shape meets itself: this one is in its place.
-                    of.pairs_[n].b = pair.a;
-                } else {
-                    of.places_[n] = place;
-                    ++added;
-                }
-            }
-        while (i < size()) pass();
-        truncate(left);
-        if (added > 0) insert(segments, count, added);
-        clear_if_empty();
-    }
-    /// Exchanges the memory of each of the buffers with that of another which is empty too, if it has more.
-    void swap_larger(pair_cache& other) {
-        const auto swap_larger_one = [](auto& mine, auto& theirs) {
-            if (mine.capacity() < theirs.capacity()) mine.swap(theirs);
-        };
-        swap_larger_one(pairs_, other.pairs_);
-        swap_larger_one(places_, other.places_);
-        swap_larger_one(units_, other.units_);
-    }
-    void swap(pair_cache& other) noexcept {
-        pairs_.swap(other.pairs_);
-        places_.swap(other.places_);
-        units_.swap(other.units_);
-        std::swap(free_, other.free_);
-    }
-
-    PHYSICS_HPP_MEMBERS(pairs_, places_, units_, free_)
-
-private:
-    static constexpr std::size_t units_for(std::size_t bytes) { return (bytes + sizeof(unit) - 1) / sizeof(unit); }
-    /// So much does a memory of these contents need.
-    static std::uint32_t units_of(std::uint32_t contents) {
-        std::size_t count = 1;
-        const memory m{};
-        kept::each_piece(m, contents, [&](const void*, std::size_t bytes) { count += units_for(bytes); });
-        return static_cast<std::uint32_t>(count);
-    }
-    /// No piece is smaller than a unit, and none is twice as large as what it holds.
-    static constexpr std::size_t max_units = 1 + 2 * units_for(sizeof(memory));
-    /// Free lists by size: the first free place of each size plus 1; a free place holds the next one.
-    struct free_places {
-        std::uint32_t first[max_units + 1];
-    };
-    /// Marks the place of contents which are all that there is to keep.
-    static constexpr std::uint32_t brief = 0x80000000u;
-    static bool is_brief(std::uint32_t place) { return (place & brief) != 0; }
-    [[nodiscard]] std::uint32_t contents_at(std::uint32_t place) const {
-        return is_brief(place) ? place & ~brief : units_[place];
-    }
-
-    std::uint32_t make_room(std::uint32_t contents) {
-        const std::uint32_t count = units_of(contents);
-        if (count == 1 && !is_brief(contents)) return brief | contents;
-        std::uint32_t& head = free_.first[count];
-        if (head != 0) {
-            const std::uint32_t place = head - 1;
-            head = units_[place];
-            return place;
-        }
-        const std::uint32_t place = units_.size();
-        if (is_brief(place + count)) {
-            refuse("step", "pairs", static_cast<double>(size()), "there are more than can be remembered");
-            std::abort();
-        }
-        units_.extend(count);
-        return place;
-    }
-    void free_place(std::uint32_t place) {
-        if (is_brief(place)) return;
-        std::uint32_t& head = free_.first[units_of(units_[place])];
-        units_[place] = head;
-        head = place + 1;
-    }
-    void move(std::uint32_t from, std::uint32_t to) {
-        if (from == to) return;
-        pairs_[to] = pairs_[from];
-        places_[to] = places_[from];
-    }
-    void truncate(std::uint32_t count) {
-        pairs_.resize(count);
-        places_.resize(count);
-    }
-    void clear_if_empty() {
-        if (size() == 0) clear();
-    }
-    /// Puts new ones into the order, from behind.
-    void insert(const segment* segments, std::uint32_t count, std::uint32_t added) {
-        std::uint32_t left = size(), to = left + added;
-        pairs_.extend(added);
-        places_.extend(added);
-        for (std::uint32_t k = count; k-- > 0;)
-            for (std::uint32_t n = segments[k].end; n-- > segments[k].first;) {
-                const pair_cache& of = *segments[k].of;
-                const proxy_pair pair = of.pairs_[n];
-                if (pair.a == pair.b) continue;
-                while (left > 0 && pair < pairs_[left - 1]) move(--left, --to);
-                pairs_[--to] = pair;
-                places_[to] = of.places_[n];
-            }
-    }
-
-    buffer<proxy_pair> pairs_;
-    /// Where the contents of each begin, or these themselves.
-    buffer<std::uint32_t> places_;
-    /// Empty where there are no pairs.
-    buffer<unit> units_;
-    free_places free_ = {};
-};
-
-/// What a step makes of the memories, until it has succeeded.
-template <class Plan>
-struct pair_cache_changes {
-    using memories = pair_cache<Plan>;
-
-    /// What each worker has to add.
-    per_worker<memories> by;
-    /// For the step: which memories stay as they are, and the lists of those that are new, in the order of their pairs.
-    bool* is_kept = nullptr;
-    typename memories::segment* segments = nullptr;
-    std::uint32_t count = 0;
-    /// Whether all of them are one list.
-    bool is_one = false;
-
-    void start(memories& before, std::uint32_t maximum, const task_runner& tasks, arena& scratch) {
-        for (std::uint32_t k = 0; k < tasks.workers(); ++k) by[k].clear();
-        is_one = tasks.is_serial();
-        // It goes over as a whole, and comes back where the same begins anew.
-        if (is_one && before.size() == 0) by[0].swap_larger(before);
-        is_kept = scratch.allocate<bool>(before.size());
-        for (std::uint32_t i = 0; i < before.size(); ++i) is_kept[i] = false;
-        segments = scratch.allocate<typename memories::segment>(maximum);
-        count = maximum;
-    }
-    template <class Recalled>
-    void add(const Recalled& pairs, const memories& before, std::uint32_t segment, std::uint32_t worker) {
-        memories& to = by[worker];
-        const std::uint32_t first = to.size();
-        pairs.save_to_cache(before, is_kept, to);
-        segments[segment] = {&to, first, to.size()};
-    }
-    void finish(memories& of) {
-        if (is_one && of.size() == 0) of.swap(by[0]);
-        else of.change(is_kept, segments, count);
-    }
-};
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/world/step_data.hpp
-// =================================================================================================
-// What a step works with: nothing of it outlives the step, but its memory.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// A body that goes far in a step, and what stops it.
-template <int D>
-struct swept_body {
-    /// Its number, and that among those that move.
-    std::uint32_t body, number;
-    sweep_target against = sweep_target::fixed;
-    /// Whether it may pass through something, or only be in it at the end of the step.
-    bool goes_far = true;
-    bool stops = false, converged = true;
-    /// Whether it was in touch with what stops it as the step began, and how far along the normal it must then be moved
-    /// at the end of the step, to be no deeper.
-    bool touching = false;
-    double push_out = 0;
-    /// Whether another body that it has stopped stops it too.
-    bool cut = false;
-    std::uint32_t other = 0;
-    double time = 1, cut_time = 1;
-    /// From what stops it towards it, and the gap there (m).
-    point<D> normal;
-    double gap = 0;
-
-    swept_body(std::uint32_t b, std::uint32_t n, sweep_target a = sweep_target::fixed)
-        : body(b), number(n), against(a) {}
-};
-/// What a moving body fills in a step.
-template <int D>
-struct swept_box {
-    std::uint32_t body;
-    aabb<double, D> box;
-};
-/// What continuous collision works with.
-template <class Plan>
-struct sweep_data {
-    using S = typename Plan::scalar;
-
-    /// How deep each body is in static ones, and which of them are: 0 of all others.
-    buffer<S> depths;
-    buffer<std::uint32_t> deep;
-    /// Of every body, whether its boxes overlap those of something that stands.
-    buffer<bool> near_static;
-    buffer<swept_body<Plan::dimension>> swept_bodies;
-    buffer<swept_box<Plan::dimension>> moving_bodies, pushers;
-    buffer<std::uint64_t> candidates, spare;
-    buffer<S> ahead;
-};
-struct no_sweep_data {};
-
-/// Whether a step is under way.
-struct step_flag {
-    bool on = false;
-};
-
-template <class Plan>
-struct step_data {
-    using S = typename Plan::scalar;
-    static constexpr int D = Plan::dimension;
-    using contact = typename Plan::contact;
-
-    step_flag in_step;
-    /// What the step finds, to become the state's.
-    buffer<contact> new_contacts;
-    [[no_unique_address]] combined_material<S, typename Plan::features> new_material;
-    detail::pair_cache_changes<Plan> pair_cache_changes;
-    /// All that holds bodies together: of contacts, in their order.
-    buffer<edge> edges;
-    /// Bodies woken in this step; sleeping bodies near a change.
-    buffer<std::uint32_t> woken, near;
-    buffer<proxy_pair> woken_pairs;
-    buffer<contact> woken_contacts;
-    [[no_unique_address]] std::conditional_t<Plan::is_continuous, sweep_data<Plan>, no_sweep_data> sweep;
-
-    arena scratch;
-    per_worker<arena> batch_scratch;
-    /// What each worker has found.
-    per_worker<manifold_list<S, D>> manifolds;
-    per_worker<buffer<contact>> contacts_by_worker;
-    buffer<unsigned char> tasks_done;
-};
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/world/state.hpp
-// =================================================================================================
-// Everything that a world holds, as plain arrays.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// Behind the last shape of a body.
-inline constexpr std::uint32_t no_shape = null_index;
-
-/// Everything that a world keeps of one shape.
-template <class Plan>
-struct shape_record {
-    using S = typename Plan::scalar;
-    static constexpr int D = Plan::dimension;
-
-    typename Plan::shape shape;
-    transform<S, D> local;
-    /// Where it is in the world, and its origin relative to the body's centre of mass, in world axes.
-    transform<S, D> pose;
-    vec<S, D> r;
-    [[no_unique_address]] stored_material<S, D, typename Plan::features> material;
-    S density{};
-    std::uint32_t body = 0;
-    /// The body's shape of the next lower number.
-    std::uint32_t next = no_shape;
-    std::uint64_t user_data = 0;
-    PHYSICS_HPP_MEMBERS(shape, local, pose, r, material, density, body, next, user_data)
-};
-
-/// The shapes of a world. It is one of the owners of the geometry that its shapes are made of.
-template <class Plan>
-class shape_pool : public pool<shape_record<Plan>> {
-    using base = pool<shape_record<Plan>>;
-
-public:
-    shape_pool() = default;
-    shape_pool(const shape_pool& other) : base(other) { each_geometry(retain); }
-    shape_pool(shape_pool&& other) noexcept = default;
-    shape_pool& operator=(const shape_pool& other) {
-        if (this == &other) return *this;
-        // What may fail comes first.
-        base::reserve(other.slots());
-        other.each_geometry(retain);
-        each_geometry(release);
-        base::operator=(other);
-        return *this;
-    }
-    shape_pool& operator=(shape_pool&& other) noexcept {
-        shape_pool taken(std::move(other));
-        base::swap(taken);
-        return *this;
-    }
-    ~shape_pool() { each_geometry(release); }
-
-    typename base::place insert(const shape_record<Plan>& record) {
-        retain(record.shape.geometry());
-        return base::insert(record);
-    }
-    void erase(std::uint32_t index) {
-        release((*this)[index].shape.geometry());
-        base::erase(index);
-    }
-
-    /// Calls f with the block of geometry of each shape, null for those that have none.
-    template <class F>
-    void each_geometry(F&& f) const {
-        if constexpr (Plan::shape::has_geometry)
-            base::each([&](std::uint32_t, const auto& record) { f(record.shape.geometry()); });
-    }
-};
-
-/// Stands for the next sleeper of a body that is awake.
-inline constexpr std::uint32_t no_sleeper = null_index;
-
-/// Which bodies sleep. Arrays by the numbers of bodies.
-template <class Plan>
-struct sleep_state {
-    using S = typename Plan::scalar;
-    static constexpr int D = Plan::dimension;
-
-    /// For how long each body has been still (s), up to the time that it takes to fall asleep.
-    buffer<S> sleep_time;
-    /// Where its centre of mass was when it became so.
-    buffer<vec<S, D>> sleep_anchor;
-    /// How fast it was, squared, when it first went along with others since then; -1: it has not.
-    buffer<S> carried_from;
-    /// Of each sleeper the next one of its island, in a ring.
-    buffer<std::uint32_t> island_next;
-    /// Contacts of which no body that can be pushed is awake, in ascending order of their pairs.
-    buffer<typename Plan::contact> contacts;
-    /// Length of the step in which their impulses acted (s).
-    S step{};
-
-    /// A body has come, awake.
-    void start(std::uint32_t body, vec<S, D> center) {
-        if (body >= island_next.size()) {
-            sleep_time.resize(body + 1);
-            sleep_anchor.resize(body + 1);
-            carried_from.resize(body + 1);
-            island_next.resize(body + 1);
-        }
-        sleep_time[body] = {};
-        sleep_anchor[body] = center;
-        carried_from[body] = S(-1);
-        island_next[body] = no_sleeper;
-    }
-    PHYSICS_HPP_MEMBERS(sleep_time, sleep_anchor, carried_from, island_next, contacts, step)
-};
-struct no_sleep_state {};
-
-/// How far a body's shapes reach from its centre of mass; see stride.
-template <class S>
-struct body_extent {
-    S thickness{}, reach{};
-    /// No point of the body is farther from it.
-    double outer = 0;
-};
-/// What continuous collision needs.
-template <class Plan>
-struct continuous_state {
-    using S = typename Plan::scalar;
-
-    /// Of every body; follow from shapes and masses.
-    buffer<body_extent<S>> extents;
-    continuous_report<S> report;
-
-    PHYSICS_HPP_MEMBERS(extents, report)
-};
-struct nothing_continuous {};
-
-/// The state of a world. Copying it copies the world.
-template <class Plan>
-struct state {
-    using S = typename Plan::scalar;
-    static constexpr int D = Plan::dimension;
-
-    typename Plan::settings settings;
-    pool<typename Plan::body> bodies;
-    shape_pool<Plan> shapes;
-    typename Plan::broadphase broadphase;
-    /// Contacts of the last step with at least one awake dynamic body, in ascending order of their pairs.
-    buffer<typename Plan::contact> contacts;
-    /// What the surfaces of these contacts, and of those of sleepers, make of each other.
-    [[no_unique_address]] combined_material<S, typename Plan::features> surfaces;
-    /// Where the centres of bodies were, and how bodies were turned, when these contacts were found.
-    buffer<transform<S, D>> contact_starts;
-    /// Awake bodies that are not static, and of each body its index in that list (the list's size if it is not in it).
-    buffer<std::uint32_t> awake, awake_index;
-    /// Whether other bodies move, or bodies that do not have been put elsewhere, since that was found.
-    bool awake_changed = true;
-    /// What the narrowphase remembers of the last step's pairs.
-    pair_cache<Plan> memories;
-    [[no_unique_address]] std::conditional_t<Plan::sleeps, sleep_state<Plan>, no_sleep_state> sleep;
-    [[no_unique_address]] std::conditional_t<Plan::is_continuous, continuous_state<Plan>, nothing_continuous>
-        continuous;
-    std::uint64_t steps = 0;
-    /// Lengths of the steps in which the contacts' impulses act.
-    physics::step_lengths<S> step_lengths;
-    /// By which handles know the world; no part of what lasts, so that they serve it whatever state it is brought to.
-    unsaved<std::uint16_t> tag;
-
-    /// What a step works with; copies begin without.
-    step_scratch<step_data<Plan>> step;
-    PHYSICS_HPP_MEMBERS(settings, bodies, shapes, broadphase, contacts, surfaces, contact_starts, awake, awake_index,
-                        awake_changed, memories, sleep, continuous, steps, step_lengths, tag, step)
-
-    [[nodiscard]] bool is_asleep(std::uint32_t body) const {
-        if constexpr (Plan::sleeps) return sleep.island_next[body] != no_sleeper;
-        else return false;
-    }
-    [[nodiscard]] bool is_awake_dynamic(std::uint32_t body) const {
-        return bodies[body].is_dynamic() && !is_asleep(body);
-    }
-};
-
-/// The inside of a world, for what stands beside it.
-struct world_access {
-    template <class World>
-    static auto& state_of(World& w) {
-        return w.state_;
-    }
-};
-
-template <class Plan>
-continuous_report<typename Plan::scalar> report_of(const state<Plan>& s) {
-    if constexpr (Plan::sweeps) return s.continuous.report;
-    else return {};
-}
-
-/// What a shape's surface is made of.
-template <class Plan>
-auto surface_of([[maybe_unused]] const state<Plan>& s, const shape_record<Plan>& shape) {
-    if constexpr (Plan::features::materials) return shape.material.whole();
-    else return s.settings.material;
-}
-
-/// Says where a shape is, of a body whose frame and whose centre of mass are there.
-template <class Plan, class Vec, class Pose>
-void update_pose(shape_record<Plan>& shape, const Pose& body, const Vec& center) {
-    shape.pose = body * shape.local;
-    shape.r = shape.pose.position - center;
-}
-/// Whether a body moves or may be pushed in this step.
-template <class Plan>
-bool is_awake(const state<Plan>& s, std::uint32_t body) {
-    return s.awake_index[body] < s.awake.size();
-}
-
-/// The box that the narrowphase needs the broadphase to know: all within half the contact margin.
-template <class Plan>
-auto box_within(typename Plan::scalar contact_margin, const shape_record<Plan>& shape) {
-    return grown(bounds(shape.shape, shape.pose), contact_margin / typename Plan::scalar(2));
-}
-template <class Plan>
-auto query_bounds(const state<Plan>& s, const shape_record<Plan>& shape) {
-    return box_within(s.settings.contact_margin, shape);
-}
-/// What the broadphase knows of a shape besides.
-template <class Plan>
-proxy_filter filter_of(const state<Plan>& s, const shape_record<Plan>& shape) {
-    return {.owner = shape.body, .movable = s.is_awake_dynamic(shape.body)};
-}
-template <class Plan>
-void configure_broadphase(state<Plan>& s) {
-    if constexpr (requires { s.broadphase.configure(s.settings.broadphase); })
-        s.broadphase.configure(s.settings.broadphase);
-}
-/// Lets queries see where shapes are, if the broadphase wants to be told.
-template <class Plan>
-void update_broadphase(state<Plan>& s) {
-    if constexpr (requires { s.broadphase.update(); }) s.broadphase.update();
-}
-
-/// Calls f(index, shape) for every shape of a body.
-template <class State, class F>
-void each_shape(State& s, std::uint32_t body, F&& f) {
-    for (std::uint32_t i = s.bodies[body].first_shape; i != no_shape;) {
-        const std::uint32_t next = s.shapes[i].next;
-        f(i, s.shapes[i]);
-        i = next;
-    }
-}
-
-/// Enters the shapes of a body into the broadphase anew: it has become another kind of proxy.
-template <class Plan>
-void reinsert_proxies(state<Plan>& s, std::uint32_t body) {
-    each_shape(s, body, [&](std::uint32_t i, const shape_record<Plan>& shape) {
-        s.broadphase.erase(i);
-        s.broadphase.insert(i, query_bounds(s, shape), filter_of(s, shape));
-    });
-}
-
-/// A number for each world of the program, to recognise foreign handles; after 65535 worlds numbers come again. It
-/// never enters any result.
-inline std::uint16_t next_world_tag() noexcept {
-    static std::uint32_t count = 0;
-#if defined(__GNUC__)
-    return static_cast<std::uint16_t>(__atomic_add_fetch(&count, 1u, __ATOMIC_RELAXED));
-#else
-    return static_cast<std::uint16_t>(++count);
-#endif
-}
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/world/extents.hpp
-// =================================================================================================
-// Thickness and extent of bodies, for continuous collision.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// Calls f(core, axes, at) for the convex pieces of a shape that may be swept, in its frame; surfaces and halfspaces,
-/// which no dynamic body carries, have none.
-template <class Shape, int D, class F>
-void each_swept_piece(const Shape& shape, const aabb<double, D>& everywhere, F&& f) {
-    if constexpr (has_core<Shape>) f(core_of(shape), mat<double, D>::identity(), point<D>{});
-    else if constexpr (is_compound<Shape, D>)
-        each_child(shape, everywhere, [&](const auto& child) { f(child.shape, child.axes, child.at); });
-}
-
-/// How far a core reaches from a point of its own frame.
-template <int D>
-PHYSICS_HPP_COLD double reach_from(const core<D>& c, const point<D>& center) {
-    double square = 0;
-    for (int i = 0; i < D; ++i) {
-        point<D> n;
-        n[i] = 1;
-        const double far = max(abs(c.support(n).at[i] - center[i]), abs(c.support(-n).at[i] - center[i]));
-        square += far * far;
-    }
-    return physics::sqrt(square);
-}
-
-/// Of a body: how thick its thinnest piece is, how far its cores reach from the centre of mass, and how far all of it.
-template <class Plan>
-PHYSICS_HPP_COLD void measure_body(const state<Plan>& s, std::uint32_t index, body_extent<typename Plan::scalar>& to) {
-    using S = typename Plan::scalar;
-    constexpr int D = Plan::dimension;
-    const point<D> center = to_point(s.bodies[index].mass.center);
-    double thickness = no_limit, reach = 0, outer = 0;
-    each_shape(s, index, [&](std::uint32_t, const shape_record<Plan>& record) {
-        const mat<double, D> axes = to_matrix(record.local.rotation);
-        const point<D> at = transposed_times(axes, center - to_point(record.local.position));
-        record.shape.visit([&](const auto& shape) {
-            each_swept_piece(shape, everywhere(record.local.rotation),
-                             [&](const core<D>& c, const mat<double, D>& turned, const point<D>& where) {
-                                 const double far = reach_from(c, transposed_times(turned, at - where));
-                                 thickness = min(thickness, inradius_of<Plan::few_corners>(c));
-                                 reach = max(reach, far);
-                                 outer = max(outer, far + c.radius);
-                             });
-        });
-        // Of what has no pieces, a box.
-        if (s.bodies[index].is_dynamic()) return;
-        const auto box = bounds(record.shape, record.local);
-        double square = 0;
-        for (int i = 0; i < D; ++i) {
-            const double far =
-                max(abs(detail::to_double(box.lower[i]) - center[i]), abs(detail::to_double(box.upper[i]) - center[i]));
-            square += far * far;
-        }
-        outer = max(outer, physics::sqrt(square));
-    });
-    const double maximum = static_cast<double>(scalar_traits<S>::max()) * 0.25;
-    to = {static_cast<S>(min(thickness, maximum)), static_cast<S>(min(reach, maximum)), min(outer, maximum)};
-}
-
-/// Keeps these of a body whose shapes or centre of mass have changed. O(shapes of the body).
-template <class Plan>
-void refresh_extent(state<Plan>& s, std::uint32_t index) {
-    if constexpr (Plan::is_continuous) {
-        s.continuous.extents.resize(s.bodies.slots());
-        measure_body(s, index, s.continuous.extents[index]);
-    }
-}
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
 // physics/world/mass.hpp
 // =================================================================================================
 // What bodies weigh: from their shapes, or as they are told.
@@ -27362,46 +29665,6 @@ PHYSICS_HPP_END
 PHYSICS_HPP_BEGIN
 
 namespace detail {
-
-template <class T, class S>
-rotation<T, 2> converted(const rotation<S, 2>& r) {
-    return {static_cast<T>(r.cosine), static_cast<T>(r.sine)};
-}
-template <class T, class S>
-rotation<T, 3> converted(const rotation<S, 3>& r) {
-    return {static_cast<T>(r.x), static_cast<T>(r.y), static_cast<T>(r.z), static_cast<T>(r.w)};
-}
-template <class T, class S, int D>
-vec<T, D> converted(vec<S, D> v) {
-    vec<T, D> result;
-    for (int i = 0; i < D; ++i) result[i] = static_cast<T>(v[i]);
-    return result;
-}
-template <class T, class S, int D>
-transform<T, D> converted(const transform<S, D>& t) {
-    return {converted<T>(t.position), converted<T>(t.rotation)};
-}
-template <class T, scalar_type S>
-T converted(S x) {
-    return static_cast<T>(x);
-}
-template <class T, class S>
-symmetric<T> converted(const symmetric<S>& m) {
-    return {static_cast<T>(m.xx), static_cast<T>(m.yy), static_cast<T>(m.zz),
-            static_cast<T>(m.xy), static_cast<T>(m.xz), static_cast<T>(m.yz)};
-}
-template <class T, class S, int D>
-twist<T, D> converted(const twist<S, D>& v) {
-    return {converted<T>(v.linear), converted<T>(v.angular)};
-}
-template <class T, class S, int D>
-linear_twist<T, D> converted(const linear_twist<S, D>& v) {
-    return {converted<T>(v.linear)};
-}
-template <class T, class S, int D>
-mass_properties<T, D> converted(const mass_properties<S, D>& m) {
-    return {static_cast<T>(m.mass), converted<T>(m.center), converted<T>(m.inertia)};
-}
 
 /// The mass of one shape in its body's frame, computed with the scalar T; none for shapes without mass.
 template <class T, class Plan>
@@ -27558,16 +29821,6 @@ lookup find_moving(State& s, body_id id, const char* function) {
     if (f && s.bodies[f.index].type == body_type::static_body)
         return {0, refuse(function, "body", "static", "it must be dynamic or kinematic")};
     return f;
-}
-
-/// The largest part of a number or vector, for messages.
-template <scalar_type S>
-double largest_magnitude(S x) {
-    return static_cast<double>(abs(x));
-}
-template <class S, int D>
-double largest_magnitude(vec<S, D> v) {
-    return static_cast<double>(largest(v));
 }
 
 template <class S, int D>
@@ -27804,643 +30057,49 @@ bool check_extent(const char* function, const aabb<S, D>& box) {
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/base/small_buffer.hpp
+// physics/world/advance.hpp
 // =================================================================================================
-// A growable array whose first values are on the stack.
+// Steps as a world asks for them: what is refused, and what is said then.
 
 PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// Like a buffer, but takes memory from the heap only for more than Few values. Not copied.
-template <class T, std::uint32_t Few>
-class small_buffer {
-    static_assert(std::is_trivially_copyable_v<T>);
+inline void report(step_result result) {
+    if (result == step_result::out_of_range)
+        refuse("step", "a velocity", "not finite", "a force, a speed or a mass is beyond the scalar's range");
+    if (result == step_result::bad_executor)
+        refuse("step", "executor", "left parts out, or did parts twice",
+               "it must have a worker at least, and call the work once with every part, as a worker below workers()");
+    if (result == step_result::bad_mixing_rule)
+        refuse("step", "a coefficient of two surfaces", "out of range",
+               "the mixing rule must give friction and rolling_resistance that are finite and at least 0, "
+               "and a restitution of 0 to 1");
+}
 
+/// Sets the mark that a step is under way, as long as the scope lives.
+class step_scope {
 public:
-    // Nothing is made yet of the few.
-    small_buffer() {}  // NOLINT(modernize-use-equals-default)
-    small_buffer(const small_buffer&) = delete;
-    small_buffer& operator=(const small_buffer&) = delete;
-
-    void push_back(const T& value) {
-        if (size_ < Few) {
-            new (static_cast<void*>(few_ + size_++)) T(value);
-            return;
-        }
-        if (size_ == Few) {
-            T* const all = many_.extend(Few);
-            for (std::uint32_t i = 0; i < Few; ++i) all[i] = few_[i];
-        }
-        many_.push_back(value);
-        ++size_;
-    }
-    [[nodiscard]] std::uint32_t size() const { return size_; }
-    T* begin() { return size_ > Few ? many_.begin() : few_; }
-    T* end() { return begin() + size_; }
+    explicit step_scope(step_flag& mark) : mark_(mark) { mark_.on = true; }
+    step_scope(const step_scope&) = delete;
+    step_scope& operator=(const step_scope&) = delete;
+    ~step_scope() { mark_.on = false; }
 
 private:
-    union {
-        T few_[Few];
-    };
-    buffer<T> many_;
-    std::uint32_t size_ = 0;
+    step_flag& mark_;
 };
 
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/world/queries.hpp
-// =================================================================================================
-// What can be asked of a world: rays, casts, overlaps, the closest thing.
-
-PHYSICS_HPP_BEGIN
-
-/// The shape that a ray or a moving shape meets first, and where, in world axes.
-template <class S, int D>
-struct world_hit {
-    shape_id shape;
-    body_id body;
-    /// The part of the translation up to there; 0 if it begins in touch.
-    S fraction = S(1);
-    /// On the shape's surface.
-    vec<S, D> point;
-    /// Unit vector out of the shape; null where a ray begins within.
-    vec<S, D> normal;
-
-    /// True if anything is hit.
-    explicit operator bool() const { return static_cast<bool>(shape); }
-};
-
-/// The shape closest to a point.
-template <class S, int D>
-struct closest_hit {
-    shape_id shape;
-    body_id body;
-    /// From the surface to the point (m); negative within.
-    S distance{};
-    /// On the surface.
-    vec<S, D> point;
-    /// Unit vector out of the shape.
-    vec<S, D> normal;
-
-    explicit operator bool() const { return static_cast<bool>(shape); }
-};
-
-namespace detail {
-
-/// A point, as a shape to ask with.
-template <class S, int D>
-struct point_shape {};
-template <class S, int D>
-bool check(const point_shape<S, D>&, const char*) {
-    return true;
-}
-template <class S, int D>
-aabb<S, D> bounds(const point_shape<S, D>&, const transform<S, D>& at) {
-    return {at.position, at.position};
-}
-// The one below must not hide those of shapes.
-using physics::core_of;
-template <class S, int D>
-core<D> core_of(const point_shape<S, D>&) {
-    return {};
-}
-
 template <class Plan>
-shape_id id_of_shape(const state<Plan>& s, std::uint32_t i) {
-    return {i, s.shapes.generation(i), s.tag};
+step_result step_in_scope(state<Plan>& s, typename Plan::scalar h, const task_runner& tasks) {
+    const step_scope mark(s.step.in_step);
+    return step(s, h, tasks);
 }
 template <class Plan>
-body_id body_of_shape(const state<Plan>& s, std::uint32_t i) {
-    const std::uint32_t b = s.shapes[i].body;
-    return {b, s.bodies.generation(b), s.tag};
+void advance(state<Plan>& s, typename Plan::scalar h, const task_runner& tasks) {
+    if (!check_positive("step", "dt", h) || !check_not_in_step(s, "step")) return;
+    const float_control_scope control;
+    report(step_in_scope(s, h, tasks));
 }
-
-/// Calls f(shape's number) for shapes whose boxes reach into a box.
-template <class Plan, class F>
-void each_near(const state<Plan>& s, const aabb<typename Plan::scalar, Plan::dimension>& box,
-               const query_filter& filter, F&& f) {
-    if constexpr (requires { s.broadphase.each_overlapping(box, filter, f); }) {
-        s.broadphase.each_overlapping(box, filter, f);
-    } else {
-        s.shapes.each([&](std::uint32_t i, const auto& shape) {
-            if (filter.sees(filter_of(s, shape)) && overlap(query_bounds(s, shape), box)) f(i);
-        });
-    }
-}
-/// Calls f(shape's number) for shapes whose boxes a ray meets; f returns the fraction up to which it goes on.
-template <class Plan, class F>
-void each_on(const state<Plan>& s, const ray<typename Plan::scalar, Plan::dimension>& r, const query_filter& filter,
-             F&& f) {
-    using S = typename Plan::scalar;
-    if constexpr (requires { s.broadphase.each_along(r, filter, [](const proxy_hit<S>&) { return S(1); }); }) {
-        s.broadphase.each_along(r, filter, [&](const proxy_hit<S>& hit) { return f(hit.id); });
-    } else {
-        S limit(1), at{};
-        s.shapes.each([&](std::uint32_t i, const auto& shape) {
-            if (limit >= S(0) && filter.sees(filter_of(s, shape)) && meets(r, query_bounds(s, shape), limit, at))
-                limit = min(limit, f(i));
-        });
-    }
-}
-template <class S, int D>
-bool check_translation(const char* function, const char* from, vec<S, D> origin, vec<S, D> translation) {
-    return check_finite(function, from, origin) && check_finite(function, "translation", translation) &&
-           check_finite(function, "end of the way", origin + translation);
-}
-
-/// Calls visit(hit) for shapes that a ray meets, in any order; it must not change the world. visit returns the fraction
-/// up to which the ray goes on.
-template <class Plan, class Visit>
-void cast_ray(const state<Plan>& s, const char* function, vec<typename Plan::scalar, Plan::dimension> origin,
-              vec<typename Plan::scalar, Plan::dimension> translation, const query_filter& filter, Visit&& visit) {
-    using S = typename Plan::scalar;
-    if (!check_translation(function, "origin", origin, translation)) return;
-    S limit(1);
-    each_on(s, {origin, translation}, filter, [&](std::uint32_t i) {
-        const auto& shape = s.shapes[i];
-        const auto hit = cast_ray(shape.shape, s.bodies[shape.body].pose(), shape.local, origin, translation);
-        if (hit && !(hit.fraction > limit))
-            limit = min(limit, visit(world_hit<S, Plan::dimension>{id_of_shape(s, i), body_of_shape(s, i), hit.fraction,
-                                                                   hit.point, hit.normal}));
-        return limit;
-    });
-}
-
-/// Whether the first of two hits comes first: the numbers of shapes decide where both come at once.
-template <class Hit>
-bool comes_first(const Hit& a, const Hit& b) {
-    return !b || a.fraction < b.fraction || (a.fraction == b.fraction && a.shape.index < b.shape.index);
-}
-
-template <class Plan, class Shape>
-world_hit<typename Plan::scalar, Plan::dimension> cast_shape(
-    const state<Plan>& s, const Shape& shape, const transform<typename Plan::scalar, Plan::dimension>& pose,
-    vec<typename Plan::scalar, Plan::dimension> translation, const query_filter& filter) {
-    using S = typename Plan::scalar;
-    constexpr int D = Plan::dimension;
-    const char* f = "cast_shape";
-    world_hit<S, D> first;
-    if (!check(shape, f) || !check_pose(f, pose.position, pose.rotation) ||
-        !check_translation(f, "position", pose.position, translation))
-        return first;
-    const aabb<S, D> box = bounds(shape, pose);
-    if (!check_extent(f, box)) return first;
-    const vec<S, D> middle = box.lower + (box.upper - box.lower) * S(0.5);
-    each_on(s, {middle, translation, (box.upper - box.lower) * S(0.5)}, filter, [&](std::uint32_t i) {
-        const transform<S, D> at = s.shapes[i].pose;
-        s.shapes[i].shape.visit([&](const auto& other) {
-            const auto hit = cast_shape(other, shape, relative(at, pose), inverse_rotate(at.rotation, translation));
-            const world_hit<S, D> found{id_of_shape(s, i), body_of_shape(s, i), hit.fraction, at * hit.point,
-                                        at.rotation * hit.normal};
-            if (hit && comes_first(found, first)) first = found;
-        });
-        return first ? first.fraction : S(1);
-    });
-    return first;
-}
-
-/// The separation of any shape and a convex one, if it is at most `reach`; else more than that.
-template <class A, class B, class S, int D>
-closest_points<S, D> separation_within(const A& a, const B& b, const transform<S, D>& b_in_a, S reach) {
-    if constexpr (has_parts<A, D>) return separation(a, b, b_in_a, reach);
-    else return separation(a, b, b_in_a);
-}
-
-/// Calls found(shape's number) for shapes that a shape touches, in any order; it must not change the world.
-template <class Plan, class Shape, class Found>
-void find_touched(const state<Plan>& s, const char* f, const Shape& shape,
-                  const transform<typename Plan::scalar, Plan::dimension>& pose, const query_filter& filter,
-                  Found&& found) {
-    using S = typename Plan::scalar;
-    if (!check(shape, f) || !check_pose(f, pose.position, pose.rotation)) return;
-    const auto box = bounds(shape, pose);
-    if (!check_extent(f, box)) return;
-    each_near(s, box, filter, [&](std::uint32_t i) {
-        const auto at = relative(s.shapes[i].pose, pose);
-        const bool touches = s.shapes[i].shape.visit(
-            [&](const auto& other) { return !(separation_within(other, shape, at, S(0)).distance > S(0)); });
-        if (touches) found(i);
-    });
-}
-/// Calls visit(id) for them in ascending order of their numbers; it may change the world. What it has destroyed is left
-/// out.
-template <class Plan, class Shape, class Visit>
-void each_overlapping(const state<Plan>& s, const char* f, const Shape& shape,
-                      const transform<typename Plan::scalar, Plan::dimension>& pose, const query_filter& filter,
-                      Visit&& visit) {
-    small_buffer<std::uint64_t, 48> touched;
-    scoped([&] {
-        find_touched(s, f, shape, pose, filter,
-                     [&](std::uint32_t i) { touched.push_back(std::uint64_t{s.shapes.generation(i)} << 32 | i); });
-    });
-    buffer<std::uint64_t> spare;
-    // Fewer are sorted in place.
-    if (touched.size() > 48) spare.resize(touched.size());
-    const int bits = static_cast<int>(std::bit_width(s.shapes.slots()));
-    const std::uint64_t* const sorted = radix_sort(touched.begin(), spare.begin(), touched.size(), 0, bits);
-    const std::uint16_t tag = s.tag;
-    // Another world may have taken its place.
-    for (std::uint32_t k = 0; k < touched.size() && s.tag == tag; ++k) {
-        const shape_id id{static_cast<std::uint32_t>(sorted[k]), static_cast<std::uint16_t>(sorted[k] >> 32), tag};
-        if (s.shapes.contains(id.index, id.generation) && !go_on(visit, id)) return;
-    }
-}
-
-/// All within a distance of a point, as far as numbers go.
-template <class S, int D>
-aabb<S, D> around(vec<S, D> point, S reach) {
-    const S maximum = scalar_traits<S>::max();
-    aabb<S, D> box;
-    for (int i = 0; i < D; ++i) {
-        box.lower[i] = point[i] > reach - maximum ? point[i] - reach : -maximum;
-        box.upper[i] = point[i] < maximum - reach ? point[i] + reach : maximum;
-    }
-    return box;
-}
-
-template <class Plan>
-closest_hit<typename Plan::scalar, Plan::dimension> closest_shape(const state<Plan>& s,
-                                                                  vec<typename Plan::scalar, Plan::dimension> point,
-                                                                  typename Plan::scalar reach,
-                                                                  const query_filter& filter) {
-    using S = typename Plan::scalar;
-    constexpr int D = Plan::dimension;
-    const char* f = "closest_shape";
-    closest_hit<S, D> best;
-    if (!check_finite(f, "point", point) || !check_not_negative(f, "reach", reach)) return best;
-    each_near(s, around(point, reach), filter, [&](std::uint32_t i) {
-        const transform<S, D> at = s.shapes[i].pose;
-        s.shapes[i].shape.visit([&](const auto& other) {
-            const auto c =
-                separation_within(other, point_shape<S, D>{}, relative(at, transform<S, D>{point, {}}), reach);
-            const bool nearer =
-                !best || c.distance < best.distance || (c.distance == best.distance && i < best.shape.index);
-            if (c.distance > reach || !nearer) return;
-            best = {id_of_shape(s, i), body_of_shape(s, i), c.distance, at * c.on_a, at.rotation * c.normal};
-        });
-    });
-    return best;
-}
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/world/sleep.hpp
-// =================================================================================================
-// Sleep: islands that are still leave the step until something happens to them.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// Keeps, in order, the contacts for which stays(contact) is true, and hands the others to out.
-template <class Contacts, class Stays, class Out>
-void partition_contacts(Contacts& contacts, Stays&& stays, Out&& out) {
-    std::uint32_t kept = 0;
-    for (std::uint32_t i = 0; i < contacts.size(); ++i) {
-        if (!stays(contacts[i])) {
-            out(contacts[i]);
-            continue;
-        }
-        if (kept != i) contacts[kept] = contacts[i];
-        ++kept;
-    }
-    while (contacts.size() > kept) contacts.pop_back();
-}
-/// Adds contacts to others; both lists, and the result, are in ascending order of their pairs.
-template <class Contact>
-void merge_contacts(buffer<Contact>& to, const buffer<Contact>& more) {
-    std::uint32_t i = to.size(), j = more.size();
-    if (j == 0) return;
-    to.resize(i + j, more[0]);
-    for (std::uint32_t at = to.size(); j > 0;) {
-        const bool is_last = i > 0 && more[j - 1].key() < to[i - 1].key();
-        to[--at] = is_last ? to[--i] : more[--j];
-    }
-}
-
-/// Calls f(body) for all of a sleeper's island, itself included; f may wake them.
-template <class Plan, class F>
-void each_of_island(state<Plan>& s, std::uint32_t body, F&& f) {
-    std::uint32_t i = body;
-    do {
-        const std::uint32_t next = s.sleep.island_next[i];
-        f(i);
-        i = next;
-    } while (i != body);
-}
-
-/// Brings bodies back that were asleep, listed in s.step.woken: they can be pushed again, and what touches them is
-/// looked at again.
-template <class Plan>
-void finish_waking(state<Plan>& s) {
-    for (const std::uint32_t i : s.step.woken) {
-        s.sleep.island_next[i] = no_sleeper;
-        s.sleep.sleep_time[i] = {};
-        reinsert_proxies(s, i);
-    }
-    if (!s.step.woken.empty()) s.awake_changed = true;
-    s.step.woken.clear();
-}
-/// True if neither body of the contact is dynamic and awake.
-template <class Plan, class Contact>
-bool touches_no_awake_body(const state<Plan>& s, const Contact& c) {
-    return !s.is_awake_dynamic(c.bodies.body_a) && !s.is_awake_dynamic(c.bodies.body_b);
-}
-/// Wakes the islands of those that each(f) calls f(body) for, at once, with their contacts. O(contacts of sleepers).
-template <class Plan, class Each>
-void wake_islands(state<Plan>& s, Each&& each) {
-    // A step that was refused may have left its list.
-    s.step.woken.clear();
-    bool any = false;
-    each([&](std::uint32_t body) {
-        if (!s.is_asleep(body)) return;
-        any = true;
-        each_of_island(s, body, [&](std::uint32_t i) { s.step.woken.push_back(i); });
-        finish_waking(s);
-    });
-    if (!any) return;
-    s.step.new_contacts.clear();
-    partition_contacts(
-        s.sleep.contacts, [&](const auto& c) { return touches_no_awake_body(s, c); },
-        [&](const auto& c) { s.step.new_contacts.push_back(c); });
-    rescale_impulses(s.step.new_contacts.begin(), s.step.new_contacts.end(), {s.sleep.step, s.sleep.step},
-                     s.step_lengths);
-    merge_contacts(s.contacts, s.step.new_contacts);
-}
-template <class Plan>
-void wake(state<Plan>& s, std::uint32_t body) {
-    if constexpr (Plan::sleeps) wake_islands(s, [&](auto&& f) { f(body); });
-}
-/// Wakes those that touch a body.
-template <class Plan>
-void wake_touching(state<Plan>& s, std::uint32_t body) {
-    if constexpr (Plan::sleeps) {
-        auto& touching = s.step.near;
-        touching.clear();
-        for (const auto& c : s.sleep.contacts) {
-            if (c.bodies.body_a == body) touching.push_back(c.bodies.body_b);
-            if (c.bodies.body_b == body) touching.push_back(c.bodies.body_a);
-        }
-        wake_islands(s, [&](auto&& f) {
-            for (const std::uint32_t i : touching) f(i);
-        });
-    }
-}
-/// A body has changed: wakes its island if it is dynamic, else the islands that touch it.
-template <class Plan>
-void wake_affected(state<Plan>& s, std::uint32_t body) {
-    if (s.bodies[body].is_dynamic()) wake(s, body);
-    else wake_touching(s, body);
-}
-/// Wakes those that lie where a body is, or on its way to another pose.
-template <class Plan>
-void wake_near(state<Plan>& s, std::uint32_t body, const transform<typename Plan::scalar, Plan::dimension>& to) {
-    if constexpr (Plan::sleeps) {
-        auto& near = s.step.near;
-        near.clear();
-        each_shape(s, body, [&](std::uint32_t, const auto& shape) {
-            const auto box = merged(query_bounds(s, shape), bounds(shape.shape, to * shape.local));
-            each_near(s, box, query_filter{}, [&](std::uint32_t other) {
-                if (s.is_asleep(s.shapes[other].body)) near.push_back(s.shapes[other].body);
-                return true;
-            });
-        });
-        wake_islands(s, [&](auto&& f) {
-            for (const std::uint32_t i : near) f(i);
-        });
-    }
-}
-template <class Plan>
-void wake_near(state<Plan>& s, std::uint32_t body) {
-    wake_near(s, body, s.bodies[body].pose());
-}
-template <class Plan>
-void wake_all(state<Plan>& s) {
-    if constexpr (Plan::sleeps)
-        wake_islands(s, [&](auto&& f) { s.bodies.each([&](std::uint32_t i, const auto&) { f(i); }); });
-}
-
-template <class Plan>
-std::uint32_t count_awake(const state<Plan>& s) {
-    std::uint32_t count = 0;
-    s.bodies.each(
-        [&](std::uint32_t i, const auto& b) { count += b.type != body_type::static_body && !s.is_asleep(i); });
-    return count;
-}
-
-/// How far gravity draws bodies together within a step, at most.
-template <class Plan>
-auto gravity_slack(const state<Plan>& s, typename Plan::scalar h) {
-    return length(s.settings.gravity) * h * h;
-}
-
-/// Adds to the awake list the islands of sleeping bodies that a body will touch in this step; they wake for good when
-/// the step has succeeded. True if there are any.
-template <class Plan>
-bool list_woken(state<Plan>& s, bool any_near, typename Plan::scalar h) {
-    s.step.woken.clear();
-    if (!any_near) return false;
-    const auto slack = gravity_slack(s, h);
-    for (const auto& c : s.step.new_contacts) {
-        const std::uint32_t a = c.bodies.body_a, b = c.bodies.body_b;
-        const bool of_a = s.is_asleep(a);
-        if (of_a == s.is_asleep(b)) continue;
-        const std::uint32_t sleeper = of_a ? a : b;
-        if (s.awake_index[sleeper] < s.awake.size() ||
-            !will_touch(c, s.bodies[a].velocity_ahead(h), s.bodies[b].velocity_ahead(h), h, slack))
-            continue;
-        each_of_island(s, sleeper, [&](std::uint32_t i) {
-            s.awake_index[i] = 0;
-            s.step.woken.push_back(i);
-        });
-    }
-    if (s.step.woken.empty()) return false;
-    for (const std::uint32_t i : s.step.woken) s.awake.push_back(i);
-    s.awake_changed = true;
-    return true;
-}
-
-/// The step has succeeded: they are awake for good.
-template <class Plan>
-void commit_woken(state<Plan>& s) {
-    if (s.step.woken.empty()) return;
-    finish_waking(s);
-    partition_contacts(
-        s.sleep.contacts, [&](const auto& c) { return touches_no_awake_body(s, c); }, [](const auto&) {});
-}
-
-/// Notes how long each body has been still, and lets islands sleep that have been so for long enough and rest on
-/// something, or do not move at all: a slow drift in free space goes on for ever. What lies on other bodies only may go
-/// along with them: the upper rows of a large pile breathe by centimetres while no two that touch move against each
-/// other. Then the island must have lost half of that energy since, so that what tips, or moves steadily, stays awake.
-template <class Plan>
-class sleep_update {
-    using S = typename Plan::scalar;
-    static constexpr int D = Plan::dimension;
-
-public:
-    sleep_update(state<Plan>& s, S h) : s_(s), step_(h) {
-        if (!update_sleep_times()) return;
-        count_ = s.awake.size();
-        disjoint_sets sets(count_, s.step.scratch);
-        island_ = s.step.scratch.template allocate<island>(count_);
-        for (std::uint32_t k = 0; k < count_; ++k) new (island_ + k) island{};
-        const S slack = gravity_slack(s, h);
-        for (const auto& c : s.contacts) {
-            const auto [a, b] = awake_pair(c);
-            if (is_dynamic(a) && is_dynamic(b) && touch(c, slack)) sets.unite(a, b);
-        }
-        for (std::uint32_t k = 0; k < count_; ++k)
-            if (is_dynamic(k)) add_to_island(k, island_[sets.find(k)]);
-        for (const auto& c : s.contacts) {
-            const auto [a, b] = awake_pair(c);
-            if (is_dynamic(a) != is_dynamic(b) && touch(c, slack))
-                add_support(a, b, island_[sets.find(is_dynamic(a) ? a : b)]);
-        }
-        bool any = false;
-        for (std::uint32_t k = 0; k < count_; ++k) {
-            if (!is_dynamic(k)) continue;
-            island& of = island_[sets.find(k)];
-            if (!of.is_still || !(of.rests || of.is_stopped) || of.now > 0.5 * of.before) continue;
-            fall_asleep(s.awake[k], of);
-            any = true;
-        }
-        if (any) move_contacts_to_sleepers();
-    }
-
-private:
-    struct island {
-        bool is_still = true, is_stopped = true, rests = false;
-        /// Of bodies that went along with others, mass times speed squared now, and when they began to.
-        double now = 0, before = 0;
-        std::uint32_t first = no_sleeper, last = no_sleeper;
-    };
-
-    /// True if any body has been still for long enough.
-    bool update_sleep_times() {
-        const auto& with = s_.settings.sleeping;
-        if (!with.enabled) return false;
-        const auto fast = product(with.speed, with.speed), spinning = product(with.spin, with.spin),
-                   far = product(with.drift, with.drift);
-        const auto is_slow = [&](const auto& b) {
-            return !(length_squared(b.velocity.linear) > fast || spin_squared(value_of(b.velocity.angular)) > spinning);
-        };
-        const auto is_far = [&](std::uint32_t i) {
-            return length_squared(s_.bodies[i].center - s_.sleep.sleep_anchor[i]) > far;
-        };
-        const support* supports = find_supports(is_slow, is_far);
-        bool any = false;
-        for (std::uint32_t k = 0; k < s_.awake.size(); ++k) {
-            const std::uint32_t i = s_.awake[k];
-            const auto& b = s_.bodies[i];
-            S &sleep_time = s_.sleep.sleep_time[i], &carried_from = s_.sleep.carried_from[i];
-            const bool moved = is_far(i), is_carried = supports != nullptr && supports[k] == support::carried;
-            if (!(sleep_time > S(0))) carried_from = S(-1);
-            if (!is_slow(b) || !b.can_sleep || (moved && !is_carried)) sleep_time = S(0);
-            else if (sleep_time < with.time) sleep_time += step_;
-            if (!(sleep_time > S(0))) carried_from = S(-1);
-            else if (moved && carried_from < S(0))
-                carried_from =
-                    static_cast<S>(min(square_of(b.velocity.linear), to_double(scalar_traits<S>::max()) / 2));
-            if (moved || !(sleep_time > S(0))) s_.sleep.sleep_anchor[i] = b.center;
-            any = any || (b.is_dynamic() && !(sleep_time < with.time));
-        }
-        return any;
-    }
-    /// What a slow body that has moved far lies on: nothing, other bodies that move as it does, or anything else.
-    enum class support : std::uint8_t { unasked, none, carried, other };
-
-    /// Of each body that moves; null if none of the slow ones has moved far.
-    template <class IsSlow, class IsFar>
-    const support* find_supports(IsSlow&& is_slow, IsFar&& is_far) {
-        const std::uint32_t count = s_.awake.size();
-        auto* found = s_.step.scratch.template allocate<support>(count + 1);
-        bool any = false;
-        for (std::uint32_t k = 0; k < count; ++k) {
-            const bool asked = is_slow(s_.bodies[s_.awake[k]]) && is_far(s_.awake[k]);
-            found[k] = asked ? support::none : support::unasked;
-            any = any || asked;
-        }
-        found[count] = support::unasked;
-        if (!any || !(s_.settings.sleeping.time > S(0))) return nullptr;
-        const double fast = to_double(s_.settings.sleeping.drift) / to_double(s_.settings.sleeping.time);
-        for (const auto& c : s_.contacts) {
-            const auto [a, b] = awake_pair(c);
-            support &one = found[a < count ? a : count], &other = found[b < count ? b : count];
-            if (one == support::unasked && other == support::unasked) continue;
-            bool bears = false;
-            for (int k = 0; k < c.count; ++k) bears = bears || c.points[k].normal_impulse > S(0);
-            if (!bears) continue;
-            const auto &of_a = s_.bodies[c.bodies.body_a], &of_b = s_.bodies[c.bodies.body_b];
-            const auto apart = to_point(of_b.velocity.linear) - to_point(of_a.velocity.linear);
-            const bool along = of_a.is_dynamic() && of_b.is_dynamic() && !(dot(apart, apart) > fast * fast);
-            for (support* on : {&one, &other})
-                if (*on != support::unasked) *on = along && *on != support::other ? support::carried : support::other;
-        }
-        return found;
-    }
-    static double square_of(const vec<S, D>& v) { return dot(to_point(v), to_point(v)); }
-    static auto spin_squared(const vec<S, 3>& w) { return length_squared(w); }
-    static auto spin_squared(S w) { return product(w, w); }
-
-    [[nodiscard]] bool is_dynamic(std::uint32_t k) const { return k < count_ && s_.bodies[s_.awake[k]].is_dynamic(); }
-    [[nodiscard]] body_pair awake_pair(const typename Plan::contact& c) const {
-        return {s_.awake_index[c.bodies.body_a], s_.awake_index[c.bodies.body_b]};
-    }
-    [[nodiscard]] bool touch(const typename Plan::contact& c, S slack) const {
-        return will_touch(c, s_.bodies[c.bodies.body_a].velocity, s_.bodies[c.bodies.body_b].velocity, step_, slack);
-    }
-    void add_to_island(std::uint32_t k, island& of) {
-        const std::uint32_t i = s_.awake[k];
-        of.is_still = of.is_still && s_.bodies[i].can_sleep && !(s_.sleep.sleep_time[i] < s_.settings.sleeping.time);
-        if (const S from = s_.sleep.carried_from[i]; !(from < S(0))) {
-            const double mass = to_double(s_.bodies[i].mass.mass);
-            of.now += mass * square_of(s_.bodies[i].velocity.linear);
-            of.before += mass * to_double(from);
-        }
-        of.is_stopped = of.is_stopped && s_.bodies[i].velocity == twist_of<S, D, Plan::rotates>{};
-    }
-    /// One of the two is not dynamic: it carries the island if it stands still, and keeps it awake if it moves.
-    void add_support(std::uint32_t a, std::uint32_t b, island& of) {
-        const std::uint32_t other = is_dynamic(a) ? b : a;
-        const twist_of<S, D, Plan::rotates> sleep_time{};
-        if (other < count_ && !(s_.bodies[s_.awake[other]].velocity == sleep_time)) of.is_still = false;
-        else of.rests = true;
-    }
-    void fall_asleep(std::uint32_t i, island& of) {
-        s_.bodies[i].velocity = {};
-        if (of.first == no_sleeper) of.first = i;
-        else s_.sleep.island_next[of.last] = i;
-        of.last = i;
-        s_.sleep.island_next[i] = of.first;
-        reinsert_proxies(s_, i);
-        s_.awake_changed = true;
-    }
-    void move_contacts_to_sleepers() {
-        s_.step.new_contacts.clear();
-        partition_contacts(
-            s_.contacts, [&](const auto& c) { return !touches_no_awake_body(s_, c); },
-            [&](const auto& c) { s_.step.new_contacts.push_back(c); });
-        if (s_.sleep.contacts.empty()) s_.sleep.step = s_.step_lengths.usual;
-        rescale_impulses(s_.step.new_contacts.begin(), s_.step.new_contacts.end(), s_.step_lengths,
-                         {s_.sleep.step, s_.sleep.step});
-        merge_contacts(s_.sleep.contacts, s_.step.new_contacts);
-        if constexpr (Plan::remembers)
-            s_.memories.drop([&](std::uint32_t shape) { return s_.is_asleep(s_.shapes[shape].body); });
-    }
-
-    state<Plan>& s_;
-    S step_;
-    std::uint32_t count_ = 0;
-    island* island_ = nullptr;
-};
 
 }  // namespace detail
 
@@ -28454,17 +30113,6 @@ PHYSICS_HPP_END
 PHYSICS_HPP_BEGIN
 
 namespace detail {
-
-/// Tells the broadphase where the shapes of a body are now.
-template <class Plan>
-void refresh_boxes(state<Plan>& s, std::uint32_t body) {
-    const auto& b = s.bodies[body];
-    each_shape(s, body, [&](std::uint32_t i, shape_record<Plan>& shape) {
-        update_pose(shape, b.pose(), b.center);
-        s.broadphase.move(i, query_bounds(s, shape), {});
-    });
-    update_broadphase(s);
-}
 
 /// Forgets the contacts for which gone(contact) is true; the others keep their order.
 template <class Plan, class Gone>
@@ -28739,1626 +30387,6 @@ void set_settings(state<Plan>& s, const typename Plan::settings& settings) {
             fits = fits && check_extent(f, box_within(settings.contact_margin, shape));
         });
     if (fits) change_settings(s, settings);
-}
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/world/overflow.hpp
-// =================================================================================================
-// Whether numbers stay in range in a step.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// The number of substeps of a solver; 1 if it has no such setting.
-template <class Settings>
-int substeps_of(const Settings& settings) {
-    if constexpr (requires { settings.substeps; }) return settings.substeps;
-    else return 1;
-}
-
-/// Whether a body's velocity and displacement keep within half of the scalar's range in a step of h seconds, by the
-/// forces on it: in double, since fixed-point numbers wrap. The whole step's force may act in the first substep.
-template <class S, int D, bool Rotates>
-bool stays_in_range(const vec<S, D>& gravity, const body<S, D, Rotates>& b, const solver_body<S, D, Rotates>& now, S h,
-                    int substeps) {
-    const double maximum = static_cast<double>(scalar_traits<S>::max()) / 2, step = static_cast<double>(h);
-    const auto size = [](double x) { return x < 0 ? -x : x; };
-    const auto fits = [&](double velocity, double force, double drive) {
-        const double speed = size(velocity) + drive * step;
-        return force * substeps <= maximum && drive * substeps <= maximum && speed <= maximum &&
-               speed * step <= maximum;
-    };
-    bool good = true;
-    for (int i = 0; i < D; ++i) {
-        const double force = size(static_cast<double>(b.force[i]));
-        double drive = force * static_cast<double>(b.inverse_mass);
-        if (b.is_dynamic()) drive += size(static_cast<double>(gravity[i]) * static_cast<double>(b.gravity_scale));
-        good = good && fits(static_cast<double>(now.velocity.linear[i]), force, drive);
-    }
-    if constexpr (Rotates)
-        good =
-            good && fits(largest_magnitude(now.velocity.angular), largest_magnitude(b.torque),
-                         largest_magnitude(times(converted<double>(now.inverse_inertia), converted<double>(b.torque))));
-    return good;
-}
-
-/// Whether a body's position and velocity are in range.
-template <class S, int D, bool Rotates>
-bool is_in_range(const moving_body<S, D, Rotates>& at, const twist_of<S, D, Rotates>& velocity) {
-    if (!is_in_range(at.center) || !is_in_range(velocity.linear)) return false;
-    if constexpr (Rotates) return is_finite(at.rotation) && is_in_range(velocity.angular);
-    else return true;
-}
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/world/batch_integrator.hpp
-// =================================================================================================
-// Bodies as they move through a step: copies in tight arrays, which become the world's when the step has succeeded.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// The number of each body among those that move.
-template <class Plan>
-void index_awake(state<Plan>& s) {
-    s.awake_index.clear();
-    s.awake_index.resize(s.bodies.slots(), s.awake.size());
-    for (std::uint32_t k = 0; k < s.awake.size(); ++k) s.awake_index[s.awake[k]] = k;
-}
-/// Finds which bodies move, where that has changed.
-template <class Plan>
-void list_awake(state<Plan>& s) {
-    if (!s.awake_changed) return;
-    s.awake.clear();
-    s.bodies.each([&](std::uint32_t i, const auto& b) {
-        if (b.type != body_type::static_body && !s.is_asleep(i)) s.awake.push_back(i);
-    });
-    index_awake(s);
-}
-
-/// Whether an integrator advances poses in lanes: not one that derives from such, and may have poses of its own.
-template <class Integrator, bool Rotates>
-concept advances_in_lanes = requires {
-    requires std::same_as<typename Integrator::owner_of_lanes, Integrator>;
-    requires Integrator::template lanes<Rotates>::serves;
-};
-template <class Integrator, bool Rotates>
-struct pose_lanes_of {
-    struct type {};
-};
-template <class Integrator, bool Rotates>
-    requires advances_in_lanes<Integrator, Rotates>
-struct pose_lanes_of<Integrator, Rotates> {
-    using type = typename Integrator::template lanes<Rotates>;
-};
-
-/// How the solver moves a batch: it asks for velocities and poses to advance, once or in substeps.
-template <class Plan>
-class batch_integrator {
-    using S = typename Plan::scalar;
-    static constexpr int D = Plan::dimension;
-    static constexpr bool rotates = Plan::rotates;
-    using integrator = typename Plan::integrator;
-    static constexpr bool in_lanes = advances_in_lanes<integrator, rotates>;
-    using lanes = typename pose_lanes_of<integrator, rotates>::type;
-
-public:
-    /// Copies the bodies of a part into their slots.
-    batch_integrator(const state<Plan>& s, const batches& all, const batch& one, moved_bodies<S, D, rotates> slots, S h,
-                     arena& scratch, task_runner& tasks)
-        : state_(s),
-          members_(all.body_at + one.bodies),
-          bodies_(slots.solved + one.bodies),
-          moving_(slots.moved + one.bodies),
-          count_(one.static_slot - one.bodies),
-          step_(h),
-          tasks_(tasks),
-          counts_(scratch.template allocate<std::uint32_t>(tasks.workers())) {
-        free_count_ = count_of([&](std::uint32_t k) { return gather(k); });
-        if constexpr (is_fixed<S>)
-            starts_in_range_ = count_of([&](std::uint32_t k) {
-                                   return !stays_in_range(s.settings.gravity, member(k), bodies_[k], h,
-                                                          substeps_of(s.settings.solver));
-                               }) == 0;
-        for (std::uint32_t k = count_; k < one.static_slot - one.bodies + 2; ++k)
-            new (bodies_ + k) solver_body<S, D, rotates>{};
-        if (free_count_ > 0) find_free_bodies(all, one, scratch);
-        if constexpr (in_lanes) lanes_ = new (scratch.template allocate<lanes>(1)) lanes(bodies(), moving_, scratch);
-    }
-
-    /// The bodies as the solver sees them; the last two are the static body and a dummy.
-    [[nodiscard]] solver_bodies<S, D, rotates> bodies() const { return {bodies_, count_ + 2}; }
-
-    /// By gravity and forces (m/s^2); nothing drives what is not dynamic.
-    [[nodiscard]] const vec<S, D>& acceleration(std::uint32_t k) const { return moving_[k].acceleration; }
-
-    /// How long steps usually take (s), or this one, if that is longer: contacts are no stiffer in a shorter one.
-    [[nodiscard]] S usual_step() const { return max(step_, state_.step_lengths.usual); }
-
-    void integrate_velocities(S h) {
-        if (free_count_ > 0) set_free_forces(step_ / h);
-        each([&](std::uint32_t k) { integrate_velocity(k, h); });
-        if (free_count_ > 0) set_free_forces(S(0));
-    }
-    /// The same; also reapplies what contacts gave in the last substep, v - start_velocity, and sets start_velocity
-    /// to the velocity before that.
-    void integrate_velocities(S h, twist_of<S, D, rotates>* start_velocity) {
-        if (free_count_ > 0) set_free_forces(step_ / h);
-        each([&](std::uint32_t k) {
-            auto& v = bodies_[k].velocity;
-            const auto got = v - start_velocity[k];
-            integrate_velocity(k, h);
-            start_velocity[k] = v;
-            v = v + got;
-        });
-        if (free_count_ > 0) set_free_forces(S(0));
-    }
-    void integrate_positions(S h) { integrate_positions(h, nullptr); }
-    /// The same; what velocities change by as bodies turn, they change in `start_velocity` too.
-    void integrate_positions(S h, twist_of<S, D, rotates>* start_velocity) {
-        if constexpr (in_lanes) {
-            lanes_->advance(h, start_velocity, tasks_);
-            return;
-        }
-        each([&](std::uint32_t k) {
-            pose_velocity<S, D, rotates>& v = bodies_[k].velocity;
-            const auto before = v;
-            integrator::integrate_pose(moving_[k], v, bodies_[k].displacement, h);
-            if constexpr (D == 3 && rotates)
-                if (start_velocity != nullptr && !(v == before)) start_velocity[k] = start_velocity[k] + (v - before);
-        });
-    }
-
-    /// Ends the step. False if something that moved is where numbers do not reach.
-    [[nodiscard]] bool finish() {
-        const std::uint32_t lost = count_of([&](std::uint32_t k) {
-            if constexpr (in_lanes) lanes_->finish(k, k + 1);
-            const auto& by = bodies_[k].displacement;
-            moving_[k].center += by.linear;
-            if constexpr (D == 2 && rotates)
-                if (by.angular != S(0)) moving_[k].rotation = turned(moving_[k].rotation, by.angular);
-            return !is_in_range(moving_[k], bodies_[k].velocity);
-        });
-        return lost == 0 && starts_in_range_;
-    }
-
-private:
-    /// Calls f(k) for all bodies.
-    template <class F>
-    void each(F&& f) {
-        tasks_.parallel_for(count_, min_per_task, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
-            for (std::uint32_t k = first; k < end; ++k) f(k);
-        });
-    }
-    /// For how many of them f(k) is true.
-    template <class F>
-    std::uint32_t count_of(F&& f) {
-        for (std::uint32_t k = 0; k < tasks_.workers(); ++k) counts_[k] = 0;
-        tasks_.parallel_for(count_, min_per_task, [&](std::uint32_t first, std::uint32_t end, std::uint32_t worker) {
-            std::uint32_t count = 0;
-            for (std::uint32_t k = first; k < end; ++k) count += f(k);
-            counts_[worker] += count;
-        });
-        for (std::uint32_t k = 1; k < tasks_.workers(); ++k) counts_[0] += counts_[k];
-        return counts_[0];
-    }
-    void integrate_velocity(std::uint32_t k, S h) {
-        if (!(bodies_[k].inverse_mass > inverse_of<S>(0))) return;
-        integrator::integrate_velocity(bodies_[k].velocity, moving_[k], h);
-        // -0 becomes 0, which no impulse of 0 changes: so the bits are the same whether solvers give it or not.
-        bodies_[k].velocity.linear += vec<S, D>{};
-        if constexpr (rotates) bodies_[k].velocity.angular += angular<S, D>{};
-    }
-    [[nodiscard]] const typename Plan::body& member(std::uint32_t k) const {
-        return state_.bodies[state_.awake[members_[k]]];
-    }
-    /// Says whether a force acts on it.
-    bool gather(std::uint32_t k) {
-        const auto& b = member(k);
-        auto& seen = *new (bodies_ + k) solver_body<S, D, rotates>{b.velocity_ahead(step_), {}, b.inverse_mass, {}};
-        auto& m = *new (moving_ + k) moving_body<S, D, rotates>{};
-        m.center = b.center;
-        if constexpr (rotates) {
-            seen.inverse_inertia = in_world(b.inverse_inertia, b.rotation);
-            m.rotation = b.rotation;
-        }
-        if (!b.is_dynamic()) return false;
-        m.acceleration = state_.settings.gravity * b.gravity_scale;
-        m.linear_damping = b.linear_damping;
-        if constexpr (rotates) {
-            m.angular_damping = b.angular_damping;
-            if (b.is_gyroscopic) m.gyroscopic = &b;
-        }
-        if (!b.has_external_force()) return false;
-        add_force(k, S(1));
-        return true;
-    }
-    /// Lets `share` of the force on a body act.
-    void add_force(std::uint32_t k, S share) {
-        const auto& b = member(k);
-        for (int i = 0; i < D; ++i) moving_[k].acceleration[i] += mul<S>(b.inverse_mass, b.force[i] * share);
-        if constexpr (rotates) moving_[k].angular_acceleration += times(bodies_[k].inverse_inertia, b.torque * share);
-    }
-    /// Bodies that are pushed and touch nothing.
-    void find_free_bodies(const batches& all, const batch& one, arena& scratch) {
-        auto* touches = scratch.template allocate<bool>(count_ + 1);
-        for (std::uint32_t k = 0; k <= count_; ++k) touches[k] = false;
-        for (std::uint32_t n = one.edges; n < one.end; ++n) touches[all.ends[n].a] = touches[all.ends[n].b] = true;
-        free_ = scratch.template allocate<std::uint32_t>(free_count_);
-        free_count_ = 0;
-        for (std::uint32_t k = 0; k < count_; ++k)
-            if (!touches[k] && member(k).has_external_force()) free_[free_count_++] = k;
-    }
-    /// Free bodies get the whole impulse of a user force in the first substep: spread over substeps, explicit user
-    /// springs would gain energy.
-    void set_free_forces(S share) {
-        for (std::uint32_t n = 0; n < free_count_; ++n) {
-            const std::uint32_t k = free_[n];
-            moving_[k].acceleration = state_.settings.gravity * member(k).gravity_scale;
-            if constexpr (rotates) moving_[k].angular_acceleration = {};
-            if (share > S(0)) add_force(k, share);
-        }
-        if (!(share > S(0))) free_count_ = 0;
-    }
-
-    const state<Plan>& state_;
-    const std::uint32_t* members_;
-    solver_body<S, D, rotates>* bodies_;
-    moving_body<S, D, rotates>* moving_;
-    std::uint32_t count_;
-    S step_;
-    task_runner& tasks_;
-    std::uint32_t* counts_;  ///< What each worker has counted.
-    std::uint32_t* free_ = nullptr;
-    std::uint32_t free_count_ = 0;
-    bool starts_in_range_ = true;
-    lanes* lanes_ = nullptr;
-    static constexpr std::uint32_t min_per_task = 128;  ///< The smallest number of bodies that makes a task.
-};
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/world/ways.hpp
-// =================================================================================================
-// Where bodies go in a step, as the sweeps see it, and what the contacts of the step tell them.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// Adds whole turns to a turn of at most half of one, as a rate says (rad a step).
-template <class S>
-S with_whole_turns(S turn, S rate) {
-    constexpr double whole = 6.283185307179586;
-    return turn + static_cast<S>(physics::floor((to_double(rate) - to_double(turn)) / whole + 0.5) * whole);
-}
-template <class S>
-vec<S, 3> with_whole_turns(const vec<S, 3>& turn, const vec<S, 3>& rate) {
-    const auto [axis, fast] = direction_and_length_of(rate);
-    if (!(fast > pi<S>)) return turn;
-    const auto [own, angle] = direction_and_length_of(turn);
-    // A small turn's axis is mostly rounding.
-    const vec<S, 3> about = angle > S(0.0625) ? own : axis;
-    const S first = dot(turn, about);
-    return about * with_whole_turns(first, dot(rate, about));
-}
-
-/// The ways of bodies through a step: from the poses at its start to the solver's.
-template <class Plan>
-class body_paths {
-public:
-    using S = typename Plan::scalar;
-    static constexpr int D = Plan::dimension;
-
-    body_paths(state<Plan>& s, moved_bodies<S, D, Plan::rotates> moved, S h) : s_(s), moved_(moved), h_(h) {}
-
-protected:
-    using body_sweep = sweep<S, D>;
-    using swept_body_type = swept_body<D>;
-
-    [[nodiscard]] double contact_margin() const { return detail::to_double(s_.settings.contact_margin); }
-    static S length_of(S w) { return abs(w); }
-    static S length_of(const vec<S, 2>& w) { return abs(w.x) + abs(w.y); }
-    static S length_of(const vec<S, 3>& w) { return abs(w.x) + abs(w.y) + abs(w.z); }
-    /// The farther of what it did and what it was about to.
-    body_motion<S, D> motion_of_body(std::uint32_t k, const typename Plan::body& b) const {
-        const std::uint32_t i = s_.awake[k];
-        const auto& extent = s_.continuous.extents[i];
-        const angular<S, D> w = value_of(moved_.velocity(k).angular), before = value_of(b.velocity.angular);
-        const vec<S, D> path = moved_[k].center - b.center, aimed = b.velocity.linear * h_;
-        const bool slower = length_of(w) < length_of(before), shorter = length_of(path) < length_of(aimed);
-        // A body that was stopped in this step may now overlap what stopped it.
-        return {shorter ? aimed : path,    (slower ? before : w) * h_, extent.reach,
-                extent.thickness,          s_.step.sweep.depths[i],    b.continuous,
-                s_.settings.contact_margin};
-    }
-
-    /// Whether a shape of a kinematic body may pass the middle of another in this step, by its way as seen from there.
-    PHYSICS_HPP_COLD bool crosses(std::uint32_t k, const typename Plan::body& b, std::uint32_t pusher) {
-        const auto& from = s_.bodies[pusher];
-        const auto& moved = moved_[s_.awake_index[pusher]];
-        const rotation<S, D> turned = rotation_after(moved, from);
-        const vec<S, D> start = inverse_transform(from.pose(), b.center),
-                        end = inverse_transform(transform<S, D>{moved.center - turned * from.mass.center, turned},
-                                                moved_[k].center);
-        // What turns leads the way around, not along the chord.
-        const double angle =
-            detail::to_double(length_of(value_of(moved_.velocity(s_.awake_index[pusher]).angular) * h_));
-        const double far = detail::to_double(length_of(start)) + detail::to_double(length_of(end));
-        const double reach = contact_margin() + far * angle * angle / 8;
-        if (!(angle < 1) || !(reach < detail::to_double(scalar_traits<S>::max()) / 4)) return true;
-        const aabb<S, D> path = grown(aabb<S, D>{min(start, end), max(start, end)}, static_cast<S>(reach));
-        bool crossed = false;
-        each_shape(s_, pusher, [&](std::uint32_t, const shape_record<Plan>& record) {
-            crossed = crossed || overlap(bounds(record.shape, record.local), path);
-        });
-        return crossed;
-    }
-    /// The shape's frame is the body's.
-    PHYSICS_HPP_COLD body_sweep motion_of(std::uint32_t i) const {
-        const auto& b = s_.bodies[i];
-        const std::uint32_t k = s_.awake_index[i];
-        const transform<S, D> start{b.center, b.rotation};
-        if (!(k < s_.awake.size())) return {start.position, start.position, start.rotation, {}, {}};
-        const rotation<S, D>& turn = rotation_after(moved_[k], b);
-        body_sweep m{start.position, moved_[k].center, start.rotation, {}, {}};
-        // What does not turn gets no turn from rounding either.
-        if (!(turn == start.rotation)) m = sweep_between<S, D>(start, {m.end, turn});
-        if constexpr (Plan::rotates) m.turn = with_whole_turns(m.turn, moved_.velocity(k).angular * h_);
-        return m;
-    }
-    /// All places of a body on its way.
-    aabb<double, D> box_of(const body_sweep& m, double reach) const {
-        const point<D> start = to_point(m.start), end = to_point(m.end);
-        return grown(aabb<double, D>{min(start, end), max(start, end)}, reach);
-    }
-
-    /// Whether a body stays within boxes near which the broadphase knew nothing that stands; and what it fills on its
-    /// way, or, where it does not go far, at the end.
-    bool keeps_clear(const swept_body_type& m, aabb<double, D>& box) const {
-        const std::uint32_t i = m.body;
-        const auto& b = s_.bodies[i];
-        const auto& extent = s_.continuous.extents[i];
-        const point<D> start = to_point(b.center), end = to_point(moved_[m.number].center);
-        const rotation<S, D>& turn = rotation_after(moved_[m.number], b);
-        double spare = 0.5 * contact_margin();
-        if (Plan::rotates && m.goes_far) {
-            // Points on arcs of the radius r leave their chords by up to r sin^2(angle / 2), and the squares of what
-            // unit vectors move by sum up to 8 sin^2(angle / 2).
-            double square = 0;
-            for (int k = 0; k < D; ++k) {
-                vec<S, D> unit;
-                unit[k] = S(1);
-                const point<D> by = to_point(turn * unit - b.rotation * unit);
-                square += dot(by, by);
-            }
-            spare += extent.outer * square * (1.0 / 8);
-            if (m.against == sweep_target::everything ||
-                !(length_of(value_of(moved_.velocity(m.number).angular)) * h_ < S(2))) {
-                box = grown(aabb<double, D>{min(start, end), max(start, end)}, extent.outer + spare);
-                return false;
-            }
-        }
-        const transform<S, D> pose{moved_[m.number].center - turn * b.mass.center, turn};
-        bool within = !s_.step.sweep.near_static[i] && !s_.is_asleep(i);
-        bool first = true;
-        each_shape(s_, i, [&](std::uint32_t k, const shape_record<Plan>& record) {
-            aabb<double, D> own = box_at(record, pose * record.local);
-            if (m.goes_far) own = merged(own, box_at(record, record.pose));
-            own = grown(own, spare);
-            box = first ? own : merged(box, own);
-            first = false;
-            if constexpr (requires { s_.broadphase.box(k); })
-                within = within && contains(wide(s_.broadphase.box(k)), own);
-            else within = false;
-        });
-        return within;
-    }
-
-    state<Plan>& s_;
-    moved_bodies<S, D, Plan::rotates> moved_;
-    S h_;
-
-private:
-    static aabb<double, D> wide(const aabb<S, D>& box) { return {to_point(box.lower), to_point(box.upper)}; }
-    static aabb<double, D> box_at(const shape_record<Plan>& record, const transform<S, D>& pose) {
-        return wide(bounds(record.shape, pose));
-    }
-};
-
-/// Forgets which bodies were near static ones, or deep in them, in the last step.
-template <class Plan>
-void clear_depths(state<Plan>& s) {
-    if constexpr (Plan::sweeps) {
-        for (const std::uint32_t i : s.step.sweep.deep) s.step.sweep.depths[i] = {};
-        s.step.sweep.deep.clear();
-        s.step.sweep.depths.resize(s.bodies.slots());
-        s.step.sweep.near_static.clear();
-        s.step.sweep.near_static.resize(s.bodies.slots());
-    }
-}
-/// Notes which of two bodies whose boxes overlap is near one that stands; those have the last number.
-template <class Plan>
-void note_near(state<Plan>& s, std::uint32_t a, std::uint32_t b) {
-    if constexpr (Plan::sweeps) {
-        // Several workers may note the same body.
-        const auto note = [&](std::uint32_t i) {
-#if defined(__GNUC__)
-            __atomic_store_n(&s.step.sweep.near_static[i], true, __ATOMIC_RELAXED);
-#else
-            s.step.sweep.near_static[i] = true;
-#endif
-        };
-        if (!(s.awake_index[a] < s.awake.size())) note(b);
-        if (!(s.awake_index[b] < s.awake.size())) note(a);
-    }
-}
-/// Whether a contact is deep.
-template <class Plan, class Contact>
-bool is_deep(const state<Plan>& s, const Contact& c) {
-    if constexpr (Plan::sweeps) {
-        // Bodies that do not move have the last number.
-        if (is_awake(s, c.bodies.body_a) == is_awake(s, c.bodies.body_b)) return false;
-        for (int k = 0; k < c.count; ++k)
-            if (-c.points[k].separation > s.settings.contact_margin * typename Plan::scalar(0.125)) return true;
-    }
-    return false;
-}
-/// Notes how deep the body of a contact is in a static one.
-template <class Plan, class Contact>
-void note_depth(state<Plan>& s, const Contact& c) {
-    if constexpr (Plan::sweeps) {
-        if (!is_deep(s, c)) return;
-        typename Plan::scalar depth{};
-        for (int k = 0; k < c.count; ++k) depth = max(depth, -c.points[k].separation);
-        const std::uint32_t a = c.bodies.body_a, b = c.bodies.body_b;
-        const auto note = [&](std::uint32_t i) {
-            s.step.sweep.depths[i] = max(s.step.sweep.depths[i], depth);
-            s.step.sweep.deep.push_back(i);
-        };
-        if (s.bodies[a].type == body_type::static_body) note(b);
-        if (s.bodies[b].type == body_type::static_body) note(a);
-    }
-}
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/world/sweep_search.hpp
-// =================================================================================================
-// What stops a body on its way through a step: the shapes near by, and when it meets them.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// Sweeps a body along a way, from piece to piece and from shape to shape.
-template <class Plan>
-class sweep_search : protected body_paths<Plan> {
-    using paths = body_paths<Plan>;
-
-protected:
-    using paths::contact_margin, paths::D, paths::motion_of, paths::moved_, paths::s_;
-    using typename paths::body_sweep;
-    using typename paths::S;
-    using typename paths::swept_body_type;
-
-    using paths::body_paths;
-
-    /// Shapes that a body may meet on a way in a box, in ascending order.
-    PHYSICS_HPP_COLD bool find_candidates(std::uint32_t body, const aabb<double, D>& path, bool everything) {
-        auto& found = s_.step.sweep.candidates;
-        found.clear();
-        aabb<S, D> box;
-        const double maximum = static_cast<double>(scalar_traits<S>::max());
-        const double pose_error = 2 * static_cast<double>(scalar_traits<S>::epsilon());
-        for (int i = 0; i < D; ++i) {
-            if (!(path.lower[i] > -maximum && path.upper[i] < maximum)) return false;
-            box.lower[i] = static_cast<S>(path.lower[i] - pose_error * (abs(path.lower[i]) + 1));
-            box.upper[i] = static_cast<S>(path.upper[i] + pose_error * (abs(path.upper[i]) + 1));
-        }
-        if (!is_box(box)) return false;
-        const proxy_filter own{.owner = body, .movable = true};
-        const auto add = [&](std::uint32_t shape) {
-            const auto& record = s_.shapes[shape];
-            if (!everything && s_.bodies[record.body].type != body_type::static_body) return;
-            if (may_meet(own, filter_of(s_, record))) found.push_back(shape);
-        };
-        each_near(s_, box, query_filter{.category = all_categories, .movable = everything}, add);
-        if (everything)
-            for (const auto& partner : s_.step.sweep.moving_bodies)
-                if (overlap(partner.box, path))
-                    each_shape(s_, partner.body, [&](std::uint32_t k, const auto&) { add(k); });
-        sort_once(found, s_.step.sweep.spare);
-        return true;
-    }
-    static void sort_once(buffer<std::uint64_t>& numbers, buffer<std::uint64_t>& spare) {
-        if (numbers.size() < 2) return;
-        spare.resize(numbers.size());
-        if (radix_sort(numbers.begin(), spare.begin(), numbers.size(), 0, 32) != numbers.begin()) numbers.swap(spare);
-        std::uint32_t kept = 0;
-        for (std::uint32_t i = 0; i < numbers.size(); ++i)
-            if (kept == 0 || numbers[kept - 1] != numbers[i]) numbers[kept++] = numbers[i];
-        numbers.resize(kept);
-    }
-
-    PHYSICS_HPP_COLD bool ends_in_something(const swept_body_type& m, const body_sweep& path) {
-        const transform<S, D> end{path.end, path.turn == angular<S, D>{} ? path.rotation : path.at(S(1)).rotation};
-        swept_body_type probe(m.body, m.number);
-        probe.goes_far = false;
-        sweep_body(probe, {end.position, end.position, end.rotation, {}, {}});
-        return probe.stops;
-    }
-    /// Finds the first of the candidates that stops a body, of several at once that of the lowest number.
-    PHYSICS_HPP_COLD void sweep_body(swept_body_type& m, const body_sweep& path) {
-        m.stops = false;
-        m.time = 1;
-        each_shape(s_, m.body, [&](std::uint32_t, const shape_record<Plan>& record) {
-            const mat<double, D> axes = to_matrix(record.local.rotation);
-            const point<D> at = to_point(record.local.position) - to_point(s_.bodies[m.body].mass.center);
-            record.shape.visit([&](const auto& shape) {
-                each_swept_piece(shape, everywhere(record.local.rotation),
-                                 [&](const core<D>& c, const mat<double, D>& turned, const point<D>& where) {
-                                     sweep_piece(m, path, c, axes * turned, axes * where + at);
-                                 });
-            });
-        });
-    }
-    PHYSICS_HPP_COLD void sweep_piece(swept_body_type& m, const body_sweep& path, const core<D>& piece,
-                                      const mat<double, D>& axes, const point<D>& at) {
-        const double thickness = inradius_of<Plan::few_corners>(piece);
-        for (const std::uint64_t k : s_.step.sweep.candidates) {
-            const auto& record = s_.shapes[static_cast<std::uint32_t>(k)];
-            const body_sweep other = motion_of(record.body);
-            const obstacle o{
-                other,
-                moving_core<D>(piece, path, axes, at, to_point(other.start)),
-                (to_point(path.end) - to_point(path.start)) - (to_point(other.end) - to_point(other.start)),
-                to_matrix(record.local.rotation),
-                to_point(record.local.position) - to_point(s_.bodies[record.body].mass.center),
-                thickness,
-                record.body};
-            record.shape.visit([&](const auto& shape) { sweep_shape(shape, o, m); });
-        }
-    }
-    /// A shape on the way of a piece: where it is on its body, and how the piece moves as seen from the body's centre.
-    struct obstacle {
-        const body_sweep& other;
-        moving_core<D> mine;
-        point<D> path;
-        mat<double, D> axes;
-        point<D> at;
-        double thickness;
-        std::uint32_t body;
-    };
-
-    template <class Shape>
-    void sweep_shape(const Shape& shape, const obstacle& o, swept_body_type& m) {
-        if constexpr (is_halfspace<Shape>) {
-            const bounding_half<D> half(shape);
-            core<D> surface;
-            surface.corner[0] = half.normal * half.offset;
-            sweep_core(surface, mat<double, D>::identity(), {}, &half.normal, o, m);
-        } else if constexpr (has_parts<Shape, D>) {
-            point<D> center;
-            const aabb<double, D> box = box_of_path(o, center);
-            each_piece(
-                shape, box, [&](const auto& part) { return faces(part, center); },
-                [&](const core<D>& piece, const mat<double, D>& turned, const point<D>& where, std::uint32_t) {
-                    sweep_core(piece, turned, where, nullptr, o, m);
-                });
-        } else if constexpr (has_core<Shape>) {
-            sweep_core(core_of(shape), mat<double, D>::identity(), {}, nullptr, o, m);
-        }
-    }
-    /// What a piece fills on its way, and its middle at the step's start, in the frame of the obstacle.
-    PHYSICS_HPP_COLD aabb<double, D> box_of_path(const obstacle& o, point<D>& center) const {
-        const mat<double, D> body = to_matrix(o.other.rotation), seen = transposed(body * o.axes);
-        const point<D> origin = body * o.at, start = o.mine.start, end = o.mine.start + o.path;
-        const double reach = (o.mine.reach + o.mine.shape.radius) + 2 * contact_margin();
-        const placed_core<D> mine = o.mine.at(0, start);
-        center = seen * (mine.axes * o.mine.shape.center + mine.at - origin);
-        if (!(o.other.turn == angular<S, D>{})) {
-            const point<D> middle = -transposed_times(o.axes, o.at);
-            return grown(aabb<double, D>{middle, middle}, reach + max(length(start), length(end)));
-        }
-        const point<D> from = seen * (start - origin), to = seen * (end - origin);
-        return grown(aabb<double, D>{min(from, to), max(from, to)}, reach);
-    }
-    /// A piece of an obstacle, which stands in its frame as given; of a halfspace a point, with its normal.
-    PHYSICS_HPP_COLD void sweep_core(const core<D>& piece, const mat<double, D>& turned, const point<D>& where,
-                                     const point<D>* face, const obstacle& o, swept_body_type& m) {
-        const moving_core<D> a(piece, o.other, o.axes * turned, o.axes * where + o.at, to_point(o.other.start));
-        const moving_core<D>& b = o.mine;
-        const cast_precision precision = cast_precision::of<S>(piece, b.shape);
-        const moving_pair<D> pair{
-            a, b, o.path, face, piece.radius + b.shape.radius, precision.error, precision.relative};
-        const double margin = contact_margin();
-        if (!m.goes_far) {
-            m.stops = m.stops || is_deeper<Plan::few_corners>(pair, margin * (1.0 / 32));
-            return;
-        }
-        // What rounding of poses may do to a gap.
-        const double epsilon = static_cast<double>(scalar_traits<S>::epsilon());
-        const double size = largest(to_point(o.other.start)) + largest(b.start) + largest(o.path);
-        const double pose_error = 4 * epsilon * (is_fixed<S> ? 1 + b.reach : size + b.reach);
-        const bool thin = s_.bodies[o.body].is_dynamic();
-        const double depth = detail::to_double(s_.step.sweep.depths[m.body]);
-        const penetration_limits rule{margin + pose_error,
-                                      margin * (1.0 / 64),
-                                      margin * (1.0 / 64),
-                                      thin ? min(o.thickness, inradius_of<Plan::few_corners>(piece)) : o.thickness,
-                                      margin * (1.0 / 16) + pose_error,
-                                      margin * (1.0 / 4) + depth + pose_error,
-                                      pose_error,
-                                      thin};
-        const auto found = find_first_penetration<Plan::few_corners>(pair, rule, m.stops ? m.time : 1.0);
-        m.converged = m.converged && found.converged;
-        if (!found.stops || (m.stops && !(found.time < m.time))) return;
-        m.stops = true;
-        m.time = found.time;
-        m.other = o.body;
-        m.normal = found.normal;
-        m.gap = found.gap;
-        m.touching = found.touching;
-        m.push_out = found.push_out;
-    }
-};
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/world/continuous.hpp
-// =================================================================================================
-// Continuous collision in a world: fast bodies are stopped where they would pass into something.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// The sweeps of one step. It reads poses at the step's start and the solver's; what stops bodies is applied when all
-/// is known, so that no order of bodies matters.
-template <class Plan>
-class body_sweeps : sweep_search<Plan> {
-    using search = sweep_search<Plan>;
-    using search::box_of, search::crosses, search::D, search::h_, search::keeps_clear, search::contact_margin,
-        search::length_of, search::motion_of, search::moved_, search::s_, search::motion_of_body,
-        search::find_candidates, search::ends_in_something, search::sweep_body;
-    using typename search::body_sweep;
-    using typename search::S;
-    using typename search::swept_body_type;
-    using policy = typename Plan::continuous;
-
-public:
-    using search::sweep_search;
-
-    PHYSICS_HPP_NOINLINE void run() {
-        auto& report = s_.continuous.report;
-        report = {};
-        if (find_swept_bodies()) sweep_all(report);
-    }
-
-private:
-    buffer<swept_body_type>& swept_bodies() { return s_.step.sweep.swept_bodies; }
-
-    PHYSICS_HPP_COLD void sweep_all(continuous_report<S>& report) {
-        report.swept = swept_bodies().size();
-        if (any_flagged_) list_moving_bodies();
-        for (swept_body_type& m : swept_bodies()) find_stop(m);
-        for (swept_body_type& m : swept_bodies()) stop_other(m);
-        for (swept_body_type& m : swept_bodies()) stop(m);
-    }
-    bool find_swept_bodies() {
-        auto& pushers = s_.step.sweep.pushers;
-        pushers.clear();
-        const S thinnest = list_swept_bodies();
-        if (fastest_ > detail::to_double(thinnest)) {
-            for (auto& p : pushers) p.box = box_of(motion_of(p.body), s_.continuous.extents[p.body].outer);
-            list_swept_bodies();
-        }
-        return !swept_bodies().empty();
-    }
-    /// Gives the thickness of the thinnest dynamic body, so that what slow kinematic ones pass is not looked for.
-    S list_swept_bodies() {
-        swept_bodies().clear();
-        const bool anew = !s_.step.sweep.pushers.empty();
-        S thinnest = scalar_traits<S>::max();
-        for (std::uint32_t k = 0; k < s_.awake.size(); ++k) {
-            const std::uint32_t i = s_.awake[k];
-            const auto& b = s_.bodies[i];
-            const body_motion<S, D> own = motion_of_body(k, b);
-            if (!b.is_dynamic()) {
-                double far = detail::to_double(length_of(own.turn)) * s_.continuous.extents[i].outer;
-                for (int axis = 0; axis < D; ++axis) far += abs(detail::to_double(own.translation[axis]));
-                // By velocities drums and paddles go far all the time: what they pass is not looked for.
-                if (anew || !b.has_target || !(far > 0)) continue;
-                s_.step.sweep.pushers.push_back({i, {}});
-                fastest_ = max(fastest_, far);
-                continue;
-            }
-            thinnest = min(thinnest, own.thickness);
-            const body_motion<S, D> path = anew ? as_pushed(k, b, own) : own;
-            const auto against = policy::sweep_against(path);
-            if (against == sweep_target::nothing) continue;
-            const bool everything = against == sweep_target::everything;
-            swept_body_type m(i, k, against);
-            m.goes_far = everything || path.bound() > path.thickness * S(0.5) - path.depth;
-            swept_bodies().push_back(m);
-            any_flagged_ = any_flagged_ || everything;
-        }
-        return thinnest;
-    }
-    /// The stride of a body as seen from the first kinematic one that may pass its middle; it counts as flagged then.
-    PHYSICS_HPP_COLD body_motion<S, D> as_pushed(std::uint32_t k, const typename Plan::body& b,
-                                                 const body_motion<S, D>& own) {
-        const point<D> start = to_point(b.center), end = to_point(moved_[k].center);
-        const aabb<double, D> box =
-            grown(aabb<double, D>{min(start, end), max(start, end)}, s_.continuous.extents[s_.awake[k]].outer);
-        for (const auto& p : s_.step.sweep.pushers) {
-            if (!overlap(p.box, box)) continue;
-            const auto& from = s_.bodies[p.body];
-            const vec<S, D> velocity_of_pusher =
-                velocity_at(moved_.velocity(s_.awake_index[p.body]), b.center - from.center) * h_;
-            body_motion<S, D> seen = own, alone = own;
-            seen.translation -= velocity_of_pusher;
-            alone.translation = velocity_of_pusher;
-            seen.flagged = true;
-            if (seen.bound() > own.thickness && alone.bound() > own.thickness && crosses(k, b, p.body)) return seen;
-        }
-        return own;
-    }
-
-    /// What moves, and may be far from where the broadphase knows it.
-    void list_moving_bodies() {
-        s_.step.sweep.moving_bodies.clear();
-        const auto add = [&](std::uint32_t i) {
-            s_.step.sweep.moving_bodies.push_back({i, box_of(motion_of(i), s_.continuous.extents[i].outer)});
-        };
-        std::uint32_t next = 0;
-        for (std::uint32_t k = 0; k < s_.awake.size(); ++k) {
-            const std::uint32_t i = s_.awake[k];
-            const bool goes_far = next < swept_bodies().size() && swept_bodies()[next].number == k;
-            if (goes_far) ++next;
-            if (goes_far || !s_.bodies[i].is_dynamic()) add(i);
-        }
-    }
-
-    /// What does not go far passes through nothing: it is enough to look where it ends.
-    void find_stop(swept_body_type& m) {
-        const bool everything = m.against == sweep_target::everything;
-        aabb<double, D> box;
-        if (keeps_clear(m, box) && !everything) return;
-        if (!find_candidates(m.body, box, everything)) m.converged = false;
-        if (s_.step.sweep.candidates.empty()) return;
-        const body_sweep path = motion_of(m.body);
-        m.goes_far = m.goes_far || ends_in_something(m, path);
-        if (m.goes_far) sweep_body(m, path);
-    }
-
-    /// A dynamic body that goes far itself must not go on through the body that was stopped on its way.
-    void stop_other(const swept_body_type& m) {
-        if (!m.stops || !s_.bodies[m.other].is_dynamic()) return;
-        swept_body_type* other = find_swept_body(s_.awake_index[m.other]);
-        if (other == nullptr || (other->cut && !(m.time < other->cut_time))) return;
-        other->cut = true;
-        other->cut_time = m.time;
-    }
-    swept_body_type* find_swept_body(std::uint32_t number) {
-        std::uint32_t low = 0, high = swept_bodies().size();
-        while (low < high) {
-            const std::uint32_t middle = (low + high) / 2;
-            if (number > swept_bodies()[middle].number) low = middle + 1;
-            else high = middle;
-        }
-        return low < swept_bodies().size() && swept_bodies()[low].number == number ? &swept_bodies()[low] : nullptr;
-    }
-
-    /// A body whose inertia depends on the axis spins on as seen from itself: else it would change its energy.
-    void turn_back(std::uint32_t number, const rotation<S, D>& to) {
-        auto& b = moved_[number];
-        if constexpr (D == 3)
-            if (b.gyroscopic) {
-                vec<S, 3>& w = moved_.velocity(number).angular;
-                w = to * inverse_rotate(b.rotation, w);
-            }
-        b.rotation = to;
-    }
-    PHYSICS_HPP_COLD void stop(swept_body_type& m) {
-        const bool is_cut = m.cut && !(m.stops && m.time < m.cut_time);
-        const double time = is_cut ? m.cut_time : m.time;
-        auto& report = s_.continuous.report;
-        const body_type type = s_.bodies[m.other].type;
-        const bool slides = !is_cut && m.stops && type == body_type::static_body && m.against == sweep_target::fixed;
-        if ((is_cut || m.stops) && time < 1 && !(slides && is_pushed_out(m))) {
-            const body_sweep path = motion_of(m.body);
-            transform<S, D> at = path.at(rounded_down<S>(time));
-            if (slides) at.position = slid_along(m, at, path.end);
-            else if (!is_cut && type == body_type::kinematic_body) at = carried(m, at);
-            moved_[m.number].center = at.position;
-            if constexpr (Plan::rotates)
-                if (!slides || !(path.turn == angular<S, D>{})) turn_back(m.number, at.rotation);
-            const S lost = static_cast<S>(1 - time) * h_;
-            // What gravity has given for the lost time would make a bounce higher than the fall.
-            if (slides && m.touching) {
-                take_from_speed(m, at.position - path.end);
-            } else {
-                vec<S, D>& v = moved_.velocity(m.number).linear;
-                const vec<S, D> ahead = slides ? from_point<S>(m.normal) : normalized(v);
-                v -= ahead * (dot(ahead, s_.settings.gravity) * s_.bodies[m.body].gravity_scale * lost);
-            }
-            ++report.stopped;
-            report.lost = max(report.lost, lost);
-        }
-        if (!m.converged) ++report.unconverged;
-    }
-    /// What turns about a point of contact leaves the tangent along which the solver moves that point: rims of coins
-    /// would be stopped in every step. Where it is no deeper than that explains, it is pushed out at the end of the
-    /// step, and loses no time.
-    PHYSICS_HPP_COLD bool is_pushed_out(const swept_body_type& m) {
-        if constexpr (!Plan::rotates) return false;
-        body_sweep path = motion_of(m.body);
-        const double turn = detail::to_double(length_of(path.turn)),
-                     maximum = 0.5 * turn * turn * s_.continuous.extents[m.body].outer;
-        swept_body_type deepest = m;
-        // Twice, for what is in a corner.
-        for (int i = 0; i < 2; ++i) {
-            if (!deepest.touching || !(deepest.push_out <= maximum)) return false;
-            path.end += from_point<S>(deepest.normal * max(deepest.push_out, 0.0));
-            deepest = continue_on(m, path);
-            if (deepest.stops) continue;
-            vec<S, D>& center = moved_[m.number].center;
-            take_from_speed(m, path.end - center);
-            center = path.end;
-            return true;
-        }
-        return false;
-    }
-    /// Takes from the speed of a body what it has gained by being moved against gravity.
-    PHYSICS_HPP_COLD void take_from_speed(const swept_body_type& m, const vec<S, D>& by) {
-        const auto& b = s_.bodies[m.body];
-        const double gain = -dot(to_point(by), to_point(s_.settings.gravity)) * detail::to_double(b.gravity_scale);
-        if (!(gain > 0)) return;
-        auto& v = moved_.velocity(m.number);
-        double square = dot(to_point(v.linear), to_point(v.linear));
-        if constexpr (Plan::rotates)
-            square += twice_spin_energy(b.mass.inertia, moved_[m.number].rotation, v.angular) /
-                      detail::to_double(b.mass.mass);
-        const S kept = square > 2 * gain ? static_cast<S>(physics::sqrt(1 - 2 * gain / square)) : S(0);
-        v.linear *= kept;
-        if constexpr (Plan::rotates) v.angular *= kept;
-    }
-    /// What stops a body on another way, among static ones.
-    PHYSICS_HPP_COLD swept_body_type continue_on(const swept_body_type& m, const body_sweep& path) {
-        swept_body_type again(m.body, m.number);
-        const double reach = s_.continuous.extents[m.body].outer + contact_margin();
-        again.converged = find_candidates(m.body, box_of(path, reach), false);
-        sweep_body(again, path);
-        return again;
-    }
-    /// What a static body has stopped goes on along its surface for the rest of the step, until something else stops
-    /// it.
-    PHYSICS_HPP_COLD vec<S, D> slid_along(swept_body_type& m, const transform<S, D>& at, const vec<S, D>& end) {
-        const double margin = contact_margin();
-        point<D> path = to_point(end) - to_point(at.position);
-        path -= m.normal * dot(m.normal, path);
-        // Just outside, the solver stops it at once.
-        if (m.gap > margin * (-1.0 / 8)) path += m.normal * max(margin * (1.0 / 64) - m.gap, 0.0);
-        const body_sweep along{at.position, at.position + from_point<S>(path), at.rotation, {}, {}};
-        if (dot(path, path) <= margin * margin * (1.0 / 64)) return along.end;
-        return continue_from(m, along).position;
-    }
-    /// Where a body comes on a way after its stop, as far as static ones let it.
-    PHYSICS_HPP_COLD transform<S, D> continue_from(swept_body_type& m, const body_sweep& path) {
-        const swept_body_type again = continue_on(m, path);
-        m.converged = m.converged && again.converged;
-        return path.at(rounded_down<S>(again.time));
-    }
-    /// What a kinematic body has caught it takes along for the rest of the step, as far as static ones let it: nothing
-    /// holds the kinematic one up.
-    PHYSICS_HPP_COLD transform<S, D> carried(swept_body_type& m, const transform<S, D>& at) {
-        const body_sweep other = motion_of(m.other);
-        const transform<S, D> there = other.at(rounded_down<S>(m.time));
-        const auto& moved = moved_[s_.awake_index[m.other]];
-        const transform<S, D> then{moved.center, rotation_after(moved, s_.bodies[m.other])};
-        const transform<S, D> end = then * relative(there, at);
-        const body_sweep path = sweep_between<S, D>(at, {end.position, normalized(end.rotation)});
-        return continue_from(m, path);
-    }
-
-    bool any_flagged_ = false;
-    /// How far a point of a kinematic body goes, at most.
-    double fastest_ = 0;
-};
-
-/// Stops bodies that would have passed into something; see the recipe's policy.
-template <class Plan>
-void sweep_fast_bodies(state<Plan>& s, moved_bodies<typename Plan::scalar, Plan::dimension, Plan::rotates> moved,
-                       typename Plan::scalar h) {
-    if constexpr (Plan::sweeps) body_sweeps<Plan>(s, moved, h).run();
-}
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/world/look_ahead.hpp
-// =================================================================================================
-// Speculative contacts: found as far ahead of fast bodies as those may come in the step.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// Makes the boxes of fast bodies as large as the contacts that are looked for ahead of them.
-template <class Plan>
-void look_ahead(state<Plan>& s, typename Plan::scalar h) {
-    if constexpr (Plan::looks_ahead) {
-        using S = typename Plan::scalar;
-        constexpr int D = Plan::dimension;
-        s.step.sweep.ahead.resize(s.bodies.slots());
-        bool any = false;
-        s.bodies.each([&](std::uint32_t i, const auto& b) {
-            S& ahead = s.step.sweep.ahead[i];
-            ahead = S(0);
-            if (s.is_asleep(i)) return;
-            if (b.type == body_type::static_body) return;
-            const auto before = b.velocity_ahead(h);
-            vec<S, D> v = before.linear;
-            if (b.is_dynamic()) v += s.settings.gravity * b.gravity_scale * h;
-            const auto& extent = s.continuous.extents[i];
-            ahead = Plan::continuous::ahead({v * h, value_of(before.angular) * h, extent.reach, extent.thickness, S(0),
-                                             b.continuous, s.settings.contact_margin});
-            if (!(ahead > S(0))) return;
-            any = true;
-            each_shape(s, i, [&](std::uint32_t k, const auto& shape) {
-                const auto box = grown(query_bounds(s, shape), ahead);
-                if (is_box(box)) s.broadphase.move(k, box, {});
-            });
-        });
-        if (any) update_broadphase(s);
-    }
-}
-
-/// What is remembered of a pair serves no other step.
-template <class Memory>
-void forget_pair(Memory& m) {
-    m = {};
-    if constexpr (requires { m.changed; }) m.changed = true;
-}
-
-/// The narrowphase of some pairs, where some of them are looked at farther ahead: as one batch those in between.
-template <class Plan, class Query, class Manifolds, class Collide>
-void collide_ahead(state<Plan>& s, const Query* queries, typename Plan::pair_memory* memories, const proxy_pair* pairs,
-                   std::uint32_t count, Manifolds& manifolds, Collide&& collide) {
-    using S = typename Plan::scalar;
-    const S margin = s.settings.contact_margin;
-    const auto farther = [&](std::uint32_t i) {
-        return s.step.sweep.ahead[s.shapes[pairs[i].a].body] + s.step.sweep.ahead[s.shapes[pairs[i].b].body];
-    };
-    for (std::uint32_t i = 0; i < count;) {
-        const S more = farther(i);
-        std::uint32_t end = i + 1;
-        if (!(more > S(0)))
-            while (end < count && !(farther(end) > S(0))) ++end;
-        // What is found farther ahead serves no other step.
-        const auto forget = [&] {
-            if constexpr (Plan::remembers)
-                if (more > S(0) && queries[i].memory != Query::no_memory) forget_pair(memories[queries[i].memory]);
-        };
-        const std::uint32_t before = manifolds.size();
-        forget();
-        collide(queries + i, end - i, margin + more);
-        forget();
-        for (std::uint32_t k = before; k < manifolds.size(); ++k) manifolds[k].query += i;
-        i = end;
-    }
-}
-
-/// What the step has to know of fast bodies before it looks for contacts.
-template <class Plan>
-void watch_fast_bodies(state<Plan>& s, typename Plan::scalar h) {
-    clear_depths(s);
-    look_ahead(s, h);
-}
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/world/warm_impulses.hpp
-// =================================================================================================
-// What contacts hand on from step to step where these differ in length.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// A step hands on what its contacts gave, as the load that the next one begins with. Where steps differ, what a single
-/// short one says of loads is noise; so what is handed on is what contacts gave within a usual step's time, to which
-/// the last step adds its part. How long steps usually take follows their length by an eighth at a time. Steps of one
-/// length hand on their impulses as they are, and cost nothing.
-template <class Plan>
-class warm_impulses {
-    using S = typename Plan::scalar;
-
-public:
-    warm_impulses(state<Plan>& s, S h) : state_(s), step_(h) {}
-
-    /// How long steps usually take once this one counts among them (s).
-    [[nodiscard]] S next_usual_step() const {
-        const S last = state_.step_lengths.usual;
-        // A world's first steps may be shorter than those to come.
-        const S longest = state_.steps < 8 ? step_ : last + last * S(0.125);
-        return max(min(step_, longest), last - step_ * S(0.125));
-    }
-    /// Remembers with what impulses this step begins.
-    void before_solve() {
-        if (!is_shorter()) return;
-        constexpr std::uint32_t capacity = manifold<S, Plan::dimension>::capacity;
-        begun_with_ = state_.step.scratch.template allocate<S>(state_.step.new_contacts.size() * capacity);
-        S* to = begun_with_;
-        for (const auto& c : state_.step.new_contacts)
-            for (int k = 0; k < c.count; ++k) *to++ = c.persisted(k) ? c.points[k].substep_impulse : S(0);
-    }
-    /// Turns this step's impulses into those of a usual one.
-    void after_solve() {
-        const S last = state_.step_lengths.usual, usual = next_usual_step();
-        if (usual == step_ && !is_shorter()) return;
-        const S ratio = impulse_ratio(last, step_), part = usual / max(step_, last);
-        const S* from = begun_with_;
-        for (auto& c : state_.step.new_contacts)
-            for (int k = 0; k < c.count; ++k) {
-                S& impulse = c.points[k].substep_impulse;
-                if (is_shorter()) impulse += *from / ratio - *from, ++from;
-                impulse *= part;
-            }
-    }
-
-private:
-    bool is_shorter() const { return step_ < state_.step_lengths.usual; }
-
-    state<Plan>& state_;
-    S step_;
-    S* begun_with_ = nullptr;
-};
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/world/motion.hpp
-// =================================================================================================
-// How a step moves the world: islands in batches, solved one by one or in parallel, and what becomes of it.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// How a step moves the world, batch by batch. Nothing of the world changes before update_boxes.
-template <class Plan>
-class step_solver {
-    using S = typename Plan::scalar;
-    static constexpr int D = Plan::dimension;
-    static constexpr bool rotates = Plan::rotates;
-
-public:
-    step_solver(state<Plan>& s, S h, task_runner& tasks)
-        : state_(s), batches_(batches_of(s, tasks)), step_(h), warm_(s, h) {
-        moved_ = {s.step.scratch.template allocate<solver_body<S, D, rotates>>(batches_.slots),
-                  s.step.scratch.template allocate<moving_body<S, D, rotates>>(batches_.slots), batches_.slot_of};
-    }
-
-    /// Solves all batches: large islands one by one on all workers, the others in parallel. False on overflow.
-    bool solve(task_runner& tasks) {
-        warm_.before_solve();
-        bool* solved = state_.step.scratch.template allocate<bool>(batches_.count);
-        for (std::uint32_t k = 0; k < batches_.count; ++k) solved[k] = false;
-        const auto is_large = [&](std::uint32_t k) {
-            return !tasks.is_serial() && batches_.first[k].weight() > large_factor * graph_builder::target_weight;
-        };
-        task_runner alone;
-        for (std::uint32_t k = 0; k < batches_.count; ++k)
-            if (is_large(k)) solved[k] = solve(batches_.first[k], state_.step.batch_scratch[0], tasks);
-        tasks.parallel_tasks(batches_.count, [&](std::uint32_t k, std::uint32_t worker) {
-            if (!is_large(k)) solved[k] = solve(batches_.first[k], state_.step.batch_scratch[worker], alone);
-        });
-        for (std::uint32_t k = 0; k < batches_.count; ++k)
-            if (!solved[k]) return false;
-        return true;
-    }
-    /// Where bodies have come.
-    [[nodiscard]] moved_bodies<S, D, rotates> moved() const { return moved_; }
-
-    /// Puts shapes where their bodies are now, and tells the broadphase, and where they are heading; bodies with a
-    /// target are there, to the bit. False, and all shapes where they were, if a box is beyond the scalar's range, or
-    /// the executor fails.
-    bool update_boxes(task_runner& tasks) {
-        const std::uint32_t count = state_.awake.size();
-        bool fit = true;
-        if (tasks.is_serial()) {
-            for (std::uint32_t k = 0; k < count && fit; ++k)
-                update_shape_poses(k, [&](std::uint32_t n, const aabb<S, D>& box) {
-                    if (fit = fit && is_box(box); fit) move_box(k, n, box);
-                });
-        } else {
-            // Boxes that are left move one by one: what the broadphase makes of them may depend on their order.
-            enum : std::uint8_t { stays = 0, leaves = 1, lost = 2 };
-            auto* box_changes = state_.step.scratch.template allocate<std::uint8_t>(count);
-            tasks.parallel_for(count, 128, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
-                for (std::uint32_t k = first; k < end; ++k) {
-                    box_changes[k] = stays;
-                    update_shape_poses(k, [&](std::uint32_t n, const aabb<S, D>& box) {
-                        if constexpr (requires { state_.broadphase.holds(n, box); })
-                            if (state_.broadphase.holds(n, box)) return;
-                        box_changes[k] = !is_box(box) || box_changes[k] == lost ? lost : leaves;
-                    });
-                }
-            });
-            fit = tasks.ran_all_tasks();
-            for (std::uint32_t k = 0; k < count; ++k) fit = fit && box_changes[k] != lost;
-            for (std::uint32_t k = 0; k < count && fit; ++k)
-                if (box_changes[k] == leaves)
-                    each_shape(state_, state_.awake[k], [&](std::uint32_t n, const auto& shape) {
-                        move_box(k, n, query_bounds(state_, shape));
-                    });
-        }
-        if (!fit)
-            for (const std::uint32_t i : state_.awake) refresh_boxes(state_, i);
-        else update_broadphase(state_);
-        return fit;
-    }
-
-    /// Stores what the step found: poses, velocities, contacts with their impulses. Forces act for one step, and so do
-    /// targets.
-    void finish() {
-        if (std::exchange(state_.awake_changed, false))
-            state_.bodies.each([&](std::uint32_t i, const auto& b) {
-                if (!state_.is_asleep(i)) state_.contact_starts[i] = {b.center, b.rotation};
-            });
-        for (std::uint32_t k = 0; k < state_.awake.size(); ++k) {
-            const std::uint32_t i = state_.awake[k];
-            auto& b = state_.bodies[i];
-            state_.contact_starts[i] = {b.center, b.rotation};
-            b.center = moved_[k].center;
-            if constexpr (rotates) b.rotation = moved_[k].rotation;
-            b.velocity = moved_.velocity(k);
-            b.force = {};
-            b.torque = {};
-            b.at_target = b.has_target;
-            if (!b.has_target) continue;
-            b.set_pose(b.target);
-            b.has_target = false;
-        }
-        warm_.after_solve();
-        state_.contacts.swap(state_.step.new_contacts);
-        state_.surfaces = state_.step.new_material;
-        if constexpr (Plan::remembers) state_.step.pair_cache_changes.finish(state_.memories);
-        ++state_.steps;
-        state_.step_lengths = {warm_.next_usual_step(), step_};
-        if constexpr (Plan::sleeps) {
-            commit_woken(state_);
-            for (const std::uint32_t i : state_.awake) wake_ahead(i);
-            sleep_update<Plan>(state_, step_);
-        }
-    }
-
-private:
-    /// Puts the shapes of a body where it is now, and calls f(shape's number, box) for each.
-    template <class F>
-    void update_shape_poses(std::uint32_t k, F&& f) {
-        const std::uint32_t i = state_.awake[k];
-        const auto& b = state_.bodies[i];
-        const transform<S, D> pose = pose_of(k);
-        const vec<S, D> center = b.has_target ? pose * b.mass.center : moved_[k].center;
-        each_shape(state_, i, [&](std::uint32_t n, auto& shape) {
-            update_pose(shape, pose, center);
-            f(n, query_bounds(state_, shape));
-        });
-    }
-    void move_box(std::uint32_t k, std::uint32_t n, const aabb<S, D>& box) {
-        state_.broadphase.move(n, box, moved_.velocity(k).linear * step_);
-    }
-    /// Wakes what a kinematic body is going to run into.
-    void wake_ahead(std::uint32_t i) {
-        const auto& b = state_.bodies[i];
-        if (b.is_dynamic() || b.at_target || b.velocity == twist_of<S, D, rotates>{}) return;
-        rotation<S, D> turn = b.rotation;
-        if constexpr (rotates) turn = turned(turn, b.velocity.angular * step_);
-        wake_near(state_, i, {b.center + b.velocity.linear * step_ - turn * b.mass.center, turn});
-    }
-    static batches batches_of(state<Plan>& s, task_runner& tasks) {
-        // On one thread, what goes into the second cache is not worth taking apart.
-        const std::uint32_t batch_limit = graph_builder::target_weight * (tasks.is_serial() ? (D == 2 ? 8 : 2) : 1);
-
-        const std::uint32_t count = s.awake.size();
-        bool* has_external_force = s.step.scratch.template allocate<bool>(count + 1);
-        for (std::uint32_t k = 0; k < count; ++k)
-            has_external_force[k] = s.bodies[s.awake[k]].inverse_mass > inverse_of<S>(0);
-        has_external_force[count] = false;
-        return graph_builder(s.step.edges, s.awake_index.begin(), has_external_force, count, s.step.scratch,
-                             batch_limit, &tasks)
-            .result();
-    }
-    bool solve(const batch& one, arena& scratch, task_runner& tasks) {
-        scratch.reset();
-        for (std::uint32_t k = 1; k < tasks.workers(); ++k) state_.step.batch_scratch[k].reset();
-        batch_integrator<Plan> moving(state_, batches_, one, moved_, step_, scratch, tasks);
-        const contact_constraints<S, D, typename Plan::features> contacts(
-            state_.step.new_contacts.begin(), batches_.order + one.edges, batches_.ends + one.edges,
-            one.end - one.edges, state_.step.new_material);
-        const auto& with = state_.settings.solver;
-        if constexpr (requires { Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving, tasks); })
-            Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving, tasks);
-        else Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving);
-        return moving.finish();
-    }
-    [[nodiscard]] transform<S, D> pose_of(std::uint32_t k) const {
-        const auto& b = state_.bodies[state_.awake[k]];
-        if (b.has_target) return b.target;
-        const rotation<S, D>& turn = rotation_after(moved_[k], b);
-        return {moved_[k].center - turn * b.mass.center, turn};
-    }
-
-    /// An island that is so many times as large as a batch is wide enough for several workers.
-    static constexpr std::uint32_t large_factor = 4;
-
-    state<Plan>& state_;
-    batches batches_;
-    moved_bodies<S, D, rotates> moved_;
-    S step_;
-    warm_impulses<Plan> warm_;
-};
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/world/contacts.hpp
-// =================================================================================================
-// The contacts of a step: narrowphase, surfaces, and what is remembered of pairs.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// The narrowphase wants the shape of the lower kind first.
-template <class Plan>
-proxy_pair in_order_of_kinds(const state<Plan>& s, proxy_pair p) {
-    return s.shapes[p.a].shape.kind() > s.shapes[p.b].shape.kind() ? proxy_pair{p.b, p.a} : p;
-}
-
-/// Some pairs in a row with what the narrowphase is to know of them: a query of each, and what the last step remembered
-/// of those that it cares to remember.
-template <class Plan>
-class pair_queries {
-    using query = typename Plan::query;
-    using memory = typename Plan::pair_memory;
-
-public:
-    /// Both lists are in ascending order, so one walk along both finds what is remembered.
-    pair_queries(state<Plan>& s, const proxy_pair* pairs, std::uint32_t count, arena& scratch)
-        : pairs_(pairs), count_(count), queries_(scratch.allocate<query>(count)) {
-        if constexpr (Plan::remembers) {
-            memories_ = scratch.allocate<memory>(count);
-            owners_ = scratch.allocate<owner>(count);
-        }
-        [[maybe_unused]] std::uint32_t last = no_memory;
-        for (std::uint32_t i = 0; i < count; ++i) {
-            const proxy_pair p = in_order_of_kinds(s, pairs[i]);
-            const auto& a = s.shapes[p.a];
-            const auto& b = s.shapes[p.b];
-            note_near(s, a.body, b.body);
-            new (queries_ + i) query{&a.shape, &b.shape, relative(a.pose, b.pose)};
-            if constexpr (Plan::remembers) {
-                if (!Plan::narrowphase::remembers(a.shape.kind(), b.shape.kind())) continue;
-                if (last == no_memory) last = s.memories.find(pairs[i]);
-                while (last < s.memories.size() && s.memories.pair(last) < pairs[i]) ++last;
-                const bool known = last < s.memories.size() && s.memories.pair(last) == pairs[i];
-                if (known) s.memories.read(last, memories_[remembered_]);
-                else s.memories.clear(memories_[remembered_]);
-                owners_[remembered_] = {i, known ? last : no_memory};
-                queries_[i].memory = remembered_++;
-            }
-        }
-    }
-    [[nodiscard]] const query* queries() const { return queries_; }
-    [[nodiscard]] memory* memories() const { return memories_; }
-    [[nodiscard]] const proxy_pair* pairs() const { return pairs_; }
-    [[nodiscard]] std::uint32_t size() const { return count_; }
-
-    /// Says which memories stay as they are, and adds the others to a list.
-    void save_to_cache(const pair_cache<Plan>& before, bool* is_kept, pair_cache<Plan>& changes) const {
-        for (std::uint32_t k = 0; k < remembered_; ++k) {
-            const auto [i, known] = owners_[k];
-            if (known != no_memory && before.is_unchanged(known, memories_[k])) is_kept[known] = true;
-            else changes.add(pairs_[i], memories_[k]);
-        }
-    }
-
-private:
-    static constexpr std::uint32_t no_memory = query::no_memory;
-    /// Whose memory it is, and which one of the last step, if any.
-    struct owner {
-        std::uint32_t pair, known;
-    };
-
-    const proxy_pair* pairs_;
-    std::uint32_t count_, remembered_ = 0;
-    query* queries_;
-    memory* memories_ = nullptr;
-    owner* owners_ = nullptr;
-};
-
-/// How running surfaces drive. Apart from the rest, since few do.
-template <class Plan>
-PHYSICS_HPP_NOINLINE void set_belt_velocity(typename Plan::contact& c, const shape_record<Plan>& a,
-                                            const shape_record<Plan>& b) {
-    c.surface_velocity =
-        relative_surface_velocity(tangents<typename Plan::scalar, Plan::dimension>(c.normal), a.pose.rotation,
-                                  a.material.surface_velocity, b.pose.rotation, b.material.surface_velocity);
-}
-/// Writes down the coefficients of two materials together; false if the recipe's rule gives what no solver takes.
-template <class Plan, class Coefficients>
-bool combine_materials(Coefficients& c, const material<typename Plan::scalar, Plan::dimension>& of_a,
-                       const material<typename Plan::scalar, Plan::dimension>& of_b) {
-    using S = typename Plan::scalar;
-    using features = typename Plan::features;
-    const auto is_good = [](S x) { return x >= S(0) && is_finite(x); };
-    bool good = true;
-    if constexpr (features::friction) good = is_good(c.friction = Plan::mixing::friction(of_a, of_b));
-    if constexpr (features::restitution) {
-        c.restitution = Plan::mixing::restitution(of_a, of_b);
-        good = good && is_good(c.restitution) && !(c.restitution > S(1));
-    }
-    if constexpr (features::rolling_resistance)
-        good = is_good(c.rolling_resistance = Plan::mixing::rolling_resistance(of_a, of_b)) && good;
-    return good;
-}
-/// What both surfaces make of a contact of A and B, unless that is the same for all.
-template <class Plan>
-bool combine_surface_materials([[maybe_unused]] typename Plan::contact& c, [[maybe_unused]] const shape_record<Plan>& a,
-                               [[maybe_unused]] const shape_record<Plan>& b) {
-    if constexpr (Plan::features::materials) {
-        const material<typename Plan::scalar, Plan::dimension> of_a = a.material.whole(), of_b = b.material.whole();
-        const bool good = combine_materials<Plan>(c, of_a, of_b);
-        if constexpr (Plan::features::surface_velocity) {
-            const surface_motion<typename Plan::scalar, Plan::dimension> at_rest{};
-            if (of_a.surface_velocity != at_rest || of_b.surface_velocity != at_rest) set_belt_velocity(c, a, b);
-        }
-        return good;
-    } else {
-        return true;
-    }
-}
-/// What all surfaces of this step make of each other, if they are of one material.
-template <class Plan>
-bool combine_common_materials([[maybe_unused]] state<Plan>& s) {
-    if constexpr (Plan::features::materials) {
-        return true;
-    } else {
-        auto of_all = s.settings.material;
-        // As materials of shapes, it lacks what the recipe leaves out.
-        if constexpr (!Plan::features::friction) of_all.friction = {};
-        return combine_materials<Plan>(s.step.new_material, of_all, of_all);
-    }
-}
-
-/// Adds the contacts of a manifold between the shapes of a pair. False if their surfaces do not mix.
-template <class Plan, class Manifold>
-bool add_contact(const state<Plan>& s, proxy_pair pair, std::uint32_t part, const Manifold& m,
-                 buffer<typename Plan::contact>& to) {
-    using S = typename Plan::scalar;
-    constexpr int D = Plan::dimension;
-    const proxy_pair p = in_order_of_kinds(s, pair);
-    const auto& a = s.shapes[p.a];
-    const auto& b = s.shapes[p.b];
-    const rotation<S, D> turn = a.pose.rotation;
-    auto& c = to.emplace_back(p.a, p.b, edge{a.body, b.body}, part, turn * m.normal, a.r,
-                              b.r + (a.pose.position - b.pose.position), static_cast<std::uint8_t>(m.count));
-    for (int k = 0; k < m.count; ++k) {
-        c.points[k].position = turn * m.points[k].position;
-        c.points[k].separation = m.points[k].separation;
-        c.points[k].feature = m.points[k].feature;
-    }
-    return combine_surface_materials(c, a, b);
-}
-
-/// Result flags of the narrowphase: all combined coefficients are valid; some contact is deep; an awake body is near a
-/// sleeping one.
-struct collide_result {
-    bool materials_valid = true, deep = false, near_sleeper = false;
-};
-/// Adds the contacts of some pairs in a row.
-template <class Plan>
-collide_result collide_chunk(state<Plan>& s, const pair_queries<Plan>& of,
-                             manifold_list<typename Plan::scalar, Plan::dimension>& manifolds,
-                             buffer<typename Plan::contact>& to) {
-    using S = typename Plan::scalar;
-    manifolds.clear();
-    const auto collide = [&](const auto* some, std::uint32_t count, S within) {
-        if constexpr (Plan::remembers) Plan::narrowphase::collide(some, count, within, of.memories(), manifolds);
-        else Plan::narrowphase::collide(some, count, within, manifolds);
-    };
-    if constexpr (Plan::looks_ahead)
-        collide_ahead(s, of.queries(), of.memories(), of.pairs(), of.size(), manifolds, collide);
-    else collide(of.queries(), of.size(), s.settings.contact_margin);
-    collide_result result;
-    for (const auto& [query, part, m] : manifolds) {
-        const proxy_pair pair = of.pairs()[query];
-        const std::uint32_t a = s.shapes[pair.a].body, b = s.shapes[pair.b].body;
-        // Broadphases need not leave out pairs of two bodies that are static or asleep; such a pair needs no solving.
-        if (s.awake_index[a] == s.awake_index[b]) continue;
-        result.materials_valid = add_contact(s, pair, part, m, to) && result.materials_valid;
-        result.deep = result.deep || is_deep(s, to.back());
-        // Bodies that do not move or sleep have the last number.
-        result.near_sleeper = result.near_sleeper || s.is_asleep(s.awake_index[a] < s.awake_index[b] ? b : a);
-    }
-    return result;
-}
-
-/// The contacts of a part of the pairs: where they lie among those that a worker has found.
-struct contact_chunk {
-    std::uint32_t worker, first, end;
-    collide_result is;
-
-    [[nodiscard]] std::uint32_t size() const { return end - first; }
-};
-/// Brings the pieces of several workers together, in their order, and notes which bodies they find deep in others.
-template <class Plan>
-collide_result join_chunks(state<Plan>& s, contact_chunk* pieces, std::uint32_t count, task_runner& tasks) {
-    using contact = typename Plan::contact;
-    collide_result all;
-    std::uint32_t found = 0;
-    for (std::uint32_t k = 0; k < count; ++k) {
-        all.materials_valid = all.materials_valid && pieces[k].is.materials_valid;
-        all.deep = all.deep || pieces[k].is.deep;
-        all.near_sleeper = all.near_sleeper || pieces[k].is.near_sleeper;
-        found += pieces[k].size();
-    }
-    // What the caller has found first stays where it is.
-    std::uint32_t kept = 0;
-    if (!tasks.is_serial()) {
-        auto& own = s.step.contacts_by_worker[0];
-        std::uint32_t in_place = 0;
-        for (; kept < count && pieces[kept].worker == 0 && pieces[kept].first == in_place; ++kept)
-            in_place += pieces[kept].size();
-        // The rest of it, if any, moves aside.
-        s.step.new_contacts.clear();
-        if (own.size() > in_place)
-            std::memcpy(static_cast<void*>(s.step.new_contacts.extend(own.size() - in_place)), own.begin() + in_place,
-                        (own.size() - in_place) * sizeof(contact));
-        for (std::uint32_t k = kept; k < count; ++k)
-            if (pieces[k].worker == 0) pieces[k].first -= in_place, pieces[k].end -= in_place;
-        own.resize(in_place);
-        s.step.new_contacts.swap(own);
-        s.step.new_contacts.extend(found - in_place);
-    }
-    contact* to = s.step.new_contacts.begin();
-    auto** places = s.step.scratch.template allocate<contact*>(count);
-    for (std::uint32_t k = 0; k < count; ++k) {
-        places[k] = to;
-        to += pieces[k].size();
-    }
-    if (!tasks.is_serial())
-        // Of all pieces, so that workers copy what they have found.
-        tasks.parallel_tasks(kept < count ? count : 0, [&](std::uint32_t k, std::uint32_t) {
-            const contact_chunk& of = pieces[k];
-            if (k < kept || of.size() == 0) return;
-            std::memcpy(static_cast<void*>(places[k]), s.step.contacts_by_worker[of.worker].begin() + of.first,
-                        of.size() * sizeof(contact));
-        });
-    for (std::uint32_t k = 0; k < count; ++k) {
-        if (!pieces[k].is.deep) continue;
-        for (std::uint32_t i = 0; i < pieces[k].size(); ++i) note_depth(s, places[k][i]);
-    }
-    return all;
-}
-
-/// Narrowphase: contacts of the pairs that touch or nearly do, in the order of the pairs, with the impulses that the
-/// same features had in steps of those lengths, scaled to one of h: they hold loads, which a longer step holds by
-/// larger ones. What it remembers of the pairs becomes the next step's, unless it is not to.
-template <class Plan>
-collide_result find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs,
-                             const buffer<typename Plan::contact>& before, step_lengths<typename Plan::scalar> lengths,
-                             typename Plan::scalar h, task_runner& tasks, [[maybe_unused]] bool remembers = true) {
-    // So many pairs that what is found of them is still in the caches when it becomes contacts.
-    constexpr std::uint32_t share = 256;
-    const std::uint32_t count = (pairs.size() + share - 1) / share;
-    contact_chunk* pieces = s.step.scratch.template allocate<contact_chunk>(count);
-    [[maybe_unused]] auto& changes = s.step.pair_cache_changes;
-    if constexpr (Plan::remembers)
-        if (remembers) changes.start(s.memories, count, tasks, s.step.scratch);
-    s.step.new_contacts.clear();
-    if (tasks.is_serial()) s.step.new_contacts.reserve(before.size());
-    else
-        for (std::uint32_t k = 0; k < tasks.workers(); ++k) s.step.contacts_by_worker[k].clear();
-    tasks.parallel_chunks(pairs.size(), share, [&](std::uint32_t first, std::uint32_t end, std::uint32_t worker) {
-        auto& to = tasks.is_serial() ? s.step.new_contacts : s.step.contacts_by_worker[worker];
-        const std::uint32_t start = to.size();
-        // Solvers come to it later in the step.
-        arena& scratch = s.step.batch_scratch[worker];
-        scratch.reset();
-        const pair_queries<Plan> some(s, pairs.begin() + first, end - first, scratch);
-        const collide_result is = collide_chunk(s, some, s.step.manifolds[worker], to);
-        if constexpr (Plan::remembers)
-            if (remembers) changes.add(some, s.memories, first / share, worker);
-        inherit_impulses(before, to.begin() + start, to.end(), s.step.new_material);
-        // What pushes overlaps apart is as large in a short step as in a long one. As long as a world is young that may
-        // be most of its impulses, and must not be stretched.
-        const int maximum = s.steps < 128 ? static_cast<int>(s.steps) : 128;
-        rescale_impulses(to.begin() + start, to.end(), lengths, {h, h}, typename Plan::scalar(maximum));
-        new (pieces + first / share) contact_chunk{worker, start, to.size(), is};
-    });
-    return join_chunks(s, pieces, count, tasks);
-}
-
-/// Adds the contacts of woken islands, found anew. False if materials do not combine.
-template <class Plan>
-bool find_contacts_of_woken(state<Plan>& s, typename Plan::scalar h, task_runner& tasks) {
-    index_awake(s);
-    s.step.woken_pairs.clear();
-    // Kinematic bodies are always in the awake list, but wake no other body.
-    const auto wakes = [&](std::uint32_t i) { return s.bodies[i].is_dynamic() && s.awake_index[i] < s.awake.size(); };
-    for (const auto& c : s.sleep.contacts) {
-        if (!wakes(c.bodies.body_a) && !wakes(c.bodies.body_b)) continue;
-        if (s.step.woken_pairs.empty() || s.step.woken_pairs.back() < c.key()) s.step.woken_pairs.push_back(c.key());
-    }
-    s.step.new_contacts.swap(s.step.woken_contacts);
-    const bool good =
-        find_contacts(s, s.step.woken_pairs, s.sleep.contacts, {s.sleep.step, s.sleep.step}, h, tasks, false)
-            .materials_valid;
-    merge_contacts(s.step.woken_contacts, s.step.new_contacts);
-    s.step.new_contacts.swap(s.step.woken_contacts);
-    return good;
-}
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/world/edges.hpp
-// =================================================================================================
-// What holds bodies together in a step.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// Contacts -> edges, in the order of the contacts: what islands, batches and colours are made of.
-template <class Plan>
-void list_edges(state<Plan>& s, task_runner& tasks) {
-    constexpr std::uint32_t share = 1024;
-    const std::uint32_t count = s.step.new_contacts.size();
-    s.step.edges.clear();
-    s.step.edges.extend(count);
-    tasks.parallel_for(count, share, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
-        // Copies, as what is written may be anything to the compiler.
-        const auto* const from = s.step.new_contacts.begin();
-        edge* const to = s.step.edges.begin();
-        for (std::uint32_t n = first; n < end; ++n) to[n] = from[n].bodies;
-    });
 }
 
 }  // namespace detail
@@ -31031,145 +31059,275 @@ std::uint64_t state_hash(const state<Plan>& s) {
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/world/seams.hpp
+// physics/base/small_buffer.hpp
 // =================================================================================================
-// Seams: where static shapes lie flush, what slides over them does not push at the next one's edge.
+// A growable array whose first values are on the stack.
 
 PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// Leaves out contacts that a body would make with a static shape that is flush with the one it rests on. Where a body
-/// sinks in by a hair, or contacts are looked for ahead of it, it would be stopped by the side or the corner of the
-/// next shape; lifted out, it would pass. So those contacts go that a body would not have up to the end of the step if
-/// it were lifted by what it has sunk in, and 1/512 of its thickness. O(contacts), and some queries of the narrowphase
-/// for each in question.
-template <class Plan>
-class seam_contacts {
-    using S = typename Plan::scalar;
-    static constexpr int D = Plan::dimension;
-    using contact = typename Plan::contact;
-    /// A body that goes farther in a step, in thicknesses, keeps its contacts.
-    static constexpr int max_tests = 16;
+/// Like a buffer, but takes memory from the heap only for more than Few values. Not copied.
+template <class T, std::uint32_t Few>
+class small_buffer {
+    static_assert(std::is_trivially_copyable_v<T>);
 
 public:
-    seam_contacts(state<Plan>& s, S h) : s_(s), step_(h) {
-        // Thickness is known of bodies that may be swept.
-        if constexpr (Plan::is_continuous) find();
+    // Nothing is made yet of the few.
+    small_buffer() {}  // NOLINT(modernize-use-equals-default)
+    small_buffer(const small_buffer&) = delete;
+    small_buffer& operator=(const small_buffer&) = delete;
+
+    void push_back(const T& value) {
+        if (size_ < Few) {
+            new (static_cast<void*>(few_ + size_++)) T(value);
+            return;
+        }
+        if (size_ == Few) {
+            T* const all = many_.extend(Few);
+            for (std::uint32_t i = 0; i < Few; ++i) all[i] = few_[i];
+        }
+        many_.push_back(value);
+        ++size_;
     }
+    [[nodiscard]] std::uint32_t size() const { return size_; }
+    T* begin() { return size_ > Few ? many_.begin() : few_; }
+    T* end() { return begin() + size_; }
 
 private:
-    void find() {
-        const std::uint32_t count = s_.awake.size();
-        support_ = s_.step.scratch.template allocate<std::uint32_t>(count);
-        for (std::uint32_t i = 0; i < count; ++i) support_[i] = null_index;
-        // Most bodies touch one static shape, or none.
-        bool any = false;
-        for (std::uint32_t i = 0; i < s_.step.new_contacts.size(); ++i) {
-            const contact& c = s_.step.new_contacts[i];
-            const auto [a, b] = awake_pair(c);
-            if ((a < count) == (b < count)) continue;
-            std::uint32_t& first = support_[a < count ? a : b];
-            if (first == null_index) first = i;
-            else any = any || other_shape(c) != other_shape(s_.step.new_contacts[first]);
-        }
-        if (!any) return;
-        for (std::uint32_t i = 0; i < count; ++i) support_[i] = null_index;
-        for (std::uint32_t i = 0; i < s_.step.new_contacts.size(); ++i) {
-            const contact& c = s_.step.new_contacts[i];
-            const std::uint32_t body = pushed_body(c);
-            if (body == null_index || !(load_of(c) > S(0))) continue;
-            std::uint32_t& support = support_[body];
-            if (support == null_index || load_of(c) > load_of(s_.step.new_contacts[support])) support = i;
-        }
-        remove();
-    }
-    [[nodiscard]] body_pair awake_pair(const contact& c) const {
-        return {s_.awake_index[c.bodies.body_a], s_.awake_index[c.bodies.body_b]};
-    }
-    /// The number among awake bodies of the dynamic one, where the other is static; else null.
-    [[nodiscard]] std::uint32_t pushed_body(const contact& c) const {
-        const std::uint32_t count = s_.awake.size();
-        const auto [a, b] = awake_pair(c);
-        if ((a < count) == (b < count)) return null_index;
-        const std::uint32_t other = a < count ? c.bodies.body_b : c.bodies.body_a;
-        const std::uint32_t body = a < count ? a : b;
-        if (s_.bodies[other].type != body_type::static_body || !s_.bodies[s_.awake[body]].is_dynamic())
-            return null_index;
-        return body;
-    }
-    [[nodiscard]] static S load_of(const contact& c) {
-        S load = S(0);
-        for (int k = 0; k < c.count; ++k)
-            if (c.persisted(k)) load = max(load, c.points[k].normal_impulse);
-        return load;
-    }
-    /// Out of the static shape.
-    [[nodiscard]] vec<S, D> outwards(const contact& c) const {
-        return is_awake(s_, c.bodies.body_a) ? -c.normal : c.normal;
-    }
-    [[nodiscard]] static S deepest(const contact& c) {
-        S separation = c.points[0].separation;
-        for (int k = 1; k < c.count; ++k) separation = min(separation, c.points[k].separation);
-        return separation;
-    }
-    void remove() {
-        auto& contacts = s_.step.new_contacts;
-        // All are looked at before any moves.
-        bool* const is_seam = s_.step.scratch.template allocate<bool>(contacts.size());
-        for (std::uint32_t i = 0; i < contacts.size(); ++i) is_seam[i] = lies_on_seam(i);
-        partition_contacts(
-            contacts, [&](const contact& c) { return !is_seam[&c - contacts.begin()]; }, [](const contact&) {});
-    }
-    [[nodiscard]] bool lies_on_seam(std::uint32_t i) {
-        const contact& c = s_.step.new_contacts[i];
-        const std::uint32_t body = pushed_body(c);
-        if (body == null_index || support_[body] == null_index || support_[body] == i) return false;
-        const contact& support = s_.step.new_contacts[support_[body]];
-        if (other_shape(c) == other_shape(support)) return false;
-        const vec<S, D> up = outwards(support), n = outwards(c);
-        // Alike, both carry it.
-        const S alike = dot(n, up);
-        const vec<S, D> across = n - up * alike;
-        if (!(largest(across) > S(1.0 / 256)) || alike < S(-1.0 / 64)) return false;
-        const vec<S, D> v = s_.bodies[s_.awake[body]].velocity_ahead(step_).linear;
-        if (!(deepest(c) + min(dot(n, v), S(0)) * step_ < S(0))) return false;
-        const S thickness = s_.continuous.extents[s_.awake[body]].thickness;
-        const vec<S, D> along = v * step_ - up * min(dot(v, up) * step_, S(0));
-        const S distance = length(along);
-        if (!(distance * S(1.0 / max_tests) < thickness)) return false;
-        const S lift = max(-deepest(support), S(0)) + thickness * S(1.0 / 512);
-        // No thin shape is between two places.
-        for (S at = min(distance, thickness);; at = min(at + thickness, distance)) {
-            if (would_touch(c, (distance > S(0) ? along * (at / distance) : along) + up * lift)) return false;
-            if (!(at < distance)) break;
-        }
-        // Nor farther on, where a shape that rises from the other one, however slowly, would stop it.
-        return !would_touch(c, along + up * lift - normalized(across) * min(lift * S(256), thickness));
-    }
-    [[nodiscard]] std::uint32_t other_shape(const contact& c) const {
-        return is_awake(s_, c.bodies.body_a) ? c.shape_b : c.shape_a;
-    }
-    [[nodiscard]] bool would_touch(const contact& c, const vec<S, D>& shift) {
-        const auto& a = s_.shapes[c.shape_a];
-        const auto& b = s_.shapes[c.shape_b];
-        auto at_a = a.pose, at_b = b.pose;
-        (is_awake(s_, c.bodies.body_a) ? at_a : at_b).position += shift;
-        const typename Plan::query query{&a.shape, &b.shape, relative(at_a, at_b)};
-        auto& found = s_.step.manifolds[0];
-        found.clear();
-        if constexpr (Plan::remembers) Plan::narrowphase::collide(&query, 1, S(0), nullptr, found);
-        else Plan::narrowphase::collide(&query, 1, S(0), found);
-        for (const auto& [number, part, m] : found)
-            for (int k = 0; k < m.count; ++k)
-                if (m.points[k].separation < S(0)) return true;
-        return false;
-    }
-
-    state<Plan>& s_;
-    S step_;
-    std::uint32_t* support_ = nullptr;
+    union {
+        T few_[Few];
+    };
+    buffer<T> many_;
+    std::uint32_t size_ = 0;
 };
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/world/queries.hpp
+// =================================================================================================
+// What can be asked of a world: rays, casts, overlaps, the closest thing.
+
+PHYSICS_HPP_BEGIN
+
+/// The shape that a ray or a moving shape meets first, and where, in world axes.
+template <class S, int D>
+struct world_hit {
+    shape_id shape;
+    body_id body;
+    /// The part of the translation up to there; 0 if it begins in touch.
+    S fraction = S(1);
+    /// On the shape's surface.
+    vec<S, D> point;
+    /// Unit vector out of the shape; null where a ray begins within.
+    vec<S, D> normal;
+
+    /// True if anything is hit.
+    explicit operator bool() const { return static_cast<bool>(shape); }
+};
+
+/// The shape closest to a point.
+template <class S, int D>
+struct closest_hit {
+    shape_id shape;
+    body_id body;
+    /// From the surface to the point (m); negative within.
+    S distance{};
+    /// On the surface.
+    vec<S, D> point;
+    /// Unit vector out of the shape.
+    vec<S, D> normal;
+
+    explicit operator bool() const { return static_cast<bool>(shape); }
+};
+
+namespace detail {
+
+/// A point, as a shape to ask with.
+template <class S, int D>
+struct point_shape {};
+template <class S, int D>
+bool check(const point_shape<S, D>&, const char*) {
+    return true;
+}
+template <class S, int D>
+aabb<S, D> bounds(const point_shape<S, D>&, const transform<S, D>& at) {
+    return {at.position, at.position};
+}
+// The one below must not hide those of shapes.
+using physics::core_of;
+template <class S, int D>
+core<D> core_of(const point_shape<S, D>&) {
+    return {};
+}
+
+template <class Plan>
+shape_id id_of_shape(const state<Plan>& s, std::uint32_t i) {
+    return {i, s.shapes.generation(i), s.tag};
+}
+template <class Plan>
+body_id body_of_shape(const state<Plan>& s, std::uint32_t i) {
+    const std::uint32_t b = s.shapes[i].body;
+    return {b, s.bodies.generation(b), s.tag};
+}
+
+/// Calls f(shape's number) for shapes whose boxes a ray meets; f returns the fraction up to which it goes on.
+template <class Plan, class F>
+void each_on(const state<Plan>& s, const ray<typename Plan::scalar, Plan::dimension>& r, const query_filter& filter,
+             F&& f) {
+    using S = typename Plan::scalar;
+    if constexpr (requires { s.broadphase.each_along(r, filter, [](const proxy_hit<S>&) { return S(1); }); }) {
+        s.broadphase.each_along(r, filter, [&](const proxy_hit<S>& hit) { return f(hit.id); });
+    } else {
+        S limit(1), at{};
+        s.shapes.each([&](std::uint32_t i, const auto& shape) {
+            if (limit >= S(0) && filter.sees(filter_of(s, shape)) && meets(r, query_bounds(s, shape), limit, at))
+                limit = min(limit, f(i));
+        });
+    }
+}
+template <class S, int D>
+bool check_translation(const char* function, const char* from, vec<S, D> origin, vec<S, D> translation) {
+    return check_finite(function, from, origin) && check_finite(function, "translation", translation) &&
+           check_finite(function, "end of the way", origin + translation);
+}
+
+/// Calls visit(hit) for shapes that a ray meets, in any order; it must not change the world. visit returns the fraction
+/// up to which the ray goes on.
+template <class Plan, class Visit>
+void cast_ray(const state<Plan>& s, const char* function, vec<typename Plan::scalar, Plan::dimension> origin,
+              vec<typename Plan::scalar, Plan::dimension> translation, const query_filter& filter, Visit&& visit) {
+    using S = typename Plan::scalar;
+    if (!check_translation(function, "origin", origin, translation)) return;
+    S limit(1);
+    each_on(s, {origin, translation}, filter, [&](std::uint32_t i) {
+        const auto& shape = s.shapes[i];
+        const auto hit = cast_ray(shape.shape, s.bodies[shape.body].pose(), shape.local, origin, translation);
+        if (hit && !(hit.fraction > limit))
+            limit = min(limit, visit(world_hit<S, Plan::dimension>{id_of_shape(s, i), body_of_shape(s, i), hit.fraction,
+                                                                   hit.point, hit.normal}));
+        return limit;
+    });
+}
+
+/// Whether the first of two hits comes first: the numbers of shapes decide where both come at once.
+template <class Hit>
+bool comes_first(const Hit& a, const Hit& b) {
+    return !b || a.fraction < b.fraction || (a.fraction == b.fraction && a.shape.index < b.shape.index);
+}
+
+template <class Plan, class Shape>
+world_hit<typename Plan::scalar, Plan::dimension> cast_shape(
+    const state<Plan>& s, const Shape& shape, const transform<typename Plan::scalar, Plan::dimension>& pose,
+    vec<typename Plan::scalar, Plan::dimension> translation, const query_filter& filter) {
+    using S = typename Plan::scalar;
+    constexpr int D = Plan::dimension;
+    const char* f = "cast_shape";
+    world_hit<S, D> first;
+    if (!check(shape, f) || !check_pose(f, pose.position, pose.rotation) ||
+        !check_translation(f, "position", pose.position, translation))
+        return first;
+    const aabb<S, D> box = bounds(shape, pose);
+    if (!check_extent(f, box)) return first;
+    const vec<S, D> middle = box.lower + (box.upper - box.lower) * S(0.5);
+    each_on(s, {middle, translation, (box.upper - box.lower) * S(0.5)}, filter, [&](std::uint32_t i) {
+        const transform<S, D> at = s.shapes[i].pose;
+        s.shapes[i].shape.visit([&](const auto& other) {
+            const auto hit = cast_shape(other, shape, relative(at, pose), inverse_rotate(at.rotation, translation));
+            const world_hit<S, D> found{id_of_shape(s, i), body_of_shape(s, i), hit.fraction, at * hit.point,
+                                        at.rotation * hit.normal};
+            if (hit && comes_first(found, first)) first = found;
+        });
+        return first ? first.fraction : S(1);
+    });
+    return first;
+}
+
+/// The separation of any shape and a convex one, if it is at most `reach`; else more than that.
+template <class A, class B, class S, int D>
+closest_points<S, D> separation_within(const A& a, const B& b, const transform<S, D>& b_in_a, S reach) {
+    if constexpr (has_parts<A, D>) return separation(a, b, b_in_a, reach);
+    else return separation(a, b, b_in_a);
+}
+
+/// Calls found(shape's number) for shapes that a shape touches, in any order; it must not change the world.
+template <class Plan, class Shape, class Found>
+void find_touched(const state<Plan>& s, const char* f, const Shape& shape,
+                  const transform<typename Plan::scalar, Plan::dimension>& pose, const query_filter& filter,
+                  Found&& found) {
+    using S = typename Plan::scalar;
+    if (!check(shape, f) || !check_pose(f, pose.position, pose.rotation)) return;
+    const auto box = bounds(shape, pose);
+    if (!check_extent(f, box)) return;
+    each_near(s, box, filter, [&](std::uint32_t i) {
+        const auto at = relative(s.shapes[i].pose, pose);
+        const bool touches = s.shapes[i].shape.visit(
+            [&](const auto& other) { return !(separation_within(other, shape, at, S(0)).distance > S(0)); });
+        if (touches) found(i);
+    });
+}
+/// Calls visit(id) for them in ascending order of their numbers; it may change the world. What it has destroyed is left
+/// out.
+template <class Plan, class Shape, class Visit>
+void each_overlapping(const state<Plan>& s, const char* f, const Shape& shape,
+                      const transform<typename Plan::scalar, Plan::dimension>& pose, const query_filter& filter,
+                      Visit&& visit) {
+    small_buffer<std::uint64_t, 48> touched;
+    scoped([&] {
+        find_touched(s, f, shape, pose, filter,
+                     [&](std::uint32_t i) { touched.push_back(std::uint64_t{s.shapes.generation(i)} << 32 | i); });
+    });
+    buffer<std::uint64_t> spare;
+    // Fewer are sorted in place.
+    if (touched.size() > 48) spare.resize(touched.size());
+    const int bits = static_cast<int>(std::bit_width(s.shapes.slots()));
+    const std::uint64_t* const sorted = radix_sort(touched.begin(), spare.begin(), touched.size(), 0, bits);
+    const std::uint16_t tag = s.tag;
+    // Another world may have taken its place.
+    for (std::uint32_t k = 0; k < touched.size() && s.tag == tag; ++k) {
+        const shape_id id{static_cast<std::uint32_t>(sorted[k]), static_cast<std::uint16_t>(sorted[k] >> 32), tag};
+        if (s.shapes.contains(id.index, id.generation) && !go_on(visit, id)) return;
+    }
+}
+
+/// All within a distance of a point, as far as numbers go.
+template <class S, int D>
+aabb<S, D> around(vec<S, D> point, S reach) {
+    const S maximum = scalar_traits<S>::max();
+    aabb<S, D> box;
+    for (int i = 0; i < D; ++i) {
+        box.lower[i] = point[i] > reach - maximum ? point[i] - reach : -maximum;
+        box.upper[i] = point[i] < maximum - reach ? point[i] + reach : maximum;
+    }
+    return box;
+}
+
+template <class Plan>
+closest_hit<typename Plan::scalar, Plan::dimension> closest_shape(const state<Plan>& s,
+                                                                  vec<typename Plan::scalar, Plan::dimension> point,
+                                                                  typename Plan::scalar reach,
+                                                                  const query_filter& filter) {
+    using S = typename Plan::scalar;
+    constexpr int D = Plan::dimension;
+    const char* f = "closest_shape";
+    closest_hit<S, D> best;
+    if (!check_finite(f, "point", point) || !check_not_negative(f, "reach", reach)) return best;
+    each_near(s, around(point, reach), filter, [&](std::uint32_t i) {
+        const transform<S, D> at = s.shapes[i].pose;
+        s.shapes[i].shape.visit([&](const auto& other) {
+            const auto c =
+                separation_within(other, point_shape<S, D>{}, relative(at, transform<S, D>{point, {}}), reach);
+            const bool nearer =
+                !best || c.distance < best.distance || (c.distance == best.distance && i < best.shape.index);
+            if (c.distance > reach || !nearer) return;
+            best = {id_of_shape(s, i), body_of_shape(s, i), c.distance, at * c.on_a, at.rotation * c.normal};
+        });
+    });
+    return best;
+}
 
 }  // namespace detail
 
@@ -31365,124 +31523,6 @@ private:
     buffer<unit> units_;
     geometry_keeper geometry_;
 };
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/world/step.hpp
-// =================================================================================================
-// One step of a world: the page to read first.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// Broadphase: pairs of shapes whose boxes overlap, of two bodies of which one at least can be pushed: the filters that
-/// shapes were inserted with say so.
-template <class Plan>
-const buffer<proxy_pair>& find_pairs(state<Plan>& s) {
-    const auto all = [](std::uint32_t, std::uint32_t) { return true; };
-    if constexpr (requires { s.broadphase.pairs(all, s.step.scratch); }) return s.broadphase.pairs(all, s.step.scratch);
-    else return s.broadphase.pairs(all);
-}
-
-/// Makes ready what a step works with.
-template <class Plan>
-void start_step(state<Plan>& s, const task_runner& tasks) {
-    s.step.scratch.reset();
-    s.step.batch_scratch.prepare(tasks.workers());
-    s.step.manifolds.prepare(tasks.workers());
-    s.step.contacts_by_worker.prepare(tasks.workers());
-    s.step.pair_cache_changes.by.prepare(tasks.workers());
-}
-
-/// How a step went; if not well, the world is as it was.
-enum class step_result { done, bad_mixing_rule, out_of_range, bad_executor };
-
-inline void report(step_result result) {
-    if (result == step_result::out_of_range)
-        refuse("step", "a velocity", "not finite", "a force, a speed or a mass is beyond the scalar's range");
-    if (result == step_result::bad_executor)
-        refuse("step", "executor", "left parts out, or did parts twice",
-               "it must have a worker at least, and call the work once with every part, as a worker below workers()");
-    if (result == step_result::bad_mixing_rule)
-        refuse("step", "a coefficient of two surfaces", "out of range",
-               "the mixing rule must give friction and rolling_resistance that are finite and at least 0, "
-               "and a restitution of 0 to 1");
-}
-
-/// What a step consists of, for whoever measures it.
-enum class step_stage { find_pairs, find_contacts, make_batches, solve, update_boxes, finish };
-
-/// Called after each stage; this one does nothing.
-struct no_watch {
-    void operator()(step_stage) const {}
-};
-
-/// Advances a world by h seconds. Each stage reads and writes plain arrays; only this function knows their
-/// order. Refused if surfaces do not mix, or if a velocity or a position would leave the range of numbers.
-/// Not inlined, so that no arithmetic moves out of the caller's float_control_scope.
-template <class Plan, class Watch = no_watch>
-PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, task_runner tasks, Watch done = {}) {
-    if (tasks.workers() == 0) return step_result::bad_executor;
-    start_step(s, tasks);
-    // Settings -> what all surfaces make of each other, where no shape has a material of its own.
-    if (!combine_common_materials(s)) return step_result::bad_mixing_rule;
-    watch_fast_bodies(s, h);            // velocities        -> boxes of bodies that look ahead
-    list_awake(s);                      // bodies            -> which of them move
-    const auto& pairs = find_pairs(s);  // boxes             -> pairs, in order
-    done(step_stage::find_pairs);
-    // Pairs, poses, last step's contacts -> contacts with feature ids and warm impulses.
-    const collide_result found = find_contacts(s, pairs, s.contacts, s.step_lengths, h, tasks);
-    if (!found.materials_valid) return step_result::bad_mixing_rule;
-    if constexpr (Plan::sleeps)
-        // Contacts with sleeping bodies -> contacts of the islands that they wake.
-        if (list_woken(s, found.near_sleeper, h) && !find_contacts_of_woken(s, h, tasks))
-            return step_result::bad_mixing_rule;
-    const seam_contacts seams(s, h);  // contacts          -> without those at flush edges
-    list_edges(s, tasks);             // contacts          -> which bodies they hold together
-    done(step_stage::find_contacts);
-    step_solver<Plan> solver(s, h, tasks);  // edges             -> islands, in batches
-    done(step_stage::make_batches);
-    const bool solved = solver.solve(tasks);  // bodies, contacts  -> velocities, poses
-    done(step_stage::solve);
-    if (!tasks.ran_all_tasks()) return step_result::bad_executor;
-    if (!solved) return step_result::out_of_range;
-    sweep_fast_bodies(s, solver.moved(), h);  // poses             -> poses short of what stops bodies
-    // Poses -> boxes of what has moved.
-    if (!solver.update_boxes(tasks))
-        return tasks.ran_all_tasks() ? step_result::out_of_range : step_result::bad_executor;
-    done(step_stage::update_boxes);
-    solver.finish();  // results           -> bodies and contacts
-    done(step_stage::finish);
-    return step_result::done;
-}
-
-/// Sets the mark that a step is under way, as long as the scope lives.
-class step_scope {
-public:
-    explicit step_scope(step_flag& mark) : mark_(mark) { mark_.on = true; }
-    step_scope(const step_scope&) = delete;
-    step_scope& operator=(const step_scope&) = delete;
-    ~step_scope() { mark_.on = false; }
-
-private:
-    step_flag& mark_;
-};
-
-template <class Plan>
-step_result step_in_scope(state<Plan>& s, typename Plan::scalar h, const task_runner& tasks) {
-    const step_scope mark(s.step.in_step);
-    return step(s, h, tasks);
-}
-template <class Plan>
-void advance(state<Plan>& s, typename Plan::scalar h, const task_runner& tasks) {
-    if (!check_positive("step", "dt", h) || !check_not_in_step(s, "step")) return;
-    const float_control_scope control;
-    report(step_in_scope(s, h, tasks));
-}
 
 }  // namespace detail
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "physics/base/probe.hpp"
+#include "physics/world/audit.hpp"
 #include "physics/world/mass.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -65,16 +66,6 @@ lookup find_moving(State& s, body_id id, const char* function) {
     if (f && s.bodies[f.index].type == body_type::static_body)
         return {0, refuse(function, "body", "static", "it must be dynamic or kinematic")};
     return f;
-}
-
-/// The largest part of a number or vector, for messages.
-template <scalar_type S>
-double largest_magnitude(S x) {
-    return static_cast<double>(abs(x));
-}
-template <class S, int D>
-double largest_magnitude(vec<S, D> v) {
-    return static_cast<double>(largest(v));
 }
 
 template <class S, int D>

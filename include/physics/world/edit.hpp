@@ -1,23 +1,12 @@
 // How bodies and shapes come, go and change between steps.
 #pragma once
 
+#include "physics/step/sleep.hpp"
 #include "physics/world/check.hpp"
-#include "physics/world/sleep.hpp"
 
 PHYSICS_HPP_BEGIN
 
 namespace detail {
-
-/// Tells the broadphase where the shapes of a body are now.
-template <class Plan>
-void refresh_boxes(state<Plan>& s, std::uint32_t body) {
-    const auto& b = s.bodies[body];
-    each_shape(s, body, [&](std::uint32_t i, shape_record<Plan>& shape) {
-        update_pose(shape, b.pose(), b.center);
-        s.broadphase.move(i, query_bounds(s, shape), {});
-    });
-    update_broadphase(s);
-}
 
 /// Forgets the contacts for which gone(contact) is true; the others keep their order.
 template <class Plan, class Gone>

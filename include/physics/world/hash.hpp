@@ -1,7 +1,7 @@
 // A number that worlds in the same state share.
 #pragma once
 
-#include "physics/world/state.hpp"
+#include "physics/step/state.hpp"
 
 PHYSICS_HPP_BEGIN
 

@@ -4,6 +4,7 @@
 #include "physics/base/small_buffer.hpp"
 #include "physics/base/sort.hpp"
 #include "physics/collide/part_queries.hpp"
+#include "physics/step/nearby.hpp"
 #include "physics/world/check.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -69,18 +70,6 @@ body_id body_of_shape(const state<Plan>& s, std::uint32_t i) {
     return {b, s.bodies.generation(b), s.tag};
 }
 
-/// Calls f(shape's number) for shapes whose boxes reach into a box.
-template <class Plan, class F>
-void each_near(const state<Plan>& s, const aabb<typename Plan::scalar, Plan::dimension>& box,
-               const query_filter& filter, F&& f) {
-    if constexpr (requires { s.broadphase.each_overlapping(box, filter, f); }) {
-        s.broadphase.each_overlapping(box, filter, f);
-    } else {
-        s.shapes.each([&](std::uint32_t i, const auto& shape) {
-            if (filter.sees(filter_of(s, shape)) && overlap(query_bounds(s, shape), box)) f(i);
-        });
-    }
-}
 /// Calls f(shape's number) for shapes whose boxes a ray meets; f returns the fraction up to which it goes on.
 template <class Plan, class F>
 void each_on(const state<Plan>& s, const ray<typename Plan::scalar, Plan::dimension>& r, const query_filter& filter,

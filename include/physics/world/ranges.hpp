@@ -1,7 +1,8 @@
 // What a loop over a world's bodies and contacts walks along.
 #pragma once
 
-#include "physics/world/state.hpp"
+#include "physics/step/state.hpp"
+#include "physics/world/settings.hpp"
 
 PHYSICS_HPP_BEGIN
 

@@ -1,10 +1,10 @@
 // The functions of a world that take long to compile, so that one unit of a program can compile them for all.
 #pragma once
 
+#include "physics/world/advance.hpp"
 #include "physics/world/forces.hpp"
 #include "physics/world/hash.hpp"
 #include "physics/world/queries.hpp"
-#include "physics/world/step.hpp"
 
 PHYSICS_HPP_BEGIN
 

@@ -3,7 +3,7 @@
 
 #include "physics/collide/first_penetration.hpp"
 #include "physics/collide/part_queries.hpp"
-#include "physics/world/state.hpp"
+#include "physics/step/state.hpp"
 
 PHYSICS_HPP_BEGIN
 

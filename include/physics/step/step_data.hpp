@@ -1,8 +1,11 @@
 // What a step works with: nothing of it outlives the step, but its memory.
 #pragma once
 
-#include "physics/world/audit.hpp"
-#include "physics/world/pair_cache.hpp"
+#include "physics/collide/narrowphase.hpp"
+#include "physics/dynamics/body.hpp"
+#include "physics/dynamics/contact.hpp"
+#include "physics/dynamics/continuous.hpp"
+#include "physics/step/pair_cache.hpp"
 
 PHYSICS_HPP_BEGIN
 

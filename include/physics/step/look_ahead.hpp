@@ -1,8 +1,7 @@
 // Speculative contacts: found as far ahead of fast bodies as those may come in the step.
 #pragma once
 
-#include "physics/world/continuous.hpp"
-#include "physics/world/edit.hpp"
+#include "physics/step/sweep.hpp"
 
 PHYSICS_HPP_BEGIN
 

@@ -1,8 +1,8 @@
 // How a step moves the world: islands in batches, solved one by one or in parallel, and what becomes of it.
 #pragma once
 
-#include "physics/world/batch_integrator.hpp"
-#include "physics/world/warm_impulses.hpp"
+#include "physics/step/integrate.hpp"
+#include "physics/step/warm_impulses.hpp"
 
 PHYSICS_HPP_BEGIN
 

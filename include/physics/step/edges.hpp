@@ -1,7 +1,7 @@
 // What holds bodies together in a step.
 #pragma once
 
-#include "physics/world/state.hpp"
+#include "physics/step/state.hpp"
 
 PHYSICS_HPP_BEGIN
 

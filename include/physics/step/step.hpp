@@ -1,10 +1,10 @@
 // One step of a world: the page to read first.
 #pragma once
 
-#include "physics/world/contacts.hpp"
-#include "physics/world/edges.hpp"
-#include "physics/world/motion.hpp"
-#include "physics/world/seams.hpp"
+#include "physics/step/collide.hpp"
+#include "physics/step/edges.hpp"
+#include "physics/step/seams.hpp"
+#include "physics/step/solve.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -31,18 +31,6 @@ void start_step(state<Plan>& s, const task_runner& tasks) {
 
 /// How a step went; if not well, the world is as it was.
 enum class step_result { done, bad_mixing_rule, out_of_range, bad_executor };
-
-inline void report(step_result result) {
-    if (result == step_result::out_of_range)
-        refuse("step", "a velocity", "not finite", "a force, a speed or a mass is beyond the scalar's range");
-    if (result == step_result::bad_executor)
-        refuse("step", "executor", "left parts out, or did parts twice",
-               "it must have a worker at least, and call the work once with every part, as a worker below workers()");
-    if (result == step_result::bad_mixing_rule)
-        refuse("step", "a coefficient of two surfaces", "out of range",
-               "the mixing rule must give friction and rolling_resistance that are finite and at least 0, "
-               "and a restitution of 0 to 1");
-}
 
 /// What a step consists of, for whoever measures it.
 enum class step_stage { find_pairs, find_contacts, make_batches, solve, update_boxes, finish };
@@ -89,30 +77,6 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, t
     solver.finish();  // results           -> bodies and contacts
     done(step_stage::finish);
     return step_result::done;
-}
-
-/// Sets the mark that a step is under way, as long as the scope lives.
-class step_scope {
-public:
-    explicit step_scope(step_flag& mark) : mark_(mark) { mark_.on = true; }
-    step_scope(const step_scope&) = delete;
-    step_scope& operator=(const step_scope&) = delete;
-    ~step_scope() { mark_.on = false; }
-
-private:
-    step_flag& mark_;
-};
-
-template <class Plan>
-step_result step_in_scope(state<Plan>& s, typename Plan::scalar h, const task_runner& tasks) {
-    const step_scope mark(s.step.in_step);
-    return step(s, h, tasks);
-}
-template <class Plan>
-void advance(state<Plan>& s, typename Plan::scalar h, const task_runner& tasks) {
-    if (!check_positive("step", "dt", h) || !check_not_in_step(s, "step")) return;
-    const float_control_scope control;
-    report(step_in_scope(s, h, tasks));
 }
 
 }  // namespace detail

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "physics/base/sort.hpp"
-#include "physics/world/extents.hpp"
-#include "physics/world/queries.hpp"
-#include "physics/world/ways.hpp"
+#include "physics/step/extents.hpp"
+#include "physics/step/nearby.hpp"
+#include "physics/step/sweep_paths.hpp"
 
 PHYSICS_HPP_BEGIN
 

@@ -1,7 +1,7 @@
 // Whether numbers stay in range in a step.
 #pragma once
 
-#include "physics/world/check.hpp"
+#include "physics/dynamics/convert.hpp"
 
 PHYSICS_HPP_BEGIN
 

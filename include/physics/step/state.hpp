@@ -3,7 +3,7 @@
 
 #include "physics/base/handle.hpp"
 #include "physics/base/pool.hpp"
-#include "physics/world/step_data.hpp"
+#include "physics/step/step_data.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -253,6 +253,17 @@ void reinsert_proxies(state<Plan>& s, std::uint32_t body) {
         s.broadphase.erase(i);
         s.broadphase.insert(i, query_bounds(s, shape), filter_of(s, shape));
     });
+}
+
+/// Tells the broadphase where the shapes of a body are now.
+template <class Plan>
+void refresh_boxes(state<Plan>& s, std::uint32_t body) {
+    const auto& b = s.bodies[body];
+    each_shape(s, body, [&](std::uint32_t i, shape_record<Plan>& shape) {
+        update_pose(shape, b.pose(), b.center);
+        s.broadphase.move(i, query_bounds(s, shape), {});
+    });
+    update_broadphase(s);
 }
 
 /// A number for each world of the program, to recognise foreign handles; after 65535 worlds numbers come again. It

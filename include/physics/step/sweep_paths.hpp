@@ -2,7 +2,7 @@
 #pragma once
 
 #include "physics/collide/first_penetration.hpp"
-#include "physics/world/state.hpp"
+#include "physics/step/state.hpp"
 
 PHYSICS_HPP_BEGIN
 

@@ -1,7 +1,7 @@
 // Seams: where static shapes lie flush, what slides over them does not push at the next one's edge.
 #pragma once
 
-#include "physics/world/contacts.hpp"
+#include "physics/step/collide.hpp"
 
 PHYSICS_HPP_BEGIN
 

@@ -1,7 +1,8 @@
 // Sleep: islands that are still leave the step until something happens to them.
 #pragma once
 
-#include "physics/world/queries.hpp"
+#include "physics/dynamics/islands.hpp"
+#include "physics/step/nearby.hpp"
 
 PHYSICS_HPP_BEGIN
 

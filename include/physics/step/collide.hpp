@@ -1,8 +1,8 @@
 // The contacts of a step: narrowphase, surfaces, and what is remembered of pairs.
 #pragma once
 
-#include "physics/world/look_ahead.hpp"
-#include "physics/world/motion.hpp"
+#include "physics/step/look_ahead.hpp"
+#include "physics/step/solve.hpp"
 
 PHYSICS_HPP_BEGIN
 

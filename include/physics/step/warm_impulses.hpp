@@ -1,7 +1,7 @@
 // What contacts hand on from step to step where these differ in length.
 #pragma once
 
-#include "physics/world/state.hpp"
+#include "physics/step/state.hpp"
 
 PHYSICS_HPP_BEGIN
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "physics/dynamics/graph.hpp"
-#include "physics/world/edit.hpp"
-#include "physics/world/overflow.hpp"
+#include "physics/step/overflow.hpp"
+#include "physics/step/sleep.hpp"
 
 PHYSICS_HPP_BEGIN
 
