@@ -20755,6 +20755,14 @@ constexpr const rotation<S, D>& rotation_after([[maybe_unused]] const moving_bod
     else return before.rotation;
 }
 
+/// Where its own frame is then: at its target, to the bit, if it has one.
+template <class S, int D, bool Rotates>
+constexpr transform<S, D> pose_after(const body<S, D, Rotates>& before, const moving_body<S, D, Rotates>& moved) {
+    if (before.has_target) return before.target;
+    const rotation<S, D>& turn = rotation_after(moved, before);
+    return {moved.center - turn * before.mass.center, turn};
+}
+
 /// The velocity of a body as it turns: in 3D that changes how it spins, in 2D it does not.
 template <class S, int D, bool Rotates = true>
 using pose_velocity = std::conditional_t<D == 3 && Rotates, twist<S, D>, const twist_of<S, D, Rotates>>;
@@ -26176,6 +26184,53 @@ struct soft_step : soft_step_with<patch_friction> {};
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/step/awake.hpp
+// =================================================================================================
+// Which bodies a step moves.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Bodies that are neither static nor asleep: in ascending order, behind them those that have been woken in the step.
+struct awake_list {
+    buffer<std::uint32_t> bodies;
+    /// Of each body its number among them; of all others how many they are.
+    buffer<std::uint32_t> index_of;
+    /// Whether other bodies move, or bodies that do not have been put elsewhere, since that was found.
+    bool is_stale = true;
+    PHYSICS_HPP_MEMBERS(bodies, index_of, is_stale)
+
+    [[nodiscard]] std::uint32_t size() const { return bodies.size(); }
+    [[nodiscard]] bool has(std::uint32_t body) const { return index_of[body] < size(); }
+    std::uint32_t operator[](std::uint32_t k) const { return bodies[k]; }
+    [[nodiscard]] const std::uint32_t* begin() const { return bodies.begin(); }
+    [[nodiscard]] const std::uint32_t* end() const { return bodies.end(); }
+
+    /// After bodies have come, of so many that there may be.
+    void number(std::uint32_t slots) {
+        index_of.clear();
+        index_of.resize(slots, size());
+        for (std::uint32_t k = 0; k < size(); ++k) index_of[bodies[k]] = k;
+    }
+};
+
+/// Bodies, and which of them sleep -> which of them move, where that has changed. O(bodies).
+template <class Body, class Sleep>
+void list_awake(const pool<Body>& bodies, const Sleep& sleep, awake_list& to) {
+    if (!to.is_stale) return;
+    to.bodies.clear();
+    bodies.each([&](std::uint32_t i, const auto& b) {
+        if (b.type != body_type::static_body && !sleep.is_asleep(i)) to.bodies.push_back(i);
+    });
+    to.number(bodies.slots());
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/step/pair_cache.hpp
 // =================================================================================================
 // What a narrowphase remembers of pairs from step to step, packed: of most pairs it is little.
@@ -26635,6 +26690,7 @@ struct sleep_state {
     /// Length of the step in which their impulses acted (s).
     S step{};
 
+    [[nodiscard]] bool is_asleep(std::uint32_t body) const { return island_next[body] != no_sleeper; }
     /// A body has come, awake.
     void start(std::uint32_t body, vec<S, D> center) {
         if (body >= island_next.size()) {
@@ -26650,7 +26706,9 @@ struct sleep_state {
     }
     PHYSICS_HPP_MEMBERS(sleep_time, sleep_anchor, carried_from, island_next, contacts, step)
 };
-struct no_sleep_state {};
+struct no_sleep_state {
+    static constexpr bool is_asleep(std::uint32_t) { return false; }
+};
 
 /// How far a body's shapes reach from its centre of mass; see stride.
 template <class S>
@@ -26688,10 +26746,7 @@ struct state {
     [[no_unique_address]] combined_material<S, typename Plan::features> surfaces;
     /// Where the centres of bodies were, and how bodies were turned, when these contacts were found.
     buffer<transform<S, D>> contact_starts;
-    /// Awake bodies that are not static, and of each body its index in that list (the list's size if it is not in it).
-    buffer<std::uint32_t> awake, awake_index;
-    /// Whether other bodies move, or bodies that do not have been put elsewhere, since that was found.
-    bool awake_changed = true;
+    awake_list awake;
     /// What the narrowphase remembers of the last step's pairs.
     pair_cache<Plan> memories;
     [[no_unique_address]] std::conditional_t<Plan::sleeps, sleep_state<Plan>, no_sleep_state> sleep;
@@ -26705,13 +26760,10 @@ struct state {
 
     /// What a step works with; copies begin without.
     step_scratch<step_data<Plan>> step;
-    PHYSICS_HPP_MEMBERS(settings, bodies, shapes, broadphase, contacts, surfaces, contact_starts, awake, awake_index,
-                        awake_changed, memories, sleep, continuous, steps, step_lengths, tag, step)
+    PHYSICS_HPP_MEMBERS(settings, bodies, shapes, broadphase, contacts, surfaces, contact_starts, awake, memories,
+                        sleep, continuous, steps, step_lengths, tag, step)
 
-    [[nodiscard]] bool is_asleep(std::uint32_t body) const {
-        if constexpr (Plan::sleeps) return sleep.island_next[body] != no_sleeper;
-        else return false;
-    }
+    [[nodiscard]] bool is_asleep(std::uint32_t body) const { return sleep.is_asleep(body); }
     [[nodiscard]] bool is_awake_dynamic(std::uint32_t body) const {
         return bodies[body].is_dynamic() && !is_asleep(body);
     }
@@ -26744,11 +26796,6 @@ void update_pose(shape_record<Plan>& shape, const Pose& body, const Vec& center)
     shape.pose = body * shape.local;
     shape.r = shape.pose.position - center;
 }
-/// Whether a body moves or may be pushed in this step.
-template <class Plan>
-bool is_awake(const state<Plan>& s, std::uint32_t body) {
-    return s.awake_index[body] < s.awake.size();
-}
 
 /// The box that the narrowphase needs the broadphase to know: all within half the contact margin.
 template <class Plan>
@@ -26776,13 +26823,17 @@ void update_broadphase(state<Plan>& s) {
 }
 
 /// Calls f(index, shape) for every shape of a body.
-template <class State, class F>
-void each_shape(State& s, std::uint32_t body, F&& f) {
-    for (std::uint32_t i = s.bodies[body].first_shape; i != no_shape;) {
-        const std::uint32_t next = s.shapes[i].next;
-        f(i, s.shapes[i]);
+template <class Bodies, class Shapes, class F>
+void each_shape(const Bodies& bodies, Shapes& shapes, std::uint32_t body, F&& f) {
+    for (std::uint32_t i = bodies[body].first_shape; i != no_shape;) {
+        const std::uint32_t next = shapes[i].next;
+        f(i, shapes[i]);
         i = next;
     }
+}
+template <class State, class F>
+void each_shape(State& s, std::uint32_t body, F&& f) {
+    each_shape(s.bodies, s.shapes, body, f);
 }
 
 /// Enters the shapes of a body into the broadphase anew: it has become another kind of proxy.
@@ -26983,14 +27034,14 @@ protected:
     /// Whether a shape of a kinematic body may pass the middle of another in this step, by its way as seen from there.
     PHYSICS_HPP_COLD bool crosses(std::uint32_t k, const typename Plan::body& b, std::uint32_t pusher) {
         const auto& from = s_.bodies[pusher];
-        const auto& moved = moved_[s_.awake_index[pusher]];
+        const auto& moved = moved_[s_.awake.index_of[pusher]];
         const rotation<S, D> turned = rotation_after(moved, from);
         const vec<S, D> start = inverse_transform(from.pose(), b.center),
                         end = inverse_transform(transform<S, D>{moved.center - turned * from.mass.center, turned},
                                                 moved_[k].center);
         // What turns leads the way around, not along the chord.
         const double angle =
-            detail::to_double(length_of(value_of(moved_.velocity(s_.awake_index[pusher]).angular) * h_));
+            detail::to_double(length_of(value_of(moved_.velocity(s_.awake.index_of[pusher]).angular) * h_));
         const double far = detail::to_double(length_of(start)) + detail::to_double(length_of(end));
         const double reach = contact_margin() + far * angle * angle / 8;
         if (!(angle < 1) || !(reach < detail::to_double(scalar_traits<S>::max()) / 4)) return true;
@@ -27004,7 +27055,7 @@ protected:
     /// The shape's frame is the body's.
     PHYSICS_HPP_COLD body_sweep motion_of(std::uint32_t i) const {
         const auto& b = s_.bodies[i];
-        const std::uint32_t k = s_.awake_index[i];
+        const std::uint32_t k = s_.awake.index_of[i];
         const transform<S, D> start{b.center, b.rotation};
         if (!(k < s_.awake.size())) return {start.position, start.position, start.rotation, {}, {}};
         const rotation<S, D>& turn = rotation_after(moved_[k], b);
@@ -27096,8 +27147,8 @@ void note_near(state<Plan>& s, std::uint32_t a, std::uint32_t b) {
             s.step.sweep.near_static[i] = true;
 #endif
         };
-        if (!(s.awake_index[a] < s.awake.size())) note(b);
-        if (!(s.awake_index[b] < s.awake.size())) note(a);
+        if (!s.awake.has(a)) note(b);
+        if (!s.awake.has(b)) note(a);
     }
 }
 /// Whether a contact is deep.
@@ -27105,7 +27156,7 @@ template <class Plan, class Contact>
 bool is_deep(const state<Plan>& s, const Contact& c) {
     if constexpr (Plan::sweeps) {
         // Bodies that do not move have the last number.
-        if (is_awake(s, c.bodies.body_a) == is_awake(s, c.bodies.body_b)) return false;
+        if (s.awake.has(c.bodies.body_a) == s.awake.has(c.bodies.body_b)) return false;
         for (int k = 0; k < c.count; ++k)
             if (-c.points[k].separation > s.settings.contact_margin * typename Plan::scalar(0.125)) return true;
     }
@@ -27409,7 +27460,7 @@ private:
             if (!overlap(p.box, box)) continue;
             const auto& from = s_.bodies[p.body];
             const vec<S, D> velocity_of_pusher =
-                velocity_at(moved_.velocity(s_.awake_index[p.body]), b.center - from.center) * h_;
+                velocity_at(moved_.velocity(s_.awake.index_of[p.body]), b.center - from.center) * h_;
             body_motion<S, D> seen = own, alone = own;
             seen.translation -= velocity_of_pusher;
             alone.translation = velocity_of_pusher;
@@ -27449,7 +27500,7 @@ private:
     /// A dynamic body that goes far itself must not go on through the body that was stopped on its way.
     void stop_other(const swept_body_type& m) {
         if (!m.stops || !s_.bodies[m.other].is_dynamic()) return;
-        swept_body_type* other = find_swept_body(s_.awake_index[m.other]);
+        swept_body_type* other = find_swept_body(s_.awake.index_of[m.other]);
         if (other == nullptr || (other->cut && !(m.time < other->cut_time))) return;
         other->cut = true;
         other->cut_time = m.time;
@@ -27569,7 +27620,7 @@ private:
     PHYSICS_HPP_COLD transform<S, D> carried(swept_body_type& m, const transform<S, D>& at) {
         const body_sweep other = motion_of(m.other);
         const transform<S, D> there = other.at(rounded_down<S>(m.time));
-        const auto& moved = moved_[s_.awake_index[m.other]];
+        const auto& moved = moved_[s_.awake.index_of[m.other]];
         const transform<S, D> then{moved.center, rotation_after(moved, s_.bodies[m.other])};
         const transform<S, D> end = then * relative(there, at);
         const body_sweep path = sweep_between<S, D>(at, {end.position, normalized(end.rotation)});
@@ -27678,60 +27729,6 @@ void watch_fast_bodies(state<Plan>& s, typename Plan::scalar h) {
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/step/overflow.hpp
-// =================================================================================================
-// Whether numbers stay in range in a step.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// The number of substeps of a solver; 1 if it has no such setting.
-template <class Settings>
-int substeps_of(const Settings& settings) {
-    if constexpr (requires { settings.substeps; }) return settings.substeps;
-    else return 1;
-}
-
-/// Whether a body's velocity and displacement keep within half of the scalar's range in a step of h seconds, by the
-/// forces on it: in double, since fixed-point numbers wrap. The whole step's force may act in the first substep.
-template <class S, int D, bool Rotates>
-bool stays_in_range(const vec<S, D>& gravity, const body<S, D, Rotates>& b, const solver_body<S, D, Rotates>& now, S h,
-                    int substeps) {
-    const double maximum = static_cast<double>(scalar_traits<S>::max()) / 2, step = static_cast<double>(h);
-    const auto size = [](double x) { return x < 0 ? -x : x; };
-    const auto fits = [&](double velocity, double force, double drive) {
-        const double speed = size(velocity) + drive * step;
-        return force * substeps <= maximum && drive * substeps <= maximum && speed <= maximum &&
-               speed * step <= maximum;
-    };
-    bool good = true;
-    for (int i = 0; i < D; ++i) {
-        const double force = size(static_cast<double>(b.force[i]));
-        double drive = force * static_cast<double>(b.inverse_mass);
-        if (b.is_dynamic()) drive += size(static_cast<double>(gravity[i]) * static_cast<double>(b.gravity_scale));
-        good = good && fits(static_cast<double>(now.velocity.linear[i]), force, drive);
-    }
-    if constexpr (Rotates)
-        good =
-            good && fits(largest_magnitude(now.velocity.angular), largest_magnitude(b.torque),
-                         largest_magnitude(times(converted<double>(now.inverse_inertia), converted<double>(b.torque))));
-    return good;
-}
-
-/// Whether a body's position and velocity are in range.
-template <class S, int D, bool Rotates>
-bool is_in_range(const moving_body<S, D, Rotates>& at, const twist_of<S, D, Rotates>& velocity) {
-    if (!is_in_range(at.center) || !is_in_range(velocity.linear)) return false;
-    if constexpr (Rotates) return is_finite(at.rotation) && is_in_range(velocity.angular);
-    else return true;
-}
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
 // physics/step/sleep.hpp
 // =================================================================================================
 // Sleep: islands that are still leave the step until something happens to them.
@@ -27786,7 +27783,7 @@ void finish_waking(state<Plan>& s) {
         s.sleep.sleep_time[i] = {};
         reinsert_proxies(s, i);
     }
-    if (!s.step.woken.empty()) s.awake_changed = true;
+    if (!s.step.woken.empty()) s.awake.is_stale = true;
     s.step.woken.clear();
 }
 /// True if neither body of the contact is dynamic and awake.
@@ -27894,17 +27891,17 @@ bool list_woken(state<Plan>& s, bool any_near, typename Plan::scalar h) {
         const bool of_a = s.is_asleep(a);
         if (of_a == s.is_asleep(b)) continue;
         const std::uint32_t sleeper = of_a ? a : b;
-        if (s.awake_index[sleeper] < s.awake.size() ||
+        if (s.awake.has(sleeper) ||
             !will_touch(c, s.bodies[a].velocity_ahead(h), s.bodies[b].velocity_ahead(h), h, slack))
             continue;
         each_of_island(s, sleeper, [&](std::uint32_t i) {
-            s.awake_index[i] = 0;
+            s.awake.index_of[i] = 0;
             s.step.woken.push_back(i);
         });
     }
     if (s.step.woken.empty()) return false;
-    for (const std::uint32_t i : s.step.woken) s.awake.push_back(i);
-    s.awake_changed = true;
+    for (const std::uint32_t i : s.step.woken) s.awake.bodies.push_back(i);
+    s.awake.is_stale = true;
     return true;
 }
 
@@ -28033,7 +28030,7 @@ private:
 
     [[nodiscard]] bool is_dynamic(std::uint32_t k) const { return k < count_ && s_.bodies[s_.awake[k]].is_dynamic(); }
     [[nodiscard]] body_pair awake_pair(const typename Plan::contact& c) const {
-        return {s_.awake_index[c.bodies.body_a], s_.awake_index[c.bodies.body_b]};
+        return {s_.awake.index_of[c.bodies.body_a], s_.awake.index_of[c.bodies.body_b]};
     }
     [[nodiscard]] bool touch(const typename Plan::contact& c, S slack) const {
         return will_touch(c, s_.bodies[c.bodies.body_a].velocity, s_.bodies[c.bodies.body_b].velocity, step_, slack);
@@ -28062,7 +28059,7 @@ private:
         of.last = i;
         s_.sleep.island_next[i] = of.first;
         reinsert_proxies(s_, i);
-        s_.awake_changed = true;
+        s_.awake.is_stale = true;
     }
     void move_contacts_to_sleepers() {
         s_.step.new_contacts.clear();
@@ -28088,237 +28085,6 @@ private:
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/step/integrate.hpp
-// =================================================================================================
-// Bodies as they move through a step: copies in tight arrays, which become the world's when the step has succeeded.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// The number of each body among those that move.
-template <class Plan>
-void index_awake(state<Plan>& s) {
-    s.awake_index.clear();
-    s.awake_index.resize(s.bodies.slots(), s.awake.size());
-    for (std::uint32_t k = 0; k < s.awake.size(); ++k) s.awake_index[s.awake[k]] = k;
-}
-/// Finds which bodies move, where that has changed.
-template <class Plan>
-void list_awake(state<Plan>& s) {
-    if (!s.awake_changed) return;
-    s.awake.clear();
-    s.bodies.each([&](std::uint32_t i, const auto& b) {
-        if (b.type != body_type::static_body && !s.is_asleep(i)) s.awake.push_back(i);
-    });
-    index_awake(s);
-}
-
-/// Whether an integrator advances poses in lanes: not one that derives from such, and may have poses of its own.
-template <class Integrator, bool Rotates>
-concept advances_in_lanes = requires {
-    requires std::same_as<typename Integrator::owner_of_lanes, Integrator>;
-    requires Integrator::template lanes<Rotates>::serves;
-};
-template <class Integrator, bool Rotates>
-struct pose_lanes_of {
-    struct type {};
-};
-template <class Integrator, bool Rotates>
-    requires advances_in_lanes<Integrator, Rotates>
-struct pose_lanes_of<Integrator, Rotates> {
-    using type = typename Integrator::template lanes<Rotates>;
-};
-
-/// How the solver moves a batch: it asks for velocities and poses to advance, once or in substeps.
-template <class Plan>
-class batch_integrator {
-    using S = typename Plan::scalar;
-    static constexpr int D = Plan::dimension;
-    static constexpr bool rotates = Plan::rotates;
-    using integrator = typename Plan::integrator;
-    static constexpr bool in_lanes = advances_in_lanes<integrator, rotates>;
-    using lanes = typename pose_lanes_of<integrator, rotates>::type;
-
-public:
-    /// Copies the bodies of a part into their slots.
-    batch_integrator(const state<Plan>& s, const batches& all, const batch& one, moved_bodies<S, D, rotates> slots, S h,
-                     arena& scratch, task_runner& tasks)
-        : state_(s),
-          members_(all.body_at + one.bodies),
-          bodies_(slots.solved + one.bodies),
-          moving_(slots.moved + one.bodies),
-          count_(one.static_slot - one.bodies),
-          step_(h),
-          tasks_(tasks),
-          counts_(scratch.template allocate<std::uint32_t>(tasks.workers())) {
-        free_count_ = count_of([&](std::uint32_t k) { return gather(k); });
-        if constexpr (is_fixed<S>)
-            starts_in_range_ = count_of([&](std::uint32_t k) {
-                                   return !stays_in_range(s.settings.gravity, member(k), bodies_[k], h,
-                                                          substeps_of(s.settings.solver));
-                               }) == 0;
-        for (std::uint32_t k = count_; k < one.static_slot - one.bodies + 2; ++k)
-            new (bodies_ + k) solver_body<S, D, rotates>{};
-        if (free_count_ > 0) find_free_bodies(all, one, scratch);
-        if constexpr (in_lanes) lanes_ = new (scratch.template allocate<lanes>(1)) lanes(bodies(), moving_, scratch);
-    }
-
-    /// The bodies as the solver sees them; the last two are the static body and a dummy.
-    [[nodiscard]] solver_bodies<S, D, rotates> bodies() const { return {bodies_, count_ + 2}; }
-
-    /// By gravity and forces (m/s^2); nothing drives what is not dynamic.
-    [[nodiscard]] const vec<S, D>& acceleration(std::uint32_t k) const { return moving_[k].acceleration; }
-
-    /// How long steps usually take (s), or this one, if that is longer: contacts are no stiffer in a shorter one.
-    [[nodiscard]] S usual_step() const { return max(step_, state_.step_lengths.usual); }
-
-    void integrate_velocities(S h) {
-        if (free_count_ > 0) set_free_forces(step_ / h);
-        each([&](std::uint32_t k) { integrate_velocity(k, h); });
-        if (free_count_ > 0) set_free_forces(S(0));
-    }
-    /// The same; also reapplies what contacts gave in the last substep, v - start_velocity, and sets start_velocity
-    /// to the velocity before that.
-    void integrate_velocities(S h, twist_of<S, D, rotates>* start_velocity) {
-        if (free_count_ > 0) set_free_forces(step_ / h);
-        each([&](std::uint32_t k) {
-            auto& v = bodies_[k].velocity;
-            const auto got = v - start_velocity[k];
-            integrate_velocity(k, h);
-            start_velocity[k] = v;
-            v = v + got;
-        });
-        if (free_count_ > 0) set_free_forces(S(0));
-    }
-    void integrate_positions(S h) { integrate_positions(h, nullptr); }
-    /// The same; what velocities change by as bodies turn, they change in `start_velocity` too.
-    void integrate_positions(S h, twist_of<S, D, rotates>* start_velocity) {
-        if constexpr (in_lanes) {
-            lanes_->advance(h, start_velocity, tasks_);
-            return;
-        }
-        each([&](std::uint32_t k) {
-            pose_velocity<S, D, rotates>& v = bodies_[k].velocity;
-            const auto before = v;
-            integrator::integrate_pose(moving_[k], v, bodies_[k].displacement, h);
-            if constexpr (D == 3 && rotates)
-                if (start_velocity != nullptr && !(v == before)) start_velocity[k] = start_velocity[k] + (v - before);
-        });
-    }
-
-    /// Ends the step. False if something that moved is where numbers do not reach.
-    [[nodiscard]] bool finish() {
-        const std::uint32_t lost = count_of([&](std::uint32_t k) {
-            if constexpr (in_lanes) lanes_->finish(k, k + 1);
-            const auto& by = bodies_[k].displacement;
-            moving_[k].center += by.linear;
-            if constexpr (D == 2 && rotates)
-                if (by.angular != S(0)) moving_[k].rotation = turned(moving_[k].rotation, by.angular);
-            return !is_in_range(moving_[k], bodies_[k].velocity);
-        });
-        return lost == 0 && starts_in_range_;
-    }
-
-private:
-    /// Calls f(k) for all bodies.
-    template <class F>
-    void each(F&& f) {
-        tasks_.parallel_for(count_, min_per_task, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
-            for (std::uint32_t k = first; k < end; ++k) f(k);
-        });
-    }
-    /// For how many of them f(k) is true.
-    template <class F>
-    std::uint32_t count_of(F&& f) {
-        for (std::uint32_t k = 0; k < tasks_.workers(); ++k) counts_[k] = 0;
-        tasks_.parallel_for(count_, min_per_task, [&](std::uint32_t first, std::uint32_t end, std::uint32_t worker) {
-            std::uint32_t count = 0;
-            for (std::uint32_t k = first; k < end; ++k) count += f(k);
-            counts_[worker] += count;
-        });
-        for (std::uint32_t k = 1; k < tasks_.workers(); ++k) counts_[0] += counts_[k];
-        return counts_[0];
-    }
-    void integrate_velocity(std::uint32_t k, S h) {
-        if (!(bodies_[k].inverse_mass > inverse_of<S>(0))) return;
-        integrator::integrate_velocity(bodies_[k].velocity, moving_[k], h);
-        // -0 becomes 0, which no impulse of 0 changes: so the bits are the same whether solvers give it or not.
-        bodies_[k].velocity.linear += vec<S, D>{};
-        if constexpr (rotates) bodies_[k].velocity.angular += angular<S, D>{};
-    }
-    [[nodiscard]] const typename Plan::body& member(std::uint32_t k) const {
-        return state_.bodies[state_.awake[members_[k]]];
-    }
-    /// Says whether a force acts on it.
-    bool gather(std::uint32_t k) {
-        const auto& b = member(k);
-        auto& seen = *new (bodies_ + k) solver_body<S, D, rotates>{b.velocity_ahead(step_), {}, b.inverse_mass, {}};
-        auto& m = *new (moving_ + k) moving_body<S, D, rotates>{};
-        m.center = b.center;
-        if constexpr (rotates) {
-            seen.inverse_inertia = in_world(b.inverse_inertia, b.rotation);
-            m.rotation = b.rotation;
-        }
-        if (!b.is_dynamic()) return false;
-        m.acceleration = state_.settings.gravity * b.gravity_scale;
-        m.linear_damping = b.linear_damping;
-        if constexpr (rotates) {
-            m.angular_damping = b.angular_damping;
-            if (b.is_gyroscopic) m.gyroscopic = &b;
-        }
-        if (!b.has_external_force()) return false;
-        add_force(k, S(1));
-        return true;
-    }
-    /// Lets `share` of the force on a body act.
-    void add_force(std::uint32_t k, S share) {
-        const auto& b = member(k);
-        for (int i = 0; i < D; ++i) moving_[k].acceleration[i] += mul<S>(b.inverse_mass, b.force[i] * share);
-        if constexpr (rotates) moving_[k].angular_acceleration += times(bodies_[k].inverse_inertia, b.torque * share);
-    }
-    /// Bodies that are pushed and touch nothing.
-    void find_free_bodies(const batches& all, const batch& one, arena& scratch) {
-        auto* touches = scratch.template allocate<bool>(count_ + 1);
-        for (std::uint32_t k = 0; k <= count_; ++k) touches[k] = false;
-        for (std::uint32_t n = one.edges; n < one.end; ++n) touches[all.ends[n].a] = touches[all.ends[n].b] = true;
-        free_ = scratch.template allocate<std::uint32_t>(free_count_);
-        free_count_ = 0;
-        for (std::uint32_t k = 0; k < count_; ++k)
-            if (!touches[k] && member(k).has_external_force()) free_[free_count_++] = k;
-    }
-    /// Free bodies get the whole impulse of a user force in the first substep: spread over substeps, explicit user
-    /// springs would gain energy.
-    void set_free_forces(S share) {
-        for (std::uint32_t n = 0; n < free_count_; ++n) {
-            const std::uint32_t k = free_[n];
-            moving_[k].acceleration = state_.settings.gravity * member(k).gravity_scale;
-            if constexpr (rotates) moving_[k].angular_acceleration = {};
-            if (share > S(0)) add_force(k, share);
-        }
-        if (!(share > S(0))) free_count_ = 0;
-    }
-
-    const state<Plan>& state_;
-    const std::uint32_t* members_;
-    solver_body<S, D, rotates>* bodies_;
-    moving_body<S, D, rotates>* moving_;
-    std::uint32_t count_;
-    S step_;
-    task_runner& tasks_;
-    std::uint32_t* counts_;  ///< What each worker has counted.
-    std::uint32_t* free_ = nullptr;
-    std::uint32_t free_count_ = 0;
-    bool starts_in_range_ = true;
-    lanes* lanes_ = nullptr;
-    static constexpr std::uint32_t min_per_task = 128;  ///< The smallest number of bodies that makes a task.
-};
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
 // physics/step/warm_impulses.hpp
 // =================================================================================================
 // What contacts hand on from step to step where these differ in length.
@@ -28331,36 +28097,37 @@ namespace detail {
 /// short one says of loads is noise; so what is handed on is what contacts gave within a usual step's time, to which
 /// the last step adds its part. How long steps usually take follows their length by an eighth at a time. Steps of one
 /// length hand on their impulses as they are, and cost nothing.
-template <class Plan>
+template <class S>
 class warm_impulses {
-    using S = typename Plan::scalar;
-
 public:
-    warm_impulses(state<Plan>& s, S h) : state_(s), step_(h) {}
+    /// `steps`: how many the world has taken before this one of h seconds.
+    warm_impulses(const step_lengths<S>& before, std::uint64_t steps, S h)
+        : last_(before.usual), steps_(steps), step_(h) {}
 
-    /// How long steps usually take once this one counts among them (s).
-    [[nodiscard]] S next_usual_step() const {
-        const S last = state_.step_lengths.usual;
+    /// How long steps usually take once this one counts among them (s), of a world that has taken so many.
+    [[nodiscard]] S next_usual_step(std::uint64_t steps) const {
         // A world's first steps may be shorter than those to come.
-        const S longest = state_.steps < 8 ? step_ : last + last * S(0.125);
-        return max(min(step_, longest), last - step_ * S(0.125));
+        const S longest = steps < 8 ? step_ : last_ + last_ * S(0.125);
+        return max(min(step_, longest), last_ - step_ * S(0.125));
     }
     /// Remembers with what impulses this step begins.
-    void before_solve() {
+    template <class Contact>
+    void before_solve(const buffer<Contact>& contacts, arena& scratch) {
         if (!is_shorter()) return;
-        constexpr std::uint32_t capacity = manifold<S, Plan::dimension>::capacity;
-        begun_with_ = state_.step.scratch.template allocate<S>(state_.step.new_contacts.size() * capacity);
+        constexpr std::uint32_t capacity = sizeof(Contact::points) / sizeof(contacts[0].points[0]);
+        begun_with_ = scratch.template allocate<S>(contacts.size() * capacity);
         S* to = begun_with_;
-        for (const auto& c : state_.step.new_contacts)
+        for (const auto& c : contacts)
             for (int k = 0; k < c.count; ++k) *to++ = c.persisted(k) ? c.points[k].substep_impulse : S(0);
     }
     /// Turns this step's impulses into those of a usual one.
-    void after_solve() {
-        const S last = state_.step_lengths.usual, usual = next_usual_step();
+    template <class Contact>
+    void after_solve(buffer<Contact>& contacts) const {
+        const S usual = next_usual_step(steps_);
         if (usual == step_ && !is_shorter()) return;
-        const S ratio = impulse_ratio(last, step_), part = usual / max(step_, last);
+        const S ratio = impulse_ratio(last_, step_), part = usual / max(step_, last_);
         const S* from = begun_with_;
-        for (auto& c : state_.step.new_contacts)
+        for (auto& c : contacts)
             for (int k = 0; k < c.count; ++k) {
                 S& impulse = c.points[k].substep_impulse;
                 if (is_shorter()) impulse += *from / ratio - *from, ++from;
@@ -28369,199 +28136,12 @@ public:
     }
 
 private:
-    bool is_shorter() const { return step_ < state_.step_lengths.usual; }
+    bool is_shorter() const { return step_ < last_; }
 
-    state<Plan>& state_;
+    S last_;
+    std::uint64_t steps_;
     S step_;
     S* begun_with_ = nullptr;
-};
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/step/solve.hpp
-// =================================================================================================
-// How a step moves the world: islands in batches, solved one by one or in parallel, and what becomes of it.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// How a step moves the world, batch by batch. Nothing of the world changes before update_boxes.
-template <class Plan>
-class step_solver {
-    using S = typename Plan::scalar;
-    static constexpr int D = Plan::dimension;
-    static constexpr bool rotates = Plan::rotates;
-
-public:
-    step_solver(state<Plan>& s, S h, task_runner& tasks)
-        : state_(s), batches_(batches_of(s, tasks)), step_(h), warm_(s, h) {
-        moved_ = {s.step.scratch.template allocate<solver_body<S, D, rotates>>(batches_.slots),
-                  s.step.scratch.template allocate<moving_body<S, D, rotates>>(batches_.slots), batches_.slot_of};
-    }
-
-    /// Solves all batches: large islands one by one on all workers, the others in parallel. False on overflow.
-    bool solve(task_runner& tasks) {
-        warm_.before_solve();
-        bool* solved = state_.step.scratch.template allocate<bool>(batches_.count);
-        for (std::uint32_t k = 0; k < batches_.count; ++k) solved[k] = false;
-        const auto is_large = [&](std::uint32_t k) {
-            return !tasks.is_serial() && batches_.first[k].weight() > large_factor * graph_builder::target_weight;
-        };
-        task_runner alone;
-        for (std::uint32_t k = 0; k < batches_.count; ++k)
-            if (is_large(k)) solved[k] = solve(batches_.first[k], state_.step.batch_scratch[0], tasks);
-        tasks.parallel_tasks(batches_.count, [&](std::uint32_t k, std::uint32_t worker) {
-            if (!is_large(k)) solved[k] = solve(batches_.first[k], state_.step.batch_scratch[worker], alone);
-        });
-        for (std::uint32_t k = 0; k < batches_.count; ++k)
-            if (!solved[k]) return false;
-        return true;
-    }
-    /// Where bodies have come.
-    [[nodiscard]] moved_bodies<S, D, rotates> moved() const { return moved_; }
-
-    /// Puts shapes where their bodies are now, and tells the broadphase, and where they are heading; bodies with a
-    /// target are there, to the bit. False, and all shapes where they were, if a box is beyond the scalar's range, or
-    /// the executor fails.
-    bool update_boxes(task_runner& tasks) {
-        const std::uint32_t count = state_.awake.size();
-        bool fit = true;
-        if (tasks.is_serial()) {
-            for (std::uint32_t k = 0; k < count && fit; ++k)
-                update_shape_poses(k, [&](std::uint32_t n, const aabb<S, D>& box) {
-                    if (fit = fit && is_box(box); fit) move_box(k, n, box);
-                });
-        } else {
-            // Boxes that are left move one by one: what the broadphase makes of them may depend on their order.
-            enum : std::uint8_t { stays = 0, leaves = 1, lost = 2 };
-            auto* box_changes = state_.step.scratch.template allocate<std::uint8_t>(count);
-            tasks.parallel_for(count, 128, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
-                for (std::uint32_t k = first; k < end; ++k) {
-                    box_changes[k] = stays;
-                    update_shape_poses(k, [&](std::uint32_t n, const aabb<S, D>& box) {
-                        if constexpr (requires { state_.broadphase.holds(n, box); })
-                            if (state_.broadphase.holds(n, box)) return;
-                        box_changes[k] = !is_box(box) || box_changes[k] == lost ? lost : leaves;
-                    });
-                }
-            });
-            fit = tasks.ran_all_tasks();
-            for (std::uint32_t k = 0; k < count; ++k) fit = fit && box_changes[k] != lost;
-            for (std::uint32_t k = 0; k < count && fit; ++k)
-                if (box_changes[k] == leaves)
-                    each_shape(state_, state_.awake[k], [&](std::uint32_t n, const auto& shape) {
-                        move_box(k, n, query_bounds(state_, shape));
-                    });
-        }
-        if (!fit)
-            for (const std::uint32_t i : state_.awake) refresh_boxes(state_, i);
-        else update_broadphase(state_);
-        return fit;
-    }
-
-    /// Stores what the step found: poses, velocities, contacts with their impulses. Forces act for one step, and so do
-    /// targets.
-    void finish() {
-        if (std::exchange(state_.awake_changed, false))
-            state_.bodies.each([&](std::uint32_t i, const auto& b) {
-                if (!state_.is_asleep(i)) state_.contact_starts[i] = {b.center, b.rotation};
-            });
-        for (std::uint32_t k = 0; k < state_.awake.size(); ++k) {
-            const std::uint32_t i = state_.awake[k];
-            auto& b = state_.bodies[i];
-            state_.contact_starts[i] = {b.center, b.rotation};
-            b.center = moved_[k].center;
-            if constexpr (rotates) b.rotation = moved_[k].rotation;
-            b.velocity = moved_.velocity(k);
-            b.force = {};
-            b.torque = {};
-            b.at_target = b.has_target;
-            if (!b.has_target) continue;
-            b.set_pose(b.target);
-            b.has_target = false;
-        }
-        warm_.after_solve();
-        state_.contacts.swap(state_.step.new_contacts);
-        state_.surfaces = state_.step.new_material;
-        if constexpr (Plan::remembers) state_.step.pair_cache_changes.finish(state_.memories);
-        ++state_.steps;
-        state_.step_lengths = {warm_.next_usual_step(), step_};
-        if constexpr (Plan::sleeps) {
-            commit_woken(state_);
-            for (const std::uint32_t i : state_.awake) wake_ahead(i);
-            sleep_update<Plan>(state_, step_);
-        }
-    }
-
-private:
-    /// Puts the shapes of a body where it is now, and calls f(shape's number, box) for each.
-    template <class F>
-    void update_shape_poses(std::uint32_t k, F&& f) {
-        const std::uint32_t i = state_.awake[k];
-        const auto& b = state_.bodies[i];
-        const transform<S, D> pose = pose_of(k);
-        const vec<S, D> center = b.has_target ? pose * b.mass.center : moved_[k].center;
-        each_shape(state_, i, [&](std::uint32_t n, auto& shape) {
-            update_pose(shape, pose, center);
-            f(n, query_bounds(state_, shape));
-        });
-    }
-    void move_box(std::uint32_t k, std::uint32_t n, const aabb<S, D>& box) {
-        state_.broadphase.move(n, box, moved_.velocity(k).linear * step_);
-    }
-    /// Wakes what a kinematic body is going to run into.
-    void wake_ahead(std::uint32_t i) {
-        const auto& b = state_.bodies[i];
-        if (b.is_dynamic() || b.at_target || b.velocity == twist_of<S, D, rotates>{}) return;
-        rotation<S, D> turn = b.rotation;
-        if constexpr (rotates) turn = turned(turn, b.velocity.angular * step_);
-        wake_near(state_, i, {b.center + b.velocity.linear * step_ - turn * b.mass.center, turn});
-    }
-    static batches batches_of(state<Plan>& s, task_runner& tasks) {
-        // On one thread, what goes into the second cache is not worth taking apart.
-        const std::uint32_t batch_limit = graph_builder::target_weight * (tasks.is_serial() ? (D == 2 ? 8 : 2) : 1);
-
-        const std::uint32_t count = s.awake.size();
-        bool* has_external_force = s.step.scratch.template allocate<bool>(count + 1);
-        for (std::uint32_t k = 0; k < count; ++k)
-            has_external_force[k] = s.bodies[s.awake[k]].inverse_mass > inverse_of<S>(0);
-        has_external_force[count] = false;
-        return graph_builder(s.step.edges, s.awake_index.begin(), has_external_force, count, s.step.scratch,
-                             batch_limit, &tasks)
-            .result();
-    }
-    bool solve(const batch& one, arena& scratch, task_runner& tasks) {
-        scratch.reset();
-        for (std::uint32_t k = 1; k < tasks.workers(); ++k) state_.step.batch_scratch[k].reset();
-        batch_integrator<Plan> moving(state_, batches_, one, moved_, step_, scratch, tasks);
-        const contact_constraints<S, D, typename Plan::features> contacts(
-            state_.step.new_contacts.begin(), batches_.order + one.edges, batches_.ends + one.edges,
-            one.end - one.edges, state_.step.new_material);
-        const auto& with = state_.settings.solver;
-        if constexpr (requires { Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving, tasks); })
-            Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving, tasks);
-        else Plan::solver::solve(moving.bodies(), contacts, with, step_, scratch, moving);
-        return moving.finish();
-    }
-    [[nodiscard]] transform<S, D> pose_of(std::uint32_t k) const {
-        const auto& b = state_.bodies[state_.awake[k]];
-        if (b.has_target) return b.target;
-        const rotation<S, D>& turn = rotation_after(moved_[k], b);
-        return {moved_[k].center - turn * b.mass.center, turn};
-    }
-
-    /// An island that is so many times as large as a batch is wide enough for several workers.
-    static constexpr std::uint32_t large_factor = 4;
-
-    state<Plan>& state_;
-    batches batches_;
-    moved_bodies<S, D, rotates> moved_;
-    S step_;
-    warm_impulses<Plan> warm_;
 };
 
 }  // namespace detail
@@ -28688,14 +28268,15 @@ bool combine_surface_materials([[maybe_unused]] typename Plan::contact& c, [[may
 }
 /// What all surfaces of this step make of each other, if they are of one material.
 template <class Plan>
-bool combine_common_materials([[maybe_unused]] state<Plan>& s) {
+bool combine_common_materials([[maybe_unused]] const typename Plan::settings& settings,
+                              [[maybe_unused]] combined_material<typename Plan::scalar, typename Plan::features>& to) {
     if constexpr (Plan::features::materials) {
         return true;
     } else {
-        auto of_all = s.settings.material;
+        auto of_all = settings.material;
         // As materials of shapes, it lacks what the recipe leaves out.
         if constexpr (!Plan::features::friction) of_all.friction = {};
-        return combine_materials<Plan>(s.step.new_material, of_all, of_all);
+        return combine_materials<Plan>(to, of_all, of_all);
     }
 }
 
@@ -28743,11 +28324,11 @@ collide_result collide_chunk(state<Plan>& s, const pair_queries<Plan>& of,
         const proxy_pair pair = of.pairs()[query];
         const std::uint32_t a = s.shapes[pair.a].body, b = s.shapes[pair.b].body;
         // Broadphases need not leave out pairs of two bodies that are static or asleep; such a pair needs no solving.
-        if (s.awake_index[a] == s.awake_index[b]) continue;
+        if (s.awake.index_of[a] == s.awake.index_of[b]) continue;
         result.materials_valid = add_contact(s, pair, part, m, to) && result.materials_valid;
         result.deep = result.deep || is_deep(s, to.back());
         // Bodies that do not move or sleep have the last number.
-        result.near_sleeper = result.near_sleeper || s.is_asleep(s.awake_index[a] < s.awake_index[b] ? b : a);
+        result.near_sleeper = result.near_sleeper || s.is_asleep(s.awake.index_of[a] < s.awake.index_of[b] ? b : a);
     }
     return result;
 }
@@ -28851,10 +28432,10 @@ collide_result find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs,
 /// Adds the contacts of woken islands, found anew. False if materials do not combine.
 template <class Plan>
 bool find_contacts_of_woken(state<Plan>& s, typename Plan::scalar h, task_runner& tasks) {
-    index_awake(s);
+    s.awake.number(s.bodies.slots());
     s.step.woken_pairs.clear();
     // Kinematic bodies are always in the awake list, but wake no other body.
-    const auto wakes = [&](std::uint32_t i) { return s.bodies[i].is_dynamic() && s.awake_index[i] < s.awake.size(); };
+    const auto wakes = [&](std::uint32_t i) { return s.bodies[i].is_dynamic() && s.awake.has(i); };
     for (const auto& c : s.sleep.contacts) {
         if (!wakes(c.bodies.body_a) && !wakes(c.bodies.body_b)) continue;
         if (s.step.woken_pairs.empty() || s.step.woken_pairs.back() < c.key()) s.step.woken_pairs.push_back(c.key());
@@ -28875,25 +28456,400 @@ PHYSICS_HPP_END
 // =================================================================================================
 // physics/step/edges.hpp
 // =================================================================================================
-// What holds bodies together in a step.
+// What holds bodies together in a step, and the islands that follow.
 
 PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// Contacts -> edges, in the order of the contacts: what islands, batches and colours are made of.
-template <class Plan>
-void list_edges(state<Plan>& s, task_runner& tasks) {
+/// Contacts -> which bodies they hold together, in their order. O(contacts).
+template <class S, int D, class Features>
+void list_edges(const buffer<contact<S, D, Features>>& contacts, buffer<edge>& edges, task_runner& tasks) {
     constexpr std::uint32_t share = 1024;
-    const std::uint32_t count = s.step.new_contacts.size();
-    s.step.edges.clear();
-    s.step.edges.extend(count);
-    tasks.parallel_for(count, share, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
+    edges.clear();
+    edges.extend(contacts.size());
+    tasks.parallel_for(contacts.size(), share, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
         // Copies, as what is written may be anything to the compiler.
-        const auto* const from = s.step.new_contacts.begin();
-        edge* const to = s.step.edges.begin();
+        const auto* const from = contacts.begin();
+        edge* const to = edges.begin();
         for (std::uint32_t n = first; n < end; ++n) to[n] = from[n].bodies;
     });
+}
+
+/// Edges, and which bodies move -> islands, in batches. O(bodies + edges).
+template <class S, int D, bool Rotates>
+batches build_graph(const buffer<edge>& edges, const pool<body<S, D, Rotates>>& bodies, const awake_list& awake,
+                    arena& scratch, task_runner& tasks) {
+    // On one thread, what goes into the second cache is not worth taking apart.
+    const std::uint32_t batch_limit = graph_builder::target_weight * (tasks.is_serial() ? (D == 2 ? 8 : 2) : 1);
+    bool* is_pushed = scratch.template allocate<bool>(awake.size() + 1);
+    for (std::uint32_t k = 0; k < awake.size(); ++k) is_pushed[k] = bodies[awake[k]].inverse_mass > inverse_of<S>(0);
+    is_pushed[awake.size()] = false;
+    return graph_builder(edges, awake.index_of.begin(), is_pushed, awake.size(), scratch, batch_limit, &tasks).result();
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/find_pairs.hpp
+// =================================================================================================
+// Which shapes may touch.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Boxes -> pairs of shapes whose boxes overlap, in order, of two bodies of which one at least can be pushed: the
+/// filters that shapes were inserted with say so.
+template <class Broadphase>
+const buffer<proxy_pair>& find_pairs(Broadphase& broadphase, [[maybe_unused]] arena& scratch) {
+    const auto all = [](std::uint32_t, std::uint32_t) { return true; };
+    if constexpr (requires { broadphase.pairs(all, scratch); }) return broadphase.pairs(all, scratch);
+    else return broadphase.pairs(all);
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/overflow.hpp
+// =================================================================================================
+// Whether numbers stay in range in a step.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// The number of substeps of a solver; 1 if it has no such setting.
+template <class Settings>
+int substeps_of(const Settings& settings) {
+    if constexpr (requires { settings.substeps; }) return settings.substeps;
+    else return 1;
+}
+
+/// Whether a body's velocity and displacement keep within half of the scalar's range in a step of h seconds, by the
+/// forces on it: in double, since fixed-point numbers wrap. The whole step's force may act in the first substep.
+template <class S, int D, bool Rotates>
+bool stays_in_range(const vec<S, D>& gravity, const body<S, D, Rotates>& b, const solver_body<S, D, Rotates>& now, S h,
+                    int substeps) {
+    const double maximum = static_cast<double>(scalar_traits<S>::max()) / 2, step = static_cast<double>(h);
+    const auto size = [](double x) { return x < 0 ? -x : x; };
+    const auto fits = [&](double velocity, double force, double drive) {
+        const double speed = size(velocity) + drive * step;
+        return force * substeps <= maximum && drive * substeps <= maximum && speed <= maximum &&
+               speed * step <= maximum;
+    };
+    bool good = true;
+    for (int i = 0; i < D; ++i) {
+        const double force = size(static_cast<double>(b.force[i]));
+        double drive = force * static_cast<double>(b.inverse_mass);
+        if (b.is_dynamic()) drive += size(static_cast<double>(gravity[i]) * static_cast<double>(b.gravity_scale));
+        good = good && fits(static_cast<double>(now.velocity.linear[i]), force, drive);
+    }
+    if constexpr (Rotates)
+        good =
+            good && fits(largest_magnitude(now.velocity.angular), largest_magnitude(b.torque),
+                         largest_magnitude(times(converted<double>(now.inverse_inertia), converted<double>(b.torque))));
+    return good;
+}
+
+/// Whether a body's position and velocity are in range.
+template <class S, int D, bool Rotates>
+bool is_in_range(const moving_body<S, D, Rotates>& at, const twist_of<S, D, Rotates>& velocity) {
+    if (!is_in_range(at.center) || !is_in_range(velocity.linear)) return false;
+    if constexpr (Rotates) return is_finite(at.rotation) && is_in_range(velocity.angular);
+    else return true;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/integrate.hpp
+// =================================================================================================
+// Bodies as they move through a step: copies in tight arrays, which become the world's when the step has succeeded.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Whether an integrator advances poses in lanes: not one that derives from such, and may have poses of its own.
+template <class Integrator, bool Rotates>
+concept advances_in_lanes = requires {
+    requires std::same_as<typename Integrator::owner_of_lanes, Integrator>;
+    requires Integrator::template lanes<Rotates>::serves;
+};
+template <class Integrator, bool Rotates>
+struct pose_lanes_of {
+    struct type {};
+};
+template <class Integrator, bool Rotates>
+    requires advances_in_lanes<Integrator, Rotates>
+struct pose_lanes_of<Integrator, Rotates> {
+    using type = typename Integrator::template lanes<Rotates>;
+};
+
+/// What the solver reads of a world's bodies.
+template <class Plan>
+struct solve_input {
+    const pool<typename Plan::body>& bodies;
+    const awake_list& awake;
+    const typename Plan::settings& settings;
+    /// Of this step, and how long steps usually take (s).
+    typename Plan::scalar h, usual;
+};
+
+/// How the solver moves a batch: it asks for velocities and poses to advance, once or in substeps.
+template <class Plan>
+class batch_integrator {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+    static constexpr bool rotates = Plan::rotates;
+    using integrator = typename Plan::integrator;
+    static constexpr bool in_lanes = advances_in_lanes<integrator, rotates>;
+    using lanes = typename pose_lanes_of<integrator, rotates>::type;
+
+public:
+    /// Copies the bodies of a part into their slots.
+    batch_integrator(const solve_input<Plan>& in, const batches& all, const batch& one,
+                     moved_bodies<S, D, rotates> slots, arena& scratch, task_runner& tasks)
+        : in_(in),
+          members_(all.body_at + one.bodies),
+          bodies_(slots.solved + one.bodies),
+          moving_(slots.moved + one.bodies),
+          count_(one.static_slot - one.bodies),
+          step_(in.h),
+          tasks_(tasks),
+          counts_(scratch.template allocate<std::uint32_t>(tasks.workers())) {
+        free_count_ = count_of([&](std::uint32_t k) { return gather(k); });
+        if constexpr (is_fixed<S>)
+            starts_in_range_ = count_of([&](std::uint32_t k) {
+                                   return !stays_in_range(in.settings.gravity, member(k), bodies_[k], in.h,
+                                                          substeps_of(in.settings.solver));
+                               }) == 0;
+        for (std::uint32_t k = count_; k < one.static_slot - one.bodies + 2; ++k)
+            new (bodies_ + k) solver_body<S, D, rotates>{};
+        if (free_count_ > 0) find_free_bodies(all, one, scratch);
+        if constexpr (in_lanes) lanes_ = new (scratch.template allocate<lanes>(1)) lanes(bodies(), moving_, scratch);
+    }
+
+    /// The bodies as the solver sees them; the last two are the static body and a dummy.
+    [[nodiscard]] solver_bodies<S, D, rotates> bodies() const { return {bodies_, count_ + 2}; }
+
+    /// By gravity and forces (m/s^2); nothing drives what is not dynamic.
+    [[nodiscard]] const vec<S, D>& acceleration(std::uint32_t k) const { return moving_[k].acceleration; }
+
+    /// How long steps usually take (s), or this one, if that is longer: contacts are no stiffer in a shorter one.
+    [[nodiscard]] S usual_step() const { return max(step_, in_.usual); }
+
+    void integrate_velocities(S h) {
+        if (free_count_ > 0) set_free_forces(step_ / h);
+        each([&](std::uint32_t k) { integrate_velocity(k, h); });
+        if (free_count_ > 0) set_free_forces(S(0));
+    }
+    /// The same; also reapplies what contacts gave in the last substep, v - start_velocity, and sets start_velocity
+    /// to the velocity before that.
+    void integrate_velocities(S h, twist_of<S, D, rotates>* start_velocity) {
+        if (free_count_ > 0) set_free_forces(step_ / h);
+        each([&](std::uint32_t k) {
+            auto& v = bodies_[k].velocity;
+            const auto got = v - start_velocity[k];
+            integrate_velocity(k, h);
+            start_velocity[k] = v;
+            v = v + got;
+        });
+        if (free_count_ > 0) set_free_forces(S(0));
+    }
+    void integrate_positions(S h) { integrate_positions(h, nullptr); }
+    /// The same; what velocities change by as bodies turn, they change in `start_velocity` too.
+    void integrate_positions(S h, twist_of<S, D, rotates>* start_velocity) {
+        if constexpr (in_lanes) {
+            lanes_->advance(h, start_velocity, tasks_);
+            return;
+        }
+        each([&](std::uint32_t k) {
+            pose_velocity<S, D, rotates>& v = bodies_[k].velocity;
+            const auto before = v;
+            integrator::integrate_pose(moving_[k], v, bodies_[k].displacement, h);
+            if constexpr (D == 3 && rotates)
+                if (start_velocity != nullptr && !(v == before)) start_velocity[k] = start_velocity[k] + (v - before);
+        });
+    }
+
+    /// Ends the step. False if something that moved is where numbers do not reach.
+    [[nodiscard]] bool finish() {
+        const std::uint32_t lost = count_of([&](std::uint32_t k) {
+            if constexpr (in_lanes) lanes_->finish(k, k + 1);
+            const auto& by = bodies_[k].displacement;
+            moving_[k].center += by.linear;
+            if constexpr (D == 2 && rotates)
+                if (by.angular != S(0)) moving_[k].rotation = turned(moving_[k].rotation, by.angular);
+            return !is_in_range(moving_[k], bodies_[k].velocity);
+        });
+        return lost == 0 && starts_in_range_;
+    }
+
+private:
+    /// Calls f(k) for all bodies.
+    template <class F>
+    void each(F&& f) {
+        tasks_.parallel_for(count_, min_per_task, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
+            for (std::uint32_t k = first; k < end; ++k) f(k);
+        });
+    }
+    /// For how many of them f(k) is true.
+    template <class F>
+    std::uint32_t count_of(F&& f) {
+        for (std::uint32_t k = 0; k < tasks_.workers(); ++k) counts_[k] = 0;
+        tasks_.parallel_for(count_, min_per_task, [&](std::uint32_t first, std::uint32_t end, std::uint32_t worker) {
+            std::uint32_t count = 0;
+            for (std::uint32_t k = first; k < end; ++k) count += f(k);
+            counts_[worker] += count;
+        });
+        for (std::uint32_t k = 1; k < tasks_.workers(); ++k) counts_[0] += counts_[k];
+        return counts_[0];
+    }
+    void integrate_velocity(std::uint32_t k, S h) {
+        if (!(bodies_[k].inverse_mass > inverse_of<S>(0))) return;
+        integrator::integrate_velocity(bodies_[k].velocity, moving_[k], h);
+        // -0 becomes 0, which no impulse of 0 changes: so the bits are the same whether solvers give it or not.
+        bodies_[k].velocity.linear += vec<S, D>{};
+        if constexpr (rotates) bodies_[k].velocity.angular += angular<S, D>{};
+    }
+    [[nodiscard]] const typename Plan::body& member(std::uint32_t k) const {
+        return in_.bodies[in_.awake[members_[k]]];
+    }
+    /// Says whether a force acts on it.
+    bool gather(std::uint32_t k) {
+        const auto& b = member(k);
+        auto& seen = *new (bodies_ + k) solver_body<S, D, rotates>{b.velocity_ahead(step_), {}, b.inverse_mass, {}};
+        auto& m = *new (moving_ + k) moving_body<S, D, rotates>{};
+        m.center = b.center;
+        if constexpr (rotates) {
+            seen.inverse_inertia = in_world(b.inverse_inertia, b.rotation);
+            m.rotation = b.rotation;
+        }
+        if (!b.is_dynamic()) return false;
+        m.acceleration = in_.settings.gravity * b.gravity_scale;
+        m.linear_damping = b.linear_damping;
+        if constexpr (rotates) {
+            m.angular_damping = b.angular_damping;
+            if (b.is_gyroscopic) m.gyroscopic = &b;
+        }
+        if (!b.has_external_force()) return false;
+        add_force(k, S(1));
+        return true;
+    }
+    /// Lets `share` of the force on a body act.
+    void add_force(std::uint32_t k, S share) {
+        const auto& b = member(k);
+        for (int i = 0; i < D; ++i) moving_[k].acceleration[i] += mul<S>(b.inverse_mass, b.force[i] * share);
+        if constexpr (rotates) moving_[k].angular_acceleration += times(bodies_[k].inverse_inertia, b.torque * share);
+    }
+    /// Bodies that are pushed and touch nothing.
+    void find_free_bodies(const batches& all, const batch& one, arena& scratch) {
+        auto* touches = scratch.template allocate<bool>(count_ + 1);
+        for (std::uint32_t k = 0; k <= count_; ++k) touches[k] = false;
+        for (std::uint32_t n = one.edges; n < one.end; ++n) touches[all.ends[n].a] = touches[all.ends[n].b] = true;
+        free_ = scratch.template allocate<std::uint32_t>(free_count_);
+        free_count_ = 0;
+        for (std::uint32_t k = 0; k < count_; ++k)
+            if (!touches[k] && member(k).has_external_force()) free_[free_count_++] = k;
+    }
+    /// Free bodies get the whole impulse of a user force in the first substep: spread over substeps, explicit user
+    /// springs would gain energy.
+    void set_free_forces(S share) {
+        for (std::uint32_t n = 0; n < free_count_; ++n) {
+            const std::uint32_t k = free_[n];
+            moving_[k].acceleration = in_.settings.gravity * member(k).gravity_scale;
+            if constexpr (rotates) moving_[k].angular_acceleration = {};
+            if (share > S(0)) add_force(k, share);
+        }
+        if (!(share > S(0))) free_count_ = 0;
+    }
+
+    solve_input<Plan> in_;
+    const std::uint32_t* members_;
+    solver_body<S, D, rotates>* bodies_;
+    moving_body<S, D, rotates>* moving_;
+    std::uint32_t count_;
+    S step_;
+    task_runner& tasks_;
+    std::uint32_t* counts_;  ///< What each worker has counted.
+    std::uint32_t* free_ = nullptr;
+    std::uint32_t free_count_ = 0;
+    bool starts_in_range_ = true;
+    lanes* lanes_ = nullptr;
+    static constexpr std::uint32_t min_per_task = 128;  ///< The smallest number of bodies that makes a task.
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/publish.hpp
+// =================================================================================================
+// The end of a step: what it has found becomes the world's.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Where bodies have come, and how fast they are -> bodies, and where they were as the step began. Forces act for one
+/// step, and so do targets.
+template <class S, int D, bool Rotates>
+void publish_bodies(const moved_bodies<S, D, Rotates>& moved, const awake_list& awake,
+                    pool<body<S, D, Rotates>>& bodies, buffer<transform<S, D>>& starts) {
+    for (std::uint32_t k = 0; k < awake.size(); ++k) {
+        const std::uint32_t i = awake[k];
+        auto& b = bodies[i];
+        starts[i] = {b.center, b.rotation};
+        b.center = moved[k].center;
+        if constexpr (Rotates) b.rotation = moved[k].rotation;
+        b.velocity = moved.velocity(k);
+        b.force = {};
+        b.torque = {};
+        b.at_target = b.has_target;
+        if (!b.has_target) continue;
+        b.set_pose(b.target);
+        b.has_target = false;
+    }
+}
+
+/// Stores what the step found: poses, velocities, contacts with their impulses. Nothing fails from here on.
+template <class Plan, class Moved>
+void publish(state<Plan>& s, const Moved& moved, const warm_impulses<typename Plan::scalar>& warm,
+             typename Plan::scalar h) {
+    if (std::exchange(s.awake.is_stale, false))
+        s.bodies.each([&](std::uint32_t i, const auto& b) {
+            if (!s.is_asleep(i)) s.contact_starts[i] = {b.center, b.rotation};
+        });
+    publish_bodies(moved, s.awake, s.bodies, s.contact_starts);
+    warm.after_solve(s.step.new_contacts);
+    s.contacts.swap(s.step.new_contacts);
+    s.surfaces = s.step.new_material;
+    if constexpr (Plan::remembers) s.step.pair_cache_changes.finish(s.memories);
+    ++s.steps;
+    s.step_lengths = {warm.next_usual_step(s.steps), h};
+}
+
+/// Wakes what kinematic bodies are going to run into.
+template <class Plan>
+void wake_ahead(state<Plan>& s, typename Plan::scalar h) {
+    for (const std::uint32_t i : s.awake) {
+        const auto& b = s.bodies[i];
+        if (b.is_dynamic() || b.at_target ||
+            b.velocity == twist_of<typename Plan::scalar, Plan::dimension, Plan::rotates>{})
+            continue;
+        auto turn = b.rotation;
+        if constexpr (Plan::rotates) turn = turned(turn, b.velocity.angular * h);
+        wake_near(s, i, {b.center + b.velocity.linear * h - turn * b.mass.center, turn});
+    }
 }
 
 }  // namespace detail
@@ -28955,7 +28911,7 @@ private:
         remove();
     }
     [[nodiscard]] body_pair awake_pair(const contact& c) const {
-        return {s_.awake_index[c.bodies.body_a], s_.awake_index[c.bodies.body_b]};
+        return {s_.awake.index_of[c.bodies.body_a], s_.awake.index_of[c.bodies.body_b]};
     }
     /// The number among awake bodies of the dynamic one, where the other is static; else null.
     [[nodiscard]] std::uint32_t pushed_body(const contact& c) const {
@@ -28976,7 +28932,7 @@ private:
     }
     /// Out of the static shape.
     [[nodiscard]] vec<S, D> outwards(const contact& c) const {
-        return is_awake(s_, c.bodies.body_a) ? -c.normal : c.normal;
+        return s_.awake.has(c.bodies.body_a) ? -c.normal : c.normal;
     }
     [[nodiscard]] static S deepest(const contact& c) {
         S separation = c.points[0].separation;
@@ -29018,13 +28974,13 @@ private:
         return !would_touch(c, along + up * lift - normalized(across) * min(lift * S(256), thickness));
     }
     [[nodiscard]] std::uint32_t other_shape(const contact& c) const {
-        return is_awake(s_, c.bodies.body_a) ? c.shape_b : c.shape_a;
+        return s_.awake.has(c.bodies.body_a) ? c.shape_b : c.shape_a;
     }
     [[nodiscard]] bool would_touch(const contact& c, const vec<S, D>& shift) {
         const auto& a = s_.shapes[c.shape_a];
         const auto& b = s_.shapes[c.shape_b];
         auto at_a = a.pose, at_b = b.pose;
-        (is_awake(s_, c.bodies.body_a) ? at_a : at_b).position += shift;
+        (s_.awake.has(c.bodies.body_a) ? at_a : at_b).position += shift;
         const typename Plan::query query{&a.shape, &b.shape, relative(at_a, at_b)};
         auto& found = s_.step.manifolds[0];
         found.clear();
@@ -29046,6 +29002,194 @@ private:
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/step/solve.hpp
+// =================================================================================================
+// The solver of a step: islands in batches, solved one by one or side by side.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Where the bodies of all batches are while they are solved.
+template <class S, int D, bool Rotates>
+moved_bodies<S, D, Rotates> place_bodies(const batches& graph, arena& scratch) {
+    return {scratch.template allocate<solver_body<S, D, Rotates>>(graph.slots),
+            scratch.template allocate<moving_body<S, D, Rotates>>(graph.slots), graph.slot_of};
+}
+
+/// Bodies, contacts and their batches -> velocities, poses and impulses.
+template <class Plan>
+class batch_solver {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+    using contact = typename Plan::contact;
+    using combined_material = detail::combined_material<S, typename Plan::features>;
+
+public:
+    batch_solver(const batches& graph, const solve_input<Plan>& in, buffer<contact>& contacts,
+                 const combined_material& material, const moved_bodies<S, D, Plan::rotates>& moved)
+        : graph_(graph), in_(in), contacts_(contacts), material_(material), moved_(moved) {}
+
+    /// Large islands one by one on all workers, the others in parallel. False on overflow.
+    bool run(per_worker<arena>& scratch_of, arena& scratch, task_runner& tasks) const {
+        bool* solved = scratch.template allocate<bool>(graph_.count);
+        for (std::uint32_t k = 0; k < graph_.count; ++k) solved[k] = false;
+        const auto is_large = [&](std::uint32_t k) {
+            return !tasks.is_serial() && graph_.first[k].weight() > large_factor * graph_builder::target_weight;
+        };
+        task_runner alone;
+        for (std::uint32_t k = 0; k < graph_.count; ++k) {
+            if (!is_large(k)) continue;
+            for (std::uint32_t worker = 1; worker < tasks.workers(); ++worker) scratch_of[worker].reset();
+            solved[k] = solve(graph_.first[k], scratch_of[0], tasks);
+        }
+        tasks.parallel_tasks(graph_.count, [&](std::uint32_t k, std::uint32_t worker) {
+            if (!is_large(k)) solved[k] = solve(graph_.first[k], scratch_of[worker], alone);
+        });
+        for (std::uint32_t k = 0; k < graph_.count; ++k)
+            if (!solved[k]) return false;
+        return true;
+    }
+
+private:
+    bool solve(const batch& one, arena& scratch, task_runner& tasks) const {
+        scratch.reset();
+        batch_integrator<Plan> motion(in_, graph_, one, moved_, scratch, tasks);
+        const contact_constraints<S, D, typename Plan::features> contacts(
+            contacts_.begin(), graph_.order + one.edges, graph_.ends + one.edges, one.end - one.edges, material_);
+        const auto& with = in_.settings.solver;
+        if constexpr (requires { Plan::solver::solve(motion.bodies(), contacts, with, in_.h, scratch, motion, tasks); })
+            Plan::solver::solve(motion.bodies(), contacts, with, in_.h, scratch, motion, tasks);
+        else Plan::solver::solve(motion.bodies(), contacts, with, in_.h, scratch, motion);
+        return motion.finish();
+    }
+
+    /// An island that is so many times as large as a batch is wide enough for several workers.
+    static constexpr std::uint32_t large_factor = 4;
+
+    const batches& graph_;
+    const solve_input<Plan>& in_;
+    buffer<contact>& contacts_;
+    const combined_material& material_;
+    const moved_bodies<S, D, Plan::rotates>& moved_;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/update_boxes.hpp
+// =================================================================================================
+// Where shapes are after a step, and what the broadphase knows of them.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Shapes and broadphase are what a step writes before it has succeeded: where it has not, they are brought back.
+template <class Plan>
+class box_update {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+    using moved_bodies = physics::moved_bodies<S, D, Plan::rotates>;
+
+public:
+    box_update(const pool<typename Plan::body>& bodies, const awake_list& awake, const moved_bodies& moved, S margin,
+               S h, shape_pool<Plan>& shapes, typename Plan::broadphase& broadphase)
+        : bodies_(bodies),
+          awake_(awake),
+          moved_(moved),
+          margin_(margin),
+          step_(h),
+          shapes_(shapes),
+          boxes_(broadphase) {}
+
+    bool run(arena& scratch, task_runner& tasks) {
+        const bool fit = tasks.is_serial() ? update() : update(scratch, tasks);
+        if (!fit) restore();
+        if constexpr (requires { boxes_.update(); }) boxes_.update();
+        return fit;
+    }
+
+private:
+    bool update() {
+        bool fit = true;
+        for (std::uint32_t k = 0; k < awake_.size() && fit; ++k)
+            place_shapes(k, [&](std::uint32_t n, const aabb<S, D>& box) {
+                if (fit = fit && is_box(box); fit) move(k, n, box);
+            });
+        return fit;
+    }
+    /// Boxes that are left move one by one: what the broadphase makes of them may depend on their order.
+    bool update(arena& scratch, task_runner& tasks) {
+        enum : std::uint8_t { stays = 0, leaves = 1, lost = 2 };
+        const std::uint32_t count = awake_.size();
+        auto* changes = scratch.template allocate<std::uint8_t>(count);
+        tasks.parallel_for(count, 128, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
+            for (std::uint32_t k = first; k < end; ++k) {
+                changes[k] = stays;
+                place_shapes(k, [&](std::uint32_t n, const aabb<S, D>& box) {
+                    if constexpr (requires { boxes_.holds(n, box); })
+                        if (boxes_.holds(n, box)) return;
+                    changes[k] = !is_box(box) || changes[k] == lost ? lost : leaves;
+                });
+            }
+        });
+        bool fit = tasks.ran_all_tasks();
+        for (std::uint32_t k = 0; k < count; ++k) fit = fit && changes[k] != lost;
+        for (std::uint32_t k = 0; k < count && fit; ++k)
+            if (changes[k] == leaves)
+                each_shape(bodies_, shapes_, awake_[k],
+                           [&](std::uint32_t n, const auto& shape) { move(k, n, box_within(margin_, shape)); });
+        return fit;
+    }
+    void restore() {
+        for (const std::uint32_t i : awake_) {
+            const auto& b = bodies_[i];
+            each_shape(bodies_, shapes_, i, [&](std::uint32_t n, auto& shape) {
+                update_pose(shape, b.pose(), b.center);
+                boxes_.move(n, box_within(margin_, shape), {});
+            });
+        }
+    }
+    /// Puts the shapes of a body where it is now, and calls f(shape's number, box) for each.
+    template <class F>
+    void place_shapes(std::uint32_t k, F&& f) {
+        const auto& b = bodies_[awake_[k]];
+        const transform<S, D> pose = pose_after(b, moved_[k]);
+        const vec<S, D> center = b.has_target ? pose * b.mass.center : moved_[k].center;
+        each_shape(bodies_, shapes_, awake_[k], [&](std::uint32_t n, auto& shape) {
+            update_pose(shape, pose, center);
+            f(n, box_within(margin_, shape));
+        });
+    }
+    void move(std::uint32_t k, std::uint32_t n, const aabb<S, D>& box) {
+        boxes_.move(n, box, moved_.velocity(k).linear * step_);
+    }
+
+    const pool<typename Plan::body>& bodies_;
+    const awake_list& awake_;
+    const moved_bodies& moved_;
+    S margin_, step_;
+    shape_pool<Plan>& shapes_;
+    typename Plan::broadphase& boxes_;
+};
+
+/// Poses -> poses and boxes of shapes, and where these are heading; bodies with a target are there, to the bit. False,
+/// and all shapes where they were, if a box is beyond the scalar's range, or the executor fails. O(shapes that move).
+template <class Plan, class Moved>
+bool update_boxes(const pool<typename Plan::body>& bodies, const awake_list& awake, const Moved& moved,
+                  typename Plan::scalar margin, typename Plan::scalar h, shape_pool<Plan>& shapes,
+                  typename Plan::broadphase& broadphase, arena& scratch, task_runner& tasks) {
+    return box_update<Plan>(bodies, awake, moved, margin, h, shapes, broadphase).run(scratch, tasks);
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/step/step.hpp
 // =================================================================================================
 // One step of a world: the page to read first.
@@ -29053,15 +29197,6 @@ PHYSICS_HPP_END
 PHYSICS_HPP_BEGIN
 
 namespace detail {
-
-/// Broadphase: pairs of shapes whose boxes overlap, of two bodies of which one at least can be pushed: the filters that
-/// shapes were inserted with say so.
-template <class Plan>
-const buffer<proxy_pair>& find_pairs(state<Plan>& s) {
-    const auto all = [](std::uint32_t, std::uint32_t) { return true; };
-    if constexpr (requires { s.broadphase.pairs(all, s.step.scratch); }) return s.broadphase.pairs(all, s.step.scratch);
-    else return s.broadphase.pairs(all);
-}
 
 /// Makes ready what a step works with.
 template <class Plan>
@@ -29092,10 +29227,10 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, t
     if (tasks.workers() == 0) return step_result::bad_executor;
     start_step(s, tasks);
     // Settings -> what all surfaces make of each other, where no shape has a material of its own.
-    if (!combine_common_materials(s)) return step_result::bad_mixing_rule;
-    watch_fast_bodies(s, h);            // velocities        -> boxes of bodies that look ahead
-    list_awake(s);                      // bodies            -> which of them move
-    const auto& pairs = find_pairs(s);  // boxes             -> pairs, in order
+    if (!combine_common_materials<Plan>(s.settings, s.step.new_material)) return step_result::bad_mixing_rule;
+    watch_fast_bodies(s, h);                 // velocities        -> boxes of bodies that look ahead
+    list_awake(s.bodies, s.sleep, s.awake);  // bodies            -> which of them move
+    const auto& pairs = find_pairs(s.broadphase, s.step.scratch);  // boxes             -> pairs, in order
     done(step_stage::find_pairs);
     // Pairs, poses, last step's contacts -> contacts with feature ids and warm impulses.
     const collide_result found = find_contacts(s, pairs, s.contacts, s.step_lengths, h, tasks);
@@ -29104,21 +29239,34 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, t
         // Contacts with sleeping bodies -> contacts of the islands that they wake.
         if (list_woken(s, found.near_sleeper, h) && !find_contacts_of_woken(s, h, tasks))
             return step_result::bad_mixing_rule;
-    const seam_contacts seams(s, h);  // contacts          -> without those at flush edges
-    list_edges(s, tasks);             // contacts          -> which bodies they hold together
+    const seam_contacts seams(s, h);                       // contacts          -> without those at flush edges
+    list_edges(s.step.new_contacts, s.step.edges, tasks);  // contacts          -> which bodies they hold together
     done(step_stage::find_contacts);
-    step_solver<Plan> solver(s, h, tasks);  // edges             -> islands, in batches
+    // Edges -> islands, in batches.
+    const batches graph = build_graph(s.step.edges, s.bodies, s.awake, s.step.scratch, tasks);
     done(step_stage::make_batches);
-    const bool solved = solver.solve(tasks);  // bodies, contacts  -> velocities, poses
+    warm_impulses<typename Plan::scalar> warm(s.step_lengths, s.steps, h);
+    warm.before_solve(s.step.new_contacts, s.step.scratch);
+    const solve_input<Plan> in{s.bodies, s.awake, s.settings, h, s.step_lengths.usual};
+    const auto moved = place_bodies<typename Plan::scalar, Plan::dimension, Plan::rotates>(graph, s.step.scratch);
+    // Bodies, contacts -> velocities, poses, impulses.
+    const bool solved = batch_solver<Plan>(graph, in, s.step.new_contacts, s.step.new_material, moved)
+                            .run(s.step.batch_scratch, s.step.scratch, tasks);
     done(step_stage::solve);
     if (!tasks.ran_all_tasks()) return step_result::bad_executor;
     if (!solved) return step_result::out_of_range;
-    sweep_fast_bodies(s, solver.moved(), h);  // poses             -> poses short of what stops bodies
+    sweep_fast_bodies(s, moved, h);  // poses             -> poses short of what stops bodies
     // Poses -> boxes of what has moved.
-    if (!solver.update_boxes(tasks))
+    if (!update_boxes<Plan>(s.bodies, s.awake, moved, s.settings.contact_margin, h, s.shapes, s.broadphase,
+                            s.step.scratch, tasks))
         return tasks.ran_all_tasks() ? step_result::out_of_range : step_result::bad_executor;
     done(step_stage::update_boxes);
-    solver.finish();  // results           -> bodies and contacts
+    publish(s, moved, warm, h);  // results           -> bodies and contacts
+    if constexpr (Plan::sleeps) {
+        commit_woken(s);           // bodies            -> who is awake for good
+        wake_ahead(s, h);          // kinematic bodies  -> who is woken before they come
+        sleep_update<Plan>(s, h);  // bodies, contacts  -> who falls asleep
+    }
     done(step_stage::finish);
     return step_result::done;
 }
@@ -30145,7 +30293,7 @@ body_id create_body(state<Plan>& s, const body_def<typename Plan::scalar, Plan::
     const auto place = s.bodies.insert(b);
     if constexpr (Plan::sleeps) s.sleep.start(place.index, b.center);
     s.contact_starts.resize(s.bodies.slots());
-    s.awake_changed = true;
+    s.awake.is_stale = true;
     refresh_mass(s, place.index);
     return {place.index, place.generation, s.tag};
 }
@@ -30154,7 +30302,7 @@ template <class Plan>
 void destroy_body(state<Plan>& s, std::uint32_t index) {
     wake_affected(s, index);
     drop_contacts(s, [&](const auto& c) { return c.bodies.body_a == index || c.bodies.body_b == index; });
-    s.awake_changed = true;
+    s.awake.is_stale = true;
     s.memories.drop([&](std::uint32_t shape) { return s.shapes[shape].body == index; });
     each_shape(s, index, [&](std::uint32_t i, const shape_record<Plan>&) {
         s.broadphase.erase(i);
@@ -30236,7 +30384,7 @@ void set_pose(state<Plan>& s, std::uint32_t index, const transform<typename Plan
     if (!fits) return;
     wake_affected(s, index);
     b.set_pose(pose);
-    if (b.type == body_type::static_body) s.awake_changed = true;
+    if (b.type == body_type::static_body) s.awake.is_stale = true;
     refresh_boxes(s, index);
     wake_near(s, index);
 }
@@ -30296,7 +30444,7 @@ void set_type(state<Plan>& s, std::uint32_t index, body_type type) {
     b.has_target = false;
     b.at_target = false;
     b.type = type;
-    s.awake_changed = true;
+    s.awake.is_stale = true;
     refresh_mass(s, index);
     reinsert_proxies(s, index);
     drop_contacts(s, [&](const auto& c) {

@@ -74,8 +74,8 @@ public:
         to.contacts = world_.contacts().size();
         to.bytes = static_cast<double>(snapshot_.size());
         to.of_contacts = bytes_of(s.contacts, s.sleep.contacts);
-        to.of_bodies = bytes_of(s.bodies, s.contact_starts, s.awake, s.awake_index, s.sleep, s.continuous) -
-                       bytes_of(s.sleep.contacts);
+        to.of_bodies =
+            bytes_of(s.bodies, s.contact_starts, s.awake, s.sleep, s.continuous) - bytes_of(s.sleep.contacts);
         to.of_shapes = bytes_of(s.shapes);
         to.of_memories = bytes_of(s.memories);
         to.of_boxes = bytes_of(s.broadphase);

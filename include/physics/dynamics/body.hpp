@@ -146,6 +146,14 @@ constexpr const rotation<S, D>& rotation_after([[maybe_unused]] const moving_bod
     else return before.rotation;
 }
 
+/// Where its own frame is then: at its target, to the bit, if it has one.
+template <class S, int D, bool Rotates>
+constexpr transform<S, D> pose_after(const body<S, D, Rotates>& before, const moving_body<S, D, Rotates>& moved) {
+    if (before.has_target) return before.target;
+    const rotation<S, D>& turn = rotation_after(moved, before);
+    return {moved.center - turn * before.mass.center, turn};
+}
+
 /// The velocity of a body as it turns: in 3D that changes how it spins, in 2D it does not.
 template <class S, int D, bool Rotates = true>
 using pose_velocity = std::conditional_t<D == 3 && Rotates, twist<S, D>, const twist_of<S, D, Rotates>>;

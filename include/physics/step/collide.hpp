@@ -2,7 +2,8 @@
 #pragma once
 
 #include "physics/step/look_ahead.hpp"
-#include "physics/step/solve.hpp"
+#include "physics/step/sleep.hpp"
+#include "physics/step/warm_impulses.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -119,14 +120,15 @@ bool combine_surface_materials([[maybe_unused]] typename Plan::contact& c, [[may
 }
 /// What all surfaces of this step make of each other, if they are of one material.
 template <class Plan>
-bool combine_common_materials([[maybe_unused]] state<Plan>& s) {
+bool combine_common_materials([[maybe_unused]] const typename Plan::settings& settings,
+                              [[maybe_unused]] combined_material<typename Plan::scalar, typename Plan::features>& to) {
     if constexpr (Plan::features::materials) {
         return true;
     } else {
-        auto of_all = s.settings.material;
+        auto of_all = settings.material;
         // As materials of shapes, it lacks what the recipe leaves out.
         if constexpr (!Plan::features::friction) of_all.friction = {};
-        return combine_materials<Plan>(s.step.new_material, of_all, of_all);
+        return combine_materials<Plan>(to, of_all, of_all);
     }
 }
 
@@ -174,11 +176,11 @@ collide_result collide_chunk(state<Plan>& s, const pair_queries<Plan>& of,
         const proxy_pair pair = of.pairs()[query];
         const std::uint32_t a = s.shapes[pair.a].body, b = s.shapes[pair.b].body;
         // Broadphases need not leave out pairs of two bodies that are static or asleep; such a pair needs no solving.
-        if (s.awake_index[a] == s.awake_index[b]) continue;
+        if (s.awake.index_of[a] == s.awake.index_of[b]) continue;
         result.materials_valid = add_contact(s, pair, part, m, to) && result.materials_valid;
         result.deep = result.deep || is_deep(s, to.back());
         // Bodies that do not move or sleep have the last number.
-        result.near_sleeper = result.near_sleeper || s.is_asleep(s.awake_index[a] < s.awake_index[b] ? b : a);
+        result.near_sleeper = result.near_sleeper || s.is_asleep(s.awake.index_of[a] < s.awake.index_of[b] ? b : a);
     }
     return result;
 }
@@ -282,10 +284,10 @@ collide_result find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs,
 /// Adds the contacts of woken islands, found anew. False if materials do not combine.
 template <class Plan>
 bool find_contacts_of_woken(state<Plan>& s, typename Plan::scalar h, task_runner& tasks) {
-    index_awake(s);
+    s.awake.number(s.bodies.slots());
     s.step.woken_pairs.clear();
     // Kinematic bodies are always in the awake list, but wake no other body.
-    const auto wakes = [&](std::uint32_t i) { return s.bodies[i].is_dynamic() && s.awake_index[i] < s.awake.size(); };
+    const auto wakes = [&](std::uint32_t i) { return s.bodies[i].is_dynamic() && s.awake.has(i); };
     for (const auto& c : s.sleep.contacts) {
         if (!wakes(c.bodies.body_a) && !wakes(c.bodies.body_b)) continue;
         if (s.step.woken_pairs.empty() || s.step.woken_pairs.back() < c.key()) s.step.woken_pairs.push_back(c.key());

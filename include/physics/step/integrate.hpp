@@ -2,30 +2,12 @@
 #pragma once
 
 #include "physics/dynamics/graph.hpp"
+#include "physics/step/awake.hpp"
 #include "physics/step/overflow.hpp"
-#include "physics/step/sleep.hpp"
 
 PHYSICS_HPP_BEGIN
 
 namespace detail {
-
-/// The number of each body among those that move.
-template <class Plan>
-void index_awake(state<Plan>& s) {
-    s.awake_index.clear();
-    s.awake_index.resize(s.bodies.slots(), s.awake.size());
-    for (std::uint32_t k = 0; k < s.awake.size(); ++k) s.awake_index[s.awake[k]] = k;
-}
-/// Finds which bodies move, where that has changed.
-template <class Plan>
-void list_awake(state<Plan>& s) {
-    if (!s.awake_changed) return;
-    s.awake.clear();
-    s.bodies.each([&](std::uint32_t i, const auto& b) {
-        if (b.type != body_type::static_body && !s.is_asleep(i)) s.awake.push_back(i);
-    });
-    index_awake(s);
-}
 
 /// Whether an integrator advances poses in lanes: not one that derives from such, and may have poses of its own.
 template <class Integrator, bool Rotates>
@@ -43,6 +25,16 @@ struct pose_lanes_of<Integrator, Rotates> {
     using type = typename Integrator::template lanes<Rotates>;
 };
 
+/// What the solver reads of a world's bodies.
+template <class Plan>
+struct solve_input {
+    const pool<typename Plan::body>& bodies;
+    const awake_list& awake;
+    const typename Plan::settings& settings;
+    /// Of this step, and how long steps usually take (s).
+    typename Plan::scalar h, usual;
+};
+
 /// How the solver moves a batch: it asks for velocities and poses to advance, once or in substeps.
 template <class Plan>
 class batch_integrator {
@@ -55,21 +47,21 @@ class batch_integrator {
 
 public:
     /// Copies the bodies of a part into their slots.
-    batch_integrator(const state<Plan>& s, const batches& all, const batch& one, moved_bodies<S, D, rotates> slots, S h,
-                     arena& scratch, task_runner& tasks)
-        : state_(s),
+    batch_integrator(const solve_input<Plan>& in, const batches& all, const batch& one,
+                     moved_bodies<S, D, rotates> slots, arena& scratch, task_runner& tasks)
+        : in_(in),
           members_(all.body_at + one.bodies),
           bodies_(slots.solved + one.bodies),
           moving_(slots.moved + one.bodies),
           count_(one.static_slot - one.bodies),
-          step_(h),
+          step_(in.h),
           tasks_(tasks),
           counts_(scratch.template allocate<std::uint32_t>(tasks.workers())) {
         free_count_ = count_of([&](std::uint32_t k) { return gather(k); });
         if constexpr (is_fixed<S>)
             starts_in_range_ = count_of([&](std::uint32_t k) {
-                                   return !stays_in_range(s.settings.gravity, member(k), bodies_[k], h,
-                                                          substeps_of(s.settings.solver));
+                                   return !stays_in_range(in.settings.gravity, member(k), bodies_[k], in.h,
+                                                          substeps_of(in.settings.solver));
                                }) == 0;
         for (std::uint32_t k = count_; k < one.static_slot - one.bodies + 2; ++k)
             new (bodies_ + k) solver_body<S, D, rotates>{};
@@ -84,7 +76,7 @@ public:
     [[nodiscard]] const vec<S, D>& acceleration(std::uint32_t k) const { return moving_[k].acceleration; }
 
     /// How long steps usually take (s), or this one, if that is longer: contacts are no stiffer in a shorter one.
-    [[nodiscard]] S usual_step() const { return max(step_, state_.step_lengths.usual); }
+    [[nodiscard]] S usual_step() const { return max(step_, in_.usual); }
 
     void integrate_velocities(S h) {
         if (free_count_ > 0) set_free_forces(step_ / h);
@@ -161,7 +153,7 @@ private:
         if constexpr (rotates) bodies_[k].velocity.angular += angular<S, D>{};
     }
     [[nodiscard]] const typename Plan::body& member(std::uint32_t k) const {
-        return state_.bodies[state_.awake[members_[k]]];
+        return in_.bodies[in_.awake[members_[k]]];
     }
     /// Says whether a force acts on it.
     bool gather(std::uint32_t k) {
@@ -174,7 +166,7 @@ private:
             m.rotation = b.rotation;
         }
         if (!b.is_dynamic()) return false;
-        m.acceleration = state_.settings.gravity * b.gravity_scale;
+        m.acceleration = in_.settings.gravity * b.gravity_scale;
         m.linear_damping = b.linear_damping;
         if constexpr (rotates) {
             m.angular_damping = b.angular_damping;
@@ -205,14 +197,14 @@ private:
     void set_free_forces(S share) {
         for (std::uint32_t n = 0; n < free_count_; ++n) {
             const std::uint32_t k = free_[n];
-            moving_[k].acceleration = state_.settings.gravity * member(k).gravity_scale;
+            moving_[k].acceleration = in_.settings.gravity * member(k).gravity_scale;
             if constexpr (rotates) moving_[k].angular_acceleration = {};
             if (share > S(0)) add_force(k, share);
         }
         if (!(share > S(0))) free_count_ = 0;
     }
 
-    const state<Plan>& state_;
+    solve_input<Plan> in_;
     const std::uint32_t* members_;
     solver_body<S, D, rotates>* bodies_;
     moving_body<S, D, rotates>* moving_;

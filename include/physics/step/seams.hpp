@@ -53,7 +53,7 @@ private:
         remove();
     }
     [[nodiscard]] body_pair awake_pair(const contact& c) const {
-        return {s_.awake_index[c.bodies.body_a], s_.awake_index[c.bodies.body_b]};
+        return {s_.awake.index_of[c.bodies.body_a], s_.awake.index_of[c.bodies.body_b]};
     }
     /// The number among awake bodies of the dynamic one, where the other is static; else null.
     [[nodiscard]] std::uint32_t pushed_body(const contact& c) const {
@@ -74,7 +74,7 @@ private:
     }
     /// Out of the static shape.
     [[nodiscard]] vec<S, D> outwards(const contact& c) const {
-        return is_awake(s_, c.bodies.body_a) ? -c.normal : c.normal;
+        return s_.awake.has(c.bodies.body_a) ? -c.normal : c.normal;
     }
     [[nodiscard]] static S deepest(const contact& c) {
         S separation = c.points[0].separation;
@@ -116,13 +116,13 @@ private:
         return !would_touch(c, along + up * lift - normalized(across) * min(lift * S(256), thickness));
     }
     [[nodiscard]] std::uint32_t other_shape(const contact& c) const {
-        return is_awake(s_, c.bodies.body_a) ? c.shape_b : c.shape_a;
+        return s_.awake.has(c.bodies.body_a) ? c.shape_b : c.shape_a;
     }
     [[nodiscard]] bool would_touch(const contact& c, const vec<S, D>& shift) {
         const auto& a = s_.shapes[c.shape_a];
         const auto& b = s_.shapes[c.shape_b];
         auto at_a = a.pose, at_b = b.pose;
-        (is_awake(s_, c.bodies.body_a) ? at_a : at_b).position += shift;
+        (s_.awake.has(c.bodies.body_a) ? at_a : at_b).position += shift;
         const typename Plan::query query{&a.shape, &b.shape, relative(at_a, at_b)};
         auto& found = s_.step.manifolds[0];
         found.clear();

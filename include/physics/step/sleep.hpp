@@ -54,7 +54,7 @@ void finish_waking(state<Plan>& s) {
         s.sleep.sleep_time[i] = {};
         reinsert_proxies(s, i);
     }
-    if (!s.step.woken.empty()) s.awake_changed = true;
+    if (!s.step.woken.empty()) s.awake.is_stale = true;
     s.step.woken.clear();
 }
 /// True if neither body of the contact is dynamic and awake.
@@ -162,17 +162,17 @@ bool list_woken(state<Plan>& s, bool any_near, typename Plan::scalar h) {
         const bool of_a = s.is_asleep(a);
         if (of_a == s.is_asleep(b)) continue;
         const std::uint32_t sleeper = of_a ? a : b;
-        if (s.awake_index[sleeper] < s.awake.size() ||
+        if (s.awake.has(sleeper) ||
             !will_touch(c, s.bodies[a].velocity_ahead(h), s.bodies[b].velocity_ahead(h), h, slack))
             continue;
         each_of_island(s, sleeper, [&](std::uint32_t i) {
-            s.awake_index[i] = 0;
+            s.awake.index_of[i] = 0;
             s.step.woken.push_back(i);
         });
     }
     if (s.step.woken.empty()) return false;
-    for (const std::uint32_t i : s.step.woken) s.awake.push_back(i);
-    s.awake_changed = true;
+    for (const std::uint32_t i : s.step.woken) s.awake.bodies.push_back(i);
+    s.awake.is_stale = true;
     return true;
 }
 
@@ -301,7 +301,7 @@ private:
 
     [[nodiscard]] bool is_dynamic(std::uint32_t k) const { return k < count_ && s_.bodies[s_.awake[k]].is_dynamic(); }
     [[nodiscard]] body_pair awake_pair(const typename Plan::contact& c) const {
-        return {s_.awake_index[c.bodies.body_a], s_.awake_index[c.bodies.body_b]};
+        return {s_.awake.index_of[c.bodies.body_a], s_.awake.index_of[c.bodies.body_b]};
     }
     [[nodiscard]] bool touch(const typename Plan::contact& c, S slack) const {
         return will_touch(c, s_.bodies[c.bodies.body_a].velocity, s_.bodies[c.bodies.body_b].velocity, step_, slack);
@@ -330,7 +330,7 @@ private:
         of.last = i;
         s_.sleep.island_next[i] = of.first;
         reinsert_proxies(s_, i);
-        s_.awake_changed = true;
+        s_.awake.is_stale = true;
     }
     void move_contacts_to_sleepers() {
         s_.step.new_contacts.clear();

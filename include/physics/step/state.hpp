@@ -3,6 +3,7 @@
 
 #include "physics/base/handle.hpp"
 #include "physics/base/pool.hpp"
+#include "physics/step/awake.hpp"
 #include "physics/step/step_data.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -96,6 +97,7 @@ struct sleep_state {
     /// Length of the step in which their impulses acted (s).
     S step{};
 
+    [[nodiscard]] bool is_asleep(std::uint32_t body) const { return island_next[body] != no_sleeper; }
     /// A body has come, awake.
     void start(std::uint32_t body, vec<S, D> center) {
         if (body >= island_next.size()) {
@@ -111,7 +113,9 @@ struct sleep_state {
     }
     PHYSICS_HPP_MEMBERS(sleep_time, sleep_anchor, carried_from, island_next, contacts, step)
 };
-struct no_sleep_state {};
+struct no_sleep_state {
+    static constexpr bool is_asleep(std::uint32_t) { return false; }
+};
 
 /// How far a body's shapes reach from its centre of mass; see stride.
 template <class S>
@@ -149,10 +153,7 @@ struct state {
     [[no_unique_address]] combined_material<S, typename Plan::features> surfaces;
     /// Where the centres of bodies were, and how bodies were turned, when these contacts were found.
     buffer<transform<S, D>> contact_starts;
-    /// Awake bodies that are not static, and of each body its index in that list (the list's size if it is not in it).
-    buffer<std::uint32_t> awake, awake_index;
-    /// Whether other bodies move, or bodies that do not have been put elsewhere, since that was found.
-    bool awake_changed = true;
+    awake_list awake;
     /// What the narrowphase remembers of the last step's pairs.
     pair_cache<Plan> memories;
     [[no_unique_address]] std::conditional_t<Plan::sleeps, sleep_state<Plan>, no_sleep_state> sleep;
@@ -166,13 +167,10 @@ struct state {
 
     /// What a step works with; copies begin without.
     step_scratch<step_data<Plan>> step;
-    PHYSICS_HPP_MEMBERS(settings, bodies, shapes, broadphase, contacts, surfaces, contact_starts, awake, awake_index,
-                        awake_changed, memories, sleep, continuous, steps, step_lengths, tag, step)
+    PHYSICS_HPP_MEMBERS(settings, bodies, shapes, broadphase, contacts, surfaces, contact_starts, awake, memories,
+                        sleep, continuous, steps, step_lengths, tag, step)
 
-    [[nodiscard]] bool is_asleep(std::uint32_t body) const {
-        if constexpr (Plan::sleeps) return sleep.island_next[body] != no_sleeper;
-        else return false;
-    }
+    [[nodiscard]] bool is_asleep(std::uint32_t body) const { return sleep.is_asleep(body); }
     [[nodiscard]] bool is_awake_dynamic(std::uint32_t body) const {
         return bodies[body].is_dynamic() && !is_asleep(body);
     }
@@ -205,11 +203,6 @@ void update_pose(shape_record<Plan>& shape, const Pose& body, const Vec& center)
     shape.pose = body * shape.local;
     shape.r = shape.pose.position - center;
 }
-/// Whether a body moves or may be pushed in this step.
-template <class Plan>
-bool is_awake(const state<Plan>& s, std::uint32_t body) {
-    return s.awake_index[body] < s.awake.size();
-}
 
 /// The box that the narrowphase needs the broadphase to know: all within half the contact margin.
 template <class Plan>
@@ -237,13 +230,17 @@ void update_broadphase(state<Plan>& s) {
 }
 
 /// Calls f(index, shape) for every shape of a body.
-template <class State, class F>
-void each_shape(State& s, std::uint32_t body, F&& f) {
-    for (std::uint32_t i = s.bodies[body].first_shape; i != no_shape;) {
-        const std::uint32_t next = s.shapes[i].next;
-        f(i, s.shapes[i]);
+template <class Bodies, class Shapes, class F>
+void each_shape(const Bodies& bodies, Shapes& shapes, std::uint32_t body, F&& f) {
+    for (std::uint32_t i = bodies[body].first_shape; i != no_shape;) {
+        const std::uint32_t next = shapes[i].next;
+        f(i, shapes[i]);
         i = next;
     }
+}
+template <class State, class F>
+void each_shape(State& s, std::uint32_t body, F&& f) {
+    each_shape(s.bodies, s.shapes, body, f);
 }
 
 /// Enters the shapes of a body into the broadphase anew: it has become another kind of proxy.

@@ -3,21 +3,15 @@
 
 #include "physics/step/collide.hpp"
 #include "physics/step/edges.hpp"
+#include "physics/step/find_pairs.hpp"
+#include "physics/step/publish.hpp"
 #include "physics/step/seams.hpp"
 #include "physics/step/solve.hpp"
+#include "physics/step/update_boxes.hpp"
 
 PHYSICS_HPP_BEGIN
 
 namespace detail {
-
-/// Broadphase: pairs of shapes whose boxes overlap, of two bodies of which one at least can be pushed: the filters that
-/// shapes were inserted with say so.
-template <class Plan>
-const buffer<proxy_pair>& find_pairs(state<Plan>& s) {
-    const auto all = [](std::uint32_t, std::uint32_t) { return true; };
-    if constexpr (requires { s.broadphase.pairs(all, s.step.scratch); }) return s.broadphase.pairs(all, s.step.scratch);
-    else return s.broadphase.pairs(all);
-}
 
 /// Makes ready what a step works with.
 template <class Plan>
@@ -48,10 +42,10 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, t
     if (tasks.workers() == 0) return step_result::bad_executor;
     start_step(s, tasks);
     // Settings -> what all surfaces make of each other, where no shape has a material of its own.
-    if (!combine_common_materials(s)) return step_result::bad_mixing_rule;
-    watch_fast_bodies(s, h);            // velocities        -> boxes of bodies that look ahead
-    list_awake(s);                      // bodies            -> which of them move
-    const auto& pairs = find_pairs(s);  // boxes             -> pairs, in order
+    if (!combine_common_materials<Plan>(s.settings, s.step.new_material)) return step_result::bad_mixing_rule;
+    watch_fast_bodies(s, h);                 // velocities        -> boxes of bodies that look ahead
+    list_awake(s.bodies, s.sleep, s.awake);  // bodies            -> which of them move
+    const auto& pairs = find_pairs(s.broadphase, s.step.scratch);  // boxes             -> pairs, in order
     done(step_stage::find_pairs);
     // Pairs, poses, last step's contacts -> contacts with feature ids and warm impulses.
     const collide_result found = find_contacts(s, pairs, s.contacts, s.step_lengths, h, tasks);
@@ -60,21 +54,34 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, t
         // Contacts with sleeping bodies -> contacts of the islands that they wake.
         if (list_woken(s, found.near_sleeper, h) && !find_contacts_of_woken(s, h, tasks))
             return step_result::bad_mixing_rule;
-    const seam_contacts seams(s, h);  // contacts          -> without those at flush edges
-    list_edges(s, tasks);             // contacts          -> which bodies they hold together
+    const seam_contacts seams(s, h);                       // contacts          -> without those at flush edges
+    list_edges(s.step.new_contacts, s.step.edges, tasks);  // contacts          -> which bodies they hold together
     done(step_stage::find_contacts);
-    step_solver<Plan> solver(s, h, tasks);  // edges             -> islands, in batches
+    // Edges -> islands, in batches.
+    const batches graph = build_graph(s.step.edges, s.bodies, s.awake, s.step.scratch, tasks);
     done(step_stage::make_batches);
-    const bool solved = solver.solve(tasks);  // bodies, contacts  -> velocities, poses
+    warm_impulses<typename Plan::scalar> warm(s.step_lengths, s.steps, h);
+    warm.before_solve(s.step.new_contacts, s.step.scratch);
+    const solve_input<Plan> in{s.bodies, s.awake, s.settings, h, s.step_lengths.usual};
+    const auto moved = place_bodies<typename Plan::scalar, Plan::dimension, Plan::rotates>(graph, s.step.scratch);
+    // Bodies, contacts -> velocities, poses, impulses.
+    const bool solved = batch_solver<Plan>(graph, in, s.step.new_contacts, s.step.new_material, moved)
+                            .run(s.step.batch_scratch, s.step.scratch, tasks);
     done(step_stage::solve);
     if (!tasks.ran_all_tasks()) return step_result::bad_executor;
     if (!solved) return step_result::out_of_range;
-    sweep_fast_bodies(s, solver.moved(), h);  // poses             -> poses short of what stops bodies
+    sweep_fast_bodies(s, moved, h);  // poses             -> poses short of what stops bodies
     // Poses -> boxes of what has moved.
-    if (!solver.update_boxes(tasks))
+    if (!update_boxes<Plan>(s.bodies, s.awake, moved, s.settings.contact_margin, h, s.shapes, s.broadphase,
+                            s.step.scratch, tasks))
         return tasks.ran_all_tasks() ? step_result::out_of_range : step_result::bad_executor;
     done(step_stage::update_boxes);
-    solver.finish();  // results           -> bodies and contacts
+    publish(s, moved, warm, h);  // results           -> bodies and contacts
+    if constexpr (Plan::sleeps) {
+        commit_woken(s);           // bodies            -> who is awake for good
+        wake_ahead(s, h);          // kinematic bodies  -> who is woken before they come
+        sleep_update<Plan>(s, h);  // bodies, contacts  -> who falls asleep
+    }
     done(step_stage::finish);
     return step_result::done;
 }

@@ -89,7 +89,7 @@ private:
             if (!overlap(p.box, box)) continue;
             const auto& from = s_.bodies[p.body];
             const vec<S, D> velocity_of_pusher =
-                velocity_at(moved_.velocity(s_.awake_index[p.body]), b.center - from.center) * h_;
+                velocity_at(moved_.velocity(s_.awake.index_of[p.body]), b.center - from.center) * h_;
             body_motion<S, D> seen = own, alone = own;
             seen.translation -= velocity_of_pusher;
             alone.translation = velocity_of_pusher;
@@ -129,7 +129,7 @@ private:
     /// A dynamic body that goes far itself must not go on through the body that was stopped on its way.
     void stop_other(const swept_body_type& m) {
         if (!m.stops || !s_.bodies[m.other].is_dynamic()) return;
-        swept_body_type* other = find_swept_body(s_.awake_index[m.other]);
+        swept_body_type* other = find_swept_body(s_.awake.index_of[m.other]);
         if (other == nullptr || (other->cut && !(m.time < other->cut_time))) return;
         other->cut = true;
         other->cut_time = m.time;
@@ -249,7 +249,7 @@ private:
     PHYSICS_HPP_COLD transform<S, D> carried(swept_body_type& m, const transform<S, D>& at) {
         const body_sweep other = motion_of(m.other);
         const transform<S, D> there = other.at(rounded_down<S>(m.time));
-        const auto& moved = moved_[s_.awake_index[m.other]];
+        const auto& moved = moved_[s_.awake.index_of[m.other]];
         const transform<S, D> then{moved.center, rotation_after(moved, s_.bodies[m.other])};
         const transform<S, D> end = then * relative(there, at);
         const body_sweep path = sweep_between<S, D>(at, {end.position, normalized(end.rotation)});

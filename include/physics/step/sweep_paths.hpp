@@ -58,14 +58,14 @@ protected:
     /// Whether a shape of a kinematic body may pass the middle of another in this step, by its way as seen from there.
     PHYSICS_HPP_COLD bool crosses(std::uint32_t k, const typename Plan::body& b, std::uint32_t pusher) {
         const auto& from = s_.bodies[pusher];
-        const auto& moved = moved_[s_.awake_index[pusher]];
+        const auto& moved = moved_[s_.awake.index_of[pusher]];
         const rotation<S, D> turned = rotation_after(moved, from);
         const vec<S, D> start = inverse_transform(from.pose(), b.center),
                         end = inverse_transform(transform<S, D>{moved.center - turned * from.mass.center, turned},
                                                 moved_[k].center);
         // What turns leads the way around, not along the chord.
         const double angle =
-            detail::to_double(length_of(value_of(moved_.velocity(s_.awake_index[pusher]).angular) * h_));
+            detail::to_double(length_of(value_of(moved_.velocity(s_.awake.index_of[pusher]).angular) * h_));
         const double far = detail::to_double(length_of(start)) + detail::to_double(length_of(end));
         const double reach = contact_margin() + far * angle * angle / 8;
         if (!(angle < 1) || !(reach < detail::to_double(scalar_traits<S>::max()) / 4)) return true;
@@ -79,7 +79,7 @@ protected:
     /// The shape's frame is the body's.
     PHYSICS_HPP_COLD body_sweep motion_of(std::uint32_t i) const {
         const auto& b = s_.bodies[i];
-        const std::uint32_t k = s_.awake_index[i];
+        const std::uint32_t k = s_.awake.index_of[i];
         const transform<S, D> start{b.center, b.rotation};
         if (!(k < s_.awake.size())) return {start.position, start.position, start.rotation, {}, {}};
         const rotation<S, D>& turn = rotation_after(moved_[k], b);
@@ -171,8 +171,8 @@ void note_near(state<Plan>& s, std::uint32_t a, std::uint32_t b) {
             s.step.sweep.near_static[i] = true;
 #endif
         };
-        if (!(s.awake_index[a] < s.awake.size())) note(b);
-        if (!(s.awake_index[b] < s.awake.size())) note(a);
+        if (!s.awake.has(a)) note(b);
+        if (!s.awake.has(b)) note(a);
     }
 }
 /// Whether a contact is deep.
@@ -180,7 +180,7 @@ template <class Plan, class Contact>
 bool is_deep(const state<Plan>& s, const Contact& c) {
     if constexpr (Plan::sweeps) {
         // Bodies that do not move have the last number.
-        if (is_awake(s, c.bodies.body_a) == is_awake(s, c.bodies.body_b)) return false;
+        if (s.awake.has(c.bodies.body_a) == s.awake.has(c.bodies.body_b)) return false;
         for (int k = 0; k < c.count; ++k)
             if (-c.points[k].separation > s.settings.contact_margin * typename Plan::scalar(0.125)) return true;
     }

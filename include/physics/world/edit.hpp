@@ -39,7 +39,7 @@ body_id create_body(state<Plan>& s, const body_def<typename Plan::scalar, Plan::
     const auto place = s.bodies.insert(b);
     if constexpr (Plan::sleeps) s.sleep.start(place.index, b.center);
     s.contact_starts.resize(s.bodies.slots());
-    s.awake_changed = true;
+    s.awake.is_stale = true;
     refresh_mass(s, place.index);
     return {place.index, place.generation, s.tag};
 }
@@ -48,7 +48,7 @@ template <class Plan>
 void destroy_body(state<Plan>& s, std::uint32_t index) {
     wake_affected(s, index);
     drop_contacts(s, [&](const auto& c) { return c.bodies.body_a == index || c.bodies.body_b == index; });
-    s.awake_changed = true;
+    s.awake.is_stale = true;
     s.memories.drop([&](std::uint32_t shape) { return s.shapes[shape].body == index; });
     each_shape(s, index, [&](std::uint32_t i, const shape_record<Plan>&) {
         s.broadphase.erase(i);
@@ -130,7 +130,7 @@ void set_pose(state<Plan>& s, std::uint32_t index, const transform<typename Plan
     if (!fits) return;
     wake_affected(s, index);
     b.set_pose(pose);
-    if (b.type == body_type::static_body) s.awake_changed = true;
+    if (b.type == body_type::static_body) s.awake.is_stale = true;
     refresh_boxes(s, index);
     wake_near(s, index);
 }
@@ -190,7 +190,7 @@ void set_type(state<Plan>& s, std::uint32_t index, body_type type) {
     b.has_target = false;
     b.at_target = false;
     b.type = type;
-    s.awake_changed = true;
+    s.awake.is_stale = true;
     refresh_mass(s, index);
     reinsert_proxies(s, index);
     drop_contacts(s, [&](const auto& c) {

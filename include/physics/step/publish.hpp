@@ -1,0 +1,65 @@
+// The end of a step: what it has found becomes the world's.
+#pragma once
+
+#include "physics/step/sleep.hpp"
+#include "physics/step/warm_impulses.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Where bodies have come, and how fast they are -> bodies, and where they were as the step began. Forces act for one
+/// step, and so do targets.
+template <class S, int D, bool Rotates>
+void publish_bodies(const moved_bodies<S, D, Rotates>& moved, const awake_list& awake,
+                    pool<body<S, D, Rotates>>& bodies, buffer<transform<S, D>>& starts) {
+    for (std::uint32_t k = 0; k < awake.size(); ++k) {
+        const std::uint32_t i = awake[k];
+        auto& b = bodies[i];
+        starts[i] = {b.center, b.rotation};
+        b.center = moved[k].center;
+        if constexpr (Rotates) b.rotation = moved[k].rotation;
+        b.velocity = moved.velocity(k);
+        b.force = {};
+        b.torque = {};
+        b.at_target = b.has_target;
+        if (!b.has_target) continue;
+        b.set_pose(b.target);
+        b.has_target = false;
+    }
+}
+
+/// Stores what the step found: poses, velocities, contacts with their impulses. Nothing fails from here on.
+template <class Plan, class Moved>
+void publish(state<Plan>& s, const Moved& moved, const warm_impulses<typename Plan::scalar>& warm,
+             typename Plan::scalar h) {
+    if (std::exchange(s.awake.is_stale, false))
+        s.bodies.each([&](std::uint32_t i, const auto& b) {
+            if (!s.is_asleep(i)) s.contact_starts[i] = {b.center, b.rotation};
+        });
+    publish_bodies(moved, s.awake, s.bodies, s.contact_starts);
+    warm.after_solve(s.step.new_contacts);
+    s.contacts.swap(s.step.new_contacts);
+    s.surfaces = s.step.new_material;
+    if constexpr (Plan::remembers) s.step.pair_cache_changes.finish(s.memories);
+    ++s.steps;
+    s.step_lengths = {warm.next_usual_step(s.steps), h};
+}
+
+/// Wakes what kinematic bodies are going to run into.
+template <class Plan>
+void wake_ahead(state<Plan>& s, typename Plan::scalar h) {
+    for (const std::uint32_t i : s.awake) {
+        const auto& b = s.bodies[i];
+        if (b.is_dynamic() || b.at_target ||
+            b.velocity == twist_of<typename Plan::scalar, Plan::dimension, Plan::rotates>{})
+            continue;
+        auto turn = b.rotation;
+        if constexpr (Plan::rotates) turn = turned(turn, b.velocity.angular * h);
+        wake_near(s, i, {b.center + b.velocity.linear * h - turn * b.mass.center, turn});
+    }
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END

@@ -1,0 +1,110 @@
+// Where shapes are after a step, and what the broadphase knows of them.
+#pragma once
+
+#include "physics/step/state.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Shapes and broadphase are what a step writes before it has succeeded: where it has not, they are brought back.
+template <class Plan>
+class box_update {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+    using moved_bodies = physics::moved_bodies<S, D, Plan::rotates>;
+
+public:
+    box_update(const pool<typename Plan::body>& bodies, const awake_list& awake, const moved_bodies& moved, S margin,
+               S h, shape_pool<Plan>& shapes, typename Plan::broadphase& broadphase)
+        : bodies_(bodies),
+          awake_(awake),
+          moved_(moved),
+          margin_(margin),
+          step_(h),
+          shapes_(shapes),
+          boxes_(broadphase) {}
+
+    bool run(arena& scratch, task_runner& tasks) {
+        const bool fit = tasks.is_serial() ? update() : update(scratch, tasks);
+        if (!fit) restore();
+        if constexpr (requires { boxes_.update(); }) boxes_.update();
+        return fit;
+    }
+
+private:
+    bool update() {
+        bool fit = true;
+        for (std::uint32_t k = 0; k < awake_.size() && fit; ++k)
+            place_shapes(k, [&](std::uint32_t n, const aabb<S, D>& box) {
+                if (fit = fit && is_box(box); fit) move(k, n, box);
+            });
+        return fit;
+    }
+    /// Boxes that are left move one by one: what the broadphase makes of them may depend on their order.
+    bool update(arena& scratch, task_runner& tasks) {
+        enum : std::uint8_t { stays = 0, leaves = 1, lost = 2 };
+        const std::uint32_t count = awake_.size();
+        auto* changes = scratch.template allocate<std::uint8_t>(count);
+        tasks.parallel_for(count, 128, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
+            for (std::uint32_t k = first; k < end; ++k) {
+                changes[k] = stays;
+                place_shapes(k, [&](std::uint32_t n, const aabb<S, D>& box) {
+                    if constexpr (requires { boxes_.holds(n, box); })
+                        if (boxes_.holds(n, box)) return;
+                    changes[k] = !is_box(box) || changes[k] == lost ? lost : leaves;
+                });
+            }
+        });
+        bool fit = tasks.ran_all_tasks();
+        for (std::uint32_t k = 0; k < count; ++k) fit = fit && changes[k] != lost;
+        for (std::uint32_t k = 0; k < count && fit; ++k)
+            if (changes[k] == leaves)
+                each_shape(bodies_, shapes_, awake_[k],
+                           [&](std::uint32_t n, const auto& shape) { move(k, n, box_within(margin_, shape)); });
+        return fit;
+    }
+    void restore() {
+        for (const std::uint32_t i : awake_) {
+            const auto& b = bodies_[i];
+            each_shape(bodies_, shapes_, i, [&](std::uint32_t n, auto& shape) {
+                update_pose(shape, b.pose(), b.center);
+                boxes_.move(n, box_within(margin_, shape), {});
+            });
+        }
+    }
+    /// Puts the shapes of a body where it is now, and calls f(shape's number, box) for each.
+    template <class F>
+    void place_shapes(std::uint32_t k, F&& f) {
+        const auto& b = bodies_[awake_[k]];
+        const transform<S, D> pose = pose_after(b, moved_[k]);
+        const vec<S, D> center = b.has_target ? pose * b.mass.center : moved_[k].center;
+        each_shape(bodies_, shapes_, awake_[k], [&](std::uint32_t n, auto& shape) {
+            update_pose(shape, pose, center);
+            f(n, box_within(margin_, shape));
+        });
+    }
+    void move(std::uint32_t k, std::uint32_t n, const aabb<S, D>& box) {
+        boxes_.move(n, box, moved_.velocity(k).linear * step_);
+    }
+
+    const pool<typename Plan::body>& bodies_;
+    const awake_list& awake_;
+    const moved_bodies& moved_;
+    S margin_, step_;
+    shape_pool<Plan>& shapes_;
+    typename Plan::broadphase& boxes_;
+};
+
+/// Poses -> poses and boxes of shapes, and where these are heading; bodies with a target are there, to the bit. False,
+/// and all shapes where they were, if a box is beyond the scalar's range, or the executor fails. O(shapes that move).
+template <class Plan, class Moved>
+bool update_boxes(const pool<typename Plan::body>& bodies, const awake_list& awake, const Moved& moved,
+                  typename Plan::scalar margin, typename Plan::scalar h, shape_pool<Plan>& shapes,
+                  typename Plan::broadphase& broadphase, arena& scratch, task_runner& tasks) {
+    return box_update<Plan>(bodies, awake, moved, margin, h, shapes, broadphase).run(scratch, tasks);
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
