@@ -26557,6 +26557,8 @@ struct sweep_data {
     buffer<S> ahead;
 };
 struct no_sweep_data {};
+template <class Plan>
+using sweep_data_of = std::conditional_t<Plan::is_continuous, sweep_data<Plan>, no_sweep_data>;
 
 /// Whether a step is under way.
 struct step_flag {
@@ -26580,7 +26582,7 @@ struct step_data {
     buffer<std::uint32_t> woken, near;
     buffer<proxy_pair> woken_pairs;
     buffer<contact> woken_contacts;
-    [[no_unique_address]] std::conditional_t<Plan::is_continuous, sweep_data<Plan>, no_sweep_data> sweep;
+    [[no_unique_address]] sweep_data_of<Plan> sweep;
 
     arena scratch;
     per_worker<arena> batch_scratch;
@@ -26589,6 +26591,75 @@ struct step_data {
     per_worker<buffer<contact>> contacts_by_worker;
     buffer<unsigned char> tasks_done;
 };
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/depths.hpp
+// =================================================================================================
+// What the contacts of a step tell the sweeps: which bodies are near static ones, and how deep in them.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Forgets the last step's, of so many bodies that there may be.
+template <class Plan>
+void clear_depths([[maybe_unused]] std::uint32_t slots, [[maybe_unused]] sweep_data_of<Plan>& to) {
+    if constexpr (Plan::sweeps) {
+        for (const std::uint32_t i : to.deep) to.depths[i] = {};
+        to.deep.clear();
+        to.depths.resize(slots);
+        to.near_static.clear();
+        to.near_static.resize(slots);
+    }
+}
+/// Notes which of two bodies whose boxes overlap is near one that is not awake.
+template <class Plan>
+void note_near([[maybe_unused]] const awake_list& awake, [[maybe_unused]] const edge& of,
+               [[maybe_unused]] sweep_data_of<Plan>& to) {
+    if constexpr (Plan::sweeps) {
+        // Several workers may note the same body.
+        const auto note = [&](std::uint32_t i) {
+#if defined(__GNUC__)
+            __atomic_store_n(&to.near_static[i], true, __ATOMIC_RELAXED);
+#else
+            to.near_static[i] = true;
+#endif
+        };
+        if (!awake.has(of.body_a)) note(of.body_b);
+        if (!awake.has(of.body_b)) note(of.body_a);
+    }
+}
+/// Whether a contact with a body that is not awake is deep.
+template <class Plan, class Contact>
+bool is_deep([[maybe_unused]] const awake_list& awake, [[maybe_unused]] typename Plan::scalar margin,
+             [[maybe_unused]] const Contact& c) {
+    if constexpr (Plan::sweeps) {
+        if (awake.has(c.bodies.body_a) == awake.has(c.bodies.body_b)) return false;
+        for (int k = 0; k < c.count; ++k)
+            if (-c.points[k].separation > margin * typename Plan::scalar(0.125)) return true;
+    }
+    return false;
+}
+/// Notes how deep the body of such a contact is in a static one.
+template <class Plan, class Contact>
+void note_depth([[maybe_unused]] const pool<typename Plan::body>& bodies, [[maybe_unused]] const Contact& c,
+                [[maybe_unused]] sweep_data_of<Plan>& to) {
+    if constexpr (Plan::sweeps) {
+        typename Plan::scalar depth{};
+        for (int k = 0; k < c.count; ++k) depth = max(depth, -c.points[k].separation);
+        const auto [a, b] = c.bodies;
+        const auto note = [&](std::uint32_t i) {
+            to.depths[i] = max(to.depths[i], depth);
+            to.deep.push_back(i);
+        };
+        if (bodies[a].type == body_type::static_body) note(b);
+        if (bodies[b].type == body_type::static_body) note(a);
+    }
+}
 
 }  // namespace detail
 
@@ -26709,6 +26780,8 @@ struct sleep_state {
 struct no_sleep_state {
     static constexpr bool is_asleep(std::uint32_t) { return false; }
 };
+template <class Plan>
+using sleep_of = std::conditional_t<Plan::sleeps, sleep_state<Plan>, no_sleep_state>;
 
 /// How far a body's shapes reach from its centre of mass; see stride.
 template <class S>
@@ -26749,7 +26822,7 @@ struct state {
     awake_list awake;
     /// What the narrowphase remembers of the last step's pairs.
     pair_cache<Plan> memories;
-    [[no_unique_address]] std::conditional_t<Plan::sleeps, sleep_state<Plan>, no_sleep_state> sleep;
+    [[no_unique_address]] sleep_of<Plan> sleep;
     [[no_unique_address]] std::conditional_t<Plan::is_continuous, continuous_state<Plan>, nothing_continuous>
         continuous;
     std::uint64_t steps = 0;
@@ -26838,11 +26911,18 @@ void each_shape(State& s, std::uint32_t body, F&& f) {
 
 /// Enters the shapes of a body into the broadphase anew: it has become another kind of proxy.
 template <class Plan>
-void reinsert_proxies(state<Plan>& s, std::uint32_t body) {
-    each_shape(s, body, [&](std::uint32_t i, const shape_record<Plan>& shape) {
-        s.broadphase.erase(i);
-        s.broadphase.insert(i, query_bounds(s, shape), filter_of(s, shape));
+void reinsert_proxies(const pool<typename Plan::body>& bodies, const shape_pool<Plan>& shapes,
+                      const sleep_of<Plan>& sleep, typename Plan::scalar margin, typename Plan::broadphase& broadphase,
+                      std::uint32_t body) {
+    const proxy_filter filter{.owner = body, .movable = bodies[body].is_dynamic() && !sleep.is_asleep(body)};
+    each_shape(bodies, shapes, body, [&](std::uint32_t i, const shape_record<Plan>& shape) {
+        broadphase.erase(i);
+        broadphase.insert(i, box_within(margin, shape), filter);
     });
+}
+template <class Plan>
+void reinsert_proxies(state<Plan>& s, std::uint32_t body) {
+    reinsert_proxies<Plan>(s.bodies, s.shapes, s.sleep, s.settings.contact_margin, s.broadphase, body);
 }
 
 /// Tells the broadphase where the shapes of a body are now.
@@ -26865,6 +26945,735 @@ inline std::uint16_t next_world_tag() noexcept {
 #else
     return static_cast<std::uint16_t>(++count);
 #endif
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/look_ahead.hpp
+// =================================================================================================
+// Speculative contacts: found as far ahead of fast bodies as those may come in the step.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Velocities -> how far each body looks ahead, and boxes as large as that asks for. O(bodies).
+template <class Plan, class Continuous>
+void look_ahead([[maybe_unused]] const pool<typename Plan::body>& bodies,
+                [[maybe_unused]] const shape_pool<Plan>& shapes, [[maybe_unused]] const sleep_of<Plan>& sleep,
+                [[maybe_unused]] const Continuous& continuous, [[maybe_unused]] const typename Plan::settings& settings,
+                [[maybe_unused]] typename Plan::scalar h, [[maybe_unused]] typename Plan::broadphase& broadphase,
+                [[maybe_unused]] sweep_data_of<Plan>& to) {
+    if constexpr (Plan::looks_ahead) {
+        using S = typename Plan::scalar;
+        constexpr int D = Plan::dimension;
+        to.ahead.resize(bodies.slots());
+        bool any = false;
+        bodies.each([&](std::uint32_t i, const auto& b) {
+            S& ahead = to.ahead[i];
+            ahead = S(0);
+            if (sleep.is_asleep(i)) return;
+            if (b.type == body_type::static_body) return;
+            const auto before = b.velocity_ahead(h);
+            vec<S, D> v = before.linear;
+            if (b.is_dynamic()) v += settings.gravity * b.gravity_scale * h;
+            const auto& extent = continuous.extents[i];
+            ahead = Plan::continuous::ahead({v * h, value_of(before.angular) * h, extent.reach, extent.thickness, S(0),
+                                             b.continuous, settings.contact_margin});
+            if (!(ahead > S(0))) return;
+            any = true;
+            each_shape(bodies, shapes, i, [&](std::uint32_t k, const auto& shape) {
+                const auto box = grown(box_within(settings.contact_margin, shape), ahead);
+                if (is_box(box)) broadphase.move(k, box, {});
+            });
+        });
+        if constexpr (requires { broadphase.update(); })
+            if (any) broadphase.update();
+    }
+}
+
+/// What is remembered of a pair serves no other step.
+template <class Memory>
+void forget_pair(Memory& m) {
+    m = {};
+    if constexpr (requires { m.changed; }) m.changed = true;
+}
+
+/// The narrowphase of some pairs, where some of them are looked at farther ahead: as one batch those in between.
+template <class Plan, class Query, class Manifolds, class Collide>
+void collide_ahead(const shape_pool<Plan>& shapes, const buffer<typename Plan::scalar>& ahead,
+                   typename Plan::scalar margin, const Query* queries, typename Plan::pair_memory* memories,
+                   const proxy_pair* pairs, std::uint32_t count, Manifolds& manifolds, Collide&& collide) {
+    using S = typename Plan::scalar;
+    const auto farther = [&](std::uint32_t i) {
+        return ahead[shapes[pairs[i].a].body] + ahead[shapes[pairs[i].b].body];
+    };
+    for (std::uint32_t i = 0; i < count;) {
+        const S more = farther(i);
+        std::uint32_t end = i + 1;
+        if (!(more > S(0)))
+            while (end < count && !(farther(end) > S(0))) ++end;
+        // What is found farther ahead serves no other step.
+        const auto forget = [&] {
+            if constexpr (Plan::remembers)
+                if (more > S(0) && queries[i].memory != Query::no_memory) forget_pair(memories[queries[i].memory]);
+        };
+        const std::uint32_t before = manifolds.size();
+        forget();
+        collide(queries + i, end - i, margin + more);
+        forget();
+        for (std::uint32_t k = before; k < manifolds.size(); ++k) manifolds[k].query += i;
+        i = end;
+    }
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/nearby.hpp
+// =================================================================================================
+// Which shapes are near.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Calls f(shape's number) for shapes whose boxes reach into a box.
+template <class Plan, class F>
+void each_near(const state<Plan>& s, const aabb<typename Plan::scalar, Plan::dimension>& box,
+               const query_filter& filter, F&& f) {
+    if constexpr (requires { s.broadphase.each_overlapping(box, filter, f); }) {
+        s.broadphase.each_overlapping(box, filter, f);
+    } else {
+        s.shapes.each([&](std::uint32_t i, const auto& shape) {
+            if (filter.sees(filter_of(s, shape)) && overlap(query_bounds(s, shape), box)) f(i);
+        });
+    }
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/sleep.hpp
+// =================================================================================================
+// Sleep: islands that are still leave the step until something happens to them.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Keeps, in order, the contacts for which stays(contact) is true, and hands the others to out.
+template <class Contacts, class Stays, class Out>
+void partition_contacts(Contacts& contacts, Stays&& stays, Out&& out) {
+    std::uint32_t kept = 0;
+    for (std::uint32_t i = 0; i < contacts.size(); ++i) {
+        if (!stays(contacts[i])) {
+            out(contacts[i]);
+            continue;
+        }
+        if (kept != i) contacts[kept] = contacts[i];
+        ++kept;
+    }
+    while (contacts.size() > kept) contacts.pop_back();
+}
+/// Adds contacts to others; both lists, and the result, are in ascending order of their pairs.
+template <class Contact>
+void merge_contacts(buffer<Contact>& to, const buffer<Contact>& more) {
+    std::uint32_t i = to.size(), j = more.size();
+    if (j == 0) return;
+    to.resize(i + j, more[0]);
+    for (std::uint32_t at = to.size(); j > 0;) {
+        const bool is_last = i > 0 && more[j - 1].key() < to[i - 1].key();
+        to[--at] = is_last ? to[--i] : more[--j];
+    }
+}
+
+/// Calls f(body) for all of a sleeper's island, itself included; f may wake them.
+template <class Plan, class F>
+void each_of_island(const sleep_state<Plan>& sleep, std::uint32_t body, F&& f) {
+    std::uint32_t i = body;
+    do {
+        const std::uint32_t next = sleep.island_next[i];
+        f(i);
+        i = next;
+    } while (i != body);
+}
+
+/// Brings bodies back that were asleep, listed in s.step.woken: they can be pushed again, and what touches them is
+/// looked at again.
+template <class Plan>
+void finish_waking(state<Plan>& s) {
+    for (const std::uint32_t i : s.step.woken) {
+        s.sleep.island_next[i] = no_sleeper;
+        s.sleep.sleep_time[i] = {};
+        reinsert_proxies(s, i);
+    }
+    if (!s.step.woken.empty()) s.awake.is_stale = true;
+    s.step.woken.clear();
+}
+/// True if neither body of the contact is dynamic and awake.
+template <class Plan, class Contact>
+bool touches_no_awake_body(const state<Plan>& s, const Contact& c) {
+    return !s.is_awake_dynamic(c.bodies.body_a) && !s.is_awake_dynamic(c.bodies.body_b);
+}
+/// Wakes the islands of those that each(f) calls f(body) for, at once, with their contacts. O(contacts of sleepers).
+template <class Plan, class Each>
+void wake_islands(state<Plan>& s, Each&& each) {
+    // A step that was refused may have left its list.
+    s.step.woken.clear();
+    bool any = false;
+    each([&](std::uint32_t body) {
+        if (!s.is_asleep(body)) return;
+        any = true;
+        each_of_island(s.sleep, body, [&](std::uint32_t i) { s.step.woken.push_back(i); });
+        finish_waking(s);
+    });
+    if (!any) return;
+    s.step.new_contacts.clear();
+    partition_contacts(
+        s.sleep.contacts, [&](const auto& c) { return touches_no_awake_body(s, c); },
+        [&](const auto& c) { s.step.new_contacts.push_back(c); });
+    rescale_impulses(s.step.new_contacts.begin(), s.step.new_contacts.end(), {s.sleep.step, s.sleep.step},
+                     s.step_lengths);
+    merge_contacts(s.contacts, s.step.new_contacts);
+}
+template <class Plan>
+void wake(state<Plan>& s, std::uint32_t body) {
+    if constexpr (Plan::sleeps) wake_islands(s, [&](auto&& f) { f(body); });
+}
+/// Wakes those that touch a body.
+template <class Plan>
+void wake_touching(state<Plan>& s, std::uint32_t body) {
+    if constexpr (Plan::sleeps) {
+        auto& touching = s.step.near;
+        touching.clear();
+        for (const auto& c : s.sleep.contacts) {
+            if (c.bodies.body_a == body) touching.push_back(c.bodies.body_b);
+            if (c.bodies.body_b == body) touching.push_back(c.bodies.body_a);
+        }
+        wake_islands(s, [&](auto&& f) {
+            for (const std::uint32_t i : touching) f(i);
+        });
+    }
+}
+/// A body has changed: wakes its island if it is dynamic, else the islands that touch it.
+template <class Plan>
+void wake_affected(state<Plan>& s, std::uint32_t body) {
+    if (s.bodies[body].is_dynamic()) wake(s, body);
+    else wake_touching(s, body);
+}
+/// Wakes those that lie where a body is, or on its way to another pose.
+template <class Plan>
+void wake_near(state<Plan>& s, std::uint32_t body, const transform<typename Plan::scalar, Plan::dimension>& to) {
+    if constexpr (Plan::sleeps) {
+        auto& near = s.step.near;
+        near.clear();
+        each_shape(s, body, [&](std::uint32_t, const auto& shape) {
+            const auto box = merged(query_bounds(s, shape), bounds(shape.shape, to * shape.local));
+            each_near(s, box, query_filter{}, [&](std::uint32_t other) {
+                if (s.is_asleep(s.shapes[other].body)) near.push_back(s.shapes[other].body);
+                return true;
+            });
+        });
+        wake_islands(s, [&](auto&& f) {
+            for (const std::uint32_t i : near) f(i);
+        });
+    }
+}
+template <class Plan>
+void wake_near(state<Plan>& s, std::uint32_t body) {
+    wake_near(s, body, s.bodies[body].pose());
+}
+template <class Plan>
+void wake_all(state<Plan>& s) {
+    if constexpr (Plan::sleeps)
+        wake_islands(s, [&](auto&& f) { s.bodies.each([&](std::uint32_t i, const auto&) { f(i); }); });
+}
+
+template <class Plan>
+std::uint32_t count_awake(const state<Plan>& s) {
+    std::uint32_t count = 0;
+    s.bodies.each(
+        [&](std::uint32_t i, const auto& b) { count += b.type != body_type::static_body && !s.is_asleep(i); });
+    return count;
+}
+
+/// How far gravity draws bodies together within a step, at most.
+template <class S, int D>
+S gravity_slack(const vec<S, D>& gravity, S h) {
+    return length(gravity) * h * h;
+}
+
+/// Contacts with sleeping bodies -> the islands of those that a body will touch in this step: they are added to the
+/// awake list, and wake for good when the step has succeeded. True if there are any.
+template <class Plan>
+bool list_woken(const buffer<typename Plan::contact>& contacts, const pool<typename Plan::body>& bodies,
+                const sleep_state<Plan>& sleep, const vec<typename Plan::scalar, Plan::dimension>& gravity,
+                typename Plan::scalar h, awake_list& awake, buffer<std::uint32_t>& woken) {
+    const auto slack = gravity_slack(gravity, h);
+    for (const auto& c : contacts) {
+        const auto [a, b] = c.bodies;
+        const bool of_a = sleep.is_asleep(a);
+        if (of_a == sleep.is_asleep(b)) continue;
+        const std::uint32_t sleeper = of_a ? a : b;
+        if (awake.has(sleeper) || !will_touch(c, bodies[a].velocity_ahead(h), bodies[b].velocity_ahead(h), h, slack))
+            continue;
+        each_of_island(sleep, sleeper, [&](std::uint32_t i) {
+            awake.index_of[i] = 0;
+            woken.push_back(i);
+        });
+    }
+    if (woken.empty()) return false;
+    for (const std::uint32_t i : woken) awake.bodies.push_back(i);
+    awake.number(bodies.slots());
+    awake.is_stale = true;
+    return true;
+}
+
+/// The step has succeeded: they are awake for good.
+template <class Plan>
+void commit_woken(state<Plan>& s) {
+    if (s.step.woken.empty()) return;
+    finish_waking(s);
+    partition_contacts(
+        s.sleep.contacts, [&](const auto& c) { return touches_no_awake_body(s, c); }, [](const auto&) {});
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/warm_impulses.hpp
+// =================================================================================================
+// What contacts hand on from step to step where these differ in length.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// A step hands on what its contacts gave, as the load that the next one begins with. Where steps differ, what a single
+/// short one says of loads is noise; so what is handed on is what contacts gave within a usual step's time, to which
+/// the last step adds its part. How long steps usually take follows their length by an eighth at a time. Steps of one
+/// length hand on their impulses as they are, and cost nothing.
+template <class S>
+class warm_impulses {
+public:
+    /// `steps`: how many the world has taken before this one of h seconds.
+    warm_impulses(const step_lengths<S>& before, std::uint64_t steps, S h)
+        : last_(before.usual), steps_(steps), step_(h) {}
+
+    /// How long steps usually take once this one counts among them (s), of a world that has taken so many.
+    [[nodiscard]] S next_usual_step(std::uint64_t steps) const {
+        // A world's first steps may be shorter than those to come.
+        const S longest = steps < 8 ? step_ : last_ + last_ * S(0.125);
+        return max(min(step_, longest), last_ - step_ * S(0.125));
+    }
+    /// Remembers with what impulses this step begins.
+    template <class Contact>
+    void before_solve(const buffer<Contact>& contacts, arena& scratch) {
+        if (!is_shorter()) return;
+        constexpr std::uint32_t capacity = sizeof(Contact::points) / sizeof(contacts[0].points[0]);
+        begun_with_ = scratch.template allocate<S>(contacts.size() * capacity);
+        S* to = begun_with_;
+        for (const auto& c : contacts)
+            for (int k = 0; k < c.count; ++k) *to++ = c.persisted(k) ? c.points[k].substep_impulse : S(0);
+    }
+    /// Turns this step's impulses into those of a usual one.
+    template <class Contact>
+    void after_solve(buffer<Contact>& contacts) const {
+        const S usual = next_usual_step(steps_);
+        if (usual == step_ && !is_shorter()) return;
+        const S ratio = impulse_ratio(last_, step_), part = usual / max(step_, last_);
+        const S* from = begun_with_;
+        for (auto& c : contacts)
+            for (int k = 0; k < c.count; ++k) {
+                S& impulse = c.points[k].substep_impulse;
+                if (is_shorter()) impulse += *from / ratio - *from, ++from;
+                impulse *= part;
+            }
+    }
+
+private:
+    bool is_shorter() const { return step_ < last_; }
+
+    S last_;
+    std::uint64_t steps_;
+    S step_;
+    S* begun_with_ = nullptr;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/collide.hpp
+// =================================================================================================
+// The contacts of a step: narrowphase, surfaces, and what is remembered of pairs.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// What the narrowphase reads of a world.
+template <class Plan>
+struct collide_input {
+    using S = typename Plan::scalar;
+
+    const pool<typename Plan::body>& bodies;
+    const shape_pool<Plan>& shapes;
+    const awake_list& awake;
+    const sleep_of<Plan>& sleep;
+    /// Of all surfaces, where shapes have none of their own.
+    const combined_material<S, typename Plan::features>& material;
+    S margin, h;
+    std::uint64_t steps;
+};
+
+/// The narrowphase wants the shape of the lower kind first.
+template <class Plan>
+proxy_pair in_order_of_kinds(const shape_pool<Plan>& shapes, proxy_pair p) {
+    return shapes[p.a].shape.kind() > shapes[p.b].shape.kind() ? proxy_pair{p.b, p.a} : p;
+}
+
+/// Some pairs in a row with what the narrowphase is to know of them: a query of each, and what the last step remembered
+/// of those that it cares to remember.
+template <class Plan>
+class pair_queries {
+    using query = typename Plan::query;
+    using memory = typename Plan::pair_memory;
+
+public:
+    /// Both lists are in ascending order, so one walk along both finds what is remembered.
+    pair_queries(const collide_input<Plan>& in, [[maybe_unused]] const pair_cache<Plan>& cache, const proxy_pair* pairs,
+                 std::uint32_t count, arena& scratch, sweep_data_of<Plan>& near)
+        : pairs_(pairs), count_(count), queries_(scratch.allocate<query>(count)) {
+        if constexpr (Plan::remembers) {
+            memories_ = scratch.allocate<memory>(count);
+            owners_ = scratch.allocate<owner>(count);
+        }
+        [[maybe_unused]] std::uint32_t last = no_memory;
+        for (std::uint32_t i = 0; i < count; ++i) {
+            const proxy_pair p = in_order_of_kinds(in.shapes, pairs[i]);
+            const auto& a = in.shapes[p.a];
+            const auto& b = in.shapes[p.b];
+            note_near<Plan>(in.awake, {a.body, b.body}, near);
+            new (queries_ + i) query{&a.shape, &b.shape, relative(a.pose, b.pose)};
+            if constexpr (Plan::remembers) {
+                if (!Plan::narrowphase::remembers(a.shape.kind(), b.shape.kind())) continue;
+                if (last == no_memory) last = cache.find(pairs[i]);
+                while (last < cache.size() && cache.pair(last) < pairs[i]) ++last;
+                const bool known = last < cache.size() && cache.pair(last) == pairs[i];
+                if (known) cache.read(last, memories_[remembered_]);
+                else cache.clear(memories_[remembered_]);
+                owners_[remembered_] = {i, known ? last : no_memory};
+                queries_[i].memory = remembered_++;
+            }
+        }
+    }
+    [[nodiscard]] const query* queries() const { return queries_; }
+    [[nodiscard]] memory* memories() const { return memories_; }
+    [[nodiscard]] const proxy_pair* pairs() const { return pairs_; }
+    [[nodiscard]] std::uint32_t size() const { return count_; }
+
+    /// Says which memories stay as they are, and adds the others to a list.
+    void save_to_cache(const pair_cache<Plan>& before, bool* is_kept, pair_cache<Plan>& changes) const {
+        for (std::uint32_t k = 0; k < remembered_; ++k) {
+            const auto [i, known] = owners_[k];
+            if (known != no_memory && before.is_unchanged(known, memories_[k])) is_kept[known] = true;
+            else changes.add(pairs_[i], memories_[k]);
+        }
+    }
+
+private:
+    static constexpr std::uint32_t no_memory = query::no_memory;
+    /// Whose memory it is, and which one of the last step, if any.
+    struct owner {
+        std::uint32_t pair, known;
+    };
+
+    const proxy_pair* pairs_;
+    std::uint32_t count_, remembered_ = 0;
+    query* queries_;
+    memory* memories_ = nullptr;
+    owner* owners_ = nullptr;
+};
+
+/// How running surfaces drive. Apart from the rest, since few do.
+template <class Plan>
+PHYSICS_HPP_NOINLINE void set_belt_velocity(typename Plan::contact& c, const shape_record<Plan>& a,
+                                            const shape_record<Plan>& b) {
+    c.surface_velocity =
+        relative_surface_velocity(tangents<typename Plan::scalar, Plan::dimension>(c.normal), a.pose.rotation,
+                                  a.material.surface_velocity, b.pose.rotation, b.material.surface_velocity);
+}
+/// Writes down the coefficients of two materials together; false if the recipe's rule gives what no solver takes.
+template <class Plan, class Coefficients>
+bool combine_materials(Coefficients& c, const material<typename Plan::scalar, Plan::dimension>& of_a,
+                       const material<typename Plan::scalar, Plan::dimension>& of_b) {
+    using S = typename Plan::scalar;
+    using features = typename Plan::features;
+    const auto is_good = [](S x) { return x >= S(0) && is_finite(x); };
+    bool good = true;
+    if constexpr (features::friction) good = is_good(c.friction = Plan::mixing::friction(of_a, of_b));
+    if constexpr (features::restitution) {
+        c.restitution = Plan::mixing::restitution(of_a, of_b);
+        good = good && is_good(c.restitution) && !(c.restitution > S(1));
+    }
+    if constexpr (features::rolling_resistance)
+        good = is_good(c.rolling_resistance = Plan::mixing::rolling_resistance(of_a, of_b)) && good;
+    return good;
+}
+/// What both surfaces make of a contact of A and B, unless that is the same for all.
+template <class Plan>
+bool combine_surface_materials([[maybe_unused]] typename Plan::contact& c, [[maybe_unused]] const shape_record<Plan>& a,
+                               [[maybe_unused]] const shape_record<Plan>& b) {
+    if constexpr (Plan::features::materials) {
+        const material<typename Plan::scalar, Plan::dimension> of_a = a.material.whole(), of_b = b.material.whole();
+        const bool good = combine_materials<Plan>(c, of_a, of_b);
+        if constexpr (Plan::features::surface_velocity) {
+            const surface_motion<typename Plan::scalar, Plan::dimension> at_rest{};
+            if (of_a.surface_velocity != at_rest || of_b.surface_velocity != at_rest) set_belt_velocity(c, a, b);
+        }
+        return good;
+    } else {
+        return true;
+    }
+}
+/// What all surfaces of this step make of each other, if they are of one material.
+template <class Plan>
+bool combine_common_materials([[maybe_unused]] const typename Plan::settings& settings,
+                              [[maybe_unused]] combined_material<typename Plan::scalar, typename Plan::features>& to) {
+    if constexpr (Plan::features::materials) {
+        return true;
+    } else {
+        auto of_all = settings.material;
+        // As materials of shapes, it lacks what the recipe leaves out.
+        if constexpr (!Plan::features::friction) of_all.friction = {};
+        return combine_materials<Plan>(to, of_all, of_all);
+    }
+}
+
+/// Adds the contacts of a manifold between the shapes of a pair. False if their surfaces do not mix.
+template <class Plan, class Manifold>
+bool add_contact(const shape_pool<Plan>& shapes, proxy_pair pair, std::uint32_t part, const Manifold& m,
+                 buffer<typename Plan::contact>& to) {
+    using S = typename Plan::scalar;
+    constexpr int D = Plan::dimension;
+    const proxy_pair p = in_order_of_kinds(shapes, pair);
+    const auto& a = shapes[p.a];
+    const auto& b = shapes[p.b];
+    const rotation<S, D> turn = a.pose.rotation;
+    auto& c = to.emplace_back(p.a, p.b, edge{a.body, b.body}, part, turn * m.normal, a.r,
+                              b.r + (a.pose.position - b.pose.position), static_cast<std::uint8_t>(m.count));
+    for (int k = 0; k < m.count; ++k) {
+        c.points[k].position = turn * m.points[k].position;
+        c.points[k].separation = m.points[k].separation;
+        c.points[k].feature = m.points[k].feature;
+    }
+    return combine_surface_materials<Plan>(c, a, b);
+}
+
+/// Result flags of the narrowphase: all combined coefficients are valid; some contact is deep; an awake body is near a
+/// sleeping one.
+struct collide_result {
+    bool materials_valid = true, deep = false, near_sleeper = false;
+};
+/// Adds the contacts of some pairs in a row.
+template <class Plan>
+collide_result collide_chunk(const collide_input<Plan>& in, const pair_queries<Plan>& of,
+                             [[maybe_unused]] const sweep_data_of<Plan>& sweep,
+                             manifold_list<typename Plan::scalar, Plan::dimension>& manifolds,
+                             buffer<typename Plan::contact>& to) {
+    using S = typename Plan::scalar;
+    manifolds.clear();
+    const auto collide = [&](const auto* some, std::uint32_t count, S within) {
+        if constexpr (Plan::remembers) Plan::narrowphase::collide(some, count, within, of.memories(), manifolds);
+        else Plan::narrowphase::collide(some, count, within, manifolds);
+    };
+    if constexpr (Plan::looks_ahead)
+        collide_ahead<Plan>(in.shapes, sweep.ahead, in.margin, of.queries(), of.memories(), of.pairs(), of.size(),
+                            manifolds, collide);
+    else collide(of.queries(), of.size(), in.margin);
+    collide_result result;
+    for (const auto& [query, part, m] : manifolds) {
+        const proxy_pair pair = of.pairs()[query];
+        const std::uint32_t a = in.shapes[pair.a].body, b = in.shapes[pair.b].body;
+        const std::uint32_t awake_a = in.awake.index_of[a], awake_b = in.awake.index_of[b];
+        // Broadphases need not leave out pairs of two bodies that are static or asleep; such a pair needs no solving.
+        if (awake_a == awake_b) continue;
+        result.materials_valid = add_contact<Plan>(in.shapes, pair, part, m, to) && result.materials_valid;
+        result.deep = result.deep || is_deep<Plan>(in.awake, in.margin, to.back());
+        // Bodies that do not move or sleep have the last number.
+        result.near_sleeper = result.near_sleeper || in.sleep.is_asleep(awake_a < awake_b ? b : a);
+    }
+    return result;
+}
+
+/// The contacts of a part of the pairs: where they lie among those that a worker has found.
+struct contact_chunk {
+    std::uint32_t worker, first, end;
+    collide_result is;
+
+    [[nodiscard]] std::uint32_t size() const { return end - first; }
+};
+/// Brings the pieces of several workers together, in their order, and notes which bodies they find deep in others.
+template <class Plan>
+collide_result join_chunks(const collide_input<Plan>& in, contact_chunk* pieces, std::uint32_t count,
+                           step_data<Plan>& d, task_runner& tasks) {
+    using contact = typename Plan::contact;
+    collide_result all;
+    std::uint32_t found = 0;
+    for (std::uint32_t k = 0; k < count; ++k) {
+        all.materials_valid = all.materials_valid && pieces[k].is.materials_valid;
+        all.deep = all.deep || pieces[k].is.deep;
+        all.near_sleeper = all.near_sleeper || pieces[k].is.near_sleeper;
+        found += pieces[k].size();
+    }
+    // What the caller has found first stays where it is.
+    std::uint32_t kept = 0;
+    if (!tasks.is_serial()) {
+        auto& own = d.contacts_by_worker[0];
+        std::uint32_t in_place = 0;
+        for (; kept < count && pieces[kept].worker == 0 && pieces[kept].first == in_place; ++kept)
+            in_place += pieces[kept].size();
+        // The rest of it, if any, moves aside.
+        d.new_contacts.clear();
+        if (own.size() > in_place)
+            std::memcpy(static_cast<void*>(d.new_contacts.extend(own.size() - in_place)), own.begin() + in_place,
+                        (own.size() - in_place) * sizeof(contact));
+        for (std::uint32_t k = kept; k < count; ++k)
+            if (pieces[k].worker == 0) pieces[k].first -= in_place, pieces[k].end -= in_place;
+        own.resize(in_place);
+        d.new_contacts.swap(own);
+        d.new_contacts.extend(found - in_place);
+    }
+    contact* to = d.new_contacts.begin();
+    auto** places = d.scratch.template allocate<contact*>(count);
+    for (std::uint32_t k = 0; k < count; ++k) {
+        places[k] = to;
+        to += pieces[k].size();
+    }
+    if (!tasks.is_serial())
+        // Of all pieces, so that workers copy what they have found.
+        tasks.parallel_tasks(kept < count ? count : 0, [&](std::uint32_t k, std::uint32_t) {
+            const contact_chunk& of = pieces[k];
+            if (k < kept || of.size() == 0) return;
+            std::memcpy(static_cast<void*>(places[k]), d.contacts_by_worker[of.worker].begin() + of.first,
+                        of.size() * sizeof(contact));
+        });
+    for (std::uint32_t k = 0; k < count; ++k) {
+        if (!pieces[k].is.deep) continue;
+        for (std::uint32_t i = 0; i < pieces[k].size(); ++i)
+            if (is_deep<Plan>(in.awake, in.margin, places[k][i])) note_depth<Plan>(in.bodies, places[k][i], d.sweep);
+    }
+    return all;
+}
+
+/// Narrowphase: contacts of the pairs that touch or nearly do, in the order of the pairs, with the impulses that the
+/// same features had in steps of those lengths, scaled to one of h: they hold loads, which a longer step holds by
+/// larger ones. What it remembers of the pairs becomes the next step's, unless it is not to.
+template <class Plan>
+collide_result find_contacts(const buffer<proxy_pair>& pairs, const collide_input<Plan>& in,
+                             const buffer<typename Plan::contact>& before, step_lengths<typename Plan::scalar> lengths,
+                             [[maybe_unused]] pair_cache<Plan>& cache, step_data<Plan>& d, task_runner& tasks,
+                             [[maybe_unused]] bool remembers = true) {
+    // So many pairs that what is found of them is still in the caches when it becomes contacts.
+    constexpr std::uint32_t share = 256;
+    const std::uint32_t count = (pairs.size() + share - 1) / share;
+    contact_chunk* pieces = d.scratch.template allocate<contact_chunk>(count);
+    [[maybe_unused]] auto& changes = d.pair_cache_changes;
+    if constexpr (Plan::remembers)
+        if (remembers) changes.start(cache, count, tasks, d.scratch);
+    d.new_contacts.clear();
+    if (tasks.is_serial()) d.new_contacts.reserve(before.size());
+    else
+        for (std::uint32_t k = 0; k < tasks.workers(); ++k) d.contacts_by_worker[k].clear();
+    tasks.parallel_chunks(pairs.size(), share, [&](std::uint32_t first, std::uint32_t end, std::uint32_t worker) {
+        auto& to = tasks.is_serial() ? d.new_contacts : d.contacts_by_worker[worker];
+        const std::uint32_t start = to.size();
+        // Solvers come to it later in the step.
+        arena& scratch = d.batch_scratch[worker];
+        scratch.reset();
+        const pair_queries<Plan> some(in, cache, pairs.begin() + first, end - first, scratch, d.sweep);
+        const collide_result is = collide_chunk(in, some, d.sweep, d.manifolds[worker], to);
+        if constexpr (Plan::remembers)
+            if (remembers) changes.add(some, cache, first / share, worker);
+        inherit_impulses(before, to.begin() + start, to.end(), in.material);
+        // What pushes overlaps apart is as large in a short step as in a long one. As long as a world is young that may
+        // be most of its impulses, and must not be stretched.
+        const int maximum = in.steps < 128 ? static_cast<int>(in.steps) : 128;
+        rescale_impulses(to.begin() + start, to.end(), lengths, {in.h, in.h}, typename Plan::scalar(maximum));
+        new (pieces + first / share) contact_chunk{worker, start, to.size(), is};
+    });
+    return join_chunks(in, pieces, count, d, tasks);
+}
+
+/// Adds the contacts of woken islands, found anew; `in` sees the awake list that has them. False if materials do not
+/// combine.
+template <class Plan>
+bool find_contacts_of_woken(const collide_input<Plan>& in, pair_cache<Plan>& cache, step_data<Plan>& d,
+                            task_runner& tasks) {
+    d.woken_pairs.clear();
+    // Kinematic bodies are always in the awake list, but wake no other body.
+    const auto wakes = [&](std::uint32_t i) { return in.bodies[i].is_dynamic() && in.awake.has(i); };
+    for (const auto& c : in.sleep.contacts) {
+        if (!wakes(c.bodies.body_a) && !wakes(c.bodies.body_b)) continue;
+        if (d.woken_pairs.empty() || d.woken_pairs.back() < c.key()) d.woken_pairs.push_back(c.key());
+    }
+    d.new_contacts.swap(d.woken_contacts);
+    const step_lengths<typename Plan::scalar> lengths{in.sleep.step, in.sleep.step};
+    const collide_result found = find_contacts(d.woken_pairs, in, in.sleep.contacts, lengths, cache, d, tasks, false);
+    merge_contacts(d.woken_contacts, d.new_contacts);
+    d.new_contacts.swap(d.woken_contacts);
+    return found.materials_valid;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/edges.hpp
+// =================================================================================================
+// What holds bodies together in a step, and the islands that follow.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Contacts -> which bodies they hold together, in their order. O(contacts).
+template <class S, int D, class Features>
+void list_edges(const buffer<contact<S, D, Features>>& contacts, buffer<edge>& edges, task_runner& tasks) {
+    constexpr std::uint32_t share = 1024;
+    edges.clear();
+    edges.extend(contacts.size());
+    tasks.parallel_for(contacts.size(), share, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
+        // Copies, as what is written may be anything to the compiler.
+        const auto* const from = contacts.begin();
+        edge* const to = edges.begin();
+        for (std::uint32_t n = first; n < end; ++n) to[n] = from[n].bodies;
+    });
+}
+
+/// Edges, and which bodies move -> islands, in batches. O(bodies + edges).
+template <class S, int D, bool Rotates>
+batches build_graph(const buffer<edge>& edges, const pool<body<S, D, Rotates>>& bodies, const awake_list& awake,
+                    arena& scratch, task_runner& tasks) {
+    // On one thread, what goes into the second cache is not worth taking apart.
+    const std::uint32_t batch_limit = graph_builder::target_weight * (tasks.is_serial() ? (D == 2 ? 8 : 2) : 1);
+    bool* is_pushed = scratch.template allocate<bool>(awake.size() + 1);
+    for (std::uint32_t k = 0; k < awake.size(); ++k) is_pushed[k] = bodies[awake[k]].inverse_mass > inverse_of<S>(0);
+    is_pushed[awake.size()] = false;
+    return graph_builder(edges, awake.index_of.begin(), is_pushed, awake.size(), scratch, batch_limit, &tasks).result();
 }
 
 }  // namespace detail
@@ -26950,26 +27759,807 @@ void refresh_extent(state<Plan>& s, std::uint32_t index) {
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/step/nearby.hpp
+// physics/step/fall_asleep.hpp
 // =================================================================================================
-// Which shapes are near.
+// Which islands fall asleep after a step.
 
 PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// Calls f(shape's number) for shapes whose boxes reach into a box.
-template <class Plan, class F>
-void each_near(const state<Plan>& s, const aabb<typename Plan::scalar, Plan::dimension>& box,
-               const query_filter& filter, F&& f) {
-    if constexpr (requires { s.broadphase.each_overlapping(box, filter, f); }) {
-        s.broadphase.each_overlapping(box, filter, f);
-    } else {
-        s.shapes.each([&](std::uint32_t i, const auto& shape) {
-            if (filter.sees(filter_of(s, shape)) && overlap(query_bounds(s, shape), box)) f(i);
+/// Notes how long each body has been still, and lets islands sleep that have been so for long enough and rest on
+/// something, or do not move at all: a slow drift in free space goes on for ever. What lies on other bodies only may go
+/// along with them: the upper rows of a large pile breathe by centimetres while no two that touch move against each
+/// other. Then the island must have lost half of that energy since, so that what tips, or moves steadily, stays awake.
+template <class Plan>
+class sleep_judge {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+
+public:
+    sleep_judge(const buffer<typename Plan::contact>& contacts, const typename Plan::settings& settings, S h,
+                const awake_list& awake, pool<typename Plan::body>& bodies, sleep_state<Plan>& sleep, arena& scratch)
+        : contacts_(contacts),
+          settings_(settings),
+          step_(h),
+          awake_(awake),
+          bodies_(bodies),
+          sleep_(sleep),
+          scratch_(scratch) {}
+
+    /// Calls asleep(body) for those that fall asleep, once they are.
+    template <class Asleep>
+    void run(Asleep&& asleep) {
+        if (!update_sleep_times()) return;
+        count_ = awake_.size();
+        disjoint_sets sets(count_, scratch_);
+        island_ = scratch_.template allocate<island>(count_);
+        for (std::uint32_t k = 0; k < count_; ++k) new (island_ + k) island{};
+        const S slack = gravity_slack(settings_.gravity, step_);
+        for (const auto& c : contacts_) {
+            const auto [a, b] = awake_pair(c);
+            if (is_dynamic(a) && is_dynamic(b) && touch(c, slack)) sets.unite(a, b);
+        }
+        for (std::uint32_t k = 0; k < count_; ++k)
+            if (is_dynamic(k)) add_to_island(k, island_[sets.find(k)]);
+        for (const auto& c : contacts_) {
+            const auto [a, b] = awake_pair(c);
+            if (is_dynamic(a) != is_dynamic(b) && touch(c, slack))
+                add_support(a, b, island_[sets.find(is_dynamic(a) ? a : b)]);
+        }
+        for (std::uint32_t k = 0; k < count_; ++k) {
+            if (!is_dynamic(k)) continue;
+            island& of = island_[sets.find(k)];
+            if (!of.is_still || !(of.rests || of.is_stopped) || of.now > 0.5 * of.before) continue;
+            fall_asleep(awake_[k], of);
+            asleep(awake_[k]);
+        }
+    }
+
+private:
+    struct island {
+        bool is_still = true, is_stopped = true, rests = false;
+        /// Of bodies that went along with others, mass times speed squared now, and when they began to.
+        double now = 0, before = 0;
+        std::uint32_t first = no_sleeper, last = no_sleeper;
+    };
+
+    /// True if any body has been still for long enough.
+    bool update_sleep_times() {
+        const auto& with = settings_.sleeping;
+        if (!with.enabled) return false;
+        const auto fast = product(with.speed, with.speed), spinning = product(with.spin, with.spin),
+                   far = product(with.drift, with.drift);
+        const auto is_slow = [&](const auto& b) {
+            return !(length_squared(b.velocity.linear) > fast || spin_squared(value_of(b.velocity.angular)) > spinning);
+        };
+        const auto is_far = [&](std::uint32_t i) {
+            return length_squared(bodies_[i].center - sleep_.sleep_anchor[i]) > far;
+        };
+        const support* supports = find_supports(is_slow, is_far);
+        bool any = false;
+        for (std::uint32_t k = 0; k < awake_.size(); ++k) {
+            const std::uint32_t i = awake_[k];
+            const auto& b = bodies_[i];
+            S &sleep_time = sleep_.sleep_time[i], &carried_from = sleep_.carried_from[i];
+            const bool moved = is_far(i), is_carried = supports != nullptr && supports[k] == support::carried;
+            if (!(sleep_time > S(0))) carried_from = S(-1);
+            if (!is_slow(b) || !b.can_sleep || (moved && !is_carried)) sleep_time = S(0);
+            else if (sleep_time < with.time) sleep_time += step_;
+            if (!(sleep_time > S(0))) carried_from = S(-1);
+            else if (moved && carried_from < S(0))
+                carried_from =
+                    static_cast<S>(min(square_of(b.velocity.linear), to_double(scalar_traits<S>::max()) / 2));
+            if (moved || !(sleep_time > S(0))) sleep_.sleep_anchor[i] = b.center;
+            any = any || (b.is_dynamic() && !(sleep_time < with.time));
+        }
+        return any;
+    }
+    /// What a slow body that has moved far lies on: nothing, other bodies that move as it does, or anything else.
+    enum class support : std::uint8_t { unasked, none, carried, other };
+
+    /// Of each body that moves; null if none of the slow ones has moved far.
+    template <class IsSlow, class IsFar>
+    const support* find_supports(IsSlow&& is_slow, IsFar&& is_far) {
+        const std::uint32_t count = awake_.size();
+        auto* found = scratch_.template allocate<support>(count + 1);
+        bool any = false;
+        for (std::uint32_t k = 0; k < count; ++k) {
+            const bool asked = is_slow(bodies_[awake_[k]]) && is_far(awake_[k]);
+            found[k] = asked ? support::none : support::unasked;
+            any = any || asked;
+        }
+        found[count] = support::unasked;
+        if (!any || !(settings_.sleeping.time > S(0))) return nullptr;
+        const double fast = to_double(settings_.sleeping.drift) / to_double(settings_.sleeping.time);
+        for (const auto& c : contacts_) {
+            const auto [a, b] = awake_pair(c);
+            support &one = found[a < count ? a : count], &other = found[b < count ? b : count];
+            if (one == support::unasked && other == support::unasked) continue;
+            bool bears = false;
+            for (int k = 0; k < c.count; ++k) bears = bears || c.points[k].normal_impulse > S(0);
+            if (!bears) continue;
+            const auto &of_a = bodies_[c.bodies.body_a], &of_b = bodies_[c.bodies.body_b];
+            const auto apart = to_point(of_b.velocity.linear) - to_point(of_a.velocity.linear);
+            const bool along = of_a.is_dynamic() && of_b.is_dynamic() && !(dot(apart, apart) > fast * fast);
+            for (support* on : {&one, &other})
+                if (*on != support::unasked) *on = along && *on != support::other ? support::carried : support::other;
+        }
+        return found;
+    }
+    static double square_of(const vec<S, D>& v) { return dot(to_point(v), to_point(v)); }
+    static auto spin_squared(const vec<S, 3>& w) { return length_squared(w); }
+    static auto spin_squared(S w) { return product(w, w); }
+
+    [[nodiscard]] bool is_dynamic(std::uint32_t k) const { return k < count_ && bodies_[awake_[k]].is_dynamic(); }
+    [[nodiscard]] body_pair awake_pair(const typename Plan::contact& c) const {
+        return {awake_.index_of[c.bodies.body_a], awake_.index_of[c.bodies.body_b]};
+    }
+    [[nodiscard]] bool touch(const typename Plan::contact& c, S slack) const {
+        return will_touch(c, bodies_[c.bodies.body_a].velocity, bodies_[c.bodies.body_b].velocity, step_, slack);
+    }
+    void add_to_island(std::uint32_t k, island& of) {
+        const std::uint32_t i = awake_[k];
+        of.is_still = of.is_still && bodies_[i].can_sleep && !(sleep_.sleep_time[i] < settings_.sleeping.time);
+        if (const S from = sleep_.carried_from[i]; !(from < S(0))) {
+            const double mass = to_double(bodies_[i].mass.mass);
+            of.now += mass * square_of(bodies_[i].velocity.linear);
+            of.before += mass * to_double(from);
+        }
+        of.is_stopped = of.is_stopped && bodies_[i].velocity == twist_of<S, D, Plan::rotates>{};
+    }
+    /// One of the two is not dynamic: it carries the island if it stands still, and keeps it awake if it moves.
+    void add_support(std::uint32_t a, std::uint32_t b, island& of) {
+        const std::uint32_t other = is_dynamic(a) ? b : a;
+        const twist_of<S, D, Plan::rotates> sleep_time{};
+        if (other < count_ && !(bodies_[awake_[other]].velocity == sleep_time)) of.is_still = false;
+        else of.rests = true;
+    }
+    void fall_asleep(std::uint32_t i, island& of) {
+        bodies_[i].velocity = {};
+        if (of.first == no_sleeper) of.first = i;
+        else sleep_.island_next[of.last] = i;
+        of.last = i;
+        sleep_.island_next[i] = of.first;
+    }
+
+    const buffer<typename Plan::contact>& contacts_;
+    const typename Plan::settings& settings_;
+    S step_;
+    const awake_list& awake_;
+    pool<typename Plan::body>& bodies_;
+    sleep_state<Plan>& sleep_;
+    arena& scratch_;
+    std::uint32_t count_ = 0;
+    island* island_ = nullptr;
+};
+
+/// The step's contacts and how bodies move -> who sleeps. True if any have fallen asleep. O(bodies + contacts).
+template <class Plan>
+bool fall_asleep(const buffer<typename Plan::contact>& contacts, const typename Plan::settings& settings,
+                 typename Plan::scalar h, const shape_pool<Plan>& shapes, awake_list& awake,
+                 pool<typename Plan::body>& bodies, sleep_state<Plan>& sleep, typename Plan::broadphase& broadphase,
+                 arena& scratch) {
+    bool any = false;
+    sleep_judge<Plan>(contacts, settings, h, awake, bodies, sleep, scratch).run([&](std::uint32_t i) {
+        reinsert_proxies<Plan>(bodies, shapes, sleep, settings.contact_margin, broadphase, i);
+        any = true;
+    });
+    if (any) awake.is_stale = true;
+    return any;
+}
+
+/// Hands contacts of which no body that can be pushed is awake any more to the sleepers.
+template <class Plan>
+void move_contacts_to_sleepers(const pool<typename Plan::body>& bodies,
+                               const step_lengths<typename Plan::scalar>& lengths,
+                               buffer<typename Plan::contact>& contacts, sleep_state<Plan>& sleep,
+                               buffer<typename Plan::contact>& moved) {
+    const auto is_pushed = [&](std::uint32_t i) { return bodies[i].is_dynamic() && !sleep.is_asleep(i); };
+    moved.clear();
+    partition_contacts(
+        contacts, [&](const auto& c) { return is_pushed(c.bodies.body_a) || is_pushed(c.bodies.body_b); },
+        [&](const auto& c) { moved.push_back(c); });
+    if (sleep.contacts.empty()) sleep.step = lengths.usual;
+    rescale_impulses(moved.begin(), moved.end(), lengths, {sleep.step, sleep.step});
+    merge_contacts(sleep.contacts, moved);
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/find_pairs.hpp
+// =================================================================================================
+// Which shapes may touch.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Boxes -> pairs of shapes whose boxes overlap, in order, of two bodies of which one at least can be pushed: the
+/// filters that shapes were inserted with say so.
+template <class Broadphase>
+const buffer<proxy_pair>& find_pairs(Broadphase& broadphase, [[maybe_unused]] arena& scratch) {
+    const auto all = [](std::uint32_t, std::uint32_t) { return true; };
+    if constexpr (requires { broadphase.pairs(all, scratch); }) return broadphase.pairs(all, scratch);
+    else return broadphase.pairs(all);
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/overflow.hpp
+// =================================================================================================
+// Whether numbers stay in range in a step.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// The number of substeps of a solver; 1 if it has no such setting.
+template <class Settings>
+int substeps_of(const Settings& settings) {
+    if constexpr (requires { settings.substeps; }) return settings.substeps;
+    else return 1;
+}
+
+/// Whether a body's velocity and displacement keep within half of the scalar's range in a step of h seconds, by the
+/// forces on it: in double, since fixed-point numbers wrap. The whole step's force may act in the first substep.
+template <class S, int D, bool Rotates>
+bool stays_in_range(const vec<S, D>& gravity, const body<S, D, Rotates>& b, const solver_body<S, D, Rotates>& now, S h,
+                    int substeps) {
+    const double maximum = static_cast<double>(scalar_traits<S>::max()) / 2, step = static_cast<double>(h);
+    const auto size = [](double x) { return x < 0 ? -x : x; };
+    const auto fits = [&](double velocity, double force, double drive) {
+        const double speed = size(velocity) + drive * step;
+        return force * substeps <= maximum && drive * substeps <= maximum && speed <= maximum &&
+               speed * step <= maximum;
+    };
+    bool good = true;
+    for (int i = 0; i < D; ++i) {
+        const double force = size(static_cast<double>(b.force[i]));
+        double drive = force * static_cast<double>(b.inverse_mass);
+        if (b.is_dynamic()) drive += size(static_cast<double>(gravity[i]) * static_cast<double>(b.gravity_scale));
+        good = good && fits(static_cast<double>(now.velocity.linear[i]), force, drive);
+    }
+    if constexpr (Rotates)
+        good =
+            good && fits(largest_magnitude(now.velocity.angular), largest_magnitude(b.torque),
+                         largest_magnitude(times(converted<double>(now.inverse_inertia), converted<double>(b.torque))));
+    return good;
+}
+
+/// Whether a body's position and velocity are in range.
+template <class S, int D, bool Rotates>
+bool is_in_range(const moving_body<S, D, Rotates>& at, const twist_of<S, D, Rotates>& velocity) {
+    if (!is_in_range(at.center) || !is_in_range(velocity.linear)) return false;
+    if constexpr (Rotates) return is_finite(at.rotation) && is_in_range(velocity.angular);
+    else return true;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/integrate.hpp
+// =================================================================================================
+// Bodies as they move through a step: copies in tight arrays, which become the world's when the step has succeeded.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Whether an integrator advances poses in lanes: not one that derives from such, and may have poses of its own.
+template <class Integrator, bool Rotates>
+concept advances_in_lanes = requires {
+    requires std::same_as<typename Integrator::owner_of_lanes, Integrator>;
+    requires Integrator::template lanes<Rotates>::serves;
+};
+template <class Integrator, bool Rotates>
+struct pose_lanes_of {
+    struct type {};
+};
+template <class Integrator, bool Rotates>
+    requires advances_in_lanes<Integrator, Rotates>
+struct pose_lanes_of<Integrator, Rotates> {
+    using type = typename Integrator::template lanes<Rotates>;
+};
+
+/// What the solver reads of a world's bodies.
+template <class Plan>
+struct solve_input {
+    const pool<typename Plan::body>& bodies;
+    const awake_list& awake;
+    const typename Plan::settings& settings;
+    /// Of this step, and how long steps usually take (s).
+    typename Plan::scalar h, usual;
+};
+
+/// How the solver moves a batch: it asks for velocities and poses to advance, once or in substeps.
+template <class Plan>
+class batch_integrator {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+    static constexpr bool rotates = Plan::rotates;
+    using integrator = typename Plan::integrator;
+    static constexpr bool in_lanes = advances_in_lanes<integrator, rotates>;
+    using lanes = typename pose_lanes_of<integrator, rotates>::type;
+
+public:
+    /// Copies the bodies of a part into their slots.
+    batch_integrator(const solve_input<Plan>& in, const batches& all, const batch& one,
+                     moved_bodies<S, D, rotates> slots, arena& scratch, task_runner& tasks)
+        : in_(in),
+          members_(all.body_at + one.bodies),
+          bodies_(slots.solved + one.bodies),
+          moving_(slots.moved + one.bodies),
+          count_(one.static_slot - one.bodies),
+          step_(in.h),
+          tasks_(tasks),
+          counts_(scratch.template allocate<std::uint32_t>(tasks.workers())) {
+        free_count_ = count_of([&](std::uint32_t k) { return gather(k); });
+        if constexpr (is_fixed<S>)
+            starts_in_range_ = count_of([&](std::uint32_t k) {
+                                   return !stays_in_range(in.settings.gravity, member(k), bodies_[k], in.h,
+                                                          substeps_of(in.settings.solver));
+                               }) == 0;
+        for (std::uint32_t k = count_; k < one.static_slot - one.bodies + 2; ++k)
+            new (bodies_ + k) solver_body<S, D, rotates>{};
+        if (free_count_ > 0) find_free_bodies(all, one, scratch);
+        if constexpr (in_lanes) lanes_ = new (scratch.template allocate<lanes>(1)) lanes(bodies(), moving_, scratch);
+    }
+
+    /// The bodies as the solver sees them; the last two are the static body and a dummy.
+    [[nodiscard]] solver_bodies<S, D, rotates> bodies() const { return {bodies_, count_ + 2}; }
+
+    /// By gravity and forces (m/s^2); nothing drives what is not dynamic.
+    [[nodiscard]] const vec<S, D>& acceleration(std::uint32_t k) const { return moving_[k].acceleration; }
+
+    /// How long steps usually take (s), or this one, if that is longer: contacts are no stiffer in a shorter one.
+    [[nodiscard]] S usual_step() const { return max(step_, in_.usual); }
+
+    void integrate_velocities(S h) {
+        if (free_count_ > 0) set_free_forces(step_ / h);
+        each([&](std::uint32_t k) { integrate_velocity(k, h); });
+        if (free_count_ > 0) set_free_forces(S(0));
+    }
+    /// The same; also reapplies what contacts gave in the last substep, v - start_velocity, and sets start_velocity
+    /// to the velocity before that.
+    void integrate_velocities(S h, twist_of<S, D, rotates>* start_velocity) {
+        if (free_count_ > 0) set_free_forces(step_ / h);
+        each([&](std::uint32_t k) {
+            auto& v = bodies_[k].velocity;
+            const auto got = v - start_velocity[k];
+            integrate_velocity(k, h);
+            start_velocity[k] = v;
+            v = v + got;
+        });
+        if (free_count_ > 0) set_free_forces(S(0));
+    }
+    void integrate_positions(S h) { integrate_positions(h, nullptr); }
+    /// The same; what velocities change by as bodies turn, they change in `start_velocity` too.
+    void integrate_positions(S h, twist_of<S, D, rotates>* start_velocity) {
+        if constexpr (in_lanes) {
+            lanes_->advance(h, start_velocity, tasks_);
+            return;
+        }
+        each([&](std::uint32_t k) {
+            pose_velocity<S, D, rotates>& v = bodies_[k].velocity;
+            const auto before = v;
+            integrator::integrate_pose(moving_[k], v, bodies_[k].displacement, h);
+            if constexpr (D == 3 && rotates)
+                if (start_velocity != nullptr && !(v == before)) start_velocity[k] = start_velocity[k] + (v - before);
         });
     }
+
+    /// Ends the step. False if something that moved is where numbers do not reach.
+    [[nodiscard]] bool finish() {
+        const std::uint32_t lost = count_of([&](std::uint32_t k) {
+            if constexpr (in_lanes) lanes_->finish(k, k + 1);
+            const auto& by = bodies_[k].displacement;
+            moving_[k].center += by.linear;
+            if constexpr (D == 2 && rotates)
+                if (by.angular != S(0)) moving_[k].rotation = turned(moving_[k].rotation, by.angular);
+            return !is_in_range(moving_[k], bodies_[k].velocity);
+        });
+        return lost == 0 && starts_in_range_;
+    }
+
+private:
+    /// Calls f(k) for all bodies.
+    template <class F>
+    void each(F&& f) {
+        tasks_.parallel_for(count_, min_per_task, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
+            for (std::uint32_t k = first; k < end; ++k) f(k);
+        });
+    }
+    /// For how many of them f(k) is true.
+    template <class F>
+    std::uint32_t count_of(F&& f) {
+        for (std::uint32_t k = 0; k < tasks_.workers(); ++k) counts_[k] = 0;
+        tasks_.parallel_for(count_, min_per_task, [&](std::uint32_t first, std::uint32_t end, std::uint32_t worker) {
+            std::uint32_t count = 0;
+            for (std::uint32_t k = first; k < end; ++k) count += f(k);
+            counts_[worker] += count;
+        });
+        for (std::uint32_t k = 1; k < tasks_.workers(); ++k) counts_[0] += counts_[k];
+        return counts_[0];
+    }
+    void integrate_velocity(std::uint32_t k, S h) {
+        if (!(bodies_[k].inverse_mass > inverse_of<S>(0))) return;
+        integrator::integrate_velocity(bodies_[k].velocity, moving_[k], h);
+        // -0 becomes 0, which no impulse of 0 changes: so the bits are the same whether solvers give it or not.
+        bodies_[k].velocity.linear += vec<S, D>{};
+        if constexpr (rotates) bodies_[k].velocity.angular += angular<S, D>{};
+    }
+    [[nodiscard]] const typename Plan::body& member(std::uint32_t k) const {
+        return in_.bodies[in_.awake[members_[k]]];
+    }
+    /// Says whether a force acts on it.
+    bool gather(std::uint32_t k) {
+        const auto& b = member(k);
+        auto& seen = *new (bodies_ + k) solver_body<S, D, rotates>{b.velocity_ahead(step_), {}, b.inverse_mass, {}};
+        auto& m = *new (moving_ + k) moving_body<S, D, rotates>{};
+        m.center = b.center;
+        if constexpr (rotates) {
+            seen.inverse_inertia = in_world(b.inverse_inertia, b.rotation);
+            m.rotation = b.rotation;
+        }
+        if (!b.is_dynamic()) return false;
+        m.acceleration = in_.settings.gravity * b.gravity_scale;
+        m.linear_damping = b.linear_damping;
+        if constexpr (rotates) {
+            m.angular_damping = b.angular_damping;
+            if (b.is_gyroscopic) m.gyroscopic = &b;
+        }
+        if (!b.has_external_force()) return false;
+        add_force(k, S(1));
+        return true;
+    }
+    /// Lets `share` of the force on a body act.
+    void add_force(std::uint32_t k, S share) {
+        const auto& b = member(k);
+        for (int i = 0; i < D; ++i) moving_[k].acceleration[i] += mul<S>(b.inverse_mass, b.force[i] * share);
+        if constexpr (rotates) moving_[k].angular_acceleration += times(bodies_[k].inverse_inertia, b.torque * share);
+    }
+    /// Bodies that are pushed and touch nothing.
+    void find_free_bodies(const batches& all, const batch& one, arena& scratch) {
+        auto* touches = scratch.template allocate<bool>(count_ + 1);
+        for (std::uint32_t k = 0; k <= count_; ++k) touches[k] = false;
+        for (std::uint32_t n = one.edges; n < one.end; ++n) touches[all.ends[n].a] = touches[all.ends[n].b] = true;
+        free_ = scratch.template allocate<std::uint32_t>(free_count_);
+        free_count_ = 0;
+        for (std::uint32_t k = 0; k < count_; ++k)
+            if (!touches[k] && member(k).has_external_force()) free_[free_count_++] = k;
+    }
+    /// Free bodies get the whole impulse of a user force in the first substep: spread over substeps, explicit user
+    /// springs would gain energy.
+    void set_free_forces(S share) {
+        for (std::uint32_t n = 0; n < free_count_; ++n) {
+            const std::uint32_t k = free_[n];
+            moving_[k].acceleration = in_.settings.gravity * member(k).gravity_scale;
+            if constexpr (rotates) moving_[k].angular_acceleration = {};
+            if (share > S(0)) add_force(k, share);
+        }
+        if (!(share > S(0))) free_count_ = 0;
+    }
+
+    solve_input<Plan> in_;
+    const std::uint32_t* members_;
+    solver_body<S, D, rotates>* bodies_;
+    moving_body<S, D, rotates>* moving_;
+    std::uint32_t count_;
+    S step_;
+    task_runner& tasks_;
+    std::uint32_t* counts_;  ///< What each worker has counted.
+    std::uint32_t* free_ = nullptr;
+    std::uint32_t free_count_ = 0;
+    bool starts_in_range_ = true;
+    lanes* lanes_ = nullptr;
+    static constexpr std::uint32_t min_per_task = 128;  ///< The smallest number of bodies that makes a task.
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/publish.hpp
+// =================================================================================================
+// The end of a step: what it has found becomes the world's.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Where bodies have come, and how fast they are -> bodies, and where they were as the step began. Forces act for one
+/// step, and so do targets.
+template <class S, int D, bool Rotates>
+void publish_bodies(const moved_bodies<S, D, Rotates>& moved, const awake_list& awake,
+                    pool<body<S, D, Rotates>>& bodies, buffer<transform<S, D>>& starts) {
+    for (std::uint32_t k = 0; k < awake.size(); ++k) {
+        const std::uint32_t i = awake[k];
+        auto& b = bodies[i];
+        starts[i] = {b.center, b.rotation};
+        b.center = moved[k].center;
+        if constexpr (Rotates) b.rotation = moved[k].rotation;
+        b.velocity = moved.velocity(k);
+        b.force = {};
+        b.torque = {};
+        b.at_target = b.has_target;
+        if (!b.has_target) continue;
+        b.set_pose(b.target);
+        b.has_target = false;
+    }
 }
+
+/// Stores what the step found: poses, velocities, contacts with their impulses. Nothing fails from here on.
+template <class Plan, class Moved>
+void publish(state<Plan>& s, const Moved& moved, const warm_impulses<typename Plan::scalar>& warm,
+             typename Plan::scalar h) {
+    if (std::exchange(s.awake.is_stale, false))
+        s.bodies.each([&](std::uint32_t i, const auto& b) {
+            if (!s.is_asleep(i)) s.contact_starts[i] = {b.center, b.rotation};
+        });
+    publish_bodies(moved, s.awake, s.bodies, s.contact_starts);
+    warm.after_solve(s.step.new_contacts);
+    s.contacts.swap(s.step.new_contacts);
+    s.surfaces = s.step.new_material;
+    if constexpr (Plan::remembers) s.step.pair_cache_changes.finish(s.memories);
+    ++s.steps;
+    s.step_lengths = {warm.next_usual_step(s.steps), h};
+}
+
+/// Wakes what kinematic bodies are going to run into.
+template <class Plan>
+void wake_ahead(state<Plan>& s, typename Plan::scalar h) {
+    for (const std::uint32_t i : s.awake) {
+        const auto& b = s.bodies[i];
+        if (b.is_dynamic() || b.at_target ||
+            b.velocity == twist_of<typename Plan::scalar, Plan::dimension, Plan::rotates>{})
+            continue;
+        auto turn = b.rotation;
+        if constexpr (Plan::rotates) turn = turned(turn, b.velocity.angular * h);
+        wake_near(s, i, {b.center + b.velocity.linear * h - turn * b.mass.center, turn});
+    }
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/seams.hpp
+// =================================================================================================
+// Seams: where static shapes lie flush, what slides over them does not push at the next one's edge.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Leaves out contacts that a body would make with a static shape that is flush with the one it rests on. Where a body
+/// sinks in by a hair, or contacts are looked for ahead of it, it would be stopped by the side or the corner of the
+/// next shape; lifted out, it would pass. So those contacts go that a body would not have up to the end of the step if
+/// it were lifted by what it has sunk in, and 1/512 of its thickness. O(contacts), and some queries of the narrowphase
+/// for each in question.
+template <class Plan>
+class seam_contacts {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+    using contact = typename Plan::contact;
+    /// A body that goes farther in a step, in thicknesses, keeps its contacts.
+    static constexpr int max_tests = 16;
+
+public:
+    seam_contacts(const collide_input<Plan>& in, const buffer<body_extent<S>>& extents, buffer<contact>& contacts,
+                  manifold_list<S, D>& manifolds, arena& scratch)
+        : in_(in), extents_(extents), contacts_(contacts), manifolds_(manifolds), scratch_(scratch) {}
+
+    void drop() {
+        const std::uint32_t count = in_.awake.size();
+        support_ = scratch_.template allocate<std::uint32_t>(count);
+        for (std::uint32_t i = 0; i < count; ++i) support_[i] = null_index;
+        // Most bodies touch one static shape, or none.
+        bool any = false;
+        for (std::uint32_t i = 0; i < contacts_.size(); ++i) {
+            const contact& c = contacts_[i];
+            const auto [a, b] = awake_pair(c);
+            if ((a < count) == (b < count)) continue;
+            std::uint32_t& first = support_[a < count ? a : b];
+            if (first == null_index) first = i;
+            else any = any || other_shape(c) != other_shape(contacts_[first]);
+        }
+        if (!any) return;
+        for (std::uint32_t i = 0; i < count; ++i) support_[i] = null_index;
+        for (std::uint32_t i = 0; i < contacts_.size(); ++i) {
+            const contact& c = contacts_[i];
+            const std::uint32_t body = pushed_body(c);
+            if (body == null_index || !(load_of(c) > S(0))) continue;
+            std::uint32_t& support = support_[body];
+            if (support == null_index || load_of(c) > load_of(contacts_[support])) support = i;
+        }
+        remove();
+    }
+
+private:
+    [[nodiscard]] body_pair awake_pair(const contact& c) const {
+        return {in_.awake.index_of[c.bodies.body_a], in_.awake.index_of[c.bodies.body_b]};
+    }
+    /// The number among awake bodies of the dynamic one, where the other is static; else null.
+    [[nodiscard]] std::uint32_t pushed_body(const contact& c) const {
+        const std::uint32_t count = in_.awake.size();
+        const auto [a, b] = awake_pair(c);
+        if ((a < count) == (b < count)) return null_index;
+        const std::uint32_t other = a < count ? c.bodies.body_b : c.bodies.body_a;
+        const std::uint32_t body = a < count ? a : b;
+        if (in_.bodies[other].type != body_type::static_body || !in_.bodies[in_.awake[body]].is_dynamic())
+            return null_index;
+        return body;
+    }
+    [[nodiscard]] static S load_of(const contact& c) {
+        S load = S(0);
+        for (int k = 0; k < c.count; ++k)
+            if (c.persisted(k)) load = max(load, c.points[k].normal_impulse);
+        return load;
+    }
+    /// Out of the static shape.
+    [[nodiscard]] vec<S, D> outwards(const contact& c) const {
+        return in_.awake.has(c.bodies.body_a) ? -c.normal : c.normal;
+    }
+    [[nodiscard]] static S deepest(const contact& c) {
+        S separation = c.points[0].separation;
+        for (int k = 1; k < c.count; ++k) separation = min(separation, c.points[k].separation);
+        return separation;
+    }
+    void remove() {
+        // All are looked at before any moves.
+        bool* const is_seam = scratch_.template allocate<bool>(contacts_.size());
+        for (std::uint32_t i = 0; i < contacts_.size(); ++i) is_seam[i] = lies_on_seam(i);
+        partition_contacts(
+            contacts_, [&](const contact& c) { return !is_seam[&c - contacts_.begin()]; }, [](const contact&) {});
+    }
+    [[nodiscard]] bool lies_on_seam(std::uint32_t i) {
+        const contact& c = contacts_[i];
+        const std::uint32_t body = pushed_body(c);
+        if (body == null_index || support_[body] == null_index || support_[body] == i) return false;
+        const contact& support = contacts_[support_[body]];
+        if (other_shape(c) == other_shape(support)) return false;
+        const vec<S, D> up = outwards(support), n = outwards(c);
+        // Alike, both carry it.
+        const S alike = dot(n, up);
+        const vec<S, D> across = n - up * alike;
+        if (!(largest(across) > S(1.0 / 256)) || alike < S(-1.0 / 64)) return false;
+        const vec<S, D> v = in_.bodies[in_.awake[body]].velocity_ahead(in_.h).linear;
+        if (!(deepest(c) + min(dot(n, v), S(0)) * in_.h < S(0))) return false;
+        const S thickness = extents_[in_.awake[body]].thickness;
+        const vec<S, D> along = v * in_.h - up * min(dot(v, up) * in_.h, S(0));
+        const S distance = length(along);
+        if (!(distance * S(1.0 / max_tests) < thickness)) return false;
+        const S lift = max(-deepest(support), S(0)) + thickness * S(1.0 / 512);
+        // No thin shape is between two places.
+        for (S at = min(distance, thickness);; at = min(at + thickness, distance)) {
+            if (would_touch(c, (distance > S(0) ? along * (at / distance) : along) + up * lift)) return false;
+            if (!(at < distance)) break;
+        }
+        // Nor farther on, where a shape that rises from the other one, however slowly, would stop it.
+        return !would_touch(c, along + up * lift - normalized(across) * min(lift * S(256), thickness));
+    }
+    [[nodiscard]] std::uint32_t other_shape(const contact& c) const {
+        return in_.awake.has(c.bodies.body_a) ? c.shape_b : c.shape_a;
+    }
+    [[nodiscard]] bool would_touch(const contact& c, const vec<S, D>& shift) {
+        const auto& a = in_.shapes[c.shape_a];
+        const auto& b = in_.shapes[c.shape_b];
+        auto at_a = a.pose, at_b = b.pose;
+        (in_.awake.has(c.bodies.body_a) ? at_a : at_b).position += shift;
+        const typename Plan::query query{&a.shape, &b.shape, relative(at_a, at_b)};
+        auto& found = manifolds_;
+        found.clear();
+        if constexpr (Plan::remembers) Plan::narrowphase::collide(&query, 1, S(0), nullptr, found);
+        else Plan::narrowphase::collide(&query, 1, S(0), found);
+        for (const auto& [number, part, m] : found)
+            for (int k = 0; k < m.count; ++k)
+                if (m.points[k].separation < S(0)) return true;
+        return false;
+    }
+
+    const collide_input<Plan>& in_;
+    const buffer<body_extent<S>>& extents_;
+    buffer<contact>& contacts_;
+    manifold_list<S, D>& manifolds_;
+    arena& scratch_;
+    std::uint32_t* support_ = nullptr;
+};
+
+/// Contacts -> the same without those on seams. Thickness is known of bodies that may be swept; others keep all.
+template <class Plan, class Continuous>
+void drop_seam_contacts([[maybe_unused]] const collide_input<Plan>& in, [[maybe_unused]] const Continuous& continuous,
+                        [[maybe_unused]] step_data<Plan>& d) {
+    if constexpr (Plan::is_continuous)
+        seam_contacts<Plan>(in, continuous.extents, d.new_contacts, d.manifolds[0], d.scratch).drop();
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/solve.hpp
+// =================================================================================================
+// The solver of a step: islands in batches, solved one by one or side by side.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Where the bodies of all batches are while they are solved.
+template <class S, int D, bool Rotates>
+moved_bodies<S, D, Rotates> place_bodies(const batches& graph, arena& scratch) {
+    return {scratch.template allocate<solver_body<S, D, Rotates>>(graph.slots),
+            scratch.template allocate<moving_body<S, D, Rotates>>(graph.slots), graph.slot_of};
+}
+
+/// Bodies, contacts and their batches -> velocities, poses and impulses.
+template <class Plan>
+class batch_solver {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+    using contact = typename Plan::contact;
+    using combined_material = detail::combined_material<S, typename Plan::features>;
+
+public:
+    batch_solver(const batches& graph, const solve_input<Plan>& in, buffer<contact>& contacts,
+                 const combined_material& material, const moved_bodies<S, D, Plan::rotates>& moved)
+        : graph_(graph), in_(in), contacts_(contacts), material_(material), moved_(moved) {}
+
+    /// Large islands one by one on all workers, the others in parallel. False on overflow.
+    bool run(per_worker<arena>& scratch_of, arena& scratch, task_runner& tasks) const {
+        bool* solved = scratch.template allocate<bool>(graph_.count);
+        for (std::uint32_t k = 0; k < graph_.count; ++k) solved[k] = false;
+        const auto is_large = [&](std::uint32_t k) {
+            return !tasks.is_serial() && graph_.first[k].weight() > large_factor * graph_builder::target_weight;
+        };
+        task_runner alone;
+        for (std::uint32_t k = 0; k < graph_.count; ++k) {
+            if (!is_large(k)) continue;
+            for (std::uint32_t worker = 1; worker < tasks.workers(); ++worker) scratch_of[worker].reset();
+            solved[k] = solve(graph_.first[k], scratch_of[0], tasks);
+        }
+        tasks.parallel_tasks(graph_.count, [&](std::uint32_t k, std::uint32_t worker) {
+            if (!is_large(k)) solved[k] = solve(graph_.first[k], scratch_of[worker], alone);
+        });
+        for (std::uint32_t k = 0; k < graph_.count; ++k)
+            if (!solved[k]) return false;
+        return true;
+    }
+
+private:
+    bool solve(const batch& one, arena& scratch, task_runner& tasks) const {
+        scratch.reset();
+        batch_integrator<Plan> motion(in_, graph_, one, moved_, scratch, tasks);
+        const contact_constraints<S, D, typename Plan::features> contacts(
+            contacts_.begin(), graph_.order + one.edges, graph_.ends + one.edges, one.end - one.edges, material_);
+        const auto& with = in_.settings.solver;
+        if constexpr (requires { Plan::solver::solve(motion.bodies(), contacts, with, in_.h, scratch, motion, tasks); })
+            Plan::solver::solve(motion.bodies(), contacts, with, in_.h, scratch, motion, tasks);
+        else Plan::solver::solve(motion.bodies(), contacts, with, in_.h, scratch, motion);
+        return motion.finish();
+    }
+
+    /// An island that is so many times as large as a batch is wide enough for several workers.
+    static constexpr std::uint32_t large_factor = 4;
+
+    const batches& graph_;
+    const solve_input<Plan>& in_;
+    buffer<contact>& contacts_;
+    const combined_material& material_;
+    const moved_bodies<S, D, Plan::rotates>& moved_;
+};
 
 }  // namespace detail
 
@@ -27123,61 +28713,6 @@ private:
         return wide(bounds(record.shape, pose));
     }
 };
-
-/// Forgets which bodies were near static ones, or deep in them, in the last step.
-template <class Plan>
-void clear_depths(state<Plan>& s) {
-    if constexpr (Plan::sweeps) {
-        for (const std::uint32_t i : s.step.sweep.deep) s.step.sweep.depths[i] = {};
-        s.step.sweep.deep.clear();
-        s.step.sweep.depths.resize(s.bodies.slots());
-        s.step.sweep.near_static.clear();
-        s.step.sweep.near_static.resize(s.bodies.slots());
-    }
-}
-/// Notes which of two bodies whose boxes overlap is near one that stands; those have the last number.
-template <class Plan>
-void note_near(state<Plan>& s, std::uint32_t a, std::uint32_t b) {
-    if constexpr (Plan::sweeps) {
-        // Several workers may note the same body.
-        const auto note = [&](std::uint32_t i) {
-#if defined(__GNUC__)
-            __atomic_store_n(&s.step.sweep.near_static[i], true, __ATOMIC_RELAXED);
-#else
-            s.step.sweep.near_static[i] = true;
-#endif
-        };
-        if (!s.awake.has(a)) note(b);
-        if (!s.awake.has(b)) note(a);
-    }
-}
-/// Whether a contact is deep.
-template <class Plan, class Contact>
-bool is_deep(const state<Plan>& s, const Contact& c) {
-    if constexpr (Plan::sweeps) {
-        // Bodies that do not move have the last number.
-        if (s.awake.has(c.bodies.body_a) == s.awake.has(c.bodies.body_b)) return false;
-        for (int k = 0; k < c.count; ++k)
-            if (-c.points[k].separation > s.settings.contact_margin * typename Plan::scalar(0.125)) return true;
-    }
-    return false;
-}
-/// Notes how deep the body of a contact is in a static one.
-template <class Plan, class Contact>
-void note_depth(state<Plan>& s, const Contact& c) {
-    if constexpr (Plan::sweeps) {
-        if (!is_deep(s, c)) return;
-        typename Plan::scalar depth{};
-        for (int k = 0; k < c.count; ++k) depth = max(depth, -c.points[k].separation);
-        const std::uint32_t a = c.bodies.body_a, b = c.bodies.body_b;
-        const auto note = [&](std::uint32_t i) {
-            s.step.sweep.depths[i] = max(s.step.sweep.depths[i], depth);
-            s.step.sweep.deep.push_back(i);
-        };
-        if (s.bodies[a].type == body_type::static_body) note(b);
-        if (s.bodies[b].type == body_type::static_body) note(a);
-    }
-}
 
 }  // namespace detail
 
@@ -27644,1441 +29179,6 @@ void sweep_fast_bodies(state<Plan>& s, moved_bodies<typename Plan::scalar, Plan:
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/step/look_ahead.hpp
-// =================================================================================================
-// Speculative contacts: found as far ahead of fast bodies as those may come in the step.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// Makes the boxes of fast bodies as large as the contacts that are looked for ahead of them.
-template <class Plan>
-void look_ahead(state<Plan>& s, typename Plan::scalar h) {
-    if constexpr (Plan::looks_ahead) {
-        using S = typename Plan::scalar;
-        constexpr int D = Plan::dimension;
-        s.step.sweep.ahead.resize(s.bodies.slots());
-        bool any = false;
-        s.bodies.each([&](std::uint32_t i, const auto& b) {
-            S& ahead = s.step.sweep.ahead[i];
-            ahead = S(0);
-            if (s.is_asleep(i)) return;
-            if (b.type == body_type::static_body) return;
-            const auto before = b.velocity_ahead(h);
-            vec<S, D> v = before.linear;
-            if (b.is_dynamic()) v += s.settings.gravity * b.gravity_scale * h;
-            const auto& extent = s.continuous.extents[i];
-            ahead = Plan::continuous::ahead({v * h, value_of(before.angular) * h, extent.reach, extent.thickness, S(0),
-                                             b.continuous, s.settings.contact_margin});
-            if (!(ahead > S(0))) return;
-            any = true;
-            each_shape(s, i, [&](std::uint32_t k, const auto& shape) {
-                const auto box = grown(query_bounds(s, shape), ahead);
-                if (is_box(box)) s.broadphase.move(k, box, {});
-            });
-        });
-        if (any) update_broadphase(s);
-    }
-}
-
-/// What is remembered of a pair serves no other step.
-template <class Memory>
-void forget_pair(Memory& m) {
-    m = {};
-    if constexpr (requires { m.changed; }) m.changed = true;
-}
-
-/// The narrowphase of some pairs, where some of them are looked at farther ahead: as one batch those in between.
-template <class Plan, class Query, class Manifolds, class Collide>
-void collide_ahead(state<Plan>& s, const Query* queries, typename Plan::pair_memory* memories, const proxy_pair* pairs,
-                   std::uint32_t count, Manifolds& manifolds, Collide&& collide) {
-    using S = typename Plan::scalar;
-    const S margin = s.settings.contact_margin;
-    const auto farther = [&](std::uint32_t i) {
-        return s.step.sweep.ahead[s.shapes[pairs[i].a].body] + s.step.sweep.ahead[s.shapes[pairs[i].b].body];
-    };
-    for (std::uint32_t i = 0; i < count;) {
-        const S more = farther(i);
-        std::uint32_t end = i + 1;
-        if (!(more > S(0)))
-            while (end < count && !(farther(end) > S(0))) ++end;
-        // What is found farther ahead serves no other step.
-        const auto forget = [&] {
-            if constexpr (Plan::remembers)
-                if (more > S(0) && queries[i].memory != Query::no_memory) forget_pair(memories[queries[i].memory]);
-        };
-        const std::uint32_t before = manifolds.size();
-        forget();
-        collide(queries + i, end - i, margin + more);
-        forget();
-        for (std::uint32_t k = before; k < manifolds.size(); ++k) manifolds[k].query += i;
-        i = end;
-    }
-}
-
-/// What the step has to know of fast bodies before it looks for contacts.
-template <class Plan>
-void watch_fast_bodies(state<Plan>& s, typename Plan::scalar h) {
-    clear_depths(s);
-    look_ahead(s, h);
-}
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/step/sleep.hpp
-// =================================================================================================
-// Sleep: islands that are still leave the step until something happens to them.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// Keeps, in order, the contacts for which stays(contact) is true, and hands the others to out.
-template <class Contacts, class Stays, class Out>
-void partition_contacts(Contacts& contacts, Stays&& stays, Out&& out) {
-    std::uint32_t kept = 0;
-    for (std::uint32_t i = 0; i < contacts.size(); ++i) {
-        if (!stays(contacts[i])) {
-            out(contacts[i]);
-            continue;
-        }
-        if (kept != i) contacts[kept] = contacts[i];
-        ++kept;
-    }
-    while (contacts.size() > kept) contacts.pop_back();
-}
-/// Adds contacts to others; both lists, and the result, are in ascending order of their pairs.
-template <class Contact>
-void merge_contacts(buffer<Contact>& to, const buffer<Contact>& more) {
-    std::uint32_t i = to.size(), j = more.size();
-    if (j == 0) return;
-    to.resize(i + j, more[0]);
-    for (std::uint32_t at = to.size(); j > 0;) {
-        const bool is_last = i > 0 && more[j - 1].key() < to[i - 1].key();
-        to[--at] = is_last ? to[--i] : more[--j];
-    }
-}
-
-/// Calls f(body) for all of a sleeper's island, itself included; f may wake them.
-template <class Plan, class F>
-void each_of_island(state<Plan>& s, std::uint32_t body, F&& f) {
-    std::uint32_t i = body;
-    do {
-        const std::uint32_t next = s.sleep.island_next[i];
-        f(i);
-        i = next;
-    } while (i != body);
-}
-
-/// Brings bodies back that were asleep, listed in s.step.woken: they can be pushed again, and what touches them is
-/// looked at again.
-template <class Plan>
-void finish_waking(state<Plan>& s) {
-    for (const std::uint32_t i : s.step.woken) {
-        s.sleep.island_next[i] = no_sleeper;
-        s.sleep.sleep_time[i] = {};
-        reinsert_proxies(s, i);
-    }
-    if (!s.step.woken.empty()) s.awake.is_stale = true;
-    s.step.woken.clear();
-}
-/// True if neither body of the contact is dynamic and awake.
-template <class Plan, class Contact>
-bool touches_no_awake_body(const state<Plan>& s, const Contact& c) {
-    return !s.is_awake_dynamic(c.bodies.body_a) && !s.is_awake_dynamic(c.bodies.body_b);
-}
-/// Wakes the islands of those that each(f) calls f(body) for, at once, with their contacts. O(contacts of sleepers).
-template <class Plan, class Each>
-void wake_islands(state<Plan>& s, Each&& each) {
-    // A step that was refused may have left its list.
-    s.step.woken.clear();
-    bool any = false;
-    each([&](std::uint32_t body) {
-        if (!s.is_asleep(body)) return;
-        any = true;
-        each_of_island(s, body, [&](std::uint32_t i) { s.step.woken.push_back(i); });
-        finish_waking(s);
-    });
-    if (!any) return;
-    s.step.new_contacts.clear();
-    partition_contacts(
-        s.sleep.contacts, [&](const auto& c) { return touches_no_awake_body(s, c); },
-        [&](const auto& c) { s.step.new_contacts.push_back(c); });
-    rescale_impulses(s.step.new_contacts.begin(), s.step.new_contacts.end(), {s.sleep.step, s.sleep.step},
-                     s.step_lengths);
-    merge_contacts(s.contacts, s.step.new_contacts);
-}
-template <class Plan>
-void wake(state<Plan>& s, std::uint32_t body) {
-    if constexpr (Plan::sleeps) wake_islands(s, [&](auto&& f) { f(body); });
-}
-/// Wakes those that touch a body.
-template <class Plan>
-void wake_touching(state<Plan>& s, std::uint32_t body) {
-    if constexpr (Plan::sleeps) {
-        auto& touching = s.step.near;
-        touching.clear();
-        for (const auto& c : s.sleep.contacts) {
-            if (c.bodies.body_a == body) touching.push_back(c.bodies.body_b);
-            if (c.bodies.body_b == body) touching.push_back(c.bodies.body_a);
-        }
-        wake_islands(s, [&](auto&& f) {
-            for (const std::uint32_t i : touching) f(i);
-        });
-    }
-}
-/// A body has changed: wakes its island if it is dynamic, else the islands that touch it.
-template <class Plan>
-void wake_affected(state<Plan>& s, std::uint32_t body) {
-    if (s.bodies[body].is_dynamic()) wake(s, body);
-    else wake_touching(s, body);
-}
-/// Wakes those that lie where a body is, or on its way to another pose.
-template <class Plan>
-void wake_near(state<Plan>& s, std::uint32_t body, const transform<typename Plan::scalar, Plan::dimension>& to) {
-    if constexpr (Plan::sleeps) {
-        auto& near = s.step.near;
-        near.clear();
-        each_shape(s, body, [&](std::uint32_t, const auto& shape) {
-            const auto box = merged(query_bounds(s, shape), bounds(shape.shape, to * shape.local));
-            each_near(s, box, query_filter{}, [&](std::uint32_t other) {
-                if (s.is_asleep(s.shapes[other].body)) near.push_back(s.shapes[other].body);
-                return true;
-            });
-        });
-        wake_islands(s, [&](auto&& f) {
-            for (const std::uint32_t i : near) f(i);
-        });
-    }
-}
-template <class Plan>
-void wake_near(state<Plan>& s, std::uint32_t body) {
-    wake_near(s, body, s.bodies[body].pose());
-}
-template <class Plan>
-void wake_all(state<Plan>& s) {
-    if constexpr (Plan::sleeps)
-        wake_islands(s, [&](auto&& f) { s.bodies.each([&](std::uint32_t i, const auto&) { f(i); }); });
-}
-
-template <class Plan>
-std::uint32_t count_awake(const state<Plan>& s) {
-    std::uint32_t count = 0;
-    s.bodies.each(
-        [&](std::uint32_t i, const auto& b) { count += b.type != body_type::static_body && !s.is_asleep(i); });
-    return count;
-}
-
-/// How far gravity draws bodies together within a step, at most.
-template <class Plan>
-auto gravity_slack(const state<Plan>& s, typename Plan::scalar h) {
-    return length(s.settings.gravity) * h * h;
-}
-
-/// Adds to the awake list the islands of sleeping bodies that a body will touch in this step; they wake for good when
-/// the step has succeeded. True if there are any.
-template <class Plan>
-bool list_woken(state<Plan>& s, bool any_near, typename Plan::scalar h) {
-    s.step.woken.clear();
-    if (!any_near) return false;
-    const auto slack = gravity_slack(s, h);
-    for (const auto& c : s.step.new_contacts) {
-        const std::uint32_t a = c.bodies.body_a, b = c.bodies.body_b;
-        const bool of_a = s.is_asleep(a);
-        if (of_a == s.is_asleep(b)) continue;
-        const std::uint32_t sleeper = of_a ? a : b;
-        if (s.awake.has(sleeper) ||
-            !will_touch(c, s.bodies[a].velocity_ahead(h), s.bodies[b].velocity_ahead(h), h, slack))
-            continue;
-        each_of_island(s, sleeper, [&](std::uint32_t i) {
-            s.awake.index_of[i] = 0;
-            s.step.woken.push_back(i);
-        });
-    }
-    if (s.step.woken.empty()) return false;
-    for (const std::uint32_t i : s.step.woken) s.awake.bodies.push_back(i);
-    s.awake.is_stale = true;
-    return true;
-}
-
-/// The step has succeeded: they are awake for good.
-template <class Plan>
-void commit_woken(state<Plan>& s) {
-    if (s.step.woken.empty()) return;
-    finish_waking(s);
-    partition_contacts(
-        s.sleep.contacts, [&](const auto& c) { return touches_no_awake_body(s, c); }, [](const auto&) {});
-}
-
-/// Notes how long each body has been still, and lets islands sleep that have been so for long enough and rest on
-/// something, or do not move at all: a slow drift in free space goes on for ever. What lies on other bodies only may go
-/// along with them: the upper rows of a large pile breathe by centimetres while no two that touch move against each
-/// other. Then the island must have lost half of that energy since, so that what tips, or moves steadily, stays awake.
-template <class Plan>
-class sleep_update {
-    using S = typename Plan::scalar;
-    static constexpr int D = Plan::dimension;
-
-public:
-    sleep_update(state<Plan>& s, S h) : s_(s), step_(h) {
-        if (!update_sleep_times()) return;
-        count_ = s.awake.size();
-        disjoint_sets sets(count_, s.step.scratch);
-        island_ = s.step.scratch.template allocate<island>(count_);
-        for (std::uint32_t k = 0; k < count_; ++k) new (island_ + k) island{};
-        const S slack = gravity_slack(s, h);
-        for (const auto& c : s.contacts) {
-            const auto [a, b] = awake_pair(c);
-            if (is_dynamic(a) && is_dynamic(b) && touch(c, slack)) sets.unite(a, b);
-        }
-        for (std::uint32_t k = 0; k < count_; ++k)
-            if (is_dynamic(k)) add_to_island(k, island_[sets.find(k)]);
-        for (const auto& c : s.contacts) {
-            const auto [a, b] = awake_pair(c);
-            if (is_dynamic(a) != is_dynamic(b) && touch(c, slack))
-                add_support(a, b, island_[sets.find(is_dynamic(a) ? a : b)]);
-        }
-        bool any = false;
-        for (std::uint32_t k = 0; k < count_; ++k) {
-            if (!is_dynamic(k)) continue;
-            island& of = island_[sets.find(k)];
-            if (!of.is_still || !(of.rests || of.is_stopped) || of.now > 0.5 * of.before) continue;
-            fall_asleep(s.awake[k], of);
-            any = true;
-        }
-        if (any) move_contacts_to_sleepers();
-    }
-
-private:
-    struct island {
-        bool is_still = true, is_stopped = true, rests = false;
-        /// Of bodies that went along with others, mass times speed squared now, and when they began to.
-        double now = 0, before = 0;
-        std::uint32_t first = no_sleeper, last = no_sleeper;
-    };
-
-    /// True if any body has been still for long enough.
-    bool update_sleep_times() {
-        const auto& with = s_.settings.sleeping;
-        if (!with.enabled) return false;
-        const auto fast = product(with.speed, with.speed), spinning = product(with.spin, with.spin),
-                   far = product(with.drift, with.drift);
-        const auto is_slow = [&](const auto& b) {
-            return !(length_squared(b.velocity.linear) > fast || spin_squared(value_of(b.velocity.angular)) > spinning);
-        };
-        const auto is_far = [&](std::uint32_t i) {
-            return length_squared(s_.bodies[i].center - s_.sleep.sleep_anchor[i]) > far;
-        };
-        const support* supports = find_supports(is_slow, is_far);
-        bool any = false;
-        for (std::uint32_t k = 0; k < s_.awake.size(); ++k) {
-            const std::uint32_t i = s_.awake[k];
-            const auto& b = s_.bodies[i];
-            S &sleep_time = s_.sleep.sleep_time[i], &carried_from = s_.sleep.carried_from[i];
-            const bool moved = is_far(i), is_carried = supports != nullptr && supports[k] == support::carried;
-            if (!(sleep_time > S(0))) carried_from = S(-1);
-            if (!is_slow(b) || !b.can_sleep || (moved && !is_carried)) sleep_time = S(0);
-            else if (sleep_time < with.time) sleep_time += step_;
-            if (!(sleep_time > S(0))) carried_from = S(-1);
-            else if (moved && carried_from < S(0))
-                carried_from =
-                    static_cast<S>(min(square_of(b.velocity.linear), to_double(scalar_traits<S>::max()) / 2));
-            if (moved || !(sleep_time > S(0))) s_.sleep.sleep_anchor[i] = b.center;
-            any = any || (b.is_dynamic() && !(sleep_time < with.time));
-        }
-        return any;
-    }
-    /// What a slow body that has moved far lies on: nothing, other bodies that move as it does, or anything else.
-    enum class support : std::uint8_t { unasked, none, carried, other };
-
-    /// Of each body that moves; null if none of the slow ones has moved far.
-    template <class IsSlow, class IsFar>
-    const support* find_supports(IsSlow&& is_slow, IsFar&& is_far) {
-        const std::uint32_t count = s_.awake.size();
-        auto* found = s_.step.scratch.template allocate<support>(count + 1);
-        bool any = false;
-        for (std::uint32_t k = 0; k < count; ++k) {
-            const bool asked = is_slow(s_.bodies[s_.awake[k]]) && is_far(s_.awake[k]);
-            found[k] = asked ? support::none : support::unasked;
-            any = any || asked;
-        }
-        found[count] = support::unasked;
-        if (!any || !(s_.settings.sleeping.time > S(0))) return nullptr;
-        const double fast = to_double(s_.settings.sleeping.drift) / to_double(s_.settings.sleeping.time);
-        for (const auto& c : s_.contacts) {
-            const auto [a, b] = awake_pair(c);
-            support &one = found[a < count ? a : count], &other = found[b < count ? b : count];
-            if (one == support::unasked && other == support::unasked) continue;
-            bool bears = false;
-            for (int k = 0; k < c.count; ++k) bears = bears || c.points[k].normal_impulse > S(0);
-            if (!bears) continue;
-            const auto &of_a = s_.bodies[c.bodies.body_a], &of_b = s_.bodies[c.bodies.body_b];
-            const auto apart = to_point(of_b.velocity.linear) - to_point(of_a.velocity.linear);
-            const bool along = of_a.is_dynamic() && of_b.is_dynamic() && !(dot(apart, apart) > fast * fast);
-            for (support* on : {&one, &other})
-                if (*on != support::unasked) *on = along && *on != support::other ? support::carried : support::other;
-        }
-        return found;
-    }
-    static double square_of(const vec<S, D>& v) { return dot(to_point(v), to_point(v)); }
-    static auto spin_squared(const vec<S, 3>& w) { return length_squared(w); }
-    static auto spin_squared(S w) { return product(w, w); }
-
-    [[nodiscard]] bool is_dynamic(std::uint32_t k) const { return k < count_ && s_.bodies[s_.awake[k]].is_dynamic(); }
-    [[nodiscard]] body_pair awake_pair(const typename Plan::contact& c) const {
-        return {s_.awake.index_of[c.bodies.body_a], s_.awake.index_of[c.bodies.body_b]};
-    }
-    [[nodiscard]] bool touch(const typename Plan::contact& c, S slack) const {
-        return will_touch(c, s_.bodies[c.bodies.body_a].velocity, s_.bodies[c.bodies.body_b].velocity, step_, slack);
-    }
-    void add_to_island(std::uint32_t k, island& of) {
-        const std::uint32_t i = s_.awake[k];
-        of.is_still = of.is_still && s_.bodies[i].can_sleep && !(s_.sleep.sleep_time[i] < s_.settings.sleeping.time);
-        if (const S from = s_.sleep.carried_from[i]; !(from < S(0))) {
-            const double mass = to_double(s_.bodies[i].mass.mass);
-            of.now += mass * square_of(s_.bodies[i].velocity.linear);
-            of.before += mass * to_double(from);
-        }
-        of.is_stopped = of.is_stopped && s_.bodies[i].velocity == twist_of<S, D, Plan::rotates>{};
-    }
-    /// One of the two is not dynamic: it carries the island if it stands still, and keeps it awake if it moves.
-    void add_support(std::uint32_t a, std::uint32_t b, island& of) {
-        const std::uint32_t other = is_dynamic(a) ? b : a;
-        const twist_of<S, D, Plan::rotates> sleep_time{};
-        if (other < count_ && !(s_.bodies[s_.awake[other]].velocity == sleep_time)) of.is_still = false;
-        else of.rests = true;
-    }
-    void fall_asleep(std::uint32_t i, island& of) {
-        s_.bodies[i].velocity = {};
-        if (of.first == no_sleeper) of.first = i;
-        else s_.sleep.island_next[of.last] = i;
-        of.last = i;
-        s_.sleep.island_next[i] = of.first;
-        reinsert_proxies(s_, i);
-        s_.awake.is_stale = true;
-    }
-    void move_contacts_to_sleepers() {
-        s_.step.new_contacts.clear();
-        partition_contacts(
-            s_.contacts, [&](const auto& c) { return !touches_no_awake_body(s_, c); },
-            [&](const auto& c) { s_.step.new_contacts.push_back(c); });
-        if (s_.sleep.contacts.empty()) s_.sleep.step = s_.step_lengths.usual;
-        rescale_impulses(s_.step.new_contacts.begin(), s_.step.new_contacts.end(), s_.step_lengths,
-                         {s_.sleep.step, s_.sleep.step});
-        merge_contacts(s_.sleep.contacts, s_.step.new_contacts);
-        if constexpr (Plan::remembers)
-            s_.memories.drop([&](std::uint32_t shape) { return s_.is_asleep(s_.shapes[shape].body); });
-    }
-
-    state<Plan>& s_;
-    S step_;
-    std::uint32_t count_ = 0;
-    island* island_ = nullptr;
-};
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/step/warm_impulses.hpp
-// =================================================================================================
-// What contacts hand on from step to step where these differ in length.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// A step hands on what its contacts gave, as the load that the next one begins with. Where steps differ, what a single
-/// short one says of loads is noise; so what is handed on is what contacts gave within a usual step's time, to which
-/// the last step adds its part. How long steps usually take follows their length by an eighth at a time. Steps of one
-/// length hand on their impulses as they are, and cost nothing.
-template <class S>
-class warm_impulses {
-public:
-    /// `steps`: how many the world has taken before this one of h seconds.
-    warm_impulses(const step_lengths<S>& before, std::uint64_t steps, S h)
-        : last_(before.usual), steps_(steps), step_(h) {}
-
-    /// How long steps usually take once this one counts among them (s), of a world that has taken so many.
-    [[nodiscard]] S next_usual_step(std::uint64_t steps) const {
-        // A world's first steps may be shorter than those to come.
-        const S longest = steps < 8 ? step_ : last_ + last_ * S(0.125);
-        return max(min(step_, longest), last_ - step_ * S(0.125));
-    }
-    /// Remembers with what impulses this step begins.
-    template <class Contact>
-    void before_solve(const buffer<Contact>& contacts, arena& scratch) {
-        if (!is_shorter()) return;
-        constexpr std::uint32_t capacity = sizeof(Contact::points) / sizeof(contacts[0].points[0]);
-        begun_with_ = scratch.template allocate<S>(contacts.size() * capacity);
-        S* to = begun_with_;
-        for (const auto& c : contacts)
-            for (int k = 0; k < c.count; ++k) *to++ = c.persisted(k) ? c.points[k].substep_impulse : S(0);
-    }
-    /// Turns this step's impulses into those of a usual one.
-    template <class Contact>
-    void after_solve(buffer<Contact>& contacts) const {
-        const S usual = next_usual_step(steps_);
-        if (usual == step_ && !is_shorter()) return;
-        const S ratio = impulse_ratio(last_, step_), part = usual / max(step_, last_);
-        const S* from = begun_with_;
-        for (auto& c : contacts)
-            for (int k = 0; k < c.count; ++k) {
-                S& impulse = c.points[k].substep_impulse;
-                if (is_shorter()) impulse += *from / ratio - *from, ++from;
-                impulse *= part;
-            }
-    }
-
-private:
-    bool is_shorter() const { return step_ < last_; }
-
-    S last_;
-    std::uint64_t steps_;
-    S step_;
-    S* begun_with_ = nullptr;
-};
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/step/collide.hpp
-// =================================================================================================
-// The contacts of a step: narrowphase, surfaces, and what is remembered of pairs.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// The narrowphase wants the shape of the lower kind first.
-template <class Plan>
-proxy_pair in_order_of_kinds(const state<Plan>& s, proxy_pair p) {
-    return s.shapes[p.a].shape.kind() > s.shapes[p.b].shape.kind() ? proxy_pair{p.b, p.a} : p;
-}
-
-/// Some pairs in a row with what the narrowphase is to know of them: a query of each, and what the last step remembered
-/// of those that it cares to remember.
-template <class Plan>
-class pair_queries {
-    using query = typename Plan::query;
-    using memory = typename Plan::pair_memory;
-
-public:
-    /// Both lists are in ascending order, so one walk along both finds what is remembered.
-    pair_queries(state<Plan>& s, const proxy_pair* pairs, std::uint32_t count, arena& scratch)
-        : pairs_(pairs), count_(count), queries_(scratch.allocate<query>(count)) {
-        if constexpr (Plan::remembers) {
-            memories_ = scratch.allocate<memory>(count);
-            owners_ = scratch.allocate<owner>(count);
-        }
-        [[maybe_unused]] std::uint32_t last = no_memory;
-        for (std::uint32_t i = 0; i < count; ++i) {
-            const proxy_pair p = in_order_of_kinds(s, pairs[i]);
-            const auto& a = s.shapes[p.a];
-            const auto& b = s.shapes[p.b];
-            note_near(s, a.body, b.body);
-            new (queries_ + i) query{&a.shape, &b.shape, relative(a.pose, b.pose)};
-            if constexpr (Plan::remembers) {
-                if (!Plan::narrowphase::remembers(a.shape.kind(), b.shape.kind())) continue;
-                if (last == no_memory) last = s.memories.find(pairs[i]);
-                while (last < s.memories.size() && s.memories.pair(last) < pairs[i]) ++last;
-                const bool known = last < s.memories.size() && s.memories.pair(last) == pairs[i];
-                if (known) s.memories.read(last, memories_[remembered_]);
-                else s.memories.clear(memories_[remembered_]);
-                owners_[remembered_] = {i, known ? last : no_memory};
-                queries_[i].memory = remembered_++;
-            }
-        }
-    }
-    [[nodiscard]] const query* queries() const { return queries_; }
-    [[nodiscard]] memory* memories() const { return memories_; }
-    [[nodiscard]] const proxy_pair* pairs() const { return pairs_; }
-    [[nodiscard]] std::uint32_t size() const { return count_; }
-
-    /// Says which memories stay as they are, and adds the others to a list.
-    void save_to_cache(const pair_cache<Plan>& before, bool* is_kept, pair_cache<Plan>& changes) const {
-        for (std::uint32_t k = 0; k < remembered_; ++k) {
-            const auto [i, known] = owners_[k];
-            if (known != no_memory && before.is_unchanged(known, memories_[k])) is_kept[known] = true;
-            else changes.add(pairs_[i], memories_[k]);
-        }
-    }
-
-private:
-    static constexpr std::uint32_t no_memory = query::no_memory;
-    /// Whose memory it is, and which one of the last step, if any.
-    struct owner {
-        std::uint32_t pair, known;
-    };
-
-    const proxy_pair* pairs_;
-    std::uint32_t count_, remembered_ = 0;
-    query* queries_;
-    memory* memories_ = nullptr;
-    owner* owners_ = nullptr;
-};
-
-/// How running surfaces drive. Apart from the rest, since few do.
-template <class Plan>
-PHYSICS_HPP_NOINLINE void set_belt_velocity(typename Plan::contact& c, const shape_record<Plan>& a,
-                                            const shape_record<Plan>& b) {
-    c.surface_velocity =
-        relative_surface_velocity(tangents<typename Plan::scalar, Plan::dimension>(c.normal), a.pose.rotation,
-                                  a.material.surface_velocity, b.pose.rotation, b.material.surface_velocity);
-}
-/// Writes down the coefficients of two materials together; false if the recipe's rule gives what no solver takes.
-template <class Plan, class Coefficients>
-bool combine_materials(Coefficients& c, const material<typename Plan::scalar, Plan::dimension>& of_a,
-                       const material<typename Plan::scalar, Plan::dimension>& of_b) {
-    using S = typename Plan::scalar;
-    using features = typename Plan::features;
-    const auto is_good = [](S x) { return x >= S(0) && is_finite(x); };
-    bool good = true;
-    if constexpr (features::friction) good = is_good(c.friction = Plan::mixing::friction(of_a, of_b));
-    if constexpr (features::restitution) {
-        c.restitution = Plan::mixing::restitution(of_a, of_b);
-        good = good && is_good(c.restitution) && !(c.restitution > S(1));
-    }
-    if constexpr (features::rolling_resistance)
-        good = is_good(c.rolling_resistance = Plan::mixing::rolling_resistance(of_a, of_b)) && good;
-    return good;
-}
-/// What both surfaces make of a contact of A and B, unless that is the same for all.
-template <class Plan>
-bool combine_surface_materials([[maybe_unused]] typename Plan::contact& c, [[maybe_unused]] const shape_record<Plan>& a,
-                               [[maybe_unused]] const shape_record<Plan>& b) {
-    if constexpr (Plan::features::materials) {
-        const material<typename Plan::scalar, Plan::dimension> of_a = a.material.whole(), of_b = b.material.whole();
-        const bool good = combine_materials<Plan>(c, of_a, of_b);
-        if constexpr (Plan::features::surface_velocity) {
-            const surface_motion<typename Plan::scalar, Plan::dimension> at_rest{};
-            if (of_a.surface_velocity != at_rest || of_b.surface_velocity != at_rest) set_belt_velocity(c, a, b);
-        }
-        return good;
-    } else {
-        return true;
-    }
-}
-/// What all surfaces of this step make of each other, if they are of one material.
-template <class Plan>
-bool combine_common_materials([[maybe_unused]] const typename Plan::settings& settings,
-                              [[maybe_unused]] combined_material<typename Plan::scalar, typename Plan::features>& to) {
-    if constexpr (Plan::features::materials) {
-        return true;
-    } else {
-        auto of_all = settings.material;
-        // As materials of shapes, it lacks what the recipe leaves out.
-        if constexpr (!Plan::features::friction) of_all.friction = {};
-        return combine_materials<Plan>(to, of_all, of_all);
-    }
-}
-
-/// Adds the contacts of a manifold between the shapes of a pair. False if their surfaces do not mix.
-template <class Plan, class Manifold>
-bool add_contact(const state<Plan>& s, proxy_pair pair, std::uint32_t part, const Manifold& m,
-                 buffer<typename Plan::contact>& to) {
-    using S = typename Plan::scalar;
-    constexpr int D = Plan::dimension;
-    const proxy_pair p = in_order_of_kinds(s, pair);
-    const auto& a = s.shapes[p.a];
-    const auto& b = s.shapes[p.b];
-    const rotation<S, D> turn = a.pose.rotation;
-    auto& c = to.emplace_back(p.a, p.b, edge{a.body, b.body}, part, turn * m.normal, a.r,
-                              b.r + (a.pose.position - b.pose.position), static_cast<std::uint8_t>(m.count));
-    for (int k = 0; k < m.count; ++k) {
-        c.points[k].position = turn * m.points[k].position;
-        c.points[k].separation = m.points[k].separation;
-        c.points[k].feature = m.points[k].feature;
-    }
-    return combine_surface_materials(c, a, b);
-}
-
-/// Result flags of the narrowphase: all combined coefficients are valid; some contact is deep; an awake body is near a
-/// sleeping one.
-struct collide_result {
-    bool materials_valid = true, deep = false, near_sleeper = false;
-};
-/// Adds the contacts of some pairs in a row.
-template <class Plan>
-collide_result collide_chunk(state<Plan>& s, const pair_queries<Plan>& of,
-                             manifold_list<typename Plan::scalar, Plan::dimension>& manifolds,
-                             buffer<typename Plan::contact>& to) {
-    using S = typename Plan::scalar;
-    manifolds.clear();
-    const auto collide = [&](const auto* some, std::uint32_t count, S within) {
-        if constexpr (Plan::remembers) Plan::narrowphase::collide(some, count, within, of.memories(), manifolds);
-        else Plan::narrowphase::collide(some, count, within, manifolds);
-    };
-    if constexpr (Plan::looks_ahead)
-        collide_ahead(s, of.queries(), of.memories(), of.pairs(), of.size(), manifolds, collide);
-    else collide(of.queries(), of.size(), s.settings.contact_margin);
-    collide_result result;
-    for (const auto& [query, part, m] : manifolds) {
-        const proxy_pair pair = of.pairs()[query];
-        const std::uint32_t a = s.shapes[pair.a].body, b = s.shapes[pair.b].body;
-        // Broadphases need not leave out pairs of two bodies that are static or asleep; such a pair needs no solving.
-        if (s.awake.index_of[a] == s.awake.index_of[b]) continue;
-        result.materials_valid = add_contact(s, pair, part, m, to) && result.materials_valid;
-        result.deep = result.deep || is_deep(s, to.back());
-        // Bodies that do not move or sleep have the last number.
-        result.near_sleeper = result.near_sleeper || s.is_asleep(s.awake.index_of[a] < s.awake.index_of[b] ? b : a);
-    }
-    return result;
-}
-
-/// The contacts of a part of the pairs: where they lie among those that a worker has found.
-struct contact_chunk {
-    std::uint32_t worker, first, end;
-    collide_result is;
-
-    [[nodiscard]] std::uint32_t size() const { return end - first; }
-};
-/// Brings the pieces of several workers together, in their order, and notes which bodies they find deep in others.
-template <class Plan>
-collide_result join_chunks(state<Plan>& s, contact_chunk* pieces, std::uint32_t count, task_runner& tasks) {
-    using contact = typename Plan::contact;
-    collide_result all;
-    std::uint32_t found = 0;
-    for (std::uint32_t k = 0; k < count; ++k) {
-        all.materials_valid = all.materials_valid && pieces[k].is.materials_valid;
-        all.deep = all.deep || pieces[k].is.deep;
-        all.near_sleeper = all.near_sleeper || pieces[k].is.near_sleeper;
-        found += pieces[k].size();
-    }
-    // What the caller has found first stays where it is.
-    std::uint32_t kept = 0;
-    if (!tasks.is_serial()) {
-        auto& own = s.step.contacts_by_worker[0];
-        std::uint32_t in_place = 0;
-        for (; kept < count && pieces[kept].worker == 0 && pieces[kept].first == in_place; ++kept)
-            in_place += pieces[kept].size();
-        // The rest of it, if any, moves aside.
-        s.step.new_contacts.clear();
-        if (own.size() > in_place)
-            std::memcpy(static_cast<void*>(s.step.new_contacts.extend(own.size() - in_place)), own.begin() + in_place,
-                        (own.size() - in_place) * sizeof(contact));
-        for (std::uint32_t k = kept; k < count; ++k)
-            if (pieces[k].worker == 0) pieces[k].first -= in_place, pieces[k].end -= in_place;
-        own.resize(in_place);
-        s.step.new_contacts.swap(own);
-        s.step.new_contacts.extend(found - in_place);
-    }
-    contact* to = s.step.new_contacts.begin();
-    auto** places = s.step.scratch.template allocate<contact*>(count);
-    for (std::uint32_t k = 0; k < count; ++k) {
-        places[k] = to;
-        to += pieces[k].size();
-    }
-    if (!tasks.is_serial())
-        // Of all pieces, so that workers copy what they have found.
-        tasks.parallel_tasks(kept < count ? count : 0, [&](std::uint32_t k, std::uint32_t) {
-            const contact_chunk& of = pieces[k];
-            if (k < kept || of.size() == 0) return;
-            std::memcpy(static_cast<void*>(places[k]), s.step.contacts_by_worker[of.worker].begin() + of.first,
-                        of.size() * sizeof(contact));
-        });
-    for (std::uint32_t k = 0; k < count; ++k) {
-        if (!pieces[k].is.deep) continue;
-        for (std::uint32_t i = 0; i < pieces[k].size(); ++i) note_depth(s, places[k][i]);
-    }
-    return all;
-}
-
-/// Narrowphase: contacts of the pairs that touch or nearly do, in the order of the pairs, with the impulses that the
-/// same features had in steps of those lengths, scaled to one of h: they hold loads, which a longer step holds by
-/// larger ones. What it remembers of the pairs becomes the next step's, unless it is not to.
-template <class Plan>
-collide_result find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs,
-                             const buffer<typename Plan::contact>& before, step_lengths<typename Plan::scalar> lengths,
-                             typename Plan::scalar h, task_runner& tasks, [[maybe_unused]] bool remembers = true) {
-    // So many pairs that what is found of them is still in the caches when it becomes contacts.
-    constexpr std::uint32_t share = 256;
-    const std::uint32_t count = (pairs.size() + share - 1) / share;
-    contact_chunk* pieces = s.step.scratch.template allocate<contact_chunk>(count);
-    [[maybe_unused]] auto& changes = s.step.pair_cache_changes;
-    if constexpr (Plan::remembers)
-        if (remembers) changes.start(s.memories, count, tasks, s.step.scratch);
-    s.step.new_contacts.clear();
-    if (tasks.is_serial()) s.step.new_contacts.reserve(before.size());
-    else
-        for (std::uint32_t k = 0; k < tasks.workers(); ++k) s.step.contacts_by_worker[k].clear();
-    tasks.parallel_chunks(pairs.size(), share, [&](std::uint32_t first, std::uint32_t end, std::uint32_t worker) {
-        auto& to = tasks.is_serial() ? s.step.new_contacts : s.step.contacts_by_worker[worker];
-        const std::uint32_t start = to.size();
-        // Solvers come to it later in the step.
-        arena& scratch = s.step.batch_scratch[worker];
-        scratch.reset();
-        const pair_queries<Plan> some(s, pairs.begin() + first, end - first, scratch);
-        const collide_result is = collide_chunk(s, some, s.step.manifolds[worker], to);
-        if constexpr (Plan::remembers)
-            if (remembers) changes.add(some, s.memories, first / share, worker);
-        inherit_impulses(before, to.begin() + start, to.end(), s.step.new_material);
-        // What pushes overlaps apart is as large in a short step as in a long one. As long as a world is young that may
-        // be most of its impulses, and must not be stretched.
-        const int maximum = s.steps < 128 ? static_cast<int>(s.steps) : 128;
-        rescale_impulses(to.begin() + start, to.end(), lengths, {h, h}, typename Plan::scalar(maximum));
-        new (pieces + first / share) contact_chunk{worker, start, to.size(), is};
-    });
-    return join_chunks(s, pieces, count, tasks);
-}
-
-/// Adds the contacts of woken islands, found anew. False if materials do not combine.
-template <class Plan>
-bool find_contacts_of_woken(state<Plan>& s, typename Plan::scalar h, task_runner& tasks) {
-    s.awake.number(s.bodies.slots());
-    s.step.woken_pairs.clear();
-    // Kinematic bodies are always in the awake list, but wake no other body.
-    const auto wakes = [&](std::uint32_t i) { return s.bodies[i].is_dynamic() && s.awake.has(i); };
-    for (const auto& c : s.sleep.contacts) {
-        if (!wakes(c.bodies.body_a) && !wakes(c.bodies.body_b)) continue;
-        if (s.step.woken_pairs.empty() || s.step.woken_pairs.back() < c.key()) s.step.woken_pairs.push_back(c.key());
-    }
-    s.step.new_contacts.swap(s.step.woken_contacts);
-    const bool good =
-        find_contacts(s, s.step.woken_pairs, s.sleep.contacts, {s.sleep.step, s.sleep.step}, h, tasks, false)
-            .materials_valid;
-    merge_contacts(s.step.woken_contacts, s.step.new_contacts);
-    s.step.new_contacts.swap(s.step.woken_contacts);
-    return good;
-}
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/step/edges.hpp
-// =================================================================================================
-// What holds bodies together in a step, and the islands that follow.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// Contacts -> which bodies they hold together, in their order. O(contacts).
-template <class S, int D, class Features>
-void list_edges(const buffer<contact<S, D, Features>>& contacts, buffer<edge>& edges, task_runner& tasks) {
-    constexpr std::uint32_t share = 1024;
-    edges.clear();
-    edges.extend(contacts.size());
-    tasks.parallel_for(contacts.size(), share, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
-        // Copies, as what is written may be anything to the compiler.
-        const auto* const from = contacts.begin();
-        edge* const to = edges.begin();
-        for (std::uint32_t n = first; n < end; ++n) to[n] = from[n].bodies;
-    });
-}
-
-/// Edges, and which bodies move -> islands, in batches. O(bodies + edges).
-template <class S, int D, bool Rotates>
-batches build_graph(const buffer<edge>& edges, const pool<body<S, D, Rotates>>& bodies, const awake_list& awake,
-                    arena& scratch, task_runner& tasks) {
-    // On one thread, what goes into the second cache is not worth taking apart.
-    const std::uint32_t batch_limit = graph_builder::target_weight * (tasks.is_serial() ? (D == 2 ? 8 : 2) : 1);
-    bool* is_pushed = scratch.template allocate<bool>(awake.size() + 1);
-    for (std::uint32_t k = 0; k < awake.size(); ++k) is_pushed[k] = bodies[awake[k]].inverse_mass > inverse_of<S>(0);
-    is_pushed[awake.size()] = false;
-    return graph_builder(edges, awake.index_of.begin(), is_pushed, awake.size(), scratch, batch_limit, &tasks).result();
-}
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/step/find_pairs.hpp
-// =================================================================================================
-// Which shapes may touch.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// Boxes -> pairs of shapes whose boxes overlap, in order, of two bodies of which one at least can be pushed: the
-/// filters that shapes were inserted with say so.
-template <class Broadphase>
-const buffer<proxy_pair>& find_pairs(Broadphase& broadphase, [[maybe_unused]] arena& scratch) {
-    const auto all = [](std::uint32_t, std::uint32_t) { return true; };
-    if constexpr (requires { broadphase.pairs(all, scratch); }) return broadphase.pairs(all, scratch);
-    else return broadphase.pairs(all);
-}
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/step/overflow.hpp
-// =================================================================================================
-// Whether numbers stay in range in a step.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// The number of substeps of a solver; 1 if it has no such setting.
-template <class Settings>
-int substeps_of(const Settings& settings) {
-    if constexpr (requires { settings.substeps; }) return settings.substeps;
-    else return 1;
-}
-
-/// Whether a body's velocity and displacement keep within half of the scalar's range in a step of h seconds, by the
-/// forces on it: in double, since fixed-point numbers wrap. The whole step's force may act in the first substep.
-template <class S, int D, bool Rotates>
-bool stays_in_range(const vec<S, D>& gravity, const body<S, D, Rotates>& b, const solver_body<S, D, Rotates>& now, S h,
-                    int substeps) {
-    const double maximum = static_cast<double>(scalar_traits<S>::max()) / 2, step = static_cast<double>(h);
-    const auto size = [](double x) { return x < 0 ? -x : x; };
-    const auto fits = [&](double velocity, double force, double drive) {
-        const double speed = size(velocity) + drive * step;
-        return force * substeps <= maximum && drive * substeps <= maximum && speed <= maximum &&
-               speed * step <= maximum;
-    };
-    bool good = true;
-    for (int i = 0; i < D; ++i) {
-        const double force = size(static_cast<double>(b.force[i]));
-        double drive = force * static_cast<double>(b.inverse_mass);
-        if (b.is_dynamic()) drive += size(static_cast<double>(gravity[i]) * static_cast<double>(b.gravity_scale));
-        good = good && fits(static_cast<double>(now.velocity.linear[i]), force, drive);
-    }
-    if constexpr (Rotates)
-        good =
-            good && fits(largest_magnitude(now.velocity.angular), largest_magnitude(b.torque),
-                         largest_magnitude(times(converted<double>(now.inverse_inertia), converted<double>(b.torque))));
-    return good;
-}
-
-/// Whether a body's position and velocity are in range.
-template <class S, int D, bool Rotates>
-bool is_in_range(const moving_body<S, D, Rotates>& at, const twist_of<S, D, Rotates>& velocity) {
-    if (!is_in_range(at.center) || !is_in_range(velocity.linear)) return false;
-    if constexpr (Rotates) return is_finite(at.rotation) && is_in_range(velocity.angular);
-    else return true;
-}
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/step/integrate.hpp
-// =================================================================================================
-// Bodies as they move through a step: copies in tight arrays, which become the world's when the step has succeeded.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// Whether an integrator advances poses in lanes: not one that derives from such, and may have poses of its own.
-template <class Integrator, bool Rotates>
-concept advances_in_lanes = requires {
-    requires std::same_as<typename Integrator::owner_of_lanes, Integrator>;
-    requires Integrator::template lanes<Rotates>::serves;
-};
-template <class Integrator, bool Rotates>
-struct pose_lanes_of {
-    struct type {};
-};
-template <class Integrator, bool Rotates>
-    requires advances_in_lanes<Integrator, Rotates>
-struct pose_lanes_of<Integrator, Rotates> {
-    using type = typename Integrator::template lanes<Rotates>;
-};
-
-/// What the solver reads of a world's bodies.
-template <class Plan>
-struct solve_input {
-    const pool<typename Plan::body>& bodies;
-    const awake_list& awake;
-    const typename Plan::settings& settings;
-    /// Of this step, and how long steps usually take (s).
-    typename Plan::scalar h, usual;
-};
-
-/// How the solver moves a batch: it asks for velocities and poses to advance, once or in substeps.
-template <class Plan>
-class batch_integrator {
-    using S = typename Plan::scalar;
-    static constexpr int D = Plan::dimension;
-    static constexpr bool rotates = Plan::rotates;
-    using integrator = typename Plan::integrator;
-    static constexpr bool in_lanes = advances_in_lanes<integrator, rotates>;
-    using lanes = typename pose_lanes_of<integrator, rotates>::type;
-
-public:
-    /// Copies the bodies of a part into their slots.
-    batch_integrator(const solve_input<Plan>& in, const batches& all, const batch& one,
-                     moved_bodies<S, D, rotates> slots, arena& scratch, task_runner& tasks)
-        : in_(in),
-          members_(all.body_at + one.bodies),
-          bodies_(slots.solved + one.bodies),
-          moving_(slots.moved + one.bodies),
-          count_(one.static_slot - one.bodies),
-          step_(in.h),
-          tasks_(tasks),
-          counts_(scratch.template allocate<std::uint32_t>(tasks.workers())) {
-        free_count_ = count_of([&](std::uint32_t k) { return gather(k); });
-        if constexpr (is_fixed<S>)
-            starts_in_range_ = count_of([&](std::uint32_t k) {
-                                   return !stays_in_range(in.settings.gravity, member(k), bodies_[k], in.h,
-                                                          substeps_of(in.settings.solver));
-                               }) == 0;
-        for (std::uint32_t k = count_; k < one.static_slot - one.bodies + 2; ++k)
-            new (bodies_ + k) solver_body<S, D, rotates>{};
-        if (free_count_ > 0) find_free_bodies(all, one, scratch);
-        if constexpr (in_lanes) lanes_ = new (scratch.template allocate<lanes>(1)) lanes(bodies(), moving_, scratch);
-    }
-
-    /// The bodies as the solver sees them; the last two are the static body and a dummy.
-    [[nodiscard]] solver_bodies<S, D, rotates> bodies() const { return {bodies_, count_ + 2}; }
-
-    /// By gravity and forces (m/s^2); nothing drives what is not dynamic.
-    [[nodiscard]] const vec<S, D>& acceleration(std::uint32_t k) const { return moving_[k].acceleration; }
-
-    /// How long steps usually take (s), or this one, if that is longer: contacts are no stiffer in a shorter one.
-    [[nodiscard]] S usual_step() const { return max(step_, in_.usual); }
-
-    void integrate_velocities(S h) {
-        if (free_count_ > 0) set_free_forces(step_ / h);
-        each([&](std::uint32_t k) { integrate_velocity(k, h); });
-        if (free_count_ > 0) set_free_forces(S(0));
-    }
-    /// The same; also reapplies what contacts gave in the last substep, v - start_velocity, and sets start_velocity
-    /// to the velocity before that.
-    void integrate_velocities(S h, twist_of<S, D, rotates>* start_velocity) {
-        if (free_count_ > 0) set_free_forces(step_ / h);
-        each([&](std::uint32_t k) {
-            auto& v = bodies_[k].velocity;
-            const auto got = v - start_velocity[k];
-            integrate_velocity(k, h);
-            start_velocity[k] = v;
-            v = v + got;
-        });
-        if (free_count_ > 0) set_free_forces(S(0));
-    }
-    void integrate_positions(S h) { integrate_positions(h, nullptr); }
-    /// The same; what velocities change by as bodies turn, they change in `start_velocity` too.
-    void integrate_positions(S h, twist_of<S, D, rotates>* start_velocity) {
-        if constexpr (in_lanes) {
-            lanes_->advance(h, start_velocity, tasks_);
-            return;
-        }
-        each([&](std::uint32_t k) {
-            pose_velocity<S, D, rotates>& v = bodies_[k].velocity;
-            const auto before = v;
-            integrator::integrate_pose(moving_[k], v, bodies_[k].displacement, h);
-            if constexpr (D == 3 && rotates)
-                if (start_velocity != nullptr && !(v == before)) start_velocity[k] = start_velocity[k] + (v - before);
-        });
-    }
-
-    /// Ends the step. False if something that moved is where numbers do not reach.
-    [[nodiscard]] bool finish() {
-        const std::uint32_t lost = count_of([&](std::uint32_t k) {
-            if constexpr (in_lanes) lanes_->finish(k, k + 1);
-            const auto& by = bodies_[k].displacement;
-            moving_[k].center += by.linear;
-            if constexpr (D == 2 && rotates)
-                if (by.angular != S(0)) moving_[k].rotation = turned(moving_[k].rotation, by.angular);
-            return !is_in_range(moving_[k], bodies_[k].velocity);
-        });
-        return lost == 0 && starts_in_range_;
-    }
-
-private:
-    /// Calls f(k) for all bodies.
-    template <class F>
-    void each(F&& f) {
-        tasks_.parallel_for(count_, min_per_task, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
-            for (std::uint32_t k = first; k < end; ++k) f(k);
-        });
-    }
-    /// For how many of them f(k) is true.
-    template <class F>
-    std::uint32_t count_of(F&& f) {
-        for (std::uint32_t k = 0; k < tasks_.workers(); ++k) counts_[k] = 0;
-        tasks_.parallel_for(count_, min_per_task, [&](std::uint32_t first, std::uint32_t end, std::uint32_t worker) {
-            std::uint32_t count = 0;
-            for (std::uint32_t k = first; k < end; ++k) count += f(k);
-            counts_[worker] += count;
-        });
-        for (std::uint32_t k = 1; k < tasks_.workers(); ++k) counts_[0] += counts_[k];
-        return counts_[0];
-    }
-    void integrate_velocity(std::uint32_t k, S h) {
-        if (!(bodies_[k].inverse_mass > inverse_of<S>(0))) return;
-        integrator::integrate_velocity(bodies_[k].velocity, moving_[k], h);
-        // -0 becomes 0, which no impulse of 0 changes: so the bits are the same whether solvers give it or not.
-        bodies_[k].velocity.linear += vec<S, D>{};
-        if constexpr (rotates) bodies_[k].velocity.angular += angular<S, D>{};
-    }
-    [[nodiscard]] const typename Plan::body& member(std::uint32_t k) const {
-        return in_.bodies[in_.awake[members_[k]]];
-    }
-    /// Says whether a force acts on it.
-    bool gather(std::uint32_t k) {
-        const auto& b = member(k);
-        auto& seen = *new (bodies_ + k) solver_body<S, D, rotates>{b.velocity_ahead(step_), {}, b.inverse_mass, {}};
-        auto& m = *new (moving_ + k) moving_body<S, D, rotates>{};
-        m.center = b.center;
-        if constexpr (rotates) {
-            seen.inverse_inertia = in_world(b.inverse_inertia, b.rotation);
-            m.rotation = b.rotation;
-        }
-        if (!b.is_dynamic()) return false;
-        m.acceleration = in_.settings.gravity * b.gravity_scale;
-        m.linear_damping = b.linear_damping;
-        if constexpr (rotates) {
-            m.angular_damping = b.angular_damping;
-            if (b.is_gyroscopic) m.gyroscopic = &b;
-        }
-        if (!b.has_external_force()) return false;
-        add_force(k, S(1));
-        return true;
-    }
-    /// Lets `share` of the force on a body act.
-    void add_force(std::uint32_t k, S share) {
-        const auto& b = member(k);
-        for (int i = 0; i < D; ++i) moving_[k].acceleration[i] += mul<S>(b.inverse_mass, b.force[i] * share);
-        if constexpr (rotates) moving_[k].angular_acceleration += times(bodies_[k].inverse_inertia, b.torque * share);
-    }
-    /// Bodies that are pushed and touch nothing.
-    void find_free_bodies(const batches& all, const batch& one, arena& scratch) {
-        auto* touches = scratch.template allocate<bool>(count_ + 1);
-        for (std::uint32_t k = 0; k <= count_; ++k) touches[k] = false;
-        for (std::uint32_t n = one.edges; n < one.end; ++n) touches[all.ends[n].a] = touches[all.ends[n].b] = true;
-        free_ = scratch.template allocate<std::uint32_t>(free_count_);
-        free_count_ = 0;
-        for (std::uint32_t k = 0; k < count_; ++k)
-            if (!touches[k] && member(k).has_external_force()) free_[free_count_++] = k;
-    }
-    /// Free bodies get the whole impulse of a user force in the first substep: spread over substeps, explicit user
-    /// springs would gain energy.
-    void set_free_forces(S share) {
-        for (std::uint32_t n = 0; n < free_count_; ++n) {
-            const std::uint32_t k = free_[n];
-            moving_[k].acceleration = in_.settings.gravity * member(k).gravity_scale;
-            if constexpr (rotates) moving_[k].angular_acceleration = {};
-            if (share > S(0)) add_force(k, share);
-        }
-        if (!(share > S(0))) free_count_ = 0;
-    }
-
-    solve_input<Plan> in_;
-    const std::uint32_t* members_;
-    solver_body<S, D, rotates>* bodies_;
-    moving_body<S, D, rotates>* moving_;
-    std::uint32_t count_;
-    S step_;
-    task_runner& tasks_;
-    std::uint32_t* counts_;  ///< What each worker has counted.
-    std::uint32_t* free_ = nullptr;
-    std::uint32_t free_count_ = 0;
-    bool starts_in_range_ = true;
-    lanes* lanes_ = nullptr;
-    static constexpr std::uint32_t min_per_task = 128;  ///< The smallest number of bodies that makes a task.
-};
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/step/publish.hpp
-// =================================================================================================
-// The end of a step: what it has found becomes the world's.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// Where bodies have come, and how fast they are -> bodies, and where they were as the step began. Forces act for one
-/// step, and so do targets.
-template <class S, int D, bool Rotates>
-void publish_bodies(const moved_bodies<S, D, Rotates>& moved, const awake_list& awake,
-                    pool<body<S, D, Rotates>>& bodies, buffer<transform<S, D>>& starts) {
-    for (std::uint32_t k = 0; k < awake.size(); ++k) {
-        const std::uint32_t i = awake[k];
-        auto& b = bodies[i];
-        starts[i] = {b.center, b.rotation};
-        b.center = moved[k].center;
-        if constexpr (Rotates) b.rotation = moved[k].rotation;
-        b.velocity = moved.velocity(k);
-        b.force = {};
-        b.torque = {};
-        b.at_target = b.has_target;
-        if (!b.has_target) continue;
-        b.set_pose(b.target);
-        b.has_target = false;
-    }
-}
-
-/// Stores what the step found: poses, velocities, contacts with their impulses. Nothing fails from here on.
-template <class Plan, class Moved>
-void publish(state<Plan>& s, const Moved& moved, const warm_impulses<typename Plan::scalar>& warm,
-             typename Plan::scalar h) {
-    if (std::exchange(s.awake.is_stale, false))
-        s.bodies.each([&](std::uint32_t i, const auto& b) {
-            if (!s.is_asleep(i)) s.contact_starts[i] = {b.center, b.rotation};
-        });
-    publish_bodies(moved, s.awake, s.bodies, s.contact_starts);
-    warm.after_solve(s.step.new_contacts);
-    s.contacts.swap(s.step.new_contacts);
-    s.surfaces = s.step.new_material;
-    if constexpr (Plan::remembers) s.step.pair_cache_changes.finish(s.memories);
-    ++s.steps;
-    s.step_lengths = {warm.next_usual_step(s.steps), h};
-}
-
-/// Wakes what kinematic bodies are going to run into.
-template <class Plan>
-void wake_ahead(state<Plan>& s, typename Plan::scalar h) {
-    for (const std::uint32_t i : s.awake) {
-        const auto& b = s.bodies[i];
-        if (b.is_dynamic() || b.at_target ||
-            b.velocity == twist_of<typename Plan::scalar, Plan::dimension, Plan::rotates>{})
-            continue;
-        auto turn = b.rotation;
-        if constexpr (Plan::rotates) turn = turned(turn, b.velocity.angular * h);
-        wake_near(s, i, {b.center + b.velocity.linear * h - turn * b.mass.center, turn});
-    }
-}
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/step/seams.hpp
-// =================================================================================================
-// Seams: where static shapes lie flush, what slides over them does not push at the next one's edge.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// Leaves out contacts that a body would make with a static shape that is flush with the one it rests on. Where a body
-/// sinks in by a hair, or contacts are looked for ahead of it, it would be stopped by the side or the corner of the
-/// next shape; lifted out, it would pass. So those contacts go that a body would not have up to the end of the step if
-/// it were lifted by what it has sunk in, and 1/512 of its thickness. O(contacts), and some queries of the narrowphase
-/// for each in question.
-template <class Plan>
-class seam_contacts {
-    using S = typename Plan::scalar;
-    static constexpr int D = Plan::dimension;
-    using contact = typename Plan::contact;
-    /// A body that goes farther in a step, in thicknesses, keeps its contacts.
-    static constexpr int max_tests = 16;
-
-public:
-    seam_contacts(state<Plan>& s, S h) : s_(s), step_(h) {
-        // Thickness is known of bodies that may be swept.
-        if constexpr (Plan::is_continuous) find();
-    }
-
-private:
-    void find() {
-        const std::uint32_t count = s_.awake.size();
-        support_ = s_.step.scratch.template allocate<std::uint32_t>(count);
-        for (std::uint32_t i = 0; i < count; ++i) support_[i] = null_index;
-        // Most bodies touch one static shape, or none.
-        bool any = false;
-        for (std::uint32_t i = 0; i < s_.step.new_contacts.size(); ++i) {
-            const contact& c = s_.step.new_contacts[i];
-            const auto [a, b] = awake_pair(c);
-            if ((a < count) == (b < count)) continue;
-            std::uint32_t& first = support_[a < count ? a : b];
-            if (first == null_index) first = i;
-            else any = any || other_shape(c) != other_shape(s_.step.new_contacts[first]);
-        }
-        if (!any) return;
-        for (std::uint32_t i = 0; i < count; ++i) support_[i] = null_index;
-        for (std::uint32_t i = 0; i < s_.step.new_contacts.size(); ++i) {
-            const contact& c = s_.step.new_contacts[i];
-            const std::uint32_t body = pushed_body(c);
-            if (body == null_index || !(load_of(c) > S(0))) continue;
-            std::uint32_t& support = support_[body];
-            if (support == null_index || load_of(c) > load_of(s_.step.new_contacts[support])) support = i;
-        }
-        remove();
-    }
-    [[nodiscard]] body_pair awake_pair(const contact& c) const {
-        return {s_.awake.index_of[c.bodies.body_a], s_.awake.index_of[c.bodies.body_b]};
-    }
-    /// The number among awake bodies of the dynamic one, where the other is static; else null.
-    [[nodiscard]] std::uint32_t pushed_body(const contact& c) const {
-        const std::uint32_t count = s_.awake.size();
-        const auto [a, b] = awake_pair(c);
-        if ((a < count) == (b < count)) return null_index;
-        const std::uint32_t other = a < count ? c.bodies.body_b : c.bodies.body_a;
-        const std::uint32_t body = a < count ? a : b;
-        if (s_.bodies[other].type != body_type::static_body || !s_.bodies[s_.awake[body]].is_dynamic())
-            return null_index;
-        return body;
-    }
-    [[nodiscard]] static S load_of(const contact& c) {
-        S load = S(0);
-        for (int k = 0; k < c.count; ++k)
-            if (c.persisted(k)) load = max(load, c.points[k].normal_impulse);
-        return load;
-    }
-    /// Out of the static shape.
-    [[nodiscard]] vec<S, D> outwards(const contact& c) const {
-        return s_.awake.has(c.bodies.body_a) ? -c.normal : c.normal;
-    }
-    [[nodiscard]] static S deepest(const contact& c) {
-        S separation = c.points[0].separation;
-        for (int k = 1; k < c.count; ++k) separation = min(separation, c.points[k].separation);
-        return separation;
-    }
-    void remove() {
-        auto& contacts = s_.step.new_contacts;
-        // All are looked at before any moves.
-        bool* const is_seam = s_.step.scratch.template allocate<bool>(contacts.size());
-        for (std::uint32_t i = 0; i < contacts.size(); ++i) is_seam[i] = lies_on_seam(i);
-        partition_contacts(
-            contacts, [&](const contact& c) { return !is_seam[&c - contacts.begin()]; }, [](const contact&) {});
-    }
-    [[nodiscard]] bool lies_on_seam(std::uint32_t i) {
-        const contact& c = s_.step.new_contacts[i];
-        const std::uint32_t body = pushed_body(c);
-        if (body == null_index || support_[body] == null_index || support_[body] == i) return false;
-        const contact& support = s_.step.new_contacts[support_[body]];
-        if (other_shape(c) == other_shape(support)) return false;
-        const vec<S, D> up = outwards(support), n = outwards(c);
-        // Alike, both carry it.
-        const S alike = dot(n, up);
-        const vec<S, D> across = n - up * alike;
-        if (!(largest(across) > S(1.0 / 256)) || alike < S(-1.0 / 64)) return false;
-        const vec<S, D> v = s_.bodies[s_.awake[body]].velocity_ahead(step_).linear;
-        if (!(deepest(c) + min(dot(n, v), S(0)) * step_ < S(0))) return false;
-        const S thickness = s_.continuous.extents[s_.awake[body]].thickness;
-        const vec<S, D> along = v * step_ - up * min(dot(v, up) * step_, S(0));
-        const S distance = length(along);
-        if (!(distance * S(1.0 / max_tests) < thickness)) return false;
-        const S lift = max(-deepest(support), S(0)) + thickness * S(1.0 / 512);
-        // No thin shape is between two places.
-        for (S at = min(distance, thickness);; at = min(at + thickness, distance)) {
-            if (would_touch(c, (distance > S(0) ? along * (at / distance) : along) + up * lift)) return false;
-            if (!(at < distance)) break;
-        }
-        // Nor farther on, where a shape that rises from the other one, however slowly, would stop it.
-        return !would_touch(c, along + up * lift - normalized(across) * min(lift * S(256), thickness));
-    }
-    [[nodiscard]] std::uint32_t other_shape(const contact& c) const {
-        return s_.awake.has(c.bodies.body_a) ? c.shape_b : c.shape_a;
-    }
-    [[nodiscard]] bool would_touch(const contact& c, const vec<S, D>& shift) {
-        const auto& a = s_.shapes[c.shape_a];
-        const auto& b = s_.shapes[c.shape_b];
-        auto at_a = a.pose, at_b = b.pose;
-        (s_.awake.has(c.bodies.body_a) ? at_a : at_b).position += shift;
-        const typename Plan::query query{&a.shape, &b.shape, relative(at_a, at_b)};
-        auto& found = s_.step.manifolds[0];
-        found.clear();
-        if constexpr (Plan::remembers) Plan::narrowphase::collide(&query, 1, S(0), nullptr, found);
-        else Plan::narrowphase::collide(&query, 1, S(0), found);
-        for (const auto& [number, part, m] : found)
-            for (int k = 0; k < m.count; ++k)
-                if (m.points[k].separation < S(0)) return true;
-        return false;
-    }
-
-    state<Plan>& s_;
-    S step_;
-    std::uint32_t* support_ = nullptr;
-};
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/step/solve.hpp
-// =================================================================================================
-// The solver of a step: islands in batches, solved one by one or side by side.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// Where the bodies of all batches are while they are solved.
-template <class S, int D, bool Rotates>
-moved_bodies<S, D, Rotates> place_bodies(const batches& graph, arena& scratch) {
-    return {scratch.template allocate<solver_body<S, D, Rotates>>(graph.slots),
-            scratch.template allocate<moving_body<S, D, Rotates>>(graph.slots), graph.slot_of};
-}
-
-/// Bodies, contacts and their batches -> velocities, poses and impulses.
-template <class Plan>
-class batch_solver {
-    using S = typename Plan::scalar;
-    static constexpr int D = Plan::dimension;
-    using contact = typename Plan::contact;
-    using combined_material = detail::combined_material<S, typename Plan::features>;
-
-public:
-    batch_solver(const batches& graph, const solve_input<Plan>& in, buffer<contact>& contacts,
-                 const combined_material& material, const moved_bodies<S, D, Plan::rotates>& moved)
-        : graph_(graph), in_(in), contacts_(contacts), material_(material), moved_(moved) {}
-
-    /// Large islands one by one on all workers, the others in parallel. False on overflow.
-    bool run(per_worker<arena>& scratch_of, arena& scratch, task_runner& tasks) const {
-        bool* solved = scratch.template allocate<bool>(graph_.count);
-        for (std::uint32_t k = 0; k < graph_.count; ++k) solved[k] = false;
-        const auto is_large = [&](std::uint32_t k) {
-            return !tasks.is_serial() && graph_.first[k].weight() > large_factor * graph_builder::target_weight;
-        };
-        task_runner alone;
-        for (std::uint32_t k = 0; k < graph_.count; ++k) {
-            if (!is_large(k)) continue;
-            for (std::uint32_t worker = 1; worker < tasks.workers(); ++worker) scratch_of[worker].reset();
-            solved[k] = solve(graph_.first[k], scratch_of[0], tasks);
-        }
-        tasks.parallel_tasks(graph_.count, [&](std::uint32_t k, std::uint32_t worker) {
-            if (!is_large(k)) solved[k] = solve(graph_.first[k], scratch_of[worker], alone);
-        });
-        for (std::uint32_t k = 0; k < graph_.count; ++k)
-            if (!solved[k]) return false;
-        return true;
-    }
-
-private:
-    bool solve(const batch& one, arena& scratch, task_runner& tasks) const {
-        scratch.reset();
-        batch_integrator<Plan> motion(in_, graph_, one, moved_, scratch, tasks);
-        const contact_constraints<S, D, typename Plan::features> contacts(
-            contacts_.begin(), graph_.order + one.edges, graph_.ends + one.edges, one.end - one.edges, material_);
-        const auto& with = in_.settings.solver;
-        if constexpr (requires { Plan::solver::solve(motion.bodies(), contacts, with, in_.h, scratch, motion, tasks); })
-            Plan::solver::solve(motion.bodies(), contacts, with, in_.h, scratch, motion, tasks);
-        else Plan::solver::solve(motion.bodies(), contacts, with, in_.h, scratch, motion);
-        return motion.finish();
-    }
-
-    /// An island that is so many times as large as a batch is wide enough for several workers.
-    static constexpr std::uint32_t large_factor = 4;
-
-    const batches& graph_;
-    const solve_input<Plan>& in_;
-    buffer<contact>& contacts_;
-    const combined_material& material_;
-    const moved_bodies<S, D, Plan::rotates>& moved_;
-};
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
 // physics/step/update_boxes.hpp
 // =================================================================================================
 // Where shapes are after a step, and what the broadphase knows of them.
@@ -29200,12 +29300,13 @@ namespace detail {
 
 /// Makes ready what a step works with.
 template <class Plan>
-void start_step(state<Plan>& s, const task_runner& tasks) {
-    s.step.scratch.reset();
-    s.step.batch_scratch.prepare(tasks.workers());
-    s.step.manifolds.prepare(tasks.workers());
-    s.step.contacts_by_worker.prepare(tasks.workers());
-    s.step.pair_cache_changes.by.prepare(tasks.workers());
+void start_step(step_data<Plan>& d, const task_runner& tasks) {
+    d.woken.clear();
+    d.scratch.reset();
+    d.batch_scratch.prepare(tasks.workers());
+    d.manifolds.prepare(tasks.workers());
+    d.contacts_by_worker.prepare(tasks.workers());
+    d.pair_cache_changes.by.prepare(tasks.workers());
 }
 
 /// How a step went; if not well, the world is as it was.
@@ -29225,47 +29326,60 @@ struct no_watch {
 template <class Plan, class Watch = no_watch>
 PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, task_runner tasks, Watch done = {}) {
     if (tasks.workers() == 0) return step_result::bad_executor;
-    start_step(s, tasks);
+    step_data<Plan>& d = s.step;
+    start_step(d, tasks);
     // Settings -> what all surfaces make of each other, where no shape has a material of its own.
-    if (!combine_common_materials<Plan>(s.settings, s.step.new_material)) return step_result::bad_mixing_rule;
-    watch_fast_bodies(s, h);                 // velocities        -> boxes of bodies that look ahead
-    list_awake(s.bodies, s.sleep, s.awake);  // bodies            -> which of them move
-    const auto& pairs = find_pairs(s.broadphase, s.step.scratch);  // boxes             -> pairs, in order
+    if (!combine_common_materials<Plan>(s.settings, d.new_material)) return step_result::bad_mixing_rule;
+    clear_depths<Plan>(s.bodies.slots(), d.sweep);
+    // Velocities -> boxes of bodies that look ahead.
+    look_ahead<Plan>(s.bodies, s.shapes, s.sleep, s.continuous, s.settings, h, s.broadphase, d.sweep);
+    list_awake(s.bodies, s.sleep, s.awake);                   // bodies            -> which of them move
+    const auto& pairs = find_pairs(s.broadphase, d.scratch);  // boxes             -> pairs, in order
     done(step_stage::find_pairs);
+    const collide_input<Plan> to_collide{
+        s.bodies, s.shapes, s.awake, s.sleep, d.new_material, s.settings.contact_margin, h, s.steps};
     // Pairs, poses, last step's contacts -> contacts with feature ids and warm impulses.
-    const collide_result found = find_contacts(s, pairs, s.contacts, s.step_lengths, h, tasks);
+    const collide_result found = find_contacts(pairs, to_collide, s.contacts, s.step_lengths, s.memories, d, tasks);
     if (!found.materials_valid) return step_result::bad_mixing_rule;
     if constexpr (Plan::sleeps)
         // Contacts with sleeping bodies -> contacts of the islands that they wake.
-        if (list_woken(s, found.near_sleeper, h) && !find_contacts_of_woken(s, h, tasks))
+        if (found.near_sleeper &&
+            list_woken<Plan>(d.new_contacts, s.bodies, s.sleep, s.settings.gravity, h, s.awake, d.woken) &&
+            !find_contacts_of_woken(to_collide, s.memories, d, tasks))
             return step_result::bad_mixing_rule;
-    const seam_contacts seams(s, h);                       // contacts          -> without those at flush edges
-    list_edges(s.step.new_contacts, s.step.edges, tasks);  // contacts          -> which bodies they hold together
+    drop_seam_contacts(to_collide, s.continuous, d);  // contacts          -> without those at flush edges
+    list_edges(d.new_contacts, d.edges, tasks);       // contacts          -> which bodies they hold together
     done(step_stage::find_contacts);
     // Edges -> islands, in batches.
-    const batches graph = build_graph(s.step.edges, s.bodies, s.awake, s.step.scratch, tasks);
+    const batches graph = build_graph(d.edges, s.bodies, s.awake, d.scratch, tasks);
     done(step_stage::make_batches);
     warm_impulses<typename Plan::scalar> warm(s.step_lengths, s.steps, h);
-    warm.before_solve(s.step.new_contacts, s.step.scratch);
-    const solve_input<Plan> in{s.bodies, s.awake, s.settings, h, s.step_lengths.usual};
-    const auto moved = place_bodies<typename Plan::scalar, Plan::dimension, Plan::rotates>(graph, s.step.scratch);
+    warm.before_solve(d.new_contacts, d.scratch);
+    const solve_input<Plan> to_solve{s.bodies, s.awake, s.settings, h, s.step_lengths.usual};
+    const auto moved = place_bodies<typename Plan::scalar, Plan::dimension, Plan::rotates>(graph, d.scratch);
     // Bodies, contacts -> velocities, poses, impulses.
-    const bool solved = batch_solver<Plan>(graph, in, s.step.new_contacts, s.step.new_material, moved)
-                            .run(s.step.batch_scratch, s.step.scratch, tasks);
+    const bool solved = batch_solver<Plan>(graph, to_solve, d.new_contacts, d.new_material, moved)
+                            .run(d.batch_scratch, d.scratch, tasks);
     done(step_stage::solve);
     if (!tasks.ran_all_tasks()) return step_result::bad_executor;
     if (!solved) return step_result::out_of_range;
     sweep_fast_bodies(s, moved, h);  // poses             -> poses short of what stops bodies
     // Poses -> boxes of what has moved.
-    if (!update_boxes<Plan>(s.bodies, s.awake, moved, s.settings.contact_margin, h, s.shapes, s.broadphase,
-                            s.step.scratch, tasks))
+    if (!update_boxes<Plan>(s.bodies, s.awake, moved, s.settings.contact_margin, h, s.shapes, s.broadphase, d.scratch,
+                            tasks))
         return tasks.ran_all_tasks() ? step_result::out_of_range : step_result::bad_executor;
     done(step_stage::update_boxes);
     publish(s, moved, warm, h);  // results           -> bodies and contacts
     if constexpr (Plan::sleeps) {
-        commit_woken(s);           // bodies            -> who is awake for good
-        wake_ahead(s, h);          // kinematic bodies  -> who is woken before they come
-        sleep_update<Plan>(s, h);  // bodies, contacts  -> who falls asleep
+        commit_woken(s);   // bodies            -> who is awake for good
+        wake_ahead(s, h);  // kinematic bodies  -> who is woken before they come
+        // Bodies, contacts -> who falls asleep, with their contacts.
+        if (fall_asleep<Plan>(s.contacts, s.settings, h, s.shapes, s.awake, s.bodies, s.sleep, s.broadphase,
+                              d.scratch)) {
+            move_contacts_to_sleepers<Plan>(s.bodies, s.step_lengths, s.contacts, s.sleep, d.new_contacts);
+            if constexpr (Plan::remembers)
+                s.memories.drop([&](std::uint32_t shape) { return s.is_asleep(s.shapes[shape].body); });
+        }
     }
     done(step_stage::finish);
     return step_result::done;

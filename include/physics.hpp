@@ -269,8 +269,10 @@
 // What users hold; step/step.hpp is the page to read first.
 #include "physics/step/awake.hpp"
 #include "physics/step/collide.hpp"
+#include "physics/step/depths.hpp"
 #include "physics/step/edges.hpp"
 #include "physics/step/extents.hpp"
+#include "physics/step/fall_asleep.hpp"
 #include "physics/step/find_pairs.hpp"
 #include "physics/step/integrate.hpp"
 #include "physics/step/look_ahead.hpp"

@@ -1,6 +1,7 @@
 // The contacts of a step: narrowphase, surfaces, and what is remembered of pairs.
 #pragma once
 
+#include "physics/step/depths.hpp"
 #include "physics/step/look_ahead.hpp"
 #include "physics/step/sleep.hpp"
 #include "physics/step/warm_impulses.hpp"
@@ -9,10 +10,25 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
+/// What the narrowphase reads of a world.
+template <class Plan>
+struct collide_input {
+    using S = typename Plan::scalar;
+
+    const pool<typename Plan::body>& bodies;
+    const shape_pool<Plan>& shapes;
+    const awake_list& awake;
+    const sleep_of<Plan>& sleep;
+    /// Of all surfaces, where shapes have none of their own.
+    const combined_material<S, typename Plan::features>& material;
+    S margin, h;
+    std::uint64_t steps;
+};
+
 /// The narrowphase wants the shape of the lower kind first.
 template <class Plan>
-proxy_pair in_order_of_kinds(const state<Plan>& s, proxy_pair p) {
-    return s.shapes[p.a].shape.kind() > s.shapes[p.b].shape.kind() ? proxy_pair{p.b, p.a} : p;
+proxy_pair in_order_of_kinds(const shape_pool<Plan>& shapes, proxy_pair p) {
+    return shapes[p.a].shape.kind() > shapes[p.b].shape.kind() ? proxy_pair{p.b, p.a} : p;
 }
 
 /// Some pairs in a row with what the narrowphase is to know of them: a query of each, and what the last step remembered
@@ -24,7 +40,8 @@ class pair_queries {
 
 public:
     /// Both lists are in ascending order, so one walk along both finds what is remembered.
-    pair_queries(state<Plan>& s, const proxy_pair* pairs, std::uint32_t count, arena& scratch)
+    pair_queries(const collide_input<Plan>& in, [[maybe_unused]] const pair_cache<Plan>& cache, const proxy_pair* pairs,
+                 std::uint32_t count, arena& scratch, sweep_data_of<Plan>& near)
         : pairs_(pairs), count_(count), queries_(scratch.allocate<query>(count)) {
         if constexpr (Plan::remembers) {
             memories_ = scratch.allocate<memory>(count);
@@ -32,18 +49,18 @@ public:
         }
         [[maybe_unused]] std::uint32_t last = no_memory;
         for (std::uint32_t i = 0; i < count; ++i) {
-            const proxy_pair p = in_order_of_kinds(s, pairs[i]);
-            const auto& a = s.shapes[p.a];
-            const auto& b = s.shapes[p.b];
-            note_near(s, a.body, b.body);
+            const proxy_pair p = in_order_of_kinds(in.shapes, pairs[i]);
+            const auto& a = in.shapes[p.a];
+            const auto& b = in.shapes[p.b];
+            note_near<Plan>(in.awake, {a.body, b.body}, near);
             new (queries_ + i) query{&a.shape, &b.shape, relative(a.pose, b.pose)};
             if constexpr (Plan::remembers) {
                 if (!Plan::narrowphase::remembers(a.shape.kind(), b.shape.kind())) continue;
-                if (last == no_memory) last = s.memories.find(pairs[i]);
-                while (last < s.memories.size() && s.memories.pair(last) < pairs[i]) ++last;
-                const bool known = last < s.memories.size() && s.memories.pair(last) == pairs[i];
-                if (known) s.memories.read(last, memories_[remembered_]);
-                else s.memories.clear(memories_[remembered_]);
+                if (last == no_memory) last = cache.find(pairs[i]);
+                while (last < cache.size() && cache.pair(last) < pairs[i]) ++last;
+                const bool known = last < cache.size() && cache.pair(last) == pairs[i];
+                if (known) cache.read(last, memories_[remembered_]);
+                else cache.clear(memories_[remembered_]);
                 owners_[remembered_] = {i, known ? last : no_memory};
                 queries_[i].memory = remembered_++;
             }
@@ -134,13 +151,13 @@ bool combine_common_materials([[maybe_unused]] const typename Plan::settings& se
 
 /// Adds the contacts of a manifold between the shapes of a pair. False if their surfaces do not mix.
 template <class Plan, class Manifold>
-bool add_contact(const state<Plan>& s, proxy_pair pair, std::uint32_t part, const Manifold& m,
+bool add_contact(const shape_pool<Plan>& shapes, proxy_pair pair, std::uint32_t part, const Manifold& m,
                  buffer<typename Plan::contact>& to) {
     using S = typename Plan::scalar;
     constexpr int D = Plan::dimension;
-    const proxy_pair p = in_order_of_kinds(s, pair);
-    const auto& a = s.shapes[p.a];
-    const auto& b = s.shapes[p.b];
+    const proxy_pair p = in_order_of_kinds(shapes, pair);
+    const auto& a = shapes[p.a];
+    const auto& b = shapes[p.b];
     const rotation<S, D> turn = a.pose.rotation;
     auto& c = to.emplace_back(p.a, p.b, edge{a.body, b.body}, part, turn * m.normal, a.r,
                               b.r + (a.pose.position - b.pose.position), static_cast<std::uint8_t>(m.count));
@@ -149,7 +166,7 @@ bool add_contact(const state<Plan>& s, proxy_pair pair, std::uint32_t part, cons
         c.points[k].separation = m.points[k].separation;
         c.points[k].feature = m.points[k].feature;
     }
-    return combine_surface_materials(c, a, b);
+    return combine_surface_materials<Plan>(c, a, b);
 }
 
 /// Result flags of the narrowphase: all combined coefficients are valid; some contact is deep; an awake body is near a
@@ -159,7 +176,8 @@ struct collide_result {
 };
 /// Adds the contacts of some pairs in a row.
 template <class Plan>
-collide_result collide_chunk(state<Plan>& s, const pair_queries<Plan>& of,
+collide_result collide_chunk(const collide_input<Plan>& in, const pair_queries<Plan>& of,
+                             [[maybe_unused]] const sweep_data_of<Plan>& sweep,
                              manifold_list<typename Plan::scalar, Plan::dimension>& manifolds,
                              buffer<typename Plan::contact>& to) {
     using S = typename Plan::scalar;
@@ -169,18 +187,20 @@ collide_result collide_chunk(state<Plan>& s, const pair_queries<Plan>& of,
         else Plan::narrowphase::collide(some, count, within, manifolds);
     };
     if constexpr (Plan::looks_ahead)
-        collide_ahead(s, of.queries(), of.memories(), of.pairs(), of.size(), manifolds, collide);
-    else collide(of.queries(), of.size(), s.settings.contact_margin);
+        collide_ahead<Plan>(in.shapes, sweep.ahead, in.margin, of.queries(), of.memories(), of.pairs(), of.size(),
+                            manifolds, collide);
+    else collide(of.queries(), of.size(), in.margin);
     collide_result result;
     for (const auto& [query, part, m] : manifolds) {
         const proxy_pair pair = of.pairs()[query];
-        const std::uint32_t a = s.shapes[pair.a].body, b = s.shapes[pair.b].body;
+        const std::uint32_t a = in.shapes[pair.a].body, b = in.shapes[pair.b].body;
+        const std::uint32_t awake_a = in.awake.index_of[a], awake_b = in.awake.index_of[b];
         // Broadphases need not leave out pairs of two bodies that are static or asleep; such a pair needs no solving.
-        if (s.awake.index_of[a] == s.awake.index_of[b]) continue;
-        result.materials_valid = add_contact(s, pair, part, m, to) && result.materials_valid;
-        result.deep = result.deep || is_deep(s, to.back());
+        if (awake_a == awake_b) continue;
+        result.materials_valid = add_contact<Plan>(in.shapes, pair, part, m, to) && result.materials_valid;
+        result.deep = result.deep || is_deep<Plan>(in.awake, in.margin, to.back());
         // Bodies that do not move or sleep have the last number.
-        result.near_sleeper = result.near_sleeper || s.is_asleep(s.awake.index_of[a] < s.awake.index_of[b] ? b : a);
+        result.near_sleeper = result.near_sleeper || in.sleep.is_asleep(awake_a < awake_b ? b : a);
     }
     return result;
 }
@@ -194,7 +214,8 @@ struct contact_chunk {
 };
 /// Brings the pieces of several workers together, in their order, and notes which bodies they find deep in others.
 template <class Plan>
-collide_result join_chunks(state<Plan>& s, contact_chunk* pieces, std::uint32_t count, task_runner& tasks) {
+collide_result join_chunks(const collide_input<Plan>& in, contact_chunk* pieces, std::uint32_t count,
+                           step_data<Plan>& d, task_runner& tasks) {
     using contact = typename Plan::contact;
     collide_result all;
     std::uint32_t found = 0;
@@ -207,23 +228,23 @@ collide_result join_chunks(state<Plan>& s, contact_chunk* pieces, std::uint32_t 
     // What the caller has found first stays where it is.
     std::uint32_t kept = 0;
     if (!tasks.is_serial()) {
-        auto& own = s.step.contacts_by_worker[0];
+        auto& own = d.contacts_by_worker[0];
         std::uint32_t in_place = 0;
         for (; kept < count && pieces[kept].worker == 0 && pieces[kept].first == in_place; ++kept)
             in_place += pieces[kept].size();
         // The rest of it, if any, moves aside.
-        s.step.new_contacts.clear();
+        d.new_contacts.clear();
         if (own.size() > in_place)
-            std::memcpy(static_cast<void*>(s.step.new_contacts.extend(own.size() - in_place)), own.begin() + in_place,
+            std::memcpy(static_cast<void*>(d.new_contacts.extend(own.size() - in_place)), own.begin() + in_place,
                         (own.size() - in_place) * sizeof(contact));
         for (std::uint32_t k = kept; k < count; ++k)
             if (pieces[k].worker == 0) pieces[k].first -= in_place, pieces[k].end -= in_place;
         own.resize(in_place);
-        s.step.new_contacts.swap(own);
-        s.step.new_contacts.extend(found - in_place);
+        d.new_contacts.swap(own);
+        d.new_contacts.extend(found - in_place);
     }
-    contact* to = s.step.new_contacts.begin();
-    auto** places = s.step.scratch.template allocate<contact*>(count);
+    contact* to = d.new_contacts.begin();
+    auto** places = d.scratch.template allocate<contact*>(count);
     for (std::uint32_t k = 0; k < count; ++k) {
         places[k] = to;
         to += pieces[k].size();
@@ -233,12 +254,13 @@ collide_result join_chunks(state<Plan>& s, contact_chunk* pieces, std::uint32_t 
         tasks.parallel_tasks(kept < count ? count : 0, [&](std::uint32_t k, std::uint32_t) {
             const contact_chunk& of = pieces[k];
             if (k < kept || of.size() == 0) return;
-            std::memcpy(static_cast<void*>(places[k]), s.step.contacts_by_worker[of.worker].begin() + of.first,
+            std::memcpy(static_cast<void*>(places[k]), d.contacts_by_worker[of.worker].begin() + of.first,
                         of.size() * sizeof(contact));
         });
     for (std::uint32_t k = 0; k < count; ++k) {
         if (!pieces[k].is.deep) continue;
-        for (std::uint32_t i = 0; i < pieces[k].size(); ++i) note_depth(s, places[k][i]);
+        for (std::uint32_t i = 0; i < pieces[k].size(); ++i)
+            if (is_deep<Plan>(in.awake, in.margin, places[k][i])) note_depth<Plan>(in.bodies, places[k][i], d.sweep);
     }
     return all;
 }
@@ -247,58 +269,59 @@ collide_result join_chunks(state<Plan>& s, contact_chunk* pieces, std::uint32_t 
 /// same features had in steps of those lengths, scaled to one of h: they hold loads, which a longer step holds by
 /// larger ones. What it remembers of the pairs becomes the next step's, unless it is not to.
 template <class Plan>
-collide_result find_contacts(state<Plan>& s, const buffer<proxy_pair>& pairs,
+collide_result find_contacts(const buffer<proxy_pair>& pairs, const collide_input<Plan>& in,
                              const buffer<typename Plan::contact>& before, step_lengths<typename Plan::scalar> lengths,
-                             typename Plan::scalar h, task_runner& tasks, [[maybe_unused]] bool remembers = true) {
+                             [[maybe_unused]] pair_cache<Plan>& cache, step_data<Plan>& d, task_runner& tasks,
+                             [[maybe_unused]] bool remembers = true) {
     // So many pairs that what is found of them is still in the caches when it becomes contacts.
     constexpr std::uint32_t share = 256;
     const std::uint32_t count = (pairs.size() + share - 1) / share;
-    contact_chunk* pieces = s.step.scratch.template allocate<contact_chunk>(count);
-    [[maybe_unused]] auto& changes = s.step.pair_cache_changes;
+    contact_chunk* pieces = d.scratch.template allocate<contact_chunk>(count);
+    [[maybe_unused]] auto& changes = d.pair_cache_changes;
     if constexpr (Plan::remembers)
-        if (remembers) changes.start(s.memories, count, tasks, s.step.scratch);
-    s.step.new_contacts.clear();
-    if (tasks.is_serial()) s.step.new_contacts.reserve(before.size());
+        if (remembers) changes.start(cache, count, tasks, d.scratch);
+    d.new_contacts.clear();
+    if (tasks.is_serial()) d.new_contacts.reserve(before.size());
     else
-        for (std::uint32_t k = 0; k < tasks.workers(); ++k) s.step.contacts_by_worker[k].clear();
+        for (std::uint32_t k = 0; k < tasks.workers(); ++k) d.contacts_by_worker[k].clear();
     tasks.parallel_chunks(pairs.size(), share, [&](std::uint32_t first, std::uint32_t end, std::uint32_t worker) {
-        auto& to = tasks.is_serial() ? s.step.new_contacts : s.step.contacts_by_worker[worker];
+        auto& to = tasks.is_serial() ? d.new_contacts : d.contacts_by_worker[worker];
         const std::uint32_t start = to.size();
         // Solvers come to it later in the step.
-        arena& scratch = s.step.batch_scratch[worker];
+        arena& scratch = d.batch_scratch[worker];
         scratch.reset();
-        const pair_queries<Plan> some(s, pairs.begin() + first, end - first, scratch);
-        const collide_result is = collide_chunk(s, some, s.step.manifolds[worker], to);
+        const pair_queries<Plan> some(in, cache, pairs.begin() + first, end - first, scratch, d.sweep);
+        const collide_result is = collide_chunk(in, some, d.sweep, d.manifolds[worker], to);
         if constexpr (Plan::remembers)
-            if (remembers) changes.add(some, s.memories, first / share, worker);
-        inherit_impulses(before, to.begin() + start, to.end(), s.step.new_material);
+            if (remembers) changes.add(some, cache, first / share, worker);
+        inherit_impulses(before, to.begin() + start, to.end(), in.material);
         // What pushes overlaps apart is as large in a short step as in a long one. As long as a world is young that may
         // be most of its impulses, and must not be stretched.
-        const int maximum = s.steps < 128 ? static_cast<int>(s.steps) : 128;
-        rescale_impulses(to.begin() + start, to.end(), lengths, {h, h}, typename Plan::scalar(maximum));
+        const int maximum = in.steps < 128 ? static_cast<int>(in.steps) : 128;
+        rescale_impulses(to.begin() + start, to.end(), lengths, {in.h, in.h}, typename Plan::scalar(maximum));
         new (pieces + first / share) contact_chunk{worker, start, to.size(), is};
     });
-    return join_chunks(s, pieces, count, tasks);
+    return join_chunks(in, pieces, count, d, tasks);
 }
 
-/// Adds the contacts of woken islands, found anew. False if materials do not combine.
+/// Adds the contacts of woken islands, found anew; `in` sees the awake list that has them. False if materials do not
+/// combine.
 template <class Plan>
-bool find_contacts_of_woken(state<Plan>& s, typename Plan::scalar h, task_runner& tasks) {
-    s.awake.number(s.bodies.slots());
-    s.step.woken_pairs.clear();
+bool find_contacts_of_woken(const collide_input<Plan>& in, pair_cache<Plan>& cache, step_data<Plan>& d,
+                            task_runner& tasks) {
+    d.woken_pairs.clear();
     // Kinematic bodies are always in the awake list, but wake no other body.
-    const auto wakes = [&](std::uint32_t i) { return s.bodies[i].is_dynamic() && s.awake.has(i); };
-    for (const auto& c : s.sleep.contacts) {
+    const auto wakes = [&](std::uint32_t i) { return in.bodies[i].is_dynamic() && in.awake.has(i); };
+    for (const auto& c : in.sleep.contacts) {
         if (!wakes(c.bodies.body_a) && !wakes(c.bodies.body_b)) continue;
-        if (s.step.woken_pairs.empty() || s.step.woken_pairs.back() < c.key()) s.step.woken_pairs.push_back(c.key());
+        if (d.woken_pairs.empty() || d.woken_pairs.back() < c.key()) d.woken_pairs.push_back(c.key());
     }
-    s.step.new_contacts.swap(s.step.woken_contacts);
-    const bool good =
-        find_contacts(s, s.step.woken_pairs, s.sleep.contacts, {s.sleep.step, s.sleep.step}, h, tasks, false)
-            .materials_valid;
-    merge_contacts(s.step.woken_contacts, s.step.new_contacts);
-    s.step.new_contacts.swap(s.step.woken_contacts);
-    return good;
+    d.new_contacts.swap(d.woken_contacts);
+    const step_lengths<typename Plan::scalar> lengths{in.sleep.step, in.sleep.step};
+    const collide_result found = find_contacts(d.woken_pairs, in, in.sleep.contacts, lengths, cache, d, tasks, false);
+    merge_contacts(d.woken_contacts, d.new_contacts);
+    d.new_contacts.swap(d.woken_contacts);
+    return found.materials_valid;
 }
 
 }  // namespace detail

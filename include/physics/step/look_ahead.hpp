@@ -1,39 +1,44 @@
 // Speculative contacts: found as far ahead of fast bodies as those may come in the step.
 #pragma once
 
-#include "physics/step/sweep.hpp"
+#include "physics/step/state.hpp"
 
 PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// Makes the boxes of fast bodies as large as the contacts that are looked for ahead of them.
-template <class Plan>
-void look_ahead(state<Plan>& s, typename Plan::scalar h) {
+/// Velocities -> how far each body looks ahead, and boxes as large as that asks for. O(bodies).
+template <class Plan, class Continuous>
+void look_ahead([[maybe_unused]] const pool<typename Plan::body>& bodies,
+                [[maybe_unused]] const shape_pool<Plan>& shapes, [[maybe_unused]] const sleep_of<Plan>& sleep,
+                [[maybe_unused]] const Continuous& continuous, [[maybe_unused]] const typename Plan::settings& settings,
+                [[maybe_unused]] typename Plan::scalar h, [[maybe_unused]] typename Plan::broadphase& broadphase,
+                [[maybe_unused]] sweep_data_of<Plan>& to) {
     if constexpr (Plan::looks_ahead) {
         using S = typename Plan::scalar;
         constexpr int D = Plan::dimension;
-        s.step.sweep.ahead.resize(s.bodies.slots());
+        to.ahead.resize(bodies.slots());
         bool any = false;
-        s.bodies.each([&](std::uint32_t i, const auto& b) {
-            S& ahead = s.step.sweep.ahead[i];
+        bodies.each([&](std::uint32_t i, const auto& b) {
+            S& ahead = to.ahead[i];
             ahead = S(0);
-            if (s.is_asleep(i)) return;
+            if (sleep.is_asleep(i)) return;
             if (b.type == body_type::static_body) return;
             const auto before = b.velocity_ahead(h);
             vec<S, D> v = before.linear;
-            if (b.is_dynamic()) v += s.settings.gravity * b.gravity_scale * h;
-            const auto& extent = s.continuous.extents[i];
+            if (b.is_dynamic()) v += settings.gravity * b.gravity_scale * h;
+            const auto& extent = continuous.extents[i];
             ahead = Plan::continuous::ahead({v * h, value_of(before.angular) * h, extent.reach, extent.thickness, S(0),
-                                             b.continuous, s.settings.contact_margin});
+                                             b.continuous, settings.contact_margin});
             if (!(ahead > S(0))) return;
             any = true;
-            each_shape(s, i, [&](std::uint32_t k, const auto& shape) {
-                const auto box = grown(query_bounds(s, shape), ahead);
-                if (is_box(box)) s.broadphase.move(k, box, {});
+            each_shape(bodies, shapes, i, [&](std::uint32_t k, const auto& shape) {
+                const auto box = grown(box_within(settings.contact_margin, shape), ahead);
+                if (is_box(box)) broadphase.move(k, box, {});
             });
         });
-        if (any) update_broadphase(s);
+        if constexpr (requires { broadphase.update(); })
+            if (any) broadphase.update();
     }
 }
 
@@ -46,12 +51,12 @@ void forget_pair(Memory& m) {
 
 /// The narrowphase of some pairs, where some of them are looked at farther ahead: as one batch those in between.
 template <class Plan, class Query, class Manifolds, class Collide>
-void collide_ahead(state<Plan>& s, const Query* queries, typename Plan::pair_memory* memories, const proxy_pair* pairs,
-                   std::uint32_t count, Manifolds& manifolds, Collide&& collide) {
+void collide_ahead(const shape_pool<Plan>& shapes, const buffer<typename Plan::scalar>& ahead,
+                   typename Plan::scalar margin, const Query* queries, typename Plan::pair_memory* memories,
+                   const proxy_pair* pairs, std::uint32_t count, Manifolds& manifolds, Collide&& collide) {
     using S = typename Plan::scalar;
-    const S margin = s.settings.contact_margin;
     const auto farther = [&](std::uint32_t i) {
-        return s.step.sweep.ahead[s.shapes[pairs[i].a].body] + s.step.sweep.ahead[s.shapes[pairs[i].b].body];
+        return ahead[shapes[pairs[i].a].body] + ahead[shapes[pairs[i].b].body];
     };
     for (std::uint32_t i = 0; i < count;) {
         const S more = farther(i);
@@ -70,13 +75,6 @@ void collide_ahead(state<Plan>& s, const Query* queries, typename Plan::pair_mem
         for (std::uint32_t k = before; k < manifolds.size(); ++k) manifolds[k].query += i;
         i = end;
     }
-}
-
-/// What the step has to know of fast bodies before it looks for contacts.
-template <class Plan>
-void watch_fast_bodies(state<Plan>& s, typename Plan::scalar h) {
-    clear_depths(s);
-    look_ahead(s, h);
 }
 
 }  // namespace detail

@@ -21,48 +21,48 @@ class seam_contacts {
     static constexpr int max_tests = 16;
 
 public:
-    seam_contacts(state<Plan>& s, S h) : s_(s), step_(h) {
-        // Thickness is known of bodies that may be swept.
-        if constexpr (Plan::is_continuous) find();
-    }
+    seam_contacts(const collide_input<Plan>& in, const buffer<body_extent<S>>& extents, buffer<contact>& contacts,
+                  manifold_list<S, D>& manifolds, arena& scratch)
+        : in_(in), extents_(extents), contacts_(contacts), manifolds_(manifolds), scratch_(scratch) {}
 
-private:
-    void find() {
-        const std::uint32_t count = s_.awake.size();
-        support_ = s_.step.scratch.template allocate<std::uint32_t>(count);
+    void drop() {
+        const std::uint32_t count = in_.awake.size();
+        support_ = scratch_.template allocate<std::uint32_t>(count);
         for (std::uint32_t i = 0; i < count; ++i) support_[i] = null_index;
         // Most bodies touch one static shape, or none.
         bool any = false;
-        for (std::uint32_t i = 0; i < s_.step.new_contacts.size(); ++i) {
-            const contact& c = s_.step.new_contacts[i];
+        for (std::uint32_t i = 0; i < contacts_.size(); ++i) {
+            const contact& c = contacts_[i];
             const auto [a, b] = awake_pair(c);
             if ((a < count) == (b < count)) continue;
             std::uint32_t& first = support_[a < count ? a : b];
             if (first == null_index) first = i;
-            else any = any || other_shape(c) != other_shape(s_.step.new_contacts[first]);
+            else any = any || other_shape(c) != other_shape(contacts_[first]);
         }
         if (!any) return;
         for (std::uint32_t i = 0; i < count; ++i) support_[i] = null_index;
-        for (std::uint32_t i = 0; i < s_.step.new_contacts.size(); ++i) {
-            const contact& c = s_.step.new_contacts[i];
+        for (std::uint32_t i = 0; i < contacts_.size(); ++i) {
+            const contact& c = contacts_[i];
             const std::uint32_t body = pushed_body(c);
             if (body == null_index || !(load_of(c) > S(0))) continue;
             std::uint32_t& support = support_[body];
-            if (support == null_index || load_of(c) > load_of(s_.step.new_contacts[support])) support = i;
+            if (support == null_index || load_of(c) > load_of(contacts_[support])) support = i;
         }
         remove();
     }
+
+private:
     [[nodiscard]] body_pair awake_pair(const contact& c) const {
-        return {s_.awake.index_of[c.bodies.body_a], s_.awake.index_of[c.bodies.body_b]};
+        return {in_.awake.index_of[c.bodies.body_a], in_.awake.index_of[c.bodies.body_b]};
     }
     /// The number among awake bodies of the dynamic one, where the other is static; else null.
     [[nodiscard]] std::uint32_t pushed_body(const contact& c) const {
-        const std::uint32_t count = s_.awake.size();
+        const std::uint32_t count = in_.awake.size();
         const auto [a, b] = awake_pair(c);
         if ((a < count) == (b < count)) return null_index;
         const std::uint32_t other = a < count ? c.bodies.body_b : c.bodies.body_a;
         const std::uint32_t body = a < count ? a : b;
-        if (s_.bodies[other].type != body_type::static_body || !s_.bodies[s_.awake[body]].is_dynamic())
+        if (in_.bodies[other].type != body_type::static_body || !in_.bodies[in_.awake[body]].is_dynamic())
             return null_index;
         return body;
     }
@@ -74,7 +74,7 @@ private:
     }
     /// Out of the static shape.
     [[nodiscard]] vec<S, D> outwards(const contact& c) const {
-        return s_.awake.has(c.bodies.body_a) ? -c.normal : c.normal;
+        return in_.awake.has(c.bodies.body_a) ? -c.normal : c.normal;
     }
     [[nodiscard]] static S deepest(const contact& c) {
         S separation = c.points[0].separation;
@@ -82,28 +82,27 @@ private:
         return separation;
     }
     void remove() {
-        auto& contacts = s_.step.new_contacts;
         // All are looked at before any moves.
-        bool* const is_seam = s_.step.scratch.template allocate<bool>(contacts.size());
-        for (std::uint32_t i = 0; i < contacts.size(); ++i) is_seam[i] = lies_on_seam(i);
+        bool* const is_seam = scratch_.template allocate<bool>(contacts_.size());
+        for (std::uint32_t i = 0; i < contacts_.size(); ++i) is_seam[i] = lies_on_seam(i);
         partition_contacts(
-            contacts, [&](const contact& c) { return !is_seam[&c - contacts.begin()]; }, [](const contact&) {});
+            contacts_, [&](const contact& c) { return !is_seam[&c - contacts_.begin()]; }, [](const contact&) {});
     }
     [[nodiscard]] bool lies_on_seam(std::uint32_t i) {
-        const contact& c = s_.step.new_contacts[i];
+        const contact& c = contacts_[i];
         const std::uint32_t body = pushed_body(c);
         if (body == null_index || support_[body] == null_index || support_[body] == i) return false;
-        const contact& support = s_.step.new_contacts[support_[body]];
+        const contact& support = contacts_[support_[body]];
         if (other_shape(c) == other_shape(support)) return false;
         const vec<S, D> up = outwards(support), n = outwards(c);
         // Alike, both carry it.
         const S alike = dot(n, up);
         const vec<S, D> across = n - up * alike;
         if (!(largest(across) > S(1.0 / 256)) || alike < S(-1.0 / 64)) return false;
-        const vec<S, D> v = s_.bodies[s_.awake[body]].velocity_ahead(step_).linear;
-        if (!(deepest(c) + min(dot(n, v), S(0)) * step_ < S(0))) return false;
-        const S thickness = s_.continuous.extents[s_.awake[body]].thickness;
-        const vec<S, D> along = v * step_ - up * min(dot(v, up) * step_, S(0));
+        const vec<S, D> v = in_.bodies[in_.awake[body]].velocity_ahead(in_.h).linear;
+        if (!(deepest(c) + min(dot(n, v), S(0)) * in_.h < S(0))) return false;
+        const S thickness = extents_[in_.awake[body]].thickness;
+        const vec<S, D> along = v * in_.h - up * min(dot(v, up) * in_.h, S(0));
         const S distance = length(along);
         if (!(distance * S(1.0 / max_tests) < thickness)) return false;
         const S lift = max(-deepest(support), S(0)) + thickness * S(1.0 / 512);
@@ -116,15 +115,15 @@ private:
         return !would_touch(c, along + up * lift - normalized(across) * min(lift * S(256), thickness));
     }
     [[nodiscard]] std::uint32_t other_shape(const contact& c) const {
-        return s_.awake.has(c.bodies.body_a) ? c.shape_b : c.shape_a;
+        return in_.awake.has(c.bodies.body_a) ? c.shape_b : c.shape_a;
     }
     [[nodiscard]] bool would_touch(const contact& c, const vec<S, D>& shift) {
-        const auto& a = s_.shapes[c.shape_a];
-        const auto& b = s_.shapes[c.shape_b];
+        const auto& a = in_.shapes[c.shape_a];
+        const auto& b = in_.shapes[c.shape_b];
         auto at_a = a.pose, at_b = b.pose;
-        (s_.awake.has(c.bodies.body_a) ? at_a : at_b).position += shift;
+        (in_.awake.has(c.bodies.body_a) ? at_a : at_b).position += shift;
         const typename Plan::query query{&a.shape, &b.shape, relative(at_a, at_b)};
-        auto& found = s_.step.manifolds[0];
+        auto& found = manifolds_;
         found.clear();
         if constexpr (Plan::remembers) Plan::narrowphase::collide(&query, 1, S(0), nullptr, found);
         else Plan::narrowphase::collide(&query, 1, S(0), found);
@@ -134,10 +133,21 @@ private:
         return false;
     }
 
-    state<Plan>& s_;
-    S step_;
+    const collide_input<Plan>& in_;
+    const buffer<body_extent<S>>& extents_;
+    buffer<contact>& contacts_;
+    manifold_list<S, D>& manifolds_;
+    arena& scratch_;
     std::uint32_t* support_ = nullptr;
 };
+
+/// Contacts -> the same without those on seams. Thickness is known of bodies that may be swept; others keep all.
+template <class Plan, class Continuous>
+void drop_seam_contacts([[maybe_unused]] const collide_input<Plan>& in, [[maybe_unused]] const Continuous& continuous,
+                        [[maybe_unused]] step_data<Plan>& d) {
+    if constexpr (Plan::is_continuous)
+        seam_contacts<Plan>(in, continuous.extents, d.new_contacts, d.manifolds[0], d.scratch).drop();
+}
 
 }  // namespace detail
 

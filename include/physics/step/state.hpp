@@ -116,6 +116,8 @@ struct sleep_state {
 struct no_sleep_state {
     static constexpr bool is_asleep(std::uint32_t) { return false; }
 };
+template <class Plan>
+using sleep_of = std::conditional_t<Plan::sleeps, sleep_state<Plan>, no_sleep_state>;
 
 /// How far a body's shapes reach from its centre of mass; see stride.
 template <class S>
@@ -156,7 +158,7 @@ struct state {
     awake_list awake;
     /// What the narrowphase remembers of the last step's pairs.
     pair_cache<Plan> memories;
-    [[no_unique_address]] std::conditional_t<Plan::sleeps, sleep_state<Plan>, no_sleep_state> sleep;
+    [[no_unique_address]] sleep_of<Plan> sleep;
     [[no_unique_address]] std::conditional_t<Plan::is_continuous, continuous_state<Plan>, nothing_continuous>
         continuous;
     std::uint64_t steps = 0;
@@ -245,11 +247,18 @@ void each_shape(State& s, std::uint32_t body, F&& f) {
 
 /// Enters the shapes of a body into the broadphase anew: it has become another kind of proxy.
 template <class Plan>
-void reinsert_proxies(state<Plan>& s, std::uint32_t body) {
-    each_shape(s, body, [&](std::uint32_t i, const shape_record<Plan>& shape) {
-        s.broadphase.erase(i);
-        s.broadphase.insert(i, query_bounds(s, shape), filter_of(s, shape));
+void reinsert_proxies(const pool<typename Plan::body>& bodies, const shape_pool<Plan>& shapes,
+                      const sleep_of<Plan>& sleep, typename Plan::scalar margin, typename Plan::broadphase& broadphase,
+                      std::uint32_t body) {
+    const proxy_filter filter{.owner = body, .movable = bodies[body].is_dynamic() && !sleep.is_asleep(body)};
+    each_shape(bodies, shapes, body, [&](std::uint32_t i, const shape_record<Plan>& shape) {
+        broadphase.erase(i);
+        broadphase.insert(i, box_within(margin, shape), filter);
     });
+}
+template <class Plan>
+void reinsert_proxies(state<Plan>& s, std::uint32_t body) {
+    reinsert_proxies<Plan>(s.bodies, s.shapes, s.sleep, s.settings.contact_margin, s.broadphase, body);
 }
 
 /// Tells the broadphase where the shapes of a body are now.

@@ -57,6 +57,8 @@ struct sweep_data {
     buffer<S> ahead;
 };
 struct no_sweep_data {};
+template <class Plan>
+using sweep_data_of = std::conditional_t<Plan::is_continuous, sweep_data<Plan>, no_sweep_data>;
 
 /// Whether a step is under way.
 struct step_flag {
@@ -80,7 +82,7 @@ struct step_data {
     buffer<std::uint32_t> woken, near;
     buffer<proxy_pair> woken_pairs;
     buffer<contact> woken_contacts;
-    [[no_unique_address]] std::conditional_t<Plan::is_continuous, sweep_data<Plan>, no_sweep_data> sweep;
+    [[no_unique_address]] sweep_data_of<Plan> sweep;
 
     arena scratch;
     per_worker<arena> batch_scratch;

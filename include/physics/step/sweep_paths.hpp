@@ -148,61 +148,6 @@ private:
     }
 };
 
-/// Forgets which bodies were near static ones, or deep in them, in the last step.
-template <class Plan>
-void clear_depths(state<Plan>& s) {
-    if constexpr (Plan::sweeps) {
-        for (const std::uint32_t i : s.step.sweep.deep) s.step.sweep.depths[i] = {};
-        s.step.sweep.deep.clear();
-        s.step.sweep.depths.resize(s.bodies.slots());
-        s.step.sweep.near_static.clear();
-        s.step.sweep.near_static.resize(s.bodies.slots());
-    }
-}
-/// Notes which of two bodies whose boxes overlap is near one that stands; those have the last number.
-template <class Plan>
-void note_near(state<Plan>& s, std::uint32_t a, std::uint32_t b) {
-    if constexpr (Plan::sweeps) {
-        // Several workers may note the same body.
-        const auto note = [&](std::uint32_t i) {
-#if defined(__GNUC__)
-            __atomic_store_n(&s.step.sweep.near_static[i], true, __ATOMIC_RELAXED);
-#else
-            s.step.sweep.near_static[i] = true;
-#endif
-        };
-        if (!s.awake.has(a)) note(b);
-        if (!s.awake.has(b)) note(a);
-    }
-}
-/// Whether a contact is deep.
-template <class Plan, class Contact>
-bool is_deep(const state<Plan>& s, const Contact& c) {
-    if constexpr (Plan::sweeps) {
-        // Bodies that do not move have the last number.
-        if (s.awake.has(c.bodies.body_a) == s.awake.has(c.bodies.body_b)) return false;
-        for (int k = 0; k < c.count; ++k)
-            if (-c.points[k].separation > s.settings.contact_margin * typename Plan::scalar(0.125)) return true;
-    }
-    return false;
-}
-/// Notes how deep the body of a contact is in a static one.
-template <class Plan, class Contact>
-void note_depth(state<Plan>& s, const Contact& c) {
-    if constexpr (Plan::sweeps) {
-        if (!is_deep(s, c)) return;
-        typename Plan::scalar depth{};
-        for (int k = 0; k < c.count; ++k) depth = max(depth, -c.points[k].separation);
-        const std::uint32_t a = c.bodies.body_a, b = c.bodies.body_b;
-        const auto note = [&](std::uint32_t i) {
-            s.step.sweep.depths[i] = max(s.step.sweep.depths[i], depth);
-            s.step.sweep.deep.push_back(i);
-        };
-        if (s.bodies[a].type == body_type::static_body) note(b);
-        if (s.bodies[b].type == body_type::static_body) note(a);
-    }
-}
-
 }  // namespace detail
 
 PHYSICS_HPP_END
