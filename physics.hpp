@@ -26875,14 +26875,14 @@ template <class Plan>
 auto box_within(typename Plan::scalar contact_margin, const shape_record<Plan>& shape) {
     return grown(bounds(shape.shape, shape.pose), contact_margin / typename Plan::scalar(2));
 }
-template <class Plan>
-auto query_bounds(const state<Plan>& s, const shape_record<Plan>& shape) {
-    return box_within(s.settings.contact_margin, shape);
+template <class World, class Plan>
+auto query_bounds(const World& w, const shape_record<Plan>& shape) {
+    return box_within(w.settings.contact_margin, shape);
 }
 /// What the broadphase knows of a shape besides.
-template <class Plan>
-proxy_filter filter_of(const state<Plan>& s, const shape_record<Plan>& shape) {
-    return {.owner = shape.body, .movable = s.is_awake_dynamic(shape.body)};
+template <class World, class Plan>
+proxy_filter filter_of(const World& w, const shape_record<Plan>& shape) {
+    return {.owner = shape.body, .movable = w.bodies[shape.body].is_dynamic() && !w.sleep.is_asleep(shape.body)};
 }
 template <class Plan>
 void configure_broadphase(state<Plan>& s) {
@@ -27043,15 +27043,15 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// Calls f(shape's number) for shapes whose boxes reach into a box.
-template <class Plan, class F>
-void each_near(const state<Plan>& s, const aabb<typename Plan::scalar, Plan::dimension>& box,
-               const query_filter& filter, F&& f) {
-    if constexpr (requires { s.broadphase.each_overlapping(box, filter, f); }) {
-        s.broadphase.each_overlapping(box, filter, f);
+/// Calls f(shape's number) for shapes whose boxes reach into a box. Of the world it reads bodies, shapes, who sleeps,
+/// the broadphase and the contact margin.
+template <class World, class S, int D, class F>
+void each_near(const World& w, const aabb<S, D>& box, const query_filter& filter, F&& f) {
+    if constexpr (requires { w.broadphase.each_overlapping(box, filter, f); }) {
+        w.broadphase.each_overlapping(box, filter, f);
     } else {
-        s.shapes.each([&](std::uint32_t i, const auto& shape) {
-            if (filter.sees(filter_of(s, shape)) && overlap(query_bounds(s, shape), box)) f(i);
+        w.shapes.each([&](std::uint32_t i, const auto& shape) {
+            if (filter.sees(filter_of(w, shape)) && overlap(query_bounds(w, shape), box)) f(i);
         });
     }
 }
@@ -27713,12 +27713,13 @@ PHYSICS_HPP_COLD double reach_from(const core<D>& c, const point<D>& center) {
 
 /// Of a body: how thick its thinnest piece is, how far its cores reach from the centre of mass, and how far all of it.
 template <class Plan>
-PHYSICS_HPP_COLD void measure_body(const state<Plan>& s, std::uint32_t index, body_extent<typename Plan::scalar>& to) {
+PHYSICS_HPP_COLD void measure_body(const pool<typename Plan::body>& bodies, const shape_pool<Plan>& shapes,
+                                   std::uint32_t index, body_extent<typename Plan::scalar>& to) {
     using S = typename Plan::scalar;
     constexpr int D = Plan::dimension;
-    const point<D> center = to_point(s.bodies[index].mass.center);
+    const point<D> center = to_point(bodies[index].mass.center);
     double thickness = no_limit, reach = 0, outer = 0;
-    each_shape(s, index, [&](std::uint32_t, const shape_record<Plan>& record) {
+    each_shape(bodies, shapes, index, [&](std::uint32_t, const shape_record<Plan>& record) {
         const mat<double, D> axes = to_matrix(record.local.rotation);
         const point<D> at = transposed_times(axes, center - to_point(record.local.position));
         record.shape.visit([&](const auto& shape) {
@@ -27731,7 +27732,7 @@ PHYSICS_HPP_COLD void measure_body(const state<Plan>& s, std::uint32_t index, bo
                              });
         });
         // Of what has no pieces, a box.
-        if (s.bodies[index].is_dynamic()) return;
+        if (bodies[index].is_dynamic()) return;
         const auto box = bounds(record.shape, record.local);
         double square = 0;
         for (int i = 0; i < D; ++i) {
@@ -27743,15 +27744,6 @@ PHYSICS_HPP_COLD void measure_body(const state<Plan>& s, std::uint32_t index, bo
     });
     const double maximum = static_cast<double>(scalar_traits<S>::max()) * 0.25;
     to = {static_cast<S>(min(thickness, maximum)), static_cast<S>(min(reach, maximum)), min(outer, maximum)};
-}
-
-/// Keeps these of a body whose shapes or centre of mass have changed. O(shapes of the body).
-template <class Plan>
-void refresh_extent(state<Plan>& s, std::uint32_t index) {
-    if constexpr (Plan::is_continuous) {
-        s.continuous.extents.resize(s.bodies.slots());
-        measure_body(s, index, s.continuous.extents[index]);
-    }
 }
 
 }  // namespace detail
@@ -28504,7 +28496,6 @@ moved_bodies<S, D, Rotates> place_bodies(const batches& graph, arena& scratch) {
             scratch.template allocate<moving_body<S, D, Rotates>>(graph.slots), graph.slot_of};
 }
 
-/// Bodies, contacts and their batches -> velocities, poses and impulses.
 template <class Plan>
 class batch_solver {
     using S = typename Plan::scalar;
@@ -28561,6 +28552,14 @@ private:
     const moved_bodies<S, D, Plan::rotates>& moved_;
 };
 
+/// Bodies, contacts and their batches -> velocities, poses and impulses. False if a number leaves its range.
+template <class Plan, class Material, class Moved>
+bool solve(const batches& graph, const solve_input<Plan>& in, buffer<typename Plan::contact>& contacts,
+           const Material& material, const Moved& moved, per_worker<arena>& scratch_of, arena& scratch,
+           task_runner& tasks) {
+    return batch_solver<Plan>(graph, in, contacts, material, moved).run(scratch_of, scratch, tasks);
+}
+
 }  // namespace detail
 
 PHYSICS_HPP_END
@@ -28591,6 +28590,18 @@ vec<S, 3> with_whole_turns(const vec<S, 3>& turn, const vec<S, 3>& rate) {
     return about * with_whole_turns(first, dot(rate, about));
 }
 
+/// What sweeps read of a world.
+template <class Plan>
+struct sweep_input {
+    const pool<typename Plan::body>& bodies;
+    const shape_pool<Plan>& shapes;
+    const typename Plan::broadphase& broadphase;
+    const awake_list& awake;
+    const sleep_of<Plan>& sleep;
+    const buffer<body_extent<typename Plan::scalar>>& extents;
+    const typename Plan::settings& settings;
+};
+
 /// The ways of bodies through a step: from the poses at its start to the solver's.
 template <class Plan>
 class body_paths {
@@ -28598,56 +28609,56 @@ public:
     using S = typename Plan::scalar;
     static constexpr int D = Plan::dimension;
 
-    body_paths(state<Plan>& s, moved_bodies<S, D, Plan::rotates> moved, S h) : s_(s), moved_(moved), h_(h) {}
+    body_paths(const sweep_input<Plan>& in, moved_bodies<S, D, Plan::rotates> moved, S h, sweep_data<Plan>& data)
+        : in_(in), data_(data), moved_(moved), h_(h) {}
 
 protected:
     using body_sweep = sweep<S, D>;
     using swept_body_type = swept_body<D>;
 
-    [[nodiscard]] double contact_margin() const { return detail::to_double(s_.settings.contact_margin); }
+    [[nodiscard]] double contact_margin() const { return detail::to_double(in_.settings.contact_margin); }
     static S length_of(S w) { return abs(w); }
     static S length_of(const vec<S, 2>& w) { return abs(w.x) + abs(w.y); }
     static S length_of(const vec<S, 3>& w) { return abs(w.x) + abs(w.y) + abs(w.z); }
     /// The farther of what it did and what it was about to.
     body_motion<S, D> motion_of_body(std::uint32_t k, const typename Plan::body& b) const {
-        const std::uint32_t i = s_.awake[k];
-        const auto& extent = s_.continuous.extents[i];
+        const std::uint32_t i = in_.awake[k];
+        const auto& extent = in_.extents[i];
         const angular<S, D> w = value_of(moved_.velocity(k).angular), before = value_of(b.velocity.angular);
         const vec<S, D> path = moved_[k].center - b.center, aimed = b.velocity.linear * h_;
         const bool slower = length_of(w) < length_of(before), shorter = length_of(path) < length_of(aimed);
         // A body that was stopped in this step may now overlap what stopped it.
-        return {shorter ? aimed : path,    (slower ? before : w) * h_, extent.reach,
-                extent.thickness,          s_.step.sweep.depths[i],    b.continuous,
-                s_.settings.contact_margin};
+        return {shorter ? aimed : path, (slower ? before : w) * h_, extent.reach, extent.thickness, data_.depths[i],
+                b.continuous,           in_.settings.contact_margin};
     }
 
     /// Whether a shape of a kinematic body may pass the middle of another in this step, by its way as seen from there.
     PHYSICS_HPP_COLD bool crosses(std::uint32_t k, const typename Plan::body& b, std::uint32_t pusher) {
-        const auto& from = s_.bodies[pusher];
-        const auto& moved = moved_[s_.awake.index_of[pusher]];
+        const auto& from = in_.bodies[pusher];
+        const auto& moved = moved_[in_.awake.index_of[pusher]];
         const rotation<S, D> turned = rotation_after(moved, from);
         const vec<S, D> start = inverse_transform(from.pose(), b.center),
                         end = inverse_transform(transform<S, D>{moved.center - turned * from.mass.center, turned},
                                                 moved_[k].center);
         // What turns leads the way around, not along the chord.
         const double angle =
-            detail::to_double(length_of(value_of(moved_.velocity(s_.awake.index_of[pusher]).angular) * h_));
+            detail::to_double(length_of(value_of(moved_.velocity(in_.awake.index_of[pusher]).angular) * h_));
         const double far = detail::to_double(length_of(start)) + detail::to_double(length_of(end));
         const double reach = contact_margin() + far * angle * angle / 8;
         if (!(angle < 1) || !(reach < detail::to_double(scalar_traits<S>::max()) / 4)) return true;
         const aabb<S, D> path = grown(aabb<S, D>{min(start, end), max(start, end)}, static_cast<S>(reach));
         bool crossed = false;
-        each_shape(s_, pusher, [&](std::uint32_t, const shape_record<Plan>& record) {
+        each_shape(in_, pusher, [&](std::uint32_t, const shape_record<Plan>& record) {
             crossed = crossed || overlap(bounds(record.shape, record.local), path);
         });
         return crossed;
     }
     /// The shape's frame is the body's.
     PHYSICS_HPP_COLD body_sweep motion_of(std::uint32_t i) const {
-        const auto& b = s_.bodies[i];
-        const std::uint32_t k = s_.awake.index_of[i];
+        const auto& b = in_.bodies[i];
+        const std::uint32_t k = in_.awake.index_of[i];
         const transform<S, D> start{b.center, b.rotation};
-        if (!(k < s_.awake.size())) return {start.position, start.position, start.rotation, {}, {}};
+        if (!(k < in_.awake.size())) return {start.position, start.position, start.rotation, {}, {}};
         const rotation<S, D>& turn = rotation_after(moved_[k], b);
         body_sweep m{start.position, moved_[k].center, start.rotation, {}, {}};
         // What does not turn gets no turn from rounding either.
@@ -28665,8 +28676,8 @@ protected:
     /// way, or, where it does not go far, at the end.
     bool keeps_clear(const swept_body_type& m, aabb<double, D>& box) const {
         const std::uint32_t i = m.body;
-        const auto& b = s_.bodies[i];
-        const auto& extent = s_.continuous.extents[i];
+        const auto& b = in_.bodies[i];
+        const auto& extent = in_.extents[i];
         const point<D> start = to_point(b.center), end = to_point(moved_[m.number].center);
         const rotation<S, D>& turn = rotation_after(moved_[m.number], b);
         double spare = 0.5 * contact_margin();
@@ -28688,22 +28699,23 @@ protected:
             }
         }
         const transform<S, D> pose{moved_[m.number].center - turn * b.mass.center, turn};
-        bool within = !s_.step.sweep.near_static[i] && !s_.is_asleep(i);
+        bool within = !data_.near_static[i] && !in_.sleep.is_asleep(i);
         bool first = true;
-        each_shape(s_, i, [&](std::uint32_t k, const shape_record<Plan>& record) {
+        each_shape(in_, i, [&](std::uint32_t k, const shape_record<Plan>& record) {
             aabb<double, D> own = box_at(record, pose * record.local);
             if (m.goes_far) own = merged(own, box_at(record, record.pose));
             own = grown(own, spare);
             box = first ? own : merged(box, own);
             first = false;
-            if constexpr (requires { s_.broadphase.box(k); })
-                within = within && contains(wide(s_.broadphase.box(k)), own);
+            if constexpr (requires { in_.broadphase.box(k); })
+                within = within && contains(wide(in_.broadphase.box(k)), own);
             else within = false;
         });
         return within;
     }
 
-    state<Plan>& s_;
+    const sweep_input<Plan>& in_;
+    sweep_data<Plan>& data_;
     moved_bodies<S, D, Plan::rotates> moved_;
     S h_;
 
@@ -28733,7 +28745,7 @@ class sweep_search : protected body_paths<Plan> {
     using paths = body_paths<Plan>;
 
 protected:
-    using paths::contact_margin, paths::D, paths::motion_of, paths::moved_, paths::s_;
+    using paths::contact_margin, paths::D, paths::motion_of, paths::moved_, paths::in_, paths::data_;
     using typename paths::body_sweep;
     using typename paths::S;
     using typename paths::swept_body_type;
@@ -28742,7 +28754,7 @@ protected:
 
     /// Shapes that a body may meet on a way in a box, in ascending order.
     PHYSICS_HPP_COLD bool find_candidates(std::uint32_t body, const aabb<double, D>& path, bool everything) {
-        auto& found = s_.step.sweep.candidates;
+        auto& found = data_.candidates;
         found.clear();
         aabb<S, D> box;
         const double maximum = static_cast<double>(scalar_traits<S>::max());
@@ -28755,16 +28767,16 @@ protected:
         if (!is_box(box)) return false;
         const proxy_filter own{.owner = body, .movable = true};
         const auto add = [&](std::uint32_t shape) {
-            const auto& record = s_.shapes[shape];
-            if (!everything && s_.bodies[record.body].type != body_type::static_body) return;
-            if (may_meet(own, filter_of(s_, record))) found.push_back(shape);
+            const auto& record = in_.shapes[shape];
+            if (!everything && in_.bodies[record.body].type != body_type::static_body) return;
+            if (may_meet(own, filter_of(in_, record))) found.push_back(shape);
         };
-        each_near(s_, box, query_filter{.category = all_categories, .movable = everything}, add);
+        each_near(in_, box, query_filter{.category = all_categories, .movable = everything}, add);
         if (everything)
-            for (const auto& partner : s_.step.sweep.moving_bodies)
+            for (const auto& partner : data_.moving_bodies)
                 if (overlap(partner.box, path))
-                    each_shape(s_, partner.body, [&](std::uint32_t k, const auto&) { add(k); });
-        sort_once(found, s_.step.sweep.spare);
+                    each_shape(in_, partner.body, [&](std::uint32_t k, const auto&) { add(k); });
+        sort_once(found, data_.spare);
         return true;
     }
     static void sort_once(buffer<std::uint64_t>& numbers, buffer<std::uint64_t>& spare) {
@@ -28788,9 +28800,9 @@ protected:
     PHYSICS_HPP_COLD void sweep_body(swept_body_type& m, const body_sweep& path) {
         m.stops = false;
         m.time = 1;
-        each_shape(s_, m.body, [&](std::uint32_t, const shape_record<Plan>& record) {
+        each_shape(in_, m.body, [&](std::uint32_t, const shape_record<Plan>& record) {
             const mat<double, D> axes = to_matrix(record.local.rotation);
-            const point<D> at = to_point(record.local.position) - to_point(s_.bodies[m.body].mass.center);
+            const point<D> at = to_point(record.local.position) - to_point(in_.bodies[m.body].mass.center);
             record.shape.visit([&](const auto& shape) {
                 each_swept_piece(shape, everywhere(record.local.rotation),
                                  [&](const core<D>& c, const mat<double, D>& turned, const point<D>& where) {
@@ -28802,15 +28814,15 @@ protected:
     PHYSICS_HPP_COLD void sweep_piece(swept_body_type& m, const body_sweep& path, const core<D>& piece,
                                       const mat<double, D>& axes, const point<D>& at) {
         const double thickness = inradius_of<Plan::few_corners>(piece);
-        for (const std::uint64_t k : s_.step.sweep.candidates) {
-            const auto& record = s_.shapes[static_cast<std::uint32_t>(k)];
+        for (const std::uint64_t k : data_.candidates) {
+            const auto& record = in_.shapes[static_cast<std::uint32_t>(k)];
             const body_sweep other = motion_of(record.body);
             const obstacle o{
                 other,
                 moving_core<D>(piece, path, axes, at, to_point(other.start)),
                 (to_point(path.end) - to_point(path.start)) - (to_point(other.end) - to_point(other.start)),
                 to_matrix(record.local.rotation),
-                to_point(record.local.position) - to_point(s_.bodies[record.body].mass.center),
+                to_point(record.local.position) - to_point(in_.bodies[record.body].mass.center),
                 thickness,
                 record.body};
             record.shape.visit([&](const auto& shape) { sweep_shape(shape, o, m); });
@@ -28877,8 +28889,8 @@ protected:
         const double epsilon = static_cast<double>(scalar_traits<S>::epsilon());
         const double size = largest(to_point(o.other.start)) + largest(b.start) + largest(o.path);
         const double pose_error = 4 * epsilon * (is_fixed<S> ? 1 + b.reach : size + b.reach);
-        const bool thin = s_.bodies[o.body].is_dynamic();
-        const double depth = detail::to_double(s_.step.sweep.depths[m.body]);
+        const bool thin = in_.bodies[o.body].is_dynamic();
+        const double depth = detail::to_double(data_.depths[m.body]);
         const penetration_limits rule{margin + pose_error,
                                       margin * (1.0 / 64),
                                       margin * (1.0 / 64),
@@ -28919,7 +28931,7 @@ template <class Plan>
 class body_sweeps : sweep_search<Plan> {
     using search = sweep_search<Plan>;
     using search::box_of, search::crosses, search::D, search::h_, search::keeps_clear, search::contact_margin,
-        search::length_of, search::motion_of, search::moved_, search::s_, search::motion_of_body,
+        search::length_of, search::motion_of, search::moved_, search::in_, search::data_, search::motion_of_body,
         search::find_candidates, search::ends_in_something, search::sweep_body;
     using typename search::body_sweep;
     using typename search::S;
@@ -28929,28 +28941,27 @@ class body_sweeps : sweep_search<Plan> {
 public:
     using search::sweep_search;
 
-    PHYSICS_HPP_NOINLINE void run() {
-        auto& report = s_.continuous.report;
-        report = {};
-        if (find_swept_bodies()) sweep_all(report);
+    PHYSICS_HPP_NOINLINE continuous_report<S> run() {
+        if (find_swept_bodies()) sweep_all();
+        return report_;
     }
 
 private:
-    buffer<swept_body_type>& swept_bodies() { return s_.step.sweep.swept_bodies; }
+    buffer<swept_body_type>& swept_bodies() { return data_.swept_bodies; }
 
-    PHYSICS_HPP_COLD void sweep_all(continuous_report<S>& report) {
-        report.swept = swept_bodies().size();
+    PHYSICS_HPP_COLD void sweep_all() {
+        report_.swept = swept_bodies().size();
         if (any_flagged_) list_moving_bodies();
         for (swept_body_type& m : swept_bodies()) find_stop(m);
         for (swept_body_type& m : swept_bodies()) stop_other(m);
         for (swept_body_type& m : swept_bodies()) stop(m);
     }
     bool find_swept_bodies() {
-        auto& pushers = s_.step.sweep.pushers;
+        auto& pushers = data_.pushers;
         pushers.clear();
         const S thinnest = list_swept_bodies();
         if (fastest_ > detail::to_double(thinnest)) {
-            for (auto& p : pushers) p.box = box_of(motion_of(p.body), s_.continuous.extents[p.body].outer);
+            for (auto& p : pushers) p.box = box_of(motion_of(p.body), in_.extents[p.body].outer);
             list_swept_bodies();
         }
         return !swept_bodies().empty();
@@ -28958,18 +28969,18 @@ private:
     /// Gives the thickness of the thinnest dynamic body, so that what slow kinematic ones pass is not looked for.
     S list_swept_bodies() {
         swept_bodies().clear();
-        const bool anew = !s_.step.sweep.pushers.empty();
+        const bool anew = !data_.pushers.empty();
         S thinnest = scalar_traits<S>::max();
-        for (std::uint32_t k = 0; k < s_.awake.size(); ++k) {
-            const std::uint32_t i = s_.awake[k];
-            const auto& b = s_.bodies[i];
+        for (std::uint32_t k = 0; k < in_.awake.size(); ++k) {
+            const std::uint32_t i = in_.awake[k];
+            const auto& b = in_.bodies[i];
             const body_motion<S, D> own = motion_of_body(k, b);
             if (!b.is_dynamic()) {
-                double far = detail::to_double(length_of(own.turn)) * s_.continuous.extents[i].outer;
+                double far = detail::to_double(length_of(own.turn)) * in_.extents[i].outer;
                 for (int axis = 0; axis < D; ++axis) far += abs(detail::to_double(own.translation[axis]));
                 // By velocities drums and paddles go far all the time: what they pass is not looked for.
                 if (anew || !b.has_target || !(far > 0)) continue;
-                s_.step.sweep.pushers.push_back({i, {}});
+                data_.pushers.push_back({i, {}});
                 fastest_ = max(fastest_, far);
                 continue;
             }
@@ -28990,12 +29001,12 @@ private:
                                                  const body_motion<S, D>& own) {
         const point<D> start = to_point(b.center), end = to_point(moved_[k].center);
         const aabb<double, D> box =
-            grown(aabb<double, D>{min(start, end), max(start, end)}, s_.continuous.extents[s_.awake[k]].outer);
-        for (const auto& p : s_.step.sweep.pushers) {
+            grown(aabb<double, D>{min(start, end), max(start, end)}, in_.extents[in_.awake[k]].outer);
+        for (const auto& p : data_.pushers) {
             if (!overlap(p.box, box)) continue;
-            const auto& from = s_.bodies[p.body];
+            const auto& from = in_.bodies[p.body];
             const vec<S, D> velocity_of_pusher =
-                velocity_at(moved_.velocity(s_.awake.index_of[p.body]), b.center - from.center) * h_;
+                velocity_at(moved_.velocity(in_.awake.index_of[p.body]), b.center - from.center) * h_;
             body_motion<S, D> seen = own, alone = own;
             seen.translation -= velocity_of_pusher;
             alone.translation = velocity_of_pusher;
@@ -29007,16 +29018,16 @@ private:
 
     /// What moves, and may be far from where the broadphase knows it.
     void list_moving_bodies() {
-        s_.step.sweep.moving_bodies.clear();
+        data_.moving_bodies.clear();
         const auto add = [&](std::uint32_t i) {
-            s_.step.sweep.moving_bodies.push_back({i, box_of(motion_of(i), s_.continuous.extents[i].outer)});
+            data_.moving_bodies.push_back({i, box_of(motion_of(i), in_.extents[i].outer)});
         };
         std::uint32_t next = 0;
-        for (std::uint32_t k = 0; k < s_.awake.size(); ++k) {
-            const std::uint32_t i = s_.awake[k];
+        for (std::uint32_t k = 0; k < in_.awake.size(); ++k) {
+            const std::uint32_t i = in_.awake[k];
             const bool goes_far = next < swept_bodies().size() && swept_bodies()[next].number == k;
             if (goes_far) ++next;
-            if (goes_far || !s_.bodies[i].is_dynamic()) add(i);
+            if (goes_far || !in_.bodies[i].is_dynamic()) add(i);
         }
     }
 
@@ -29026,7 +29037,7 @@ private:
         aabb<double, D> box;
         if (keeps_clear(m, box) && !everything) return;
         if (!find_candidates(m.body, box, everything)) m.converged = false;
-        if (s_.step.sweep.candidates.empty()) return;
+        if (data_.candidates.empty()) return;
         const body_sweep path = motion_of(m.body);
         m.goes_far = m.goes_far || ends_in_something(m, path);
         if (m.goes_far) sweep_body(m, path);
@@ -29034,8 +29045,8 @@ private:
 
     /// A dynamic body that goes far itself must not go on through the body that was stopped on its way.
     void stop_other(const swept_body_type& m) {
-        if (!m.stops || !s_.bodies[m.other].is_dynamic()) return;
-        swept_body_type* other = find_swept_body(s_.awake.index_of[m.other]);
+        if (!m.stops || !in_.bodies[m.other].is_dynamic()) return;
+        swept_body_type* other = find_swept_body(in_.awake.index_of[m.other]);
         if (other == nullptr || (other->cut && !(m.time < other->cut_time))) return;
         other->cut = true;
         other->cut_time = m.time;
@@ -29063,8 +29074,7 @@ private:
     PHYSICS_HPP_COLD void stop(swept_body_type& m) {
         const bool is_cut = m.cut && !(m.stops && m.time < m.cut_time);
         const double time = is_cut ? m.cut_time : m.time;
-        auto& report = s_.continuous.report;
-        const body_type type = s_.bodies[m.other].type;
+        const body_type type = in_.bodies[m.other].type;
         const bool slides = !is_cut && m.stops && type == body_type::static_body && m.against == sweep_target::fixed;
         if ((is_cut || m.stops) && time < 1 && !(slides && is_pushed_out(m))) {
             const body_sweep path = motion_of(m.body);
@@ -29081,12 +29091,12 @@ private:
             } else {
                 vec<S, D>& v = moved_.velocity(m.number).linear;
                 const vec<S, D> ahead = slides ? from_point<S>(m.normal) : normalized(v);
-                v -= ahead * (dot(ahead, s_.settings.gravity) * s_.bodies[m.body].gravity_scale * lost);
+                v -= ahead * (dot(ahead, in_.settings.gravity) * in_.bodies[m.body].gravity_scale * lost);
             }
-            ++report.stopped;
-            report.lost = max(report.lost, lost);
+            ++report_.stopped;
+            report_.lost = max(report_.lost, lost);
         }
-        if (!m.converged) ++report.unconverged;
+        if (!m.converged) ++report_.unconverged;
     }
     /// What turns about a point of contact leaves the tangent along which the solver moves that point: rims of coins
     /// would be stopped in every step. Where it is no deeper than that explains, it is pushed out at the end of the
@@ -29095,7 +29105,7 @@ private:
         if constexpr (!Plan::rotates) return false;
         body_sweep path = motion_of(m.body);
         const double turn = detail::to_double(length_of(path.turn)),
-                     maximum = 0.5 * turn * turn * s_.continuous.extents[m.body].outer;
+                     maximum = 0.5 * turn * turn * in_.extents[m.body].outer;
         swept_body_type deepest = m;
         // Twice, for what is in a corner.
         for (int i = 0; i < 2; ++i) {
@@ -29112,8 +29122,8 @@ private:
     }
     /// Takes from the speed of a body what it has gained by being moved against gravity.
     PHYSICS_HPP_COLD void take_from_speed(const swept_body_type& m, const vec<S, D>& by) {
-        const auto& b = s_.bodies[m.body];
-        const double gain = -dot(to_point(by), to_point(s_.settings.gravity)) * detail::to_double(b.gravity_scale);
+        const auto& b = in_.bodies[m.body];
+        const double gain = -dot(to_point(by), to_point(in_.settings.gravity)) * detail::to_double(b.gravity_scale);
         if (!(gain > 0)) return;
         auto& v = moved_.velocity(m.number);
         double square = dot(to_point(v.linear), to_point(v.linear));
@@ -29127,7 +29137,7 @@ private:
     /// What stops a body on another way, among static ones.
     PHYSICS_HPP_COLD swept_body_type continue_on(const swept_body_type& m, const body_sweep& path) {
         swept_body_type again(m.body, m.number);
-        const double reach = s_.continuous.extents[m.body].outer + contact_margin();
+        const double reach = in_.extents[m.body].outer + contact_margin();
         again.converged = find_candidates(m.body, box_of(path, reach), false);
         sweep_body(again, path);
         return again;
@@ -29155,23 +29165,24 @@ private:
     PHYSICS_HPP_COLD transform<S, D> carried(swept_body_type& m, const transform<S, D>& at) {
         const body_sweep other = motion_of(m.other);
         const transform<S, D> there = other.at(rounded_down<S>(m.time));
-        const auto& moved = moved_[s_.awake.index_of[m.other]];
-        const transform<S, D> then{moved.center, rotation_after(moved, s_.bodies[m.other])};
+        const auto& moved = moved_[in_.awake.index_of[m.other]];
+        const transform<S, D> then{moved.center, rotation_after(moved, in_.bodies[m.other])};
         const transform<S, D> end = then * relative(there, at);
         const body_sweep path = sweep_between<S, D>(at, {end.position, normalized(end.rotation)});
         return continue_from(m, path);
     }
 
+    continuous_report<S> report_;
     bool any_flagged_ = false;
     /// How far a point of a kinematic body goes, at most.
     double fastest_ = 0;
 };
 
-/// Stops bodies that would have passed into something; see the recipe's policy.
-template <class Plan>
-void sweep_fast_bodies(state<Plan>& s, moved_bodies<typename Plan::scalar, Plan::dimension, Plan::rotates> moved,
-                       typename Plan::scalar h) {
-    if constexpr (Plan::sweeps) body_sweeps<Plan>(s, moved, h).run();
+/// Poses -> poses short of what bodies would have passed into, and how often that was; see the recipe's policy.
+template <class Plan, class Moved>
+continuous_report<typename Plan::scalar> sweep(const sweep_input<Plan>& in, const Moved& moved, typename Plan::scalar h,
+                                               sweep_data<Plan>& data) {
+    return body_sweeps<Plan>(in, moved, h, data).run();
 }
 
 }  // namespace detail
@@ -29320,60 +29331,77 @@ struct no_watch {
     void operator()(step_stage) const {}
 };
 
-/// Advances a world by h seconds. Each stage reads and writes plain arrays; only this function knows their
-/// order. Refused if surfaces do not mix, or if a velocity or a position would leave the range of numbers.
-/// Not inlined, so that no arithmetic moves out of the caller's float_control_scope.
+/// Advances a world by h seconds: each stage takes what it reads and gives what it makes, only this function knows
+/// their order. Refused if surfaces do not mix, if a velocity or a position would leave the range of numbers, or if the
+/// executor fails. Not inlined, so that no arithmetic moves out of the caller's float_control_scope.
 template <class Plan, class Watch = no_watch>
 PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, task_runner tasks, Watch done = {}) {
+    using S = typename Plan::scalar;
     if (tasks.workers() == 0) return step_result::bad_executor;
     step_data<Plan>& d = s.step;
     start_step(d, tasks);
+    clear_depths<Plan>(s.bodies.slots(), d.sweep);
     // Settings -> what all surfaces make of each other, where no shape has a material of its own.
     if (!combine_common_materials<Plan>(s.settings, d.new_material)) return step_result::bad_mixing_rule;
-    clear_depths<Plan>(s.bodies.slots(), d.sweep);
     // Velocities -> boxes of bodies that look ahead.
     look_ahead<Plan>(s.bodies, s.shapes, s.sleep, s.continuous, s.settings, h, s.broadphase, d.sweep);
-    list_awake(s.bodies, s.sleep, s.awake);                   // bodies            -> which of them move
-    const auto& pairs = find_pairs(s.broadphase, d.scratch);  // boxes             -> pairs, in order
+    // Bodies -> which of them move.
+    list_awake(s.bodies, s.sleep, s.awake);
+    // Boxes -> pairs of shapes, in order.
+    const auto& pairs = find_pairs(s.broadphase, d.scratch);
     done(step_stage::find_pairs);
+
+    // Pairs, poses, the last step's contacts -> contacts, with feature ids and warm impulses.
     const collide_input<Plan> to_collide{
         s.bodies, s.shapes, s.awake, s.sleep, d.new_material, s.settings.contact_margin, h, s.steps};
-    // Pairs, poses, last step's contacts -> contacts with feature ids and warm impulses.
     const collide_result found = find_contacts(pairs, to_collide, s.contacts, s.step_lengths, s.memories, d, tasks);
     if (!found.materials_valid) return step_result::bad_mixing_rule;
+    // Contacts with sleeping bodies -> contacts of the islands that they wake.
     if constexpr (Plan::sleeps)
-        // Contacts with sleeping bodies -> contacts of the islands that they wake.
         if (found.near_sleeper &&
             list_woken<Plan>(d.new_contacts, s.bodies, s.sleep, s.settings.gravity, h, s.awake, d.woken) &&
             !find_contacts_of_woken(to_collide, s.memories, d, tasks))
             return step_result::bad_mixing_rule;
-    drop_seam_contacts(to_collide, s.continuous, d);  // contacts          -> without those at flush edges
-    list_edges(d.new_contacts, d.edges, tasks);       // contacts          -> which bodies they hold together
+    // Contacts -> those that are not at flush edges.
+    drop_seam_contacts(to_collide, s.continuous, d);
+    // Contacts -> which bodies they hold together.
+    list_edges(d.new_contacts, d.edges, tasks);
     done(step_stage::find_contacts);
+
     // Edges -> islands, in batches.
     const batches graph = build_graph(d.edges, s.bodies, s.awake, d.scratch, tasks);
     done(step_stage::make_batches);
-    warm_impulses<typename Plan::scalar> warm(s.step_lengths, s.steps, h);
-    warm.before_solve(d.new_contacts, d.scratch);
-    const solve_input<Plan> to_solve{s.bodies, s.awake, s.settings, h, s.step_lengths.usual};
-    const auto moved = place_bodies<typename Plan::scalar, Plan::dimension, Plan::rotates>(graph, d.scratch);
+
     // Bodies, contacts -> velocities, poses, impulses.
-    const bool solved = batch_solver<Plan>(graph, to_solve, d.new_contacts, d.new_material, moved)
-                            .run(d.batch_scratch, d.scratch, tasks);
+    warm_impulses<S> warm(s.step_lengths, s.steps, h);
+    warm.before_solve(d.new_contacts, d.scratch);
+    const auto moved = place_bodies<S, Plan::dimension, Plan::rotates>(graph, d.scratch);
+    const solve_input<Plan> to_solve{s.bodies, s.awake, s.settings, h, s.step_lengths.usual};
+    const bool solved =
+        solve(graph, to_solve, d.new_contacts, d.new_material, moved, d.batch_scratch, d.scratch, tasks);
     done(step_stage::solve);
     if (!tasks.ran_all_tasks()) return step_result::bad_executor;
     if (!solved) return step_result::out_of_range;
-    sweep_fast_bodies(s, moved, h);  // poses             -> poses short of what stops bodies
-    // Poses -> boxes of what has moved.
+
+    // Poses -> poses short of what stops bodies.
+    if constexpr (Plan::sweeps) {
+        const auto& extents = s.continuous.extents;
+        const sweep_input<Plan> to_sweep{s.bodies, s.shapes, s.broadphase, s.awake, s.sleep, extents, s.settings};
+        s.continuous.report = sweep(to_sweep, moved, h, d.sweep);
+    }
+    // Poses -> boxes of shapes that left theirs.
     if (!update_boxes<Plan>(s.bodies, s.awake, moved, s.settings.contact_margin, h, s.shapes, s.broadphase, d.scratch,
                             tasks))
         return tasks.ran_all_tasks() ? step_result::out_of_range : step_result::bad_executor;
     done(step_stage::update_boxes);
-    publish(s, moved, warm, h);  // results           -> bodies and contacts
+
+    // Results -> bodies and contacts. From here on nothing fails.
+    publish(s, moved, warm, h);
     if constexpr (Plan::sleeps) {
-        commit_woken(s);   // bodies            -> who is awake for good
-        wake_ahead(s, h);  // kinematic bodies  -> who is woken before they come
-        // Bodies, contacts -> who falls asleep, with their contacts.
+        // Who was woken is awake for good, and so is what kinematic bodies are going to run into.
+        commit_woken(s);
+        wake_ahead(s, h);
+        // Contacts, and how bodies move -> who falls asleep, with their contacts.
         if (fall_asleep<Plan>(s.contacts, s.settings, h, s.shapes, s.awake, s.bodies, s.sleep, s.broadphase,
                               d.scratch)) {
             move_contacts_to_sleepers<Plan>(s.bodies, s.step_lengths, s.contacts, s.sleep, d.new_contacts);
@@ -29927,6 +29955,15 @@ PHYSICS_HPP_END
 PHYSICS_HPP_BEGIN
 
 namespace detail {
+
+/// Keeps these of a body whose shapes or centre of mass have changed. O(shapes of the body).
+template <class Plan>
+void refresh_extent(state<Plan>& s, std::uint32_t index) {
+    if constexpr (Plan::is_continuous) {
+        s.continuous.extents.resize(s.bodies.slots());
+        measure_body<Plan>(s.bodies, s.shapes, index, s.continuous.extents[index]);
+    }
+}
 
 /// The mass of one shape in its body's frame, computed with the scalar T; none for shapes without mass.
 template <class T, class Plan>

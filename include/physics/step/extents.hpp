@@ -33,12 +33,13 @@ PHYSICS_HPP_COLD double reach_from(const core<D>& c, const point<D>& center) {
 
 /// Of a body: how thick its thinnest piece is, how far its cores reach from the centre of mass, and how far all of it.
 template <class Plan>
-PHYSICS_HPP_COLD void measure_body(const state<Plan>& s, std::uint32_t index, body_extent<typename Plan::scalar>& to) {
+PHYSICS_HPP_COLD void measure_body(const pool<typename Plan::body>& bodies, const shape_pool<Plan>& shapes,
+                                   std::uint32_t index, body_extent<typename Plan::scalar>& to) {
     using S = typename Plan::scalar;
     constexpr int D = Plan::dimension;
-    const point<D> center = to_point(s.bodies[index].mass.center);
+    const point<D> center = to_point(bodies[index].mass.center);
     double thickness = no_limit, reach = 0, outer = 0;
-    each_shape(s, index, [&](std::uint32_t, const shape_record<Plan>& record) {
+    each_shape(bodies, shapes, index, [&](std::uint32_t, const shape_record<Plan>& record) {
         const mat<double, D> axes = to_matrix(record.local.rotation);
         const point<D> at = transposed_times(axes, center - to_point(record.local.position));
         record.shape.visit([&](const auto& shape) {
@@ -51,7 +52,7 @@ PHYSICS_HPP_COLD void measure_body(const state<Plan>& s, std::uint32_t index, bo
                              });
         });
         // Of what has no pieces, a box.
-        if (s.bodies[index].is_dynamic()) return;
+        if (bodies[index].is_dynamic()) return;
         const auto box = bounds(record.shape, record.local);
         double square = 0;
         for (int i = 0; i < D; ++i) {
@@ -63,15 +64,6 @@ PHYSICS_HPP_COLD void measure_body(const state<Plan>& s, std::uint32_t index, bo
     });
     const double maximum = static_cast<double>(scalar_traits<S>::max()) * 0.25;
     to = {static_cast<S>(min(thickness, maximum)), static_cast<S>(min(reach, maximum)), min(outer, maximum)};
-}
-
-/// Keeps these of a body whose shapes or centre of mass have changed. O(shapes of the body).
-template <class Plan>
-void refresh_extent(state<Plan>& s, std::uint32_t index) {
-    if constexpr (Plan::is_continuous) {
-        s.continuous.extents.resize(s.bodies.slots());
-        measure_body(s, index, s.continuous.extents[index]);
-    }
 }
 
 }  // namespace detail

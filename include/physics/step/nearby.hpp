@@ -8,15 +8,15 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// Calls f(shape's number) for shapes whose boxes reach into a box.
-template <class Plan, class F>
-void each_near(const state<Plan>& s, const aabb<typename Plan::scalar, Plan::dimension>& box,
-               const query_filter& filter, F&& f) {
-    if constexpr (requires { s.broadphase.each_overlapping(box, filter, f); }) {
-        s.broadphase.each_overlapping(box, filter, f);
+/// Calls f(shape's number) for shapes whose boxes reach into a box. Of the world it reads bodies, shapes, who sleeps,
+/// the broadphase and the contact margin.
+template <class World, class S, int D, class F>
+void each_near(const World& w, const aabb<S, D>& box, const query_filter& filter, F&& f) {
+    if constexpr (requires { w.broadphase.each_overlapping(box, filter, f); }) {
+        w.broadphase.each_overlapping(box, filter, f);
     } else {
-        s.shapes.each([&](std::uint32_t i, const auto& shape) {
-            if (filter.sees(filter_of(s, shape)) && overlap(query_bounds(s, shape), box)) f(i);
+        w.shapes.each([&](std::uint32_t i, const auto& shape) {
+            if (filter.sees(filter_of(w, shape)) && overlap(query_bounds(w, shape), box)) f(i);
         });
     }
 }

@@ -14,7 +14,6 @@ moved_bodies<S, D, Rotates> place_bodies(const batches& graph, arena& scratch) {
             scratch.template allocate<moving_body<S, D, Rotates>>(graph.slots), graph.slot_of};
 }
 
-/// Bodies, contacts and their batches -> velocities, poses and impulses.
 template <class Plan>
 class batch_solver {
     using S = typename Plan::scalar;
@@ -70,6 +69,14 @@ private:
     const combined_material& material_;
     const moved_bodies<S, D, Plan::rotates>& moved_;
 };
+
+/// Bodies, contacts and their batches -> velocities, poses and impulses. False if a number leaves its range.
+template <class Plan, class Material, class Moved>
+bool solve(const batches& graph, const solve_input<Plan>& in, buffer<typename Plan::contact>& contacts,
+           const Material& material, const Moved& moved, per_worker<arena>& scratch_of, arena& scratch,
+           task_runner& tasks) {
+    return batch_solver<Plan>(graph, in, contacts, material, moved).run(scratch_of, scratch, tasks);
+}
 
 }  // namespace detail
 

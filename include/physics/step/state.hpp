@@ -211,14 +211,14 @@ template <class Plan>
 auto box_within(typename Plan::scalar contact_margin, const shape_record<Plan>& shape) {
     return grown(bounds(shape.shape, shape.pose), contact_margin / typename Plan::scalar(2));
 }
-template <class Plan>
-auto query_bounds(const state<Plan>& s, const shape_record<Plan>& shape) {
-    return box_within(s.settings.contact_margin, shape);
+template <class World, class Plan>
+auto query_bounds(const World& w, const shape_record<Plan>& shape) {
+    return box_within(w.settings.contact_margin, shape);
 }
 /// What the broadphase knows of a shape besides.
-template <class Plan>
-proxy_filter filter_of(const state<Plan>& s, const shape_record<Plan>& shape) {
-    return {.owner = shape.body, .movable = s.is_awake_dynamic(shape.body)};
+template <class World, class Plan>
+proxy_filter filter_of(const World& w, const shape_record<Plan>& shape) {
+    return {.owner = shape.body, .movable = w.bodies[shape.body].is_dynamic() && !w.sleep.is_asleep(shape.body)};
 }
 template <class Plan>
 void configure_broadphase(state<Plan>& s) {

@@ -13,7 +13,7 @@ template <class Plan>
 class body_sweeps : sweep_search<Plan> {
     using search = sweep_search<Plan>;
     using search::box_of, search::crosses, search::D, search::h_, search::keeps_clear, search::contact_margin,
-        search::length_of, search::motion_of, search::moved_, search::s_, search::motion_of_body,
+        search::length_of, search::motion_of, search::moved_, search::in_, search::data_, search::motion_of_body,
         search::find_candidates, search::ends_in_something, search::sweep_body;
     using typename search::body_sweep;
     using typename search::S;
@@ -23,28 +23,27 @@ class body_sweeps : sweep_search<Plan> {
 public:
     using search::sweep_search;
 
-    PHYSICS_HPP_NOINLINE void run() {
-        auto& report = s_.continuous.report;
-        report = {};
-        if (find_swept_bodies()) sweep_all(report);
+    PHYSICS_HPP_NOINLINE continuous_report<S> run() {
+        if (find_swept_bodies()) sweep_all();
+        return report_;
     }
 
 private:
-    buffer<swept_body_type>& swept_bodies() { return s_.step.sweep.swept_bodies; }
+    buffer<swept_body_type>& swept_bodies() { return data_.swept_bodies; }
 
-    PHYSICS_HPP_COLD void sweep_all(continuous_report<S>& report) {
-        report.swept = swept_bodies().size();
+    PHYSICS_HPP_COLD void sweep_all() {
+        report_.swept = swept_bodies().size();
         if (any_flagged_) list_moving_bodies();
         for (swept_body_type& m : swept_bodies()) find_stop(m);
         for (swept_body_type& m : swept_bodies()) stop_other(m);
         for (swept_body_type& m : swept_bodies()) stop(m);
     }
     bool find_swept_bodies() {
-        auto& pushers = s_.step.sweep.pushers;
+        auto& pushers = data_.pushers;
         pushers.clear();
         const S thinnest = list_swept_bodies();
         if (fastest_ > detail::to_double(thinnest)) {
-            for (auto& p : pushers) p.box = box_of(motion_of(p.body), s_.continuous.extents[p.body].outer);
+            for (auto& p : pushers) p.box = box_of(motion_of(p.body), in_.extents[p.body].outer);
             list_swept_bodies();
         }
         return !swept_bodies().empty();
@@ -52,18 +51,18 @@ private:
     /// Gives the thickness of the thinnest dynamic body, so that what slow kinematic ones pass is not looked for.
     S list_swept_bodies() {
         swept_bodies().clear();
-        const bool anew = !s_.step.sweep.pushers.empty();
+        const bool anew = !data_.pushers.empty();
         S thinnest = scalar_traits<S>::max();
-        for (std::uint32_t k = 0; k < s_.awake.size(); ++k) {
-            const std::uint32_t i = s_.awake[k];
-            const auto& b = s_.bodies[i];
+        for (std::uint32_t k = 0; k < in_.awake.size(); ++k) {
+            const std::uint32_t i = in_.awake[k];
+            const auto& b = in_.bodies[i];
             const body_motion<S, D> own = motion_of_body(k, b);
             if (!b.is_dynamic()) {
-                double far = detail::to_double(length_of(own.turn)) * s_.continuous.extents[i].outer;
+                double far = detail::to_double(length_of(own.turn)) * in_.extents[i].outer;
                 for (int axis = 0; axis < D; ++axis) far += abs(detail::to_double(own.translation[axis]));
                 // By velocities drums and paddles go far all the time: what they pass is not looked for.
                 if (anew || !b.has_target || !(far > 0)) continue;
-                s_.step.sweep.pushers.push_back({i, {}});
+                data_.pushers.push_back({i, {}});
                 fastest_ = max(fastest_, far);
                 continue;
             }
@@ -84,12 +83,12 @@ private:
                                                  const body_motion<S, D>& own) {
         const point<D> start = to_point(b.center), end = to_point(moved_[k].center);
         const aabb<double, D> box =
-            grown(aabb<double, D>{min(start, end), max(start, end)}, s_.continuous.extents[s_.awake[k]].outer);
-        for (const auto& p : s_.step.sweep.pushers) {
+            grown(aabb<double, D>{min(start, end), max(start, end)}, in_.extents[in_.awake[k]].outer);
+        for (const auto& p : data_.pushers) {
             if (!overlap(p.box, box)) continue;
-            const auto& from = s_.bodies[p.body];
+            const auto& from = in_.bodies[p.body];
             const vec<S, D> velocity_of_pusher =
-                velocity_at(moved_.velocity(s_.awake.index_of[p.body]), b.center - from.center) * h_;
+                velocity_at(moved_.velocity(in_.awake.index_of[p.body]), b.center - from.center) * h_;
             body_motion<S, D> seen = own, alone = own;
             seen.translation -= velocity_of_pusher;
             alone.translation = velocity_of_pusher;
@@ -101,16 +100,16 @@ private:
 
     /// What moves, and may be far from where the broadphase knows it.
     void list_moving_bodies() {
-        s_.step.sweep.moving_bodies.clear();
+        data_.moving_bodies.clear();
         const auto add = [&](std::uint32_t i) {
-            s_.step.sweep.moving_bodies.push_back({i, box_of(motion_of(i), s_.continuous.extents[i].outer)});
+            data_.moving_bodies.push_back({i, box_of(motion_of(i), in_.extents[i].outer)});
         };
         std::uint32_t next = 0;
-        for (std::uint32_t k = 0; k < s_.awake.size(); ++k) {
-            const std::uint32_t i = s_.awake[k];
+        for (std::uint32_t k = 0; k < in_.awake.size(); ++k) {
+            const std::uint32_t i = in_.awake[k];
             const bool goes_far = next < swept_bodies().size() && swept_bodies()[next].number == k;
             if (goes_far) ++next;
-            if (goes_far || !s_.bodies[i].is_dynamic()) add(i);
+            if (goes_far || !in_.bodies[i].is_dynamic()) add(i);
         }
     }
 
@@ -120,7 +119,7 @@ private:
         aabb<double, D> box;
         if (keeps_clear(m, box) && !everything) return;
         if (!find_candidates(m.body, box, everything)) m.converged = false;
-        if (s_.step.sweep.candidates.empty()) return;
+        if (data_.candidates.empty()) return;
         const body_sweep path = motion_of(m.body);
         m.goes_far = m.goes_far || ends_in_something(m, path);
         if (m.goes_far) sweep_body(m, path);
@@ -128,8 +127,8 @@ private:
 
     /// A dynamic body that goes far itself must not go on through the body that was stopped on its way.
     void stop_other(const swept_body_type& m) {
-        if (!m.stops || !s_.bodies[m.other].is_dynamic()) return;
-        swept_body_type* other = find_swept_body(s_.awake.index_of[m.other]);
+        if (!m.stops || !in_.bodies[m.other].is_dynamic()) return;
+        swept_body_type* other = find_swept_body(in_.awake.index_of[m.other]);
         if (other == nullptr || (other->cut && !(m.time < other->cut_time))) return;
         other->cut = true;
         other->cut_time = m.time;
@@ -157,8 +156,7 @@ private:
     PHYSICS_HPP_COLD void stop(swept_body_type& m) {
         const bool is_cut = m.cut && !(m.stops && m.time < m.cut_time);
         const double time = is_cut ? m.cut_time : m.time;
-        auto& report = s_.continuous.report;
-        const body_type type = s_.bodies[m.other].type;
+        const body_type type = in_.bodies[m.other].type;
         const bool slides = !is_cut && m.stops && type == body_type::static_body && m.against == sweep_target::fixed;
         if ((is_cut || m.stops) && time < 1 && !(slides && is_pushed_out(m))) {
             const body_sweep path = motion_of(m.body);
@@ -175,12 +173,12 @@ private:
             } else {
                 vec<S, D>& v = moved_.velocity(m.number).linear;
                 const vec<S, D> ahead = slides ? from_point<S>(m.normal) : normalized(v);
-                v -= ahead * (dot(ahead, s_.settings.gravity) * s_.bodies[m.body].gravity_scale * lost);
+                v -= ahead * (dot(ahead, in_.settings.gravity) * in_.bodies[m.body].gravity_scale * lost);
             }
-            ++report.stopped;
-            report.lost = max(report.lost, lost);
+            ++report_.stopped;
+            report_.lost = max(report_.lost, lost);
         }
-        if (!m.converged) ++report.unconverged;
+        if (!m.converged) ++report_.unconverged;
     }
     /// What turns about a point of contact leaves the tangent along which the solver moves that point: rims of coins
     /// would be stopped in every step. Where it is no deeper than that explains, it is pushed out at the end of the
@@ -189,7 +187,7 @@ private:
         if constexpr (!Plan::rotates) return false;
         body_sweep path = motion_of(m.body);
         const double turn = detail::to_double(length_of(path.turn)),
-                     maximum = 0.5 * turn * turn * s_.continuous.extents[m.body].outer;
+                     maximum = 0.5 * turn * turn * in_.extents[m.body].outer;
         swept_body_type deepest = m;
         // Twice, for what is in a corner.
         for (int i = 0; i < 2; ++i) {
@@ -206,8 +204,8 @@ private:
     }
     /// Takes from the speed of a body what it has gained by being moved against gravity.
     PHYSICS_HPP_COLD void take_from_speed(const swept_body_type& m, const vec<S, D>& by) {
-        const auto& b = s_.bodies[m.body];
-        const double gain = -dot(to_point(by), to_point(s_.settings.gravity)) * detail::to_double(b.gravity_scale);
+        const auto& b = in_.bodies[m.body];
+        const double gain = -dot(to_point(by), to_point(in_.settings.gravity)) * detail::to_double(b.gravity_scale);
         if (!(gain > 0)) return;
         auto& v = moved_.velocity(m.number);
         double square = dot(to_point(v.linear), to_point(v.linear));
@@ -221,7 +219,7 @@ private:
     /// What stops a body on another way, among static ones.
     PHYSICS_HPP_COLD swept_body_type continue_on(const swept_body_type& m, const body_sweep& path) {
         swept_body_type again(m.body, m.number);
-        const double reach = s_.continuous.extents[m.body].outer + contact_margin();
+        const double reach = in_.extents[m.body].outer + contact_margin();
         again.converged = find_candidates(m.body, box_of(path, reach), false);
         sweep_body(again, path);
         return again;
@@ -249,23 +247,24 @@ private:
     PHYSICS_HPP_COLD transform<S, D> carried(swept_body_type& m, const transform<S, D>& at) {
         const body_sweep other = motion_of(m.other);
         const transform<S, D> there = other.at(rounded_down<S>(m.time));
-        const auto& moved = moved_[s_.awake.index_of[m.other]];
-        const transform<S, D> then{moved.center, rotation_after(moved, s_.bodies[m.other])};
+        const auto& moved = moved_[in_.awake.index_of[m.other]];
+        const transform<S, D> then{moved.center, rotation_after(moved, in_.bodies[m.other])};
         const transform<S, D> end = then * relative(there, at);
         const body_sweep path = sweep_between<S, D>(at, {end.position, normalized(end.rotation)});
         return continue_from(m, path);
     }
 
+    continuous_report<S> report_;
     bool any_flagged_ = false;
     /// How far a point of a kinematic body goes, at most.
     double fastest_ = 0;
 };
 
-/// Stops bodies that would have passed into something; see the recipe's policy.
-template <class Plan>
-void sweep_fast_bodies(state<Plan>& s, moved_bodies<typename Plan::scalar, Plan::dimension, Plan::rotates> moved,
-                       typename Plan::scalar h) {
-    if constexpr (Plan::sweeps) body_sweeps<Plan>(s, moved, h).run();
+/// Poses -> poses short of what bodies would have passed into, and how often that was; see the recipe's policy.
+template <class Plan, class Moved>
+continuous_report<typename Plan::scalar> sweep(const sweep_input<Plan>& in, const Moved& moved, typename Plan::scalar h,
+                                               sweep_data<Plan>& data) {
+    return body_sweeps<Plan>(in, moved, h, data).run();
 }
 
 }  // namespace detail

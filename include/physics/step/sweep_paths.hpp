@@ -25,6 +25,18 @@ vec<S, 3> with_whole_turns(const vec<S, 3>& turn, const vec<S, 3>& rate) {
     return about * with_whole_turns(first, dot(rate, about));
 }
 
+/// What sweeps read of a world.
+template <class Plan>
+struct sweep_input {
+    const pool<typename Plan::body>& bodies;
+    const shape_pool<Plan>& shapes;
+    const typename Plan::broadphase& broadphase;
+    const awake_list& awake;
+    const sleep_of<Plan>& sleep;
+    const buffer<body_extent<typename Plan::scalar>>& extents;
+    const typename Plan::settings& settings;
+};
+
 /// The ways of bodies through a step: from the poses at its start to the solver's.
 template <class Plan>
 class body_paths {
@@ -32,56 +44,56 @@ public:
     using S = typename Plan::scalar;
     static constexpr int D = Plan::dimension;
 
-    body_paths(state<Plan>& s, moved_bodies<S, D, Plan::rotates> moved, S h) : s_(s), moved_(moved), h_(h) {}
+    body_paths(const sweep_input<Plan>& in, moved_bodies<S, D, Plan::rotates> moved, S h, sweep_data<Plan>& data)
+        : in_(in), data_(data), moved_(moved), h_(h) {}
 
 protected:
     using body_sweep = sweep<S, D>;
     using swept_body_type = swept_body<D>;
 
-    [[nodiscard]] double contact_margin() const { return detail::to_double(s_.settings.contact_margin); }
+    [[nodiscard]] double contact_margin() const { return detail::to_double(in_.settings.contact_margin); }
     static S length_of(S w) { return abs(w); }
     static S length_of(const vec<S, 2>& w) { return abs(w.x) + abs(w.y); }
     static S length_of(const vec<S, 3>& w) { return abs(w.x) + abs(w.y) + abs(w.z); }
     /// The farther of what it did and what it was about to.
     body_motion<S, D> motion_of_body(std::uint32_t k, const typename Plan::body& b) const {
-        const std::uint32_t i = s_.awake[k];
-        const auto& extent = s_.continuous.extents[i];
+        const std::uint32_t i = in_.awake[k];
+        const auto& extent = in_.extents[i];
         const angular<S, D> w = value_of(moved_.velocity(k).angular), before = value_of(b.velocity.angular);
         const vec<S, D> path = moved_[k].center - b.center, aimed = b.velocity.linear * h_;
         const bool slower = length_of(w) < length_of(before), shorter = length_of(path) < length_of(aimed);
         // A body that was stopped in this step may now overlap what stopped it.
-        return {shorter ? aimed : path,    (slower ? before : w) * h_, extent.reach,
-                extent.thickness,          s_.step.sweep.depths[i],    b.continuous,
-                s_.settings.contact_margin};
+        return {shorter ? aimed : path, (slower ? before : w) * h_, extent.reach, extent.thickness, data_.depths[i],
+                b.continuous,           in_.settings.contact_margin};
     }
 
     /// Whether a shape of a kinematic body may pass the middle of another in this step, by its way as seen from there.
     PHYSICS_HPP_COLD bool crosses(std::uint32_t k, const typename Plan::body& b, std::uint32_t pusher) {
-        const auto& from = s_.bodies[pusher];
-        const auto& moved = moved_[s_.awake.index_of[pusher]];
+        const auto& from = in_.bodies[pusher];
+        const auto& moved = moved_[in_.awake.index_of[pusher]];
         const rotation<S, D> turned = rotation_after(moved, from);
         const vec<S, D> start = inverse_transform(from.pose(), b.center),
                         end = inverse_transform(transform<S, D>{moved.center - turned * from.mass.center, turned},
                                                 moved_[k].center);
         // What turns leads the way around, not along the chord.
         const double angle =
-            detail::to_double(length_of(value_of(moved_.velocity(s_.awake.index_of[pusher]).angular) * h_));
+            detail::to_double(length_of(value_of(moved_.velocity(in_.awake.index_of[pusher]).angular) * h_));
         const double far = detail::to_double(length_of(start)) + detail::to_double(length_of(end));
         const double reach = contact_margin() + far * angle * angle / 8;
         if (!(angle < 1) || !(reach < detail::to_double(scalar_traits<S>::max()) / 4)) return true;
         const aabb<S, D> path = grown(aabb<S, D>{min(start, end), max(start, end)}, static_cast<S>(reach));
         bool crossed = false;
-        each_shape(s_, pusher, [&](std::uint32_t, const shape_record<Plan>& record) {
+        each_shape(in_, pusher, [&](std::uint32_t, const shape_record<Plan>& record) {
             crossed = crossed || overlap(bounds(record.shape, record.local), path);
         });
         return crossed;
     }
     /// The shape's frame is the body's.
     PHYSICS_HPP_COLD body_sweep motion_of(std::uint32_t i) const {
-        const auto& b = s_.bodies[i];
-        const std::uint32_t k = s_.awake.index_of[i];
+        const auto& b = in_.bodies[i];
+        const std::uint32_t k = in_.awake.index_of[i];
         const transform<S, D> start{b.center, b.rotation};
-        if (!(k < s_.awake.size())) return {start.position, start.position, start.rotation, {}, {}};
+        if (!(k < in_.awake.size())) return {start.position, start.position, start.rotation, {}, {}};
         const rotation<S, D>& turn = rotation_after(moved_[k], b);
         body_sweep m{start.position, moved_[k].center, start.rotation, {}, {}};
         // What does not turn gets no turn from rounding either.
@@ -99,8 +111,8 @@ protected:
     /// way, or, where it does not go far, at the end.
     bool keeps_clear(const swept_body_type& m, aabb<double, D>& box) const {
         const std::uint32_t i = m.body;
-        const auto& b = s_.bodies[i];
-        const auto& extent = s_.continuous.extents[i];
+        const auto& b = in_.bodies[i];
+        const auto& extent = in_.extents[i];
         const point<D> start = to_point(b.center), end = to_point(moved_[m.number].center);
         const rotation<S, D>& turn = rotation_after(moved_[m.number], b);
         double spare = 0.5 * contact_margin();
@@ -122,22 +134,23 @@ protected:
             }
         }
         const transform<S, D> pose{moved_[m.number].center - turn * b.mass.center, turn};
-        bool within = !s_.step.sweep.near_static[i] && !s_.is_asleep(i);
+        bool within = !data_.near_static[i] && !in_.sleep.is_asleep(i);
         bool first = true;
-        each_shape(s_, i, [&](std::uint32_t k, const shape_record<Plan>& record) {
+        each_shape(in_, i, [&](std::uint32_t k, const shape_record<Plan>& record) {
             aabb<double, D> own = box_at(record, pose * record.local);
             if (m.goes_far) own = merged(own, box_at(record, record.pose));
             own = grown(own, spare);
             box = first ? own : merged(box, own);
             first = false;
-            if constexpr (requires { s_.broadphase.box(k); })
-                within = within && contains(wide(s_.broadphase.box(k)), own);
+            if constexpr (requires { in_.broadphase.box(k); })
+                within = within && contains(wide(in_.broadphase.box(k)), own);
             else within = false;
         });
         return within;
     }
 
-    state<Plan>& s_;
+    const sweep_input<Plan>& in_;
+    sweep_data<Plan>& data_;
     moved_bodies<S, D, Plan::rotates> moved_;
     S h_;
 

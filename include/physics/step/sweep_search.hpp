@@ -16,7 +16,7 @@ class sweep_search : protected body_paths<Plan> {
     using paths = body_paths<Plan>;
 
 protected:
-    using paths::contact_margin, paths::D, paths::motion_of, paths::moved_, paths::s_;
+    using paths::contact_margin, paths::D, paths::motion_of, paths::moved_, paths::in_, paths::data_;
     using typename paths::body_sweep;
     using typename paths::S;
     using typename paths::swept_body_type;
@@ -25,7 +25,7 @@ protected:
 
     /// Shapes that a body may meet on a way in a box, in ascending order.
     PHYSICS_HPP_COLD bool find_candidates(std::uint32_t body, const aabb<double, D>& path, bool everything) {
-        auto& found = s_.step.sweep.candidates;
+        auto& found = data_.candidates;
         found.clear();
         aabb<S, D> box;
         const double maximum = static_cast<double>(scalar_traits<S>::max());
@@ -38,16 +38,16 @@ protected:
         if (!is_box(box)) return false;
         const proxy_filter own{.owner = body, .movable = true};
         const auto add = [&](std::uint32_t shape) {
-            const auto& record = s_.shapes[shape];
-            if (!everything && s_.bodies[record.body].type != body_type::static_body) return;
-            if (may_meet(own, filter_of(s_, record))) found.push_back(shape);
+            const auto& record = in_.shapes[shape];
+            if (!everything && in_.bodies[record.body].type != body_type::static_body) return;
+            if (may_meet(own, filter_of(in_, record))) found.push_back(shape);
         };
-        each_near(s_, box, query_filter{.category = all_categories, .movable = everything}, add);
+        each_near(in_, box, query_filter{.category = all_categories, .movable = everything}, add);
         if (everything)
-            for (const auto& partner : s_.step.sweep.moving_bodies)
+            for (const auto& partner : data_.moving_bodies)
                 if (overlap(partner.box, path))
-                    each_shape(s_, partner.body, [&](std::uint32_t k, const auto&) { add(k); });
-        sort_once(found, s_.step.sweep.spare);
+                    each_shape(in_, partner.body, [&](std::uint32_t k, const auto&) { add(k); });
+        sort_once(found, data_.spare);
         return true;
     }
     static void sort_once(buffer<std::uint64_t>& numbers, buffer<std::uint64_t>& spare) {
@@ -71,9 +71,9 @@ protected:
     PHYSICS_HPP_COLD void sweep_body(swept_body_type& m, const body_sweep& path) {
         m.stops = false;
         m.time = 1;
-        each_shape(s_, m.body, [&](std::uint32_t, const shape_record<Plan>& record) {
+        each_shape(in_, m.body, [&](std::uint32_t, const shape_record<Plan>& record) {
             const mat<double, D> axes = to_matrix(record.local.rotation);
-            const point<D> at = to_point(record.local.position) - to_point(s_.bodies[m.body].mass.center);
+            const point<D> at = to_point(record.local.position) - to_point(in_.bodies[m.body].mass.center);
             record.shape.visit([&](const auto& shape) {
                 each_swept_piece(shape, everywhere(record.local.rotation),
                                  [&](const core<D>& c, const mat<double, D>& turned, const point<D>& where) {
@@ -85,15 +85,15 @@ protected:
     PHYSICS_HPP_COLD void sweep_piece(swept_body_type& m, const body_sweep& path, const core<D>& piece,
                                       const mat<double, D>& axes, const point<D>& at) {
         const double thickness = inradius_of<Plan::few_corners>(piece);
-        for (const std::uint64_t k : s_.step.sweep.candidates) {
-            const auto& record = s_.shapes[static_cast<std::uint32_t>(k)];
+        for (const std::uint64_t k : data_.candidates) {
+            const auto& record = in_.shapes[static_cast<std::uint32_t>(k)];
             const body_sweep other = motion_of(record.body);
             const obstacle o{
                 other,
                 moving_core<D>(piece, path, axes, at, to_point(other.start)),
                 (to_point(path.end) - to_point(path.start)) - (to_point(other.end) - to_point(other.start)),
                 to_matrix(record.local.rotation),
-                to_point(record.local.position) - to_point(s_.bodies[record.body].mass.center),
+                to_point(record.local.position) - to_point(in_.bodies[record.body].mass.center),
                 thickness,
                 record.body};
             record.shape.visit([&](const auto& shape) { sweep_shape(shape, o, m); });
@@ -160,8 +160,8 @@ protected:
         const double epsilon = static_cast<double>(scalar_traits<S>::epsilon());
         const double size = largest(to_point(o.other.start)) + largest(b.start) + largest(o.path);
         const double pose_error = 4 * epsilon * (is_fixed<S> ? 1 + b.reach : size + b.reach);
-        const bool thin = s_.bodies[o.body].is_dynamic();
-        const double depth = detail::to_double(s_.step.sweep.depths[m.body]);
+        const bool thin = in_.bodies[o.body].is_dynamic();
+        const double depth = detail::to_double(data_.depths[m.body]);
         const penetration_limits rule{margin + pose_error,
                                       margin * (1.0 / 64),
                                       margin * (1.0 / 64),

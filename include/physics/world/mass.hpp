@@ -8,6 +8,15 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
+/// Keeps these of a body whose shapes or centre of mass have changed. O(shapes of the body).
+template <class Plan>
+void refresh_extent(state<Plan>& s, std::uint32_t index) {
+    if constexpr (Plan::is_continuous) {
+        s.continuous.extents.resize(s.bodies.slots());
+        measure_body<Plan>(s.bodies, s.shapes, index, s.continuous.extents[index]);
+    }
+}
+
 /// The mass of one shape in its body's frame, computed with the scalar T; none for shapes without mass.
 template <class T, class Plan>
 auto mass_of_shape(const shape_record<Plan>& record) {
