@@ -27,7 +27,7 @@ RETIRED = dict.fromkeys("""crew hands movers mover_of giant rouse blow blows beg
 RETIRED |= {"begun": 11, "each_part": 8}
 # Files of step/ that may name the whole state, and how often: the step itself and its state as they like. Waking is left
 # to do, which edits between steps share. The list only shrinks.
-WHOLE_STATE = {"step/state.hpp": None, "step/step.hpp": None, "step/publish.hpp": 2, "step/sleep.hpp": 11}
+WHOLE_STATE = {"step/state.hpp": None, "step/step.hpp": None, "step/publish.hpp": 2, "step/sleep.hpp": 5}
 MOST_LINES = 400
 MOST_COLUMNS = 120
 MOST_SHOWN = 30

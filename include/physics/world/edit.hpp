@@ -1,8 +1,8 @@
 // How bodies and shapes come, go and change between steps.
 #pragma once
 
-#include "physics/step/sleep.hpp"
 #include "physics/world/check.hpp"
+#include "physics/world/wake.hpp"
 
 PHYSICS_HPP_BEGIN
 

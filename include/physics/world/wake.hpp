@@ -1,0 +1,55 @@
+// Who is woken by what happens to a world between steps.
+#pragma once
+
+#include "physics/step/sleep.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+template <class Plan>
+void wake(state<Plan>& s, std::uint32_t body) {
+    if constexpr (Plan::sleeps) wake_islands(s, [&](auto&& f) { f(body); });
+}
+/// Wakes those that touch a body.
+template <class Plan>
+void wake_touching(state<Plan>& s, std::uint32_t body) {
+    if constexpr (Plan::sleeps) {
+        auto& touching = s.step.near;
+        touching.clear();
+        for (const auto& c : s.sleep.contacts) {
+            if (c.bodies.body_a == body) touching.push_back(c.bodies.body_b);
+            if (c.bodies.body_b == body) touching.push_back(c.bodies.body_a);
+        }
+        wake_islands(s, [&](auto&& f) {
+            for (const std::uint32_t i : touching) f(i);
+        });
+    }
+}
+/// A body has changed: wakes its island if it is dynamic, else the islands that touch it.
+template <class Plan>
+void wake_affected(state<Plan>& s, std::uint32_t body) {
+    if (s.bodies[body].is_dynamic()) wake(s, body);
+    else wake_touching(s, body);
+}
+template <class Plan>
+void wake_near(state<Plan>& s, std::uint32_t body) {
+    wake_near(s, body, s.bodies[body].pose());
+}
+template <class Plan>
+void wake_all(state<Plan>& s) {
+    if constexpr (Plan::sleeps)
+        wake_islands(s, [&](auto&& f) { s.bodies.each([&](std::uint32_t i, const auto&) { f(i); }); });
+}
+
+template <class Plan>
+std::uint32_t count_awake(const state<Plan>& s) {
+    std::uint32_t count = 0;
+    s.bodies.each(
+        [&](std::uint32_t i, const auto& b) { count += b.type != body_type::static_body && !s.is_asleep(i); });
+    return count;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
