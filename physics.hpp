@@ -27043,7 +27043,7 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// Calls f(shape's number) for shapes whose boxes reach into a box. Of the world it reads bodies, shapes, who sleeps,
+/// Calls f(shape's number) for shapes whose boxes reach into a box. Of the world it reads bodies, shapes, which sleep,
 /// the broadphase and the contact margin.
 template <class World, class S, int D, class F>
 void each_near(const World& w, const aabb<S, D>& box, const query_filter& filter, F&& f) {
@@ -27883,7 +27883,8 @@ private:
     island* island_ = nullptr;
 };
 
-/// The step's contacts and how bodies move -> who sleeps. True if any have fallen asleep. O(bodies + contacts).
+/// The step's contacts and how bodies move -> which of them sleep. True if any have fallen asleep. O(bodies +
+/// contacts).
 template <class Plan>
 bool fall_asleep(const buffer<typename Plan::contact>& contacts, const typename Plan::settings& settings,
                  typename Plan::scalar h, const shape_pool<Plan>& shapes, awake_list& awake,
@@ -27898,7 +27899,7 @@ bool fall_asleep(const buffer<typename Plan::contact>& contacts, const typename 
     return any;
 }
 
-/// Hands contacts of which no body that can be pushed is awake any more to the sleepers.
+/// Hands contacts of which no body that can be pushed is awake any more to the sleeping islands.
 template <class Plan>
 void move_contacts_to_sleepers(const pool<typename Plan::body>& bodies,
                                const step_lengths<typename Plan::scalar>& lengths,
@@ -29355,10 +29356,10 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, t
     // Results -> bodies and contacts. From here on nothing fails.
     publish(s, moved, warm, h);
     if constexpr (Plan::sleeps) {
-        // Who was woken is awake for good, and so is what kinematic bodies are going to run into.
+        // What was woken is awake for good, and so is what kinematic bodies are going to run into.
         commit_woken(s);
         wake_ahead(s, h);
-        // Contacts, and how bodies move -> who falls asleep, with their contacts.
+        // Contacts, and how bodies move -> islands that fall asleep, with their contacts.
         if (fall_asleep<Plan>(s.contacts, s.settings, h, s.shapes, s.awake, s.bodies, s.sleep, s.broadphase,
                               d.scratch)) {
             move_contacts_to_sleepers<Plan>(s.bodies, s.step_lengths, s.contacts, s.sleep, d.new_contacts);
@@ -30364,7 +30365,7 @@ PHYSICS_HPP_END
 // =================================================================================================
 // physics/world/wake.hpp
 // =================================================================================================
-// Who is woken by what happens to a world between steps.
+// What is woken by what happens to a world between steps.
 
 PHYSICS_HPP_BEGIN
 

@@ -174,7 +174,8 @@ private:
     island* island_ = nullptr;
 };
 
-/// The step's contacts and how bodies move -> who sleeps. True if any have fallen asleep. O(bodies + contacts).
+/// The step's contacts and how bodies move -> which of them sleep. True if any have fallen asleep. O(bodies +
+/// contacts).
 template <class Plan>
 bool fall_asleep(const buffer<typename Plan::contact>& contacts, const typename Plan::settings& settings,
                  typename Plan::scalar h, const shape_pool<Plan>& shapes, awake_list& awake,
@@ -189,7 +190,7 @@ bool fall_asleep(const buffer<typename Plan::contact>& contacts, const typename 
     return any;
 }
 
-/// Hands contacts of which no body that can be pushed is awake any more to the sleepers.
+/// Hands contacts of which no body that can be pushed is awake any more to the sleeping islands.
 template <class Plan>
 void move_contacts_to_sleepers(const pool<typename Plan::body>& bodies,
                                const step_lengths<typename Plan::scalar>& lengths,

@@ -8,7 +8,7 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// Calls f(shape's number) for shapes whose boxes reach into a box. Of the world it reads bodies, shapes, who sleeps,
+/// Calls f(shape's number) for shapes whose boxes reach into a box. Of the world it reads bodies, shapes, which sleep,
 /// the broadphase and the contact margin.
 template <class World, class S, int D, class F>
 void each_near(const World& w, const aabb<S, D>& box, const query_filter& filter, F&& f) {

@@ -104,10 +104,10 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, t
     // Results -> bodies and contacts. From here on nothing fails.
     publish(s, moved, warm, h);
     if constexpr (Plan::sleeps) {
-        // Who was woken is awake for good, and so is what kinematic bodies are going to run into.
+        // What was woken is awake for good, and so is what kinematic bodies are going to run into.
         commit_woken(s);
         wake_ahead(s, h);
-        // Contacts, and how bodies move -> who falls asleep, with their contacts.
+        // Contacts, and how bodies move -> islands that fall asleep, with their contacts.
         if (fall_asleep<Plan>(s.contacts, s.settings, h, s.shapes, s.awake, s.bodies, s.sleep, s.broadphase,
                               d.scratch)) {
             move_contacts_to_sleepers<Plan>(s.bodies, s.step_lengths, s.contacts, s.sleep, d.new_contacts);

@@ -1,4 +1,4 @@
-// Who is woken by what happens to a world between steps.
+// What is woken by what happens to a world between steps.
 #pragma once
 
 #include "physics/step/sleep.hpp"
