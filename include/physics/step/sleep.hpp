@@ -101,6 +101,7 @@ void wake_near(state<Plan>& s, std::uint32_t body, const transform<typename Plan
         });
     }
 }
+
 /// How far gravity draws bodies together within a step, at most.
 template <class S, int D>
 S gravity_slack(const vec<S, D>& gravity, S h) {

@@ -119,6 +119,12 @@ struct no_sleep_state {
 template <class Plan>
 using sleep_of = std::conditional_t<Plan::sleeps, sleep_state<Plan>, no_sleep_state>;
 
+/// Whether a body can be pushed in this step.
+template <class Bodies, class Sleep>
+bool is_awake_dynamic(const Bodies& bodies, const Sleep& sleep, std::uint32_t body) {
+    return bodies[body].is_dynamic() && !sleep.is_asleep(body);
+}
+
 /// How far a body's shapes reach from its centre of mass; see stride.
 template <class S>
 struct body_extent {
@@ -174,7 +180,7 @@ struct state {
 
     [[nodiscard]] bool is_asleep(std::uint32_t body) const { return sleep.is_asleep(body); }
     [[nodiscard]] bool is_awake_dynamic(std::uint32_t body) const {
-        return bodies[body].is_dynamic() && !is_asleep(body);
+        return detail::is_awake_dynamic(bodies, sleep, body);
     }
 };
 
@@ -218,7 +224,7 @@ auto query_bounds(const World& w, const shape_record<Plan>& shape) {
 /// What the broadphase knows of a shape besides.
 template <class World, class Plan>
 proxy_filter filter_of(const World& w, const shape_record<Plan>& shape) {
-    return {.owner = shape.body, .movable = w.bodies[shape.body].is_dynamic() && !w.sleep.is_asleep(shape.body)};
+    return {.owner = shape.body, .movable = is_awake_dynamic(w.bodies, w.sleep, shape.body)};
 }
 template <class Plan>
 void configure_broadphase(state<Plan>& s) {
@@ -250,7 +256,7 @@ template <class Plan>
 void reinsert_proxies(const pool<typename Plan::body>& bodies, const shape_pool<Plan>& shapes,
                       const sleep_of<Plan>& sleep, typename Plan::scalar margin, typename Plan::broadphase& broadphase,
                       std::uint32_t body) {
-    const proxy_filter filter{.owner = body, .movable = bodies[body].is_dynamic() && !sleep.is_asleep(body)};
+    const proxy_filter filter{.owner = body, .movable = is_awake_dynamic(bodies, sleep, body)};
     each_shape(bodies, shapes, body, [&](std::uint32_t i, const shape_record<Plan>& shape) {
         broadphase.erase(i);
         broadphase.insert(i, box_within(margin, shape), filter);
@@ -263,12 +269,17 @@ void reinsert_proxies(state<Plan>& s, std::uint32_t body) {
 
 /// Tells the broadphase where the shapes of a body are now.
 template <class Plan>
-void refresh_boxes(state<Plan>& s, std::uint32_t body) {
-    const auto& b = s.bodies[body];
-    each_shape(s, body, [&](std::uint32_t i, shape_record<Plan>& shape) {
+void refresh_boxes(const pool<typename Plan::body>& bodies, typename Plan::scalar margin, shape_pool<Plan>& shapes,
+                   typename Plan::broadphase& broadphase, std::uint32_t body) {
+    const auto& b = bodies[body];
+    each_shape(bodies, shapes, body, [&](std::uint32_t i, shape_record<Plan>& shape) {
         update_pose(shape, b.pose(), b.center);
-        s.broadphase.move(i, query_bounds(s, shape), {});
+        broadphase.move(i, box_within(margin, shape), {});
     });
+}
+template <class Plan>
+void refresh_boxes(state<Plan>& s, std::uint32_t body) {
+    refresh_boxes<Plan>(s.bodies, s.settings.contact_margin, s.shapes, s.broadphase, body);
     update_broadphase(s);
 }
 

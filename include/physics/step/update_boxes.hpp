@@ -65,13 +65,7 @@ private:
         return fit;
     }
     void restore() {
-        for (const std::uint32_t i : awake_) {
-            const auto& b = bodies_[i];
-            each_shape(bodies_, shapes_, i, [&](std::uint32_t n, auto& shape) {
-                update_pose(shape, b.pose(), b.center);
-                boxes_.move(n, box_within(margin_, shape), {});
-            });
-        }
+        for (const std::uint32_t i : awake_) refresh_boxes<Plan>(bodies_, margin_, shapes_, boxes_, i);
     }
     /// Puts the shapes of a body where it is now, and calls f(shape's number, box) for each.
     template <class F>
