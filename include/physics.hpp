@@ -237,10 +237,15 @@
 #include "physics/broadphase/sweep_and_prune.hpp"
 #include "physics/broadphase/tree_index.hpp"
 
+// What a kind of joint is.
+#include "physics/joint/distance_joint.hpp"
+#include "physics/joint/joint.hpp"
+
 // Bodies, contacts, and the solver that moves them.
 #include "physics/dynamics/body.hpp"
 #include "physics/dynamics/body_lanes.hpp"
 #include "physics/dynamics/colours.hpp"
+#include "physics/dynamics/constraints.hpp"
 #include "physics/dynamics/contact.hpp"
 #include "physics/dynamics/continuous.hpp"
 #include "physics/dynamics/convert.hpp"
@@ -251,6 +256,8 @@
 #include "physics/dynamics/graph.hpp"
 #include "physics/dynamics/integrator.hpp"
 #include "physics/dynamics/islands.hpp"
+#include "physics/dynamics/joint_block.hpp"
+#include "physics/dynamics/joint_solver.hpp"
 #include "physics/dynamics/material.hpp"
 #include "physics/dynamics/pose_lanes.hpp"
 #include "physics/dynamics/reflections.hpp"
@@ -275,6 +282,7 @@
 #include "physics/step/fall_asleep.hpp"
 #include "physics/step/find_pairs.hpp"
 #include "physics/step/integrate.hpp"
+#include "physics/step/joints.hpp"
 #include "physics/step/look_ahead.hpp"
 #include "physics/step/nearby.hpp"
 #include "physics/step/overflow.hpp"
@@ -298,6 +306,7 @@
 #include "physics/world/energy.hpp"
 #include "physics/world/forces.hpp"
 #include "physics/world/hash.hpp"
+#include "physics/world/joints.hpp"
 #include "physics/world/mass.hpp"
 #include "physics/world/queries.hpp"
 #include "physics/world/ranges.hpp"

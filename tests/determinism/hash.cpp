@@ -216,6 +216,43 @@ void rubble(const char* cell) {
     sum.print("rubble", cell);
 }
 
+/// A net of rods, ropes and springs that falls over a bar; the hash of every 16th state of 4 seconds.
+template <class S, int D, class... Policies>
+void net(const char* cell) {
+    struct joined : physics::recipe<S, D, physics::joints<physics::distance_joint>, Policies...> {};
+    using world = physics::world<joined>;
+    world w;
+    typename world::halfspace ground;
+    ground.normal.x = S(0);
+    ground.normal.y = S(1);
+    w.create_shape(w.create_body({.type = physics::body_type::static_body}), ground);
+    typename world::body_def bar{.type = physics::body_type::static_body};
+    bar.position.x = S(1.25);
+    bar.position.y = S(1.5);
+    w.create_shape(w.create_body(bar), typename world::box{physics::vec<S, D>::filled(S(0.25))});
+    physics::body_id all[48];
+    for (int i = 0; i < 48; ++i) {
+        typename world::body_def def;
+        def.position.x = S(i % 8) / S(2);
+        def.position.y = S(2.5);
+        def.position[D - 1] += S(i / 8) / S(2);
+        all[i] = w.create_body(def);
+        w.create_shape(all[i], typename world::box{physics::vec<S, D>::filled(S(0.125))});
+        typename world::distance_joint joint{.length = S(0.5)};
+        joint.anchor_a[0] = S(0.125);
+        if (i % 3 == 1) joint.frequency = S(4), joint.damping_ratio = S(0.5), joint.max_length = S(0.75);
+        if (i % 3 == 2) joint.min_length = S(0);
+        if (i % 8 > 0) w.create_joint(all[i - 1], all[i], joint);
+        if (i >= 8) w.create_joint(all[i - 8], all[i], joint, {.collide_connected = i % 2 == 0});
+    }
+    digest sum;
+    for (int i = 1; i <= 256; ++i) {
+        w.step(S(1.0 / 64));
+        if (i % 16 == 0) sum.word(w.state_hash());
+    }
+    sum.print("net", cell);
+}
+
 /// The scenes of the flagship sample: a structure that stands, then is hit; the hash of every 30th state.
 template <class S, int D, class Build>
 void flagship(const char* scene, const char* cell, Build&& build) {
@@ -258,6 +295,11 @@ int main() {
     belts<physics::fixed32, 3>("fixed32/3D");
     rubble<float>("float/3D");
     rubble<physics::fixed32>("fixed32/3D");
+    net<float, 2>("float/2D");
+    net<float, 3>("float/3D");
+    net<double, 3, physics::sequential_impulse>("double/3D");
+    net<physics::fixed32, 2>("fixed32/2D");
+    net<physics::fixed32, 3>("fixed32/3D");
     flagships<float>("float/2D", "float/3D");
     flagships<double>("double/2D", "double/3D");
     flagships<physics::fixed32>("fixed32/2D", "fixed32/3D");

@@ -48,8 +48,8 @@ void with_each_number_changed(Member& member, F&& f) {
     }
 }
 /// Each number of each member of something in a world bears on the hash, or is of one that is said not to.
-template <class Record>
-void every_member_is_hashed_or_said_not_to(const world& w, Record& record) {
+template <class World, class Record>
+void every_member_is_hashed_or_said_not_to(const World& w, Record& record) {
     std::string_view names = Record::member_names;
     const std::uint64_t before = w.state_hash();
     Record::each_member(record, [&](auto& member) {

@@ -8,6 +8,8 @@ PHYSICS_HPP_BEGIN
 namespace stage {
 /// Which shapes a world knows: shapes<...>.
 struct shapes {};
+/// Which joints a world knows: joints<...>.
+struct joints {};
 /// From boxes to pairs: all_pairs.
 struct broadphase {};
 /// From pairs to manifolds: best_per_pair.

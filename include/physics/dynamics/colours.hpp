@@ -31,14 +31,14 @@ bool is_active(const contact<S, D, Features>& c) {
     return active;
 }
 
-/// Colours contacts greedily in their order: first those between two bodies that can be pushed, then in colours of
-/// their own those that push only A and those that push only B, so that what holds the pile acts last, and all of a
-/// colour push the same sides. Within a colour those that are about to push come first, so that lanes have the same to
-/// do. O(contacts). Source: Catto, Solver2D (2024); greedy edge colouring.
-template <class S, int D, class Features>
-colours_of_contacts colour(const contact_constraints<S, D, Features>& contacts,
-                           solver_bodies<S, D, Features::rotation> bodies, arena& scratch, task_runner& tasks) {
-    const std::uint32_t count = contacts.size();
+/// Colours edges greedily in their order, contacts or joints of a kind: first those between two bodies that can be
+/// pushed, then in colours of their own those that push only A and those that push only B, so that what holds the pile
+/// acts last, and all of a colour push the same sides. Within a colour those that are about to push come first, so that
+/// lanes have the same to do. O(contacts). Source: Catto, Solver2D (2024); greedy edge colouring.
+template <class Edges, class IsActive, class S, int D, bool Rotates>
+colours_of_contacts colour_edges(const Edges& edges, IsActive&& is_active, solver_bodies<S, D, Rotates> bodies,
+                                 arena& scratch, task_runner& tasks) {
+    const std::uint32_t count = edges.size();
     colours_of_contacts result;
     result.order = scratch.template allocate<std::uint32_t>(count);
     const arena::mark needed = scratch.here();
@@ -51,11 +51,11 @@ colours_of_contacts colour(const contact_constraints<S, D, Features>& contacts,
     const auto is_pushed = [&](std::uint32_t i) { return bodies[i].inverse_mass > inverse_of<S>(0); };
     tasks.parallel_for(count, share, [&](std::uint32_t begin, std::uint32_t end, std::uint32_t) {
         // Copies, as what is written may be anything to the compiler.
-        const contact_constraints<S, D, Features> all = contacts;
+        const Edges all = edges;
         auto* const sides = colour_of;
         for (std::uint32_t i = begin; i < end; ++i) {
             const body_pair of = all.bodies(i);
-            sides[i] = static_cast<std::uint8_t>(uncoloured | (is_active(all[i]) ? 0 : idle) |
+            sides[i] = static_cast<std::uint8_t>(uncoloured | (is_active(all, i) ? 0 : idle) |
                                                  (is_pushed(of.a) ? moves_a : 0) | (is_pushed(of.b) ? moves_b : 0));
         }
     });
@@ -64,7 +64,7 @@ colours_of_contacts colour(const contact_constraints<S, D, Features>& contacts,
         std::uint32_t end = first;
         for (std::uint32_t i = 0; i < count; ++i) {
             if ((colour_of[i] & ~idle) != (uncoloured | sides)) continue;
-            const auto [body_a, body_b] = contacts.bodies(i);
+            const auto [body_a, body_b] = edges.bodies(i);
             const bool a = (sides & moves_a) != 0, b = (sides & moves_b) != 0;
             const std::uint64_t taken = (a ? used[body_a] : 0) | (b ? used[body_b] : 0);
             const auto free = static_cast<std::uint32_t>(std::countr_one(taken));
@@ -109,10 +109,72 @@ colours_of_contacts colour(const contact_constraints<S, D, Features>& contacts,
 }
 template <class S, int D, class Features>
 colours_of_contacts colour(const contact_constraints<S, D, Features>& contacts,
+                           solver_bodies<S, D, Features::rotation> bodies, arena& scratch, task_runner& tasks) {
+    const auto active = [](const auto& all, std::uint32_t i) { return is_active(all[i]); };
+    return colour_edges(contacts, active, bodies, scratch, tasks);
+}
+template <class S, int D, class Features>
+colours_of_contacts colour(const contact_constraints<S, D, Features>& contacts,
                            solver_bodies<S, D, Features::rotation> bodies, arena& scratch) {
     task_runner alone;
     return colour(contacts, bodies, scratch, alone);
 }
+
+/// Blocks of up to so many edges of a colour, and how workers go over them.
+struct blocks_by_colour {
+    /// Smallest number of blocks that makes a task.
+    static constexpr std::uint32_t share = 16;
+
+    /// Where the blocks of each colour begin, and after the last one.
+    std::uint32_t begin[colours_of_contacts::capacity + 1];
+    std::uint32_t colours;
+    std::uint32_t edges_a_block;
+    bool last_is_serial;
+
+    blocks_by_colour() = default;
+    blocks_by_colour(const colours_of_contacts& of, int lanes)
+        : colours(of.count), edges_a_block(static_cast<std::uint32_t>(lanes)), last_is_serial(of.last_is_serial) {
+        begin[0] = 0;
+        for (std::uint32_t group = 0; group < colours; ++group) {
+            const std::uint32_t edges = of.begin[group + 1] - of.begin[group], size = lanes_of(group);
+            begin[group + 1] = begin[group] + (edges + size - 1) / size;
+        }
+    }
+    [[nodiscard]] std::uint32_t count() const { return begin[colours]; }
+    /// Edges of a block of this colour: one where they may push the same body.
+    [[nodiscard]] std::uint32_t lanes_of(std::uint32_t group) const {
+        return last_is_serial && group + 1 == colours ? 1 : edges_a_block;
+    }
+
+    /// Calls f(block's number) for all, colour by colour.
+    template <class F>
+    void each(task_runner& tasks, F&& f) const {
+        if (tasks.is_serial()) {
+            for (std::uint32_t k = 0; k < count(); ++k) f(k);
+            return;
+        }
+        for (std::uint32_t group = 0; group < colours; ++group) {
+            const std::uint32_t from = begin[group], size = begin[group + 1] - from;
+            const bool is_serial = last_is_serial && group + 1 == colours;
+            tasks.parallel_for(size, is_serial ? size : share,
+                               [&](std::uint32_t start, std::uint32_t end, std::uint32_t) {
+                                   for (std::uint32_t k = start; k < end; ++k) f(from + k);
+                               });
+        }
+    }
+    /// Calls f(block's number, colour, worker) for all of them in any order: each is for the worker that has it in the
+    /// passes.
+    template <class F>
+    void each_at_once(task_runner& tasks, F&& f) const {
+        tasks.for_each_slice(count() / share, [&](const task_runner::slice& of, std::uint32_t worker) {
+            for (std::uint32_t group = 0; group < colours; ++group) {
+                const std::uint32_t from = begin[group], size = begin[group + 1] - from;
+                const std::uint32_t last = from + of.end_in(size);
+                for (std::uint32_t k = from + of.begin_in(size); k < last; ++k) f(k, group, worker);
+            }
+        });
+    }
+};
 
 }  // namespace detail
 

@@ -12,6 +12,13 @@ PHYSICS_HPP_BEGIN
 struct edge {
     std::uint32_t body_a, body_b;
 };
+/// Edges one after the other.
+struct edge_range {
+    const edge *first, *last;
+
+    [[nodiscard]] const edge* begin() const { return first; }
+    [[nodiscard]] const edge* end() const { return last; }
+};
 /// Two bodies, by their numbers among those that a solver sees.
 struct body_pair {
     std::uint32_t a, b;

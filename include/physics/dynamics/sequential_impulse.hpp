@@ -4,6 +4,7 @@
 #include "physics/dynamics/friction.hpp"
 #include "physics/dynamics/graph.hpp"
 #include "physics/dynamics/integrator.hpp"
+#include "physics/dynamics/joint_solver.hpp"
 #include "physics/dynamics/reflections.hpp"
 #include "physics/space/check.hpp"
 
@@ -60,6 +61,7 @@ bool check(const sequential_impulse_settings<S>& with, const char* function) {
 /// Physics Simulation (2019); Guendelman, Bridson, Fedkiw, Nonconvex Rigid Bodies with Stacking (2003).
 struct sequential_impulse {
     using stage = physics::stage::solver;
+    static constexpr bool solves_joints = true;
 
     template <class Space, class Features>
     class in {
@@ -73,10 +75,12 @@ struct sequential_impulse {
         using bodies_type = solver_bodies<S, D, rotates>;
 
         /// Advances velocities and poses by h: `motion` offers integrate_velocities(h) and integrate_positions(h).
-        template <class Motion>
-        static void solve(bodies_type bodies, contact_constraints<S, D, Features> contacts, const settings& with, S h,
-                          arena& scratch, Motion&& motion) {
+        template <class Constraints = contact_constraints<S, D, Features>, class Motion>
+        static void solve(bodies_type bodies, const Constraints& contacts, const settings& with, S h, arena& scratch,
+                          Motion&& motion) {
             const S h_sub = h / S(with.substeps), share = S(1) / S(with.substeps);
+            detail::task_runner serial;
+            joint_solver<Constraints> joints(contacts, bodies, h_sub, S(0.25) / h_sub, S(2), scratch, serial);
             const surfaces of = contacts.surfaces();
             block* blocks = scratch.template allocate<block>(contacts.size());
             for (std::uint32_t i = 0; i < contacts.size(); ++i)
@@ -94,19 +98,27 @@ struct sequential_impulse {
                     set_targets(contacts[k], blocks[k], bodies, with, h_sub);
                     warm_start(contacts[k], of, blocks[k], bodies);
                 }
-                alternating_passes(with.iterations, contacts, [&](contact& c, std::uint32_t k, bool back) {
-                    solve_contact(c, of, blocks[k], bodies, with, back);
-                    return true;
-                });
+                joints.warm_start(serial);
+                const auto solve_joints = [&] { return joints.solve(serial, true); };
+                alternating_passes(with.iterations, contacts, solve_joints,
+                                   [&](contact& c, std::uint32_t k, bool back) {
+                                       solve_contact(c, of, blocks[k], bodies, with, back);
+                                       return true;
+                                   });
                 for (std::uint32_t k = 0; k < bodies.count; ++k) position_velocities[k] = {};
-                alternating_passes(with.iterations, contacts, [&](const contact& c, std::uint32_t k, bool back) {
-                    return solve_position(c, blocks[k], bodies, position_velocities, back);
-                });
+                const auto no_joints = [] { return false; };
+                alternating_passes(with.iterations, contacts, no_joints,
+                                   [&](const contact& c, std::uint32_t k, bool back) {
+                                       return solve_position(c, blocks[k], bodies, position_velocities, back);
+                                   });
                 integrate_positions(bodies, velocity_change, position_velocities, with.max_depenetration_speed, h_sub,
                                     motion);
+                joints.update_rows(serial, nullptr);
+                joints.solve(serial, false);
                 for (std::uint32_t k = 0; k < contacts.size(); ++k) blocks[k].add_up(contacts[k].count);
             }
             for (std::uint32_t i = 0; i < contacts.size(); ++i) blocks[i].store(contacts[i]);
+            joints.store_impulses(serial);
         }
 
     private:
@@ -250,13 +262,14 @@ struct sequential_impulse {
         }
 
         /// Passes over all contacts in alternating directions, so that impulses and corrections propagate equally both
-        /// ways. Ends after `rounds` passes, or after one in which f returns false for all contacts.
-        template <class F>
-        static void alternating_passes(int rounds, const contact_constraints<S, D, Features>& contacts, F&& f) {
+        /// ways; before each, joints. Ends after `rounds` passes, or after one in which both return false.
+        template <class Joints, class F>
+        static void alternating_passes(int rounds, const contact_constraints<S, D, Features>& contacts, Joints&& joints,
+                                       F&& f) {
             bool changed = true;
             for (int round = 0; round < rounds && changed; ++round) {
                 const bool back = round % 2 != 0;
-                changed = false;
+                changed = joints();
                 for (std::uint32_t i = 0; i < contacts.size(); ++i) {
                     const std::uint32_t at = back ? contacts.size() - 1 - i : i;
                     changed = f(contacts[at], at, back) || changed;

@@ -4,7 +4,7 @@
 #include "physics/base/handle.hpp"
 #include "physics/base/stage.hpp"
 #include "physics/base/task_runner.hpp"
-#include "physics/dynamics/colours.hpp"
+#include "physics/dynamics/joint_solver.hpp"
 #include "physics/dynamics/soft_kernels.hpp"
 #include "physics/space/check.hpp"
 
@@ -57,6 +57,7 @@ bool check(const soft_step_settings<S>& with, const char* function) {
 template <class Friction>
 struct soft_step_with {
     using stage = physics::stage::solver;
+    static constexpr bool solves_joints = true;
 
     /// Width: how many contacts go in lanes at a time; every width gives the same bits.
     template <class Space, class Features, int Width = detail::native_width<typename Space::scalar>,
@@ -74,9 +75,9 @@ struct soft_step_with {
         /// which adds to their ways; where it takes the velocities with which the substep began as well (see
         /// substep_start), it saves rounds over the bodies; where it tells a usual_step(), contacts are no stiffer than
         /// in steps of that length. With several hands, contacts of a colour are shared out.
-        template <class Motion>
-        static void solve(bodies_type all, contact_constraints<S, D, Features> contacts, const settings& with, S h,
-                          arena& scratch, Motion&& motion, detail::task_runner& tasks) {
+        template <class Constraints = contact_constraints<S, D, Features>, class Motion>
+        static void solve(bodies_type all, const Constraints& contacts, const settings& with, S h, arena& scratch,
+                          Motion&& motion, detail::task_runner& tasks) {
             const detail::colours_of_contacts colours = detail::colour(contacts, all, scratch, tasks);
 #if PHYSICS_HPP_AVX2_KERNELS
             if constexpr (Width > 1 && Width == detail::native_width<S>) {
@@ -89,22 +90,22 @@ struct soft_step_with {
 #endif
             solve(colours, all, contacts, with, h, scratch, motion, tasks);
         }
-        template <class Motion>
-        static void solve(bodies_type all, contact_constraints<S, D, Features> contacts, const settings& with, S h,
-                          arena& scratch, Motion&& motion) {
+        template <class Constraints = contact_constraints<S, D, Features>, class Motion>
+        static void solve(bodies_type all, const Constraints& contacts, const settings& with, S h, arena& scratch,
+                          Motion&& motion) {
             detail::task_runner serial;
             solve(all, contacts, with, h, scratch, motion, serial);
         }
         /// The same at this very width, for contacts that have their colours.
-        template <class Motion>
-        static void solve(const detail::colours_of_contacts& colours, bodies_type all,
-                          contact_constraints<S, D, Features> contacts, const settings& with, S h, arena& scratch,
-                          Motion&& motion, detail::task_runner& tasks) {
+        template <class Constraints = contact_constraints<S, D, Features>, class Motion>
+        static void solve(const detail::colours_of_contacts& colours, bodies_type all, const Constraints& contacts,
+                          const settings& with, S h, arena& scratch, Motion&& motion, detail::task_runner& tasks) {
             solver_body<S, D, rotates>* const bodies = all.first;
             const detail::prepare_input<S, D, Features> prepare_with{
                 S(1) / S(with.substeps), with.restitution_threshold * h, accelerations(motion, all, scratch),
                 contacts.surfaces()};
-            const blocks_in_colours blocks = pack(colours, contacts, all, prepare_with, scratch, tasks);
+            const contact_blocks blocks = pack(colours, contacts, all, prepare_with, scratch, tasks);
+            block* const first = blocks.first;
             const S h_sub = h / S(with.substeps);
             S usual = h;
             if constexpr (requires { motion.usual_step(); }) usual = motion.usual_step();
@@ -123,56 +124,61 @@ struct soft_step_with {
                 start.velocities()};
             detail::contact_pass<S, D, rotates> relaxed = biased;
             relaxed.use_bias = false;
+            joint_solver<Constraints, detail::native_width<S>> joints(
+                contacts, all, h_sub, joint_frequency_ratio / (usual / S(with.substeps)), joint_damping_ratio, scratch,
+                tasks);
             for (int i = 0; i < with.substeps; ++i) {
                 start.integrate_velocities(motion, h_sub);
-                if (i == 0) blocks.each(tasks, [bodies](block& b) { kernels::warm_start(b, bodies); });
+                if (i == 0) {
+                    joints.warm_start(tasks);
+                    blocks.each(tasks, [bodies, first](std::uint32_t k) { kernels::warm_start(first[k], bodies); });
+                }
                 if constexpr (Features::restitution)
                     if (blocks.bounce)
-                        blocks.each_number(tasks, [bodies, &biased, &blocks](std::uint32_t k) {
+                        blocks.each(tasks, [bodies, &biased, &blocks](std::uint32_t k) {
                             if (!blocks.bounces[k].ever) return;
                             kernels::note_approaches(blocks.first[k], bodies, biased);
                             blocks.bounces[k].now = blocks.first[k].bounces_now;
                         });
-                blocks.each(tasks, [bodies, &biased](block& b) { kernels::solve(b, bodies, biased); });
+                joints.solve(tasks, true);
+                blocks.each(tasks,
+                            [bodies, first, &biased](std::uint32_t k) { kernels::solve(first[k], bodies, biased); });
                 start.integrate_positions(motion, h_sub);
                 relaxed.over_relaxes = i + 1 < with.substeps;
-                blocks.each(tasks, [bodies, &relaxed](block& b) { kernels::solve(b, bodies, relaxed); });
+                joints.update_rows(tasks, start.velocities());
+                joints.solve(tasks, false);
+                blocks.each(tasks,
+                            [bodies, first, &relaxed](std::uint32_t k) { kernels::solve(first[k], bodies, relaxed); });
                 if constexpr (Features::restitution)
                     if (blocks.bounce)
-                        blocks.each_number(tasks, [bodies, &relaxed, &blocks](std::uint32_t k) {
+                        blocks.each(tasks, [bodies, &relaxed, &blocks](std::uint32_t k) {
                             if (blocks.bounces[k].now && blocks.first[k].bounces_now)
                                 blocks.first[k].bounce(bodies, relaxed);
                         });
             }
+            joints.store_impulses(tasks);
             blocks.each_at_once(
                 tasks, [&](std::uint32_t k, std::uint32_t, std::uint32_t) { blocks.store_impulses(k, contacts); });
         }
         /// Blocks that contacts of these colours fill.
         static std::uint32_t blocks_of(const detail::colours_of_contacts& colours) {
-            std::uint32_t count = 0;
-            for (std::uint32_t group = 0; group < colours.count; ++group) count += blocks_of(colours, group);
-            return count;
+            return detail::blocks_by_colour(colours, width).count();
         }
 
     private:
         static constexpr int width = Width;
         static constexpr std::uint32_t none = detail::null_index;
+        /// Of rigid joints: frequency as a part of the substeps' rate, and damping ratio.
+        static constexpr S joint_frequency_ratio = S(0.25), joint_damping_ratio = S(2);
         using turning_block = std::conditional_t<D == 2, detail::soft_contact2<S, width, Features>,
                                                  detail::soft_contact3<S, width, Features, Friction>>;
         using block = std::conditional_t<rotates, turning_block, detail::soft_linear_contact<S, D, width, Features>>;
         using kernels = Kernels<block>;
 
-        /// Smallest number of blocks that makes a task.
-        static constexpr std::uint32_t share = 16;
-
-        struct blocks_in_colours {
+        struct contact_blocks : detail::blocks_by_colour {
             block* first;
             /// Of each lane of each block its contact.
             std::uint32_t* numbers;
-            /// Where the blocks of each colour begin, and after the last one.
-            std::uint32_t begin[detail::colours_of_contacts::capacity + 1];
-            std::uint32_t colours;
-            bool last_is_serial;
             /// Whether any contact can bounce.
             bool bounce = false;
             /// Whether those of a block can, and whether some are about to: so that no other blocks are read for it.
@@ -181,39 +187,8 @@ struct soft_step_with {
             };
             bouncing* bounces = nullptr;
 
-            [[nodiscard]] std::uint32_t count() const { return begin[colours]; }
+            explicit contact_blocks(const detail::colours_of_contacts& of) : blocks_by_colour(of, width) {}
 
-            template <class F>
-            void each(detail::task_runner& tasks, F&& f) const {
-                each_number(tasks, [&](std::uint32_t k) { f(first[k]); });
-            }
-            template <class F>
-            void each_number(detail::task_runner& tasks, F&& f) const {
-                if (tasks.is_serial()) {
-                    for (std::uint32_t k = 0; k < count(); ++k) f(k);
-                    return;
-                }
-                for (std::uint32_t group = 0; group < colours; ++group) {
-                    const std::uint32_t from = begin[group], size = begin[group + 1] - from;
-                    const bool is_serial = last_is_serial && group + 1 == colours;
-                    tasks.parallel_for(size, is_serial ? size : share,
-                                       [&](std::uint32_t start, std::uint32_t end, std::uint32_t) {
-                                           for (std::uint32_t k = start; k < end; ++k) f(from + k);
-                                       });
-                }
-            }
-            /// Calls f(block's number, colour, worker) for all of them in any order: each is for the worker that has
-            /// it in the passes.
-            template <class F>
-            void each_at_once(detail::task_runner& tasks, F&& f) const {
-                tasks.for_each_slice(count() / share, [&](const detail::task_runner::slice& of, std::uint32_t worker) {
-                    for (std::uint32_t group = 0; group < colours; ++group) {
-                        const std::uint32_t from = begin[group], size = begin[group + 1] - from;
-                        const std::uint32_t last = from + of.end_in(size);
-                        for (std::uint32_t k = from + of.begin_in(size); k < last; ++k) f(k, group, worker);
-                    }
-                });
-            }
             /// Hands a block's impulses to its contacts.
             void store_impulses(std::uint32_t k, const contact_constraints<S, D, Features>& contacts) const {
                 for (int lane = 0; lane < width; ++lane)
@@ -234,38 +209,23 @@ struct soft_step_with {
                 return nullptr;
             }
         }
-        /// Contacts of a block of this colour: one where they may push the same body.
-        static std::uint32_t lanes_of(const detail::colours_of_contacts& colours, std::uint32_t group) {
-            return colours.last_is_serial && group + 1 == colours.count ? 1 : width;
-        }
-        static std::uint32_t blocks_of(const detail::colours_of_contacts& colours, std::uint32_t group) {
-            const std::uint32_t lanes = lanes_of(colours, group);
-            return (colours.begin[group + 1] - colours.begin[group] + lanes - 1) / lanes;
-        }
-        static blocks_in_colours pack(const detail::colours_of_contacts& colours,
-                                      const contact_constraints<S, D, Features>& contacts, bodies_type bodies,
-                                      const detail::prepare_input<S, D, Features>& with, arena& scratch,
-                                      detail::task_runner& tasks) {
-            blocks_in_colours result;
-            result.colours = colours.count;
-            result.last_is_serial = colours.last_is_serial;
-            std::uint32_t count = 0;
-            for (std::uint32_t group = 0; group < colours.count; ++group) {
-                result.begin[group] = count;
-                count += blocks_of(colours, group);
-            }
-            result.begin[colours.count] = count;
+        static contact_blocks pack(const detail::colours_of_contacts& colours,
+                                   const contact_constraints<S, D, Features>& contacts, bodies_type bodies,
+                                   const detail::prepare_input<S, D, Features>& with, arena& scratch,
+                                   detail::task_runner& tasks) {
+            contact_blocks result(colours);
+            const std::uint32_t count = result.count();
             result.first = scratch.template allocate<block>(count);
             result.numbers = scratch.template allocate<std::uint32_t>(count * width);
             result.each_at_once(tasks, [&](std::uint32_t k, std::uint32_t group, std::uint32_t worker) {
-                const std::uint32_t lanes = lanes_of(colours, group);
+                const std::uint32_t lanes = result.lanes_of(group);
                 const std::uint32_t at = colours.begin[group] + (k - result.begin[group]) * lanes;
                 const std::uint32_t rest = colours.begin[group + 1] - at;
                 fill(result.first[k], result.numbers + k * width, colours.order + at, rest < lanes ? rest : lanes,
                      contacts, bodies, with, tasks.scratch_of(worker, scratch));
             });
             if constexpr (Features::restitution) {
-                result.bounces = scratch.template allocate<typename blocks_in_colours::bouncing>(count);
+                result.bounces = scratch.template allocate<typename contact_blocks::bouncing>(count);
                 for (std::uint32_t k = 0; k < count; ++k) {
                     const bool ever = result.first[k].bounce_to.at != nullptr;
                     result.bounces[k] = {ever, false};

@@ -17,9 +17,11 @@ class sleep_judge {
     static constexpr int D = Plan::dimension;
 
 public:
-    sleep_judge(const buffer<typename Plan::contact>& contacts, const typename Plan::settings& settings, S h,
-                const awake_list& awake, pool<typename Plan::body>& bodies, sleep_state<Plan>& sleep, arena& scratch)
+    sleep_judge(const buffer<typename Plan::contact>& contacts, edge_range joints,
+                const typename Plan::settings& settings, S h, const awake_list& awake,
+                pool<typename Plan::body>& bodies, sleep_state<Plan>& sleep, arena& scratch)
         : contacts_(contacts),
+          joints_(joints),
           settings_(settings),
           step_(h),
           awake_(awake),
@@ -36,17 +38,14 @@ public:
         island_ = scratch_.template allocate<island>(count_);
         for (std::uint32_t k = 0; k < count_; ++k) new (island_ + k) island{};
         const S slack = gravity_slack(settings_.gravity, step_);
-        for (const auto& c : contacts_) {
-            const auto [a, b] = awake_pair(c);
-            if (is_dynamic(a) && is_dynamic(b) && touch(c, slack)) sets.unite(a, b);
-        }
+        each_edge(slack, [&](std::uint32_t a, std::uint32_t b, auto&& holds) {
+            if (is_dynamic(a) && is_dynamic(b) && holds()) sets.unite(a, b);
+        });
         for (std::uint32_t k = 0; k < count_; ++k)
             if (is_dynamic(k)) add_to_island(k, island_[sets.find(k)]);
-        for (const auto& c : contacts_) {
-            const auto [a, b] = awake_pair(c);
-            if (is_dynamic(a) != is_dynamic(b) && touch(c, slack))
-                add_support(a, b, island_[sets.find(is_dynamic(a) ? a : b)]);
-        }
+        each_edge(slack, [&](std::uint32_t a, std::uint32_t b, auto&& holds) {
+            if (is_dynamic(a) != is_dynamic(b) && holds()) add_support(a, b, island_[sets.find(is_dynamic(a) ? a : b)]);
+        });
         for (std::uint32_t k = 0; k < count_; ++k) {
             if (!is_dynamic(k)) continue;
             island& of = island_[sets.find(k)];
@@ -113,7 +112,7 @@ private:
         if (!any || !(settings_.sleeping.time > S(0))) return nullptr;
         const double fast = to_double(settings_.sleeping.drift) / to_double(settings_.sleeping.time);
         for (const auto& c : contacts_) {
-            const auto [a, b] = awake_pair(c);
+            const auto [a, b] = awake_pair(c.bodies);
             support &one = found[a < count ? a : count], &other = found[b < count ? b : count];
             if (one == support::unasked && other == support::unasked) continue;
             bool bears = false;
@@ -132,8 +131,21 @@ private:
     static auto spin_squared(S w) { return product(w, w); }
 
     [[nodiscard]] bool is_dynamic(std::uint32_t k) const { return k < count_ && bodies_[awake_[k]].is_dynamic(); }
-    [[nodiscard]] body_pair awake_pair(const typename Plan::contact& c) const {
-        return {awake_.index_of[c.bodies.body_a], awake_.index_of[c.bodies.body_b]};
+    [[nodiscard]] body_pair awake_pair(const edge& e) const {
+        return {awake_.index_of[e.body_a], awake_.index_of[e.body_b]};
+    }
+    /// Calls f(a, b, holds) with the numbers among awake bodies of what contacts and joints may hold together.
+    template <class F>
+    void each_edge(S slack, F&& f) const {
+        for (const auto& c : contacts_) {
+            const auto [a, b] = awake_pair(c.bodies);
+            f(a, b, [&] { return touch(c, slack); });
+        }
+        if constexpr (Plan::has_joints)
+            for (const edge& e : joints_) {
+                const auto [a, b] = awake_pair(e);
+                f(a, b, [] { return true; });
+            }
     }
     [[nodiscard]] bool touch(const typename Plan::contact& c, S slack) const {
         return will_touch(c, bodies_[c.bodies.body_a].velocity, bodies_[c.bodies.body_b].velocity, step_, slack);
@@ -164,6 +176,7 @@ private:
     }
 
     const buffer<typename Plan::contact>& contacts_;
+    edge_range joints_;
     const typename Plan::settings& settings_;
     S step_;
     const awake_list& awake_;
@@ -174,15 +187,15 @@ private:
     island* island_ = nullptr;
 };
 
-/// The step's contacts and how bodies move -> which of them sleep. True if any have fallen asleep. O(bodies +
-/// contacts).
+/// The step's contacts and joints, and how bodies move -> which of them sleep. True if any have fallen asleep. O(bodies
+/// + contacts).
 template <class Plan>
-bool fall_asleep(const buffer<typename Plan::contact>& contacts, const typename Plan::settings& settings,
-                 typename Plan::scalar h, const shape_pool<Plan>& shapes, awake_list& awake,
-                 pool<typename Plan::body>& bodies, sleep_state<Plan>& sleep, typename Plan::broadphase& broadphase,
-                 arena& scratch) {
+bool fall_asleep(const buffer<typename Plan::contact>& contacts, edge_range joints,
+                 const typename Plan::settings& settings, typename Plan::scalar h, const shape_pool<Plan>& shapes,
+                 awake_list& awake, pool<typename Plan::body>& bodies, sleep_state<Plan>& sleep,
+                 typename Plan::broadphase& broadphase, arena& scratch) {
     bool any = false;
-    sleep_judge<Plan>(contacts, settings, h, awake, bodies, sleep, scratch).run([&](std::uint32_t i) {
+    sleep_judge<Plan>(contacts, joints, settings, h, awake, bodies, sleep, scratch).run([&](std::uint32_t i) {
         reinsert_proxies<Plan>(bodies, shapes, sleep, settings.contact_margin, broadphase, i);
         any = true;
     });

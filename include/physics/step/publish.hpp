@@ -41,6 +41,7 @@ void publish(state<Plan>& s, const Moved& moved, const warm_impulses<typename Pl
     warm.after_solve(s.step.new_contacts);
     s.contacts.swap(s.step.new_contacts);
     s.surfaces = s.step.new_material;
+    if constexpr (Plan::has_joints) publish_joints(s.step.joints, s.joints);
     if constexpr (Plan::remembers) s.step.pair_cache_changes.finish(s.memories);
     ++s.steps;
     s.step_lengths = {warm.next_usual_step(s.steps), h};

@@ -83,7 +83,7 @@ void wake_islands(state<Plan>& s, Each&& each) {
                      s.step_lengths);
     merge_contacts(s.contacts, s.step.new_contacts);
 }
-/// Wakes those that lie where a body is, or on its way to another pose.
+/// Wakes those that lie where a body is, or on its way to another pose, and those that joints hold to it.
 template <class Plan>
 void wake_near(state<Plan>& s, std::uint32_t body, const transform<typename Plan::scalar, Plan::dimension>& to) {
     if constexpr (Plan::sleeps) {
@@ -96,6 +96,7 @@ void wake_near(state<Plan>& s, std::uint32_t body, const transform<typename Plan
                 return true;
             });
         });
+        each_connected(s.joints, body, [&](std::uint32_t other) { near.push_back(other); });
         wake_islands(s, [&](auto&& f) {
             for (const std::uint32_t i : near) f(i);
         });

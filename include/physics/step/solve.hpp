@@ -2,6 +2,7 @@
 #pragma once
 
 #include "physics/step/integrate.hpp"
+#include "physics/step/step_data.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -23,8 +24,9 @@ class batch_solver {
 
 public:
     batch_solver(const batches& graph, const solve_input<Plan>& in, buffer<contact>& contacts,
-                 const combined_material& material, const moved_bodies<S, D, Plan::rotates>& moved)
-        : graph_(graph), in_(in), contacts_(contacts), material_(material), moved_(moved) {}
+                 const combined_material& material, step_joints_of<Plan>& joints,
+                 const moved_bodies<S, D, Plan::rotates>& moved)
+        : graph_(graph), in_(in), contacts_(contacts), material_(material), joints_(joints), moved_(moved) {}
 
     /// Large islands one by one on all workers, the others in parallel. False on overflow.
     bool run(per_worker<arena>& scratch_of, arena& scratch, task_runner& tasks) const {
@@ -51,13 +53,25 @@ private:
     bool solve(const batch& one, arena& scratch, task_runner& tasks) const {
         scratch.reset();
         batch_integrator<Plan> motion(in_, graph_, one, moved_, scratch, tasks);
-        const contact_constraints<S, D, typename Plan::features> contacts(
-            contacts_.begin(), graph_.order + one.edges, graph_.ends + one.edges, one.end - one.edges, material_);
+        const auto all = constraints_of(one);
         const auto& with = in_.settings.solver;
-        if constexpr (requires { Plan::solver::solve(motion.bodies(), contacts, with, in_.h, scratch, motion, tasks); })
-            Plan::solver::solve(motion.bodies(), contacts, with, in_.h, scratch, motion, tasks);
-        else Plan::solver::solve(motion.bodies(), contacts, with, in_.h, scratch, motion);
+        if constexpr (requires { Plan::solver::solve(motion.bodies(), all, with, in_.h, scratch, motion, tasks); })
+            Plan::solver::solve(motion.bodies(), all, with, in_.h, scratch, motion, tasks);
+        else Plan::solver::solve(motion.bodies(), all, with, in_.h, scratch, motion);
         return motion.finish();
+    }
+    /// A batch's edges are in ascending order, contacts first.
+    auto constraints_of(const batch& one) const {
+        const std::uint32_t* const order = graph_.order + one.edges;
+        const body_pair* const ends = graph_.ends + one.edges;
+        const std::uint32_t count = one.end - one.edges;
+        std::uint32_t contact_count = count;
+        if constexpr (Plan::has_joints)
+            while (contact_count > 0 && order[contact_count - 1] >= contacts_.size()) --contact_count;
+        const contact_constraints<S, D, typename Plan::features> contacts(contacts_.begin(), order, ends, contact_count,
+                                                                          material_);
+        if constexpr (Plan::has_joints) return joints_.add_to(contacts, order, ends, count);
+        else return contacts;
     }
 
     /// An island that is so many times as large as a batch is wide enough for several workers.
@@ -67,15 +81,16 @@ private:
     const solve_input<Plan>& in_;
     buffer<contact>& contacts_;
     const combined_material& material_;
+    step_joints_of<Plan>& joints_;
     const moved_bodies<S, D, Plan::rotates>& moved_;
 };
 
-/// Bodies, contacts and their batches -> velocities, poses and impulses. False if a number leaves its range.
+/// Bodies, contacts, joints and their batches -> velocities, poses and impulses. False if a number leaves its range.
 template <class Plan, class Material, class Moved>
 bool solve(const batches& graph, const solve_input<Plan>& in, buffer<typename Plan::contact>& contacts,
-           const Material& material, const Moved& moved, per_worker<arena>& scratch_of, arena& scratch,
-           task_runner& tasks) {
-    return batch_solver<Plan>(graph, in, contacts, material, moved).run(scratch_of, scratch, tasks);
+           const Material& material, step_joints_of<Plan>& joints, const Moved& moved, per_worker<arena>& scratch_of,
+           arena& scratch, task_runner& tasks) {
+    return batch_solver<Plan>(graph, in, contacts, material, joints, moved).run(scratch_of, scratch, tasks);
 }
 
 }  // namespace detail

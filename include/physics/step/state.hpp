@@ -4,6 +4,7 @@
 #include "physics/base/handle.hpp"
 #include "physics/base/pool.hpp"
 #include "physics/step/awake.hpp"
+#include "physics/step/joints.hpp"
 #include "physics/step/step_data.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -144,6 +145,10 @@ struct continuous_state {
     PHYSICS_HPP_MEMBERS(extents, report)
 };
 struct nothing_continuous {};
+template <class Plan>
+using joints_of =
+    std::conditional_t<Plan::has_joints, joint_set<typename Plan::scalar, Plan::dimension, typename Plan::joints>,
+                       no_joints>;
 
 /// The state of a world. Copying it copies the world.
 template <class Plan>
@@ -167,6 +172,7 @@ struct state {
     [[no_unique_address]] sleep_of<Plan> sleep;
     [[no_unique_address]] std::conditional_t<Plan::is_continuous, continuous_state<Plan>, nothing_continuous>
         continuous;
+    [[no_unique_address]] joints_of<Plan> joints;
     std::uint64_t steps = 0;
     /// Lengths of the steps in which the contacts' impulses act.
     physics::step_lengths<S> step_lengths;
@@ -176,7 +182,7 @@ struct state {
     /// What a step works with; copies begin without.
     step_scratch<step_data<Plan>> step;
     PHYSICS_HPP_MEMBERS(settings, bodies, shapes, broadphase, contacts, surfaces, contact_starts, awake, memories,
-                        sleep, continuous, steps, step_lengths, tag, step)
+                        sleep, continuous, joints, steps, step_lengths, tag, step)
 
     [[nodiscard]] bool is_asleep(std::uint32_t body) const { return sleep.is_asleep(body); }
     [[nodiscard]] bool is_awake_dynamic(std::uint32_t body) const {

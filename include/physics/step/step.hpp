@@ -54,7 +54,8 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, t
     // Bodies -> which of them move.
     list_awake(s.bodies, s.sleep, s.awake);
     // Boxes -> pairs of shapes, in order.
-    const auto& pairs = find_pairs(s.broadphase, d.scratch);
+    const auto& boxes = find_pairs(s.broadphase, d.scratch);
+    const auto& pairs = without_connected(boxes, s.joints, s.shapes, d.joints);
     done(step_stage::find_pairs);
 
     // Pairs, poses, the last step's contacts -> contacts, with feature ids and warm impulses.
@@ -70,21 +71,22 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, t
             return step_result::bad_mixing_rule;
     // Contacts -> those that are not at flush edges.
     drop_seam_contacts(to_collide, s.continuous, d);
-    // Contacts -> which bodies they hold together.
+    // Contacts, joints -> which bodies they hold together.
     list_edges(d.new_contacts, d.edges, tasks);
+    if constexpr (Plan::has_joints) list_joints(s.joints, s.bodies, s.awake, d.edges, d.joints);
     done(step_stage::find_contacts);
 
     // Edges -> islands, in batches.
     const batches graph = build_graph(d.edges, s.bodies, s.awake, d.scratch, tasks);
     done(step_stage::make_batches);
 
-    // Bodies, contacts -> velocities, poses, impulses.
+    // Bodies, contacts, joints -> velocities, poses, impulses.
     warm_impulses<S> warm(s.step_lengths, s.steps, h);
     warm.before_solve(d.new_contacts, d.scratch);
     const auto moved = place_bodies<S, Plan::dimension, Plan::rotates>(graph, d.scratch);
     const solve_input<Plan> to_solve{s.bodies, s.awake, s.settings, h, s.step_lengths.usual};
     const bool solved =
-        solve(graph, to_solve, d.new_contacts, d.new_material, moved, d.batch_scratch, d.scratch, tasks);
+        solve(graph, to_solve, d.new_contacts, d.new_material, d.joints, moved, d.batch_scratch, d.scratch, tasks);
     done(step_stage::solve);
     if (!tasks.ran_all_tasks()) return step_result::bad_executor;
     if (!solved) return step_result::out_of_range;
@@ -92,7 +94,8 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, t
     // Poses -> poses short of what stops bodies.
     if constexpr (Plan::sweeps) {
         const auto& extents = s.continuous.extents;
-        const sweep_input<Plan> to_sweep{s.bodies, s.shapes, s.broadphase, s.awake, s.sleep, extents, s.settings};
+        const sweep_input<Plan> to_sweep{s.bodies, s.shapes, s.broadphase, s.awake,
+                                         s.sleep,  s.joints, extents,      s.settings};
         s.continuous.report = sweep(to_sweep, moved, h, d.sweep);
     }
     // Poses -> boxes of shapes that left theirs.
@@ -107,9 +110,9 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, t
         // What was woken is awake for good, and so is what kinematic bodies are going to run into.
         commit_woken(s);
         wake_ahead(s, h);
-        // Contacts, and how bodies move -> islands that fall asleep, with their contacts.
-        if (fall_asleep<Plan>(s.contacts, s.settings, h, s.shapes, s.awake, s.bodies, s.sleep, s.broadphase,
-                              d.scratch)) {
+        // Contacts, joints, and how bodies move -> islands that fall asleep, with their contacts.
+        if (fall_asleep<Plan>(s.contacts, joint_edges(d), s.settings, h, s.shapes, s.awake, s.bodies, s.sleep,
+                              s.broadphase, d.scratch)) {
             move_contacts_to_sleepers<Plan>(s.bodies, s.step_lengths, s.contacts, s.sleep, d.new_contacts);
             if constexpr (Plan::remembers)
                 s.memories.drop([&](std::uint32_t shape) { return s.is_asleep(s.shapes[shape].body); });

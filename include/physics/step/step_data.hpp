@@ -5,6 +5,7 @@
 #include "physics/dynamics/body.hpp"
 #include "physics/dynamics/contact.hpp"
 #include "physics/dynamics/continuous.hpp"
+#include "physics/step/joints.hpp"
 #include "physics/step/pair_cache.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -60,6 +61,11 @@ struct no_sweep_data {};
 template <class Plan>
 using sweep_data_of = std::conditional_t<Plan::is_continuous, sweep_data<Plan>, no_sweep_data>;
 
+template <class Plan>
+using step_joints_of =
+    std::conditional_t<Plan::has_joints, step_joints<typename Plan::scalar, Plan::dimension, typename Plan::joints>,
+                       no_step_joints>;
+
 /// Whether a step is under way.
 struct step_flag {
     bool on = false;
@@ -76,8 +82,9 @@ struct step_data {
     buffer<contact> new_contacts;
     [[no_unique_address]] combined_material<S, typename Plan::features> new_material;
     detail::pair_cache_changes<Plan> pair_cache_changes;
-    /// All that holds bodies together: of contacts, in their order.
+    /// All that holds bodies together: of contacts, in their order, behind them of joints.
     buffer<edge> edges;
+    [[no_unique_address]] step_joints_of<Plan> joints;
     /// Bodies woken in this step; sleeping bodies near a change.
     buffer<std::uint32_t> woken, near;
     buffer<proxy_pair> woken_pairs;
@@ -91,6 +98,13 @@ struct step_data {
     per_worker<buffer<contact>> contacts_by_worker;
     buffer<unsigned char> tasks_done;
 };
+
+/// The edges of a step's joints.
+template <class Plan>
+edge_range joint_edges(const step_data<Plan>& d) {
+    if constexpr (Plan::has_joints) return {d.edges.begin() + d.joints.begin[0], d.edges.end()};
+    else return {};
+}
 
 }  // namespace detail
 

@@ -33,6 +33,7 @@ struct sweep_input {
     const typename Plan::broadphase& broadphase;
     const awake_list& awake;
     const sleep_of<Plan>& sleep;
+    const joints_of<Plan>& joints;
     const buffer<body_extent<typename Plan::scalar>>& extents;
     const typename Plan::settings& settings;
 };

@@ -40,6 +40,8 @@ protected:
         const auto add = [&](std::uint32_t shape) {
             const auto& record = in_.shapes[shape];
             if (!everything && in_.bodies[record.body].type != body_type::static_body) return;
+            if constexpr (Plan::has_joints)
+                if (in_.joints.keep_apart(body, record.body)) return;
             if (may_meet(own, filter_of(in_, record))) found.push_back(shape);
         };
         each_near(in_, box, query_filter{.category = all_categories, .movable = everything}, add);

@@ -21,11 +21,14 @@ enum class recipe_problem {
     not_a_shape,
     pair_without_contact,
     unknown_feature,
+    same_joint_twice,
+    not_a_joint,
     bad_broadphase,
     bad_narrowphase,
     bad_mixing,
     bad_integrator,
     bad_solver,
+    solver_without_joints,
     bad_continuous,
 };
 
@@ -43,16 +46,20 @@ concept recipe_like = requires {
 &&is_policy_list<typename Recipe::policies>;
 
 template <class Stage>
-constexpr bool known_stage = std::same_as<Stage, stage::shapes> || std::same_as<Stage, stage::broadphase> ||
-                             std::same_as<Stage, stage::narrowphase> || std::same_as<Stage, stage::mixing> ||
-                             std::same_as<Stage, stage::solver> || std::same_as<Stage, stage::integrator> ||
-                             std::same_as<Stage, stage::continuous> || std::same_as<Stage, stage::features>;
+constexpr bool known_stage = std::same_as<Stage, stage::shapes> || std::same_as<Stage, stage::joints> ||
+                             std::same_as<Stage, stage::broadphase> || std::same_as<Stage, stage::narrowphase> ||
+                             std::same_as<Stage, stage::mixing> || std::same_as<Stage, stage::solver> ||
+                             std::same_as<Stage, stage::integrator> || std::same_as<Stage, stage::continuous> ||
+                             std::same_as<Stage, stage::features>;
 
 /// False for a policy that claims a stage of the library's own.
 template <class Policy, class Stage = typename stage_of<Policy>::type>
-constexpr bool may_serve = !std::same_as<Stage, stage::shapes> && !std::same_as<Stage, stage::features>;
+constexpr bool may_serve =
+    !std::same_as<Stage, stage::shapes> && !std::same_as<Stage, stage::joints> && !std::same_as<Stage, stage::features>;
 template <template <class, int> class... Shapes>
 constexpr bool may_serve<shapes<Shapes...>, stage::shapes> = true;
+template <template <class, int> class... Joints>
+constexpr bool may_serve<joints<Joints...>, stage::joints> = true;
 template <class... Features>
 constexpr bool may_serve<without<Features...>, stage::features> = true;
 
@@ -78,6 +85,14 @@ constexpr recipe_problem problem_of_shapes(const shapes<Shapes...>*) {
         return recipe_problem::same_shape_twice;
     else if constexpr (!(usable_shape<Shapes<S, D>, S, D> && ...)) return recipe_problem::not_a_shape;
     else if constexpr (!(meets_all<Shapes<S, D>, S, D, Shapes...> && ...)) return recipe_problem::pair_without_contact;
+    else return recipe_problem::none;
+}
+
+template <class S, int D, template <class, int> class... Joints>
+constexpr recipe_problem problem_of_joints(const joints<Joints...>*) {
+    if constexpr (((times_among < Joints<S, D>, S, D, Joints... >> 1) || ...)) return recipe_problem::same_joint_twice;
+    else if constexpr (!((complete<Joints<S, D>> && joint_for<Joints<S, D>, S, D>)&&...))
+        return recipe_problem::not_a_joint;
     else return recipe_problem::none;
 }
 
@@ -117,6 +132,12 @@ concept solver_policy = requires(solver_bodies<S, D, Features::rotation> bodies,
     Policy::template in<space<S, D>, Features>::solve(bodies, contacts, settings, S(1), scratch, motion);
 };
 
+/// A solver says so if it takes constraints with joints: see constraints and joint_solver.
+template <class Policy>
+constexpr bool solves_joints = requires {
+    requires Policy::solves_joints;
+};
+
 template <class Policy, class S, int D>
 concept continuous_policy = requires {
     typename Policy::template in<space<S, D>>;
@@ -136,8 +157,11 @@ constexpr recipe_problem problem_of_policies(const policy_list<Policies...>*) {
     } else {
         using set = shape_set_for<Policies...>;
         using features = typename policy_for<stage::features, without<>, Policies...>::type;
-        constexpr recipe_problem of_shapes = problem_of_shapes<S, D>(static_cast<const set*>(nullptr));
+        using joint_set = typename policy_for<stage::joints, joints<>, Policies...>::type;
+        constexpr recipe_problem of_shapes = problem_of_shapes<S, D>(static_cast<const set*>(nullptr)),
+                                 of_joints = problem_of_joints<S, D>(static_cast<const joint_set*>(nullptr));
         if constexpr (of_shapes != recipe_problem::none) return of_shapes;
+        else if constexpr (of_joints != recipe_problem::none) return of_joints;
         else if constexpr (!features::known) return recipe_problem::unknown_feature;
         else if constexpr (!broadphase_policy<typename policy_for<stage::broadphase, dynamic_tree, Policies...>::type,
                                               space<S, D>>)
@@ -156,6 +180,9 @@ constexpr recipe_problem problem_of_policies(const policy_list<Policies...>*) {
         else if constexpr (!solver_policy<typename policy_for<stage::solver, soft_step, Policies...>::type, S, D,
                                           features>)
             return recipe_problem::bad_solver;
+        else if constexpr (!std::same_as<joint_set, joints<>> &&
+                           !solves_joints<typename policy_for<stage::solver, soft_step, Policies...>::type>)
+            return recipe_problem::solver_without_joints;
         else if constexpr (!continuous_policy<typename policy_for<stage::continuous, swept, Policies...>::type, S, D>)
             return recipe_problem::bad_continuous;
         else return recipe_problem::none;
@@ -201,9 +228,9 @@ struct audit {
     static_assert(problem != recipe_problem::unknown_stage,
                   "physics::recipe: a policy names a stage that does not exist; the stages are those of namespace "
                   "physics::stage");
-    static_assert(
-        problem != recipe_problem::not_shapes_or_without,
-        "physics::recipe: a policy names a stage that only physics::shapes<...> or physics::without<...> may serve");
+    static_assert(problem != recipe_problem::not_shapes_or_without,
+                  "physics::recipe: a policy names a stage that only physics::shapes<...>, physics::joints<...> or "
+                  "physics::without<...> may serve");
     static_assert(problem != recipe_problem::two_policies_for_a_stage,
                   "physics::recipe: two policies serve the same stage; keep one of them");
     static_assert(problem != recipe_problem::no_shapes, "physics::shapes: the set is empty; name at least one shape");
@@ -216,6 +243,10 @@ struct audit {
     static_assert(
         problem != recipe_problem::unknown_feature,
         "physics::without: an argument is not a feature; the features are those of namespace physics::feature");
+    static_assert(problem != recipe_problem::same_joint_twice, "physics::joints: a joint stands in the set twice");
+    static_assert(problem != recipe_problem::not_a_joint,
+                  "physics::joints: a type of the set does not model physics::joint_for; it needs a list of its "
+                  "members, check, row_count and rows(frames, row)");
     static_assert(problem != recipe_problem::bad_broadphase,
                   "physics::recipe: the broadphase does not model physics::broadphase_for; its in<Space> needs insert, "
                   "move, erase and pairs");
@@ -231,6 +262,9 @@ struct audit {
     static_assert(problem != recipe_problem::bad_solver,
                   "physics::recipe: the solver's in<Space, Features> needs a struct settings with a function check, "
                   "and a function solve");
+    static_assert(problem != recipe_problem::solver_without_joints,
+                  "physics::recipe: the solver does not say that it solves joints; with physics::joint_solver it does, "
+                  "and says so by static constexpr bool solves_joints = true");
     static_assert(problem != recipe_problem::bad_continuous,
                   "physics::recipe: the continuous policy does not model physics::continuous_for; its in<Space> needs "
                   "sweep_against(body_motion) or ahead(body_motion)");

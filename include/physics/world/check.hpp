@@ -32,9 +32,17 @@ lookup find(State& s, const Pool& pool, handle<Tag> id, const char* function, co
     if (!pool.contains(id.index, id.generation)) return {0, refuse(function, what, name, "it has been destroyed")};
     return {id.index, true};
 }
+template <class State, class Pool, class Tag>
+bool contains(const State& s, const Pool& pool, handle<Tag> id) {
+    return id.world == s.tag && pool.contains(id.index, id.generation);
+}
 template <class State>
 lookup find_body(State& s, body_id id, const char* function) {
     return find(s, s.bodies, id, function, "body");
+}
+template <class State>
+lookup find_joint(State& s, joint_id id, const char* function) {
+    return find(s, s.joints.records, id, function, "joint");
 }
 template <class State>
 lookup find_shape(State& s, shape_id id, const char* function) {

@@ -39,14 +39,31 @@ body_id create_body(state<Plan>& s, const body_def<typename Plan::scalar, Plan::
     const auto place = s.bodies.insert(b);
     if constexpr (Plan::sleeps) s.sleep.start(place.index, b.center);
     s.contact_starts.resize(s.bodies.slots());
+    if constexpr (Plan::has_joints) s.joints.first.resize(s.bodies.slots(), no_joint);
     s.awake.is_stale = true;
     refresh_mass(s, place.index);
     return {place.index, place.generation, s.tag};
 }
 
+/// Takes a joint out of its bodies' lists and of its kind.
+template <class Plan>
+void erase_joint(state<Plan>& s, std::uint32_t index) {
+    const joint_record gone = s.joints.records[index];
+    for (const std::uint32_t body : {gone.body_a, gone.body_b}) {
+        std::uint32_t* link = &s.joints.first[body];
+        while (*link != index) link = &s.joints.records[*link].next(body);
+        *link = gone.next(body);
+    }
+    s.joints.each_kind(s.joints, [&](std::uint32_t kind, auto& of_kind) {
+        if (kind == gone.kind) of_kind.erase(gone.slot);
+    });
+    s.joints.records.erase(index);
+}
+
 template <class Plan>
 void destroy_body(state<Plan>& s, std::uint32_t index) {
     wake_affected(s, index);
+    if constexpr (Plan::has_joints) s.joints.each_of(index, [&](std::uint32_t i, const auto&) { erase_joint(s, i); });
     drop_contacts(s, [&](const auto& c) { return c.bodies.body_a == index || c.bodies.body_b == index; });
     s.awake.is_stale = true;
     s.memories.drop([&](std::uint32_t shape) { return s.shapes[shape].body == index; });

@@ -95,6 +95,23 @@ public:
             add(value_of(c.points[k].friction_impulse));
         }
     }
+    void add(bool x) { add(std::uint64_t{x}); }
+    template <names_members Record>
+    void add(const Record& r) {
+        Record::each_member(r, [this](const auto& member) { this->add(member); });
+    }
+    void add(const joint_record& r) {
+        add(std::uint64_t{r.body_a} << 32 | r.body_b);
+        add(std::uint64_t{r.kind} << 32 | r.slot);
+        add(std::uint64_t{r.enabled} | std::uint64_t{r.collide_connected} << 1);
+    }
+    template <class Joint, class S>
+    void add(const stored_joint<Joint, S>& j) {
+        add(j.joint);
+        for (const S impulse : j.impulse) add(impulse);
+        add(j.substep);
+        add(std::uint64_t{j.number});
+    }
     /// The manifold follows from the rest.
     template <class S, int D>
     void add(const pair_memory<S, D>& m) {
@@ -139,6 +156,12 @@ constexpr const char* unhashed_members(const contact<S, D, Features>&) {
 template <class S, int D, class Features>
 constexpr const char* unhashed_members(const contact_point<S, D, Features>&) {
     return "position, separation";
+}
+
+inline const char* unhashed_members(const joint_record&) { return "next_a, next_b, user_data"; }
+template <class Joint, class S>
+constexpr const char* unhashed_members(const stored_joint<Joint, S>&) {
+    return "";
 }
 
 /// One number for one thing: processors work on several at a time, and a difference can be traced to its thing.
@@ -190,6 +213,10 @@ std::uint64_t state_hash(const state<Plan>& s) {
         });
         if (!s.sleep.contacts.empty()) h.add(s.sleep.step);
         for (const auto& c : s.sleep.contacts) h.add(hash_of(std::uint64_t{c.shape_a} << 32 | c.shape_b, c));
+    }
+    if constexpr (Plan::has_joints) {
+        add_all(s.joints.records);
+        s.joints.each_kind(s.joints, [&](std::uint32_t, const auto& of_kind) { add_all(of_kind); });
     }
     if constexpr (Plan::remembers)
         for (std::uint32_t i = 0; i < s.memories.size(); ++i) {

@@ -7,6 +7,7 @@
 #include "physics/dynamics/continuous.hpp"
 #include "physics/dynamics/sequential_impulse.hpp"
 #include "physics/dynamics/soft_step.hpp"
+#include "physics/joint/distance_joint.hpp"
 #include "physics/shape/chain.hpp"
 #include "physics/shape/compound.hpp"
 #include "physics/shape/heightfield.hpp"
@@ -68,7 +69,7 @@ struct policy_for<Stage, Default, First, Rest...> {
                                              policy_for<Stage, First>, policy_for<Stage, Default, Rest...>>::type;
 };
 
-/// The names of shapes inside a world: physics::world<recipe>::box.
+/// The names of shapes and joints inside a world: physics::world<recipe>::box.
 template <class S, int D>
 struct shape_names {
     using ball = physics::ball<S, D>;
@@ -85,6 +86,7 @@ struct shape_names {
     using compound = physics::compound<S, D>;
     using compound_child = physics::compound_child<S, D>;
     using compound_geometry = physics::compound_geometry<S, D>;
+    using distance_joint = physics::distance_joint<S, D>;
 };
 template <class S, int D>
 struct shape_aliases;
@@ -144,6 +146,8 @@ struct plan<S, D, shapes<Shapes...>, Policies...> {
         typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type::template in<space>;
     using solver = typename policy_for<stage::solver, soft_step, Policies...>::type::template in<space, features>;
     static constexpr bool sleeps = features::sleeping;
+    using joints = typename policy_for<stage::joints, physics::joints<>, Policies...>::type;
+    static constexpr bool has_joints = !std::same_as<joints, physics::joints<>>;
     using settings =
         world_settings<S, D, typename solver::settings, std::conditional_t<sleeps, sleep_settings<S>, no_settings>,
                        std::conditional_t<features::materials, every_shape_has_a_material_of_its_own, material<S, D>>>;

@@ -87,14 +87,35 @@ struct shape_def<S, D, false> {
     std::uint64_t user_data = 0;
 };
 
+/// What a joint is told besides what it holds.
+struct joint_def {
+    /// False: it holds nothing until it is enabled.
+    bool enabled = true;
+    /// True if its bodies collide with each other nevertheless.
+    bool collide_connected = false;
+    std::uint64_t user_data = 0;
+};
+
 /// Tells handles of bodies from others.
 struct body_tag;
 /// Tells handles of shapes from others.
 struct shape_tag;
+/// Tells handles of joints from others.
+struct joint_tag;
 /// Names a body of a world.
 using body_id = handle<body_tag>;
 /// Names a shape of a world.
 using shape_id = handle<shape_tag>;
+/// Names a joint of a world.
+using joint_id = handle<joint_tag>;
+
+/// What a joint gives B, and takes from A.
+template <class S, int D>
+struct joint_reaction {
+    /// Force (N), and torque about B's centre of mass (N m).
+    vec<S, D> force;
+    angular<S, D> torque{};
+};
 
 /// One contact as it is reported: both sides, and up to 2 (plane) or 4 (space) points.
 template <class S, int D>

@@ -11,7 +11,7 @@ template <class Plan>
 void wake(state<Plan>& s, std::uint32_t body) {
     if constexpr (Plan::sleeps) wake_islands(s, [&](auto&& f) { f(body); });
 }
-/// Wakes those that touch a body.
+/// Wakes those that touch a body, or that joints hold to it.
 template <class Plan>
 void wake_touching(state<Plan>& s, std::uint32_t body) {
     if constexpr (Plan::sleeps) {
@@ -21,6 +21,7 @@ void wake_touching(state<Plan>& s, std::uint32_t body) {
             if (c.bodies.body_a == body) touching.push_back(c.bodies.body_b);
             if (c.bodies.body_b == body) touching.push_back(c.bodies.body_a);
         }
+        each_connected(s.joints, body, [&](std::uint32_t other) { touching.push_back(other); });
         wake_islands(s, [&](auto&& f) {
             for (const std::uint32_t i : touching) f(i);
         });

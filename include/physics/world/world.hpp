@@ -2,6 +2,7 @@
 #pragma once
 
 #include "physics/world/energy.hpp"
+#include "physics/world/joints.hpp"
 #include "physics/world/world_code.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -18,9 +19,11 @@ PHYSICS_HPP_BEGIN
 /// Plan follows from the recipe and is never written. It makes two recipes of the same name in two units two types.
 template <class Recipe, class Plan = typename detail::plan_of<Recipe>::type>
 class world : public detail::shape_aliases<typename detail::plan_of<Recipe>::type::scalar,
-                                           detail::plan_of<Recipe>::type::dimension> {
+                                           detail::plan_of<Recipe>::type::dimension>,
+              public joint_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type> {
     friend detail::world_access;
     using plan = typename detail::plan_of<Recipe>::type;
+    using of_joints = joint_functions<world, plan>;
     using code = detail::world_code<plan>;
     static_assert(sizeof(detail::audit<Recipe>) > 0);
     static_assert(std::same_as<plan, Plan>, "physics::world: the second argument is not for you; write world<mine>");
@@ -42,6 +45,7 @@ public:
     using any_shape = typename plan::shape;
     using world_hit = physics::world_hit<scalar, dimension>;
     using closest_hit = physics::closest_hit<scalar, dimension>;
+    using of_joints::contains, of_joints::user_data, of_joints::set_user_data;
 
     /// An empty world. Refuses settings out of range, and a build whose arithmetic would not give the same
     /// bits as every other (see float_environment).
@@ -107,12 +111,8 @@ public:
         if (s) code::destroy_shape(state_, s.index);
     }
     /// True if the handle names a living thing of this world; never an error.
-    [[nodiscard]] bool contains(body_id id) const {
-        return id.world == state_.tag && state_.bodies.contains(id.index, id.generation);
-    }
-    [[nodiscard]] bool contains(shape_id id) const {
-        return id.world == state_.tag && state_.shapes.contains(id.index, id.generation);
-    }
+    [[nodiscard]] bool contains(body_id id) const { return detail::contains(state_, state_.bodies, id); }
+    [[nodiscard]] bool contains(shape_id id) const { return detail::contains(state_, state_.shapes, id); }
     [[nodiscard]] std::uint32_t body_count() const { return state_.bodies.count(); }
     [[nodiscard]] std::uint32_t shape_count() const { return state_.shapes.count(); }
 

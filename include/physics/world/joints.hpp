@@ -1,0 +1,221 @@
+// Joints as users make, read and change them.
+#pragma once
+
+#include "physics/world/edit.hpp"
+#include "physics/world/ranges.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+template <class Plan>
+void wake_connected(state<Plan>& s, std::uint32_t joint) {
+    wake(s, s.joints.records[joint].body_a);
+    wake(s, s.joints.records[joint].body_b);
+}
+
+template <class Plan, class Joint>
+joint_id create_joint(state<Plan>& s, body_id body_a, body_id body_b, const Joint& joint, const joint_def& def) {
+    const char* f = "create_joint";
+    const lookup a = find(s, s.bodies, body_a, f, "body_a"), b = find(s, s.bodies, body_b, f, "body_b");
+    if (!a || !b) return {};
+    if (a.index == b.index) {
+        refuse(f, "body_b", "the same as body_a", "a joint holds two bodies");
+        return {};
+    }
+    if (!check(joint, f)) return {};
+    auto& of_kind = s.joints.template of_kind<Joint>();
+    joint_record record{a.index, b.index, s.joints.first[a.index], s.joints.first[b.index]};
+    record.kind = s.joints.template kind_of<Joint>();
+    record.slot = of_kind.next_index();
+    record.enabled = def.enabled;
+    record.collide_connected = def.collide_connected;
+    record.user_data = def.user_data;
+    const auto place = s.joints.records.insert(record);
+    of_kind.insert({joint, {}, {}, place.index});
+    s.joints.first[a.index] = s.joints.first[b.index] = place.index;
+    wake_connected(s, place.index);
+    return {place.index, place.generation, s.tag};
+}
+
+/// What a joint gave in the last substep, as a force, where its bodies are.
+template <class Plan>
+joint_reaction<typename Plan::scalar, Plan::dimension> reaction_of(const state<Plan>& s, std::uint32_t joint) {
+    using S = typename Plan::scalar;
+    constexpr int D = Plan::dimension;
+    joint_reaction<S, D> sum{};
+    const joint_record& record = s.joints.records[joint];
+    const auto &a = s.bodies[record.body_a], &b = s.bodies[record.body_b];
+    const joint_frames<S, D> at{a.rotation, b.rotation, a.mass.center, b.mass.center, b.center - a.center};
+    s.joints.each_kind(s.joints, [&]<class Joint>(std::uint32_t kind, const pool<stored_joint<Joint, S>>& of_kind) {
+        if (kind != record.kind) return;
+        const stored_joint<Joint, S>& j = of_kind[record.slot];
+        if (!(j.substep > S(0))) return;
+        joint_row<S, D> row[Joint::row_count];
+        j.joint.rows(at, row);
+        for (int k = 0; k < Joint::row_count; ++k) {
+            sum.force += row[k].direction * (j.impulse[k] / j.substep);
+            sum.torque += row[k].angular_b * (j.impulse[k] / j.substep);
+        }
+    });
+    return sum;
+}
+
+/// The joints of a world, in the order of their numbers, or those of one body. A loop may change the world: it leaves
+/// out what has been destroyed, and goes no farther than the numbers that there were when it began.
+template <class Plan>
+class joint_range {
+public:
+    joint_range(const state<Plan>& s, body_id body) : state_(&s), body_(body) {}
+    class iterator {
+    public:
+        iterator(const state<Plan>& s, body_id body) : state_(&s), body_(body), end_(s.joints.records.slots()) {
+            find(0);
+        }
+        joint_id operator*() const { return {at_, state_->joints.records.generation(at_), state_->tag}; }
+        iterator& operator++() {
+            find(at_ + 1);
+            return *this;
+        }
+        bool operator==(range_end) const { return at_ >= end_ || at_ >= state_->joints.records.slots(); }
+
+    private:
+        void find(std::uint32_t from) {
+            const auto& records = state_->joints.records;
+            for (at_ = records.next(from); at_ < records.slots() && body_; at_ = records.next(at_ + 1))
+                if (records[at_].body_a == body_.index || records[at_].body_b == body_.index) return;
+        }
+
+        const state<Plan>* state_;
+        body_id body_;
+        std::uint32_t end_, at_ = 0;
+    };
+    iterator begin() const { return iterator(*state_, body_); }
+    range_end end() const { return {}; }
+
+private:
+    const state<Plan>* state_;
+    body_id body_;
+};
+
+}  // namespace detail
+
+/// What a world can do with joints, where its recipe names kinds of them: joints<distance_joint>. A joint goes with its
+/// bodies. Making, changing and destroying one wakes them. O(1), and where they wake as said of world.
+template <class World, class Plan, bool = Plan::has_joints>
+class joint_functions {
+    static constexpr int D = Plan::dimension;
+    using S = typename Plan::scalar;
+
+public:
+    /// Joins two bodies, of which those that are not dynamic feel nothing of it. They collide no longer, unless the
+    /// definition says so.
+    template <class Joint>
+    joint_id create_joint(body_id body_a, body_id body_b, const Joint& joint, const joint_def& def = {}) {
+        check_kind<Joint>();
+        if constexpr (knows<Joint>)
+            return detail::scoped([&] { return detail::create_joint(state(), body_a, body_b, joint, def); });
+        else return {};
+    }
+    void destroy_joint(joint_id id) {
+        const auto at = find(state(), id, "destroy_joint");
+        if (!at) return;
+        detail::wake_connected(state(), at.index);
+        detail::erase_joint(state(), at.index);
+    }
+    /// True if the handle names a living joint of this world; never an error.
+    [[nodiscard]] bool contains(joint_id id) const { return detail::contains(state(), state().joints.records, id); }
+    [[nodiscard]] std::uint32_t joint_count() const { return state().joints.records.count(); }
+    /// All joints: `for (physics::joint_id j : world.joints())`.
+    [[nodiscard]] auto joints() const { return detail::joint_range<Plan>(state(), {}); }
+
+    /// What a joint is: of another kind it is refused.
+    template <class Joint>
+    [[nodiscard]] Joint joint(joint_id id) const {
+        const auto at = find_kind<Joint>(state(), id, "joint");
+        return at ? state().joints.template of_kind<Joint>()[record(at).slot].joint : Joint{};
+    }
+    /// Changes it to another joint of its kind; what it gave it begins with.
+    template <class Joint>
+    void set_joint(joint_id id, const Joint& joint) {
+        const auto at = find_kind<Joint>(state(), id, "set_joint");
+        if (!at || !check(joint, "set_joint")) return;
+        detail::wake_connected(state(), at.index);
+        state().joints.template of_kind<Joint>()[record(at).slot].joint = joint;
+    }
+    [[nodiscard]] body_id body_a(joint_id id) const {
+        const auto at = find(state(), id, "body_a");
+        return at ? name_of(record(at).body_a) : body_id{};
+    }
+    [[nodiscard]] body_id body_b(joint_id id) const {
+        const auto at = find(state(), id, "body_b");
+        return at ? name_of(record(at).body_b) : body_id{};
+    }
+    [[nodiscard]] bool joint_enabled(joint_id id) const {
+        const auto at = find(state(), id, "joint_enabled");
+        return at && record(at).enabled;
+    }
+    /// A joint that is not enabled holds nothing, and lets its bodies collide.
+    void set_joint_enabled(joint_id id, bool enabled) {
+        const auto at = find(state(), id, "set_joint_enabled");
+        if (!at || record(at).enabled == enabled) return;
+        detail::wake_connected(state(), at.index);
+        state().joints.records[at.index].enabled = enabled;
+    }
+    /// What it gave in the last substep of the last step in which it was awake, where its bodies are now.
+    [[nodiscard]] joint_reaction<S, D> reaction(joint_id id) const {
+        const auto at = find(state(), id, "reaction");
+        return at ? detail::scoped([&] { return detail::reaction_of(state(), at.index); }) : joint_reaction<S, D>{};
+    }
+    [[nodiscard]] std::uint64_t user_data(joint_id id) const {
+        const auto at = find(state(), id, "user_data");
+        return at ? record(at).user_data : 0;
+    }
+    void set_user_data(joint_id id, std::uint64_t data) {
+        if (const auto at = find(state(), id, "set_user_data")) state().joints.records[at.index].user_data = data;
+    }
+
+private:
+    auto& state() { return detail::world_access::state_of(static_cast<World&>(*this)); }
+    const auto& state() const { return detail::world_access::state_of(static_cast<const World&>(*this)); }
+    template <class State>
+    static detail::lookup find(State& s, joint_id id, const char* function) {
+        return detail::find_joint(s, id, function);
+    }
+    template <class Joint>
+    static constexpr bool knows = detail::joints_of<Plan>::template knows<Joint>;
+    template <class Joint>
+    static constexpr void check_kind() {
+        static_assert(knows<Joint>,
+                      "physics::world: the recipe's set of joints lacks this one; name it in physics::joints<...>");
+    }
+    template <class Joint, class State>
+    static detail::lookup find_kind(State& s, joint_id id, const char* function) {
+        check_kind<Joint>();
+        const auto at = find(s, id, function);
+        if (!at) return at;
+        if (s.joints.records[at.index].kind == s.joints.template kind_of<Joint>()) return at;
+        return {0, detail::refuse(function, "joint", "of another kind", "it must be of the kind that is asked for")};
+    }
+    const auto& record(const detail::lookup& at) const { return state().joints.records[at.index]; }
+    [[nodiscard]] body_id name_of(std::uint32_t body) const {
+        return {body, state().bodies.generation(body), state().tag};
+    }
+};
+/// Of a recipe without joints.
+template <class World, class Plan>
+class joint_functions<World, Plan, false> {
+public:
+    template <class Joint>
+    joint_id create_joint(body_id, body_id, const Joint&, const joint_def& = {}) {
+        static_assert(sizeof(Joint) == 0,
+                      "physics::world: the recipe knows no joints; name their kinds in physics::joints<...>");
+        return {};
+    }
+    [[nodiscard]] bool contains(joint_id) const { return false; }
+    [[nodiscard]] std::uint32_t joint_count() const { return 0; }
+    std::uint64_t user_data(joint_id) const = delete;
+    void set_user_data(joint_id, std::uint64_t) = delete;
+};
+
+PHYSICS_HPP_END

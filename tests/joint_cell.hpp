@@ -1,0 +1,82 @@
+// The worlds in which joints are tried, and short spellings for them.
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include "cell.hpp"
+
+namespace {
+namespace joint_laws {
+
+using S = cell::scalar;
+constexpr int D = cell::dimension;
+using physics::body_id;
+using physics::body_type;
+using physics::joint_id;
+using vec = physics::vec<S, D>;
+using distance_joint = physics::distance_joint<S, D>;
+constexpr double gravity = 10;
+
+using few = physics::shapes<physics::ball, physics::box, physics::halfspace>;
+template <class... Policies>
+struct of : physics::recipe<S, D, few, physics::joints<physics::distance_joint>, Policies...> {};
+using soft = of<>;
+using hard = of<physics::sequential_impulse>;
+using unturned = of<physics::without<physics::feature::rotation>>;
+using world = physics::world<soft>;
+
+inline double number(S x) { return cell::number(x); }
+inline vec at(double x, double y = 0, double z = 0) {
+    vec v;
+    v[0] = S(x);
+    v[1] = S(y);
+    if constexpr (D == 3) v[2] = S(z);
+    return v;
+}
+inline double length_of(const vec& v) {
+    double sum = 0;
+    for (int i = 0; i < D; ++i) sum += number(v[i]) * number(v[i]);
+    return std::sqrt(sum);
+}
+template <class World>
+double distance_of(const World& w, body_id a, body_id b) {
+    return length_of(w.position(b) - w.position(a));
+}
+
+template <class World>
+World falling(int substeps = 4, double g = gravity) {
+    typename World::settings_type settings;
+    settings.gravity = at(0, -g);
+    settings.solver.substeps = substeps;
+    return World(settings);
+}
+template <class World>
+body_id add_anchor(World& w, const vec& where) {
+    return w.create_body({.type = body_type::static_body, .position = where});
+}
+/// A ball of 1 kg.
+template <class World>
+body_id add_ball(World& w, const vec& where, double radius = 0.1) {
+    const body_id b = w.create_body({.position = where});
+    const double volume = D == 2 ? 3.141592653589793 * radius * radius : 4.1887902047863905 * radius * radius * radius;
+    w.create_shape(b, typename World::ball{S(radius)}, {.density = S(1 / volume)});
+    return b;
+}
+/// A chain of balls of 1 kg, each 0.5 m from the last, level from an anchor on.
+template <class World>
+std::vector<body_id> add_chain(World& w, int length, const vec& from) {
+    std::vector<body_id> all{add_anchor(w, from)};
+    for (int i = 1; i <= length; ++i) {
+        all.push_back(add_ball(w, from + at(0.5 * i)));
+        w.create_joint(all[all.size() - 2], all.back(), distance_joint{.length = S(0.5)});
+    }
+    return all;
+}
+template <class World>
+void run(World& w, int steps, double h = 1.0 / 64) {
+    for (int i = 0; i < steps; ++i) w.step(S(h));
+}
+
+}  // namespace joint_laws
+}  // namespace
