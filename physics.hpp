@@ -3012,6 +3012,23 @@ PHYSICS_HPP_ALWAYS_INLINE P lanes_of(S a, S b, S c, S d) {
     else if constexpr (requires(P x) { x.low.low; }) return {{{a}, {b}}, {{c}, {d}}};
     else return {{typename P::half::storage{a, b}}, {typename P::half::storage{c, d}}};
 }
+/// Lanes of scalars of one type from or to such of another.
+template <class K, class T>
+PHYSICS_HPP_ALWAYS_INLINE K lanes_from(const T* from) {
+    if constexpr (std::is_same_v<typename K::scalar, T>) {
+        return K::load(from);
+    } else {
+        K lanes;
+        for (int i = 0; i < K::width; ++i) lanes.set_lane(i, to_double(from[i]));
+        return lanes;
+    }
+}
+template <class K, class T>
+PHYSICS_HPP_ALWAYS_INLINE void put_lanes(const K& lanes, T* to) {
+    if constexpr (std::is_same_v<typename K::scalar, T>) lanes.store(to);
+    else
+        for (int i = 0; i < K::width; ++i) to[i] = static_cast<T>(lanes.lane(i));
+}
 /// a * b + c * d, rounded once where the scalar can.
 template <class P>
 PHYSICS_HPP_ALWAYS_INLINE P lane_sum(const P& a, const P& b, const P& c, const P& d) {
@@ -3025,6 +3042,17 @@ PHYSICS_HPP_ALWAYS_INLINE P lane_difference(const P& a, const P& b, const P& c, 
 template <class P>
 PHYSICS_HPP_ALWAYS_INLINE P lane_dot(const P* a, const P& x, const P& y, const P& z) {
     return narrow<typename P::scalar>(product(a[0], x) + product(a[1], y) + product(a[2], z));
+}
+/// a / b where b is greater than 0, else 0.
+template <class K>
+PHYSICS_HPP_ALWAYS_INLINE K lane_quotient(const K& a, const K& b) {
+    using C = typename K::scalar;
+    const K zero = K::broadcast(C(0)), one = K::broadcast(C(1));
+    return select_greater(b, zero, a / select_greater(b, zero, b, one), zero);
+}
+template <class K>
+PHYSICS_HPP_ALWAYS_INLINE K lane_reciprocal(const K& x) {
+    return lane_quotient(K::broadcast(typename K::scalar(1)), x);
 }
 /// The length of (a, b).
 template <class P>
@@ -20951,6 +20979,186 @@ struct moved_bodies {
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/dynamics/lane_vec.hpp
+// =================================================================================================
+// Vectors, twists and symmetric matrices in lanes, with the operators that their scalar twins have.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+template <class P, int D>
+struct lane_vec;
+template <class P>
+struct lane_vec<P, 2> {
+    P x, y;
+
+    template <class T>
+    PHYSICS_HPP_ALWAYS_INLINE static lane_vec load(const T (&from)[2][P::width]) {
+        return {lanes_from<P>(from[0]), lanes_from<P>(from[1])};
+    }
+    template <class T>
+    PHYSICS_HPP_ALWAYS_INLINE void store(T (&to)[2][P::width]) const {
+        put_lanes(x, to[0]);
+        put_lanes(y, to[1]);
+    }
+};
+template <class P>
+struct lane_vec<P, 3> {
+    P x, y, z;
+
+    template <class T>
+    PHYSICS_HPP_ALWAYS_INLINE static lane_vec load(const T (&from)[3][P::width]) {
+        return {lanes_from<P>(from[0]), lanes_from<P>(from[1]), lanes_from<P>(from[2])};
+    }
+    template <class T>
+    PHYSICS_HPP_ALWAYS_INLINE void store(T (&to)[3][P::width]) const {
+        put_lanes(x, to[0]);
+        put_lanes(y, to[1]);
+        put_lanes(z, to[2]);
+    }
+};
+template <class P>
+using lane_vec2 = lane_vec<P, 2>;
+template <class P>
+using lane_vec3 = lane_vec<P, 3>;
+
+template <class P, int D>
+PHYSICS_HPP_ALWAYS_INLINE lane_vec<P, D> operator+(const lane_vec<P, D>& a, const lane_vec<P, D>& b) {
+    if constexpr (D == 2) return {a.x + b.x, a.y + b.y};
+    else return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+template <class P, int D>
+PHYSICS_HPP_ALWAYS_INLINE lane_vec<P, D> operator-(const lane_vec<P, D>& a, const lane_vec<P, D>& b) {
+    if constexpr (D == 2) return {a.x - b.x, a.y - b.y};
+    else return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+/// Each component rounded once; the factor may be of the inverse type.
+template <class P, int D, class T, int W, int Bytes>
+PHYSICS_HPP_ALWAYS_INLINE lane_vec<P, D> operator*(const lane_vec<P, D>& v, const pack<T, W, Bytes>& s) {
+    using S = typename P::scalar;
+    if constexpr (D == 2) return {mul<S>(s, v.x), mul<S>(s, v.y)};
+    else return {mul<S>(s, v.x), mul<S>(s, v.y), mul<S>(s, v.z)};
+}
+/// Rounded once where the scalar can, as the cross product's components are.
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE P dot(const lane_vec2<P>& a, const lane_vec2<P>& b) {
+    return lane_sum(a.x, b.x, a.y, b.y);
+}
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE P dot(const lane_vec3<P>& a, const lane_vec3<P>& b) {
+    return narrow<typename P::scalar>(product(a.x, b.x) + product(a.y, b.y) + product(a.z, b.z));
+}
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE P cross(const lane_vec2<P>& a, const lane_vec2<P>& b) {
+    return lane_difference(a.x, b.y, a.y, b.x);
+}
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE lane_vec3<P> cross(const lane_vec3<P>& a, const lane_vec3<P>& b) {
+    return {lane_difference(a.y, b.z, a.z, b.y), lane_difference(a.z, b.x, a.x, b.z),
+            lane_difference(a.x, b.y, a.y, b.x)};
+}
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE P length(const lane_vec2<P>& v) {
+    return lane_length(v.x, v.y);
+}
+/// a times s, plus b times t, rounded once where the scalar can.
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE lane_vec3<P> combine(const lane_vec3<P>& a, const P& s, const lane_vec3<P>& b, const P& t) {
+    return {lane_sum(a.x, s, b.x, t), lane_sum(a.y, s, b.y, t), lane_sum(a.z, s, b.z, t)};
+}
+/// a > b ? v : w in each lane.
+template <class P, int D>
+PHYSICS_HPP_ALWAYS_INLINE lane_vec<P, D> select_greater(const P& a, const P& b, const lane_vec<P, D>& v,
+                                                        const lane_vec<P, D>& w) {
+    if constexpr (D == 2) return {select_greater(a, b, v.x, w.x), select_greater(a, b, v.y, w.y)};
+    else return {select_greater(a, b, v.x, w.x), select_greater(a, b, v.y, w.y), select_greater(a, b, v.z, w.z)};
+}
+
+/// Velocities, or displacements, of W bodies.
+template <class P, int D>
+struct lane_twist {
+    lane_vec<P, D> linear;
+    std::conditional_t<D == 2, P, lane_vec<P, D>> angular;
+};
+template <class P, int D>
+PHYSICS_HPP_ALWAYS_INLINE lane_twist<P, D> operator+(const lane_twist<P, D>& a, const lane_twist<P, D>& b) {
+    return {a.linear + b.linear, a.angular + b.angular};
+}
+template <class P, int D>
+PHYSICS_HPP_ALWAYS_INLINE lane_twist<P, D> operator*(const lane_twist<P, D>& v, const P& s) {
+    return {v.linear * s, v.angular * s};
+}
+
+/// Symmetric D x D matrices.
+template <class P, int D>
+struct lane_symmetric;
+template <class P>
+struct lane_symmetric<P, 2> {
+    P xx, xy, yy;
+
+    template <class T>
+    PHYSICS_HPP_ALWAYS_INLINE static lane_symmetric load(const T (&from)[3][P::width]) {
+        return {lanes_from<P>(from[0]), lanes_from<P>(from[1]), lanes_from<P>(from[2])};
+    }
+    template <class T>
+    PHYSICS_HPP_ALWAYS_INLINE void store(T (&to)[3][P::width]) const {
+        put_lanes(xx, to[0]);
+        put_lanes(xy, to[1]);
+        put_lanes(yy, to[2]);
+    }
+};
+template <class P>
+struct lane_symmetric<P, 3> {
+    P xx, yy, zz, xy, xz, yz;
+
+    template <class T>
+    PHYSICS_HPP_ALWAYS_INLINE static lane_symmetric load(const T (&from)[6][P::width]) {
+        return {lanes_from<P>(from[0]), lanes_from<P>(from[1]), lanes_from<P>(from[2]),
+                lanes_from<P>(from[3]), lanes_from<P>(from[4]), lanes_from<P>(from[5])};
+    }
+    template <class T>
+    PHYSICS_HPP_ALWAYS_INLINE void store(T (&to)[6][P::width]) const {
+        put_lanes(xx, to[0]);
+        put_lanes(yy, to[1]);
+        put_lanes(zz, to[2]);
+        put_lanes(xy, to[3]);
+        put_lanes(xz, to[4]);
+        put_lanes(yz, to[5]);
+    }
+};
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE lane_symmetric<P, 3> operator+(const lane_symmetric<P, 3>& a, const lane_symmetric<P, 3>& b) {
+    return {a.xx + b.xx, a.yy + b.yy, a.zz + b.zz, a.xy + b.xy, a.xz + b.xz, a.yz + b.yz};
+}
+/// Each component rounded once where the scalar can; the matrix may be of the inverse type.
+template <class Q, class P>
+PHYSICS_HPP_ALWAYS_INLINE lane_vec2<P> operator*(const lane_symmetric<Q, 2>& m, const lane_vec2<P>& v) {
+    using S = typename P::scalar;
+    return {narrow<S>(product(m.xx, v.x) + product(m.xy, v.y)), narrow<S>(product(m.xy, v.x) + product(m.yy, v.y))};
+}
+template <class Q, class P>
+PHYSICS_HPP_ALWAYS_INLINE lane_vec3<P> operator*(const lane_symmetric<Q, 3>& m, const lane_vec3<P>& v) {
+    const auto row = [&](const Q& x, const Q& y, const Q& z) PHYSICS_HPP_INLINE_LAMBDA {
+        return narrow<typename P::scalar>(product(x, v.x) + product(y, v.y) + product(z, v.z));
+    };
+    return {row(m.xx, m.xy, m.xz), row(m.xy, m.yy, m.yz), row(m.xz, m.yz, m.zz)};
+}
+/// The inverse of positive definite matrices; of others anything. By L D L^T, as in mat.hpp.
+template <class P>
+PHYSICS_HPP_ALWAYS_INLINE lane_symmetric<P, 3> lane_inverse(const lane_symmetric<P, 3>& m) {
+    const P e1 = lane_reciprocal(m.xx), l21 = m.xy * e1, l31 = m.xz * e1;
+    const P e2 = lane_reciprocal(m.yy - l21 * m.xy), left = m.yz - l21 * m.xz, l32 = left * e2;
+    const P e3 = lane_reciprocal(m.zz - l31 * m.xz - l32 * left);
+    const P m31 = l21 * l32 - l31, xz = e3 * m31, yz = -(e3 * l32), xy = -(e2 * l21) - xz * l32;
+    return {e1 + e2 * l21 * l21 + xz * m31, e2 - yz * l32, e3, xy, xz, yz};
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/dynamics/body_lanes.hpp
 // =================================================================================================
 // Bodies in lanes, as contact solvers read and write them.
@@ -20959,63 +21167,14 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
+template <class P, int D>
+struct body_lanes;
 template <class P>
-struct lanes2 {
-    P x, y;
-};
-template <class P>
-struct lanes3 {
-    P x, y, z;
-
-    PHYSICS_HPP_ALWAYS_INLINE static lanes3 load(const typename P::scalar (&from)[3][P::width]) {
-        return {P::load(from[0]), P::load(from[1]), P::load(from[2])};
-    }
-    PHYSICS_HPP_ALWAYS_INLINE void store(typename P::scalar (&to)[3][P::width]) const {
-        x.store(to[0]);
-        y.store(to[1]);
-        z.store(to[2]);
-    }
-};
-template <class P>
-PHYSICS_HPP_ALWAYS_INLINE P lane_dot(const lanes3<P>& a, const lanes3<P>& b) {
-    return narrow<typename P::scalar>(product(a.x, b.x) + product(a.y, b.y) + product(a.z, b.z));
-}
-template <class P>
-PHYSICS_HPP_ALWAYS_INLINE lanes3<P> lane_cross(const lanes3<P>& a, const lanes3<P>& b) {
-    return {lane_difference(a.y, b.z, a.z, b.y), lane_difference(a.z, b.x, a.x, b.z),
-            lane_difference(a.x, b.y, a.y, b.x)};
-}
-template <class P>
-PHYSICS_HPP_ALWAYS_INLINE lanes3<P> lane_add(const lanes3<P>& a, const lanes3<P>& b) {
-    return {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-template <class P>
-PHYSICS_HPP_ALWAYS_INLINE lanes3<P> lane_subtract(const lanes3<P>& a, const lanes3<P>& b) {
-    return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-/// a times s, plus b times t.
-template <class P>
-PHYSICS_HPP_ALWAYS_INLINE lanes3<P> lane_combine(const lanes3<P>& a, const P& s, const lanes3<P>& b, const P& t) {
-    return {lane_sum(a.x, s, b.x, t), lane_sum(a.y, s, b.y, t), lane_sum(a.z, s, b.z, t)};
-}
-
-/// Velocities, or ways, of W bodies in 2D.
-template <class P>
-struct twist_lanes2 {
-    lanes2<P> linear;
-    P angular;
-};
-template <class P>
-struct twist_lanes3 {
-    lanes3<P> linear, angular;
-};
-
-template <class P>
-struct body_lanes2 {
+struct body_lanes<P, 2> {
     using S = typename P::scalar;
     static constexpr int stride = sizeof(solver_body<S, 2>) / sizeof(S);
 
-    twist_lanes2<P> velocity, displacement;
+    lane_twist<P, 2> velocity, displacement;
 
     PHYSICS_HPP_ALWAYS_INLINE void load(const solver_body<S, 2>* bodies, const std::uint32_t* index) {
         const auto* first = reinterpret_cast<const S*>(bodies);
@@ -21075,11 +21234,11 @@ PHYSICS_HPP_ALWAYS_INLINE void load_inverse_masses(const solver_body<S, 3>* bodi
 }
 
 template <class P>
-struct body_lanes3 {
+struct body_lanes<P, 3> {
     using S = typename P::scalar;
     static constexpr int stride = sizeof(solver_body<S, 3>) / sizeof(S);
 
-    twist_lanes3<P> velocity, displacement;
+    lane_twist<P, 3> velocity, displacement;
 
     PHYSICS_HPP_ALWAYS_INLINE void load(const solver_body<S, 3>* bodies, const std::uint32_t* index) {
         const auto* first = reinterpret_cast<const S*>(bodies);
@@ -21096,7 +21255,7 @@ struct body_lanes3 {
         store4(indexed_rows<S, stride>{first + 4, index},
                quad<P>{w.y, w.z, displacement.linear.x, displacement.linear.y});
     }
-    /// With the ways.
+    /// With the displacements.
     PHYSICS_HPP_ALWAYS_INLINE void store_all(solver_body<S, 3>* bodies, const std::uint32_t* index) const {
         store(bodies, index);
         auto* first = reinterpret_cast<S*>(bodies);
@@ -22554,7 +22713,7 @@ template <class P>
 struct rotation_lanes {
     P x, y, z, w;
 
-    [[nodiscard]] PHYSICS_HPP_ALWAYS_INLINE lanes3<P> imaginary() const { return {x, y, z}; }
+    [[nodiscard]] PHYSICS_HPP_ALWAYS_INLINE lane_vec3<P> imaginary() const { return {x, y, z}; }
     [[nodiscard]] PHYSICS_HPP_ALWAYS_INLINE rotation_lanes inverse() const { return {-x, -y, -z, w}; }
     /// As norm_lack.
     [[nodiscard]] PHYSICS_HPP_ALWAYS_INLINE P norm_lack() const {
@@ -22565,14 +22724,14 @@ struct rotation_lanes {
 };
 /// As rotated_as_unit; lack: that of q.
 template <class P>
-PHYSICS_HPP_ALWAYS_INLINE lanes3<P> lane_rotated(const rotation_lanes<P>& q, const P& lack, const lanes3<P>& v) {
-    const lanes3<P> c = lane_cross(q.imaginary(), v);
-    const lanes3<P> half = {c.x + c.x * lack, c.y + c.y * lack, c.z + c.z * lack}, t = lane_add(half, half);
-    return lane_add(v, lane_add({t.x * q.w, t.y * q.w, t.z * q.w}, lane_cross(q.imaginary(), t)));
+PHYSICS_HPP_ALWAYS_INLINE lane_vec3<P> lane_rotated(const rotation_lanes<P>& q, const P& lack, const lane_vec3<P>& v) {
+    const lane_vec3<P> c = cross(q.imaginary(), v);
+    const lane_vec3<P> half = c + c * lack, t = half + half;
+    return v + (t * q.w + cross(q.imaginary(), t));
 }
 /// First b, then a.
 template <class P>
-PHYSICS_HPP_ALWAYS_INLINE rotation_lanes<P> lane_combine(const rotation_lanes<P>& a, const rotation_lanes<P>& b) {
+PHYSICS_HPP_ALWAYS_INLINE rotation_lanes<P> operator*(const rotation_lanes<P>& a, const rotation_lanes<P>& b) {
     const auto sum = [](auto p, auto q, auto r, auto s)
                          PHYSICS_HPP_INLINE_LAMBDA { return narrow<typename P::scalar>(p + q + r + s); };
     return {sum(product(a.w, b.x), product(a.x, b.w), product(a.y, b.z), -product(a.z, b.y)),
@@ -22671,13 +22830,12 @@ private:
     }
 
     void advance(block& of, S h, twist<S, 3>* start_velocity) {
-        body_lanes3<P> at;
+        body_lanes<P, 3> at;
         at.load(bodies_.first, of.body);
         const P step = P::broadcast(h);
-        lanes3<P>& w = at.velocity.angular;
-        const lanes3<P> before = w, angle = scaled(w, step);
-        at.displacement.linear = lane_add(at.displacement.linear, scaled(at.velocity.linear, step));
-        at.displacement.angular = lane_add(at.displacement.angular, angle);
+        lane_vec3<P>& w = at.velocity.angular;
+        const lane_vec3<P> before = w, angle = w * step;
+        at.displacement = at.displacement + at.velocity * step;
         const rotation_lanes<P> frame = lanes_of(of.axes);
         std::uint32_t far = 0;
         rotation_lanes<P> axes = frame;
@@ -22691,7 +22849,7 @@ private:
         axes.w.store(of.axes[3]);
         at.store_all(bodies_.first, of.body);
         if (!of.any_gyroscopic || start_velocity == nullptr) return;
-        const lanes3<P> change = lane_subtract(w, before);
+        const lane_vec3<P> change = w - before;
         for (int lane = 0; lane < width; ++lane)
             if (of.moments[0][lane] > S(0)) start_velocity[of.body[lane]].angular += lane_of(change, lane);
     }
@@ -22699,19 +22857,19 @@ private:
     /// themselves, drawn where they were turned as it began: there contacts' levers and inverse inertias stay true
     /// however far they turn. Else what is light to spin about one axis gains energy as that axis moves away.
     PHYSICS_HPP_ALWAYS_INLINE static void spin(block& of, S h, const rotation_lanes<P>& frame, rotation_lanes<P>& axes,
-                                               lanes3<P>& w, std::uint32_t& far) {
+                                               lane_vec3<P>& w, std::uint32_t& far) {
         const P zero = P::broadcast(S(0)), one = P::broadcast(S(1)), half = P::broadcast(h * S(0.5)),
                 whole = P::broadcast(h), lack = frame.norm_lack();
-        const lanes3<P> moments = lanes3<P>::load(of.moments);
+        const lane_vec3<P> moments = lane_vec3<P>::load(of.moments);
         const rotation_lanes<P> drawn = lanes_of(of.start);
         const P drawn_lack = drawn.norm_lack();
-        const lanes3<P> gain = lane_rotated(drawn.inverse(), drawn_lack, lane_subtract(w, lanes3<P>::load(of.known)));
-        const lanes3<P> momentum =
-            lane_add(lanes3<P>::load(of.momentum),
-                     lane_rotated(frame, lack, {moments.x * gain.x, moments.y * gain.y, moments.z * gain.z}));
+        const lane_vec3<P> gain = lane_rotated(drawn.inverse(), drawn_lack, w - lane_vec3<P>::load(of.known));
+        const lane_vec3<P> momentum =
+            lane_vec3<P>::load(of.momentum) +
+            lane_rotated(frame, lack, {moments.x * gain.x, moments.y * gain.y, moments.z * gain.z});
         momentum.store(of.momentum);
         const Q first = Q::load(of.first), second = Q::load(of.second), third = Q::load(of.third);
-        lanes3<P> seen = lane_rotated(frame.inverse(), lack, momentum);
+        lane_vec3<P> seen = lane_rotated(frame.inverse(), lack, momentum);
         turn_about(axes.y, axes.z, axes.x, axes.w, seen.z, seen.x, mul<S>(second, seen.y) * half, far);
         turn_about(axes.z, axes.x, axes.y, axes.w, seen.x, seen.y, mul<S>(third, seen.z) * whole, far);
         turn_about(axes.y, axes.z, axes.x, axes.w, seen.z, seen.x, mul<S>(second, seen.y) * half, far);
@@ -22720,22 +22878,19 @@ private:
         };
         const rotation_lanes<P> start{of_gyroscopic(axes.x, frame.x), of_gyroscopic(axes.y, frame.y),
                                       of_gyroscopic(axes.z, frame.z), of_gyroscopic(axes.w, frame.w)};
-        const lanes3<P> angle = {of_gyroscopic(mul<S>(first, momentum.x), w.x) * whole,
-                                 of_gyroscopic(mul<S>(first, momentum.y), w.y) * whole,
-                                 of_gyroscopic(mul<S>(first, momentum.z), w.z) * whole};
-        axes = turned(start, angle, far);
+        const lane_vec3<P> turning = select_greater(moments.x, zero, momentum * first, w);
+        axes = turned(start, turning * whole, far);
         // Momentum as it was, not as the turns have rounded it; and quotients, which undo the products: a factor that
         // is an ulp off would act in every step.
         const P left = axes.norm_lack();
-        const lanes3<P> kept = lane_rotated(axes.inverse(), left, momentum);
-        const lanes3<P> spinning = {kept.x / of_gyroscopic(moments.x, one), kept.y / of_gyroscopic(moments.y, one),
-                                    kept.z / of_gyroscopic(moments.z, one)};
-        const lanes3<P> after = lane_rotated(drawn, drawn_lack, spinning);
-        w = {of_gyroscopic(after.x, w.x), of_gyroscopic(after.y, w.y), of_gyroscopic(after.z, w.z)};
+        const lane_vec3<P> kept = lane_rotated(axes.inverse(), left, momentum);
+        const lane_vec3<P> spinning = {kept.x / of_gyroscopic(moments.x, one), kept.y / of_gyroscopic(moments.y, one),
+                                       kept.z / of_gyroscopic(moments.z, one)};
+        w = select_greater(moments.x, zero, lane_rotated(drawn, drawn_lack, spinning), w);
     }
     /// Lanes that turn so far that it takes trigonometry: anew, one by one.
-    PHYSICS_HPP_COLD void turn_far(const block& of, S h, std::uint32_t far, const lanes3<P>& before,
-                                   rotation_lanes<P>& axes, lanes3<P>& w) const {
+    PHYSICS_HPP_COLD void turn_far(const block& of, S h, std::uint32_t far, const lane_vec3<P>& before,
+                                   rotation_lanes<P>& axes, lane_vec3<P>& w) const {
         for (int lane = 0; lane < width; ++lane) {
             if ((far >> lane & 1) == 0 || of.body[lane] == bodies_.dummy_body()) continue;
             const auto* gyroscopic = moving_[of.body[lane]].gyroscopic;
@@ -22756,9 +22911,8 @@ private:
         }
     }
 
-    static vec<S, 3> lane_of(const lanes3<P>& v, int lane) { return {v.x.lane(lane), v.y.lane(lane), v.z.lane(lane)}; }
-    PHYSICS_HPP_ALWAYS_INLINE static lanes3<P> scaled(const lanes3<P>& v, const P& by) {
-        return {v.x * by, v.y * by, v.z * by};
+    static vec<S, 3> lane_of(const lane_vec3<P>& v, int lane) {
+        return {v.x.lane(lane), v.y.lane(lane), v.z.lane(lane)};
     }
     /// In fixed point, puts the angles of far lanes in range: their turns are made anew, and these must not overflow.
     PHYSICS_HPP_ALWAYS_INLINE static P near(const P& quarter) {
@@ -22794,18 +22948,18 @@ private:
         v = new_v;
     }
     /// As turned(a, angle).
-    PHYSICS_HPP_ALWAYS_INLINE static rotation_lanes<P> turned(const rotation_lanes<P>& a, const lanes3<P>& angle,
+    PHYSICS_HPP_ALWAYS_INLINE static rotation_lanes<P> turned(const rotation_lanes<P>& a, const lane_vec3<P>& angle,
                                                               std::uint32_t& far) {
         const P one = P::broadcast(S(1));
-        const lanes3<P> given = scaled(angle, P::broadcast(S(0.25)));
+        const lane_vec3<P> given = angle * P::broadcast(S(0.25));
         const P largest = max(lane_abs(given.x), max(lane_abs(given.y), lane_abs(given.z)));
-        const lanes3<P> quarter = {near(given.x), near(given.y), near(given.z)};
-        const P xx = lane_dot(quarter, quarter);
+        const lane_vec3<P> quarter = {near(given.x), near(given.y), near(given.z)};
+        const P xx = dot(quarter, quarter);
         far |= (greater(largest, P::broadcast(S(0.25))) | greater(xx, P::broadcast(S(0.0625)))).bits();
-        const lanes3<P> t = scaled(quarter, tangent_ratio_of(xx));
-        const P tt = lane_dot(t, t), scale = one / (one + tt);
-        const lanes3<P> v = scaled(t, scale + scale);
-        const rotation_lanes<P> change = lane_combine(rotation_lanes<P>{v.x, v.y, v.z, -((tt + tt) * scale)}, a);
+        const lane_vec3<P> t = quarter * tangent_ratio_of(xx);
+        const P tt = dot(t, t), scale = one / (one + tt);
+        const lane_vec3<P> v = t * (scale + scale);
+        const rotation_lanes<P> change = rotation_lanes<P>{v.x, v.y, v.z, -((tt + tt) * scale)} * a;
         const rotation_lanes<P> r{a.x + change.x, a.y + change.y, a.z + change.z, a.w + change.w};
         const P lack = r.norm_lack() * P::broadcast(S(0.5));
         return {r.x + r.x * lack, r.y + r.y * lack, r.z + r.z * lack, r.w + r.w * lack};
@@ -24112,77 +24266,6 @@ namespace detail {
 template <class S, int W>
 using preparing = kernel_pack<std::conditional_t<std::is_floating_point_v<S>, S, double>, W>;
 
-template <class K, class T>
-PHYSICS_HPP_ALWAYS_INLINE K lanes_from(const T* from) {
-    if constexpr (std::is_same_v<typename K::scalar, T>) {
-        return K::load(from);
-    } else {
-        K lanes;
-        for (int i = 0; i < K::width; ++i) lanes.set_lane(i, to_double(from[i]));
-        return lanes;
-    }
-}
-template <class K, class T>
-PHYSICS_HPP_ALWAYS_INLINE void put_lanes(const K& lanes, T* to) {
-    if constexpr (std::is_same_v<typename K::scalar, T>) lanes.store(to);
-    else
-        for (int i = 0; i < K::width; ++i) to[i] = static_cast<T>(lanes.lane(i));
-}
-template <class K, class T>
-PHYSICS_HPP_ALWAYS_INLINE lanes3<K> lanes3_from(const T (&from)[3][K::width]) {
-    return {lanes_from<K>(from[0]), lanes_from<K>(from[1]), lanes_from<K>(from[2])};
-}
-
-/// a / b where b is greater than 0, else 0.
-template <class K>
-PHYSICS_HPP_ALWAYS_INLINE K lane_quotient(const K& a, const K& b) {
-    using C = typename K::scalar;
-    const K zero = K::broadcast(C(0)), one = K::broadcast(C(1));
-    return select_greater(b, zero, a / select_greater(b, zero, b, one), zero);
-}
-template <class K>
-PHYSICS_HPP_ALWAYS_INLINE K lane_reciprocal(const K& x) {
-    return lane_quotient(K::broadcast(typename K::scalar(1)), x);
-}
-
-template <class K>
-struct symmetric_lanes {
-    K xx, yy, zz, xy, xz, yz;
-
-    template <class T>
-    PHYSICS_HPP_ALWAYS_INLINE static symmetric_lanes load(const T (&from)[6][K::width]) {
-        return {lanes_from<K>(from[0]), lanes_from<K>(from[1]), lanes_from<K>(from[2]),
-                lanes_from<K>(from[3]), lanes_from<K>(from[4]), lanes_from<K>(from[5])};
-    }
-    template <class T>
-    PHYSICS_HPP_ALWAYS_INLINE void store(T (&to)[6][K::width]) const {
-        put_lanes(xx, to[0]);
-        put_lanes(yy, to[1]);
-        put_lanes(zz, to[2]);
-        put_lanes(xy, to[3]);
-        put_lanes(xz, to[4]);
-        put_lanes(yz, to[5]);
-    }
-};
-template <class K>
-PHYSICS_HPP_ALWAYS_INLINE symmetric_lanes<K> lane_add(const symmetric_lanes<K>& a, const symmetric_lanes<K>& b) {
-    return {a.xx + b.xx, a.yy + b.yy, a.zz + b.zz, a.xy + b.xy, a.xz + b.xz, a.yz + b.yz};
-}
-template <class K>
-PHYSICS_HPP_ALWAYS_INLINE lanes3<K> lane_times(const symmetric_lanes<K>& m, const lanes3<K>& v) {
-    return {m.xx * v.x + m.xy * v.y + m.xz * v.z, m.xy * v.x + m.yy * v.y + m.yz * v.z,
-            m.xz * v.x + m.yz * v.y + m.zz * v.z};
-}
-/// The inverse of positive definite matrices; of others anything. By L D L^T, as in mat.hpp.
-template <class K>
-PHYSICS_HPP_ALWAYS_INLINE symmetric_lanes<K> lane_inverse(const symmetric_lanes<K>& m) {
-    const K e1 = lane_reciprocal(m.xx), l21 = m.xy * e1, l31 = m.xz * e1;
-    const K e2 = lane_reciprocal(m.yy - l21 * m.xy), left = m.yz - l21 * m.xz, l32 = left * e2;
-    const K e3 = lane_reciprocal(m.zz - l31 * m.xz - l32 * left);
-    const K m31 = l21 * l32 - l31, xz = e3 * m31, yz = -(e3 * l32), xy = -(e2 * l21) - xz * l32;
-    return {e1 + e2 * l21 * l21 + xz * m31, e2 - yz * l32, e3, xy, xz, yz};
-}
-
 /// W contacts that are prepared together, some of which may be none. Contacts are rows of scalars, which lanes read
 /// faster than one by one.
 template <class S, int D, int W, class Features>
@@ -24282,20 +24365,20 @@ private:
 /// W contacts in 3D, and how their bodies answer to impulses at the middles.
 template <class K>
 struct contact_lanes3 {
-    lanes3<K> n, t, u, r_a, r_b;
+    lane_vec3<K> n, t, u, r_a, r_b;
     K mass;
-    symmetric_lanes<K> inertia_a, inertia_b;
+    lane_symmetric<K, 3> inertia_a, inertia_b;
 
     /// How fast B turns about some axes against A by angular impulses about others.
-    PHYSICS_HPP_ALWAYS_INLINE K turned(const lanes3<K>& of_a, const lanes3<K>& of_b, const lanes3<K>& about_a,
-                                       const lanes3<K>& about_b) const {
-        return lane_dot(lane_times(inertia_a, of_a), about_a) + lane_dot(lane_times(inertia_b, of_b), about_b);
+    PHYSICS_HPP_ALWAYS_INLINE K turned(const lane_vec3<K>& of_a, const lane_vec3<K>& of_b, const lane_vec3<K>& about_a,
+                                       const lane_vec3<K>& about_b) const {
+        return dot(inertia_a * of_a, about_a) + dot(inertia_b * of_b, about_b);
     }
 };
 
 /// The first tangent of normals in 3D, as tangents3 has it.
 template <class K>
-PHYSICS_HPP_ALWAYS_INLINE lanes3<K> lane_tangent(const lanes3<K>& n) {
+PHYSICS_HPP_ALWAYS_INLINE lane_vec3<K> lane_tangent(const lane_vec3<K>& n) {
     const K zero = K::broadcast(typename K::scalar(0)), x = lane_abs(n.x), z = lane_abs(n.z);
     const K from = select_greater(x, z, n.y, n.z), to = select_greater(x, z, n.x, n.y);
     const K length = lane_length(from, to), back = lane_quotient(-from, length), on = lane_quotient(to, length);
@@ -24308,8 +24391,8 @@ template <class S, int W>
 struct second_tangent {
     void prepare(const S (&)[3][W], const S (&)[3][W]) {}
     template <class P>
-    PHYSICS_HPP_ALWAYS_INLINE lanes3<P> of(const lanes3<P>& n, const lanes3<P>& t) const {
-        return lane_cross(n, t);
+    PHYSICS_HPP_ALWAYS_INLINE lane_vec3<P> of(const lane_vec3<P>& n, const lane_vec3<P>& t) const {
+        return cross(n, t);
     }
 };
 template <class S, int W>
@@ -24318,14 +24401,12 @@ struct kept_second_tangent {
 
     PHYSICS_HPP_ALWAYS_INLINE void prepare(const S (&normal)[3][W], const S (&tangent)[3][W]) {
         using P = kernel_pack<S, W>;
-        const lanes3<P> u = lane_cross(lanes3<P>::load(normal), lanes3<P>::load(tangent));
-        u.x.store(kept[0]);
-        u.y.store(kept[1]);
-        u.z.store(kept[2]);
+        const lane_vec3<P> u = cross(lane_vec3<P>::load(normal), lane_vec3<P>::load(tangent));
+        u.store(kept);
     }
     template <class P>
-    PHYSICS_HPP_ALWAYS_INLINE lanes3<P> of(const lanes3<P>&, const lanes3<P>&) const {
-        return lanes3<P>::load(kept);
+    PHYSICS_HPP_ALWAYS_INLINE lane_vec3<P> of(const lane_vec3<P>&, const lane_vec3<P>&) const {
+        return lane_vec3<P>::load(kept);
     }
 };
 template <class S, int W>
@@ -24418,7 +24499,7 @@ struct block_solve {
     /// squares. `speeds` tells how these answer to an impulse along the normal at the middle and to angular ones.
     template <class K, class Point>
     PHYSICS_HPP_ALWAYS_INLINE void prepare_face(Point* points, int maximum, const K (&jacobians)[capacity][D],
-                                                const K (&there)[capacity], const symmetric_lanes<K>& speeds,
+                                                const K (&there)[capacity], const lane_symmetric<K, 3>& speeds,
                                                 const K& count) {
         using C = typename K::scalar;
         const K zero = K::broadcast(C(0)), one = K::broadcast(C(1)), share = lane_reciprocal(count);
@@ -24432,7 +24513,7 @@ struct block_solve {
         K ok = select_greater(determinant, K::broadcast(C(1e-4)) * xx * yy, one, zero);
         ok = select_greater(xx * speeds.yy, small, select_greater(yy * speeds.zz, small, ok, zero), zero);
         ok = select_greater(count, K::broadcast(C(2.5)), ok, zero);
-        const symmetric_lanes<K> stop = lane_inverse(speeds);
+        const lane_symmetric<K, 3> stop = lane_inverse(speeds);
         const auto tell_apart = [&](const K& k, const K& stopped) PHYSICS_HPP_INLINE_LAMBDA {
             ok = select_greater(K::broadcast(C(1e4)), k * stopped, select_greater(stopped, zero, ok, zero), zero);
         };
@@ -24442,12 +24523,12 @@ struct block_solve {
         K plane[D] = {zero, zero, zero}, shares[capacity][D];
         for (int k = 0; k < maximum; ++k) {
             const K y = jacobians[k][1], z = jacobians[k][2], gap = lanes_from<K>(points[k].separation);
-            const lanes3<K> weights = {there[k] * share, lane_quotient(yy * y - xy * z, determinant),
-                                       lane_quotient(xx * z - xy * y, determinant)};
+            const lane_vec3<K> weights = {there[k] * share, lane_quotient(yy * y - xy * z, determinant),
+                                          lane_quotient(xx * z - xy * y, determinant)};
             plane[0] = plane[0] + weights.x * gap;
             plane[1] = plane[1] + weights.y * gap;
             plane[2] = plane[2] + weights.z * gap;
-            const lanes3<K> of = lane_times(stop, weights);
+            const lane_vec3<K> of = stop * weights;
             shares[k][0] = of.x;
             shares[k][1] = of.y;
             shares[k][2] = of.z;
@@ -24606,17 +24687,15 @@ struct friction_cone_lanes {
         put_lanes(select_greater(determinant, zero, lane_reciprocal(greatest), zero), gradient_step);
     }
     /// The impulses that follow those before where the speeds are v: they stop them, or slide on the cone.
-    PHYSICS_HPP_ALWAYS_INLINE lanes2<P> next(const lanes2<P>& before, const lanes2<P>& v, const P& limit) const {
-        const P across = P::load(xy);
-        const P stick_x = before.x - lane_sum(P::load(xx), v.x, across, v.y);
-        const P stick_y = before.y - lane_sum(across, v.x, P::load(yy), v.y);
-        if (lane_is_longer(stick_x, stick_y, limit).bits() == 0) return {stick_x, stick_y};
-        const P scale = P::load(gradient_step), slide_x = before.x - scale * v.x, slide_y = before.y - scale * v.y;
-        const P sliding = lane_length(slide_x, slide_y), sticking = lane_length(stick_x, stick_y);
+    PHYSICS_HPP_ALWAYS_INLINE lane_vec2<P> next(const lane_vec2<P>& before, const lane_vec2<P>& v,
+                                                const P& limit) const {
+        const lane_vec2<P> stick = before - lane_symmetric<P, 2>{P::load(xx), P::load(xy), P::load(yy)} * v;
+        if (lane_is_longer(stick.x, stick.y, limit).bits() == 0) return stick;
+        const lane_vec2<P> slide = before - v * P::load(gradient_step);
+        const P sliding = length(slide), sticking = length(stick);
         const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
         const P share = select_greater(sliding, limit, limit / select_greater(sliding, zero, sliding, one), one);
-        return {select_greater(sticking, limit, slide_x * share, stick_x),
-                select_greater(sticking, limit, slide_y * share, stick_y)};
+        return select_greater(sticking, limit, slide * share, stick);
     }
 };
 
@@ -24703,28 +24782,25 @@ struct rolling_lanes<S, W, 3, Features> {
 
     coefficient_lanes<S, W, Features> arm;
     friction_cone_lanes<S, W> stop;
-    S x[W], y[W], total_x[W], total_y[W];
+    /// Of this substep, and of the whole step.
+    S impulse[2][W], total[2][W];
 
     void put(int lane, const contact<S, 3, Features>& c, S resistance, const rolling3<S>& with, S share) {
         arm.put(lane, resistance);
         stop.put(lane, with);
-        x[lane] = c.rolling_impulse.x * share;
-        y[lane] = c.rolling_impulse.y * share;
+        for (int i = 0; i < 2; ++i) impulse[i][lane] = c.rolling_impulse[i] * share;
     }
     void store_impulses(int lane, contact<S, 3, Features>& c) const {
-        c.rolling_impulse = {total_x[lane], total_y[lane]};
+        c.rolling_impulse = {total[0][lane], total[1][lane]};
     }
-    PHYSICS_HPP_ALWAYS_INLINE lanes2<P> next(const lanes2<P>& w, const P& load) {
-        const lanes2<P> before = {P::load(x), P::load(y)};
-        const P reach = arm.all(), zero = P::broadcast(S(0));
-        const lanes2<P> after = stop.next(before, w, reach * load);
-        const lanes2<P> now = {select_greater(reach, zero, after.x, before.x),
-                               select_greater(reach, zero, after.y, before.y)};
-        now.x.store(x);
-        now.y.store(y);
-        (P::load(total_x) + now.x).store(total_x);
-        (P::load(total_y) + now.y).store(total_y);
-        return {after.x - before.x, after.y - before.y};
+    PHYSICS_HPP_ALWAYS_INLINE lane_vec2<P> next(const lane_vec2<P>& w, const P& load) {
+        using vector = lane_vec2<P>;
+        const vector before = vector::load(impulse);
+        const P reach = arm.all();
+        const vector after = select_greater(reach, P::broadcast(S(0)), stop.next(before, w, reach * load), before);
+        after.store(impulse);
+        (vector::load(total) + after).store(total);
+        return after - before;
     }
 };
 
@@ -24809,6 +24885,13 @@ struct point_friction {};
 
 namespace detail {
 
+/// What a contact's points bear together.
+template <class P, class Point>
+PHYSICS_HPP_ALWAYS_INLINE P load_of(const Point* points, int count) {
+    P load = P::load(points[0].impulse);
+    for (int k = 1; k < count; ++k) load = load + P::load(points[k].impulse);
+    return load;
+}
 /// Keeps a share of an impulse, and tells what it loses by that.
 template <class S>
 S reduce_to(S& impulse, S share) {
@@ -24863,26 +24946,12 @@ struct soft_friction2 {
     }
 };
 
-/// Along both tangents and about the normal, at the middle: speeds, or impulses; of one contact, or in lanes.
-template <class P>
-struct slide_lanes {
-    P x, y, twist;
-};
-
-/// The loads of a contact's points together.
-template <class P>
-PHYSICS_HPP_ALWAYS_INLINE P sum_of(const P* loads, int count) {
-    P sum = loads[0];
-    for (int k = 1; k < count; ++k) sum = sum + loads[k];
-    return sum;
-}
-
 /// The impulses that stop a slip at these levers.
 template <class K, class S, int W>
-PHYSICS_HPP_ALWAYS_INLINE void prepare_cone(const contact_lanes3<K>& c, const lanes3<K>& r_a, const lanes3<K>& r_b,
-                                            friction_cone_lanes<S, W>& stop) {
-    const lanes3<K> t_a = lane_cross(r_a, c.t), t_b = lane_cross(r_b, c.t);
-    const lanes3<K> u_a = lane_cross(r_a, c.u), u_b = lane_cross(r_b, c.u);
+PHYSICS_HPP_ALWAYS_INLINE void prepare_cone(const contact_lanes3<K>& c, const lane_vec3<K>& r_a,
+                                            const lane_vec3<K>& r_b, friction_cone_lanes<S, W>& stop) {
+    const lane_vec3<K> t_a = cross(r_a, c.t), t_b = cross(r_b, c.t);
+    const lane_vec3<K> u_a = cross(r_a, c.u), u_b = cross(r_b, c.u);
     stop.prepare(c.mass + c.turned(t_a, t_b, t_a, t_b), c.turned(t_a, t_b, u_a, u_b),
                  c.mass + c.turned(u_a, u_b, u_a, u_b));
 }
@@ -24891,6 +24960,7 @@ PHYSICS_HPP_ALWAYS_INLINE void prepare_cone(const contact_lanes3<K>& c, const la
 template <class S, int W, class Features>
 struct soft_patch_friction3 {
     using P = kernel_pack<S, W>;
+    using vector = lane_vec3<P>;
 
     /// The largest friction for an impulse of 1, at the middle and, an angular impulse, about the normal (m).
     coefficient_lanes<S, W, Features> coefficient;
@@ -24898,16 +24968,15 @@ struct soft_patch_friction3 {
     /// The impulses that stop a slip.
     friction_cone_lanes<S, W> stop;
     S stop_twist[W];
-    /// Impulses of this substep, and of the whole step.
-    S x[W], y[W], twist[W];
-    S total_x[W], total_y[W], total_twist[W];
+    /// Impulses along both tangents and about the normal, of this substep and of the whole step.
+    S impulse[3][W], total[3][W];
 
     void put(int lane, const contact<S, 3, Features>& c, const prepare_input<S, 3, Features>& with) {
         coefficient.put(lane, with.surfaces.friction_of(c));
         const vec<S, 2> before = friction_of(c);
-        x[lane] = before.x * with.share;
-        y[lane] = before.y * with.share;
-        twist[lane] = c.twist_impulse * with.share;
+        impulse[0][lane] = before.x * with.share;
+        impulse[1][lane] = before.y * with.share;
+        impulse[2][lane] = c.twist_impulse * with.share;
     }
     /// Works out the rest in lanes.
     template <class K, class Point>
@@ -24921,37 +24990,36 @@ struct soft_patch_friction3 {
         put_lanes(lane_reciprocal(c.turned(c.n, c.n, c.n, c.n)), stop_twist);
     }
     /// The impulse of point k, which bears that part of the load; and the one about the normal.
-    vec<S, 2> of_point(int lane, int, S fraction) const { return {total_x[lane] * fraction, total_y[lane] * fraction}; }
-    S about_normal(int lane) const { return total_twist[lane]; }
+    vec<S, 2> of_point(int lane, int, S fraction) const {
+        return {total[0][lane] * fraction, total[1][lane] * fraction};
+    }
+    S about_normal(int lane) const { return total[2][lane]; }
     /// More than 0 where it holds anything.
     PHYSICS_HPP_ALWAYS_INLINE P max_impulse(int) const {
-        return max(lane_abs(P::load(x)), max(lane_abs(P::load(y)), lane_abs(P::load(twist))));
+        return max(lane_abs(P::load(impulse[0])), max(lane_abs(P::load(impulse[1])), lane_abs(P::load(impulse[2]))));
     }
     /// The impulses so far.
     template <class Point>
-    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> last(const Point*, int) const {
-        return {P::load(x), P::load(y), P::load(twist)};
+    PHYSICS_HPP_ALWAYS_INLINE vector last(const Point*, int) const {
+        return vector::load(impulse);
     }
     /// Keeps a share of the impulses of a lane, and tells what they lose.
     template <class Point>
-    slide_lanes<S> reduce_impulses(int lane, const Point*, int, S share) {
-        return {reduce_to(x[lane], share), reduce_to(y[lane], share), reduce_to(twist[lane], share)};
+    vec<S, 3> reduce_impulses(int lane, const Point*, int, S share) {
+        return {reduce_to(impulse[0][lane], share), reduce_to(impulse[1][lane], share),
+                reduce_to(impulse[2][lane], share)};
     }
-    /// Their change where the surfaces slip under loads: first it stops the slip at the middle, then the twist.
+    /// Their change where the surfaces slip under the points' loads: first it stops the slip at the middle, then the
+    /// twist.
     template <class Point>
-    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(const slide_lanes<P>& slip, const Point*, const P* loads, int count) {
-        const P load = sum_of(loads, count);
-        const lanes2<P> before = {P::load(x), P::load(y)};
-        const lanes2<P> after = stop.next(before, {slip.x, slip.y}, coefficient.all() * load);
-        after.x.store(x);
-        after.y.store(y);
-        const P twisted = P::load(twist), maximum = P::load(twist_arm) * load;
-        const P turned = max(min(twisted - P::load(stop_twist) * slip.twist, maximum), -maximum);
-        turned.store(twist);
-        (P::load(total_x) + after.x).store(total_x);
-        (P::load(total_y) + after.y).store(total_y);
-        (P::load(total_twist) + turned).store(total_twist);
-        return {after.x - before.x, after.y - before.y, turned - twisted};
+    PHYSICS_HPP_ALWAYS_INLINE vector next(const vector& slip, const Point* points, int count) {
+        const P load = load_of<P>(points, count), maximum = P::load(twist_arm) * load;
+        const vector before = vector::load(impulse);
+        const lane_vec2<P> slid = stop.next({before.x, before.y}, {slip.x, slip.y}, coefficient.all() * load);
+        const vector after = {slid.x, slid.y, max(min(before.z - P::load(stop_twist) * slip.z, maximum), -maximum)};
+        after.store(impulse);
+        (vector::load(total) + after).store(total);
+        return after - before;
     }
 };
 
@@ -24960,11 +25028,12 @@ template <class S, int W, class Features>
 struct soft_point_friction3 {
     using P = kernel_pack<S, W>;
     using Q = kernel_pack<inverse_of<S>, W>;
+    using vector = lane_vec3<P>;
 
     struct point {
         friction_cone_lanes<S, W> stop;
         /// Impulses of this substep, and of the whole step.
-        S x[W], y[W], total_x[W], total_y[W];
+        S impulse[2][W], total[2][W];
     };
 
     coefficient_lanes<S, W, Features> coefficient;
@@ -24977,82 +25046,73 @@ struct soft_point_friction3 {
         for (int k = 0; k < c.count; ++k) {
             const auto& from = c.points[k];
             const bool bears = c.persisted(k) && from.substep_impulse > S(0);
-            each[k].x[lane] = bears ? from.friction_impulse.x * with.share : S(0);
-            each[k].y[lane] = bears ? from.friction_impulse.y * with.share : S(0);
+            for (int i = 0; i < 2; ++i) each[k].impulse[i][lane] = bears ? from.friction_impulse[i] * with.share : S(0);
         }
     }
     template <class K, class Point>
     PHYSICS_HPP_ALWAYS_INLINE void prepare(const contact_lanes3<K>& c, const Point* points, int maximum, const K&) {
-        const lanes3<K> t_a = lane_cross(c.r_a, c.t), t_b = lane_cross(c.r_b, c.t);
-        const lanes3<K> u_a = lane_cross(c.r_a, c.u), u_b = lane_cross(c.r_b, c.u);
-        put_lanes(c.mass + c.turned(t_a, t_b, t_a, t_b), k_matrix[0]);
-        put_lanes(c.turned(t_a, t_b, u_a, u_b), k_matrix[1]);
-        put_lanes(c.turned(t_a, t_b, c.n, c.n), k_matrix[2]);
-        put_lanes(c.mass + c.turned(u_a, u_b, u_a, u_b), k_matrix[3]);
-        put_lanes(c.turned(u_a, u_b, c.n, c.n), k_matrix[4]);
-        put_lanes(c.turned(c.n, c.n, c.n, c.n), k_matrix[5]);
+        const lane_vec3<K> t_a = cross(c.r_a, c.t), t_b = cross(c.r_b, c.t);
+        const lane_vec3<K> u_a = cross(c.r_a, c.u), u_b = cross(c.r_b, c.u);
+        lane_symmetric<K, 3>{c.mass + c.turned(t_a, t_b, t_a, t_b), c.mass + c.turned(u_a, u_b, u_a, u_b),
+                             c.turned(c.n, c.n, c.n, c.n),          c.turned(t_a, t_b, u_a, u_b),
+                             c.turned(t_a, t_b, c.n, c.n),          c.turned(u_a, u_b, c.n, c.n)}
+            .store(k_matrix);
         for (int k = 0; k < maximum; ++k) {
-            const lanes3<K> offset = lane_combine(c.t, lanes_from<K>(points[k].x), c.u, lanes_from<K>(points[k].y));
-            prepare_cone(c, lane_add(c.r_a, offset), lane_add(c.r_b, offset), each[k].stop);
+            const lane_vec3<K> offset = combine(c.t, lanes_from<K>(points[k].x), c.u, lanes_from<K>(points[k].y));
+            prepare_cone(c, c.r_a + offset, c.r_b + offset, each[k].stop);
         }
     }
-    vec<S, 2> of_point(int lane, int k, S) const { return {each[k].total_x[lane], each[k].total_y[lane]}; }
+    vec<S, 2> of_point(int lane, int k, S) const { return {each[k].total[0][lane], each[k].total[1][lane]}; }
     S about_normal(int) const { return S(0); }
     PHYSICS_HPP_ALWAYS_INLINE P max_impulse(int count) const {
         P maximum = P::broadcast(S(0));
         for (int k = 0; k < count; ++k)
-            maximum = max(maximum, max(lane_abs(P::load(each[k].x)), lane_abs(P::load(each[k].y))));
+            maximum = max(maximum, max(lane_abs(P::load(each[k].impulse[0])), lane_abs(P::load(each[k].impulse[1]))));
         return maximum;
     }
     template <class Point>
-    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> last(const Point* points, int count) const {
-        const P zero = P::broadcast(S(0));
-        slide_lanes<P> sum{zero, zero, zero};
-        for (int k = 0; k < count; ++k) add(sum, points[k], P::load(each[k].x), P::load(each[k].y));
+    PHYSICS_HPP_ALWAYS_INLINE vector last(const Point* points, int count) const {
+        vector sum = none();
+        for (int k = 0; k < count; ++k) sum = sum + at_middle(points[k], lane_vec2<P>::load(each[k].impulse));
         return sum;
     }
     template <class Point>
-    slide_lanes<S> reduce_impulses(int lane, const Point* points, int count, S share) {
-        slide_lanes<S> sum{};
+    vec<S, 3> reduce_impulses(int lane, const Point* points, int count, S share) {
+        vec<S, 3> sum;
         for (int k = 0; k < count; ++k) {
-            const S along = reduce_to(each[k].x[lane], share), across = reduce_to(each[k].y[lane], share);
-            sum.x += along;
-            sum.y += across;
-            sum.twist += difference_of_products(points[k].x[lane], across, points[k].y[lane], along);
+            const S along = reduce_to(each[k].impulse[0][lane], share);
+            const S across = reduce_to(each[k].impulse[1][lane], share);
+            sum +=
+                vec<S, 3>{along, across, difference_of_products(points[k].x[lane], across, points[k].y[lane], along)};
         }
         return sum;
     }
     template <class Point>
-    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(const slide_lanes<P>& start, const Point* points, const P* loads,
-                                                  int count) {
-        const P zero = P::broadcast(S(0)), mu = coefficient.all();
-        slide_lanes<P> slip = start;
-        slide_lanes<P> sum{zero, zero, zero};
+    PHYSICS_HPP_ALWAYS_INLINE vector next(const vector& start, const Point* points, int count) {
+        const P mu = coefficient.all();
+        vector slip = start, sum = none();
         for (int k = 0; k < count; ++k) {
-            const P px = P::load(points[k].x), py = P::load(points[k].y);
-            const lanes2<P> before = {P::load(each[k].x), P::load(each[k].y)};
-            const lanes2<P> v = {slip.x - py * slip.twist, slip.y + px * slip.twist};
-            const lanes2<P> after = each[k].stop.next(before, v, mu * loads[k]);
-            after.x.store(each[k].x);
-            after.y.store(each[k].y);
-            (P::load(each[k].total_x) + after.x).store(each[k].total_x);
-            (P::load(each[k].total_y) + after.y).store(each[k].total_y);
-            slide_lanes<P> by{zero, zero, zero};
-            add(by, points[k], after.x - before.x, after.y - before.y);
-            sum = {sum.x + by.x, sum.y + by.y, sum.twist + by.twist};
-            slip = {slip.x + times_k(0, 1, 2, by), slip.y + times_k(1, 3, 4, by), slip.twist + times_k(2, 4, 5, by)};
+            const lane_vec2<P> before = lane_vec2<P>::load(each[k].impulse);
+            const lane_vec2<P> v = {slip.x - P::load(points[k].y) * slip.z, slip.y + P::load(points[k].x) * slip.z};
+            const lane_vec2<P> after = each[k].stop.next(before, v, mu * P::load(points[k].impulse));
+            after.store(each[k].impulse);
+            (lane_vec2<P>::load(each[k].total) + after).store(each[k].total);
+            const vector by = none() + at_middle(points[k], after - before);
+            sum = sum + by;
+            slip = slip + lane_symmetric<Q, 3>::load(k_matrix) * by;
         }
         return sum;
     }
 
 private:
-    template <class Point>
-    PHYSICS_HPP_ALWAYS_INLINE static void add(slide_lanes<P>& sum, const Point& p, const P& x, const P& y) {
-        sum = {sum.x + x, sum.y + y, sum.twist + lane_difference(P::load(p.x), y, P::load(p.y), x)};
+    PHYSICS_HPP_ALWAYS_INLINE static vector none() {
+        const P zero = P::broadcast(S(0));
+        return {zero, zero, zero};
     }
-    PHYSICS_HPP_ALWAYS_INLINE P times_k(int i, int j, int k, const slide_lanes<P>& by) const {
-        return narrow<S>(product(Q::load(k_matrix[i]), by.x) + product(Q::load(k_matrix[j]), by.y) +
-                         product(Q::load(k_matrix[k]), by.twist));
+    /// What an impulse at a point comes to at the middle.
+    template <class Point>
+    PHYSICS_HPP_ALWAYS_INLINE static vector at_middle(const Point& p, const lane_vec2<P>& impulse) {
+        return {impulse.x, impulse.y, cross(lane_vec2<P>{P::load(p.x), P::load(p.y)}, impulse)};
     }
 };
 
@@ -25166,13 +25226,6 @@ struct no_bounces_of_block {};
 template <class S, int Points, int W, class Features>
 using soft_bounces_of = std::conditional_t<Features::restitution, bounces_of_block<S, Points, W>, no_bounces_of_block>;
 
-/// What a contact's points bear together.
-template <class P, class Point>
-PHYSICS_HPP_ALWAYS_INLINE P load_of(const Point* points, int count) {
-    P load = P::load(points[0].impulse);
-    for (int k = 1; k < count; ++k) load = load + P::load(points[k].impulse);
-    return load;
-}
 /// Whether nothing has to be given to any lane of a block when a substep begins, nor be taken back.
 template <class P, class Block>
 PHYSICS_HPP_ALWAYS_INLINE bool carries_no_impulse(const Block& block) {
@@ -25393,7 +25446,7 @@ struct soft_contact2 {
         load_of<P>(points, point_count).store(start_load);
         if (carries_no_impulse<P>(*this)) return;
         const frame_lanes f(*this);
-        body_lanes2<P> at_a, at_b;
+        body_lanes<P, 2> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const P zero = P::broadcast(S(0));
@@ -25410,7 +25463,7 @@ struct soft_contact2 {
     /// One round over the contacts: the points at once, or across and back, then friction by their load.
     PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const contact_pass<S, 2>& pass) {
         const frame_lanes f(*this);
-        body_lanes2<P> at_a, at_b;
+        body_lanes<P, 2> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const relative_motion speed(f, at_a.velocity, at_b.velocity),
@@ -25454,7 +25507,7 @@ struct soft_contact2 {
         bounces_now = false;
         if (!bounce_to.at->template any_free<P>(points, point_count)) return;
         const frame_lanes f(*this);
-        body_lanes2<P> at_a, at_b;
+        body_lanes<P, 2> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const relative_motion speed(f, at_a.velocity, at_b.velocity),
@@ -25505,7 +25558,7 @@ struct soft_contact2 {
     }
     /// Stops the bodies' rolling against each other, or slows it.
     PHYSICS_HPP_ALWAYS_INLINE void roll(body* bodies) requires Features::rolling_resistance {
-        body_lanes2<P> at_a, at_b;
+        body_lanes<P, 2> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         P& w_a = at_a.velocity.angular;
@@ -25537,16 +25590,16 @@ private:
     struct relative_motion {
         P along, turn;
 
-        PHYSICS_HPP_ALWAYS_INLINE relative_motion(const frame_lanes& f, const twist_lanes2<P>& a,
-                                                  const twist_lanes2<P>& b)
+        PHYSICS_HPP_ALWAYS_INLINE relative_motion(const frame_lanes& f, const lane_twist<P, 2>& a,
+                                                  const lane_twist<P, 2>& b)
             : along(lane_sum(f.x, b.linear.x - a.linear.x, f.y, b.linear.y - a.linear.y) +
                     lane_difference(f.turn_b, b.angular, f.turn_a, a.angular)),
               turn(b.angular - a.angular) {}
         PHYSICS_HPP_ALWAYS_INLINE relative_motion(const P& along_, const P& turn_) : along(along_), turn(turn_) {}
         PHYSICS_HPP_ALWAYS_INLINE P at(const point& p) const { return along + P::load(p.moment_arm) * turn; }
     };
-    PHYSICS_HPP_ALWAYS_INLINE relative_motion displacement_of(const frame_lanes& f, const body_lanes2<P>& at_a,
-                                                              const body_lanes2<P>& at_b,
+    PHYSICS_HPP_ALWAYS_INLINE relative_motion displacement_of(const frame_lanes& f, const body_lanes<P, 2>& at_a,
+                                                              const body_lanes<P, 2>& at_b,
                                                               const contact_pass<S, 2>& pass) {
         if (pass.use_bias) return {P::load(last_displacements[0]), P::load(last_displacements[1])};
         const relative_motion displacement(f, at_a.displacement, at_b.displacement);
@@ -25607,7 +25660,7 @@ private:
     }
     /// Stops the slip at the middle, or lets it slide.
     PHYSICS_HPP_ALWAYS_INLINE void solve_friction(const frame_lanes& f, const contact_pass<S, 2>& pass,
-                                                  body_lanes2<P>& at_a, body_lanes2<P>& at_b) {
+                                                  body_lanes<P, 2>& at_a, body_lanes<P, 2>& at_b) {
         const auto& [v_a, w_a] = at_a.velocity;
         const auto& [v_b, w_b] = at_b.velocity;
         P slip =
@@ -25619,13 +25672,13 @@ private:
     }
     /// Impulses along the normal and the tangent at the middle, and an angular one, from A on B.
     PHYSICS_HPP_ALWAYS_INLINE void apply(const frame_lanes& f, const P& along, const P& across, const P& moment,
-                                         body_lanes2<P>& at_a, body_lanes2<P>& at_b) const {
+                                         body_lanes<P, 2>& at_a, body_lanes<P, 2>& at_b) const {
         const P x = lane_sum(f.x, along, f.y, across), y = lane_difference(f.y, along, f.x, across);
         const Q m_a = Q::load(mass_a), m_b = Q::load(mass_b);
         auto& [v_a, w_a] = at_a.velocity;
         auto& [v_b, w_b] = at_b.velocity;
-        v_a = {v_a.x - mul<S>(m_a, x), v_a.y - mul<S>(m_a, y)};
-        v_b = {v_b.x + mul<S>(m_b, x), v_b.y + mul<S>(m_b, y)};
+        v_a = v_a - lane_vec2<P>{x, y} * m_a;
+        v_b = v_b + lane_vec2<P>{x, y} * m_b;
         w_a = w_a - mul<S>(Q::load(inertia_a), lane_sum(f.turn_a, along, f.slide_a, across) + moment);
         w_b = w_b + mul<S>(Q::load(inertia_b), lane_sum(f.turn_b, along, f.slide_b, across) + moment);
     }
@@ -25647,20 +25700,19 @@ namespace detail {
 /// The normal, both tangents, and from the bodies' centres to the middle.
 template <class P>
 struct contact_frame3 {
-    lanes3<P> n, t, u, r_a, r_b;
+    lane_vec3<P> n, t, u, r_a, r_b;
 
     template <class Block>
     PHYSICS_HPP_ALWAYS_INLINE explicit contact_frame3(const Block& c)
-        : n(lanes3<P>::load(c.normal)),
-          t(lanes3<P>::load(c.tangent)),
+        : n(lane_vec3<P>::load(c.normal)),
+          t(lane_vec3<P>::load(c.tangent)),
           u(c.across.of(n, t)),
-          r_a(lanes3<P>::load(c.r_a)),
-          r_b(lanes3<P>::load(c.r_b)) {}
+          r_a(lane_vec3<P>::load(c.r_a)),
+          r_b(lane_vec3<P>::load(c.r_b)) {}
 
     /// How B moves against A at the middle.
-    PHYSICS_HPP_ALWAYS_INLINE lanes3<P> at_middle(const twist_lanes3<P>& a, const twist_lanes3<P>& b) const {
-        return lane_subtract(lane_add(b.linear, lane_cross(b.angular, r_b)),
-                             lane_add(a.linear, lane_cross(a.angular, r_a)));
+    PHYSICS_HPP_ALWAYS_INLINE lane_vec3<P> at_middle(const lane_twist<P, 3>& a, const lane_twist<P, 3>& b) const {
+        return (b.linear + cross(b.angular, r_b)) - (a.linear + cross(a.angular, r_a));
     }
 };
 
@@ -25669,14 +25721,14 @@ template <class P>
 struct contact_motion3 {
     P along, about_t, about_u;
 
-    PHYSICS_HPP_ALWAYS_INLINE contact_motion3(const contact_frame3<P>& f, const twist_lanes3<P>& a,
-                                              const twist_lanes3<P>& b)
-        : along(lane_dot(f.n, f.at_middle(a, b))) {
-        const lanes3<P> turn = lane_subtract(b.angular, a.angular);
-        about_t = lane_dot(f.t, turn);
-        about_u = lane_dot(f.u, turn);
+    PHYSICS_HPP_ALWAYS_INLINE contact_motion3(const contact_frame3<P>& f, const lane_twist<P, 3>& a,
+                                              const lane_twist<P, 3>& b)
+        : along(dot(f.n, f.at_middle(a, b))) {
+        const lane_vec3<P> turn = b.angular - a.angular;
+        about_t = dot(f.t, turn);
+        about_u = dot(f.u, turn);
     }
-    PHYSICS_HPP_ALWAYS_INLINE explicit contact_motion3(const lanes3<P>& of)
+    PHYSICS_HPP_ALWAYS_INLINE explicit contact_motion3(const lane_vec3<P>& of)
         : along(of.x), about_t(of.y), about_u(of.z) {}
     template <class Point>
     PHYSICS_HPP_ALWAYS_INLINE P at(const Point& p) const {
@@ -25784,30 +25836,28 @@ struct soft_contact3 {
         load_inverse_masses(bodies, a, mass_a, inertia_a);
         load_inverse_masses(bodies, b, mass_b, inertia_b);
         using K = preparing<S, W>;
-        const lanes3<K> n = lanes3_from<K>(normal), t = lane_tangent(n);
+        const lane_vec3<K> n = lane_vec3<K>::load(normal), t = lane_tangent(n);
         const contact_lanes3<K> c = {n,
                                      t,
-                                     lane_cross(n, t),
-                                     lanes3_from<K>(r_a),
-                                     lanes3_from<K>(r_b),
+                                     cross(n, t),
+                                     lane_vec3<K>::load(r_a),
+                                     lane_vec3<K>::load(r_b),
                                      lanes_from<K>(mass_a) + lanes_from<K>(mass_b),
-                                     symmetric_lanes<K>::load(inertia_a),
-                                     symmetric_lanes<K>::load(inertia_b)};
-        put_lanes(t.x, tangent[0]);
-        put_lanes(t.y, tangent[1]);
-        put_lanes(t.z, tangent[2]);
+                                     lane_symmetric<K, 3>::load(inertia_a),
+                                     lane_symmetric<K, 3>::load(inertia_b)};
+        t.store(tangent);
         across.prepare(normal, tangent);
         // How the three speeds answer to an impulse at the middle and to angular ones about the tangents.
-        const lanes3<K> turn_a = lane_cross(c.r_a, n), turn_b = lane_cross(c.r_b, n);
-        const lanes3<K> by_a = lane_times(c.inertia_a, turn_a), by_b = lane_times(c.inertia_b, turn_b);
-        const symmetric_lanes<K> inertia = lane_add(c.inertia_a, c.inertia_b);
-        const lanes3<K> by_n = lane_add(by_a, by_b), by_t = lane_times(inertia, t), by_u = lane_times(inertia, c.u);
-        const symmetric_lanes<K> speeds = {c.mass + lane_dot(turn_a, by_a) + lane_dot(turn_b, by_b),
-                                           lane_dot(t, by_t),
-                                           lane_dot(c.u, by_u),
-                                           lane_dot(t, by_n),
-                                           lane_dot(c.u, by_n),
-                                           lane_dot(c.u, by_t)};
+        const lane_vec3<K> turn_a = cross(c.r_a, n), turn_b = cross(c.r_b, n);
+        const lane_vec3<K> by_a = c.inertia_a * turn_a, by_b = c.inertia_b * turn_b;
+        const lane_symmetric<K, 3> inertia = c.inertia_a + c.inertia_b;
+        const lane_vec3<K> by_n = by_a + by_b, by_t = inertia * t, by_u = inertia * c.u;
+        const lane_symmetric<K, 3> speeds = {c.mass + dot(turn_a, by_a) + dot(turn_b, by_b),
+                                             dot(t, by_t),
+                                             dot(c.u, by_u),
+                                             dot(t, by_n),
+                                             dot(c.u, by_n),
+                                             dot(c.u, by_t)};
 
         speeds.store(k_matrix);
 
@@ -25815,9 +25865,9 @@ struct soft_contact3 {
         const K zero = K::broadcast(C(0));
         K jacobians[capacity][3], of_points[capacity][3], own[capacity], there[capacity];
         for (int k = 0; k < point_count; ++k) {
-            const lanes3<K> offset = lanes3_from<K>(gathered.offset[k]);
-            const K x = lane_dot(offset, t), y = lane_dot(offset, c.u);
-            const lanes3<K> of = lane_times(speeds, lanes3<K>{K::broadcast(C(1)), y, -x});
+            const lane_vec3<K> offset = lane_vec3<K>::load(gathered.offset[k]);
+            const K x = dot(offset, t), y = dot(offset, c.u);
+            const lane_vec3<K> of = speeds * lane_vec3<K>{K::broadcast(C(1)), y, -x};
             jacobians[k][0] = K::broadcast(C(1));
             jacobians[k][1] = y;
             jacobians[k][2] = -x;
@@ -25859,7 +25909,7 @@ struct soft_contact3 {
         load_of<P>(points, point_count).store(start_load);
         if (carries_no_impulse<P>(*this)) return;
         frame_lanes f(*this);
-        body_lanes3<P> at_a, at_b;
+        body_lanes<P, 3> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const P zero = P::broadcast(S(0));
@@ -25867,16 +25917,15 @@ struct soft_contact3 {
         for (int k = 0; k < point_count; ++k) sum.add(points[k], P::load(points[k].impulse));
         if constexpr (Features::rolling_resistance) {
             if (extras.at != nullptr) {
-                sum.about_t = sum.about_t + P::load(extras.rolling().x);
-                sum.about_u = sum.about_u + P::load(extras.rolling().y);
+                sum.about_t = sum.about_t + P::load(extras.rolling().impulse[0]);
+                sum.about_u = sum.about_u + P::load(extras.rolling().impulse[1]);
             }
         }
-        lanes3<P> impulse = {f.n.x * sum.load, f.n.y * sum.load, f.n.z * sum.load};
-        lanes3<P> moment = lane_combine(f.t, sum.about_t, f.u, sum.about_u);
+        lane_vec3<P> impulse = f.n * sum.load, moment = combine(f.t, sum.about_t, f.u, sum.about_u);
         if constexpr (Features::friction) {
-            const slide_lanes<P> last = friction.last(points, point_count);
-            impulse = lane_add(impulse, lane_combine(f.t, last.x, f.u, last.y));
-            moment = lane_add(moment, {f.n.x * last.twist, f.n.y * last.twist, f.n.z * last.twist});
+            const lane_vec3<P> last = friction.last(points, point_count);
+            impulse = impulse + combine(f.t, last.x, f.u, last.y);
+            moment = moment + f.n * last.z;
         }
         apply(f, impulse, moment, at_a, at_b);
         if (moves_a) at_a.store(bodies, a);
@@ -25887,7 +25936,7 @@ struct soft_contact3 {
     /// are pushed apart friction rests: else boxes that stand on four others sway, and piles of them slide apart.
     PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const contact_pass<S, 3>& pass) {
         frame_lanes f(*this);
-        body_lanes3<P> at_a, at_b;
+        body_lanes<P, 3> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const relative_motion speed(f, at_a.velocity, at_b.velocity),
@@ -25930,10 +25979,11 @@ struct soft_contact3 {
         bounces_now = false;
         if (!bounce_to.at->template any_free<P>(points, point_count)) return;
         const frame_lanes f(*this);
-        body_lanes3<P> at_a, at_b;
+        body_lanes<P, 3> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
-        const relative_motion speed(f, at_a.velocity, at_b.velocity), displacement(lanes3<P>::load(last_displacements));
+        const relative_motion speed(f, at_a.velocity, at_b.velocity),
+            displacement(lane_vec3<P>::load(last_displacements));
         bounces_now = bounce_to.at->template note<P>(
             points, point_count, pass, [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return displacement.at(points[k]); },
             [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); });
@@ -25973,7 +26023,7 @@ struct soft_contact3 {
                 sum += impulses_of(k, points[k].impulse[lane]);
                 points[k].impulse[lane] = S(0);
             }
-            slide_lanes<S> lost_friction{};
+            vec<S, 3> lost_friction;
             if constexpr (Features::friction)
                 lost_friction = friction.reduce_impulses(lane, points, point_count, S(1) - share);
             remove_from_next_start(lane, bodies, pass, sum, lost_friction);
@@ -25988,20 +26038,18 @@ struct soft_contact3 {
     /// Stops the bodies' rolling against each other, or slows it.
     PHYSICS_HPP_ALWAYS_INLINE void roll(body* bodies) requires Features::rolling_resistance {
         const frame_lanes f(*this);
-        body_lanes3<P> at_a, at_b;
+        body_lanes<P, 3> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
-        const lanes3<P> turning = lane_subtract(at_b.velocity.angular, at_a.velocity.angular);
-        const lanes2<P> rolling = {lane_dot(f.t, turning), lane_dot(f.u, turning)};
-        const lanes2<P> by = extras.at->next(rolling, load_of<P>(points, point_count));
-        const lanes3<P> moment = lane_combine(f.t, by.x, f.u, by.y);
+        const lane_vec3<P> turning = at_b.velocity.angular - at_a.velocity.angular;
+        const lane_vec2<P> rolling = {dot(f.t, turning), dot(f.u, turning)};
+        const lane_vec2<P> by = extras.at->next(rolling, load_of<P>(points, point_count));
+        const lane_vec3<P> moment = combine(f.t, by.x, f.u, by.y);
         const P arm = extras.at->arm.all(), zero = P::broadcast(S(0));
-        const auto where_it_acts = [&](lanes3<P>& w, const lanes3<P>& now) PHYSICS_HPP_INLINE_LAMBDA {
-            w = {select_greater(arm, zero, now.x, w.x), select_greater(arm, zero, now.y, w.y),
-                 select_greater(arm, zero, now.z, w.z)};
-        };
-        where_it_acts(at_a.velocity.angular, lane_subtract(at_a.velocity.angular, times(inertia_a, moment)));
-        where_it_acts(at_b.velocity.angular, lane_add(at_b.velocity.angular, times(inertia_b, moment)));
+        lane_vec3<P>& w_a = at_a.velocity.angular;
+        lane_vec3<P>& w_b = at_b.velocity.angular;
+        w_a = select_greater(arm, zero, w_a - matrix::load(inertia_a) * moment, w_a);
+        w_b = select_greater(arm, zero, w_b + matrix::load(inertia_b) * moment, w_b);
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
@@ -26010,11 +26058,12 @@ private:
     using frame_lanes = contact_frame3<P>;
     using relative_motion = contact_motion3<P>;
     using impulse_sum = contact_impulse3<P>;
+    using matrix = lane_symmetric<Q, 3>;
 
-    PHYSICS_HPP_ALWAYS_INLINE relative_motion displacement_of(const frame_lanes& f, const body_lanes3<P>& at_a,
-                                                              const body_lanes3<P>& at_b,
+    PHYSICS_HPP_ALWAYS_INLINE relative_motion displacement_of(const frame_lanes& f, const body_lanes<P, 3>& at_a,
+                                                              const body_lanes<P, 3>& at_b,
                                                               const contact_pass<S, 3>& pass) {
-        if (pass.use_bias) return relative_motion(lanes3<P>::load(last_displacements));
+        if (pass.use_bias) return relative_motion(lane_vec3<P>::load(last_displacements));
         const relative_motion displacement(f, at_a.displacement, at_b.displacement);
         displacement.along.store(last_displacements[0]);
         displacement.about_t.store(last_displacements[1]);
@@ -26029,7 +26078,8 @@ private:
             const point& p = points[k];
             const P change = next(k, speed.at(p));
             sum.add(p, change);
-            const lanes3<P> by = times(k_matrix, {change, P::load(p.y) * change, -(P::load(p.x) * change)});
+            const lane_vec3<P> by =
+                matrix::load(k_matrix) * lane_vec3<P>{change, P::load(p.y) * change, -(P::load(p.x) * change)};
             speed.along = speed.along + by.x;
             speed.about_t = speed.about_t + by.y;
             speed.about_u = speed.about_u + by.z;
@@ -26047,7 +26097,7 @@ private:
                 const S removed = reduce_to(points[k].impulse[lane], share);
                 sum += vec<S, 3>{removed, points[k].y[lane] * removed, -(points[k].x[lane] * removed)};
             }
-            slide_lanes<S> lost_friction{};
+            vec<S, 3> lost_friction;
             if constexpr (Features::friction)
                 lost_friction = friction.reduce_impulses(lane, points, point_count, share);
             remove_from_next_start(lane, bodies, pass, sum, lost_friction);
@@ -26056,11 +26106,11 @@ private:
     /// Takes impulses of a lane, along the normal at the middle and about the tangents, and friction, from what the
     /// next substep begins with.
     void remove_from_next_start(int lane, const body* bodies, const contact_pass<S, 3>& pass, const vec<S, 3>& sum,
-                                const slide_lanes<S>& lost_friction) {
+                                const vec<S, 3>& lost_friction) {
         const auto at = [&](const auto& rows) { return vec<S, 3>{rows[0][lane], rows[1][lane], rows[2][lane]}; };
         const vec<S, 3> n = at(normal), t = at(tangent), u = cross(n, t);
         const vec<S, 3> impulse = n * sum.x + t * lost_friction.x + u * lost_friction.y;
-        const vec<S, 3> moment = t * sum.y + u * sum.z + n * lost_friction.twist;
+        const vec<S, 3> moment = t * sum.y + u * sum.z + n * lost_friction.z;
         if (moves_a)
             remove_from_start(pass.start_velocity[a[lane]], bodies[a[lane]], -impulse,
                               -(cross(at(r_a), impulse) + moment));
@@ -26068,45 +26118,34 @@ private:
             remove_from_start(pass.start_velocity[b[lane]], bodies[b[lane]], impulse, cross(at(r_b), impulse) + moment);
     }
     /// Stops the slip, or lets it slide on the cone.
-    PHYSICS_HPP_ALWAYS_INLINE void solve_friction(const frame_lanes& f, body_lanes3<P>& at_a, body_lanes3<P>& at_b) {
-        P loads[capacity];
-        for (int k = 0; k < point_count; ++k) loads[k] = P::load(points[k].impulse);
-        const lanes3<P> slipping = f.at_middle(at_a.velocity, at_b.velocity);
-        slide_lanes<P> slip = {lane_dot(f.t, slipping), lane_dot(f.u, slipping),
-                               lane_dot(f.n, lane_subtract(at_b.velocity.angular, at_a.velocity.angular))};
+    PHYSICS_HPP_ALWAYS_INLINE void solve_friction(const frame_lanes& f, body_lanes<P, 3>& at_a,
+                                                  body_lanes<P, 3>& at_b) {
+        const lane_vec3<P> slipping = f.at_middle(at_a.velocity, at_b.velocity);
+        lane_vec3<P> slip = {dot(f.t, slipping), dot(f.u, slipping),
+                             dot(f.n, at_b.velocity.angular - at_a.velocity.angular)};
         if constexpr (Features::surface_velocity) {
             if (extras.at != nullptr) {
                 slip.x = slip.x - P::load(extras.belt().x);
                 slip.y = slip.y - P::load(extras.belt().y);
             }
         }
-        const slide_lanes<P> by = friction.next(slip, points, loads, point_count);
-        apply(f, lane_combine(f.t, by.x, f.u, by.y), {f.n.x * by.twist, f.n.y * by.twist, f.n.z * by.twist}, at_a,
-              at_b);
+        const lane_vec3<P> by = friction.next(slip, points, point_count);
+        apply(f, combine(f.t, by.x, f.u, by.y), f.n * by.z, at_a, at_b);
     }
-    PHYSICS_HPP_ALWAYS_INLINE void apply(const frame_lanes& f, const impulse_sum& sum, body_lanes3<P>& at_a,
-                                         body_lanes3<P>& at_b) const {
-        apply(f, {f.n.x * sum.load, f.n.y * sum.load, f.n.z * sum.load},
-              lane_combine(f.t, sum.about_t, f.u, sum.about_u), at_a, at_b);
+    PHYSICS_HPP_ALWAYS_INLINE void apply(const frame_lanes& f, const impulse_sum& sum, body_lanes<P, 3>& at_a,
+                                         body_lanes<P, 3>& at_b) const {
+        apply(f, f.n * sum.load, combine(f.t, sum.about_t, f.u, sum.about_u), at_a, at_b);
     }
     /// An impulse at the middle and an angular impulse, from A on B.
-    PHYSICS_HPP_ALWAYS_INLINE void apply(const frame_lanes& f, const lanes3<P>& impulse, const lanes3<P>& moment,
-                                         body_lanes3<P>& at_a, body_lanes3<P>& at_b) const {
+    PHYSICS_HPP_ALWAYS_INLINE void apply(const frame_lanes& f, const lane_vec3<P>& impulse, const lane_vec3<P>& moment,
+                                         body_lanes<P, 3>& at_a, body_lanes<P, 3>& at_b) const {
         const Q m_a = Q::load(mass_a), m_b = Q::load(mass_b);
         auto& [v_a, w_a] = at_a.velocity;
         auto& [v_b, w_b] = at_b.velocity;
-        v_a = {v_a.x - mul<S>(m_a, impulse.x), v_a.y - mul<S>(m_a, impulse.y), v_a.z - mul<S>(m_a, impulse.z)};
-        v_b = {v_b.x + mul<S>(m_b, impulse.x), v_b.y + mul<S>(m_b, impulse.y), v_b.z + mul<S>(m_b, impulse.z)};
-        w_a = lane_subtract(w_a, times(inertia_a, lane_add(lane_cross(f.r_a, impulse), moment)));
-        w_b = lane_add(w_b, times(inertia_b, lane_add(lane_cross(f.r_b, impulse), moment)));
-    }
-    PHYSICS_HPP_ALWAYS_INLINE static lanes3<P> times(const I (&matrix)[6][W], const lanes3<P>& v) {
-        const Q xx = Q::load(matrix[0]), yy = Q::load(matrix[1]), zz = Q::load(matrix[2]);
-        const Q xy = Q::load(matrix[3]), xz = Q::load(matrix[4]), yz = Q::load(matrix[5]);
-        const auto row = [&](const Q& x, const Q& y, const Q& z) PHYSICS_HPP_INLINE_LAMBDA {
-            return narrow<S>(product(x, v.x) + product(y, v.y) + product(z, v.z));
-        };
-        return {row(xx, xy, xz), row(xy, yy, yz), row(xz, yz, zz)};
+        v_a = v_a - impulse * m_a;
+        v_b = v_b + impulse * m_b;
+        w_a = w_a - matrix::load(inertia_a) * (cross(f.r_a, impulse) + moment);
+        w_b = w_b + matrix::load(inertia_b) * (cross(f.r_b, impulse) + moment);
     }
 };
 
@@ -26123,27 +26162,7 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// Vectors in lanes.
-template <class P, int D>
-struct vector_lanes {
-    P at[D];
-
-    PHYSICS_HPP_ALWAYS_INLINE static vector_lanes load(const typename P::scalar (&from)[D][P::width]) {
-        vector_lanes v;
-        for (int i = 0; i < D; ++i) v.at[i] = P::load(from[i]);
-        return v;
-    }
-};
-template <class P>
-PHYSICS_HPP_ALWAYS_INLINE P lane_dot(const vector_lanes<P, 2>& a, const vector_lanes<P, 2>& b) {
-    return lane_sum(a.at[0], b.at[0], a.at[1], b.at[1]);
-}
-template <class P>
-PHYSICS_HPP_ALWAYS_INLINE P lane_dot(const vector_lanes<P, 3>& a, const vector_lanes<P, 3>& b) {
-    return lane_dot(lanes3<P>{a.at[0], a.at[1], a.at[2]}, lanes3<P>{b.at[0], b.at[1], b.at[2]});
-}
-
-/// Velocities and ways of W bodies.
+/// Velocities and displacements of W bodies.
 template <class P, int D>
 struct linear_lanes {
     using S = typename P::scalar;
@@ -26151,25 +26170,25 @@ struct linear_lanes {
     static constexpr int stride = sizeof(body) / sizeof(S);
     static_assert(sizeof(linear_twist<S, D>) == D * sizeof(S));
 
-    vector_lanes<P, D> velocity, displacement;
+    lane_vec<P, D> velocity, displacement;
 
     PHYSICS_HPP_ALWAYS_INLINE void load(const body* bodies, const std::uint32_t* index) {
         const auto* first = reinterpret_cast<const S*>(bodies);
         const quad<P> p = load4<P>(indexed_rows<const S, stride>{first, index});
         if constexpr (D == 2) {
-            velocity = {{p.x, p.y}};
-            displacement = {{p.z, p.w}};
+            velocity = {p.x, p.y};
+            displacement = {p.z, p.w};
         } else {
             const quad<P> q = load4<P>(indexed_rows<const S, stride>{first + 4, index});
-            velocity = {{p.x, p.y, p.z}};
-            displacement = {{p.w, q.x, q.y}};
+            velocity = {p.x, p.y, p.z};
+            displacement = {p.w, q.x, q.y};
         }
     }
     PHYSICS_HPP_ALWAYS_INLINE void store(body* bodies, const std::uint32_t* index) const {
         const indexed_rows<S, stride> to{reinterpret_cast<S*>(bodies), index};
-        const auto& v = velocity.at;
-        if constexpr (D == 2) store4(to, quad<P>{v[0], v[1], displacement.at[0], displacement.at[1]});
-        else store4(to, quad<P>{v[0], v[1], v[2], displacement.at[0]});
+        const auto& [v, moved] = *this;
+        if constexpr (D == 2) store4(to, quad<P>{v.x, v.y, moved.x, moved.y});
+        else store4(to, quad<P>{v.x, v.y, v.z, moved.x});
     }
 };
 
@@ -26296,10 +26315,7 @@ struct soft_linear_contact {
         using K = preparing<S, W>;
         put_lanes(lane_reciprocal(lanes_from<K>(mass_a) + lanes_from<K>(mass_b)), points[0].mass);
         if constexpr (Features::friction && D == 3) {
-            const lanes3<K> t = lane_tangent(lanes3_from<K>(normal));
-            put_lanes(t.x, tangent.kept[0]);
-            put_lanes(t.y, tangent.kept[1]);
-            put_lanes(t.z, tangent.kept[2]);
+            lane_tangent(lane_vec3<K>::load(normal)).store(tangent.kept);
         }
     }
     /// Hands the impulses back.
@@ -26338,8 +26354,7 @@ struct soft_linear_contact {
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const vector n = normals();
-        const P speed = lane_dot(n, slip_of(at_a, at_b)),
-                displacement = lane_dot(n, difference(at_b.displacement, at_a.displacement));
+        const P speed = dot(n, slip_of(at_a, at_b)), displacement = dot(n, at_b.displacement - at_a.displacement);
         const P one = P::broadcast(S(1));
         const auto displacement_at = [&](int) PHYSICS_HPP_INLINE_LAMBDA { return displacement; };
         const auto speed_at = [&](int) PHYSICS_HPP_INLINE_LAMBDA { return speed; };
@@ -26369,8 +26384,7 @@ struct soft_linear_contact {
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const vector n = normals();
-        const P speed = lane_dot(n, slip_of(at_a, at_b)),
-                displacement = lane_dot(n, difference(at_b.displacement, at_a.displacement));
+        const P speed = dot(n, slip_of(at_a, at_b)), displacement = dot(n, at_b.displacement - at_a.displacement);
         bounces_now = bounce_to.at->template note<P>(
             points, 1, pass, [&](int) PHYSICS_HPP_INLINE_LAMBDA { return displacement; },
             [&](int) PHYSICS_HPP_INLINE_LAMBDA { return speed; });
@@ -26395,34 +26409,28 @@ struct soft_linear_contact {
     }
 
 private:
-    using vector = vector_lanes<P, D>;
+    using vector = lane_vec<P, D>;
 
     PHYSICS_HPP_ALWAYS_INLINE vector normals() const { return vector::load(normal); }
     /// Tangent number i.
     PHYSICS_HPP_ALWAYS_INLINE vector along(int i) const requires Features::friction {
         if constexpr (D == 2) {
-            return {{P::load(normal[1]), -P::load(normal[0])}};
+            return {P::load(normal[1]), -P::load(normal[0])};
         } else {
-            const lanes3<P> t = lanes3<P>::load(tangent.kept);
-            const lanes3<P> of = i == 0 ? t : lane_cross(lanes3<P>::load(normal), t);
-            return {{of.x, of.y, of.z}};
+            const lane_vec3<P> t = lane_vec3<P>::load(tangent.kept);
+            return i == 0 ? t : cross(lane_vec3<P>::load(normal), t);
         }
-    }
-    PHYSICS_HPP_ALWAYS_INLINE static vector difference(const vector& v, const vector& w) {
-        vector d;
-        for (int i = 0; i < D; ++i) d.at[i] = v.at[i] - w.at[i];
-        return d;
     }
     /// How B moves against A.
     PHYSICS_HPP_ALWAYS_INLINE static vector slip_of(const linear_lanes<P, D>& at_a, const linear_lanes<P, D>& at_b) {
-        return difference(at_b.velocity, at_a.velocity);
+        return at_b.velocity - at_a.velocity;
     }
     /// Stops the slip, or lets it slide.
     PHYSICS_HPP_ALWAYS_INLINE void solve_friction(const P& load, bool use_bias, linear_lanes<P, D>& at_a,
                                                   linear_lanes<P, D>& at_b) {
         const vector slip = slip_of(at_a, at_b);
         P by[D - 1];
-        for (int i = 0; i < D - 1; ++i) by[i] = lane_dot(along(i), slip);
+        for (int i = 0; i < D - 1; ++i) by[i] = dot(along(i), slip);
         if constexpr (Features::surface_velocity) {
             if (extras.at != nullptr) {
                 if constexpr (D == 2) {
@@ -26463,29 +26471,23 @@ private:
     }
     /// Impulses along the normal and along the tangents, from A on B.
     PHYSICS_HPP_ALWAYS_INLINE void apply(const P& load, linear_lanes<P, D>& at_a, linear_lanes<P, D>& at_b) const {
-        vector impulse = normals();
-        for (P& component : impulse.at) component = component * load;
-        apply_impulse(impulse, at_a, at_b);
+        apply_impulse(normals() * load, at_a, at_b);
     }
     PHYSICS_HPP_ALWAYS_INLINE void apply(const P& load, const P (&friction_impulses)[D - 1], linear_lanes<P, D>& at_a,
                                          linear_lanes<P, D>& at_b) const requires Features::friction {
-        const vector n = normals();
-        vector impulse, tangents[D - 1];
-        for (int k = 0; k < D - 1; ++k) tangents[k] = along(k);
-        for (int i = 0; i < D; ++i) {
-            auto sum = product(n.at[i], load);
-            for (int k = 0; k < D - 1; ++k) sum = sum + product(tangents[k].at[i], friction_impulses[k]);
-            impulse.at[i] = narrow<S>(sum);
+        const vector n = normals(), t = along(0);
+        const P& by_t = friction_impulses[0];
+        if constexpr (D == 2) {
+            apply_impulse({lane_sum(n.x, load, t.x, by_t), lane_sum(n.y, load, t.y, by_t)}, at_a, at_b);
+        } else {
+            const vector u = along(1), by = {load, by_t, friction_impulses[1]};
+            apply_impulse({dot({n.x, t.x, u.x}, by), dot({n.y, t.y, u.y}, by), dot({n.z, t.z, u.z}, by)}, at_a, at_b);
         }
-        apply_impulse(impulse, at_a, at_b);
     }
     PHYSICS_HPP_ALWAYS_INLINE void apply_impulse(const vector& impulse, linear_lanes<P, D>& at_a,
                                                  linear_lanes<P, D>& at_b) const {
-        const Q m_a = Q::load(mass_a), m_b = Q::load(mass_b);
-        for (int i = 0; i < D; ++i) {
-            at_a.velocity.at[i] = at_a.velocity.at[i] - mul<S>(m_a, impulse.at[i]);
-            at_b.velocity.at[i] = at_b.velocity.at[i] + mul<S>(m_b, impulse.at[i]);
-        }
+        at_a.velocity = at_a.velocity - impulse * Q::load(mass_a);
+        at_b.velocity = at_b.velocity + impulse * Q::load(mass_b);
     }
     PHYSICS_HPP_ALWAYS_INLINE void store(body* bodies, const linear_lanes<P, D>& at_a,
                                          const linear_lanes<P, D>& at_b) const {

@@ -258,6 +258,7 @@
 #include "physics/dynamics/islands.hpp"
 #include "physics/dynamics/joint_block.hpp"
 #include "physics/dynamics/joint_solver.hpp"
+#include "physics/dynamics/lane_vec.hpp"
 #include "physics/dynamics/material.hpp"
 #include "physics/dynamics/pose_lanes.hpp"
 #include "physics/dynamics/reflections.hpp"

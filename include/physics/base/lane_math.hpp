@@ -31,6 +31,23 @@ PHYSICS_HPP_ALWAYS_INLINE P lanes_of(S a, S b, S c, S d) {
     else if constexpr (requires(P x) { x.low.low; }) return {{{a}, {b}}, {{c}, {d}}};
     else return {{typename P::half::storage{a, b}}, {typename P::half::storage{c, d}}};
 }
+/// Lanes of scalars of one type from or to such of another.
+template <class K, class T>
+PHYSICS_HPP_ALWAYS_INLINE K lanes_from(const T* from) {
+    if constexpr (std::is_same_v<typename K::scalar, T>) {
+        return K::load(from);
+    } else {
+        K lanes;
+        for (int i = 0; i < K::width; ++i) lanes.set_lane(i, to_double(from[i]));
+        return lanes;
+    }
+}
+template <class K, class T>
+PHYSICS_HPP_ALWAYS_INLINE void put_lanes(const K& lanes, T* to) {
+    if constexpr (std::is_same_v<typename K::scalar, T>) lanes.store(to);
+    else
+        for (int i = 0; i < K::width; ++i) to[i] = static_cast<T>(lanes.lane(i));
+}
 /// a * b + c * d, rounded once where the scalar can.
 template <class P>
 PHYSICS_HPP_ALWAYS_INLINE P lane_sum(const P& a, const P& b, const P& c, const P& d) {
@@ -44,6 +61,17 @@ PHYSICS_HPP_ALWAYS_INLINE P lane_difference(const P& a, const P& b, const P& c, 
 template <class P>
 PHYSICS_HPP_ALWAYS_INLINE P lane_dot(const P* a, const P& x, const P& y, const P& z) {
     return narrow<typename P::scalar>(product(a[0], x) + product(a[1], y) + product(a[2], z));
+}
+/// a / b where b is greater than 0, else 0.
+template <class K>
+PHYSICS_HPP_ALWAYS_INLINE K lane_quotient(const K& a, const K& b) {
+    using C = typename K::scalar;
+    const K zero = K::broadcast(C(0)), one = K::broadcast(C(1));
+    return select_greater(b, zero, a / select_greater(b, zero, b, one), zero);
+}
+template <class K>
+PHYSICS_HPP_ALWAYS_INLINE K lane_reciprocal(const K& x) {
+    return lane_quotient(K::broadcast(typename K::scalar(1)), x);
 }
 /// The length of (a, b).
 template <class P>

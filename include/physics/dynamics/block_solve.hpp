@@ -81,7 +81,7 @@ struct block_solve {
     /// squares. `speeds` tells how these answer to an impulse along the normal at the middle and to angular ones.
     template <class K, class Point>
     PHYSICS_HPP_ALWAYS_INLINE void prepare_face(Point* points, int maximum, const K (&jacobians)[capacity][D],
-                                                const K (&there)[capacity], const symmetric_lanes<K>& speeds,
+                                                const K (&there)[capacity], const lane_symmetric<K, 3>& speeds,
                                                 const K& count) {
         using C = typename K::scalar;
         const K zero = K::broadcast(C(0)), one = K::broadcast(C(1)), share = lane_reciprocal(count);
@@ -95,7 +95,7 @@ struct block_solve {
         K ok = select_greater(determinant, K::broadcast(C(1e-4)) * xx * yy, one, zero);
         ok = select_greater(xx * speeds.yy, small, select_greater(yy * speeds.zz, small, ok, zero), zero);
         ok = select_greater(count, K::broadcast(C(2.5)), ok, zero);
-        const symmetric_lanes<K> stop = lane_inverse(speeds);
+        const lane_symmetric<K, 3> stop = lane_inverse(speeds);
         const auto tell_apart = [&](const K& k, const K& stopped) PHYSICS_HPP_INLINE_LAMBDA {
             ok = select_greater(K::broadcast(C(1e4)), k * stopped, select_greater(stopped, zero, ok, zero), zero);
         };
@@ -105,12 +105,12 @@ struct block_solve {
         K plane[D] = {zero, zero, zero}, shares[capacity][D];
         for (int k = 0; k < maximum; ++k) {
             const K y = jacobians[k][1], z = jacobians[k][2], gap = lanes_from<K>(points[k].separation);
-            const lanes3<K> weights = {there[k] * share, lane_quotient(yy * y - xy * z, determinant),
-                                       lane_quotient(xx * z - xy * y, determinant)};
+            const lane_vec3<K> weights = {there[k] * share, lane_quotient(yy * y - xy * z, determinant),
+                                          lane_quotient(xx * z - xy * y, determinant)};
             plane[0] = plane[0] + weights.x * gap;
             plane[1] = plane[1] + weights.y * gap;
             plane[2] = plane[2] + weights.z * gap;
-            const lanes3<K> of = lane_times(stop, weights);
+            const lane_vec3<K> of = stop * weights;
             shares[k][0] = of.x;
             shares[k][1] = of.y;
             shares[k][2] = of.z;

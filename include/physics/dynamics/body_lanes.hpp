@@ -1,71 +1,22 @@
 // Bodies in lanes, as contact solvers read and write them.
 #pragma once
 
-#include "physics/base/lane_math.hpp"
 #include "physics/base/pack_rows.hpp"
 #include "physics/dynamics/body.hpp"
+#include "physics/dynamics/lane_vec.hpp"
 
 PHYSICS_HPP_BEGIN
 
 namespace detail {
 
+template <class P, int D>
+struct body_lanes;
 template <class P>
-struct lanes2 {
-    P x, y;
-};
-template <class P>
-struct lanes3 {
-    P x, y, z;
-
-    PHYSICS_HPP_ALWAYS_INLINE static lanes3 load(const typename P::scalar (&from)[3][P::width]) {
-        return {P::load(from[0]), P::load(from[1]), P::load(from[2])};
-    }
-    PHYSICS_HPP_ALWAYS_INLINE void store(typename P::scalar (&to)[3][P::width]) const {
-        x.store(to[0]);
-        y.store(to[1]);
-        z.store(to[2]);
-    }
-};
-template <class P>
-PHYSICS_HPP_ALWAYS_INLINE P lane_dot(const lanes3<P>& a, const lanes3<P>& b) {
-    return narrow<typename P::scalar>(product(a.x, b.x) + product(a.y, b.y) + product(a.z, b.z));
-}
-template <class P>
-PHYSICS_HPP_ALWAYS_INLINE lanes3<P> lane_cross(const lanes3<P>& a, const lanes3<P>& b) {
-    return {lane_difference(a.y, b.z, a.z, b.y), lane_difference(a.z, b.x, a.x, b.z),
-            lane_difference(a.x, b.y, a.y, b.x)};
-}
-template <class P>
-PHYSICS_HPP_ALWAYS_INLINE lanes3<P> lane_add(const lanes3<P>& a, const lanes3<P>& b) {
-    return {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-template <class P>
-PHYSICS_HPP_ALWAYS_INLINE lanes3<P> lane_subtract(const lanes3<P>& a, const lanes3<P>& b) {
-    return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-/// a times s, plus b times t.
-template <class P>
-PHYSICS_HPP_ALWAYS_INLINE lanes3<P> lane_combine(const lanes3<P>& a, const P& s, const lanes3<P>& b, const P& t) {
-    return {lane_sum(a.x, s, b.x, t), lane_sum(a.y, s, b.y, t), lane_sum(a.z, s, b.z, t)};
-}
-
-/// Velocities, or ways, of W bodies in 2D.
-template <class P>
-struct twist_lanes2 {
-    lanes2<P> linear;
-    P angular;
-};
-template <class P>
-struct twist_lanes3 {
-    lanes3<P> linear, angular;
-};
-
-template <class P>
-struct body_lanes2 {
+struct body_lanes<P, 2> {
     using S = typename P::scalar;
     static constexpr int stride = sizeof(solver_body<S, 2>) / sizeof(S);
 
-    twist_lanes2<P> velocity, displacement;
+    lane_twist<P, 2> velocity, displacement;
 
     PHYSICS_HPP_ALWAYS_INLINE void load(const solver_body<S, 2>* bodies, const std::uint32_t* index) {
         const auto* first = reinterpret_cast<const S*>(bodies);
@@ -125,11 +76,11 @@ PHYSICS_HPP_ALWAYS_INLINE void load_inverse_masses(const solver_body<S, 3>* bodi
 }
 
 template <class P>
-struct body_lanes3 {
+struct body_lanes<P, 3> {
     using S = typename P::scalar;
     static constexpr int stride = sizeof(solver_body<S, 3>) / sizeof(S);
 
-    twist_lanes3<P> velocity, displacement;
+    lane_twist<P, 3> velocity, displacement;
 
     PHYSICS_HPP_ALWAYS_INLINE void load(const solver_body<S, 3>* bodies, const std::uint32_t* index) {
         const auto* first = reinterpret_cast<const S*>(bodies);
@@ -146,7 +97,7 @@ struct body_lanes3 {
         store4(indexed_rows<S, stride>{first + 4, index},
                quad<P>{w.y, w.z, displacement.linear.x, displacement.linear.y});
     }
-    /// With the ways.
+    /// With the displacements.
     PHYSICS_HPP_ALWAYS_INLINE void store_all(solver_body<S, 3>* bodies, const std::uint32_t* index) const {
         store(bodies, index);
         auto* first = reinterpret_cast<S*>(bodies);

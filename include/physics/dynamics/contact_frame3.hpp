@@ -10,20 +10,19 @@ namespace detail {
 /// The normal, both tangents, and from the bodies' centres to the middle.
 template <class P>
 struct contact_frame3 {
-    lanes3<P> n, t, u, r_a, r_b;
+    lane_vec3<P> n, t, u, r_a, r_b;
 
     template <class Block>
     PHYSICS_HPP_ALWAYS_INLINE explicit contact_frame3(const Block& c)
-        : n(lanes3<P>::load(c.normal)),
-          t(lanes3<P>::load(c.tangent)),
+        : n(lane_vec3<P>::load(c.normal)),
+          t(lane_vec3<P>::load(c.tangent)),
           u(c.across.of(n, t)),
-          r_a(lanes3<P>::load(c.r_a)),
-          r_b(lanes3<P>::load(c.r_b)) {}
+          r_a(lane_vec3<P>::load(c.r_a)),
+          r_b(lane_vec3<P>::load(c.r_b)) {}
 
     /// How B moves against A at the middle.
-    PHYSICS_HPP_ALWAYS_INLINE lanes3<P> at_middle(const twist_lanes3<P>& a, const twist_lanes3<P>& b) const {
-        return lane_subtract(lane_add(b.linear, lane_cross(b.angular, r_b)),
-                             lane_add(a.linear, lane_cross(a.angular, r_a)));
+    PHYSICS_HPP_ALWAYS_INLINE lane_vec3<P> at_middle(const lane_twist<P, 3>& a, const lane_twist<P, 3>& b) const {
+        return (b.linear + cross(b.angular, r_b)) - (a.linear + cross(a.angular, r_a));
     }
 };
 
@@ -32,14 +31,14 @@ template <class P>
 struct contact_motion3 {
     P along, about_t, about_u;
 
-    PHYSICS_HPP_ALWAYS_INLINE contact_motion3(const contact_frame3<P>& f, const twist_lanes3<P>& a,
-                                              const twist_lanes3<P>& b)
-        : along(lane_dot(f.n, f.at_middle(a, b))) {
-        const lanes3<P> turn = lane_subtract(b.angular, a.angular);
-        about_t = lane_dot(f.t, turn);
-        about_u = lane_dot(f.u, turn);
+    PHYSICS_HPP_ALWAYS_INLINE contact_motion3(const contact_frame3<P>& f, const lane_twist<P, 3>& a,
+                                              const lane_twist<P, 3>& b)
+        : along(dot(f.n, f.at_middle(a, b))) {
+        const lane_vec3<P> turn = b.angular - a.angular;
+        about_t = dot(f.t, turn);
+        about_u = dot(f.u, turn);
     }
-    PHYSICS_HPP_ALWAYS_INLINE explicit contact_motion3(const lanes3<P>& of)
+    PHYSICS_HPP_ALWAYS_INLINE explicit contact_motion3(const lane_vec3<P>& of)
         : along(of.x), about_t(of.y), about_u(of.z) {}
     template <class Point>
     PHYSICS_HPP_ALWAYS_INLINE P at(const Point& p) const {

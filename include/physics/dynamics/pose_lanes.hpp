@@ -14,7 +14,7 @@ template <class P>
 struct rotation_lanes {
     P x, y, z, w;
 
-    [[nodiscard]] PHYSICS_HPP_ALWAYS_INLINE lanes3<P> imaginary() const { return {x, y, z}; }
+    [[nodiscard]] PHYSICS_HPP_ALWAYS_INLINE lane_vec3<P> imaginary() const { return {x, y, z}; }
     [[nodiscard]] PHYSICS_HPP_ALWAYS_INLINE rotation_lanes inverse() const { return {-x, -y, -z, w}; }
     /// As norm_lack.
     [[nodiscard]] PHYSICS_HPP_ALWAYS_INLINE P norm_lack() const {
@@ -25,14 +25,14 @@ struct rotation_lanes {
 };
 /// As rotated_as_unit; lack: that of q.
 template <class P>
-PHYSICS_HPP_ALWAYS_INLINE lanes3<P> lane_rotated(const rotation_lanes<P>& q, const P& lack, const lanes3<P>& v) {
-    const lanes3<P> c = lane_cross(q.imaginary(), v);
-    const lanes3<P> half = {c.x + c.x * lack, c.y + c.y * lack, c.z + c.z * lack}, t = lane_add(half, half);
-    return lane_add(v, lane_add({t.x * q.w, t.y * q.w, t.z * q.w}, lane_cross(q.imaginary(), t)));
+PHYSICS_HPP_ALWAYS_INLINE lane_vec3<P> lane_rotated(const rotation_lanes<P>& q, const P& lack, const lane_vec3<P>& v) {
+    const lane_vec3<P> c = cross(q.imaginary(), v);
+    const lane_vec3<P> half = c + c * lack, t = half + half;
+    return v + (t * q.w + cross(q.imaginary(), t));
 }
 /// First b, then a.
 template <class P>
-PHYSICS_HPP_ALWAYS_INLINE rotation_lanes<P> lane_combine(const rotation_lanes<P>& a, const rotation_lanes<P>& b) {
+PHYSICS_HPP_ALWAYS_INLINE rotation_lanes<P> operator*(const rotation_lanes<P>& a, const rotation_lanes<P>& b) {
     const auto sum = [](auto p, auto q, auto r, auto s)
                          PHYSICS_HPP_INLINE_LAMBDA { return narrow<typename P::scalar>(p + q + r + s); };
     return {sum(product(a.w, b.x), product(a.x, b.w), product(a.y, b.z), -product(a.z, b.y)),
@@ -131,13 +131,12 @@ private:
     }
 
     void advance(block& of, S h, twist<S, 3>* start_velocity) {
-        body_lanes3<P> at;
+        body_lanes<P, 3> at;
         at.load(bodies_.first, of.body);
         const P step = P::broadcast(h);
-        lanes3<P>& w = at.velocity.angular;
-        const lanes3<P> before = w, angle = scaled(w, step);
-        at.displacement.linear = lane_add(at.displacement.linear, scaled(at.velocity.linear, step));
-        at.displacement.angular = lane_add(at.displacement.angular, angle);
+        lane_vec3<P>& w = at.velocity.angular;
+        const lane_vec3<P> before = w, angle = w * step;
+        at.displacement = at.displacement + at.velocity * step;
         const rotation_lanes<P> frame = lanes_of(of.axes);
         std::uint32_t far = 0;
         rotation_lanes<P> axes = frame;
@@ -151,7 +150,7 @@ private:
         axes.w.store(of.axes[3]);
         at.store_all(bodies_.first, of.body);
         if (!of.any_gyroscopic || start_velocity == nullptr) return;
-        const lanes3<P> change = lane_subtract(w, before);
+        const lane_vec3<P> change = w - before;
         for (int lane = 0; lane < width; ++lane)
             if (of.moments[0][lane] > S(0)) start_velocity[of.body[lane]].angular += lane_of(change, lane);
     }
@@ -159,19 +158,19 @@ private:
     /// themselves, drawn where they were turned as it began: there contacts' levers and inverse inertias stay true
     /// however far they turn. Else what is light to spin about one axis gains energy as that axis moves away.
     PHYSICS_HPP_ALWAYS_INLINE static void spin(block& of, S h, const rotation_lanes<P>& frame, rotation_lanes<P>& axes,
-                                               lanes3<P>& w, std::uint32_t& far) {
+                                               lane_vec3<P>& w, std::uint32_t& far) {
         const P zero = P::broadcast(S(0)), one = P::broadcast(S(1)), half = P::broadcast(h * S(0.5)),
                 whole = P::broadcast(h), lack = frame.norm_lack();
-        const lanes3<P> moments = lanes3<P>::load(of.moments);
+        const lane_vec3<P> moments = lane_vec3<P>::load(of.moments);
         const rotation_lanes<P> drawn = lanes_of(of.start);
         const P drawn_lack = drawn.norm_lack();
-        const lanes3<P> gain = lane_rotated(drawn.inverse(), drawn_lack, lane_subtract(w, lanes3<P>::load(of.known)));
-        const lanes3<P> momentum =
-            lane_add(lanes3<P>::load(of.momentum),
-                     lane_rotated(frame, lack, {moments.x * gain.x, moments.y * gain.y, moments.z * gain.z}));
+        const lane_vec3<P> gain = lane_rotated(drawn.inverse(), drawn_lack, w - lane_vec3<P>::load(of.known));
+        const lane_vec3<P> momentum =
+            lane_vec3<P>::load(of.momentum) +
+            lane_rotated(frame, lack, {moments.x * gain.x, moments.y * gain.y, moments.z * gain.z});
         momentum.store(of.momentum);
         const Q first = Q::load(of.first), second = Q::load(of.second), third = Q::load(of.third);
-        lanes3<P> seen = lane_rotated(frame.inverse(), lack, momentum);
+        lane_vec3<P> seen = lane_rotated(frame.inverse(), lack, momentum);
         turn_about(axes.y, axes.z, axes.x, axes.w, seen.z, seen.x, mul<S>(second, seen.y) * half, far);
         turn_about(axes.z, axes.x, axes.y, axes.w, seen.x, seen.y, mul<S>(third, seen.z) * whole, far);
         turn_about(axes.y, axes.z, axes.x, axes.w, seen.z, seen.x, mul<S>(second, seen.y) * half, far);
@@ -180,22 +179,19 @@ private:
         };
         const rotation_lanes<P> start{of_gyroscopic(axes.x, frame.x), of_gyroscopic(axes.y, frame.y),
                                       of_gyroscopic(axes.z, frame.z), of_gyroscopic(axes.w, frame.w)};
-        const lanes3<P> angle = {of_gyroscopic(mul<S>(first, momentum.x), w.x) * whole,
-                                 of_gyroscopic(mul<S>(first, momentum.y), w.y) * whole,
-                                 of_gyroscopic(mul<S>(first, momentum.z), w.z) * whole};
-        axes = turned(start, angle, far);
+        const lane_vec3<P> turning = select_greater(moments.x, zero, momentum * first, w);
+        axes = turned(start, turning * whole, far);
         // Momentum as it was, not as the turns have rounded it; and quotients, which undo the products: a factor that
         // is an ulp off would act in every step.
         const P left = axes.norm_lack();
-        const lanes3<P> kept = lane_rotated(axes.inverse(), left, momentum);
-        const lanes3<P> spinning = {kept.x / of_gyroscopic(moments.x, one), kept.y / of_gyroscopic(moments.y, one),
-                                    kept.z / of_gyroscopic(moments.z, one)};
-        const lanes3<P> after = lane_rotated(drawn, drawn_lack, spinning);
-        w = {of_gyroscopic(after.x, w.x), of_gyroscopic(after.y, w.y), of_gyroscopic(after.z, w.z)};
+        const lane_vec3<P> kept = lane_rotated(axes.inverse(), left, momentum);
+        const lane_vec3<P> spinning = {kept.x / of_gyroscopic(moments.x, one), kept.y / of_gyroscopic(moments.y, one),
+                                       kept.z / of_gyroscopic(moments.z, one)};
+        w = select_greater(moments.x, zero, lane_rotated(drawn, drawn_lack, spinning), w);
     }
     /// Lanes that turn so far that it takes trigonometry: anew, one by one.
-    PHYSICS_HPP_COLD void turn_far(const block& of, S h, std::uint32_t far, const lanes3<P>& before,
-                                   rotation_lanes<P>& axes, lanes3<P>& w) const {
+    PHYSICS_HPP_COLD void turn_far(const block& of, S h, std::uint32_t far, const lane_vec3<P>& before,
+                                   rotation_lanes<P>& axes, lane_vec3<P>& w) const {
         for (int lane = 0; lane < width; ++lane) {
             if ((far >> lane & 1) == 0 || of.body[lane] == bodies_.dummy_body()) continue;
             const auto* gyroscopic = moving_[of.body[lane]].gyroscopic;
@@ -216,9 +212,8 @@ private:
         }
     }
 
-    static vec<S, 3> lane_of(const lanes3<P>& v, int lane) { return {v.x.lane(lane), v.y.lane(lane), v.z.lane(lane)}; }
-    PHYSICS_HPP_ALWAYS_INLINE static lanes3<P> scaled(const lanes3<P>& v, const P& by) {
-        return {v.x * by, v.y * by, v.z * by};
+    static vec<S, 3> lane_of(const lane_vec3<P>& v, int lane) {
+        return {v.x.lane(lane), v.y.lane(lane), v.z.lane(lane)};
     }
     /// In fixed point, puts the angles of far lanes in range: their turns are made anew, and these must not overflow.
     PHYSICS_HPP_ALWAYS_INLINE static P near(const P& quarter) {
@@ -254,18 +249,18 @@ private:
         v = new_v;
     }
     /// As turned(a, angle).
-    PHYSICS_HPP_ALWAYS_INLINE static rotation_lanes<P> turned(const rotation_lanes<P>& a, const lanes3<P>& angle,
+    PHYSICS_HPP_ALWAYS_INLINE static rotation_lanes<P> turned(const rotation_lanes<P>& a, const lane_vec3<P>& angle,
                                                               std::uint32_t& far) {
         const P one = P::broadcast(S(1));
-        const lanes3<P> given = scaled(angle, P::broadcast(S(0.25)));
+        const lane_vec3<P> given = angle * P::broadcast(S(0.25));
         const P largest = max(lane_abs(given.x), max(lane_abs(given.y), lane_abs(given.z)));
-        const lanes3<P> quarter = {near(given.x), near(given.y), near(given.z)};
-        const P xx = lane_dot(quarter, quarter);
+        const lane_vec3<P> quarter = {near(given.x), near(given.y), near(given.z)};
+        const P xx = dot(quarter, quarter);
         far |= (greater(largest, P::broadcast(S(0.25))) | greater(xx, P::broadcast(S(0.0625)))).bits();
-        const lanes3<P> t = scaled(quarter, tangent_ratio_of(xx));
-        const P tt = lane_dot(t, t), scale = one / (one + tt);
-        const lanes3<P> v = scaled(t, scale + scale);
-        const rotation_lanes<P> change = lane_combine(rotation_lanes<P>{v.x, v.y, v.z, -((tt + tt) * scale)}, a);
+        const lane_vec3<P> t = quarter * tangent_ratio_of(xx);
+        const P tt = dot(t, t), scale = one / (one + tt);
+        const lane_vec3<P> v = t * (scale + scale);
+        const rotation_lanes<P> change = rotation_lanes<P>{v.x, v.y, v.z, -((tt + tt) * scale)} * a;
         const rotation_lanes<P> r{a.x + change.x, a.y + change.y, a.z + change.z, a.w + change.w};
         const P lack = r.norm_lack() * P::broadcast(S(0.5));
         return {r.x + r.x * lack, r.y + r.y * lack, r.z + r.z * lack, r.w + r.w * lack};

@@ -99,13 +99,6 @@ struct no_bounces_of_block {};
 template <class S, int Points, int W, class Features>
 using soft_bounces_of = std::conditional_t<Features::restitution, bounces_of_block<S, Points, W>, no_bounces_of_block>;
 
-/// What a contact's points bear together.
-template <class P, class Point>
-PHYSICS_HPP_ALWAYS_INLINE P load_of(const Point* points, int count) {
-    P load = P::load(points[0].impulse);
-    for (int k = 1; k < count; ++k) load = load + P::load(points[k].impulse);
-    return load;
-}
 /// Whether nothing has to be given to any lane of a block when a substep begins, nor be taken back.
 template <class P, class Block>
 PHYSICS_HPP_ALWAYS_INLINE bool carries_no_impulse(const Block& block) {

@@ -125,7 +125,7 @@ struct soft_contact2 {
         load_of<P>(points, point_count).store(start_load);
         if (carries_no_impulse<P>(*this)) return;
         const frame_lanes f(*this);
-        body_lanes2<P> at_a, at_b;
+        body_lanes<P, 2> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const P zero = P::broadcast(S(0));
@@ -142,7 +142,7 @@ struct soft_contact2 {
     /// One round over the contacts: the points at once, or across and back, then friction by their load.
     PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const contact_pass<S, 2>& pass) {
         const frame_lanes f(*this);
-        body_lanes2<P> at_a, at_b;
+        body_lanes<P, 2> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const relative_motion speed(f, at_a.velocity, at_b.velocity),
@@ -186,7 +186,7 @@ struct soft_contact2 {
         bounces_now = false;
         if (!bounce_to.at->template any_free<P>(points, point_count)) return;
         const frame_lanes f(*this);
-        body_lanes2<P> at_a, at_b;
+        body_lanes<P, 2> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const relative_motion speed(f, at_a.velocity, at_b.velocity),
@@ -237,7 +237,7 @@ struct soft_contact2 {
     }
     /// Stops the bodies' rolling against each other, or slows it.
     PHYSICS_HPP_ALWAYS_INLINE void roll(body* bodies) requires Features::rolling_resistance {
-        body_lanes2<P> at_a, at_b;
+        body_lanes<P, 2> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         P& w_a = at_a.velocity.angular;
@@ -269,16 +269,16 @@ private:
     struct relative_motion {
         P along, turn;
 
-        PHYSICS_HPP_ALWAYS_INLINE relative_motion(const frame_lanes& f, const twist_lanes2<P>& a,
-                                                  const twist_lanes2<P>& b)
+        PHYSICS_HPP_ALWAYS_INLINE relative_motion(const frame_lanes& f, const lane_twist<P, 2>& a,
+                                                  const lane_twist<P, 2>& b)
             : along(lane_sum(f.x, b.linear.x - a.linear.x, f.y, b.linear.y - a.linear.y) +
                     lane_difference(f.turn_b, b.angular, f.turn_a, a.angular)),
               turn(b.angular - a.angular) {}
         PHYSICS_HPP_ALWAYS_INLINE relative_motion(const P& along_, const P& turn_) : along(along_), turn(turn_) {}
         PHYSICS_HPP_ALWAYS_INLINE P at(const point& p) const { return along + P::load(p.moment_arm) * turn; }
     };
-    PHYSICS_HPP_ALWAYS_INLINE relative_motion displacement_of(const frame_lanes& f, const body_lanes2<P>& at_a,
-                                                              const body_lanes2<P>& at_b,
+    PHYSICS_HPP_ALWAYS_INLINE relative_motion displacement_of(const frame_lanes& f, const body_lanes<P, 2>& at_a,
+                                                              const body_lanes<P, 2>& at_b,
                                                               const contact_pass<S, 2>& pass) {
         if (pass.use_bias) return {P::load(last_displacements[0]), P::load(last_displacements[1])};
         const relative_motion displacement(f, at_a.displacement, at_b.displacement);
@@ -339,7 +339,7 @@ private:
     }
     /// Stops the slip at the middle, or lets it slide.
     PHYSICS_HPP_ALWAYS_INLINE void solve_friction(const frame_lanes& f, const contact_pass<S, 2>& pass,
-                                                  body_lanes2<P>& at_a, body_lanes2<P>& at_b) {
+                                                  body_lanes<P, 2>& at_a, body_lanes<P, 2>& at_b) {
         const auto& [v_a, w_a] = at_a.velocity;
         const auto& [v_b, w_b] = at_b.velocity;
         P slip =
@@ -351,13 +351,13 @@ private:
     }
     /// Impulses along the normal and the tangent at the middle, and an angular one, from A on B.
     PHYSICS_HPP_ALWAYS_INLINE void apply(const frame_lanes& f, const P& along, const P& across, const P& moment,
-                                         body_lanes2<P>& at_a, body_lanes2<P>& at_b) const {
+                                         body_lanes<P, 2>& at_a, body_lanes<P, 2>& at_b) const {
         const P x = lane_sum(f.x, along, f.y, across), y = lane_difference(f.y, along, f.x, across);
         const Q m_a = Q::load(mass_a), m_b = Q::load(mass_b);
         auto& [v_a, w_a] = at_a.velocity;
         auto& [v_b, w_b] = at_b.velocity;
-        v_a = {v_a.x - mul<S>(m_a, x), v_a.y - mul<S>(m_a, y)};
-        v_b = {v_b.x + mul<S>(m_b, x), v_b.y + mul<S>(m_b, y)};
+        v_a = v_a - lane_vec2<P>{x, y} * m_a;
+        v_b = v_b + lane_vec2<P>{x, y} * m_b;
         w_a = w_a - mul<S>(Q::load(inertia_a), lane_sum(f.turn_a, along, f.slide_a, across) + moment);
         w_b = w_b + mul<S>(Q::load(inertia_b), lane_sum(f.turn_b, along, f.slide_b, across) + moment);
     }

@@ -69,30 +69,28 @@ struct soft_contact3 {
         load_inverse_masses(bodies, a, mass_a, inertia_a);
         load_inverse_masses(bodies, b, mass_b, inertia_b);
         using K = preparing<S, W>;
-        const lanes3<K> n = lanes3_from<K>(normal), t = lane_tangent(n);
+        const lane_vec3<K> n = lane_vec3<K>::load(normal), t = lane_tangent(n);
         const contact_lanes3<K> c = {n,
                                      t,
-                                     lane_cross(n, t),
-                                     lanes3_from<K>(r_a),
-                                     lanes3_from<K>(r_b),
+                                     cross(n, t),
+                                     lane_vec3<K>::load(r_a),
+                                     lane_vec3<K>::load(r_b),
                                      lanes_from<K>(mass_a) + lanes_from<K>(mass_b),
-                                     symmetric_lanes<K>::load(inertia_a),
-                                     symmetric_lanes<K>::load(inertia_b)};
-        put_lanes(t.x, tangent[0]);
-        put_lanes(t.y, tangent[1]);
-        put_lanes(t.z, tangent[2]);
+                                     lane_symmetric<K, 3>::load(inertia_a),
+                                     lane_symmetric<K, 3>::load(inertia_b)};
+        t.store(tangent);
         across.prepare(normal, tangent);
         // How the three speeds answer to an impulse at the middle and to angular ones about the tangents.
-        const lanes3<K> turn_a = lane_cross(c.r_a, n), turn_b = lane_cross(c.r_b, n);
-        const lanes3<K> by_a = lane_times(c.inertia_a, turn_a), by_b = lane_times(c.inertia_b, turn_b);
-        const symmetric_lanes<K> inertia = lane_add(c.inertia_a, c.inertia_b);
-        const lanes3<K> by_n = lane_add(by_a, by_b), by_t = lane_times(inertia, t), by_u = lane_times(inertia, c.u);
-        const symmetric_lanes<K> speeds = {c.mass + lane_dot(turn_a, by_a) + lane_dot(turn_b, by_b),
-                                           lane_dot(t, by_t),
-                                           lane_dot(c.u, by_u),
-                                           lane_dot(t, by_n),
-                                           lane_dot(c.u, by_n),
-                                           lane_dot(c.u, by_t)};
+        const lane_vec3<K> turn_a = cross(c.r_a, n), turn_b = cross(c.r_b, n);
+        const lane_vec3<K> by_a = c.inertia_a * turn_a, by_b = c.inertia_b * turn_b;
+        const lane_symmetric<K, 3> inertia = c.inertia_a + c.inertia_b;
+        const lane_vec3<K> by_n = by_a + by_b, by_t = inertia * t, by_u = inertia * c.u;
+        const lane_symmetric<K, 3> speeds = {c.mass + dot(turn_a, by_a) + dot(turn_b, by_b),
+                                             dot(t, by_t),
+                                             dot(c.u, by_u),
+                                             dot(t, by_n),
+                                             dot(c.u, by_n),
+                                             dot(c.u, by_t)};
 
         speeds.store(k_matrix);
 
@@ -100,9 +98,9 @@ struct soft_contact3 {
         const K zero = K::broadcast(C(0));
         K jacobians[capacity][3], of_points[capacity][3], own[capacity], there[capacity];
         for (int k = 0; k < point_count; ++k) {
-            const lanes3<K> offset = lanes3_from<K>(gathered.offset[k]);
-            const K x = lane_dot(offset, t), y = lane_dot(offset, c.u);
-            const lanes3<K> of = lane_times(speeds, lanes3<K>{K::broadcast(C(1)), y, -x});
+            const lane_vec3<K> offset = lane_vec3<K>::load(gathered.offset[k]);
+            const K x = dot(offset, t), y = dot(offset, c.u);
+            const lane_vec3<K> of = speeds * lane_vec3<K>{K::broadcast(C(1)), y, -x};
             jacobians[k][0] = K::broadcast(C(1));
             jacobians[k][1] = y;
             jacobians[k][2] = -x;
@@ -144,7 +142,7 @@ struct soft_contact3 {
         load_of<P>(points, point_count).store(start_load);
         if (carries_no_impulse<P>(*this)) return;
         frame_lanes f(*this);
-        body_lanes3<P> at_a, at_b;
+        body_lanes<P, 3> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const P zero = P::broadcast(S(0));
@@ -152,16 +150,15 @@ struct soft_contact3 {
         for (int k = 0; k < point_count; ++k) sum.add(points[k], P::load(points[k].impulse));
         if constexpr (Features::rolling_resistance) {
             if (extras.at != nullptr) {
-                sum.about_t = sum.about_t + P::load(extras.rolling().x);
-                sum.about_u = sum.about_u + P::load(extras.rolling().y);
+                sum.about_t = sum.about_t + P::load(extras.rolling().impulse[0]);
+                sum.about_u = sum.about_u + P::load(extras.rolling().impulse[1]);
             }
         }
-        lanes3<P> impulse = {f.n.x * sum.load, f.n.y * sum.load, f.n.z * sum.load};
-        lanes3<P> moment = lane_combine(f.t, sum.about_t, f.u, sum.about_u);
+        lane_vec3<P> impulse = f.n * sum.load, moment = combine(f.t, sum.about_t, f.u, sum.about_u);
         if constexpr (Features::friction) {
-            const slide_lanes<P> last = friction.last(points, point_count);
-            impulse = lane_add(impulse, lane_combine(f.t, last.x, f.u, last.y));
-            moment = lane_add(moment, {f.n.x * last.twist, f.n.y * last.twist, f.n.z * last.twist});
+            const lane_vec3<P> last = friction.last(points, point_count);
+            impulse = impulse + combine(f.t, last.x, f.u, last.y);
+            moment = moment + f.n * last.z;
         }
         apply(f, impulse, moment, at_a, at_b);
         if (moves_a) at_a.store(bodies, a);
@@ -172,7 +169,7 @@ struct soft_contact3 {
     /// are pushed apart friction rests: else boxes that stand on four others sway, and piles of them slide apart.
     PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const contact_pass<S, 3>& pass) {
         frame_lanes f(*this);
-        body_lanes3<P> at_a, at_b;
+        body_lanes<P, 3> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const relative_motion speed(f, at_a.velocity, at_b.velocity),
@@ -215,10 +212,11 @@ struct soft_contact3 {
         bounces_now = false;
         if (!bounce_to.at->template any_free<P>(points, point_count)) return;
         const frame_lanes f(*this);
-        body_lanes3<P> at_a, at_b;
+        body_lanes<P, 3> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
-        const relative_motion speed(f, at_a.velocity, at_b.velocity), displacement(lanes3<P>::load(last_displacements));
+        const relative_motion speed(f, at_a.velocity, at_b.velocity),
+            displacement(lane_vec3<P>::load(last_displacements));
         bounces_now = bounce_to.at->template note<P>(
             points, point_count, pass, [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return displacement.at(points[k]); },
             [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); });
@@ -258,7 +256,7 @@ struct soft_contact3 {
                 sum += impulses_of(k, points[k].impulse[lane]);
                 points[k].impulse[lane] = S(0);
             }
-            slide_lanes<S> lost_friction{};
+            vec<S, 3> lost_friction;
             if constexpr (Features::friction)
                 lost_friction = friction.reduce_impulses(lane, points, point_count, S(1) - share);
             remove_from_next_start(lane, bodies, pass, sum, lost_friction);
@@ -273,20 +271,18 @@ struct soft_contact3 {
     /// Stops the bodies' rolling against each other, or slows it.
     PHYSICS_HPP_ALWAYS_INLINE void roll(body* bodies) requires Features::rolling_resistance {
         const frame_lanes f(*this);
-        body_lanes3<P> at_a, at_b;
+        body_lanes<P, 3> at_a, at_b;
         at_a.load(bodies, a);
         at_b.load(bodies, b);
-        const lanes3<P> turning = lane_subtract(at_b.velocity.angular, at_a.velocity.angular);
-        const lanes2<P> rolling = {lane_dot(f.t, turning), lane_dot(f.u, turning)};
-        const lanes2<P> by = extras.at->next(rolling, load_of<P>(points, point_count));
-        const lanes3<P> moment = lane_combine(f.t, by.x, f.u, by.y);
+        const lane_vec3<P> turning = at_b.velocity.angular - at_a.velocity.angular;
+        const lane_vec2<P> rolling = {dot(f.t, turning), dot(f.u, turning)};
+        const lane_vec2<P> by = extras.at->next(rolling, load_of<P>(points, point_count));
+        const lane_vec3<P> moment = combine(f.t, by.x, f.u, by.y);
         const P arm = extras.at->arm.all(), zero = P::broadcast(S(0));
-        const auto where_it_acts = [&](lanes3<P>& w, const lanes3<P>& now) PHYSICS_HPP_INLINE_LAMBDA {
-            w = {select_greater(arm, zero, now.x, w.x), select_greater(arm, zero, now.y, w.y),
-                 select_greater(arm, zero, now.z, w.z)};
-        };
-        where_it_acts(at_a.velocity.angular, lane_subtract(at_a.velocity.angular, times(inertia_a, moment)));
-        where_it_acts(at_b.velocity.angular, lane_add(at_b.velocity.angular, times(inertia_b, moment)));
+        lane_vec3<P>& w_a = at_a.velocity.angular;
+        lane_vec3<P>& w_b = at_b.velocity.angular;
+        w_a = select_greater(arm, zero, w_a - matrix::load(inertia_a) * moment, w_a);
+        w_b = select_greater(arm, zero, w_b + matrix::load(inertia_b) * moment, w_b);
         if (moves_a) at_a.store(bodies, a);
         if (moves_b) at_b.store(bodies, b);
     }
@@ -295,11 +291,12 @@ private:
     using frame_lanes = contact_frame3<P>;
     using relative_motion = contact_motion3<P>;
     using impulse_sum = contact_impulse3<P>;
+    using matrix = lane_symmetric<Q, 3>;
 
-    PHYSICS_HPP_ALWAYS_INLINE relative_motion displacement_of(const frame_lanes& f, const body_lanes3<P>& at_a,
-                                                              const body_lanes3<P>& at_b,
+    PHYSICS_HPP_ALWAYS_INLINE relative_motion displacement_of(const frame_lanes& f, const body_lanes<P, 3>& at_a,
+                                                              const body_lanes<P, 3>& at_b,
                                                               const contact_pass<S, 3>& pass) {
-        if (pass.use_bias) return relative_motion(lanes3<P>::load(last_displacements));
+        if (pass.use_bias) return relative_motion(lane_vec3<P>::load(last_displacements));
         const relative_motion displacement(f, at_a.displacement, at_b.displacement);
         displacement.along.store(last_displacements[0]);
         displacement.about_t.store(last_displacements[1]);
@@ -314,7 +311,8 @@ private:
             const point& p = points[k];
             const P change = next(k, speed.at(p));
             sum.add(p, change);
-            const lanes3<P> by = times(k_matrix, {change, P::load(p.y) * change, -(P::load(p.x) * change)});
+            const lane_vec3<P> by =
+                matrix::load(k_matrix) * lane_vec3<P>{change, P::load(p.y) * change, -(P::load(p.x) * change)};
             speed.along = speed.along + by.x;
             speed.about_t = speed.about_t + by.y;
             speed.about_u = speed.about_u + by.z;
@@ -332,7 +330,7 @@ private:
                 const S removed = reduce_to(points[k].impulse[lane], share);
                 sum += vec<S, 3>{removed, points[k].y[lane] * removed, -(points[k].x[lane] * removed)};
             }
-            slide_lanes<S> lost_friction{};
+            vec<S, 3> lost_friction;
             if constexpr (Features::friction)
                 lost_friction = friction.reduce_impulses(lane, points, point_count, share);
             remove_from_next_start(lane, bodies, pass, sum, lost_friction);
@@ -341,11 +339,11 @@ private:
     /// Takes impulses of a lane, along the normal at the middle and about the tangents, and friction, from what the
     /// next substep begins with.
     void remove_from_next_start(int lane, const body* bodies, const contact_pass<S, 3>& pass, const vec<S, 3>& sum,
-                                const slide_lanes<S>& lost_friction) {
+                                const vec<S, 3>& lost_friction) {
         const auto at = [&](const auto& rows) { return vec<S, 3>{rows[0][lane], rows[1][lane], rows[2][lane]}; };
         const vec<S, 3> n = at(normal), t = at(tangent), u = cross(n, t);
         const vec<S, 3> impulse = n * sum.x + t * lost_friction.x + u * lost_friction.y;
-        const vec<S, 3> moment = t * sum.y + u * sum.z + n * lost_friction.twist;
+        const vec<S, 3> moment = t * sum.y + u * sum.z + n * lost_friction.z;
         if (moves_a)
             remove_from_start(pass.start_velocity[a[lane]], bodies[a[lane]], -impulse,
                               -(cross(at(r_a), impulse) + moment));
@@ -353,45 +351,34 @@ private:
             remove_from_start(pass.start_velocity[b[lane]], bodies[b[lane]], impulse, cross(at(r_b), impulse) + moment);
     }
     /// Stops the slip, or lets it slide on the cone.
-    PHYSICS_HPP_ALWAYS_INLINE void solve_friction(const frame_lanes& f, body_lanes3<P>& at_a, body_lanes3<P>& at_b) {
-        P loads[capacity];
-        for (int k = 0; k < point_count; ++k) loads[k] = P::load(points[k].impulse);
-        const lanes3<P> slipping = f.at_middle(at_a.velocity, at_b.velocity);
-        slide_lanes<P> slip = {lane_dot(f.t, slipping), lane_dot(f.u, slipping),
-                               lane_dot(f.n, lane_subtract(at_b.velocity.angular, at_a.velocity.angular))};
+    PHYSICS_HPP_ALWAYS_INLINE void solve_friction(const frame_lanes& f, body_lanes<P, 3>& at_a,
+                                                  body_lanes<P, 3>& at_b) {
+        const lane_vec3<P> slipping = f.at_middle(at_a.velocity, at_b.velocity);
+        lane_vec3<P> slip = {dot(f.t, slipping), dot(f.u, slipping),
+                             dot(f.n, at_b.velocity.angular - at_a.velocity.angular)};
         if constexpr (Features::surface_velocity) {
             if (extras.at != nullptr) {
                 slip.x = slip.x - P::load(extras.belt().x);
                 slip.y = slip.y - P::load(extras.belt().y);
             }
         }
-        const slide_lanes<P> by = friction.next(slip, points, loads, point_count);
-        apply(f, lane_combine(f.t, by.x, f.u, by.y), {f.n.x * by.twist, f.n.y * by.twist, f.n.z * by.twist}, at_a,
-              at_b);
+        const lane_vec3<P> by = friction.next(slip, points, point_count);
+        apply(f, combine(f.t, by.x, f.u, by.y), f.n * by.z, at_a, at_b);
     }
-    PHYSICS_HPP_ALWAYS_INLINE void apply(const frame_lanes& f, const impulse_sum& sum, body_lanes3<P>& at_a,
-                                         body_lanes3<P>& at_b) const {
-        apply(f, {f.n.x * sum.load, f.n.y * sum.load, f.n.z * sum.load},
-              lane_combine(f.t, sum.about_t, f.u, sum.about_u), at_a, at_b);
+    PHYSICS_HPP_ALWAYS_INLINE void apply(const frame_lanes& f, const impulse_sum& sum, body_lanes<P, 3>& at_a,
+                                         body_lanes<P, 3>& at_b) const {
+        apply(f, f.n * sum.load, combine(f.t, sum.about_t, f.u, sum.about_u), at_a, at_b);
     }
     /// An impulse at the middle and an angular impulse, from A on B.
-    PHYSICS_HPP_ALWAYS_INLINE void apply(const frame_lanes& f, const lanes3<P>& impulse, const lanes3<P>& moment,
-                                         body_lanes3<P>& at_a, body_lanes3<P>& at_b) const {
+    PHYSICS_HPP_ALWAYS_INLINE void apply(const frame_lanes& f, const lane_vec3<P>& impulse, const lane_vec3<P>& moment,
+                                         body_lanes<P, 3>& at_a, body_lanes<P, 3>& at_b) const {
         const Q m_a = Q::load(mass_a), m_b = Q::load(mass_b);
         auto& [v_a, w_a] = at_a.velocity;
         auto& [v_b, w_b] = at_b.velocity;
-        v_a = {v_a.x - mul<S>(m_a, impulse.x), v_a.y - mul<S>(m_a, impulse.y), v_a.z - mul<S>(m_a, impulse.z)};
-        v_b = {v_b.x + mul<S>(m_b, impulse.x), v_b.y + mul<S>(m_b, impulse.y), v_b.z + mul<S>(m_b, impulse.z)};
-        w_a = lane_subtract(w_a, times(inertia_a, lane_add(lane_cross(f.r_a, impulse), moment)));
-        w_b = lane_add(w_b, times(inertia_b, lane_add(lane_cross(f.r_b, impulse), moment)));
-    }
-    PHYSICS_HPP_ALWAYS_INLINE static lanes3<P> times(const I (&matrix)[6][W], const lanes3<P>& v) {
-        const Q xx = Q::load(matrix[0]), yy = Q::load(matrix[1]), zz = Q::load(matrix[2]);
-        const Q xy = Q::load(matrix[3]), xz = Q::load(matrix[4]), yz = Q::load(matrix[5]);
-        const auto row = [&](const Q& x, const Q& y, const Q& z) PHYSICS_HPP_INLINE_LAMBDA {
-            return narrow<S>(product(x, v.x) + product(y, v.y) + product(z, v.z));
-        };
-        return {row(xx, xy, xz), row(xy, yy, yz), row(xz, yz, zz)};
+        v_a = v_a - impulse * m_a;
+        v_b = v_b + impulse * m_b;
+        w_a = w_a - matrix::load(inertia_a) * (cross(f.r_a, impulse) + moment);
+        w_b = w_b + matrix::load(inertia_b) * (cross(f.r_b, impulse) + moment);
     }
 };
 

@@ -36,17 +36,15 @@ struct friction_cone_lanes {
         put_lanes(select_greater(determinant, zero, lane_reciprocal(greatest), zero), gradient_step);
     }
     /// The impulses that follow those before where the speeds are v: they stop them, or slide on the cone.
-    PHYSICS_HPP_ALWAYS_INLINE lanes2<P> next(const lanes2<P>& before, const lanes2<P>& v, const P& limit) const {
-        const P across = P::load(xy);
-        const P stick_x = before.x - lane_sum(P::load(xx), v.x, across, v.y);
-        const P stick_y = before.y - lane_sum(across, v.x, P::load(yy), v.y);
-        if (lane_is_longer(stick_x, stick_y, limit).bits() == 0) return {stick_x, stick_y};
-        const P scale = P::load(gradient_step), slide_x = before.x - scale * v.x, slide_y = before.y - scale * v.y;
-        const P sliding = lane_length(slide_x, slide_y), sticking = lane_length(stick_x, stick_y);
+    PHYSICS_HPP_ALWAYS_INLINE lane_vec2<P> next(const lane_vec2<P>& before, const lane_vec2<P>& v,
+                                                const P& limit) const {
+        const lane_vec2<P> stick = before - lane_symmetric<P, 2>{P::load(xx), P::load(xy), P::load(yy)} * v;
+        if (lane_is_longer(stick.x, stick.y, limit).bits() == 0) return stick;
+        const lane_vec2<P> slide = before - v * P::load(gradient_step);
+        const P sliding = length(slide), sticking = length(stick);
         const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
         const P share = select_greater(sliding, limit, limit / select_greater(sliding, zero, sliding, one), one);
-        return {select_greater(sticking, limit, slide_x * share, stick_x),
-                select_greater(sticking, limit, slide_y * share, stick_y)};
+        return select_greater(sticking, limit, slide * share, stick);
     }
 };
 
@@ -133,28 +131,25 @@ struct rolling_lanes<S, W, 3, Features> {
 
     coefficient_lanes<S, W, Features> arm;
     friction_cone_lanes<S, W> stop;
-    S x[W], y[W], total_x[W], total_y[W];
+    /// Of this substep, and of the whole step.
+    S impulse[2][W], total[2][W];
 
     void put(int lane, const contact<S, 3, Features>& c, S resistance, const rolling3<S>& with, S share) {
         arm.put(lane, resistance);
         stop.put(lane, with);
-        x[lane] = c.rolling_impulse.x * share;
-        y[lane] = c.rolling_impulse.y * share;
+        for (int i = 0; i < 2; ++i) impulse[i][lane] = c.rolling_impulse[i] * share;
     }
     void store_impulses(int lane, contact<S, 3, Features>& c) const {
-        c.rolling_impulse = {total_x[lane], total_y[lane]};
+        c.rolling_impulse = {total[0][lane], total[1][lane]};
     }
-    PHYSICS_HPP_ALWAYS_INLINE lanes2<P> next(const lanes2<P>& w, const P& load) {
-        const lanes2<P> before = {P::load(x), P::load(y)};
-        const P reach = arm.all(), zero = P::broadcast(S(0));
-        const lanes2<P> after = stop.next(before, w, reach * load);
-        const lanes2<P> now = {select_greater(reach, zero, after.x, before.x),
-                               select_greater(reach, zero, after.y, before.y)};
-        now.x.store(x);
-        now.y.store(y);
-        (P::load(total_x) + now.x).store(total_x);
-        (P::load(total_y) + now.y).store(total_y);
-        return {after.x - before.x, after.y - before.y};
+    PHYSICS_HPP_ALWAYS_INLINE lane_vec2<P> next(const lane_vec2<P>& w, const P& load) {
+        using vector = lane_vec2<P>;
+        const vector before = vector::load(impulse);
+        const P reach = arm.all();
+        const vector after = select_greater(reach, P::broadcast(S(0)), stop.next(before, w, reach * load), before);
+        after.store(impulse);
+        (vector::load(total) + after).store(total);
+        return after - before;
     }
 };
 

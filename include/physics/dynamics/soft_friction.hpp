@@ -14,6 +14,13 @@ struct point_friction {};
 
 namespace detail {
 
+/// What a contact's points bear together.
+template <class P, class Point>
+PHYSICS_HPP_ALWAYS_INLINE P load_of(const Point* points, int count) {
+    P load = P::load(points[0].impulse);
+    for (int k = 1; k < count; ++k) load = load + P::load(points[k].impulse);
+    return load;
+}
 /// Keeps a share of an impulse, and tells what it loses by that.
 template <class S>
 S reduce_to(S& impulse, S share) {
@@ -68,26 +75,12 @@ struct soft_friction2 {
     }
 };
 
-/// Along both tangents and about the normal, at the middle: speeds, or impulses; of one contact, or in lanes.
-template <class P>
-struct slide_lanes {
-    P x, y, twist;
-};
-
-/// The loads of a contact's points together.
-template <class P>
-PHYSICS_HPP_ALWAYS_INLINE P sum_of(const P* loads, int count) {
-    P sum = loads[0];
-    for (int k = 1; k < count; ++k) sum = sum + loads[k];
-    return sum;
-}
-
 /// The impulses that stop a slip at these levers.
 template <class K, class S, int W>
-PHYSICS_HPP_ALWAYS_INLINE void prepare_cone(const contact_lanes3<K>& c, const lanes3<K>& r_a, const lanes3<K>& r_b,
-                                            friction_cone_lanes<S, W>& stop) {
-    const lanes3<K> t_a = lane_cross(r_a, c.t), t_b = lane_cross(r_b, c.t);
-    const lanes3<K> u_a = lane_cross(r_a, c.u), u_b = lane_cross(r_b, c.u);
+PHYSICS_HPP_ALWAYS_INLINE void prepare_cone(const contact_lanes3<K>& c, const lane_vec3<K>& r_a,
+                                            const lane_vec3<K>& r_b, friction_cone_lanes<S, W>& stop) {
+    const lane_vec3<K> t_a = cross(r_a, c.t), t_b = cross(r_b, c.t);
+    const lane_vec3<K> u_a = cross(r_a, c.u), u_b = cross(r_b, c.u);
     stop.prepare(c.mass + c.turned(t_a, t_b, t_a, t_b), c.turned(t_a, t_b, u_a, u_b),
                  c.mass + c.turned(u_a, u_b, u_a, u_b));
 }
@@ -96,6 +89,7 @@ PHYSICS_HPP_ALWAYS_INLINE void prepare_cone(const contact_lanes3<K>& c, const la
 template <class S, int W, class Features>
 struct soft_patch_friction3 {
     using P = kernel_pack<S, W>;
+    using vector = lane_vec3<P>;
 
     /// The largest friction for an impulse of 1, at the middle and, an angular impulse, about the normal (m).
     coefficient_lanes<S, W, Features> coefficient;
@@ -103,16 +97,15 @@ struct soft_patch_friction3 {
     /// The impulses that stop a slip.
     friction_cone_lanes<S, W> stop;
     S stop_twist[W];
-    /// Impulses of this substep, and of the whole step.
-    S x[W], y[W], twist[W];
-    S total_x[W], total_y[W], total_twist[W];
+    /// Impulses along both tangents and about the normal, of this substep and of the whole step.
+    S impulse[3][W], total[3][W];
 
     void put(int lane, const contact<S, 3, Features>& c, const prepare_input<S, 3, Features>& with) {
         coefficient.put(lane, with.surfaces.friction_of(c));
         const vec<S, 2> before = friction_of(c);
-        x[lane] = before.x * with.share;
-        y[lane] = before.y * with.share;
-        twist[lane] = c.twist_impulse * with.share;
+        impulse[0][lane] = before.x * with.share;
+        impulse[1][lane] = before.y * with.share;
+        impulse[2][lane] = c.twist_impulse * with.share;
     }
     /// Works out the rest in lanes.
     template <class K, class Point>
@@ -126,37 +119,36 @@ struct soft_patch_friction3 {
         put_lanes(lane_reciprocal(c.turned(c.n, c.n, c.n, c.n)), stop_twist);
     }
     /// The impulse of point k, which bears that part of the load; and the one about the normal.
-    vec<S, 2> of_point(int lane, int, S fraction) const { return {total_x[lane] * fraction, total_y[lane] * fraction}; }
-    S about_normal(int lane) const { return total_twist[lane]; }
+    vec<S, 2> of_point(int lane, int, S fraction) const {
+        return {total[0][lane] * fraction, total[1][lane] * fraction};
+    }
+    S about_normal(int lane) const { return total[2][lane]; }
     /// More than 0 where it holds anything.
     PHYSICS_HPP_ALWAYS_INLINE P max_impulse(int) const {
-        return max(lane_abs(P::load(x)), max(lane_abs(P::load(y)), lane_abs(P::load(twist))));
+        return max(lane_abs(P::load(impulse[0])), max(lane_abs(P::load(impulse[1])), lane_abs(P::load(impulse[2]))));
     }
     /// The impulses so far.
     template <class Point>
-    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> last(const Point*, int) const {
-        return {P::load(x), P::load(y), P::load(twist)};
+    PHYSICS_HPP_ALWAYS_INLINE vector last(const Point*, int) const {
+        return vector::load(impulse);
     }
     /// Keeps a share of the impulses of a lane, and tells what they lose.
     template <class Point>
-    slide_lanes<S> reduce_impulses(int lane, const Point*, int, S share) {
-        return {reduce_to(x[lane], share), reduce_to(y[lane], share), reduce_to(twist[lane], share)};
+    vec<S, 3> reduce_impulses(int lane, const Point*, int, S share) {
+        return {reduce_to(impulse[0][lane], share), reduce_to(impulse[1][lane], share),
+                reduce_to(impulse[2][lane], share)};
     }
-    /// Their change where the surfaces slip under loads: first it stops the slip at the middle, then the twist.
+    /// Their change where the surfaces slip under the points' loads: first it stops the slip at the middle, then the
+    /// twist.
     template <class Point>
-    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(const slide_lanes<P>& slip, const Point*, const P* loads, int count) {
-        const P load = sum_of(loads, count);
-        const lanes2<P> before = {P::load(x), P::load(y)};
-        const lanes2<P> after = stop.next(before, {slip.x, slip.y}, coefficient.all() * load);
-        after.x.store(x);
-        after.y.store(y);
-        const P twisted = P::load(twist), maximum = P::load(twist_arm) * load;
-        const P turned = max(min(twisted - P::load(stop_twist) * slip.twist, maximum), -maximum);
-        turned.store(twist);
-        (P::load(total_x) + after.x).store(total_x);
-        (P::load(total_y) + after.y).store(total_y);
-        (P::load(total_twist) + turned).store(total_twist);
-        return {after.x - before.x, after.y - before.y, turned - twisted};
+    PHYSICS_HPP_ALWAYS_INLINE vector next(const vector& slip, const Point* points, int count) {
+        const P load = load_of<P>(points, count), maximum = P::load(twist_arm) * load;
+        const vector before = vector::load(impulse);
+        const lane_vec2<P> slid = stop.next({before.x, before.y}, {slip.x, slip.y}, coefficient.all() * load);
+        const vector after = {slid.x, slid.y, max(min(before.z - P::load(stop_twist) * slip.z, maximum), -maximum)};
+        after.store(impulse);
+        (vector::load(total) + after).store(total);
+        return after - before;
     }
 };
 
@@ -165,11 +157,12 @@ template <class S, int W, class Features>
 struct soft_point_friction3 {
     using P = kernel_pack<S, W>;
     using Q = kernel_pack<inverse_of<S>, W>;
+    using vector = lane_vec3<P>;
 
     struct point {
         friction_cone_lanes<S, W> stop;
         /// Impulses of this substep, and of the whole step.
-        S x[W], y[W], total_x[W], total_y[W];
+        S impulse[2][W], total[2][W];
     };
 
     coefficient_lanes<S, W, Features> coefficient;
@@ -182,82 +175,73 @@ struct soft_point_friction3 {
         for (int k = 0; k < c.count; ++k) {
             const auto& from = c.points[k];
             const bool bears = c.persisted(k) && from.substep_impulse > S(0);
-            each[k].x[lane] = bears ? from.friction_impulse.x * with.share : S(0);
-            each[k].y[lane] = bears ? from.friction_impulse.y * with.share : S(0);
+            for (int i = 0; i < 2; ++i) each[k].impulse[i][lane] = bears ? from.friction_impulse[i] * with.share : S(0);
         }
     }
     template <class K, class Point>
     PHYSICS_HPP_ALWAYS_INLINE void prepare(const contact_lanes3<K>& c, const Point* points, int maximum, const K&) {
-        const lanes3<K> t_a = lane_cross(c.r_a, c.t), t_b = lane_cross(c.r_b, c.t);
-        const lanes3<K> u_a = lane_cross(c.r_a, c.u), u_b = lane_cross(c.r_b, c.u);
-        put_lanes(c.mass + c.turned(t_a, t_b, t_a, t_b), k_matrix[0]);
-        put_lanes(c.turned(t_a, t_b, u_a, u_b), k_matrix[1]);
-        put_lanes(c.turned(t_a, t_b, c.n, c.n), k_matrix[2]);
-        put_lanes(c.mass + c.turned(u_a, u_b, u_a, u_b), k_matrix[3]);
-        put_lanes(c.turned(u_a, u_b, c.n, c.n), k_matrix[4]);
-        put_lanes(c.turned(c.n, c.n, c.n, c.n), k_matrix[5]);
+        const lane_vec3<K> t_a = cross(c.r_a, c.t), t_b = cross(c.r_b, c.t);
+        const lane_vec3<K> u_a = cross(c.r_a, c.u), u_b = cross(c.r_b, c.u);
+        lane_symmetric<K, 3>{c.mass + c.turned(t_a, t_b, t_a, t_b), c.mass + c.turned(u_a, u_b, u_a, u_b),
+                             c.turned(c.n, c.n, c.n, c.n),          c.turned(t_a, t_b, u_a, u_b),
+                             c.turned(t_a, t_b, c.n, c.n),          c.turned(u_a, u_b, c.n, c.n)}
+            .store(k_matrix);
         for (int k = 0; k < maximum; ++k) {
-            const lanes3<K> offset = lane_combine(c.t, lanes_from<K>(points[k].x), c.u, lanes_from<K>(points[k].y));
-            prepare_cone(c, lane_add(c.r_a, offset), lane_add(c.r_b, offset), each[k].stop);
+            const lane_vec3<K> offset = combine(c.t, lanes_from<K>(points[k].x), c.u, lanes_from<K>(points[k].y));
+            prepare_cone(c, c.r_a + offset, c.r_b + offset, each[k].stop);
         }
     }
-    vec<S, 2> of_point(int lane, int k, S) const { return {each[k].total_x[lane], each[k].total_y[lane]}; }
+    vec<S, 2> of_point(int lane, int k, S) const { return {each[k].total[0][lane], each[k].total[1][lane]}; }
     S about_normal(int) const { return S(0); }
     PHYSICS_HPP_ALWAYS_INLINE P max_impulse(int count) const {
         P maximum = P::broadcast(S(0));
         for (int k = 0; k < count; ++k)
-            maximum = max(maximum, max(lane_abs(P::load(each[k].x)), lane_abs(P::load(each[k].y))));
+            maximum = max(maximum, max(lane_abs(P::load(each[k].impulse[0])), lane_abs(P::load(each[k].impulse[1]))));
         return maximum;
     }
     template <class Point>
-    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> last(const Point* points, int count) const {
-        const P zero = P::broadcast(S(0));
-        slide_lanes<P> sum{zero, zero, zero};
-        for (int k = 0; k < count; ++k) add(sum, points[k], P::load(each[k].x), P::load(each[k].y));
+    PHYSICS_HPP_ALWAYS_INLINE vector last(const Point* points, int count) const {
+        vector sum = none();
+        for (int k = 0; k < count; ++k) sum = sum + at_middle(points[k], lane_vec2<P>::load(each[k].impulse));
         return sum;
     }
     template <class Point>
-    slide_lanes<S> reduce_impulses(int lane, const Point* points, int count, S share) {
-        slide_lanes<S> sum{};
+    vec<S, 3> reduce_impulses(int lane, const Point* points, int count, S share) {
+        vec<S, 3> sum;
         for (int k = 0; k < count; ++k) {
-            const S along = reduce_to(each[k].x[lane], share), across = reduce_to(each[k].y[lane], share);
-            sum.x += along;
-            sum.y += across;
-            sum.twist += difference_of_products(points[k].x[lane], across, points[k].y[lane], along);
+            const S along = reduce_to(each[k].impulse[0][lane], share);
+            const S across = reduce_to(each[k].impulse[1][lane], share);
+            sum +=
+                vec<S, 3>{along, across, difference_of_products(points[k].x[lane], across, points[k].y[lane], along)};
         }
         return sum;
     }
     template <class Point>
-    PHYSICS_HPP_ALWAYS_INLINE slide_lanes<P> next(const slide_lanes<P>& start, const Point* points, const P* loads,
-                                                  int count) {
-        const P zero = P::broadcast(S(0)), mu = coefficient.all();
-        slide_lanes<P> slip = start;
-        slide_lanes<P> sum{zero, zero, zero};
+    PHYSICS_HPP_ALWAYS_INLINE vector next(const vector& start, const Point* points, int count) {
+        const P mu = coefficient.all();
+        vector slip = start, sum = none();
         for (int k = 0; k < count; ++k) {
-            const P px = P::load(points[k].x), py = P::load(points[k].y);
-            const lanes2<P> before = {P::load(each[k].x), P::load(each[k].y)};
-            const lanes2<P> v = {slip.x - py * slip.twist, slip.y + px * slip.twist};
-            const lanes2<P> after = each[k].stop.next(before, v, mu * loads[k]);
-            after.x.store(each[k].x);
-            after.y.store(each[k].y);
-            (P::load(each[k].total_x) + after.x).store(each[k].total_x);
-            (P::load(each[k].total_y) + after.y).store(each[k].total_y);
-            slide_lanes<P> by{zero, zero, zero};
-            add(by, points[k], after.x - before.x, after.y - before.y);
-            sum = {sum.x + by.x, sum.y + by.y, sum.twist + by.twist};
-            slip = {slip.x + times_k(0, 1, 2, by), slip.y + times_k(1, 3, 4, by), slip.twist + times_k(2, 4, 5, by)};
+            const lane_vec2<P> before = lane_vec2<P>::load(each[k].impulse);
+            const lane_vec2<P> v = {slip.x - P::load(points[k].y) * slip.z, slip.y + P::load(points[k].x) * slip.z};
+            const lane_vec2<P> after = each[k].stop.next(before, v, mu * P::load(points[k].impulse));
+            after.store(each[k].impulse);
+            (lane_vec2<P>::load(each[k].total) + after).store(each[k].total);
+            const vector by = none() + at_middle(points[k], after - before);
+            sum = sum + by;
+            slip = slip + lane_symmetric<Q, 3>::load(k_matrix) * by;
         }
         return sum;
     }
 
 private:
-    template <class Point>
-    PHYSICS_HPP_ALWAYS_INLINE static void add(slide_lanes<P>& sum, const Point& p, const P& x, const P& y) {
-        sum = {sum.x + x, sum.y + y, sum.twist + lane_difference(P::load(p.x), y, P::load(p.y), x)};
+    PHYSICS_HPP_ALWAYS_INLINE static vector none() {
+        const P zero = P::broadcast(S(0));
+        return {zero, zero, zero};
     }
-    PHYSICS_HPP_ALWAYS_INLINE P times_k(int i, int j, int k, const slide_lanes<P>& by) const {
-        return narrow<S>(product(Q::load(k_matrix[i]), by.x) + product(Q::load(k_matrix[j]), by.y) +
-                         product(Q::load(k_matrix[k]), by.twist));
+    /// What an impulse at a point comes to at the middle.
+    template <class Point>
+    PHYSICS_HPP_ALWAYS_INLINE static vector at_middle(const Point& p, const lane_vec2<P>& impulse) {
+        return {impulse.x, impulse.y, cross(lane_vec2<P>{P::load(p.x), P::load(p.y)}, impulse)};
     }
 };
 

@@ -7,27 +7,7 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// Vectors in lanes.
-template <class P, int D>
-struct vector_lanes {
-    P at[D];
-
-    PHYSICS_HPP_ALWAYS_INLINE static vector_lanes load(const typename P::scalar (&from)[D][P::width]) {
-        vector_lanes v;
-        for (int i = 0; i < D; ++i) v.at[i] = P::load(from[i]);
-        return v;
-    }
-};
-template <class P>
-PHYSICS_HPP_ALWAYS_INLINE P lane_dot(const vector_lanes<P, 2>& a, const vector_lanes<P, 2>& b) {
-    return lane_sum(a.at[0], b.at[0], a.at[1], b.at[1]);
-}
-template <class P>
-PHYSICS_HPP_ALWAYS_INLINE P lane_dot(const vector_lanes<P, 3>& a, const vector_lanes<P, 3>& b) {
-    return lane_dot(lanes3<P>{a.at[0], a.at[1], a.at[2]}, lanes3<P>{b.at[0], b.at[1], b.at[2]});
-}
-
-/// Velocities and ways of W bodies.
+/// Velocities and displacements of W bodies.
 template <class P, int D>
 struct linear_lanes {
     using S = typename P::scalar;
@@ -35,25 +15,25 @@ struct linear_lanes {
     static constexpr int stride = sizeof(body) / sizeof(S);
     static_assert(sizeof(linear_twist<S, D>) == D * sizeof(S));
 
-    vector_lanes<P, D> velocity, displacement;
+    lane_vec<P, D> velocity, displacement;
 
     PHYSICS_HPP_ALWAYS_INLINE void load(const body* bodies, const std::uint32_t* index) {
         const auto* first = reinterpret_cast<const S*>(bodies);
         const quad<P> p = load4<P>(indexed_rows<const S, stride>{first, index});
         if constexpr (D == 2) {
-            velocity = {{p.x, p.y}};
-            displacement = {{p.z, p.w}};
+            velocity = {p.x, p.y};
+            displacement = {p.z, p.w};
         } else {
             const quad<P> q = load4<P>(indexed_rows<const S, stride>{first + 4, index});
-            velocity = {{p.x, p.y, p.z}};
-            displacement = {{p.w, q.x, q.y}};
+            velocity = {p.x, p.y, p.z};
+            displacement = {p.w, q.x, q.y};
         }
     }
     PHYSICS_HPP_ALWAYS_INLINE void store(body* bodies, const std::uint32_t* index) const {
         const indexed_rows<S, stride> to{reinterpret_cast<S*>(bodies), index};
-        const auto& v = velocity.at;
-        if constexpr (D == 2) store4(to, quad<P>{v[0], v[1], displacement.at[0], displacement.at[1]});
-        else store4(to, quad<P>{v[0], v[1], v[2], displacement.at[0]});
+        const auto& [v, moved] = *this;
+        if constexpr (D == 2) store4(to, quad<P>{v.x, v.y, moved.x, moved.y});
+        else store4(to, quad<P>{v.x, v.y, v.z, moved.x});
     }
 };
 
@@ -180,10 +160,7 @@ struct soft_linear_contact {
         using K = preparing<S, W>;
         put_lanes(lane_reciprocal(lanes_from<K>(mass_a) + lanes_from<K>(mass_b)), points[0].mass);
         if constexpr (Features::friction && D == 3) {
-            const lanes3<K> t = lane_tangent(lanes3_from<K>(normal));
-            put_lanes(t.x, tangent.kept[0]);
-            put_lanes(t.y, tangent.kept[1]);
-            put_lanes(t.z, tangent.kept[2]);
+            lane_tangent(lane_vec3<K>::load(normal)).store(tangent.kept);
         }
     }
     /// Hands the impulses back.
@@ -222,8 +199,7 @@ struct soft_linear_contact {
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const vector n = normals();
-        const P speed = lane_dot(n, slip_of(at_a, at_b)),
-                displacement = lane_dot(n, difference(at_b.displacement, at_a.displacement));
+        const P speed = dot(n, slip_of(at_a, at_b)), displacement = dot(n, at_b.displacement - at_a.displacement);
         const P one = P::broadcast(S(1));
         const auto displacement_at = [&](int) PHYSICS_HPP_INLINE_LAMBDA { return displacement; };
         const auto speed_at = [&](int) PHYSICS_HPP_INLINE_LAMBDA { return speed; };
@@ -253,8 +229,7 @@ struct soft_linear_contact {
         at_a.load(bodies, a);
         at_b.load(bodies, b);
         const vector n = normals();
-        const P speed = lane_dot(n, slip_of(at_a, at_b)),
-                displacement = lane_dot(n, difference(at_b.displacement, at_a.displacement));
+        const P speed = dot(n, slip_of(at_a, at_b)), displacement = dot(n, at_b.displacement - at_a.displacement);
         bounces_now = bounce_to.at->template note<P>(
             points, 1, pass, [&](int) PHYSICS_HPP_INLINE_LAMBDA { return displacement; },
             [&](int) PHYSICS_HPP_INLINE_LAMBDA { return speed; });
@@ -279,34 +254,28 @@ struct soft_linear_contact {
     }
 
 private:
-    using vector = vector_lanes<P, D>;
+    using vector = lane_vec<P, D>;
 
     PHYSICS_HPP_ALWAYS_INLINE vector normals() const { return vector::load(normal); }
     /// Tangent number i.
     PHYSICS_HPP_ALWAYS_INLINE vector along(int i) const requires Features::friction {
         if constexpr (D == 2) {
-            return {{P::load(normal[1]), -P::load(normal[0])}};
+            return {P::load(normal[1]), -P::load(normal[0])};
         } else {
-            const lanes3<P> t = lanes3<P>::load(tangent.kept);
-            const lanes3<P> of = i == 0 ? t : lane_cross(lanes3<P>::load(normal), t);
-            return {{of.x, of.y, of.z}};
+            const lane_vec3<P> t = lane_vec3<P>::load(tangent.kept);
+            return i == 0 ? t : cross(lane_vec3<P>::load(normal), t);
         }
-    }
-    PHYSICS_HPP_ALWAYS_INLINE static vector difference(const vector& v, const vector& w) {
-        vector d;
-        for (int i = 0; i < D; ++i) d.at[i] = v.at[i] - w.at[i];
-        return d;
     }
     /// How B moves against A.
     PHYSICS_HPP_ALWAYS_INLINE static vector slip_of(const linear_lanes<P, D>& at_a, const linear_lanes<P, D>& at_b) {
-        return difference(at_b.velocity, at_a.velocity);
+        return at_b.velocity - at_a.velocity;
     }
     /// Stops the slip, or lets it slide.
     PHYSICS_HPP_ALWAYS_INLINE void solve_friction(const P& load, bool use_bias, linear_lanes<P, D>& at_a,
                                                   linear_lanes<P, D>& at_b) {
         const vector slip = slip_of(at_a, at_b);
         P by[D - 1];
-        for (int i = 0; i < D - 1; ++i) by[i] = lane_dot(along(i), slip);
+        for (int i = 0; i < D - 1; ++i) by[i] = dot(along(i), slip);
         if constexpr (Features::surface_velocity) {
             if (extras.at != nullptr) {
                 if constexpr (D == 2) {
@@ -347,29 +316,23 @@ private:
     }
     /// Impulses along the normal and along the tangents, from A on B.
     PHYSICS_HPP_ALWAYS_INLINE void apply(const P& load, linear_lanes<P, D>& at_a, linear_lanes<P, D>& at_b) const {
-        vector impulse = normals();
-        for (P& component : impulse.at) component = component * load;
-        apply_impulse(impulse, at_a, at_b);
+        apply_impulse(normals() * load, at_a, at_b);
     }
     PHYSICS_HPP_ALWAYS_INLINE void apply(const P& load, const P (&friction_impulses)[D - 1], linear_lanes<P, D>& at_a,
                                          linear_lanes<P, D>& at_b) const requires Features::friction {
-        const vector n = normals();
-        vector impulse, tangents[D - 1];
-        for (int k = 0; k < D - 1; ++k) tangents[k] = along(k);
-        for (int i = 0; i < D; ++i) {
-            auto sum = product(n.at[i], load);
-            for (int k = 0; k < D - 1; ++k) sum = sum + product(tangents[k].at[i], friction_impulses[k]);
-            impulse.at[i] = narrow<S>(sum);
+        const vector n = normals(), t = along(0);
+        const P& by_t = friction_impulses[0];
+        if constexpr (D == 2) {
+            apply_impulse({lane_sum(n.x, load, t.x, by_t), lane_sum(n.y, load, t.y, by_t)}, at_a, at_b);
+        } else {
+            const vector u = along(1), by = {load, by_t, friction_impulses[1]};
+            apply_impulse({dot({n.x, t.x, u.x}, by), dot({n.y, t.y, u.y}, by), dot({n.z, t.z, u.z}, by)}, at_a, at_b);
         }
-        apply_impulse(impulse, at_a, at_b);
     }
     PHYSICS_HPP_ALWAYS_INLINE void apply_impulse(const vector& impulse, linear_lanes<P, D>& at_a,
                                                  linear_lanes<P, D>& at_b) const {
-        const Q m_a = Q::load(mass_a), m_b = Q::load(mass_b);
-        for (int i = 0; i < D; ++i) {
-            at_a.velocity.at[i] = at_a.velocity.at[i] - mul<S>(m_a, impulse.at[i]);
-            at_b.velocity.at[i] = at_b.velocity.at[i] + mul<S>(m_b, impulse.at[i]);
-        }
+        at_a.velocity = at_a.velocity - impulse * Q::load(mass_a);
+        at_b.velocity = at_b.velocity + impulse * Q::load(mass_b);
     }
     PHYSICS_HPP_ALWAYS_INLINE void store(body* bodies, const linear_lanes<P, D>& at_a,
                                          const linear_lanes<P, D>& at_b) const {

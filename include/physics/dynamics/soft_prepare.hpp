@@ -15,77 +15,6 @@ namespace detail {
 template <class S, int W>
 using preparing = kernel_pack<std::conditional_t<std::is_floating_point_v<S>, S, double>, W>;
 
-template <class K, class T>
-PHYSICS_HPP_ALWAYS_INLINE K lanes_from(const T* from) {
-    if constexpr (std::is_same_v<typename K::scalar, T>) {
-        return K::load(from);
-    } else {
-        K lanes;
-        for (int i = 0; i < K::width; ++i) lanes.set_lane(i, to_double(from[i]));
-        return lanes;
-    }
-}
-template <class K, class T>
-PHYSICS_HPP_ALWAYS_INLINE void put_lanes(const K& lanes, T* to) {
-    if constexpr (std::is_same_v<typename K::scalar, T>) lanes.store(to);
-    else
-        for (int i = 0; i < K::width; ++i) to[i] = static_cast<T>(lanes.lane(i));
-}
-template <class K, class T>
-PHYSICS_HPP_ALWAYS_INLINE lanes3<K> lanes3_from(const T (&from)[3][K::width]) {
-    return {lanes_from<K>(from[0]), lanes_from<K>(from[1]), lanes_from<K>(from[2])};
-}
-
-/// a / b where b is greater than 0, else 0.
-template <class K>
-PHYSICS_HPP_ALWAYS_INLINE K lane_quotient(const K& a, const K& b) {
-    using C = typename K::scalar;
-    const K zero = K::broadcast(C(0)), one = K::broadcast(C(1));
-    return select_greater(b, zero, a / select_greater(b, zero, b, one), zero);
-}
-template <class K>
-PHYSICS_HPP_ALWAYS_INLINE K lane_reciprocal(const K& x) {
-    return lane_quotient(K::broadcast(typename K::scalar(1)), x);
-}
-
-template <class K>
-struct symmetric_lanes {
-    K xx, yy, zz, xy, xz, yz;
-
-    template <class T>
-    PHYSICS_HPP_ALWAYS_INLINE static symmetric_lanes load(const T (&from)[6][K::width]) {
-        return {lanes_from<K>(from[0]), lanes_from<K>(from[1]), lanes_from<K>(from[2]),
-                lanes_from<K>(from[3]), lanes_from<K>(from[4]), lanes_from<K>(from[5])};
-    }
-    template <class T>
-    PHYSICS_HPP_ALWAYS_INLINE void store(T (&to)[6][K::width]) const {
-        put_lanes(xx, to[0]);
-        put_lanes(yy, to[1]);
-        put_lanes(zz, to[2]);
-        put_lanes(xy, to[3]);
-        put_lanes(xz, to[4]);
-        put_lanes(yz, to[5]);
-    }
-};
-template <class K>
-PHYSICS_HPP_ALWAYS_INLINE symmetric_lanes<K> lane_add(const symmetric_lanes<K>& a, const symmetric_lanes<K>& b) {
-    return {a.xx + b.xx, a.yy + b.yy, a.zz + b.zz, a.xy + b.xy, a.xz + b.xz, a.yz + b.yz};
-}
-template <class K>
-PHYSICS_HPP_ALWAYS_INLINE lanes3<K> lane_times(const symmetric_lanes<K>& m, const lanes3<K>& v) {
-    return {m.xx * v.x + m.xy * v.y + m.xz * v.z, m.xy * v.x + m.yy * v.y + m.yz * v.z,
-            m.xz * v.x + m.yz * v.y + m.zz * v.z};
-}
-/// The inverse of positive definite matrices; of others anything. By L D L^T, as in mat.hpp.
-template <class K>
-PHYSICS_HPP_ALWAYS_INLINE symmetric_lanes<K> lane_inverse(const symmetric_lanes<K>& m) {
-    const K e1 = lane_reciprocal(m.xx), l21 = m.xy * e1, l31 = m.xz * e1;
-    const K e2 = lane_reciprocal(m.yy - l21 * m.xy), left = m.yz - l21 * m.xz, l32 = left * e2;
-    const K e3 = lane_reciprocal(m.zz - l31 * m.xz - l32 * left);
-    const K m31 = l21 * l32 - l31, xz = e3 * m31, yz = -(e3 * l32), xy = -(e2 * l21) - xz * l32;
-    return {e1 + e2 * l21 * l21 + xz * m31, e2 - yz * l32, e3, xy, xz, yz};
-}
-
 /// W contacts that are prepared together, some of which may be none. Contacts are rows of scalars, which lanes read
 /// faster than one by one.
 template <class S, int D, int W, class Features>
@@ -185,20 +114,20 @@ private:
 /// W contacts in 3D, and how their bodies answer to impulses at the middles.
 template <class K>
 struct contact_lanes3 {
-    lanes3<K> n, t, u, r_a, r_b;
+    lane_vec3<K> n, t, u, r_a, r_b;
     K mass;
-    symmetric_lanes<K> inertia_a, inertia_b;
+    lane_symmetric<K, 3> inertia_a, inertia_b;
 
     /// How fast B turns about some axes against A by angular impulses about others.
-    PHYSICS_HPP_ALWAYS_INLINE K turned(const lanes3<K>& of_a, const lanes3<K>& of_b, const lanes3<K>& about_a,
-                                       const lanes3<K>& about_b) const {
-        return lane_dot(lane_times(inertia_a, of_a), about_a) + lane_dot(lane_times(inertia_b, of_b), about_b);
+    PHYSICS_HPP_ALWAYS_INLINE K turned(const lane_vec3<K>& of_a, const lane_vec3<K>& of_b, const lane_vec3<K>& about_a,
+                                       const lane_vec3<K>& about_b) const {
+        return dot(inertia_a * of_a, about_a) + dot(inertia_b * of_b, about_b);
     }
 };
 
 /// The first tangent of normals in 3D, as tangents3 has it.
 template <class K>
-PHYSICS_HPP_ALWAYS_INLINE lanes3<K> lane_tangent(const lanes3<K>& n) {
+PHYSICS_HPP_ALWAYS_INLINE lane_vec3<K> lane_tangent(const lane_vec3<K>& n) {
     const K zero = K::broadcast(typename K::scalar(0)), x = lane_abs(n.x), z = lane_abs(n.z);
     const K from = select_greater(x, z, n.y, n.z), to = select_greater(x, z, n.x, n.y);
     const K length = lane_length(from, to), back = lane_quotient(-from, length), on = lane_quotient(to, length);
@@ -211,8 +140,8 @@ template <class S, int W>
 struct second_tangent {
     void prepare(const S (&)[3][W], const S (&)[3][W]) {}
     template <class P>
-    PHYSICS_HPP_ALWAYS_INLINE lanes3<P> of(const lanes3<P>& n, const lanes3<P>& t) const {
-        return lane_cross(n, t);
+    PHYSICS_HPP_ALWAYS_INLINE lane_vec3<P> of(const lane_vec3<P>& n, const lane_vec3<P>& t) const {
+        return cross(n, t);
     }
 };
 template <class S, int W>
@@ -221,14 +150,12 @@ struct kept_second_tangent {
 
     PHYSICS_HPP_ALWAYS_INLINE void prepare(const S (&normal)[3][W], const S (&tangent)[3][W]) {
         using P = kernel_pack<S, W>;
-        const lanes3<P> u = lane_cross(lanes3<P>::load(normal), lanes3<P>::load(tangent));
-        u.x.store(kept[0]);
-        u.y.store(kept[1]);
-        u.z.store(kept[2]);
+        const lane_vec3<P> u = cross(lane_vec3<P>::load(normal), lane_vec3<P>::load(tangent));
+        u.store(kept);
     }
     template <class P>
-    PHYSICS_HPP_ALWAYS_INLINE lanes3<P> of(const lanes3<P>&, const lanes3<P>&) const {
-        return lanes3<P>::load(kept);
+    PHYSICS_HPP_ALWAYS_INLINE lane_vec3<P> of(const lane_vec3<P>&, const lane_vec3<P>&) const {
+        return lane_vec3<P>::load(kept);
     }
 };
 template <class S, int W>
