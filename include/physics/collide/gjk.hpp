@@ -95,140 +95,164 @@ void measure(gjk_result<D>& r, point<D> v) {
     r.distance = distance;
 }
 
-/// GJK itself; see gjk().
+/// Where a search by gjk() is: the result so far, and v, the point of its simplex that is closest to the origin.
 template <int D>
-gjk_result<D> search(const core<D>& a, const placed_core<D>& b, double maximum, double tolerance, gjk_cache* cache) {
-    constexpr int max_iterations = 128, max_stalls = 8, max_refinements = 8;
-    gjk_result<D> r;
-    int stalls = 0, refinements = 0;
-    double minimum_unknown = no_limit, best_separated = 0;
-    raw_array<gjk_result<D>, 1> best;
-    // What rounding may do to a coordinate of the vertices.
-    const double noise = 0x1p-51 * extent_of(a, b), squared_noise = noise * noise, squared_most = maximum * maximum;
-    const bool smooth = !a.has_vertices() || !b.shape->has_vertices();
-    // How far apart they must be for a normal that parts them by less than it says to count.
-    const double trusted = (smooth ? 0x1p20 : 0x1p10) * noise;
-    const auto gave_up = [&](const point<D>& along, const cso_vertex<D>& farthest) {
-        r.beyond = true;
-        r.normal = unit(along);
-        r.distance = dot(r.normal, farthest.w);
-    };
+struct gjk_search {
+    static constexpr int max_iterations = 128, max_stalls = 8, max_refinements = 8;
+
+    const core<D>& a;
+    const placed_core<D>& b;
+    double maximum, tolerance;
+    gjk_result<D>& r;
+    /// What rounding may do to a coordinate of the vertices.
+    double noise = 0x1p-51 * extent_of(a, b);
+    bool smooth = !a.has_vertices() || !b.shape->has_vertices();
     point<D> v = b.at;
-    if (cache != nullptr && cache->count > 0) {
+    double vv = dot(v, v);
+    /// The least part of the distance that was unknown (m, squared), and how often it has not been halved since.
+    double minimum_unknown = no_limit;
+    int stalls = 0;
+    /// The result whose normal parts the cores most, of those that part them by less than they say.
+    raw_array<gjk_result<D>, 1> best = {};
+    double best_separated = 0;
+    int refinements = 0;
+
+    PHYSICS_HPP_ALWAYS_INLINE void run(gjk_cache* cache) {
+        if (cache != nullptr && cache->count > 0 && !seed(*cache)) return;
+        if (!(vv > 0) && r.at.count == 0) v = {}, v[0] = vv = 1;
+        for (int iteration = 0;; ++iteration) {
+            if (reaches_origin()) break;
+            cso_vertex<D>& w = r.at.vertex[r.at.count];
+            w = support_along(a, b, v);
+            const double vw = dot(v, w.w);
+            if (exceeds_maximum(w, vw)) break;
+            if (!is_closest(w, vv - vw, iteration) && reduce(vv - vw)) continue;
+            if (accept(vw)) break;
+        }
+        // Rounding can't bring together what a normal was seen to part.
+        if (r.overlapping && best_separated > trusted()) [[unlikely]]
+            r = best[0];
+        if (cache != nullptr) store(*cache);
+    }
+
+private:
+    /// How far apart they must be for a normal that parts them by less than it says to count.
+    [[nodiscard]] double trusted() const { return (smooth ? 0x1p20 : 0x1p10) * noise; }
+
+    /// Begins where an earlier search ended. False if that is the answer: what parted the two may part them still.
+    PHYSICS_HPP_ALWAYS_INLINE bool seed(const gjk_cache& cache) {
         point<D> axis;
-        for (int i = 0; i < D; ++i) axis[i] = detail::to_double(cache->axis[i]);
+        for (int i = 0; i < D; ++i) axis[i] = detail::to_double(cache.axis[i]);
         const double squared = dot(axis, axis);
         if (squared > 0 && (smooth || maximum < no_limit)) {
             v = axis;
-            // What parted the two may part them still.
-            cso_vertex<D>& next = r.at.vertex[0];
-            next = support_along(a, b, v);
-            const double along = dot(v, next.w);
-            if (along > 0 && along * along > squared_most * squared) {
-                gave_up(v, next);
-                r.at.count = 1;
-                return r;
-            }
+            vv = squared;
+            cso_vertex<D>& w = r.at.vertex[0];
+            w = support_along(a, b, v);
+            if (exceeds_maximum(w, dot(v, w.w))) return false;
         }
         if (!smooth) {
-            start_from(*cache, a, b, r.at);
-            const closest_of<D> c = closest_of_simplex(r.at, false);
-            if (c.count <= D) r.at.keep(c);
-            v = c.at;
+            start_from(cache, a, b, r.at);
+            move_to(closest_of_simplex(r.at, false));
         }
+        return true;
     }
-    double vv = dot(v, v);
-    if (!(vv > 0) && r.at.count == 0) v = {}, v[0] = vv = 1;
-    for (int iteration = 0;; ++iteration) {
-        if (r.at.count > 0 && (r.at.count == D + 1 || vv <= squared_noise)) {
-            r.overlapping = true;
-            break;
-        }
-        cso_vertex<D>& next = r.at.vertex[r.at.count];
-        next = support_along(a, b, v);
-        const double vw = dot(v, next.w);
-        if (vw > 0 && vw * vw > squared_most * vv) {
-            gave_up(v, next);
-            if (r.at.count == 0) r.at.count = 1;
-            break;
-        }
-        bool done = false;
-        const double gap = vv - vw;
-        if (r.at.count > 0) {
-            done = gap <= tolerance * vv || gap * gap <= squared_noise * vv;
-            for (int i = 0; i < r.at.count && !done; ++i)
-                done = smooth ? r.at.vertex[i].w == next.w : r.at.vertex[i].name == next.name;
-            if (!done && iteration >= max_iterations) {
-                r.status = query_status::iteration_limit;
-                done = true;
-            }
-        }
-        if (!done) {
-            ++r.at.count;
-            closest_of<D> closest = closest_of_simplex(r.at, r.at.count > 1);
-            double squared = dot(closest.at, closest.at);
-            if (r.at.count > 1 && closest.count <= D && !(squared < vv)) {
-                // It grew, so it can't have moved away: rounding chose the side.
-                if (squared > 2 * vv) [[unlikely]] {
-                    closest = closest_of_simplex(r.at, true, true);
-                    squared = dot(closest.at, closest.at);
-                }
-                // Rounding lets it come no closer. The normal may still gain: the distance is flat where that is best.
-                const bool taken = closest.vertex[closest.count - 1] == r.at.count - 1;
-                if (gap * gap < 0.5 * minimum_unknown * vv) {
-                    minimum_unknown = gap * gap / vv;
-                    stalls = 0;
-                }
-                done = !taken || ++stalls > max_stalls;
-            }
-            if (done) --r.at.count;
-            else {
-                if (closest.count <= D) r.at.keep(closest);
-                v = closest.at;
-                vv = squared;
-            }
-        }
-        if (done) {
-            measure(r, v);
-            const bool leaves_before = vw < vv * (1 - 2 * tolerance) - 4 * noise * r.distance;
-            // So near that rounding may have turned the direction of the search: of a normal that does not part them
-            // its own support tells more; one that never does is none, and they touch.
-            if (!r.overlapping && r.distance < 0x1p30 * noise) [[unlikely]] {
-                const cso_vertex<D> farther = support_along(a, b, r.normal);
-                const double separated = dot(r.normal, farther.w);
-                if (separated < r.distance - 4 * noise) {
-                    // Beside edges of B - A that all but touch, as near the tip of a cone, the next may part them less.
-                    if (refinements == 0 || separated > best_separated) {
-                        best_separated = separated;
-                        best[0] = r;
-                    }
-                    if (r.at.count <= D && refinements++ < max_refinements) {
-                        r.at.vertex[r.at.count++] = farther;
-                        const closest_of<D> closest = closest_of_simplex(r.at, true);
-                        if (closest.count <= D) r.at.keep(closest);
-                        v = closest.at;
-                        vv = dot(v, v);
-                        r.normal = {};
-                        r.distance = 0;
-                        continue;
-                    }
-                    r = best[0];
-                    r.normal_inexact = true;
-                    r.maybe_touching = r.distance < trusted || (smooth && !(best_separated > 0));
-                }
-            }
-            r.normal_inexact = !r.overlapping && (r.normal_inexact || leaves_before);
-            break;
-        }
+    void store(gjk_cache& cache) const {
+        cache.count = static_cast<std::uint8_t>(r.at.count);
+        for (int i = 0; i < r.at.count; ++i) cache.vertex[i] = r.at.vertex[i].name;
+        for (int i = 0; i < D; ++i) cache.axis[i] = static_cast<float>(r.normal[i]);
     }
-    // Rounding can't bring together what a normal was seen to part.
-    if (r.overlapping && best_separated > trusted) [[unlikely]]
+    PHYSICS_HPP_ALWAYS_INLINE void move_to(const closest_of<D>& c) {
+        v = c.at;
+        vv = dot(v, v);
+        if (c.count <= D) r.at.keep(c);
+    }
+
+    PHYSICS_HPP_ALWAYS_INLINE bool reaches_origin() {
+        r.overlapping = r.at.count > 0 && (r.at.count == D + 1 || vv <= noise * noise);
+        return r.overlapping;
+    }
+    /// Whether the plane through the support point w, across v, parts the cores by more than was asked for.
+    PHYSICS_HPP_ALWAYS_INLINE bool exceeds_maximum(const cso_vertex<D>& w, double vw) {
+        if (!(vw > 0 && vw * vw > maximum * maximum * vv)) return false;
+        r.beyond = true;
+        r.normal = unit(v);
+        r.distance = dot(r.normal, w.w);
+        if (r.at.count == 0) r.at.count = 1;
+        return true;
+    }
+    /// Whether nothing of B - A lies closer than v, but for the tolerance; `gap` is by how much w does along v, times
+    /// the length of v.
+    PHYSICS_HPP_ALWAYS_INLINE bool is_closest(const cso_vertex<D>& w, double gap, int iteration) {
+        if (r.at.count == 0) return false;
+        if (gap <= tolerance * vv || gap * gap <= noise * noise * vv) return true;
+        for (int i = 0; i < r.at.count; ++i)
+            if (smooth ? r.at.vertex[i].w == w.w : r.at.vertex[i].name == w.name) return true;
+        if (iteration < max_iterations) return false;
+        r.status = query_status::iteration_limit;
+        return true;
+    }
+    /// Adds the support point, and drops what the new v does not need. False, and all as it was, if v gets no closer.
+    PHYSICS_HPP_ALWAYS_INLINE bool reduce(double gap) {
+        ++r.at.count;
+        closest_of<D> closest = closest_of_simplex(r.at, r.at.count > 1);
+        const bool closer = r.at.count == 1 || closest.count > D || dot(closest.at, closest.at) < vv;
+        if (!closer && !may_gain(closest, gap)) {
+            --r.at.count;
+            return false;
+        }
+        move_to(closest);
+        return true;
+    }
+    /// Rounding lets v come no closer. The normal may still gain: the distance is flat where that is best.
+    bool may_gain(closest_of<D>& closest, double gap) {
+        // It grew, so it can't have moved away: rounding chose the side.
+        if (dot(closest.at, closest.at) > 2 * vv) [[unlikely]]
+            closest = closest_of_simplex(r.at, true, true);
+        if (gap * gap < 0.5 * minimum_unknown * vv) {
+            minimum_unknown = gap * gap / vv;
+            stalls = 0;
+        }
+        return closest.vertex[closest.count - 1] == r.at.count - 1 && ++stalls <= max_stalls;
+    }
+    /// Takes v as the answer, unless its normal has to be refined.
+    PHYSICS_HPP_ALWAYS_INLINE bool accept(double vw) {
+        measure(r, v);
+        const bool leaves_before = vw < vv * (1 - 2 * tolerance) - 4 * noise * r.distance;
+        if (!r.overlapping && r.distance < 0x1p30 * noise && refine()) [[unlikely]]
+            return false;
+        r.normal_inexact = !r.overlapping && (r.normal_inexact || leaves_before);
+        return true;
+    }
+    /// So near that rounding may have turned the direction of the search: of a normal that does not part them its own
+    /// support tells more; one that never does is none, and they touch. True if the search goes on from there.
+    PHYSICS_HPP_COLD bool refine() {
+        const cso_vertex<D> farther = support_along(a, b, r.normal);
+        const double separated = dot(r.normal, farther.w);
+        if (!(separated < r.distance - 4 * noise)) return false;
+        // Beside edges of B - A that all but touch, as near the tip of a cone, the next may part them less.
+        if (refinements == 0 || separated > best_separated) {
+            best_separated = separated;
+            best[0] = r;
+        }
+        if (r.at.count <= D && refinements++ < max_refinements) {
+            r.at.vertex[r.at.count++] = farther;
+            move_to(closest_of_simplex(r.at, true));
+            r.normal = {};
+            r.distance = 0;
+            return true;
+        }
         r = best[0];
-    if (cache != nullptr) {
-        cache->count = static_cast<std::uint8_t>(r.at.count);
-        for (int i = 0; i < r.at.count; ++i) cache->vertex[i] = r.at.vertex[i].name;
-        for (int i = 0; i < D; ++i) cache->axis[i] = static_cast<float>(r.normal[i]);
+        r.normal_inexact = true;
+        r.maybe_touching = r.distance < trusted() || (smooth && !(best_separated > 0));
+        return false;
     }
+};
+
+template <int D>
+gjk_result<D> search(const core<D>& a, const placed_core<D>& b, double maximum, double tolerance, gjk_cache* cache) {
+    gjk_result<D> r;
+    gjk_search<D>{a, b, maximum, tolerance, r}.run(cache);
     return r;
 }
 
