@@ -3789,11 +3789,13 @@ public:
     /// done: a note for each part, or null.
     template <class F>
     task_set(F& f, unsigned char* done, std::uint32_t task_count, std::uint32_t workers)
-        : f_(&f),
-          call_([](void* of, std::uint32_t task, std::uint32_t worker) { (*static_cast<F*>(of))(task, worker); }),
-          done_(done),
-          task_count_(task_count),
-          workers_(workers) {
+        : task_set(
+              &f, [](void* of, std::uint32_t task, std::uint32_t worker) { (*static_cast<F*>(of))(task, worker); },
+              done, task_count, workers) {}
+    /// The same of a function that takes f.
+    task_set(void* f, void (*call)(void*, std::uint32_t, std::uint32_t), unsigned char* done, std::uint32_t task_count,
+             std::uint32_t workers)
+        : f_(f), call_(call), done_(done), task_count_(task_count), workers_(workers) {
         for (std::uint32_t k = 0; done != nullptr && k < task_count; ++k) done[k] = 0;
     }
 
@@ -3908,23 +3910,16 @@ public:
         return is_serial() ? of_caller : (*scratch_)[worker];
     }
 
-    /// Calls f(part, worker) for all parts. What the executor leaves out is done here, so that no stage finds anything
-    /// half made before the step is refused.
+    /// Calls f(part, worker) for all parts.
     template <class F>
     void parallel_tasks(std::uint32_t task_count, F&& f) {
         if (is_serial() || task_count < 2) {
             for (std::uint32_t k = 0; k < task_count; ++k) f(k, 0);
             return;
         }
-        // Our pool calls every part, once; to note it would take workers a look at each other's notes.
-        if (is_own_pool_) return run_(executor_, task_count, task_set(f, nullptr, task_count, workers_));
-        done_->resize(task_count);
-        run_(executor_, task_count, task_set(f, done_->begin(), task_count, workers_));
-        for (std::uint32_t k = 0; k < task_count; ++k) {
-            const unsigned char noted = (*done_)[k];
-            if (noted != (task_set::begun | task_set::ended)) ran_all_ = false;
-            if ((noted & task_set::ended) == 0) f(k, 0);
-        }
+        using call = std::remove_reference_t<F>;
+        run_tasks(task_count, &f,
+                  [](void* of, std::uint32_t task, std::uint32_t worker) { (*static_cast<call*>(of))(task, worker); });
     }
     /// Calls f(first, end, worker) for all of `count` things, in parts of `share`.
     template <class F>
@@ -3965,6 +3960,20 @@ public:
     }
 
 private:
+    /// Has the executor call f for all parts. What it leaves out is done here, so that no stage finds anything half
+    /// made before the step is refused. Compiled once for all that there is to run.
+    void run_tasks(std::uint32_t task_count, void* f, void (*call)(void*, std::uint32_t, std::uint32_t)) {
+        // Our pool calls every part, once; to note it would take workers a look at each other's notes.
+        if (is_own_pool_) return run_(executor_, task_count, task_set(f, call, nullptr, task_count, workers_));
+        done_->resize(task_count);
+        run_(executor_, task_count, task_set(f, call, done_->begin(), task_count, workers_));
+        for (std::uint32_t k = 0; k < task_count; ++k) {
+            const unsigned char noted = (*done_)[k];
+            if (noted != (task_set::begun | task_set::ended)) ran_all_ = false;
+            if ((noted & task_set::ended) == 0) call(f, k, 0);
+        }
+    }
+
     /// So many parts for each worker: others take the last ones where it is late.
     static constexpr std::uint32_t tasks_per_worker = 4;
 
@@ -22191,19 +22200,11 @@ struct blocks_by_colour {
 
     /// Calls f(block's number) for all, colour by colour.
     template <class F>
-    void each(task_runner& tasks, F&& f) const {
-        if (tasks.is_serial()) {
-            for (std::uint32_t k = 0; k < count(); ++k) f(k);
-            return;
-        }
-        for (std::uint32_t group = 0; group < colours; ++group) {
-            const std::uint32_t from = begin[group], size = begin[group + 1] - from;
-            const bool is_serial = last_is_serial && group + 1 == colours;
-            tasks.parallel_for(size, is_serial ? size : share,
-                               [&](std::uint32_t start, std::uint32_t end, std::uint32_t) {
-                                   for (std::uint32_t k = start; k < end; ++k) f(from + k);
-                               });
-        }
+    void each(task_runner& tasks, const F& f) const {
+        if (!tasks.is_serial())
+            return each_in_parallel(tasks, &f,
+                                    [](const void* of, std::uint32_t k) { (*static_cast<const F*>(of))(k); });
+        for (std::uint32_t k = 0; k < count(); ++k) f(k);
     }
     /// Calls f(block's number, colour, worker) for all of them in any order: each is for the worker that has it in the
     /// passes.
@@ -22216,6 +22217,19 @@ struct blocks_by_colour {
                 for (std::uint32_t k = from + of.begin_in(size); k < last; ++k) f(k, group, worker);
             }
         });
+    }
+
+private:
+    /// Once for whatever there is to call, as it is called for blocks.
+    void each_in_parallel(task_runner& tasks, const void* f, void (*call)(const void*, std::uint32_t)) const {
+        for (std::uint32_t group = 0; group < colours; ++group) {
+            const std::uint32_t from = begin[group], size = begin[group + 1] - from;
+            const bool is_serial = last_is_serial && group + 1 == colours;
+            tasks.parallel_for(size, is_serial ? size : share,
+                               [=](std::uint32_t start, std::uint32_t end, std::uint32_t) {
+                                   for (std::uint32_t k = start; k < end; ++k) call(f, from + k);
+                               });
+        }
     }
 };
 
@@ -27997,61 +28011,100 @@ void each_of_island(const sleep_state<Plan>& sleep, std::uint32_t body, F&& f) {
     } while (i != body);
 }
 
-/// Brings bodies back that were asleep, listed in s.step.woken: they can be pushed again, and what touches them is
-/// looked at again.
+/// What waking reads and changes of a world.
 template <class Plan>
-void finish_waking(state<Plan>& s) {
-    for (const std::uint32_t i : s.step.woken) {
-        s.sleep.island_next[i] = no_sleeper;
-        s.sleep.sleep_time[i] = {};
-        reinsert_proxies(s, i);
-    }
-    if (!s.step.woken.empty()) s.awake.is_stale = true;
-    s.step.woken.clear();
+struct wake_input {
+    const pool<typename Plan::body>& bodies;
+    const shape_pool<Plan>& shapes;
+    const joints_of<Plan>& joints;
+    const typename Plan::settings& settings;
+    const physics::step_lengths<typename Plan::scalar>& step_lengths;
+    sleep_of<Plan>& sleep;
+    awake_list& awake;
+    buffer<typename Plan::contact>& contacts;
+    typename Plan::broadphase& broadphase;
+    step_data<Plan>& step;
+};
+template <class Plan>
+wake_input<Plan> to_wake(state<Plan>& s) {
+    return {s.bodies, s.shapes, s.joints,   s.settings,   s.step_lengths,
+            s.sleep,  s.awake,  s.contacts, s.broadphase, s.step};
 }
-/// True if neither body of the contact is dynamic and awake.
-template <class Plan, class Contact>
-bool touches_no_awake_body(const state<Plan>& s, const Contact& c) {
-    return !s.is_awake_dynamic(c.bodies.body_a) && !s.is_awake_dynamic(c.bodies.body_b);
+
+/// Brings bodies back that were asleep, listed in step.woken: they can be pushed again, and what touches them is looked
+/// at again.
+template <class Plan>
+void finish_waking(const wake_input<Plan>& w) {
+    for (const std::uint32_t i : w.step.woken) {
+        w.sleep.island_next[i] = no_sleeper;
+        w.sleep.sleep_time[i] = {};
+        reinsert_proxies<Plan>(w.bodies, w.shapes, w.sleep, w.settings.contact_margin, w.broadphase, i);
+    }
+    if (!w.step.woken.empty()) w.awake.is_stale = true;
+    w.step.woken.clear();
+}
+/// Takes the contacts of sleepers, of which a body can be pushed again, out of their list: calls f with each.
+template <class Plan, class F>
+void take_woken_contacts(const wake_input<Plan>& w, F&& f) {
+    const auto is_pushed = [&](std::uint32_t i) { return is_awake_dynamic(w.bodies, w.sleep, i); };
+    partition_contacts(
+        w.sleep.contacts, [&](const auto& c) { return !is_pushed(c.bodies.body_a) && !is_pushed(c.bodies.body_b); }, f);
+}
+/// Wakes the island of a body, if it sleeps: says whether.
+template <class Plan>
+PHYSICS_HPP_NOINLINE bool wake_island(const wake_input<Plan>& w, std::uint32_t body) {
+    if (!w.sleep.is_asleep(body)) return false;
+    each_of_island(w.sleep, body, [&](std::uint32_t i) { w.step.woken.push_back(i); });
+    finish_waking(w);
+    return true;
+}
+/// Brings the contacts of islands that have been woken back among the others.
+template <class Plan>
+PHYSICS_HPP_NOINLINE void return_contacts(const wake_input<Plan>& w) {
+    auto& woken = w.step.new_contacts;
+    woken.clear();
+    take_woken_contacts(w, [&](const auto& c) { woken.push_back(c); });
+    rescale_impulses(woken.begin(), woken.end(), {w.sleep.step, w.sleep.step}, w.step_lengths);
+    merge_contacts(w.contacts, woken);
 }
 /// Wakes the islands of those that each(f) calls f(body) for, at once, with their contacts. O(contacts of sleepers).
 template <class Plan, class Each>
-void wake_islands(state<Plan>& s, Each&& each) {
+void wake_islands(const wake_input<Plan>& w, Each&& each) {
     // A step that was refused may have left its list.
-    s.step.woken.clear();
+    w.step.woken.clear();
     bool any = false;
-    each([&](std::uint32_t body) {
-        if (!s.is_asleep(body)) return;
-        any = true;
-        each_of_island(s.sleep, body, [&](std::uint32_t i) { s.step.woken.push_back(i); });
-        finish_waking(s);
-    });
-    if (!any) return;
-    s.step.new_contacts.clear();
-    partition_contacts(
-        s.sleep.contacts, [&](const auto& c) { return touches_no_awake_body(s, c); },
-        [&](const auto& c) { s.step.new_contacts.push_back(c); });
-    rescale_impulses(s.step.new_contacts.begin(), s.step.new_contacts.end(), {s.sleep.step, s.sleep.step},
-                     s.step_lengths);
-    merge_contacts(s.contacts, s.step.new_contacts);
+    each([&](std::uint32_t body) { any = wake_island(w, body) || any; });
+    if (any) return_contacts(w);
 }
 /// Wakes those that lie where a body is, or on its way to another pose, and those that joints hold to it.
 template <class Plan>
-void wake_near(state<Plan>& s, std::uint32_t body, const transform<typename Plan::scalar, Plan::dimension>& to) {
-    if constexpr (Plan::sleeps) {
-        auto& near = s.step.near;
-        near.clear();
-        each_shape(s, body, [&](std::uint32_t, const auto& shape) {
-            const auto box = merged(query_bounds(s, shape), bounds(shape.shape, to * shape.local));
-            each_near(s, box, query_filter{}, [&](std::uint32_t other) {
-                if (s.is_asleep(s.shapes[other].body)) near.push_back(s.shapes[other].body);
-                return true;
-            });
+void wake_near(const wake_input<Plan>& w, std::uint32_t body,
+               const transform<typename Plan::scalar, Plan::dimension>& to) {
+    auto& near = w.step.near;
+    near.clear();
+    each_shape(w.bodies, w.shapes, body, [&](std::uint32_t, const auto& shape) {
+        const auto box = merged(query_bounds(w, shape), bounds(shape.shape, to * shape.local));
+        each_near(w, box, query_filter{}, [&](std::uint32_t other) {
+            if (w.sleep.is_asleep(w.shapes[other].body)) near.push_back(w.shapes[other].body);
+            return true;
         });
-        each_connected(s.joints, body, [&](std::uint32_t other) { near.push_back(other); });
-        wake_islands(s, [&](auto&& f) {
-            for (const std::uint32_t i : near) f(i);
-        });
+    });
+    each_connected(w.joints, body, [&](std::uint32_t other) { near.push_back(other); });
+    wake_islands(w, [&](auto&& f) {
+        for (const std::uint32_t i : near) f(i);
+    });
+}
+/// Wakes what kinematic bodies are going to run into.
+template <class Plan>
+void wake_ahead(const wake_input<Plan>& w, typename Plan::scalar h) {
+    for (const std::uint32_t i : w.awake) {
+        const auto& b = w.bodies[i];
+        if (b.is_dynamic() || b.at_target ||
+            b.velocity == twist_of<typename Plan::scalar, Plan::dimension, Plan::rotates>{})
+            continue;
+        auto turn = b.rotation;
+        if constexpr (Plan::rotates) turn = turned(turn, b.velocity.angular * h);
+        wake_near(w, i, {b.center + b.velocity.linear * h - turn * b.mass.center, turn});
     }
 }
 
@@ -28089,11 +28142,10 @@ bool list_woken(const buffer<typename Plan::contact>& contacts, const pool<typen
 
 /// The step has succeeded: they are awake for good.
 template <class Plan>
-void commit_woken(state<Plan>& s) {
-    if (s.step.woken.empty()) return;
-    finish_waking(s);
-    partition_contacts(
-        s.sleep.contacts, [&](const auto& c) { return touches_no_awake_body(s, c); }, [](const auto&) {});
+void commit_woken(const wake_input<Plan>& w) {
+    if (w.step.woken.empty()) return;
+    finish_waking(w);
+    take_woken_contacts(w, [](const auto&) {});
 }
 
 }  // namespace detail
@@ -29170,20 +29222,6 @@ void publish(state<Plan>& s, const Moved& moved, const warm_impulses<typename Pl
     if constexpr (Plan::remembers) s.step.pair_cache_changes.finish(s.memories);
     ++s.steps;
     s.step_lengths = {warm.next_usual_step(s.steps), h};
-}
-
-/// Wakes what kinematic bodies are going to run into.
-template <class Plan>
-void wake_ahead(state<Plan>& s, typename Plan::scalar h) {
-    for (const std::uint32_t i : s.awake) {
-        const auto& b = s.bodies[i];
-        if (b.is_dynamic() || b.at_target ||
-            b.velocity == twist_of<typename Plan::scalar, Plan::dimension, Plan::rotates>{})
-            continue;
-        auto turn = b.rotation;
-        if constexpr (Plan::rotates) turn = turned(turn, b.velocity.angular * h);
-        wake_near(s, i, {b.center + b.velocity.linear * h - turn * b.mass.center, turn});
-    }
 }
 
 }  // namespace detail
@@ -30278,8 +30316,8 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, t
     publish(s, moved, warm, h);
     if constexpr (Plan::sleeps) {
         // What was woken is awake for good, and so is what kinematic bodies are going to run into.
-        commit_woken(s);
-        wake_ahead(s, h);
+        commit_woken(to_wake(s));
+        wake_ahead(to_wake(s), h);
         // Contacts, joints, and how bodies move -> islands that fall asleep, with their contacts.
         if (fall_asleep<Plan>(s.contacts, joint_edges(d), s.settings, h, s.shapes, s.awake, s.bodies, s.sleep,
                               s.broadphase, d.scratch)) {
@@ -31360,7 +31398,7 @@ namespace detail {
 
 template <class Plan>
 void wake(state<Plan>& s, std::uint32_t body) {
-    if constexpr (Plan::sleeps) wake_islands(s, [&](auto&& f) { f(body); });
+    if constexpr (Plan::sleeps) wake_islands(to_wake(s), [&](auto&& f) { f(body); });
 }
 /// Wakes those that touch a body, or that joints hold to it.
 template <class Plan>
@@ -31373,7 +31411,7 @@ void wake_touching(state<Plan>& s, std::uint32_t body) {
             if (c.bodies.body_b == body) touching.push_back(c.bodies.body_a);
         }
         each_connected(s.joints, body, [&](std::uint32_t other) { touching.push_back(other); });
-        wake_islands(s, [&](auto&& f) {
+        wake_islands(to_wake(s), [&](auto&& f) {
             for (const std::uint32_t i : touching) f(i);
         });
     }
@@ -31385,13 +31423,17 @@ void wake_affected(state<Plan>& s, std::uint32_t body) {
     else wake_touching(s, body);
 }
 template <class Plan>
+void wake_near(state<Plan>& s, std::uint32_t body, const transform<typename Plan::scalar, Plan::dimension>& to) {
+    if constexpr (Plan::sleeps) wake_near(to_wake(s), body, to);
+}
+template <class Plan>
 void wake_near(state<Plan>& s, std::uint32_t body) {
     wake_near(s, body, s.bodies[body].pose());
 }
 template <class Plan>
 void wake_all(state<Plan>& s) {
     if constexpr (Plan::sleeps)
-        wake_islands(s, [&](auto&& f) { s.bodies.each([&](std::uint32_t i, const auto&) { f(i); }); });
+        wake_islands(to_wake(s), [&](auto&& f) { s.bodies.each([&](std::uint32_t i, const auto&) { f(i); }); });
 }
 
 template <class Plan>

@@ -25,9 +25,9 @@ RETIRED = dict.fromkeys("""crew hands movers mover_of giant rouse blow blows beg
     kept_if left_out stretch refile_proxies swept_mover lasting asks_for_parts names_parts max_push_speed restitution_slop
     state_image disturb_sleepers forget_blows is_sound nobody way most least""".split(), 0)
 RETIRED |= {"begun": 11, "each_part": 8}
-# Files of step/ that may name the whole state, and how often: the step itself and its state as they like. Waking is left
-# to do, which edits between steps share. The list only shrinks.
-WHOLE_STATE = {"step/state.hpp": None, "step/step.hpp": None, "step/publish.hpp": 2, "step/sleep.hpp": 5}
+# Files of step/ that may name the whole state, and how often: the step itself and its state as they like; what writes
+# all that a step has made; and what takes of a state what waking needs, for steps and for edits between them.
+WHOLE_STATE = {"step/state.hpp": None, "step/step.hpp": None, "step/publish.hpp": 1, "step/sleep.hpp": 1}
 MOST_LINES = 400
 MOST_COLUMNS = 120
 MOST_SHOWN = 30

@@ -6,8 +6,40 @@
 #include "joint_cell.hpp"
 #include "laws/members.hpp"
 
+/// Of a user's, in a namespace that is the same in all units.
+namespace own_joints {
+
+/// A kind of joint of a user's own: a point of one body stays at a point of the other.
+template <class T, int N>
+struct pin {
+    physics::vec<T, N> anchor_a{}, anchor_b{};
+    static constexpr int row_count = N;
+    PHYSICS_HPP_MEMBERS(anchor_a, anchor_b)
+
+    void rows(const physics::joint_frames<T, N>& at, physics::joint_row<T, N> (&row)[row_count]) const {
+        const auto r_a = at.r_a(anchor_a), r_b = at.r_b(anchor_b), gap = at.between + (r_b - r_a);
+        for (int i = 0; i < N; ++i) {
+            physics::vec<T, N> axis;
+            axis[i] = T(1);
+            row[i] = physics::joint_frames<T, N>::along(axis, r_a, r_b);
+            row[i].error = gap[i];
+            row[i].min_force = -physics::joint_row<T, N>::unlimited();
+            row[i].max_force = physics::joint_row<T, N>::unlimited();
+        }
+    }
+};
+template <class T, int N>
+bool check(const pin<T, N>& p, const char* function) {
+    return physics::detail::check_finite(function, "anchor_a", p.anchor_a) &&
+           physics::detail::check_finite(function, "anchor_b", p.anchor_b);
+}
+
+}  // namespace own_joints
+
 namespace {
 namespace joint_laws {
+
+using own_joints::pin;
 
 /// What a call is refused with.
 template <class F>
@@ -272,6 +304,51 @@ CELL_CASE("joints: the hash knows each number of them, or says that it leaves it
             members_laws::with_each_number_changed(member, [&] { CHECK(w.state_hash() != before); });
         });
     }
+}
+
+struct pinned : physics::recipe<S, D, few, physics::joints<physics::distance_joint, pin>> {};
+
+CELL_CASE("joints: a kind of a user's own swings, sleeps, hashes and is copied as those of the library") {
+    using World = physics::world<pinned>;
+    World w = falling<World>(8);
+    const body_id a = add_anchor(w, at(0, 2)), rod = w.create_body({.position = at(0.5, 2)}),
+                  ball = add_ball(w, at(1, 1.5));
+    vec half = vec::filled(S(0.125));
+    half[0] = S(0.5);
+    w.create_shape(rod, typename World::box{half}, {.density = S(D == 2 ? 4 : 16)});
+    const joint_id hinge = w.create_joint(a, rod, pin<S, D>{{}, at(-0.5)});
+    const joint_id rope = w.create_joint(rod, ball, distance_joint{.anchor_a = at(0.5), .length = S(0.5)});
+    CHECK(w.joint<pin<S, D>>(hinge).anchor_b == at(-0.5));
+    CHECK_THROWS((void)w.joint<distance_joint>(hinge));
+    CHECK_THROWS((void)w.joint<pin<S, D>>(rope));
+    CHECK_THROWS(w.set_joint(rope, pin<S, D>{}));
+    double worst = 0, lowest = 2, longest = 0;
+    const auto step = [&](World& of) {
+        run(of, 1, 1.0 / 60);
+        const auto pose = of.pose(rod);
+        worst = std::max(worst, length_of(pose * at(-0.5) - at(0, 2)));
+        longest = std::max(longest, std::abs(length_of(pose * at(0.5) - of.position(ball)) - 0.5));
+        lowest = std::min(lowest, number((pose * at(0.5))[1]));
+    };
+    for (int i = 0; i < 120; ++i) step(w);
+    CHECK(worst < 2e-3);
+    CHECK(longest < 2e-3);
+    CHECK(lowest < 1.01);
+    World copy = w;
+    for (int i = 0; i < 30; ++i) {
+        step(w);
+        step(copy);
+        CHECK(copy.state_hash() == w.state_hash());
+    }
+    w.set_damping(rod, S(4), S(4));
+    w.set_damping(ball, S(4), S(4));
+    for (int i = 0; i < 900 && !w.is_asleep(rod); ++i) step(w);
+    CHECK(w.is_asleep(rod));
+    CHECK(w.is_asleep(ball));
+    // It bears both.
+    CHECK(std::abs(number(w.reaction(hinge).force[1]) - gravity * (number(w.mass(rod).mass) + 1)) < 0.3);
+    w.destroy_body(rod);
+    CHECK(w.joint_count() == 0);
 }
 
 CELL_CASE("joints: steps that differ in length shake nothing that hangs") {

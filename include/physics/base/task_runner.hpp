@@ -16,11 +16,13 @@ public:
     /// done: a note for each part, or null.
     template <class F>
     task_set(F& f, unsigned char* done, std::uint32_t task_count, std::uint32_t workers)
-        : f_(&f),
-          call_([](void* of, std::uint32_t task, std::uint32_t worker) { (*static_cast<F*>(of))(task, worker); }),
-          done_(done),
-          task_count_(task_count),
-          workers_(workers) {
+        : task_set(
+              &f, [](void* of, std::uint32_t task, std::uint32_t worker) { (*static_cast<F*>(of))(task, worker); },
+              done, task_count, workers) {}
+    /// The same of a function that takes f.
+    task_set(void* f, void (*call)(void*, std::uint32_t, std::uint32_t), unsigned char* done, std::uint32_t task_count,
+             std::uint32_t workers)
+        : f_(f), call_(call), done_(done), task_count_(task_count), workers_(workers) {
         for (std::uint32_t k = 0; done != nullptr && k < task_count; ++k) done[k] = 0;
     }
 
@@ -135,23 +137,16 @@ public:
         return is_serial() ? of_caller : (*scratch_)[worker];
     }
 
-    /// Calls f(part, worker) for all parts. What the executor leaves out is done here, so that no stage finds anything
-    /// half made before the step is refused.
+    /// Calls f(part, worker) for all parts.
     template <class F>
     void parallel_tasks(std::uint32_t task_count, F&& f) {
         if (is_serial() || task_count < 2) {
             for (std::uint32_t k = 0; k < task_count; ++k) f(k, 0);
             return;
         }
-        // Our pool calls every part, once; to note it would take workers a look at each other's notes.
-        if (is_own_pool_) return run_(executor_, task_count, task_set(f, nullptr, task_count, workers_));
-        done_->resize(task_count);
-        run_(executor_, task_count, task_set(f, done_->begin(), task_count, workers_));
-        for (std::uint32_t k = 0; k < task_count; ++k) {
-            const unsigned char noted = (*done_)[k];
-            if (noted != (task_set::begun | task_set::ended)) ran_all_ = false;
-            if ((noted & task_set::ended) == 0) f(k, 0);
-        }
+        using call = std::remove_reference_t<F>;
+        run_tasks(task_count, &f,
+                  [](void* of, std::uint32_t task, std::uint32_t worker) { (*static_cast<call*>(of))(task, worker); });
     }
     /// Calls f(first, end, worker) for all of `count` things, in parts of `share`.
     template <class F>
@@ -192,6 +187,20 @@ public:
     }
 
 private:
+    /// Has the executor call f for all parts. What it leaves out is done here, so that no stage finds anything half
+    /// made before the step is refused. Compiled once for all that there is to run.
+    void run_tasks(std::uint32_t task_count, void* f, void (*call)(void*, std::uint32_t, std::uint32_t)) {
+        // Our pool calls every part, once; to note it would take workers a look at each other's notes.
+        if (is_own_pool_) return run_(executor_, task_count, task_set(f, call, nullptr, task_count, workers_));
+        done_->resize(task_count);
+        run_(executor_, task_count, task_set(f, call, done_->begin(), task_count, workers_));
+        for (std::uint32_t k = 0; k < task_count; ++k) {
+            const unsigned char noted = (*done_)[k];
+            if (noted != (task_set::begun | task_set::ended)) ran_all_ = false;
+            if ((noted & task_set::ended) == 0) call(f, k, 0);
+        }
+    }
+
     /// So many parts for each worker: others take the last ones where it is late.
     static constexpr std::uint32_t tasks_per_worker = 4;
 

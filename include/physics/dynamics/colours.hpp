@@ -148,19 +148,11 @@ struct blocks_by_colour {
 
     /// Calls f(block's number) for all, colour by colour.
     template <class F>
-    void each(task_runner& tasks, F&& f) const {
-        if (tasks.is_serial()) {
-            for (std::uint32_t k = 0; k < count(); ++k) f(k);
-            return;
-        }
-        for (std::uint32_t group = 0; group < colours; ++group) {
-            const std::uint32_t from = begin[group], size = begin[group + 1] - from;
-            const bool is_serial = last_is_serial && group + 1 == colours;
-            tasks.parallel_for(size, is_serial ? size : share,
-                               [&](std::uint32_t start, std::uint32_t end, std::uint32_t) {
-                                   for (std::uint32_t k = start; k < end; ++k) f(from + k);
-                               });
-        }
+    void each(task_runner& tasks, const F& f) const {
+        if (!tasks.is_serial())
+            return each_in_parallel(tasks, &f,
+                                    [](const void* of, std::uint32_t k) { (*static_cast<const F*>(of))(k); });
+        for (std::uint32_t k = 0; k < count(); ++k) f(k);
     }
     /// Calls f(block's number, colour, worker) for all of them in any order: each is for the worker that has it in the
     /// passes.
@@ -173,6 +165,19 @@ struct blocks_by_colour {
                 for (std::uint32_t k = from + of.begin_in(size); k < last; ++k) f(k, group, worker);
             }
         });
+    }
+
+private:
+    /// Once for whatever there is to call, as it is called for blocks.
+    void each_in_parallel(task_runner& tasks, const void* f, void (*call)(const void*, std::uint32_t)) const {
+        for (std::uint32_t group = 0; group < colours; ++group) {
+            const std::uint32_t from = begin[group], size = begin[group + 1] - from;
+            const bool is_serial = last_is_serial && group + 1 == colours;
+            tasks.parallel_for(size, is_serial ? size : share,
+                               [=](std::uint32_t start, std::uint32_t end, std::uint32_t) {
+                                   for (std::uint32_t k = start; k < end; ++k) call(f, from + k);
+                               });
+        }
     }
 };
 

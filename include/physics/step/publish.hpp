@@ -47,20 +47,6 @@ void publish(state<Plan>& s, const Moved& moved, const warm_impulses<typename Pl
     s.step_lengths = {warm.next_usual_step(s.steps), h};
 }
 
-/// Wakes what kinematic bodies are going to run into.
-template <class Plan>
-void wake_ahead(state<Plan>& s, typename Plan::scalar h) {
-    for (const std::uint32_t i : s.awake) {
-        const auto& b = s.bodies[i];
-        if (b.is_dynamic() || b.at_target ||
-            b.velocity == twist_of<typename Plan::scalar, Plan::dimension, Plan::rotates>{})
-            continue;
-        auto turn = b.rotation;
-        if constexpr (Plan::rotates) turn = turned(turn, b.velocity.angular * h);
-        wake_near(s, i, {b.center + b.velocity.linear * h - turn * b.mass.center, turn});
-    }
-}
-
 }  // namespace detail
 
 PHYSICS_HPP_END

@@ -45,61 +45,100 @@ void each_of_island(const sleep_state<Plan>& sleep, std::uint32_t body, F&& f) {
     } while (i != body);
 }
 
-/// Brings bodies back that were asleep, listed in s.step.woken: they can be pushed again, and what touches them is
-/// looked at again.
+/// What waking reads and changes of a world.
 template <class Plan>
-void finish_waking(state<Plan>& s) {
-    for (const std::uint32_t i : s.step.woken) {
-        s.sleep.island_next[i] = no_sleeper;
-        s.sleep.sleep_time[i] = {};
-        reinsert_proxies(s, i);
-    }
-    if (!s.step.woken.empty()) s.awake.is_stale = true;
-    s.step.woken.clear();
+struct wake_input {
+    const pool<typename Plan::body>& bodies;
+    const shape_pool<Plan>& shapes;
+    const joints_of<Plan>& joints;
+    const typename Plan::settings& settings;
+    const physics::step_lengths<typename Plan::scalar>& step_lengths;
+    sleep_of<Plan>& sleep;
+    awake_list& awake;
+    buffer<typename Plan::contact>& contacts;
+    typename Plan::broadphase& broadphase;
+    step_data<Plan>& step;
+};
+template <class Plan>
+wake_input<Plan> to_wake(state<Plan>& s) {
+    return {s.bodies, s.shapes, s.joints,   s.settings,   s.step_lengths,
+            s.sleep,  s.awake,  s.contacts, s.broadphase, s.step};
 }
-/// True if neither body of the contact is dynamic and awake.
-template <class Plan, class Contact>
-bool touches_no_awake_body(const state<Plan>& s, const Contact& c) {
-    return !s.is_awake_dynamic(c.bodies.body_a) && !s.is_awake_dynamic(c.bodies.body_b);
+
+/// Brings bodies back that were asleep, listed in step.woken: they can be pushed again, and what touches them is looked
+/// at again.
+template <class Plan>
+void finish_waking(const wake_input<Plan>& w) {
+    for (const std::uint32_t i : w.step.woken) {
+        w.sleep.island_next[i] = no_sleeper;
+        w.sleep.sleep_time[i] = {};
+        reinsert_proxies<Plan>(w.bodies, w.shapes, w.sleep, w.settings.contact_margin, w.broadphase, i);
+    }
+    if (!w.step.woken.empty()) w.awake.is_stale = true;
+    w.step.woken.clear();
+}
+/// Takes the contacts of sleepers, of which a body can be pushed again, out of their list: calls f with each.
+template <class Plan, class F>
+void take_woken_contacts(const wake_input<Plan>& w, F&& f) {
+    const auto is_pushed = [&](std::uint32_t i) { return is_awake_dynamic(w.bodies, w.sleep, i); };
+    partition_contacts(
+        w.sleep.contacts, [&](const auto& c) { return !is_pushed(c.bodies.body_a) && !is_pushed(c.bodies.body_b); }, f);
+}
+/// Wakes the island of a body, if it sleeps: says whether.
+template <class Plan>
+PHYSICS_HPP_NOINLINE bool wake_island(const wake_input<Plan>& w, std::uint32_t body) {
+    if (!w.sleep.is_asleep(body)) return false;
+    each_of_island(w.sleep, body, [&](std::uint32_t i) { w.step.woken.push_back(i); });
+    finish_waking(w);
+    return true;
+}
+/// Brings the contacts of islands that have been woken back among the others.
+template <class Plan>
+PHYSICS_HPP_NOINLINE void return_contacts(const wake_input<Plan>& w) {
+    auto& woken = w.step.new_contacts;
+    woken.clear();
+    take_woken_contacts(w, [&](const auto& c) { woken.push_back(c); });
+    rescale_impulses(woken.begin(), woken.end(), {w.sleep.step, w.sleep.step}, w.step_lengths);
+    merge_contacts(w.contacts, woken);
 }
 /// Wakes the islands of those that each(f) calls f(body) for, at once, with their contacts. O(contacts of sleepers).
 template <class Plan, class Each>
-void wake_islands(state<Plan>& s, Each&& each) {
+void wake_islands(const wake_input<Plan>& w, Each&& each) {
     // A step that was refused may have left its list.
-    s.step.woken.clear();
+    w.step.woken.clear();
     bool any = false;
-    each([&](std::uint32_t body) {
-        if (!s.is_asleep(body)) return;
-        any = true;
-        each_of_island(s.sleep, body, [&](std::uint32_t i) { s.step.woken.push_back(i); });
-        finish_waking(s);
-    });
-    if (!any) return;
-    s.step.new_contacts.clear();
-    partition_contacts(
-        s.sleep.contacts, [&](const auto& c) { return touches_no_awake_body(s, c); },
-        [&](const auto& c) { s.step.new_contacts.push_back(c); });
-    rescale_impulses(s.step.new_contacts.begin(), s.step.new_contacts.end(), {s.sleep.step, s.sleep.step},
-                     s.step_lengths);
-    merge_contacts(s.contacts, s.step.new_contacts);
+    each([&](std::uint32_t body) { any = wake_island(w, body) || any; });
+    if (any) return_contacts(w);
 }
 /// Wakes those that lie where a body is, or on its way to another pose, and those that joints hold to it.
 template <class Plan>
-void wake_near(state<Plan>& s, std::uint32_t body, const transform<typename Plan::scalar, Plan::dimension>& to) {
-    if constexpr (Plan::sleeps) {
-        auto& near = s.step.near;
-        near.clear();
-        each_shape(s, body, [&](std::uint32_t, const auto& shape) {
-            const auto box = merged(query_bounds(s, shape), bounds(shape.shape, to * shape.local));
-            each_near(s, box, query_filter{}, [&](std::uint32_t other) {
-                if (s.is_asleep(s.shapes[other].body)) near.push_back(s.shapes[other].body);
-                return true;
-            });
+void wake_near(const wake_input<Plan>& w, std::uint32_t body,
+               const transform<typename Plan::scalar, Plan::dimension>& to) {
+    auto& near = w.step.near;
+    near.clear();
+    each_shape(w.bodies, w.shapes, body, [&](std::uint32_t, const auto& shape) {
+        const auto box = merged(query_bounds(w, shape), bounds(shape.shape, to * shape.local));
+        each_near(w, box, query_filter{}, [&](std::uint32_t other) {
+            if (w.sleep.is_asleep(w.shapes[other].body)) near.push_back(w.shapes[other].body);
+            return true;
         });
-        each_connected(s.joints, body, [&](std::uint32_t other) { near.push_back(other); });
-        wake_islands(s, [&](auto&& f) {
-            for (const std::uint32_t i : near) f(i);
-        });
+    });
+    each_connected(w.joints, body, [&](std::uint32_t other) { near.push_back(other); });
+    wake_islands(w, [&](auto&& f) {
+        for (const std::uint32_t i : near) f(i);
+    });
+}
+/// Wakes what kinematic bodies are going to run into.
+template <class Plan>
+void wake_ahead(const wake_input<Plan>& w, typename Plan::scalar h) {
+    for (const std::uint32_t i : w.awake) {
+        const auto& b = w.bodies[i];
+        if (b.is_dynamic() || b.at_target ||
+            b.velocity == twist_of<typename Plan::scalar, Plan::dimension, Plan::rotates>{})
+            continue;
+        auto turn = b.rotation;
+        if constexpr (Plan::rotates) turn = turned(turn, b.velocity.angular * h);
+        wake_near(w, i, {b.center + b.velocity.linear * h - turn * b.mass.center, turn});
     }
 }
 
@@ -137,11 +176,10 @@ bool list_woken(const buffer<typename Plan::contact>& contacts, const pool<typen
 
 /// The step has succeeded: they are awake for good.
 template <class Plan>
-void commit_woken(state<Plan>& s) {
-    if (s.step.woken.empty()) return;
-    finish_waking(s);
-    partition_contacts(
-        s.sleep.contacts, [&](const auto& c) { return touches_no_awake_body(s, c); }, [](const auto&) {});
+void commit_woken(const wake_input<Plan>& w) {
+    if (w.step.woken.empty()) return;
+    finish_waking(w);
+    take_woken_contacts(w, [](const auto&) {});
 }
 
 }  // namespace detail

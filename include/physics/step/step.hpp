@@ -108,8 +108,8 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, t
     publish(s, moved, warm, h);
     if constexpr (Plan::sleeps) {
         // What was woken is awake for good, and so is what kinematic bodies are going to run into.
-        commit_woken(s);
-        wake_ahead(s, h);
+        commit_woken(to_wake(s));
+        wake_ahead(to_wake(s), h);
         // Contacts, joints, and how bodies move -> islands that fall asleep, with their contacts.
         if (fall_asleep<Plan>(s.contacts, joint_edges(d), s.settings, h, s.shapes, s.awake, s.bodies, s.sleep,
                               s.broadphase, d.scratch)) {

@@ -9,7 +9,7 @@ namespace detail {
 
 template <class Plan>
 void wake(state<Plan>& s, std::uint32_t body) {
-    if constexpr (Plan::sleeps) wake_islands(s, [&](auto&& f) { f(body); });
+    if constexpr (Plan::sleeps) wake_islands(to_wake(s), [&](auto&& f) { f(body); });
 }
 /// Wakes those that touch a body, or that joints hold to it.
 template <class Plan>
@@ -22,7 +22,7 @@ void wake_touching(state<Plan>& s, std::uint32_t body) {
             if (c.bodies.body_b == body) touching.push_back(c.bodies.body_a);
         }
         each_connected(s.joints, body, [&](std::uint32_t other) { touching.push_back(other); });
-        wake_islands(s, [&](auto&& f) {
+        wake_islands(to_wake(s), [&](auto&& f) {
             for (const std::uint32_t i : touching) f(i);
         });
     }
@@ -34,13 +34,17 @@ void wake_affected(state<Plan>& s, std::uint32_t body) {
     else wake_touching(s, body);
 }
 template <class Plan>
+void wake_near(state<Plan>& s, std::uint32_t body, const transform<typename Plan::scalar, Plan::dimension>& to) {
+    if constexpr (Plan::sleeps) wake_near(to_wake(s), body, to);
+}
+template <class Plan>
 void wake_near(state<Plan>& s, std::uint32_t body) {
     wake_near(s, body, s.bodies[body].pose());
 }
 template <class Plan>
 void wake_all(state<Plan>& s) {
     if constexpr (Plan::sleeps)
-        wake_islands(s, [&](auto&& f) { s.bodies.each([&](std::uint32_t i, const auto&) { f(i); }); });
+        wake_islands(to_wake(s), [&](auto&& f) { s.bodies.each([&](std::uint32_t i, const auto&) { f(i); }); });
 }
 
 template <class Plan>
