@@ -27730,23 +27730,12 @@ struct state {
     physics::step_lengths<S> step_lengths;
     /// By which handles know the world; no part of what lasts, so that they serve it whatever state it is brought to.
     unsaved<std::uint16_t> tag;
-
-    /// What a step works with; copies begin without.
-    step_scratch<step_data<Plan>> step;
     PHYSICS_HPP_MEMBERS(settings, bodies, shapes, broadphase, contacts, surfaces, contact_starts, awake, memories,
-                        sleep, continuous, joints, steps, step_lengths, tag, step)
+                        sleep, continuous, joints, steps, step_lengths, tag)
 
     [[nodiscard]] bool is_asleep(std::uint32_t body) const { return sleep.is_asleep(body); }
     [[nodiscard]] bool is_awake_dynamic(std::uint32_t body) const {
         return detail::is_awake_dynamic(bodies, sleep, body);
-    }
-};
-
-/// The inside of a world, for what stands beside it.
-struct world_access {
-    template <class World>
-    static auto& state_of(World& w) {
-        return w.state_;
     }
 };
 
@@ -28026,9 +28015,8 @@ struct wake_input {
     step_data<Plan>& step;
 };
 template <class Plan>
-wake_input<Plan> to_wake(state<Plan>& s) {
-    return {s.bodies, s.shapes, s.joints,   s.settings,   s.step_lengths,
-            s.sleep,  s.awake,  s.contacts, s.broadphase, s.step};
+wake_input<Plan> to_wake(state<Plan>& s, step_data<Plan>& d) {
+    return {s.bodies, s.shapes, s.joints, s.settings, s.step_lengths, s.sleep, s.awake, s.contacts, s.broadphase, d};
 }
 
 /// Brings bodies back that were asleep, listed in step.woken: they can be pushed again, and what touches them is looked
@@ -29208,18 +29196,18 @@ void publish_bodies(const moved_bodies<S, D, Rotates>& moved, const awake_list& 
 
 /// Stores what the step found: poses, velocities, contacts with their impulses. Nothing fails from here on.
 template <class Plan, class Moved>
-void publish(state<Plan>& s, const Moved& moved, const warm_impulses<typename Plan::scalar>& warm,
+void publish(state<Plan>& s, step_data<Plan>& d, const Moved& moved, const warm_impulses<typename Plan::scalar>& warm,
              typename Plan::scalar h) {
     if (std::exchange(s.awake.is_stale, false))
         s.bodies.each([&](std::uint32_t i, const auto& b) {
             if (!s.is_asleep(i)) s.contact_starts[i] = {b.center, b.rotation};
         });
     publish_bodies(moved, s.awake, s.bodies, s.contact_starts);
-    warm.after_solve(s.step.new_contacts);
-    s.contacts.swap(s.step.new_contacts);
-    s.surfaces = s.step.new_material;
-    if constexpr (Plan::has_joints) publish_joints(s.step.joints, s.joints);
-    if constexpr (Plan::remembers) s.step.pair_cache_changes.finish(s.memories);
+    warm.after_solve(d.new_contacts);
+    s.contacts.swap(d.new_contacts);
+    s.surfaces = d.new_material;
+    if constexpr (Plan::has_joints) publish_joints(d.joints, s.joints);
+    if constexpr (Plan::remembers) d.pair_cache_changes.finish(s.memories);
     ++s.steps;
     s.step_lengths = {warm.next_usual_step(s.steps), h};
 }
@@ -30249,10 +30237,10 @@ struct no_watch {
 /// their order. Refused if surfaces do not mix, if a velocity or a position would leave the range of numbers, or if the
 /// executor fails. Not inlined, so that no arithmetic moves out of the caller's float_control_scope.
 template <class Plan, class Watch = no_watch>
-PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, task_runner tasks, Watch done = {}) {
+PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typename Plan::scalar h, task_runner tasks,
+                                      Watch done = {}) {
     using S = typename Plan::scalar;
     if (tasks.workers() == 0) return step_result::bad_executor;
-    step_data<Plan>& d = s.step;
     start_step(d, tasks);
     clear_depths<Plan>(s.bodies.slots(), d.sweep);
     // Settings -> what all surfaces make of each other, where no shape has a material of its own.
@@ -30313,11 +30301,11 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, t
     done(step_stage::update_boxes);
 
     // Results -> bodies and contacts. From here on nothing fails.
-    publish(s, moved, warm, h);
+    publish(s, d, moved, warm, h);
     if constexpr (Plan::sleeps) {
         // What was woken is awake for good, and so is what kinematic bodies are going to run into.
-        commit_woken(to_wake(s));
-        wake_ahead(to_wake(s), h);
+        commit_woken(to_wake(s, d));
+        wake_ahead(to_wake(s, d), h);
         // Contacts, joints, and how bodies move -> islands that fall asleep, with their contacts.
         if (fall_asleep<Plan>(s.contacts, joint_edges(d), s.settings, h, s.shapes, s.awake, s.bodies, s.sleep,
                               s.broadphase, d.scratch)) {
@@ -30923,6 +30911,47 @@ struct audit {
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/world/world_data.hpp
+// =================================================================================================
+// What a world is: its state, and what its steps work with.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// The state is all that lasts; copies begin without the rest.
+template <class Plan>
+struct world_data : state<Plan> {
+    step_scratch<step_data<Plan>> step;
+};
+
+/// The inside of a world, for what stands beside it.
+struct world_access {
+    template <class World>
+    static auto& data_of(World& w) {
+        return w.data_;
+    }
+    template <class World>
+    static auto& state_of(World& w) {
+        return state_in(w.data_);
+    }
+
+private:
+    template <class Plan>
+    static state<Plan>& state_in(world_data<Plan>& data) {
+        return data;
+    }
+    template <class Plan>
+    static const state<Plan>& state_in(const world_data<Plan>& data) {
+        return data;
+    }
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/world/mass.hpp
 // =================================================================================================
 // What bodies weigh: from their shapes, or as they are told.
@@ -30933,7 +30962,7 @@ namespace detail {
 
 /// Keeps these of a body whose shapes or centre of mass have changed. O(shapes of the body).
 template <class Plan>
-void refresh_extent(state<Plan>& s, std::uint32_t index) {
+void refresh_extent(world_data<Plan>& s, std::uint32_t index) {
     if constexpr (Plan::is_continuous) {
         s.continuous.extents.resize(s.bodies.slots());
         measure_body<Plan>(s.bodies, s.shapes, index, s.continuous.extents[index]);
@@ -30985,7 +31014,7 @@ symmetric<S> as_turning(symmetric<S> inertia) {
 /// Gives a body its mass, its centre and what follows from them. The frame stays where it is, and the
 /// velocity of the body's material points and the points of its contacts with it.
 template <class Plan>
-void set_mass_properties(state<Plan>& s, std::uint32_t index,
+void set_mass_properties(world_data<Plan>& s, std::uint32_t index,
                          const mass_properties<typename Plan::scalar, Plan::dimension>& mass) {
     using S = typename Plan::scalar;
     auto& b = s.bodies[index];
@@ -31015,7 +31044,7 @@ void set_mass_properties(state<Plan>& s, std::uint32_t index,
 /// Mass from shapes, unless the user has set it. A dynamic body without any mass is a point of 1 kg at its
 /// origin; static and kinematic bodies take no mass from shapes.
 template <class Plan>
-void refresh_mass(state<Plan>& s, std::uint32_t index) {
+void refresh_mass(world_data<Plan>& s, std::uint32_t index) {
     using S = typename Plan::scalar;
     const auto& b = s.bodies[index];
     mass_properties<S, Plan::dimension> mass;
@@ -31046,7 +31075,7 @@ struct lookup {
 };
 /// Refuses to change a world in the middle of its step, from an executor or a policy.
 template <class Plan>
-bool check_not_in_step(const state<Plan>& s, const char* function) {
+bool check_not_in_step(const world_data<Plan>& s, const char* function) {
     return !s.step.in_step.on || refuse(function, "world", "in a step", "it can be changed before and after");
 }
 /// A state that is not const is asked for in order to change it.
@@ -31372,12 +31401,12 @@ private:
 };
 
 template <class Plan>
-step_result step_in_scope(state<Plan>& s, typename Plan::scalar h, const task_runner& tasks) {
+step_result step_in_scope(world_data<Plan>& s, typename Plan::scalar h, const task_runner& tasks) {
     const step_scope mark(s.step.in_step);
-    return step(s, h, tasks);
+    return step<Plan>(s, s.step, h, tasks);
 }
 template <class Plan>
-void advance(state<Plan>& s, typename Plan::scalar h, const task_runner& tasks) {
+void advance(world_data<Plan>& s, typename Plan::scalar h, const task_runner& tasks) {
     if (!check_positive("step", "dt", h) || !check_not_in_step(s, "step")) return;
     const float_control_scope control;
     report(step_in_scope(s, h, tasks));
@@ -31397,12 +31426,12 @@ PHYSICS_HPP_BEGIN
 namespace detail {
 
 template <class Plan>
-void wake(state<Plan>& s, std::uint32_t body) {
-    if constexpr (Plan::sleeps) wake_islands(to_wake(s), [&](auto&& f) { f(body); });
+void wake(world_data<Plan>& s, std::uint32_t body) {
+    if constexpr (Plan::sleeps) wake_islands(to_wake<Plan>(s, s.step), [&](auto&& f) { f(body); });
 }
 /// Wakes those that touch a body, or that joints hold to it.
 template <class Plan>
-void wake_touching(state<Plan>& s, std::uint32_t body) {
+void wake_touching(world_data<Plan>& s, std::uint32_t body) {
     if constexpr (Plan::sleeps) {
         auto& touching = s.step.near;
         touching.clear();
@@ -31411,29 +31440,30 @@ void wake_touching(state<Plan>& s, std::uint32_t body) {
             if (c.bodies.body_b == body) touching.push_back(c.bodies.body_a);
         }
         each_connected(s.joints, body, [&](std::uint32_t other) { touching.push_back(other); });
-        wake_islands(to_wake(s), [&](auto&& f) {
+        wake_islands(to_wake<Plan>(s, s.step), [&](auto&& f) {
             for (const std::uint32_t i : touching) f(i);
         });
     }
 }
 /// A body has changed: wakes its island if it is dynamic, else the islands that touch it.
 template <class Plan>
-void wake_affected(state<Plan>& s, std::uint32_t body) {
+void wake_affected(world_data<Plan>& s, std::uint32_t body) {
     if (s.bodies[body].is_dynamic()) wake(s, body);
     else wake_touching(s, body);
 }
 template <class Plan>
-void wake_near(state<Plan>& s, std::uint32_t body, const transform<typename Plan::scalar, Plan::dimension>& to) {
-    if constexpr (Plan::sleeps) wake_near(to_wake(s), body, to);
+void wake_near(world_data<Plan>& s, std::uint32_t body, const transform<typename Plan::scalar, Plan::dimension>& to) {
+    if constexpr (Plan::sleeps) wake_near(to_wake<Plan>(s, s.step), body, to);
 }
 template <class Plan>
-void wake_near(state<Plan>& s, std::uint32_t body) {
+void wake_near(world_data<Plan>& s, std::uint32_t body) {
     wake_near(s, body, s.bodies[body].pose());
 }
 template <class Plan>
-void wake_all(state<Plan>& s) {
+void wake_all(world_data<Plan>& s) {
     if constexpr (Plan::sleeps)
-        wake_islands(to_wake(s), [&](auto&& f) { s.bodies.each([&](std::uint32_t i, const auto&) { f(i); }); });
+        wake_islands(to_wake<Plan>(s, s.step),
+                     [&](auto&& f) { s.bodies.each([&](std::uint32_t i, const auto&) { f(i); }); });
 }
 
 template <class Plan>
@@ -31459,13 +31489,13 @@ namespace detail {
 
 /// Forgets the contacts for which gone(contact) is true; the others keep their order.
 template <class Plan, class Gone>
-void drop_contacts(state<Plan>& s, Gone&& gone) {
+void drop_contacts(world_data<Plan>& s, Gone&& gone) {
     partition_contacts(
         s.contacts, [&](const auto& c) { return !gone(c); }, [](const auto&) {});
 }
 
 template <class Plan>
-body_id create_body(state<Plan>& s, const body_def<typename Plan::scalar, Plan::dimension>& def) {
+body_id create_body(world_data<Plan>& s, const body_def<typename Plan::scalar, Plan::dimension>& def) {
     if (!check_not_in_step(s, "create_body") || !check_body(def) ||
         !check_turn<Plan>("create_body", def.angular_velocity, def.angular_damping) ||
         !check_continuous<Plan>("create_body", def.continuous))
@@ -31496,7 +31526,7 @@ body_id create_body(state<Plan>& s, const body_def<typename Plan::scalar, Plan::
 
 /// Takes a joint out of its bodies' lists and of its kind.
 template <class Plan>
-void erase_joint(state<Plan>& s, std::uint32_t index) {
+void erase_joint(world_data<Plan>& s, std::uint32_t index) {
     const joint_record gone = s.joints.records[index];
     for (const std::uint32_t body : {gone.body_a, gone.body_b}) {
         std::uint32_t* link = &s.joints.first[body];
@@ -31510,7 +31540,7 @@ void erase_joint(state<Plan>& s, std::uint32_t index) {
 }
 
 template <class Plan>
-void destroy_body(state<Plan>& s, std::uint32_t index) {
+void destroy_body(world_data<Plan>& s, std::uint32_t index) {
     wake_affected(s, index);
     if constexpr (Plan::has_joints) s.joints.each_of(index, [&](std::uint32_t i, const auto&) { erase_joint(s, i); });
     drop_contacts(s, [&](const auto& c) { return c.bodies.body_a == index || c.bodies.body_b == index; });
@@ -31525,7 +31555,7 @@ void destroy_body(state<Plan>& s, std::uint32_t index) {
 
 /// Adds a shape that has been checked to a body; without a mass, only to one that is not dynamic.
 template <class Plan>
-shape_id insert_shape(state<Plan>& s, std::uint32_t body, const typename Plan::shape& shape, bool has_mass,
+shape_id insert_shape(world_data<Plan>& s, std::uint32_t body, const typename Plan::shape& shape, bool has_mass,
                       const typename Plan::shape_def& def) {
     using S = typename Plan::scalar;
     const char* f = "create_shape";
@@ -31563,7 +31593,7 @@ shape_id insert_shape(state<Plan>& s, std::uint32_t body, const typename Plan::s
 }
 
 template <class Plan>
-void destroy_shape(state<Plan>& s, std::uint32_t index) {
+void destroy_shape(world_data<Plan>& s, std::uint32_t index) {
     const std::uint32_t body = s.shapes[index].body;
     const auto& owner = s.bodies[body];
     if (owner.is_dynamic() && !owner.mass_is_set && !check_shapes_mass(s, body, "destroy_shape", index)) return;
@@ -31579,7 +31609,7 @@ void destroy_shape(state<Plan>& s, std::uint32_t index) {
 }
 
 template <class Plan>
-void set_pose(state<Plan>& s, std::uint32_t index, const transform<typename Plan::scalar, Plan::dimension>& pose) {
+void set_pose(world_data<Plan>& s, std::uint32_t index, const transform<typename Plan::scalar, Plan::dimension>& pose) {
     const char* f = "set_pose";
     auto& b = s.bodies[index];
     if (!has_point(pose, b.mass.center)) {
@@ -31603,7 +31633,7 @@ void set_pose(state<Plan>& s, std::uint32_t index, const transform<typename Plan
 
 /// Wakes what lies on a kinematic body's way, unless it is told to stay where it is.
 template <class Plan>
-void move_to(state<Plan>& s, std::uint32_t index, vec<typename Plan::scalar, Plan::dimension> position,
+void move_to(world_data<Plan>& s, std::uint32_t index, vec<typename Plan::scalar, Plan::dimension> position,
              const rotation<typename Plan::scalar, Plan::dimension>& rotation) {
     auto& b = s.bodies[index];
     // As it is turned, to the bit: it stands then.
@@ -31621,14 +31651,14 @@ void move_to(state<Plan>& s, std::uint32_t index, vec<typename Plan::scalar, Pla
 
 /// A velocity that the user gives a body takes the place of one that it has from a target.
 template <class Plan>
-auto& velocity_to_set(state<Plan>& s, std::uint32_t index) {
+auto& velocity_to_set(world_data<Plan>& s, std::uint32_t index) {
     auto& b = s.bodies[index];
     if (std::exchange(b.at_target, false)) b.velocity = {};
     return b.velocity;
 }
 
 template <class Plan>
-void set_type(state<Plan>& s, std::uint32_t index, body_type type) {
+void set_type(world_data<Plan>& s, std::uint32_t index, body_type type) {
     using S = typename Plan::scalar;
     constexpr int D = Plan::dimension;
     const char* f = "set_type";
@@ -31666,7 +31696,7 @@ void set_type(state<Plan>& s, std::uint32_t index, body_type type) {
 }
 
 template <class Plan>
-void set_mass(state<Plan>& s, std::uint32_t index,
+void set_mass(world_data<Plan>& s, std::uint32_t index,
               const mass_properties<typename Plan::scalar, Plan::dimension>& mass) {
     const char* f = "set_mass";
     const bool nothing_turns_it = mass.inertia == decltype(mass.inertia){};
@@ -31683,7 +31713,7 @@ void set_mass(state<Plan>& s, std::uint32_t index,
     set_mass_properties(s, index, mass);
 }
 template <class Plan>
-void reset_mass(state<Plan>& s, std::uint32_t index) {
+void reset_mass(world_data<Plan>& s, std::uint32_t index) {
     if (!check_shapes_mass(s, index, "reset_mass")) return;
     wake_affected(s, index);
     s.bodies[index].mass_is_set = false;
@@ -31691,7 +31721,7 @@ void reset_mass(state<Plan>& s, std::uint32_t index) {
 }
 
 template <class Plan>
-void set_rotation_locked(state<Plan>& s, std::uint32_t index, bool locked) {
+void set_rotation_locked(world_data<Plan>& s, std::uint32_t index, bool locked) {
     wake_affected(s, index);
     auto& b = s.bodies[index];
     b.rotation_locked = locked;
@@ -31700,7 +31730,7 @@ void set_rotation_locked(state<Plan>& s, std::uint32_t index, bool locked) {
 }
 
 template <class Plan>
-void set_material(state<Plan>& s, shape_id id, const material<typename Plan::scalar, Plan::dimension>& m) {
+void set_material(world_data<Plan>& s, shape_id id, const material<typename Plan::scalar, Plan::dimension>& m) {
     const lookup at = find_shape(s, id, "set_material");
     if (!at || !check_material<Plan>("set_material", m)) return;
     wake_affected(s, s.shapes[at.index].body);
@@ -31713,7 +31743,7 @@ bool is_continuous(const state<Plan>& s, body_id id) {
     return at && s.bodies[at.index].continuous;
 }
 template <class Plan>
-void set_continuous(state<Plan>& s, body_id id, bool on) {
+void set_continuous(world_data<Plan>& s, body_id id, bool on) {
     const char* f = "set_continuous";
     const lookup at = find_body(s, id, f);
     if (at && check_continuous<Plan>(f, on)) s.bodies[at.index].continuous = on;
@@ -31721,7 +31751,7 @@ void set_continuous(state<Plan>& s, body_id id, bool on) {
 
 /// Brings a world to settings that have been checked.
 template <class Plan>
-void change_settings(state<Plan>& s, const typename Plan::settings& settings) {
+void change_settings(world_data<Plan>& s, const typename Plan::settings& settings) {
     // What was carried along was found within the old margin.
     if (settings.contact_margin != s.settings.contact_margin) s.memories.clear();
     if (!(settings.gravity == s.settings.gravity)) wake_all(s);
@@ -31738,7 +31768,7 @@ void change_settings(state<Plan>& s, const typename Plan::settings& settings) {
 }
 
 template <class Plan>
-void set_settings(state<Plan>& s, const typename Plan::settings& settings) {
+void set_settings(world_data<Plan>& s, const typename Plan::settings& settings) {
     const char* f = "set_settings";
     if (!check_not_in_step(s, f) || !check_settings<Plan>(settings, f)) return;
     bool fits = true;
@@ -32133,7 +32163,7 @@ vec<typename Plan::scalar, Plan::dimension> velocity_of_point(const state<Plan>&
 /// Calls f(body, force, r) with a force or impulse, and where it acts from the centre of mass, in world axes;
 /// f says whether the body can take it.
 template <class Plan, class F>
-void apply_at(state<Plan>& s, body_id id, const char* function, const char* field,
+void apply_at(world_data<Plan>& s, body_id id, const char* function, const char* field,
               vec<typename Plan::scalar, Plan::dimension> force, bool local,
               const vec<typename Plan::scalar, Plan::dimension>* point, F&& f) {
     const lookup at = find_dynamic(s, id, function);
@@ -32145,7 +32175,7 @@ void apply_at(state<Plan>& s, body_id id, const char* function, const char* fiel
     else if (!(force == decltype(force){})) wake(s, at.index);
 }
 template <class Plan>
-void add_force(state<Plan>& s, body_id id, const char* function, vec<typename Plan::scalar, Plan::dimension> force,
+void add_force(world_data<Plan>& s, body_id id, const char* function, vec<typename Plan::scalar, Plan::dimension> force,
                bool local, const vec<typename Plan::scalar, Plan::dimension>* point) {
     apply_at(s, id, function, "force", force, local, point, [](auto& b, auto f, [[maybe_unused]] auto anchor) {
         if constexpr (Plan::rotates) {
@@ -32170,8 +32200,9 @@ auto after_impulse(const body<S, D, Rotates>& b, const vec<S, D>& impulse, [[may
     return v.velocity;
 }
 template <class Plan>
-void add_impulse(state<Plan>& s, body_id id, const char* function, vec<typename Plan::scalar, Plan::dimension> impulse,
-                 bool local, const vec<typename Plan::scalar, Plan::dimension>* point) {
+void add_impulse(world_data<Plan>& s, body_id id, const char* function,
+                 vec<typename Plan::scalar, Plan::dimension> impulse, bool local,
+                 const vec<typename Plan::scalar, Plan::dimension>* point) {
     apply_at(s, id, function, "impulse", impulse, local, point, [](auto& b, auto p, auto anchor) {
         auto v = after_impulse<typename Plan::scalar>(b, p, anchor);
         const auto after = v;
@@ -32184,7 +32215,7 @@ void add_impulse(state<Plan>& s, body_id id, const char* function, vec<typename 
     });
 }
 template <class Plan>
-void add_torque(state<Plan>& s, body_id id, physics::angular<typename Plan::scalar, Plan::dimension> torque) {
+void add_torque(world_data<Plan>& s, body_id id, physics::angular<typename Plan::scalar, Plan::dimension> torque) {
     const char* f = "apply_torque";
     const lookup at = find_dynamic(s, id, f);
     if (!at || !check_in_range(f, "torque", torque)) return;
@@ -32193,7 +32224,8 @@ void add_torque(state<Plan>& s, body_id id, physics::angular<typename Plan::scal
     else if (!(torque == decltype(torque){})) wake(s, at.index);
 }
 template <class Plan>
-void add_angular_impulse(state<Plan>& s, body_id id, physics::angular<typename Plan::scalar, Plan::dimension> impulse) {
+void add_angular_impulse(world_data<Plan>& s, body_id id,
+                         physics::angular<typename Plan::scalar, Plan::dimension> impulse) {
     const char* f = "apply_angular_impulse";
     const lookup at = find_dynamic(s, id, f);
     if (!at || !check_in_range(f, "impulse", impulse)) return;
@@ -32455,13 +32487,13 @@ PHYSICS_HPP_BEGIN
 namespace detail {
 
 template <class Plan>
-void wake_connected(state<Plan>& s, std::uint32_t joint) {
+void wake_connected(world_data<Plan>& s, std::uint32_t joint) {
     wake(s, s.joints.records[joint].body_a);
     wake(s, s.joints.records[joint].body_b);
 }
 
 template <class Plan, class Joint>
-joint_id create_joint(state<Plan>& s, body_id body_a, body_id body_b, const Joint& joint, const joint_def& def) {
+joint_id create_joint(world_data<Plan>& s, body_id body_a, body_id body_b, const Joint& joint, const joint_def& def) {
     const char* f = "create_joint";
     const lookup a = find(s, s.bodies, body_a, f, "body_a"), b = find(s, s.bodies, body_b, f, "body_b");
     if (!a || !b) return {};
@@ -32622,8 +32654,8 @@ public:
     }
 
 private:
-    auto& state() { return detail::world_access::state_of(static_cast<World&>(*this)); }
-    const auto& state() const { return detail::world_access::state_of(static_cast<const World&>(*this)); }
+    auto& state() { return detail::world_access::data_of(static_cast<World&>(*this)); }
+    const auto& state() const { return detail::world_access::data_of(static_cast<const World&>(*this)); }
     template <class State>
     static detail::lookup find(State& s, joint_id id, const char* function) {
         return detail::find_joint(s, id, function);
@@ -33046,15 +33078,15 @@ public:
 
     /// Brings a world to the state that was saved. Takes memory only where the world has not had so much before.
     /// Refused, with nothing changed, if nothing was saved or a step of the world is under way.
-    bool restore(state<Plan>& s) const {
+    bool restore(world_data<Plan>& s) const {
         if (units_.empty()) return refuse("restore", "snapshot", "empty", "it must have been saved");
         if (!check_not_in_step(s, "restore")) return false;
         // What may fail comes first.
         const unit* from = units_.begin();
-        each_piece(s, [&](auto& piece) { from = make_room(piece, from); });
+        each_piece<state<Plan>>(s, [&](auto& piece) { from = make_room(piece, from); });
         s.shapes.each_geometry(release);
         from = units_.begin();
-        each_piece(s, [&](auto& piece) { from = read(piece, from); });
+        each_piece<state<Plan>>(s, [&](auto& piece) { from = read(piece, from); });
         s.shapes.each_geometry(retain);
         return true;
     }
@@ -33152,7 +33184,7 @@ template <class Plan>
 struct world_code {
     using S = typename Plan::scalar;
     static constexpr int D = Plan::dimension;
-    using state = detail::state<Plan>;
+    using state = detail::world_data<Plan>;
     using vec = physics::vec<S, D>;
     using angular = physics::angular<S, D>;
     using rotation = physics::rotation<S, D>;
@@ -33325,7 +33357,7 @@ void each_hit_along_ray(const state<Plan>& s, vec<typename Plan::scalar, Plan::d
 }
 
 template <class Plan, class Shape>
-shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape, const typename Plan::shape_def& def) {
+shape_id create_shape(world_data<Plan>& s, body_id body, const Shape& shape, const typename Plan::shape_def& def) {
     const lookup at = find_body(s, body, "create_shape");
     if (!at || !scoped([&] { return check(shape, "create_shape"); })) return {};
     constexpr bool has_mass = solid_shape_for<Shape, typename Plan::scalar, Plan::dimension>;
@@ -33398,48 +33430,48 @@ public:
     /// bits as every other (see float_environment).
     explicit world(const settings_type& settings = {}) {
         if (detail::check_settings<plan>(settings, "world") && detail::check_environment<scalar>("world"))
-            code::change_settings(state_, settings);
-        state_.tag = {detail::next_world_tag()};
+            code::change_settings(data_, settings);
+        data_.tag = {detail::next_world_tag()};
     }
 
     /// Advances time by dt seconds (greater than 0). Forces and torques act for this step and are then
     /// forgotten. Steps may differ in length: none from 1 us to 1/15 s throws what rests. Cost: see the policies.
     /// Refused, with nothing changed, if a number would leave its range.
-    void step(scalar dt) { code::step(state_, dt, {}); }
+    void step(scalar dt) { code::step(data_, dt, {}); }
     /// The same, with the work shared out by an executor, such as a thread_pool; the bits do not depend on it.
     template <executor Executor>
     void step(scalar dt, Executor& by) {
-        code::step(state_, dt, {by, state_.step.tasks_done, state_.step.batch_scratch});
+        code::step(data_, dt, {by, data_.step.tasks_done, data_.step.batch_scratch});
     }
     /// Steps, and tells what that did to the energy: a net under scenes that must not gain any. O(bodies + contacts).
     [[nodiscard]] energy_report step_with_energy_report(scalar dt) {
-        const detail::energy_balance<plan> balance(state_);
+        const detail::energy_balance<plan> balance(data_);
         step(dt);
         return balance.after();
     }
     template <executor Executor>
     [[nodiscard]] energy_report step_with_energy_report(scalar dt, Executor& by) {
-        const detail::energy_balance<plan> balance(state_);
+        const detail::energy_balance<plan> balance(data_);
         step(dt, by);
         return balance.after();
     }
     /// Kinetic and potential energy as bodies are now. O(bodies).
-    [[nodiscard]] energy_report energy() const { return detail::energy_of(state_); }
+    [[nodiscard]] energy_report energy() const { return detail::energy_of(data_); }
     /// Number of steps taken.
-    [[nodiscard]] std::uint64_t steps() const { return state_.steps; }
+    [[nodiscard]] std::uint64_t steps() const { return data_.steps; }
     /// A number that worlds in the same state share, on any machine. User data and settings do not enter.
     /// O(bodies + shapes + contacts).
-    [[nodiscard]] std::uint64_t state_hash() const { return code::state_hash(state_); }
-    [[nodiscard]] const settings_type& settings() const { return state_.settings; }
+    [[nodiscard]] std::uint64_t state_hash() const { return code::state_hash(data_); }
+    [[nodiscard]] const settings_type& settings() const { return data_.settings; }
     /// Changes the settings from the next step on. O(shapes).
-    void set_settings(const settings_type& settings) { code::set_settings(state_, settings); }
+    void set_settings(const settings_type& settings) { code::set_settings(data_, settings); }
 
     /// Adds a body; shapes give it extent and, if it is dynamic, mass. Without mass from shapes it is a point of
     /// 1 kg that nothing turns.
-    body_id create_body(const body_def& def = {}) { return code::create_body(state_, def); }
+    body_id create_body(const body_def& def = {}) { return code::create_body(data_, def); }
     /// Removes a body with its shapes and contacts. O(shapes + contacts).
     void destroy_body(body_id id) {
-        if (const auto b = find(id, "destroy_body")) code::destroy_body(state_, b.index);
+        if (const auto b = find(id, "destroy_body")) code::destroy_body(data_, b.index);
     }
     /// Adds a shape of the recipe's set to a body; unless the body's mass is set, it changes with it. Refuses a mass
     /// that the scalar cannot hold. O(shapes of the body), and O(contacts) where the centre of mass moves.
@@ -33449,28 +33481,28 @@ public:
         static_assert(
             known,
             "physics::world::create_shape: the recipe's set of shapes lacks this one; name it in physics::shapes<...>");
-        if constexpr (known) return detail::create_shape(state_, body, shape, def);
+        if constexpr (known) return detail::create_shape(data_, body, shape, def);
         else return {};
     }
     /// Removes a shape and its contacts. Refused where the rest's mass is one that the scalar cannot hold. O(contacts).
     void destroy_shape(shape_id id) {
-        const auto s = detail::find_shape(state_, id, "destroy_shape");
-        if (s) code::destroy_shape(state_, s.index);
+        const auto s = detail::find_shape(data_, id, "destroy_shape");
+        if (s) code::destroy_shape(data_, s.index);
     }
     /// True if the handle names a living thing of this world; never an error.
-    [[nodiscard]] bool contains(body_id id) const { return detail::contains(state_, state_.bodies, id); }
-    [[nodiscard]] bool contains(shape_id id) const { return detail::contains(state_, state_.shapes, id); }
-    [[nodiscard]] std::uint32_t body_count() const { return state_.bodies.count(); }
-    [[nodiscard]] std::uint32_t shape_count() const { return state_.shapes.count(); }
+    [[nodiscard]] bool contains(body_id id) const { return detail::contains(data_, data_.bodies, id); }
+    [[nodiscard]] bool contains(shape_id id) const { return detail::contains(data_, data_.shapes, id); }
+    [[nodiscard]] std::uint32_t body_count() const { return data_.bodies.count(); }
+    [[nodiscard]] std::uint32_t shape_count() const { return data_.shapes.count(); }
 
     /// All bodies: `for (physics::body_id b : world.bodies())`.
-    [[nodiscard]] auto bodies() const { return detail::body_range<plan>(state_); }
+    [[nodiscard]] auto bodies() const { return detail::body_range<plan>(data_); }
     /// All shapes of a body.
     [[nodiscard]] auto shapes(body_id id) const {
-        return detail::shape_range<plan>(state_, find(id, "shapes") ? id : body_id());
+        return detail::shape_range<plan>(data_, find(id, "shapes") ? id : body_id());
     }
     /// All contacts of the last step, each as a contact_view.
-    [[nodiscard]] auto contacts() const { return detail::contact_range<plan>(state_); }
+    [[nodiscard]] auto contacts() const { return detail::contact_range<plan>(data_); }
 
     /// Where the body's frame is: origin, rotation, both; and where its centre of mass is.
     [[nodiscard]] vec position(body_id id) const {
@@ -33489,7 +33521,7 @@ public:
     void set_pose(body_id id, vec position, const rotation_type& rotation) {
         const auto b = find(id, "set_pose");
         if (b && detail::check_pose("set_pose", position, rotation))
-            code::set_pose(state_, b.index, {position, rotation});
+            code::set_pose(data_, b.index, {position, rotation});
     }
     void set_pose(body_id id, const transform& pose) { set_pose(id, pose.position, pose.rotation); }
     /// Lets a kinematic body reach a pose by the end of the next step, and pushes what it touches as the velocity would
@@ -33497,8 +33529,8 @@ public:
     /// body's until the step after, in which it stands unless told to go on. In recipes without rotation it cannot turn
     /// on the way: only set_pose does that.
     void move_to(body_id id, vec position, const rotation_type& rotation) {
-        const auto b = detail::find_kinematic(state_, id, "move_to");
-        if (b && detail::check_pose("move_to", position, rotation)) code::move_to(state_, b.index, position, rotation);
+        const auto b = detail::find_kinematic(data_, id, "move_to");
+        if (b && detail::check_pose("move_to", position, rotation)) code::move_to(data_, b.index, position, rotation);
     }
     void move_to(body_id id, const transform& pose) { move_to(id, pose.position, pose.rotation); }
 
@@ -33510,21 +33542,21 @@ public:
         return get(id, "angular_velocity",
                    [](const auto& b) -> angular { return detail::value_of(b.velocity.angular); });
     }
-    [[nodiscard]] vec velocity_at(body_id id, vec point) const { return code::velocity_of_point(state_, id, point); }
+    [[nodiscard]] vec velocity_at(body_id id, vec point) const { return code::velocity_of_point(data_, id, point); }
     /// Velocities of dynamic and kinematic bodies; static ones have none, and locked rotations stay at 0.
     void set_linear_velocity(body_id id, vec v) {
         const auto b = find_moving(id, "set_linear_velocity");
         if (!b || !detail::check_in_range("set_linear_velocity", "v", v)) return;
-        if (!(v == vec{})) code::wake_affected(state_, b.index);
-        detail::velocity_to_set(state_, b.index).linear = v;
+        if (!(v == vec{})) code::wake_affected(data_, b.index);
+        detail::velocity_to_set(data_, b.index).linear = v;
     }
     void set_angular_velocity(body_id id, angular w) requires plan::rotates {
         const auto b = find_moving(id, "set_angular_velocity");
         if (!b ||
-            !detail::check_angular_velocity("set_angular_velocity", "w", w, state_.bodies[b.index].rotation_locked))
+            !detail::check_angular_velocity("set_angular_velocity", "w", w, data_.bodies[b.index].rotation_locked))
             return;
-        if (!(w == angular{})) code::wake_affected(state_, b.index);
-        detail::velocity_to_set(state_, b.index).angular = w;
+        if (!(w == angular{})) code::wake_affected(data_, b.index);
+        detail::velocity_to_set(data_, b.index).angular = w;
     }
 
     /// A force (N) on a dynamic body during the next step, at its centre of mass or at a point; "local"
@@ -33537,13 +33569,13 @@ public:
         add_force(id, "apply_local_force_at", force, true, &point);
     }
     /// A torque (N m) during the next step.
-    void apply_torque(body_id id, angular torque) requires plan::rotates { code::add_torque(state_, id, torque); }
+    void apply_torque(body_id id, angular torque) requires plan::rotates { code::add_torque(data_, id, torque); }
     /// Forgets the forces and torques that wait for the next step.
     void clear_forces(body_id id) {
-        const auto b = detail::find_dynamic(state_, id, "clear_forces");
+        const auto b = detail::find_dynamic(data_, id, "clear_forces");
         if (!b) return;
-        state_.bodies[b.index].force = {};
-        state_.bodies[b.index].torque = {};
+        data_.bodies[b.index].force = {};
+        data_.bodies[b.index].torque = {};
     }
     /// An impulse (N s): changes velocities at once.
     void apply_impulse(body_id id, vec impulse) { add_impulse(id, "apply_impulse", impulse, false, nullptr); }
@@ -33558,16 +33590,16 @@ public:
     }
     /// An angular impulse (N m s).
     void apply_angular_impulse(body_id id, angular impulse) requires plan::rotates {
-        code::add_angular_impulse(state_, id, impulse);
+        code::add_angular_impulse(data_, id, impulse);
     }
 
     [[nodiscard]] body_type type(body_id id) const {
         const auto b = find(id, "type");
-        return b ? state_.bodies[b.index].type : body_type::static_body;
+        return b ? data_.bodies[b.index].type : body_type::static_body;
     }
     /// Changes how a body moves; a static body loses its velocity. O(shapes + contacts).
     void set_type(body_id id, body_type type) {
-        if (const auto b = find(id, "set_type")) code::set_type(state_, b.index, type);
+        if (const auto b = find(id, "set_type")) code::set_type(data_, b.index, type);
     }
     /// Mass (kg), centre (m) and inertia about it (kg m^2) in the body's frame. Static and kinematic bodies take none
     /// from their shapes: they have mass 0 and their centre at the origin.
@@ -33578,13 +33610,13 @@ public:
     /// recipes without rotation, nothing turns it. Refuses what the scalar cannot hold, and tensors that are not
     /// positive definite.
     void set_mass(body_id id, const mass_properties& mass) {
-        const auto b = detail::find_dynamic(state_, id, "set_mass");
-        if (b) code::set_mass(state_, b.index, mass);
+        const auto b = detail::find_dynamic(data_, id, "set_mass");
+        if (b) code::set_mass(data_, b.index, mass);
     }
     /// Takes the mass from the shapes again. O(shapes).
     void reset_mass(body_id id) {
-        const auto b = detail::find_dynamic(state_, id, "reset_mass");
-        if (b) code::reset_mass(state_, b.index);
+        const auto b = detail::find_dynamic(data_, id, "reset_mass");
+        if (b) code::reset_mass(data_, b.index);
     }
     [[nodiscard]] scalar linear_damping(body_id id) const {
         return get(id, "linear_damping", [](const auto& b) { return b.linear_damping; });
@@ -33599,8 +33631,8 @@ public:
             !detail::check_not_negative("set_damping", "angular_rate", angular_rate) ||
             (!plan::rotates && !detail::check_left_out("set_damping", "angular_rate", angular_rate)))
             return;
-        state_.bodies[b.index].linear_damping = linear_rate;
-        if constexpr (plan::rotates) state_.bodies[b.index].angular_damping = angular_rate;
+        data_.bodies[b.index].linear_damping = linear_rate;
+        if constexpr (plan::rotates) data_.bodies[b.index].angular_damping = angular_rate;
     }
     [[nodiscard]] scalar gravity_scale(body_id id) const {
         return get(id, "gravity_scale", [](const auto& b) { return b.gravity_scale; });
@@ -33608,8 +33640,8 @@ public:
     void set_gravity_scale(body_id id, scalar factor) {
         const auto b = find(id, "set_gravity_scale");
         if (!b || !detail::check_in_range("set_gravity_scale", "factor", factor)) return;
-        code::wake_affected(state_, b.index);
-        state_.bodies[b.index].gravity_scale = factor;
+        code::wake_affected(data_, b.index);
+        data_.bodies[b.index].gravity_scale = factor;
     }
     [[nodiscard]] bool rotation_locked(body_id id) const {
         return get(id, "rotation_locked", [](const auto& b) { return b.rotation_locked; });
@@ -33617,17 +33649,17 @@ public:
     /// Locks or frees rotation; locking stops it.
     void set_rotation_locked(body_id id, bool locked) requires plan::rotates {
         const auto b = find(id, "set_rotation_locked");
-        if (b) code::set_rotation_locked(state_, b.index, locked);
+        if (b) code::set_rotation_locked(data_, b.index, locked);
     }
     /// True while the body sleeps: an island of bodies that has been still for long enough (settings().sleeping) leaves
     /// the step, until something touches it or a call changes it. Sleepers cost nothing.
     [[nodiscard]] bool is_asleep(body_id id) const {
         const auto b = find(id, "is_asleep");
-        return b && state_.is_asleep(b.index);
+        return b && data_.is_asleep(b.index);
     }
     /// Wakes a body and its island. O(contacts of sleepers).
     void wake(body_id id) {
-        if (const auto b = find(id, "wake")) code::wake(state_, b.index);
+        if (const auto b = find(id, "wake")) code::wake(data_, b.index);
     }
     /// False keeps a body awake, and those that touch it.
     [[nodiscard]] bool can_sleep(body_id id) const {
@@ -33636,27 +33668,27 @@ public:
     void set_can_sleep(body_id id, bool can) {
         const auto b = find(id, "set_can_sleep");
         if (!b) return;
-        state_.bodies[b.index].can_sleep = can;
-        if (!can) code::wake(state_, b.index);
+        data_.bodies[b.index].can_sleep = can;
+        if (!can) code::wake(data_, b.index);
     }
     /// Number of bodies that move and are awake. O(bodies).
-    [[nodiscard]] std::uint32_t awake_count() const { return detail::count_awake(state_); }
+    [[nodiscard]] std::uint32_t awake_count() const { return detail::count_awake(data_); }
     /// Whether moving bodies stop it too on its way through a step (see swept), and what the last step's sweeps did.
-    [[nodiscard]] bool continuous(body_id id) const { return detail::is_continuous(state_, id); }
-    void set_continuous(body_id id, bool on) { detail::set_continuous(state_, id, on); }
-    [[nodiscard]] auto continuous_report() const { return detail::report_of(state_); }
+    [[nodiscard]] bool continuous(body_id id) const { return detail::is_continuous(data_, id); }
+    void set_continuous(body_id id, bool on) { detail::set_continuous(data_, id, on); }
+    [[nodiscard]] auto continuous_report() const { return detail::report_of(data_); }
     [[nodiscard]] std::uint64_t user_data(body_id id) const {
         return get(id, "user_data", [](const auto& b) { return b.user_data; });
     }
     void set_user_data(body_id id, std::uint64_t data) {
-        if (const auto b = find(id, "set_user_data")) state_.bodies[b.index].user_data = data;
+        if (const auto b = find(id, "set_user_data")) data_.bodies[b.index].user_data = data;
     }
 
     [[nodiscard]] body_id body(shape_id id) const {
-        const auto s = detail::find_shape(state_, id, "body");
+        const auto s = detail::find_shape(data_, id, "body");
         if (!s) return {};
-        const std::uint32_t b = state_.shapes[s.index].body;
-        return {b, state_.bodies.generation(b), state_.tag};
+        const std::uint32_t b = data_.shapes[s.index].body;
+        return {b, data_.bodies.generation(b), data_.tag};
     }
     /// The shape itself, and its pose in the body's frame: visit it to learn its kind.
     [[nodiscard]] any_shape shape(shape_id id) const {
@@ -33666,17 +33698,17 @@ public:
         return get(id, "local_pose", [](const auto& s) { return s.local; });
     }
     [[nodiscard]] material_type material(shape_id id) const {
-        return get(id, "material", [this](const auto& s) { return detail::surface_of(state_, s); });
+        return get(id, "material", [this](const auto& s) { return detail::surface_of(data_, s); });
     }
     /// Changes a shape's material from the next step on; without feature::materials set_settings changes that of all.
     void set_material(shape_id id, const material_type& m) requires(plan::features::materials) {
-        detail::scoped([&] { detail::set_material(state_, id, m); });
+        detail::scoped([&] { detail::set_material(data_, id, m); });
     }
     [[nodiscard]] std::uint64_t user_data(shape_id id) const {
         return get(id, "user_data", [](const auto& s) { return s.user_data; });
     }
     void set_user_data(shape_id id, std::uint64_t data) {
-        if (const auto s = detail::find_shape(state_, id, "set_user_data")) state_.shapes[s.index].user_data = data;
+        if (const auto s = detail::find_shape(data_, id, "set_user_data")) data_.shapes[s.index].user_data = data;
     }
 
     /// Queries see shapes where they are now; the filter says which (see query_filter). O(log shapes) where the
@@ -33684,7 +33716,7 @@ public:
     /// The first shape that a ray meets on its way from a point, along a translation (m); of several at once that of
     /// the least number.
     [[nodiscard]] world_hit cast_ray(vec origin, vec translation, const query_filter& filter = {}) const {
-        return code::cast_ray(state_, origin, translation, filter);
+        return code::cast_ray(data_, origin, translation, filter);
     }
     /// Visitors are called after all has been found, so that they may change the world, or step it: what has been
     /// destroyed by then is left out.
@@ -33692,56 +33724,56 @@ public:
     /// translation up to which the ray goes on: 1 for all, -1 to stop. To find the first alone, cast_ray is faster.
     template <class Visit>
     void each_hit_along_ray(vec origin, vec translation, const query_filter& filter, Visit&& visit) const {
-        detail::each_hit_along_ray(state_, origin, translation, filter, visit);
+        detail::each_hit_along_ray(data_, origin, translation, filter, visit);
     }
     /// The first shape that a convex shape meets on its way from a pose along a translation, without turning.
     template <class Shape>
     [[nodiscard]] world_hit cast_shape(const Shape& shape, const transform& pose, vec translation,
                                        const query_filter& filter = {}) const {
-        return detail::scoped([&] { return detail::cast_shape(state_, shape, pose, translation, filter); });
+        return detail::scoped([&] { return detail::cast_shape(data_, shape, pose, translation, filter); });
     }
     /// Calls visit(shape_id) for every shape that a convex shape at that pose touches or overlaps, in ascending order
     /// of numbers. Where visit returns a bool, false ends the query.
     template <class Shape, class Visit>
     void each_overlapping(const Shape& shape, const transform& pose, const query_filter& filter, Visit&& visit) const {
-        detail::each_overlapping(state_, "each_overlapping", shape, pose, filter, visit);
+        detail::each_overlapping(data_, "each_overlapping", shape, pose, filter, visit);
     }
     /// The same for shapes that hold a point.
     template <class Visit>
     void each_at(vec point, const query_filter& filter, Visit&& visit) const {
         if (detail::check_finite("each_at", "point", point))
-            detail::each_overlapping(state_, "each_at", detail::point_shape<scalar, dimension>{}, {point, {}}, filter,
+            detail::each_overlapping(data_, "each_at", detail::point_shape<scalar, dimension>{}, {point, {}}, filter,
                                      visit);
     }
     /// The shape closest to a point, none farther than `reach` (m).
     [[nodiscard]] closest_hit closest_shape(vec point, scalar reach, const query_filter& filter = {}) const {
-        return code::closest_shape(state_, point, reach, filter);
+        return code::closest_shape(data_, point, reach, filter);
     }
 
 private:
-    detail::lookup find(body_id id, const char* function) const { return detail::find_body(state_, id, function); }
-    detail::lookup find(body_id id, const char* function) { return detail::find_body(state_, id, function); }
-    detail::lookup find_moving(body_id id, const char* function) { return detail::find_moving(state_, id, function); }
+    detail::lookup find(body_id id, const char* function) const { return detail::find_body(data_, id, function); }
+    detail::lookup find(body_id id, const char* function) { return detail::find_body(data_, id, function); }
+    detail::lookup find_moving(body_id id, const char* function) { return detail::find_moving(data_, id, function); }
     /// f of the thing that the handle names, or a default value after refusing the handle.
     template <class F>
     auto get(body_id id, const char* function, F&& f) const -> decltype(f(std::declval<const typename plan::body&>())) {
         const auto b = find(id, function);
-        return b ? f(state_.bodies[b.index]) : decltype(f(state_.bodies[0])){};
+        return b ? f(data_.bodies[b.index]) : decltype(f(data_.bodies[0])){};
     }
     template <class F>
     auto get(shape_id id, const char* function, F&& f) const
         -> decltype(f(std::declval<const detail::shape_record<plan>&>())) {
-        const auto s = detail::find_shape(state_, id, function);
-        return s ? f(state_.shapes[s.index]) : decltype(f(state_.shapes[0])){};
+        const auto s = detail::find_shape(data_, id, function);
+        return s ? f(data_.shapes[s.index]) : decltype(f(data_.shapes[0])){};
     }
     void add_force(body_id id, const char* function, vec force, bool local, const vec* point) {
-        code::add_force(state_, id, function, force, local, point);
+        code::add_force(data_, id, function, force, local, point);
     }
     void add_impulse(body_id id, const char* function, vec impulse, bool local, const vec* point) {
-        code::add_impulse(state_, id, function, impulse, local, point);
+        code::add_impulse(data_, id, function, impulse, local, point);
     }
 
-    detail::state<plan> state_;
+    detail::world_data<plan> data_;
 };
 
 PHYSICS_HPP_END

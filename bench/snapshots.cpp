@@ -56,7 +56,7 @@ public:
     }
     void play(figures& to) override {
         step();
-        auto& s = world_access::state_of(world_);
+        auto& s = world_access::data_of(world_);
         const double thousands = static_cast<double>(world_.body_count()) / 1000;
         const stopwatch first;
         snapshot_.save(s);

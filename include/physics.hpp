@@ -317,6 +317,7 @@
 #include "physics/world/wake.hpp"
 #include "physics/world/world.hpp"
 #include "physics/world/world_code.hpp"
+#include "physics/world/world_data.hpp"
 
 // From elapsed time to fixed steps.
 #include "physics/loop/accumulator.hpp"

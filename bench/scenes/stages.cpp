@@ -31,7 +31,7 @@ public:
             ns_[static_cast<std::size_t>(ended)] += now - last;
             last = now;
         };
-        physics::detail::report(physics::detail::step(s_, static_cast<S>(dt), {}, lap));
+        physics::detail::report(physics::detail::step<plan>(s_, s_.step, static_cast<S>(dt), {}, lap));
     }
     void read(std::vector<state>& states) const override {
         states.clear();
@@ -44,7 +44,9 @@ public:
     }
     [[nodiscard]] triple gravity() const override { return from_vec<S, D>(s_.settings.gravity); }
     [[nodiscard]] int contacts() const override { return static_cast<int>(s_.contacts.size()); }
-    [[nodiscard]] double contact_bytes() const override { return bytes_a_contact(s_); }
+    [[nodiscard]] double contact_bytes() const override {
+        return bytes_a_contact(static_cast<const physics::detail::state<plan>&>(s_));
+    }
     [[nodiscard]] std::vector<std::pair<std::string, double>> stages() const override {
         static constexpr const char* names[] = {"find pairs", "find contacts", "make batches",
                                                 "solve",      "place shapes",  "finish"};
@@ -56,7 +58,7 @@ public:
 private:
     using plan = typename physics::detail::plan_of<lineup<S, D, Solver>>::type;
 
-    physics::detail::state<plan> s_;
+    physics::detail::world_data<plan> s_;
     std::vector<physics::body_id> ids_;
     shape_maker<S, D> maker_;
     std::array<double, 6> ns_ = {};

@@ -96,14 +96,14 @@ void any_workers_and_copies_agree() {
     const std::uint64_t then = one.state_hash();
     run(one, 20);
     const std::uint64_t later = one.state_hash();
-    REQUIRE(saved.restore(physics::detail::world_access::state_of(one)));
+    REQUIRE(saved.restore(physics::detail::world_access::data_of(one)));
     CHECK(one.state_hash() == then);
     run(one, 20);
     CHECK(one.state_hash() == later);
     // Over a world of another history.
     World other = net<World>(3);
     run(other, 5);
-    REQUIRE(saved.restore(physics::detail::world_access::state_of(other)));
+    REQUIRE(saved.restore(physics::detail::world_access::data_of(other)));
     run(other, 20);
     CHECK(other.state_hash() == later);
 }

@@ -311,7 +311,7 @@ CELL_CASE("materials: copies and snapshots go on by the same bits, with the coef
     for (const auto& c : q.w.contacts()) CHECK(c.restitution == rubber.restitution);
     for (int i = 0; i < 50; ++i) p.step(), q.step();
     CHECK(same(p, q));
-    REQUIRE(snapshot.restore(world_access::state_of(q.w)));
+    REQUIRE(snapshot.restore(world_access::data_of(q.w)));
     CHECK(q.w.settings().material == rubber);
     CHECK(q.w.contacts().size() > 0);
     for (const auto& c : q.w.contacts()) CHECK(c.restitution == rubber.restitution);

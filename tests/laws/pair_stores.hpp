@@ -189,7 +189,7 @@ CELL_CASE("pair stores: a step at rest hands nothing on but what lasts") {
         static_cast<void>(w.create_shape(w.create_body({.position = at}), brick));
     }
     for (int i = 0; i < 120; ++i) w.step(S(1.0 / 60));
-    auto& s = physics::detail::world_access::state_of(w);
+    auto& s = physics::detail::world_access::data_of(w);
     const std::uint32_t before = s.memories.size();
     std::uint32_t changed = 0;
     for (int i = 0; i < 10; ++i) {

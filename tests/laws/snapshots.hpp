@@ -51,7 +51,7 @@ snapshot_of<Recipe> snapshot(const physics::world<Recipe>& w) {
 }
 template <class Recipe>
 bool restore(const snapshot_of<Recipe>& from, physics::world<Recipe>& w) {
-    return from.restore(state_access::state_of(w));
+    return from.restore(state_access::data_of(w));
 }
 template <class Snapshot>
 bool same_bytes(const Snapshot& a, const Snapshot& b) {

@@ -25,7 +25,7 @@ struct listed {
 struct mine : physics::recipe<float, 2, listed> {};
 
 using plan = physics::detail::plan_of<mine>::type;
-bool there_and_back(physics::detail::raw_snapshot<plan>& snapshot, physics::detail::state<plan>& state) {
+bool there_and_back(physics::detail::raw_snapshot<plan>& snapshot, physics::detail::world_data<plan>& state) {
     snapshot.save(state);
     return snapshot.restore(state);
 }

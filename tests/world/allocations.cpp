@@ -237,15 +237,15 @@ TEST_CASE_TEMPLATE_DEFINE("allocations: none to save and to restore where there 
     const std::uint64_t end = p.arena.state_hash();
     // Stages swap arrays with those of the step before: after two runs both have grown.
     for (const bool grown : {false, true}) {
-        CHECK(calls_of([&] { CHECK(first.restore(world_access::state_of(p.arena))); }) == 0);
+        CHECK(calls_of([&] { CHECK(first.restore(world_access::data_of(p.arena))); }) == 0);
         const auto again = p.play(count);
         is_lively<Recipe>(again, true);
         CHECK(again.hash == end);
         if (grown) CHECK(again.calls == 0);
         // Forth and back: to where there is less, and to where there is more.
         for (int i = 0; i < 3; ++i) {
-            CHECK(calls_of([&] { CHECK(first.restore(world_access::state_of(p.arena))); }) == 0);
-            CHECK(calls_of([&] { CHECK(last.restore(world_access::state_of(p.arena))); }) == 0);
+            CHECK(calls_of([&] { CHECK(first.restore(world_access::data_of(p.arena))); }) == 0);
+            CHECK(calls_of([&] { CHECK(last.restore(world_access::data_of(p.arena))); }) == 0);
             CHECK(p.arena.state_hash() == end);
         }
     }
@@ -253,12 +253,12 @@ TEST_CASE_TEMPLATE_DEFINE("allocations: none to save and to restore where there 
     for (int i = 0; i < 3; ++i) {
         CHECK(calls_of([&] { last.save(world_access::state_of(p.arena)); }) == 0);
         p.play(8);
-        CHECK(calls_of([&] { CHECK(last.restore(world_access::state_of(p.arena))); }) == 0);
+        CHECK(calls_of([&] { CHECK(last.restore(world_access::data_of(p.arena))); }) == 0);
     }
     physics::world<Recipe> fresh;
     for (const bool grown : {false, true})
         for (const auto* of : {&first, &last})
-            CHECK((calls_of([&] { CHECK(of->restore(world_access::state_of(fresh))); }) == 0) == grown);
+            CHECK((calls_of([&] { CHECK(of->restore(world_access::data_of(fresh))); }) == 0) == grown);
     CHECK(fresh.state_hash() == p.arena.state_hash());
 }
 

@@ -31,18 +31,18 @@ void publish_bodies(const moved_bodies<S, D, Rotates>& moved, const awake_list& 
 
 /// Stores what the step found: poses, velocities, contacts with their impulses. Nothing fails from here on.
 template <class Plan, class Moved>
-void publish(state<Plan>& s, const Moved& moved, const warm_impulses<typename Plan::scalar>& warm,
+void publish(state<Plan>& s, step_data<Plan>& d, const Moved& moved, const warm_impulses<typename Plan::scalar>& warm,
              typename Plan::scalar h) {
     if (std::exchange(s.awake.is_stale, false))
         s.bodies.each([&](std::uint32_t i, const auto& b) {
             if (!s.is_asleep(i)) s.contact_starts[i] = {b.center, b.rotation};
         });
     publish_bodies(moved, s.awake, s.bodies, s.contact_starts);
-    warm.after_solve(s.step.new_contacts);
-    s.contacts.swap(s.step.new_contacts);
-    s.surfaces = s.step.new_material;
-    if constexpr (Plan::has_joints) publish_joints(s.step.joints, s.joints);
-    if constexpr (Plan::remembers) s.step.pair_cache_changes.finish(s.memories);
+    warm.after_solve(d.new_contacts);
+    s.contacts.swap(d.new_contacts);
+    s.surfaces = d.new_material;
+    if constexpr (Plan::has_joints) publish_joints(d.joints, s.joints);
+    if constexpr (Plan::remembers) d.pair_cache_changes.finish(s.memories);
     ++s.steps;
     s.step_lengths = {warm.next_usual_step(s.steps), h};
 }

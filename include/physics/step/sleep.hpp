@@ -60,9 +60,8 @@ struct wake_input {
     step_data<Plan>& step;
 };
 template <class Plan>
-wake_input<Plan> to_wake(state<Plan>& s) {
-    return {s.bodies, s.shapes, s.joints,   s.settings,   s.step_lengths,
-            s.sleep,  s.awake,  s.contacts, s.broadphase, s.step};
+wake_input<Plan> to_wake(state<Plan>& s, step_data<Plan>& d) {
+    return {s.bodies, s.shapes, s.joints, s.settings, s.step_lengths, s.sleep, s.awake, s.contacts, s.broadphase, d};
 }
 
 /// Brings bodies back that were asleep, listed in step.woken: they can be pushed again, and what touches them is looked

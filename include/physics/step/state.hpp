@@ -178,23 +178,12 @@ struct state {
     physics::step_lengths<S> step_lengths;
     /// By which handles know the world; no part of what lasts, so that they serve it whatever state it is brought to.
     unsaved<std::uint16_t> tag;
-
-    /// What a step works with; copies begin without.
-    step_scratch<step_data<Plan>> step;
     PHYSICS_HPP_MEMBERS(settings, bodies, shapes, broadphase, contacts, surfaces, contact_starts, awake, memories,
-                        sleep, continuous, joints, steps, step_lengths, tag, step)
+                        sleep, continuous, joints, steps, step_lengths, tag)
 
     [[nodiscard]] bool is_asleep(std::uint32_t body) const { return sleep.is_asleep(body); }
     [[nodiscard]] bool is_awake_dynamic(std::uint32_t body) const {
         return detail::is_awake_dynamic(bodies, sleep, body);
-    }
-};
-
-/// The inside of a world, for what stands beside it.
-struct world_access {
-    template <class World>
-    static auto& state_of(World& w) {
-        return w.state_;
     }
 };
 

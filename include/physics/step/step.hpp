@@ -41,10 +41,10 @@ struct no_watch {
 /// their order. Refused if surfaces do not mix, if a velocity or a position would leave the range of numbers, or if the
 /// executor fails. Not inlined, so that no arithmetic moves out of the caller's float_control_scope.
 template <class Plan, class Watch = no_watch>
-PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, task_runner tasks, Watch done = {}) {
+PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typename Plan::scalar h, task_runner tasks,
+                                      Watch done = {}) {
     using S = typename Plan::scalar;
     if (tasks.workers() == 0) return step_result::bad_executor;
-    step_data<Plan>& d = s.step;
     start_step(d, tasks);
     clear_depths<Plan>(s.bodies.slots(), d.sweep);
     // Settings -> what all surfaces make of each other, where no shape has a material of its own.
@@ -105,11 +105,11 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, typename Plan::scalar h, t
     done(step_stage::update_boxes);
 
     // Results -> bodies and contacts. From here on nothing fails.
-    publish(s, moved, warm, h);
+    publish(s, d, moved, warm, h);
     if constexpr (Plan::sleeps) {
         // What was woken is awake for good, and so is what kinematic bodies are going to run into.
-        commit_woken(to_wake(s));
-        wake_ahead(to_wake(s), h);
+        commit_woken(to_wake(s, d));
+        wake_ahead(to_wake(s, d), h);
         // Contacts, joints, and how bodies move -> islands that fall asleep, with their contacts.
         if (fall_asleep<Plan>(s.contacts, joint_edges(d), s.settings, h, s.shapes, s.awake, s.bodies, s.sleep,
                               s.broadphase, d.scratch)) {

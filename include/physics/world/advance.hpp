@@ -33,12 +33,12 @@ private:
 };
 
 template <class Plan>
-step_result step_in_scope(state<Plan>& s, typename Plan::scalar h, const task_runner& tasks) {
+step_result step_in_scope(world_data<Plan>& s, typename Plan::scalar h, const task_runner& tasks) {
     const step_scope mark(s.step.in_step);
-    return step(s, h, tasks);
+    return step<Plan>(s, s.step, h, tasks);
 }
 template <class Plan>
-void advance(state<Plan>& s, typename Plan::scalar h, const task_runner& tasks) {
+void advance(world_data<Plan>& s, typename Plan::scalar h, const task_runner& tasks) {
     if (!check_positive("step", "dt", h) || !check_not_in_step(s, "step")) return;
     const float_control_scope control;
     report(step_in_scope(s, h, tasks));

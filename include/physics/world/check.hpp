@@ -17,7 +17,7 @@ struct lookup {
 };
 /// Refuses to change a world in the middle of its step, from an executor or a policy.
 template <class Plan>
-bool check_not_in_step(const state<Plan>& s, const char* function) {
+bool check_not_in_step(const world_data<Plan>& s, const char* function) {
     return !s.step.in_step.on || refuse(function, "world", "in a step", "it can be changed before and after");
 }
 /// A state that is not const is asked for in order to change it.

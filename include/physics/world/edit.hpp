@@ -10,13 +10,13 @@ namespace detail {
 
 /// Forgets the contacts for which gone(contact) is true; the others keep their order.
 template <class Plan, class Gone>
-void drop_contacts(state<Plan>& s, Gone&& gone) {
+void drop_contacts(world_data<Plan>& s, Gone&& gone) {
     partition_contacts(
         s.contacts, [&](const auto& c) { return !gone(c); }, [](const auto&) {});
 }
 
 template <class Plan>
-body_id create_body(state<Plan>& s, const body_def<typename Plan::scalar, Plan::dimension>& def) {
+body_id create_body(world_data<Plan>& s, const body_def<typename Plan::scalar, Plan::dimension>& def) {
     if (!check_not_in_step(s, "create_body") || !check_body(def) ||
         !check_turn<Plan>("create_body", def.angular_velocity, def.angular_damping) ||
         !check_continuous<Plan>("create_body", def.continuous))
@@ -47,7 +47,7 @@ body_id create_body(state<Plan>& s, const body_def<typename Plan::scalar, Plan::
 
 /// Takes a joint out of its bodies' lists and of its kind.
 template <class Plan>
-void erase_joint(state<Plan>& s, std::uint32_t index) {
+void erase_joint(world_data<Plan>& s, std::uint32_t index) {
     const joint_record gone = s.joints.records[index];
     for (const std::uint32_t body : {gone.body_a, gone.body_b}) {
         std::uint32_t* link = &s.joints.first[body];
@@ -61,7 +61,7 @@ void erase_joint(state<Plan>& s, std::uint32_t index) {
 }
 
 template <class Plan>
-void destroy_body(state<Plan>& s, std::uint32_t index) {
+void destroy_body(world_data<Plan>& s, std::uint32_t index) {
     wake_affected(s, index);
     if constexpr (Plan::has_joints) s.joints.each_of(index, [&](std::uint32_t i, const auto&) { erase_joint(s, i); });
     drop_contacts(s, [&](const auto& c) { return c.bodies.body_a == index || c.bodies.body_b == index; });
@@ -76,7 +76,7 @@ void destroy_body(state<Plan>& s, std::uint32_t index) {
 
 /// Adds a shape that has been checked to a body; without a mass, only to one that is not dynamic.
 template <class Plan>
-shape_id insert_shape(state<Plan>& s, std::uint32_t body, const typename Plan::shape& shape, bool has_mass,
+shape_id insert_shape(world_data<Plan>& s, std::uint32_t body, const typename Plan::shape& shape, bool has_mass,
                       const typename Plan::shape_def& def) {
     using S = typename Plan::scalar;
     const char* f = "create_shape";
@@ -114,7 +114,7 @@ shape_id insert_shape(state<Plan>& s, std::uint32_t body, const typename Plan::s
 }
 
 template <class Plan>
-void destroy_shape(state<Plan>& s, std::uint32_t index) {
+void destroy_shape(world_data<Plan>& s, std::uint32_t index) {
     const std::uint32_t body = s.shapes[index].body;
     const auto& owner = s.bodies[body];
     if (owner.is_dynamic() && !owner.mass_is_set && !check_shapes_mass(s, body, "destroy_shape", index)) return;
@@ -130,7 +130,7 @@ void destroy_shape(state<Plan>& s, std::uint32_t index) {
 }
 
 template <class Plan>
-void set_pose(state<Plan>& s, std::uint32_t index, const transform<typename Plan::scalar, Plan::dimension>& pose) {
+void set_pose(world_data<Plan>& s, std::uint32_t index, const transform<typename Plan::scalar, Plan::dimension>& pose) {
     const char* f = "set_pose";
     auto& b = s.bodies[index];
     if (!has_point(pose, b.mass.center)) {
@@ -154,7 +154,7 @@ void set_pose(state<Plan>& s, std::uint32_t index, const transform<typename Plan
 
 /// Wakes what lies on a kinematic body's way, unless it is told to stay where it is.
 template <class Plan>
-void move_to(state<Plan>& s, std::uint32_t index, vec<typename Plan::scalar, Plan::dimension> position,
+void move_to(world_data<Plan>& s, std::uint32_t index, vec<typename Plan::scalar, Plan::dimension> position,
              const rotation<typename Plan::scalar, Plan::dimension>& rotation) {
     auto& b = s.bodies[index];
     // As it is turned, to the bit: it stands then.
@@ -172,14 +172,14 @@ void move_to(state<Plan>& s, std::uint32_t index, vec<typename Plan::scalar, Pla
 
 /// A velocity that the user gives a body takes the place of one that it has from a target.
 template <class Plan>
-auto& velocity_to_set(state<Plan>& s, std::uint32_t index) {
+auto& velocity_to_set(world_data<Plan>& s, std::uint32_t index) {
     auto& b = s.bodies[index];
     if (std::exchange(b.at_target, false)) b.velocity = {};
     return b.velocity;
 }
 
 template <class Plan>
-void set_type(state<Plan>& s, std::uint32_t index, body_type type) {
+void set_type(world_data<Plan>& s, std::uint32_t index, body_type type) {
     using S = typename Plan::scalar;
     constexpr int D = Plan::dimension;
     const char* f = "set_type";
@@ -217,7 +217,7 @@ void set_type(state<Plan>& s, std::uint32_t index, body_type type) {
 }
 
 template <class Plan>
-void set_mass(state<Plan>& s, std::uint32_t index,
+void set_mass(world_data<Plan>& s, std::uint32_t index,
               const mass_properties<typename Plan::scalar, Plan::dimension>& mass) {
     const char* f = "set_mass";
     const bool nothing_turns_it = mass.inertia == decltype(mass.inertia){};
@@ -234,7 +234,7 @@ void set_mass(state<Plan>& s, std::uint32_t index,
     set_mass_properties(s, index, mass);
 }
 template <class Plan>
-void reset_mass(state<Plan>& s, std::uint32_t index) {
+void reset_mass(world_data<Plan>& s, std::uint32_t index) {
     if (!check_shapes_mass(s, index, "reset_mass")) return;
     wake_affected(s, index);
     s.bodies[index].mass_is_set = false;
@@ -242,7 +242,7 @@ void reset_mass(state<Plan>& s, std::uint32_t index) {
 }
 
 template <class Plan>
-void set_rotation_locked(state<Plan>& s, std::uint32_t index, bool locked) {
+void set_rotation_locked(world_data<Plan>& s, std::uint32_t index, bool locked) {
     wake_affected(s, index);
     auto& b = s.bodies[index];
     b.rotation_locked = locked;
@@ -251,7 +251,7 @@ void set_rotation_locked(state<Plan>& s, std::uint32_t index, bool locked) {
 }
 
 template <class Plan>
-void set_material(state<Plan>& s, shape_id id, const material<typename Plan::scalar, Plan::dimension>& m) {
+void set_material(world_data<Plan>& s, shape_id id, const material<typename Plan::scalar, Plan::dimension>& m) {
     const lookup at = find_shape(s, id, "set_material");
     if (!at || !check_material<Plan>("set_material", m)) return;
     wake_affected(s, s.shapes[at.index].body);
@@ -264,7 +264,7 @@ bool is_continuous(const state<Plan>& s, body_id id) {
     return at && s.bodies[at.index].continuous;
 }
 template <class Plan>
-void set_continuous(state<Plan>& s, body_id id, bool on) {
+void set_continuous(world_data<Plan>& s, body_id id, bool on) {
     const char* f = "set_continuous";
     const lookup at = find_body(s, id, f);
     if (at && check_continuous<Plan>(f, on)) s.bodies[at.index].continuous = on;
@@ -272,7 +272,7 @@ void set_continuous(state<Plan>& s, body_id id, bool on) {
 
 /// Brings a world to settings that have been checked.
 template <class Plan>
-void change_settings(state<Plan>& s, const typename Plan::settings& settings) {
+void change_settings(world_data<Plan>& s, const typename Plan::settings& settings) {
     // What was carried along was found within the old margin.
     if (settings.contact_margin != s.settings.contact_margin) s.memories.clear();
     if (!(settings.gravity == s.settings.gravity)) wake_all(s);
@@ -289,7 +289,7 @@ void change_settings(state<Plan>& s, const typename Plan::settings& settings) {
 }
 
 template <class Plan>
-void set_settings(state<Plan>& s, const typename Plan::settings& settings) {
+void set_settings(world_data<Plan>& s, const typename Plan::settings& settings) {
     const char* f = "set_settings";
     if (!check_not_in_step(s, f) || !check_settings<Plan>(settings, f)) return;
     bool fits = true;

@@ -42,7 +42,7 @@ vec<typename Plan::scalar, Plan::dimension> velocity_of_point(const state<Plan>&
 /// Calls f(body, force, r) with a force or impulse, and where it acts from the centre of mass, in world axes;
 /// f says whether the body can take it.
 template <class Plan, class F>
-void apply_at(state<Plan>& s, body_id id, const char* function, const char* field,
+void apply_at(world_data<Plan>& s, body_id id, const char* function, const char* field,
               vec<typename Plan::scalar, Plan::dimension> force, bool local,
               const vec<typename Plan::scalar, Plan::dimension>* point, F&& f) {
     const lookup at = find_dynamic(s, id, function);
@@ -54,7 +54,7 @@ void apply_at(state<Plan>& s, body_id id, const char* function, const char* fiel
     else if (!(force == decltype(force){})) wake(s, at.index);
 }
 template <class Plan>
-void add_force(state<Plan>& s, body_id id, const char* function, vec<typename Plan::scalar, Plan::dimension> force,
+void add_force(world_data<Plan>& s, body_id id, const char* function, vec<typename Plan::scalar, Plan::dimension> force,
                bool local, const vec<typename Plan::scalar, Plan::dimension>* point) {
     apply_at(s, id, function, "force", force, local, point, [](auto& b, auto f, [[maybe_unused]] auto anchor) {
         if constexpr (Plan::rotates) {
@@ -79,8 +79,9 @@ auto after_impulse(const body<S, D, Rotates>& b, const vec<S, D>& impulse, [[may
     return v.velocity;
 }
 template <class Plan>
-void add_impulse(state<Plan>& s, body_id id, const char* function, vec<typename Plan::scalar, Plan::dimension> impulse,
-                 bool local, const vec<typename Plan::scalar, Plan::dimension>* point) {
+void add_impulse(world_data<Plan>& s, body_id id, const char* function,
+                 vec<typename Plan::scalar, Plan::dimension> impulse, bool local,
+                 const vec<typename Plan::scalar, Plan::dimension>* point) {
     apply_at(s, id, function, "impulse", impulse, local, point, [](auto& b, auto p, auto anchor) {
         auto v = after_impulse<typename Plan::scalar>(b, p, anchor);
         const auto after = v;
@@ -93,7 +94,7 @@ void add_impulse(state<Plan>& s, body_id id, const char* function, vec<typename 
     });
 }
 template <class Plan>
-void add_torque(state<Plan>& s, body_id id, physics::angular<typename Plan::scalar, Plan::dimension> torque) {
+void add_torque(world_data<Plan>& s, body_id id, physics::angular<typename Plan::scalar, Plan::dimension> torque) {
     const char* f = "apply_torque";
     const lookup at = find_dynamic(s, id, f);
     if (!at || !check_in_range(f, "torque", torque)) return;
@@ -102,7 +103,8 @@ void add_torque(state<Plan>& s, body_id id, physics::angular<typename Plan::scal
     else if (!(torque == decltype(torque){})) wake(s, at.index);
 }
 template <class Plan>
-void add_angular_impulse(state<Plan>& s, body_id id, physics::angular<typename Plan::scalar, Plan::dimension> impulse) {
+void add_angular_impulse(world_data<Plan>& s, body_id id,
+                         physics::angular<typename Plan::scalar, Plan::dimension> impulse) {
     const char* f = "apply_angular_impulse";
     const lookup at = find_dynamic(s, id, f);
     if (!at || !check_in_range(f, "impulse", impulse)) return;

@@ -9,13 +9,13 @@ PHYSICS_HPP_BEGIN
 namespace detail {
 
 template <class Plan>
-void wake_connected(state<Plan>& s, std::uint32_t joint) {
+void wake_connected(world_data<Plan>& s, std::uint32_t joint) {
     wake(s, s.joints.records[joint].body_a);
     wake(s, s.joints.records[joint].body_b);
 }
 
 template <class Plan, class Joint>
-joint_id create_joint(state<Plan>& s, body_id body_a, body_id body_b, const Joint& joint, const joint_def& def) {
+joint_id create_joint(world_data<Plan>& s, body_id body_a, body_id body_b, const Joint& joint, const joint_def& def) {
     const char* f = "create_joint";
     const lookup a = find(s, s.bodies, body_a, f, "body_a"), b = find(s, s.bodies, body_b, f, "body_b");
     if (!a || !b) return {};
@@ -176,8 +176,8 @@ public:
     }
 
 private:
-    auto& state() { return detail::world_access::state_of(static_cast<World&>(*this)); }
-    const auto& state() const { return detail::world_access::state_of(static_cast<const World&>(*this)); }
+    auto& state() { return detail::world_access::data_of(static_cast<World&>(*this)); }
+    const auto& state() const { return detail::world_access::data_of(static_cast<const World&>(*this)); }
     template <class State>
     static detail::lookup find(State& s, joint_id id, const char* function) {
         return detail::find_joint(s, id, function);

@@ -3,6 +3,7 @@
 
 #include "physics/dynamics/convert.hpp"
 #include "physics/step/extents.hpp"
+#include "physics/world/world_data.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -10,7 +11,7 @@ namespace detail {
 
 /// Keeps these of a body whose shapes or centre of mass have changed. O(shapes of the body).
 template <class Plan>
-void refresh_extent(state<Plan>& s, std::uint32_t index) {
+void refresh_extent(world_data<Plan>& s, std::uint32_t index) {
     if constexpr (Plan::is_continuous) {
         s.continuous.extents.resize(s.bodies.slots());
         measure_body<Plan>(s.bodies, s.shapes, index, s.continuous.extents[index]);
@@ -62,7 +63,7 @@ symmetric<S> as_turning(symmetric<S> inertia) {
 /// Gives a body its mass, its centre and what follows from them. The frame stays where it is, and the
 /// velocity of the body's material points and the points of its contacts with it.
 template <class Plan>
-void set_mass_properties(state<Plan>& s, std::uint32_t index,
+void set_mass_properties(world_data<Plan>& s, std::uint32_t index,
                          const mass_properties<typename Plan::scalar, Plan::dimension>& mass) {
     using S = typename Plan::scalar;
     auto& b = s.bodies[index];
@@ -92,7 +93,7 @@ void set_mass_properties(state<Plan>& s, std::uint32_t index,
 /// Mass from shapes, unless the user has set it. A dynamic body without any mass is a point of 1 kg at its
 /// origin; static and kinematic bodies take no mass from shapes.
 template <class Plan>
-void refresh_mass(state<Plan>& s, std::uint32_t index) {
+void refresh_mass(world_data<Plan>& s, std::uint32_t index) {
     using S = typename Plan::scalar;
     const auto& b = s.bodies[index];
     mass_properties<S, Plan::dimension> mass;

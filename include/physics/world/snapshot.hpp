@@ -104,15 +104,15 @@ public:
 
     /// Brings a world to the state that was saved. Takes memory only where the world has not had so much before.
     /// Refused, with nothing changed, if nothing was saved or a step of the world is under way.
-    bool restore(state<Plan>& s) const {
+    bool restore(world_data<Plan>& s) const {
         if (units_.empty()) return refuse("restore", "snapshot", "empty", "it must have been saved");
         if (!check_not_in_step(s, "restore")) return false;
         // What may fail comes first.
         const unit* from = units_.begin();
-        each_piece(s, [&](auto& piece) { from = make_room(piece, from); });
+        each_piece<state<Plan>>(s, [&](auto& piece) { from = make_room(piece, from); });
         s.shapes.each_geometry(release);
         from = units_.begin();
-        each_piece(s, [&](auto& piece) { from = read(piece, from); });
+        each_piece<state<Plan>>(s, [&](auto& piece) { from = read(piece, from); });
         s.shapes.each_geometry(retain);
         return true;
     }

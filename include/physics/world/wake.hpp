@@ -2,18 +2,19 @@
 #pragma once
 
 #include "physics/step/sleep.hpp"
+#include "physics/world/world_data.hpp"
 
 PHYSICS_HPP_BEGIN
 
 namespace detail {
 
 template <class Plan>
-void wake(state<Plan>& s, std::uint32_t body) {
-    if constexpr (Plan::sleeps) wake_islands(to_wake(s), [&](auto&& f) { f(body); });
+void wake(world_data<Plan>& s, std::uint32_t body) {
+    if constexpr (Plan::sleeps) wake_islands(to_wake<Plan>(s, s.step), [&](auto&& f) { f(body); });
 }
 /// Wakes those that touch a body, or that joints hold to it.
 template <class Plan>
-void wake_touching(state<Plan>& s, std::uint32_t body) {
+void wake_touching(world_data<Plan>& s, std::uint32_t body) {
     if constexpr (Plan::sleeps) {
         auto& touching = s.step.near;
         touching.clear();
@@ -22,29 +23,30 @@ void wake_touching(state<Plan>& s, std::uint32_t body) {
             if (c.bodies.body_b == body) touching.push_back(c.bodies.body_a);
         }
         each_connected(s.joints, body, [&](std::uint32_t other) { touching.push_back(other); });
-        wake_islands(to_wake(s), [&](auto&& f) {
+        wake_islands(to_wake<Plan>(s, s.step), [&](auto&& f) {
             for (const std::uint32_t i : touching) f(i);
         });
     }
 }
 /// A body has changed: wakes its island if it is dynamic, else the islands that touch it.
 template <class Plan>
-void wake_affected(state<Plan>& s, std::uint32_t body) {
+void wake_affected(world_data<Plan>& s, std::uint32_t body) {
     if (s.bodies[body].is_dynamic()) wake(s, body);
     else wake_touching(s, body);
 }
 template <class Plan>
-void wake_near(state<Plan>& s, std::uint32_t body, const transform<typename Plan::scalar, Plan::dimension>& to) {
-    if constexpr (Plan::sleeps) wake_near(to_wake(s), body, to);
+void wake_near(world_data<Plan>& s, std::uint32_t body, const transform<typename Plan::scalar, Plan::dimension>& to) {
+    if constexpr (Plan::sleeps) wake_near(to_wake<Plan>(s, s.step), body, to);
 }
 template <class Plan>
-void wake_near(state<Plan>& s, std::uint32_t body) {
+void wake_near(world_data<Plan>& s, std::uint32_t body) {
     wake_near(s, body, s.bodies[body].pose());
 }
 template <class Plan>
-void wake_all(state<Plan>& s) {
+void wake_all(world_data<Plan>& s) {
     if constexpr (Plan::sleeps)
-        wake_islands(to_wake(s), [&](auto&& f) { s.bodies.each([&](std::uint32_t i, const auto&) { f(i); }); });
+        wake_islands(to_wake<Plan>(s, s.step),
+                     [&](auto&& f) { s.bodies.each([&](std::uint32_t i, const auto&) { f(i); }); });
 }
 
 template <class Plan>

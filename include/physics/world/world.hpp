@@ -51,48 +51,48 @@ public:
     /// bits as every other (see float_environment).
     explicit world(const settings_type& settings = {}) {
         if (detail::check_settings<plan>(settings, "world") && detail::check_environment<scalar>("world"))
-            code::change_settings(state_, settings);
-        state_.tag = {detail::next_world_tag()};
+            code::change_settings(data_, settings);
+        data_.tag = {detail::next_world_tag()};
     }
 
     /// Advances time by dt seconds (greater than 0). Forces and torques act for this step and are then
     /// forgotten. Steps may differ in length: none from 1 us to 1/15 s throws what rests. Cost: see the policies.
     /// Refused, with nothing changed, if a number would leave its range.
-    void step(scalar dt) { code::step(state_, dt, {}); }
+    void step(scalar dt) { code::step(data_, dt, {}); }
     /// The same, with the work shared out by an executor, such as a thread_pool; the bits do not depend on it.
     template <executor Executor>
     void step(scalar dt, Executor& by) {
-        code::step(state_, dt, {by, state_.step.tasks_done, state_.step.batch_scratch});
+        code::step(data_, dt, {by, data_.step.tasks_done, data_.step.batch_scratch});
     }
     /// Steps, and tells what that did to the energy: a net under scenes that must not gain any. O(bodies + contacts).
     [[nodiscard]] energy_report step_with_energy_report(scalar dt) {
-        const detail::energy_balance<plan> balance(state_);
+        const detail::energy_balance<plan> balance(data_);
         step(dt);
         return balance.after();
     }
     template <executor Executor>
     [[nodiscard]] energy_report step_with_energy_report(scalar dt, Executor& by) {
-        const detail::energy_balance<plan> balance(state_);
+        const detail::energy_balance<plan> balance(data_);
         step(dt, by);
         return balance.after();
     }
     /// Kinetic and potential energy as bodies are now. O(bodies).
-    [[nodiscard]] energy_report energy() const { return detail::energy_of(state_); }
+    [[nodiscard]] energy_report energy() const { return detail::energy_of(data_); }
     /// Number of steps taken.
-    [[nodiscard]] std::uint64_t steps() const { return state_.steps; }
+    [[nodiscard]] std::uint64_t steps() const { return data_.steps; }
     /// A number that worlds in the same state share, on any machine. User data and settings do not enter.
     /// O(bodies + shapes + contacts).
-    [[nodiscard]] std::uint64_t state_hash() const { return code::state_hash(state_); }
-    [[nodiscard]] const settings_type& settings() const { return state_.settings; }
+    [[nodiscard]] std::uint64_t state_hash() const { return code::state_hash(data_); }
+    [[nodiscard]] const settings_type& settings() const { return data_.settings; }
     /// Changes the settings from the next step on. O(shapes).
-    void set_settings(const settings_type& settings) { code::set_settings(state_, settings); }
+    void set_settings(const settings_type& settings) { code::set_settings(data_, settings); }
 
     /// Adds a body; shapes give it extent and, if it is dynamic, mass. Without mass from shapes it is a point of
     /// 1 kg that nothing turns.
-    body_id create_body(const body_def& def = {}) { return code::create_body(state_, def); }
+    body_id create_body(const body_def& def = {}) { return code::create_body(data_, def); }
     /// Removes a body with its shapes and contacts. O(shapes + contacts).
     void destroy_body(body_id id) {
-        if (const auto b = find(id, "destroy_body")) code::destroy_body(state_, b.index);
+        if (const auto b = find(id, "destroy_body")) code::destroy_body(data_, b.index);
     }
     /// Adds a shape of the recipe's set to a body; unless the body's mass is set, it changes with it. Refuses a mass
     /// that the scalar cannot hold. O(shapes of the body), and O(contacts) where the centre of mass moves.
@@ -102,28 +102,28 @@ public:
         static_assert(
             known,
             "physics::world::create_shape: the recipe's set of shapes lacks this one; name it in physics::shapes<...>");
-        if constexpr (known) return detail::create_shape(state_, body, shape, def);
+        if constexpr (known) return detail::create_shape(data_, body, shape, def);
         else return {};
     }
     /// Removes a shape and its contacts. Refused where the rest's mass is one that the scalar cannot hold. O(contacts).
     void destroy_shape(shape_id id) {
-        const auto s = detail::find_shape(state_, id, "destroy_shape");
-        if (s) code::destroy_shape(state_, s.index);
+        const auto s = detail::find_shape(data_, id, "destroy_shape");
+        if (s) code::destroy_shape(data_, s.index);
     }
     /// True if the handle names a living thing of this world; never an error.
-    [[nodiscard]] bool contains(body_id id) const { return detail::contains(state_, state_.bodies, id); }
-    [[nodiscard]] bool contains(shape_id id) const { return detail::contains(state_, state_.shapes, id); }
-    [[nodiscard]] std::uint32_t body_count() const { return state_.bodies.count(); }
-    [[nodiscard]] std::uint32_t shape_count() const { return state_.shapes.count(); }
+    [[nodiscard]] bool contains(body_id id) const { return detail::contains(data_, data_.bodies, id); }
+    [[nodiscard]] bool contains(shape_id id) const { return detail::contains(data_, data_.shapes, id); }
+    [[nodiscard]] std::uint32_t body_count() const { return data_.bodies.count(); }
+    [[nodiscard]] std::uint32_t shape_count() const { return data_.shapes.count(); }
 
     /// All bodies: `for (physics::body_id b : world.bodies())`.
-    [[nodiscard]] auto bodies() const { return detail::body_range<plan>(state_); }
+    [[nodiscard]] auto bodies() const { return detail::body_range<plan>(data_); }
     /// All shapes of a body.
     [[nodiscard]] auto shapes(body_id id) const {
-        return detail::shape_range<plan>(state_, find(id, "shapes") ? id : body_id());
+        return detail::shape_range<plan>(data_, find(id, "shapes") ? id : body_id());
     }
     /// All contacts of the last step, each as a contact_view.
-    [[nodiscard]] auto contacts() const { return detail::contact_range<plan>(state_); }
+    [[nodiscard]] auto contacts() const { return detail::contact_range<plan>(data_); }
 
     /// Where the body's frame is: origin, rotation, both; and where its centre of mass is.
     [[nodiscard]] vec position(body_id id) const {
@@ -142,7 +142,7 @@ public:
     void set_pose(body_id id, vec position, const rotation_type& rotation) {
         const auto b = find(id, "set_pose");
         if (b && detail::check_pose("set_pose", position, rotation))
-            code::set_pose(state_, b.index, {position, rotation});
+            code::set_pose(data_, b.index, {position, rotation});
     }
     void set_pose(body_id id, const transform& pose) { set_pose(id, pose.position, pose.rotation); }
     /// Lets a kinematic body reach a pose by the end of the next step, and pushes what it touches as the velocity would
@@ -150,8 +150,8 @@ public:
     /// body's until the step after, in which it stands unless told to go on. In recipes without rotation it cannot turn
     /// on the way: only set_pose does that.
     void move_to(body_id id, vec position, const rotation_type& rotation) {
-        const auto b = detail::find_kinematic(state_, id, "move_to");
-        if (b && detail::check_pose("move_to", position, rotation)) code::move_to(state_, b.index, position, rotation);
+        const auto b = detail::find_kinematic(data_, id, "move_to");
+        if (b && detail::check_pose("move_to", position, rotation)) code::move_to(data_, b.index, position, rotation);
     }
     void move_to(body_id id, const transform& pose) { move_to(id, pose.position, pose.rotation); }
 
@@ -163,21 +163,21 @@ public:
         return get(id, "angular_velocity",
                    [](const auto& b) -> angular { return detail::value_of(b.velocity.angular); });
     }
-    [[nodiscard]] vec velocity_at(body_id id, vec point) const { return code::velocity_of_point(state_, id, point); }
+    [[nodiscard]] vec velocity_at(body_id id, vec point) const { return code::velocity_of_point(data_, id, point); }
     /// Velocities of dynamic and kinematic bodies; static ones have none, and locked rotations stay at 0.
     void set_linear_velocity(body_id id, vec v) {
         const auto b = find_moving(id, "set_linear_velocity");
         if (!b || !detail::check_in_range("set_linear_velocity", "v", v)) return;
-        if (!(v == vec{})) code::wake_affected(state_, b.index);
-        detail::velocity_to_set(state_, b.index).linear = v;
+        if (!(v == vec{})) code::wake_affected(data_, b.index);
+        detail::velocity_to_set(data_, b.index).linear = v;
     }
     void set_angular_velocity(body_id id, angular w) requires plan::rotates {
         const auto b = find_moving(id, "set_angular_velocity");
         if (!b ||
-            !detail::check_angular_velocity("set_angular_velocity", "w", w, state_.bodies[b.index].rotation_locked))
+            !detail::check_angular_velocity("set_angular_velocity", "w", w, data_.bodies[b.index].rotation_locked))
             return;
-        if (!(w == angular{})) code::wake_affected(state_, b.index);
-        detail::velocity_to_set(state_, b.index).angular = w;
+        if (!(w == angular{})) code::wake_affected(data_, b.index);
+        detail::velocity_to_set(data_, b.index).angular = w;
     }
 
     /// A force (N) on a dynamic body during the next step, at its centre of mass or at a point; "local"
@@ -190,13 +190,13 @@ public:
         add_force(id, "apply_local_force_at", force, true, &point);
     }
     /// A torque (N m) during the next step.
-    void apply_torque(body_id id, angular torque) requires plan::rotates { code::add_torque(state_, id, torque); }
+    void apply_torque(body_id id, angular torque) requires plan::rotates { code::add_torque(data_, id, torque); }
     /// Forgets the forces and torques that wait for the next step.
     void clear_forces(body_id id) {
-        const auto b = detail::find_dynamic(state_, id, "clear_forces");
+        const auto b = detail::find_dynamic(data_, id, "clear_forces");
         if (!b) return;
-        state_.bodies[b.index].force = {};
-        state_.bodies[b.index].torque = {};
+        data_.bodies[b.index].force = {};
+        data_.bodies[b.index].torque = {};
     }
     /// An impulse (N s): changes velocities at once.
     void apply_impulse(body_id id, vec impulse) { add_impulse(id, "apply_impulse", impulse, false, nullptr); }
@@ -211,16 +211,16 @@ public:
     }
     /// An angular impulse (N m s).
     void apply_angular_impulse(body_id id, angular impulse) requires plan::rotates {
-        code::add_angular_impulse(state_, id, impulse);
+        code::add_angular_impulse(data_, id, impulse);
     }
 
     [[nodiscard]] body_type type(body_id id) const {
         const auto b = find(id, "type");
-        return b ? state_.bodies[b.index].type : body_type::static_body;
+        return b ? data_.bodies[b.index].type : body_type::static_body;
     }
     /// Changes how a body moves; a static body loses its velocity. O(shapes + contacts).
     void set_type(body_id id, body_type type) {
-        if (const auto b = find(id, "set_type")) code::set_type(state_, b.index, type);
+        if (const auto b = find(id, "set_type")) code::set_type(data_, b.index, type);
     }
     /// Mass (kg), centre (m) and inertia about it (kg m^2) in the body's frame. Static and kinematic bodies take none
     /// from their shapes: they have mass 0 and their centre at the origin.
@@ -231,13 +231,13 @@ public:
     /// recipes without rotation, nothing turns it. Refuses what the scalar cannot hold, and tensors that are not
     /// positive definite.
     void set_mass(body_id id, const mass_properties& mass) {
-        const auto b = detail::find_dynamic(state_, id, "set_mass");
-        if (b) code::set_mass(state_, b.index, mass);
+        const auto b = detail::find_dynamic(data_, id, "set_mass");
+        if (b) code::set_mass(data_, b.index, mass);
     }
     /// Takes the mass from the shapes again. O(shapes).
     void reset_mass(body_id id) {
-        const auto b = detail::find_dynamic(state_, id, "reset_mass");
-        if (b) code::reset_mass(state_, b.index);
+        const auto b = detail::find_dynamic(data_, id, "reset_mass");
+        if (b) code::reset_mass(data_, b.index);
     }
     [[nodiscard]] scalar linear_damping(body_id id) const {
         return get(id, "linear_damping", [](const auto& b) { return b.linear_damping; });
@@ -252,8 +252,8 @@ public:
             !detail::check_not_negative("set_damping", "angular_rate", angular_rate) ||
             (!plan::rotates && !detail::check_left_out("set_damping", "angular_rate", angular_rate)))
             return;
-        state_.bodies[b.index].linear_damping = linear_rate;
-        if constexpr (plan::rotates) state_.bodies[b.index].angular_damping = angular_rate;
+        data_.bodies[b.index].linear_damping = linear_rate;
+        if constexpr (plan::rotates) data_.bodies[b.index].angular_damping = angular_rate;
     }
     [[nodiscard]] scalar gravity_scale(body_id id) const {
         return get(id, "gravity_scale", [](const auto& b) { return b.gravity_scale; });
@@ -261,8 +261,8 @@ public:
     void set_gravity_scale(body_id id, scalar factor) {
         const auto b = find(id, "set_gravity_scale");
         if (!b || !detail::check_in_range("set_gravity_scale", "factor", factor)) return;
-        code::wake_affected(state_, b.index);
-        state_.bodies[b.index].gravity_scale = factor;
+        code::wake_affected(data_, b.index);
+        data_.bodies[b.index].gravity_scale = factor;
     }
     [[nodiscard]] bool rotation_locked(body_id id) const {
         return get(id, "rotation_locked", [](const auto& b) { return b.rotation_locked; });
@@ -270,17 +270,17 @@ public:
     /// Locks or frees rotation; locking stops it.
     void set_rotation_locked(body_id id, bool locked) requires plan::rotates {
         const auto b = find(id, "set_rotation_locked");
-        if (b) code::set_rotation_locked(state_, b.index, locked);
+        if (b) code::set_rotation_locked(data_, b.index, locked);
     }
     /// True while the body sleeps: an island of bodies that has been still for long enough (settings().sleeping) leaves
     /// the step, until something touches it or a call changes it. Sleepers cost nothing.
     [[nodiscard]] bool is_asleep(body_id id) const {
         const auto b = find(id, "is_asleep");
-        return b && state_.is_asleep(b.index);
+        return b && data_.is_asleep(b.index);
     }
     /// Wakes a body and its island. O(contacts of sleepers).
     void wake(body_id id) {
-        if (const auto b = find(id, "wake")) code::wake(state_, b.index);
+        if (const auto b = find(id, "wake")) code::wake(data_, b.index);
     }
     /// False keeps a body awake, and those that touch it.
     [[nodiscard]] bool can_sleep(body_id id) const {
@@ -289,27 +289,27 @@ public:
     void set_can_sleep(body_id id, bool can) {
         const auto b = find(id, "set_can_sleep");
         if (!b) return;
-        state_.bodies[b.index].can_sleep = can;
-        if (!can) code::wake(state_, b.index);
+        data_.bodies[b.index].can_sleep = can;
+        if (!can) code::wake(data_, b.index);
     }
     /// Number of bodies that move and are awake. O(bodies).
-    [[nodiscard]] std::uint32_t awake_count() const { return detail::count_awake(state_); }
+    [[nodiscard]] std::uint32_t awake_count() const { return detail::count_awake(data_); }
     /// Whether moving bodies stop it too on its way through a step (see swept), and what the last step's sweeps did.
-    [[nodiscard]] bool continuous(body_id id) const { return detail::is_continuous(state_, id); }
-    void set_continuous(body_id id, bool on) { detail::set_continuous(state_, id, on); }
-    [[nodiscard]] auto continuous_report() const { return detail::report_of(state_); }
+    [[nodiscard]] bool continuous(body_id id) const { return detail::is_continuous(data_, id); }
+    void set_continuous(body_id id, bool on) { detail::set_continuous(data_, id, on); }
+    [[nodiscard]] auto continuous_report() const { return detail::report_of(data_); }
     [[nodiscard]] std::uint64_t user_data(body_id id) const {
         return get(id, "user_data", [](const auto& b) { return b.user_data; });
     }
     void set_user_data(body_id id, std::uint64_t data) {
-        if (const auto b = find(id, "set_user_data")) state_.bodies[b.index].user_data = data;
+        if (const auto b = find(id, "set_user_data")) data_.bodies[b.index].user_data = data;
     }
 
     [[nodiscard]] body_id body(shape_id id) const {
-        const auto s = detail::find_shape(state_, id, "body");
+        const auto s = detail::find_shape(data_, id, "body");
         if (!s) return {};
-        const std::uint32_t b = state_.shapes[s.index].body;
-        return {b, state_.bodies.generation(b), state_.tag};
+        const std::uint32_t b = data_.shapes[s.index].body;
+        return {b, data_.bodies.generation(b), data_.tag};
     }
     /// The shape itself, and its pose in the body's frame: visit it to learn its kind.
     [[nodiscard]] any_shape shape(shape_id id) const {
@@ -319,17 +319,17 @@ public:
         return get(id, "local_pose", [](const auto& s) { return s.local; });
     }
     [[nodiscard]] material_type material(shape_id id) const {
-        return get(id, "material", [this](const auto& s) { return detail::surface_of(state_, s); });
+        return get(id, "material", [this](const auto& s) { return detail::surface_of(data_, s); });
     }
     /// Changes a shape's material from the next step on; without feature::materials set_settings changes that of all.
     void set_material(shape_id id, const material_type& m) requires(plan::features::materials) {
-        detail::scoped([&] { detail::set_material(state_, id, m); });
+        detail::scoped([&] { detail::set_material(data_, id, m); });
     }
     [[nodiscard]] std::uint64_t user_data(shape_id id) const {
         return get(id, "user_data", [](const auto& s) { return s.user_data; });
     }
     void set_user_data(shape_id id, std::uint64_t data) {
-        if (const auto s = detail::find_shape(state_, id, "set_user_data")) state_.shapes[s.index].user_data = data;
+        if (const auto s = detail::find_shape(data_, id, "set_user_data")) data_.shapes[s.index].user_data = data;
     }
 
     /// Queries see shapes where they are now; the filter says which (see query_filter). O(log shapes) where the
@@ -337,7 +337,7 @@ public:
     /// The first shape that a ray meets on its way from a point, along a translation (m); of several at once that of
     /// the least number.
     [[nodiscard]] world_hit cast_ray(vec origin, vec translation, const query_filter& filter = {}) const {
-        return code::cast_ray(state_, origin, translation, filter);
+        return code::cast_ray(data_, origin, translation, filter);
     }
     /// Visitors are called after all has been found, so that they may change the world, or step it: what has been
     /// destroyed by then is left out.
@@ -345,56 +345,56 @@ public:
     /// translation up to which the ray goes on: 1 for all, -1 to stop. To find the first alone, cast_ray is faster.
     template <class Visit>
     void each_hit_along_ray(vec origin, vec translation, const query_filter& filter, Visit&& visit) const {
-        detail::each_hit_along_ray(state_, origin, translation, filter, visit);
+        detail::each_hit_along_ray(data_, origin, translation, filter, visit);
     }
     /// The first shape that a convex shape meets on its way from a pose along a translation, without turning.
     template <class Shape>
     [[nodiscard]] world_hit cast_shape(const Shape& shape, const transform& pose, vec translation,
                                        const query_filter& filter = {}) const {
-        return detail::scoped([&] { return detail::cast_shape(state_, shape, pose, translation, filter); });
+        return detail::scoped([&] { return detail::cast_shape(data_, shape, pose, translation, filter); });
     }
     /// Calls visit(shape_id) for every shape that a convex shape at that pose touches or overlaps, in ascending order
     /// of numbers. Where visit returns a bool, false ends the query.
     template <class Shape, class Visit>
     void each_overlapping(const Shape& shape, const transform& pose, const query_filter& filter, Visit&& visit) const {
-        detail::each_overlapping(state_, "each_overlapping", shape, pose, filter, visit);
+        detail::each_overlapping(data_, "each_overlapping", shape, pose, filter, visit);
     }
     /// The same for shapes that hold a point.
     template <class Visit>
     void each_at(vec point, const query_filter& filter, Visit&& visit) const {
         if (detail::check_finite("each_at", "point", point))
-            detail::each_overlapping(state_, "each_at", detail::point_shape<scalar, dimension>{}, {point, {}}, filter,
+            detail::each_overlapping(data_, "each_at", detail::point_shape<scalar, dimension>{}, {point, {}}, filter,
                                      visit);
     }
     /// The shape closest to a point, none farther than `reach` (m).
     [[nodiscard]] closest_hit closest_shape(vec point, scalar reach, const query_filter& filter = {}) const {
-        return code::closest_shape(state_, point, reach, filter);
+        return code::closest_shape(data_, point, reach, filter);
     }
 
 private:
-    detail::lookup find(body_id id, const char* function) const { return detail::find_body(state_, id, function); }
-    detail::lookup find(body_id id, const char* function) { return detail::find_body(state_, id, function); }
-    detail::lookup find_moving(body_id id, const char* function) { return detail::find_moving(state_, id, function); }
+    detail::lookup find(body_id id, const char* function) const { return detail::find_body(data_, id, function); }
+    detail::lookup find(body_id id, const char* function) { return detail::find_body(data_, id, function); }
+    detail::lookup find_moving(body_id id, const char* function) { return detail::find_moving(data_, id, function); }
     /// f of the thing that the handle names, or a default value after refusing the handle.
     template <class F>
     auto get(body_id id, const char* function, F&& f) const -> decltype(f(std::declval<const typename plan::body&>())) {
         const auto b = find(id, function);
-        return b ? f(state_.bodies[b.index]) : decltype(f(state_.bodies[0])){};
+        return b ? f(data_.bodies[b.index]) : decltype(f(data_.bodies[0])){};
     }
     template <class F>
     auto get(shape_id id, const char* function, F&& f) const
         -> decltype(f(std::declval<const detail::shape_record<plan>&>())) {
-        const auto s = detail::find_shape(state_, id, function);
-        return s ? f(state_.shapes[s.index]) : decltype(f(state_.shapes[0])){};
+        const auto s = detail::find_shape(data_, id, function);
+        return s ? f(data_.shapes[s.index]) : decltype(f(data_.shapes[0])){};
     }
     void add_force(body_id id, const char* function, vec force, bool local, const vec* point) {
-        code::add_force(state_, id, function, force, local, point);
+        code::add_force(data_, id, function, force, local, point);
     }
     void add_impulse(body_id id, const char* function, vec impulse, bool local, const vec* point) {
-        code::add_impulse(state_, id, function, impulse, local, point);
+        code::add_impulse(data_, id, function, impulse, local, point);
     }
 
-    detail::state<plan> state_;
+    detail::world_data<plan> data_;
 };
 
 PHYSICS_HPP_END

@@ -17,7 +17,7 @@ template <class Plan>
 struct world_code {
     using S = typename Plan::scalar;
     static constexpr int D = Plan::dimension;
-    using state = detail::state<Plan>;
+    using state = detail::world_data<Plan>;
     using vec = physics::vec<S, D>;
     using angular = physics::angular<S, D>;
     using rotation = physics::rotation<S, D>;
@@ -190,7 +190,7 @@ void each_hit_along_ray(const state<Plan>& s, vec<typename Plan::scalar, Plan::d
 }
 
 template <class Plan, class Shape>
-shape_id create_shape(state<Plan>& s, body_id body, const Shape& shape, const typename Plan::shape_def& def) {
+shape_id create_shape(world_data<Plan>& s, body_id body, const Shape& shape, const typename Plan::shape_def& def) {
     const lookup at = find_body(s, body, "create_shape");
     if (!at || !scoped([&] { return check(shape, "create_shape"); })) return {};
     constexpr bool has_mass = solid_shape_for<Shape, typename Plan::scalar, Plan::dimension>;
