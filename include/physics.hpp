@@ -180,6 +180,7 @@
 #include "physics/collide/box_pair.hpp"
 #include "physics/collide/capsule3.hpp"
 #include "physics/collide/clip3.hpp"
+#include "physics/collide/conservative_advancement.hpp"
 #include "physics/collide/convex.hpp"
 #include "physics/collide/core_shapes.hpp"
 #include "physics/collide/epa2.hpp"

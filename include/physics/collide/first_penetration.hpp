@@ -1,7 +1,8 @@
 // When a convex shape that moves and turns has to be stopped, so that it does not pass into or through another one.
 #pragma once
 
-#include "physics/collide/time_of_impact.hpp"
+#include "physics/collide/conservative_advancement.hpp"
+#include "physics/collide/convex.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -112,16 +113,12 @@ PHYSICS_HPP_COLD inline separating_axis<2> parting_edge(const placed_core<2>& a,
         maximum = gap;
         best = {n, {}, turn};
     };
-    for (int i = 0; i < on_a.count; ++i) {
-        const point<2> across = perpendicular(on_a.at[i + 1 < on_a.count ? i + 1 : 0] - on_a.at[i]);
-        offer(across, turn_a);
-        offer(-across, turn_a);
-    }
-    for (int i = 0; i < on_b.count; ++i) {
-        const point<2> across = perpendicular(on_b.at[i + 1 < on_b.count ? i + 1 : 0] - on_b.at[i]);
-        offer(across, turn_b);
-        offer(-across, turn_b);
-    }
+    for (const few_corners* c : {&on_a, &on_b})
+        for (int i = 0; i < c->count; ++i) {
+            const point<2> across = perpendicular(c->at[i + 1 < c->count ? i + 1 : 0] - c->at[i]);
+            offer(across, c == &on_a ? turn_a : turn_b);
+            offer(-across, c == &on_a ? turn_a : turn_b);
+        }
     for (int i = 0; i < on_a.count && (maximum > 0 || maximum == -no_limit); ++i)
         for (int k = 0; k < on_b.count; ++k) offer(on_b.at[k] - on_a.at[i], 0);
     return best;
@@ -133,9 +130,7 @@ PHYSICS_HPP_COLD separating_axis<D> parting_features_of_any(const moving_pair<D>
     separating_axis<D> axis = closest_features(p, t, cache);
     if (!(axis.normal == point<D>{})) return axis;
     const placed_core<D> on_a = p.a.at(t, {}), on_b = p.b.at(t, p.center(t));
-    mat<double, D> seen;
-    for (int i = 0; i < D; ++i) seen.column[i] = transposed_times(on_a.axes, on_b.axes.column[i]);
-    const placed_core<D> b_in_a{&p.b.shape, seen, transposed_times(on_a.axes, on_b.at - on_a.at)};
+    const placed_core<D> b_in_a = seen_from(on_a, on_b);
     const gjk_result<D> r = gjk(p.a.shape, b_in_a, no_limit, p.tolerance, &cache);
     point<D> normal = r.normal;
     int corners_a = 1, corners_b = 1;
@@ -168,57 +163,8 @@ separating_axis<D> parting_features(const moving_pair<D>& p, double t, [[maybe_u
     if constexpr (!Few || D != 2) return parting_features_of_any(p, t, cache);
 }
 
-/// Follows a pair from a time on until it is as close as `goal`, which may be an overlap. Conservative advancement, as
-/// for the time of impact.
 template <bool Few, int D>
-class penetration_search {
-public:
-    struct found {
-        impact_state state;
-        double time;
-        point<D> normal;
-        double gap = 0;
-    };
-
-    explicit penetration_search(const moving_pair<D>& pair) : pair_(pair) {}
-    [[nodiscard]] found at(double t) {
-        const known& k = look(t);
-        return {impact_state::hit, t, k.axis.normal, k.gap};
-    }
-    [[nodiscard]] PHYSICS_HPP_COLD found follow(double t, double end, double goal, double slack) {
-        constexpr int max_iterations = 100;
-        for (int iterations = 0;; ++iterations) {
-            const auto& [time, axis, gap] = look(t);
-            if (gap <= goal + slack) return {impact_state::hit, t, axis.normal, gap};
-            const double next = t + proven_advance(pair_, axis, t, gap, end, goal);
-            if (next >= end) return {impact_state::separated, end, {}};
-            if (!(next > t) || iterations == max_iterations)
-                return {impact_state::iteration_limit, t, axis.normal, gap};
-            t = next;
-        }
-    }
-
-private:
-    struct known {
-        double time = -1;
-        separating_axis<D> axis;
-        double gap = 0;
-    };
-    /// The start is looked at by all that follows.
-    const known& look(double t) {
-        known& k = seen_[t > 0];
-        if (!(k.time == t)) {
-            k.axis = parting_features<Few>(pair_, t, cache_);
-            k.gap = pair_.gap(t, k.axis.normal);
-            k.time = t;
-        }
-        return k;
-    }
-
-    const moving_pair<D>& pair_;
-    gjk_cache cache_;
-    known seen_[2];
-};
+using penetration_search = advancement<D, parting_features<Few, D>>;
 
 /// By how much turning can bring a pair closer, along an axis that stays, than it is at both ends of the way.
 template <int D>
@@ -247,8 +193,7 @@ template <bool Few, int D>
 PHYSICS_HPP_COLD bool is_deeper(const moving_pair<D>& p, double depth) {
     const point<D> n = p.face == nullptr ? axis_from_flat(p) : point<D>{};
     if (!(n == point<D>{}) && !(p.gap(0, n) < -depth)) return false;
-    penetration_search<Few, D> search(p);
-    return search.at(0).gap < -depth;
+    return penetration_search<Few, D>(p).at(0).gap < -depth;
 }
 /// Whether it is plain that B is not stopped by a flat A, as it mostly is among the parts of a mesh: along one axis it
 /// stays apart, or is out of A at both ends and nearly so in between.
@@ -264,13 +209,13 @@ PHYSICS_HPP_COLD bool passes_by(const moving_pair<D>& p, const penetration_limit
 }
 
 /// Whether a pair that began apart, or sunk in by so much, is too deep at the end of the way.
-template <bool Few, int D>
-PHYSICS_HPP_COLD bool ends_deep(const moving_pair<D>& p, penetration_search<Few, D>& search,
-                                const penetration_limits& rule, bool touching, double sunk) {
-    const auto last = search.at(1);
+template <class Search, int D>
+PHYSICS_HPP_COLD bool ends_deep(const moving_pair<D>& p, Search& search, const penetration_limits& rule, bool touching,
+                                double sunk) {
+    const auto& last = search.at(1);
     if (touching) return -last.gap > sunk + rule.sink;
     // What came in along the shortest way out came in there by all that it is deep, and by what they were apart.
-    const bool came_in = p.gap(0, last.normal) - last.gap > 0.5 * rule.touch;
+    const bool came_in = p.gap(0, last.axis.normal) - last.gap > 0.5 * rule.touch;
     return -last.gap > (came_in ? rule.blur + 8 * p.noise() : rule.sideways);
 }
 
@@ -283,52 +228,41 @@ PHYSICS_HPP_COLD bool ends_deep(const moving_pair<D>& p, penetration_search<Few,
 template <bool Few, int D>
 PHYSICS_HPP_COLD first_penetration<D> find_first_penetration(const moving_pair<D>& p, const penetration_limits& rule,
                                                              double latest) {
-    const double slack = max(rule.tolerance, 4 * p.noise()), touch = max(rule.touch, rule.target + slack);
-    double from = 0, end = 1;
-    bool near_by = true, ends_near = true;
-    if (p.face == nullptr) {
-        const double reach = (p.a.reach + p.b.reach + p.radii + touch) + p.noise();
-        const local_ray<D> ray{p.b.start, p.displacement};
-        near_by = dot(ray.origin, ray.origin) <= reach * reach;
-        double to = 1;
-        const bool meets = ball_span(ray, reach, from, to);
-        if (!near_by && (!meets || from < 0 || from > latest)) return {};
-        if (near_by) from = 0;
-        if (meets && to < end) end = max(to, from), ends_near = false;
-    }
-    if (near_by && passes_by(p, rule, touch)) return {};
+    const double noise = p.noise(), slack = max(rule.tolerance, 4 * noise),
+                 touch = max(rule.touch, rule.target + slack);
+    const near_times<D> near(p, touch, noise, latest);
+    if (!near.any || (near.at_start && passes_by(p, rule, touch))) return {};
     penetration_search<Few, D> search(p);
-    const double gap = near_by ? search.at(0).gap : no_limit;
+    const double gap = near.at_start ? search.at(0).gap : no_limit;
     const bool touching = gap <= touch;
-    const auto stopped = [&](const auto& at) -> first_penetration<D> {
+    const auto stopped = [&](const moving_impact<D>& at) -> first_penetration<D> {
         return {true, at.state == impact_state::hit, at.time, at.normal, at.gap, touching};
     };
     if (touching) {
         // Nothing inside that must not pass.
         if (!(rule.depth > 0)) return {};
         const double sunk = gap < 0 ? -gap : 0, left = rule.depth * (31.0 / 32) - sunk;
-        double more = max(0.5 * left, rule.blur + 8 * p.noise()), within = more * (1.0 / 8);
+        double more = max(0.5 * left, rule.blur + 8 * noise), within = more * (1.0 / 8);
         // Most that begins in touch is not nearly so deep along the first axis at any time.
-        const auto first = search.at(0);
-        const double then = p.gap(1, first.normal);
+        const double then = p.gap(1, search.at(0).axis.normal);
         const double nearest = min(gap, then) - bulge_of(p);
-        if (nearest > within - (sunk + more) && (!ends_near || !(-then > sunk + rule.sink))) return {};
-        if (ends_near && ends_deep(p, search, rule, touching, sunk)) {
+        if (nearest > within - (sunk + more) && (!near.at_end || !(-then > sunk + rule.sink))) return {};
+        if (near.at_end && ends_deep(p, search, rule, touching, sunk)) {
             more = min(more, rule.target + slack);
             within = slack;
         }
-        const auto deep = search.follow(0, end, -(sunk + more), within);
+        const auto deep = search.follow(0, near.end, -(sunk + more), within);
         if (deep.state == impact_state::separated || deep.time > latest) return {};
         first_penetration<D> result = stopped(deep);
         result.push_out = -(p.gap(1, deep.normal) + sunk);
         return result;
     }
-    const auto first = search.follow(from, latest < end ? latest : end, rule.target, slack);
+    const auto first = search.follow(near.from, latest < near.end ? latest : near.end, rule.target, slack);
     if (first.state == impact_state::separated) return {};
     if (first.state == impact_state::iteration_limit) return stopped(first);
-    const double minimum = rule.blur + 8 * p.noise(), maximum = rule.grazes ? minimum : 0.5 * rule.depth;
-    if (!(rule.depth > 16 * p.noise()) || (ends_near && ends_deep(p, search, rule, touching, 0))) return stopped(first);
-    const auto deep = search.follow(first.time, end, -maximum, maximum * (1.0 / 8));
+    const double minimum = rule.blur + 8 * noise, maximum = rule.grazes ? minimum : 0.5 * rule.depth;
+    if (!(rule.depth > 16 * noise) || (near.at_end && ends_deep(p, search, rule, touching, 0))) return stopped(first);
+    const auto deep = search.follow(first.time, near.end, -maximum, maximum * (1.0 / 8));
     if (deep.state == impact_state::separated) return {};
     first_penetration<D> result = stopped(first);
     result.converged = deep.state == impact_state::hit;
