@@ -7101,7 +7101,7 @@ const hull_block<S, D>* build_hull(const vec<S, D>* points, std::uint32_t count,
     }
     const std::uint32_t maximum = settings.max_vertices;
     if (maximum > 0 && maximum < D + 1) {
-        refuse(function, "most_vertices", static_cast<double>(maximum),
+        refuse(function, "max_vertices", static_cast<double>(maximum),
                D == 2 ? "it must be at least 3, or 0 for all" : "it must be at least 4, or 0 for all");
         return nullptr;
     }

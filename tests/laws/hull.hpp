@@ -711,7 +711,7 @@ CELL_CASE("hull: what has no volume is refused, with how much it lacks") {
     CHECK(refusal([&] {
               const points p = rounded(lattice({1, 1, 1}, 2));
               static_cast<void>(geometry::build(p.data(), corners_of_box, {.max_vertices = 2}));
-          }) == "physics: hull_geometry::build: most_vertices is 2; it must be at least " + std::to_string(D + 1) +
+          }) == "physics: hull_geometry::build: max_vertices is 2; it must be at least " + std::to_string(D + 1) +
                     ", or 0 for all");
     if (cell::is_fixed) return;
     for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
