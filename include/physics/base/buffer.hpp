@@ -12,6 +12,27 @@
 
 PHYSICS_HPP_BEGIN
 
+namespace detail {
+
+/// Twice the capacity of a block of values of that size, or what is needed; one function for the buffers of all types.
+PHYSICS_HPP_COLD inline void* reallocate(void* data, std::uint32_t& capacity, std::uint64_t needed, std::size_t size) {
+    const std::uint64_t maximum = UINT32_MAX < SIZE_MAX / size ? UINT32_MAX : SIZE_MAX / size;
+    std::uint64_t count = capacity < 8 ? 16 : std::uint64_t{capacity} * 2;
+    if (count < needed) count = needed;
+    if (count > maximum && needed <= maximum) count = maximum;
+    void* grown = count > maximum ? nullptr : std::realloc(data, static_cast<std::size_t>(count) * size);
+    if (grown == nullptr) {
+        // Nothing can go on without the memory, so a handler that returns must not reach the caller.
+        refuse("buffer", "memory", static_cast<double>(count) * static_cast<double>(size),
+               "the bytes are not available");
+        std::abort();
+    }
+    capacity = static_cast<std::uint32_t>(count);
+    return grown;
+}
+
+}  // namespace detail
+
 /// A growable array of trivially copyable values without pointers into itself, so that a copy is a memcpy.
 /// Capacity doubles and is kept by clear(): a steady step allocates nothing. Moving from a buffer empties it.
 template <class T>
@@ -94,21 +115,7 @@ private:
     }
 
     PHYSICS_HPP_COLD void grow_to(std::uint64_t needed) {
-        constexpr std::uint64_t maximum = 0xffffffffu < SIZE_MAX / sizeof(T) ? 0xffffffffu : SIZE_MAX / sizeof(T);
-        std::uint64_t capacity = capacity_ < 8 ? 16 : std::uint64_t{capacity_} * 2;
-        if (capacity < needed) capacity = needed;
-        if (capacity > maximum && needed <= maximum) capacity = maximum;
-        void* grown = capacity > maximum
-                          ? nullptr
-                          : std::realloc(static_cast<void*>(data_), static_cast<std::size_t>(capacity) * sizeof(T));
-        if (grown == nullptr) {
-            // Nothing can go on without the memory, so a handler that returns must not reach the caller.
-            detail::refuse("buffer", "memory", static_cast<double>(capacity) * sizeof(T),
-                           "the bytes are not available");
-            std::abort();
-        }
-        data_ = static_cast<T*>(grown);
-        capacity_ = static_cast<std::uint32_t>(capacity);
+        data_ = static_cast<T*>(detail::reallocate(data_, capacity_, needed, sizeof(T)));
     }
 
     T* data_ = nullptr;
