@@ -17637,8 +17637,8 @@ PHYSICS_HPP_BEGIN
 ///   each_near(all, box, visit)        visit(id) where the box may overlap, until it returns false; or, of an index
 ///                                     that keeps them itself, visit(candidate) with filter and box
 /// and, where it knows a better way than to search boxes, each_along, each_around, each_inside (see tree_index),
-/// each_fixed_near, which is each_near for those that are not movable, and each_member(self, f), for snapshots of
-/// worlds (see base/members.hpp).
+/// each_near(all, box, visit, movable), which leaves out what moves if false, and each_member(self, f), for snapshots
+/// of worlds (see base/members.hpp).
 template <class Space, class Index>
 class indexed_broadphase {
 public:
@@ -17728,9 +17728,9 @@ public:
             const auto& c = all_.candidate_at(at);
             return !filter.sees(c.filter) || !overlap(c.box, box) || detail::go_on(visit, c.id);
         };
-        if constexpr (requires { index_.each_fixed_near(all_, box, see); })
-            if (!filter.movable) return index_.each_fixed_near(all_, box, see);
-        index_.each_near(all_, box, see);
+        if constexpr (requires { index_.each_near(all_, box, see, filter.movable); })
+            index_.each_near(all_, box, see, filter.movable);
+        else index_.each_near(all_, box, see);
     }
     /// Writes up to `maximum` of them to `out` instead; returns how many there are.
     std::uint32_t overlapping(const aabb& box, const query_filter& filter, std::uint32_t* out,
@@ -19732,18 +19732,13 @@ public:
                     [](std::uint32_t, std::uint32_t) {});
         return count;
     }
-    /// Calls visit(id) for every proxy whose box may overlap this one, until it returns false.
+    /// Calls visit(id) for every proxy whose box may overlap this one, until it returns false; `movable` says whether
+    /// those that move are wanted as well.
     template <class Visit>
-    void each_near(const table& all, const typename Space::aabb& box, Visit&& visit) const {
+    void each_near(const table& all, const typename Space::aabb& box, Visit&& visit, bool movable = true) const {
         const float_box<D> reach = enclosing(box, origin_);
         each_where(
-            all, 2, [&](const auto& block) { return block.overlapping(reach); }, visit);
-    }
-    template <class Visit>
-    void each_fixed_near(const table& all, const typename Space::aabb& box, Visit&& visit) const {
-        const float_box<D> reach = enclosing(box, origin_);
-        each_where(
-            all, 1, [&](const auto& block) { return block.overlapping(reach); }, visit);
+            all, movable ? 2 : 1, [&](const auto& block) { return block.overlapping(reach); }, visit);
     }
     /// The same for every proxy that may not lie wholly beyond a plane.
     template <class Visit>

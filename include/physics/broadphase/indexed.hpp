@@ -22,8 +22,8 @@ PHYSICS_HPP_BEGIN
 ///   each_near(all, box, visit)        visit(id) where the box may overlap, until it returns false; or, of an index
 ///                                     that keeps them itself, visit(candidate) with filter and box
 /// and, where it knows a better way than to search boxes, each_along, each_around, each_inside (see tree_index),
-/// each_fixed_near, which is each_near for those that are not movable, and each_member(self, f), for snapshots of
-/// worlds (see base/members.hpp).
+/// each_near(all, box, visit, movable), which leaves out what moves if false, and each_member(self, f), for snapshots
+/// of worlds (see base/members.hpp).
 template <class Space, class Index>
 class indexed_broadphase {
 public:
@@ -113,9 +113,9 @@ public:
             const auto& c = all_.candidate_at(at);
             return !filter.sees(c.filter) || !overlap(c.box, box) || detail::go_on(visit, c.id);
         };
-        if constexpr (requires { index_.each_fixed_near(all_, box, see); })
-            if (!filter.movable) return index_.each_fixed_near(all_, box, see);
-        index_.each_near(all_, box, see);
+        if constexpr (requires { index_.each_near(all_, box, see, filter.movable); })
+            index_.each_near(all_, box, see, filter.movable);
+        else index_.each_near(all_, box, see);
     }
     /// Writes up to `maximum` of them to `out` instead; returns how many there are.
     std::uint32_t overlapping(const aabb& box, const query_filter& filter, std::uint32_t* out,

@@ -111,18 +111,13 @@ public:
                     [](std::uint32_t, std::uint32_t) {});
         return count;
     }
-    /// Calls visit(id) for every proxy whose box may overlap this one, until it returns false.
+    /// Calls visit(id) for every proxy whose box may overlap this one, until it returns false; `movable` says whether
+    /// those that move are wanted as well.
     template <class Visit>
-    void each_near(const table& all, const typename Space::aabb& box, Visit&& visit) const {
+    void each_near(const table& all, const typename Space::aabb& box, Visit&& visit, bool movable = true) const {
         const float_box<D> reach = enclosing(box, origin_);
         each_where(
-            all, 2, [&](const auto& block) { return block.overlapping(reach); }, visit);
-    }
-    template <class Visit>
-    void each_fixed_near(const table& all, const typename Space::aabb& box, Visit&& visit) const {
-        const float_box<D> reach = enclosing(box, origin_);
-        each_where(
-            all, 1, [&](const auto& block) { return block.overlapping(reach); }, visit);
+            all, movable ? 2 : 1, [&](const auto& block) { return block.overlapping(reach); }, visit);
     }
     /// The same for every proxy that may not lie wholly beyond a plane.
     template <class Visit>
