@@ -7511,6 +7511,7 @@ struct support_point {
     std::uint32_t vertex = 0;
 };
 
+/// In 2D the first four have as many corners as their place among them.
 enum class core_kind : std::uint8_t { point, segment, triangle, box, hull_of_floats, hull_of_doubles, disc, custom };
 
 /// A convex set in its own frame, to which a radius may be added on all sides; at first a point.
@@ -7533,7 +7534,8 @@ struct core {
     /// What a hull or a custom core is made of.
     const void* data = nullptr;
     const void* coordinate[D] = {};
-    point<D> (*custom)(const void*, const point<D>&) = nullptr;
+    /// The support of a hull or a custom core: none is compiled where there are none.
+    support_point<D> (*farthest)(const core&, const point<D>&) = nullptr;
 
     /// The farthest point along d, which need not be a unit vector, nor be other than null.
     [[nodiscard]] support_point<D> support(const point<D>& d) const {
@@ -7545,10 +7547,10 @@ struct core {
                 return dot(d, corner[2] - best.at) > 0 ? support_point<D>{corner[2], 2} : best;
             }
             case core_kind::box: return support_of_box(d);
-            case core_kind::hull_of_floats: return from_hull<float>(d);
-            case core_kind::hull_of_doubles: return from_hull<double>(d);
             case core_kind::disc: return {from_disc(d), 0};
-            case core_kind::custom: return {custom(data, d), 0};
+            case core_kind::hull_of_floats:
+            case core_kind::hull_of_doubles:
+            case core_kind::custom: return farthest(*this, d);
         }
         return {};
     }
@@ -7590,6 +7592,13 @@ struct core {
         }
         return result;
     }
+    /// As support(), of a hull whose coordinates are of type R.
+    template <class R>
+    [[nodiscard]] static support_point<D> support_of_hull(const core& c, const point<D>& d) {
+        const R* rows[D];
+        for (int k = 0; k < D; ++k) rows[k] = static_cast<const R*>(c.coordinate[k]);
+        return c.vertex_of_hull<R>(farthest_vertex<R, D>(rows, c.count, d));
+    }
     /// Whether a vertex's number names it, so that a simplex can be found again.
     [[nodiscard]] bool has_vertices() const { return kind < core_kind::disc; }
 
@@ -7604,12 +7613,6 @@ private:
         support_point<D> result{{}, i};
         for (int k = 0; k < D; ++k) result.at[k] = static_cast<double>(static_cast<const R*>(coordinate[k])[i]);
         return result;
-    }
-    template <class R>
-    [[nodiscard]] support_point<D> from_hull(const point<D>& d) const {
-        const R* rows[D];
-        for (int k = 0; k < D; ++k) rows[k] = static_cast<const R*>(coordinate[k]);
-        return vertex_of_hull<R>(farthest_vertex<R, D>(rows, count, d));
     }
     /// Of two coaxial discs and all between them; the axis is x.
     [[nodiscard]] point<D> from_disc(const point<D>& d) const {
@@ -7679,10 +7682,11 @@ detail::core<D> core_of(const box<S, D>& b) {
 }
 template <class S, int D>
 detail::core<D> core_of(const hull<S, D>& b) {
+    using real = detail::hull_real<S>;
     const auto& h = *b.geometry;
     detail::core<D> c;
-    c.kind = std::is_same_v<detail::hull_real<S>, float> ? detail::core_kind::hull_of_floats
-                                                         : detail::core_kind::hull_of_doubles;
+    c.kind = std::is_same_v<real, float> ? detail::core_kind::hull_of_floats : detail::core_kind::hull_of_doubles;
+    c.farthest = &detail::core<D>::template support_of_hull<real>;
     c.count = h.padded_vertices();
     c.radius = detail::to_double(b.radius);
     c.data = &h;
@@ -7703,9 +7707,9 @@ detail::core<D> core_of(const Shape<S, D>& shape) {
     detail::core<D> c;
     c.kind = detail::core_kind::custom;
     c.data = &shape;
-    c.custom = [](const void* data, const detail::point<D>& d) {
+    c.farthest = [](const detail::core<D>& self, const detail::point<D>& d) -> detail::support_point<D> {
         const vec<S, D> along = detail::from_point<S>(normalized(d));
-        return detail::to_point(support(*static_cast<const Shape<S, D>*>(data), along));
+        return {detail::to_point(support(*static_cast<const Shape<S, D>*>(self.data), along)), 0};
     };
     const aabb<S, D> box = bounds(shape, transform<S, D>{});
     for (int i = 0; i < D; ++i) c.extent += detail::to_double(max(abs(box.lower[i]), abs(box.upper[i])));
