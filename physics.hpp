@@ -10383,11 +10383,7 @@ struct bounding_half {
           offset(detail::to_double(h.offset) + dot(normal, to_point(at.position))) {}
 
     /// The core of its surface's point that is closest to the origin, for motions: with `normal` as their `face`.
-    [[nodiscard]] core<D> surface_point() const {
-        core<D> c;
-        c.corner[0] = normal * offset;
-        return c;
-    }
+    [[nodiscard]] core<D> surface_point() const { return {.corner = {normal * offset}}; }
     /// How far a point lies outside.
     [[nodiscard]] double height(const point<D>& p) const { return dot(normal, p) - offset; }
 };
@@ -11575,7 +11571,8 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// v / |v| for vectors whose squared length double holds; null for the null vector.
+/// v / |v| for vectors whose squared length double holds, in fewer operations than normalized(); null for the null
+/// vector.
 template <int D>
 point<D> unit(const point<D>& v) {
     const double squared = dot(v, v);
@@ -15996,36 +15993,20 @@ struct first_penetration {
     double push_out = 0;
 };
 
-/// Whether the core of a shape has at most four corners, or only parts have one, that have as few.
-template <class Shape, int D>
-constexpr bool has_few_corners = false;
-template <class S, int D>
-constexpr bool has_few_corners<ball<S, D>, D> = true;
-template <class S, int D>
-constexpr bool has_few_corners<capsule<S, D>, D> = true;
-template <class S, int D>
-constexpr bool has_few_corners<box<S, D>, D> = D == 2;
-template <class S, int D>
-constexpr bool has_few_corners<rounded_box<S, D>, D> = D == 2;
-template <class S, int D>
-constexpr bool has_few_corners<segment<S, D>, D> = true;
-template <class S, int D>
-constexpr bool has_few_corners<triangle<S, D>, D> = true;
-template <class S, int D>
-constexpr bool has_few_corners<halfspace<S, D>, D> = true;
+template <class Any, class... Known>
+constexpr bool is_one_of = (std::same_as<Any, Known> || ...);
+/// Whether the core of a shape in 2D has at most four corners.
+template <class Shape, class S>
+constexpr bool has_few_corners = is_one_of<Shape, ball<S, 2>, capsule<S, 2>, box<S, 2>, rounded_box<S, 2>,
+                                           segment<S, 2>, triangle<S, 2>, halfspace<S, 2>>;
 
 /// The corners of a core in 2D, in order around it.
 struct few_corners {
     point<2> at[4];
     int count;
 
-    static bool has(const core<2>& c) {
-        return c.kind == core_kind::point || c.kind == core_kind::segment || c.kind == core_kind::triangle ||
-               c.kind == core_kind::box;
-    }
-    explicit few_corners(const placed_core<2>& c) {
-        const core_kind kind = c.shape->kind;
-        count = kind == core_kind::point ? 1 : kind == core_kind::segment ? 2 : kind == core_kind::triangle ? 3 : 4;
+    static bool has(const core<2>& c) { return c.kind <= core_kind::box; }
+    explicit few_corners(const placed_core<2>& c) : count(static_cast<int>(c.shape->kind) + 1) {
         // Those of boxes are numbered by signs.
         for (int i = 0; i < count; ++i) at[i] = c.vertex(static_cast<std::uint32_t>(count == 4 ? i ^ (i >> 1) : i)).at;
     }
@@ -30624,7 +30605,7 @@ struct plan<S, D, shapes<Shapes...>, Policies...> {
                                                    typename policy_for<stage::continuous, swept, Policies...>::type,
                                                    no_continuous>::template in<space>;
     /// Whether all shapes are so simple that sweeps can do without the general kernels.
-    static constexpr bool few_corners = D == 2 && (has_few_corners<Shapes<S, D>, D> && ...);
+    static constexpr bool few_corners = D == 2 && (has_few_corners<Shapes<S, D>, S> && ...);
     static constexpr bool sweeps = detail::sweeps<continuous, S, D>;
     static constexpr bool looks_ahead = detail::looks_ahead<continuous, S, D>;
     static constexpr bool is_continuous = sweeps || looks_ahead;

@@ -57,36 +57,20 @@ struct first_penetration {
     double push_out = 0;
 };
 
-/// Whether the core of a shape has at most four corners, or only parts have one, that have as few.
-template <class Shape, int D>
-constexpr bool has_few_corners = false;
-template <class S, int D>
-constexpr bool has_few_corners<ball<S, D>, D> = true;
-template <class S, int D>
-constexpr bool has_few_corners<capsule<S, D>, D> = true;
-template <class S, int D>
-constexpr bool has_few_corners<box<S, D>, D> = D == 2;
-template <class S, int D>
-constexpr bool has_few_corners<rounded_box<S, D>, D> = D == 2;
-template <class S, int D>
-constexpr bool has_few_corners<segment<S, D>, D> = true;
-template <class S, int D>
-constexpr bool has_few_corners<triangle<S, D>, D> = true;
-template <class S, int D>
-constexpr bool has_few_corners<halfspace<S, D>, D> = true;
+template <class Any, class... Known>
+constexpr bool is_one_of = (std::same_as<Any, Known> || ...);
+/// Whether the core of a shape in 2D has at most four corners.
+template <class Shape, class S>
+constexpr bool has_few_corners = is_one_of<Shape, ball<S, 2>, capsule<S, 2>, box<S, 2>, rounded_box<S, 2>,
+                                           segment<S, 2>, triangle<S, 2>, halfspace<S, 2>>;
 
 /// The corners of a core in 2D, in order around it.
 struct few_corners {
     point<2> at[4];
     int count;
 
-    static bool has(const core<2>& c) {
-        return c.kind == core_kind::point || c.kind == core_kind::segment || c.kind == core_kind::triangle ||
-               c.kind == core_kind::box;
-    }
-    explicit few_corners(const placed_core<2>& c) {
-        const core_kind kind = c.shape->kind;
-        count = kind == core_kind::point ? 1 : kind == core_kind::segment ? 2 : kind == core_kind::triangle ? 3 : 4;
+    static bool has(const core<2>& c) { return c.kind <= core_kind::box; }
+    explicit few_corners(const placed_core<2>& c) : count(static_cast<int>(c.shape->kind) + 1) {
         // Those of boxes are numbered by signs.
         for (int i = 0; i < count; ++i) at[i] = c.vertex(static_cast<std::uint32_t>(count == 4 ? i ^ (i >> 1) : i)).at;
     }

@@ -8,7 +8,8 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// v / |v| for vectors whose squared length double holds; null for the null vector.
+/// v / |v| for vectors whose squared length double holds, in fewer operations than normalized(); null for the null
+/// vector.
 template <int D>
 point<D> unit(const point<D>& v) {
     const double squared = dot(v, v);

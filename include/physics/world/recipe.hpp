@@ -156,7 +156,7 @@ struct plan<S, D, shapes<Shapes...>, Policies...> {
                                                    typename policy_for<stage::continuous, swept, Policies...>::type,
                                                    no_continuous>::template in<space>;
     /// Whether all shapes are so simple that sweeps can do without the general kernels.
-    static constexpr bool few_corners = D == 2 && (has_few_corners<Shapes<S, D>, D> && ...);
+    static constexpr bool few_corners = D == 2 && (has_few_corners<Shapes<S, D>, S> && ...);
     static constexpr bool sweeps = detail::sweeps<continuous, S, D>;
     static constexpr bool looks_ahead = detail::looks_ahead<continuous, S, D>;
     static constexpr bool is_continuous = sweeps || looks_ahead;
