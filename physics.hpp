@@ -3449,7 +3449,7 @@ constexpr const char* to_text(float_fault fault) noexcept {
 /// All faults of a mask in words, for messages: `contraction of a * b + c, flush to zero`; `none` for 0.
 class float_fault_names {
 public:
-    explicit float_fault_names(std::uint32_t mask) noexcept {
+    PHYSICS_HPP_COLD explicit float_fault_names(std::uint32_t mask) noexcept {
         std::size_t used = 0;
         const auto append = [&](const char* word) noexcept {
             const std::size_t length = std::strlen(word);
@@ -3578,7 +3578,7 @@ constexpr std::uint32_t fault(bool found, float_fault which) noexcept {
 
 /// The faults of the processor's control word.
 template <class A, class F>
-std::uint32_t control_faults() noexcept {
+PHYSICS_HPP_COLD std::uint32_t control_faults() noexcept {
     using limits = std::numeric_limits<F>;
     constexpr F one = 1, step = limits::epsilon();
     const bool up = hidden(A::sum(hidden(one), hidden(step / 4))) != one;
@@ -3592,7 +3592,7 @@ std::uint32_t control_faults() noexcept {
 
 /// The faults of compiled code, under a good control word.
 template <class A, class F>
-std::uint32_t code_faults() noexcept {
+PHYSICS_HPP_COLD std::uint32_t code_faults() noexcept {
     using numbers = probe_numbers<F>;
     // The square of 1 + h is 1 + 2h and a rest that F has no bits for.
     const F factor = hidden(F(1) + numbers::small), square = hidden(F(1) + 2 * numbers::small);
@@ -3788,6 +3788,10 @@ PHYSICS_HPP_END
 
 PHYSICS_HPP_BEGIN
 
+namespace detail {
+class task_runner;
+}
+
 /// A set of numbered tasks, as an executor gets it. Call it once with each task's number and the number of the worker
 /// that runs it. It throws nothing and may be called from any thread. A second call with the same task does nothing,
 /// and the step is refused.
@@ -3796,13 +3800,11 @@ public:
     /// done: a note for each part, or null.
     template <class F>
     task_set(F& f, unsigned char* done, std::uint32_t task_count, std::uint32_t workers)
-        : task_set(
-              &f, [](void* of, std::uint32_t task, std::uint32_t worker) { (*static_cast<F*>(of))(task, worker); },
-              done, task_count, workers) {}
-    /// The same of a function that takes f.
-    task_set(void* f, void (*call)(void*, std::uint32_t, std::uint32_t), unsigned char* done, std::uint32_t task_count,
-             std::uint32_t workers)
-        : f_(f), call_(call), done_(done), task_count_(task_count), workers_(workers) {
+        : f_(&f),
+          call_([](void* of, std::uint32_t task, std::uint32_t worker) { (*static_cast<F*>(of))(task, worker); }),
+          done_(done),
+          task_count_(task_count),
+          workers_(workers) {
         for (std::uint32_t k = 0; done != nullptr && k < task_count; ++k) done[k] = 0;
     }
 
@@ -3817,10 +3819,11 @@ public:
         if (done_ != nullptr) note(task, ended);
     }
 
+private:
+    friend class detail::task_runner;
     /// What is noted of a part.
     static constexpr unsigned char begun = 1, ended = 2, again = 4;
 
-private:
     /// Says what was noted before, also where two threads do the same part.
     unsigned char note(std::uint32_t task, unsigned char what) const {
 #if defined(__GNUC__)
@@ -3920,13 +3923,8 @@ public:
     /// Calls f(part, worker) for all parts.
     template <class F>
     void parallel_tasks(std::uint32_t task_count, F&& f) {
-        if (is_serial() || task_count < 2) {
-            for (std::uint32_t k = 0; k < task_count; ++k) f(k, 0);
-            return;
-        }
-        using call = std::remove_reference_t<F>;
-        run_tasks(task_count, &f,
-                  [](void* of, std::uint32_t task, std::uint32_t worker) { (*static_cast<call*>(of))(task, worker); });
+        if (!is_serial() && task_count > 1) return run_on_executor(task_set(f, nullptr, task_count, workers_));
+        for (std::uint32_t k = 0; k < task_count; ++k) f(k, 0);
     }
     /// Calls f(first, end, worker) for all of `count` things, in parts of `share`.
     template <class F>
@@ -3967,22 +3965,24 @@ public:
     }
 
 private:
-    /// Has the executor call f for all parts. What it leaves out is done here, so that no stage finds anything half
-    /// made before the step is refused. Compiled once for all that there is to run.
-    void run_tasks(std::uint32_t task_count, void* f, void (*call)(void*, std::uint32_t, std::uint32_t)) {
-        // Our pool calls every part, once; to note it would take workers a look at each other's notes.
-        if (is_own_pool_) return run_(executor_, task_count, task_set(f, call, nullptr, task_count, workers_));
-        done_->resize(task_count);
-        run_(executor_, task_count, task_set(f, call, done_->begin(), task_count, workers_));
-        for (std::uint32_t k = 0; k < task_count; ++k) {
-            const unsigned char noted = (*done_)[k];
-            if (noted != (task_set::begun | task_set::ended)) ran_all_ = false;
-            if ((noted & task_set::ended) == 0) call(f, k, 0);
-        }
-    }
-
     /// So many parts for each worker: others take the last ones where it is late.
     static constexpr std::uint32_t tasks_per_worker = 4;
+
+    /// What the executor leaves out is done here, so that no stage finds anything half made before the step is refused.
+    PHYSICS_HPP_COLD void run_on_executor(task_set tasks) {
+        const std::uint32_t count = tasks.task_count_;
+        // Our pool calls every part, once; to note it would take workers a look at each other's notes.
+        if (is_own_pool_) return run_(executor_, count, tasks);
+        done_->clear();
+        done_->resize(count);
+        tasks.done_ = done_->begin();
+        run_(executor_, count, tasks);
+        for (std::uint32_t k = 0; k < count; ++k) {
+            const unsigned char noted = tasks.done_[k];
+            if (noted != (task_set::begun | task_set::ended)) ran_all_ = false;
+            if ((noted & task_set::ended) == 0) tasks.call_(tasks.f_, k, 0);
+        }
+    }
 
     void* executor_ = nullptr;
     void (*run_)(void*, std::uint32_t, const task_set&) = nullptr;

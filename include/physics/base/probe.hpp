@@ -88,7 +88,7 @@ constexpr const char* to_text(float_fault fault) noexcept {
 /// All faults of a mask in words, for messages: `contraction of a * b + c, flush to zero`; `none` for 0.
 class float_fault_names {
 public:
-    explicit float_fault_names(std::uint32_t mask) noexcept {
+    PHYSICS_HPP_COLD explicit float_fault_names(std::uint32_t mask) noexcept {
         std::size_t used = 0;
         const auto append = [&](const char* word) noexcept {
             const std::size_t length = std::strlen(word);
@@ -217,7 +217,7 @@ constexpr std::uint32_t fault(bool found, float_fault which) noexcept {
 
 /// The faults of the processor's control word.
 template <class A, class F>
-std::uint32_t control_faults() noexcept {
+PHYSICS_HPP_COLD std::uint32_t control_faults() noexcept {
     using limits = std::numeric_limits<F>;
     constexpr F one = 1, step = limits::epsilon();
     const bool up = hidden(A::sum(hidden(one), hidden(step / 4))) != one;
@@ -231,7 +231,7 @@ std::uint32_t control_faults() noexcept {
 
 /// The faults of compiled code, under a good control word.
 template <class A, class F>
-std::uint32_t code_faults() noexcept {
+PHYSICS_HPP_COLD std::uint32_t code_faults() noexcept {
     using numbers = probe_numbers<F>;
     // The square of 1 + h is 1 + 2h and a rest that F has no bits for.
     const F factor = hidden(F(1) + numbers::small), square = hidden(F(1) + 2 * numbers::small);
