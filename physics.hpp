@@ -21084,6 +21084,12 @@ template <class P>
 PHYSICS_HPP_ALWAYS_INLINE lane_vec3<P> combine(const lane_vec3<P>& a, const P& s, const lane_vec3<P>& b, const P& t) {
     return {lane_sum(a.x, s, b.x, t), lane_sum(a.y, s, b.y, t), lane_sum(a.z, s, b.z, t)};
 }
+/// a / b where b is greater than 0, else 0.
+template <class P, int D>
+PHYSICS_HPP_ALWAYS_INLINE lane_vec<P, D> lane_quotient(const lane_vec<P, D>& a, const P& b) {
+    if constexpr (D == 2) return {lane_quotient(a.x, b), lane_quotient(a.y, b)};
+    else return {lane_quotient(a.x, b), lane_quotient(a.y, b), lane_quotient(a.z, b)};
+}
 /// a > b ? v : w in each lane.
 template <class P, int D>
 PHYSICS_HPP_ALWAYS_INLINE lane_vec<P, D> select_greater(const P& a, const P& b, const lane_vec<P, D>& v,
@@ -21112,7 +21118,7 @@ template <class P, int D>
 struct lane_symmetric;
 template <class P>
 struct lane_symmetric<P, 2> {
-    P xx, xy, yy;
+    P xx, yy, xy;
 
     template <class T>
     PHYSICS_HPP_ALWAYS_INLINE static lane_symmetric load(const T (&from)[3][P::width]) {
@@ -21121,8 +21127,8 @@ struct lane_symmetric<P, 2> {
     template <class T>
     PHYSICS_HPP_ALWAYS_INLINE void store(T (&to)[3][P::width]) const {
         put_lanes(xx, to[0]);
-        put_lanes(xy, to[1]);
-        put_lanes(yy, to[2]);
+        put_lanes(yy, to[1]);
+        put_lanes(xy, to[2]);
     }
 };
 template <class P>
@@ -21184,7 +21190,7 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-template <class P, int D>
+template <class P, int D, bool Rotates = true>
 struct body_lanes;
 template <class P>
 struct body_lanes<P, 2> {
@@ -21233,12 +21239,7 @@ PHYSICS_HPP_ALWAYS_INLINE void load_inverse_masses(const solver_body<S, 3>* bodi
         const quad<P> a = load4<P>(indexed_rows<const S, stride>{first + 12, index});
         const quad<P> b = load4<P>(indexed_rows<const S, stride>{first + 16, index});
         a.x.store(mass);
-        a.y.store(inertia[0]);
-        a.z.store(inertia[1]);
-        a.w.store(inertia[2]);
-        b.x.store(inertia[3]);
-        b.y.store(inertia[4]);
-        b.z.store(inertia[5]);
+        lane_symmetric<P, 3>{a.y, a.z, a.w, b.x, b.y, b.z}.store(inertia);
     } else {
         for (int lane = 0; lane < W; ++lane) {
             const solver_body<S, 3>& of = bodies[index[lane]];
@@ -21278,6 +21279,53 @@ struct body_lanes<P, 3> {
         auto* first = reinterpret_cast<S*>(bodies);
         store4(indexed_rows<S, stride>{first + 8, index},
                quad<P>{displacement.linear.z, displacement.angular.x, displacement.angular.y, displacement.angular.z});
+    }
+};
+
+/// What does not turn: velocities and displacements.
+template <class P, int D>
+struct body_lanes<P, D, false> {
+    using S = typename P::scalar;
+    static constexpr int stride = sizeof(solver_body<S, D, false>) / sizeof(S);
+    static_assert(sizeof(linear_twist<S, D>) == D * sizeof(S));
+
+    lane_vec<P, D> velocity, displacement;
+
+    PHYSICS_HPP_ALWAYS_INLINE void load(const solver_body<S, D, false>* bodies, const std::uint32_t* index) {
+        const auto* first = reinterpret_cast<const S*>(bodies);
+        const quad<P> p = load4<P>(indexed_rows<const S, stride>{first, index});
+        if constexpr (D == 2) {
+            velocity = {p.x, p.y};
+            displacement = {p.z, p.w};
+        } else {
+            const quad<P> q = load4<P>(indexed_rows<const S, stride>{first + 4, index});
+            velocity = {p.x, p.y, p.z};
+            displacement = {p.w, q.x, q.y};
+        }
+    }
+    PHYSICS_HPP_ALWAYS_INLINE void store(solver_body<S, D, false>* bodies, const std::uint32_t* index) const {
+        const indexed_rows<S, stride> to{reinterpret_cast<S*>(bodies), index};
+        const auto& [v, moved] = *this;
+        if constexpr (D == 2) store4(to, quad<P>{v.x, v.y, moved.x, moved.y});
+        else store4(to, quad<P>{v.x, v.y, v.z, moved.x});
+    }
+};
+
+/// The bodies of W contacts.
+template <class P, int D, bool Rotates = true>
+struct body_pair_lanes {
+    body_lanes<P, D, Rotates> a, b;
+
+    template <class Block, class Body>
+    PHYSICS_HPP_ALWAYS_INLINE void load(const Block& of, const Body* bodies) {
+        a.load(bodies, of.a);
+        b.load(bodies, of.b);
+    }
+    /// Writes back those that are pushed.
+    template <class Block, class Body>
+    PHYSICS_HPP_ALWAYS_INLINE void store(const Block& of, Body* bodies) const {
+        if (of.moves_a) a.store(bodies, of.a);
+        if (of.moves_b) b.store(bodies, of.b);
     }
 };
 
@@ -23860,7 +23908,7 @@ PHYSICS_HPP_END
 // =================================================================================================
 // physics/dynamics/restitution.hpp
 // =================================================================================================
-// Bounces.
+// Bounces: how fast surfaces part that meet, alone and in lanes.
 
 PHYSICS_HPP_BEGIN
 
@@ -23877,6 +23925,124 @@ S rebound_speed(S restitution, S v, S gap, S a, S h) {
     if (!(mean > S(0))) return restitution * v;
     if (a > S(0)) return half + restitution * root<S>(product(mean, mean) + product(fall, fall));
     return mean > fall ? max(half + restitution * (sqrt(mean - fall) * sqrt(mean + fall)), S(0)) : S(0);
+}
+
+/// What bounces. Speeds with which the surfaces part at points that meet in this substep (m/s), 0 for none.
+template <class S, int Points, int W>
+struct soft_bounces {
+    /// What surfaces give back, 0 where they cannot meet, and how fast they are drawn together (m/s^2).
+    S restitution[W], closing[W];
+    S speed[Points][W];
+
+    /// Whether a point that may bounce bears nothing.
+    template <class P, class Point>
+    PHYSICS_HPP_ALWAYS_INLINE bool any_free(const Point* points, int count) const {
+        const P zero = P::broadcast(S(0));
+        P any = zero;
+        for (int k = 0; k < count; ++k)
+            any = max(any, select_greater(P::load(points[k].impulse), zero, zero, P::load(points[k].mass)));
+        return greater(min(any, P::load(restitution)), zero).bits() != 0;
+    }
+    /// Notes the approaches of points that bear nothing yet and meet within the substep, in lanes; true if there are
+    /// any. Before contacts change velocities: what stops an approach is not to be what bounces.
+    template <class P, class Point, class Pass, class DisplacementAt, class SpeedAt>
+    PHYSICS_HPP_ALWAYS_INLINE bool note(const Point* points, int count, const Pass& pass,
+                                        DisplacementAt&& displacement_at, SpeedAt&& speed_at) {
+        const P zero = P::broadcast(S(0)), slop = P::broadcast(pass.bounce_slop), e = P::load(restitution);
+        P any = zero;
+        for (int k = 0; k < count; ++k) {
+            const P v = speed_at(k), gap = P::load(points[k].separation) + displacement_at(k);
+            const P arrives = min(-v - slop, -(v + gap * P::broadcast(pass.inverse_step)));
+            const P meets = select_greater(P::load(points[k].impulse), zero, zero, min(arrives, e));
+            const P target = select_greater(min(meets, P::load(points[k].mass)), zero, e * -v, zero);
+            target.store(speed[k]);
+            any = max(any, target);
+        }
+        if (greater(any, zero).bits() == 0) return false;
+        for (int k = 0; k < count; ++k) {
+            const P v = speed_at(k), gap = P::load(points[k].separation) + displacement_at(k);
+            for (int lane = 0; lane < W; ++lane)
+                if (speed[k][lane] > S(0))
+                    speed[k][lane] =
+                        rebound_speed(restitution[lane], -v.lane(lane), gap.lane(lane), closing[lane], pass.substep);
+        }
+        return true;
+    }
+    /// Forgets those that were stopped by others before they met.
+    template <class P, class Point>
+    PHYSICS_HPP_ALWAYS_INLINE void keep_pushed(const Point* points, int count) {
+        const P zero = P::broadcast(S(0));
+        for (int k = 0; k < count; ++k)
+            select_greater(P::load(points[k].impulse), zero, P::load(speed[k]), zero).store(speed[k]);
+    }
+    [[nodiscard]] bool has(int lane, int count) const {
+        for (int k = 0; k < count; ++k)
+            if (speed[k][lane] > S(0)) return true;
+        return false;
+    }
+};
+/// Where the bounces of a block are, if it may have any.
+template <class S, int Points, int W>
+struct bounces_of_block {
+    using bounces = soft_bounces<S, Points, W>;
+
+    bounces* at = nullptr;
+
+    /// Writes a contact into a lane. Points that were there in the last step, and overlap, have met before: what
+    /// approaches there springs back, as it does in a crowd that is squeezed.
+    template <class Contact, class Start>
+    void put(int lane, const Contact& c, const body_pair& ends, const Start& with, arena& scratch) {
+        const S share = with.surfaces.restitution_of(c);
+        bool meets = false;
+        for (int k = 0; k < c.count && share > S(0); ++k)
+            meets = meets || !c.persisted(k) || c.points[k].separation > -with.overlap;
+        if (!meets) return;
+        if (at == nullptr) at = new (scratch.template allocate<bounces>(1)) bounces{};
+        at->restitution[lane] = share;
+        at->closing[lane] = with.closing(c, ends);
+    }
+};
+struct no_bounces_of_block {};
+template <class S, int Points, int W, class Features>
+using soft_bounces_of = std::conditional_t<Features::restitution, bounces_of_block<S, Points, W>, no_bounces_of_block>;
+
+/// Symmetric Gauss-Seidel over the points: last to first and back, so that no corner is always solved first. The order
+/// turns at the first point, which all lanes have, so it does not depend on which contacts share lanes.
+template <class F>
+PHYSICS_HPP_ALWAYS_INLINE void symmetric_gauss_seidel(int points, F&& f) {
+    for (int i = 1 - points; i < points; ++i) f(i < 0 ? -i : i);
+}
+/// Lets the points of a lane that have met part with their speeds, and stops those that this pushes in. `speed_at(k)`
+/// gives the speed at a point, `change(k, impulse)` is told of impulses, by which speeds change. Returns which part of
+/// the contact's load had stopped what bounces now.
+template <class S, class Point, class Bounces, class SpeedAt, class Change>
+S bounce_points(Point* points, int count, const Bounces& bounces, int lane, SpeedAt&& speed_at, Change&& change) {
+    S impulses[4] = {}, load = S(0), stopped = S(0);
+    int own = 0;
+    for (int k = 0; k < count; ++k) {
+        load += points[k].impulse[lane];
+        own += points[k].mass[lane] > S(0) ? 1 : 0;
+    }
+    // To rounding, which takes five rounds for a cube: what is left turns it, and friction makes a slide of that.
+    S last = S(1), total = S(0);
+    for (int round = 0; round < (own > 1 ? 32 : 1) && last > total * S(1.0 / (1 << 22)); ++round) {
+        last = total = S(0);
+        symmetric_gauss_seidel(count, [&](int k) {
+            const S target = bounces.speed[k][lane], bears = points[k].impulse[lane];
+            if (!(target > S(0) || bears > S(0))) return;
+            const S next = max(impulses[k] + points[k].mass[lane] * (target - speed_at(k)), -bears);
+            const S by = next - impulses[k];
+            change(k, by);
+            impulses[k] = next;
+            last = max(last, abs(by));
+            total = max(total, abs(next));
+        });
+    }
+    for (int k = 0; k < count; ++k) {
+        points[k].total[lane] += impulses[k];
+        if (bounces.speed[k][lane] > S(0)) stopped += points[k].impulse[lane];
+    }
+    return load > S(0) ? stopped / load : S(1);
 }
 
 }  // namespace detail
@@ -24306,9 +24472,9 @@ public:
     /// Where points are from their middles, in world axes, 1 for each point that there is, and how many there are.
     S offset[capacity][D][W], there[capacity][W], count[W];
 
-    /// Reads where contacts with up to `maximum` points lie, and writes that to their block.
-    template <class Block>
-    PHYSICS_HPP_ALWAYS_INLINE void read(Block& to, int maximum) {
+    /// Reads where contacts with up to `maximum` points lie, and writes that to their frames and points.
+    template <class Frame, class Point>
+    PHYSICS_HPP_ALWAYS_INLINE void read(Frame& to, Point* to_points, int maximum) {
         const S* rows[W];
         for (int lane = 0; lane < W; ++lane) {
             rows[lane] = &at_[lane]->normal[0];
@@ -24324,7 +24490,7 @@ public:
             const P is = select_greater(points, P::broadcast(S(k)), one, zero);
             is.store(there[k]);
             for (P& component : place[k]) component = select_greater(is, zero, component, zero);
-            place[k][D].store(to.points[k].separation);
+            place[k][D].store(to_points[k].separation);
             for (int i = 0; i < D; ++i) middle[i] = k == 0 ? place[0][i] : middle[i] + place[k][i];
         }
         const P share = one / max(points, one);
@@ -24384,7 +24550,434 @@ private:
     const contact* at_[W];
 };
 
-/// W contacts in 3D, and how their bodies answer to impulses at the middles.
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/dynamics/block_solve.hpp
+// =================================================================================================
+// All points of a contact at once.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// True if a Gauss-Seidel pass would change nothing in the given lanes (1 in these, 0 in others): no point has an
+/// impulse, and none closes its gap within the substep or has closed it.
+template <class P, class Point, class Pass, class At, class SpeedAt>
+PHYSICS_HPP_ALWAYS_INLINE bool are_inactive(const Point* points, int count, const Pass& pass, const P& lanes, At&& at,
+                                            SpeedAt&& speed_at) {
+    const P zero = P::broadcast(typename P::scalar(0)), per_step = P::broadcast(pass.inverse_step);
+    P busy = zero;
+    for (int k = 0; k < count; ++k) {
+        const P gap = P::load(points[k].separation) + at(k), closing = speed_at(k) + gap * per_step;
+        // Where a gap is exactly closed, all points at once may still stop an approach.
+        P ahead = -min(gap, closing);
+        if (!pass.use_bias) ahead = select_greater(gap, zero, zero, ahead);
+        const P needed = max(P::load(points[k].impulse), ahead);
+        // Of points that only other lanes have nothing is asked.
+        busy = max(busy, select_greater(P::load(points[k].mass), zero, needed, zero));
+#if defined(__GNUC__) && !defined(__clang__)
+        // No instruction. -floop-nest-optimize of g++ 12 joins this loop with others, and gets it wrong.
+        asm volatile("");
+#endif
+    }
+    return greater(lanes * busy, zero).bits() == 0;
+}
+
+/// One point of W contacts.
+template <class S, int D, int W>
+struct soft_point {
+    S mass[W];
+    S separation[W];
+    /// What the contact's D speeds ask of it where all points are answered at once.
+    S share[D][W];
+    /// Of this substep, after its last round what the next one begins with; and of the whole step.
+    S impulse[W], total[W];
+};
+
+/// How the D speeds of W contacts answer to impulses at their middles.
+template <class S, int D, int W>
+struct k_matrix_lanes {
+    inverse_of<S> rows[D == 2 ? 3 : 6][W];
+
+    template <class P>
+    PHYSICS_HPP_ALWAYS_INLINE lane_vec<P, D> operator*(const lane_vec<P, D>& impulse) const {
+        return lane_symmetric<kernel_pack<inverse_of<S>, W>, D>::load(rows) * impulse;
+    }
+    /// Of one contact.
+    vec<S, D> times(int lane, vec<S, D> impulse) const {
+        constexpr int row[3][3] = {{0, D, 4}, {D, 1, 5}, {4, 5, 2}};
+        vec<S, D> by;
+        for (int i = 0; i < D; ++i) {
+            by[i] = mul<S>(rows[row[i][0]][lane], impulse.x) + mul<S>(rows[row[i][1]][lane], impulse.y);
+            if constexpr (D == 3) by[i] += mul<S>(rows[row[i][2]][lane], impulse.z);
+        }
+        return by;
+    }
+};
+
+/// The speeds of a contact's points follow from D numbers, so that the impulses that stop all of them do too: where
+/// every point touches and goes on pushing, that is the answer, exact and without iterations. Elsewhere points are
+/// visited one by one. It carries heavy loads and keeps columns from swaying, which visits do not. Source: the first
+/// case of the block solver of Catto's Box2D 2, for any number of points.
+template <class S, int D, int W>
+struct block_solve {
+    using P = kernel_pack<S, W>;
+    using vector = lane_vec<P, D>;
+    template <class K>
+    using vectors = lane_vec<K, D>[manifold<S, D>::capacity];
+
+    /// The separation at the middle and its slopes, of the plane that fits the points best.
+    S separation[D][W];
+    /// Less than 0 where points have to be visited.
+    S valid[W];
+
+    static constexpr int capacity = manifold<S, D>::capacity;
+
+    void clear() {
+        for (S& lane : valid) lane = S(-1);
+    }
+    /// Precomputes the direct solve of contacts with two points: `jacobians` are the rows of J (along the normal and
+    /// about the tangents), `k_rows` those of J K, `own` the diagonal of J K J^T.
+    template <class K, class Point>
+    PHYSICS_HPP_ALWAYS_INLINE void prepare_edge(Point* points, const vectors<K>& jacobians, const vectors<K>& k_rows,
+                                                const K (&own)[capacity], const K& count) {
+        using C = typename K::scalar;
+        const K zero = K::broadcast(C(0)), half = K::broadcast(C(0.5)), other = dot(jacobians[0], k_rows[1]);
+        // The middle of the points is the origin: but for the sign both lie as far from it.
+        const lane_vec<K, D> away = (jacobians[0] - jacobians[1]) * half;
+        const K gaps[] = {lanes_from<K>(points[0].separation), lanes_from<K>(points[1].separation)};
+        lane_vec<K, D> plane = away * lane_quotient(half * (gaps[0] - gaps[1]), dot(away, away)), shares[capacity];
+        plane.x = half * (gaps[0] + gaps[1]);
+        const K square = own[0] * own[1], determinant = square - other * other;
+        for (int k = 0; k < 2; ++k)
+            shares[k] = lane_quotient(jacobians[k] * own[1 - k] - jacobians[1 - k] * other, determinant);
+        // Points that are all but one would share a turn out in huge impulses.
+        K ok = select_greater(determinant, K::broadcast(C(1e-4)) * square, K::broadcast(C(1)), zero);
+        ok = select_greater(K::broadcast(C(2.5)), count, select_greater(count, K::broadcast(C(1.5)), ok, zero), zero);
+        write(points, 2, ok, plane, shares);
+    }
+    /// The same for more points, which span the plane of the contact: what stops its speeds, shared out with the least
+    /// squares. `speeds` tells how these answer to an impulse along the normal at the middle and to angular ones.
+    template <class K, class Point>
+    PHYSICS_HPP_ALWAYS_INLINE void prepare_face(Point* points, int maximum, const vectors<K>& jacobians,
+                                                const K (&there)[capacity], const lane_symmetric<K, D>& speeds,
+                                                const K& count) {
+        using C = typename K::scalar;
+        const K zero = K::broadcast(C(0)), one = K::broadcast(C(1)), share = lane_reciprocal(count);
+        K xx = zero, xy = zero, yy = zero;
+        for (int k = 0; k < maximum; ++k) {
+            xx = xx + jacobians[k].y * jacobians[k].y;
+            xy = xy + jacobians[k].y * jacobians[k].z;
+            yy = yy + jacobians[k].z * jacobians[k].z;
+        }
+        const K determinant = xx * yy - xy * xy, small = K::broadcast(C(1e-3)) * speeds.xx;
+        K ok = select_greater(determinant, K::broadcast(C(1e-4)) * xx * yy, one, zero);
+        ok = select_greater(xx * speeds.yy, small, select_greater(yy * speeds.zz, small, ok, zero), zero);
+        ok = select_greater(count, K::broadcast(C(2.5)), ok, zero);
+        const lane_symmetric<K, 3> stop = lane_inverse(speeds);
+        const auto tell_apart = [&](const K& k, const K& stopped) PHYSICS_HPP_INLINE_LAMBDA {
+            ok = select_greater(K::broadcast(C(1e4)), k * stopped, select_greater(stopped, zero, ok, zero), zero);
+        };
+        tell_apart(speeds.xx, stop.xx);
+        tell_apart(speeds.yy, stop.yy);
+        tell_apart(speeds.zz, stop.zz);
+        lane_vec<K, D> plane = {zero, zero, zero}, shares[capacity];
+        for (int k = 0; k < maximum; ++k) {
+            const K &y = jacobians[k].y, &z = jacobians[k].z;
+            const lane_vec<K, D> weights = {there[k] * share, lane_quotient(yy * y - xy * z, determinant),
+                                            lane_quotient(xx * z - xy * y, determinant)};
+            plane = plane + weights * lanes_from<K>(points[k].separation);
+            shares[k] = stop * weights;
+        }
+        write(points, maximum, ok, plane, shares);
+    }
+    /// Answers the speeds, and adds what that comes to to the sum. `left` is 1 in lanes that are left to visits, where
+    /// nothing changes; returns whether any is. `at(k)` is the way at point k.
+    template <class Point, class At, class SpeedAt>
+    PHYSICS_HPP_ALWAYS_INLINE bool solve(Point* points, int count, const contact_pass<S, D>& pass,
+                                         const vector& unbiased, const vector& displacement, P& left, vector& sum,
+                                         At&& at, SpeedAt&& speed_at) const {
+        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
+        left = one;
+        if (count == 1) return true;
+        P ok = P::load(valid), kept = one, strength = one, changes[capacity];
+        P calm = P::broadcast(scalar_traits<S>::max()), sum_of_changes = zero, there = zero;
+        vector speed = unbiased;
+        if (pass.use_bias) {
+            speed = unbiased + (vector::load(separation) + displacement) * P::broadcast(pass.spring.rate);
+            kept = P::broadcast(S(1) - pass.spring.impulse_scale);
+            strength = P::broadcast(pass.spring.mass_scale);
+        }
+        for (int k = 0; k < count; ++k) {
+            const P before = P::load(points[k].impulse), gap = P::load(points[k].separation) + at(k);
+            const P asked = asked_of(points[k], speed);
+            changes[k] = pass.use_bias ? kept * before - strength * asked - before : zero - asked;
+            P good = min(before + changes[k], -gap);
+            // Where the limit of the push binds, what the springs ask for is not flat.
+            if (pass.use_bias)
+                good = min(good, gap * P::broadcast(pass.spring.rate) + P::broadcast(pass.max_depenetration_speed));
+            // Of points that only other lanes have nothing is asked.
+            ok = min(ok, select_greater(P::load(points[k].mass), zero, good, zero));
+            if (!pass.over_relaxes) continue;
+            const P is = P::load(points[k].mass), lasts = before - lane_abs(changes[k]) * P::broadcast(S(32));
+            calm = select_greater(is, zero, min(calm, lasts), calm);
+            sum_of_changes = sum_of_changes + select_greater(is, zero, changes[k], zero);
+            there = there + select_greater(is, zero, one, zero);
+        }
+        // Loads that last are over-relaxed by 1.7, all points alike: those of tall piles travel faster so. From 2 on,
+        // rounds end in a limit cycle. Impacts, and what turns the bodies, are answered as they are. Source: Golub,
+        // Van Loan, Matrix Computations, 11.2.
+        P more = zero;
+        if (pass.over_relaxes)
+            more = select_greater(calm, zero, sum_of_changes * P::broadcast(S(0.7)) / max(there, one), zero);
+        left = select_greater(zero, ok, one, zero);
+        const bool any_left = greater(zero, ok).bits() != 0 && !are_inactive(points, count, pass, left, at, speed_at);
+        for (int k = 0; k < count; ++k) {
+            const P by = changes[k] + select_greater(P::load(points[k].mass), zero, more, zero);
+            const P change = select_greater(zero, ok, zero, by);
+            (P::load(points[k].impulse) + change).store(points[k].impulse);
+            sum = sum + points[k].at_middle(change);
+        }
+        return any_left;
+    }
+    /// The same for lanes that are left to visits, and land: that bore nothing as the substep began, or meet or part
+    /// fast, and whose gaps all close within it. What lands flat is stopped without a turn, which friction would make a
+    /// slide of. Not where the middle's way is longer than the contact is wide: needles turn by more than their gaps
+    /// are good for before the substep ends.
+    template <class Point, class At, class SpeedAt>
+    PHYSICS_HPP_ALWAYS_INLINE void solve_landing(Point* points, int count, const contact_pass<S, D>& pass,
+                                                 const vector& speed, const vector& displacement, S* start_load,
+                                                 const P& half_width, P& left, vector& sum, At&& at,
+                                                 SpeedAt&& speed_at) const {
+        if (count == 1) return;
+        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1)), per_step = P::broadcast(pass.inverse_step);
+        const P half_way = lane_abs(speed.x) * P::broadcast(pass.substep * S(0.5));
+        const P rests = select_greater(lane_abs(speed.x), P::broadcast(pass.impact_speed), zero, P::load(start_load));
+        P lands = select_greater(max(rests, -P::load(valid)), zero, zero, left);
+        lands = select_greater(half_way, half_width, zero, lands);
+        // No early return where no lane lands: g++ 11 and 12 fail to compile it (in gimple_expand_vec_cond_expr).
+        const vector closing = speed + (vector::load(separation) + displacement) * per_step;
+        P changes[capacity];
+        for (int k = 0; k < count; ++k) {
+            changes[k] = zero - asked_of(points[k], closing);
+            const P before = P::load(points[k].impulse), gap = P::load(points[k].separation) + at(k);
+            // Gaps that are all but closed may be overlaps by rounding.
+            const P rounding = lane_abs(speed_at(k)) * P::broadcast(pass.substep * S(1.0 / 1024));
+            P good = min(gap + rounding, before + changes[k]);
+            // As visits do.
+            if (!pass.use_bias) good = min(good, before);
+            lands = select_greater(P::load(points[k].mass), zero, select_greater(good, zero, lands, zero), lands);
+        }
+        for (int k = 0; k < count; ++k) {
+            const P change = select_greater(lands, zero, changes[k], zero);
+            (P::load(points[k].impulse) + change).store(points[k].impulse);
+            sum = sum + points[k].at_middle(change);
+        }
+        left = left - lands;
+        if (!pass.use_bias) return;
+        const P impact = select_greater(-speed.x, P::broadcast(pass.impact_speed), lands, zero);
+        select_greater(impact, zero, -one, P::load(start_load)).store(start_load);
+    }
+
+private:
+    /// What speeds ask of a point. Each product is rounded, which those of dot are not.
+    template <class Point>
+    PHYSICS_HPP_ALWAYS_INLINE static P asked_of(const Point& p, const vector& speed) {
+        const vector share = vector::load(p.share);
+        if constexpr (D == 2) return share.x * speed.x + share.y * speed.y;
+        else return share.x * speed.x + share.y * speed.y + share.z * speed.z;
+    }
+    /// Writes the lanes that are good (1, else 0), but for those whose shares the scalar cannot hold.
+    template <class K, class Point>
+    PHYSICS_HPP_ALWAYS_INLINE void write(Point* points, int count, const K& good, const lane_vec<K, D>& plane,
+                                         const vectors<K>& shares) {
+        using C = typename K::scalar;
+        const K zero = K::broadcast(C(0)), maximum = K::broadcast(C(to_double(scalar_traits<S>::max()) / 4));
+        K ok = good;
+        const auto hold = [&](const K& share)
+                              PHYSICS_HPP_INLINE_LAMBDA { ok = select_greater(maximum, lane_abs(share), ok, zero); };
+        for (int k = 0; k < count; ++k) {
+            hold(shares[k].x);
+            hold(shares[k].y);
+            if constexpr (D == 3) hold(shares[k].z);
+        }
+        if (greater(ok, zero).bits() == 0) return;
+        put_lanes(select_greater(ok, zero, zero, lanes_from<K>(valid)), valid);
+        const auto put = [&](const lane_vec<K, D>& value, S(&to)[D][W]) PHYSICS_HPP_INLINE_LAMBDA {
+            select_greater(ok, zero, value, lane_vec<K, D>::load(to)).store(to);
+        };
+        put(plane, separation);
+        for (int k = 0; k < count; ++k) put(shares[k], points[k].share);
+    }
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/dynamics/contact_frame2.hpp
+// =================================================================================================
+// Contacts in 2D as their bodies see them, in lanes: their frame, how fast they move, and what impulses come to.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// W contacts that are prepared together, and how their bodies answer to impulses at the middles.
+template <class K>
+struct contact_lanes2 {
+    lane_vec2<K> n, r_a, r_b;
+    K mass, inertia_a, inertia_b;
+
+    PHYSICS_HPP_ALWAYS_INLINE lane_symmetric<K, 2> k_matrix() const {
+        const K turn_a = cross(r_a, n), turn_b = cross(r_b, n);
+        return {mass + inertia_a * turn_a * turn_a + inertia_b * turn_b * turn_b, inertia_a + inertia_b,
+                inertia_a * turn_a + inertia_b * turn_b};
+    }
+    /// Of a point that is so far from the middle.
+    PHYSICS_HPP_ALWAYS_INLINE lane_vec2<K> jacobian(const lane_vec2<K>& offset) const {
+        return {K::broadcast(typename K::scalar(1)), cross(offset, n)};
+    }
+};
+
+/// Where W contacts are. B moves against A with two speeds: along the normal at the contact's middle, and turning;
+/// impulses are one along the normal and an angular one.
+template <class S, int W>
+struct contact_frame2 {
+    using scalar = S;
+    using I = inverse_of<S>;
+    using P = kernel_pack<S, W>;
+    using Q = kernel_pack<I, W>;
+    static constexpr int dimension = 2, width = W, capacity = manifold<S, 2>::capacity;
+    static constexpr bool rotates = true;
+    using vector = lane_vec2<P>;
+    using bodies = body_pair_lanes<P, 2>;
+    using motion_rows = S[2][W];
+    using speeds = vec<S, 2>;
+    using direct_solve = block_solve<S, 2, W>;
+    using k_matrix_type = k_matrix_lanes<S, 2, W>;
+    /// Along the tangent, at the middle: a speed or an impulse.
+    using slide = S;
+    /// Whether friction acts while overlaps are pushed apart.
+    static constexpr bool slides_with_bias = true;
+
+    struct point : soft_point<S, 2, W> {
+        /// The lever that an impulse along the normal has about the middle (m).
+        S moment_arm[W];
+
+        template <class K>
+        PHYSICS_HPP_ALWAYS_INLINE void put_jacobian(const lane_vec2<K>& j) {
+            put_lanes(j.y, moment_arm);
+        }
+        PHYSICS_HPP_ALWAYS_INLINE P speed(const vector& v) const { return v.x + P::load(moment_arm) * v.y; }
+        PHYSICS_HPP_ALWAYS_INLINE vector at_middle(const P& by) const { return {by, P::load(moment_arm) * by}; }
+        S speed(int lane, vec<S, 2> v) const { return v.x + moment_arm[lane] * v.y; }
+        vec<S, 2> at_middle(int lane, S by) const { return {by, moment_arm[lane] * by}; }
+    };
+
+    S normal[2][W];
+    /// From the bodies' centres to the middle (m).
+    S r_a[2][W], r_b[2][W];
+    I mass_a[W], mass_b[W], inertia_a[W], inertia_b[W];
+
+    PHYSICS_HPP_ALWAYS_INLINE static vector none() {
+        const P zero = P::broadcast(S(0));
+        return {zero, zero};
+    }
+    PHYSICS_HPP_ALWAYS_INLINE static P along(const vector& speeds) { return speeds.x; }
+    template <class K>
+    PHYSICS_HPP_ALWAYS_INLINE contact_lanes2<K> prepare() {
+        const K mass = lanes_from<K>(mass_a) + lanes_from<K>(mass_b);
+        return {lane_vec2<K>::load(normal), lane_vec2<K>::load(r_a), lane_vec2<K>::load(r_b), mass,
+                lanes_from<K>(inertia_a),   lanes_from<K>(inertia_b)};
+    }
+    /// From the middle to its points.
+    PHYSICS_HPP_ALWAYS_INLINE static P half_width(const point* points, int) {
+        return lane_abs(P::load(points[0].moment_arm));
+    }
+
+    /// The normal, and the levers of impulses along it and along the tangent (y, -x).
+    struct lanes {
+        const contact_frame2& of;
+        vector n;
+        P turn_a, turn_b, slide_a, slide_b;
+
+        PHYSICS_HPP_ALWAYS_INLINE explicit lanes(const contact_frame2& c) : of(c), n(vector::load(c.normal)) {
+            const vector to_a = vector::load(c.r_a), to_b = vector::load(c.r_b);
+            turn_a = cross(to_a, n);
+            turn_b = cross(to_b, n);
+            slide_a = -dot(to_a, n);
+            slide_b = -dot(to_b, n);
+        }
+        PHYSICS_HPP_ALWAYS_INLINE vector motion(const lane_twist<P, 2>& a, const lane_twist<P, 2>& b) const {
+            return {dot(n, b.linear - a.linear) + lane_difference(turn_b, b.angular, turn_a, a.angular),
+                    b.angular - a.angular};
+        }
+        PHYSICS_HPP_ALWAYS_INLINE P slip(const lane_twist<P, 2>& a, const lane_twist<P, 2>& b) const {
+            return cross(b.linear - a.linear, n) + lane_difference(slide_b, b.angular, slide_a, a.angular);
+        }
+        /// How surfaces roll that turn against each other, and what moment an impulse against it makes.
+        PHYSICS_HPP_ALWAYS_INLINE P rolling(const P& turn) const { return turn; }
+        PHYSICS_HPP_ALWAYS_INLINE P rolling_moment(const P& impulse) const { return impulse; }
+        /// The angular velocities that a moment gives.
+        PHYSICS_HPP_ALWAYS_INLINE P spin_a(const P& moment) const { return mul<S>(Q::load(of.inertia_a), moment); }
+        PHYSICS_HPP_ALWAYS_INLINE P spin_b(const P& moment) const { return mul<S>(Q::load(of.inertia_b), moment); }
+
+        /// Impulses from A on B, along the normal, along the tangent, or both.
+        PHYSICS_HPP_ALWAYS_INLINE void apply(const vector& sum, const P& across, bodies& at) const {
+            const vector impulse = {lane_sum(n.x, sum.x, n.y, across), lane_difference(n.y, sum.x, n.x, across)};
+            auto& [v_a, w_a] = at.a.velocity;
+            auto& [v_b, w_b] = at.b.velocity;
+            v_a = v_a - impulse * Q::load(of.mass_a);
+            v_b = v_b + impulse * Q::load(of.mass_b);
+            w_a = w_a - spin_a(lane_sum(turn_a, sum.x, slide_a, across) + sum.y);
+            w_b = w_b + spin_b(lane_sum(turn_b, sum.x, slide_b, across) + sum.y);
+        }
+        PHYSICS_HPP_ALWAYS_INLINE void apply(const vector& sum, bodies& at) const {
+            apply(sum, P::broadcast(S(0)), at);
+        }
+        PHYSICS_HPP_ALWAYS_INLINE void apply_friction(const P& across, bodies& at) const {
+            const P zero = P::broadcast(S(0));
+            apply({zero, zero}, across, at);
+        }
+    };
+
+    /// The frame of one contact.
+    struct single {
+        vec<S, 2> n, r_a, r_b;
+
+        single(const contact_frame2& c, int i)
+            : n(c.normal[0][i], c.normal[1][i]), r_a(c.r_a[0][i], c.r_a[1][i]), r_b(c.r_b[0][i], c.r_b[1][i]) {}
+        vec<S, 2> motion(const twist<S, 2>& a, const twist<S, 2>& b) const {
+            return {dot(n, velocity_at(b, r_b) - velocity_at(a, r_a)), b.angular - a.angular};
+        }
+        /// Impulse and moment at the middle.
+        twist<S, 2> impulse(vec<S, 2> sum) const { return {n * sum.x, sum.y}; }
+        twist<S, 2> impulse(vec<S, 2> sum, S across) const { return {n * sum.x + perpendicular(n) * across, sum.y}; }
+        /// About the bodies' centres.
+        twist<S, 2> on_a(const twist<S, 2>& by) const { return {-by.linear, -(cross(r_a, by.linear) + by.angular)}; }
+        twist<S, 2> on_b(const twist<S, 2>& by) const { return {by.linear, cross(r_b, by.linear) + by.angular}; }
+    };
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/dynamics/contact_frame3.hpp
+// =================================================================================================
+// Contacts in 3D as their bodies see them, in lanes: their frame, how fast they move, and what impulses come to.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// W contacts that are prepared together, and how their bodies answer to impulses at the middles.
 template <class K>
 struct contact_lanes3 {
     lane_vec3<K> n, t, u, r_a, r_b;
@@ -24395,6 +24988,22 @@ struct contact_lanes3 {
     PHYSICS_HPP_ALWAYS_INLINE K turned(const lane_vec3<K>& of_a, const lane_vec3<K>& of_b, const lane_vec3<K>& about_a,
                                        const lane_vec3<K>& about_b) const {
         return dot(inertia_a * of_a, about_a) + dot(inertia_b * of_b, about_b);
+    }
+    PHYSICS_HPP_ALWAYS_INLINE lane_symmetric<K, 3> k_matrix() const {
+        const lane_vec3<K> turn_a = cross(r_a, n), turn_b = cross(r_b, n);
+        const lane_vec3<K> by_a = inertia_a * turn_a, by_b = inertia_b * turn_b;
+        const lane_symmetric<K, 3> inertia = inertia_a + inertia_b;
+        const lane_vec3<K> by_n = by_a + by_b, by_t = inertia * t, by_u = inertia * u;
+        return {mass + dot(turn_a, by_a) + dot(turn_b, by_b),
+                dot(t, by_t),
+                dot(u, by_u),
+                dot(t, by_n),
+                dot(u, by_n),
+                dot(u, by_t)};
+    }
+    /// Of a point that is so far from the middle.
+    PHYSICS_HPP_ALWAYS_INLINE lane_vec3<K> jacobian(const lane_vec3<K>& offset) const {
+        return {K::broadcast(typename K::scalar(1)), dot(offset, u), -dot(offset, t)};
     }
 };
 
@@ -24435,240 +25044,168 @@ template <class S, int W>
 using second_tangent_of =
     std::conditional_t<std::is_floating_point_v<S>, second_tangent<S, W>, kept_second_tangent<S, W>>;
 
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/dynamics/block_solve.hpp
-// =================================================================================================
-// All points of a contact at once.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// True if a Gauss-Seidel pass would change nothing in the given lanes (1 in these, 0 in others): no point has an
-/// impulse, and none closes its gap within the substep or has closed it.
-template <class P, class Point, class Pass, class At, class SpeedAt>
-PHYSICS_HPP_ALWAYS_INLINE bool are_inactive(const Point* points, int count, const Pass& pass, const P& lanes, At&& at,
-                                            SpeedAt&& speed_at) {
-    const P zero = P::broadcast(typename P::scalar(0)), per_step = P::broadcast(pass.inverse_step);
-    P busy = zero;
-    for (int k = 0; k < count; ++k) {
-        const P gap = P::load(points[k].separation) + at(k), closing = speed_at(k) + gap * per_step;
-        // Where a gap is exactly closed, all points at once may still stop an approach.
-        P ahead = -min(gap, closing);
-        if (!pass.use_bias) ahead = select_greater(gap, zero, zero, ahead);
-        const P needed = max(P::load(points[k].impulse), ahead);
-        // Of points that only other lanes have nothing is asked.
-        busy = max(busy, select_greater(P::load(points[k].mass), zero, needed, zero));
-#if defined(__GNUC__) && !defined(__clang__)
-        // No instruction. -floop-nest-optimize of g++ 12 joins this loop with others, and gets it wrong.
-        asm volatile("");
-#endif
-    }
-    return greater(lanes * busy, zero).bits() == 0;
-}
-
-/// The speeds of a contact's points follow from D numbers, so that the impulses that stop all of them do too: where
-/// every point touches and goes on pushing, that is the answer, exact and without iterations. Elsewhere points are
-/// visited one by one. It carries heavy loads and keeps columns from swaying, which visits do not. Source: the first
-/// case of the block solver of Catto's Box2D 2, for any number of points.
-template <class S, int D, int W>
-struct block_solve {
+/// Where W contacts are. B moves against A with three speeds: along the normal at the contact's middle, and turning
+/// about both tangents; impulses are one along the normal and angular ones about the tangents.
+template <class S, int W>
+struct contact_frame3 {
+    using scalar = S;
+    using I = inverse_of<S>;
     using P = kernel_pack<S, W>;
+    using Q = kernel_pack<I, W>;
+    static constexpr int dimension = 3, width = W, capacity = manifold<S, 3>::capacity;
+    static constexpr bool rotates = true;
+    using vector = lane_vec3<P>;
+    using bodies = body_pair_lanes<P, 3>;
+    using motion_rows = S[3][W];
+    using speeds = vec<S, 3>;
+    using direct_solve = block_solve<S, 3, W>;
+    using k_matrix_type = k_matrix_lanes<S, 3, W>;
+    /// Along both tangents at the middle, and about the normal: speeds or impulses.
+    using slide = vec<S, 3>;
+    /// While overlaps are pushed apart friction rests: else boxes that stand on four others sway, and piles of them
+    /// slide apart.
+    static constexpr bool slides_with_bias = false;
 
-    /// The separation at the middle and its slopes, of the plane that fits the points best.
-    S separation[D][W];
-    /// Less than 0 where points have to be visited.
-    S valid[W];
+    struct point : soft_point<S, 3, W> {
+        /// Along both tangents, from the middle (m).
+        S x[W], y[W];
 
-    static constexpr int capacity = manifold<S, D>::capacity;
+        template <class K>
+        PHYSICS_HPP_ALWAYS_INLINE void put_jacobian(const lane_vec3<K>& j) {
+            put_lanes(-j.z, x);
+            put_lanes(j.y, y);
+        }
+        PHYSICS_HPP_ALWAYS_INLINE P speed(const vector& v) const {
+            return v.x + lane_difference(P::load(y), v.y, P::load(x), v.z);
+        }
+        PHYSICS_HPP_ALWAYS_INLINE vector at_middle(const P& by) const {
+            return {by, P::load(y) * by, -(P::load(x) * by)};
+        }
+        S speed(int lane, vec<S, 3> v) const { return v.x + difference_of_products(y[lane], v.y, x[lane], v.z); }
+        vec<S, 3> at_middle(int lane, S by) const { return {by, y[lane] * by, -(x[lane] * by)}; }
+    };
 
-    void clear() {
-        for (S& lane : valid) lane = S(-1);
+    S normal[3][W], tangent[3][W];
+    [[no_unique_address]] second_tangent_of<S, W> across;
+    /// From the bodies' centres to the middle, on either surface (m).
+    S r_a[3][W], r_b[3][W];
+    I mass_a[W], mass_b[W], inertia_a[6][W], inertia_b[6][W];
+
+    PHYSICS_HPP_ALWAYS_INLINE static vector none() {
+        const P zero = P::broadcast(S(0));
+        return {zero, zero, zero};
     }
-    /// Precomputes the direct solve of contacts with two points: `jacobians` are the rows of J (along the normal and
-    /// about the tangents), `k_rows` those of J K, `own` the diagonal of J K J^T.
-    template <class K, class Point>
-    PHYSICS_HPP_ALWAYS_INLINE void prepare_edge(Point* points, const K (&jacobians)[capacity][D],
-                                                const K (&k_rows)[capacity][D], const K (&own)[capacity],
-                                                const K& count) {
-        using C = typename K::scalar;
-        const K zero = K::broadcast(C(0)), half = K::broadcast(C(0.5));
-        K other = k_rows[1][0], apart = zero, plane[D], shares[capacity][D];
-        for (int i = 1; i < D; ++i) {
-            other = other + jacobians[0][i] * k_rows[1][i];
-            plane[i] = half * (jacobians[0][i] - jacobians[1][i]);
-            apart = apart + plane[i] * plane[i];
-        }
-        // The middle of the points is the origin: but for the sign both lie as far from it.
-        const K gaps[] = {lanes_from<K>(points[0].separation), lanes_from<K>(points[1].separation)};
-        const K slope = lane_quotient(half * (gaps[0] - gaps[1]), apart);
-        plane[0] = half * (gaps[0] + gaps[1]);
-        for (int i = 1; i < D; ++i) plane[i] = slope * plane[i];
-        const K square = own[0] * own[1], determinant = square - other * other;
-        for (int k = 0; k < 2; ++k)
-            for (int i = 0; i < D; ++i)
-                shares[k][i] = lane_quotient(jacobians[k][i] * own[1 - k] - jacobians[1 - k][i] * other, determinant);
-        // Points that are all but one would share a turn out in huge impulses.
-        K ok = select_greater(determinant, K::broadcast(C(1e-4)) * square, K::broadcast(C(1)), zero);
-        ok = select_greater(K::broadcast(C(2.5)), count, select_greater(count, K::broadcast(C(1.5)), ok, zero), zero);
-        write(points, 2, ok, plane, shares);
+    PHYSICS_HPP_ALWAYS_INLINE static P along(const vector& speeds) { return speeds.x; }
+    template <class K>
+    PHYSICS_HPP_ALWAYS_INLINE contact_lanes3<K> prepare() {
+        const lane_vec3<K> n = lane_vec3<K>::load(normal), t = lane_tangent(n);
+        t.store(tangent);
+        across.prepare(normal, tangent);
+        const K mass = lanes_from<K>(mass_a) + lanes_from<K>(mass_b);
+        return {n,
+                t,
+                cross(n, t),
+                lane_vec3<K>::load(r_a),
+                lane_vec3<K>::load(r_b),
+                mass,
+                lane_symmetric<K, 3>::load(inertia_a),
+                lane_symmetric<K, 3>::load(inertia_b)};
     }
-    /// The same for more points, which span the plane of the contact: what stops its speeds, shared out with the least
-    /// squares. `speeds` tells how these answer to an impulse along the normal at the middle and to angular ones.
-    template <class K, class Point>
-    PHYSICS_HPP_ALWAYS_INLINE void prepare_face(Point* points, int maximum, const K (&jacobians)[capacity][D],
-                                                const K (&there)[capacity], const lane_symmetric<K, 3>& speeds,
-                                                const K& count) {
-        using C = typename K::scalar;
-        const K zero = K::broadcast(C(0)), one = K::broadcast(C(1)), share = lane_reciprocal(count);
-        K xx = zero, xy = zero, yy = zero;
-        for (int k = 0; k < maximum; ++k) {
-            xx = xx + jacobians[k][1] * jacobians[k][1];
-            xy = xy + jacobians[k][1] * jacobians[k][2];
-            yy = yy + jacobians[k][2] * jacobians[k][2];
+    /// From the middle to points: where they are more than two, in the narrower direction.
+    PHYSICS_HPP_ALWAYS_INLINE static P half_width(const point* points, int count) {
+        P x = lane_abs(P::load(points[0].x)), y = lane_abs(P::load(points[0].y));
+        for (int k = 1; k < count; ++k) {
+            x = max(x, lane_abs(P::load(points[k].x)));
+            y = max(y, lane_abs(P::load(points[k].y)));
         }
-        const K determinant = xx * yy - xy * xy, small = K::broadcast(C(1e-3)) * speeds.xx;
-        K ok = select_greater(determinant, K::broadcast(C(1e-4)) * xx * yy, one, zero);
-        ok = select_greater(xx * speeds.yy, small, select_greater(yy * speeds.zz, small, ok, zero), zero);
-        ok = select_greater(count, K::broadcast(C(2.5)), ok, zero);
-        const lane_symmetric<K, 3> stop = lane_inverse(speeds);
-        const auto tell_apart = [&](const K& k, const K& stopped) PHYSICS_HPP_INLINE_LAMBDA {
-            ok = select_greater(K::broadcast(C(1e4)), k * stopped, select_greater(stopped, zero, ok, zero), zero);
-        };
-        tell_apart(speeds.xx, stop.xx);
-        tell_apart(speeds.yy, stop.yy);
-        tell_apart(speeds.zz, stop.zz);
-        K plane[D] = {zero, zero, zero}, shares[capacity][D];
-        for (int k = 0; k < maximum; ++k) {
-            const K y = jacobians[k][1], z = jacobians[k][2], gap = lanes_from<K>(points[k].separation);
-            const lane_vec3<K> weights = {there[k] * share, lane_quotient(yy * y - xy * z, determinant),
-                                          lane_quotient(xx * z - xy * y, determinant)};
-            plane[0] = plane[0] + weights.x * gap;
-            plane[1] = plane[1] + weights.y * gap;
-            plane[2] = plane[2] + weights.z * gap;
-            const lane_vec3<K> of = stop * weights;
-            shares[k][0] = of.x;
-            shares[k][1] = of.y;
-            shares[k][2] = of.z;
-        }
-        write(points, maximum, ok, plane, shares);
-    }
-    /// Answers the speeds, and adds what that comes to to the sum. `left` is 1 in lanes that are left to visits, where
-    /// nothing changes; returns whether any is. `at(k)` is the way at point k.
-    template <class Point, class Sum, class At, class SpeedAt>
-    PHYSICS_HPP_ALWAYS_INLINE bool solve(Point* points, int count, const contact_pass<S, D>& pass,
-                                         const P (&unbiased)[D], const P (&displacement)[D], P& left, Sum& sum, At&& at,
-                                         SpeedAt&& speed_at) const {
-        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
-        left = one;
-        if (count == 1) return true;
-        P ok = P::load(valid), kept = one, strength = one, changes[capacity];
-        P calm = P::broadcast(scalar_traits<S>::max()), sum_of_changes = zero, there = zero, speed[D];
-        for (int i = 0; i < D; ++i) speed[i] = unbiased[i];
-        if (pass.use_bias) {
-            const P rate = P::broadcast(pass.spring.rate);
-            for (int i = 0; i < D; ++i) speed[i] = unbiased[i] + rate * (P::load(separation[i]) + displacement[i]);
-            kept = P::broadcast(S(1) - pass.spring.impulse_scale);
-            strength = P::broadcast(pass.spring.mass_scale);
-        }
-        for (int k = 0; k < count; ++k) {
-            const P before = P::load(points[k].impulse), gap = P::load(points[k].separation) + at(k);
-            P asked = P::load(points[k].share[0]) * speed[0];
-            for (int i = 1; i < D; ++i) asked = asked + P::load(points[k].share[i]) * speed[i];
-            changes[k] = pass.use_bias ? kept * before - strength * asked - before : zero - asked;
-            P good = min(before + changes[k], -gap);
-            // Where the limit of the push binds, what the springs ask for is not flat.
-            if (pass.use_bias)
-                good = min(good, gap * P::broadcast(pass.spring.rate) + P::broadcast(pass.max_depenetration_speed));
-            // Of points that only other lanes have nothing is asked.
-            ok = min(ok, select_greater(P::load(points[k].mass), zero, good, zero));
-            if (!pass.over_relaxes) continue;
-            const P is = P::load(points[k].mass), lasts = before - lane_abs(changes[k]) * P::broadcast(S(32));
-            calm = select_greater(is, zero, min(calm, lasts), calm);
-            sum_of_changes = sum_of_changes + select_greater(is, zero, changes[k], zero);
-            there = there + select_greater(is, zero, one, zero);
-        }
-        // Loads that last are over-relaxed by 1.7, all points alike: those of tall piles travel faster so. From 2 on,
-        // rounds end in a limit cycle. Impacts, and what turns the bodies, are answered as they are. Source: Golub,
-        // Van Loan, Matrix Computations, 11.2.
-        P more = zero;
-        if (pass.over_relaxes)
-            more = select_greater(calm, zero, sum_of_changes * P::broadcast(S(0.7)) / max(there, one), zero);
-        left = select_greater(zero, ok, one, zero);
-        const bool any_left = greater(zero, ok).bits() != 0 && !are_inactive(points, count, pass, left, at, speed_at);
-        for (int k = 0; k < count; ++k) {
-            const P by = changes[k] + select_greater(P::load(points[k].mass), zero, more, zero);
-            const P change = select_greater(zero, ok, zero, by);
-            (P::load(points[k].impulse) + change).store(points[k].impulse);
-            sum.add(points[k], change);
-        }
-        return any_left;
-    }
-    /// The same for lanes that are left to visits, and land: that bore nothing as the substep began, or meet or part
-    /// fast, and whose gaps all close within it. What lands flat is stopped without a turn, which friction would make a
-    /// slide of. Not where the middle's way is longer than the contact is wide: needles turn by more than their gaps
-    /// are good for before the substep ends.
-    template <class Point, class Sum, class At, class SpeedAt>
-    PHYSICS_HPP_ALWAYS_INLINE void solve_landing(Point* points, int count, const contact_pass<S, D>& pass,
-                                                 const P (&speed)[D], const P (&displacement)[D], S* start_load,
-                                                 const P& half_width, P& left, Sum& sum, At&& at,
-                                                 SpeedAt&& speed_at) const {
-        if (count == 1) return;
-        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1)), per_step = P::broadcast(pass.inverse_step);
-        const P half_way = lane_abs(speed[0]) * P::broadcast(pass.substep * S(0.5));
-        const P rests = select_greater(lane_abs(speed[0]), P::broadcast(pass.impact_speed), zero, P::load(start_load));
-        P lands = select_greater(max(rests, -P::load(valid)), zero, zero, left);
-        lands = select_greater(half_way, half_width, zero, lands);
-        // No early return where no lane lands: g++ 11 and 12 fail to compile it (in gimple_expand_vec_cond_expr).
-        P closing[D], changes[capacity];
-        for (int i = 0; i < D; ++i) closing[i] = speed[i] + per_step * (P::load(separation[i]) + displacement[i]);
-        for (int k = 0; k < count; ++k) {
-            changes[k] = P::load(points[k].share[0]) * closing[0];
-            for (int i = 1; i < D; ++i) changes[k] = changes[k] + P::load(points[k].share[i]) * closing[i];
-            changes[k] = zero - changes[k];
-            const P before = P::load(points[k].impulse), gap = P::load(points[k].separation) + at(k);
-            // Gaps that are all but closed may be overlaps by rounding.
-            const P rounding = lane_abs(speed_at(k)) * P::broadcast(pass.substep * S(1.0 / 1024));
-            P good = min(gap + rounding, before + changes[k]);
-            // As visits do.
-            if (!pass.use_bias) good = min(good, before);
-            lands = select_greater(P::load(points[k].mass), zero, select_greater(good, zero, lands, zero), lands);
-        }
-        for (int k = 0; k < count; ++k) {
-            const P change = select_greater(lands, zero, changes[k], zero);
-            (P::load(points[k].impulse) + change).store(points[k].impulse);
-            sum.add(points[k], change);
-        }
-        left = left - lands;
-        if (!pass.use_bias) return;
-        const P impact = select_greater(-speed[0], P::broadcast(pass.impact_speed), lands, zero);
-        select_greater(impact, zero, -one, P::load(start_load)).store(start_load);
+        const P longer = max(x, y);
+        if (count < 3) return longer;
+        return select_greater(P::load(points[2].mass), P::broadcast(S(0)), min(x, y), longer);
     }
 
-private:
-    /// Writes the lanes that are good (1, else 0), but for those whose shares the scalar cannot hold.
-    template <class K, class Point>
-    PHYSICS_HPP_ALWAYS_INLINE void write(Point* points, int count, const K& good, const K (&plane)[D],
-                                         const K (&shares)[capacity][D]) {
-        using C = typename K::scalar;
-        const K zero = K::broadcast(C(0)), maximum = K::broadcast(C(to_double(scalar_traits<S>::max()) / 4));
-        K ok = good;
-        for (int k = 0; k < count; ++k)
-            for (int i = 0; i < D; ++i) ok = select_greater(maximum, lane_abs(shares[k][i]), ok, zero);
-        if (greater(ok, zero).bits() == 0) return;
-        const auto put = [&](const K& value, S* to) PHYSICS_HPP_INLINE_LAMBDA {
-            put_lanes(select_greater(ok, zero, value, lanes_from<K>(to)), to);
-        };
-        put(zero, valid);
-        for (int i = 0; i < D; ++i) {
-            put(plane[i], separation[i]);
-            for (int k = 0; k < count; ++k) put(shares[k][i], points[k].share[i]);
+    /// The normal, both tangents, and from the bodies' centres to the middle.
+    struct lanes {
+        const contact_frame3& of;
+        vector n, t, u, r_a, r_b;
+
+        PHYSICS_HPP_ALWAYS_INLINE explicit lanes(const contact_frame3& c)
+            : of(c),
+              n(vector::load(c.normal)),
+              t(vector::load(c.tangent)),
+              u(c.across.of(n, t)),
+              r_a(vector::load(c.r_a)),
+              r_b(vector::load(c.r_b)) {}
+
+        PHYSICS_HPP_ALWAYS_INLINE vector at_middle(const lane_twist<P, 3>& a, const lane_twist<P, 3>& b) const {
+            return (b.linear + cross(b.angular, r_b)) - (a.linear + cross(a.angular, r_a));
         }
-    }
+        PHYSICS_HPP_ALWAYS_INLINE vector motion(const lane_twist<P, 3>& a, const lane_twist<P, 3>& b) const {
+            const vector turn = b.angular - a.angular;
+            return {dot(n, at_middle(a, b)), dot(t, turn), dot(u, turn)};
+        }
+        PHYSICS_HPP_ALWAYS_INLINE vector slip(const lane_twist<P, 3>& a, const lane_twist<P, 3>& b) const {
+            const vector v = at_middle(a, b);
+            return {dot(t, v), dot(u, v), dot(n, b.angular - a.angular)};
+        }
+        /// How surfaces roll that turn against each other, and what moment an impulse against it makes.
+        PHYSICS_HPP_ALWAYS_INLINE lane_vec2<P> rolling(const vector& turn) const {
+            return {dot(t, turn), dot(u, turn)};
+        }
+        PHYSICS_HPP_ALWAYS_INLINE vector rolling_moment(const lane_vec2<P>& impulse) const {
+            return combine(t, impulse.x, u, impulse.y);
+        }
+        /// The angular velocities that a moment gives.
+        PHYSICS_HPP_ALWAYS_INLINE vector spin_a(const vector& moment) const {
+            return lane_symmetric<Q, 3>::load(of.inertia_a) * moment;
+        }
+        PHYSICS_HPP_ALWAYS_INLINE vector spin_b(const vector& moment) const {
+            return lane_symmetric<Q, 3>::load(of.inertia_b) * moment;
+        }
+
+        /// Impulses from A on B, along and about the normal and the tangents, at the middle.
+        PHYSICS_HPP_ALWAYS_INLINE void apply(const vector& sum, const vector& slide, bodies& at) const {
+            give(n * sum.x + combine(t, slide.x, u, slide.y), combine(t, sum.y, u, sum.z) + n * slide.z, at);
+        }
+        PHYSICS_HPP_ALWAYS_INLINE void apply(const vector& sum, bodies& at) const {
+            give(n * sum.x, combine(t, sum.y, u, sum.z), at);
+        }
+        PHYSICS_HPP_ALWAYS_INLINE void apply_friction(const vector& slide, bodies& at) const {
+            give(combine(t, slide.x, u, slide.y), n * slide.z, at);
+        }
+
+    private:
+        PHYSICS_HPP_ALWAYS_INLINE void give(const vector& impulse, const vector& moment, bodies& at) const {
+            auto& [v_a, w_a] = at.a.velocity;
+            auto& [v_b, w_b] = at.b.velocity;
+            v_a = v_a - impulse * Q::load(of.mass_a);
+            v_b = v_b + impulse * Q::load(of.mass_b);
+            w_a = w_a - spin_a(cross(r_a, impulse) + moment);
+            w_b = w_b + spin_b(cross(r_b, impulse) + moment);
+        }
+    };
+
+    /// The frame of one contact.
+    struct single {
+        vec<S, 3> n, t, u, r_a, r_b;
+
+        single(const contact_frame3& c, int i)
+            : n(at(c.normal, i)), t(at(c.tangent, i)), u(cross(n, t)), r_a(at(c.r_a, i)), r_b(at(c.r_b, i)) {}
+        vec<S, 3> motion(const twist<S, 3>& a, const twist<S, 3>& b) const {
+            const vec<S, 3> turn = b.angular - a.angular;
+            return {dot(n, velocity_at(b, r_b) - velocity_at(a, r_a)), dot(t, turn), dot(u, turn)};
+        }
+        /// Impulse and moment at the middle.
+        twist<S, 3> impulse(vec<S, 3> sum) const { return {n * sum.x, t * sum.y + u * sum.z}; }
+        twist<S, 3> impulse(vec<S, 3> sum, vec<S, 3> slide) const {
+            return {n * sum.x + t * slide.x + u * slide.y, t * sum.y + u * sum.z + n * slide.z};
+        }
+        /// About the bodies' centres.
+        twist<S, 3> on_a(const twist<S, 3>& by) const { return {-by.linear, -(cross(r_a, by.linear) + by.angular)}; }
+        twist<S, 3> on_b(const twist<S, 3>& by) const { return {by.linear, cross(r_b, by.linear) + by.angular}; }
+
+    private:
+        static vec<S, 3> at(const S (&rows)[3][W], int i) { return {rows[0][i], rows[1][i], rows[2][i]}; }
+    };
 };
 
 }  // namespace detail
@@ -24711,7 +25248,7 @@ struct friction_cone_lanes {
     /// The impulses that follow those before where the speeds are v: they stop them, or slide on the cone.
     PHYSICS_HPP_ALWAYS_INLINE lane_vec2<P> next(const lane_vec2<P>& before, const lane_vec2<P>& v,
                                                 const P& limit) const {
-        const lane_vec2<P> stick = before - lane_symmetric<P, 2>{P::load(xx), P::load(xy), P::load(yy)} * v;
+        const lane_vec2<P> stick = before - lane_symmetric<P, 2>{P::load(xx), P::load(yy), P::load(xy)} * v;
         if (lane_is_longer(stick.x, stick.y, limit).bits() == 0) return stick;
         const lane_vec2<P> slide = before - v * P::load(gradient_step);
         const P sliding = length(slide), sticking = length(stick);
@@ -24753,21 +25290,22 @@ struct coefficient_lanes<S, W, Features> {
 /// How fast surfaces run along the tangents (m/s).
 template <class S, int W, int D>
 struct belt_lanes {
-    S along[W];
+    using P = kernel_pack<S, W>;
+
+    S along[D - 1][W];
 
     template <class Features>
-    void put(int lane, const contact<S, 2, Features>& c) {
-        along[lane] = c.surface_velocity;
+    void put(int lane, const contact<S, D, Features>& c) {
+        if constexpr (D == 2) along[0][lane] = c.surface_velocity;
+        else
+            for (int i = 0; i < 2; ++i) along[i][lane] = c.surface_velocity[i];
     }
-};
-template <class S, int W>
-struct belt_lanes<S, W, 3> {
-    S x[W], y[W];
-
-    template <class Features>
-    void put(int lane, const contact<S, 3, Features>& c) {
-        x[lane] = c.surface_velocity.x;
-        y[lane] = c.surface_velocity.y;
+    /// The slip against them, in 2D and in 3D.
+    PHYSICS_HPP_ALWAYS_INLINE void take_from(P& slip) const { slip = slip - P::load(along[0]); }
+    template <class Slip>
+    PHYSICS_HPP_ALWAYS_INLINE void take_from(Slip& slip) const {
+        slip.x = slip.x - P::load(along[0]);
+        slip.y = slip.y - P::load(along[1]);
     }
 };
 
@@ -24788,6 +25326,7 @@ struct rolling_lanes {
         impulse[lane] = c.rolling_impulse * share;
     }
     void store_impulses(int lane, contact<S, 2, Features>& c) const { c.rolling_impulse = total[lane]; }
+    PHYSICS_HPP_ALWAYS_INLINE void add_to(lane_vec2<P>& sum) const { sum.y = sum.y + P::load(impulse); }
     /// The change of the angular impulse where B turns by w against A.
     PHYSICS_HPP_ALWAYS_INLINE P next(const P& w, const P& load) {
         const P before = P::load(impulse), reach = arm.all(), maximum = reach * load, zero = P::broadcast(S(0));
@@ -24814,6 +25353,10 @@ struct rolling_lanes<S, W, 3, Features> {
     }
     void store_impulses(int lane, contact<S, 3, Features>& c) const {
         c.rolling_impulse = {total[0][lane], total[1][lane]};
+    }
+    PHYSICS_HPP_ALWAYS_INLINE void add_to(lane_vec3<P>& sum) const {
+        sum.y = sum.y + P::load(impulse[0]);
+        sum.z = sum.z + P::load(impulse[1]);
     }
     PHYSICS_HPP_ALWAYS_INLINE lane_vec2<P> next(const lane_vec2<P>& w, const P& load) {
         using vector = lane_vec2<P>;
@@ -24955,11 +25498,35 @@ struct soft_friction2 {
     /// Of this substep, and of the whole step.
     S impulse[W], total[W];
 
+    void put(int lane, const contact<S, 2, Features>& c, const prepare_input<S, 2, Features>& with) {
+        coefficient.put(lane, with.surfaces.friction_of(c));
+        impulse[lane] = c.substep_friction;
+    }
+    /// Works out the rest in lanes.
+    template <class K, class Point>
+    PHYSICS_HPP_ALWAYS_INLINE void prepare(const contact_lanes2<K>& c, const Point*, int, const K&) {
+        const K slide_a = dot(c.r_a, c.n), slide_b = dot(c.r_b, c.n);
+        put_lanes(lane_reciprocal(c.mass + c.inertia_a * slide_a * slide_a + c.inertia_b * slide_b * slide_b), stop);
+    }
+    /// The impulse of a point, as the points share the load.
+    S of_point(int lane, int, S borne, S load) const { return load > S(0) ? total[lane] * (borne / load) : S(0); }
+    void store_impulses(int lane, contact<S, 2, Features>& c) const { c.substep_friction = impulse[lane]; }
     /// More than 0 where it holds anything.
     PHYSICS_HPP_ALWAYS_INLINE P max_impulse(int) const { return lane_abs(P::load(impulse)); }
-    /// The change of the impulse where the surfaces slip by v at the middle, under a load.
-    PHYSICS_HPP_ALWAYS_INLINE P next(const P& v, const P& load, bool use_bias) {
-        const P before = P::load(impulse), maximum = coefficient.all() * load;
+    /// The impulse so far.
+    template <class Point>
+    PHYSICS_HPP_ALWAYS_INLINE P last(const Point*, int) const {
+        return P::load(impulse);
+    }
+    /// Keeps a share of the impulse of a lane, and tells what it loses.
+    template <class Point>
+    S reduce_impulses(int lane, const Point*, int, S share) {
+        return reduce_to(impulse[lane], share);
+    }
+    /// The change of the impulse where the surfaces slip by v at the middle, under the points' loads.
+    template <class Point>
+    PHYSICS_HPP_ALWAYS_INLINE P next(const P& v, const Point* points, int count, bool use_bias) {
+        const P before = P::load(impulse), maximum = coefficient.all() * load_of<P>(points, count);
         const P stopping = P::load(stop) * v * friction_part(lane_abs(before), maximum, use_bias);
         const P after = max(min(before - stopping, maximum), -maximum);
         after.store(impulse);
@@ -25011,11 +25578,11 @@ struct soft_patch_friction3 {
         prepare_cone(c, c.r_a, c.r_b, stop);
         put_lanes(lane_reciprocal(c.turned(c.n, c.n, c.n, c.n)), stop_twist);
     }
-    /// The impulse of point k, which bears that part of the load; and the one about the normal.
-    vec<S, 2> of_point(int lane, int, S fraction) const {
+    vec<S, 2> of_point(int lane, int, S borne, S load) const {
+        const S fraction = load > S(0) ? borne / load : S(0);
         return {total[0][lane] * fraction, total[1][lane] * fraction};
     }
-    S about_normal(int lane) const { return total[2][lane]; }
+    void store_impulses(int lane, contact<S, 3, Features>& c) const { c.twist_impulse = total[2][lane]; }
     /// More than 0 where it holds anything.
     PHYSICS_HPP_ALWAYS_INLINE P max_impulse(int) const {
         return max(lane_abs(P::load(impulse[0])), max(lane_abs(P::load(impulse[1])), lane_abs(P::load(impulse[2]))));
@@ -25034,7 +25601,7 @@ struct soft_patch_friction3 {
     /// Their change where the surfaces slip under the points' loads: first it stops the slip at the middle, then the
     /// twist.
     template <class Point>
-    PHYSICS_HPP_ALWAYS_INLINE vector next(const vector& slip, const Point* points, int count) {
+    PHYSICS_HPP_ALWAYS_INLINE vector next(const vector& slip, const Point* points, int count, bool) {
         const P load = load_of<P>(points, count), maximum = P::load(twist_arm) * load;
         const vector before = vector::load(impulse);
         const lane_vec2<P> slid = stop.next({before.x, before.y}, {slip.x, slip.y}, coefficient.all() * load);
@@ -25084,8 +25651,8 @@ struct soft_point_friction3 {
             prepare_cone(c, c.r_a + offset, c.r_b + offset, each[k].stop);
         }
     }
-    vec<S, 2> of_point(int lane, int k, S) const { return {each[k].total[0][lane], each[k].total[1][lane]}; }
-    S about_normal(int) const { return S(0); }
+    vec<S, 2> of_point(int lane, int k, S, S) const { return {each[k].total[0][lane], each[k].total[1][lane]}; }
+    void store_impulses(int, contact<S, 3, Features>& c) const { c.twist_impulse = S(0); }
     PHYSICS_HPP_ALWAYS_INLINE P max_impulse(int count) const {
         P maximum = P::broadcast(S(0));
         for (int k = 0; k < count; ++k)
@@ -25110,7 +25677,7 @@ struct soft_point_friction3 {
         return sum;
     }
     template <class Point>
-    PHYSICS_HPP_ALWAYS_INLINE vector next(const vector& start, const Point* points, int count) {
+    PHYSICS_HPP_ALWAYS_INLINE vector next(const vector& start, const Point* points, int count, bool) {
         const P mu = coefficient.all();
         vector slip = start, sum = none();
         for (int k = 0; k < count; ++k) {
@@ -25138,14 +25705,6 @@ private:
     }
 };
 
-template <class S, int W, class Features>
-using soft_friction2_of = std::conditional_t<Features::friction, soft_friction2<S, W, Features>, no_soft_friction>;
-template <class S, int W, class Features, class Friction>
-using soft_friction3_of =
-    std::conditional_t<!Features::friction, no_soft_friction,
-                       std::conditional_t<std::is_same_v<Friction, point_friction>,
-                                          soft_point_friction3<S, W, Features>, soft_patch_friction3<S, W, Features>>>;
-
 }  // namespace detail
 
 PHYSICS_HPP_END
@@ -25153,128 +25712,28 @@ PHYSICS_HPP_END
 // =================================================================================================
 // physics/dynamics/soft_contact.hpp
 // =================================================================================================
-// What the contacts of the soft solver have in common in 2D and in 3D.
+// The blocks of the soft solver: contacts in lanes, over a frame that says how their bodies move and are pushed.
 
 PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// One point of W contacts.
-template <class S, int D, int W>
-struct soft_point {
-    S mass[W];
-    S separation[W];
-    /// What the contact's D speeds ask of it where all points are answered at once.
-    S share[D][W];
-    /// Of this substep, after its last round what the next one begins with; and of the whole step.
-    S impulse[W], total[W];
-};
-/// What bounces. Speeds with which the surfaces part at points that meet in this substep (m/s), 0 for none.
-template <class S, int Points, int W>
-struct soft_bounces {
-    /// What surfaces give back, 0 where they cannot meet, and how fast they are drawn together (m/s^2).
-    S restitution[W], closing[W];
-    S speed[Points][W];
-
-    /// Whether a point that may bounce bears nothing.
-    template <class P, class Point>
-    PHYSICS_HPP_ALWAYS_INLINE bool any_free(const Point* points, int count) const {
-        const P zero = P::broadcast(S(0));
-        P any = zero;
-        for (int k = 0; k < count; ++k)
-            any = max(any, select_greater(P::load(points[k].impulse), zero, zero, P::load(points[k].mass)));
-        return greater(min(any, P::load(restitution)), zero).bits() != 0;
-    }
-    /// Notes the approaches of points that bear nothing yet and meet within the substep, in lanes; true if there are
-    /// any. Before contacts change velocities: what stops an approach is not to be what bounces.
-    template <class P, class Point, class Pass, class DisplacementAt, class SpeedAt>
-    PHYSICS_HPP_ALWAYS_INLINE bool note(const Point* points, int count, const Pass& pass,
-                                        DisplacementAt&& displacement_at, SpeedAt&& speed_at) {
-        const P zero = P::broadcast(S(0)), slop = P::broadcast(pass.bounce_slop), e = P::load(restitution);
-        P any = zero;
-        for (int k = 0; k < count; ++k) {
-            const P v = speed_at(k), gap = P::load(points[k].separation) + displacement_at(k);
-            const P arrives = min(-v - slop, -(v + gap * P::broadcast(pass.inverse_step)));
-            const P meets = select_greater(P::load(points[k].impulse), zero, zero, min(arrives, e));
-            const P target = select_greater(min(meets, P::load(points[k].mass)), zero, e * -v, zero);
-            target.store(speed[k]);
-            any = max(any, target);
-        }
-        if (greater(any, zero).bits() == 0) return false;
-        for (int k = 0; k < count; ++k) {
-            const P v = speed_at(k), gap = P::load(points[k].separation) + displacement_at(k);
-            for (int lane = 0; lane < W; ++lane)
-                if (speed[k][lane] > S(0))
-                    speed[k][lane] =
-                        rebound_speed(restitution[lane], -v.lane(lane), gap.lane(lane), closing[lane], pass.substep);
-        }
-        return true;
-    }
-    /// Forgets those that were stopped by others before they met.
-    template <class P, class Point>
-    PHYSICS_HPP_ALWAYS_INLINE void keep_pushed(const Point* points, int count) {
-        const P zero = P::broadcast(S(0));
-        for (int k = 0; k < count; ++k)
-            select_greater(P::load(points[k].impulse), zero, P::load(speed[k]), zero).store(speed[k]);
-    }
-    [[nodiscard]] bool has(int lane, int count) const {
-        for (int k = 0; k < count; ++k)
-            if (speed[k][lane] > S(0)) return true;
-        return false;
-    }
-};
-/// Where the bounces of a block are, if it may have any.
-template <class S, int Points, int W>
-struct bounces_of_block {
-    using bounces = soft_bounces<S, Points, W>;
-
-    bounces* at = nullptr;
-
-    /// Writes a contact into a lane. Points that were there in the last step, and overlap, have met before: what
-    /// approaches there springs back, as it does in a crowd that is squeezed.
-    template <class Contact, class Start>
-    void put(int lane, const Contact& c, const body_pair& ends, const Start& with, arena& scratch) {
-        const S share = with.surfaces.restitution_of(c);
-        bool meets = false;
-        for (int k = 0; k < c.count && share > S(0); ++k)
-            meets = meets || !c.persisted(k) || c.points[k].separation > -with.overlap;
-        if (!meets) return;
-        if (at == nullptr) at = new (scratch.template allocate<bounces>(1)) bounces{};
-        at->restitution[lane] = share;
-        at->closing[lane] = with.closing(c, ends);
-    }
-};
-struct no_bounces_of_block {};
-template <class S, int Points, int W, class Features>
-using soft_bounces_of = std::conditional_t<Features::restitution, bounces_of_block<S, Points, W>, no_bounces_of_block>;
-
 /// Whether nothing has to be given to any lane of a block when a substep begins, nor be taken back.
 template <class P, class Block>
 PHYSICS_HPP_ALWAYS_INLINE bool carries_no_impulse(const Block& block) {
-    P maximum = load_of<P>(block.points, block.point_count);
+    P maximum = load_of<P>(block.points, block.count());
     if constexpr (requires { block.friction.max_impulse(1); })
-        maximum = max(maximum, block.friction.max_impulse(block.point_count));
+        maximum = max(maximum, block.friction.max_impulse(block.count()));
     if constexpr (requires { block.extras.at; })
         if (block.extras.at != nullptr) return false;
     return greater(maximum, P::broadcast(typename P::scalar(0))).bits() == 0;
 }
-/// Symmetric Gauss-Seidel over the points: last to first and back, so that no corner is always solved first. The order
-/// turns at the first point, which all lanes have, so it does not depend on which contacts share lanes.
-template <class F>
-PHYSICS_HPP_ALWAYS_INLINE void symmetric_gauss_seidel(int points, F&& f) {
-    for (int i = 1 - points; i < points; ++i) f(i < 0 ? -i : i);
-}
-/// After an impact only the impulse held before it is warm started; the rest is removed from the next substep's start
-/// velocity.
-template <class S, int D>
-void remove_from_start(twist<S, D>& start_velocity, const solver_body<S, D>& b, vec<S, D> impulse,
-                       angular<S, D> moment) {
-    for (int i = 0; i < D; ++i) start_velocity.linear[i] += mul<S>(b.inverse_mass, impulse[i]);
-    start_velocity.angular += times(b.inverse_inertia, moment);
-}
-template <class S, int D>
-void remove_from_start(linear_twist<S, D>& start_velocity, const solver_body<S, D, false>& b, vec<S, D> impulse) {
-    for (int i = 0; i < D; ++i) start_velocity.linear[i] += mul<S>(b.inverse_mass, impulse[i]);
+/// Gives a body's velocity, or that with which its next substep begins, an impulse and its moment.
+template <class S, int D, bool Rotates>
+void apply_impulse(twist_of<S, D, Rotates>& velocity, const solver_body<S, D, Rotates>& b,
+                   const twist_of<S, D, Rotates>& by) {
+    for (int i = 0; i < D; ++i) velocity.linear[i] += mul<S>(b.inverse_mass, by.linear[i]);
+    if constexpr (Rotates) velocity.angular += times(b.inverse_inertia, by.angular);
 }
 /// The change of a point's impulse that its speed along the normal asks for, in lanes that are left to visits (1, else
 /// 0).
@@ -25299,875 +25758,285 @@ PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& 
     impulse.store(point.impulse);
     return impulse - before;
 }
-/// Lets the points of a lane that have met part with their speeds, and stops those that this pushes in. `speed_at(k)`
-/// gives the speed at a point, `change(k, impulse)` is told of impulses, by which speeds change. Returns which part of
-/// the contact's load had stopped what bounces now.
-template <class S, class Point, class Bounces, class SpeedAt, class Change>
-S bounce_points(Point* points, int count, const Bounces& bounces, int lane, SpeedAt&& speed_at, Change&& change) {
-    S impulses[4] = {}, load = S(0), stopped = S(0);
-    int own = 0;
-    for (int k = 0; k < count; ++k) {
-        load += points[k].impulse[lane];
-        own += points[k].mass[lane] > S(0) ? 1 : 0;
-    }
-    // To rounding, which takes five rounds for a cube: what is left turns it, and friction makes a slide of that.
-    S last = S(1), total = S(0);
-    for (int round = 0; round < (own > 1 ? 32 : 1) && last > total * S(1.0 / (1 << 22)); ++round) {
-        last = total = S(0);
-        symmetric_gauss_seidel(count, [&](int k) {
-            const S target = bounces.speed[k][lane], bears = points[k].impulse[lane];
-            if (!(target > S(0) || bears > S(0))) return;
-            const S next = max(impulses[k] + points[k].mass[lane] * (target - speed_at(k)), -bears);
-            const S by = next - impulses[k];
-            change(k, by);
-            impulses[k] = next;
-            last = max(last, abs(by));
-            total = max(total, abs(next));
-        });
-    }
-    for (int k = 0; k < count; ++k) {
-        points[k].total[lane] += impulses[k];
-        if (bounces.speed[k][lane] > S(0)) stopped += points[k].impulse[lane];
-    }
-    return load > S(0) ? stopped / load : S(1);
-}
 /// Ends a substep: adds the loads of the points to the step's impulses.
 template <class P, class Point>
 PHYSICS_HPP_ALWAYS_INLINE void add_totals(Point* points, int count) {
     for (int k = 0; k < count; ++k) (P::load(points[k].total) + P::load(points[k].impulse)).store(points[k].total);
 }
 
-}  // namespace detail
+template <class S, int D, int W>
+using contact_frame_of = std::conditional_t<D == 2, contact_frame2<S, W>, contact_frame3<S, W>>;
+template <class S, int D, int W, class Features, class Friction>
+using soft_friction_of = std::conditional_t<
+    !Features::friction, no_soft_friction,
+    std::conditional_t<D == 2, soft_friction2<S, W, Features>,
+                       std::conditional_t<std::is_same_v<Friction, point_friction>,
+                                          soft_point_friction3<S, W, Features>, soft_patch_friction3<S, W, Features>>>>;
 
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/dynamics/soft_contact2.hpp
-// =================================================================================================
-// Contacts of the soft solver in 2D, in lanes.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// W contacts that push different bodies. All points of a contact share the normal, so their speeds follow from two
-/// numbers: the speed along the normal at the contact's middle, and how fast the bodies turn against each other.
-/// Friction acts at the middle: along their line all points slip alike.
-template <class S, int W, class Features>
-struct soft_contact2 {
-    using I = inverse_of<S>;
-    using P = kernel_pack<S, W>;
-    using Q = kernel_pack<I, W>;
-    using body = solver_body<S, 2>;
-    using gathering = contact_gather<S, 2, W, Features>;
-
-    struct point : soft_point<S, 2, W> {
-        /// The lever that an impulse along the normal has about the middle (m).
-        S moment_arm[W];
-    };
+/// W contacts that push different bodies: what each round does with them. All points of a contact share the normal, so
+/// that their speeds follow from those of its frame, in which impulses are solved; bodies are updated once.
+template <class Frame, class Features, class Friction>
+struct soft_block {
+    using S = typename Frame::scalar;
+    static constexpr int D = Frame::dimension, W = Frame::width;
+    using P = typename Frame::P;
+    using vector = typename Frame::vector;
+    using point = typename Frame::point;
+    using body = solver_body<S, D, Frame::rotates>;
+    using pass_type = contact_pass<S, D, Frame::rotates>;
+    using twist = twist_of<S, D, Frame::rotates>;
+    static constexpr int capacity = Frame::capacity;
 
     std::uint32_t a[W], b[W];
-    S normal[2][W];
-    /// From the bodies' centres to the middle (m).
-    S r_a[2][W], r_b[2][W];
-    I mass_a[W], mass_b[W], inertia_a[W], inertia_b[W];
-    static constexpr int capacity = manifold<S, 2>::capacity;
+    Frame frame;
     point points[capacity];
-    block_solve<S, 2, W> direct;
-    [[no_unique_address]] soft_friction2_of<S, W, Features> friction;
+    [[no_unique_address]] typename Frame::direct_solve direct;
+    [[no_unique_address]] Friction friction;
     /// What the points bore together as the substep began; less than 0 where they land in it with an impact.
     S start_load[W];
     /// How B has moved against A as of the last round that did not push: the next one that does asks for the same.
-    S last_displacements[2][W];
+    typename Frame::motion_rows last_displacement;
     int point_count = 0;
     /// Whether any point is going to bounce in this substep.
     bool bounces_now = false;
     /// Whether the contacts push their bodies, which is the same for all lanes.
     bool moves_a = false, moves_b = false;
-    [[no_unique_address]] extras_of_block<S, W, 2, Features> extras;
+    [[no_unique_address]] extras_of_block<S, W, D, Features> extras;
     // What most rounds do not ask for comes last, and stays out of their caches.
-    /// How the two speeds answer to an impulse along the normal at the middle and to an angular one: xx, xy, yy.
-    I k_matrix[3][W];
+    [[no_unique_address]] typename Frame::k_matrix_type k_matrix;
     [[no_unique_address]] soft_bounces_of<S, capacity, W, Features> bounce_to;
 
-    /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
-    void put(int lane, const contact<S, 2, Features>& c, const body_pair& ends, const body* bodies,
-             const prepare_input<S, 2, Features>& with, gathering& gathered, arena& scratch) {
-        const body& first = bodies[ends.a];
-        const body& second = bodies[ends.b];
+    /// Writes a contact into a lane, but for its points: as it is, to be prepared with its neighbours.
+    void put(int lane, const contact<S, D, Features>& c, const body_pair& ends, const body* bodies,
+             const prepare_input<S, D, Features>& with, arena& scratch) {
         a[lane] = ends.a;
         b[lane] = ends.b;
-        gathered.add(lane, c);
-        point_count = point_count < c.count ? c.count : point_count;
-        for (int k = 0; k < c.count; ++k) points[k].impulse[lane] = c.persisted(k) ? c.points[k].substep_impulse : S(0);
         if constexpr (Features::restitution) bounce_to.put(lane, c, ends, with, scratch);
-        if constexpr (Features::friction) {
-            friction.coefficient.put(lane, with.surfaces.friction_of(c));
-            friction.impulse[lane] = c.substep_friction;
-        }
-        extras.put(lane, c, first, second, with, scratch);
-    }
-    /// Works out, once all lanes have been written, what the rounds need.
-    PHYSICS_HPP_ALWAYS_INLINE void prepare(const body* bodies, gathering& gathered) {
-        gathered.read(*this, point_count);
-        load_inverse_masses(bodies, a, mass_a, inertia_a);
-        load_inverse_masses(bodies, b, mass_b, inertia_b);
-        using K = preparing<S, W>;
-        using C = typename K::scalar;
-        const K n_x = lanes_from<K>(normal[0]), n_y = lanes_from<K>(normal[1]);
-        const K a_x = lanes_from<K>(r_a[0]), a_y = lanes_from<K>(r_a[1]);
-        const K b_x = lanes_from<K>(r_b[0]), b_y = lanes_from<K>(r_b[1]);
-        const K turn_a = a_x * n_y - a_y * n_x, turn_b = b_x * n_y - b_y * n_x;
-        const K mass = lanes_from<K>(mass_a) + lanes_from<K>(mass_b);
-        const K of_a = lanes_from<K>(inertia_a), of_b = lanes_from<K>(inertia_b);
-        const K along = mass + of_a * turn_a * turn_a + of_b * turn_b * turn_b;
-        const K across = of_a * turn_a + of_b * turn_b, turn = of_a + of_b;
-        put_lanes(along, k_matrix[0]);
-        put_lanes(across, k_matrix[1]);
-        put_lanes(turn, k_matrix[2]);
-
-        const K zero = K::broadcast(C(0)), one = K::broadcast(C(1));
-        K jacobians[capacity][2], of_points[capacity][2], own[capacity];
-        for (int k = 0; k < point_count; ++k) {
-            const auto& offset = gathered.offset[k];
-            const K moment_arm = lanes_from<K>(offset[0]) * n_y - lanes_from<K>(offset[1]) * n_x;
-            jacobians[k][0] = one;
-            jacobians[k][1] = moment_arm;
-            of_points[k][0] = along + across * moment_arm;
-            of_points[k][1] = across + turn * moment_arm;
-            // Turning only adds to it, whatever rounding says.
-            own[k] = max(of_points[k][0] + of_points[k][1] * moment_arm, mass);
-            point& to = points[k];
-            put_lanes(moment_arm, to.moment_arm);
-            put_lanes(select_greater(lanes_from<K>(gathered.there[k]), zero, lane_reciprocal(own[k]), zero), to.mass);
-        }
-        direct.clear();
-        if (point_count == 2) direct.prepare_edge(points, jacobians, of_points, own, lanes_from<K>(gathered.count));
-        if constexpr (Features::friction) {
-            const K slide_a = a_x * n_x + a_y * n_y, slide_b = b_x * n_x + b_y * n_y;
-            put_lanes(lane_reciprocal(mass + of_a * slide_a * slide_a + of_b * slide_b * slide_b), friction.stop);
-        }
-    }
-    /// Hands the impulses back. Friction is shared as the points share the load.
-    void store_impulses(int lane, contact<S, 2, Features>& c) const {
-        S load = S(0);
-        for (int k = 0; k < c.count; ++k) load += points[k].total[lane];
-        for (int k = 0; k < c.count; ++k) {
-            auto& to = c.points[k];
-            to.normal_impulse = points[k].total[lane];
-            to.substep_impulse = points[k].impulse[lane];
-            if constexpr (Features::friction)
-                to.friction_impulse = load > S(0) ? friction.total[lane] * (to.normal_impulse / load) : S(0);
-        }
-        if constexpr (Features::friction) c.substep_friction = friction.impulse[lane];
-        extras.store_impulses(lane, c);
+        if constexpr (Features::friction) friction.put(lane, c, with);
+        extras.put(lane, c, bodies[ends.a], bodies[ends.b], with, scratch);
     }
 
     /// Gives the bodies the impulses of the last substep at once.
     PHYSICS_HPP_ALWAYS_INLINE void warm_start(body* bodies) {
-        load_of<P>(points, point_count).store(start_load);
+        load_of<P>(points, count()).store(start_load);
         if (carries_no_impulse<P>(*this)) return;
-        const frame_lanes f(*this);
-        body_lanes<P, 2> at_a, at_b;
-        at_a.load(bodies, a);
-        at_b.load(bodies, b);
-        const P zero = P::broadcast(S(0));
-        impulse_sum sum{zero, zero};
-        P friction_impulse = zero;
-        for (int k = 0; k < point_count; ++k) sum.add(points[k], P::load(points[k].impulse));
-        if constexpr (Features::friction) friction_impulse = P::load(friction.impulse);
+        const lanes f(frame);
+        typename Frame::bodies at;
+        at.load(*this, bodies);
+        vector sum = Frame::none();
+        for (int k = 0; k < count(); ++k) sum = sum + points[k].at_middle(P::load(points[k].impulse));
         if constexpr (Features::rolling_resistance)
-            if (extras.at != nullptr) sum.moment = sum.moment + P::load(extras.at->impulse);
-        apply(f, sum.load, friction_impulse, sum.moment, at_a, at_b);
-        if (moves_a) at_a.store(bodies, a);
-        if (moves_b) at_b.store(bodies, b);
+            if (extras.at != nullptr) extras.rolling().add_to(sum);
+        if constexpr (Features::friction) f.apply(sum, friction.last(points, count()), at);
+        else f.apply(sum, at);
+        at.store(*this, bodies);
     }
     /// One round over the contacts: the points at once, or across and back, then friction by their load.
-    PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const contact_pass<S, 2>& pass) {
-        const frame_lanes f(*this);
-        body_lanes<P, 2> at_a, at_b;
-        at_a.load(bodies, a);
-        at_b.load(bodies, b);
-        const relative_motion speed(f, at_a.velocity, at_b.velocity),
-            displacement = displacement_of(f, at_a, at_b, pass);
-        const auto displacement_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return displacement.at(points[k]); };
-        const auto speed_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); };
+    PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const pass_type& pass) {
+        const lanes f(frame);
+        typename Frame::bodies at;
+        at.load(*this, bodies);
+        const vector speed = f.motion(at.a.velocity, at.b.velocity), displacement = displacement_of(f, at, pass);
+        const auto displacement_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return points[k].speed(displacement); };
+        const auto speed_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return points[k].speed(speed); };
         if (carries_no_impulse<P>(*this) &&
-            are_inactive(points, point_count, pass, P::broadcast(S(1)), displacement_at, speed_at)) {
+            are_inactive(points, count(), pass, P::broadcast(S(1)), displacement_at, speed_at)) {
             if (!pass.use_bias) P::broadcast(S(0)).store(start_load);
             else if constexpr (Features::restitution) bounces_now = false;
             return;
         }
-        const P speeds[] = {speed.along, speed.turn};
-        const P displacements[] = {displacement.along, displacement.turn};
-        const P zero = P::broadcast(S(0));
-        impulse_sum sum{zero, zero};
+        vector sum = Frame::none();
         P left;
-        if (direct.solve(points, point_count, pass, speeds, displacements, left, sum, displacement_at, speed_at)) {
-            direct.solve_landing(points, point_count, pass, speeds, displacements, start_load,
-                                 lane_abs(P::load(points[0].moment_arm)), left, sum, displacement_at, speed_at);
-            solve_points(speed, sum, [&](int k, const P& v) PHYSICS_HPP_INLINE_LAMBDA {
-                return next_impulse(points[k], v, displacement_at(k), pass, left);
+        if (direct.solve(points, count(), pass, speed, displacement, left, sum, displacement_at, speed_at)) {
+            direct.solve_landing(points, count(), pass, speed, displacement, start_load,
+                                 Frame::half_width(points, count()), left, sum, displacement_at, speed_at);
+            // Each point by the speed that the ones before left.
+            vector v = speed;
+            symmetric_gauss_seidel(count(), [&](int k) PHYSICS_HPP_INLINE_LAMBDA {
+                const vector by =
+                    points[k].at_middle(next_impulse(points[k], points[k].speed(v), displacement_at(k), pass, left));
+                sum = sum + by;
+                v = v + k_matrix * by;
             });
         }
-        apply(f, sum.load, zero, sum.moment, at_a, at_b);
+        f.apply(sum, at);
         if constexpr (Features::restitution)
-            if (pass.use_bias && bounces_now) bounce_to.at->template keep_pushed<P>(points, point_count);
-        if constexpr (Features::friction) solve_friction(f, pass, at_a, at_b);
+            if (pass.use_bias && bounces_now) bounce_to.at->template keep_pushed<P>(points, count());
+        if constexpr (Features::friction)
+            if (Frame::slides_with_bias || !pass.use_bias) solve_friction(f, pass, at);
         if (!pass.use_bias) {
-            add_totals<P>(points, point_count);
-            const P impact = max(-speed.along - P::broadcast(pass.impact_speed), -P::load(start_load));
-            if (greater(impact, zero).bits() != 0) discard_impacts(bodies, pass, impact);
-            load_of<P>(points, point_count).store(start_load);
+            add_totals<P>(points, count());
+            const P impact = max(-Frame::along(speed) - P::broadcast(pass.impact_speed), -P::load(start_load));
+            if (greater(impact, P::broadcast(S(0))).bits() != 0) discard_impacts(bodies, pass, impact);
+            load_of<P>(points, count()).store(start_load);
         }
-        if (moves_a) at_a.store(bodies, a);
-        if (moves_b) at_b.store(bodies, b);
+        at.store(*this, bodies);
     }
     /// Notes which points are going to bounce, before anything stops them.
     PHYSICS_HPP_ALWAYS_INLINE void note_approaches(const body* bodies,
-                                                   const contact_pass<S, 2>& pass) requires Features::restitution {
+                                                   const pass_type& pass) requires Features::restitution {
         bounces_now = false;
-        if (!bounce_to.at->template any_free<P>(points, point_count)) return;
-        const frame_lanes f(*this);
-        body_lanes<P, 2> at_a, at_b;
-        at_a.load(bodies, a);
-        at_b.load(bodies, b);
-        const relative_motion speed(f, at_a.velocity, at_b.velocity),
-            displacement(P::load(last_displacements[0]), P::load(last_displacements[1]));
+        if (!bounce_to.at->template any_free<P>(points, count())) return;
+        const lanes f(frame);
+        typename Frame::bodies at;
+        at.load(*this, bodies);
+        const vector speed = f.motion(at.a.velocity, at.b.velocity), displacement = vector::load(last_displacement);
         bounces_now = bounce_to.at->template note<P>(
-            points, point_count, pass, [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return displacement.at(points[k]); },
-            [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); });
+            points, count(), pass, [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return points[k].speed(displacement); },
+            [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return points[k].speed(speed); });
     }
     /// Lets bounce what has met in this substep. The next one does not begin with any of that.
-    PHYSICS_HPP_NOINLINE void bounce(body* bodies, const contact_pass<S, 2>& pass) requires Features::restitution {
+    PHYSICS_HPP_NOINLINE void bounce(body* bodies, const pass_type& pass) requires Features::restitution {
         for (int lane = 0; lane < W; ++lane) {
-            if (!bounce_to.at->has(lane, point_count)) continue;
+            if (!bounce_to.at->has(lane, count())) continue;
             body& of_a = bodies[a[lane]];
             body& of_b = bodies[b[lane]];
-            const vec<S, 2> n{normal[0][lane], normal[1][lane]};
-            const vec<S, 2> to_a{r_a[0][lane], r_a[1][lane]}, to_b{r_b[0][lane], r_b[1][lane]};
-            S along = dot(n, velocity_at(of_b.velocity, to_b) - velocity_at(of_a.velocity, to_a));
-            S turn = of_b.velocity.angular - of_a.velocity.angular, load = S(0), moment = S(0);
+            const single f(frame, lane);
+            typename Frame::speeds v = f.motion(of_a.velocity, of_b.velocity), sum{};
             const S share = bounce_points<S>(
-                points, point_count, *bounce_to.at, lane,
-                [&](int k) { return along + points[k].moment_arm[lane] * turn; },
+                points, count(), *bounce_to.at, lane, [&](int k) { return points[k].speed(lane, v); },
                 [&](int k, S impulse) {
-                    const S about = points[k].moment_arm[lane] * impulse;
-                    load += impulse;
-                    moment += about;
-                    along += mul<S>(k_matrix[0][lane], impulse) + mul<S>(k_matrix[1][lane], about);
-                    turn += mul<S>(k_matrix[1][lane], impulse) + mul<S>(k_matrix[2][lane], about);
+                    const typename Frame::speeds by = points[k].at_middle(lane, impulse);
+                    sum += by;
+                    v += k_matrix.times(lane, by);
                 });
-            const vec<S, 2> impulse = n * load;
-            if (moves_a) remove_from_start(of_a.velocity, of_a, -impulse, -(cross(to_a, impulse) + moment));
-            if (moves_b) remove_from_start(of_b.velocity, of_b, impulse, cross(to_b, impulse) + moment);
-            for (int k = 0; k < point_count; ++k) {
+            push(f, lane, bodies, f.impulse(sum), of_a.velocity, of_b.velocity);
+            for (int k = 0; k < count(); ++k) {
                 if (!(bounce_to.at->speed[k][lane] > S(0))) continue;
-                load += points[k].impulse[lane];
-                moment += points[k].moment_arm[lane] * points[k].impulse[lane];
+                sum += points[k].at_middle(lane, points[k].impulse[lane]);
                 points[k].impulse[lane] = S(0);
             }
-            S lost_friction = S(0);
-            if constexpr (Features::friction) lost_friction = reduce_to(friction.impulse[lane], S(1) - share);
-            remove_from_next_start(lane, bodies, pass, load, moment, lost_friction);
+            remove_from_next_start(lane, bodies, pass, sum, S(1) - share);
         }
-        load_of<P>(points, point_count).store(start_load);
+        load_of<P>(points, count()).store(start_load);
         bounces_now = false;
     }
     /// Whether a round begins with roll().
-    bool rolls(const contact_pass<S, 2>& pass) const requires Features::rolling_resistance {
+    bool rolls(const pass_type& pass) const requires Features::rolling_resistance {
         return !pass.use_bias && extras.at != nullptr;
     }
     /// Stops the bodies' rolling against each other, or slows it.
     PHYSICS_HPP_ALWAYS_INLINE void roll(body* bodies) requires Features::rolling_resistance {
-        body_lanes<P, 2> at_a, at_b;
-        at_a.load(bodies, a);
-        at_b.load(bodies, b);
-        P& w_a = at_a.velocity.angular;
-        P& w_b = at_b.velocity.angular;
-        const P by = extras.at->next(w_b - w_a, load_of<P>(points, point_count));
+        const lanes f(frame);
+        typename Frame::bodies at;
+        at.load(*this, bodies);
+        auto& w_a = at.a.velocity.angular;
+        auto& w_b = at.b.velocity.angular;
+        const auto moment = f.rolling_moment(extras.at->next(f.rolling(w_b - w_a), load_of<P>(points, count())));
         const P arm = extras.at->arm.all(), zero = P::broadcast(S(0));
-        w_a = select_greater(arm, zero, w_a - mul<S>(Q::load(inertia_a), by), w_a);
-        w_b = select_greater(arm, zero, w_b + mul<S>(Q::load(inertia_b), by), w_b);
-        if (moves_a) at_a.store(bodies, a);
-        if (moves_b) at_b.store(bodies, b);
+        w_a = select_greater(arm, zero, w_a - f.spin_a(moment), w_a);
+        w_b = select_greater(arm, zero, w_b + f.spin_b(moment), w_b);
+        at.store(*this, bodies);
     }
+
+    /// Points that any lane has.
+    PHYSICS_HPP_ALWAYS_INLINE int count() const { return capacity == 1 ? 1 : point_count; }
 
 private:
-    /// The normal, and the levers of impulses along it and along the tangent (y, -x).
-    struct frame_lanes {
-        P x, y, turn_a, turn_b, slide_a, slide_b;
+    using lanes = typename Frame::lanes;
+    using single = typename Frame::single;
 
-        PHYSICS_HPP_ALWAYS_INLINE explicit frame_lanes(const soft_contact2& c)
-            : x(P::load(c.normal[0])), y(P::load(c.normal[1])) {
-            const P ax = P::load(c.r_a[0]), ay = P::load(c.r_a[1]);
-            const P bx = P::load(c.r_b[0]), by = P::load(c.r_b[1]);
-            turn_a = lane_difference(ax, y, ay, x);
-            turn_b = lane_difference(bx, y, by, x);
-            slide_a = -lane_sum(ax, x, ay, y);
-            slide_b = -lane_sum(bx, x, by, y);
-        }
-    };
-    /// How B moves against A: along the normal at the middle, and turning.
-    struct relative_motion {
-        P along, turn;
-
-        PHYSICS_HPP_ALWAYS_INLINE relative_motion(const frame_lanes& f, const lane_twist<P, 2>& a,
-                                                  const lane_twist<P, 2>& b)
-            : along(lane_sum(f.x, b.linear.x - a.linear.x, f.y, b.linear.y - a.linear.y) +
-                    lane_difference(f.turn_b, b.angular, f.turn_a, a.angular)),
-              turn(b.angular - a.angular) {}
-        PHYSICS_HPP_ALWAYS_INLINE relative_motion(const P& along_, const P& turn_) : along(along_), turn(turn_) {}
-        PHYSICS_HPP_ALWAYS_INLINE P at(const point& p) const { return along + P::load(p.moment_arm) * turn; }
-    };
-    PHYSICS_HPP_ALWAYS_INLINE relative_motion displacement_of(const frame_lanes& f, const body_lanes<P, 2>& at_a,
-                                                              const body_lanes<P, 2>& at_b,
-                                                              const contact_pass<S, 2>& pass) {
-        if (pass.use_bias) return {P::load(last_displacements[0]), P::load(last_displacements[1])};
-        const relative_motion displacement(f, at_a.displacement, at_b.displacement);
-        displacement.along.store(last_displacements[0]);
-        displacement.turn.store(last_displacements[1]);
+    PHYSICS_HPP_ALWAYS_INLINE vector displacement_of(const lanes& f, const typename Frame::bodies& at,
+                                                     const pass_type& pass) {
+        if (pass.use_bias) return vector::load(last_displacement);
+        const vector displacement = f.motion(at.a.displacement, at.b.displacement);
+        displacement.store(last_displacement);
         return displacement;
     }
-    /// What impulses along the normal at points come to at the middle.
-    struct impulse_sum {
-        P load, moment;
-
-        PHYSICS_HPP_ALWAYS_INLINE void add(const point& p, const P& impulse) {
-            load = load + impulse;
-            moment = moment + P::load(p.moment_arm) * impulse;
-        }
-    };
-    /// Changes impulses point by point, each by the speed that the ones before left.
-    template <class Next>
-    PHYSICS_HPP_ALWAYS_INLINE void solve_points(const relative_motion& start, impulse_sum& sum, Next&& next) {
-        relative_motion speed = start;
-        symmetric_gauss_seidel(point_count, [&](int k) PHYSICS_HPP_INLINE_LAMBDA {
-            const point& p = points[k];
-            const P change = next(k, speed.at(p));
-            sum.add(p, change);
-            const P moment = P::load(p.moment_arm) * change;
-            const Q xx = Q::load(k_matrix[0]), xy = Q::load(k_matrix[1]), yy = Q::load(k_matrix[2]);
-            speed.along = speed.along + narrow<S>(product(xx, change) + product(xy, moment));
-            speed.turn = speed.turn + narrow<S>(product(xy, change) + product(yy, moment));
-        });
+    /// Stops the slip, or lets it slide.
+    PHYSICS_HPP_ALWAYS_INLINE void solve_friction(const lanes& f, const pass_type& pass, typename Frame::bodies& at) {
+        auto slip = f.slip(at.a.velocity, at.b.velocity);
+        if constexpr (Features::surface_velocity)
+            if (extras.at != nullptr) extras.belt().take_from(slip);
+        f.apply_friction(friction.next(slip, points, count(), pass.use_bias), at);
     }
     /// After an impact, removes from the start velocities of the next substep all impulse but what was held before it.
-    PHYSICS_HPP_NOINLINE void discard_impacts(const body* bodies, const contact_pass<S, 2>& pass, const P& impact) {
+    PHYSICS_HPP_NOINLINE void discard_impacts(const body* bodies, const pass_type& pass, const P& impact) {
         for (int lane = 0; lane < W; ++lane) {
-            S load = S(0), lost = S(0), moment = S(0), lost_friction = S(0);
-            for (int k = 0; k < point_count; ++k) load += points[k].impulse[lane];
-            const S held = max(start_load[lane], S(0));
+            S load = S(0), held = max(start_load[lane], S(0));
+            for (int k = 0; k < count(); ++k) load += points[k].impulse[lane];
             if (!(impact.lane(lane) > S(0)) || !(load > held)) continue;
             const S share = held / load;
-            for (int k = 0; k < point_count; ++k) {
-                const S removed = reduce_to(points[k].impulse[lane], share);
-                lost += removed;
-                moment += points[k].moment_arm[lane] * removed;
-            }
-            if constexpr (Features::friction) lost_friction = reduce_to(friction.impulse[lane], share);
-            remove_from_next_start(lane, bodies, pass, lost, moment, lost_friction);
+            typename Frame::speeds sum{};
+            for (int k = 0; k < count(); ++k)
+                sum += points[k].at_middle(lane, reduce_to(points[k].impulse[lane], share));
+            remove_from_next_start(lane, bodies, pass, sum, share);
         }
     }
-    /// Takes impulses of a lane, at the middle and about it, from what the next substep begins with.
-    void remove_from_next_start(int lane, const body* bodies, const contact_pass<S, 2>& pass, S load, S moment,
-                                S lost_friction) {
-        const vec<S, 2> n{normal[0][lane], normal[1][lane]}, impulse = n * load + perpendicular(n) * lost_friction;
-        const vec<S, 2> to_a{r_a[0][lane], r_a[1][lane]}, to_b{r_b[0][lane], r_b[1][lane]};
-        if (moves_a)
-            remove_from_start(pass.start_velocity[a[lane]], bodies[a[lane]], -impulse,
-                              -(cross(to_a, impulse) + moment));
-        if (moves_b)
-            remove_from_start(pass.start_velocity[b[lane]], bodies[b[lane]], impulse, cross(to_b, impulse) + moment);
+    /// Takes impulses of a lane, and all but a share of its friction, from what the next substep begins with.
+    PHYSICS_HPP_NOINLINE void remove_from_next_start(int lane, const body* bodies, const pass_type& pass,
+                                                     const typename Frame::speeds& sum, [[maybe_unused]] S share) {
+        const single f(frame, lane);
+        typename Frame::slide lost{};
+        if constexpr (Features::friction) lost = friction.reduce_impulses(lane, points, count(), share);
+        push(f, lane, bodies, f.impulse(sum, lost), pass.start_velocity[a[lane]], pass.start_velocity[b[lane]]);
     }
-    /// Stops the slip at the middle, or lets it slide.
-    PHYSICS_HPP_ALWAYS_INLINE void solve_friction(const frame_lanes& f, const contact_pass<S, 2>& pass,
-                                                  body_lanes<P, 2>& at_a, body_lanes<P, 2>& at_b) {
-        const auto& [v_a, w_a] = at_a.velocity;
-        const auto& [v_b, w_b] = at_b.velocity;
-        P slip =
-            lane_difference(f.y, v_b.x - v_a.x, f.x, v_b.y - v_a.y) + lane_difference(f.slide_b, w_b, f.slide_a, w_a);
-        if constexpr (Features::surface_velocity)
-            if (extras.at != nullptr) slip = slip - P::load(extras.at->along);
-        const P change = friction.next(slip, load_of<P>(points, point_count), pass.use_bias);
-        apply(f, P::broadcast(S(0)), change, P::broadcast(S(0)), at_a, at_b);
-    }
-    /// Impulses along the normal and the tangent at the middle, and an angular one, from A on B.
-    PHYSICS_HPP_ALWAYS_INLINE void apply(const frame_lanes& f, const P& along, const P& across, const P& moment,
-                                         body_lanes<P, 2>& at_a, body_lanes<P, 2>& at_b) const {
-        const P x = lane_sum(f.x, along, f.y, across), y = lane_difference(f.y, along, f.x, across);
-        const Q m_a = Q::load(mass_a), m_b = Q::load(mass_b);
-        auto& [v_a, w_a] = at_a.velocity;
-        auto& [v_b, w_b] = at_b.velocity;
-        v_a = v_a - lane_vec2<P>{x, y} * m_a;
-        v_b = v_b + lane_vec2<P>{x, y} * m_b;
-        w_a = w_a - mul<S>(Q::load(inertia_a), lane_sum(f.turn_a, along, f.slide_a, across) + moment);
-        w_b = w_b + mul<S>(Q::load(inertia_b), lane_sum(f.turn_b, along, f.slide_b, across) + moment);
+    /// Gives velocities of a lane's bodies what an impulse at the middle comes to.
+    void push(const single& f, int lane, const body* bodies, const twist& impulse, twist& of_a, twist& of_b) {
+        if (moves_a) apply_impulse(of_a, bodies[a[lane]], f.on_a(impulse));
+        if (moves_b) apply_impulse(of_b, bodies[b[lane]], f.on_b(impulse));
     }
 };
 
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/dynamics/contact_frame3.hpp
-// =================================================================================================
-// Contacts in 3D as their bodies see them, in lanes: their frame, how fast they move, and what impulses come to.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// The normal, both tangents, and from the bodies' centres to the middle.
-template <class P>
-struct contact_frame3 {
-    lane_vec3<P> n, t, u, r_a, r_b;
-
-    template <class Block>
-    PHYSICS_HPP_ALWAYS_INLINE explicit contact_frame3(const Block& c)
-        : n(lane_vec3<P>::load(c.normal)),
-          t(lane_vec3<P>::load(c.tangent)),
-          u(c.across.of(n, t)),
-          r_a(lane_vec3<P>::load(c.r_a)),
-          r_b(lane_vec3<P>::load(c.r_b)) {}
-
-    /// How B moves against A at the middle.
-    PHYSICS_HPP_ALWAYS_INLINE lane_vec3<P> at_middle(const lane_twist<P, 3>& a, const lane_twist<P, 3>& b) const {
-        return (b.linear + cross(b.angular, r_b)) - (a.linear + cross(a.angular, r_a));
-    }
-};
-
-/// How B moves against A: along the normal at the middle, and about the tangents.
-template <class P>
-struct contact_motion3 {
-    P along, about_t, about_u;
-
-    PHYSICS_HPP_ALWAYS_INLINE contact_motion3(const contact_frame3<P>& f, const lane_twist<P, 3>& a,
-                                              const lane_twist<P, 3>& b)
-        : along(dot(f.n, f.at_middle(a, b))) {
-        const lane_vec3<P> turn = b.angular - a.angular;
-        about_t = dot(f.t, turn);
-        about_u = dot(f.u, turn);
-    }
-    PHYSICS_HPP_ALWAYS_INLINE explicit contact_motion3(const lane_vec3<P>& of)
-        : along(of.x), about_t(of.y), about_u(of.z) {}
-    template <class Point>
-    PHYSICS_HPP_ALWAYS_INLINE P at(const Point& p) const {
-        return along + lane_difference(P::load(p.y), about_t, P::load(p.x), about_u);
-    }
-};
-
-/// What impulses along the normal at points come to at the middle.
-template <class P>
-struct contact_impulse3 {
-    P load, about_t, about_u;
-
-    template <class Point>
-    PHYSICS_HPP_ALWAYS_INLINE void add(const Point& p, const P& impulse) {
-        load = load + impulse;
-        about_t = about_t + P::load(p.y) * impulse;
-        about_u = about_u - P::load(p.x) * impulse;
-    }
-};
-
-/// From the middle to points: where they are more than two, in the narrower direction.
-template <class P, class Point>
-PHYSICS_HPP_ALWAYS_INLINE P half_width_of(const Point* points, int count) {
-    P x = lane_abs(P::load(points[0].x)), y = lane_abs(P::load(points[0].y));
-    for (int k = 1; k < count; ++k) {
-        x = max(x, lane_abs(P::load(points[k].x)));
-        y = max(y, lane_abs(P::load(points[k].y)));
-    }
-    const P longer = max(x, y);
-    if (count < 3) return longer;
-    return select_greater(P::load(points[2].mass), P::broadcast(typename P::scalar(0)), min(x, y), longer);
-}
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/dynamics/soft_contact3.hpp
-// =================================================================================================
-// Contacts of the soft solver in 3D, in lanes.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// W contacts that push different bodies. All points of a contact share the normal, so their speeds follow from three
-/// numbers: the speed along the normal at the contact's middle, and how fast the bodies turn against each other about
-/// both tangents. Friction follows from three more: the slip at the middle, and the twist about the normal.
-template <class S, int W, class Features, class Friction = patch_friction>
-struct soft_contact3 {
-    using I = inverse_of<S>;
-    using P = kernel_pack<S, W>;
-    using Q = kernel_pack<I, W>;
-    using body = solver_body<S, 3>;
-    using gathering = contact_gather<S, 3, W, Features>;
-
-    struct point : soft_point<S, 3, W> {
-        /// Along both tangents, from the middle (m).
-        S x[W], y[W];
-    };
-
-    std::uint32_t a[W], b[W];
-    S normal[3][W], tangent[3][W];
-    [[no_unique_address]] second_tangent_of<S, W> across;
-    /// From the bodies' centres to the middle, on either surface (m).
-    S r_a[3][W], r_b[3][W];
-    I mass_a[W], mass_b[W], inertia_a[6][W], inertia_b[6][W];
-    static constexpr int capacity = manifold<S, 3>::capacity;
-    point points[capacity];
-    block_solve<S, 3, W> direct;
-    [[no_unique_address]] soft_friction3_of<S, W, Features, Friction> friction;
-    /// What the points bore together as the substep began; less than 0 where they land in it with an impact.
-    S start_load[W];
-    /// How B has moved against A as of the last round that did not push: the next one that does asks for the same.
-    S last_displacements[3][W];
-    int point_count = 0;
-    /// Whether any point is going to bounce in this substep.
-    bool bounces_now = false;
-    /// Whether the contacts push their bodies, which is the same for all lanes.
-    bool moves_a = false, moves_b = false;
-    [[no_unique_address]] extras_of_block<S, W, 3, Features> extras;
-    // What most rounds do not ask for comes last, and stays out of their caches.
-    /// How the three speeds answer to an impulse at the middle and to angular ones: xx, yy, zz, xy, xz, yz.
-    I k_matrix[6][W];
-    [[no_unique_address]] soft_bounces_of<S, capacity, W, Features> bounce_to;
+/// W contacts between bodies that turn.
+template <class S, int D, int W, class Features, class Friction = patch_friction>
+struct soft_contact : soft_block<contact_frame_of<S, D, W>, Features, soft_friction_of<S, D, W, Features, Friction>> {
+    using base = soft_block<contact_frame_of<S, D, W>, Features, soft_friction_of<S, D, W, Features, Friction>>;
+    using base::capacity, base::frame, base::points, base::point_count, base::direct, base::friction, base::extras;
+    using typename base::body;
+    using gathering = contact_gather<S, D, W, Features>;
 
     /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
-    void put(int lane, const contact<S, 3, Features>& c, const body_pair& ends, const body* bodies,
-             const prepare_input<S, 3, Features>& with, gathering& gathered, arena& scratch) {
-        const body& first = bodies[ends.a];
-        const body& second = bodies[ends.b];
-        a[lane] = ends.a;
-        b[lane] = ends.b;
+    void put(int lane, const contact<S, D, Features>& c, const body_pair& ends, const body* bodies,
+             const prepare_input<S, D, Features>& with, gathering& gathered, arena& scratch) {
         gathered.add(lane, c);
         point_count = point_count < c.count ? c.count : point_count;
         for (int k = 0; k < c.count; ++k) points[k].impulse[lane] = c.persisted(k) ? c.points[k].substep_impulse : S(0);
-        if constexpr (Features::restitution) bounce_to.put(lane, c, ends, with, scratch);
-        if constexpr (Features::friction) friction.put(lane, c, with);
-        extras.put(lane, c, first, second, with, scratch);
+        base::put(lane, c, ends, bodies, with, scratch);
     }
     /// Works out, once all lanes have been written, what the rounds need.
     PHYSICS_HPP_ALWAYS_INLINE void prepare(const body* bodies, gathering& gathered) {
-        gathered.read(*this, point_count);
-        load_inverse_masses(bodies, a, mass_a, inertia_a);
-        load_inverse_masses(bodies, b, mass_b, inertia_b);
+        gathered.read(frame, points, point_count);
+        load_inverse_masses(bodies, this->a, frame.mass_a, frame.inertia_a);
+        load_inverse_masses(bodies, this->b, frame.mass_b, frame.inertia_b);
         using K = preparing<S, W>;
-        const lane_vec3<K> n = lane_vec3<K>::load(normal), t = lane_tangent(n);
-        const contact_lanes3<K> c = {n,
-                                     t,
-                                     cross(n, t),
-                                     lane_vec3<K>::load(r_a),
-                                     lane_vec3<K>::load(r_b),
-                                     lanes_from<K>(mass_a) + lanes_from<K>(mass_b),
-                                     lane_symmetric<K, 3>::load(inertia_a),
-                                     lane_symmetric<K, 3>::load(inertia_b)};
-        t.store(tangent);
-        across.prepare(normal, tangent);
-        // How the three speeds answer to an impulse at the middle and to angular ones about the tangents.
-        const lane_vec3<K> turn_a = cross(c.r_a, n), turn_b = cross(c.r_b, n);
-        const lane_vec3<K> by_a = c.inertia_a * turn_a, by_b = c.inertia_b * turn_b;
-        const lane_symmetric<K, 3> inertia = c.inertia_a + c.inertia_b;
-        const lane_vec3<K> by_n = by_a + by_b, by_t = inertia * t, by_u = inertia * c.u;
-        const lane_symmetric<K, 3> speeds = {c.mass + dot(turn_a, by_a) + dot(turn_b, by_b),
-                                             dot(t, by_t),
-                                             dot(c.u, by_u),
-                                             dot(t, by_n),
-                                             dot(c.u, by_n),
-                                             dot(c.u, by_t)};
+        const auto c = frame.template prepare<K>();
+        const lane_symmetric<K, D> speeds = c.k_matrix();
+        speeds.store(this->k_matrix.rows);
 
-        speeds.store(k_matrix);
-
-        using C = typename K::scalar;
-        const K zero = K::broadcast(C(0));
-        K jacobians[capacity][3], of_points[capacity][3], own[capacity], there[capacity];
+        const K zero = K::broadcast(typename K::scalar(0)), count = lanes_from<K>(gathered.count);
+        lane_vec<K, D> jacobians[capacity], of_points[capacity];
+        K own[capacity], there[capacity];
         for (int k = 0; k < point_count; ++k) {
-            const lane_vec3<K> offset = lane_vec3<K>::load(gathered.offset[k]);
-            const K x = dot(offset, t), y = dot(offset, c.u);
-            const lane_vec3<K> of = speeds * lane_vec3<K>{K::broadcast(C(1)), y, -x};
-            jacobians[k][0] = K::broadcast(C(1));
-            jacobians[k][1] = y;
-            jacobians[k][2] = -x;
-            of_points[k][0] = of.x;
-            of_points[k][1] = of.y;
-            of_points[k][2] = of.z;
+            const lane_vec<K, D> jacobian = c.jacobian(lane_vec<K, D>::load(gathered.offset[k])),
+                                 of = speeds * jacobian;
+            jacobians[k] = jacobian;
+            of_points[k] = of;
             // Turning only adds to it, whatever rounding says.
-            own[k] = max(of.x + y * of.y - x * of.z, c.mass);
+            own[k] = max(dot(jacobian, of), c.mass);
             there[k] = lanes_from<K>(gathered.there[k]);
-            point& to = points[k];
-            put_lanes(x, to.x);
-            put_lanes(y, to.y);
-            put_lanes(select_greater(there[k], zero, lane_reciprocal(own[k]), zero), to.mass);
+            points[k].put_jacobian(jacobian);
+            put_lanes(select_greater(there[k], zero, lane_reciprocal(own[k]), zero), points[k].mass);
         }
         direct.clear();
-        const K count = lanes_from<K>(gathered.count);
         // Each writes the lanes that are its own; a single lane is either.
         if (W == 1 ? point_count == 2 : point_count > 1) direct.prepare_edge(points, jacobians, of_points, own, count);
-        if (point_count > 2) direct.prepare_face(points, point_count, jacobians, there, speeds, count);
+        if constexpr (D == 3)
+            if (point_count > 2) direct.prepare_face(points, point_count, jacobians, there, speeds, count);
         if constexpr (Features::friction) friction.prepare(c, points, point_count, count);
     }
     /// Hands the impulses back.
-    void store_impulses(int lane, contact<S, 3, Features>& c) const {
+    void store_impulses(int lane, contact<S, D, Features>& c) const {
         S load = S(0);
         for (int k = 0; k < c.count; ++k) load += points[k].total[lane];
         for (int k = 0; k < c.count; ++k) {
             auto& to = c.points[k];
             to.normal_impulse = points[k].total[lane];
             to.substep_impulse = points[k].impulse[lane];
-            if constexpr (Features::friction)
-                to.friction_impulse = friction.of_point(lane, k, load > S(0) ? to.normal_impulse / load : S(0));
+            if constexpr (Features::friction) to.friction_impulse = friction.of_point(lane, k, to.normal_impulse, load);
         }
-        if constexpr (Features::friction) c.twist_impulse = friction.about_normal(lane);
+        if constexpr (Features::friction) friction.store_impulses(lane, c);
         extras.store_impulses(lane, c);
-    }
-
-    /// Gives the bodies the impulses of the last substep at once.
-    PHYSICS_HPP_ALWAYS_INLINE void warm_start(body* bodies) {
-        load_of<P>(points, point_count).store(start_load);
-        if (carries_no_impulse<P>(*this)) return;
-        frame_lanes f(*this);
-        body_lanes<P, 3> at_a, at_b;
-        at_a.load(bodies, a);
-        at_b.load(bodies, b);
-        const P zero = P::broadcast(S(0));
-        impulse_sum sum{zero, zero, zero};
-        for (int k = 0; k < point_count; ++k) sum.add(points[k], P::load(points[k].impulse));
-        if constexpr (Features::rolling_resistance) {
-            if (extras.at != nullptr) {
-                sum.about_t = sum.about_t + P::load(extras.rolling().impulse[0]);
-                sum.about_u = sum.about_u + P::load(extras.rolling().impulse[1]);
-            }
-        }
-        lane_vec3<P> impulse = f.n * sum.load, moment = combine(f.t, sum.about_t, f.u, sum.about_u);
-        if constexpr (Features::friction) {
-            const lane_vec3<P> last = friction.last(points, point_count);
-            impulse = impulse + combine(f.t, last.x, f.u, last.y);
-            moment = moment + f.n * last.z;
-        }
-        apply(f, impulse, moment, at_a, at_b);
-        if (moves_a) at_a.store(bodies, a);
-        if (moves_b) at_b.store(bodies, b);
-    }
-
-    /// One round over the contacts: the points at once, or across and back, then friction by their load. While overlaps
-    /// are pushed apart friction rests: else boxes that stand on four others sway, and piles of them slide apart.
-    PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const contact_pass<S, 3>& pass) {
-        frame_lanes f(*this);
-        body_lanes<P, 3> at_a, at_b;
-        at_a.load(bodies, a);
-        at_b.load(bodies, b);
-        const relative_motion speed(f, at_a.velocity, at_b.velocity),
-            displacement = displacement_of(f, at_a, at_b, pass);
-        const auto displacement_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return displacement.at(points[k]); };
-        const auto speed_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); };
-        if (carries_no_impulse<P>(*this) &&
-            are_inactive(points, point_count, pass, P::broadcast(S(1)), displacement_at, speed_at)) {
-            if (!pass.use_bias) P::broadcast(S(0)).store(start_load);
-            else if constexpr (Features::restitution) bounces_now = false;
-            return;
-        }
-        const P speeds[] = {speed.along, speed.about_t, speed.about_u};
-        const P displacements[] = {displacement.along, displacement.about_t, displacement.about_u};
-        P zero = P::broadcast(S(0)), left;
-        impulse_sum sum{zero, zero, zero};
-        if (direct.solve(points, point_count, pass, speeds, displacements, left, sum, displacement_at, speed_at)) {
-            direct.solve_landing(points, point_count, pass, speeds, displacements, start_load,
-                                 half_width_of<P>(points, point_count), left, sum, displacement_at, speed_at);
-            solve_points(speed, sum, [&](int k, const P& v) PHYSICS_HPP_INLINE_LAMBDA {
-                return next_impulse(points[k], v, displacement_at(k), pass, left);
-            });
-        }
-        apply(f, sum, at_a, at_b);
-        if constexpr (Features::restitution)
-            if (pass.use_bias && bounces_now) bounce_to.at->template keep_pushed<P>(points, point_count);
-        if (!pass.use_bias) {
-            if constexpr (Features::friction) solve_friction(f, at_a, at_b);
-            add_totals<P>(points, point_count);
-            const P impact = max(-speed.along - P::broadcast(pass.impact_speed), -P::load(start_load));
-            if (greater(impact, zero).bits() != 0) discard_impacts(bodies, pass, impact);
-            load_of<P>(points, point_count).store(start_load);
-        }
-        if (moves_a) at_a.store(bodies, a);
-        if (moves_b) at_b.store(bodies, b);
-    }
-    /// Notes which points are going to bounce, before anything stops them.
-    PHYSICS_HPP_ALWAYS_INLINE void note_approaches(const body* bodies,
-                                                   const contact_pass<S, 3>& pass) requires Features::restitution {
-        bounces_now = false;
-        if (!bounce_to.at->template any_free<P>(points, point_count)) return;
-        const frame_lanes f(*this);
-        body_lanes<P, 3> at_a, at_b;
-        at_a.load(bodies, a);
-        at_b.load(bodies, b);
-        const relative_motion speed(f, at_a.velocity, at_b.velocity),
-            displacement(lane_vec3<P>::load(last_displacements));
-        bounces_now = bounce_to.at->template note<P>(
-            points, point_count, pass, [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return displacement.at(points[k]); },
-            [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return speed.at(points[k]); });
-    }
-    /// Lets bounce what has met in this substep. The next one does not begin with any of that.
-    PHYSICS_HPP_NOINLINE void bounce(body* bodies, const contact_pass<S, 3>& pass) requires Features::restitution {
-        for (int lane = 0; lane < W; ++lane) {
-            if (!bounce_to.at->has(lane, point_count)) continue;
-            body& of_a = bodies[a[lane]];
-            body& of_b = bodies[b[lane]];
-            const auto at = [&](const auto& rows) { return vec<S, 3>{rows[0][lane], rows[1][lane], rows[2][lane]}; };
-            const vec<S, 3> n = at(normal), t = at(tangent), u = cross(n, t), to_a = at(r_a), to_b = at(r_b);
-            const vec<S, 3> spin = of_b.velocity.angular - of_a.velocity.angular;
-            // Along the normal at the middle, and about the tangents.
-            vec<S, 3> v{dot(n, velocity_at(of_b.velocity, to_b) - velocity_at(of_a.velocity, to_a)), dot(t, spin),
-                        dot(u, spin)};
-            vec<S, 3> sum;
-            const auto impulses_of = [&](int k, S impulse) {
-                return vec<S, 3>{impulse, points[k].y[lane] * impulse, -(points[k].x[lane] * impulse)};
-            };
-            const S share = bounce_points<S>(
-                points, point_count, *bounce_to.at, lane,
-                [&](int k) { return v.x + difference_of_products(points[k].y[lane], v.y, points[k].x[lane], v.z); },
-                [&](int k, S impulse) {
-                    const vec<S, 3> by = impulses_of(k, impulse);
-                    sum += by;
-                    constexpr int row[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
-                    for (int i = 0; i < 3; ++i)
-                        v[i] += mul<S>(k_matrix[row[i][0]][lane], by.x) + mul<S>(k_matrix[row[i][1]][lane], by.y) +
-                                mul<S>(k_matrix[row[i][2]][lane], by.z);
-                });
-            const vec<S, 3> impulse = n * sum.x, moment = t * sum.y + u * sum.z;
-            if (moves_a) remove_from_start(of_a.velocity, of_a, -impulse, -(cross(to_a, impulse) + moment));
-            if (moves_b) remove_from_start(of_b.velocity, of_b, impulse, cross(to_b, impulse) + moment);
-            for (int k = 0; k < point_count; ++k) {
-                if (!(bounce_to.at->speed[k][lane] > S(0))) continue;
-                sum += impulses_of(k, points[k].impulse[lane]);
-                points[k].impulse[lane] = S(0);
-            }
-            vec<S, 3> lost_friction;
-            if constexpr (Features::friction)
-                lost_friction = friction.reduce_impulses(lane, points, point_count, S(1) - share);
-            remove_from_next_start(lane, bodies, pass, sum, lost_friction);
-        }
-        load_of<P>(points, point_count).store(start_load);
-        bounces_now = false;
-    }
-    /// Whether a round begins with roll().
-    bool rolls(const contact_pass<S, 3>& pass) const requires Features::rolling_resistance {
-        return !pass.use_bias && extras.at != nullptr;
-    }
-    /// Stops the bodies' rolling against each other, or slows it.
-    PHYSICS_HPP_ALWAYS_INLINE void roll(body* bodies) requires Features::rolling_resistance {
-        const frame_lanes f(*this);
-        body_lanes<P, 3> at_a, at_b;
-        at_a.load(bodies, a);
-        at_b.load(bodies, b);
-        const lane_vec3<P> turning = at_b.velocity.angular - at_a.velocity.angular;
-        const lane_vec2<P> rolling = {dot(f.t, turning), dot(f.u, turning)};
-        const lane_vec2<P> by = extras.at->next(rolling, load_of<P>(points, point_count));
-        const lane_vec3<P> moment = combine(f.t, by.x, f.u, by.y);
-        const P arm = extras.at->arm.all(), zero = P::broadcast(S(0));
-        lane_vec3<P>& w_a = at_a.velocity.angular;
-        lane_vec3<P>& w_b = at_b.velocity.angular;
-        w_a = select_greater(arm, zero, w_a - matrix::load(inertia_a) * moment, w_a);
-        w_b = select_greater(arm, zero, w_b + matrix::load(inertia_b) * moment, w_b);
-        if (moves_a) at_a.store(bodies, a);
-        if (moves_b) at_b.store(bodies, b);
-    }
-
-private:
-    using frame_lanes = contact_frame3<P>;
-    using relative_motion = contact_motion3<P>;
-    using impulse_sum = contact_impulse3<P>;
-    using matrix = lane_symmetric<Q, 3>;
-
-    PHYSICS_HPP_ALWAYS_INLINE relative_motion displacement_of(const frame_lanes& f, const body_lanes<P, 3>& at_a,
-                                                              const body_lanes<P, 3>& at_b,
-                                                              const contact_pass<S, 3>& pass) {
-        if (pass.use_bias) return relative_motion(lane_vec3<P>::load(last_displacements));
-        const relative_motion displacement(f, at_a.displacement, at_b.displacement);
-        displacement.along.store(last_displacements[0]);
-        displacement.about_t.store(last_displacements[1]);
-        displacement.about_u.store(last_displacements[2]);
-        return displacement;
-    }
-    /// Changes impulses point by point, each by the speed that the ones before left.
-    template <class Next>
-    PHYSICS_HPP_ALWAYS_INLINE void solve_points(const relative_motion& start, impulse_sum& sum, Next&& next) {
-        relative_motion speed = start;
-        symmetric_gauss_seidel(point_count, [&](int k) PHYSICS_HPP_INLINE_LAMBDA {
-            const point& p = points[k];
-            const P change = next(k, speed.at(p));
-            sum.add(p, change);
-            const lane_vec3<P> by =
-                matrix::load(k_matrix) * lane_vec3<P>{change, P::load(p.y) * change, -(P::load(p.x) * change)};
-            speed.along = speed.along + by.x;
-            speed.about_t = speed.about_t + by.y;
-            speed.about_u = speed.about_u + by.z;
-        });
-    }
-    /// After an impact, removes from the start velocities of the next substep all impulse but what was held before it.
-    PHYSICS_HPP_NOINLINE void discard_impacts(const body* bodies, const contact_pass<S, 3>& pass, const P& impact) {
-        for (int lane = 0; lane < W; ++lane) {
-            S load = S(0), held = max(start_load[lane], S(0));
-            for (int k = 0; k < point_count; ++k) load += points[k].impulse[lane];
-            if (!(impact.lane(lane) > S(0)) || !(load > held)) continue;
-            const S share = held / load;
-            vec<S, 3> sum;
-            for (int k = 0; k < point_count; ++k) {
-                const S removed = reduce_to(points[k].impulse[lane], share);
-                sum += vec<S, 3>{removed, points[k].y[lane] * removed, -(points[k].x[lane] * removed)};
-            }
-            vec<S, 3> lost_friction;
-            if constexpr (Features::friction)
-                lost_friction = friction.reduce_impulses(lane, points, point_count, share);
-            remove_from_next_start(lane, bodies, pass, sum, lost_friction);
-        }
-    }
-    /// Takes impulses of a lane, along the normal at the middle and about the tangents, and friction, from what the
-    /// next substep begins with.
-    void remove_from_next_start(int lane, const body* bodies, const contact_pass<S, 3>& pass, const vec<S, 3>& sum,
-                                const vec<S, 3>& lost_friction) {
-        const auto at = [&](const auto& rows) { return vec<S, 3>{rows[0][lane], rows[1][lane], rows[2][lane]}; };
-        const vec<S, 3> n = at(normal), t = at(tangent), u = cross(n, t);
-        const vec<S, 3> impulse = n * sum.x + t * lost_friction.x + u * lost_friction.y;
-        const vec<S, 3> moment = t * sum.y + u * sum.z + n * lost_friction.z;
-        if (moves_a)
-            remove_from_start(pass.start_velocity[a[lane]], bodies[a[lane]], -impulse,
-                              -(cross(at(r_a), impulse) + moment));
-        if (moves_b)
-            remove_from_start(pass.start_velocity[b[lane]], bodies[b[lane]], impulse, cross(at(r_b), impulse) + moment);
-    }
-    /// Stops the slip, or lets it slide on the cone.
-    PHYSICS_HPP_ALWAYS_INLINE void solve_friction(const frame_lanes& f, body_lanes<P, 3>& at_a,
-                                                  body_lanes<P, 3>& at_b) {
-        const lane_vec3<P> slipping = f.at_middle(at_a.velocity, at_b.velocity);
-        lane_vec3<P> slip = {dot(f.t, slipping), dot(f.u, slipping),
-                             dot(f.n, at_b.velocity.angular - at_a.velocity.angular)};
-        if constexpr (Features::surface_velocity) {
-            if (extras.at != nullptr) {
-                slip.x = slip.x - P::load(extras.belt().x);
-                slip.y = slip.y - P::load(extras.belt().y);
-            }
-        }
-        const lane_vec3<P> by = friction.next(slip, points, point_count);
-        apply(f, combine(f.t, by.x, f.u, by.y), f.n * by.z, at_a, at_b);
-    }
-    PHYSICS_HPP_ALWAYS_INLINE void apply(const frame_lanes& f, const impulse_sum& sum, body_lanes<P, 3>& at_a,
-                                         body_lanes<P, 3>& at_b) const {
-        apply(f, f.n * sum.load, combine(f.t, sum.about_t, f.u, sum.about_u), at_a, at_b);
-    }
-    /// An impulse at the middle and an angular impulse, from A on B.
-    PHYSICS_HPP_ALWAYS_INLINE void apply(const frame_lanes& f, const lane_vec3<P>& impulse, const lane_vec3<P>& moment,
-                                         body_lanes<P, 3>& at_a, body_lanes<P, 3>& at_b) const {
-        const Q m_a = Q::load(mass_a), m_b = Q::load(mass_b);
-        auto& [v_a, w_a] = at_a.velocity;
-        auto& [v_b, w_b] = at_b.velocity;
-        v_a = v_a - impulse * m_a;
-        v_b = v_b + impulse * m_b;
-        w_a = w_a - matrix::load(inertia_a) * (cross(f.r_a, impulse) + moment);
-        w_b = w_b + matrix::load(inertia_b) * (cross(f.r_b, impulse) + moment);
     }
 };
 
@@ -26184,142 +26053,184 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// Velocities and displacements of W bodies.
-template <class P, int D>
-struct linear_lanes {
-    using S = typename P::scalar;
-    using body = solver_body<S, D, false>;
-    static constexpr int stride = sizeof(body) / sizeof(S);
-    static_assert(sizeof(linear_twist<S, D>) == D * sizeof(S));
-
-    lane_vec<P, D> velocity, displacement;
-
-    PHYSICS_HPP_ALWAYS_INLINE void load(const body* bodies, const std::uint32_t* index) {
-        const auto* first = reinterpret_cast<const S*>(bodies);
-        const quad<P> p = load4<P>(indexed_rows<const S, stride>{first, index});
-        if constexpr (D == 2) {
-            velocity = {p.x, p.y};
-            displacement = {p.z, p.w};
-        } else {
-            const quad<P> q = load4<P>(indexed_rows<const S, stride>{first + 4, index});
-            velocity = {p.x, p.y, p.z};
-            displacement = {p.w, q.x, q.y};
-        }
-    }
-    PHYSICS_HPP_ALWAYS_INLINE void store(body* bodies, const std::uint32_t* index) const {
-        const indexed_rows<S, stride> to{reinterpret_cast<S*>(bodies), index};
-        const auto& [v, moved] = *this;
-        if constexpr (D == 2) store4(to, quad<P>{v.x, v.y, moved.x, moved.y});
-        else store4(to, quad<P>{v.x, v.y, v.z, moved.x});
-    }
-};
-
-/// Friction where nothing turns: the same mass answers in every direction.
-template <class S, int D, int W, class Features>
-struct soft_linear_friction {
-    using P = kernel_pack<S, W>;
-
-    coefficient_lanes<S, W, Features> coefficient;
-    /// Along the tangents; of this substep, and of the whole step.
-    S impulse[D - 1][W], total[D - 1][W];
-
-    void put(int lane, const contact<S, D, Features>& c, const prepare_input<S, D, Features>& with) {
-        coefficient.put(lane, with.surfaces.friction_of(c));
-        if constexpr (D == 2) {
-            impulse[0][lane] = c.substep_friction;
-        } else {
-            const vec<S, 2> before = friction_of(c) * with.share;
-            for (int i = 0; i < 2; ++i) impulse[i][lane] = before[i];
-        }
-    }
-    /// Hands a share of the step's impulses back.
-    [[nodiscard]] tangential<S, D> scaled_total(int lane, S share) const {
-        if constexpr (D == 2) return total[0][lane] * share;
-        else return {total[0][lane] * share, total[1][lane] * share};
-    }
-    /// More than 0 where it holds anything.
-    PHYSICS_HPP_ALWAYS_INLINE P max_impulse(int) const {
-        P maximum = lane_abs(P::load(impulse[0]));
-        for (int i = 1; i < D - 1; ++i) maximum = max(maximum, lane_abs(P::load(impulse[i])));
-        return maximum;
-    }
-    /// Turns slips into the changes of the impulses that stop them, under a load, or let them slide.
-    PHYSICS_HPP_ALWAYS_INLINE void solve(P (&slip)[D - 1], const P& mass, const P& load, bool use_bias) {
-        const P maximum = coefficient.all() * load;
-        P before[D - 1], after[D - 1];
-        for (int i = 0; i < D - 1; ++i) {
-            before[i] = P::load(impulse[i]);
-            P stopping = mass * slip[i];
-            if constexpr (D == 2) stopping = stopping * friction_part(lane_abs(before[i]), maximum, use_bias);
-            after[i] = before[i] - stopping;
-        }
-        if constexpr (D == 2) {
-            after[0] = max(min(after[0], maximum), -maximum);
-        } else if (lane_is_longer(after[0], after[1], maximum).bits() != 0) {
-            const P one = P::broadcast(S(1)), length = lane_length(after[0], after[1]);
-            const P share =
-                select_greater(length, maximum, maximum / select_greater(length, maximum, length, one), one);
-            for (P& along : after) along = along * share;
-        }
-        for (int i = 0; i < D - 1; ++i) {
-            after[i].store(impulse[i]);
-            if (!use_bias) (P::load(total[i]) + after[i]).store(total[i]);
-            slip[i] = after[i] - before[i];
-        }
-    }
-};
-
-/// The first tangent in 3D, where it takes a root to find; in 2D it follows from the normal.
-template <class S, int W>
-struct kept_tangent {
-    S kept[3][W];
-};
-
-/// W contacts that push different bodies, none of which turns. All points of a contact move alike: the nearest one
-/// stands for all of them, and they share out evenly what it bears.
-template <class S, int D, int W, class Features>
-struct soft_linear_contact {
+/// Where W contacts are whose bodies do not turn. All points of a contact move alike, with one speed along the normal:
+/// the nearest one stands for all of them.
+template <class S, int D, int W, bool HasFriction>
+struct linear_frame {
+    using scalar = S;
     using I = inverse_of<S>;
     using P = kernel_pack<S, W>;
     using Q = kernel_pack<I, W>;
-    using body = solver_body<S, D, false>;
-    using pass_type = contact_pass<S, D, false>;
-    struct gathering {};
+    static constexpr int dimension = D, width = W, capacity = 1;
+    static constexpr bool rotates = false;
+    using vector = P;
+    using space = lane_vec<P, D>;
+    using bodies = body_pair_lanes<P, D, false>;
+    using motion_rows = S[W];
+    using speeds = S;
+    struct none_of_it {};
+    /// Along the tangents; in 2D in each round (see contact_frame3).
+    using slide = std::conditional_t<HasFriction, tangential<S, D>, none_of_it>;
+    static constexpr bool slides_with_bias = D == 2;
 
     struct point {
         S mass[W], separation[W];
         /// Of this substep, after its last round what the next one begins with; and of the whole step.
         S impulse[W], total[W];
-    };
-    static constexpr int point_count = 1;
 
-    std::uint32_t a[W], b[W];
+        PHYSICS_HPP_ALWAYS_INLINE P speed(const P& v) const { return v; }
+        PHYSICS_HPP_ALWAYS_INLINE P at_middle(const P& by) const { return by; }
+        S speed(int, S v) const { return v; }
+        S at_middle(int, S by) const { return by; }
+    };
+    /// A single point is visited, and no other asks how that changes its speed.
+    struct direct_solve {
+        template <class Pass, class At, class SpeedAt>
+        PHYSICS_HPP_ALWAYS_INLINE bool solve(const point*, int, const Pass&, const P&, const P&, P& left, P&, const At&,
+                                             const SpeedAt&) const {
+            left = P::broadcast(S(1));
+            return true;
+        }
+        template <class... Args>
+        PHYSICS_HPP_ALWAYS_INLINE void solve_landing(const Args&...) const {}
+    };
+    struct k_matrix_type {
+        PHYSICS_HPP_ALWAYS_INLINE P operator*(const P&) const { return none(); }
+        S times(int, S) const { return S(0); }
+    };
+
     S normal[D][W];
-    [[no_unique_address]] std::conditional_t<Features::friction && D == 3, kept_tangent<S, W>, absent_base<2>> tangent;
+    /// The first tangent in 3D, where it takes a root to find; in 2D it follows from the normal.
+    struct kept_tangent {
+        S kept[3][W];
+    };
+    [[no_unique_address]] std::conditional_t<HasFriction && D == 3, kept_tangent, none_of_it> tangent;
     I mass_a[W], mass_b[W];
-    point points[point_count];
-    [[no_unique_address]] std::conditional_t<Features::friction, soft_linear_friction<S, D, W, Features>,
-                                             no_soft_friction>
-        friction;
-    /// What the points bore together as the substep began.
-    S start_load[W];
-    /// Whether any contact is going to bounce in this substep.
-    bool bounces_now = false;
-    /// Whether the contacts push their bodies, which is the same for all lanes.
-    bool moves_a = false, moves_b = false;
-    [[no_unique_address]] extras_of_block<S, W, D, Features> extras;
-    [[no_unique_address]] soft_bounces_of<S, 1, W, Features> bounce_to;
+
+    PHYSICS_HPP_ALWAYS_INLINE static P none() { return P::broadcast(S(0)); }
+    PHYSICS_HPP_ALWAYS_INLINE static P along(const P& speed) { return speed; }
+    PHYSICS_HPP_ALWAYS_INLINE static P half_width(const point*, int) { return none(); }
+
+    struct lanes {
+        const linear_frame& of;
+        space n;
+
+        PHYSICS_HPP_ALWAYS_INLINE explicit lanes(const linear_frame& c) : of(c), n(space::load(c.normal)) {}
+        PHYSICS_HPP_ALWAYS_INLINE P motion(const space& a, const space& b) const { return dot(n, b - a); }
+        PHYSICS_HPP_ALWAYS_INLINE auto slip(const space& a, const space& b) const {
+            const space v = b - a;
+            if constexpr (D == 2) return dot(first_tangent(), v);
+            else return lane_vec2<P>{dot(first_tangent(), v), dot(cross(n, first_tangent()), v)};
+        }
+        /// Impulses from A on B, along the normal, along the tangents, or both.
+        PHYSICS_HPP_ALWAYS_INLINE void apply(const P& load, bodies& at) const { give(n * load, at); }
+        template <class Slide>
+        PHYSICS_HPP_ALWAYS_INLINE void apply_friction(const Slide& slide, bodies& at) const {
+            apply(none(), slide, at);
+        }
+        PHYSICS_HPP_ALWAYS_INLINE void apply(const P& load, const P& slide, bodies& at) const {
+            const space t = first_tangent();
+            give({lane_sum(n.x, load, t.x, slide), lane_sum(n.y, load, t.y, slide)}, at);
+        }
+        PHYSICS_HPP_ALWAYS_INLINE void apply(const P& load, const lane_vec2<P>& slide, bodies& at) const {
+            const space t = first_tangent(), u = cross(n, t), by = {load, slide.x, slide.y};
+            give({dot({n.x, t.x, u.x}, by), dot({n.y, t.y, u.y}, by), dot({n.z, t.z, u.z}, by)}, at);
+        }
+
+    private:
+        PHYSICS_HPP_ALWAYS_INLINE space first_tangent() const {
+            if constexpr (D == 2) return {n.y, -n.x};
+            else return space::load(of.tangent.kept);
+        }
+        PHYSICS_HPP_ALWAYS_INLINE void give(const space& impulse, bodies& at) const {
+            at.a.velocity = at.a.velocity - impulse * Q::load(of.mass_a);
+            at.b.velocity = at.b.velocity + impulse * Q::load(of.mass_b);
+        }
+    };
+
+    /// The frame of one contact.
+    struct single {
+        vec<S, D> n, t;
+
+        single(const linear_frame& c, int i) {
+            for (int k = 0; k < D; ++k) n[k] = c.normal[k][i];
+            if constexpr (D == 2) t = perpendicular(n);
+            else if constexpr (HasFriction) t = {c.tangent.kept[0][i], c.tangent.kept[1][i], c.tangent.kept[2][i]};
+        }
+        S motion(const linear_twist<S, D>& a, const linear_twist<S, D>& b) const { return dot(n, b.linear - a.linear); }
+        linear_twist<S, D> impulse(S load) const { return {n * load}; }
+        linear_twist<S, D> impulse(S load, [[maybe_unused]] const slide& along) const {
+            if constexpr (!HasFriction) return impulse(load);
+            else if constexpr (D == 2) return {n * load + t * along};
+            else return {n * load + t * along.x + cross(n, t) * along.y};
+        }
+        linear_twist<S, D> on_a(const linear_twist<S, D>& by) const { return {-by.linear}; }
+        linear_twist<S, D> on_b(const linear_twist<S, D>& by) const { return by; }
+    };
+};
+
+/// In 3D, friction where nothing turns: the same mass answers in every direction.
+template <class S, int W, class Features>
+struct linear_friction3 {
+    using P = kernel_pack<S, W>;
+    using vector = lane_vec2<P>;
+
+    coefficient_lanes<S, W, Features> coefficient;
+    /// Along the tangents; of this substep, and of the whole step.
+    S impulse[2][W], total[2][W];
+
+    void put(int lane, const contact<S, 3, Features>& c, const prepare_input<S, 3, Features>& with) {
+        coefficient.put(lane, with.surfaces.friction_of(c));
+        const vec<S, 2> before = friction_of(c) * with.share;
+        for (int i = 0; i < 2; ++i) impulse[i][lane] = before[i];
+    }
+    /// More than 0 where it holds anything.
+    PHYSICS_HPP_ALWAYS_INLINE P max_impulse(int) const {
+        return max(lane_abs(P::load(impulse[0])), lane_abs(P::load(impulse[1])));
+    }
+    template <class Point>
+    PHYSICS_HPP_ALWAYS_INLINE vector last(const Point*, int) const {
+        return vector::load(impulse);
+    }
+    template <class Point>
+    vec<S, 2> reduce_impulses(int lane, const Point*, int, S share) {
+        return {reduce_to(impulse[0][lane], share), reduce_to(impulse[1][lane], share)};
+    }
+    template <class Point>
+    PHYSICS_HPP_ALWAYS_INLINE vector next(const vector& slip, const Point* points, int, bool) {
+        const P maximum = coefficient.all() * P::load(points[0].impulse);
+        const vector before = vector::load(impulse);
+        vector after = before - slip * P::load(points[0].mass);
+        if (lane_is_longer(after.x, after.y, maximum).bits() != 0) {
+            const P one = P::broadcast(S(1)), size = length(after);
+            after = after * select_greater(size, maximum, maximum / select_greater(size, maximum, size, one), one);
+        }
+        after.store(impulse);
+        (vector::load(total) + after).store(total);
+        return after - before;
+    }
+};
+
+template <class S, int D, int W, class Features>
+using linear_friction_of =
+    std::conditional_t<!Features::friction, no_soft_friction,
+                       std::conditional_t<D == 2, soft_friction2<S, W, Features>, linear_friction3<S, W, Features>>>;
+
+/// W contacts between bodies that do not turn: their points share out evenly what the nearest one bears.
+template <class S, int D, int W, class Features>
+struct soft_linear_contact
+    : soft_block<linear_frame<S, D, W, Features::friction>, Features, linear_friction_of<S, D, W, Features>> {
+    using base = soft_block<linear_frame<S, D, W, Features::friction>, Features, linear_friction_of<S, D, W, Features>>;
+    using base::frame, base::points, base::friction;
+    using typename base::body;
+    struct gathering {};
 
     /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
     void put(int lane, const contact<S, D, Features>& c, const body_pair& ends, const body* bodies,
              const prepare_input<S, D, Features>& with, gathering&, arena& scratch) {
-        const body& first = bodies[ends.a];
-        const body& second = bodies[ends.b];
-        a[lane] = ends.a;
-        b[lane] = ends.b;
-        mass_a[lane] = first.inverse_mass;
-        mass_b[lane] = second.inverse_mass;
-        for (int i = 0; i < D; ++i) normal[i][lane] = c.normal[i];
+        frame.mass_a[lane] = bodies[ends.a].inverse_mass;
+        frame.mass_b[lane] = bodies[ends.b].inverse_mass;
+        for (int i = 0; i < D; ++i) frame.normal[i][lane] = c.normal[i];
         int nearest = 0;
         S load = S(0);
         for (int k = 0; k < c.count; ++k) {
@@ -26328,17 +26239,16 @@ struct soft_linear_contact {
         }
         points[0].separation[lane] = c.points[nearest].separation;
         points[0].impulse[lane] = load;
-        if constexpr (Features::restitution) bounce_to.put(lane, c, ends, with, scratch);
-        if constexpr (Features::friction) friction.put(lane, c, with);
-        extras.put(lane, c, first, second, with, scratch);
+        base::put(lane, c, ends, bodies, with, scratch);
     }
     /// Works out, once all lanes have been written, what the rounds need.
     PHYSICS_HPP_ALWAYS_INLINE void prepare(const body*, gathering&) {
         using K = preparing<S, W>;
-        put_lanes(lane_reciprocal(lanes_from<K>(mass_a) + lanes_from<K>(mass_b)), points[0].mass);
-        if constexpr (Features::friction && D == 3) {
-            lane_tangent(lane_vec3<K>::load(normal)).store(tangent.kept);
-        }
+        const K mass = lane_reciprocal(lanes_from<K>(frame.mass_a) + lanes_from<K>(frame.mass_b));
+        put_lanes(mass, points[0].mass);
+        if constexpr (Features::friction && D == 2) put_lanes(mass, friction.stop);
+        if constexpr (Features::friction && D == 3)
+            lane_tangent(lane_vec3<K>::load(frame.normal)).store(frame.tangent.kept);
     }
     /// Hands the impulses back.
     void store_impulses(int lane, contact<S, D, Features>& c) const {
@@ -26347,174 +26257,11 @@ struct soft_linear_contact {
             auto& to = c.points[k];
             to.normal_impulse = points[0].total[lane] * share;
             to.substep_impulse = points[0].impulse[lane] * share;
-            if constexpr (Features::friction) to.friction_impulse = friction.scaled_total(lane, share);
+            if constexpr (Features::friction && D == 2) to.friction_impulse = friction.total[lane] * share;
+            if constexpr (Features::friction && D == 3)
+                to.friction_impulse = {friction.total[0][lane] * share, friction.total[1][lane] * share};
         }
-        if constexpr (Features::friction && D == 2) c.substep_friction = friction.impulse[0][lane];
-    }
-
-    /// Gives the bodies the impulses of the last substep at once.
-    PHYSICS_HPP_ALWAYS_INLINE void warm_start(body* bodies) {
-        P::load(points[0].impulse).store(start_load);
-        if (carries_no_impulse<P>(*this)) return;
-        linear_lanes<P, D> at_a, at_b;
-        at_a.load(bodies, a);
-        at_b.load(bodies, b);
-        const P load = P::load(points[0].impulse);
-        if constexpr (Features::friction) {
-            P friction_impulses[D - 1];
-            for (int i = 0; i < D - 1; ++i) friction_impulses[i] = P::load(friction.impulse[i]);
-            apply(load, friction_impulses, at_a, at_b);
-        } else {
-            apply(load, at_a, at_b);
-        }
-        store(bodies, at_a, at_b);
-    }
-    /// One round over the contacts, then friction by their load; in 3D it rests while overlaps are pushed apart (see
-    /// soft_contact3).
-    PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const pass_type& pass) {
-        linear_lanes<P, D> at_a, at_b;
-        at_a.load(bodies, a);
-        at_b.load(bodies, b);
-        const vector n = normals();
-        const P speed = dot(n, slip_of(at_a, at_b)), displacement = dot(n, at_b.displacement - at_a.displacement);
-        const P one = P::broadcast(S(1));
-        const auto displacement_at = [&](int) PHYSICS_HPP_INLINE_LAMBDA { return displacement; };
-        const auto speed_at = [&](int) PHYSICS_HPP_INLINE_LAMBDA { return speed; };
-        if (carries_no_impulse<P>(*this) && are_inactive(points, 1, pass, one, displacement_at, speed_at)) {
-            if (!pass.use_bias) P::broadcast(S(0)).store(start_load);
-            else if constexpr (Features::restitution) bounces_now = false;
-            return;
-        }
-        apply(next_impulse(points[0], speed, displacement, pass, one), at_a, at_b);
-        if constexpr (Features::restitution)
-            if (pass.use_bias && bounces_now) bounce_to.at->template keep_pushed<P>(points, 1);
-        if constexpr (Features::friction)
-            if (D == 2 || !pass.use_bias) solve_friction(P::load(points[0].impulse), pass.use_bias, at_a, at_b);
-        if (!pass.use_bias) {
-            add_totals<P>(points, 1);
-            if (greater(-speed, P::broadcast(pass.impact_speed)).bits() != 0) discard_impacts(bodies, pass, speed);
-            P::load(points[0].impulse).store(start_load);
-        }
-        store(bodies, at_a, at_b);
-    }
-    /// Notes which contacts are going to bounce, before anything stops them.
-    PHYSICS_HPP_ALWAYS_INLINE void note_approaches(const body* bodies,
-                                                   const pass_type& pass) requires Features::restitution {
-        bounces_now = false;
-        if (!bounce_to.at->template any_free<P>(points, 1)) return;
-        linear_lanes<P, D> at_a, at_b;
-        at_a.load(bodies, a);
-        at_b.load(bodies, b);
-        const vector n = normals();
-        const P speed = dot(n, slip_of(at_a, at_b)), displacement = dot(n, at_b.displacement - at_a.displacement);
-        bounces_now = bounce_to.at->template note<P>(
-            points, 1, pass, [&](int) PHYSICS_HPP_INLINE_LAMBDA { return displacement; },
-            [&](int) PHYSICS_HPP_INLINE_LAMBDA { return speed; });
-    }
-    /// Lets bounce what has met in this substep. The next one does not begin with any of that.
-    PHYSICS_HPP_NOINLINE void bounce(body* bodies, const pass_type& pass) requires Features::restitution {
-        for (int lane = 0; lane < W; ++lane) {
-            if (!bounce_to.at->has(lane, 1)) continue;
-            body& of_a = bodies[a[lane]];
-            body& of_b = bodies[b[lane]];
-            vec<S, D> n;
-            for (int i = 0; i < D; ++i) n[i] = normal[i][lane];
-            const S v = dot(n, of_b.velocity.linear - of_a.velocity.linear);
-            const S impulse = max(points[0].mass[lane] * (bounce_to.at->speed[0][lane] - v), -points[0].impulse[lane]);
-            if (moves_a) remove_from_start(of_a.velocity, of_a, n * -impulse);
-            if (moves_b) remove_from_start(of_b.velocity, of_b, n * impulse);
-            points[0].total[lane] += impulse;
-            remove_from_next_start(lane, bodies, pass, impulse + reduce_to(points[0].impulse[lane], S(0)), S(0));
-        }
-        P::load(points[0].impulse).store(start_load);
-        bounces_now = false;
-    }
-
-private:
-    using vector = lane_vec<P, D>;
-
-    PHYSICS_HPP_ALWAYS_INLINE vector normals() const { return vector::load(normal); }
-    /// Tangent number i.
-    PHYSICS_HPP_ALWAYS_INLINE vector along(int i) const requires Features::friction {
-        if constexpr (D == 2) {
-            return {P::load(normal[1]), -P::load(normal[0])};
-        } else {
-            const lane_vec3<P> t = lane_vec3<P>::load(tangent.kept);
-            return i == 0 ? t : cross(lane_vec3<P>::load(normal), t);
-        }
-    }
-    /// How B moves against A.
-    PHYSICS_HPP_ALWAYS_INLINE static vector slip_of(const linear_lanes<P, D>& at_a, const linear_lanes<P, D>& at_b) {
-        return at_b.velocity - at_a.velocity;
-    }
-    /// Stops the slip, or lets it slide.
-    PHYSICS_HPP_ALWAYS_INLINE void solve_friction(const P& load, bool use_bias, linear_lanes<P, D>& at_a,
-                                                  linear_lanes<P, D>& at_b) {
-        const vector slip = slip_of(at_a, at_b);
-        P by[D - 1];
-        for (int i = 0; i < D - 1; ++i) by[i] = dot(along(i), slip);
-        if constexpr (Features::surface_velocity) {
-            if (extras.at != nullptr) {
-                if constexpr (D == 2) {
-                    by[0] = by[0] - P::load(extras.at->along);
-                } else {
-                    by[0] = by[0] - P::load(extras.belt().x);
-                    by[1] = by[1] - P::load(extras.belt().y);
-                }
-            }
-        }
-        friction.solve(by, P::load(points[0].mass), load, use_bias);
-        apply(P::broadcast(S(0)), by, at_a, at_b);
-    }
-    /// After an impact, removes from the start velocities of the next substep all impulse but what was held before it.
-    PHYSICS_HPP_NOINLINE void discard_impacts(const body* bodies, const pass_type& pass, const P& speed) {
-        for (int lane = 0; lane < W; ++lane) {
-            const S load = points[0].impulse[lane];
-            if (!(-speed.lane(lane) > pass.impact_speed) || !(load > start_load[lane])) continue;
-            const S share = start_load[lane] / load;
-            remove_from_next_start(lane, bodies, pass, reduce_to(points[0].impulse[lane], share), share);
-        }
-    }
-    /// Takes an impulse along the normal of a lane, and all but a share of friction, from what the next substep begins
-    /// with.
-    void remove_from_next_start(int lane, const body* bodies, const pass_type& pass, S load, [[maybe_unused]] S share) {
-        vec<S, D> n;
-        for (int i = 0; i < D; ++i) n[i] = normal[i][lane];
-        vec<S, D> lost = n * load;
-        if constexpr (Features::friction) {
-            vec<S, D> t = n;
-            if constexpr (D == 2) t = perpendicular(n);
-            else t = {tangent.kept[0][lane], tangent.kept[1][lane], tangent.kept[2][lane]};
-            lost += t * reduce_to(friction.impulse[0][lane], share);
-            if constexpr (D == 3) lost += cross(n, t) * reduce_to(friction.impulse[1][lane], share);
-        }
-        if (moves_a) remove_from_start(pass.start_velocity[a[lane]], bodies[a[lane]], -lost);
-        if (moves_b) remove_from_start(pass.start_velocity[b[lane]], bodies[b[lane]], lost);
-    }
-    /// Impulses along the normal and along the tangents, from A on B.
-    PHYSICS_HPP_ALWAYS_INLINE void apply(const P& load, linear_lanes<P, D>& at_a, linear_lanes<P, D>& at_b) const {
-        apply_impulse(normals() * load, at_a, at_b);
-    }
-    PHYSICS_HPP_ALWAYS_INLINE void apply(const P& load, const P (&friction_impulses)[D - 1], linear_lanes<P, D>& at_a,
-                                         linear_lanes<P, D>& at_b) const requires Features::friction {
-        const vector n = normals(), t = along(0);
-        const P& by_t = friction_impulses[0];
-        if constexpr (D == 2) {
-            apply_impulse({lane_sum(n.x, load, t.x, by_t), lane_sum(n.y, load, t.y, by_t)}, at_a, at_b);
-        } else {
-            const vector u = along(1), by = {load, by_t, friction_impulses[1]};
-            apply_impulse({dot({n.x, t.x, u.x}, by), dot({n.y, t.y, u.y}, by), dot({n.z, t.z, u.z}, by)}, at_a, at_b);
-        }
-    }
-    PHYSICS_HPP_ALWAYS_INLINE void apply_impulse(const vector& impulse, linear_lanes<P, D>& at_a,
-                                                 linear_lanes<P, D>& at_b) const {
-        at_a.velocity = at_a.velocity - impulse * Q::load(mass_a);
-        at_b.velocity = at_b.velocity + impulse * Q::load(mass_b);
-    }
-    PHYSICS_HPP_ALWAYS_INLINE void store(body* bodies, const linear_lanes<P, D>& at_a,
-                                         const linear_lanes<P, D>& at_b) const {
-        if (moves_a) at_a.store(bodies, a);
-        if (moves_b) at_b.store(bodies, b);
+        if constexpr (Features::friction && D == 2) friction.store_impulses(lane, c);
     }
 };
 
@@ -26759,8 +26506,7 @@ struct soft_step_with {
         static constexpr std::uint32_t none = detail::null_index;
         /// Of rigid joints: frequency as a part of the substeps' rate, and damping ratio.
         static constexpr S joint_frequency_ratio = S(0.25), joint_damping_ratio = S(2);
-        using turning_block = std::conditional_t<D == 2, detail::soft_contact2<S, width, Features>,
-                                                 detail::soft_contact3<S, width, Features, Friction>>;
+        using turning_block = detail::soft_contact<S, D, width, Features, Friction>;
         using block = std::conditional_t<rotates, turning_block, detail::soft_linear_contact<S, D, width, Features>>;
         using kernels = Kernels<block>;
 

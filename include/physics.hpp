@@ -266,8 +266,6 @@
 #include "physics/dynamics/restitution.hpp"
 #include "physics/dynamics/sequential_impulse.hpp"
 #include "physics/dynamics/soft_contact.hpp"
-#include "physics/dynamics/soft_contact2.hpp"
-#include "physics/dynamics/soft_contact3.hpp"
 #include "physics/dynamics/soft_extras.hpp"
 #include "physics/dynamics/soft_friction.hpp"
 #include "physics/dynamics/soft_kernels.hpp"

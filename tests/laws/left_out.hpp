@@ -348,8 +348,7 @@ using contact_of = physics::contact<S, D, Features>;
 template <class... Features>
 using shape_of = physics::detail::shape_record<typename physics::detail::plan_of<of<without<Features...>>>::type>;
 template <class Features, class Friction = physics::patch_friction>
-using block_of = std::conditional_t<D == 2, physics::detail::soft_contact2<S, 4, Features>,
-                                    physics::detail::soft_contact3<S, 4, Features, Friction>>;
+using block_of = physics::detail::soft_contact<S, D, 4, Features, Friction>;
 template <class Features>
 using extras_of = physics::detail::soft_extras<S, 4, D, Features>;
 static_assert(sizeof(contact_of<without<materials>>) + sizeof(S) * (D == 2 ? 4 : 5) == sizeof(contact_of<without<>>));

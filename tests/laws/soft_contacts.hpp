@@ -124,12 +124,12 @@ void check_lane(const Block& block, int lane, const problem& p, const contact& c
     const reals spin = middle.spin(n);
     const double push = dot(n, middle.velocity(n, middle));
     if constexpr (cell::is_2d) {
-        const double all[] = {push, spin.z, middle.spin_about({0, 0, 1}).z};
-        for (int i = 0; i < 3; ++i) same(static_cast<double>(block.k_matrix[i][lane]), all[i], 8);
+        const double all[] = {push, middle.spin_about({0, 0, 1}).z, spin.z};
+        for (int i = 0; i < 3; ++i) same(static_cast<double>(block.k_matrix.rows[i][lane]), all[i], 8);
     } else {
         const reals about_t = middle.spin_about(t), about_u = middle.spin_about(u);
         const double all[] = {push, dot(about_t, t), dot(about_u, u), dot(spin, t), dot(spin, u), dot(about_t, u)};
-        for (int i = 0; i < 6; ++i) same(static_cast<double>(block.k_matrix[i][lane]), all[i], 8);
+        for (int i = 0; i < 6; ++i) same(static_cast<double>(block.k_matrix.rows[i][lane]), all[i], 8);
     }
     if constexpr (cell::is_2d) {
         check_friction2(block, lane, middle, t);
@@ -155,8 +155,7 @@ void put_into_lane(Block& block, int lane, const problem& p, typename Block::gat
 template <class Friction>
 void check_prepared(std::uint64_t seed) {
     constexpr int width = 4;
-    using block_type = std::conditional_t<D == 2, physics::detail::soft_contact2<S, width, complete>,
-                                          physics::detail::soft_contact3<S, width, complete, Friction>>;
+    using block_type = physics::detail::soft_contact<S, D, width, complete, Friction>;
     cell::dice dice(seed);
     for (int run = 0; run < 200; ++run) {
         // Some lanes are idle: their bodies are nobody.
@@ -181,6 +180,56 @@ void check_prepared(std::uint64_t seed) {
 CELL_CASE("soft contacts: what is prepared in lanes is what each contact's own formulas say") {
     check_prepared<physics::patch_friction>(408);
     check_prepared<physics::point_friction>(409);
+}
+
+/// What is in one of the lanes.
+template <class T, int W, int Bytes>
+T lane_of(const physics::detail::pack<T, W, Bytes>& x, int lane) {
+    return x.lane(lane);
+}
+template <class P, int N>
+physics::vec<S, N> lane_of(const physics::detail::lane_vec<P, N>& v, int lane) {
+    if constexpr (N == 2) return {v.x.lane(lane), v.y.lane(lane)};
+    else return {v.x.lane(lane), v.y.lane(lane), v.z.lane(lane)};
+}
+CELL_CASE("soft contacts: each operator of vectors in lanes gives what vec's gives, to the bit") {
+    constexpr int width = 4;
+    using I = physics::inverse_of<S>;
+    using P = physics::detail::kernel_pack<S, width>;
+    using Q = physics::detail::kernel_pack<I, width>;
+    using lanes = physics::detail::lane_vec<P, D>;
+    cell::dice dice(407);
+    for (int run = 0; run < 100; ++run) {
+        vec v[width], w[width];
+        S rows[2][D][width], scale[width];
+        I matrix[6][width];
+        for (int lane = 0; lane < width; ++lane) {
+            v[lane] = dice.vec<vec>(-2, 2);
+            w[lane] = dice.vec<vec>(-2, 2);
+            scale[lane] = dice.real(-2, 2);
+            for (auto& row : matrix) row[lane] = static_cast<I>(dice.number(-2, 2));
+            for (int i = 0; i < D; ++i) {
+                rows[0][i][lane] = v[lane][i];
+                rows[1][i][lane] = w[lane][i];
+            }
+        }
+        const lanes a = lanes::load(rows[0]), b = lanes::load(rows[1]);
+        const P s = P::load(scale);
+        for (int lane = 0; lane < width; ++lane) {
+            REQUIRE(lane_of(a + b, lane) == v[lane] + w[lane]);
+            REQUIRE(lane_of(a - b, lane) == v[lane] - w[lane]);
+            REQUIRE(lane_of(a * s, lane) == v[lane] * scale[lane]);
+            REQUIRE(lane_of(select_greater(s, P::broadcast(S(0)), a, b), lane) ==
+                    (scale[lane] > S(0) ? v[lane] : w[lane]));
+            REQUIRE(lane_of(dot(a, b), lane) == dot(v[lane], w[lane]));
+            REQUIRE(lane_of(cross(a, b), lane) == cross(v[lane], w[lane]));
+            const physics::symmetric<I> m{matrix[0][lane], matrix[1][lane], matrix[2][lane],
+                                          matrix[3][lane], matrix[4][lane], matrix[5][lane]};
+            const physics::detail::lane_vec<P, 3> turned =
+                physics::detail::lane_symmetric<Q, 3>::load(matrix) * physics::detail::lane_vec<P, 3>{a.x, b.y, s};
+            REQUIRE(lane_of(turned, lane) == times(m, physics::vec<S, 3>{v[lane].x, w[lane].y, scale[lane]}));
+        }
+    }
 }
 
 /// Takes the loads from most contacts, and parts their surfaces, some so little that they meet within the step. Bodies

@@ -574,8 +574,7 @@ static_assert(std::is_empty_v<kept_by<bare>>);
 
 /// Bytes of a block of the soft solver, and of what only some contacts have.
 template <class Features, class Friction = physics::patch_friction>
-using block_of = std::conditional_t<D == 2, physics::detail::soft_contact2<S, 4, Features>,
-                                    physics::detail::soft_contact3<S, 4, Features, Friction>>;
+using block_of = physics::detail::soft_contact<S, D, 4, Features, Friction>;
 template <class Features>
 using extras_of = physics::detail::soft_extras<S, 4, D, Features>;
 using neither = without<rolling_resistance, surface_velocity>;

@@ -348,8 +348,7 @@ static_assert(sizeof(solver_body<S, D, false>) <= sizeof(solver_body<S, D>) / (D
 static_assert(sizeof(S) != 4 || sizeof(solver_body<S, D, false>) == 32);
 static_assert(sizeof(physics::moving_body<S, D, false>) == sizeof(S) * (2 * D + 1));
 using features = physics::without<physics::feature::rotation>;
-using turning_block = std::conditional_t<D == 2, physics::detail::soft_contact2<S, 4, physics::without<>>,
-                                         physics::detail::soft_contact3<S, 4, physics::without<>>>;
+using turning_block = physics::detail::soft_contact<S, D, 4, physics::without<>>;
 static_assert(sizeof(physics::detail::soft_linear_contact<S, D, 4, features>) * (D == 2 ? 2 : 4) <=
               sizeof(turning_block));
 static_assert(sizeof(physics::contact<S, D, features>) < sizeof(physics::contact<S, D>));

@@ -31,6 +31,38 @@ PHYSICS_HPP_ALWAYS_INLINE bool are_inactive(const Point* points, int count, cons
     return greater(lanes * busy, zero).bits() == 0;
 }
 
+/// One point of W contacts.
+template <class S, int D, int W>
+struct soft_point {
+    S mass[W];
+    S separation[W];
+    /// What the contact's D speeds ask of it where all points are answered at once.
+    S share[D][W];
+    /// Of this substep, after its last round what the next one begins with; and of the whole step.
+    S impulse[W], total[W];
+};
+
+/// How the D speeds of W contacts answer to impulses at their middles.
+template <class S, int D, int W>
+struct k_matrix_lanes {
+    inverse_of<S> rows[D == 2 ? 3 : 6][W];
+
+    template <class P>
+    PHYSICS_HPP_ALWAYS_INLINE lane_vec<P, D> operator*(const lane_vec<P, D>& impulse) const {
+        return lane_symmetric<kernel_pack<inverse_of<S>, W>, D>::load(rows) * impulse;
+    }
+    /// Of one contact.
+    vec<S, D> times(int lane, vec<S, D> impulse) const {
+        constexpr int row[3][3] = {{0, D, 4}, {D, 1, 5}, {4, 5, 2}};
+        vec<S, D> by;
+        for (int i = 0; i < D; ++i) {
+            by[i] = mul<S>(rows[row[i][0]][lane], impulse.x) + mul<S>(rows[row[i][1]][lane], impulse.y);
+            if constexpr (D == 3) by[i] += mul<S>(rows[row[i][2]][lane], impulse.z);
+        }
+        return by;
+    }
+};
+
 /// The speeds of a contact's points follow from D numbers, so that the impulses that stop all of them do too: where
 /// every point touches and goes on pushing, that is the answer, exact and without iterations. Elsewhere points are
 /// visited one by one. It carries heavy loads and keeps columns from swaying, which visits do not. Source: the first
@@ -38,6 +70,9 @@ PHYSICS_HPP_ALWAYS_INLINE bool are_inactive(const Point* points, int count, cons
 template <class S, int D, int W>
 struct block_solve {
     using P = kernel_pack<S, W>;
+    using vector = lane_vec<P, D>;
+    template <class K>
+    using vectors = lane_vec<K, D>[manifold<S, D>::capacity];
 
     /// The separation at the middle and its slopes, of the plane that fits the points best.
     S separation[D][W];
@@ -52,26 +87,18 @@ struct block_solve {
     /// Precomputes the direct solve of contacts with two points: `jacobians` are the rows of J (along the normal and
     /// about the tangents), `k_rows` those of J K, `own` the diagonal of J K J^T.
     template <class K, class Point>
-    PHYSICS_HPP_ALWAYS_INLINE void prepare_edge(Point* points, const K (&jacobians)[capacity][D],
-                                                const K (&k_rows)[capacity][D], const K (&own)[capacity],
-                                                const K& count) {
+    PHYSICS_HPP_ALWAYS_INLINE void prepare_edge(Point* points, const vectors<K>& jacobians, const vectors<K>& k_rows,
+                                                const K (&own)[capacity], const K& count) {
         using C = typename K::scalar;
-        const K zero = K::broadcast(C(0)), half = K::broadcast(C(0.5));
-        K other = k_rows[1][0], apart = zero, plane[D], shares[capacity][D];
-        for (int i = 1; i < D; ++i) {
-            other = other + jacobians[0][i] * k_rows[1][i];
-            plane[i] = half * (jacobians[0][i] - jacobians[1][i]);
-            apart = apart + plane[i] * plane[i];
-        }
+        const K zero = K::broadcast(C(0)), half = K::broadcast(C(0.5)), other = dot(jacobians[0], k_rows[1]);
         // The middle of the points is the origin: but for the sign both lie as far from it.
+        const lane_vec<K, D> away = (jacobians[0] - jacobians[1]) * half;
         const K gaps[] = {lanes_from<K>(points[0].separation), lanes_from<K>(points[1].separation)};
-        const K slope = lane_quotient(half * (gaps[0] - gaps[1]), apart);
-        plane[0] = half * (gaps[0] + gaps[1]);
-        for (int i = 1; i < D; ++i) plane[i] = slope * plane[i];
+        lane_vec<K, D> plane = away * lane_quotient(half * (gaps[0] - gaps[1]), dot(away, away)), shares[capacity];
+        plane.x = half * (gaps[0] + gaps[1]);
         const K square = own[0] * own[1], determinant = square - other * other;
         for (int k = 0; k < 2; ++k)
-            for (int i = 0; i < D; ++i)
-                shares[k][i] = lane_quotient(jacobians[k][i] * own[1 - k] - jacobians[1 - k][i] * other, determinant);
+            shares[k] = lane_quotient(jacobians[k] * own[1 - k] - jacobians[1 - k] * other, determinant);
         // Points that are all but one would share a turn out in huge impulses.
         K ok = select_greater(determinant, K::broadcast(C(1e-4)) * square, K::broadcast(C(1)), zero);
         ok = select_greater(K::broadcast(C(2.5)), count, select_greater(count, K::broadcast(C(1.5)), ok, zero), zero);
@@ -80,16 +107,16 @@ struct block_solve {
     /// The same for more points, which span the plane of the contact: what stops its speeds, shared out with the least
     /// squares. `speeds` tells how these answer to an impulse along the normal at the middle and to angular ones.
     template <class K, class Point>
-    PHYSICS_HPP_ALWAYS_INLINE void prepare_face(Point* points, int maximum, const K (&jacobians)[capacity][D],
-                                                const K (&there)[capacity], const lane_symmetric<K, 3>& speeds,
+    PHYSICS_HPP_ALWAYS_INLINE void prepare_face(Point* points, int maximum, const vectors<K>& jacobians,
+                                                const K (&there)[capacity], const lane_symmetric<K, D>& speeds,
                                                 const K& count) {
         using C = typename K::scalar;
         const K zero = K::broadcast(C(0)), one = K::broadcast(C(1)), share = lane_reciprocal(count);
         K xx = zero, xy = zero, yy = zero;
         for (int k = 0; k < maximum; ++k) {
-            xx = xx + jacobians[k][1] * jacobians[k][1];
-            xy = xy + jacobians[k][1] * jacobians[k][2];
-            yy = yy + jacobians[k][2] * jacobians[k][2];
+            xx = xx + jacobians[k].y * jacobians[k].y;
+            xy = xy + jacobians[k].y * jacobians[k].z;
+            yy = yy + jacobians[k].z * jacobians[k].z;
         }
         const K determinant = xx * yy - xy * xy, small = K::broadcast(C(1e-3)) * speeds.xx;
         K ok = select_greater(determinant, K::broadcast(C(1e-4)) * xx * yy, one, zero);
@@ -102,43 +129,36 @@ struct block_solve {
         tell_apart(speeds.xx, stop.xx);
         tell_apart(speeds.yy, stop.yy);
         tell_apart(speeds.zz, stop.zz);
-        K plane[D] = {zero, zero, zero}, shares[capacity][D];
+        lane_vec<K, D> plane = {zero, zero, zero}, shares[capacity];
         for (int k = 0; k < maximum; ++k) {
-            const K y = jacobians[k][1], z = jacobians[k][2], gap = lanes_from<K>(points[k].separation);
-            const lane_vec3<K> weights = {there[k] * share, lane_quotient(yy * y - xy * z, determinant),
-                                          lane_quotient(xx * z - xy * y, determinant)};
-            plane[0] = plane[0] + weights.x * gap;
-            plane[1] = plane[1] + weights.y * gap;
-            plane[2] = plane[2] + weights.z * gap;
-            const lane_vec3<K> of = stop * weights;
-            shares[k][0] = of.x;
-            shares[k][1] = of.y;
-            shares[k][2] = of.z;
+            const K &y = jacobians[k].y, &z = jacobians[k].z;
+            const lane_vec<K, D> weights = {there[k] * share, lane_quotient(yy * y - xy * z, determinant),
+                                            lane_quotient(xx * z - xy * y, determinant)};
+            plane = plane + weights * lanes_from<K>(points[k].separation);
+            shares[k] = stop * weights;
         }
         write(points, maximum, ok, plane, shares);
     }
     /// Answers the speeds, and adds what that comes to to the sum. `left` is 1 in lanes that are left to visits, where
     /// nothing changes; returns whether any is. `at(k)` is the way at point k.
-    template <class Point, class Sum, class At, class SpeedAt>
+    template <class Point, class At, class SpeedAt>
     PHYSICS_HPP_ALWAYS_INLINE bool solve(Point* points, int count, const contact_pass<S, D>& pass,
-                                         const P (&unbiased)[D], const P (&displacement)[D], P& left, Sum& sum, At&& at,
-                                         SpeedAt&& speed_at) const {
+                                         const vector& unbiased, const vector& displacement, P& left, vector& sum,
+                                         At&& at, SpeedAt&& speed_at) const {
         const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
         left = one;
         if (count == 1) return true;
         P ok = P::load(valid), kept = one, strength = one, changes[capacity];
-        P calm = P::broadcast(scalar_traits<S>::max()), sum_of_changes = zero, there = zero, speed[D];
-        for (int i = 0; i < D; ++i) speed[i] = unbiased[i];
+        P calm = P::broadcast(scalar_traits<S>::max()), sum_of_changes = zero, there = zero;
+        vector speed = unbiased;
         if (pass.use_bias) {
-            const P rate = P::broadcast(pass.spring.rate);
-            for (int i = 0; i < D; ++i) speed[i] = unbiased[i] + rate * (P::load(separation[i]) + displacement[i]);
+            speed = unbiased + (vector::load(separation) + displacement) * P::broadcast(pass.spring.rate);
             kept = P::broadcast(S(1) - pass.spring.impulse_scale);
             strength = P::broadcast(pass.spring.mass_scale);
         }
         for (int k = 0; k < count; ++k) {
             const P before = P::load(points[k].impulse), gap = P::load(points[k].separation) + at(k);
-            P asked = P::load(points[k].share[0]) * speed[0];
-            for (int i = 1; i < D; ++i) asked = asked + P::load(points[k].share[i]) * speed[i];
+            const P asked = asked_of(points[k], speed);
             changes[k] = pass.use_bias ? kept * before - strength * asked - before : zero - asked;
             P good = min(before + changes[k], -gap);
             // Where the limit of the push binds, what the springs ask for is not flat.
@@ -164,7 +184,7 @@ struct block_solve {
             const P by = changes[k] + select_greater(P::load(points[k].mass), zero, more, zero);
             const P change = select_greater(zero, ok, zero, by);
             (P::load(points[k].impulse) + change).store(points[k].impulse);
-            sum.add(points[k], change);
+            sum = sum + points[k].at_middle(change);
         }
         return any_left;
     }
@@ -172,24 +192,22 @@ struct block_solve {
     /// fast, and whose gaps all close within it. What lands flat is stopped without a turn, which friction would make a
     /// slide of. Not where the middle's way is longer than the contact is wide: needles turn by more than their gaps
     /// are good for before the substep ends.
-    template <class Point, class Sum, class At, class SpeedAt>
+    template <class Point, class At, class SpeedAt>
     PHYSICS_HPP_ALWAYS_INLINE void solve_landing(Point* points, int count, const contact_pass<S, D>& pass,
-                                                 const P (&speed)[D], const P (&displacement)[D], S* start_load,
-                                                 const P& half_width, P& left, Sum& sum, At&& at,
+                                                 const vector& speed, const vector& displacement, S* start_load,
+                                                 const P& half_width, P& left, vector& sum, At&& at,
                                                  SpeedAt&& speed_at) const {
         if (count == 1) return;
         const P zero = P::broadcast(S(0)), one = P::broadcast(S(1)), per_step = P::broadcast(pass.inverse_step);
-        const P half_way = lane_abs(speed[0]) * P::broadcast(pass.substep * S(0.5));
-        const P rests = select_greater(lane_abs(speed[0]), P::broadcast(pass.impact_speed), zero, P::load(start_load));
+        const P half_way = lane_abs(speed.x) * P::broadcast(pass.substep * S(0.5));
+        const P rests = select_greater(lane_abs(speed.x), P::broadcast(pass.impact_speed), zero, P::load(start_load));
         P lands = select_greater(max(rests, -P::load(valid)), zero, zero, left);
         lands = select_greater(half_way, half_width, zero, lands);
         // No early return where no lane lands: g++ 11 and 12 fail to compile it (in gimple_expand_vec_cond_expr).
-        P closing[D], changes[capacity];
-        for (int i = 0; i < D; ++i) closing[i] = speed[i] + per_step * (P::load(separation[i]) + displacement[i]);
+        const vector closing = speed + (vector::load(separation) + displacement) * per_step;
+        P changes[capacity];
         for (int k = 0; k < count; ++k) {
-            changes[k] = P::load(points[k].share[0]) * closing[0];
-            for (int i = 1; i < D; ++i) changes[k] = changes[k] + P::load(points[k].share[i]) * closing[i];
-            changes[k] = zero - changes[k];
+            changes[k] = zero - asked_of(points[k], closing);
             const P before = P::load(points[k].impulse), gap = P::load(points[k].separation) + at(k);
             // Gaps that are all but closed may be overlaps by rounding.
             const P rounding = lane_abs(speed_at(k)) * P::broadcast(pass.substep * S(1.0 / 1024));
@@ -201,33 +219,43 @@ struct block_solve {
         for (int k = 0; k < count; ++k) {
             const P change = select_greater(lands, zero, changes[k], zero);
             (P::load(points[k].impulse) + change).store(points[k].impulse);
-            sum.add(points[k], change);
+            sum = sum + points[k].at_middle(change);
         }
         left = left - lands;
         if (!pass.use_bias) return;
-        const P impact = select_greater(-speed[0], P::broadcast(pass.impact_speed), lands, zero);
+        const P impact = select_greater(-speed.x, P::broadcast(pass.impact_speed), lands, zero);
         select_greater(impact, zero, -one, P::load(start_load)).store(start_load);
     }
 
 private:
+    /// What speeds ask of a point. Each product is rounded, which those of dot are not.
+    template <class Point>
+    PHYSICS_HPP_ALWAYS_INLINE static P asked_of(const Point& p, const vector& speed) {
+        const vector share = vector::load(p.share);
+        if constexpr (D == 2) return share.x * speed.x + share.y * speed.y;
+        else return share.x * speed.x + share.y * speed.y + share.z * speed.z;
+    }
     /// Writes the lanes that are good (1, else 0), but for those whose shares the scalar cannot hold.
     template <class K, class Point>
-    PHYSICS_HPP_ALWAYS_INLINE void write(Point* points, int count, const K& good, const K (&plane)[D],
-                                         const K (&shares)[capacity][D]) {
+    PHYSICS_HPP_ALWAYS_INLINE void write(Point* points, int count, const K& good, const lane_vec<K, D>& plane,
+                                         const vectors<K>& shares) {
         using C = typename K::scalar;
         const K zero = K::broadcast(C(0)), maximum = K::broadcast(C(to_double(scalar_traits<S>::max()) / 4));
         K ok = good;
-        for (int k = 0; k < count; ++k)
-            for (int i = 0; i < D; ++i) ok = select_greater(maximum, lane_abs(shares[k][i]), ok, zero);
-        if (greater(ok, zero).bits() == 0) return;
-        const auto put = [&](const K& value, S* to) PHYSICS_HPP_INLINE_LAMBDA {
-            put_lanes(select_greater(ok, zero, value, lanes_from<K>(to)), to);
-        };
-        put(zero, valid);
-        for (int i = 0; i < D; ++i) {
-            put(plane[i], separation[i]);
-            for (int k = 0; k < count; ++k) put(shares[k][i], points[k].share[i]);
+        const auto hold = [&](const K& share)
+                              PHYSICS_HPP_INLINE_LAMBDA { ok = select_greater(maximum, lane_abs(share), ok, zero); };
+        for (int k = 0; k < count; ++k) {
+            hold(shares[k].x);
+            hold(shares[k].y);
+            if constexpr (D == 3) hold(shares[k].z);
         }
+        if (greater(ok, zero).bits() == 0) return;
+        put_lanes(select_greater(ok, zero, zero, lanes_from<K>(valid)), valid);
+        const auto put = [&](const lane_vec<K, D>& value, S(&to)[D][W]) PHYSICS_HPP_INLINE_LAMBDA {
+            select_greater(ok, zero, value, lane_vec<K, D>::load(to)).store(to);
+        };
+        put(plane, separation);
+        for (int k = 0; k < count; ++k) put(shares[k], points[k].share);
     }
 };
 

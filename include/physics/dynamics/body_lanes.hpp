@@ -9,7 +9,7 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-template <class P, int D>
+template <class P, int D, bool Rotates = true>
 struct body_lanes;
 template <class P>
 struct body_lanes<P, 2> {
@@ -58,12 +58,7 @@ PHYSICS_HPP_ALWAYS_INLINE void load_inverse_masses(const solver_body<S, 3>* bodi
         const quad<P> a = load4<P>(indexed_rows<const S, stride>{first + 12, index});
         const quad<P> b = load4<P>(indexed_rows<const S, stride>{first + 16, index});
         a.x.store(mass);
-        a.y.store(inertia[0]);
-        a.z.store(inertia[1]);
-        a.w.store(inertia[2]);
-        b.x.store(inertia[3]);
-        b.y.store(inertia[4]);
-        b.z.store(inertia[5]);
+        lane_symmetric<P, 3>{a.y, a.z, a.w, b.x, b.y, b.z}.store(inertia);
     } else {
         for (int lane = 0; lane < W; ++lane) {
             const solver_body<S, 3>& of = bodies[index[lane]];
@@ -103,6 +98,53 @@ struct body_lanes<P, 3> {
         auto* first = reinterpret_cast<S*>(bodies);
         store4(indexed_rows<S, stride>{first + 8, index},
                quad<P>{displacement.linear.z, displacement.angular.x, displacement.angular.y, displacement.angular.z});
+    }
+};
+
+/// What does not turn: velocities and displacements.
+template <class P, int D>
+struct body_lanes<P, D, false> {
+    using S = typename P::scalar;
+    static constexpr int stride = sizeof(solver_body<S, D, false>) / sizeof(S);
+    static_assert(sizeof(linear_twist<S, D>) == D * sizeof(S));
+
+    lane_vec<P, D> velocity, displacement;
+
+    PHYSICS_HPP_ALWAYS_INLINE void load(const solver_body<S, D, false>* bodies, const std::uint32_t* index) {
+        const auto* first = reinterpret_cast<const S*>(bodies);
+        const quad<P> p = load4<P>(indexed_rows<const S, stride>{first, index});
+        if constexpr (D == 2) {
+            velocity = {p.x, p.y};
+            displacement = {p.z, p.w};
+        } else {
+            const quad<P> q = load4<P>(indexed_rows<const S, stride>{first + 4, index});
+            velocity = {p.x, p.y, p.z};
+            displacement = {p.w, q.x, q.y};
+        }
+    }
+    PHYSICS_HPP_ALWAYS_INLINE void store(solver_body<S, D, false>* bodies, const std::uint32_t* index) const {
+        const indexed_rows<S, stride> to{reinterpret_cast<S*>(bodies), index};
+        const auto& [v, moved] = *this;
+        if constexpr (D == 2) store4(to, quad<P>{v.x, v.y, moved.x, moved.y});
+        else store4(to, quad<P>{v.x, v.y, v.z, moved.x});
+    }
+};
+
+/// The bodies of W contacts.
+template <class P, int D, bool Rotates = true>
+struct body_pair_lanes {
+    body_lanes<P, D, Rotates> a, b;
+
+    template <class Block, class Body>
+    PHYSICS_HPP_ALWAYS_INLINE void load(const Block& of, const Body* bodies) {
+        a.load(bodies, of.a);
+        b.load(bodies, of.b);
+    }
+    /// Writes back those that are pushed.
+    template <class Block, class Body>
+    PHYSICS_HPP_ALWAYS_INLINE void store(const Block& of, Body* bodies) const {
+        if (of.moves_a) a.store(bodies, of.a);
+        if (of.moves_b) b.store(bodies, of.b);
     }
 };
 

@@ -87,6 +87,12 @@ template <class P>
 PHYSICS_HPP_ALWAYS_INLINE lane_vec3<P> combine(const lane_vec3<P>& a, const P& s, const lane_vec3<P>& b, const P& t) {
     return {lane_sum(a.x, s, b.x, t), lane_sum(a.y, s, b.y, t), lane_sum(a.z, s, b.z, t)};
 }
+/// a / b where b is greater than 0, else 0.
+template <class P, int D>
+PHYSICS_HPP_ALWAYS_INLINE lane_vec<P, D> lane_quotient(const lane_vec<P, D>& a, const P& b) {
+    if constexpr (D == 2) return {lane_quotient(a.x, b), lane_quotient(a.y, b)};
+    else return {lane_quotient(a.x, b), lane_quotient(a.y, b), lane_quotient(a.z, b)};
+}
 /// a > b ? v : w in each lane.
 template <class P, int D>
 PHYSICS_HPP_ALWAYS_INLINE lane_vec<P, D> select_greater(const P& a, const P& b, const lane_vec<P, D>& v,
@@ -115,7 +121,7 @@ template <class P, int D>
 struct lane_symmetric;
 template <class P>
 struct lane_symmetric<P, 2> {
-    P xx, xy, yy;
+    P xx, yy, xy;
 
     template <class T>
     PHYSICS_HPP_ALWAYS_INLINE static lane_symmetric load(const T (&from)[3][P::width]) {
@@ -124,8 +130,8 @@ struct lane_symmetric<P, 2> {
     template <class T>
     PHYSICS_HPP_ALWAYS_INLINE void store(T (&to)[3][P::width]) const {
         put_lanes(xx, to[0]);
-        put_lanes(xy, to[1]);
-        put_lanes(yy, to[2]);
+        put_lanes(yy, to[1]);
+        put_lanes(xy, to[2]);
     }
 };
 template <class P>

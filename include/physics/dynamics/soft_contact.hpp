@@ -1,8 +1,6 @@
-// What the contacts of the soft solver have in common in 2D and in 3D.
+// The blocks of the soft solver: contacts in lanes, over a frame that says how their bodies move and are pushed.
 #pragma once
 
-#include "physics/dynamics/block_solve.hpp"
-#include "physics/dynamics/body_lanes.hpp"
 #include "physics/dynamics/restitution.hpp"
 #include "physics/dynamics/soft_friction.hpp"
 
@@ -10,122 +8,22 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// One point of W contacts.
-template <class S, int D, int W>
-struct soft_point {
-    S mass[W];
-    S separation[W];
-    /// What the contact's D speeds ask of it where all points are answered at once.
-    S share[D][W];
-    /// Of this substep, after its last round what the next one begins with; and of the whole step.
-    S impulse[W], total[W];
-};
-/// What bounces. Speeds with which the surfaces part at points that meet in this substep (m/s), 0 for none.
-template <class S, int Points, int W>
-struct soft_bounces {
-    /// What surfaces give back, 0 where they cannot meet, and how fast they are drawn together (m/s^2).
-    S restitution[W], closing[W];
-    S speed[Points][W];
-
-    /// Whether a point that may bounce bears nothing.
-    template <class P, class Point>
-    PHYSICS_HPP_ALWAYS_INLINE bool any_free(const Point* points, int count) const {
-        const P zero = P::broadcast(S(0));
-        P any = zero;
-        for (int k = 0; k < count; ++k)
-            any = max(any, select_greater(P::load(points[k].impulse), zero, zero, P::load(points[k].mass)));
-        return greater(min(any, P::load(restitution)), zero).bits() != 0;
-    }
-    /// Notes the approaches of points that bear nothing yet and meet within the substep, in lanes; true if there are
-    /// any. Before contacts change velocities: what stops an approach is not to be what bounces.
-    template <class P, class Point, class Pass, class DisplacementAt, class SpeedAt>
-    PHYSICS_HPP_ALWAYS_INLINE bool note(const Point* points, int count, const Pass& pass,
-                                        DisplacementAt&& displacement_at, SpeedAt&& speed_at) {
-        const P zero = P::broadcast(S(0)), slop = P::broadcast(pass.bounce_slop), e = P::load(restitution);
-        P any = zero;
-        for (int k = 0; k < count; ++k) {
-            const P v = speed_at(k), gap = P::load(points[k].separation) + displacement_at(k);
-            const P arrives = min(-v - slop, -(v + gap * P::broadcast(pass.inverse_step)));
-            const P meets = select_greater(P::load(points[k].impulse), zero, zero, min(arrives, e));
-            const P target = select_greater(min(meets, P::load(points[k].mass)), zero, e * -v, zero);
-            target.store(speed[k]);
-            any = max(any, target);
-        }
-        if (greater(any, zero).bits() == 0) return false;
-        for (int k = 0; k < count; ++k) {
-            const P v = speed_at(k), gap = P::load(points[k].separation) + displacement_at(k);
-            for (int lane = 0; lane < W; ++lane)
-                if (speed[k][lane] > S(0))
-                    speed[k][lane] =
-                        rebound_speed(restitution[lane], -v.lane(lane), gap.lane(lane), closing[lane], pass.substep);
-        }
-        return true;
-    }
-    /// Forgets those that were stopped by others before they met.
-    template <class P, class Point>
-    PHYSICS_HPP_ALWAYS_INLINE void keep_pushed(const Point* points, int count) {
-        const P zero = P::broadcast(S(0));
-        for (int k = 0; k < count; ++k)
-            select_greater(P::load(points[k].impulse), zero, P::load(speed[k]), zero).store(speed[k]);
-    }
-    [[nodiscard]] bool has(int lane, int count) const {
-        for (int k = 0; k < count; ++k)
-            if (speed[k][lane] > S(0)) return true;
-        return false;
-    }
-};
-/// Where the bounces of a block are, if it may have any.
-template <class S, int Points, int W>
-struct bounces_of_block {
-    using bounces = soft_bounces<S, Points, W>;
-
-    bounces* at = nullptr;
-
-    /// Writes a contact into a lane. Points that were there in the last step, and overlap, have met before: what
-    /// approaches there springs back, as it does in a crowd that is squeezed.
-    template <class Contact, class Start>
-    void put(int lane, const Contact& c, const body_pair& ends, const Start& with, arena& scratch) {
-        const S share = with.surfaces.restitution_of(c);
-        bool meets = false;
-        for (int k = 0; k < c.count && share > S(0); ++k)
-            meets = meets || !c.persisted(k) || c.points[k].separation > -with.overlap;
-        if (!meets) return;
-        if (at == nullptr) at = new (scratch.template allocate<bounces>(1)) bounces{};
-        at->restitution[lane] = share;
-        at->closing[lane] = with.closing(c, ends);
-    }
-};
-struct no_bounces_of_block {};
-template <class S, int Points, int W, class Features>
-using soft_bounces_of = std::conditional_t<Features::restitution, bounces_of_block<S, Points, W>, no_bounces_of_block>;
-
 /// Whether nothing has to be given to any lane of a block when a substep begins, nor be taken back.
 template <class P, class Block>
 PHYSICS_HPP_ALWAYS_INLINE bool carries_no_impulse(const Block& block) {
-    P maximum = load_of<P>(block.points, block.point_count);
+    P maximum = load_of<P>(block.points, block.count());
     if constexpr (requires { block.friction.max_impulse(1); })
-        maximum = max(maximum, block.friction.max_impulse(block.point_count));
+        maximum = max(maximum, block.friction.max_impulse(block.count()));
     if constexpr (requires { block.extras.at; })
         if (block.extras.at != nullptr) return false;
     return greater(maximum, P::broadcast(typename P::scalar(0))).bits() == 0;
 }
-/// Symmetric Gauss-Seidel over the points: last to first and back, so that no corner is always solved first. The order
-/// turns at the first point, which all lanes have, so it does not depend on which contacts share lanes.
-template <class F>
-PHYSICS_HPP_ALWAYS_INLINE void symmetric_gauss_seidel(int points, F&& f) {
-    for (int i = 1 - points; i < points; ++i) f(i < 0 ? -i : i);
-}
-/// After an impact only the impulse held before it is warm started; the rest is removed from the next substep's start
-/// velocity.
-template <class S, int D>
-void remove_from_start(twist<S, D>& start_velocity, const solver_body<S, D>& b, vec<S, D> impulse,
-                       angular<S, D> moment) {
-    for (int i = 0; i < D; ++i) start_velocity.linear[i] += mul<S>(b.inverse_mass, impulse[i]);
-    start_velocity.angular += times(b.inverse_inertia, moment);
-}
-template <class S, int D>
-void remove_from_start(linear_twist<S, D>& start_velocity, const solver_body<S, D, false>& b, vec<S, D> impulse) {
-    for (int i = 0; i < D; ++i) start_velocity.linear[i] += mul<S>(b.inverse_mass, impulse[i]);
+/// Gives a body's velocity, or that with which its next substep begins, an impulse and its moment.
+template <class S, int D, bool Rotates>
+void apply_impulse(twist_of<S, D, Rotates>& velocity, const solver_body<S, D, Rotates>& b,
+                   const twist_of<S, D, Rotates>& by) {
+    for (int i = 0; i < D; ++i) velocity.linear[i] += mul<S>(b.inverse_mass, by.linear[i]);
+    if constexpr (Rotates) velocity.angular += times(b.inverse_inertia, by.angular);
 }
 /// The change of a point's impulse that its speed along the normal asks for, in lanes that are left to visits (1, else
 /// 0).
@@ -150,43 +48,287 @@ PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& 
     impulse.store(point.impulse);
     return impulse - before;
 }
-/// Lets the points of a lane that have met part with their speeds, and stops those that this pushes in. `speed_at(k)`
-/// gives the speed at a point, `change(k, impulse)` is told of impulses, by which speeds change. Returns which part of
-/// the contact's load had stopped what bounces now.
-template <class S, class Point, class Bounces, class SpeedAt, class Change>
-S bounce_points(Point* points, int count, const Bounces& bounces, int lane, SpeedAt&& speed_at, Change&& change) {
-    S impulses[4] = {}, load = S(0), stopped = S(0);
-    int own = 0;
-    for (int k = 0; k < count; ++k) {
-        load += points[k].impulse[lane];
-        own += points[k].mass[lane] > S(0) ? 1 : 0;
-    }
-    // To rounding, which takes five rounds for a cube: what is left turns it, and friction makes a slide of that.
-    S last = S(1), total = S(0);
-    for (int round = 0; round < (own > 1 ? 32 : 1) && last > total * S(1.0 / (1 << 22)); ++round) {
-        last = total = S(0);
-        symmetric_gauss_seidel(count, [&](int k) {
-            const S target = bounces.speed[k][lane], bears = points[k].impulse[lane];
-            if (!(target > S(0) || bears > S(0))) return;
-            const S next = max(impulses[k] + points[k].mass[lane] * (target - speed_at(k)), -bears);
-            const S by = next - impulses[k];
-            change(k, by);
-            impulses[k] = next;
-            last = max(last, abs(by));
-            total = max(total, abs(next));
-        });
-    }
-    for (int k = 0; k < count; ++k) {
-        points[k].total[lane] += impulses[k];
-        if (bounces.speed[k][lane] > S(0)) stopped += points[k].impulse[lane];
-    }
-    return load > S(0) ? stopped / load : S(1);
-}
 /// Ends a substep: adds the loads of the points to the step's impulses.
 template <class P, class Point>
 PHYSICS_HPP_ALWAYS_INLINE void add_totals(Point* points, int count) {
     for (int k = 0; k < count; ++k) (P::load(points[k].total) + P::load(points[k].impulse)).store(points[k].total);
 }
+
+template <class S, int D, int W>
+using contact_frame_of = std::conditional_t<D == 2, contact_frame2<S, W>, contact_frame3<S, W>>;
+template <class S, int D, int W, class Features, class Friction>
+using soft_friction_of = std::conditional_t<
+    !Features::friction, no_soft_friction,
+    std::conditional_t<D == 2, soft_friction2<S, W, Features>,
+                       std::conditional_t<std::is_same_v<Friction, point_friction>,
+                                          soft_point_friction3<S, W, Features>, soft_patch_friction3<S, W, Features>>>>;
+
+/// W contacts that push different bodies: what each round does with them. All points of a contact share the normal, so
+/// that their speeds follow from those of its frame, in which impulses are solved; bodies are updated once.
+template <class Frame, class Features, class Friction>
+struct soft_block {
+    using S = typename Frame::scalar;
+    static constexpr int D = Frame::dimension, W = Frame::width;
+    using P = typename Frame::P;
+    using vector = typename Frame::vector;
+    using point = typename Frame::point;
+    using body = solver_body<S, D, Frame::rotates>;
+    using pass_type = contact_pass<S, D, Frame::rotates>;
+    using twist = twist_of<S, D, Frame::rotates>;
+    static constexpr int capacity = Frame::capacity;
+
+    std::uint32_t a[W], b[W];
+    Frame frame;
+    point points[capacity];
+    [[no_unique_address]] typename Frame::direct_solve direct;
+    [[no_unique_address]] Friction friction;
+    /// What the points bore together as the substep began; less than 0 where they land in it with an impact.
+    S start_load[W];
+    /// How B has moved against A as of the last round that did not push: the next one that does asks for the same.
+    typename Frame::motion_rows last_displacement;
+    int point_count = 0;
+    /// Whether any point is going to bounce in this substep.
+    bool bounces_now = false;
+    /// Whether the contacts push their bodies, which is the same for all lanes.
+    bool moves_a = false, moves_b = false;
+    [[no_unique_address]] extras_of_block<S, W, D, Features> extras;
+    // What most rounds do not ask for comes last, and stays out of their caches.
+    [[no_unique_address]] typename Frame::k_matrix_type k_matrix;
+    [[no_unique_address]] soft_bounces_of<S, capacity, W, Features> bounce_to;
+
+    /// Writes a contact into a lane, but for its points: as it is, to be prepared with its neighbours.
+    void put(int lane, const contact<S, D, Features>& c, const body_pair& ends, const body* bodies,
+             const prepare_input<S, D, Features>& with, arena& scratch) {
+        a[lane] = ends.a;
+        b[lane] = ends.b;
+        if constexpr (Features::restitution) bounce_to.put(lane, c, ends, with, scratch);
+        if constexpr (Features::friction) friction.put(lane, c, with);
+        extras.put(lane, c, bodies[ends.a], bodies[ends.b], with, scratch);
+    }
+
+    /// Gives the bodies the impulses of the last substep at once.
+    PHYSICS_HPP_ALWAYS_INLINE void warm_start(body* bodies) {
+        load_of<P>(points, count()).store(start_load);
+        if (carries_no_impulse<P>(*this)) return;
+        const lanes f(frame);
+        typename Frame::bodies at;
+        at.load(*this, bodies);
+        vector sum = Frame::none();
+        for (int k = 0; k < count(); ++k) sum = sum + points[k].at_middle(P::load(points[k].impulse));
+        if constexpr (Features::rolling_resistance)
+            if (extras.at != nullptr) extras.rolling().add_to(sum);
+        if constexpr (Features::friction) f.apply(sum, friction.last(points, count()), at);
+        else f.apply(sum, at);
+        at.store(*this, bodies);
+    }
+    /// One round over the contacts: the points at once, or across and back, then friction by their load.
+    PHYSICS_HPP_ALWAYS_INLINE void solve(body* bodies, const pass_type& pass) {
+        const lanes f(frame);
+        typename Frame::bodies at;
+        at.load(*this, bodies);
+        const vector speed = f.motion(at.a.velocity, at.b.velocity), displacement = displacement_of(f, at, pass);
+        const auto displacement_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return points[k].speed(displacement); };
+        const auto speed_at = [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return points[k].speed(speed); };
+        if (carries_no_impulse<P>(*this) &&
+            are_inactive(points, count(), pass, P::broadcast(S(1)), displacement_at, speed_at)) {
+            if (!pass.use_bias) P::broadcast(S(0)).store(start_load);
+            else if constexpr (Features::restitution) bounces_now = false;
+            return;
+        }
+        vector sum = Frame::none();
+        P left;
+        if (direct.solve(points, count(), pass, speed, displacement, left, sum, displacement_at, speed_at)) {
+            direct.solve_landing(points, count(), pass, speed, displacement, start_load,
+                                 Frame::half_width(points, count()), left, sum, displacement_at, speed_at);
+            // Each point by the speed that the ones before left.
+            vector v = speed;
+            symmetric_gauss_seidel(count(), [&](int k) PHYSICS_HPP_INLINE_LAMBDA {
+                const vector by =
+                    points[k].at_middle(next_impulse(points[k], points[k].speed(v), displacement_at(k), pass, left));
+                sum = sum + by;
+                v = v + k_matrix * by;
+            });
+        }
+        f.apply(sum, at);
+        if constexpr (Features::restitution)
+            if (pass.use_bias && bounces_now) bounce_to.at->template keep_pushed<P>(points, count());
+        if constexpr (Features::friction)
+            if (Frame::slides_with_bias || !pass.use_bias) solve_friction(f, pass, at);
+        if (!pass.use_bias) {
+            add_totals<P>(points, count());
+            const P impact = max(-Frame::along(speed) - P::broadcast(pass.impact_speed), -P::load(start_load));
+            if (greater(impact, P::broadcast(S(0))).bits() != 0) discard_impacts(bodies, pass, impact);
+            load_of<P>(points, count()).store(start_load);
+        }
+        at.store(*this, bodies);
+    }
+    /// Notes which points are going to bounce, before anything stops them.
+    PHYSICS_HPP_ALWAYS_INLINE void note_approaches(const body* bodies,
+                                                   const pass_type& pass) requires Features::restitution {
+        bounces_now = false;
+        if (!bounce_to.at->template any_free<P>(points, count())) return;
+        const lanes f(frame);
+        typename Frame::bodies at;
+        at.load(*this, bodies);
+        const vector speed = f.motion(at.a.velocity, at.b.velocity), displacement = vector::load(last_displacement);
+        bounces_now = bounce_to.at->template note<P>(
+            points, count(), pass, [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return points[k].speed(displacement); },
+            [&](int k) PHYSICS_HPP_INLINE_LAMBDA { return points[k].speed(speed); });
+    }
+    /// Lets bounce what has met in this substep. The next one does not begin with any of that.
+    PHYSICS_HPP_NOINLINE void bounce(body* bodies, const pass_type& pass) requires Features::restitution {
+        for (int lane = 0; lane < W; ++lane) {
+            if (!bounce_to.at->has(lane, count())) continue;
+            body& of_a = bodies[a[lane]];
+            body& of_b = bodies[b[lane]];
+            const single f(frame, lane);
+            typename Frame::speeds v = f.motion(of_a.velocity, of_b.velocity), sum{};
+            const S share = bounce_points<S>(
+                points, count(), *bounce_to.at, lane, [&](int k) { return points[k].speed(lane, v); },
+                [&](int k, S impulse) {
+                    const typename Frame::speeds by = points[k].at_middle(lane, impulse);
+                    sum += by;
+                    v += k_matrix.times(lane, by);
+                });
+            push(f, lane, bodies, f.impulse(sum), of_a.velocity, of_b.velocity);
+            for (int k = 0; k < count(); ++k) {
+                if (!(bounce_to.at->speed[k][lane] > S(0))) continue;
+                sum += points[k].at_middle(lane, points[k].impulse[lane]);
+                points[k].impulse[lane] = S(0);
+            }
+            remove_from_next_start(lane, bodies, pass, sum, S(1) - share);
+        }
+        load_of<P>(points, count()).store(start_load);
+        bounces_now = false;
+    }
+    /// Whether a round begins with roll().
+    bool rolls(const pass_type& pass) const requires Features::rolling_resistance {
+        return !pass.use_bias && extras.at != nullptr;
+    }
+    /// Stops the bodies' rolling against each other, or slows it.
+    PHYSICS_HPP_ALWAYS_INLINE void roll(body* bodies) requires Features::rolling_resistance {
+        const lanes f(frame);
+        typename Frame::bodies at;
+        at.load(*this, bodies);
+        auto& w_a = at.a.velocity.angular;
+        auto& w_b = at.b.velocity.angular;
+        const auto moment = f.rolling_moment(extras.at->next(f.rolling(w_b - w_a), load_of<P>(points, count())));
+        const P arm = extras.at->arm.all(), zero = P::broadcast(S(0));
+        w_a = select_greater(arm, zero, w_a - f.spin_a(moment), w_a);
+        w_b = select_greater(arm, zero, w_b + f.spin_b(moment), w_b);
+        at.store(*this, bodies);
+    }
+
+    /// Points that any lane has.
+    PHYSICS_HPP_ALWAYS_INLINE int count() const { return capacity == 1 ? 1 : point_count; }
+
+private:
+    using lanes = typename Frame::lanes;
+    using single = typename Frame::single;
+
+    PHYSICS_HPP_ALWAYS_INLINE vector displacement_of(const lanes& f, const typename Frame::bodies& at,
+                                                     const pass_type& pass) {
+        if (pass.use_bias) return vector::load(last_displacement);
+        const vector displacement = f.motion(at.a.displacement, at.b.displacement);
+        displacement.store(last_displacement);
+        return displacement;
+    }
+    /// Stops the slip, or lets it slide.
+    PHYSICS_HPP_ALWAYS_INLINE void solve_friction(const lanes& f, const pass_type& pass, typename Frame::bodies& at) {
+        auto slip = f.slip(at.a.velocity, at.b.velocity);
+        if constexpr (Features::surface_velocity)
+            if (extras.at != nullptr) extras.belt().take_from(slip);
+        f.apply_friction(friction.next(slip, points, count(), pass.use_bias), at);
+    }
+    /// After an impact, removes from the start velocities of the next substep all impulse but what was held before it.
+    PHYSICS_HPP_NOINLINE void discard_impacts(const body* bodies, const pass_type& pass, const P& impact) {
+        for (int lane = 0; lane < W; ++lane) {
+            S load = S(0), held = max(start_load[lane], S(0));
+            for (int k = 0; k < count(); ++k) load += points[k].impulse[lane];
+            if (!(impact.lane(lane) > S(0)) || !(load > held)) continue;
+            const S share = held / load;
+            typename Frame::speeds sum{};
+            for (int k = 0; k < count(); ++k)
+                sum += points[k].at_middle(lane, reduce_to(points[k].impulse[lane], share));
+            remove_from_next_start(lane, bodies, pass, sum, share);
+        }
+    }
+    /// Takes impulses of a lane, and all but a share of its friction, from what the next substep begins with.
+    PHYSICS_HPP_NOINLINE void remove_from_next_start(int lane, const body* bodies, const pass_type& pass,
+                                                     const typename Frame::speeds& sum, [[maybe_unused]] S share) {
+        const single f(frame, lane);
+        typename Frame::slide lost{};
+        if constexpr (Features::friction) lost = friction.reduce_impulses(lane, points, count(), share);
+        push(f, lane, bodies, f.impulse(sum, lost), pass.start_velocity[a[lane]], pass.start_velocity[b[lane]]);
+    }
+    /// Gives velocities of a lane's bodies what an impulse at the middle comes to.
+    void push(const single& f, int lane, const body* bodies, const twist& impulse, twist& of_a, twist& of_b) {
+        if (moves_a) apply_impulse(of_a, bodies[a[lane]], f.on_a(impulse));
+        if (moves_b) apply_impulse(of_b, bodies[b[lane]], f.on_b(impulse));
+    }
+};
+
+/// W contacts between bodies that turn.
+template <class S, int D, int W, class Features, class Friction = patch_friction>
+struct soft_contact : soft_block<contact_frame_of<S, D, W>, Features, soft_friction_of<S, D, W, Features, Friction>> {
+    using base = soft_block<contact_frame_of<S, D, W>, Features, soft_friction_of<S, D, W, Features, Friction>>;
+    using base::capacity, base::frame, base::points, base::point_count, base::direct, base::friction, base::extras;
+    using typename base::body;
+    using gathering = contact_gather<S, D, W, Features>;
+
+    /// Writes a contact into a lane: as it is, to be prepared with its neighbours.
+    void put(int lane, const contact<S, D, Features>& c, const body_pair& ends, const body* bodies,
+             const prepare_input<S, D, Features>& with, gathering& gathered, arena& scratch) {
+        gathered.add(lane, c);
+        point_count = point_count < c.count ? c.count : point_count;
+        for (int k = 0; k < c.count; ++k) points[k].impulse[lane] = c.persisted(k) ? c.points[k].substep_impulse : S(0);
+        base::put(lane, c, ends, bodies, with, scratch);
+    }
+    /// Works out, once all lanes have been written, what the rounds need.
+    PHYSICS_HPP_ALWAYS_INLINE void prepare(const body* bodies, gathering& gathered) {
+        gathered.read(frame, points, point_count);
+        load_inverse_masses(bodies, this->a, frame.mass_a, frame.inertia_a);
+        load_inverse_masses(bodies, this->b, frame.mass_b, frame.inertia_b);
+        using K = preparing<S, W>;
+        const auto c = frame.template prepare<K>();
+        const lane_symmetric<K, D> speeds = c.k_matrix();
+        speeds.store(this->k_matrix.rows);
+
+        const K zero = K::broadcast(typename K::scalar(0)), count = lanes_from<K>(gathered.count);
+        lane_vec<K, D> jacobians[capacity], of_points[capacity];
+        K own[capacity], there[capacity];
+        for (int k = 0; k < point_count; ++k) {
+            const lane_vec<K, D> jacobian = c.jacobian(lane_vec<K, D>::load(gathered.offset[k])),
+                                 of = speeds * jacobian;
+            jacobians[k] = jacobian;
+            of_points[k] = of;
+            // Turning only adds to it, whatever rounding says.
+            own[k] = max(dot(jacobian, of), c.mass);
+            there[k] = lanes_from<K>(gathered.there[k]);
+            points[k].put_jacobian(jacobian);
+            put_lanes(select_greater(there[k], zero, lane_reciprocal(own[k]), zero), points[k].mass);
+        }
+        direct.clear();
+        // Each writes the lanes that are its own; a single lane is either.
+        if (W == 1 ? point_count == 2 : point_count > 1) direct.prepare_edge(points, jacobians, of_points, own, count);
+        if constexpr (D == 3)
+            if (point_count > 2) direct.prepare_face(points, point_count, jacobians, there, speeds, count);
+        if constexpr (Features::friction) friction.prepare(c, points, point_count, count);
+    }
+    /// Hands the impulses back.
+    void store_impulses(int lane, contact<S, D, Features>& c) const {
+        S load = S(0);
+        for (int k = 0; k < c.count; ++k) load += points[k].total[lane];
+        for (int k = 0; k < c.count; ++k) {
+            auto& to = c.points[k];
+            to.normal_impulse = points[k].total[lane];
+            to.substep_impulse = points[k].impulse[lane];
+            if constexpr (Features::friction) to.friction_impulse = friction.of_point(lane, k, to.normal_impulse, load);
+        }
+        if constexpr (Features::friction) friction.store_impulses(lane, c);
+        extras.store_impulses(lane, c);
+    }
+};
 
 }  // namespace detail
 

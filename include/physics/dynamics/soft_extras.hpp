@@ -38,7 +38,7 @@ struct friction_cone_lanes {
     /// The impulses that follow those before where the speeds are v: they stop them, or slide on the cone.
     PHYSICS_HPP_ALWAYS_INLINE lane_vec2<P> next(const lane_vec2<P>& before, const lane_vec2<P>& v,
                                                 const P& limit) const {
-        const lane_vec2<P> stick = before - lane_symmetric<P, 2>{P::load(xx), P::load(xy), P::load(yy)} * v;
+        const lane_vec2<P> stick = before - lane_symmetric<P, 2>{P::load(xx), P::load(yy), P::load(xy)} * v;
         if (lane_is_longer(stick.x, stick.y, limit).bits() == 0) return stick;
         const lane_vec2<P> slide = before - v * P::load(gradient_step);
         const P sliding = length(slide), sticking = length(stick);
@@ -80,21 +80,22 @@ struct coefficient_lanes<S, W, Features> {
 /// How fast surfaces run along the tangents (m/s).
 template <class S, int W, int D>
 struct belt_lanes {
-    S along[W];
+    using P = kernel_pack<S, W>;
+
+    S along[D - 1][W];
 
     template <class Features>
-    void put(int lane, const contact<S, 2, Features>& c) {
-        along[lane] = c.surface_velocity;
+    void put(int lane, const contact<S, D, Features>& c) {
+        if constexpr (D == 2) along[0][lane] = c.surface_velocity;
+        else
+            for (int i = 0; i < 2; ++i) along[i][lane] = c.surface_velocity[i];
     }
-};
-template <class S, int W>
-struct belt_lanes<S, W, 3> {
-    S x[W], y[W];
-
-    template <class Features>
-    void put(int lane, const contact<S, 3, Features>& c) {
-        x[lane] = c.surface_velocity.x;
-        y[lane] = c.surface_velocity.y;
+    /// The slip against them, in 2D and in 3D.
+    PHYSICS_HPP_ALWAYS_INLINE void take_from(P& slip) const { slip = slip - P::load(along[0]); }
+    template <class Slip>
+    PHYSICS_HPP_ALWAYS_INLINE void take_from(Slip& slip) const {
+        slip.x = slip.x - P::load(along[0]);
+        slip.y = slip.y - P::load(along[1]);
     }
 };
 
@@ -115,6 +116,7 @@ struct rolling_lanes {
         impulse[lane] = c.rolling_impulse * share;
     }
     void store_impulses(int lane, contact<S, 2, Features>& c) const { c.rolling_impulse = total[lane]; }
+    PHYSICS_HPP_ALWAYS_INLINE void add_to(lane_vec2<P>& sum) const { sum.y = sum.y + P::load(impulse); }
     /// The change of the angular impulse where B turns by w against A.
     PHYSICS_HPP_ALWAYS_INLINE P next(const P& w, const P& load) {
         const P before = P::load(impulse), reach = arm.all(), maximum = reach * load, zero = P::broadcast(S(0));
@@ -141,6 +143,10 @@ struct rolling_lanes<S, W, 3, Features> {
     }
     void store_impulses(int lane, contact<S, 3, Features>& c) const {
         c.rolling_impulse = {total[0][lane], total[1][lane]};
+    }
+    PHYSICS_HPP_ALWAYS_INLINE void add_to(lane_vec3<P>& sum) const {
+        sum.y = sum.y + P::load(impulse[0]);
+        sum.z = sum.z + P::load(impulse[1]);
     }
     PHYSICS_HPP_ALWAYS_INLINE lane_vec2<P> next(const lane_vec2<P>& w, const P& load) {
         using vector = lane_vec2<P>;

@@ -1,6 +1,8 @@
 // Friction of the soft solver's contacts, in lanes: of a whole patch at its middle, or of each point.
 #pragma once
 
+#include "physics/dynamics/contact_frame2.hpp"
+#include "physics/dynamics/contact_frame3.hpp"
 #include "physics/dynamics/soft_extras.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -62,11 +64,35 @@ struct soft_friction2 {
     /// Of this substep, and of the whole step.
     S impulse[W], total[W];
 
+    void put(int lane, const contact<S, 2, Features>& c, const prepare_input<S, 2, Features>& with) {
+        coefficient.put(lane, with.surfaces.friction_of(c));
+        impulse[lane] = c.substep_friction;
+    }
+    /// Works out the rest in lanes.
+    template <class K, class Point>
+    PHYSICS_HPP_ALWAYS_INLINE void prepare(const contact_lanes2<K>& c, const Point*, int, const K&) {
+        const K slide_a = dot(c.r_a, c.n), slide_b = dot(c.r_b, c.n);
+        put_lanes(lane_reciprocal(c.mass + c.inertia_a * slide_a * slide_a + c.inertia_b * slide_b * slide_b), stop);
+    }
+    /// The impulse of a point, as the points share the load.
+    S of_point(int lane, int, S borne, S load) const { return load > S(0) ? total[lane] * (borne / load) : S(0); }
+    void store_impulses(int lane, contact<S, 2, Features>& c) const { c.substep_friction = impulse[lane]; }
     /// More than 0 where it holds anything.
     PHYSICS_HPP_ALWAYS_INLINE P max_impulse(int) const { return lane_abs(P::load(impulse)); }
-    /// The change of the impulse where the surfaces slip by v at the middle, under a load.
-    PHYSICS_HPP_ALWAYS_INLINE P next(const P& v, const P& load, bool use_bias) {
-        const P before = P::load(impulse), maximum = coefficient.all() * load;
+    /// The impulse so far.
+    template <class Point>
+    PHYSICS_HPP_ALWAYS_INLINE P last(const Point*, int) const {
+        return P::load(impulse);
+    }
+    /// Keeps a share of the impulse of a lane, and tells what it loses.
+    template <class Point>
+    S reduce_impulses(int lane, const Point*, int, S share) {
+        return reduce_to(impulse[lane], share);
+    }
+    /// The change of the impulse where the surfaces slip by v at the middle, under the points' loads.
+    template <class Point>
+    PHYSICS_HPP_ALWAYS_INLINE P next(const P& v, const Point* points, int count, bool use_bias) {
+        const P before = P::load(impulse), maximum = coefficient.all() * load_of<P>(points, count);
         const P stopping = P::load(stop) * v * friction_part(lane_abs(before), maximum, use_bias);
         const P after = max(min(before - stopping, maximum), -maximum);
         after.store(impulse);
@@ -118,11 +144,11 @@ struct soft_patch_friction3 {
         prepare_cone(c, c.r_a, c.r_b, stop);
         put_lanes(lane_reciprocal(c.turned(c.n, c.n, c.n, c.n)), stop_twist);
     }
-    /// The impulse of point k, which bears that part of the load; and the one about the normal.
-    vec<S, 2> of_point(int lane, int, S fraction) const {
+    vec<S, 2> of_point(int lane, int, S borne, S load) const {
+        const S fraction = load > S(0) ? borne / load : S(0);
         return {total[0][lane] * fraction, total[1][lane] * fraction};
     }
-    S about_normal(int lane) const { return total[2][lane]; }
+    void store_impulses(int lane, contact<S, 3, Features>& c) const { c.twist_impulse = total[2][lane]; }
     /// More than 0 where it holds anything.
     PHYSICS_HPP_ALWAYS_INLINE P max_impulse(int) const {
         return max(lane_abs(P::load(impulse[0])), max(lane_abs(P::load(impulse[1])), lane_abs(P::load(impulse[2]))));
@@ -141,7 +167,7 @@ struct soft_patch_friction3 {
     /// Their change where the surfaces slip under the points' loads: first it stops the slip at the middle, then the
     /// twist.
     template <class Point>
-    PHYSICS_HPP_ALWAYS_INLINE vector next(const vector& slip, const Point* points, int count) {
+    PHYSICS_HPP_ALWAYS_INLINE vector next(const vector& slip, const Point* points, int count, bool) {
         const P load = load_of<P>(points, count), maximum = P::load(twist_arm) * load;
         const vector before = vector::load(impulse);
         const lane_vec2<P> slid = stop.next({before.x, before.y}, {slip.x, slip.y}, coefficient.all() * load);
@@ -191,8 +217,8 @@ struct soft_point_friction3 {
             prepare_cone(c, c.r_a + offset, c.r_b + offset, each[k].stop);
         }
     }
-    vec<S, 2> of_point(int lane, int k, S) const { return {each[k].total[0][lane], each[k].total[1][lane]}; }
-    S about_normal(int) const { return S(0); }
+    vec<S, 2> of_point(int lane, int k, S, S) const { return {each[k].total[0][lane], each[k].total[1][lane]}; }
+    void store_impulses(int, contact<S, 3, Features>& c) const { c.twist_impulse = S(0); }
     PHYSICS_HPP_ALWAYS_INLINE P max_impulse(int count) const {
         P maximum = P::broadcast(S(0));
         for (int k = 0; k < count; ++k)
@@ -217,7 +243,7 @@ struct soft_point_friction3 {
         return sum;
     }
     template <class Point>
-    PHYSICS_HPP_ALWAYS_INLINE vector next(const vector& start, const Point* points, int count) {
+    PHYSICS_HPP_ALWAYS_INLINE vector next(const vector& start, const Point* points, int count, bool) {
         const P mu = coefficient.all();
         vector slip = start, sum = none();
         for (int k = 0; k < count; ++k) {
@@ -244,14 +270,6 @@ private:
         return {impulse.x, impulse.y, cross(lane_vec2<P>{P::load(p.x), P::load(p.y)}, impulse)};
     }
 };
-
-template <class S, int W, class Features>
-using soft_friction2_of = std::conditional_t<Features::friction, soft_friction2<S, W, Features>, no_soft_friction>;
-template <class S, int W, class Features, class Friction>
-using soft_friction3_of =
-    std::conditional_t<!Features::friction, no_soft_friction,
-                       std::conditional_t<std::is_same_v<Friction, point_friction>,
-                                          soft_point_friction3<S, W, Features>, soft_patch_friction3<S, W, Features>>>;
 
 }  // namespace detail
 

@@ -1,8 +1,6 @@
 // The kernels of the soft solver: what it does with a block of contacts.
 #pragma once
 
-#include "physics/dynamics/soft_contact2.hpp"
-#include "physics/dynamics/soft_contact3.hpp"
 #include "physics/dynamics/soft_linear_contact.hpp"
 
 PHYSICS_HPP_BEGIN

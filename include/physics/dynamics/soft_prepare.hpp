@@ -33,9 +33,9 @@ public:
     /// Where points are from their middles, in world axes, 1 for each point that there is, and how many there are.
     S offset[capacity][D][W], there[capacity][W], count[W];
 
-    /// Reads where contacts with up to `maximum` points lie, and writes that to their block.
-    template <class Block>
-    PHYSICS_HPP_ALWAYS_INLINE void read(Block& to, int maximum) {
+    /// Reads where contacts with up to `maximum` points lie, and writes that to their frames and points.
+    template <class Frame, class Point>
+    PHYSICS_HPP_ALWAYS_INLINE void read(Frame& to, Point* to_points, int maximum) {
         const S* rows[W];
         for (int lane = 0; lane < W; ++lane) {
             rows[lane] = &at_[lane]->normal[0];
@@ -51,7 +51,7 @@ public:
             const P is = select_greater(points, P::broadcast(S(k)), one, zero);
             is.store(there[k]);
             for (P& component : place[k]) component = select_greater(is, zero, component, zero);
-            place[k][D].store(to.points[k].separation);
+            place[k][D].store(to_points[k].separation);
             for (int i = 0; i < D; ++i) middle[i] = k == 0 ? place[0][i] : middle[i] + place[k][i];
         }
         const P share = one / max(points, one);
@@ -110,57 +110,6 @@ private:
     static inline const contact none{};
     const contact* at_[W];
 };
-
-/// W contacts in 3D, and how their bodies answer to impulses at the middles.
-template <class K>
-struct contact_lanes3 {
-    lane_vec3<K> n, t, u, r_a, r_b;
-    K mass;
-    lane_symmetric<K, 3> inertia_a, inertia_b;
-
-    /// How fast B turns about some axes against A by angular impulses about others.
-    PHYSICS_HPP_ALWAYS_INLINE K turned(const lane_vec3<K>& of_a, const lane_vec3<K>& of_b, const lane_vec3<K>& about_a,
-                                       const lane_vec3<K>& about_b) const {
-        return dot(inertia_a * of_a, about_a) + dot(inertia_b * of_b, about_b);
-    }
-};
-
-/// The first tangent of normals in 3D, as tangents3 has it.
-template <class K>
-PHYSICS_HPP_ALWAYS_INLINE lane_vec3<K> lane_tangent(const lane_vec3<K>& n) {
-    const K zero = K::broadcast(typename K::scalar(0)), x = lane_abs(n.x), z = lane_abs(n.z);
-    const K from = select_greater(x, z, n.y, n.z), to = select_greater(x, z, n.x, n.y);
-    const K length = lane_length(from, to), back = lane_quotient(-from, length), on = lane_quotient(to, length);
-    return {select_greater(x, z, back, zero), select_greater(x, z, on, back), select_greater(x, z, zero, on)};
-}
-
-/// The second tangent, which is the product of the normal and the first one: worked out where that costs less than to
-/// read it.
-template <class S, int W>
-struct second_tangent {
-    void prepare(const S (&)[3][W], const S (&)[3][W]) {}
-    template <class P>
-    PHYSICS_HPP_ALWAYS_INLINE lane_vec3<P> of(const lane_vec3<P>& n, const lane_vec3<P>& t) const {
-        return cross(n, t);
-    }
-};
-template <class S, int W>
-struct kept_second_tangent {
-    S kept[3][W];
-
-    PHYSICS_HPP_ALWAYS_INLINE void prepare(const S (&normal)[3][W], const S (&tangent)[3][W]) {
-        using P = kernel_pack<S, W>;
-        const lane_vec3<P> u = cross(lane_vec3<P>::load(normal), lane_vec3<P>::load(tangent));
-        u.store(kept);
-    }
-    template <class P>
-    PHYSICS_HPP_ALWAYS_INLINE lane_vec3<P> of(const lane_vec3<P>&, const lane_vec3<P>&) const {
-        return lane_vec3<P>::load(kept);
-    }
-};
-template <class S, int W>
-using second_tangent_of =
-    std::conditional_t<std::is_floating_point_v<S>, second_tangent<S, W>, kept_second_tangent<S, W>>;
 
 }  // namespace detail
 

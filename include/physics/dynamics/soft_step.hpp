@@ -170,8 +170,7 @@ struct soft_step_with {
         static constexpr std::uint32_t none = detail::null_index;
         /// Of rigid joints: frequency as a part of the substeps' rate, and damping ratio.
         static constexpr S joint_frequency_ratio = S(0.25), joint_damping_ratio = S(2);
-        using turning_block = std::conditional_t<D == 2, detail::soft_contact2<S, width, Features>,
-                                                 detail::soft_contact3<S, width, Features, Friction>>;
+        using turning_block = detail::soft_contact<S, D, width, Features, Friction>;
         using block = std::conditional_t<rotates, turning_block, detail::soft_linear_contact<S, D, width, Features>>;
         using kernels = Kernels<block>;
 
