@@ -17,7 +17,8 @@ template <class Plan>
 struct world_code {
     using S = typename Plan::scalar;
     static constexpr int D = Plan::dimension;
-    using state = detail::world_data<Plan>;
+    using state = detail::state<Plan>;
+    using data = detail::world_data<Plan>;
     using vec = physics::vec<S, D>;
     using angular = physics::angular<S, D>;
     using rotation = physics::rotation<S, D>;
@@ -26,31 +27,31 @@ struct world_code {
     using hits = small_buffer<hit, 16>;
     using closest = closest_hit<S, D>;
 
-    static void step(state& s, S h, const task_runner& tasks);
+    static void step(data& s, S h, const task_runner& tasks);
     static std::uint64_t state_hash(const state& s);
-    static void change_settings(state& s, const typename Plan::settings& settings);
-    static void set_settings(state& s, const typename Plan::settings& settings);
+    static void change_settings(data& s, const typename Plan::settings& settings);
+    static void set_settings(data& s, const typename Plan::settings& settings);
 
-    static body_id create_body(state& s, const body_def<S, D>& def);
-    static void destroy_body(state& s, std::uint32_t body);
-    static shape_id insert_shape(state& s, std::uint32_t body, const typename Plan::shape& shape, bool has_mass,
+    static body_id create_body(data& s, const body_def<S, D>& def);
+    static void destroy_body(data& s, std::uint32_t body);
+    static shape_id insert_shape(data& s, std::uint32_t body, const typename Plan::shape& shape, bool has_mass,
                                  const typename Plan::shape_def& def);
-    static void destroy_shape(state& s, std::uint32_t shape);
+    static void destroy_shape(data& s, std::uint32_t shape);
 
-    static void set_pose(state& s, std::uint32_t body, const transform& pose);
-    static void move_to(state& s, std::uint32_t body, vec position, const rotation& rotation);
+    static void set_pose(data& s, std::uint32_t body, const transform& pose);
+    static void move_to(data& s, std::uint32_t body, vec position, const rotation& rotation);
     static vec velocity_of_point(const state& s, body_id body, vec point);
-    static void wake(state& s, std::uint32_t body);
-    static void wake_affected(state& s, std::uint32_t body);
-    static void add_force(state& s, body_id body, const char* function, vec force, bool local, const vec* point);
-    static void add_torque(state& s, body_id body, angular torque);
-    static void add_impulse(state& s, body_id body, const char* function, vec impulse, bool local, const vec* point);
-    static void add_angular_impulse(state& s, body_id body, angular impulse);
+    static void wake(data& s, std::uint32_t body);
+    static void wake_affected(data& s, std::uint32_t body);
+    static void add_force(data& s, body_id body, const char* function, vec force, bool local, const vec* point);
+    static void add_torque(data& s, body_id body, angular torque);
+    static void add_impulse(data& s, body_id body, const char* function, vec impulse, bool local, const vec* point);
+    static void add_angular_impulse(data& s, body_id body, angular impulse);
 
-    static void set_type(state& s, std::uint32_t body, body_type type);
-    static void set_mass(state& s, std::uint32_t body, const mass_properties<S, D>& mass);
-    static void reset_mass(state& s, std::uint32_t body);
-    static void set_rotation_locked(state& s, std::uint32_t body, bool locked);
+    static void set_type(data& s, std::uint32_t body, body_type type);
+    static void set_mass(data& s, std::uint32_t body, const mass_properties<S, D>& mass);
+    static void reset_mass(data& s, std::uint32_t body);
+    static void set_rotation_locked(data& s, std::uint32_t body, bool locked);
 
     static hit cast_ray(const state& s, vec origin, vec translation, const query_filter& filter);
     static void find_hits(const state& s, vec origin, vec translation, const query_filter& filter, hits& to);
@@ -58,7 +59,7 @@ struct world_code {
 };
 
 template <class Plan>
-void world_code<Plan>::step(state& s, S h, const task_runner& tasks) {
+void world_code<Plan>::step(data& s, S h, const task_runner& tasks) {
     advance(s, h, tasks);
 }
 template <class Plan>
@@ -66,38 +67,38 @@ std::uint64_t world_code<Plan>::state_hash(const state& s) {
     return scoped([&] { return detail::state_hash(s); });
 }
 template <class Plan>
-void world_code<Plan>::change_settings(state& s, const typename Plan::settings& settings) {
+void world_code<Plan>::change_settings(data& s, const typename Plan::settings& settings) {
     scoped([&] { detail::change_settings(s, settings); });
 }
 template <class Plan>
-void world_code<Plan>::set_settings(state& s, const typename Plan::settings& settings) {
+void world_code<Plan>::set_settings(data& s, const typename Plan::settings& settings) {
     scoped([&] { detail::set_settings(s, settings); });
 }
 
 template <class Plan>
-body_id world_code<Plan>::create_body(state& s, const body_def<S, D>& def) {
+body_id world_code<Plan>::create_body(data& s, const body_def<S, D>& def) {
     return scoped([&] { return detail::create_body(s, def); });
 }
 template <class Plan>
-void world_code<Plan>::destroy_body(state& s, std::uint32_t body) {
+void world_code<Plan>::destroy_body(data& s, std::uint32_t body) {
     scoped([&] { detail::destroy_body(s, body); });
 }
 template <class Plan>
-shape_id world_code<Plan>::insert_shape(state& s, std::uint32_t body, const typename Plan::shape& shape, bool has_mass,
+shape_id world_code<Plan>::insert_shape(data& s, std::uint32_t body, const typename Plan::shape& shape, bool has_mass,
                                         const typename Plan::shape_def& def) {
     return scoped([&] { return detail::insert_shape(s, body, shape, has_mass, def); });
 }
 template <class Plan>
-void world_code<Plan>::destroy_shape(state& s, std::uint32_t shape) {
+void world_code<Plan>::destroy_shape(data& s, std::uint32_t shape) {
     scoped([&] { detail::destroy_shape(s, shape); });
 }
 
 template <class Plan>
-void world_code<Plan>::set_pose(state& s, std::uint32_t body, const transform& pose) {
+void world_code<Plan>::set_pose(data& s, std::uint32_t body, const transform& pose) {
     scoped([&] { detail::set_pose(s, body, {pose.position, normalized(pose.rotation)}); });
 }
 template <class Plan>
-void world_code<Plan>::move_to(state& s, std::uint32_t body, vec position, const rotation& rotation) {
+void world_code<Plan>::move_to(data& s, std::uint32_t body, vec position, const rotation& rotation) {
     scoped([&] { detail::move_to(s, body, position, rotation); });
 }
 template <class Plan>
@@ -105,46 +106,45 @@ auto world_code<Plan>::velocity_of_point(const state& s, body_id body, vec point
     return scoped([&] { return detail::velocity_of_point(s, body, point); });
 }
 template <class Plan>
-void world_code<Plan>::wake(state& s, std::uint32_t body) {
+void world_code<Plan>::wake(data& s, std::uint32_t body) {
     scoped([&] { detail::wake(s, body); });
 }
 template <class Plan>
-void world_code<Plan>::wake_affected(state& s, std::uint32_t body) {
+void world_code<Plan>::wake_affected(data& s, std::uint32_t body) {
     scoped([&] { detail::wake_affected(s, body); });
 }
 template <class Plan>
-void world_code<Plan>::add_force(state& s, body_id body, const char* function, vec force, bool local,
-                                 const vec* point) {
+void world_code<Plan>::add_force(data& s, body_id body, const char* function, vec force, bool local, const vec* point) {
     scoped([&] { detail::add_force(s, body, function, force, local, point); });
 }
 template <class Plan>
-void world_code<Plan>::add_torque(state& s, body_id body, angular torque) {
+void world_code<Plan>::add_torque(data& s, body_id body, angular torque) {
     if constexpr (Plan::rotates) scoped([&] { detail::add_torque(s, body, torque); });
 }
 template <class Plan>
-void world_code<Plan>::add_impulse(state& s, body_id body, const char* function, vec impulse, bool local,
+void world_code<Plan>::add_impulse(data& s, body_id body, const char* function, vec impulse, bool local,
                                    const vec* point) {
     scoped([&] { detail::add_impulse(s, body, function, impulse, local, point); });
 }
 template <class Plan>
-void world_code<Plan>::add_angular_impulse(state& s, body_id body, angular impulse) {
+void world_code<Plan>::add_angular_impulse(data& s, body_id body, angular impulse) {
     if constexpr (Plan::rotates) scoped([&] { detail::add_angular_impulse(s, body, impulse); });
 }
 
 template <class Plan>
-void world_code<Plan>::set_type(state& s, std::uint32_t body, body_type type) {
+void world_code<Plan>::set_type(data& s, std::uint32_t body, body_type type) {
     scoped([&] { detail::set_type(s, body, type); });
 }
 template <class Plan>
-void world_code<Plan>::set_mass(state& s, std::uint32_t body, const mass_properties<S, D>& mass) {
+void world_code<Plan>::set_mass(data& s, std::uint32_t body, const mass_properties<S, D>& mass) {
     scoped([&] { detail::set_mass(s, body, mass); });
 }
 template <class Plan>
-void world_code<Plan>::reset_mass(state& s, std::uint32_t body) {
+void world_code<Plan>::reset_mass(data& s, std::uint32_t body) {
     scoped([&] { detail::reset_mass(s, body); });
 }
 template <class Plan>
-void world_code<Plan>::set_rotation_locked(state& s, std::uint32_t body, bool locked) {
+void world_code<Plan>::set_rotation_locked(data& s, std::uint32_t body, bool locked) {
     if constexpr (Plan::rotates) scoped([&] { detail::set_rotation_locked(s, body, locked); });
 }
 
