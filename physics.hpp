@@ -3779,6 +3779,12 @@ struct continuous {};
 struct features {};
 }  // namespace stage
 
+/// What a solver or an integrator of your own sees of a step, and nobody else: bodies, contacts, joints.
+namespace solver_api {}
+namespace detail {
+using namespace solver_api;
+}
+
 PHYSICS_HPP_END
 
 // =================================================================================================
@@ -20741,6 +20747,8 @@ rotation<S, 3> rounded_rotation(const rotation<double, 3>& a) {
 
 }  // namespace detail
 
+namespace solver_api {
+
 /// What a body's free spin needs to know of its inertia: nothing in 2D.
 template <class S, int D>
 struct free_spin {
@@ -20790,6 +20798,8 @@ private:
     }
 };
 
+}  // namespace solver_api
+
 PHYSICS_HPP_END
 
 // =================================================================================================
@@ -20808,6 +20818,8 @@ enum class body_type : std::uint8_t {
     /// Moved by forces, impulses and contacts.
     dynamic_body,
 };
+
+namespace solver_api {
 
 /// A twist of what does not turn.
 template <class S, int D>
@@ -20992,6 +21004,8 @@ struct moved_bodies {
     twist_of<S, D, Rotates>& velocity(std::uint32_t i) const { return solved[slot_of[i]].velocity; }
     moving_body<S, D, Rotates>& operator[](std::uint32_t i) const { return moved[slot_of[i]]; }
 };
+
+}  // namespace solver_api
 
 PHYSICS_HPP_END
 
@@ -21340,6 +21354,8 @@ PHYSICS_HPP_END
 
 PHYSICS_HPP_BEGIN
 
+namespace solver_api {
+
 /// Two bodies, by their numbers in the world, that something holds together: a contact, or whatever else constrains
 /// them.
 struct edge {
@@ -21356,6 +21372,8 @@ struct edge_range {
 struct body_pair {
     std::uint32_t a, b;
 };
+
+}  // namespace solver_api
 
 PHYSICS_HPP_END
 
@@ -21552,6 +21570,8 @@ PHYSICS_HPP_BEGIN
 template <class S, int D>
 using tangential = std::conditional_t<D == 2, S, vec<S, 2>>;
 
+namespace solver_api {
+
 /// Levers from the centres of mass of A and B to a point, in world axes (m).
 template <class S, int D>
 struct anchors {
@@ -21616,7 +21636,7 @@ struct contact {
                         restitution, rolling_resistance, surface_velocity, twist_impulse, substep_friction,
                         rolling_impulse)
 
-    [[nodiscard]] constexpr physics::anchors<S, D> anchors(int k) const {
+    [[nodiscard]] constexpr solver_api::anchors<S, D> anchors(int k) const {
         return {r_a + points[k].position, r_b + points[k].position};
     }
     [[nodiscard]] constexpr bool persisted(int k) const { return (persisted_mask >> k & 1) != 0; }
@@ -21624,6 +21644,8 @@ struct contact {
         return shape_a < shape_b ? proxy_pair{shape_a, shape_b} : proxy_pair{shape_b, shape_a};
     }
 };
+
+}  // namespace solver_api
 
 /// The tangent of a contact normal in 2D.
 template <class S>
@@ -21653,6 +21675,8 @@ struct tangents3 {
 /// The tangents of a contact normal in D dimensions.
 template <class S, int D>
 using tangents = std::conditional_t<D == 2, tangents2<S>, tangents3<S>>;
+
+namespace solver_api {
 
 /// How fast B slides over A along the tangents where neither surface slips, of how the surfaces run and are turned.
 template <class S>
@@ -21779,6 +21803,8 @@ void inherit_impulses(const buffer<contact<S, D, Features>>& before, contact<S, 
     }
 }
 
+}  // namespace solver_api
+
 PHYSICS_HPP_END
 
 // =================================================================================================
@@ -21869,10 +21895,12 @@ inline std::uint32_t* iota(std::uint32_t count, arena& scratch) {
 
 }  // namespace detail
 
+namespace solver_api {
+
 /// Contacts that a solver is to solve, of a longer list, and what their surfaces make of each other.
 template <class S, int D, class Features = without<>>
 class contact_constraints {
-    using contact = physics::contact<S, D, Features>;
+    using contact = solver_api::contact<S, D, Features>;
     using combined_material = detail::combined_material<S, Features>;
 
 public:
@@ -21908,6 +21936,8 @@ private:
     std::uint32_t count_;
     [[no_unique_address]] combined_material surfaces_;
 };
+
+}  // namespace solver_api
 
 namespace detail {
 
@@ -22276,6 +22306,8 @@ PHYSICS_HPP_END
 
 PHYSICS_HPP_BEGIN
 
+namespace solver_api {
+
 /// A joint in a step.
 template <class Joint, class S, int D>
 struct step_joint {
@@ -22331,6 +22363,8 @@ public:
         return *this;
     }
 };
+
+}  // namespace solver_api
 
 PHYSICS_HPP_END
 
@@ -22590,6 +22624,8 @@ constexpr S effective_mass(const solver_body<S, D, Rotates>& a, const solver_bod
 
 }  // namespace detail
 
+namespace solver_api {
+
 /// Friction of a point in 2D.
 template <class S>
 struct friction2 {
@@ -22695,6 +22731,8 @@ private:
 /// Resistance to rolling in D dimensions.
 template <class S, int D>
 using rolling_at = std::conditional_t<D == 2, rolling2<S>, rolling3<S>>;
+
+}  // namespace solver_api
 
 PHYSICS_HPP_END
 
@@ -23072,16 +23110,17 @@ struct semi_implicit_euler {
 
         /// Advances the velocity of a body by what drives it, and by damping.
         template <bool Rotates>
-        static constexpr void integrate_velocity(twist_of<S, D, Rotates>& v, const moving_body<S, D, Rotates>& b, S h) {
+        static constexpr void integrate_velocity(solver_api::twist_of<S, D, Rotates>& v,
+                                                 const solver_api::moving_body<S, D, Rotates>& b, S h) {
             v.linear = (v.linear + b.acceleration * h) * damped(b.linear_damping, h);
             if constexpr (Rotates) v.angular = (v.angular + b.angular_acceleration * h) * damped(b.angular_damping, h);
         }
         /// Advances a body by its velocity: adds to its way, turns it in 3D, and the angular velocity of a free top
         /// with it. In 2D angles add up, so that one turn by the way serves all parts of a step.
         template <bool Rotates>
-        static constexpr void integrate_pose([[maybe_unused]] moving_body<S, D, Rotates>& b,
-                                             pose_velocity<S, D, Rotates>& v, twist_of<S, D, Rotates>& displacement,
-                                             S h) {
+        static constexpr void integrate_pose([[maybe_unused]] solver_api::moving_body<S, D, Rotates>& b,
+                                             solver_api::pose_velocity<S, D, Rotates>& v,
+                                             solver_api::twist_of<S, D, Rotates>& displacement, S h) {
             displacement.linear += v.linear * h;
             if constexpr (Rotates) displacement.angular += v.angular * h;
             if constexpr (D == 3 && Rotates) {
@@ -23549,6 +23588,8 @@ private:
 
 }  // namespace detail
 
+namespace solver_api {
+
 /// Solves the joints among some constraints, Width at a time; every width gives the same bits, and so does every number
 /// of workers. A solver makes one as its step begins, and calls in each substep warm_start once velocities have
 /// advanced, solve with bias, update_rows once poses have, and solve without bias; in the end store_impulses. Rows are
@@ -23613,6 +23654,8 @@ public:
     bool solve(detail::task_runner&, bool) { return false; }
     void store_impulses(detail::task_runner&) {}
 };
+
+}  // namespace solver_api
 
 PHYSICS_HPP_END
 
@@ -23680,7 +23723,7 @@ class reflections {
     static constexpr bool rotates = Features::rotation;
     using body = solver_body<S, D, rotates>;
     using bodies_type = solver_bodies<S, D, rotates>;
-    using contact = physics::contact<S, D, Features>;
+    using contact = solver_api::contact<S, D, Features>;
     using twist_type = twist_of<S, D, rotates>;
 
 public:
@@ -24116,17 +24159,18 @@ struct sequential_impulse {
         static constexpr int D = Space::dimension;
         static constexpr bool rotates = Features::rotation;
         using settings = sequential_impulse_settings<S>;
-        using contact = physics::contact<S, D, Features>;
-        using body = solver_body<S, D, rotates>;
-        using bodies_type = solver_bodies<S, D, rotates>;
+        using contact = solver_api::contact<S, D, Features>;
+        using body = solver_api::solver_body<S, D, rotates>;
+        using bodies_type = solver_api::solver_bodies<S, D, rotates>;
 
         /// Advances velocities and poses by h: `motion` offers integrate_velocities(h) and integrate_positions(h).
-        template <class Constraints = contact_constraints<S, D, Features>, class Motion>
+        template <class Constraints = solver_api::contact_constraints<S, D, Features>, class Motion>
         static void solve(bodies_type bodies, const Constraints& contacts, const settings& with, S h, arena& scratch,
                           Motion&& motion) {
             const S h_sub = h / S(with.substeps), share = S(1) / S(with.substeps);
             detail::task_runner serial;
-            joint_solver<Constraints> joints(contacts, bodies, h_sub, S(0.25) / h_sub, S(2), scratch, serial);
+            solver_api::joint_solver<Constraints> joints(contacts, bodies, h_sub, S(0.25) / h_sub, S(2), scratch,
+                                                         serial);
             const surfaces of = contacts.surfaces();
             block* blocks = scratch.template allocate<block>(contacts.size());
             for (std::uint32_t i = 0; i < contacts.size(); ++i)
@@ -24170,16 +24214,17 @@ struct sequential_impulse {
     private:
         using surfaces = detail::combined_material<S, Features>;
         using bounces = detail::reflections<S, D, Features>;
-        using twist_type = twist_of<S, D, rotates>;
+        using twist_type = solver_api::twist_of<S, D, rotates>;
 
         struct no_friction {
             constexpr no_friction() = default;
-            constexpr no_friction(const body&, const body&, const anchors<S, D>&, const tangents<S, D>&) {}
+            constexpr no_friction(const body&, const body&, const solver_api::anchors<S, D>&, const tangents<S, D>&) {}
         };
         struct no_rolling {};
         /// What one point needs while iterating.
         struct row {
-            [[no_unique_address]] std::conditional_t<Features::friction, friction_at<S, D>, no_friction> with_friction;
+            [[no_unique_address]] std::conditional_t<Features::friction, solver_api::friction_at<S, D>, no_friction>
+                with_friction;
             S mass;
             /// Of this substep: impulses along the normal and, apart, by bounces; and along the tangents.
             S normal{};
@@ -24196,8 +24241,9 @@ struct sequential_impulse {
         };
         struct block {
             tangents<S, D> frame;
-            body_pair ends;
-            [[no_unique_address]] std::conditional_t<Features::rolling_resistance, rolling_at<S, D>, no_rolling>
+            solver_api::body_pair ends;
+            [[no_unique_address]] std::conditional_t<Features::rolling_resistance, solver_api::rolling_at<S, D>,
+                                                     no_rolling>
                 with_rolling{};
             [[no_unique_address]] detail::optional_member<Features::rolling_resistance, tangential<S, D>,
                                                           feature::rolling_resistance, 1>
@@ -24208,7 +24254,7 @@ struct sequential_impulse {
             bool yields;
             row rows[manifold<S, D>::capacity];
 
-            block(const contact& c, const body_pair& pair, surfaces of, bodies_type bodies, S share)
+            block(const contact& c, const solver_api::body_pair& pair, surfaces of, bodies_type bodies, S share)
                 : frame(c.normal), ends(pair) {
                 const body& a = bodies[ends.a];
                 const body& b = bodies[ends.b];
@@ -24219,7 +24265,7 @@ struct sequential_impulse {
                         rolling = c.rolling_impulse * share;
                     }
                 for (int k = 0; k < c.count; ++k) {
-                    const anchors<S, D> to = c.anchors(k);
+                    const solver_api::anchors<S, D> to = c.anchors(k);
                     row& r = *new (rows + k) row{{a, b, to, frame}, detail::effective_mass(a, b, to, c.normal)};
                     if (!c.persisted(k)) continue;
                     r.normal = c.points[k].substep_impulse;
@@ -24242,7 +24288,7 @@ struct sequential_impulse {
                 if constexpr (Features::rolling_resistance) c.rolling_impulse = total_rolling;
             }
         };
-        static bounces bounces_of(const contact_constraints<S, D, Features>& contacts,
+        static bounces bounces_of(const solver_api::contact_constraints<S, D, Features>& contacts,
                                   [[maybe_unused]] const surfaces& of, [[maybe_unused]] block* blocks,
                                   bodies_type bodies, arena& scratch) {
             std::uint32_t capacity = 0;
@@ -24310,8 +24356,8 @@ struct sequential_impulse {
         /// Passes over all contacts in alternating directions, so that impulses and corrections propagate equally both
         /// ways; before each, joints. Ends after `rounds` passes, or after one in which both return false.
         template <class Joints, class F>
-        static void alternating_passes(int rounds, const contact_constraints<S, D, Features>& contacts, Joints&& joints,
-                                       F&& f) {
+        static void alternating_passes(int rounds, const solver_api::contact_constraints<S, D, Features>& contacts,
+                                       Joints&& joints, F&& f) {
             bool changed = true;
             for (int round = 0; round < rounds && changed; ++round) {
                 const bool back = round % 2 != 0;
@@ -24458,7 +24504,7 @@ using preparing = kernel_pack<std::conditional_t<std::is_floating_point_v<S>, S,
 /// faster than one by one.
 template <class S, int D, int W, class Features>
 class contact_gather {
-    using contact = physics::contact<S, D, Features>;
+    using contact = solver_api::contact<S, D, Features>;
     using P = kernel_pack<S, W>;
 
 public:
@@ -26405,13 +26451,13 @@ struct soft_step_with {
         static constexpr int D = Space::dimension;
         static constexpr bool rotates = Features::rotation;
         using settings = soft_step_settings<S>;
-        using bodies_type = solver_bodies<S, D, rotates>;
+        using bodies_type = solver_api::solver_bodies<S, D, rotates>;
 
         /// Advances velocities and poses by h: `motion` offers integrate_velocities(h) and integrate_positions(h),
         /// which adds to their ways; where it takes the velocities with which the substep began as well (see
         /// substep_start), it saves rounds over the bodies; where it tells a usual_step(), contacts are no stiffer than
         /// in steps of that length. With several hands, contacts of a colour are shared out.
-        template <class Constraints = contact_constraints<S, D, Features>, class Motion>
+        template <class Constraints = solver_api::contact_constraints<S, D, Features>, class Motion>
         static void solve(bodies_type all, const Constraints& contacts, const settings& with, S h, arena& scratch,
                           Motion&& motion, detail::task_runner& tasks) {
             const detail::colours_of_contacts colours = detail::colour(contacts, all, scratch, tasks);
@@ -26426,17 +26472,17 @@ struct soft_step_with {
 #endif
             solve(colours, all, contacts, with, h, scratch, motion, tasks);
         }
-        template <class Constraints = contact_constraints<S, D, Features>, class Motion>
+        template <class Constraints = solver_api::contact_constraints<S, D, Features>, class Motion>
         static void solve(bodies_type all, const Constraints& contacts, const settings& with, S h, arena& scratch,
                           Motion&& motion) {
             detail::task_runner serial;
             solve(all, contacts, with, h, scratch, motion, serial);
         }
         /// The same at this very width, for contacts that have their colours.
-        template <class Constraints = contact_constraints<S, D, Features>, class Motion>
+        template <class Constraints = solver_api::contact_constraints<S, D, Features>, class Motion>
         static void solve(const detail::colours_of_contacts& colours, bodies_type all, const Constraints& contacts,
                           const settings& with, S h, arena& scratch, Motion&& motion, detail::task_runner& tasks) {
-            solver_body<S, D, rotates>* const bodies = all.first;
+            solver_api::solver_body<S, D, rotates>* const bodies = all.first;
             const detail::prepare_input<S, D, Features> prepare_with{
                 S(1) / S(with.substeps), with.restitution_threshold * h, accelerations(motion, all, scratch),
                 contacts.surfaces()};
@@ -26460,7 +26506,7 @@ struct soft_step_with {
                 start.velocities()};
             detail::contact_pass<S, D, rotates> relaxed = biased;
             relaxed.use_bias = false;
-            joint_solver<Constraints, detail::native_width<S>> joints(
+            solver_api::joint_solver<Constraints, detail::native_width<S>> joints(
                 contacts, all, h_sub, joint_frequency_ratio / (usual / S(with.substeps)), joint_damping_ratio, scratch,
                 tasks);
             for (int i = 0; i < with.substeps; ++i) {
@@ -26525,7 +26571,8 @@ struct soft_step_with {
             explicit contact_blocks(const detail::colours_of_contacts& of) : blocks_by_colour(of, width) {}
 
             /// Hands a block's impulses to its contacts.
-            void store_impulses(std::uint32_t k, const contact_constraints<S, D, Features>& contacts) const {
+            void store_impulses(std::uint32_t k,
+                                const solver_api::contact_constraints<S, D, Features>& contacts) const {
                 for (int lane = 0; lane < width; ++lane)
                     if (const std::uint32_t n = numbers[k * width + static_cast<std::uint32_t>(lane)]; n != none)
                         first[k].store_impulses(lane, contacts[n]);
@@ -26545,7 +26592,7 @@ struct soft_step_with {
             }
         }
         static contact_blocks pack(const detail::colours_of_contacts& colours,
-                                   const contact_constraints<S, D, Features>& contacts, bodies_type bodies,
+                                   const solver_api::contact_constraints<S, D, Features>& contacts, bodies_type bodies,
                                    const detail::prepare_input<S, D, Features>& with, arena& scratch,
                                    detail::task_runner& tasks) {
             contact_blocks result(colours);
@@ -26570,7 +26617,7 @@ struct soft_step_with {
             return result;
         }
         static void fill(block& place, std::uint32_t* numbers, const std::uint32_t* order, std::uint32_t used,
-                         const contact_constraints<S, D, Features>& contacts, bodies_type bodies,
+                         const solver_api::contact_constraints<S, D, Features>& contacts, bodies_type bodies,
                          const detail::prepare_input<S, D, Features>& with, arena& scratch) {
             block& to = *new (&place) block{};
             typename block::gathering gathered;
@@ -27457,7 +27504,7 @@ struct state {
     [[no_unique_address]] joints_of<Plan> joints;
     std::uint64_t steps = 0;
     /// Lengths of the steps in which the contacts' impulses act.
-    physics::step_lengths<S> step_lengths;
+    solver_api::step_lengths<S> step_lengths;
     /// By which handles know the world; no part of what lasts, so that they serve it whatever state it is brought to.
     unsaved<std::uint16_t> tag;
     PHYSICS_HPP_MEMBERS(settings, bodies, shapes, broadphase, contacts, surfaces, contact_starts, awake, memories,
@@ -27737,7 +27784,7 @@ struct wake_input {
     const shape_pool<Plan>& shapes;
     const joints_of<Plan>& joints;
     const typename Plan::settings& settings;
-    const physics::step_lengths<typename Plan::scalar>& step_lengths;
+    const solver_api::step_lengths<typename Plan::scalar>& step_lengths;
     sleep_of<Plan>& sleep;
     awake_list& awake;
     buffer<typename Plan::contact>& contacts;
@@ -29841,7 +29888,7 @@ template <class Plan>
 class box_update {
     using S = typename Plan::scalar;
     static constexpr int D = Plan::dimension;
-    using moved_bodies = physics::moved_bodies<S, D, Plan::rotates>;
+    using moved_bodies = solver_api::moved_bodies<S, D, Plan::rotates>;
 
 public:
     box_update(const pool<typename Plan::body>& bodies, const awake_list& awake, const moved_bodies& moved, S margin,
@@ -30327,8 +30374,8 @@ struct plan<S, D, shapes<Shapes...>, Policies...> {
     using space = physics::space<S, D>;
     using features = typename policy_for<stage::features, without<>, Policies...>::type;
     static constexpr bool rotates = features::rotation;
-    using body = physics::body<S, D, rotates>;
-    using contact = physics::contact<S, D, features>;
+    using body = solver_api::body<S, D, rotates>;
+    using contact = solver_api::contact<S, D, features>;
     using shape = any_shape<S, D, Shapes...>;
     using query = narrowphase_query<S, D, Shapes...>;
     using broadphase = typename policy_for<stage::broadphase, dynamic_tree, Policies...>::type::template in<space>;
@@ -30624,12 +30671,13 @@ struct audit {
                   "restitution and rolling_resistance of two materials");
     static_assert(problem != recipe_problem::bad_integrator,
                   "physics::recipe: the integrator's in<Space> needs integrate_velocity and integrate_pose; without "
-                  "rotation for physics::linear_twist and physics::moving_body<S, D, false>");
+                  "rotation for physics::solver_api::linear_twist and physics::solver_api::moving_body<S, D, false>");
     static_assert(problem != recipe_problem::bad_solver,
                   "physics::recipe: the solver's in<Space, Features> needs a struct settings with a function check, "
                   "and a function solve");
     static_assert(problem != recipe_problem::solver_without_joints,
-                  "physics::recipe: the solver does not say that it solves joints; with physics::joint_solver it does, "
+                  "physics::recipe: the solver does not say that it solves joints; with "
+                  "physics::solver_api::joint_solver it does, "
                   "and says so by static constexpr bool solves_joints = true");
     static_assert(problem != recipe_problem::bad_continuous,
                   "physics::recipe: the continuous policy does not model physics::continuous_for; its in<Space> needs "

@@ -253,10 +253,10 @@ CELL_CASE("contact: impulses go to the same features of the same pair, as a sear
                 c.points[k].normal_impulse = dice.real(0, 4);
                 draw(dice, c.points[k].friction_impulse);
             }
-        physics::inherit_impulses(before, now.begin(), now.end());
+        physics::solver_api::inherit_impulses(before, now.begin(), now.end());
         for (const contact& c : now)
             for (int k = 0; k < c.count; ++k) {
-                const physics::contact_point<S, D>* match = nullptr;
+                const physics::solver_api::contact_point<S, D>* match = nullptr;
                 reals friction;
                 for (const contact& old : before)
                     for (int j = 0; j < old.count; ++j)
@@ -278,7 +278,7 @@ CELL_CASE("integrator: velocities advance by what drives a body and by implicit 
     using integrator = physics::semi_implicit_euler::in<cell::space>;
     for (int i = 0; i < 500; ++i) {
         physics::twist<S, D> v = random_problem(dice, 1, 0).bodies.back().velocity;
-        physics::moving_body<S, D> b;
+        physics::solver_api::moving_body<S, D> b;
         b.acceleration = dice.vec<vec>(-20, 20);
         b.angular_acceleration = to_angular(random_axis(dice));
         b.linear_damping = dice.real(0, 20);

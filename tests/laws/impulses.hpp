@@ -5,7 +5,7 @@
 
 namespace {
 
-using contact = physics::contact<S, D>;
+using contact = physics::solver_api::contact<S, D>;
 using complete = physics::without<>;
 using frictionless = physics::without<physics::feature::friction>;
 template <class Features>
@@ -14,7 +14,7 @@ using solver_settings = physics::sequential_impulse_settings<S>;
 
 /// Bodies and contacts as a solver gets them; the first body may be fixed.
 struct problem {
-    std::vector<physics::solver_body<S, D>> bodies;
+    std::vector<physics::solver_api::solver_body<S, D>> bodies;
     physics::buffer<contact> contacts;
     solver_settings settings;
     /// Of the bodies, for those who weigh them: centres of mass, and inertias in world axes.
@@ -47,7 +47,7 @@ void with_contacts(problem& p, F&& f) {
     if constexpr (std::is_same_v<Features, complete>) {
         f(p.contacts);
     } else {
-        physics::buffer<physics::contact<S, D, Features>> contacts;
+        physics::buffer<physics::solver_api::contact<S, D, Features>> contacts;
         for (const contact& c : p.contacts) copy_common(contacts.emplace_back(), c);
         f(contacts);
         for (std::uint32_t i = 0; i < contacts.size(); ++i) copy_common(p.contacts[i], contacts[i]);
@@ -63,7 +63,7 @@ void solve(problem& p, int rounds) {
     physics::arena scratch;
     p.settings.substeps = 1;
     p.settings.iterations = rounds;
-    const physics::solver_bodies<S, D> bodies{p.bodies.data(), static_cast<std::uint32_t>(p.bodies.size())};
+    const physics::solver_api::solver_bodies<S, D> bodies{p.bodies.data(), static_cast<std::uint32_t>(p.bodies.size())};
     with_contacts<Features>(p, [&](auto& contacts) {
         solver<Features>::solve(bodies, {contacts, scratch}, p.settings, S(1.0 / 64), scratch, still{});
     });
@@ -77,7 +77,8 @@ struct side_of {
     double inverse_mass;
     reals k_matrix[3];
 
-    side_of(const std::vector<physics::solver_body<S, D>>& bodies, std::size_t number, vec r, double direction)
+    side_of(const std::vector<physics::solver_api::solver_body<S, D>>& bodies, std::size_t number, vec r,
+            double direction)
         : body(number), sign(direction), anchor(to_reals(r)) {
         const auto& b = bodies[number];
         inverse_mass = static_cast<double>(b.inverse_mass);
@@ -99,7 +100,7 @@ struct point_of {
     double target, impulse, coefficient;
 };
 
-inline reals friction_of(const contact& c, const physics::contact_point<S, D>& p) {
+inline reals friction_of(const contact& c, const physics::solver_api::contact_point<S, D>& p) {
     return to_reals(physics::tangents<S, D>(c.normal).combine(p.friction_impulse));
 }
 
@@ -122,7 +123,7 @@ inline std::vector<point_of> points_of(const problem& p) {
 }
 
 /// The velocity of the second body at the point, seen from the first.
-inline reals slip_of(const std::vector<physics::solver_body<S, D>>& bodies, const point_of& p) {
+inline reals slip_of(const std::vector<physics::solver_api::solver_body<S, D>>& bodies, const point_of& p) {
     reals sum;
     for (const side_of& s : p.sides) {
         const auto& v = bodies[s.body].velocity;
@@ -150,7 +151,7 @@ inline reals times_inertia(const physics::symmetric<S>& inertia, reals w) {
 inline problem random_problem(cell::dice& dice, int points, double friction, bool fixed = true) {
     problem p;
     for (int i = 0; i < 4; ++i) {
-        physics::solver_body<S, D> b;
+        physics::solver_api::solver_body<S, D> b;
         physics::inertia<S, D> inertia{};
         if (i > 0 || !fixed) {
             b.inverse_mass = physics::inverse_of<S>(dice.number(0.5, 2));

@@ -205,11 +205,12 @@ inline void set_inertia(physics::symmetric<inverse>& to, double size) {
 
 /// Bodies and joints at random, as a solver sees them.
 template <int Width>
-std::vector<physics::solver_body<S, D>> solved(std::uint64_t seed) {
-    using constraints = physics::constraints<S, D, physics::without<>, physics::joints<physics::distance_joint>>;
+std::vector<physics::solver_api::solver_body<S, D>> solved(std::uint64_t seed) {
+    using constraints =
+        physics::solver_api::constraints<S, D, physics::without<>, physics::joints<physics::distance_joint>>;
     constexpr std::uint32_t bodies = 24, joints = 60;
     cell::dice dice(seed);
-    std::vector<physics::solver_body<S, D>> b(bodies + 2);
+    std::vector<physics::solver_api::solver_body<S, D>> b(bodies + 2);
     for (std::uint32_t i = 0; i < bodies; ++i) {
         b[i].velocity.linear = dice.vec<vec>(-3, 3);
         // Some are not pushed.
@@ -218,8 +219,8 @@ std::vector<physics::solver_body<S, D>> solved(std::uint64_t seed) {
         set_inertia(b[i].inverse_inertia, dice.number(0.5, 8));
     }
     std::vector<distance_joint> kinds(joints);
-    std::vector<physics::step_joint<distance_joint, S, D>> all;
-    std::vector<physics::body_pair> ends;
+    std::vector<physics::solver_api::step_joint<distance_joint, S, D>> all;
+    std::vector<physics::solver_api::body_pair> ends;
     std::vector<std::uint32_t> numbers;
     for (std::uint32_t i = 0; i < joints; ++i) {
         kinds[i].anchor_a = dice.vec<vec>(-0.5, 0.5);
@@ -234,12 +235,12 @@ std::vector<physics::solver_body<S, D>> solved(std::uint64_t seed) {
     }
     physics::arena scratch;
     physics::detail::task_runner alone;
-    physics::buffer<physics::contact<S, D, physics::without<>>> none;
+    physics::buffer<physics::solver_api::contact<S, D, physics::without<>>> none;
     const constraints c({none, scratch}, {all.data(), numbers.data(), 0, ends.data(), joints});
-    const physics::solver_bodies<S, D> seen{b.data(), bodies + 2};
+    const physics::solver_api::solver_bodies<S, D> seen{b.data(), bodies + 2};
     const S h(1.0 / 256);
     std::vector<physics::twist<S, D>> starts(bodies + 2);
-    physics::joint_solver<constraints, Width> solver(c, seen, h, S(64), S(2), scratch, alone);
+    physics::solver_api::joint_solver<constraints, Width> solver(c, seen, h, S(64), S(2), scratch, alone);
     for (int i = 0; i < 4; ++i) {
         if (i % 2 == 0) solver.warm_start(alone);
         solver.solve(alone, true);
@@ -252,13 +253,13 @@ std::vector<physics::solver_body<S, D>> solved(std::uint64_t seed) {
     }
     solver.store_impulses(alone);
     for (const auto& start : starts) {
-        physics::solver_body<S, D> row;
+        physics::solver_api::solver_body<S, D> row;
         row.velocity = start;
         b.push_back(row);
     }
     // What they gave, as one more row.
     for (const auto& j : all) {
-        physics::solver_body<S, D> row;
+        physics::solver_api::solver_body<S, D> row;
         for (int k = 0; k < 2; ++k) row.velocity.linear[k] = j.impulse[k];
         row.displacement.linear[0] = j.impulse[2];
         b.push_back(row);
@@ -278,11 +279,12 @@ CELL_CASE("joints: lanes give the bits of one joint at a time") {
 }
 
 CELL_CASE("joints: a pass without bias ends all speed along a rod, and nothing else") {
-    using constraints = physics::constraints<S, D, physics::without<>, physics::joints<physics::distance_joint>>;
+    using constraints =
+        physics::solver_api::constraints<S, D, physics::without<>, physics::joints<physics::distance_joint>>;
     cell::dice dice(3);
     for (int n = 0; n < 200; ++n) {
         CAPTURE(n);
-        physics::solver_body<S, D> b[4];
+        physics::solver_api::solver_body<S, D> b[4];
         for (int i = 0; i < 2; ++i) {
             b[i].velocity.linear = dice.vec<vec>(-3, 3);
             b[i].inverse_mass = physics::inverse_of<S>(dice.number(0.1, 4));
@@ -291,14 +293,14 @@ CELL_CASE("joints: a pass without bias ends all speed along a rod, and nothing e
         distance_joint rod{.anchor_a = dice.vec<vec>(-1, 1), .anchor_b = dice.vec<vec>(-1, 1)};
         const vec between = dice.vec<vec>(-4, 4), line = between + rod.anchor_b - rod.anchor_a;
         if (length_of(line) < 0.125) continue;
-        physics::step_joint<distance_joint, S, D> j{&rod, {{}, {}, {}, {}, between}, {}, S(0), 0};
+        physics::solver_api::step_joint<distance_joint, S, D> j{&rod, {{}, {}, {}, {}, between}, {}, S(0), 0};
         const std::uint32_t number_of = 0;
-        const physics::body_pair ends{0, 1};
+        const physics::solver_api::body_pair ends{0, 1};
         physics::arena scratch;
         physics::detail::task_runner alone;
-        physics::buffer<physics::contact<S, D, physics::without<>>> none;
+        physics::buffer<physics::solver_api::contact<S, D, physics::without<>>> none;
         const constraints c({none, scratch}, {&j, &number_of, 0, &ends, 1});
-        physics::joint_solver<constraints> solver(c, {b, 4}, S(1.0 / 64), S(16), S(2), scratch, alone);
+        physics::solver_api::joint_solver<constraints> solver(c, {b, 4}, S(1.0 / 64), S(16), S(2), scratch, alone);
         solver.warm_start(alone);
         solver.solve(alone, false);
         const vec v = velocity_at(b[1].velocity, rod.anchor_b) - velocity_at(b[0].velocity, rod.anchor_a);

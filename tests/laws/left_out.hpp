@@ -337,14 +337,14 @@ static_assert(!has_materials<common> && !shapes_have_one<common> && settings_hav
 static_assert(std::is_same_v<made_of<>::shape_def, physics::shape_def<S, D>>);
 /// A solver that looks for a coefficient where it is not.
 template <class Features>
-constexpr bool contacts_tell = requires(const physics::contact<S, D, Features>& c) {
+constexpr bool contacts_tell = requires(const physics::solver_api::contact<S, D, Features>& c) {
     physics::detail::value_of(c.friction) * S(2);
 };
 static_assert(contacts_tell<without<>> && contacts_tell<without<friction>> && !contacts_tell<without<materials>>);
 
 // And takes no byte of shapes, contacts and blocks; the settings of others take none for it.
 template <class Features>
-using contact_of = physics::contact<S, D, Features>;
+using contact_of = physics::solver_api::contact<S, D, Features>;
 template <class... Features>
 using shape_of = physics::detail::shape_record<typename physics::detail::plan_of<of<without<Features...>>>::type>;
 template <class Features, class Friction = physics::patch_friction>

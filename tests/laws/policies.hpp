@@ -66,7 +66,7 @@ struct explicit_euler {
     using stage = physics::stage::integrator;
     template <class Space>
     struct in {
-        using body = physics::moving_body<S, D>;
+        using body = physics::solver_api::moving_body<S, D>;
         static void integrate_velocity(physics::twist<S, D>& v, const body& b, S h) { v.linear += b.acceleration * h; }
         static void integrate_pose(body& b, const physics::twist<S, D>& v, physics::twist<S, D>& displacement, S h) {
             // The velocity at the step's start: what gravity has added since is taken off again.

@@ -25,7 +25,7 @@ void solve_softly(problem& p, int substeps) {
     settings.substeps = substeps;
     // Two bodies more: nobody, and a spare one.
     p.bodies.resize(p.bodies.size() + 2);
-    const physics::solver_bodies<S, D> bodies{p.bodies.data(), static_cast<std::uint32_t>(p.bodies.size())};
+    const physics::solver_api::solver_bodies<S, D> bodies{p.bodies.data(), static_cast<std::uint32_t>(p.bodies.size())};
     using solver_in = typename Solver::template in<cell::space, Features, Width>;
     with_contacts<Features>(p, [&](auto& contacts) {
         solver_in::solve(bodies, {contacts, scratch}, settings, S(1.0 / 64), scratch, drift{p});

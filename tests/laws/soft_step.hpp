@@ -17,7 +17,7 @@ CELL_CASE("colours: every contact has one, and no two of a colour push the same 
     cell::dice dice(400);
     for (int run = 0; run < 60; ++run) {
         const int body_count = 2 + dice.below(60), contact_count = dice.below(run % 3 == 0 ? 400 : 60);
-        std::vector<physics::solver_body<S, D>> bodies(static_cast<std::size_t>(body_count));
+        std::vector<physics::solver_api::solver_body<S, D>> bodies(static_cast<std::size_t>(body_count));
         for (auto& b : bodies)
             if (dice.below(4)) b.inverse_mass = physics::inverse_of<S>(1);
         // A body that all touch, in some: it has more contacts than there are colours.
@@ -32,9 +32,9 @@ CELL_CASE("colours: every contact has one, and no two of a colour push the same 
             contacts.push_back(c);
         }
         physics::arena scratch;
-        const physics::solver_bodies<S, D> view{bodies.data(), static_cast<std::uint32_t>(body_count)};
+        const physics::solver_api::solver_bodies<S, D> view{bodies.data(), static_cast<std::uint32_t>(body_count)};
         const auto colours =
-            physics::detail::colour(physics::contact_constraints<S, D>(contacts, scratch), view, scratch);
+            physics::detail::colour(physics::solver_api::contact_constraints<S, D>(contacts, scratch), view, scratch);
         std::vector<int> seen(static_cast<std::size_t>(contact_count));
         REQUIRE(colours.begin[colours.count] == contacts.size());
         for (std::uint32_t group = 0; group < colours.count; ++group) {
@@ -64,7 +64,7 @@ CELL_CASE("batches: islands are whole, every edge is in one, in order, and names
         // No multiple of 7, so that the other numbers are all different.
         const int body_count = 7 * (43 + dice.below(86)) + 1;
         const int edge_count = 200 + dice.below(run % 2 == 0 ? 500 : 2000);
-        std::vector<physics::solver_body<S, D>> bodies(static_cast<std::size_t>(body_count));
+        std::vector<physics::solver_api::solver_body<S, D>> bodies(static_cast<std::size_t>(body_count));
         for (auto& b : bodies)
             if (dice.below(8)) b.inverse_mass = physics::inverse_of<S>(1);
         const int reach = run % 4 == 3 ? body_count : 1 + dice.below(6);
@@ -73,8 +73,8 @@ CELL_CASE("batches: islands are whole, every edge is in one, in order, and names
             return awake * 7 % static_cast<std::uint32_t>(body_count) * 2;
         };
         for (std::uint32_t k = 0; k < bodies.size(); ++k) awake_index[world_number(k)] = k;
-        physics::buffer<physics::edge> edges;
-        physics::buffer<physics::body_pair> named;
+        physics::buffer<physics::solver_api::edge> edges;
+        physics::buffer<physics::solver_api::body_pair> named;
         for (int i = 0; i < edge_count; ++i) {
             const auto a = static_cast<std::uint32_t>(dice.below(body_count));
             const int other = static_cast<int>(a) + 1 + dice.below(reach);

@@ -561,7 +561,7 @@ CELL_CASE("features: without them neither resistance nor belts nor friction act"
 
 /// What a recipe leaves out takes no byte of its contacts and shapes.
 template <class Features>
-using contact_of = physics::contact<S, D, Features>;
+using contact_of = physics::solver_api::contact<S, D, Features>;
 template <class Features>
 using kept_by = physics::detail::stored_material<S, D, Features>;
 using bare = without<physics::feature::friction, physics::feature::restitution, rolling_resistance>;

@@ -39,7 +39,8 @@ CELL_CASE("integrator: principal axes make an inertia diagonal, and its free spi
     for (int axis = 0; axis < 3; ++axis) {
         physics::vec<S, 3> moments = physics::vec<S, 3>::filled(S(2));
         moments[axis] = S(1.0 / 64);
-        const physics::free_spin<S, 3> spin(physics::symmetric<S>::diagonal(moments.x, moments.y, moments.z));
+        const physics::solver_api::free_spin<S, 3> spin(
+            physics::symmetric<S>::diagonal(moments.x, moments.y, moments.z));
         REQUIRE(std::abs(static_cast<double>(spin.first) - 0.5) <= 1e-5);
         REQUIRE(std::abs(static_cast<double>(spin.second)) <= 1e-5);
         REQUIRE(std::abs(static_cast<double>(spin.third) - 63.5) <= 1e-2);
@@ -51,9 +52,9 @@ CELL_CASE("integrator: principal axes make an inertia diagonal, and its free spi
 
 /// Bodies in space that turn by themselves or not, some of them so fast that it takes trigonometry.
 struct turning_bodies {
-    std::vector<physics::body<S, 3>> tops;
-    std::vector<physics::solver_body<S, 3>> solved;
-    std::vector<physics::moving_body<S, 3>> moved;
+    std::vector<physics::solver_api::body<S, 3>> tops;
+    std::vector<physics::solver_api::solver_body<S, 3>> solved;
+    std::vector<physics::solver_api::moving_body<S, 3>> moved;
 
     turning_bodies(cell::dice& dice, std::size_t count) : tops(count), solved(count + 2), moved(count) {
         for (std::size_t k = 0; k < count; ++k) {
@@ -68,14 +69,14 @@ struct turning_bodies {
             const auto diagonal = physics::symmetric<S>::diagonal(S(a), S(b), S(dice.number(0.5, 1)));
             tops[k].mass.inertia = rotated(diagonal, matrix(turn));
             tops[k].inverse_inertia = physics::inverted_inertia(tops[k].mass.inertia);
-            tops[k].spin = physics::free_spin<S, 3>(tops[k].mass.inertia);
+            tops[k].spin = physics::solver_api::free_spin<S, 3>(tops[k].mass.inertia);
             moved[k].gyroscopic = &tops[k];
         }
     }
     /// Some of them, in lanes; what their spins have changed by goes to `changed`.
     void advance_in_lanes(std::size_t first, std::size_t count, S h, std::vector<physics::twist<S, 3>>& changed,
                           int parts = 1) {
-        std::vector<physics::solver_body<S, 3>> some(count + 2);
+        std::vector<physics::solver_api::solver_body<S, 3>> some(count + 2);
         std::copy_n(solved.begin() + static_cast<std::ptrdiff_t>(first), count, some.begin());
         physics::arena scratch;
         scratch.reset();
@@ -118,7 +119,7 @@ CELL_CASE("integrator: free spins neither gain nor lose momentum in the mean, an
             // Half of them with principal axes that are not the body's.
             b.tops[k].mass.inertia = k % 2 ? rotated(diagonal, matrix(b.moved[k].rotation)) : diagonal;
             b.tops[k].inverse_inertia = physics::inverted_inertia(b.tops[k].mass.inertia);
-            b.tops[k].spin = physics::free_spin<S, 3>(b.tops[k].mass.inertia);
+            b.tops[k].spin = physics::solver_api::free_spin<S, 3>(b.tops[k].mass.inertia);
             b.moved[k].gyroscopic = &b.tops[k];
             b.solved[k].velocity.angular = dice.vec<vec>(-4, 4);
             start.push_back(momentum_of(b, k));
@@ -178,7 +179,7 @@ CELL_CASE("integrator: a flywheel keeps its spin, however large its moment is be
         const auto inertia = physics::symmetric<S>::diagonal(S(0.011), S(large), S(0.017));
         b.tops[0].mass.inertia = inertia;
         b.tops[0].inverse_inertia = physics::inverted_inertia(inertia);
-        b.tops[0].spin = physics::free_spin<S, 3>(inertia);
+        b.tops[0].spin = physics::solver_api::free_spin<S, 3>(inertia);
         b.moved[0].gyroscopic = &b.tops[0];
         b.moved[0].rotation = {};
         b.solved[0].velocity = {{}, {S(0), S(0.5), S(0)}};

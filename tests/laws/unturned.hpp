@@ -341,17 +341,17 @@ static_assert(takes_spins<turning<>> && takes_torques<turning<>>);
 static_assert(!takes_spins<plain> && !takes_torques<plain>);
 
 /// What is left out takes no byte.
-using physics::body;
-using physics::solver_body;
+using physics::solver_api::body;
+using physics::solver_api::solver_body;
 static_assert(sizeof(body<S, D, false>) + sizeof(S) * (D == 2 ? 5 : 26) <= sizeof(body<S, D>) + 8);
 static_assert(sizeof(solver_body<S, D, false>) <= sizeof(solver_body<S, D>) / (D == 2 ? 1 : 2));
 static_assert(sizeof(S) != 4 || sizeof(solver_body<S, D, false>) == 32);
-static_assert(sizeof(physics::moving_body<S, D, false>) == sizeof(S) * (2 * D + 1));
+static_assert(sizeof(physics::solver_api::moving_body<S, D, false>) == sizeof(S) * (2 * D + 1));
 using features = physics::without<physics::feature::rotation>;
 using turning_block = physics::detail::soft_contact<S, D, 4, physics::without<>>;
 static_assert(sizeof(physics::detail::soft_linear_contact<S, D, 4, features>) * (D == 2 ? 2 : 4) <=
               sizeof(turning_block));
-static_assert(sizeof(physics::contact<S, D, features>) < sizeof(physics::contact<S, D>));
+static_assert(sizeof(physics::solver_api::contact<S, D, features>) < sizeof(physics::solver_api::contact<S, D>));
 
 }  // namespace unturned_laws
 }  // namespace

@@ -71,7 +71,7 @@ struct upside_down {
     struct in : physics::semi_implicit_euler::in<Space> {
         using T = typename Space::scalar;
         static constexpr int D = Space::dimension;
-        static void integrate_velocity(physics::twist<T, D>& v, physics::moving_body<T, D> b, T h) {
+        static void integrate_velocity(physics::twist<T, D>& v, physics::solver_api::moving_body<T, D> b, T h) {
             b.acceleration = -b.acceleration;
             physics::semi_implicit_euler::in<Space>::integrate_velocity(v, b, h);
         }
@@ -91,8 +91,9 @@ struct glue {
         using T = typename Space::scalar;
         static constexpr int D = Space::dimension;
         template <class Motion>
-        static void solve(physics::solver_bodies<T, D> bodies, physics::contact_constraints<T, D, Features> contacts,
-                          const settings& with, T h, physics::arena&, Motion&& motion) {
+        static void solve(physics::solver_api::solver_bodies<T, D> bodies,
+                          physics::solver_api::contact_constraints<T, D, Features> contacts, const settings& with, T h,
+                          physics::arena&, Motion&& motion) {
             for (int i = 0; i < with.substeps; ++i) {
                 motion.integrate_velocities(h / T(with.substeps));
                 for (std::uint32_t k = 0; k < contacts.size(); ++k)

@@ -1,4 +1,4 @@
-// expect: physics::recipe: the integrator's in<Space> needs integrate_velocity and integrate_pose; without rotation for physics::linear_twist and physics::moving_body<S, D, false>
+// expect: physics::recipe: the integrator's in<Space> needs integrate_velocity and integrate_pose; without rotation for physics::solver_api::linear_twist and physics::solver_api::moving_body<S, D, false>
 #include <physics.hpp>
 
 struct half_euler {

@@ -1,4 +1,4 @@
-// expect: physics::recipe: the solver does not say that it solves joints; with physics::joint_solver it does, and says so by static constexpr bool solves_joints = true
+// expect: physics::recipe: the solver does not say that it solves joints; with physics::solver_api::joint_solver it does, and says so by static constexpr bool solves_joints = true
 #include <physics.hpp>
 
 struct contacts_only {

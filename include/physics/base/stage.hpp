@@ -26,4 +26,10 @@ struct continuous {};
 struct features {};
 }  // namespace stage
 
+/// What a solver or an integrator of your own sees of a step, and nobody else: bodies, contacts, joints.
+namespace solver_api {}
+namespace detail {
+using namespace solver_api;
+}
+
 PHYSICS_HPP_END

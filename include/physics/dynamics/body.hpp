@@ -18,6 +18,8 @@ enum class body_type : std::uint8_t {
     dynamic_body,
 };
 
+namespace solver_api {
+
 /// A twist of what does not turn.
 template <class S, int D>
 struct linear_twist {
@@ -201,5 +203,7 @@ struct moved_bodies {
     twist_of<S, D, Rotates>& velocity(std::uint32_t i) const { return solved[slot_of[i]].velocity; }
     moving_body<S, D, Rotates>& operator[](std::uint32_t i) const { return moved[slot_of[i]]; }
 };
+
+}  // namespace solver_api
 
 PHYSICS_HPP_END

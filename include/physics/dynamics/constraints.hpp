@@ -6,6 +6,8 @@
 
 PHYSICS_HPP_BEGIN
 
+namespace solver_api {
+
 /// A joint in a step.
 template <class Joint, class S, int D>
 struct step_joint {
@@ -61,5 +63,7 @@ public:
         return *this;
     }
 };
+
+}  // namespace solver_api
 
 PHYSICS_HPP_END

@@ -13,6 +13,8 @@ PHYSICS_HPP_BEGIN
 template <class S, int D>
 using tangential = std::conditional_t<D == 2, S, vec<S, 2>>;
 
+namespace solver_api {
+
 /// Levers from the centres of mass of A and B to a point, in world axes (m).
 template <class S, int D>
 struct anchors {
@@ -77,7 +79,7 @@ struct contact {
                         restitution, rolling_resistance, surface_velocity, twist_impulse, substep_friction,
                         rolling_impulse)
 
-    [[nodiscard]] constexpr physics::anchors<S, D> anchors(int k) const {
+    [[nodiscard]] constexpr solver_api::anchors<S, D> anchors(int k) const {
         return {r_a + points[k].position, r_b + points[k].position};
     }
     [[nodiscard]] constexpr bool persisted(int k) const { return (persisted_mask >> k & 1) != 0; }
@@ -85,6 +87,8 @@ struct contact {
         return shape_a < shape_b ? proxy_pair{shape_a, shape_b} : proxy_pair{shape_b, shape_a};
     }
 };
+
+}  // namespace solver_api
 
 /// The tangent of a contact normal in 2D.
 template <class S>
@@ -114,6 +118,8 @@ struct tangents3 {
 /// The tangents of a contact normal in D dimensions.
 template <class S, int D>
 using tangents = std::conditional_t<D == 2, tangents2<S>, tangents3<S>>;
+
+namespace solver_api {
 
 /// How fast B slides over A along the tangents where neither surface slips, of how the surfaces run and are turned.
 template <class S>
@@ -239,5 +245,7 @@ void inherit_impulses(const buffer<contact<S, D, Features>>& before, contact<S, 
             inherit_impulses(before[n], frame, *first, surfaces);
     }
 }
+
+}  // namespace solver_api
 
 PHYSICS_HPP_END

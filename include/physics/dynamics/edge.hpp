@@ -3,9 +3,11 @@
 
 #include <cstdint>
 
-#include "physics/base/config.hpp"
+#include "physics/base/stage.hpp"
 
 PHYSICS_HPP_BEGIN
+
+namespace solver_api {
 
 /// Two bodies, by their numbers in the world, that something holds together: a contact, or whatever else constrains
 /// them.
@@ -23,5 +25,7 @@ struct edge_range {
 struct body_pair {
     std::uint32_t a, b;
 };
+
+}  // namespace solver_api
 
 PHYSICS_HPP_END

@@ -3,6 +3,7 @@
 
 #include <limits>
 
+#include "physics/base/stage.hpp"
 #include "physics/space/space.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -72,6 +73,8 @@ rotation<S, 3> rounded_rotation(const rotation<double, 3>& a) {
 
 }  // namespace detail
 
+namespace solver_api {
+
 /// What a body's free spin needs to know of its inertia: nothing in 2D.
 template <class S, int D>
 struct free_spin {
@@ -120,5 +123,7 @@ private:
         return a < b ? a : b;
     }
 };
+
+}  // namespace solver_api
 
 PHYSICS_HPP_END

@@ -53,6 +53,8 @@ constexpr S effective_mass(const solver_body<S, D, Rotates>& a, const solver_bod
 
 }  // namespace detail
 
+namespace solver_api {
+
 /// Friction of a point in 2D.
 template <class S>
 struct friction2 {
@@ -158,5 +160,7 @@ private:
 /// Resistance to rolling in D dimensions.
 template <class S, int D>
 using rolling_at = std::conditional_t<D == 2, rolling2<S>, rolling3<S>>;
+
+}  // namespace solver_api
 
 PHYSICS_HPP_END

@@ -16,10 +16,12 @@ inline std::uint32_t* iota(std::uint32_t count, arena& scratch) {
 
 }  // namespace detail
 
+namespace solver_api {
+
 /// Contacts that a solver is to solve, of a longer list, and what their surfaces make of each other.
 template <class S, int D, class Features = without<>>
 class contact_constraints {
-    using contact = physics::contact<S, D, Features>;
+    using contact = solver_api::contact<S, D, Features>;
     using combined_material = detail::combined_material<S, Features>;
 
 public:
@@ -55,6 +57,8 @@ private:
     std::uint32_t count_;
     [[no_unique_address]] combined_material surfaces_;
 };
+
+}  // namespace solver_api
 
 namespace detail {
 

@@ -26,16 +26,17 @@ struct semi_implicit_euler {
 
         /// Advances the velocity of a body by what drives it, and by damping.
         template <bool Rotates>
-        static constexpr void integrate_velocity(twist_of<S, D, Rotates>& v, const moving_body<S, D, Rotates>& b, S h) {
+        static constexpr void integrate_velocity(solver_api::twist_of<S, D, Rotates>& v,
+                                                 const solver_api::moving_body<S, D, Rotates>& b, S h) {
             v.linear = (v.linear + b.acceleration * h) * damped(b.linear_damping, h);
             if constexpr (Rotates) v.angular = (v.angular + b.angular_acceleration * h) * damped(b.angular_damping, h);
         }
         /// Advances a body by its velocity: adds to its way, turns it in 3D, and the angular velocity of a free top
         /// with it. In 2D angles add up, so that one turn by the way serves all parts of a step.
         template <bool Rotates>
-        static constexpr void integrate_pose([[maybe_unused]] moving_body<S, D, Rotates>& b,
-                                             pose_velocity<S, D, Rotates>& v, twist_of<S, D, Rotates>& displacement,
-                                             S h) {
+        static constexpr void integrate_pose([[maybe_unused]] solver_api::moving_body<S, D, Rotates>& b,
+                                             solver_api::pose_velocity<S, D, Rotates>& v,
+                                             solver_api::twist_of<S, D, Rotates>& displacement, S h) {
             displacement.linear += v.linear * h;
             if constexpr (Rotates) displacement.angular += v.angular * h;
             if constexpr (D == 3 && Rotates) {

@@ -44,6 +44,8 @@ private:
 
 }  // namespace detail
 
+namespace solver_api {
+
 /// Solves the joints among some constraints, Width at a time; every width gives the same bits, and so does every number
 /// of workers. A solver makes one as its step begins, and calls in each substep warm_start once velocities have
 /// advanced, solve with bias, update_rows once poses have, and solve without bias; in the end store_impulses. Rows are
@@ -108,5 +110,7 @@ public:
     bool solve(detail::task_runner&, bool) { return false; }
     void store_impulses(detail::task_runner&) {}
 };
+
+}  // namespace solver_api
 
 PHYSICS_HPP_END

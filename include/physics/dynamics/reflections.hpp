@@ -65,7 +65,7 @@ class reflections {
     static constexpr bool rotates = Features::rotation;
     using body = solver_body<S, D, rotates>;
     using bodies_type = solver_bodies<S, D, rotates>;
-    using contact = physics::contact<S, D, Features>;
+    using contact = solver_api::contact<S, D, Features>;
     using twist_type = twist_of<S, D, rotates>;
 
 public:

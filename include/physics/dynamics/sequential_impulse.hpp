@@ -70,17 +70,18 @@ struct sequential_impulse {
         static constexpr int D = Space::dimension;
         static constexpr bool rotates = Features::rotation;
         using settings = sequential_impulse_settings<S>;
-        using contact = physics::contact<S, D, Features>;
-        using body = solver_body<S, D, rotates>;
-        using bodies_type = solver_bodies<S, D, rotates>;
+        using contact = solver_api::contact<S, D, Features>;
+        using body = solver_api::solver_body<S, D, rotates>;
+        using bodies_type = solver_api::solver_bodies<S, D, rotates>;
 
         /// Advances velocities and poses by h: `motion` offers integrate_velocities(h) and integrate_positions(h).
-        template <class Constraints = contact_constraints<S, D, Features>, class Motion>
+        template <class Constraints = solver_api::contact_constraints<S, D, Features>, class Motion>
         static void solve(bodies_type bodies, const Constraints& contacts, const settings& with, S h, arena& scratch,
                           Motion&& motion) {
             const S h_sub = h / S(with.substeps), share = S(1) / S(with.substeps);
             detail::task_runner serial;
-            joint_solver<Constraints> joints(contacts, bodies, h_sub, S(0.25) / h_sub, S(2), scratch, serial);
+            solver_api::joint_solver<Constraints> joints(contacts, bodies, h_sub, S(0.25) / h_sub, S(2), scratch,
+                                                         serial);
             const surfaces of = contacts.surfaces();
             block* blocks = scratch.template allocate<block>(contacts.size());
             for (std::uint32_t i = 0; i < contacts.size(); ++i)
@@ -124,16 +125,17 @@ struct sequential_impulse {
     private:
         using surfaces = detail::combined_material<S, Features>;
         using bounces = detail::reflections<S, D, Features>;
-        using twist_type = twist_of<S, D, rotates>;
+        using twist_type = solver_api::twist_of<S, D, rotates>;
 
         struct no_friction {
             constexpr no_friction() = default;
-            constexpr no_friction(const body&, const body&, const anchors<S, D>&, const tangents<S, D>&) {}
+            constexpr no_friction(const body&, const body&, const solver_api::anchors<S, D>&, const tangents<S, D>&) {}
         };
         struct no_rolling {};
         /// What one point needs while iterating.
         struct row {
-            [[no_unique_address]] std::conditional_t<Features::friction, friction_at<S, D>, no_friction> with_friction;
+            [[no_unique_address]] std::conditional_t<Features::friction, solver_api::friction_at<S, D>, no_friction>
+                with_friction;
             S mass;
             /// Of this substep: impulses along the normal and, apart, by bounces; and along the tangents.
             S normal{};
@@ -150,8 +152,9 @@ struct sequential_impulse {
         };
         struct block {
             tangents<S, D> frame;
-            body_pair ends;
-            [[no_unique_address]] std::conditional_t<Features::rolling_resistance, rolling_at<S, D>, no_rolling>
+            solver_api::body_pair ends;
+            [[no_unique_address]] std::conditional_t<Features::rolling_resistance, solver_api::rolling_at<S, D>,
+                                                     no_rolling>
                 with_rolling{};
             [[no_unique_address]] detail::optional_member<Features::rolling_resistance, tangential<S, D>,
                                                           feature::rolling_resistance, 1>
@@ -162,7 +165,7 @@ struct sequential_impulse {
             bool yields;
             row rows[manifold<S, D>::capacity];
 
-            block(const contact& c, const body_pair& pair, surfaces of, bodies_type bodies, S share)
+            block(const contact& c, const solver_api::body_pair& pair, surfaces of, bodies_type bodies, S share)
                 : frame(c.normal), ends(pair) {
                 const body& a = bodies[ends.a];
                 const body& b = bodies[ends.b];
@@ -173,7 +176,7 @@ struct sequential_impulse {
                         rolling = c.rolling_impulse * share;
                     }
                 for (int k = 0; k < c.count; ++k) {
-                    const anchors<S, D> to = c.anchors(k);
+                    const solver_api::anchors<S, D> to = c.anchors(k);
                     row& r = *new (rows + k) row{{a, b, to, frame}, detail::effective_mass(a, b, to, c.normal)};
                     if (!c.persisted(k)) continue;
                     r.normal = c.points[k].substep_impulse;
@@ -196,7 +199,7 @@ struct sequential_impulse {
                 if constexpr (Features::rolling_resistance) c.rolling_impulse = total_rolling;
             }
         };
-        static bounces bounces_of(const contact_constraints<S, D, Features>& contacts,
+        static bounces bounces_of(const solver_api::contact_constraints<S, D, Features>& contacts,
                                   [[maybe_unused]] const surfaces& of, [[maybe_unused]] block* blocks,
                                   bodies_type bodies, arena& scratch) {
             std::uint32_t capacity = 0;
@@ -264,8 +267,8 @@ struct sequential_impulse {
         /// Passes over all contacts in alternating directions, so that impulses and corrections propagate equally both
         /// ways; before each, joints. Ends after `rounds` passes, or after one in which both return false.
         template <class Joints, class F>
-        static void alternating_passes(int rounds, const contact_constraints<S, D, Features>& contacts, Joints&& joints,
-                                       F&& f) {
+        static void alternating_passes(int rounds, const solver_api::contact_constraints<S, D, Features>& contacts,
+                                       Joints&& joints, F&& f) {
             bool changed = true;
             for (int round = 0; round < rounds && changed; ++round) {
                 const bool back = round % 2 != 0;

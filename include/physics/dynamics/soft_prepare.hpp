@@ -19,7 +19,7 @@ using preparing = kernel_pack<std::conditional_t<std::is_floating_point_v<S>, S,
 /// faster than one by one.
 template <class S, int D, int W, class Features>
 class contact_gather {
-    using contact = physics::contact<S, D, Features>;
+    using contact = solver_api::contact<S, D, Features>;
     using P = kernel_pack<S, W>;
 
 public:

@@ -69,13 +69,13 @@ struct soft_step_with {
         static constexpr int D = Space::dimension;
         static constexpr bool rotates = Features::rotation;
         using settings = soft_step_settings<S>;
-        using bodies_type = solver_bodies<S, D, rotates>;
+        using bodies_type = solver_api::solver_bodies<S, D, rotates>;
 
         /// Advances velocities and poses by h: `motion` offers integrate_velocities(h) and integrate_positions(h),
         /// which adds to their ways; where it takes the velocities with which the substep began as well (see
         /// substep_start), it saves rounds over the bodies; where it tells a usual_step(), contacts are no stiffer than
         /// in steps of that length. With several hands, contacts of a colour are shared out.
-        template <class Constraints = contact_constraints<S, D, Features>, class Motion>
+        template <class Constraints = solver_api::contact_constraints<S, D, Features>, class Motion>
         static void solve(bodies_type all, const Constraints& contacts, const settings& with, S h, arena& scratch,
                           Motion&& motion, detail::task_runner& tasks) {
             const detail::colours_of_contacts colours = detail::colour(contacts, all, scratch, tasks);
@@ -90,17 +90,17 @@ struct soft_step_with {
 #endif
             solve(colours, all, contacts, with, h, scratch, motion, tasks);
         }
-        template <class Constraints = contact_constraints<S, D, Features>, class Motion>
+        template <class Constraints = solver_api::contact_constraints<S, D, Features>, class Motion>
         static void solve(bodies_type all, const Constraints& contacts, const settings& with, S h, arena& scratch,
                           Motion&& motion) {
             detail::task_runner serial;
             solve(all, contacts, with, h, scratch, motion, serial);
         }
         /// The same at this very width, for contacts that have their colours.
-        template <class Constraints = contact_constraints<S, D, Features>, class Motion>
+        template <class Constraints = solver_api::contact_constraints<S, D, Features>, class Motion>
         static void solve(const detail::colours_of_contacts& colours, bodies_type all, const Constraints& contacts,
                           const settings& with, S h, arena& scratch, Motion&& motion, detail::task_runner& tasks) {
-            solver_body<S, D, rotates>* const bodies = all.first;
+            solver_api::solver_body<S, D, rotates>* const bodies = all.first;
             const detail::prepare_input<S, D, Features> prepare_with{
                 S(1) / S(with.substeps), with.restitution_threshold * h, accelerations(motion, all, scratch),
                 contacts.surfaces()};
@@ -124,7 +124,7 @@ struct soft_step_with {
                 start.velocities()};
             detail::contact_pass<S, D, rotates> relaxed = biased;
             relaxed.use_bias = false;
-            joint_solver<Constraints, detail::native_width<S>> joints(
+            solver_api::joint_solver<Constraints, detail::native_width<S>> joints(
                 contacts, all, h_sub, joint_frequency_ratio / (usual / S(with.substeps)), joint_damping_ratio, scratch,
                 tasks);
             for (int i = 0; i < with.substeps; ++i) {
@@ -189,7 +189,8 @@ struct soft_step_with {
             explicit contact_blocks(const detail::colours_of_contacts& of) : blocks_by_colour(of, width) {}
 
             /// Hands a block's impulses to its contacts.
-            void store_impulses(std::uint32_t k, const contact_constraints<S, D, Features>& contacts) const {
+            void store_impulses(std::uint32_t k,
+                                const solver_api::contact_constraints<S, D, Features>& contacts) const {
                 for (int lane = 0; lane < width; ++lane)
                     if (const std::uint32_t n = numbers[k * width + static_cast<std::uint32_t>(lane)]; n != none)
                         first[k].store_impulses(lane, contacts[n]);
@@ -209,7 +210,7 @@ struct soft_step_with {
             }
         }
         static contact_blocks pack(const detail::colours_of_contacts& colours,
-                                   const contact_constraints<S, D, Features>& contacts, bodies_type bodies,
+                                   const solver_api::contact_constraints<S, D, Features>& contacts, bodies_type bodies,
                                    const detail::prepare_input<S, D, Features>& with, arena& scratch,
                                    detail::task_runner& tasks) {
             contact_blocks result(colours);
@@ -234,7 +235,7 @@ struct soft_step_with {
             return result;
         }
         static void fill(block& place, std::uint32_t* numbers, const std::uint32_t* order, std::uint32_t used,
-                         const contact_constraints<S, D, Features>& contacts, bodies_type bodies,
+                         const solver_api::contact_constraints<S, D, Features>& contacts, bodies_type bodies,
                          const detail::prepare_input<S, D, Features>& with, arena& scratch) {
             block& to = *new (&place) block{};
             typename block::gathering gathered;

@@ -52,7 +52,7 @@ struct wake_input {
     const shape_pool<Plan>& shapes;
     const joints_of<Plan>& joints;
     const typename Plan::settings& settings;
-    const physics::step_lengths<typename Plan::scalar>& step_lengths;
+    const solver_api::step_lengths<typename Plan::scalar>& step_lengths;
     sleep_of<Plan>& sleep;
     awake_list& awake;
     buffer<typename Plan::contact>& contacts;

@@ -175,7 +175,7 @@ struct state {
     [[no_unique_address]] joints_of<Plan> joints;
     std::uint64_t steps = 0;
     /// Lengths of the steps in which the contacts' impulses act.
-    physics::step_lengths<S> step_lengths;
+    solver_api::step_lengths<S> step_lengths;
     /// By which handles know the world; no part of what lasts, so that they serve it whatever state it is brought to.
     unsaved<std::uint16_t> tag;
     PHYSICS_HPP_MEMBERS(settings, bodies, shapes, broadphase, contacts, surfaces, contact_starts, awake, memories,

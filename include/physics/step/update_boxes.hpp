@@ -12,7 +12,7 @@ template <class Plan>
 class box_update {
     using S = typename Plan::scalar;
     static constexpr int D = Plan::dimension;
-    using moved_bodies = physics::moved_bodies<S, D, Plan::rotates>;
+    using moved_bodies = solver_api::moved_bodies<S, D, Plan::rotates>;
 
 public:
     box_update(const pool<typename Plan::body>& bodies, const awake_list& awake, const moved_bodies& moved, S margin,

@@ -258,12 +258,13 @@ struct audit {
                   "restitution and rolling_resistance of two materials");
     static_assert(problem != recipe_problem::bad_integrator,
                   "physics::recipe: the integrator's in<Space> needs integrate_velocity and integrate_pose; without "
-                  "rotation for physics::linear_twist and physics::moving_body<S, D, false>");
+                  "rotation for physics::solver_api::linear_twist and physics::solver_api::moving_body<S, D, false>");
     static_assert(problem != recipe_problem::bad_solver,
                   "physics::recipe: the solver's in<Space, Features> needs a struct settings with a function check, "
                   "and a function solve");
     static_assert(problem != recipe_problem::solver_without_joints,
-                  "physics::recipe: the solver does not say that it solves joints; with physics::joint_solver it does, "
+                  "physics::recipe: the solver does not say that it solves joints; with "
+                  "physics::solver_api::joint_solver it does, "
                   "and says so by static constexpr bool solves_joints = true");
     static_assert(problem != recipe_problem::bad_continuous,
                   "physics::recipe: the continuous policy does not model physics::continuous_for; its in<Space> needs "

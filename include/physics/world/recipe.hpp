@@ -132,8 +132,8 @@ struct plan<S, D, shapes<Shapes...>, Policies...> {
     using space = physics::space<S, D>;
     using features = typename policy_for<stage::features, without<>, Policies...>::type;
     static constexpr bool rotates = features::rotation;
-    using body = physics::body<S, D, rotates>;
-    using contact = physics::contact<S, D, features>;
+    using body = solver_api::body<S, D, rotates>;
+    using contact = solver_api::contact<S, D, features>;
     using shape = any_shape<S, D, Shapes...>;
     using query = narrowphase_query<S, D, Shapes...>;
     using broadphase = typename policy_for<stage::broadphase, dynamic_tree, Policies...>::type::template in<space>;
