@@ -51,15 +51,21 @@ double extent_of(const core<D>& a, const placed_core<D>& b) {
     return a.extent + b.shape->extent + largest(b.at);
 }
 
-/// The vertex of B - A that a point of A and one of B, in its own frame, make.
+/// The vertex of B - A that a point of A and one of B, in its own frame, make. The products with matrices are written
+/// out here and below: calls, which take vectors in memory, would cost a fifth of a search.
 template <int D>
 PHYSICS_HPP_ALWAYS_INLINE cso_vertex<D> difference(const support_point<D>& on_a, const support_point<D>& on_b,
                                                    const placed_core<D>& b) {
-    return {b.axes * on_b.at + b.at - on_a.at, on_a.at, on_a.vertex << 16 | on_b.vertex};
+    const auto& column = b.axes.column;
+    point<D> at = column[0] * on_b.at[0] + column[1] * on_b.at[1];
+    if constexpr (D == 3) at += column[2] * on_b.at[2];
+    return {at + b.at - on_a.at, on_a.at, on_a.vertex << 16 | on_b.vertex};
 }
 template <int D>
 PHYSICS_HPP_ALWAYS_INLINE cso_vertex<D> support_along(const core<D>& a, const placed_core<D>& b, const point<D>& v) {
-    return difference(a.quick_support(v), b.shape->quick_support(transposed_times(b.axes, -v)), b);
+    point<D> in_b;
+    for (int i = 0; i < D; ++i) in_b[i] = dot(b.axes.column[i], -v);
+    return difference(a.quick_support(v), b.shape->quick_support(in_b), b);
 }
 
 template <int D>
@@ -95,10 +101,50 @@ void measure(gjk_result<D>& r, point<D> v) {
     r.distance = distance;
 }
 
+/// Results of one search for cores so near that rounding may have turned its direction: of normals that part them by
+/// less than they say.
+template <int D>
+struct inexact_normals {
+    static constexpr int max_refinements = 8;
+
+    /// How far apart cores must be for such a normal to count (m).
+    double trusted;
+    /// The result whose normal parts them most, and by how much.
+    raw_array<gjk_result<D>, 1> best;
+    double separated = 0;
+    int refinements = 0;
+
+    // Braces alone would clear the memory of `best`.
+    explicit inexact_normals(double trusted_from) : trusted(trusted_from) {}
+    /// Of a normal that does not part the cores its own support tells more, and is added to the simplex; one that never
+    /// does is none, and they touch. True if the search has to go on from there.
+    PHYSICS_HPP_COLD bool refine(const core<D>& a, const placed_core<D>& b, double noise, bool smooth,
+                                 gjk_result<D>& r) {
+        const cso_vertex<D> farther = support_along(a, b, r.normal);
+        const double here = dot(r.normal, farther.w);
+        if (!(here < r.distance - 4 * noise)) return false;
+        // Beside edges of B - A that all but touch, as near the tip of a cone, the next may part them less.
+        if (refinements == 0 || here > separated) {
+            separated = here;
+            best[0] = r;
+        }
+        if (r.at.count <= D && refinements++ < max_refinements) {
+            r.at.vertex[r.at.count++] = farther;
+            r.normal = {};
+            r.distance = 0;
+            return true;
+        }
+        r = best[0];
+        r.normal_inexact = true;
+        r.maybe_touching = r.distance < trusted || (smooth && !(separated > 0));
+        return false;
+    }
+};
+
 /// Where a search by gjk() is: the result so far, and v, the point of its simplex that is closest to the origin.
 template <int D>
 struct gjk_search {
-    static constexpr int max_iterations = 128, max_stalls = 8, max_refinements = 8;
+    static constexpr int max_iterations = 128, max_stalls = 8;
 
     const core<D>& a;
     const placed_core<D>& b;
@@ -112,13 +158,10 @@ struct gjk_search {
     /// The least part of the distance that was unknown (m, squared), and how often it has not been halved since.
     double minimum_unknown = no_limit;
     int stalls = 0;
-    /// The result whose normal parts the cores most, of those that part them by less than they say.
-    raw_array<gjk_result<D>, 1> best = {};
-    double best_separated = 0;
-    int refinements = 0;
 
     PHYSICS_HPP_ALWAYS_INLINE void run(gjk_cache* cache) {
         if (cache != nullptr && cache->count > 0 && !seed(*cache)) return;
+        inexact_normals<D> inexact((smooth ? 0x1p20 : 0x1p10) * noise);
         if (!(vv > 0) && r.at.count == 0) v = {}, v[0] = vv = 1;
         for (int iteration = 0;; ++iteration) {
             if (reaches_origin()) break;
@@ -127,18 +170,15 @@ struct gjk_search {
             const double vw = dot(v, w.w);
             if (exceeds_maximum(w, vw)) break;
             if (!is_closest(w, vv - vw, iteration) && reduce(vv - vw)) continue;
-            if (accept(vw)) break;
+            if (accept(vw, inexact)) break;
         }
         // Rounding can't bring together what a normal was seen to part.
-        if (r.overlapping && best_separated > trusted()) [[unlikely]]
-            r = best[0];
+        if (r.overlapping && inexact.separated > inexact.trusted) [[unlikely]]
+            r = inexact.best[0];
         if (cache != nullptr) store(*cache);
     }
 
 private:
-    /// How far apart they must be for a normal that parts them by less than it says to count.
-    [[nodiscard]] double trusted() const { return (smooth ? 0x1p20 : 0x1p10) * noise; }
-
     /// Begins where an earlier search ended. False if that is the answer: what parted the two may part them still.
     PHYSICS_HPP_ALWAYS_INLINE bool seed(const gjk_cache& cache) {
         point<D> axis;
@@ -157,15 +197,15 @@ private:
         }
         return true;
     }
-    void store(gjk_cache& cache) const {
+    PHYSICS_HPP_ALWAYS_INLINE void store(gjk_cache& cache) const {
         cache.count = static_cast<std::uint8_t>(r.at.count);
         for (int i = 0; i < r.at.count; ++i) cache.vertex[i] = r.at.vertex[i].name;
         for (int i = 0; i < D; ++i) cache.axis[i] = static_cast<float>(r.normal[i]);
     }
     PHYSICS_HPP_ALWAYS_INLINE void move_to(const closest_of<D>& c) {
+        if (c.count <= D) r.at.keep(c);
         v = c.at;
         vv = dot(v, v);
-        if (c.count <= D) r.at.keep(c);
     }
 
     PHYSICS_HPP_ALWAYS_INLINE bool reaches_origin() {
@@ -205,7 +245,7 @@ private:
         return true;
     }
     /// Rounding lets v come no closer. The normal may still gain: the distance is flat where that is best.
-    bool may_gain(closest_of<D>& closest, double gap) {
+    PHYSICS_HPP_ALWAYS_INLINE bool may_gain(closest_of<D>& closest, double gap) {
         // It grew, so it can't have moved away: rounding chose the side.
         if (dot(closest.at, closest.at) > 2 * vv) [[unlikely]]
             closest = closest_of_simplex(r.at, true, true);
@@ -216,36 +256,15 @@ private:
         return closest.vertex[closest.count - 1] == r.at.count - 1 && ++stalls <= max_stalls;
     }
     /// Takes v as the answer, unless its normal has to be refined.
-    PHYSICS_HPP_ALWAYS_INLINE bool accept(double vw) {
+    PHYSICS_HPP_ALWAYS_INLINE bool accept(double vw, inexact_normals<D>& inexact) {
         measure(r, v);
         const bool leaves_before = vw < vv * (1 - 2 * tolerance) - 4 * noise * r.distance;
-        if (!r.overlapping && r.distance < 0x1p30 * noise && refine()) [[unlikely]]
+        if (!r.overlapping && r.distance < 0x1p30 * noise && inexact.refine(a, b, noise, smooth, r)) [[unlikely]] {
+            move_to(closest_of_simplex(r.at, true));
             return false;
+        }
         r.normal_inexact = !r.overlapping && (r.normal_inexact || leaves_before);
         return true;
-    }
-    /// So near that rounding may have turned the direction of the search: of a normal that does not part them its own
-    /// support tells more; one that never does is none, and they touch. True if the search goes on from there.
-    PHYSICS_HPP_COLD bool refine() {
-        const cso_vertex<D> farther = support_along(a, b, r.normal);
-        const double separated = dot(r.normal, farther.w);
-        if (!(separated < r.distance - 4 * noise)) return false;
-        // Beside edges of B - A that all but touch, as near the tip of a cone, the next may part them less.
-        if (refinements == 0 || separated > best_separated) {
-            best_separated = separated;
-            best[0] = r;
-        }
-        if (r.at.count <= D && refinements++ < max_refinements) {
-            r.at.vertex[r.at.count++] = farther;
-            move_to(closest_of_simplex(r.at, true));
-            r.normal = {};
-            r.distance = 0;
-            return true;
-        }
-        r = best[0];
-        r.normal_inexact = true;
-        r.maybe_touching = r.distance < trusted() || (smooth && !(best_separated > 0));
-        return false;
     }
 };
 
