@@ -12,8 +12,8 @@ struct energy_report {
     double potential = 0;
     /// What forces, torques, kinematic bodies and moving surfaces gave in the step.
     double work = 0;
-    /// What the step gained beyond that: at most 0 but for rounding, for overlaps that were pushed apart, and for what
-    /// a kinematic body took along (see swept).
+    /// What the step gained beyond that: at most 0 but for rounding, for overlaps that were pushed apart, for what a
+    /// kinematic body took along (see swept), and for joints: what springs give back, and what they and limits push.
     double made = 0;
 };
 
