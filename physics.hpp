@@ -10389,7 +10389,11 @@ struct bounding_half {
           offset(detail::to_double(h.offset) + dot(normal, to_point(at.position))) {}
 
     /// The core of its surface's point that is closest to the origin, for motions: with `normal` as their `face`.
-    [[nodiscard]] core<D> surface_point() const { return {.corner = {normal * offset}}; }
+    [[nodiscard]] core<D> surface_point() const {
+        core<D> point;
+        point.corner[0] = normal * offset;
+        return point;
+    }
     /// How far a point lies outside.
     [[nodiscard]] double height(const point<D>& p) const { return dot(normal, p) - offset; }
 };
@@ -29547,9 +29551,7 @@ protected:
     void sweep_shape(const Shape& shape, const obstacle& o, swept_body_type& m) {
         if constexpr (is_halfspace<Shape>) {
             const bounding_half<D> half(shape);
-            core<D> surface;
-            surface.corner[0] = half.normal * half.offset;
-            sweep_core(surface, mat<double, D>::identity(), {}, &half.normal, o, m);
+            sweep_core(half.surface_point(), mat<double, D>::identity(), {}, &half.normal, o, m);
         } else if constexpr (has_parts<Shape, D>) {
             point<D> center;
             const aabb<double, D> box = box_of_path(o, center);

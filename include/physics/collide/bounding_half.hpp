@@ -25,7 +25,11 @@ struct bounding_half {
           offset(detail::to_double(h.offset) + dot(normal, to_point(at.position))) {}
 
     /// The core of its surface's point that is closest to the origin, for motions: with `normal` as their `face`.
-    [[nodiscard]] core<D> surface_point() const { return {.corner = {normal * offset}}; }
+    [[nodiscard]] core<D> surface_point() const {
+        core<D> point;
+        point.corner[0] = normal * offset;
+        return point;
+    }
     /// How far a point lies outside.
     [[nodiscard]] double height(const point<D>& p) const { return dot(normal, p) - offset; }
 };

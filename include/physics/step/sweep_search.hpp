@@ -116,9 +116,7 @@ protected:
     void sweep_shape(const Shape& shape, const obstacle& o, swept_body_type& m) {
         if constexpr (is_halfspace<Shape>) {
             const bounding_half<D> half(shape);
-            core<D> surface;
-            surface.corner[0] = half.normal * half.offset;
-            sweep_core(surface, mat<double, D>::identity(), {}, &half.normal, o, m);
+            sweep_core(half.surface_point(), mat<double, D>::identity(), {}, &half.normal, o, m);
         } else if constexpr (has_parts<Shape, D>) {
             point<D> center;
             const aabb<double, D> box = box_of_path(o, center);
