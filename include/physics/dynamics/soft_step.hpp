@@ -125,8 +125,8 @@ struct soft_step_with {
             detail::contact_pass<S, D, rotates> relaxed = biased;
             relaxed.use_bias = false;
             solver_api::joint_solver<Constraints, detail::native_width<S>> joints(
-                contacts, all, h_sub, joint_frequency_ratio / (usual / S(with.substeps)), joint_damping_ratio, scratch,
-                tasks);
+                contacts, all, h_sub, S(joint_frequency_ratio) / (usual / S(with.substeps)), S(joint_damping_ratio),
+                scratch, tasks);
             for (int i = 0; i < with.substeps; ++i) {
                 start.integrate_velocities(motion, h_sub);
                 if (i == 0) {
@@ -169,7 +169,7 @@ struct soft_step_with {
         static constexpr int width = Width;
         static constexpr std::uint32_t none = detail::null_index;
         /// Of rigid joints: frequency as a part of the substeps' rate, and damping ratio.
-        static constexpr S joint_frequency_ratio = S(0.25), joint_damping_ratio = S(2);
+        static constexpr double joint_frequency_ratio = 0.25, joint_damping_ratio = 2;
         using turning_block = detail::soft_contact<S, D, width, Features, Friction>;
         using block = std::conditional_t<rotates, turning_block, detail::soft_linear_contact<S, D, width, Features>>;
         using kernels = Kernels<block>;
