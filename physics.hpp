@@ -30043,29 +30043,30 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
     clear_depths<Plan>(s.bodies.slots(), d.sweep);
     // Settings -> what all surfaces make of each other, where no shape has a material of its own.
     if (!combine_common_materials<Plan>(s.settings, d.new_material)) return step_result::bad_mixing_rule;
-    // Velocities -> boxes of bodies that look ahead.
+    // Velocities -> boxes in the broadphase, of bodies that look ahead; how far, in d.sweep.
     look_ahead<Plan>(s.bodies, s.shapes, s.sleep, s.continuous, s.settings, h, s.broadphase, d.sweep);
     // Bodies -> which of them move.
     list_awake(s.bodies, s.sleep, s.awake);
-    // Boxes -> pairs of shapes, in order.
-    const auto& boxes = find_pairs(s.broadphase, d.scratch);
-    const auto& pairs = without_connected(boxes, s.joints, s.shapes, d.joints);
+    // Boxes -> pairs of shapes, in order; joints -> those whose bodies none keeps apart.
+    const auto& overlapping = find_pairs(s.broadphase, d.scratch);
+    const auto& pairs = without_connected(overlapping, s.joints, s.shapes, d.joints);
     done(step_stage::find_pairs);
 
-    // Pairs, poses, the last step's contacts -> contacts, with feature ids and warm impulses.
+    // Pairs, poses, the last step's contacts -> d.new_contacts, with feature ids and warm impulses.
     const collide_input<Plan> to_collide{
         s.bodies, s.shapes, s.awake, s.sleep, d.new_material, s.settings.contact_margin, h, s.steps};
     const collide_result found = find_contacts(pairs, to_collide, s.contacts, s.step_lengths, s.memories, d, tasks);
     if (!found.materials_valid) return step_result::bad_mixing_rule;
-    // Contacts with sleeping bodies -> contacts of the islands that they wake.
+    // Contacts with sleeping bodies -> islands that they wake, at the end of s.awake; their contacts, in
+    // d.new_contacts.
     if constexpr (Plan::sleeps)
         if (found.near_sleeper &&
             list_woken<Plan>(d.new_contacts, s.bodies, s.sleep, s.settings.gravity, h, s.awake, d.woken) &&
             !find_contacts_of_woken(to_collide, s.memories, d, tasks))
             return step_result::bad_mixing_rule;
-    // Contacts -> those that are not at flush edges.
+    // d.new_contacts -> those that are not at flush edges.
     drop_seam_contacts(to_collide, s.continuous, d);
-    // Contacts, joints -> which bodies they hold together.
+    // Contacts, joints -> which bodies they hold together, in d.edges.
     list_edges(d.new_contacts, d.edges, tasks);
     if constexpr (Plan::has_joints) list_joints(s.joints, s.bodies, s.awake, d.edges, d.joints);
     done(step_stage::find_contacts);
@@ -30074,7 +30075,7 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
     const batches graph = build_graph(d.edges, s.bodies, s.awake, d.scratch, tasks);
     done(step_stage::make_batches);
 
-    // Bodies, contacts, joints -> velocities, poses, impulses.
+    // Bodies, contacts, joints -> velocities and poses, in `moved`; impulses, in d.new_contacts and d.joints.
     warm_impulses<S> warm(s.step_lengths, s.steps, h);
     warm.before_solve(d.new_contacts, d.scratch);
     const auto moved = place_bodies<S, Plan::dimension, Plan::rotates>(graph, d.scratch);
@@ -30085,14 +30086,15 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
     if (!tasks.ran_all_tasks()) return step_result::bad_executor;
     if (!solved) return step_result::out_of_range;
 
-    // Poses -> poses short of what stops bodies.
+    // Poses -> poses short of what stops bodies, in `moved`.
+    [[maybe_unused]] continuous_report<S> sweep_report;
     if constexpr (Plan::sweeps) {
         const auto& extents = s.continuous.extents;
         const sweep_input<Plan> to_sweep{s.bodies, s.shapes, s.broadphase, s.awake,
                                          s.sleep,  s.joints, extents,      s.settings};
-        s.continuous.report = sweep(to_sweep, moved, h, d.sweep);
+        sweep_report = sweep(to_sweep, moved, h, d.sweep);
     }
-    // Poses -> boxes of shapes that left theirs.
+    // Poses -> poses of shapes, and boxes in the broadphase of those that left theirs; put back if one does not fit.
     if (!update_boxes<Plan>(s.bodies, s.awake, moved, s.settings.contact_margin, h, s.shapes, s.broadphase, d.scratch,
                             tasks))
         return tasks.ran_all_tasks() ? step_result::out_of_range : step_result::bad_executor;
@@ -30100,6 +30102,7 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
 
     // Results -> bodies and contacts. From here on nothing fails.
     publish(s, d, moved, warm, h);
+    if constexpr (Plan::sweeps) s.continuous.report = sweep_report;
     if constexpr (Plan::sleeps) {
         // What was woken is awake for good, and so is what kinematic bodies are going to run into.
         commit_woken(to_wake(s, d));
