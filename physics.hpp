@@ -23616,9 +23616,8 @@ namespace solver_api {
 /// Solves the joints among some constraints, Width at a time; every width gives the same bits, and so does every number
 /// of workers. A solver makes one as its step begins, and calls in each substep warm_start once velocities have
 /// advanced, solve with bias, update_rows once poses have, and solve without bias; in the end store_impulses. Rows are
-/// written where bodies are after each of their moves: what is left of the spin of three balls on rods that turn by 3
-/// rad/s, after 10 s at 4 substeps of 1/256 s, is 1 to rounding; with rows that last a substep it is 0.85. Costs
-/// nothing where there are no joints.
+/// written where bodies are after each of their moves, so that no pair of forces has a moment: that keeps angular
+/// momentum. Costs nothing where there are no joints.
 template <class Constraints, int Width = 1>
 class joint_solver;
 template <class S, int D, class Features, template <class, int> class... Joints, int Width>
@@ -32280,227 +32279,6 @@ std::uint64_t state_hash(const state<Plan>& s) {
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/world/joints.hpp
-// =================================================================================================
-// Joints as users make, read and change them.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-template <class Plan>
-void wake_connected(world_data<Plan>& s, std::uint32_t joint) {
-    wake(s, s.joints.records[joint].body_a);
-    wake(s, s.joints.records[joint].body_b);
-}
-
-template <class Plan, class Joint>
-joint_id create_joint(world_data<Plan>& s, body_id body_a, body_id body_b, const Joint& joint, const joint_def& def) {
-    const char* f = "create_joint";
-    const lookup a = find(s, s.bodies, body_a, f, "body_a"), b = find(s, s.bodies, body_b, f, "body_b");
-    if (!a || !b) return {};
-    if (a.index == b.index) {
-        refuse(f, "body_b", "the same as body_a", "a joint holds two bodies");
-        return {};
-    }
-    if (!check(joint, f)) return {};
-    auto& of_kind = s.joints.template of_kind<Joint>();
-    joint_record record{a.index, b.index, s.joints.first[a.index], s.joints.first[b.index]};
-    record.kind = s.joints.template kind_of<Joint>();
-    record.slot = of_kind.next_index();
-    record.enabled = def.enabled;
-    record.collide_connected = def.collide_connected;
-    record.user_data = def.user_data;
-    const auto place = s.joints.records.insert(record);
-    of_kind.insert({joint, {}, {}, place.index});
-    s.joints.first[a.index] = s.joints.first[b.index] = place.index;
-    wake_connected(s, place.index);
-    return {place.index, place.generation, s.tag};
-}
-
-/// What a joint gave in the last substep, as a force, where its bodies are.
-template <class Plan>
-joint_reaction<typename Plan::scalar, Plan::dimension> reaction_of(const state<Plan>& s, std::uint32_t joint) {
-    using S = typename Plan::scalar;
-    constexpr int D = Plan::dimension;
-    joint_reaction<S, D> sum{};
-    const joint_record& record = s.joints.records[joint];
-    const auto &a = s.bodies[record.body_a], &b = s.bodies[record.body_b];
-    const joint_frames<S, D> at{a.rotation, b.rotation, a.mass.center, b.mass.center, b.center - a.center};
-    s.joints.each_kind(s.joints, [&]<class Joint>(std::uint32_t kind, const pool<stored_joint<Joint, S>>& of_kind) {
-        if (kind != record.kind) return;
-        const stored_joint<Joint, S>& j = of_kind[record.slot];
-        if (!(j.substep > S(0))) return;
-        joint_row<S, D> row[Joint::row_count];
-        j.joint.rows(at, row);
-        for (int k = 0; k < Joint::row_count; ++k) {
-            sum.force += row[k].direction * (j.impulse[k] / j.substep);
-            sum.torque += row[k].angular_b * (j.impulse[k] / j.substep);
-        }
-    });
-    return sum;
-}
-
-/// The joints of a world, in the order of their numbers, or those of one body. A loop may change the world: it leaves
-/// out what has been destroyed, and goes no farther than the numbers that there were when it began.
-template <class Plan>
-class joint_range {
-public:
-    joint_range(const state<Plan>& s, body_id body) : state_(&s), body_(body) {}
-    class iterator {
-    public:
-        iterator(const state<Plan>& s, body_id body) : state_(&s), body_(body), end_(s.joints.records.slots()) {
-            find(0);
-        }
-        joint_id operator*() const { return {at_, state_->joints.records.generation(at_), state_->tag}; }
-        iterator& operator++() {
-            find(at_ + 1);
-            return *this;
-        }
-        bool operator==(range_end) const { return at_ >= end_ || at_ >= state_->joints.records.slots(); }
-
-    private:
-        void find(std::uint32_t from) {
-            const auto& records = state_->joints.records;
-            for (at_ = records.next(from); at_ < records.slots() && body_; at_ = records.next(at_ + 1))
-                if (records[at_].body_a == body_.index || records[at_].body_b == body_.index) return;
-        }
-
-        const state<Plan>* state_;
-        body_id body_;
-        std::uint32_t end_, at_ = 0;
-    };
-    iterator begin() const { return iterator(*state_, body_); }
-    range_end end() const { return {}; }
-
-private:
-    const state<Plan>* state_;
-    body_id body_;
-};
-
-}  // namespace detail
-
-/// What a world can do with joints, where its recipe names kinds of them: joints<distance_joint>. A joint goes with its
-/// bodies. Making, changing and destroying one wakes them. O(1), and where they wake as said of world.
-template <class World, class Plan, bool = Plan::has_joints>
-class joint_functions {
-    static constexpr int D = Plan::dimension;
-    using S = typename Plan::scalar;
-
-public:
-    /// Joins two bodies, of which those that are not dynamic feel nothing of it. They collide no longer, unless the
-    /// definition says so.
-    template <class Joint>
-    joint_id create_joint(body_id body_a, body_id body_b, const Joint& joint, const joint_def& def = {}) {
-        check_kind<Joint>();
-        if constexpr (knows<Joint>)
-            return detail::scoped([&] { return detail::create_joint(state(), body_a, body_b, joint, def); });
-        else return {};
-    }
-    void destroy_joint(joint_id id) {
-        const auto at = find(state(), id, "destroy_joint");
-        if (!at) return;
-        detail::wake_connected(state(), at.index);
-        detail::erase_joint(state(), at.index);
-    }
-    /// True if the handle names a living joint of this world; never an error.
-    [[nodiscard]] bool contains(joint_id id) const { return detail::contains(state(), state().joints.records, id); }
-    [[nodiscard]] std::uint32_t joint_count() const { return state().joints.records.count(); }
-    /// All joints: `for (physics::joint_id j : world.joints())`.
-    [[nodiscard]] auto joints() const { return detail::joint_range<Plan>(state(), {}); }
-
-    /// What a joint is: of another kind it is refused.
-    template <class Joint>
-    [[nodiscard]] Joint joint(joint_id id) const {
-        const auto at = find_kind<Joint>(state(), id, "joint");
-        return at ? state().joints.template of_kind<Joint>()[record(at).slot].joint : Joint{};
-    }
-    /// Changes it to another joint of its kind; what it gave it begins with.
-    template <class Joint>
-    void set_joint(joint_id id, const Joint& joint) {
-        const auto at = find_kind<Joint>(state(), id, "set_joint");
-        if (!at || !check(joint, "set_joint")) return;
-        detail::wake_connected(state(), at.index);
-        state().joints.template of_kind<Joint>()[record(at).slot].joint = joint;
-    }
-    [[nodiscard]] body_id body_a(joint_id id) const {
-        const auto at = find(state(), id, "body_a");
-        return at ? name_of(record(at).body_a) : body_id{};
-    }
-    [[nodiscard]] body_id body_b(joint_id id) const {
-        const auto at = find(state(), id, "body_b");
-        return at ? name_of(record(at).body_b) : body_id{};
-    }
-    [[nodiscard]] bool joint_enabled(joint_id id) const {
-        const auto at = find(state(), id, "joint_enabled");
-        return at && record(at).enabled;
-    }
-    /// A joint that is not enabled holds nothing, and lets its bodies collide.
-    void set_joint_enabled(joint_id id, bool enabled) {
-        const auto at = find(state(), id, "set_joint_enabled");
-        if (!at || record(at).enabled == enabled) return;
-        detail::wake_connected(state(), at.index);
-        state().joints.records[at.index].enabled = enabled;
-    }
-    /// What it gave in the last substep of the last step in which it was awake, where its bodies are now.
-    [[nodiscard]] joint_reaction<S, D> reaction(joint_id id) const {
-        const auto at = find(state(), id, "reaction");
-        return at ? detail::scoped([&] { return detail::reaction_of(state(), at.index); }) : joint_reaction<S, D>{};
-    }
-    [[nodiscard]] std::uint64_t user_data(joint_id id) const {
-        const auto at = find(state(), id, "user_data");
-        return at ? record(at).user_data : 0;
-    }
-    void set_user_data(joint_id id, std::uint64_t data) {
-        if (const auto at = find(state(), id, "set_user_data")) state().joints.records[at.index].user_data = data;
-    }
-
-private:
-    auto& state() { return detail::world_access::data_of(static_cast<World&>(*this)); }
-    const auto& state() const { return detail::world_access::data_of(static_cast<const World&>(*this)); }
-    template <class State>
-    static detail::lookup find(State& s, joint_id id, const char* function) {
-        return detail::find_joint(s, id, function);
-    }
-    template <class Joint>
-    static constexpr bool knows = detail::joints_of<Plan>::template knows<Joint>;
-    template <class Joint>
-    static constexpr void check_kind() {
-        static_assert(knows<Joint>,
-                      "physics::world: the recipe's set of joints lacks this one; name it in physics::joints<...>");
-    }
-    template <class Joint, class State>
-    static detail::lookup find_kind(State& s, joint_id id, const char* function) {
-        check_kind<Joint>();
-        const auto at = find(s, id, function);
-        if (!at) return at;
-        if (s.joints.records[at.index].kind == s.joints.template kind_of<Joint>()) return at;
-        return {0, detail::refuse(function, "joint", "of another kind", "it must be of the kind that is asked for")};
-    }
-    const auto& record(const detail::lookup& at) const { return state().joints.records[at.index]; }
-    [[nodiscard]] body_id name_of(std::uint32_t body) const {
-        return {body, state().bodies.generation(body), state().tag};
-    }
-};
-/// Of a recipe without joints.
-template <class World, class Plan>
-class joint_functions<World, Plan, false> {
-public:
-    template <class Joint>
-    joint_id create_joint(body_id, body_id, const Joint&, const joint_def& = {}) {
-        static_assert(sizeof(Joint) == 0,
-                      "physics::world: the recipe knows no joints; name their kinds in physics::joints<...>");
-        return {};
-    }
-    [[nodiscard]] bool contains(joint_id) const { return false; }
-    [[nodiscard]] std::uint32_t joint_count() const { return 0; }
-    std::uint64_t user_data(joint_id) const = delete;
-    void set_user_data(joint_id, std::uint64_t) = delete;
-};
-
-PHYSICS_HPP_END
-
-// =================================================================================================
 // physics/base/small_buffer.hpp
 // =================================================================================================
 // A growable array whose first values are on the stack.
@@ -32776,201 +32554,6 @@ closest_hit<typename Plan::scalar, Plan::dimension> closest_shape(const state<Pl
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/world/snapshot.hpp
-// =================================================================================================
-// Snapshots of a world's state: all that lasts from step to step, in one block of memory.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// One of the owners of some blocks of geometry.
-class geometry_keeper {
-public:
-    geometry_keeper() = default;
-    geometry_keeper(const geometry_keeper& other) : blocks_(other.blocks_) { each(retain); }
-    geometry_keeper(geometry_keeper&&) noexcept = default;
-    geometry_keeper& operator=(const geometry_keeper& other) {
-        if (this == &other) return *this;
-        // What may fail comes first.
-        blocks_.reserve(other.blocks_.size());
-        other.each(retain);
-        each(release);
-        blocks_ = other.blocks_;
-        return *this;
-    }
-    geometry_keeper& operator=(geometry_keeper&& other) noexcept {
-        geometry_keeper taken(std::move(other));
-        blocks_.swap(taken.blocks_);
-        return *this;
-    }
-    ~geometry_keeper() { each(release); }
-
-    /// Makes room for what these shapes refer to.
-    template <class Shapes>
-    void reserve(const Shapes& shapes) {
-        std::uint32_t count = 0;
-        shapes.each_geometry([&](const geometry_block* block) { count += block != nullptr; });
-        blocks_.reserve(count);
-    }
-    /// Keeps that instead.
-    template <class Shapes>
-    void keep(const Shapes& shapes) {
-        // First, so that what stays has an owner all the while.
-        shapes.each_geometry(retain);
-        each(release);
-        blocks_.clear();
-        shapes.each_geometry([&](const geometry_block* block) {
-            if (block != nullptr) blocks_.push_back(block);
-        });
-    }
-
-private:
-    void each(void (*change)(const geometry_block*)) const {
-        for (const geometry_block* block : blocks_) change(block);
-    }
-
-    buffer<const geometry_block*> blocks_;
-};
-
-/// Says in one sentence why there can be no snapshot of a world.
-template <class Plan>
-struct snapshot_audit {
-    static constexpr bool has_members = names_members<typename Plan::broadphase>;
-    static constexpr bool is_plain = std::is_trivially_copyable_v<typename Plan::settings>;
-    static_assert(
-        has_members,
-        "physics::recipe: no snapshot of the world can be made, as the broadphase does not name what lasts of "
-        "it; its in<Space> needs a static each_member(self, f)");
-    static_assert(is_plain,
-                  "physics::recipe: no snapshot of the world can be made, as the solver's settings are not trivially "
-                  "copyable");
-};
-
-/// What lasts of a world from step to step, copied piece by piece into one block that holds no address of its own
-/// memory: of buffers how many values they have, and these; what lies behind them for growth stays out, and so does
-/// scratch. Written over a world of the same recipe, of whatever history, it brings back the state with its numbers,
-/// generations and settings: the steps that follow have the same bits. The world keeps its tag, so that those handles
-/// serve it that did before. Shapes share their geometry with the snapshot, which is one of its owners.
-/// For the process that made it: no format to store. Cost: that of copying the bytes, and some ns for each shape with
-/// geometry.
-template <class Plan>
-class raw_snapshot {
-    using audit = snapshot_audit<Plan>;
-    static_assert(sizeof(audit) > 0);
-
-public:
-    /// Makes this the snapshot of a world as it is now. Takes memory only where the snapshot has not been so large
-    /// before.
-    void save(const state<Plan>& s) {
-        std::uint64_t units = 0;
-        each_piece(s, [&](const auto& piece) { units += units_of(piece); });
-        if (units > 0xffffffffu) {
-            // As for buffers: there is no such memory.
-            refuse("snapshot", "memory", static_cast<double>(units) * sizeof(unit), "the bytes are not available");
-            std::abort();
-        }
-        // What may fail comes first.
-        units_.reserve(static_cast<std::uint32_t>(units));
-        geometry_.reserve(s.shapes);
-        units_.clear();
-        each_piece(s, [&](const auto& piece) { write(piece); });
-        geometry_.keep(s.shapes);
-    }
-
-    /// Brings a world to the state that was saved. Takes memory only where the world has not had so much before.
-    /// Refused, with nothing changed, if nothing was saved or a step of the world is under way.
-    bool restore(world_data<Plan>& s) const {
-        if (units_.empty()) return refuse("restore", "snapshot", "empty", "it must have been saved");
-        if (!check_not_in_step(s, "restore")) return false;
-        // What may fail comes first.
-        const unit* from = units_.begin();
-        each_piece<state<Plan>>(s, [&](auto& piece) { from = make_room(piece, from); });
-        s.shapes.each_geometry(release);
-        from = units_.begin();
-        each_piece<state<Plan>>(s, [&](auto& piece) { from = read(piece, from); });
-        s.shapes.each_geometry(retain);
-        return true;
-    }
-
-    /// The block, and its bytes.
-    [[nodiscard]] const void* data() const { return units_.begin(); }
-    [[nodiscard]] std::size_t size() const { return std::size_t{units_.size()} * sizeof(unit); }
-
-private:
-    /// Pieces begin at multiples of it, and so do numbers of values and these.
-    struct alignas(16) unit {
-        unsigned char bytes[16];
-    };
-    static constexpr std::uint32_t units_for(std::size_t bytes) {
-        return static_cast<std::uint32_t>((bytes + sizeof(unit) - 1) / sizeof(unit));
-    }
-    template <class T>
-    static std::uint64_t units_of(const T&) {
-        return units_for(sizeof(T));
-    }
-    template <class T>
-    static std::uint64_t units_of(const buffer<T>& piece) {
-        return std::uint64_t{1} + units_for(std::size_t{piece.size()} * sizeof(T));
-    }
-
-    /// Nothing of what was refused above, so that nothing else is said of it.
-    template <class State, class F>
-    static void each_piece(State& s, F&& f) {
-        if constexpr (audit::has_members && audit::is_plain) each_value_of(s, f);
-    }
-    void write(const void* from, std::size_t bytes) {
-        if (bytes == 0) return;
-        unit* const to = units_.extend(units_for(bytes));
-        // What is behind the last byte.
-        units_.back() = {};
-        std::memcpy(to, from, bytes);
-    }
-    template <class T>
-    void write(const T& piece) {
-        write(&piece, sizeof(T));
-    }
-    template <class T>
-    void write(const buffer<T>& piece) {
-        write(piece.size());
-        write(piece.begin(), std::size_t{piece.size()} * sizeof(T));
-    }
-    static const unit* read(void* to, std::size_t bytes, const unit* from) {
-        if (bytes > 0) std::memcpy(to, from, bytes);
-        return from + units_for(bytes);
-    }
-    template <class T>
-    static const unit* read(T& piece, const unit* from) {
-        return read(&piece, sizeof(T), from);
-    }
-    template <class T>
-    static const unit* read(buffer<T>& piece, const unit* from) {
-        std::uint32_t count = 0;
-        from = read(count, from);
-        piece.clear();
-        return read(piece.extend(count), std::size_t{count} * sizeof(T), from);
-    }
-    template <class T>
-    static const unit* make_room(T&, const unit* from) {
-        return from + units_for(sizeof(T));
-    }
-    template <class T>
-    static const unit* make_room(buffer<T>& piece, const unit* from) {
-        std::uint32_t count = 0;
-        from = read(count, from);
-        piece.reserve(count);
-        return from + units_for(std::size_t{count} * sizeof(T));
-    }
-
-    buffer<unit> units_;
-    geometry_keeper geometry_;
-};
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
 // physics/world/world_code.hpp
 // =================================================================================================
 // The functions of a world that take long to compile, so that one unit of a program can compile them for all.
@@ -33180,6 +32763,423 @@ PHYSICS_HPP_END
     extern template struct physics::detail::world_code<physics::detail::plan_of<__VA_ARGS__>::type>;
 #define PHYSICS_HPP_INSTANTIATE(...) \
     template struct physics::detail::world_code<physics::detail::plan_of<__VA_ARGS__>::type>;
+
+// =================================================================================================
+// physics/world/joints.hpp
+// =================================================================================================
+// Joints as users make, read and change them.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+template <class Plan>
+void wake_connected(world_data<Plan>& s, std::uint32_t joint) {
+    // By what runs in a float_control_scope: impulses are rescaled.
+    world_code<Plan>::wake(s, s.joints.records[joint].body_a);
+    world_code<Plan>::wake(s, s.joints.records[joint].body_b);
+}
+
+template <class Plan, class Joint>
+joint_id create_joint(world_data<Plan>& s, body_id body_a, body_id body_b, const Joint& joint, const joint_def& def) {
+    const char* f = "create_joint";
+    const lookup a = find(s, s.bodies, body_a, f, "body_a"), b = find(s, s.bodies, body_b, f, "body_b");
+    if (!a || !b) return {};
+    if (a.index == b.index) {
+        refuse(f, "body_b", "the same as body_a", "a joint holds two bodies");
+        return {};
+    }
+    if (!check(joint, f)) return {};
+    auto& of_kind = s.joints.template of_kind<Joint>();
+    joint_record record{a.index, b.index, s.joints.first[a.index], s.joints.first[b.index]};
+    record.kind = s.joints.template kind_of<Joint>();
+    record.slot = of_kind.next_index();
+    record.enabled = def.enabled;
+    record.collide_connected = def.collide_connected;
+    record.user_data = def.user_data;
+    const auto place = s.joints.records.insert(record);
+    of_kind.insert({joint, {}, {}, place.index});
+    s.joints.first[a.index] = s.joints.first[b.index] = place.index;
+    wake_connected(s, place.index);
+    return {place.index, place.generation, s.tag};
+}
+
+/// What a joint gave in the last substep, as a force, where its bodies are.
+template <class Plan>
+joint_reaction<typename Plan::scalar, Plan::dimension> reaction_of(const state<Plan>& s, std::uint32_t joint) {
+    using S = typename Plan::scalar;
+    constexpr int D = Plan::dimension;
+    joint_reaction<S, D> sum{};
+    const joint_record& record = s.joints.records[joint];
+    const auto &a = s.bodies[record.body_a], &b = s.bodies[record.body_b];
+    const joint_frames<S, D> at{a.rotation, b.rotation, a.mass.center, b.mass.center, b.center - a.center};
+    s.joints.each_kind(s.joints, [&]<class Joint>(std::uint32_t kind, const pool<stored_joint<Joint, S>>& of_kind) {
+        if (kind != record.kind) return;
+        const stored_joint<Joint, S>& j = of_kind[record.slot];
+        if (!(j.substep > S(0))) return;
+        joint_row<S, D> row[Joint::row_count];
+        j.joint.rows(at, row);
+        for (int k = 0; k < Joint::row_count; ++k) {
+            sum.force += row[k].direction * (j.impulse[k] / j.substep);
+            sum.torque += row[k].angular_b * (j.impulse[k] / j.substep);
+        }
+    });
+    return sum;
+}
+
+/// The joints of a world, in the order of their numbers, or those of one body. A loop may change the world: it leaves
+/// out what has been destroyed, and goes no farther than the numbers that there were when it began.
+template <class Plan>
+class joint_range {
+public:
+    joint_range(const state<Plan>& s, body_id body) : state_(&s), body_(body) {}
+    class iterator {
+    public:
+        iterator(const state<Plan>& s, body_id body) : state_(&s), body_(body), end_(s.joints.records.slots()) {
+            find(0);
+        }
+        joint_id operator*() const { return {at_, state_->joints.records.generation(at_), state_->tag}; }
+        iterator& operator++() {
+            find(at_ + 1);
+            return *this;
+        }
+        bool operator==(range_end) const { return at_ >= end_ || at_ >= state_->joints.records.slots(); }
+
+    private:
+        void find(std::uint32_t from) {
+            const auto& records = state_->joints.records;
+            for (at_ = records.next(from); at_ < records.slots() && body_; at_ = records.next(at_ + 1))
+                if (records[at_].body_a == body_.index || records[at_].body_b == body_.index) return;
+        }
+
+        const state<Plan>* state_;
+        body_id body_;
+        std::uint32_t end_, at_ = 0;
+    };
+    iterator begin() const { return iterator(*state_, body_); }
+    range_end end() const { return {}; }
+
+private:
+    const state<Plan>* state_;
+    body_id body_;
+};
+
+}  // namespace detail
+
+/// What a world can do with joints, where its recipe names kinds of them: joints<distance_joint>. A joint goes with its
+/// bodies. Making, changing and destroying one wakes them. O(1), and where they wake as said of world.
+template <class World, class Plan, bool = Plan::has_joints>
+class joint_functions {
+    static constexpr int D = Plan::dimension;
+    using S = typename Plan::scalar;
+
+public:
+    /// Joins two bodies, of which those that are not dynamic feel nothing of it. They collide no longer, unless the
+    /// definition says so.
+    template <class Joint>
+    joint_id create_joint(body_id body_a, body_id body_b, const Joint& joint, const joint_def& def = {}) {
+        check_kind<Joint>();
+        if constexpr (knows<Joint>)
+            return detail::scoped([&] { return detail::create_joint(state(), body_a, body_b, joint, def); });
+        else return {};
+    }
+    void destroy_joint(joint_id id) {
+        const auto at = find(state(), id, "destroy_joint");
+        if (!at) return;
+        detail::wake_connected(state(), at.index);
+        detail::erase_joint(state(), at.index);
+    }
+    /// True if the handle names a living joint of this world; never an error.
+    [[nodiscard]] bool contains(joint_id id) const { return detail::contains(state(), state().joints.records, id); }
+    [[nodiscard]] std::uint32_t joint_count() const { return state().joints.records.count(); }
+    /// All joints: `for (physics::joint_id j : world.joints())`.
+    [[nodiscard]] auto joints() const { return detail::joint_range<Plan>(state(), {}); }
+
+    /// What a joint is: of another kind it is refused.
+    template <class Joint>
+    [[nodiscard]] Joint joint(joint_id id) const {
+        const auto at = find_kind<Joint>(state(), id, "joint");
+        return at ? state().joints.template of_kind<Joint>()[record(at).slot].joint : Joint{};
+    }
+    /// Changes it to another joint of its kind; what it gave it begins with.
+    template <class Joint>
+    void set_joint(joint_id id, const Joint& joint) {
+        const auto at = find_kind<Joint>(state(), id, "set_joint");
+        if (!at || !check(joint, "set_joint")) return;
+        detail::wake_connected(state(), at.index);
+        state().joints.template of_kind<Joint>()[record(at).slot].joint = joint;
+    }
+    [[nodiscard]] body_id body_a(joint_id id) const {
+        const auto at = find(state(), id, "body_a");
+        return at ? name_of(record(at).body_a) : body_id{};
+    }
+    [[nodiscard]] body_id body_b(joint_id id) const {
+        const auto at = find(state(), id, "body_b");
+        return at ? name_of(record(at).body_b) : body_id{};
+    }
+    [[nodiscard]] bool joint_enabled(joint_id id) const {
+        const auto at = find(state(), id, "joint_enabled");
+        return at && record(at).enabled;
+    }
+    /// A joint that is not enabled holds nothing, and lets its bodies collide.
+    void set_joint_enabled(joint_id id, bool enabled) {
+        const auto at = find(state(), id, "set_joint_enabled");
+        if (!at || record(at).enabled == enabled) return;
+        detail::wake_connected(state(), at.index);
+        state().joints.records[at.index].enabled = enabled;
+    }
+    /// What it gave in the last substep of the last step in which it was awake, where its bodies are now.
+    [[nodiscard]] joint_reaction<S, D> reaction(joint_id id) const {
+        const auto at = find(state(), id, "reaction");
+        return at ? detail::scoped([&] { return detail::reaction_of(state(), at.index); }) : joint_reaction<S, D>{};
+    }
+    [[nodiscard]] std::uint64_t user_data(joint_id id) const {
+        const auto at = find(state(), id, "user_data");
+        return at ? record(at).user_data : 0;
+    }
+    void set_user_data(joint_id id, std::uint64_t data) {
+        if (const auto at = find(state(), id, "set_user_data")) state().joints.records[at.index].user_data = data;
+    }
+
+private:
+    auto& state() { return detail::world_access::data_of(static_cast<World&>(*this)); }
+    const auto& state() const { return detail::world_access::data_of(static_cast<const World&>(*this)); }
+    template <class State>
+    static detail::lookup find(State& s, joint_id id, const char* function) {
+        return detail::find_joint(s, id, function);
+    }
+    template <class Joint>
+    static constexpr bool knows = detail::joints_of<Plan>::template knows<Joint>;
+    template <class Joint>
+    static constexpr void check_kind() {
+        static_assert(knows<Joint>,
+                      "physics::world: the recipe's set of joints lacks this one; name it in physics::joints<...>");
+    }
+    template <class Joint, class State>
+    static detail::lookup find_kind(State& s, joint_id id, const char* function) {
+        check_kind<Joint>();
+        const auto at = find(s, id, function);
+        if (!at) return at;
+        if (s.joints.records[at.index].kind == s.joints.template kind_of<Joint>()) return at;
+        return {0, detail::refuse(function, "joint", "of another kind", "it must be of the kind that is asked for")};
+    }
+    const auto& record(const detail::lookup& at) const { return state().joints.records[at.index]; }
+    [[nodiscard]] body_id name_of(std::uint32_t body) const {
+        return {body, state().bodies.generation(body), state().tag};
+    }
+};
+/// Of a recipe without joints.
+template <class World, class Plan>
+class joint_functions<World, Plan, false> {
+public:
+    template <class Joint>
+    joint_id create_joint(body_id, body_id, const Joint&, const joint_def& = {}) {
+        static_assert(sizeof(Joint) == 0,
+                      "physics::world: the recipe knows no joints; name their kinds in physics::joints<...>");
+        return {};
+    }
+    [[nodiscard]] bool contains(joint_id) const { return false; }
+    [[nodiscard]] std::uint32_t joint_count() const { return 0; }
+    std::uint64_t user_data(joint_id) const = delete;
+    void set_user_data(joint_id, std::uint64_t) = delete;
+};
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/world/snapshot.hpp
+// =================================================================================================
+// Snapshots of a world's state: all that lasts from step to step, in one block of memory.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// One of the owners of some blocks of geometry.
+class geometry_keeper {
+public:
+    geometry_keeper() = default;
+    geometry_keeper(const geometry_keeper& other) : blocks_(other.blocks_) { each(retain); }
+    geometry_keeper(geometry_keeper&&) noexcept = default;
+    geometry_keeper& operator=(const geometry_keeper& other) {
+        if (this == &other) return *this;
+        // What may fail comes first.
+        blocks_.reserve(other.blocks_.size());
+        other.each(retain);
+        each(release);
+        blocks_ = other.blocks_;
+        return *this;
+    }
+    geometry_keeper& operator=(geometry_keeper&& other) noexcept {
+        geometry_keeper taken(std::move(other));
+        blocks_.swap(taken.blocks_);
+        return *this;
+    }
+    ~geometry_keeper() { each(release); }
+
+    /// Makes room for what these shapes refer to.
+    template <class Shapes>
+    void reserve(const Shapes& shapes) {
+        std::uint32_t count = 0;
+        shapes.each_geometry([&](const geometry_block* block) { count += block != nullptr; });
+        blocks_.reserve(count);
+    }
+    /// Keeps that instead.
+    template <class Shapes>
+    void keep(const Shapes& shapes) {
+        // First, so that what stays has an owner all the while.
+        shapes.each_geometry(retain);
+        each(release);
+        blocks_.clear();
+        shapes.each_geometry([&](const geometry_block* block) {
+            if (block != nullptr) blocks_.push_back(block);
+        });
+    }
+
+private:
+    void each(void (*change)(const geometry_block*)) const {
+        for (const geometry_block* block : blocks_) change(block);
+    }
+
+    buffer<const geometry_block*> blocks_;
+};
+
+/// Says in one sentence why there can be no snapshot of a world.
+template <class Plan>
+struct snapshot_audit {
+    static constexpr bool has_members = names_members<typename Plan::broadphase>;
+    static constexpr bool is_plain = std::is_trivially_copyable_v<typename Plan::settings>;
+    static_assert(
+        has_members,
+        "physics::recipe: no snapshot of the world can be made, as the broadphase does not name what lasts of "
+        "it; its in<Space> needs a static each_member(self, f)");
+    static_assert(is_plain,
+                  "physics::recipe: no snapshot of the world can be made, as the solver's settings are not trivially "
+                  "copyable");
+};
+
+/// What lasts of a world from step to step, copied piece by piece into one block that holds no address of its own
+/// memory: of buffers how many values they have, and these; what lies behind them for growth stays out, and so does
+/// scratch. Written over a world of the same recipe, of whatever history, it brings back the state with its numbers,
+/// generations and settings: the steps that follow have the same bits. The world keeps its tag, so that those handles
+/// serve it that did before. Shapes share their geometry with the snapshot, which is one of its owners.
+/// For the process that made it: no format to store. Cost: that of copying the bytes, and some ns for each shape with
+/// geometry.
+template <class Plan>
+class raw_snapshot {
+    using audit = snapshot_audit<Plan>;
+    static_assert(sizeof(audit) > 0);
+
+public:
+    /// Makes this the snapshot of a world as it is now. Takes memory only where the snapshot has not been so large
+    /// before.
+    void save(const state<Plan>& s) {
+        std::uint64_t units = 0;
+        each_piece(s, [&](const auto& piece) { units += units_of(piece); });
+        if (units > 0xffffffffu) {
+            // As for buffers: there is no such memory.
+            refuse("snapshot", "memory", static_cast<double>(units) * sizeof(unit), "the bytes are not available");
+            std::abort();
+        }
+        // What may fail comes first.
+        units_.reserve(static_cast<std::uint32_t>(units));
+        geometry_.reserve(s.shapes);
+        units_.clear();
+        each_piece(s, [&](const auto& piece) { write(piece); });
+        geometry_.keep(s.shapes);
+    }
+
+    /// Brings a world to the state that was saved. Takes memory only where the world has not had so much before.
+    /// Refused, with nothing changed, if nothing was saved or a step of the world is under way.
+    bool restore(world_data<Plan>& s) const {
+        if (units_.empty()) return refuse("restore", "snapshot", "empty", "it must have been saved");
+        if (!check_not_in_step(s, "restore")) return false;
+        // What may fail comes first.
+        const unit* from = units_.begin();
+        each_piece<state<Plan>>(s, [&](auto& piece) { from = make_room(piece, from); });
+        s.shapes.each_geometry(release);
+        from = units_.begin();
+        each_piece<state<Plan>>(s, [&](auto& piece) { from = read(piece, from); });
+        s.shapes.each_geometry(retain);
+        return true;
+    }
+
+    /// The block, and its bytes.
+    [[nodiscard]] const void* data() const { return units_.begin(); }
+    [[nodiscard]] std::size_t size() const { return std::size_t{units_.size()} * sizeof(unit); }
+
+private:
+    /// Pieces begin at multiples of it, and so do numbers of values and these.
+    struct alignas(16) unit {
+        unsigned char bytes[16];
+    };
+    static constexpr std::uint32_t units_for(std::size_t bytes) {
+        return static_cast<std::uint32_t>((bytes + sizeof(unit) - 1) / sizeof(unit));
+    }
+    template <class T>
+    static std::uint64_t units_of(const T&) {
+        return units_for(sizeof(T));
+    }
+    template <class T>
+    static std::uint64_t units_of(const buffer<T>& piece) {
+        return std::uint64_t{1} + units_for(std::size_t{piece.size()} * sizeof(T));
+    }
+
+    /// Nothing of what was refused above, so that nothing else is said of it.
+    template <class State, class F>
+    static void each_piece(State& s, F&& f) {
+        if constexpr (audit::has_members && audit::is_plain) each_value_of(s, f);
+    }
+    void write(const void* from, std::size_t bytes) {
+        if (bytes == 0) return;
+        unit* const to = units_.extend(units_for(bytes));
+        // What is behind the last byte.
+        units_.back() = {};
+        std::memcpy(to, from, bytes);
+    }
+    template <class T>
+    void write(const T& piece) {
+        write(&piece, sizeof(T));
+    }
+    template <class T>
+    void write(const buffer<T>& piece) {
+        write(piece.size());
+        write(piece.begin(), std::size_t{piece.size()} * sizeof(T));
+    }
+    static const unit* read(void* to, std::size_t bytes, const unit* from) {
+        if (bytes > 0) std::memcpy(to, from, bytes);
+        return from + units_for(bytes);
+    }
+    template <class T>
+    static const unit* read(T& piece, const unit* from) {
+        return read(&piece, sizeof(T), from);
+    }
+    template <class T>
+    static const unit* read(buffer<T>& piece, const unit* from) {
+        std::uint32_t count = 0;
+        from = read(count, from);
+        piece.clear();
+        return read(piece.extend(count), std::size_t{count} * sizeof(T), from);
+    }
+    template <class T>
+    static const unit* make_room(T&, const unit* from) {
+        return from + units_for(sizeof(T));
+    }
+    template <class T>
+    static const unit* make_room(buffer<T>& piece, const unit* from) {
+        std::uint32_t count = 0;
+        from = read(count, from);
+        piece.reserve(count);
+        return from + units_for(std::size_t{count} * sizeof(T));
+    }
+
+    buffer<unit> units_;
+    geometry_keeper geometry_;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
 
 // =================================================================================================
 // physics/world/world.hpp

@@ -49,9 +49,8 @@ namespace solver_api {
 /// Solves the joints among some constraints, Width at a time; every width gives the same bits, and so does every number
 /// of workers. A solver makes one as its step begins, and calls in each substep warm_start once velocities have
 /// advanced, solve with bias, update_rows once poses have, and solve without bias; in the end store_impulses. Rows are
-/// written where bodies are after each of their moves: what is left of the spin of three balls on rods that turn by 3
-/// rad/s, after 10 s at 4 substeps of 1/256 s, is 1 to rounding; with rows that last a substep it is 0.85. Costs
-/// nothing where there are no joints.
+/// written where bodies are after each of their moves, so that no pair of forces has a moment: that keeps angular
+/// momentum. Costs nothing where there are no joints.
 template <class Constraints, int Width = 1>
 class joint_solver;
 template <class S, int D, class Features, template <class, int> class... Joints, int Width>

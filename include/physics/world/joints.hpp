@@ -1,8 +1,8 @@
 // Joints as users make, read and change them.
 #pragma once
 
-#include "physics/world/edit.hpp"
 #include "physics/world/ranges.hpp"
+#include "physics/world/world_code.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -10,8 +10,9 @@ namespace detail {
 
 template <class Plan>
 void wake_connected(world_data<Plan>& s, std::uint32_t joint) {
-    wake(s, s.joints.records[joint].body_a);
-    wake(s, s.joints.records[joint].body_b);
+    // By what runs in a float_control_scope: impulses are rescaled.
+    world_code<Plan>::wake(s, s.joints.records[joint].body_a);
+    world_code<Plan>::wake(s, s.joints.records[joint].body_b);
 }
 
 template <class Plan, class Joint>
