@@ -4402,6 +4402,10 @@ inline bool check_count(const char* function, const char* field, int count) {
     return (count >= 1 && count <= maximum) ||
            refuse(function, field, count, count < 1 ? "it must be at least 1" : "it must be at most 65536");
 }
+/// A limit of work.
+inline bool check_limit(const char* function, const char* field, int limit) {
+    return limit >= 0 || refuse(function, field, limit, "it must not be negative");
+}
 template <class S>
 bool check_not_negative(const char* function, const char* field, S value) {
     return check_finite(function, field, value) &&
@@ -20497,10 +20501,13 @@ struct joint_row {
     vec<S, D> direction{};
     /// Jacobians of the angular velocities (m, or 1 for rows that only turn).
     angular<S, D> angular_a{}, angular_b{};
+    /// From the centres of mass to where it acts (m); 0 of rows that only turn.
+    vec<S, D> r_a{}, r_b{};
     /// C where the bodies are (m, rad). Of one-sided rows, which have a min_force of 0, it is the room that is left: it
     /// may be greater than 0.
     S error{};
-    /// What the row may give (N, N m), min_force <= 0 <= max_force; both 0: it is off.
+    /// What the row may give (N, N m), min_force <= 0 <= max_force; both 0: it is off. Whether it is must not depend on
+    /// where the bodies are.
     S min_force{}, max_force{};
     /// The velocity J v that it drives to (m/s, rad/s).
     S speed{};
@@ -20509,9 +20516,45 @@ struct joint_row {
 
     /// A row that gives whatever it takes.
     static constexpr S unlimited() { return scalar_traits<S>::max() / S(8); }
+    [[nodiscard]] constexpr bool is_on() const { return min_force < S(0) || max_force > S(0); }
+    [[nodiscard]] constexpr bool is_spring() const { return frequency > S(0); }
+    /// Whether it is on and may not give all that it takes.
+    [[nodiscard]] constexpr bool is_bounded() const {
+        return is_on() && (max_force < unlimited() || -min_force < unlimited());
+    }
+    /// The same row, which takes an error of both signs to 0.
+    [[nodiscard]] constexpr joint_row equality(S error_) const {
+        joint_row r = *this;
+        r.error = error_;
+        r.max_force = unlimited();
+        r.min_force = -r.max_force;
+        return r;
+    }
+    /// The same row, which keeps `room` from falling below 0.
+    [[nodiscard]] constexpr joint_row limit(S room) const {
+        joint_row r = *this;
+        r.error = room;
+        r.max_force = unlimited();
+        return r;
+    }
+    /// The same row, which drives J v to a speed by up to so much.
+    [[nodiscard]] constexpr joint_row motor(S speed_, S max) const {
+        joint_row r = *this;
+        r.speed = speed_;
+        r.max_force = max;
+        r.min_force = -max;
+        return r;
+    }
+    /// The same row as a damped spring.
+    [[nodiscard]] constexpr joint_row spring(S error_, S frequency_, S damping_ratio_) const {
+        joint_row r = equality(error_);
+        r.frequency = frequency_;
+        r.damping_ratio = damping_ratio_;
+        return r;
+    }
 };
 
-/// Where the two bodies of a joint are. Points and axes of joints are given in the frames of their bodies.
+/// Where the two bodies of a joint are. Points, axes and frames of joints are given in the frames of their bodies.
 template <class S, int D>
 struct joint_frames {
     rotation<S, D> rotation_a, rotation_b;
@@ -20523,17 +20566,29 @@ struct joint_frames {
     [[nodiscard]] vec<S, D> r_b(const vec<S, D>& point) const { return rotation_b * (point - center_b); }
     /// The row of two points, at these places from the bodies' centres, that move against each other along n.
     [[nodiscard]] static joint_row<S, D> along(const vec<S, D>& n, const vec<S, D>& r_a, const vec<S, D>& r_b) {
-        return {n, -cross(r_a, n), cross(r_b, n)};
+        return {n, -cross(r_a, n), cross(r_b, n), r_a, r_b};
+    }
+    /// The row of B that turns against A about an axis.
+    [[nodiscard]] static joint_row<S, D> about(const angular<S, D>& axis) { return {{}, -axis, axis}; }
+    /// D rows that hold a point of B to one of A.
+    void hold(const vec<S, D>& point_a, const vec<S, D>& point_b, joint_row<S, D>* row) const {
+        const vec<S, D> to_a = r_a(point_a), to_b = r_b(point_b), apart = between + (to_b - to_a);
+        for (int i = 0; i < D; ++i) {
+            vec<S, D> n;
+            n[i] = S(1);
+            row[i] = along(n, to_a, to_b).equality(apart[i]);
+        }
     }
 };
 
 /// What a kind of joint must offer: values whose members are listed, a function check(joint, function) like that of
-/// shapes, and how many rows it has at most: rows(frames, row) writes them. It is pure geometry, and is asked in each
+/// shapes, and how many rows it has, 1 to 16: rows(frames, row) writes them. It is pure geometry, and is asked in each
 /// substep; all else is the library's.
 template <class Joint, class S, int D>
 concept joint_for = std::is_trivially_copyable_v<Joint> && detail::names_members<Joint> &&
-    requires(const Joint& joint, const joint_frames<S, D>& at, joint_row<S, D> (&row)[Joint::row_count]) {
+    requires(const Joint& joint, const joint_frames<S, D>& at, joint_row<S, D>* row) {
     { check(joint, "create_joint") } -> std::same_as<bool>;
+    requires Joint::row_count >= 1 && Joint::row_count <= 16;
     joint.rows(at, row);
 };
 
@@ -20542,6 +20597,33 @@ template <template <class, int> class... Joints>
 struct joints {
     using stage = physics::stage::joints;
 };
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/joint/ball_joint.hpp
+// =================================================================================================
+// The ball joint.
+
+PHYSICS_HPP_BEGIN
+
+/// Holds a point of B to a point of A; both turn freely. Rows: D.
+template <class S, int D>
+struct ball_joint {
+    /// Points in the bodies' frames (m).
+    vec<S, D> anchor_a{}, anchor_b{};
+
+    static constexpr int row_count = D;
+    PHYSICS_HPP_MEMBERS(anchor_a, anchor_b)
+
+    void rows(const joint_frames<S, D>& at, joint_row<S, D>* row) const { at.hold(anchor_a, anchor_b, row); }
+};
+
+template <class S, int D>
+bool check(const ball_joint<S, D>& joint, const char* function) {
+    return detail::check_finite(function, "anchor_a", joint.anchor_a) &&
+           detail::check_finite(function, "anchor_b", joint.anchor_b);
+}
 
 PHYSICS_HPP_END
 
@@ -20570,33 +20652,20 @@ struct distance_joint {
     static constexpr int row_count = 3;
     PHYSICS_HPP_MEMBERS(anchor_a, anchor_b, length, frequency, damping_ratio, min_length, max_length)
 
-    void rows(const joint_frames<S, D>& at, joint_row<S, D> (&row)[row_count]) const {
-        using frames = joint_frames<S, D>;
+    void rows(const joint_frames<S, D>& at, joint_row<S, D>* row) const {
         const vec<S, D> r_a = at.r_a(anchor_a), r_b = at.r_b(anchor_b), line = at.between + (r_b - r_a);
         const S distance = physics::length(line);
         vec<S, D> n;
         n[0] = S(1);
         if (distance > S(0)) n = line / distance;
-        const S unlimited = joint_row<S, D>::unlimited();
-        const bool is_rod = min_length == max_length;
-        if (is_rod || frequency > S(0)) {
-            row[0] = frames::along(n, r_a, r_b);
-            row[0].error = distance - (is_rod ? max_length : length);
-            row[0].min_force = -unlimited;
-            row[0].max_force = unlimited;
-            if (!is_rod) row[0].frequency = frequency, row[0].damping_ratio = damping_ratio;
+        const joint_row<S, D> apart = at.along(n, r_a, r_b), together = at.along(-n, r_a, r_b);
+        if (min_length == max_length) {
+            row[0] = apart.equality(distance - max_length);
+            return;
         }
-        if (is_rod) return;
-        if (min_length > S(0)) {
-            row[1] = frames::along(n, r_a, r_b);
-            row[1].error = distance - min_length;
-            row[1].max_force = unlimited;
-        }
-        if (max_length < unlimited) {
-            row[2] = frames::along(-n, r_a, r_b);
-            row[2].error = max_length - distance;
-            row[2].max_force = unlimited;
-        }
+        if (frequency > S(0)) row[0] = apart.spring(distance - length, frequency, damping_ratio);
+        if (min_length > S(0)) row[1] = apart.limit(distance - min_length);
+        if (max_length < joint_row<S, D>::unlimited()) row[2] = together.limit(max_length - distance);
     }
 };
 
@@ -22594,6 +22663,127 @@ double largest_magnitude(vec<S, D> v) {
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/dynamics/contact_pass.hpp
+// =================================================================================================
+// How the soft solver goes over its contacts.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// A damped spring as a constraint: which share of its error is removed a second, and what is left of impulses. Source:
+/// Catto, Soft constraints (GDC 2011).
+template <class S>
+struct softness {
+    S rate{}, mass_scale = S(1), impulse_scale{};
+
+    /// Of a frequency (Hz), a damping ratio and a time step (s).
+    static softness of(S frequency, S damping_ratio, S h) {
+        const S omega = S(6.283185307179586) * frequency;
+        const S a = S(2) * damping_ratio + h * omega, b = h * omega * a, c = S(1) / (S(1) + b);
+        return {omega / a, b * c, c};
+    }
+};
+
+/// Body velocities at the start of a substep, before contact impulses. What contacts changed since is applied again at
+/// the start of the next substep: warm starting by one pass over bodies instead of one over contacts.
+template <class S, int D, bool Rotates>
+class substep_start {
+    using twist = twist_of<S, D, Rotates>;
+
+public:
+    substep_start(solver_bodies<S, D, Rotates> bodies, arena& scratch)
+        : bodies_(bodies), start_velocities_(scratch.template allocate<twist>(bodies.count)) {
+        for (std::uint32_t k = 0; k < bodies.count; ++k) new (start_velocities_ + k) twist(bodies[k].velocity);
+    }
+    twist* velocities() { return start_velocities_; }
+
+    /// Lets velocities advance, and gives bodies what they have got since the last substep began.
+    template <class Motion>
+    void integrate_velocities(Motion& motion, S h) {
+        // In one go where that can be: bodies are many.
+        if constexpr (requires { motion.integrate_velocities(h, start_velocities_); }) {
+            motion.integrate_velocities(h, start_velocities_);
+        } else {
+            swap_start_and_change();
+            motion.integrate_velocities(h);
+            for (std::uint32_t k = 0; k < bodies_.static_body(); ++k) {
+                const twist before = bodies_[k].velocity;
+                bodies_[k].velocity = before + start_velocities_[k];
+                start_velocities_[k] = before;
+            }
+        }
+    }
+    /// Lets poses advance. What bodies change their spin by as they turn no contact gave them.
+    template <class Motion>
+    void integrate_positions(Motion& motion, S h) {
+        if constexpr (std::is_const_v<pose_velocity<S, D, Rotates>>) {
+            motion.integrate_positions(h);
+        } else if constexpr (requires { motion.integrate_positions(h, start_velocities_); }) {
+            motion.integrate_positions(h, start_velocities_);
+        } else {
+            swap_start_and_change();
+            motion.integrate_positions(h);
+            swap_start_and_change();
+        }
+    }
+
+private:
+    /// Swaps start velocities and velocity changes by contacts (v - start).
+    void swap_start_and_change() {
+        for (std::uint32_t k = 0; k < bodies_.static_body(); ++k)
+            start_velocities_[k] = bodies_[k].velocity - start_velocities_[k];
+    }
+
+    solver_bodies<S, D, Rotates> bodies_;
+    twist* start_velocities_;
+};
+
+/// How a round over the contacts goes.
+template <class S, int D, bool Rotates = true>
+struct contact_pass {
+    /// 1 / s: gaps may close within a substep.
+    S inverse_step;
+    softness<S> spring;
+    /// At most as fast are overlaps pushed apart (m/s).
+    S max_depenetration_speed;
+    /// Contacts whose middle approaches faster than this (m/s) start the next substep with what they held before: what
+    /// stopped them is no lasting load. All points alike: a pile that lost the load of single corners would lean.
+    S impact_speed;
+    /// Approaches slower than this do not bounce (m/s), and the length of a substep (s).
+    S bounce_slop, substep;
+    /// Whether overlaps are pushed apart at all.
+    bool use_bias;
+    /// Whether loads that last are over-relaxed: in rounds without springs, but for the step's last one, which leaves
+    /// the velocities that users see.
+    bool over_relaxes;
+    /// See substep_start.
+    twist_of<S, D, Rotates>* start_velocity;
+};
+
+/// What contacts are written with.
+template <class S, int D, class Features>
+struct prepare_input {
+    /// Which part of the step's impulses a substep begins with.
+    S share;
+    /// Surfaces that have overlapped by more do not bounce (m).
+    S overlap{};
+    /// Of each body what drives it (m/s^2); null if that is not known.
+    const vec<S, D>* accelerations = nullptr;
+    [[no_unique_address]] combined_material<S, Features> surfaces{};
+
+    /// How fast a contact's bodies are drawn together.
+    [[nodiscard]] S closing(const contact<S, D, Features>& c, const body_pair& bodies) const {
+        if (accelerations == nullptr) return S(0);
+        return dot(c.normal, accelerations[bodies.a]) - dot(c.normal, accelerations[bodies.b]);
+    }
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/dynamics/friction.hpp
 // =================================================================================================
 // Coulomb friction at one point, and resistance to rolling: an interval in 2D, a circular cone in 3D.
@@ -22760,6 +22950,1440 @@ using rolling_at = std::conditional_t<D == 2, rolling2<S>, rolling3<S>>;
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/dynamics/joint_rows.hpp
+// =================================================================================================
+// Rows of joints in lanes: what solvers of joints are made of, whatever the kinds are.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// What joints are solved with.
+template <class S>
+struct joint_pass {
+    /// Length of a substep (s), and its inverse.
+    S h, inverse_h;
+    /// Of rows that are as stiff as can be.
+    softness<S> rigid;
+};
+
+/// What a damped spring does in a substep: it takes `share` of the speed along it, and adds `push` times its error:
+/// v' = (v - omega^2 h x) / (1 + D). It sags by its load exactly. Without damping D is 0, as in symplectic Euler: it
+/// keeps its amplitude; with it decay is right to the square of omega h below critical damping, and the slow mode
+/// beyond. Two such springs on one body may be unstable from omega h = 2 on: between 1/2 and 1 the implicit form takes
+/// over. Source: Catto, Soft constraints (GDC 2011); Hairer, Lubich, Wanner, Geometric Numerical Integration, I.1.
+template <class S>
+struct spring_step {
+    S share, push;
+
+    static spring_step of(S frequency, S damping_ratio, S h) {
+        const S omega = S(6.283185307179586) * frequency, angle = omega * h, damping = damping_ratio * angle;
+        const S implicit = clamp(angle + angle - S(1), S(0), S(1));
+        const S below_critical = max(S(1) - damping_ratio * damping_ratio, S(0));
+        const S d = (damping + damping) * (S(1) + damping * below_critical) + implicit * angle * angle;
+        return {d / (S(1) + d), omega * angle / (S(1) + d)};
+    }
+};
+
+/// Velocities of W bodies, component by component.
+template <class P, int D, bool Rotates>
+struct twist_lanes {
+    using S = typename P::scalar;
+    using body = solver_body<S, D, Rotates>;
+    static constexpr int angular_size = !Rotates ? 0 : D == 2 ? 1 : 3, size = D + angular_size;
+    static constexpr int stride = sizeof(body) / sizeof(S);
+
+    /// Behind the velocity is what follows in a row: so much of the displacement as fills it.
+    P at[(size + 3) / 4 * 4];
+
+    void load(const body* bodies, const std::uint32_t* index) {
+        const auto* first = reinterpret_cast<const S*>(bodies);
+        for (int i = 0; i < size; i += 4) {
+            const quad<P> four = load4<P>(indexed_rows<const S, stride>{first + i, index});
+            at[i] = four.x, at[i + 1] = four.y, at[i + 2] = four.z, at[i + 3] = four.w;
+        }
+    }
+    void store(body* bodies, const std::uint32_t* index) const {
+        auto* first = reinterpret_cast<S*>(bodies);
+        for (int i = 0; i < size; i += 4)
+            store4(indexed_rows<S, stride>{first + i, index}, quad<P>{at[i], at[i + 1], at[i + 2], at[i + 3]});
+    }
+    /// That of one body.
+    [[nodiscard]] twist_of<S, D, Rotates> of(int lane) const {
+        twist_of<S, D, Rotates> v;
+        for (int i = 0; i < D; ++i) v.linear[i] = at[i].lane(lane);
+        if constexpr (angular_size == 1) v.angular = at[D].lane(lane);
+        if constexpr (angular_size == 3)
+            for (int i = 0; i < 3; ++i) v.angular[i] = at[D + i].lane(lane);
+        return v;
+    }
+    /// Adds it to twists of single bodies.
+    void add_to(twist_of<S, D, Rotates>* to, const std::uint32_t* index) const {
+        for (int lane = 0; lane < P::width; ++lane) {
+            auto& v = to[index[lane]];
+            for (int i = 0; i < D; ++i) v.linear[i] += at[i].lane(lane);
+            if constexpr (angular_size == 1) v.angular += at[D].lane(lane);
+            if constexpr (angular_size == 3)
+                for (int i = 0; i < 3; ++i) v.angular[i] += at[D + i].lane(lane);
+        }
+    }
+};
+
+/// The change of angular velocity by an angular impulse of 1 about an axis, about the same axis.
+template <class S>
+constexpr inverse_of<S> torque_k(inverse_of<S> inverse_inertia, S axis, S) {
+    using I = inverse_of<S>;
+    return mul<I>(mul<I>(inverse_inertia, axis), axis);
+}
+
+/// W bodies, and how they answer to impulses.
+template <class S, int D, bool Rotates, int W>
+struct pushed_lanes {
+    using I = inverse_of<S>;
+    using P = kernel_pack<S, W>;
+    using Q = kernel_pack<I, W>;
+    using lanes = twist_lanes<P, D, Rotates>;
+    static constexpr int A = lanes::angular_size, array = A > 0 ? A : 1;
+
+    std::uint32_t index[W] = {};
+    I mass[W] = {}, inertia[A == 3 ? 6 : 1][W] = {};
+    bool is_pushed = false;
+
+    void put(int lane, std::uint32_t number, const solver_body<S, D, Rotates>* bodies, S share = S(1)) {
+        const auto& b = bodies[number];
+        index[lane] = number;
+        mass[lane] = b.inverse_mass;
+        if constexpr (A == 1) inertia[0][lane] = b.inverse_inertia;
+        if constexpr (A == 3) {
+            const auto& m = b.inverse_inertia;
+            const I six[] = {m.xx, m.xy, m.xz, m.yy, m.yz, m.zz};
+            for (int i = 0; i < 6; ++i) inertia[i][lane] = six[i];
+        }
+        if (share < S(1))
+            for (auto& entry : inertia) entry[lane] = mul<I>(entry[lane], share);
+    }
+    /// The change of angular velocity by an angular impulse.
+    void turn(const P (&impulse)[array], P (&change)[array]) const {
+        if constexpr (A == 1) change[0] = mul<S>(Q::load(inertia[0]), impulse[0]);
+        if constexpr (A == 3) {
+            constexpr int place[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+            for (int i = 0; i < 3; ++i)
+                change[i] = narrow<S>(product(Q::load(inertia[place[i][0]]), impulse[0]) +
+                                      product(Q::load(inertia[place[i][1]]), impulse[1]) +
+                                      product(Q::load(inertia[place[i][2]]), impulse[2]));
+        }
+    }
+};
+
+/// A row of W joints.
+template <class S, int D, bool Rotates, int W>
+struct row_lanes {
+    using I = inverse_of<S>;
+    using P = kernel_pack<S, W>;
+    using Q = kernel_pack<I, W>;
+    using body = solver_body<S, D, Rotates>;
+    using lanes = twist_lanes<P, D, Rotates>;
+    using side = pushed_lanes<S, D, Rotates, W>;
+    static constexpr int A = side::A, array = side::array;
+
+    S direction[D][W], angular_a[array][W], angular_b[array][W];
+    /// See joint_row; impulses in a substep.
+    S error[W], low[W], high[W], speed[W], one_sided[W], spring[W];
+    /// Of passes without and with bias, see spring_step; and which part of an impulse goes.
+    S push[2][W], share[2][W], loss[2][W];
+    S mass[W], impulse[W];
+    /// Biases are no larger (m/s).
+    S max_bias[W];
+    /// Whether any lane is.
+    bool is_on, is_one_sided, is_bounded, has_spring;
+
+    void clear() { is_on = is_one_sided = is_bounded = has_spring = false; }
+    void write(int lane, const joint_row<S, D>& from, const body& a, const body& b, const joint_pass<S>& with) {
+        bool on = from.is_on();
+        for (int i = 0; i < D; ++i) direction[i][lane] = from.direction[i];
+        I k = from.direction == vec<S, D>{} ? I(0) : a.inverse_mass + b.inverse_mass;
+        if constexpr (A == 1) {
+            angular_a[0][lane] = from.angular_a;
+            angular_b[0][lane] = from.angular_b;
+        } else if constexpr (A == 3) {
+            for (int i = 0; i < A; ++i) {
+                angular_a[i][lane] = from.angular_a[i];
+                angular_b[i][lane] = from.angular_b[i];
+            }
+        }
+        if constexpr (Rotates)
+            k = k + torque_k<S>(a.inverse_inertia, from.angular_a, from.angular_a) +
+                torque_k<S>(b.inverse_inertia, from.angular_b, from.angular_b);
+        on = on && k > I(0);
+        const bool is_one = on && !(from.min_force < S(0)), is_spring = from.is_spring();
+        is_on = is_on || on;
+        is_one_sided = is_one_sided || is_one;
+        const S unlimited = joint_row<S, D>::unlimited(), own = on ? reciprocal<S>(k) : S(0);
+        is_bounded = is_bounded || (on && from.is_bounded());
+        const S limit = unlimited / max(own, S(1)), max_error = limit * min(with.h, S(1));
+        mass[lane] = own;
+        max_bias[lane] = limit;
+        error[lane] = clamp(from.error, -max_error, max_error);
+        one_sided[lane] = is_one ? S(1) : S(0);
+        speed[lane] = from.speed;
+        const S max_force = unlimited / max(with.h, S(1));
+        low[lane] = on ? max(from.min_force, -max_force) * with.h : S(0);
+        high[lane] = on ? min(from.max_force, max_force) * with.h : S(0);
+        // What is off forgets what it gave.
+        impulse[lane] = clamp(impulse[lane], low[lane], high[lane]);
+        // Springs act once in a substep, as forces do: passes without bias leave them alone.
+        share[0][lane] = is_spring ? S(0) : S(1);
+        push[0][lane] = loss[0][lane] = S(0);
+        spring[lane] = is_spring ? S(1) : S(0);
+        has_spring = has_spring || is_spring;
+        if (is_spring) {
+            const auto does = spring_step<S>::of(from.frequency, from.damping_ratio, with.h);
+            share[1][lane] = does.share;
+            push[1][lane] = does.push;
+            loss[1][lane] = S(1) - does.share;
+        } else {
+            share[1][lane] = with.rigid.mass_scale;
+            push[1][lane] = with.rigid.mass_scale * with.rigid.rate;
+            loss[1][lane] = with.rigid.impulse_scale;
+        }
+    }
+
+    /// J times the velocities.
+    P speed_of(const lanes& a, const lanes& b) const {
+        auto sum = product(P::load(direction[0]), b.at[0] - a.at[0]);
+        for (int i = 1; i < D; ++i) sum = sum + product(P::load(direction[i]), b.at[i] - a.at[i]);
+        for (int i = 0; i < A; ++i)
+            sum = sum + (product(P::load(angular_a[i]), a.at[D + i]) + product(P::load(angular_b[i]), b.at[D + i]));
+        return narrow<S>(sum);
+    }
+    void apply(const P& by, const side& a, const side& b, lanes& of_a, lanes& of_b) const {
+        const Q mass_a = Q::load(a.mass), mass_b = Q::load(b.mass);
+        for (int i = 0; i < D; ++i) {
+            const P p = P::load(direction[i]) * by;
+            of_a.at[i] = of_a.at[i] - mul<S>(mass_a, p);
+            of_b.at[i] = of_b.at[i] + mul<S>(mass_b, p);
+        }
+        turn(a, angular_a, by, of_a);
+        turn(b, angular_b, by, of_b);
+    }
+    /// What has room may come so near within the substep: that speed, else 0.
+    P room() const {
+        const P zero = P::broadcast(S(0));
+        return is_one_sided ? select_greater(P::load(one_sided), zero, max(P::load(error), zero), zero) : zero;
+    }
+    /// Visits it alone.
+    void solve(const joint_pass<S>& with, bool use_bias, const side& a, const side& b, lanes& of_a, lanes& of_b) {
+        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1)), limit = P::load(max_bias), free = room();
+        const P at = P::load(error), left = select_greater(free, zero, one, P::load(share[use_bias]));
+        const P bias = select_greater(free, zero, free * P::broadcast(with.inverse_h), at * P::load(push[use_bias]));
+        const P lost = select_greater(free, zero, zero, P::load(loss[use_bias]));
+        const P before = P::load(impulse), v = speed_of(of_a, of_b) - P::load(speed);
+        const P wanted = before - P::load(mass) * (left * v + max(min(bias, limit), -limit)) - lost * before;
+        const P next = max(min(wanted, P::load(high)), P::load(low));
+        apply(next - before, a, b, of_a, of_b);
+        next.store(impulse);
+    }
+
+private:
+    static void turn([[maybe_unused]] const side& of, [[maybe_unused]] const S (&axis)[array][W],
+                     [[maybe_unused]] const P& by, [[maybe_unused]] lanes& to) {
+        if constexpr (A > 0) {
+            P moment[array], change[array];
+            for (int i = 0; i < A; ++i) moment[i] = P::load(axis[i]) * by;
+            of.turn(moment, change);
+            for (int i = 0; i < A; ++i) to.at[D + i] = to.at[D + i] + change[i];
+        }
+    }
+};
+
+/// Where a body is within a step.
+template <class S, int D, bool Rotates>
+struct joint_pose {
+    /// Since the step began.
+    twist_of<S, D, Rotates> displacement;
+    /// How it is turned, if that is known: else by its displacement.
+    physics::rotation<S, D> rotation;
+    /// Of bodies whose angular velocity is as seen from themselves, drawn where they were turned as the step began: the
+    /// turn since then.
+    physics::rotation<S, D> turn;
+    bool is_known = false, is_drawn = false;
+
+    [[nodiscard]] physics::rotation<S, D> rotation_from(const physics::rotation<S, D>& start) const {
+        if constexpr (Rotates) return is_known ? rotation : turned(start, displacement.angular);
+        else return start;
+    }
+    /// An axis of angular velocities as that of the body is drawn.
+    [[nodiscard]] angular<S, D> drawn(const angular<S, D>& axis) const {
+        if constexpr (D == 3) return is_drawn ? inverse_rotate(turn, axis) : axis;
+        else return axis;
+    }
+};
+/// Where bodies are and will be, as far as a motion can tell.
+template <class S, int D, bool Rotates>
+class joint_poses {
+    using pose = joint_pose<S, D, Rotates>;
+    using twist = twist_of<S, D, Rotates>;
+
+public:
+    template <class Motion>
+    joint_poses(solver_bodies<S, D, Rotates> bodies, const Motion& motion) : bodies_(bodies) {
+        if constexpr (Rotates &&
+                      requires(pose & to) { motion.find_rotation(0u, to, static_cast<twist*>(nullptr), S{}); }) {
+            motion_ = &motion;
+            find_rotation_ = [](const void* of, std::uint32_t k, pose& to, const twist* v, S h) {
+                static_cast<const Motion*>(of)->find_rotation(k, to, v, h);
+            };
+        }
+    }
+    /// Where a body is, or with a velocity where it will be after h.
+    [[nodiscard]] pose of(std::uint32_t k, const twist* v = nullptr, S h = S(0)) const {
+        pose result;
+        result.displacement = bodies_[k].displacement;
+        if (v != nullptr) {
+            result.displacement.linear += v->linear * h;
+            if constexpr (Rotates) result.displacement.angular += v->angular * h;
+        }
+        if (motion_ != nullptr && k < bodies_.static_body()) find_rotation_(motion_, k, result, v, h);
+        return result;
+    }
+
+private:
+    solver_bodies<S, D, Rotates> bodies_;
+    const void* motion_ = nullptr;
+    void (*find_rotation_)(const void*, std::uint32_t, pose&, const twist*, S) = nullptr;
+};
+
+/// Writes the rows of a joint whose bodies have these poses; gives the way from one centre of mass to the other.
+template <class Joint, class S, int D, bool Rotates>
+vec<S, D> write_rows(const step_joint<Joint, S, D>& joint, const joint_pose<S, D, Rotates>& a,
+                     const joint_pose<S, D, Rotates>& b, joint_row<S, D>* rows) {
+    joint_frames<S, D> at = joint.start;
+    at.between = at.between + (b.displacement.linear - a.displacement.linear);
+    at.rotation_a = a.rotation_from(at.rotation_a);
+    at.rotation_b = b.rotation_from(at.rotation_b);
+    joint.joint->rows(at, rows);
+    if (a.is_drawn || b.is_drawn)
+        for (int k = 0; k < Joint::row_count; ++k) {
+            rows[k].angular_a = a.drawn(rows[k].angular_a);
+            rows[k].angular_b = b.drawn(rows[k].angular_b);
+        }
+    return at.between;
+}
+/// What a row gave in the last step, for substeps of h.
+template <class Joint, class S, int D>
+S first_impulse(const step_joint<Joint, S, D>& joint, int row, S h) {
+    return joint.substep > S(0) ? joint.impulse[row] * impulse_ratio(joint.substep, h, S(8)) : S(0);
+}
+/// Keeps what rows gave: in a substep as long as usual ones, to which a shorter one adds its part.
+template <class Joint, class S, int D, class Given>
+void store_impulses(step_joint<Joint, S, D>& to, S h, Given&& given) {
+    const S before = to.substep, usual = max(h, before - h * S(0.125));
+    const S kept = h < before ? S(1) - impulse_ratio(before, h) : S(0);
+    for (int k = 0; k < Joint::row_count; ++k)
+        to.impulse[k] = h < before ? (to.impulse[k] * kept + given(k)) * (usual / before) : given(k);
+    to.substep = usual;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/dynamics/joint_access.hpp
+// =================================================================================================
+// What a direct solve asks of joints, and how it judges them.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// What a direct solve asks of a joint, whatever its kind.
+template <class S, int D, bool Rotates>
+struct joint_access {
+    using pose = joint_pose<S, D, Rotates>;
+
+    vec<S, D> (*write)(const void* joint, const pose& a, const pose& b, joint_row<S, D>* rows);
+    S (*first_impulse)(const void* joint, int row, S h);
+    void (*store_impulses)(void* joint, S h, const S* given);
+
+    template <class Joint>
+    static joint_access of() {
+        using step_joint = solver_api::step_joint<Joint, S, D>;
+        return {[](const void* j, const pose& a, const pose& b, joint_row<S, D>* rows) {
+                    return write_rows(*static_cast<const step_joint*>(j), a, b, rows);
+                },
+                [](const void* j, int row, S h) {
+                    return detail::first_impulse(*static_cast<const step_joint*>(j), row, h);
+                },
+                [](void* j, S h, const S* given) {
+                    detail::store_impulses(*static_cast<step_joint*>(j), h, [given](int k) { return given[k]; });
+                }};
+    }
+    static constexpr int max_rows = 16;
+};
+
+template <class S, int D>
+double length_squared_of(const vec<S, D>& v) {
+    double sum = 0;
+    for (int i = 0; i < D; ++i) sum += to_double(v[i]) * to_double(v[i]);
+    return sum;
+}
+/// Lanes in the type that a matrix is solved in, and back.
+template <class K, class P>
+PHYSICS_HPP_ALWAYS_INLINE K widened(const P& x) {
+    if constexpr (std::is_same_v<K, P>) {
+        return x;
+    } else {
+        K result;
+        for (int i = 0; i < K::width; ++i) result.set_lane(i, to_double(x.lane(i)));
+        return result;
+    }
+}
+template <class P, class K>
+PHYSICS_HPP_ALWAYS_INLINE P narrowed(const K& x) {
+    if constexpr (std::is_same_v<K, P>) {
+        return x;
+    } else {
+        using S = typename P::scalar;
+        const double limit = to_double(joint_row<S, 2>::unlimited());
+        P result;
+        for (int i = 0; i < K::width; ++i) result.set_lane(i, S(clamp(x.lane(i), -limit, limit)));
+        return result;
+    }
+}
+/// M^-1 J^T of a row, of one of its bodies.
+template <class K, class S, int D, bool Rotates>
+struct row_response {
+    static constexpr int W = K::width, A = pushed_lanes<S, D, Rotates, W>::A;
+    using row = row_lanes<S, D, Rotates, W>;
+
+    K linear[D], angular[row::array];
+
+    row_response(const row& r, bool is_b, const pushed_lanes<S, D, Rotates, W>& to) {
+        const K mass = lanes_from<K>(to.mass);
+        for (int c = 0; c < D; ++c) linear[c] = mass * lanes_from<K>(r.direction[c]);
+        [[maybe_unused]] const auto& axis = is_b ? r.angular_b : r.angular_a;
+        if constexpr (A == 1) angular[0] = lanes_from<K>(to.inertia[0]) * lanes_from<K>(axis[0]);
+        if constexpr (A == 3) {
+            constexpr int place[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+            for (int c = 0; c < 3; ++c)
+                angular[c] = lanes_from<K>(to.inertia[place[c][0]]) * lanes_from<K>(axis[0]) +
+                             lanes_from<K>(to.inertia[place[c][1]]) * lanes_from<K>(axis[1]) +
+                             lanes_from<K>(to.inertia[place[c][2]]) * lanes_from<K>(axis[2]);
+        }
+    }
+    /// The speed of a row of the same body by that; `opposed`: the body is A of one of both, and B of the other.
+    [[nodiscard]] K answer(const row& r, bool is_b, bool opposed) const {
+        K sum = lanes_from<K>(r.direction[0]) * linear[0];
+        for (int c = 1; c < D; ++c) sum = sum + lanes_from<K>(r.direction[c]) * linear[c];
+        if (opposed) sum = -sum;
+        [[maybe_unused]] const auto& axis = is_b ? r.angular_b : r.angular_a;
+        for (int c = 0; c < A; ++c) sum = sum + lanes_from<K>(axis[c]) * angular[c];
+        return sum;
+    }
+};
+/// The square of an error as a part of what a joint measures (of a radian, where a row only turns), up to 1.
+template <class S, int D>
+double part_of(double error, const joint_row<S, D>& of, double apart) {
+    const bool turns = of.direction == vec<S, D>{};
+    const double size = turns ? 1 : apart + length_squared_of(of.r_a) + length_squared_of(of.r_b);
+    return error * error < size ? error * error / size : 1;
+}
+/// The square of omega of a body that sways under a joint's force of 1 N on its lever. What hangs by no other joint
+/// turns about this one, as far as that stands: `other` is the inverse mass behind it.
+template <class S, int D, bool Rotates>
+double sway_of([[maybe_unused]] const solver_body<S, D, Rotates>& b, [[maybe_unused]] const vec<S, D>& r,
+               [[maybe_unused]] bool is_last, [[maybe_unused]] double other) {
+    const double square = length_squared_of(r);
+    if constexpr (!Rotates) {
+        return 0;
+    } else {
+        if (!(square > 0)) return 0;
+        double across;
+        if constexpr (D == 2) {
+            across = to_double(b.inverse_inertia);
+        } else {
+            const auto& m = b.inverse_inertia;
+            const double x = to_double(r.x), y = to_double(r.y), z = to_double(r.z);
+            const double xx = to_double(m.xx), yy = to_double(m.yy), zz = to_double(m.zz);
+            const double along = xx * x * x + yy * y * y + zz * z * z +
+                                 2 * (to_double(m.xy) * x * y + to_double(m.xz) * x * z + to_double(m.yz) * y * z);
+            across = xx + yy + zz - along / square;
+        }
+        const double moves = to_double(b.inverse_mass) + other;
+        return sqrt(square) * across * (is_last ? moves / (moves + square * across) : 1);
+    }
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/dynamics/joint_pattern.hpp
+// =================================================================================================
+// Which joints are solved directly, and in what order their rows are eliminated.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// A joint as a part of a graph.
+struct graph_joint {
+    body_pair ends;
+    bool pushes_a, pushes_b;
+    /// Of a list of kinds, and of the joints of that kind.
+    std::uint32_t kind, number;
+    /// Bit k: row k is on, and is a spring, and has bounds.
+    std::uint32_t rows, springs, bounded;
+};
+
+/// The matrix of the rows of some joints, J M^-1 J^T, and its factors: where each entry is. Joints that push the same
+/// body are coupled. Joints are eliminated in their order here; of each the rows and what they are coupled to later on
+/// form a panel, by rows: its own rows, then those of later joints.
+struct joint_pattern {
+    struct joint {
+        std::uint32_t kind, rows;
+        /// Bodies by their numbers in the pattern.
+        std::uint32_t a, b;
+        std::uint32_t first_row, row_count;
+        std::uint32_t panel, height;
+        /// Where the numbers of the panel's rows begin in `panel_rows`, and its updates and couplings in the lists.
+        std::uint32_t panel_rows, updates, couplings;
+    };
+    /// Rows of a panel that are to be taken, times others of it, from a later panel.
+    struct update {
+        std::uint32_t to, stride, first, rows, other, columns;
+    };
+    /// Two joints that push the same body: the entries of the later one's rows in the panel of the first.
+    struct coupling {
+        std::uint32_t later, to, body;
+        bool first_is_b, later_is_b;
+    };
+
+    /// With one more joint, where lists end.
+    joint* joints;
+    std::uint32_t joint_count, body_count, row_count, entries;
+    std::uint32_t* panel_rows;
+    update* updates;
+    coupling* couplings;
+    /// Multiplications of a factorisation.
+    std::uint64_t cost;
+};
+
+/// The components of a graph of joints that are worth solving directly, those with the same pattern one after the
+/// other.
+class joint_patterns {
+public:
+    struct component {
+        /// Its joints in the order of elimination, as a range of `order`, and the pattern; null: too dear.
+        std::uint32_t first, count;
+        const joint_pattern* pattern;
+    };
+
+    /// Of joints in a world of so many bodies; those whose factorisation takes more than `max_cost` multiplications a
+    /// row have no pattern. O(joints), and where they are solved directly the size of their factors.
+    joint_patterns(const graph_joint* joints, std::uint32_t count, std::uint32_t bodies, std::uint32_t max_cost,
+                   arena& scratch)
+        : joints_(joints), count_(count), max_cost_(max_cost), scratch_(scratch) {
+        order_ = scratch.allocate<std::uint32_t>(count);
+        components_ = scratch.allocate<component>(count);
+        first_ = filled(bodies, none);
+        next_ = scratch.allocate<std::uint32_t>(2 * count);
+        for (std::uint32_t j = count; j-- > 0;) {
+            if (joints[j].pushes_a) link(j, 0, joints[j].ends.a);
+            if (joints[j].pushes_b) link(j, 1, joints[j].ends.b);
+        }
+        seen_ = filled(count, 0);
+        local_ = filled(bodies, none);
+        std::uint32_t at = 0;
+        for (std::uint32_t j = 0; j < count; ++j)
+            if (seen_[j] == 0) at = add_component(j, at);
+    }
+
+    [[nodiscard]] std::uint32_t size() const { return component_count_; }
+    [[nodiscard]] const component& operator[](std::uint32_t i) const { return components_[i]; }
+    /// Numbers of the component's joints.
+    [[nodiscard]] const std::uint32_t* order() const { return order_; }
+
+private:
+    static constexpr std::uint32_t none = null_index;
+
+    std::uint32_t* filled(std::uint32_t count, std::uint32_t value) {
+        auto* const all = scratch_.allocate<std::uint32_t>(count);
+        for (std::uint32_t i = 0; i < count; ++i) all[i] = value;
+        return all;
+    }
+    void link(std::uint32_t j, std::uint32_t side, std::uint32_t body) {
+        next_[2 * j + side] = first_[body];
+        first_[body] = 2 * j + side;
+    }
+    /// Calls f(joint, whether the body is its B) for those that push a body.
+    template <class F>
+    void each_of(std::uint32_t body, F&& f) const {
+        for (std::uint32_t n = first_[body]; n != none; n = next_[n]) f(n / 2, n % 2 == 1);
+    }
+    /// Calls f(body) for those that a joint pushes.
+    template <class F>
+    static void each_pushed(const graph_joint& j, F&& f) {
+        if (j.pushes_a) f(j.ends.a);
+        if (j.pushes_b) f(j.ends.b);
+    }
+    /// Breadth first from a joint; writes to order_ from `at` on, and gives the end.
+    std::uint32_t walk(std::uint32_t from, std::uint32_t at, std::uint32_t mark) {
+        std::uint32_t end = at;
+        order_[end++] = from;
+        seen_[from] = mark;
+        for (std::uint32_t i = at; i < end; ++i)
+            each_pushed(joints_[order_[i]], [&](std::uint32_t body) {
+                each_of(body, [&](std::uint32_t j, bool) {
+                    if (seen_[j] == mark) return;
+                    seen_[j] = mark;
+                    order_[end++] = j;
+                });
+            });
+        return end;
+    }
+    /// The component of a joint, whose joints begin at `at` in the order; gives where they end. From what is fixed on
+    /// outwards; leaves are eliminated first, which couples no joints of a tree that were not.
+    std::uint32_t add_component(std::uint32_t j, std::uint32_t at) {
+        std::uint32_t end = walk(j, at, 1), from = j;
+        for (std::uint32_t i = at; i < end; ++i) {
+            const graph_joint& one = joints_[order_[i]];
+            const graph_joint& best = joints_[from];
+            const bool is_fixed = !one.pushes_a || !one.pushes_b, was_fixed = !best.pushes_a || !best.pushes_b;
+            if ((is_fixed && !was_fixed) || (is_fixed == was_fixed && order_[i] < from)) from = order_[i];
+        }
+        end = walk(from, at, 2);
+        for (std::uint32_t i = at, k = end; i + 1 < k;) std::swap(order_[i++], order_[--k]);
+        components_[component_count_++] = {at, end - at, pattern_of(order_ + at, end - at)};
+        return end;
+    }
+
+    struct known {
+        const joint_pattern* pattern;
+        std::uint64_t hash;
+        known* next;
+        /// Of a pattern that was found to be too dear there is none.
+        const std::uint32_t* order;
+        std::uint32_t count;
+    };
+    /// A pattern that is alike, or a new one.
+    const joint_pattern* pattern_of(const std::uint32_t* order, std::uint32_t count) {
+        auto* const joints = scratch_.allocate<joint_pattern::joint>(count + 1);
+        std::uint32_t bodies = 0, rows = 0;
+        const auto number = [&](std::uint32_t body, bool is_pushed) {
+            if (!is_pushed) return bodies++;
+            if (local_[body] == none) local_[body] = bodies++;
+            return local_[body];
+        };
+        std::uint64_t hash = count;
+        const auto add = [&](std::uint64_t word) { hash = (hash ^ word) * 0x9e3779b97f4a7c15u, hash ^= hash >> 29; };
+        for (std::uint32_t i = 0; i < count; ++i) {
+            const graph_joint& j = joints_[order[i]];
+            joint_pattern::joint& to = joints[i] = {};
+            to.kind = j.kind;
+            to.rows = j.rows;
+            to.a = number(j.ends.a, j.pushes_a);
+            to.b = number(j.ends.b, j.pushes_b);
+            to.first_row = rows;
+            to.row_count = static_cast<std::uint32_t>(std::popcount(j.rows));
+            rows += to.row_count;
+            add(std::uint64_t{to.kind} << 34 | std::uint64_t{j.pushes_a} << 33 | std::uint64_t{j.pushes_b} << 32 |
+                to.rows);
+            add(std::uint64_t{to.a} << 32 | to.b);
+            add(std::uint64_t{j.springs} << 32 | j.bounded);
+        }
+        for (std::uint32_t i = 0; i < count; ++i)
+            each_pushed(joints_[order[i]], [&](std::uint32_t body) { local_[body] = none; });
+        const auto is_alike = [&](const known& k) {
+            if (k.hash != hash || k.count != count) return false;
+            for (std::uint32_t i = 0; i < count; ++i) {
+                const graph_joint &one = joints_[order[i]], &other = joints_[k.order[i]];
+                if (one.kind != other.kind || one.rows != other.rows || one.springs != other.springs ||
+                    one.bounded != other.bounded || one.pushes_a != other.pushes_a || one.pushes_b != other.pushes_b)
+                    return false;
+                if (k.pattern != nullptr &&
+                    (joints[i].a != k.pattern->joints[i].a || joints[i].b != k.pattern->joints[i].b))
+                    return false;
+            }
+            return true;
+        };
+        for (const known* k = known_[hash % buckets]; k != nullptr; k = k->next)
+            if (is_alike(*k)) return k->pattern;
+        auto* const pattern = scratch_.allocate<joint_pattern>(1);
+        *pattern = {joints, count, bodies, rows, 0, nullptr, nullptr, nullptr, 0};
+        const joint_pattern* const result = rows > 0 && find_entries(*pattern, order) ? pattern : nullptr;
+        known_[hash % buckets] =
+            new (scratch_.allocate<known>(1)) known{result, hash, known_[hash % buckets], order, count};
+        return result;
+    }
+
+    /// Which entries there are, and what is to be done with them; false if that is too much.
+    bool find_entries(joint_pattern& of, const std::uint32_t* order) {
+        const std::uint32_t count = of.joint_count;
+        // Of each joint the later ones that it is coupled to, by itself or by what was eliminated before.
+        const std::uint32_t** later = scratch_.allocate<const std::uint32_t*>(count);
+        std::uint32_t* later_count = scratch_.allocate<std::uint32_t>(count);
+        std::uint32_t *child = filled(count, none), *sibling = filled(count, none), *marked = filled(count, none);
+        std::uint32_t* place = scratch_.allocate<std::uint32_t>(count_);
+        for (std::uint32_t i = 0; i < count; ++i) place[order[i]] = i;
+        std::uint32_t* found = scratch_.allocate<std::uint32_t>(count);
+        std::uint32_t panel_rows = 0, updates = 0, couplings = 0;
+        const std::uint64_t limit = std::uint64_t{max_cost_} * of.row_count;
+        for (std::uint32_t i = 0; i < count; ++i) {
+            std::uint32_t n = 0;
+            const auto add = [&](std::uint32_t k) {
+                if (k <= i || marked[k] == i) return;
+                marked[k] = i;
+                found[n++] = k;
+            };
+            each_pushed(joints_[order[i]], [&](std::uint32_t body) {
+                each_of(body, [&](std::uint32_t j, bool) {
+                    add(place[j]);
+                    if (place[j] > i) ++couplings;
+                });
+            });
+            for (std::uint32_t c = child[i]; c != none; c = sibling[c])
+                for (std::uint32_t k = 0; k < later_count[c]; ++k) add(later[c][k]);
+            for (std::uint32_t k = 1; k < n; ++k)
+                for (std::uint32_t l = k; l > 0 && found[l - 1] > found[l]; --l) std::swap(found[l - 1], found[l]);
+            joint_pattern::joint& at = of.joints[i];
+            at.panel = of.entries;
+            at.height = at.row_count;
+            at.panel_rows = panel_rows;
+            for (std::uint32_t k = 0; k < n; ++k) at.height += of.joints[found[k]].row_count;
+            of.entries += at.height * at.row_count;
+            panel_rows += at.height;
+            of.cost += std::uint64_t{at.height} * at.height * at.row_count;
+            if (of.cost > limit || of.entries > max_entries) return false;
+            updates += n * (n + 1) / 2;
+            auto* const kept = scratch_.allocate<std::uint32_t>(n);
+            for (std::uint32_t k = 0; k < n; ++k) kept[k] = found[k];
+            later[i] = kept;
+            later_count[i] = n;
+            if (n > 0) {
+                sibling[i] = child[kept[0]];
+                child[kept[0]] = i;
+            }
+        }
+        of.panel_rows = scratch_.allocate<std::uint32_t>(panel_rows);
+        of.updates = scratch_.allocate<joint_pattern::update>(updates);
+        of.couplings = scratch_.allocate<joint_pattern::coupling>(couplings);
+        updates = couplings = 0;
+        for (std::uint32_t i = 0; i < count; ++i) {
+            joint_pattern::joint& at = of.joints[i];
+            at.updates = updates;
+            at.couplings = couplings;
+            std::uint32_t row = at.panel_rows;
+            const auto list_rows = [&](const joint_pattern::joint& j) {
+                for (std::uint32_t k = 0; k < j.row_count; ++k) of.panel_rows[row++] = j.first_row + k;
+            };
+            list_rows(at);
+            for (std::uint32_t k = 0; k < later_count[i]; ++k) list_rows(of.joints[later[i][k]]);
+            // Where a later joint's rows are in the panel of another.
+            const auto row_in = [&](std::uint32_t panel, std::uint32_t joint) {
+                std::uint32_t result = of.joints[panel].row_count;
+                for (std::uint32_t k = 0; later[panel][k] != joint; ++k) result += of.joints[later[panel][k]].row_count;
+                return result;
+            };
+            std::uint32_t other = at.row_count;
+            for (std::uint32_t k = 0; k < later_count[i]; ++k) {
+                const joint_pattern::joint& to = of.joints[later[i][k]];
+                std::uint32_t first = other;
+                for (std::uint32_t l = k; l < later_count[i]; ++l) {
+                    const joint_pattern::joint& from = of.joints[later[i][l]];
+                    const std::uint32_t in = l == k ? 0 : row_in(later[i][k], later[i][l]);
+                    of.updates[updates++] = {
+                        to.panel + in * to.row_count, to.row_count, first, from.row_count, other, to.row_count};
+                    first += from.row_count;
+                }
+                other += to.row_count;
+            }
+            const graph_joint& one = joints_[order[i]];
+            for (const bool is_b : {false, true}) {
+                if (!(is_b ? one.pushes_b : one.pushes_a)) continue;
+                each_of(is_b ? one.ends.b : one.ends.a, [&](std::uint32_t j, bool later_is_b) {
+                    if (place[j] <= i) return;
+                    of.couplings[couplings++] = {place[j], at.panel + row_in(i, place[j]) * at.row_count,
+                                                 is_b ? at.b : at.a, is_b, later_is_b};
+                });
+            }
+        }
+        of.joints[count] = {};
+        of.joints[count].updates = updates;
+        of.joints[count].couplings = couplings;
+        return true;
+    }
+
+    static constexpr std::uint32_t buckets = 64, max_entries = 1u << 22;
+
+    const graph_joint* joints_;
+    std::uint32_t count_, max_cost_;
+    arena& scratch_;
+    std::uint32_t* order_;
+    component* components_;
+    std::uint32_t component_count_ = 0;
+    /// Of each body its joints, as a list of 2 joint + side.
+    std::uint32_t *first_, *next_;
+    std::uint32_t *seen_, *local_;
+    known* known_[buckets] = {};
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/dynamics/joint_matrix.hpp
+// =================================================================================================
+// The matrix of the rows of joints, J M^-1 J^T, and its factors.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Memory of a step for values that are set to T(): vectors may be aligned to more than what an arena gives.
+template <class T>
+T* made(std::uint32_t count, arena& scratch) {
+    const auto bytes = static_cast<std::uint32_t>(count * sizeof(T) + alignof(T));
+    auto* const place = scratch.template allocate<unsigned char>(bytes);
+    const std::uintptr_t off = reinterpret_cast<std::uintptr_t>(place) % alignof(T);
+    auto* const all = reinterpret_cast<T*>(place + (off == 0 ? 0 : alignof(T) - off));
+    for (std::uint32_t i = 0; i < count; ++i) new (all + i) T();
+    return all;
+}
+
+/// Matrices with a pattern, one in each lane. `tolerance`: what is left of a row's diagonal is more as it is
+/// eliminated, unless other rows say the same.
+template <class K>
+struct joint_matrix {
+    using C = typename K::scalar;
+    /// What is kept of a row.
+    struct entry {
+        /// Whether it is in the solve (1) or not (0); and of springs what is added to the diagonal.
+        K in, softness;
+        /// Of rows that are far from what they are to hold, as a part of their diagonal: how far they may stay off.
+        /// Not all of them can be met, perhaps, and what seems to do it would be a leap.
+        K slack;
+        /// Of rows that others say already: how much they give way under what they bear.
+        K leak;
+        K right_hand, inverse_pivot;
+    };
+
+    const joint_pattern& of;
+    C tolerance;
+    entry* row;
+    K *matrix, *factors;
+
+    joint_matrix(const joint_pattern& pattern, C tolerance_, arena& scratch) : of(pattern), tolerance(tolerance_) {
+        row = made<entry>(of.row_count, scratch);
+        matrix = made<K>(of.entries, scratch);
+        factors = made<K>(of.entries, scratch);
+        std::uint32_t largest = 0;
+        for (std::uint32_t i = 0; i < of.joint_count; ++i) {
+            const std::uint32_t size = of.joints[i].height * of.joints[i].row_count;
+            largest = size > largest ? size : largest;
+        }
+        panel_ = made<K>(largest, scratch);
+    }
+
+    /// L D L^T of the rows that are in; the others have a diagonal of 1.
+    void factorise() {
+        const K zero = K::broadcast(C(0)), one = K::broadcast(C(1));
+        for (std::uint32_t i = 0; i < of.joint_count; ++i) {
+            const joint_pattern::joint& j = of.joints[i];
+            for (std::uint32_t l = 0; l < j.height; ++l) {
+                const std::uint32_t at = of.panel_rows[j.panel_rows + l];
+                for (std::uint32_t k = 0; k < j.row_count; ++k) {
+                    const std::uint32_t n = j.panel + l * j.row_count + k;
+                    const entry& w = row[j.first_row + k];
+                    if (l == k)
+                        factors[n] = select_greater(w.in, zero, matrix[n] + matrix[n] * w.slack + w.softness, one);
+                    else factors[n] = matrix[n] * (w.in * row[at].in);
+                }
+            }
+        }
+        for (std::uint32_t i = 0; i < of.joint_count; ++i) {
+            const joint_pattern::joint& j = of.joints[i];
+            const std::uint32_t width = j.row_count;
+            K* const panel = factors + j.panel;
+            for (std::uint32_t k = 0; k < width; ++k) {
+                entry& w = row[j.first_row + k];
+                // What is left of a row that others say already is rounding: it gives way.
+                const K own = matrix[j.panel + k * width + k], left = panel[k * width + k];
+                const K says_nothing = select_greater(own * K::broadcast(tolerance), left, one, zero);
+                w.leak = own * says_nothing * w.in * K::broadcast(C(give_way));
+                w.inverse_pivot = lane_reciprocal(max(left, zero) + w.leak);
+                for (std::uint32_t l = k + 1; l < j.height; ++l) {
+                    const K kept = panel[l * width + k], scaled = kept * w.inverse_pivot;
+                    panel_[l * width + k] = kept;
+                    for (std::uint32_t m = k + 1; m <= l && m < width; ++m)
+                        panel[l * width + m] = panel[l * width + m] - scaled * panel_[m * width + k];
+                    panel[l * width + k] = scaled;
+                }
+            }
+            for (std::uint32_t n = j.updates; n < of.joints[i + 1].updates; ++n) {
+                const joint_pattern::update& u = of.updates[n];
+                for (std::uint32_t l = 0; l < u.rows; ++l)
+                    for (std::uint32_t m = 0; m < u.columns; ++m) {
+                        K sum = panel[(u.first + l) * width] * panel_[(u.other + m) * width];
+                        for (std::uint32_t k = 1; k < width; ++k)
+                            sum = sum + panel[(u.first + l) * width + k] * panel_[(u.other + m) * width + k];
+                        factors[u.to + l * u.stride + m] = factors[u.to + l * u.stride + m] - sum;
+                    }
+            }
+        }
+    }
+    /// The right-hand sides become what rows are to give.
+    void substitute() {
+        for (std::uint32_t r = 0; r < of.row_count; ++r) row[r].right_hand = row[r].right_hand * row[r].in;
+        for (std::uint32_t i = 0; i < of.joint_count; ++i) {
+            const joint_pattern::joint& j = of.joints[i];
+            const K* const panel = factors + j.panel;
+            for (std::uint32_t k = 0; k < j.row_count; ++k) {
+                const K x = row[j.first_row + k].right_hand;
+                for (std::uint32_t l = k + 1; l < j.height; ++l) {
+                    K& to = row[of.panel_rows[j.panel_rows + l]].right_hand;
+                    to = to - panel[l * j.row_count + k] * x;
+                }
+            }
+        }
+        for (std::uint32_t i = of.joint_count; i-- > 0;) {
+            const joint_pattern::joint& j = of.joints[i];
+            const K* const panel = factors + j.panel;
+            for (std::uint32_t k = j.row_count; k-- > 0;) {
+                entry& w = row[j.first_row + k];
+                K x = w.right_hand * w.inverse_pivot;
+                for (std::uint32_t l = k + 1; l < j.height; ++l)
+                    x = x - panel[l * j.row_count + k] * row[of.panel_rows[j.panel_rows + l]].right_hand;
+                w.right_hand = x;
+            }
+        }
+    }
+
+private:
+    /// How far a row gives way that others say already, as a part of its diagonal.
+    static constexpr double give_way = 0x1p-10;
+
+    /// Of the panel that is eliminated, before it is divided by its pivots.
+    K* panel_;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/dynamics/soft_prepare.hpp
+// =================================================================================================
+// What preparing the soft solver's contacts in lanes is made of.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// What contacts are prepared in: floats as they are; other scalars by way of double, which has room for products of
+/// inverse masses.
+template <class S, int W>
+using preparing = kernel_pack<std::conditional_t<std::is_floating_point_v<S>, S, double>, W>;
+
+/// W contacts that are prepared together, some of which may be none. Contacts are rows of scalars, which lanes read
+/// faster than one by one.
+template <class S, int D, int W, class Features>
+class contact_gather {
+    using contact = solver_api::contact<S, D, Features>;
+    using P = kernel_pack<S, W>;
+
+public:
+    static constexpr int capacity = manifold<S, D>::capacity;
+
+    contact_gather() {
+        for (const contact*& one : at_) one = &none;
+    }
+    void add(int lane, const contact& c) { at_[lane] = &c; }
+
+    /// Where points are from their middles, in world axes, 1 for each point that there is, and how many there are.
+    S offset[capacity][D][W], there[capacity][W], count[W];
+
+    /// Reads where contacts with up to `maximum` points lie, and writes that to their frames and points.
+    template <class Frame, class Point>
+    PHYSICS_HPP_ALWAYS_INLINE void read(Frame& to, Point* to_points, int maximum) {
+        const S* rows[W];
+        for (int lane = 0; lane < W; ++lane) {
+            rows[lane] = &at_[lane]->normal[0];
+            count[lane] = S(int{at_[lane]->count});
+        }
+        P frame[3 * D], place[capacity][D + 1], middle[D];
+        read_rows(frame, rows);
+        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1)), points = P::load(count);
+        for (int i = 0; i < D; ++i) middle[i] = zero;
+        for (int k = 0; k < maximum; ++k) {
+            for (int lane = 0; lane < W; ++lane) rows[lane] = &at_[lane]->points[k].position[0];
+            read_rows(place[k], rows);
+            const P is = select_greater(points, P::broadcast(S(k)), one, zero);
+            is.store(there[k]);
+            for (P& component : place[k]) component = select_greater(is, zero, component, zero);
+            place[k][D].store(to_points[k].separation);
+            for (int i = 0; i < D; ++i) middle[i] = k == 0 ? place[0][i] : middle[i] + place[k][i];
+        }
+        const P share = one / max(points, one);
+        // In 3D friction has its lever from each body's own surface: from halfway between them, that of a needle which
+        // is tilted over the ground would be many times as long as the one about its own axis is.
+        P half_gap = zero;
+        if constexpr (D == 3) {
+            for (int k = 0; k < maximum; ++k) half_gap = half_gap + place[k][D];
+            half_gap = max(half_gap, zero) * share * P::broadcast(S(0.5));
+        }
+        for (int i = 0; i < D; ++i) {
+            middle[i] = middle[i] * share;
+            frame[i].store(to.normal[i]);
+            P on_a = middle[i], on_b = middle[i];
+            if constexpr (D == 3) {
+                on_a = on_a - half_gap * frame[i];
+                on_b = on_b + half_gap * frame[i];
+            }
+            (frame[D + i] + on_a).store(to.r_a[i]);
+            (frame[2 * D + i] + on_b).store(to.r_b[i]);
+            for (int k = 0; k < maximum; ++k)
+                select_greater(P::load(there[k]), zero, place[k][i] - middle[i], zero).store(offset[k][i]);
+        }
+    }
+
+private:
+    struct rows_from {
+        const S* const* first;
+        int skipped;
+
+        PHYSICS_HPP_ALWAYS_INLINE const S* operator[](int lane) const { return first[lane] + skipped; }
+        PHYSICS_HPP_ALWAYS_INLINE rows_from from(int lane) const { return {first + lane, skipped}; }
+    };
+    /// The first N scalars of each row. Lanes read on to a multiple of four, which is still within the contact.
+    template <int N>
+    PHYSICS_HPP_ALWAYS_INLINE static void read_rows(P (&to)[N], const S* const (&rows)[W]) {
+        if constexpr (W == 1) {
+            for (int i = 0; i < N; ++i) to[i] = {rows[0][i]};
+        } else {
+            for (int i = 0; i < N; i += 4) {
+                const quad<P> four = load4<P>(rows_from{rows, i});
+                to[i] = four.x;
+                if (i + 1 < N) to[i + 1] = four.y;
+                if (i + 2 < N) to[i + 2] = four.z;
+                if (i + 3 < N) to[i + 3] = four.w;
+            }
+        }
+    }
+    static_assert(offsetof(contact, r_a) == offsetof(contact, normal) + D * sizeof(S) &&
+                  offsetof(contact, r_b) == offsetof(contact, r_a) + D * sizeof(S) &&
+                  sizeof(contact) >= offsetof(contact, normal) + (D == 2 ? 8 : 12) * sizeof(S));
+    using point = contact_point<S, D, Features>;
+    static_assert(offsetof(point, separation) == offsetof(point, position) + D * sizeof(S) &&
+                  sizeof(point) >= offsetof(point, position) + 4 * sizeof(S));
+
+    static inline const contact none{};
+    const contact* at_[W];
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/dynamics/direct_joints.hpp
+// =================================================================================================
+// Joints solved directly: all rows of bodies that joints hold together at once.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// W times the same joints between other bodies, one in each lane. The rows J of all of them are solved at once:
+/// J M^-1 J^T is factorised by L D L^T along the joints' graph, in time linear in their number where that is a tree.
+/// Limits, motors and other rows with bounds are in or out; a row that would give more than it may is set to its bound,
+/// and the others are solved again. Rows that say what others say already give way. For the solve only, bodies have so
+/// much inertia that forces which turn with them cannot make a substep unstable: else light links under a heavy load
+/// blow up. Source: Baraff, Linear-time dynamics using Lagrange multipliers (1996); Tournier et al., Stable constrained
+/// dynamics (2015); Judice, Pires, A block pivoting algorithm (1994).
+template <class S, int D, bool Rotates, int W>
+class direct_joints {
+    using P = kernel_pack<S, W>;
+    using K = preparing<S, W>;
+    using C = typename K::scalar;
+    using body = solver_body<S, D, Rotates>;
+    using lanes = twist_lanes<P, D, Rotates>;
+    using row = row_lanes<S, D, Rotates, W>;
+    using side = pushed_lanes<S, D, Rotates, W>;
+    using access = joint_access<S, D, Rotates>;
+    using pose = joint_pose<S, D, Rotates>;
+    using poses_of = joint_poses<S, D, Rotates>;
+    using response = row_response<K, S, D, Rotates>;
+    static constexpr int A = side::A, array = side::array;
+
+public:
+    /// `used` components of a pattern; joint(lane, i) is the i-th joint of one, and bodies(lane, i) are its bodies.
+    template <class JointAt, class BodiesOf>
+    direct_joints(const joint_pattern& pattern, int used, const access* kinds, JointAt&& joint, BodiesOf&& bodies,
+                  const body* all, std::uint32_t dummy_body, S h, arena& scratch)
+        : of_(pattern), kinds_(kinds), matrix_(pattern, C(least_pivot), scratch) {
+        joints_ = scratch.template allocate<void*>(of_.joint_count * W);
+        rows_ = made<row>(of_.row_count, scratch);
+        state_ = made<row_state>(of_.row_count, scratch);
+        sides_ = made<side>(of_.body_count, scratch);
+        velocities_ = made<lanes>(of_.body_count, scratch);
+        sway_ = scratch.template allocate<double>(of_.body_count);
+        joints_of_ = made<std::uint32_t>(of_.body_count, scratch);
+        unit_sway_ = made<K>(of_.joint_count, scratch);
+        ahead_ = made<pose>(of_.body_count, scratch);
+        for (std::uint32_t k = 0; k < of_.body_count; ++k)
+            for (int lane = 0; lane < W; ++lane) sides_[k].index[lane] = dummy_body;
+        for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
+            const joint_pattern::joint& j = of_.joints[i];
+            ++joints_of_[j.a], ++joints_of_[j.b];
+            for (int lane = 0; lane < W; ++lane) {
+                joints_[i * W + static_cast<std::uint32_t>(lane)] = lane < used ? joint(lane, i) : nullptr;
+                if (lane >= used) continue;
+                const body_pair ends = bodies(lane, i);
+                sides_[j.a].index[lane] = ends.a;
+                sides_[j.b].index[lane] = ends.b;
+                sides_[j.a].is_pushed = all[ends.a].inverse_mass > inverse_of<S>(0);
+                sides_[j.b].is_pushed = all[ends.b].inverse_mass > inverse_of<S>(0);
+                each_row(j, [&](std::uint32_t r, int k) {
+                    rows_[r].impulse[lane] = kinds_[j.kind].first_impulse(joint_at(i, lane), k, h);
+                });
+            }
+        }
+    }
+
+    void warm_start(body* bodies, const pose* poses, const joint_pass<S>& with) {
+        note_forces();
+        write_rows(bodies, poses, with);
+        load(bodies);
+        give(S(1));
+        store(bodies);
+    }
+    /// See joint_block.
+    void update_rows(body* bodies, const pose* poses, const joint_pass<S>& with, twist_of<S, D, Rotates>* starts) {
+        take_corrections_back(bodies);
+        are_forces_noted_ = false;
+        if (starts == nullptr) return write_rows(bodies, poses, with);
+        for (std::uint32_t k = 0; k < of_.body_count; ++k) velocities_[k] = {};
+        give(S(1));
+        write_rows(bodies, poses, with);
+        give(S(-1));
+        for (std::uint32_t k = 0; k < of_.body_count; ++k)
+            if (sides_[k].is_pushed) velocities_[k].add_to(starts, sides_[k].index);
+    }
+    void solve(body* bodies, const poses_of& poses, const joint_pass<S>& with, bool use_bias) {
+        if (use_bias) note_forces();
+        load(bodies);
+        for (int round = 0; round < max_rounds; ++round) {
+            const bool changed = choose_rows(with, use_bias, round == 0);
+            if (round > 0 && !changed) break;
+            if (changed) matrix_.factorise();
+            solve_once();
+            if (!any_bounded_) break;
+        }
+        if (use_bias) {
+            if (greater(P::load(resolved_), P::broadcast(S(0))).bits() != 0) look_ahead(poses, with);
+            find_corrections();
+        }
+        store(bodies);
+    }
+    void store_impulses(S h) const {
+        for (std::uint32_t i = 0; i < of_.joint_count; ++i)
+            for (int lane = 0; lane < W; ++lane) {
+                if (joint_at(i, lane) == nullptr) continue;
+                S given[access::max_rows] = {};
+                each_row(of_.joints[i], [&](std::uint32_t r, int k) { given[k] = rows_[r].impulse[lane]; });
+                kinds_[of_.joints[i].kind].store_impulses(joint_at(i, lane), h, given);
+            }
+    }
+
+private:
+    /// What is kept of a row between solves.
+    struct row_state {
+        /// The speed that takes back its error; and what it has given for that.
+        K bias;
+        P correction;
+        /// In the last substep, all of it; and what lasts of that.
+        S given[W], load[W];
+    };
+    [[nodiscard]] void* joint_at(std::uint32_t i, int lane) const {
+        return joints_[i * W + static_cast<std::uint32_t>(lane)];
+    }
+    /// Calls f(row, which of the joint's rows it is).
+    template <class F>
+    static void each_row(const joint_pattern::joint& j, F&& f) {
+        std::uint32_t r = j.first_row;
+        for (int k = 0; k < access::max_rows; ++k)
+            if ((j.rows >> k & 1) != 0) f(r++, k);
+    }
+    void load(const body* bodies) {
+        for (std::uint32_t k = 0; k < of_.body_count; ++k) velocities_[k].load(bodies, sides_[k].index);
+    }
+    void store(body* bodies) const {
+        for (std::uint32_t k = 0; k < of_.body_count; ++k)
+            if (sides_[k].is_pushed) velocities_[k].store(bodies, sides_[k].index);
+    }
+    void apply(std::uint32_t r, const joint_pattern::joint& j, const P& by) {
+        rows_[r].apply(by, sides_[j.a], sides_[j.b], velocities_[j.a], velocities_[j.b]);
+    }
+    /// Gives the velocities what rows hold.
+    void give(S sign) {
+        for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
+            const joint_pattern::joint& j = of_.joints[i];
+            for (std::uint32_t r = j.first_row; r < j.first_row + j.row_count; ++r)
+                apply(r, j, P::load(rows_[r].impulse) * P::broadcast(sign));
+        }
+    }
+
+    /// What lasts of forces, so that impacts are not taken for loads: the lesser of the last two substeps'.
+    void note_forces() {
+        if (are_forces_noted_) return;
+        are_forces_noted_ = true;
+        for (std::uint32_t r = 0; r < of_.row_count; ++r)
+            for (int lane = 0; lane < W; ++lane) {
+                row_state& w = state_[r];
+                const S now = abs(rows_[r].impulse[lane]);
+                w.load[lane] = has_loads_ ? min(now, w.given[lane]) : now;
+                w.given[lane] = now;
+            }
+        has_loads_ = true;
+    }
+    void write_rows(const body* bodies, const pose* poses, const joint_pass<S>& with) {
+        for (std::uint32_t r = 0; r < of_.row_count; ++r) rows_[r].clear();
+        for (int lane = 0; lane < W; ++lane) {
+            if (joint_at(0, lane) == nullptr) continue;
+            far_[lane] = S(0);
+            for (std::uint32_t k = 0; k < of_.body_count; ++k) sway_[k] = 0;
+            for (std::uint32_t i = 0; i < of_.joint_count; ++i) write_joint(i, lane, bodies, poses, with);
+            for (std::uint32_t k = 0; k < of_.body_count; ++k)
+                sides_[k].put(lane, sides_[k].index[lane], bodies, sway_[k] > 1 ? S(1 / sway_[k]) : S(1));
+            double largest = 0;
+            for (std::uint32_t k = 0; k < of_.body_count; ++k) largest = max(largest, sway_[k]);
+            resolved_[lane] = largest > max_resolved ? S(0) : S(1);
+        }
+        assemble();
+        is_factorised_ = false;
+    }
+    PHYSICS_HPP_NOINLINE void write_joint(std::uint32_t i, int lane, const body* bodies, const pose* poses,
+                                          const joint_pass<S>& with) {
+        const joint_pattern::joint& j = of_.joints[i];
+        const std::uint32_t at_a = sides_[j.a].index[lane], at_b = sides_[j.b].index[lane];
+        const body &a = bodies[at_a], &b = bodies[at_b];
+        joint_row<S, D> rows[access::max_rows];
+        const double apart = length_squared_of(kinds_[j.kind].write(joint_at(i, lane), poses[at_a], poses[at_b], rows));
+        double square = 0;
+        vec<S, D> r_a, r_b;
+        each_row(j, [&](std::uint32_t r, int k) {
+            rows_[r].write(lane, rows[k], a, b, with);
+            const double part = part_of(to_double(rows[k].error), rows[k], apart);
+            matrix_.row[r].slack.set_lane(lane, static_cast<C>(part > 1.0 / 1024 ? part * part : 0));
+            if (part > 0.0001 && !rows[k].is_bounded() && !rows[k].is_spring()) far_[lane] = S(1);
+            if (rows[k].direction == vec<S, D>{}) return;
+            const double given = to_double(state_[r].load[lane]);
+            square += given * given;
+            r_a = rows[k].r_a;
+            r_b = rows[k].r_b;
+        });
+        const double of_a = sway_of(a, r_a, joints_of_[j.a] == 1, to_double(b.inverse_mass)),
+                     of_b = sway_of(b, r_b, joints_of_[j.b] == 1, to_double(a.inverse_mass));
+        const double force_h2 = sqrt(square) * to_double(with.h);
+        sway_[j.a] += of_a * force_h2;
+        sway_[j.b] += of_b * force_h2;
+        unit_sway_[i].set_lane(lane, static_cast<C>(max(of_a, of_b) * to_double(with.h)));
+    }
+
+    void assemble() {
+        const K zero = K::broadcast(C(0));
+        for (std::uint32_t i = 0; i < of_.entries; ++i) matrix_.matrix[i] = zero;
+        for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
+            const joint_pattern::joint& j = of_.joints[i];
+            for (std::uint32_t k = 0; k < j.row_count; ++k) {
+                const row& r = rows_[j.first_row + k];
+                for (const bool is_b : {false, true}) {
+                    const side& to = sides_[is_b ? j.b : j.a];
+                    if (!to.is_pushed) continue;
+                    const response moved(r, is_b, to);
+                    for (std::uint32_t l = k; l < j.row_count; ++l) {
+                        K& at = matrix_.matrix[j.panel + l * j.row_count + k];
+                        at = at + moved.answer(rows_[j.first_row + l], is_b, false);
+                    }
+                    for (std::uint32_t n = j.couplings; n < of_.joints[i + 1].couplings; ++n) {
+                        const joint_pattern::coupling& c = of_.couplings[n];
+                        if (c.first_is_b != is_b) continue;
+                        const joint_pattern::joint& later = of_.joints[c.later];
+                        for (std::uint32_t l = 0; l < later.row_count; ++l) {
+                            K& at = matrix_.matrix[c.to + l * j.row_count + k];
+                            at = at + moved.answer(rows_[later.first_row + l], c.later_is_b, c.later_is_b != is_b);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Right-hand sides, and which rows are in the solve; true if these are others than before.
+    bool choose_rows(const joint_pass<S>& with, bool use_bias, bool is_first) {
+        const K zero = K::broadcast(C(0)), one = K::broadcast(C(1));
+        K changed = zero;
+        any_bounded_ = false;
+        for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
+            const joint_pattern::joint& j = of_.joints[i];
+            for (std::uint32_t k = j.first_row; k < j.first_row + j.row_count; ++k) {
+                row& r = rows_[k];
+                auto& w = matrix_.row[k];
+                const K before = lanes_from<K>(r.impulse), low = lanes_from<K>(r.low), high = lanes_from<K>(r.high);
+                K bias = zero, soft = zero, in = select_greater(high, low, one, zero);
+                if (use_bias) {
+                    // Of springs with the share m of the speed: m J v + p C + (1 - m) / m_eff lambda = 0.
+                    const K share = max(lanes_from<K>(r.share[1]), K::broadcast(C(1e-6)));
+                    bias = lanes_from<K>(r.error) * lanes_from<K>(r.push[1]) / share;
+                    if (r.has_spring) {
+                        const K is_spring = lanes_from<K>(r.spring);
+                        soft = select_greater(is_spring, zero,
+                                              lane_quotient(lanes_from<K>(r.loss[1]), share * lanes_from<K>(r.mass)),
+                                              zero);
+                    }
+                } else if (r.has_spring) {
+                    in = select_greater(lanes_from<K>(r.spring), zero, zero, in);
+                }
+                if (r.is_one_sided) {
+                    const K free = widened<K>(r.room());
+                    bias = select_greater(free, zero, free * K::broadcast(static_cast<C>(to_double(with.inverse_h))),
+                                          bias);
+                }
+                const K limit = lanes_from<K>(r.max_bias);
+                bias = max(min(bias, limit), -limit);
+                state_[k].bias = r.is_bounded || r.has_spring ? zero : bias;
+                const K v = widened<K>(r.speed_of(velocities_[j.a], velocities_[j.b])) - lanes_from<K>(r.speed);
+                w.right_hand = -(v + bias + (soft + w.leak) * before);
+                if (r.is_bounded) {
+                    any_bounded_ = true;
+                    // At a bound a row is in if it would leave it.
+                    const K up = select_greater(w.right_hand, zero, one, zero);
+                    const K down = select_greater(zero, w.right_hand, one, zero);
+                    const K inside = select_greater(before, low, select_greater(high, before, one, down), up);
+                    in = in * inside;
+                }
+                const K differs = lane_abs(in - w.in) + lane_abs(soft - w.softness);
+                changed = max(changed, differs);
+                w.in = in;
+                w.softness = soft;
+            }
+        }
+        const bool result = greater(changed, zero).bits() != 0 || (is_first && !is_factorised_);
+        is_factorised_ = true;
+        return result;
+    }
+    /// Has each row give by(row) more, up to its bounds.
+    template <class F>
+    void give_more(F&& by) {
+        for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
+            const joint_pattern::joint& j = of_.joints[i];
+            for (std::uint32_t r = j.first_row; r < j.first_row + j.row_count; ++r) {
+                const P before = P::load(rows_[r].impulse);
+                const P next = max(min(before + by(r), P::load(rows_[r].high)), P::load(rows_[r].low));
+                apply(r, j, next - before);
+                next.store(rows_[r].impulse);
+            }
+        }
+    }
+    /// Solves for the right-hand sides.
+    void solve_once() {
+        matrix_.substitute();
+        give_more([this](std::uint32_t r) { return narrowed<P>(matrix_.row[r].right_hand); });
+    }
+    /// Rows are tangents to the ways of bodies, which the move leaves by what the square of the substep makes: solves
+    /// once more for what holds where bodies will be. So half of what turns a motion is given before it and half after,
+    /// and heavy bodies' errors do not act on the levers of light ones. Source: RATTLE (Andersen 1983); Hairer, Lubich,
+    /// Wanner, Geometric Numerical Integration, VII.1.
+    void look_ahead(const poses_of& poses, const joint_pass<S>& with) {
+        // Where bodies turn far the square is not all of it; and what is far off is drawn together first.
+        S is_near[W] = {};
+        for (std::uint32_t r = 0; r < of_.row_count; ++r) matrix_.row[r].right_hand = K::broadcast(C(0));
+        for (int lane = 0; lane < W; ++lane) {
+            if (joint_at(0, lane) == nullptr) continue;
+            for (std::uint32_t k = 0; k < of_.body_count; ++k) {
+                const auto v = velocities_[k].of(lane);
+                ahead_[k] = poses.of(sides_[k].index[lane], &v, with.h);
+            }
+            is_near[lane] = far_[lane] > S(0) ? S(0) : resolved_[lane];
+            for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
+                const joint_pattern::joint& j = of_.joints[i];
+                joint_row<S, D> rows[access::max_rows];
+                const double apart =
+                    length_squared_of(kinds_[j.kind].write(joint_at(i, lane), ahead_[j.a], ahead_[j.b], rows));
+                const auto &a = velocities_[j.a], &b = velocities_[j.b];
+                each_row(j, [&](std::uint32_t r, int k) {
+                    if (rows_[r].is_bounded || rows_[r].has_spring) return;
+                    const double error = to_double(rows_[r].error[lane]), ahead = to_double(rows[k].error);
+                    const double misses = ahead - error - to_double(rows_[r].speed_of(a, b).lane(lane) * with.h);
+                    if (part_of(misses, rows[k], apart) > 0.0025) is_near[lane] = S(0);
+                    matrix_.row[r].right_hand.set_lane(lane, static_cast<C>(-misses * to_double(with.inverse_h)));
+                });
+            }
+        }
+        for (std::uint32_t r = 0; r < of_.row_count; ++r)
+            matrix_.row[r].right_hand = matrix_.row[r].right_hand * lanes_from<K>(is_near);
+        solve_once();
+    }
+    /// What rows give for their errors is taken back where it was given, along the same rows: a pass after the move
+    /// would leave what heavy bodies are drawn by on the levers of light ones, and whirl them. That keeps angular
+    /// momentum but for how far errors move the bodies; where they are small, the pass does it, which keeps all of it.
+    void find_corrections() {
+        for (std::uint32_t r = 0; r < of_.row_count; ++r) matrix_.row[r].right_hand = -state_[r].bias;
+        matrix_.substitute();
+        K sway = lanes_from<K>(far_);
+        for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
+            const joint_pattern::joint& j = of_.joints[i];
+            for (std::uint32_t r = j.first_row; r < j.first_row + j.row_count; ++r)
+                sway = max(sway, lane_abs(matrix_.row[r].right_hand) * unit_sway_[i]);
+        }
+        const K zero = K::broadcast(C(0)), limit = K::broadcast(C(max_resolved / 16));
+        are_corrected_ = greater(sway, limit).bits() != 0;
+        for (std::uint32_t r = 0; r < of_.row_count; ++r)
+            state_[r].correction = narrowed<P>(select_greater(sway, limit, matrix_.row[r].right_hand, zero));
+    }
+    void take_corrections_back(body* bodies) {
+        if (!are_corrected_) return;
+        are_corrected_ = false;
+        load(bodies);
+        give_more([this](std::uint32_t r) { return -state_[r].correction; });
+        store(bodies);
+    }
+
+    static constexpr int max_rounds = 4;
+    /// Of the square of omega h of what sways under the forces of joints: up to it substeps are short enough.
+    static constexpr double max_resolved = 0.5;
+    /// See joint_matrix.
+    static constexpr double least_pivot = std::is_same_v<S, double> ? 0x1p-44 : 0x1p-19;
+
+    const joint_pattern& of_;
+    const access* kinds_;
+    void** joints_;
+    row* rows_;
+    row_state* state_;
+    side* sides_;
+    lanes* velocities_;
+    joint_matrix<K> matrix_;
+    double* sway_;
+    /// Of each joint the larger of its bodies' sways by an impulse of 1 N s a substep.
+    K* unit_sway_;
+    /// Of each body how many joints it has.
+    std::uint32_t* joints_of_;
+    pose* ahead_;
+    bool is_factorised_ = false, are_forces_noted_ = false, are_corrected_ = false, has_loads_ = false;
+    bool any_bounded_ = false;
+    /// 1 where substeps are short enough; and where something is farther from what holds it than a hundredth.
+    S resolved_[W] = {}, far_[W] = {};
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/dynamics/turning.hpp
 // =================================================================================================
 // How a body turns in 3D by its own inertia.
@@ -22919,6 +24543,29 @@ public:
         tasks.parallel_for(count_, share / width, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
             for (std::uint32_t n = first; n < end; ++n) advance(blocks_[n], h, start_velocity);
         });
+    }
+    /// Writes how a body is turned, or with a velocity how it will be after h.
+    template <class Pose>
+    void find_rotation(std::uint32_t k, Pose& to, const twist<S, 3>* v, S h) const {
+        const block& of = blocks_[k / width];
+        const int lane = static_cast<int>(k % width);
+        const auto* gyroscopic = moving_[k].gyroscopic;
+        rotation<S, 3> axes = rotation_of(of.axes, lane);
+        if (v != nullptr && gyroscopic) {
+            const vec<S, 3> known{of.known[0][lane], of.known[1][lane], of.known[2][lane]};
+            vec<S, 3> momentum{of.momentum[0][lane], of.momentum[1][lane], of.momentum[2][lane]};
+            vec<S, 3> gain = rotated_as_unit(inverse(rotation_of(of.start, lane)), v->angular - known);
+            for (int i = 0; i < 3; ++i) gain[i] = gyroscopic->spin.moments[i] * gain[i];
+            momentum += rotated_as_unit(axes, gain);
+            turn_gyroscopic(gyroscopic->spin, axes, momentum, h);
+        } else if (v != nullptr) {
+            axes = physics::turned(axes, v->angular * h);
+        }
+        to.rotation = axes;
+        if (!gyroscopic) return;
+        to.is_drawn = true;
+        to.turn = axes * inverse(rotation_of(of.start, lane));
+        to.rotation = axes * inverse(gyroscopic->spin.axes);
     }
     /// Says how some of the bodies are turned, and how they spin in world axes.
     void finish(std::uint32_t first, std::uint32_t end) {
@@ -23160,278 +24807,75 @@ struct semi_implicit_euler {
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/dynamics/contact_pass.hpp
-// =================================================================================================
-// How the soft solver goes over its contacts.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// A damped spring as a constraint: which share of its error is removed a second, and what is left of impulses. Source:
-/// Catto, Soft constraints (GDC 2011).
-template <class S>
-struct softness {
-    S rate{}, mass_scale = S(1), impulse_scale{};
-
-    /// Of a frequency (Hz), a damping ratio and a time step (s).
-    static softness of(S frequency, S damping_ratio, S h) {
-        const S omega = S(6.283185307179586) * frequency;
-        const S a = S(2) * damping_ratio + h * omega, b = h * omega * a, c = S(1) / (S(1) + b);
-        return {omega / a, b * c, c};
-    }
-};
-
-/// Body velocities at the start of a substep, before contact impulses. What contacts changed since is applied again at
-/// the start of the next substep: warm starting by one pass over bodies instead of one over contacts.
-template <class S, int D, bool Rotates>
-class substep_start {
-    using twist = twist_of<S, D, Rotates>;
-
-public:
-    substep_start(solver_bodies<S, D, Rotates> bodies, arena& scratch)
-        : bodies_(bodies), start_velocities_(scratch.template allocate<twist>(bodies.count)) {
-        for (std::uint32_t k = 0; k < bodies.count; ++k) new (start_velocities_ + k) twist(bodies[k].velocity);
-    }
-    twist* velocities() { return start_velocities_; }
-
-    /// Lets velocities advance, and gives bodies what they have got since the last substep began.
-    template <class Motion>
-    void integrate_velocities(Motion& motion, S h) {
-        // In one go where that can be: bodies are many.
-        if constexpr (requires { motion.integrate_velocities(h, start_velocities_); }) {
-            motion.integrate_velocities(h, start_velocities_);
-        } else {
-            swap_start_and_change();
-            motion.integrate_velocities(h);
-            for (std::uint32_t k = 0; k < bodies_.static_body(); ++k) {
-                const twist before = bodies_[k].velocity;
-                bodies_[k].velocity = before + start_velocities_[k];
-                start_velocities_[k] = before;
-            }
-        }
-    }
-    /// Lets poses advance. What bodies change their spin by as they turn no contact gave them.
-    template <class Motion>
-    void integrate_positions(Motion& motion, S h) {
-        if constexpr (std::is_const_v<pose_velocity<S, D, Rotates>>) {
-            motion.integrate_positions(h);
-        } else if constexpr (requires { motion.integrate_positions(h, start_velocities_); }) {
-            motion.integrate_positions(h, start_velocities_);
-        } else {
-            swap_start_and_change();
-            motion.integrate_positions(h);
-            swap_start_and_change();
-        }
-    }
-
-private:
-    /// Swaps start velocities and velocity changes by contacts (v - start).
-    void swap_start_and_change() {
-        for (std::uint32_t k = 0; k < bodies_.static_body(); ++k)
-            start_velocities_[k] = bodies_[k].velocity - start_velocities_[k];
-    }
-
-    solver_bodies<S, D, Rotates> bodies_;
-    twist* start_velocities_;
-};
-
-/// How a round over the contacts goes.
-template <class S, int D, bool Rotates = true>
-struct contact_pass {
-    /// 1 / s: gaps may close within a substep.
-    S inverse_step;
-    softness<S> spring;
-    /// At most as fast are overlaps pushed apart (m/s).
-    S max_depenetration_speed;
-    /// Contacts whose middle approaches faster than this (m/s) start the next substep with what they held before: what
-    /// stopped them is no lasting load. All points alike: a pile that lost the load of single corners would lean.
-    S impact_speed;
-    /// Approaches slower than this do not bounce (m/s), and the length of a substep (s).
-    S bounce_slop, substep;
-    /// Whether overlaps are pushed apart at all.
-    bool use_bias;
-    /// Whether loads that last are over-relaxed: in rounds without springs, but for the step's last one, which leaves
-    /// the velocities that users see.
-    bool over_relaxes;
-    /// See substep_start.
-    twist_of<S, D, Rotates>* start_velocity;
-};
-
-/// What contacts are written with.
-template <class S, int D, class Features>
-struct prepare_input {
-    /// Which part of the step's impulses a substep begins with.
-    S share;
-    /// Surfaces that have overlapped by more do not bounce (m).
-    S overlap{};
-    /// Of each body what drives it (m/s^2); null if that is not known.
-    const vec<S, D>* accelerations = nullptr;
-    [[no_unique_address]] combined_material<S, Features> surfaces{};
-
-    /// How fast a contact's bodies are drawn together.
-    [[nodiscard]] S closing(const contact<S, D, Features>& c, const body_pair& bodies) const {
-        if (accelerations == nullptr) return S(0);
-        return dot(c.normal, accelerations[bodies.a]) - dot(c.normal, accelerations[bodies.b]);
-    }
-};
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
 // physics/dynamics/joint_block.hpp
 // =================================================================================================
-// Joints of a kind in lanes: their rows, whatever the kind is.
+// Joints of a kind in lanes, solved one row after the other.
 
 PHYSICS_HPP_BEGIN
 
 namespace detail {
-
-/// What joints are solved with.
-template <class S>
-struct joint_pass {
-    /// Length of a substep (s), and its inverse.
-    S h, inverse_h;
-    /// Of rows that are as stiff as can be.
-    softness<S> rigid;
-};
-
-/// Velocities of W bodies, component by component.
-template <class P, int D, bool Rotates>
-struct twist_lanes {
-    using S = typename P::scalar;
-    using body = solver_body<S, D, Rotates>;
-    static constexpr int angular_size = !Rotates ? 0 : D == 2 ? 1 : 3, size = D + angular_size;
-    static constexpr int stride = sizeof(body) / sizeof(S);
-
-    /// Behind the velocity is what follows in a row: so much of the displacement as fills it.
-    P at[(size + 3) / 4 * 4];
-
-    void load(const body* bodies, const std::uint32_t* index) {
-        const auto* first = reinterpret_cast<const S*>(bodies);
-        for (int i = 0; i < size; i += 4) {
-            const quad<P> four = load4<P>(indexed_rows<const S, stride>{first + i, index});
-            at[i] = four.x, at[i + 1] = four.y, at[i + 2] = four.z, at[i + 3] = four.w;
-        }
-    }
-    void store(body* bodies, const std::uint32_t* index) const {
-        auto* first = reinterpret_cast<S*>(bodies);
-        for (int i = 0; i < size; i += 4)
-            store4(indexed_rows<S, stride>{first + i, index}, quad<P>{at[i], at[i + 1], at[i + 2], at[i + 3]});
-    }
-};
-
-/// The change of angular velocity by an angular impulse of 1 about an axis, about the same axis.
-template <class S>
-constexpr inverse_of<S> torque_k(inverse_of<S> inverse_inertia, S axis, S) {
-    using I = inverse_of<S>;
-    return mul<I>(mul<I>(inverse_inertia, axis), axis);
-}
 
 /// W joints of a kind that push different bodies. Rows are solved one after the other (projected Gauss-Seidel), each as
 /// a damped spring in passes with bias. Source: Catto, Soft constraints (GDC 2011).
 template <class Joint, class S, int D, bool Rotates, int W>
 class joint_block {
-    using I = inverse_of<S>;
     using P = kernel_pack<S, W>;
-    using Q = kernel_pack<I, W>;
     using body = solver_body<S, D, Rotates>;
     using lanes = twist_lanes<P, D, Rotates>;
-    static constexpr int row_count = Joint::row_count, A = lanes::angular_size, array = A > 0 ? A : 1;
+    using row = row_lanes<S, D, Rotates, W>;
+    using pose = joint_pose<S, D, Rotates>;
 
 public:
     /// Writes a joint into a lane, and what it gives in the first substep.
     void put(int lane, step_joint<Joint, S, D>& joint, const body_pair& ends, const body* bodies, S h) {
         joints_[lane] = &joint;
-        put_body(a_, lane, ends.a, bodies);
-        put_body(b_, lane, ends.b, bodies);
-        const S ratio = joint.substep > S(0) ? impulse_ratio(joint.substep, h, S(8)) : S(0);
-        for (int k = 0; k < row_count; ++k) rows_[k].impulse[lane] = joint.impulse[k] * ratio;
+        a_.put(lane, ends.a, bodies);
+        b_.put(lane, ends.b, bodies);
+        for (int k = 0; k < Joint::row_count; ++k) rows_[k].impulse[lane] = first_impulse(joint, k, h);
     }
     void put_nothing(int lane, std::uint32_t dummy_body) { a_.index[lane] = b_.index[lane] = dummy_body; }
     /// Which sides are pushed, which is the same for all lanes.
     void note_sides(const body* bodies) {
-        a_.is_pushed = bodies[a_.index[0]].inverse_mass > I(0);
-        b_.is_pushed = bodies[b_.index[0]].inverse_mass > I(0);
+        a_.is_pushed = bodies[a_.index[0]].inverse_mass > inverse_of<S>(0);
+        b_.is_pushed = bodies[b_.index[0]].inverse_mass > inverse_of<S>(0);
     }
 
     /// Writes the rows where bodies are now, and gives these what the last substep gave.
-    void warm_start(body* bodies, const joint_pass<S>& with) {
-        write_rows(bodies, with);
+    void warm_start(body* bodies, const pose* poses, const joint_pass<S>& with) {
+        write_rows(bodies, poses, with);
         lanes of_a, of_b;
         load(bodies, of_a, of_b);
         for (const row& r : rows_)
-            if (r.is_on) apply(r, P::load(r.impulse), of_a, of_b);
+            if (r.is_on) r.apply(P::load(r.impulse), a_, b_, of_a, of_b);
         store(bodies, of_a, of_b);
     }
     /// Writes the rows anew after bodies have moved. Of what the substep gave, the next one is to begin with the same
-    /// along the new rows: that is what starts tell, the velocities with which the substep began, where there are any.
-    void update_rows(body* bodies, const joint_pass<S>& with, twist_of<S, D, Rotates>* starts) {
-        if (starts == nullptr) return write_rows(bodies, with);
+    /// impulses along the new rows: starts (v - what it begins with) change by the difference.
+    void update_rows(body* bodies, const pose* poses, const joint_pass<S>& with, twist_of<S, D, Rotates>* starts) {
+        if (starts == nullptr) return write_rows(bodies, poses, with);
         lanes of_a{}, of_b{};
         for (const row& r : rows_)
-            if (r.is_on) apply(r, P::load(r.impulse), of_a, of_b);
-        write_rows(bodies, with);
+            if (r.is_on) r.apply(P::load(r.impulse), a_, b_, of_a, of_b);
+        write_rows(bodies, poses, with);
         for (const row& r : rows_)
-            if (r.is_on) apply(r, -P::load(r.impulse), of_a, of_b);
-        if (a_.is_pushed) add(of_a, a_.index, starts);
-        if (b_.is_pushed) add(of_b, b_.index, starts);
+            if (r.is_on) r.apply(-P::load(r.impulse), a_, b_, of_a, of_b);
+        if (a_.is_pushed) of_a.add_to(starts, a_.index);
+        if (b_.is_pushed) of_b.add_to(starts, b_.index);
     }
     void solve(body* bodies, const joint_pass<S>& with, bool use_bias) {
         lanes of_a, of_b;
         load(bodies, of_a, of_b);
         for (row& r : rows_)
-            if (r.is_on) solve(r, with, use_bias, of_a, of_b);
+            if (r.is_on) r.solve(with, use_bias, a_, b_, of_a, of_b);
         store(bodies, of_a, of_b);
     }
-    /// Hands the impulses back: those of a substep as long as usual ones, to which a shorter one adds its part.
     void store_impulses(S h) const {
-        for (int lane = 0; lane < W; ++lane) {
-            if (joints_[lane] == nullptr) continue;
-            step_joint<Joint, S, D>& to = *joints_[lane];
-            const S before = to.substep, usual = max(h, before - h * S(0.125));
-            const S kept = h < before ? S(1) - impulse_ratio(before, h) : S(0);
-            for (int k = 0; k < row_count; ++k) {
-                const S given = rows_[k].impulse[lane];
-                to.impulse[k] = h < before ? (to.impulse[k] * kept + given) * (usual / before) : given;
-            }
-            to.substep = usual;
-        }
+        for (int lane = 0; lane < W; ++lane)
+            if (joints_[lane] != nullptr)
+                detail::store_impulses(*joints_[lane], h, [&](int k) { return rows_[k].impulse[lane]; });
     }
 
 private:
-    /// The bodies of one side, and how they answer to impulses.
-    struct side {
-        std::uint32_t index[W] = {};
-        I mass[W] = {}, inertia[A == 3 ? 6 : 1][W] = {};
-        bool is_pushed = false;
-    };
-    struct row {
-        S direction[D][W], angular_a[array][W], angular_b[array][W];
-        /// See joint_row; impulses in a substep.
-        S error[W], low[W], high[W], speed[W], one_sided[W];
-        /// Of passes without and with bias.
-        S rate[2][W], mass_scale[2][W], impulse_scale[2][W];
-        S mass[W], impulse[W];
-        /// Biases are no larger (m/s).
-        S max_bias[W];
-        /// Whether any lane is.
-        bool is_on, is_one_sided;
-    };
-
-    static void put_body(side& to, int lane, std::uint32_t index, const body* bodies) {
-        const body& b = bodies[index];
-        to.index[lane] = index;
-        to.mass[lane] = b.inverse_mass;
-        if constexpr (A == 1) to.inertia[0][lane] = b.inverse_inertia;
-        if constexpr (A == 3) {
-            const auto& m = b.inverse_inertia;
-            const I six[] = {m.xx, m.xy, m.xz, m.yy, m.yz, m.zz};
-            for (int i = 0; i < 6; ++i) to.inertia[i][lane] = six[i];
-        }
-    }
     void load(const body* bodies, lanes& of_a, lanes& of_b) const {
         of_a.load(bodies, a_.index);
         of_b.load(bodies, b_.index);
@@ -23440,126 +24884,21 @@ private:
         if (a_.is_pushed) of_a.store(bodies, a_.index);
         if (b_.is_pushed) of_b.store(bodies, b_.index);
     }
-
-    static void add(const lanes& change, const std::uint32_t (&index)[W], twist_of<S, D, Rotates>* to) {
-        for (int lane = 0; lane < W; ++lane) {
-            auto& v = to[index[lane]];
-            for (int i = 0; i < D; ++i) v.linear[i] += change.at[i].lane(lane);
-            if constexpr (A == 1) v.angular += change.at[D].lane(lane);
-            if constexpr (A == 3)
-                for (int i = 0; i < 3; ++i) v.angular[i] += change.at[D + i].lane(lane);
-        }
-    }
-    void write_rows(const body* bodies, const joint_pass<S>& with) {
-        for (row& r : rows_) r.is_on = r.is_one_sided = false;
+    void write_rows(const body* bodies, const pose* poses, const joint_pass<S>& with) {
+        for (row& r : rows_) r.clear();
         for (int lane = 0; lane < W; ++lane)
-            if (joints_[lane] != nullptr) write_rows(lane, bodies, with);
+            if (joints_[lane] != nullptr) write_rows(lane, bodies, poses, with);
     }
-    PHYSICS_HPP_NOINLINE void write_rows(int lane, const body* bodies, const joint_pass<S>& with) {
-        const body &a = bodies[a_.index[lane]], &b = bodies[b_.index[lane]];
-        joint_frames<S, D> at = joints_[lane]->start;
-        at.between = at.between + (b.displacement.linear - a.displacement.linear);
-        if constexpr (Rotates) {
-            at.rotation_a = turned(at.rotation_a, a.displacement.angular);
-            at.rotation_b = turned(at.rotation_b, b.displacement.angular);
-        }
-        joint_row<S, D> rows[row_count];
-        joints_[lane]->joint->rows(at, rows);
-        for (int k = 0; k < row_count; ++k) write_row(rows_[k], lane, rows[k], a, b, with);
-    }
-    static void write_row(row& to, int lane, const joint_row<S, D>& from, const body& a, const body& b,
-                          const joint_pass<S>& with) {
-        const bool is_on = from.min_force < S(0) || from.max_force > S(0);
-        const bool is_one_sided = is_on && !(from.min_force < S(0)), is_spring = from.frequency > S(0);
-        to.is_on = to.is_on || is_on;
-        to.is_one_sided = to.is_one_sided || is_one_sided;
-        for (int i = 0; i < D; ++i) to.direction[i][lane] = from.direction[i];
-        I k = from.direction == vec<S, D>{} ? I(0) : a.inverse_mass + b.inverse_mass;
-        if constexpr (A == 1) {
-            to.angular_a[0][lane] = from.angular_a;
-            to.angular_b[0][lane] = from.angular_b;
-        } else if constexpr (A == 3) {
-            for (int i = 0; i < A; ++i) {
-                to.angular_a[i][lane] = from.angular_a[i];
-                to.angular_b[i][lane] = from.angular_b[i];
-            }
-        }
-        if constexpr (Rotates)
-            k = k + torque_k<S>(a.inverse_inertia, from.angular_a, from.angular_a) +
-                torque_k<S>(b.inverse_inertia, from.angular_b, from.angular_b);
-        const S unlimited = joint_row<S, D>::unlimited(), mass = k > I(0) && is_on ? reciprocal<S>(k) : S(0);
-        const S max_bias = unlimited / max(mass, S(1)), max_error = max_bias * min(with.h, S(1));
-        to.mass[lane] = mass;
-        to.max_bias[lane] = max_bias;
-        to.error[lane] = clamp(from.error, -max_error, max_error);
-        to.one_sided[lane] = is_one_sided ? S(1) : S(0);
-        to.speed[lane] = from.speed;
-        const S max_force = unlimited / max(with.h, S(1));
-        to.low[lane] = max(from.min_force, -max_force) * with.h;
-        to.high[lane] = min(from.max_force, max_force) * with.h;
-        // What is off forgets what it gave.
-        to.impulse[lane] = clamp(to.impulse[lane], to.low[lane], to.high[lane]);
-        // Springs act once in a substep, as forces do: passes without bias leave them alone.
-        const softness<S> biased = is_spring ? softness<S>::of(from.frequency, from.damping_ratio, with.h) : with.rigid;
-        const softness<S> relaxed{S(0), is_spring ? S(0) : S(1), S(0)};
-        for (const bool use_bias : {false, true}) {
-            const softness<S>& of = use_bias ? biased : relaxed;
-            to.rate[use_bias][lane] = of.rate;
-            to.mass_scale[use_bias][lane] = of.mass_scale;
-            to.impulse_scale[use_bias][lane] = of.impulse_scale;
-        }
-    }
-
-    /// J times the velocities.
-    static P speed_of(const row& r, const lanes& a, const lanes& b) {
-        auto sum = product(P::load(r.direction[0]), b.at[0] - a.at[0]);
-        for (int i = 1; i < D; ++i) sum = sum + product(P::load(r.direction[i]), b.at[i] - a.at[i]);
-        for (int i = 0; i < A; ++i)
-            sum = sum + (product(P::load(r.angular_a[i]), a.at[D + i]) + product(P::load(r.angular_b[i]), b.at[D + i]));
-        return narrow<S>(sum);
-    }
-    void apply(const row& r, const P& impulse, lanes& of_a, lanes& of_b) const {
-        const Q mass_a = Q::load(a_.mass), mass_b = Q::load(b_.mass);
-        for (int i = 0; i < D; ++i) {
-            const P p = P::load(r.direction[i]) * impulse;
-            of_a.at[i] = of_a.at[i] - mul<S>(mass_a, p);
-            of_b.at[i] = of_b.at[i] + mul<S>(mass_b, p);
-        }
-        turn(a_, r.angular_a, impulse, of_a);
-        turn(b_, r.angular_b, impulse, of_b);
-    }
-    static void turn([[maybe_unused]] const side& of, [[maybe_unused]] const S (&axis)[array][W],
-                     [[maybe_unused]] const P& impulse, [[maybe_unused]] lanes& to) {
-        if constexpr (A == 1) to.at[D] = to.at[D] + mul<S>(Q::load(of.inertia[0]), P::load(axis[0]) * impulse);
-        if constexpr (A == 3) {
-            constexpr int place[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
-            const P moment[] = {P::load(axis[0]) * impulse, P::load(axis[1]) * impulse, P::load(axis[2]) * impulse};
-            for (int i = 0; i < 3; ++i)
-                to.at[D + i] = to.at[D + i] + narrow<S>(product(Q::load(of.inertia[place[i][0]]), moment[0]) +
-                                                        product(Q::load(of.inertia[place[i][1]]), moment[1]) +
-                                                        product(Q::load(of.inertia[place[i][2]]), moment[2]));
-        }
-    }
-    void solve(row& r, const joint_pass<S>& with, bool use_bias, lanes& of_a, lanes& of_b) const {
-        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
-        const P error = P::load(r.error);
-        const P room = r.is_one_sided ? select_greater(P::load(r.one_sided), zero, max(error, zero), zero) : zero;
-        const P limit = P::load(r.max_bias);
-        // What has room may come so near within the substep.
-        const P opens = room * P::broadcast(with.inverse_h);
-        const P bias = max(min(select_greater(room, zero, opens, error * P::load(r.rate[use_bias])), limit), -limit);
-        const P mass_scale = select_greater(room, zero, one, P::load(r.mass_scale[use_bias]));
-        const P impulse_scale = select_greater(room, zero, zero, P::load(r.impulse_scale[use_bias]));
-        const P speed = speed_of(r, of_a, of_b) - P::load(r.speed), impulse = P::load(r.impulse);
-        const P wanted = impulse - P::load(r.mass) * (mass_scale * (speed + bias)) - impulse_scale * impulse;
-        const P next = max(min(wanted, P::load(r.high)), P::load(r.low));
-        apply(r, next - impulse, of_a, of_b);
-        next.store(r.impulse);
+    PHYSICS_HPP_NOINLINE void write_rows(int lane, const body* bodies, const pose* poses, const joint_pass<S>& with) {
+        const std::uint32_t a = a_.index[lane], b = b_.index[lane];
+        joint_row<S, D> rows[Joint::row_count];
+        detail::write_rows(*joints_[lane], poses[a], poses[b], rows);
+        for (int k = 0; k < Joint::row_count; ++k) rows_[k].write(lane, rows[k], bodies[a], bodies[b], with);
     }
 
     step_joint<Joint, S, D>* joints_[W] = {};
-    side a_, b_;
-    row rows_[row_count] = {};
+    pushed_lanes<S, D, Rotates, W> a_, b_;
+    row rows_[Joint::row_count] = {};
 };
 
 }  // namespace detail
@@ -23575,14 +24914,26 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// The joints of a kind, in blocks by colours.
+/// Some joints of a list.
+template <class Joint, class S, int D>
+struct joint_selection {
+    const joint_list<Joint, S, D>& all;
+    const std::uint32_t* which;
+    std::uint32_t count;
+
+    [[nodiscard]] std::uint32_t size() const { return count; }
+    step_joint<Joint, S, D>& operator[](std::uint32_t i) const { return all[which[i]]; }
+    [[nodiscard]] const body_pair& bodies(std::uint32_t i) const { return all.bodies(which[i]); }
+};
+
+/// Joints of a kind, in blocks by colours.
 template <class Joint, class S, int D, bool Rotates, int W>
 class joint_blocks {
     using block = joint_block<Joint, S, D, Rotates, W>;
 
 public:
-    joint_blocks(const joint_list<Joint, S, D>& joints, solver_bodies<S, D, Rotates> bodies, S h, arena& scratch,
-                 task_runner& tasks) {
+    void make(const joint_selection<Joint, S, D>& joints, solver_bodies<S, D, Rotates> bodies, S h, arena& scratch,
+              task_runner& tasks) {
         const auto always = [](const auto&, std::uint32_t) { return true; };
         const colours_of_contacts colours = colour_edges(joints, always, bodies, scratch, tasks);
         blocks_ = blocks_by_colour(colours, W);
@@ -23609,6 +24960,92 @@ private:
     block* first_;
 };
 
+/// The joints of some constraints that are solved directly, in groups of W components with the same pattern.
+template <class Constraints, int W>
+class direct_groups;
+template <class S, int D, class Features, template <class, int> class... Joints, int W>
+class direct_groups<constraints<S, D, Features, joints<Joints...>>, W> {
+    static constexpr bool rotates = Features::rotation;
+    using group = direct_joints<S, D, rotates, W>;
+    using access = joint_access<S, D, rotates>;
+    using constraints_type = constraints<S, D, Features, joints<Joints...>>;
+
+public:
+    /// Of each kind which joints are left to be solved otherwise: f(kind, numbers, count).
+    template <class F>
+    void make(const constraints_type& of, solver_bodies<S, D, rotates> bodies, const joint_pose<S, D, rotates>* poses,
+              std::uint32_t max_cost, S h, arena& scratch, F&& rest) {
+        const std::uint32_t count = (of.template joints_of_kind<Joints<S, D>>().size() + ...);
+        if (count == 0) return;
+        auto* const all = scratch.template allocate<graph_joint>(count);
+        auto* const steps = scratch.template allocate<void*>(count);
+        std::uint32_t at = 0, kind = 0;
+        const auto list = [&]<class Joint>(const joint_list<Joint, S, D>& joints) {
+            kinds_[kind] = access::template of<Joint>();
+            for (std::uint32_t i = 0; i < joints.size(); ++i, ++at) {
+                const body_pair& ends = joints.bodies(i);
+                const auto &a = bodies[ends.a], &b = bodies[ends.b];
+                steps[at] = &joints[i];
+                joint_row<S, D> rows[access::max_rows];
+                write_rows(joints[i], poses[ends.a], poses[ends.b], rows);
+                new (all + at) graph_joint{
+                    ends, a.inverse_mass > inverse_of<S>(0), b.inverse_mass > inverse_of<S>(0), kind, i, 0, 0, 0};
+                for (int k = 0; k < Joint::row_count; ++k) {
+                    if (!rows[k].is_on()) continue;
+                    all[at].rows |= 1u << k;
+                    if (rows[k].is_spring()) all[at].springs |= 1u << k;
+                    if (rows[k].is_bounded()) all[at].bounded |= 1u << k;
+                }
+            }
+            ++kind;
+        };
+        (list(of.template joints_of_kind<Joints<S, D>>()), ...);
+        const joint_patterns& patterns = *new (scratch.template allocate<joint_patterns>(1))
+                                             joint_patterns(all, count, bodies.count, max_cost, scratch);
+        bool* const is_direct = scratch.template allocate<bool>(count);
+        for (std::uint32_t i = 0; i < count; ++i) is_direct[i] = false;
+        bool* const taken = scratch.template allocate<bool>(patterns.size());
+        for (std::uint32_t i = 0; i < patterns.size(); ++i) taken[i] = patterns[i].pattern == nullptr;
+        groups_ = scratch.template allocate<group*>(patterns.size());
+        for (std::uint32_t i = 0; i < patterns.size(); ++i) {
+            if (taken[i]) continue;
+            const joint_patterns::component* lane[W] = {};
+            int used = 0;
+            for (std::uint32_t k = i; k < patterns.size() && used < W; ++k) {
+                if (taken[k] || patterns[k].pattern != patterns[i].pattern) continue;
+                taken[k] = true;
+                lane[used++] = &patterns[k];
+                for (std::uint32_t n = 0; n < patterns[k].count; ++n)
+                    is_direct[patterns.order()[patterns[k].first + n]] = true;
+            }
+            const auto number = [&](int l, std::uint32_t n) { return patterns.order()[lane[l]->first + n]; };
+            groups_[count_++] = new (scratch.template allocate<group>(1)) group(
+                *patterns[i].pattern, used, kinds_, [&](int l, std::uint32_t n) { return steps[number(l, n)]; },
+                [&](int l, std::uint32_t n) { return all[number(l, n)].ends; }, bodies.first, bodies.dummy_body(), h,
+                scratch);
+        }
+        at = 0;
+        for (std::uint32_t k = 0; k < sizeof...(Joints); ++k) {
+            auto* const left = scratch.template allocate<std::uint32_t>(count);
+            std::uint32_t n = 0;
+            for (; at < count && all[at].kind == k; ++at)
+                if (!is_direct[at]) left[n++] = all[at].number;
+            rest(k, left, n);
+        }
+    }
+    template <class F>
+    void each(task_runner& tasks, F&& f) const {
+        tasks.parallel_for(count_, 1, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
+            for (std::uint32_t k = first; k < end; ++k) f(*groups_[k]);
+        });
+    }
+
+private:
+    access kinds_[sizeof...(Joints)];
+    group** groups_ = nullptr;
+    std::uint32_t count_ = 0;
+};
+
 }  // namespace detail
 
 namespace solver_api {
@@ -23625,45 +25062,79 @@ class joint_solver<constraints<S, D, Features, joints<Joints...>>, Width>
     : detail::joint_blocks<Joints<S, D>, S, D, Features::rotation, Width>... {
     template <class Joint>
     using blocks = detail::joint_blocks<Joint, S, D, Features::rotation, Width>;
-    static constexpr bool any = sizeof...(Joints) > 0;
 
 public:
     using constraints_type = constraints<S, D, Features, joints<Joints...>>;
     using bodies_type = solver_bodies<S, D, Features::rotation>;
+    static constexpr bool rotates = Features::rotation;
 
-    /// For substeps of h seconds; rigid joints are springs of that frequency (Hz) and damping ratio.
-    joint_solver(const constraints_type& of, bodies_type bodies, S h, S frequency, S damping_ratio, arena& scratch,
-                 detail::task_runner& tasks)
-        : blocks<Joints<S, D>>(of.template joints_of_kind<Joints<S, D>>(), bodies, h, scratch, tasks)...,
-          bodies_(bodies.first) {
-        if constexpr (any) pass_ = {h, S(1) / h, detail::softness<S>::of(frequency, damping_ratio, h)};
+    /// For substeps of h seconds; rigid joints are springs of that frequency (Hz) and damping ratio. A motion that has
+    /// find_rotation(body, pose, velocity, h) is asked how bodies are turned. Joints are solved directly where that
+    /// takes up to max_direct_cost multiplications a row.
+    template <class Motion>
+    joint_solver(const constraints_type& of, bodies_type bodies, const Motion& motion, S h, S frequency,
+                 S damping_ratio, int max_direct_cost, arena& scratch, detail::task_runner& tasks)
+        : bodies_(bodies),
+          poses_of_(bodies, motion),
+          poses_(scratch.allocate<detail::joint_pose<S, D, rotates>>(bodies.count)),
+          pass_{h, S(1) / h, detail::softness<S>::of(frequency, damping_ratio, h)} {
+        find_poses(tasks);
+        const std::uint32_t* which[sizeof...(Joints)] = {};
+        std::uint32_t counts[sizeof...(Joints)] = {}, kind = 0;
+        direct_.make(of, bodies, poses_, static_cast<std::uint32_t>(max_direct_cost), h, scratch,
+                     [&](std::uint32_t k, const std::uint32_t* numbers, std::uint32_t count) {
+                         which[k] = numbers;
+                         counts[k] = count;
+                     });
+        ((make_blocks<Joints<S, D>>(of, which[kind], counts[kind], bodies, scratch, tasks), ++kind), ...);
     }
     /// Gives bodies what the last substep gave.
     void warm_start(detail::task_runner& tasks) {
-        each(tasks, [this](auto& b) { b.warm_start(bodies_, pass_); });
+        each(tasks, [this](auto& b) { b.warm_start(bodies_.first, poses_, pass_); });
     }
     /// Says that bodies have moved. A solver that gives them in the next substep all that they have got in this one,
     /// v - start_velocity, hands these in, and does not warm-start again: what joints gave turns with them.
     void update_rows(detail::task_runner& tasks, twist_of<S, D, Features::rotation>* start_velocity) {
-        each(tasks, [=, this](auto& b) { b.update_rows(bodies_, pass_, start_velocity); });
+        find_poses(tasks);
+        each(tasks, [=, this](auto& b) { b.update_rows(bodies_.first, poses_, pass_, start_velocity); });
     }
     /// One pass over the joints; true if there are kinds of them.
     bool solve(detail::task_runner& tasks, bool use_bias) {
-        each(tasks, [=, this](auto& b) { b.solve(bodies_, pass_, use_bias); });
-        return any;
+        direct_.each(tasks, [=, this](auto& b) { b.solve(bodies_.first, poses_of_, pass_, use_bias); });
+        (blocks<Joints<S, D>>::each(tasks, [=, this](auto& b) { b.solve(bodies_.first, pass_, use_bias); }), ...);
+        return true;
     }
     void store_impulses(detail::task_runner& tasks) {
         each(tasks, [this](auto& b) { b.store_impulses(pass_.h); });
     }
 
 private:
+    template <class Joint>
+    void make_blocks(const constraints_type& of, const std::uint32_t* which, std::uint32_t count, bodies_type bodies,
+                     arena& scratch, detail::task_runner& tasks) {
+        blocks<Joint>::make({of.template joints_of_kind<Joint>(), which, count}, bodies, pass_.h, scratch, tasks);
+    }
     template <class F>
-    void each([[maybe_unused]] detail::task_runner& tasks, [[maybe_unused]] F&& f) {
+    void each(detail::task_runner& tasks, F&& f) {
+        direct_.each(tasks, f);
         (blocks<Joints<S, D>>::each(tasks, f), ...);
     }
 
-    solver_body<S, D, Features::rotation>* bodies_;
-    detail::joint_pass<S> pass_{};
+    void find_poses(detail::task_runner& tasks) {
+        tasks.parallel_for(bodies_.count, min_per_task, [this](std::uint32_t first, std::uint32_t end, std::uint32_t) {
+            for (std::uint32_t k = first; k < end; ++k)
+                new (poses_ + k) detail::joint_pose<S, D, rotates>(poses_of_.of(k));
+        });
+    }
+
+    /// The smallest number of bodies that makes a task.
+    static constexpr std::uint32_t min_per_task = 128;
+
+    bodies_type bodies_;
+    detail::joint_poses<S, D, rotates> poses_of_;
+    detail::joint_pose<S, D, rotates>* poses_;
+    detail::joint_pass<S> pass_;
+    detail::direct_groups<constraints_type, Width> direct_;
 };
 /// The same where there are contacts only.
 template <class S, int D, class Features, int Width>
@@ -24136,6 +25607,8 @@ struct sequential_impulse_settings {
     S max_depenetration_speed = S(3);
     /// Approaches slower than this do not bounce, nor those that acceleration brings about within a substep.
     S restitution_threshold = S(0.5);
+    /// See soft_step_settings.
+    int max_direct_cost = 256;
     /// Rounds of bounces in a substep, at most: an impact passes one contact in a round. What approaches after them
     /// stops.
     int reflections = 64;
@@ -24143,13 +25616,13 @@ struct sequential_impulse_settings {
 
 template <class S>
 bool check(const sequential_impulse_settings<S>& with, const char* function) {
-    if (!detail::check_count(function, "solver.substeps", with.substeps)) return false;
-    if (!detail::check_count(function, "solver.iterations", with.iterations) ||
+    if (!detail::check_count(function, "solver.substeps", with.substeps) ||
+        !detail::check_limit(function, "solver.max_direct_cost", with.max_direct_cost) ||
+        !detail::check_count(function, "solver.iterations", with.iterations) ||
         !detail::check_count(function, "solver.reflections", with.reflections))
         return false;
     if (with.baumgarte > S(1))
-        return detail::refuse(function, "solver.baumgarte", static_cast<double>(with.baumgarte),
-                              "it must be at most 1");
+        return detail::refuse(function, "solver.baumgarte", double(with.baumgarte), "it must be at most 1");
     return detail::check_not_negative(function, "solver.baumgarte", with.baumgarte) &&
            detail::check_not_negative(function, "solver.penetration_slop", with.penetration_slop) &&
            detail::check_not_negative(function, "solver.max_depenetration_speed", with.max_depenetration_speed) &&
@@ -24166,10 +25639,10 @@ bool check(const sequential_impulse_settings<S>& with, const char* function) {
 /// defaults; more substeps bear more. Not for large piles: it works on one contact at a time, where soft_step works in
 /// lanes and by several threads. Needles thinner than 1:500 want a single substep of 20 iterations. Error: of order h;
 /// stacks settle into the slop. Momentum is kept to rounding where no gravity pulls; where it does, what pushes lift is
-/// taken from speeds. Cost: substeps x iterations x points, and for bounces a
-/// walk over the points with restitution a round, of which there are as many as an impact passes contacts. Source:
-/// Catto, Iterative Dynamics with Temporal Coherence (2005), Solver2D (2024, "TGS"); Macklin et al., Small Steps in
-/// Physics Simulation (2019); Guendelman, Bridson, Fedkiw, Nonconvex Rigid Bodies with Stacking (2003).
+/// taken from speeds. Cost: substeps x iterations x points, and for bounces a walk over the points with restitution a
+/// round, of which there are as many as an impact passes contacts. Source: Catto, Iterative Dynamics with Temporal
+/// Coherence (2005), Solver2D (2024, "TGS"); Macklin et al., Small Steps (2019); Guendelman et al., Nonconvex Rigid
+/// Bodies with Stacking (2003).
 struct sequential_impulse {
     using stage = physics::stage::solver;
     static constexpr bool solves_joints = true;
@@ -24191,8 +25664,8 @@ struct sequential_impulse {
                           Motion&& motion) {
             const S h_sub = h / S(with.substeps), share = S(1) / S(with.substeps);
             detail::task_runner serial;
-            solver_api::joint_solver<Constraints> joints(contacts, bodies, h_sub, S(0.25) / h_sub, S(2), scratch,
-                                                         serial);
+            solver_api::joint_solver<Constraints> joints(contacts, bodies, motion, h_sub, S(0.25) / h_sub, S(2),
+                                                         with.max_direct_cost, scratch, serial);
             const surfaces of = contacts.surfaces();
             block* blocks = scratch.template allocate<block>(contacts.size());
             for (std::uint32_t i = 0; i < contacts.size(); ++i)
@@ -24505,120 +25978,6 @@ struct sequential_impulse {
         }
     };
 };
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/dynamics/soft_prepare.hpp
-// =================================================================================================
-// What preparing the soft solver's contacts in lanes is made of.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// What contacts are prepared in: floats as they are; other scalars by way of double, which has room for products of
-/// inverse masses.
-template <class S, int W>
-using preparing = kernel_pack<std::conditional_t<std::is_floating_point_v<S>, S, double>, W>;
-
-/// W contacts that are prepared together, some of which may be none. Contacts are rows of scalars, which lanes read
-/// faster than one by one.
-template <class S, int D, int W, class Features>
-class contact_gather {
-    using contact = solver_api::contact<S, D, Features>;
-    using P = kernel_pack<S, W>;
-
-public:
-    static constexpr int capacity = manifold<S, D>::capacity;
-
-    contact_gather() {
-        for (const contact*& one : at_) one = &none;
-    }
-    void add(int lane, const contact& c) { at_[lane] = &c; }
-
-    /// Where points are from their middles, in world axes, 1 for each point that there is, and how many there are.
-    S offset[capacity][D][W], there[capacity][W], count[W];
-
-    /// Reads where contacts with up to `maximum` points lie, and writes that to their frames and points.
-    template <class Frame, class Point>
-    PHYSICS_HPP_ALWAYS_INLINE void read(Frame& to, Point* to_points, int maximum) {
-        const S* rows[W];
-        for (int lane = 0; lane < W; ++lane) {
-            rows[lane] = &at_[lane]->normal[0];
-            count[lane] = S(int{at_[lane]->count});
-        }
-        P frame[3 * D], place[capacity][D + 1], middle[D];
-        read_rows(frame, rows);
-        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1)), points = P::load(count);
-        for (int i = 0; i < D; ++i) middle[i] = zero;
-        for (int k = 0; k < maximum; ++k) {
-            for (int lane = 0; lane < W; ++lane) rows[lane] = &at_[lane]->points[k].position[0];
-            read_rows(place[k], rows);
-            const P is = select_greater(points, P::broadcast(S(k)), one, zero);
-            is.store(there[k]);
-            for (P& component : place[k]) component = select_greater(is, zero, component, zero);
-            place[k][D].store(to_points[k].separation);
-            for (int i = 0; i < D; ++i) middle[i] = k == 0 ? place[0][i] : middle[i] + place[k][i];
-        }
-        const P share = one / max(points, one);
-        // In 3D friction has its lever from each body's own surface: from halfway between them, that of a needle which
-        // is tilted over the ground would be many times as long as the one about its own axis is.
-        P half_gap = zero;
-        if constexpr (D == 3) {
-            for (int k = 0; k < maximum; ++k) half_gap = half_gap + place[k][D];
-            half_gap = max(half_gap, zero) * share * P::broadcast(S(0.5));
-        }
-        for (int i = 0; i < D; ++i) {
-            middle[i] = middle[i] * share;
-            frame[i].store(to.normal[i]);
-            P on_a = middle[i], on_b = middle[i];
-            if constexpr (D == 3) {
-                on_a = on_a - half_gap * frame[i];
-                on_b = on_b + half_gap * frame[i];
-            }
-            (frame[D + i] + on_a).store(to.r_a[i]);
-            (frame[2 * D + i] + on_b).store(to.r_b[i]);
-            for (int k = 0; k < maximum; ++k)
-                select_greater(P::load(there[k]), zero, place[k][i] - middle[i], zero).store(offset[k][i]);
-        }
-    }
-
-private:
-    struct rows_from {
-        const S* const* first;
-        int skipped;
-
-        PHYSICS_HPP_ALWAYS_INLINE const S* operator[](int lane) const { return first[lane] + skipped; }
-        PHYSICS_HPP_ALWAYS_INLINE rows_from from(int lane) const { return {first + lane, skipped}; }
-    };
-    /// The first N scalars of each row. Lanes read on to a multiple of four, which is still within the contact.
-    template <int N>
-    PHYSICS_HPP_ALWAYS_INLINE static void read_rows(P (&to)[N], const S* const (&rows)[W]) {
-        if constexpr (W == 1) {
-            for (int i = 0; i < N; ++i) to[i] = {rows[0][i]};
-        } else {
-            for (int i = 0; i < N; i += 4) {
-                const quad<P> four = load4<P>(rows_from{rows, i});
-                to[i] = four.x;
-                if (i + 1 < N) to[i + 1] = four.y;
-                if (i + 2 < N) to[i + 2] = four.z;
-                if (i + 3 < N) to[i + 3] = four.w;
-            }
-        }
-    }
-    static_assert(offsetof(contact, r_a) == offsetof(contact, normal) + D * sizeof(S) &&
-                  offsetof(contact, r_b) == offsetof(contact, r_a) + D * sizeof(S) &&
-                  sizeof(contact) >= offsetof(contact, normal) + (D == 2 ? 8 : 12) * sizeof(S));
-    using point = contact_point<S, D, Features>;
-    static_assert(offsetof(point, separation) == offsetof(point, position) + D * sizeof(S) &&
-                  sizeof(point) >= offsetof(point, position) + 4 * sizeof(S));
-
-    static inline const contact none{};
-    const contact* at_[W];
-};
-
-}  // namespace detail
 
 PHYSICS_HPP_END
 
@@ -26436,11 +27795,16 @@ struct soft_step_settings {
     /// Approaches slower than this do not bounce. Nor do points that bear a load already, or that were in contact in
     /// the last step and overlap by more than this speed makes in a step.
     S restitution_threshold = S(0.5);
+    /// Joints that hold some bodies together are solved all at once where that takes up to so many multiplications a
+    /// row: trees, and loops that are not too wide. 0: never.
+    int max_direct_cost = 256;
 };
 
 template <class S>
 bool check(const soft_step_settings<S>& with, const char* function) {
-    if (!detail::check_count(function, "solver.substeps", with.substeps)) return false;
+    if (!detail::check_count(function, "solver.substeps", with.substeps) ||
+        !detail::check_limit(function, "solver.max_direct_cost", with.max_direct_cost))
+        return false;
     return detail::check_positive(function, "solver.contact_frequency_ratio", with.contact_frequency_ratio) &&
            detail::check_positive(function, "solver.damping_ratio", with.damping_ratio) &&
            detail::check_not_negative(function, "solver.frequency_cap", with.frequency_cap) &&
@@ -26529,8 +27893,8 @@ struct soft_step_with {
             detail::contact_pass<S, D, rotates> relaxed = biased;
             relaxed.use_bias = false;
             solver_api::joint_solver<Constraints, detail::native_width<S>> joints(
-                contacts, all, h_sub, S(joint_frequency_ratio) / (usual / S(with.substeps)), S(joint_damping_ratio),
-                scratch, tasks);
+                contacts, all, motion, h_sub, S(joint_frequency_ratio) / (usual / S(with.substeps)),
+                S(joint_damping_ratio), with.max_direct_cost, scratch, tasks);
             for (int i = 0; i < with.substeps; ++i) {
                 start.integrate_velocities(motion, h_sub);
                 if (i == 0) {
@@ -28852,6 +30216,22 @@ public:
         });
     }
 
+    /// Writes how body k is turned, or with a velocity how it will be after h, into a pose that has its displacement.
+    template <class Pose>
+    void find_rotation(std::uint32_t k, Pose& to, const twist_of<S, D, rotates>* v, S h) const {
+        to.is_known = true;
+        if constexpr (in_lanes) {
+            lanes_->find_rotation(k, to, v, h);
+        } else if constexpr (D == 2) {
+            to.rotation = turned(moving_[k].rotation, to.displacement.angular);
+        } else {
+            moving_body<S, D, rotates> moved = moving_[k];
+            twist_of<S, D, rotates> velocity = v != nullptr ? *v : twist_of<S, D, rotates>{}, displacement;
+            if (v != nullptr) integrator::integrate_pose(moved, velocity, displacement, h);
+            to.rotation = moved.rotation;
+        }
+    }
+
     /// Ends the step. False if something that moved is where numbers do not reach.
     [[nodiscard]] bool finish() {
         const std::uint32_t lost = count_of([&](std::uint32_t k) {
@@ -30351,6 +31731,7 @@ struct shape_names {
     using compound = physics::compound<S, D>;
     using compound_child = physics::compound_child<S, D>;
     using compound_geometry = physics::compound_geometry<S, D>;
+    using ball_joint = physics::ball_joint<S, D>;
     using distance_joint = physics::distance_joint<S, D>;
 };
 template <class S, int D>

@@ -239,6 +239,7 @@
 #include "physics/broadphase/tree_index.hpp"
 
 // What a kind of joint is.
+#include "physics/joint/ball_joint.hpp"
 #include "physics/joint/distance_joint.hpp"
 #include "physics/joint/joint.hpp"
 
@@ -250,6 +251,7 @@
 #include "physics/dynamics/contact.hpp"
 #include "physics/dynamics/continuous.hpp"
 #include "physics/dynamics/convert.hpp"
+#include "physics/dynamics/direct_joints.hpp"
 #include "physics/dynamics/edge.hpp"
 #include "physics/dynamics/features.hpp"
 #include "physics/dynamics/free_spin.hpp"
@@ -257,7 +259,11 @@
 #include "physics/dynamics/graph.hpp"
 #include "physics/dynamics/integrator.hpp"
 #include "physics/dynamics/islands.hpp"
+#include "physics/dynamics/joint_access.hpp"
 #include "physics/dynamics/joint_block.hpp"
+#include "physics/dynamics/joint_matrix.hpp"
+#include "physics/dynamics/joint_pattern.hpp"
+#include "physics/dynamics/joint_rows.hpp"
 #include "physics/dynamics/joint_solver.hpp"
 #include "physics/dynamics/lane_vec.hpp"
 #include "physics/dynamics/material.hpp"

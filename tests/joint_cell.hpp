@@ -78,5 +78,16 @@ void run(World& w, int steps, double h = 1.0 / 64) {
     for (int i = 0; i < steps; ++i) w.step(S(h));
 }
 
+using inverse = physics::inverse_of<S>;
+inline void set_inertia(inverse& to, double size) { to = inverse(size); }
+inline void set_inertia(physics::symmetric<inverse>& to, double size) {
+    to = {inverse(4 * size), inverse(6 * size), inverse(5 * size), inverse(size), inverse(0), inverse(-size)};
+}
+
+inline double size_of(S x) { return std::abs(number(x)); }
+inline double size_of(const physics::vec<S, 3>& v) { return std::sqrt(number(v.x * v.x + v.y * v.y + v.z * v.z)); }
+inline double about_z(S inertia) { return number(inertia); }
+inline double about_z(const physics::symmetric<S>& inertia) { return number(inertia.zz); }
+
 }  // namespace joint_laws
 }  // namespace

@@ -16,15 +16,12 @@ struct pin {
     static constexpr int row_count = N;
     PHYSICS_HPP_MEMBERS(anchor_a, anchor_b)
 
-    void rows(const physics::joint_frames<T, N>& at, physics::joint_row<T, N> (&row)[row_count]) const {
+    void rows(const physics::joint_frames<T, N>& at, physics::joint_row<T, N>* row) const {
         const auto r_a = at.r_a(anchor_a), r_b = at.r_b(anchor_b), gap = at.between + (r_b - r_a);
         for (int i = 0; i < N; ++i) {
             physics::vec<T, N> axis;
             axis[i] = T(1);
-            row[i] = physics::joint_frames<T, N>::along(axis, r_a, r_b);
-            row[i].error = gap[i];
-            row[i].min_force = -physics::joint_row<T, N>::unlimited();
-            row[i].max_force = physics::joint_row<T, N>::unlimited();
+            row[i] = at.along(axis, r_a, r_b).equality(gap[i]);
         }
     }
 };

@@ -2,20 +2,33 @@
 #pragma once
 
 #include "physics/dynamics/colours.hpp"
+#include "physics/dynamics/direct_joints.hpp"
 #include "physics/dynamics/joint_block.hpp"
 
 PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// The joints of a kind, in blocks by colours.
+/// Some joints of a list.
+template <class Joint, class S, int D>
+struct joint_selection {
+    const joint_list<Joint, S, D>& all;
+    const std::uint32_t* which;
+    std::uint32_t count;
+
+    [[nodiscard]] std::uint32_t size() const { return count; }
+    step_joint<Joint, S, D>& operator[](std::uint32_t i) const { return all[which[i]]; }
+    [[nodiscard]] const body_pair& bodies(std::uint32_t i) const { return all.bodies(which[i]); }
+};
+
+/// Joints of a kind, in blocks by colours.
 template <class Joint, class S, int D, bool Rotates, int W>
 class joint_blocks {
     using block = joint_block<Joint, S, D, Rotates, W>;
 
 public:
-    joint_blocks(const joint_list<Joint, S, D>& joints, solver_bodies<S, D, Rotates> bodies, S h, arena& scratch,
-                 task_runner& tasks) {
+    void make(const joint_selection<Joint, S, D>& joints, solver_bodies<S, D, Rotates> bodies, S h, arena& scratch,
+              task_runner& tasks) {
         const auto always = [](const auto&, std::uint32_t) { return true; };
         const colours_of_contacts colours = colour_edges(joints, always, bodies, scratch, tasks);
         blocks_ = blocks_by_colour(colours, W);
@@ -42,6 +55,92 @@ private:
     block* first_;
 };
 
+/// The joints of some constraints that are solved directly, in groups of W components with the same pattern.
+template <class Constraints, int W>
+class direct_groups;
+template <class S, int D, class Features, template <class, int> class... Joints, int W>
+class direct_groups<constraints<S, D, Features, joints<Joints...>>, W> {
+    static constexpr bool rotates = Features::rotation;
+    using group = direct_joints<S, D, rotates, W>;
+    using access = joint_access<S, D, rotates>;
+    using constraints_type = constraints<S, D, Features, joints<Joints...>>;
+
+public:
+    /// Of each kind which joints are left to be solved otherwise: f(kind, numbers, count).
+    template <class F>
+    void make(const constraints_type& of, solver_bodies<S, D, rotates> bodies, const joint_pose<S, D, rotates>* poses,
+              std::uint32_t max_cost, S h, arena& scratch, F&& rest) {
+        const std::uint32_t count = (of.template joints_of_kind<Joints<S, D>>().size() + ...);
+        if (count == 0) return;
+        auto* const all = scratch.template allocate<graph_joint>(count);
+        auto* const steps = scratch.template allocate<void*>(count);
+        std::uint32_t at = 0, kind = 0;
+        const auto list = [&]<class Joint>(const joint_list<Joint, S, D>& joints) {
+            kinds_[kind] = access::template of<Joint>();
+            for (std::uint32_t i = 0; i < joints.size(); ++i, ++at) {
+                const body_pair& ends = joints.bodies(i);
+                const auto &a = bodies[ends.a], &b = bodies[ends.b];
+                steps[at] = &joints[i];
+                joint_row<S, D> rows[access::max_rows];
+                write_rows(joints[i], poses[ends.a], poses[ends.b], rows);
+                new (all + at) graph_joint{
+                    ends, a.inverse_mass > inverse_of<S>(0), b.inverse_mass > inverse_of<S>(0), kind, i, 0, 0, 0};
+                for (int k = 0; k < Joint::row_count; ++k) {
+                    if (!rows[k].is_on()) continue;
+                    all[at].rows |= 1u << k;
+                    if (rows[k].is_spring()) all[at].springs |= 1u << k;
+                    if (rows[k].is_bounded()) all[at].bounded |= 1u << k;
+                }
+            }
+            ++kind;
+        };
+        (list(of.template joints_of_kind<Joints<S, D>>()), ...);
+        const joint_patterns& patterns = *new (scratch.template allocate<joint_patterns>(1))
+                                             joint_patterns(all, count, bodies.count, max_cost, scratch);
+        bool* const is_direct = scratch.template allocate<bool>(count);
+        for (std::uint32_t i = 0; i < count; ++i) is_direct[i] = false;
+        bool* const taken = scratch.template allocate<bool>(patterns.size());
+        for (std::uint32_t i = 0; i < patterns.size(); ++i) taken[i] = patterns[i].pattern == nullptr;
+        groups_ = scratch.template allocate<group*>(patterns.size());
+        for (std::uint32_t i = 0; i < patterns.size(); ++i) {
+            if (taken[i]) continue;
+            const joint_patterns::component* lane[W] = {};
+            int used = 0;
+            for (std::uint32_t k = i; k < patterns.size() && used < W; ++k) {
+                if (taken[k] || patterns[k].pattern != patterns[i].pattern) continue;
+                taken[k] = true;
+                lane[used++] = &patterns[k];
+                for (std::uint32_t n = 0; n < patterns[k].count; ++n)
+                    is_direct[patterns.order()[patterns[k].first + n]] = true;
+            }
+            const auto number = [&](int l, std::uint32_t n) { return patterns.order()[lane[l]->first + n]; };
+            groups_[count_++] = new (scratch.template allocate<group>(1)) group(
+                *patterns[i].pattern, used, kinds_, [&](int l, std::uint32_t n) { return steps[number(l, n)]; },
+                [&](int l, std::uint32_t n) { return all[number(l, n)].ends; }, bodies.first, bodies.dummy_body(), h,
+                scratch);
+        }
+        at = 0;
+        for (std::uint32_t k = 0; k < sizeof...(Joints); ++k) {
+            auto* const left = scratch.template allocate<std::uint32_t>(count);
+            std::uint32_t n = 0;
+            for (; at < count && all[at].kind == k; ++at)
+                if (!is_direct[at]) left[n++] = all[at].number;
+            rest(k, left, n);
+        }
+    }
+    template <class F>
+    void each(task_runner& tasks, F&& f) const {
+        tasks.parallel_for(count_, 1, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
+            for (std::uint32_t k = first; k < end; ++k) f(*groups_[k]);
+        });
+    }
+
+private:
+    access kinds_[sizeof...(Joints)];
+    group** groups_ = nullptr;
+    std::uint32_t count_ = 0;
+};
+
 }  // namespace detail
 
 namespace solver_api {
@@ -58,45 +157,79 @@ class joint_solver<constraints<S, D, Features, joints<Joints...>>, Width>
     : detail::joint_blocks<Joints<S, D>, S, D, Features::rotation, Width>... {
     template <class Joint>
     using blocks = detail::joint_blocks<Joint, S, D, Features::rotation, Width>;
-    static constexpr bool any = sizeof...(Joints) > 0;
 
 public:
     using constraints_type = constraints<S, D, Features, joints<Joints...>>;
     using bodies_type = solver_bodies<S, D, Features::rotation>;
+    static constexpr bool rotates = Features::rotation;
 
-    /// For substeps of h seconds; rigid joints are springs of that frequency (Hz) and damping ratio.
-    joint_solver(const constraints_type& of, bodies_type bodies, S h, S frequency, S damping_ratio, arena& scratch,
-                 detail::task_runner& tasks)
-        : blocks<Joints<S, D>>(of.template joints_of_kind<Joints<S, D>>(), bodies, h, scratch, tasks)...,
-          bodies_(bodies.first) {
-        if constexpr (any) pass_ = {h, S(1) / h, detail::softness<S>::of(frequency, damping_ratio, h)};
+    /// For substeps of h seconds; rigid joints are springs of that frequency (Hz) and damping ratio. A motion that has
+    /// find_rotation(body, pose, velocity, h) is asked how bodies are turned. Joints are solved directly where that
+    /// takes up to max_direct_cost multiplications a row.
+    template <class Motion>
+    joint_solver(const constraints_type& of, bodies_type bodies, const Motion& motion, S h, S frequency,
+                 S damping_ratio, int max_direct_cost, arena& scratch, detail::task_runner& tasks)
+        : bodies_(bodies),
+          poses_of_(bodies, motion),
+          poses_(scratch.allocate<detail::joint_pose<S, D, rotates>>(bodies.count)),
+          pass_{h, S(1) / h, detail::softness<S>::of(frequency, damping_ratio, h)} {
+        find_poses(tasks);
+        const std::uint32_t* which[sizeof...(Joints)] = {};
+        std::uint32_t counts[sizeof...(Joints)] = {}, kind = 0;
+        direct_.make(of, bodies, poses_, static_cast<std::uint32_t>(max_direct_cost), h, scratch,
+                     [&](std::uint32_t k, const std::uint32_t* numbers, std::uint32_t count) {
+                         which[k] = numbers;
+                         counts[k] = count;
+                     });
+        ((make_blocks<Joints<S, D>>(of, which[kind], counts[kind], bodies, scratch, tasks), ++kind), ...);
     }
     /// Gives bodies what the last substep gave.
     void warm_start(detail::task_runner& tasks) {
-        each(tasks, [this](auto& b) { b.warm_start(bodies_, pass_); });
+        each(tasks, [this](auto& b) { b.warm_start(bodies_.first, poses_, pass_); });
     }
     /// Says that bodies have moved. A solver that gives them in the next substep all that they have got in this one,
     /// v - start_velocity, hands these in, and does not warm-start again: what joints gave turns with them.
     void update_rows(detail::task_runner& tasks, twist_of<S, D, Features::rotation>* start_velocity) {
-        each(tasks, [=, this](auto& b) { b.update_rows(bodies_, pass_, start_velocity); });
+        find_poses(tasks);
+        each(tasks, [=, this](auto& b) { b.update_rows(bodies_.first, poses_, pass_, start_velocity); });
     }
     /// One pass over the joints; true if there are kinds of them.
     bool solve(detail::task_runner& tasks, bool use_bias) {
-        each(tasks, [=, this](auto& b) { b.solve(bodies_, pass_, use_bias); });
-        return any;
+        direct_.each(tasks, [=, this](auto& b) { b.solve(bodies_.first, poses_of_, pass_, use_bias); });
+        (blocks<Joints<S, D>>::each(tasks, [=, this](auto& b) { b.solve(bodies_.first, pass_, use_bias); }), ...);
+        return true;
     }
     void store_impulses(detail::task_runner& tasks) {
         each(tasks, [this](auto& b) { b.store_impulses(pass_.h); });
     }
 
 private:
+    template <class Joint>
+    void make_blocks(const constraints_type& of, const std::uint32_t* which, std::uint32_t count, bodies_type bodies,
+                     arena& scratch, detail::task_runner& tasks) {
+        blocks<Joint>::make({of.template joints_of_kind<Joint>(), which, count}, bodies, pass_.h, scratch, tasks);
+    }
     template <class F>
-    void each([[maybe_unused]] detail::task_runner& tasks, [[maybe_unused]] F&& f) {
+    void each(detail::task_runner& tasks, F&& f) {
+        direct_.each(tasks, f);
         (blocks<Joints<S, D>>::each(tasks, f), ...);
     }
 
-    solver_body<S, D, Features::rotation>* bodies_;
-    detail::joint_pass<S> pass_{};
+    void find_poses(detail::task_runner& tasks) {
+        tasks.parallel_for(bodies_.count, min_per_task, [this](std::uint32_t first, std::uint32_t end, std::uint32_t) {
+            for (std::uint32_t k = first; k < end; ++k)
+                new (poses_ + k) detail::joint_pose<S, D, rotates>(poses_of_.of(k));
+        });
+    }
+
+    /// The smallest number of bodies that makes a task.
+    static constexpr std::uint32_t min_per_task = 128;
+
+    bodies_type bodies_;
+    detail::joint_poses<S, D, rotates> poses_of_;
+    detail::joint_pose<S, D, rotates>* poses_;
+    detail::joint_pass<S> pass_;
+    detail::direct_groups<constraints_type, Width> direct_;
 };
 /// The same where there are contacts only.
 template <class S, int D, class Features, int Width>

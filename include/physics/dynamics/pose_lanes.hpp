@@ -90,6 +90,29 @@ public:
             for (std::uint32_t n = first; n < end; ++n) advance(blocks_[n], h, start_velocity);
         });
     }
+    /// Writes how a body is turned, or with a velocity how it will be after h.
+    template <class Pose>
+    void find_rotation(std::uint32_t k, Pose& to, const twist<S, 3>* v, S h) const {
+        const block& of = blocks_[k / width];
+        const int lane = static_cast<int>(k % width);
+        const auto* gyroscopic = moving_[k].gyroscopic;
+        rotation<S, 3> axes = rotation_of(of.axes, lane);
+        if (v != nullptr && gyroscopic) {
+            const vec<S, 3> known{of.known[0][lane], of.known[1][lane], of.known[2][lane]};
+            vec<S, 3> momentum{of.momentum[0][lane], of.momentum[1][lane], of.momentum[2][lane]};
+            vec<S, 3> gain = rotated_as_unit(inverse(rotation_of(of.start, lane)), v->angular - known);
+            for (int i = 0; i < 3; ++i) gain[i] = gyroscopic->spin.moments[i] * gain[i];
+            momentum += rotated_as_unit(axes, gain);
+            turn_gyroscopic(gyroscopic->spin, axes, momentum, h);
+        } else if (v != nullptr) {
+            axes = physics::turned(axes, v->angular * h);
+        }
+        to.rotation = axes;
+        if (!gyroscopic) return;
+        to.is_drawn = true;
+        to.turn = axes * inverse(rotation_of(of.start, lane));
+        to.rotation = axes * inverse(gyroscopic->spin.axes);
+    }
     /// Says how some of the bodies are turned, and how they spin in world axes.
     void finish(std::uint32_t first, std::uint32_t end) {
         for (std::uint32_t k = first; k < end; ++k) {

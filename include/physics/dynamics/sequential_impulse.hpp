@@ -25,6 +25,8 @@ struct sequential_impulse_settings {
     S max_depenetration_speed = S(3);
     /// Approaches slower than this do not bounce, nor those that acceleration brings about within a substep.
     S restitution_threshold = S(0.5);
+    /// See soft_step_settings.
+    int max_direct_cost = 256;
     /// Rounds of bounces in a substep, at most: an impact passes one contact in a round. What approaches after them
     /// stops.
     int reflections = 64;
@@ -32,13 +34,13 @@ struct sequential_impulse_settings {
 
 template <class S>
 bool check(const sequential_impulse_settings<S>& with, const char* function) {
-    if (!detail::check_count(function, "solver.substeps", with.substeps)) return false;
-    if (!detail::check_count(function, "solver.iterations", with.iterations) ||
+    if (!detail::check_count(function, "solver.substeps", with.substeps) ||
+        !detail::check_limit(function, "solver.max_direct_cost", with.max_direct_cost) ||
+        !detail::check_count(function, "solver.iterations", with.iterations) ||
         !detail::check_count(function, "solver.reflections", with.reflections))
         return false;
     if (with.baumgarte > S(1))
-        return detail::refuse(function, "solver.baumgarte", static_cast<double>(with.baumgarte),
-                              "it must be at most 1");
+        return detail::refuse(function, "solver.baumgarte", double(with.baumgarte), "it must be at most 1");
     return detail::check_not_negative(function, "solver.baumgarte", with.baumgarte) &&
            detail::check_not_negative(function, "solver.penetration_slop", with.penetration_slop) &&
            detail::check_not_negative(function, "solver.max_depenetration_speed", with.max_depenetration_speed) &&
@@ -55,10 +57,10 @@ bool check(const sequential_impulse_settings<S>& with, const char* function) {
 /// defaults; more substeps bear more. Not for large piles: it works on one contact at a time, where soft_step works in
 /// lanes and by several threads. Needles thinner than 1:500 want a single substep of 20 iterations. Error: of order h;
 /// stacks settle into the slop. Momentum is kept to rounding where no gravity pulls; where it does, what pushes lift is
-/// taken from speeds. Cost: substeps x iterations x points, and for bounces a
-/// walk over the points with restitution a round, of which there are as many as an impact passes contacts. Source:
-/// Catto, Iterative Dynamics with Temporal Coherence (2005), Solver2D (2024, "TGS"); Macklin et al., Small Steps in
-/// Physics Simulation (2019); Guendelman, Bridson, Fedkiw, Nonconvex Rigid Bodies with Stacking (2003).
+/// taken from speeds. Cost: substeps x iterations x points, and for bounces a walk over the points with restitution a
+/// round, of which there are as many as an impact passes contacts. Source: Catto, Iterative Dynamics with Temporal
+/// Coherence (2005), Solver2D (2024, "TGS"); Macklin et al., Small Steps (2019); Guendelman et al., Nonconvex Rigid
+/// Bodies with Stacking (2003).
 struct sequential_impulse {
     using stage = physics::stage::solver;
     static constexpr bool solves_joints = true;
@@ -80,8 +82,8 @@ struct sequential_impulse {
                           Motion&& motion) {
             const S h_sub = h / S(with.substeps), share = S(1) / S(with.substeps);
             detail::task_runner serial;
-            solver_api::joint_solver<Constraints> joints(contacts, bodies, h_sub, S(0.25) / h_sub, S(2), scratch,
-                                                         serial);
+            solver_api::joint_solver<Constraints> joints(contacts, bodies, motion, h_sub, S(0.25) / h_sub, S(2),
+                                                         with.max_direct_cost, scratch, serial);
             const surfaces of = contacts.surfaces();
             block* blocks = scratch.template allocate<block>(contacts.size());
             for (std::uint32_t i = 0; i < contacts.size(); ++i)

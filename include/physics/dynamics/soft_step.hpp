@@ -32,11 +32,16 @@ struct soft_step_settings {
     /// Approaches slower than this do not bounce. Nor do points that bear a load already, or that were in contact in
     /// the last step and overlap by more than this speed makes in a step.
     S restitution_threshold = S(0.5);
+    /// Joints that hold some bodies together are solved all at once where that takes up to so many multiplications a
+    /// row: trees, and loops that are not too wide. 0: never.
+    int max_direct_cost = 256;
 };
 
 template <class S>
 bool check(const soft_step_settings<S>& with, const char* function) {
-    if (!detail::check_count(function, "solver.substeps", with.substeps)) return false;
+    if (!detail::check_count(function, "solver.substeps", with.substeps) ||
+        !detail::check_limit(function, "solver.max_direct_cost", with.max_direct_cost))
+        return false;
     return detail::check_positive(function, "solver.contact_frequency_ratio", with.contact_frequency_ratio) &&
            detail::check_positive(function, "solver.damping_ratio", with.damping_ratio) &&
            detail::check_not_negative(function, "solver.frequency_cap", with.frequency_cap) &&
@@ -125,8 +130,8 @@ struct soft_step_with {
             detail::contact_pass<S, D, rotates> relaxed = biased;
             relaxed.use_bias = false;
             solver_api::joint_solver<Constraints, detail::native_width<S>> joints(
-                contacts, all, h_sub, S(joint_frequency_ratio) / (usual / S(with.substeps)), S(joint_damping_ratio),
-                scratch, tasks);
+                contacts, all, motion, h_sub, S(joint_frequency_ratio) / (usual / S(with.substeps)),
+                S(joint_damping_ratio), with.max_direct_cost, scratch, tasks);
             for (int i = 0; i < with.substeps; ++i) {
                 start.integrate_velocities(motion, h_sub);
                 if (i == 0) {

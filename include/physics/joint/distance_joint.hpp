@@ -23,33 +23,20 @@ struct distance_joint {
     static constexpr int row_count = 3;
     PHYSICS_HPP_MEMBERS(anchor_a, anchor_b, length, frequency, damping_ratio, min_length, max_length)
 
-    void rows(const joint_frames<S, D>& at, joint_row<S, D> (&row)[row_count]) const {
-        using frames = joint_frames<S, D>;
+    void rows(const joint_frames<S, D>& at, joint_row<S, D>* row) const {
         const vec<S, D> r_a = at.r_a(anchor_a), r_b = at.r_b(anchor_b), line = at.between + (r_b - r_a);
         const S distance = physics::length(line);
         vec<S, D> n;
         n[0] = S(1);
         if (distance > S(0)) n = line / distance;
-        const S unlimited = joint_row<S, D>::unlimited();
-        const bool is_rod = min_length == max_length;
-        if (is_rod || frequency > S(0)) {
-            row[0] = frames::along(n, r_a, r_b);
-            row[0].error = distance - (is_rod ? max_length : length);
-            row[0].min_force = -unlimited;
-            row[0].max_force = unlimited;
-            if (!is_rod) row[0].frequency = frequency, row[0].damping_ratio = damping_ratio;
+        const joint_row<S, D> apart = at.along(n, r_a, r_b), together = at.along(-n, r_a, r_b);
+        if (min_length == max_length) {
+            row[0] = apart.equality(distance - max_length);
+            return;
         }
-        if (is_rod) return;
-        if (min_length > S(0)) {
-            row[1] = frames::along(n, r_a, r_b);
-            row[1].error = distance - min_length;
-            row[1].max_force = unlimited;
-        }
-        if (max_length < unlimited) {
-            row[2] = frames::along(-n, r_a, r_b);
-            row[2].error = max_length - distance;
-            row[2].max_force = unlimited;
-        }
+        if (frequency > S(0)) row[0] = apart.spring(distance - length, frequency, damping_ratio);
+        if (min_length > S(0)) row[1] = apart.limit(distance - min_length);
+        if (max_length < joint_row<S, D>::unlimited()) row[2] = together.limit(max_length - distance);
     }
 };
 

@@ -73,6 +73,10 @@ inline bool check_count(const char* function, const char* field, int count) {
     return (count >= 1 && count <= maximum) ||
            refuse(function, field, count, count < 1 ? "it must be at least 1" : "it must be at most 65536");
 }
+/// A limit of work.
+inline bool check_limit(const char* function, const char* field, int limit) {
+    return limit >= 0 || refuse(function, field, limit, "it must not be negative");
+}
 template <class S>
 bool check_not_negative(const char* function, const char* field, S value) {
     return check_finite(function, field, value) &&

@@ -112,6 +112,22 @@ public:
         });
     }
 
+    /// Writes how body k is turned, or with a velocity how it will be after h, into a pose that has its displacement.
+    template <class Pose>
+    void find_rotation(std::uint32_t k, Pose& to, const twist_of<S, D, rotates>* v, S h) const {
+        to.is_known = true;
+        if constexpr (in_lanes) {
+            lanes_->find_rotation(k, to, v, h);
+        } else if constexpr (D == 2) {
+            to.rotation = turned(moving_[k].rotation, to.displacement.angular);
+        } else {
+            moving_body<S, D, rotates> moved = moving_[k];
+            twist_of<S, D, rotates> velocity = v != nullptr ? *v : twist_of<S, D, rotates>{}, displacement;
+            if (v != nullptr) integrator::integrate_pose(moved, velocity, displacement, h);
+            to.rotation = moved.rotation;
+        }
+    }
+
     /// Ends the step. False if something that moved is where numbers do not reach.
     [[nodiscard]] bool finish() {
         const std::uint32_t lost = count_of([&](std::uint32_t k) {

@@ -7,6 +7,7 @@
 #include "physics/dynamics/continuous.hpp"
 #include "physics/dynamics/sequential_impulse.hpp"
 #include "physics/dynamics/soft_step.hpp"
+#include "physics/joint/ball_joint.hpp"
 #include "physics/joint/distance_joint.hpp"
 #include "physics/shape/chain.hpp"
 #include "physics/shape/compound.hpp"
@@ -86,6 +87,7 @@ struct shape_names {
     using compound = physics::compound<S, D>;
     using compound_child = physics::compound_child<S, D>;
     using compound_geometry = physics::compound_geometry<S, D>;
+    using ball_joint = physics::ball_joint<S, D>;
     using distance_joint = physics::distance_joint<S, D>;
 };
 template <class S, int D>

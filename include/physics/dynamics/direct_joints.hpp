@@ -1,0 +1,396 @@
+// Joints solved directly: all rows of bodies that joints hold together at once.
+#pragma once
+
+#include "physics/dynamics/joint_access.hpp"
+#include "physics/dynamics/joint_matrix.hpp"
+#include "physics/dynamics/soft_prepare.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// W times the same joints between other bodies, one in each lane. The rows J of all of them are solved at once:
+/// J M^-1 J^T is factorised by L D L^T along the joints' graph, in time linear in their number where that is a tree.
+/// Limits, motors and other rows with bounds are in or out; a row that would give more than it may is set to its bound,
+/// and the others are solved again. Rows that say what others say already give way. For the solve only, bodies have so
+/// much inertia that forces which turn with them cannot make a substep unstable: else light links under a heavy load
+/// blow up. Source: Baraff, Linear-time dynamics using Lagrange multipliers (1996); Tournier et al., Stable constrained
+/// dynamics (2015); Judice, Pires, A block pivoting algorithm (1994).
+template <class S, int D, bool Rotates, int W>
+class direct_joints {
+    using P = kernel_pack<S, W>;
+    using K = preparing<S, W>;
+    using C = typename K::scalar;
+    using body = solver_body<S, D, Rotates>;
+    using lanes = twist_lanes<P, D, Rotates>;
+    using row = row_lanes<S, D, Rotates, W>;
+    using side = pushed_lanes<S, D, Rotates, W>;
+    using access = joint_access<S, D, Rotates>;
+    using pose = joint_pose<S, D, Rotates>;
+    using poses_of = joint_poses<S, D, Rotates>;
+    using response = row_response<K, S, D, Rotates>;
+    static constexpr int A = side::A, array = side::array;
+
+public:
+    /// `used` components of a pattern; joint(lane, i) is the i-th joint of one, and bodies(lane, i) are its bodies.
+    template <class JointAt, class BodiesOf>
+    direct_joints(const joint_pattern& pattern, int used, const access* kinds, JointAt&& joint, BodiesOf&& bodies,
+                  const body* all, std::uint32_t dummy_body, S h, arena& scratch)
+        : of_(pattern), kinds_(kinds), matrix_(pattern, C(least_pivot), scratch) {
+        joints_ = scratch.template allocate<void*>(of_.joint_count * W);
+        rows_ = made<row>(of_.row_count, scratch);
+        state_ = made<row_state>(of_.row_count, scratch);
+        sides_ = made<side>(of_.body_count, scratch);
+        velocities_ = made<lanes>(of_.body_count, scratch);
+        sway_ = scratch.template allocate<double>(of_.body_count);
+        joints_of_ = made<std::uint32_t>(of_.body_count, scratch);
+        unit_sway_ = made<K>(of_.joint_count, scratch);
+        ahead_ = made<pose>(of_.body_count, scratch);
+        for (std::uint32_t k = 0; k < of_.body_count; ++k)
+            for (int lane = 0; lane < W; ++lane) sides_[k].index[lane] = dummy_body;
+        for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
+            const joint_pattern::joint& j = of_.joints[i];
+            ++joints_of_[j.a], ++joints_of_[j.b];
+            for (int lane = 0; lane < W; ++lane) {
+                joints_[i * W + static_cast<std::uint32_t>(lane)] = lane < used ? joint(lane, i) : nullptr;
+                if (lane >= used) continue;
+                const body_pair ends = bodies(lane, i);
+                sides_[j.a].index[lane] = ends.a;
+                sides_[j.b].index[lane] = ends.b;
+                sides_[j.a].is_pushed = all[ends.a].inverse_mass > inverse_of<S>(0);
+                sides_[j.b].is_pushed = all[ends.b].inverse_mass > inverse_of<S>(0);
+                each_row(j, [&](std::uint32_t r, int k) {
+                    rows_[r].impulse[lane] = kinds_[j.kind].first_impulse(joint_at(i, lane), k, h);
+                });
+            }
+        }
+    }
+
+    void warm_start(body* bodies, const pose* poses, const joint_pass<S>& with) {
+        note_forces();
+        write_rows(bodies, poses, with);
+        load(bodies);
+        give(S(1));
+        store(bodies);
+    }
+    /// See joint_block.
+    void update_rows(body* bodies, const pose* poses, const joint_pass<S>& with, twist_of<S, D, Rotates>* starts) {
+        take_corrections_back(bodies);
+        are_forces_noted_ = false;
+        if (starts == nullptr) return write_rows(bodies, poses, with);
+        for (std::uint32_t k = 0; k < of_.body_count; ++k) velocities_[k] = {};
+        give(S(1));
+        write_rows(bodies, poses, with);
+        give(S(-1));
+        for (std::uint32_t k = 0; k < of_.body_count; ++k)
+            if (sides_[k].is_pushed) velocities_[k].add_to(starts, sides_[k].index);
+    }
+    void solve(body* bodies, const poses_of& poses, const joint_pass<S>& with, bool use_bias) {
+        if (use_bias) note_forces();
+        load(bodies);
+        for (int round = 0; round < max_rounds; ++round) {
+            const bool changed = choose_rows(with, use_bias, round == 0);
+            if (round > 0 && !changed) break;
+            if (changed) matrix_.factorise();
+            solve_once();
+            if (!any_bounded_) break;
+        }
+        if (use_bias) {
+            if (greater(P::load(resolved_), P::broadcast(S(0))).bits() != 0) look_ahead(poses, with);
+            find_corrections();
+        }
+        store(bodies);
+    }
+    void store_impulses(S h) const {
+        for (std::uint32_t i = 0; i < of_.joint_count; ++i)
+            for (int lane = 0; lane < W; ++lane) {
+                if (joint_at(i, lane) == nullptr) continue;
+                S given[access::max_rows] = {};
+                each_row(of_.joints[i], [&](std::uint32_t r, int k) { given[k] = rows_[r].impulse[lane]; });
+                kinds_[of_.joints[i].kind].store_impulses(joint_at(i, lane), h, given);
+            }
+    }
+
+private:
+    /// What is kept of a row between solves.
+    struct row_state {
+        /// The speed that takes back its error; and what it has given for that.
+        K bias;
+        P correction;
+        /// In the last substep, all of it; and what lasts of that.
+        S given[W], load[W];
+    };
+    [[nodiscard]] void* joint_at(std::uint32_t i, int lane) const {
+        return joints_[i * W + static_cast<std::uint32_t>(lane)];
+    }
+    /// Calls f(row, which of the joint's rows it is).
+    template <class F>
+    static void each_row(const joint_pattern::joint& j, F&& f) {
+        std::uint32_t r = j.first_row;
+        for (int k = 0; k < access::max_rows; ++k)
+            if ((j.rows >> k & 1) != 0) f(r++, k);
+    }
+    void load(const body* bodies) {
+        for (std::uint32_t k = 0; k < of_.body_count; ++k) velocities_[k].load(bodies, sides_[k].index);
+    }
+    void store(body* bodies) const {
+        for (std::uint32_t k = 0; k < of_.body_count; ++k)
+            if (sides_[k].is_pushed) velocities_[k].store(bodies, sides_[k].index);
+    }
+    void apply(std::uint32_t r, const joint_pattern::joint& j, const P& by) {
+        rows_[r].apply(by, sides_[j.a], sides_[j.b], velocities_[j.a], velocities_[j.b]);
+    }
+    /// Gives the velocities what rows hold.
+    void give(S sign) {
+        for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
+            const joint_pattern::joint& j = of_.joints[i];
+            for (std::uint32_t r = j.first_row; r < j.first_row + j.row_count; ++r)
+                apply(r, j, P::load(rows_[r].impulse) * P::broadcast(sign));
+        }
+    }
+
+    /// What lasts of forces, so that impacts are not taken for loads: the lesser of the last two substeps'.
+    void note_forces() {
+        if (are_forces_noted_) return;
+        are_forces_noted_ = true;
+        for (std::uint32_t r = 0; r < of_.row_count; ++r)
+            for (int lane = 0; lane < W; ++lane) {
+                row_state& w = state_[r];
+                const S now = abs(rows_[r].impulse[lane]);
+                w.load[lane] = has_loads_ ? min(now, w.given[lane]) : now;
+                w.given[lane] = now;
+            }
+        has_loads_ = true;
+    }
+    void write_rows(const body* bodies, const pose* poses, const joint_pass<S>& with) {
+        for (std::uint32_t r = 0; r < of_.row_count; ++r) rows_[r].clear();
+        for (int lane = 0; lane < W; ++lane) {
+            if (joint_at(0, lane) == nullptr) continue;
+            far_[lane] = S(0);
+            for (std::uint32_t k = 0; k < of_.body_count; ++k) sway_[k] = 0;
+            for (std::uint32_t i = 0; i < of_.joint_count; ++i) write_joint(i, lane, bodies, poses, with);
+            for (std::uint32_t k = 0; k < of_.body_count; ++k)
+                sides_[k].put(lane, sides_[k].index[lane], bodies, sway_[k] > 1 ? S(1 / sway_[k]) : S(1));
+            double largest = 0;
+            for (std::uint32_t k = 0; k < of_.body_count; ++k) largest = max(largest, sway_[k]);
+            resolved_[lane] = largest > max_resolved ? S(0) : S(1);
+        }
+        assemble();
+        is_factorised_ = false;
+    }
+    PHYSICS_HPP_NOINLINE void write_joint(std::uint32_t i, int lane, const body* bodies, const pose* poses,
+                                          const joint_pass<S>& with) {
+        const joint_pattern::joint& j = of_.joints[i];
+        const std::uint32_t at_a = sides_[j.a].index[lane], at_b = sides_[j.b].index[lane];
+        const body &a = bodies[at_a], &b = bodies[at_b];
+        joint_row<S, D> rows[access::max_rows];
+        const double apart = length_squared_of(kinds_[j.kind].write(joint_at(i, lane), poses[at_a], poses[at_b], rows));
+        double square = 0;
+        vec<S, D> r_a, r_b;
+        each_row(j, [&](std::uint32_t r, int k) {
+            rows_[r].write(lane, rows[k], a, b, with);
+            const double part = part_of(to_double(rows[k].error), rows[k], apart);
+            matrix_.row[r].slack.set_lane(lane, static_cast<C>(part > 1.0 / 1024 ? part * part : 0));
+            if (part > 0.0001 && !rows[k].is_bounded() && !rows[k].is_spring()) far_[lane] = S(1);
+            if (rows[k].direction == vec<S, D>{}) return;
+            const double given = to_double(state_[r].load[lane]);
+            square += given * given;
+            r_a = rows[k].r_a;
+            r_b = rows[k].r_b;
+        });
+        const double of_a = sway_of(a, r_a, joints_of_[j.a] == 1, to_double(b.inverse_mass)),
+                     of_b = sway_of(b, r_b, joints_of_[j.b] == 1, to_double(a.inverse_mass));
+        const double force_h2 = sqrt(square) * to_double(with.h);
+        sway_[j.a] += of_a * force_h2;
+        sway_[j.b] += of_b * force_h2;
+        unit_sway_[i].set_lane(lane, static_cast<C>(max(of_a, of_b) * to_double(with.h)));
+    }
+
+    void assemble() {
+        const K zero = K::broadcast(C(0));
+        for (std::uint32_t i = 0; i < of_.entries; ++i) matrix_.matrix[i] = zero;
+        for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
+            const joint_pattern::joint& j = of_.joints[i];
+            for (std::uint32_t k = 0; k < j.row_count; ++k) {
+                const row& r = rows_[j.first_row + k];
+                for (const bool is_b : {false, true}) {
+                    const side& to = sides_[is_b ? j.b : j.a];
+                    if (!to.is_pushed) continue;
+                    const response moved(r, is_b, to);
+                    for (std::uint32_t l = k; l < j.row_count; ++l) {
+                        K& at = matrix_.matrix[j.panel + l * j.row_count + k];
+                        at = at + moved.answer(rows_[j.first_row + l], is_b, false);
+                    }
+                    for (std::uint32_t n = j.couplings; n < of_.joints[i + 1].couplings; ++n) {
+                        const joint_pattern::coupling& c = of_.couplings[n];
+                        if (c.first_is_b != is_b) continue;
+                        const joint_pattern::joint& later = of_.joints[c.later];
+                        for (std::uint32_t l = 0; l < later.row_count; ++l) {
+                            K& at = matrix_.matrix[c.to + l * j.row_count + k];
+                            at = at + moved.answer(rows_[later.first_row + l], c.later_is_b, c.later_is_b != is_b);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Right-hand sides, and which rows are in the solve; true if these are others than before.
+    bool choose_rows(const joint_pass<S>& with, bool use_bias, bool is_first) {
+        const K zero = K::broadcast(C(0)), one = K::broadcast(C(1));
+        K changed = zero;
+        any_bounded_ = false;
+        for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
+            const joint_pattern::joint& j = of_.joints[i];
+            for (std::uint32_t k = j.first_row; k < j.first_row + j.row_count; ++k) {
+                row& r = rows_[k];
+                auto& w = matrix_.row[k];
+                const K before = lanes_from<K>(r.impulse), low = lanes_from<K>(r.low), high = lanes_from<K>(r.high);
+                K bias = zero, soft = zero, in = select_greater(high, low, one, zero);
+                if (use_bias) {
+                    // Of springs with the share m of the speed: m J v + p C + (1 - m) / m_eff lambda = 0.
+                    const K share = max(lanes_from<K>(r.share[1]), K::broadcast(C(1e-6)));
+                    bias = lanes_from<K>(r.error) * lanes_from<K>(r.push[1]) / share;
+                    if (r.has_spring) {
+                        const K is_spring = lanes_from<K>(r.spring);
+                        soft = select_greater(is_spring, zero,
+                                              lane_quotient(lanes_from<K>(r.loss[1]), share * lanes_from<K>(r.mass)),
+                                              zero);
+                    }
+                } else if (r.has_spring) {
+                    in = select_greater(lanes_from<K>(r.spring), zero, zero, in);
+                }
+                if (r.is_one_sided) {
+                    const K free = widened<K>(r.room());
+                    bias = select_greater(free, zero, free * K::broadcast(static_cast<C>(to_double(with.inverse_h))),
+                                          bias);
+                }
+                const K limit = lanes_from<K>(r.max_bias);
+                bias = max(min(bias, limit), -limit);
+                state_[k].bias = r.is_bounded || r.has_spring ? zero : bias;
+                const K v = widened<K>(r.speed_of(velocities_[j.a], velocities_[j.b])) - lanes_from<K>(r.speed);
+                w.right_hand = -(v + bias + (soft + w.leak) * before);
+                if (r.is_bounded) {
+                    any_bounded_ = true;
+                    // At a bound a row is in if it would leave it.
+                    const K up = select_greater(w.right_hand, zero, one, zero);
+                    const K down = select_greater(zero, w.right_hand, one, zero);
+                    const K inside = select_greater(before, low, select_greater(high, before, one, down), up);
+                    in = in * inside;
+                }
+                const K differs = lane_abs(in - w.in) + lane_abs(soft - w.softness);
+                changed = max(changed, differs);
+                w.in = in;
+                w.softness = soft;
+            }
+        }
+        const bool result = greater(changed, zero).bits() != 0 || (is_first && !is_factorised_);
+        is_factorised_ = true;
+        return result;
+    }
+    /// Has each row give by(row) more, up to its bounds.
+    template <class F>
+    void give_more(F&& by) {
+        for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
+            const joint_pattern::joint& j = of_.joints[i];
+            for (std::uint32_t r = j.first_row; r < j.first_row + j.row_count; ++r) {
+                const P before = P::load(rows_[r].impulse);
+                const P next = max(min(before + by(r), P::load(rows_[r].high)), P::load(rows_[r].low));
+                apply(r, j, next - before);
+                next.store(rows_[r].impulse);
+            }
+        }
+    }
+    /// Solves for the right-hand sides.
+    void solve_once() {
+        matrix_.substitute();
+        give_more([this](std::uint32_t r) { return narrowed<P>(matrix_.row[r].right_hand); });
+    }
+    /// Rows are tangents to the ways of bodies, which the move leaves by what the square of the substep makes: solves
+    /// once more for what holds where bodies will be. So half of what turns a motion is given before it and half after,
+    /// and heavy bodies' errors do not act on the levers of light ones. Source: RATTLE (Andersen 1983); Hairer, Lubich,
+    /// Wanner, Geometric Numerical Integration, VII.1.
+    void look_ahead(const poses_of& poses, const joint_pass<S>& with) {
+        // Where bodies turn far the square is not all of it; and what is far off is drawn together first.
+        S is_near[W] = {};
+        for (std::uint32_t r = 0; r < of_.row_count; ++r) matrix_.row[r].right_hand = K::broadcast(C(0));
+        for (int lane = 0; lane < W; ++lane) {
+            if (joint_at(0, lane) == nullptr) continue;
+            for (std::uint32_t k = 0; k < of_.body_count; ++k) {
+                const auto v = velocities_[k].of(lane);
+                ahead_[k] = poses.of(sides_[k].index[lane], &v, with.h);
+            }
+            is_near[lane] = far_[lane] > S(0) ? S(0) : resolved_[lane];
+            for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
+                const joint_pattern::joint& j = of_.joints[i];
+                joint_row<S, D> rows[access::max_rows];
+                const double apart =
+                    length_squared_of(kinds_[j.kind].write(joint_at(i, lane), ahead_[j.a], ahead_[j.b], rows));
+                const auto &a = velocities_[j.a], &b = velocities_[j.b];
+                each_row(j, [&](std::uint32_t r, int k) {
+                    if (rows_[r].is_bounded || rows_[r].has_spring) return;
+                    const double error = to_double(rows_[r].error[lane]), ahead = to_double(rows[k].error);
+                    const double misses = ahead - error - to_double(rows_[r].speed_of(a, b).lane(lane) * with.h);
+                    if (part_of(misses, rows[k], apart) > 0.0025) is_near[lane] = S(0);
+                    matrix_.row[r].right_hand.set_lane(lane, static_cast<C>(-misses * to_double(with.inverse_h)));
+                });
+            }
+        }
+        for (std::uint32_t r = 0; r < of_.row_count; ++r)
+            matrix_.row[r].right_hand = matrix_.row[r].right_hand * lanes_from<K>(is_near);
+        solve_once();
+    }
+    /// What rows give for their errors is taken back where it was given, along the same rows: a pass after the move
+    /// would leave what heavy bodies are drawn by on the levers of light ones, and whirl them. That keeps angular
+    /// momentum but for how far errors move the bodies; where they are small, the pass does it, which keeps all of it.
+    void find_corrections() {
+        for (std::uint32_t r = 0; r < of_.row_count; ++r) matrix_.row[r].right_hand = -state_[r].bias;
+        matrix_.substitute();
+        K sway = lanes_from<K>(far_);
+        for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
+            const joint_pattern::joint& j = of_.joints[i];
+            for (std::uint32_t r = j.first_row; r < j.first_row + j.row_count; ++r)
+                sway = max(sway, lane_abs(matrix_.row[r].right_hand) * unit_sway_[i]);
+        }
+        const K zero = K::broadcast(C(0)), limit = K::broadcast(C(max_resolved / 16));
+        are_corrected_ = greater(sway, limit).bits() != 0;
+        for (std::uint32_t r = 0; r < of_.row_count; ++r)
+            state_[r].correction = narrowed<P>(select_greater(sway, limit, matrix_.row[r].right_hand, zero));
+    }
+    void take_corrections_back(body* bodies) {
+        if (!are_corrected_) return;
+        are_corrected_ = false;
+        load(bodies);
+        give_more([this](std::uint32_t r) { return -state_[r].correction; });
+        store(bodies);
+    }
+
+    static constexpr int max_rounds = 4;
+    /// Of the square of omega h of what sways under the forces of joints: up to it substeps are short enough.
+    static constexpr double max_resolved = 0.5;
+    /// See joint_matrix.
+    static constexpr double least_pivot = std::is_same_v<S, double> ? 0x1p-44 : 0x1p-19;
+
+    const joint_pattern& of_;
+    const access* kinds_;
+    void** joints_;
+    row* rows_;
+    row_state* state_;
+    side* sides_;
+    lanes* velocities_;
+    joint_matrix<K> matrix_;
+    double* sway_;
+    /// Of each joint the larger of its bodies' sways by an impulse of 1 N s a substep.
+    K* unit_sway_;
+    /// Of each body how many joints it has.
+    std::uint32_t* joints_of_;
+    pose* ahead_;
+    bool is_factorised_ = false, are_forces_noted_ = false, are_corrected_ = false, has_loads_ = false;
+    bool any_bounded_ = false;
+    /// 1 where substeps are short enough; and where something is farther from what holds it than a hundredth.
+    S resolved_[W] = {}, far_[W] = {};
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END

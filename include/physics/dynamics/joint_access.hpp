@@ -1,0 +1,130 @@
+// What a direct solve asks of joints, and how it judges them.
+#pragma once
+
+#include "physics/dynamics/joint_rows.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// What a direct solve asks of a joint, whatever its kind.
+template <class S, int D, bool Rotates>
+struct joint_access {
+    using pose = joint_pose<S, D, Rotates>;
+
+    vec<S, D> (*write)(const void* joint, const pose& a, const pose& b, joint_row<S, D>* rows);
+    S (*first_impulse)(const void* joint, int row, S h);
+    void (*store_impulses)(void* joint, S h, const S* given);
+
+    template <class Joint>
+    static joint_access of() {
+        using step_joint = solver_api::step_joint<Joint, S, D>;
+        return {[](const void* j, const pose& a, const pose& b, joint_row<S, D>* rows) {
+                    return write_rows(*static_cast<const step_joint*>(j), a, b, rows);
+                },
+                [](const void* j, int row, S h) {
+                    return detail::first_impulse(*static_cast<const step_joint*>(j), row, h);
+                },
+                [](void* j, S h, const S* given) {
+                    detail::store_impulses(*static_cast<step_joint*>(j), h, [given](int k) { return given[k]; });
+                }};
+    }
+    static constexpr int max_rows = 16;
+};
+
+template <class S, int D>
+double length_squared_of(const vec<S, D>& v) {
+    double sum = 0;
+    for (int i = 0; i < D; ++i) sum += to_double(v[i]) * to_double(v[i]);
+    return sum;
+}
+/// Lanes in the type that a matrix is solved in, and back.
+template <class K, class P>
+PHYSICS_HPP_ALWAYS_INLINE K widened(const P& x) {
+    if constexpr (std::is_same_v<K, P>) {
+        return x;
+    } else {
+        K result;
+        for (int i = 0; i < K::width; ++i) result.set_lane(i, to_double(x.lane(i)));
+        return result;
+    }
+}
+template <class P, class K>
+PHYSICS_HPP_ALWAYS_INLINE P narrowed(const K& x) {
+    if constexpr (std::is_same_v<K, P>) {
+        return x;
+    } else {
+        using S = typename P::scalar;
+        const double limit = to_double(joint_row<S, 2>::unlimited());
+        P result;
+        for (int i = 0; i < K::width; ++i) result.set_lane(i, S(clamp(x.lane(i), -limit, limit)));
+        return result;
+    }
+}
+/// M^-1 J^T of a row, of one of its bodies.
+template <class K, class S, int D, bool Rotates>
+struct row_response {
+    static constexpr int W = K::width, A = pushed_lanes<S, D, Rotates, W>::A;
+    using row = row_lanes<S, D, Rotates, W>;
+
+    K linear[D], angular[row::array];
+
+    row_response(const row& r, bool is_b, const pushed_lanes<S, D, Rotates, W>& to) {
+        const K mass = lanes_from<K>(to.mass);
+        for (int c = 0; c < D; ++c) linear[c] = mass * lanes_from<K>(r.direction[c]);
+        [[maybe_unused]] const auto& axis = is_b ? r.angular_b : r.angular_a;
+        if constexpr (A == 1) angular[0] = lanes_from<K>(to.inertia[0]) * lanes_from<K>(axis[0]);
+        if constexpr (A == 3) {
+            constexpr int place[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+            for (int c = 0; c < 3; ++c)
+                angular[c] = lanes_from<K>(to.inertia[place[c][0]]) * lanes_from<K>(axis[0]) +
+                             lanes_from<K>(to.inertia[place[c][1]]) * lanes_from<K>(axis[1]) +
+                             lanes_from<K>(to.inertia[place[c][2]]) * lanes_from<K>(axis[2]);
+        }
+    }
+    /// The speed of a row of the same body by that; `opposed`: the body is A of one of both, and B of the other.
+    [[nodiscard]] K answer(const row& r, bool is_b, bool opposed) const {
+        K sum = lanes_from<K>(r.direction[0]) * linear[0];
+        for (int c = 1; c < D; ++c) sum = sum + lanes_from<K>(r.direction[c]) * linear[c];
+        if (opposed) sum = -sum;
+        [[maybe_unused]] const auto& axis = is_b ? r.angular_b : r.angular_a;
+        for (int c = 0; c < A; ++c) sum = sum + lanes_from<K>(axis[c]) * angular[c];
+        return sum;
+    }
+};
+/// The square of an error as a part of what a joint measures (of a radian, where a row only turns), up to 1.
+template <class S, int D>
+double part_of(double error, const joint_row<S, D>& of, double apart) {
+    const bool turns = of.direction == vec<S, D>{};
+    const double size = turns ? 1 : apart + length_squared_of(of.r_a) + length_squared_of(of.r_b);
+    return error * error < size ? error * error / size : 1;
+}
+/// The square of omega of a body that sways under a joint's force of 1 N on its lever. What hangs by no other joint
+/// turns about this one, as far as that stands: `other` is the inverse mass behind it.
+template <class S, int D, bool Rotates>
+double sway_of([[maybe_unused]] const solver_body<S, D, Rotates>& b, [[maybe_unused]] const vec<S, D>& r,
+               [[maybe_unused]] bool is_last, [[maybe_unused]] double other) {
+    const double square = length_squared_of(r);
+    if constexpr (!Rotates) {
+        return 0;
+    } else {
+        if (!(square > 0)) return 0;
+        double across;
+        if constexpr (D == 2) {
+            across = to_double(b.inverse_inertia);
+        } else {
+            const auto& m = b.inverse_inertia;
+            const double x = to_double(r.x), y = to_double(r.y), z = to_double(r.z);
+            const double xx = to_double(m.xx), yy = to_double(m.yy), zz = to_double(m.zz);
+            const double along = xx * x * x + yy * y * y + zz * z * z +
+                                 2 * (to_double(m.xy) * x * y + to_double(m.xz) * x * z + to_double(m.yz) * y * z);
+            across = xx + yy + zz - along / square;
+        }
+        const double moves = to_double(b.inverse_mass) + other;
+        return sqrt(square) * across * (is_last ? moves / (moves + square * across) : 1);
+    }
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END

@@ -1,0 +1,341 @@
+// Rows of joints in lanes: what solvers of joints are made of, whatever the kinds are.
+#pragma once
+
+#include "physics/base/pack_rows.hpp"
+#include "physics/dynamics/constraints.hpp"
+#include "physics/dynamics/contact_pass.hpp"
+#include "physics/dynamics/friction.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// What joints are solved with.
+template <class S>
+struct joint_pass {
+    /// Length of a substep (s), and its inverse.
+    S h, inverse_h;
+    /// Of rows that are as stiff as can be.
+    softness<S> rigid;
+};
+
+/// What a damped spring does in a substep: it takes `share` of the speed along it, and adds `push` times its error:
+/// v' = (v - omega^2 h x) / (1 + D). It sags by its load exactly. Without damping D is 0, as in symplectic Euler: it
+/// keeps its amplitude; with it decay is right to the square of omega h below critical damping, and the slow mode
+/// beyond. Two such springs on one body may be unstable from omega h = 2 on: between 1/2 and 1 the implicit form takes
+/// over. Source: Catto, Soft constraints (GDC 2011); Hairer, Lubich, Wanner, Geometric Numerical Integration, I.1.
+template <class S>
+struct spring_step {
+    S share, push;
+
+    static spring_step of(S frequency, S damping_ratio, S h) {
+        const S omega = S(6.283185307179586) * frequency, angle = omega * h, damping = damping_ratio * angle;
+        const S implicit = clamp(angle + angle - S(1), S(0), S(1));
+        const S below_critical = max(S(1) - damping_ratio * damping_ratio, S(0));
+        const S d = (damping + damping) * (S(1) + damping * below_critical) + implicit * angle * angle;
+        return {d / (S(1) + d), omega * angle / (S(1) + d)};
+    }
+};
+
+/// Velocities of W bodies, component by component.
+template <class P, int D, bool Rotates>
+struct twist_lanes {
+    using S = typename P::scalar;
+    using body = solver_body<S, D, Rotates>;
+    static constexpr int angular_size = !Rotates ? 0 : D == 2 ? 1 : 3, size = D + angular_size;
+    static constexpr int stride = sizeof(body) / sizeof(S);
+
+    /// Behind the velocity is what follows in a row: so much of the displacement as fills it.
+    P at[(size + 3) / 4 * 4];
+
+    void load(const body* bodies, const std::uint32_t* index) {
+        const auto* first = reinterpret_cast<const S*>(bodies);
+        for (int i = 0; i < size; i += 4) {
+            const quad<P> four = load4<P>(indexed_rows<const S, stride>{first + i, index});
+            at[i] = four.x, at[i + 1] = four.y, at[i + 2] = four.z, at[i + 3] = four.w;
+        }
+    }
+    void store(body* bodies, const std::uint32_t* index) const {
+        auto* first = reinterpret_cast<S*>(bodies);
+        for (int i = 0; i < size; i += 4)
+            store4(indexed_rows<S, stride>{first + i, index}, quad<P>{at[i], at[i + 1], at[i + 2], at[i + 3]});
+    }
+    /// That of one body.
+    [[nodiscard]] twist_of<S, D, Rotates> of(int lane) const {
+        twist_of<S, D, Rotates> v;
+        for (int i = 0; i < D; ++i) v.linear[i] = at[i].lane(lane);
+        if constexpr (angular_size == 1) v.angular = at[D].lane(lane);
+        if constexpr (angular_size == 3)
+            for (int i = 0; i < 3; ++i) v.angular[i] = at[D + i].lane(lane);
+        return v;
+    }
+    /// Adds it to twists of single bodies.
+    void add_to(twist_of<S, D, Rotates>* to, const std::uint32_t* index) const {
+        for (int lane = 0; lane < P::width; ++lane) {
+            auto& v = to[index[lane]];
+            for (int i = 0; i < D; ++i) v.linear[i] += at[i].lane(lane);
+            if constexpr (angular_size == 1) v.angular += at[D].lane(lane);
+            if constexpr (angular_size == 3)
+                for (int i = 0; i < 3; ++i) v.angular[i] += at[D + i].lane(lane);
+        }
+    }
+};
+
+/// The change of angular velocity by an angular impulse of 1 about an axis, about the same axis.
+template <class S>
+constexpr inverse_of<S> torque_k(inverse_of<S> inverse_inertia, S axis, S) {
+    using I = inverse_of<S>;
+    return mul<I>(mul<I>(inverse_inertia, axis), axis);
+}
+
+/// W bodies, and how they answer to impulses.
+template <class S, int D, bool Rotates, int W>
+struct pushed_lanes {
+    using I = inverse_of<S>;
+    using P = kernel_pack<S, W>;
+    using Q = kernel_pack<I, W>;
+    using lanes = twist_lanes<P, D, Rotates>;
+    static constexpr int A = lanes::angular_size, array = A > 0 ? A : 1;
+
+    std::uint32_t index[W] = {};
+    I mass[W] = {}, inertia[A == 3 ? 6 : 1][W] = {};
+    bool is_pushed = false;
+
+    void put(int lane, std::uint32_t number, const solver_body<S, D, Rotates>* bodies, S share = S(1)) {
+        const auto& b = bodies[number];
+        index[lane] = number;
+        mass[lane] = b.inverse_mass;
+        if constexpr (A == 1) inertia[0][lane] = b.inverse_inertia;
+        if constexpr (A == 3) {
+            const auto& m = b.inverse_inertia;
+            const I six[] = {m.xx, m.xy, m.xz, m.yy, m.yz, m.zz};
+            for (int i = 0; i < 6; ++i) inertia[i][lane] = six[i];
+        }
+        if (share < S(1))
+            for (auto& entry : inertia) entry[lane] = mul<I>(entry[lane], share);
+    }
+    /// The change of angular velocity by an angular impulse.
+    void turn(const P (&impulse)[array], P (&change)[array]) const {
+        if constexpr (A == 1) change[0] = mul<S>(Q::load(inertia[0]), impulse[0]);
+        if constexpr (A == 3) {
+            constexpr int place[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+            for (int i = 0; i < 3; ++i)
+                change[i] = narrow<S>(product(Q::load(inertia[place[i][0]]), impulse[0]) +
+                                      product(Q::load(inertia[place[i][1]]), impulse[1]) +
+                                      product(Q::load(inertia[place[i][2]]), impulse[2]));
+        }
+    }
+};
+
+/// A row of W joints.
+template <class S, int D, bool Rotates, int W>
+struct row_lanes {
+    using I = inverse_of<S>;
+    using P = kernel_pack<S, W>;
+    using Q = kernel_pack<I, W>;
+    using body = solver_body<S, D, Rotates>;
+    using lanes = twist_lanes<P, D, Rotates>;
+    using side = pushed_lanes<S, D, Rotates, W>;
+    static constexpr int A = side::A, array = side::array;
+
+    S direction[D][W], angular_a[array][W], angular_b[array][W];
+    /// See joint_row; impulses in a substep.
+    S error[W], low[W], high[W], speed[W], one_sided[W], spring[W];
+    /// Of passes without and with bias, see spring_step; and which part of an impulse goes.
+    S push[2][W], share[2][W], loss[2][W];
+    S mass[W], impulse[W];
+    /// Biases are no larger (m/s).
+    S max_bias[W];
+    /// Whether any lane is.
+    bool is_on, is_one_sided, is_bounded, has_spring;
+
+    void clear() { is_on = is_one_sided = is_bounded = has_spring = false; }
+    void write(int lane, const joint_row<S, D>& from, const body& a, const body& b, const joint_pass<S>& with) {
+        bool on = from.is_on();
+        for (int i = 0; i < D; ++i) direction[i][lane] = from.direction[i];
+        I k = from.direction == vec<S, D>{} ? I(0) : a.inverse_mass + b.inverse_mass;
+        if constexpr (A == 1) {
+            angular_a[0][lane] = from.angular_a;
+            angular_b[0][lane] = from.angular_b;
+        } else if constexpr (A == 3) {
+            for (int i = 0; i < A; ++i) {
+                angular_a[i][lane] = from.angular_a[i];
+                angular_b[i][lane] = from.angular_b[i];
+            }
+        }
+        if constexpr (Rotates)
+            k = k + torque_k<S>(a.inverse_inertia, from.angular_a, from.angular_a) +
+                torque_k<S>(b.inverse_inertia, from.angular_b, from.angular_b);
+        on = on && k > I(0);
+        const bool is_one = on && !(from.min_force < S(0)), is_spring = from.is_spring();
+        is_on = is_on || on;
+        is_one_sided = is_one_sided || is_one;
+        const S unlimited = joint_row<S, D>::unlimited(), own = on ? reciprocal<S>(k) : S(0);
+        is_bounded = is_bounded || (on && from.is_bounded());
+        const S limit = unlimited / max(own, S(1)), max_error = limit * min(with.h, S(1));
+        mass[lane] = own;
+        max_bias[lane] = limit;
+        error[lane] = clamp(from.error, -max_error, max_error);
+        one_sided[lane] = is_one ? S(1) : S(0);
+        speed[lane] = from.speed;
+        const S max_force = unlimited / max(with.h, S(1));
+        low[lane] = on ? max(from.min_force, -max_force) * with.h : S(0);
+        high[lane] = on ? min(from.max_force, max_force) * with.h : S(0);
+        // What is off forgets what it gave.
+        impulse[lane] = clamp(impulse[lane], low[lane], high[lane]);
+        // Springs act once in a substep, as forces do: passes without bias leave them alone.
+        share[0][lane] = is_spring ? S(0) : S(1);
+        push[0][lane] = loss[0][lane] = S(0);
+        spring[lane] = is_spring ? S(1) : S(0);
+        has_spring = has_spring || is_spring;
+        if (is_spring) {
+            const auto does = spring_step<S>::of(from.frequency, from.damping_ratio, with.h);
+            share[1][lane] = does.share;
+            push[1][lane] = does.push;
+            loss[1][lane] = S(1) - does.share;
+        } else {
+            share[1][lane] = with.rigid.mass_scale;
+            push[1][lane] = with.rigid.mass_scale * with.rigid.rate;
+            loss[1][lane] = with.rigid.impulse_scale;
+        }
+    }
+
+    /// J times the velocities.
+    P speed_of(const lanes& a, const lanes& b) const {
+        auto sum = product(P::load(direction[0]), b.at[0] - a.at[0]);
+        for (int i = 1; i < D; ++i) sum = sum + product(P::load(direction[i]), b.at[i] - a.at[i]);
+        for (int i = 0; i < A; ++i)
+            sum = sum + (product(P::load(angular_a[i]), a.at[D + i]) + product(P::load(angular_b[i]), b.at[D + i]));
+        return narrow<S>(sum);
+    }
+    void apply(const P& by, const side& a, const side& b, lanes& of_a, lanes& of_b) const {
+        const Q mass_a = Q::load(a.mass), mass_b = Q::load(b.mass);
+        for (int i = 0; i < D; ++i) {
+            const P p = P::load(direction[i]) * by;
+            of_a.at[i] = of_a.at[i] - mul<S>(mass_a, p);
+            of_b.at[i] = of_b.at[i] + mul<S>(mass_b, p);
+        }
+        turn(a, angular_a, by, of_a);
+        turn(b, angular_b, by, of_b);
+    }
+    /// What has room may come so near within the substep: that speed, else 0.
+    P room() const {
+        const P zero = P::broadcast(S(0));
+        return is_one_sided ? select_greater(P::load(one_sided), zero, max(P::load(error), zero), zero) : zero;
+    }
+    /// Visits it alone.
+    void solve(const joint_pass<S>& with, bool use_bias, const side& a, const side& b, lanes& of_a, lanes& of_b) {
+        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1)), limit = P::load(max_bias), free = room();
+        const P at = P::load(error), left = select_greater(free, zero, one, P::load(share[use_bias]));
+        const P bias = select_greater(free, zero, free * P::broadcast(with.inverse_h), at * P::load(push[use_bias]));
+        const P lost = select_greater(free, zero, zero, P::load(loss[use_bias]));
+        const P before = P::load(impulse), v = speed_of(of_a, of_b) - P::load(speed);
+        const P wanted = before - P::load(mass) * (left * v + max(min(bias, limit), -limit)) - lost * before;
+        const P next = max(min(wanted, P::load(high)), P::load(low));
+        apply(next - before, a, b, of_a, of_b);
+        next.store(impulse);
+    }
+
+private:
+    static void turn([[maybe_unused]] const side& of, [[maybe_unused]] const S (&axis)[array][W],
+                     [[maybe_unused]] const P& by, [[maybe_unused]] lanes& to) {
+        if constexpr (A > 0) {
+            P moment[array], change[array];
+            for (int i = 0; i < A; ++i) moment[i] = P::load(axis[i]) * by;
+            of.turn(moment, change);
+            for (int i = 0; i < A; ++i) to.at[D + i] = to.at[D + i] + change[i];
+        }
+    }
+};
+
+/// Where a body is within a step.
+template <class S, int D, bool Rotates>
+struct joint_pose {
+    /// Since the step began.
+    twist_of<S, D, Rotates> displacement;
+    /// How it is turned, if that is known: else by its displacement.
+    physics::rotation<S, D> rotation;
+    /// Of bodies whose angular velocity is as seen from themselves, drawn where they were turned as the step began: the
+    /// turn since then.
+    physics::rotation<S, D> turn;
+    bool is_known = false, is_drawn = false;
+
+    [[nodiscard]] physics::rotation<S, D> rotation_from(const physics::rotation<S, D>& start) const {
+        if constexpr (Rotates) return is_known ? rotation : turned(start, displacement.angular);
+        else return start;
+    }
+    /// An axis of angular velocities as that of the body is drawn.
+    [[nodiscard]] angular<S, D> drawn(const angular<S, D>& axis) const {
+        if constexpr (D == 3) return is_drawn ? inverse_rotate(turn, axis) : axis;
+        else return axis;
+    }
+};
+/// Where bodies are and will be, as far as a motion can tell.
+template <class S, int D, bool Rotates>
+class joint_poses {
+    using pose = joint_pose<S, D, Rotates>;
+    using twist = twist_of<S, D, Rotates>;
+
+public:
+    template <class Motion>
+    joint_poses(solver_bodies<S, D, Rotates> bodies, const Motion& motion) : bodies_(bodies) {
+        if constexpr (Rotates &&
+                      requires(pose & to) { motion.find_rotation(0u, to, static_cast<twist*>(nullptr), S{}); }) {
+            motion_ = &motion;
+            find_rotation_ = [](const void* of, std::uint32_t k, pose& to, const twist* v, S h) {
+                static_cast<const Motion*>(of)->find_rotation(k, to, v, h);
+            };
+        }
+    }
+    /// Where a body is, or with a velocity where it will be after h.
+    [[nodiscard]] pose of(std::uint32_t k, const twist* v = nullptr, S h = S(0)) const {
+        pose result;
+        result.displacement = bodies_[k].displacement;
+        if (v != nullptr) {
+            result.displacement.linear += v->linear * h;
+            if constexpr (Rotates) result.displacement.angular += v->angular * h;
+        }
+        if (motion_ != nullptr && k < bodies_.static_body()) find_rotation_(motion_, k, result, v, h);
+        return result;
+    }
+
+private:
+    solver_bodies<S, D, Rotates> bodies_;
+    const void* motion_ = nullptr;
+    void (*find_rotation_)(const void*, std::uint32_t, pose&, const twist*, S) = nullptr;
+};
+
+/// Writes the rows of a joint whose bodies have these poses; gives the way from one centre of mass to the other.
+template <class Joint, class S, int D, bool Rotates>
+vec<S, D> write_rows(const step_joint<Joint, S, D>& joint, const joint_pose<S, D, Rotates>& a,
+                     const joint_pose<S, D, Rotates>& b, joint_row<S, D>* rows) {
+    joint_frames<S, D> at = joint.start;
+    at.between = at.between + (b.displacement.linear - a.displacement.linear);
+    at.rotation_a = a.rotation_from(at.rotation_a);
+    at.rotation_b = b.rotation_from(at.rotation_b);
+    joint.joint->rows(at, rows);
+    if (a.is_drawn || b.is_drawn)
+        for (int k = 0; k < Joint::row_count; ++k) {
+            rows[k].angular_a = a.drawn(rows[k].angular_a);
+            rows[k].angular_b = b.drawn(rows[k].angular_b);
+        }
+    return at.between;
+}
+/// What a row gave in the last step, for substeps of h.
+template <class Joint, class S, int D>
+S first_impulse(const step_joint<Joint, S, D>& joint, int row, S h) {
+    return joint.substep > S(0) ? joint.impulse[row] * impulse_ratio(joint.substep, h, S(8)) : S(0);
+}
+/// Keeps what rows gave: in a substep as long as usual ones, to which a shorter one adds its part.
+template <class Joint, class S, int D, class Given>
+void store_impulses(step_joint<Joint, S, D>& to, S h, Given&& given) {
+    const S before = to.substep, usual = max(h, before - h * S(0.125));
+    const S kept = h < before ? S(1) - impulse_ratio(before, h) : S(0);
+    for (int k = 0; k < Joint::row_count; ++k)
+        to.impulse[k] = h < before ? (to.impulse[k] * kept + given(k)) * (usual / before) : given(k);
+    to.substep = usual;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
