@@ -20516,6 +20516,14 @@ struct joint_row {
 
     /// A row that gives whatever it takes.
     static constexpr S unlimited() { return scalar_traits<S>::max() / S(8); }
+    /// The same row the other way round.
+    friend constexpr joint_row operator-(const joint_row& r) {
+        joint_row result = r;
+        result.direction = -r.direction;
+        result.angular_a = -r.angular_a;
+        result.angular_b = -r.angular_b;
+        return result;
+    }
     [[nodiscard]] constexpr bool is_on() const { return min_force < S(0) || max_force > S(0); }
     [[nodiscard]] constexpr bool is_spring() const { return frequency > S(0); }
     /// Whether it is on and may not give all that it takes.
@@ -20554,12 +20562,28 @@ struct joint_row {
     }
 };
 
+/// An angle that is counted over any number of turns: 2 pi turns + angle, |angle| <= pi.
+template <class S>
+struct counted_angle {
+    S angle{};
+    std::int32_t turns = 0;
+
+    /// Where it is when it is seen at `next`, which tells no turns, less than half a turn farther on.
+    [[nodiscard]] constexpr counted_angle at(S next) const {
+        constexpr double pi = 3.141592653589793;
+        return {next, turns + (next - angle > S(pi) ? -1 : next - angle < S(-pi) ? 1 : 0)};
+    }
+    [[nodiscard]] constexpr S total() const { return angle + S(6.283185307179586) * S(turns); }
+};
+
 /// Where the two bodies of a joint are. Points, axes and frames of joints are given in the frames of their bodies.
 template <class S, int D>
 struct joint_frames {
     rotation<S, D> rotation_a, rotation_b;
     /// Centres of mass in the bodies' frames, and from A's to B's in world axes.
     vec<S, D> center_a, center_b, between;
+    /// Of joints that count their turns, see joint_for.
+    counted_angle<S> turned{};
 
     /// From a body's centre of mass to a point of it, in world axes.
     [[nodiscard]] vec<S, D> r_a(const vec<S, D>& point) const { return rotation_a * (point - center_a); }
@@ -20570,14 +20594,52 @@ struct joint_frames {
     }
     /// The row of B that turns against A about an axis.
     [[nodiscard]] static joint_row<S, D> about(const angular<S, D>& axis) { return {{}, -axis, axis}; }
+    /// An axis of a frame of a body in the world: x, y, z by 0, 1, 2.
+    [[nodiscard]] vec<S, D> axis_a(const rotation<S, D>& frame, int i) const { return rotation_a * (frame * axis(i)); }
+    [[nodiscard]] vec<S, D> axis_b(const rotation<S, D>& frame, int i) const { return rotation_b * (frame * axis(i)); }
+    [[nodiscard]] static vec<S, D> axis(int i) {
+        vec<S, D> result;
+        result[i] = S(1);
+        return result;
+    }
+    /// How a frame of B is turned as seen from one of A.
+    [[nodiscard]] rotation<S, D> relative(const rotation<S, D>& frame_a, const rotation<S, D>& frame_b) const {
+        return inverse(rotation_a * frame_a) * (rotation_b * frame_b);
+    }
+    /// Rows that keep a frame of B turned as one of A: 1 in 2D, 3 in 3D.
+    void hold(const rotation<S, D>& frame_a, const rotation<S, D>& frame_b, joint_row<S, D>* row) const {
+        const rotation<S, D> r = relative(frame_a, frame_b);
+        if constexpr (D == 2) {
+            row[0] = about(S(1)).equality(r.angle());
+        } else {
+            const vec<S, 3> error = (r.w < S(0) ? -r.imaginary() : r.imaginary()) * S(2);
+            for (int i = 0; i < 3; ++i) row[i] = about(axis_a(frame_a, i)).equality(error[i]);
+        }
+    }
     /// D rows that hold a point of B to one of A.
     void hold(const vec<S, D>& point_a, const vec<S, D>& point_b, joint_row<S, D>* row) const {
         const vec<S, D> to_a = r_a(point_a), to_b = r_b(point_b), apart = between + (to_b - to_a);
-        for (int i = 0; i < D; ++i) {
-            vec<S, D> n;
-            n[i] = S(1);
-            row[i] = along(n, to_a, to_b).equality(apart[i]);
-        }
+        for (int i = 0; i < D; ++i) row[i] = along(axis(i), to_a, to_b).equality(apart[i]);
+    }
+};
+
+/// What drives one coordinate of a joint, an angle or a length, by up to four rows.
+template <class S>
+struct joint_drive {
+    S min, max;
+    S motor_speed, max_motor;
+    S rest, frequency, damping_ratio;
+
+    static constexpr int row_count = 4;
+
+    /// `along` has the Jacobian of the coordinate, which is at `value`.
+    template <int D>
+    void rows(const joint_row<S, D>& along, S value, joint_row<S, D>* row) const {
+        constexpr auto is_limit = [](S x) { return x < scalar_traits<S>::max() && -x < scalar_traits<S>::max(); };
+        if (frequency > S(0)) row[0] = along.spring(value - rest, frequency, damping_ratio);
+        if (max_motor > S(0)) row[1] = along.motor(motor_speed, max_motor);
+        if (is_limit(min)) row[2] = along.limit(value - min);
+        if (is_limit(max)) row[3] = (-along).limit(max - value);
     }
 };
 
@@ -20591,6 +20653,39 @@ concept joint_for = std::is_trivially_copyable_v<Joint> && detail::names_members
     requires Joint::row_count >= 1 && Joint::row_count <= 16;
     joint.rows(at, row);
 };
+
+namespace detail {
+
+/// Whether the turns of a joint are counted.
+template <class Joint, class S, int D>
+concept counts_turns = requires(const Joint& joint, const joint_frames<S, D>& at) {
+    joint.angle(at);
+};
+
+/// Checks of what joints are made of.
+template <class S, int D>
+bool check_frame(const char* function, const char* position, const char* rotation, const transform<S, D>& frame) {
+    if (!check_finite(function, position, frame.position)) return false;
+    const S error = norm_error(frame.rotation);
+    return error < S(0.001) || refuse(function, rotation, static_cast<double>(error),
+                                      "its squared length must be 1, to less than 0.001; it is off by that");
+}
+template <class S, int D>
+bool check_frames(const char* function, const transform<S, D>& a, const transform<S, D>& b) {
+    return check_frame(function, "frame_a.position", "frame_a.rotation", a) &&
+           check_frame(function, "frame_b.position", "frame_b.rotation", b);
+}
+template <class S>
+bool check_limits(const char* function, const char* min_name, S min, S max, const char* rule) {
+    return min <= max || refuse(function, min_name, static_cast<double>(min), rule);
+}
+template <class S>
+bool check_spring(const char* function, S frequency, S damping_ratio) {
+    return check_not_negative(function, "frequency", frequency) &&
+           check_not_negative(function, "damping_ratio", damping_ratio);
+}
+
+}  // namespace detail
 
 /// The joints that a world knows, of those in joint/ or your own. Default: none, which costs nothing.
 template <template <class, int> class... Joints>
@@ -20682,6 +20777,161 @@ bool check(const distance_joint<S, D>& joint, const char* function) {
     return !(joint.min_length > joint.max_length) ||
            detail::refuse(function, "min_length", static_cast<double>(joint.min_length),
                           "it must be at most max_length");
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/joint/prismatic_joint.hpp
+// =================================================================================================
+// The prismatic joint: sliders.
+
+PHYSICS_HPP_BEGIN
+
+/// Keeps B's frame on the x axis of A's, turned as that: B slides along it, with limits, a motor and a spring. Rows: 6
+/// in 2D, 9 in 3D.
+template <class S, int D>
+struct prismatic_joint {
+    /// In the bodies' frames (m).
+    transform<S, D> frame_a{}, frame_b{};
+    /// B's frame stays between these on the axis (m).
+    S min_translation = -scalar_traits<S>::max(), max_translation = scalar_traits<S>::max();
+    /// A motor drives to that speed (m/s) by up to that force (N); with a speed of 0 it is friction.
+    S motor_speed = S(0), max_motor_force = S(0);
+    /// Of a spring (Hz; 0: there is none), with a damping as a part of the critical one, and where it rests (m).
+    S frequency = S(0), damping_ratio = S(0), rest_translation = S(0);
+
+    static constexpr int row_count = joint_drive<S>::row_count + (D == 2 ? 2 : 5);
+    PHYSICS_HPP_MEMBERS(frame_a, frame_b, min_translation, max_translation, motor_speed, max_motor_force, frequency,
+                        damping_ratio, rest_translation)
+
+    void rows(const joint_frames<S, D>& at, joint_row<S, D>* row) const {
+        const vec<S, D> r_b = at.r_b(frame_b.position), apart = at.between + (r_b - at.r_a(frame_a.position)),
+                        r_a = at.between + r_b;
+        const auto along = [&](int i) { return at.along(at.axis_a(frame_a.rotation, i), r_a, r_b); };
+        const auto translation = [&](int i) { return dot(at.axis_a(frame_a.rotation, i), apart); };
+        const joint_drive<S> drive{min_translation,  max_translation, motor_speed,  max_motor_force,
+                                   rest_translation, frequency,       damping_ratio};
+        drive.rows(along(0), translation(0), row);
+        for (int i = 1; i < D; ++i) row[drive.row_count + i - 1] = along(i).equality(translation(i));
+        at.hold(frame_a.rotation, frame_b.rotation, row + drive.row_count + D - 1);
+    }
+};
+
+template <class S, int D>
+bool check(const prismatic_joint<S, D>& joint, const char* function) {
+    return detail::check_frames(function, joint.frame_a, joint.frame_b) &&
+           detail::check_finite(function, "min_translation", joint.min_translation) &&
+           detail::check_finite(function, "max_translation", joint.max_translation) &&
+           detail::check_limits(function, "min_translation", joint.min_translation, joint.max_translation,
+                                "it must be at most max_translation") &&
+           detail::check_finite(function, "motor_speed", joint.motor_speed) &&
+           detail::check_not_negative(function, "max_motor_force", joint.max_motor_force) &&
+           detail::check_spring(function, joint.frequency, joint.damping_ratio) &&
+           detail::check_finite(function, "rest_translation", joint.rest_translation);
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/joint/revolute_joint.hpp
+// =================================================================================================
+// The revolute joint: hinges.
+
+PHYSICS_HPP_BEGIN
+
+/// Holds a point of B to one of A, and in 3D the z axes of both frames to each other: B turns about them, with limits,
+/// a motor and a spring. The angle is that of B's frame as seen from A's, counter-clockwise, counted over any number of
+/// turns. Rows: 6 in 2D, 9 in 3D.
+template <class S, int D>
+struct revolute_joint {
+    /// In the bodies' frames (m).
+    transform<S, D> frame_a{}, frame_b{};
+    /// The angle stays between these (rad).
+    S min_angle = -scalar_traits<S>::max(), max_angle = scalar_traits<S>::max();
+    /// A motor drives to that speed (rad/s) by up to that torque (N m); with a speed of 0 it is friction.
+    S motor_speed = S(0), max_motor_torque = S(0);
+    /// Of a spring (Hz; 0: there is none), with a damping as a part of the critical one, and where it rests (rad).
+    S frequency = S(0), damping_ratio = S(0), rest_angle = S(0);
+
+    static constexpr int row_count = joint_drive<S>::row_count + (D == 2 ? 2 : 5);
+    PHYSICS_HPP_MEMBERS(frame_a, frame_b, min_angle, max_angle, motor_speed, max_motor_torque, frequency, damping_ratio,
+                        rest_angle)
+
+    [[nodiscard]] S angle(const joint_frames<S, D>& at) const {
+        const rotation<S, D> r = at.relative(frame_a.rotation, frame_b.rotation);
+        if constexpr (D == 2) return r.angle();
+        else return r.w < S(0) ? S(2) * atan2(-r.z, -r.w) : S(2) * atan2(r.z, r.w);
+    }
+    void rows(const joint_frames<S, D>& at, joint_row<S, D>* row) const {
+        const joint_drive<S> drive{min_angle,  max_angle, motor_speed,  max_motor_torque,
+                                   rest_angle, frequency, damping_ratio};
+        if constexpr (D == 2) {
+            drive.rows(at.about(S(1)), at.turned.total(), row);
+        } else {
+            const vec<S, 3> x = at.axis_a(frame_a.rotation, 0), y = at.axis_a(frame_a.rotation, 1),
+                            z = at.axis_a(frame_a.rotation, 2), error = cross(z, at.axis_b(frame_b.rotation, 2));
+            drive.rows(at.about(z), at.turned.total(), row);
+            row[drive.row_count + 3] = at.about(x).equality(dot(error, x));
+            row[drive.row_count + 4] = at.about(y).equality(dot(error, y));
+        }
+        at.hold(frame_a.position, frame_b.position, row + drive.row_count);
+    }
+};
+
+template <class S, int D>
+bool check(const revolute_joint<S, D>& joint, const char* function) {
+    return detail::check_frames(function, joint.frame_a, joint.frame_b) &&
+           detail::check_finite(function, "min_angle", joint.min_angle) &&
+           detail::check_finite(function, "max_angle", joint.max_angle) &&
+           detail::check_limits(function, "min_angle", joint.min_angle, joint.max_angle,
+                                "it must be at most max_angle") &&
+           detail::check_finite(function, "motor_speed", joint.motor_speed) &&
+           detail::check_not_negative(function, "max_motor_torque", joint.max_motor_torque) &&
+           detail::check_spring(function, joint.frequency, joint.damping_ratio) &&
+           detail::check_finite(function, "rest_angle", joint.rest_angle);
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/joint/weld_joint.hpp
+// =================================================================================================
+// The weld joint.
+
+PHYSICS_HPP_BEGIN
+
+/// Holds B's frame to A's, rigidly or by springs, apart for places and turns. Rows: 3 in 2D, 6 in 3D.
+template <class S, int D>
+struct weld_joint {
+    /// In the bodies' frames (m).
+    transform<S, D> frame_a{}, frame_b{};
+    /// Of springs (Hz; 0: rigid), with a damping as a part of the critical one.
+    S linear_frequency = S(0), linear_damping_ratio = S(0);
+    S angular_frequency = S(0), angular_damping_ratio = S(0);
+
+    static constexpr int row_count = D == 2 ? 3 : 6;
+    PHYSICS_HPP_MEMBERS(frame_a, frame_b, linear_frequency, linear_damping_ratio, angular_frequency,
+                        angular_damping_ratio)
+
+    void rows(const joint_frames<S, D>& at, joint_row<S, D>* row) const {
+        at.hold(frame_a.rotation, frame_b.rotation, row);
+        at.hold(frame_a.position, frame_b.position, row + row_count - D);
+        for (int i = 0; i < row_count; ++i) {
+            const bool is_linear = i >= row_count - D;
+            row[i].frequency = is_linear ? linear_frequency : angular_frequency;
+            row[i].damping_ratio = is_linear ? linear_damping_ratio : angular_damping_ratio;
+        }
+    }
+};
+
+template <class S, int D>
+bool check(const weld_joint<S, D>& joint, const char* function) {
+    return detail::check_frames(function, joint.frame_a, joint.frame_b) &&
+           detail::check_not_negative(function, "linear_frequency", joint.linear_frequency) &&
+           detail::check_not_negative(function, "linear_damping_ratio", joint.linear_damping_ratio) &&
+           detail::check_not_negative(function, "angular_frequency", joint.angular_frequency) &&
+           detail::check_not_negative(function, "angular_damping_ratio", joint.angular_damping_ratio);
 }
 
 PHYSICS_HPP_END
@@ -22411,6 +22661,8 @@ struct step_joint {
     S substep{};
     /// Which of the world's joints of its kind it is.
     std::uint32_t slot = 0;
+    /// Of joints that count their turns.
+    counted_angle<S> turned{};
 };
 
 /// Joints of a kind that a solver is to solve, of a longer list.
@@ -23253,14 +23505,19 @@ private:
     void (*find_rotation_)(const void*, std::uint32_t, pose&, const twist*, S) = nullptr;
 };
 
-/// Writes the rows of a joint whose bodies have these poses; gives the way from one centre of mass to the other.
+/// Writes the rows of a joint whose bodies have these poses; gives the way from one centre of mass to the other. Turns
+/// are counted where bodies are, and not where they are looked for ahead.
 template <class Joint, class S, int D, bool Rotates>
-vec<S, D> write_rows(const step_joint<Joint, S, D>& joint, const joint_pose<S, D, Rotates>& a,
+vec<S, D> write_rows(step_joint<Joint, S, D>& joint, [[maybe_unused]] bool is_ahead, const joint_pose<S, D, Rotates>& a,
                      const joint_pose<S, D, Rotates>& b, joint_row<S, D>* rows) {
     joint_frames<S, D> at = joint.start;
     at.between = at.between + (b.displacement.linear - a.displacement.linear);
     at.rotation_a = a.rotation_from(at.rotation_a);
     at.rotation_b = b.rotation_from(at.rotation_b);
+    if constexpr (counts_turns<Joint, S, D>) {
+        at.turned = joint.turned.at(joint.joint->angle(at));
+        if (!is_ahead) joint.turned = at.turned;
+    }
     joint.joint->rows(at, rows);
     if (a.is_drawn || b.is_drawn)
         for (int k = 0; k < Joint::row_count; ++k) {
@@ -23302,15 +23559,15 @@ template <class S, int D, bool Rotates>
 struct joint_access {
     using pose = joint_pose<S, D, Rotates>;
 
-    vec<S, D> (*write)(const void* joint, const pose& a, const pose& b, joint_row<S, D>* rows);
+    vec<S, D> (*write)(void* joint, bool is_ahead, const pose& a, const pose& b, joint_row<S, D>* rows);
     S (*first_impulse)(const void* joint, int row, S h);
     void (*store_impulses)(void* joint, S h, const S* given);
 
     template <class Joint>
     static joint_access of() {
         using step_joint = solver_api::step_joint<Joint, S, D>;
-        return {[](const void* j, const pose& a, const pose& b, joint_row<S, D>* rows) {
-                    return write_rows(*static_cast<const step_joint*>(j), a, b, rows);
+        return {[](void* j, bool is_ahead, const pose& a, const pose& b, joint_row<S, D>* rows) {
+                    return write_rows(*static_cast<step_joint*>(j), is_ahead, a, b, rows);
                 },
                 [](const void* j, int row, S h) {
                     return detail::first_impulse(*static_cast<const step_joint*>(j), row, h);
@@ -24007,7 +24264,7 @@ namespace detail {
 template <class S, int D, bool Rotates, int W>
 class direct_joints {
     using P = kernel_pack<S, W>;
-    using K = preparing<S, W>;
+    using K = kernel_pack<double, W>;
     using C = typename K::scalar;
     using body = solver_body<S, D, Rotates>;
     using lanes = twist_lanes<P, D, Rotates>;
@@ -24172,7 +24429,8 @@ private:
         const std::uint32_t at_a = sides_[j.a].index[lane], at_b = sides_[j.b].index[lane];
         const body &a = bodies[at_a], &b = bodies[at_b];
         joint_row<S, D> rows[access::max_rows];
-        const double apart = length_squared_of(kinds_[j.kind].write(joint_at(i, lane), poses[at_a], poses[at_b], rows));
+        const double apart =
+            length_squared_of(kinds_[j.kind].write(joint_at(i, lane), false, poses[at_a], poses[at_b], rows));
         double square = 0;
         vec<S, D> r_a, r_b;
         each_row(j, [&](std::uint32_t r, int k) {
@@ -24313,7 +24571,7 @@ private:
                 const joint_pattern::joint& j = of_.joints[i];
                 joint_row<S, D> rows[access::max_rows];
                 const double apart =
-                    length_squared_of(kinds_[j.kind].write(joint_at(i, lane), ahead_[j.a], ahead_[j.b], rows));
+                    length_squared_of(kinds_[j.kind].write(joint_at(i, lane), true, ahead_[j.a], ahead_[j.b], rows));
                 const auto &a = velocities_[j.a], &b = velocities_[j.b];
                 each_row(j, [&](std::uint32_t r, int k) {
                     if (rows_[r].is_bounded || rows_[r].has_spring) return;
@@ -24357,7 +24615,7 @@ private:
     /// Of the square of omega h of what sways under the forces of joints: up to it substeps are short enough.
     static constexpr double max_resolved = 0.5;
     /// See joint_matrix.
-    static constexpr double least_pivot = std::is_same_v<S, double> ? 0x1p-44 : 0x1p-19;
+    static constexpr double least_pivot = 0x1p-36;
 
     const joint_pattern& of_;
     const access* kinds_;
@@ -24892,7 +25150,7 @@ private:
     PHYSICS_HPP_NOINLINE void write_rows(int lane, const body* bodies, const pose* poses, const joint_pass<S>& with) {
         const std::uint32_t a = a_.index[lane], b = b_.index[lane];
         joint_row<S, D> rows[Joint::row_count];
-        detail::write_rows(*joints_[lane], poses[a], poses[b], rows);
+        detail::write_rows(*joints_[lane], false, poses[a], poses[b], rows);
         for (int k = 0; k < Joint::row_count; ++k) rows_[k].write(lane, rows[k], bodies[a], bodies[b], with);
     }
 
@@ -24987,7 +25245,7 @@ public:
                 const auto &a = bodies[ends.a], &b = bodies[ends.b];
                 steps[at] = &joints[i];
                 joint_row<S, D> rows[access::max_rows];
-                write_rows(joints[i], poses[ends.a], poses[ends.b], rows);
+                write_rows(joints[i], true, poses[ends.a], poses[ends.b], rows);
                 new (all + at) graph_joint{
                     ends, a.inverse_mass > inverse_of<S>(0), b.inverse_mass > inverse_of<S>(0), kind, i, 0, 0, 0};
                 for (int k = 0; k < Joint::row_count; ++k) {
@@ -28107,9 +28365,14 @@ struct stored_joint {
     Joint joint;
     S impulse[Joint::row_count] = {};
     S substep{};
+    /// Of joints that count their turns, see counted_angle.
+    S angle{};
+    std::int32_t turns = 0;
     /// Its record.
     std::uint32_t number = 0;
-    PHYSICS_HPP_MEMBERS(joint, impulse, substep, number)
+    PHYSICS_HPP_MEMBERS(joint, impulse, substep, angle, turns, number)
+
+    [[nodiscard]] counted_angle<S> turned() const { return {angle, turns}; }
 };
 template <class Joint, class S>
 struct joint_pool : pool<stored_joint<Joint, S>> {};
@@ -28218,10 +28481,12 @@ void list_joints(const joint_set<S, D, Joints>& all, const pool<body<S, D, Rotat
             const joint_record& record = all.records[from.number];
             if (!record.enabled || (!is_pushed(record.body_a) && !is_pushed(record.body_b))) return;
             const auto &a = bodies[record.body_a], &b = bodies[record.body_b];
-            auto& j = to.emplace_back(&from.joint, joint_frames<S, D>{a.rotation, b.rotation, a.mass.center,
-                                                                      b.mass.center, b.center - a.center});
+            auto& j = to.emplace_back(
+                &from.joint,
+                joint_frames<S, D>{a.rotation, b.rotation, a.mass.center, b.mass.center, b.center - a.center, {}});
             for (int k = 0; k < Joint::row_count; ++k) j.impulse[k] = from.impulse[k];
             j.substep = from.substep;
+            j.turned = from.turned();
             j.slot = slot;
             edges.push_back({record.body_a, record.body_b});
         });
@@ -28235,6 +28500,8 @@ void publish_joints(step_joints<S, D, Joints>& found, joint_set<S, D, Joints>& a
         for (const auto& j : found.template of_kind<Joint>()) {
             for (int k = 0; k < Joint::row_count; ++k) of_kind[j.slot].impulse[k] = j.impulse[k];
             of_kind[j.slot].substep = j.substep;
+            of_kind[j.slot].angle = j.turned.angle;
+            of_kind[j.slot].turns = j.turned.turns;
         }
     });
 }
@@ -31612,7 +31879,7 @@ using joint_id = handle<joint_tag>;
 /// What a joint gives B, and takes from A.
 template <class S, int D>
 struct joint_reaction {
-    /// Force (N), and torque about B's centre of mass (N m).
+    /// Force (N), and torque about where it acts (N m): of joints with frames the place of B's.
     vec<S, D> force;
     angular<S, D> torque{};
 };
@@ -31733,6 +32000,9 @@ struct shape_names {
     using compound_geometry = physics::compound_geometry<S, D>;
     using ball_joint = physics::ball_joint<S, D>;
     using distance_joint = physics::distance_joint<S, D>;
+    using prismatic_joint = physics::prismatic_joint<S, D>;
+    using revolute_joint = physics::revolute_joint<S, D>;
+    using weld_joint = physics::weld_joint<S, D>;
 };
 template <class S, int D>
 struct shape_aliases;
@@ -33538,7 +33808,8 @@ public:
         add(j.joint);
         for (const S impulse : j.impulse) add(impulse);
         add(j.substep);
-        add(std::uint64_t{j.number});
+        add(j.angle);
+        add(std::uint64_t{j.number} << 32 | static_cast<std::uint32_t>(j.turns));
     }
     /// The manifold follows from the rest.
     template <class S, int D>
@@ -34179,30 +34450,48 @@ joint_id create_joint(world_data<Plan>& s, body_id body_a, body_id body_b, const
     record.collide_connected = def.collide_connected;
     record.user_data = def.user_data;
     const auto place = s.joints.records.insert(record);
-    of_kind.insert({joint, {}, {}, place.index});
+    of_kind.insert({joint, {}, {}, {}, 0, place.index});
     s.joints.first[a.index] = s.joints.first[b.index] = place.index;
     wake_connected(s, place.index);
     return {place.index, place.generation, s.tag};
 }
 
-/// What a joint gave in the last substep, as a force, where its bodies are.
+template <class Plan>
+using frames_of = joint_frames<typename Plan::scalar, Plan::dimension>;
+/// Calls f(the joint with what it gave, its frames) for one of any kind.
+template <class Plan, class F>
+void with_joint(const state<Plan>& s, std::uint32_t joint, F&& f) {
+    const joint_record& record = s.joints.records[joint];
+    const auto &a = s.bodies[record.body_a], &b = s.bodies[record.body_b];
+    const frames_of<Plan> at{a.rotation, b.rotation, a.mass.center, b.mass.center, b.center - a.center, {}};
+    s.joints.each_kind(s.joints, [&](std::uint32_t kind, const auto& of_kind) {
+        if (kind == record.kind) f(of_kind[record.slot], at);
+    });
+}
+/// How far a joint is turned.
+template <class Plan>
+typename Plan::scalar angle_of(const state<Plan>& s, std::uint32_t joint) {
+    using S = typename Plan::scalar;
+    S result{};
+    with_joint<Plan>(s, joint, [&]<class Joint>(const stored_joint<Joint, S>& j, [[maybe_unused]] const auto& at) {
+        if constexpr (counts_turns<Joint, S, Plan::dimension>) result = j.turned().at(j.joint.angle(at)).total();
+    });
+    return result;
+}
+/// What a joint gave in the last substep, as a force on B and a torque about where that acts, where its bodies are.
 template <class Plan>
 joint_reaction<typename Plan::scalar, Plan::dimension> reaction_of(const state<Plan>& s, std::uint32_t joint) {
     using S = typename Plan::scalar;
     constexpr int D = Plan::dimension;
     joint_reaction<S, D> sum{};
-    const joint_record& record = s.joints.records[joint];
-    const auto &a = s.bodies[record.body_a], &b = s.bodies[record.body_b];
-    const joint_frames<S, D> at{a.rotation, b.rotation, a.mass.center, b.mass.center, b.center - a.center};
-    s.joints.each_kind(s.joints, [&]<class Joint>(std::uint32_t kind, const pool<stored_joint<Joint, S>>& of_kind) {
-        if (kind != record.kind) return;
-        const stored_joint<Joint, S>& j = of_kind[record.slot];
+    with_joint<Plan>(s, joint, [&]<class Joint>(const stored_joint<Joint, S>& j, frames_of<Plan> at) {
         if (!(j.substep > S(0))) return;
+        if constexpr (counts_turns<Joint, S, D>) at.turned = j.turned().at(j.joint.angle(at));
         joint_row<S, D> row[Joint::row_count];
         j.joint.rows(at, row);
         for (int k = 0; k < Joint::row_count; ++k) {
             sum.force += row[k].direction * (j.impulse[k] / j.substep);
-            sum.torque += row[k].angular_b * (j.impulse[k] / j.substep);
+            sum.torque += (row[k].angular_b - cross(row[k].r_b, row[k].direction)) * (j.impulse[k] / j.substep);
         }
     });
     return sum;
@@ -34313,6 +34602,11 @@ public:
     [[nodiscard]] joint_reaction<S, D> reaction(joint_id id) const {
         const auto at = find(state(), id, "reaction");
         return at ? detail::scoped([&] { return detail::reaction_of(state(), at.index); }) : joint_reaction<S, D>{};
+    }
+    /// The angle of a joint that turns, over any number of turns (rad), where its bodies are; of others 0.
+    [[nodiscard]] S joint_angle(joint_id id) const {
+        const auto at = find(state(), id, "joint_angle");
+        return at ? detail::scoped([&] { return detail::angle_of(state(), at.index); }) : S(0);
     }
     [[nodiscard]] std::uint64_t user_data(joint_id id) const {
         const auto at = find(state(), id, "user_data");

@@ -242,6 +242,9 @@
 #include "physics/joint/ball_joint.hpp"
 #include "physics/joint/distance_joint.hpp"
 #include "physics/joint/joint.hpp"
+#include "physics/joint/prismatic_joint.hpp"
+#include "physics/joint/revolute_joint.hpp"
+#include "physics/joint/weld_joint.hpp"
 
 // Bodies, contacts, and the solver that moves them.
 #include "physics/dynamics/body.hpp"

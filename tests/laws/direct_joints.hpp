@@ -118,6 +118,9 @@ CELL_CASE("direct joints: a pendulum keeps its energy and its length, the better
     }
 }
 
+inline std::uint32_t below(cell::dice& dice, std::uint32_t limit) {
+    return static_cast<std::uint32_t>(dice.below(static_cast<int>(limit)));
+}
 /// Bodies and rods at random: rods from each body to one before it, and `loops` more.
 struct mechanism {
     using constraints = physics::solver_api::constraints<S, D, physics::without<>,
@@ -133,7 +136,7 @@ struct mechanism {
     std::vector<physics::solver_api::body_pair> ends;
 
     mechanism(cell::dice& dice, std::uint32_t count, std::uint32_t loops, std::uint32_t copies) {
-        const auto first = static_cast<std::uint32_t>(dice.below(1000));
+        const auto first = below(dice, 1000);
         for (std::uint32_t copy = 0; copy < copies; ++copy) {
             cell::dice same(first);
             const auto from = static_cast<std::uint32_t>(bodies.size());
@@ -148,8 +151,8 @@ struct mechanism {
                 places.push_back(dice.vec<vec>(-4, 4));
             }
             for (std::uint32_t i = 1; i < count + loops; ++i) {
-                const auto b = i < count ? i : 1 + static_cast<std::uint32_t>(same.below(count - 1));
-                const auto a = static_cast<std::uint32_t>(same.below(b));
+                const auto b = i < count ? i : 1 + below(same, count - 1);
+                const auto a = below(same, b);
                 ends.push_back({from + a, from + b});
             }
         }
@@ -198,8 +201,8 @@ CELL_CASE("direct joints: one pass ends all speeds along the rods of a tree or o
     cell::dice dice(3);
     for (int n = 0; n < 120; ++n) {
         CAPTURE(n);
-        const std::uint32_t loops = n % 3 == 0 ? 0 : static_cast<std::uint32_t>(dice.below(5));
-        mechanism m(dice, 2 + static_cast<std::uint32_t>(dice.below(12)), loops, 1);
+        const std::uint32_t loops = n % 3 == 0 ? 0 : below(dice, 5);
+        mechanism m(dice, 2 + below(dice, 12), loops, 1);
         m.solve<1>(false, 1 << 20);
         CHECK(m.worst_speed() < number(cell::tolerance(1 << 13)));
     }

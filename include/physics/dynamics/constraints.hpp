@@ -19,6 +19,8 @@ struct step_joint {
     S substep{};
     /// Which of the world's joints of its kind it is.
     std::uint32_t slot = 0;
+    /// Of joints that count their turns.
+    counted_angle<S> turned{};
 };
 
 /// Joints of a kind that a solver is to solve, of a longer list.

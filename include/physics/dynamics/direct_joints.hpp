@@ -19,7 +19,7 @@ namespace detail {
 template <class S, int D, bool Rotates, int W>
 class direct_joints {
     using P = kernel_pack<S, W>;
-    using K = preparing<S, W>;
+    using K = kernel_pack<double, W>;
     using C = typename K::scalar;
     using body = solver_body<S, D, Rotates>;
     using lanes = twist_lanes<P, D, Rotates>;
@@ -184,7 +184,8 @@ private:
         const std::uint32_t at_a = sides_[j.a].index[lane], at_b = sides_[j.b].index[lane];
         const body &a = bodies[at_a], &b = bodies[at_b];
         joint_row<S, D> rows[access::max_rows];
-        const double apart = length_squared_of(kinds_[j.kind].write(joint_at(i, lane), poses[at_a], poses[at_b], rows));
+        const double apart =
+            length_squared_of(kinds_[j.kind].write(joint_at(i, lane), false, poses[at_a], poses[at_b], rows));
         double square = 0;
         vec<S, D> r_a, r_b;
         each_row(j, [&](std::uint32_t r, int k) {
@@ -325,7 +326,7 @@ private:
                 const joint_pattern::joint& j = of_.joints[i];
                 joint_row<S, D> rows[access::max_rows];
                 const double apart =
-                    length_squared_of(kinds_[j.kind].write(joint_at(i, lane), ahead_[j.a], ahead_[j.b], rows));
+                    length_squared_of(kinds_[j.kind].write(joint_at(i, lane), true, ahead_[j.a], ahead_[j.b], rows));
                 const auto &a = velocities_[j.a], &b = velocities_[j.b];
                 each_row(j, [&](std::uint32_t r, int k) {
                     if (rows_[r].is_bounded || rows_[r].has_spring) return;
@@ -369,7 +370,7 @@ private:
     /// Of the square of omega h of what sways under the forces of joints: up to it substeps are short enough.
     static constexpr double max_resolved = 0.5;
     /// See joint_matrix.
-    static constexpr double least_pivot = std::is_same_v<S, double> ? 0x1p-44 : 0x1p-19;
+    static constexpr double least_pivot = 0x1p-36;
 
     const joint_pattern& of_;
     const access* kinds_;

@@ -12,15 +12,15 @@ template <class S, int D, bool Rotates>
 struct joint_access {
     using pose = joint_pose<S, D, Rotates>;
 
-    vec<S, D> (*write)(const void* joint, const pose& a, const pose& b, joint_row<S, D>* rows);
+    vec<S, D> (*write)(void* joint, bool is_ahead, const pose& a, const pose& b, joint_row<S, D>* rows);
     S (*first_impulse)(const void* joint, int row, S h);
     void (*store_impulses)(void* joint, S h, const S* given);
 
     template <class Joint>
     static joint_access of() {
         using step_joint = solver_api::step_joint<Joint, S, D>;
-        return {[](const void* j, const pose& a, const pose& b, joint_row<S, D>* rows) {
-                    return write_rows(*static_cast<const step_joint*>(j), a, b, rows);
+        return {[](void* j, bool is_ahead, const pose& a, const pose& b, joint_row<S, D>* rows) {
+                    return write_rows(*static_cast<step_joint*>(j), is_ahead, a, b, rows);
                 },
                 [](const void* j, int row, S h) {
                     return detail::first_impulse(*static_cast<const step_joint*>(j), row, h);

@@ -84,7 +84,7 @@ private:
     PHYSICS_HPP_NOINLINE void write_rows(int lane, const body* bodies, const pose* poses, const joint_pass<S>& with) {
         const std::uint32_t a = a_.index[lane], b = b_.index[lane];
         joint_row<S, D> rows[Joint::row_count];
-        detail::write_rows(*joints_[lane], poses[a], poses[b], rows);
+        detail::write_rows(*joints_[lane], false, poses[a], poses[b], rows);
         for (int k = 0; k < Joint::row_count; ++k) rows_[k].write(lane, rows[k], bodies[a], bodies[b], with);
     }
 

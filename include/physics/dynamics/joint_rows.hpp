@@ -305,14 +305,19 @@ private:
     void (*find_rotation_)(const void*, std::uint32_t, pose&, const twist*, S) = nullptr;
 };
 
-/// Writes the rows of a joint whose bodies have these poses; gives the way from one centre of mass to the other.
+/// Writes the rows of a joint whose bodies have these poses; gives the way from one centre of mass to the other. Turns
+/// are counted where bodies are, and not where they are looked for ahead.
 template <class Joint, class S, int D, bool Rotates>
-vec<S, D> write_rows(const step_joint<Joint, S, D>& joint, const joint_pose<S, D, Rotates>& a,
+vec<S, D> write_rows(step_joint<Joint, S, D>& joint, [[maybe_unused]] bool is_ahead, const joint_pose<S, D, Rotates>& a,
                      const joint_pose<S, D, Rotates>& b, joint_row<S, D>* rows) {
     joint_frames<S, D> at = joint.start;
     at.between = at.between + (b.displacement.linear - a.displacement.linear);
     at.rotation_a = a.rotation_from(at.rotation_a);
     at.rotation_b = b.rotation_from(at.rotation_b);
+    if constexpr (counts_turns<Joint, S, D>) {
+        at.turned = joint.turned.at(joint.joint->angle(at));
+        if (!is_ahead) joint.turned = at.turned;
+    }
     joint.joint->rows(at, rows);
     if (a.is_drawn || b.is_drawn)
         for (int k = 0; k < Joint::row_count; ++k) {

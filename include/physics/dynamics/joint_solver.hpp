@@ -82,7 +82,7 @@ public:
                 const auto &a = bodies[ends.a], &b = bodies[ends.b];
                 steps[at] = &joints[i];
                 joint_row<S, D> rows[access::max_rows];
-                write_rows(joints[i], poses[ends.a], poses[ends.b], rows);
+                write_rows(joints[i], true, poses[ends.a], poses[ends.b], rows);
                 new (all + at) graph_joint{
                     ends, a.inverse_mass > inverse_of<S>(0), b.inverse_mass > inverse_of<S>(0), kind, i, 0, 0, 0};
                 for (int k = 0; k < Joint::row_count; ++k) {

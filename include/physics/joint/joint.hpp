@@ -31,6 +31,14 @@ struct joint_row {
 
     /// A row that gives whatever it takes.
     static constexpr S unlimited() { return scalar_traits<S>::max() / S(8); }
+    /// The same row the other way round.
+    friend constexpr joint_row operator-(const joint_row& r) {
+        joint_row result = r;
+        result.direction = -r.direction;
+        result.angular_a = -r.angular_a;
+        result.angular_b = -r.angular_b;
+        return result;
+    }
     [[nodiscard]] constexpr bool is_on() const { return min_force < S(0) || max_force > S(0); }
     [[nodiscard]] constexpr bool is_spring() const { return frequency > S(0); }
     /// Whether it is on and may not give all that it takes.
@@ -69,12 +77,28 @@ struct joint_row {
     }
 };
 
+/// An angle that is counted over any number of turns: 2 pi turns + angle, |angle| <= pi.
+template <class S>
+struct counted_angle {
+    S angle{};
+    std::int32_t turns = 0;
+
+    /// Where it is when it is seen at `next`, which tells no turns, less than half a turn farther on.
+    [[nodiscard]] constexpr counted_angle at(S next) const {
+        constexpr double pi = 3.141592653589793;
+        return {next, turns + (next - angle > S(pi) ? -1 : next - angle < S(-pi) ? 1 : 0)};
+    }
+    [[nodiscard]] constexpr S total() const { return angle + S(6.283185307179586) * S(turns); }
+};
+
 /// Where the two bodies of a joint are. Points, axes and frames of joints are given in the frames of their bodies.
 template <class S, int D>
 struct joint_frames {
     rotation<S, D> rotation_a, rotation_b;
     /// Centres of mass in the bodies' frames, and from A's to B's in world axes.
     vec<S, D> center_a, center_b, between;
+    /// Of joints that count their turns, see joint_for.
+    counted_angle<S> turned{};
 
     /// From a body's centre of mass to a point of it, in world axes.
     [[nodiscard]] vec<S, D> r_a(const vec<S, D>& point) const { return rotation_a * (point - center_a); }
@@ -85,14 +109,52 @@ struct joint_frames {
     }
     /// The row of B that turns against A about an axis.
     [[nodiscard]] static joint_row<S, D> about(const angular<S, D>& axis) { return {{}, -axis, axis}; }
+    /// An axis of a frame of a body in the world: x, y, z by 0, 1, 2.
+    [[nodiscard]] vec<S, D> axis_a(const rotation<S, D>& frame, int i) const { return rotation_a * (frame * axis(i)); }
+    [[nodiscard]] vec<S, D> axis_b(const rotation<S, D>& frame, int i) const { return rotation_b * (frame * axis(i)); }
+    [[nodiscard]] static vec<S, D> axis(int i) {
+        vec<S, D> result;
+        result[i] = S(1);
+        return result;
+    }
+    /// How a frame of B is turned as seen from one of A.
+    [[nodiscard]] rotation<S, D> relative(const rotation<S, D>& frame_a, const rotation<S, D>& frame_b) const {
+        return inverse(rotation_a * frame_a) * (rotation_b * frame_b);
+    }
+    /// Rows that keep a frame of B turned as one of A: 1 in 2D, 3 in 3D.
+    void hold(const rotation<S, D>& frame_a, const rotation<S, D>& frame_b, joint_row<S, D>* row) const {
+        const rotation<S, D> r = relative(frame_a, frame_b);
+        if constexpr (D == 2) {
+            row[0] = about(S(1)).equality(r.angle());
+        } else {
+            const vec<S, 3> error = (r.w < S(0) ? -r.imaginary() : r.imaginary()) * S(2);
+            for (int i = 0; i < 3; ++i) row[i] = about(axis_a(frame_a, i)).equality(error[i]);
+        }
+    }
     /// D rows that hold a point of B to one of A.
     void hold(const vec<S, D>& point_a, const vec<S, D>& point_b, joint_row<S, D>* row) const {
         const vec<S, D> to_a = r_a(point_a), to_b = r_b(point_b), apart = between + (to_b - to_a);
-        for (int i = 0; i < D; ++i) {
-            vec<S, D> n;
-            n[i] = S(1);
-            row[i] = along(n, to_a, to_b).equality(apart[i]);
-        }
+        for (int i = 0; i < D; ++i) row[i] = along(axis(i), to_a, to_b).equality(apart[i]);
+    }
+};
+
+/// What drives one coordinate of a joint, an angle or a length, by up to four rows.
+template <class S>
+struct joint_drive {
+    S min, max;
+    S motor_speed, max_motor;
+    S rest, frequency, damping_ratio;
+
+    static constexpr int row_count = 4;
+
+    /// `along` has the Jacobian of the coordinate, which is at `value`.
+    template <int D>
+    void rows(const joint_row<S, D>& along, S value, joint_row<S, D>* row) const {
+        constexpr auto is_limit = [](S x) { return x < scalar_traits<S>::max() && -x < scalar_traits<S>::max(); };
+        if (frequency > S(0)) row[0] = along.spring(value - rest, frequency, damping_ratio);
+        if (max_motor > S(0)) row[1] = along.motor(motor_speed, max_motor);
+        if (is_limit(min)) row[2] = along.limit(value - min);
+        if (is_limit(max)) row[3] = (-along).limit(max - value);
     }
 };
 
@@ -106,6 +168,39 @@ concept joint_for = std::is_trivially_copyable_v<Joint> && detail::names_members
     requires Joint::row_count >= 1 && Joint::row_count <= 16;
     joint.rows(at, row);
 };
+
+namespace detail {
+
+/// Whether the turns of a joint are counted.
+template <class Joint, class S, int D>
+concept counts_turns = requires(const Joint& joint, const joint_frames<S, D>& at) {
+    joint.angle(at);
+};
+
+/// Checks of what joints are made of.
+template <class S, int D>
+bool check_frame(const char* function, const char* position, const char* rotation, const transform<S, D>& frame) {
+    if (!check_finite(function, position, frame.position)) return false;
+    const S error = norm_error(frame.rotation);
+    return error < S(0.001) || refuse(function, rotation, static_cast<double>(error),
+                                      "its squared length must be 1, to less than 0.001; it is off by that");
+}
+template <class S, int D>
+bool check_frames(const char* function, const transform<S, D>& a, const transform<S, D>& b) {
+    return check_frame(function, "frame_a.position", "frame_a.rotation", a) &&
+           check_frame(function, "frame_b.position", "frame_b.rotation", b);
+}
+template <class S>
+bool check_limits(const char* function, const char* min_name, S min, S max, const char* rule) {
+    return min <= max || refuse(function, min_name, static_cast<double>(min), rule);
+}
+template <class S>
+bool check_spring(const char* function, S frequency, S damping_ratio) {
+    return check_not_negative(function, "frequency", frequency) &&
+           check_not_negative(function, "damping_ratio", damping_ratio);
+}
+
+}  // namespace detail
 
 /// The joints that a world knows, of those in joint/ or your own. Default: none, which costs nothing.
 template <template <class, int> class... Joints>

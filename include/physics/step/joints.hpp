@@ -34,9 +34,14 @@ struct stored_joint {
     Joint joint;
     S impulse[Joint::row_count] = {};
     S substep{};
+    /// Of joints that count their turns, see counted_angle.
+    S angle{};
+    std::int32_t turns = 0;
     /// Its record.
     std::uint32_t number = 0;
-    PHYSICS_HPP_MEMBERS(joint, impulse, substep, number)
+    PHYSICS_HPP_MEMBERS(joint, impulse, substep, angle, turns, number)
+
+    [[nodiscard]] counted_angle<S> turned() const { return {angle, turns}; }
 };
 template <class Joint, class S>
 struct joint_pool : pool<stored_joint<Joint, S>> {};
@@ -145,10 +150,12 @@ void list_joints(const joint_set<S, D, Joints>& all, const pool<body<S, D, Rotat
             const joint_record& record = all.records[from.number];
             if (!record.enabled || (!is_pushed(record.body_a) && !is_pushed(record.body_b))) return;
             const auto &a = bodies[record.body_a], &b = bodies[record.body_b];
-            auto& j = to.emplace_back(&from.joint, joint_frames<S, D>{a.rotation, b.rotation, a.mass.center,
-                                                                      b.mass.center, b.center - a.center});
+            auto& j = to.emplace_back(
+                &from.joint,
+                joint_frames<S, D>{a.rotation, b.rotation, a.mass.center, b.mass.center, b.center - a.center, {}});
             for (int k = 0; k < Joint::row_count; ++k) j.impulse[k] = from.impulse[k];
             j.substep = from.substep;
+            j.turned = from.turned();
             j.slot = slot;
             edges.push_back({record.body_a, record.body_b});
         });
@@ -162,6 +169,8 @@ void publish_joints(step_joints<S, D, Joints>& found, joint_set<S, D, Joints>& a
         for (const auto& j : found.template of_kind<Joint>()) {
             for (int k = 0; k < Joint::row_count; ++k) of_kind[j.slot].impulse[k] = j.impulse[k];
             of_kind[j.slot].substep = j.substep;
+            of_kind[j.slot].angle = j.turned.angle;
+            of_kind[j.slot].turns = j.turned.turns;
         }
     });
 }

@@ -110,7 +110,8 @@ public:
         add(j.joint);
         for (const S impulse : j.impulse) add(impulse);
         add(j.substep);
-        add(std::uint64_t{j.number});
+        add(j.angle);
+        add(std::uint64_t{j.number} << 32 | static_cast<std::uint32_t>(j.turns));
     }
     /// The manifold follows from the rest.
     template <class S, int D>

@@ -33,30 +33,48 @@ joint_id create_joint(world_data<Plan>& s, body_id body_a, body_id body_b, const
     record.collide_connected = def.collide_connected;
     record.user_data = def.user_data;
     const auto place = s.joints.records.insert(record);
-    of_kind.insert({joint, {}, {}, place.index});
+    of_kind.insert({joint, {}, {}, {}, 0, place.index});
     s.joints.first[a.index] = s.joints.first[b.index] = place.index;
     wake_connected(s, place.index);
     return {place.index, place.generation, s.tag};
 }
 
-/// What a joint gave in the last substep, as a force, where its bodies are.
+template <class Plan>
+using frames_of = joint_frames<typename Plan::scalar, Plan::dimension>;
+/// Calls f(the joint with what it gave, its frames) for one of any kind.
+template <class Plan, class F>
+void with_joint(const state<Plan>& s, std::uint32_t joint, F&& f) {
+    const joint_record& record = s.joints.records[joint];
+    const auto &a = s.bodies[record.body_a], &b = s.bodies[record.body_b];
+    const frames_of<Plan> at{a.rotation, b.rotation, a.mass.center, b.mass.center, b.center - a.center, {}};
+    s.joints.each_kind(s.joints, [&](std::uint32_t kind, const auto& of_kind) {
+        if (kind == record.kind) f(of_kind[record.slot], at);
+    });
+}
+/// How far a joint is turned.
+template <class Plan>
+typename Plan::scalar angle_of(const state<Plan>& s, std::uint32_t joint) {
+    using S = typename Plan::scalar;
+    S result{};
+    with_joint<Plan>(s, joint, [&]<class Joint>(const stored_joint<Joint, S>& j, [[maybe_unused]] const auto& at) {
+        if constexpr (counts_turns<Joint, S, Plan::dimension>) result = j.turned().at(j.joint.angle(at)).total();
+    });
+    return result;
+}
+/// What a joint gave in the last substep, as a force on B and a torque about where that acts, where its bodies are.
 template <class Plan>
 joint_reaction<typename Plan::scalar, Plan::dimension> reaction_of(const state<Plan>& s, std::uint32_t joint) {
     using S = typename Plan::scalar;
     constexpr int D = Plan::dimension;
     joint_reaction<S, D> sum{};
-    const joint_record& record = s.joints.records[joint];
-    const auto &a = s.bodies[record.body_a], &b = s.bodies[record.body_b];
-    const joint_frames<S, D> at{a.rotation, b.rotation, a.mass.center, b.mass.center, b.center - a.center};
-    s.joints.each_kind(s.joints, [&]<class Joint>(std::uint32_t kind, const pool<stored_joint<Joint, S>>& of_kind) {
-        if (kind != record.kind) return;
-        const stored_joint<Joint, S>& j = of_kind[record.slot];
+    with_joint<Plan>(s, joint, [&]<class Joint>(const stored_joint<Joint, S>& j, frames_of<Plan> at) {
         if (!(j.substep > S(0))) return;
+        if constexpr (counts_turns<Joint, S, D>) at.turned = j.turned().at(j.joint.angle(at));
         joint_row<S, D> row[Joint::row_count];
         j.joint.rows(at, row);
         for (int k = 0; k < Joint::row_count; ++k) {
             sum.force += row[k].direction * (j.impulse[k] / j.substep);
-            sum.torque += row[k].angular_b * (j.impulse[k] / j.substep);
+            sum.torque += (row[k].angular_b - cross(row[k].r_b, row[k].direction)) * (j.impulse[k] / j.substep);
         }
     });
     return sum;
@@ -167,6 +185,11 @@ public:
     [[nodiscard]] joint_reaction<S, D> reaction(joint_id id) const {
         const auto at = find(state(), id, "reaction");
         return at ? detail::scoped([&] { return detail::reaction_of(state(), at.index); }) : joint_reaction<S, D>{};
+    }
+    /// The angle of a joint that turns, over any number of turns (rad), where its bodies are; of others 0.
+    [[nodiscard]] S joint_angle(joint_id id) const {
+        const auto at = find(state(), id, "joint_angle");
+        return at ? detail::scoped([&] { return detail::angle_of(state(), at.index); }) : S(0);
     }
     [[nodiscard]] std::uint64_t user_data(joint_id id) const {
         const auto at = find(state(), id, "user_data");

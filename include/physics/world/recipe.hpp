@@ -9,6 +9,9 @@
 #include "physics/dynamics/soft_step.hpp"
 #include "physics/joint/ball_joint.hpp"
 #include "physics/joint/distance_joint.hpp"
+#include "physics/joint/prismatic_joint.hpp"
+#include "physics/joint/revolute_joint.hpp"
+#include "physics/joint/weld_joint.hpp"
 #include "physics/shape/chain.hpp"
 #include "physics/shape/compound.hpp"
 #include "physics/shape/heightfield.hpp"
@@ -89,6 +92,9 @@ struct shape_names {
     using compound_geometry = physics::compound_geometry<S, D>;
     using ball_joint = physics::ball_joint<S, D>;
     using distance_joint = physics::distance_joint<S, D>;
+    using prismatic_joint = physics::prismatic_joint<S, D>;
+    using revolute_joint = physics::revolute_joint<S, D>;
+    using weld_joint = physics::weld_joint<S, D>;
 };
 template <class S, int D>
 struct shape_aliases;

@@ -112,7 +112,7 @@ using joint_id = handle<joint_tag>;
 /// What a joint gives B, and takes from A.
 template <class S, int D>
 struct joint_reaction {
-    /// Force (N), and torque about B's centre of mass (N m).
+    /// Force (N), and torque about where it acts (N m): of joints with frames the place of B's.
     vec<S, D> force;
     angular<S, D> torque{};
 };
