@@ -20516,14 +20516,6 @@ struct joint_row {
 
     /// A row that gives whatever it takes.
     static constexpr S unlimited() { return scalar_traits<S>::max() / S(8); }
-    /// The same row the other way round.
-    friend constexpr joint_row operator-(const joint_row& r) {
-        joint_row result = r;
-        result.direction = -r.direction;
-        result.angular_a = -r.angular_a;
-        result.angular_b = -r.angular_b;
-        return result;
-    }
     [[nodiscard]] constexpr bool is_on() const { return min_force < S(0) || max_force > S(0); }
     [[nodiscard]] constexpr bool is_spring() const { return frequency > S(0); }
     /// Whether it is on and may not give all that it takes.
@@ -20561,6 +20553,16 @@ struct joint_row {
         return r;
     }
 };
+
+/// The same row the other way round.
+template <class S, int D>
+constexpr joint_row<S, D> operator-(const joint_row<S, D>& r) {
+    joint_row<S, D> result = r;
+    result.direction = -r.direction;
+    result.angular_a = -r.angular_a;
+    result.angular_b = -r.angular_b;
+    return result;
+}
 
 /// An angle that is counted over any number of turns: 2 pi turns + angle, |angle| <= pi.
 template <class S>
@@ -20895,6 +20897,48 @@ bool check(const revolute_joint<S, D>& joint, const char* function) {
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/joint/target_joint.hpp
+// =================================================================================================
+// The target joint: dragging a body by a point.
+
+PHYSICS_HPP_BEGIN
+
+/// Draws a point of B to a target in A's frame, in the world's if A is a static body at its origin, by a spring of
+/// limited force: as a mouse drags. Rows: D.
+template <class S, int D>
+struct target_joint {
+    /// In the frame of A, and in that of B (m).
+    vec<S, D> target{}, anchor_b{};
+    /// Of the spring (Hz, greater than 0), and its damping as a part of the critical one.
+    S frequency = S(5), damping_ratio = S(1);
+    /// Along each axis of the world, at most (N).
+    S max_force = scalar_traits<S>::max();
+
+    static constexpr int row_count = D;
+    PHYSICS_HPP_MEMBERS(target, anchor_b, frequency, damping_ratio, max_force)
+
+    void rows(const joint_frames<S, D>& at, joint_row<S, D>* row) const {
+        at.hold(target, anchor_b, row);
+        for (int i = 0; i < D; ++i) {
+            row[i] = row[i].spring(row[i].error, frequency, damping_ratio);
+            row[i].max_force = min(max_force, row[i].max_force);
+            row[i].min_force = -row[i].max_force;
+        }
+    }
+};
+
+template <class S, int D>
+bool check(const target_joint<S, D>& joint, const char* function) {
+    return detail::check_finite(function, "target", joint.target) &&
+           detail::check_finite(function, "anchor_b", joint.anchor_b) &&
+           detail::check_positive(function, "frequency", joint.frequency) &&
+           detail::check_not_negative(function, "damping_ratio", joint.damping_ratio) &&
+           detail::check_not_negative(function, "max_force", joint.max_force);
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/joint/weld_joint.hpp
 // =================================================================================================
 // The weld joint.
@@ -20932,6 +20976,81 @@ bool check(const weld_joint<S, D>& joint, const char* function) {
            detail::check_not_negative(function, "linear_damping_ratio", joint.linear_damping_ratio) &&
            detail::check_not_negative(function, "angular_frequency", joint.angular_frequency) &&
            detail::check_not_negative(function, "angular_damping_ratio", joint.angular_damping_ratio);
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/joint/wheel_joint.hpp
+// =================================================================================================
+// The wheel joint.
+
+PHYSICS_HPP_BEGIN
+
+/// A wheel B on a chassis A: it moves along the x axis of A's frame on a spring, between limits, and spins about its z
+/// axis, with a motor. In 3D it is steered about that x axis. Rows: 6 in 2D, 9 in 3D. The spring's frequency is that of
+/// the masses that the two bodies have along the axis: of a heavy chassis on light wheels, about that of the wheels.
+template <class S, int D>
+struct wheel_joint {
+    /// In the bodies' frames (m). The x axis of A's is that of the suspension; z axes are those of the wheel.
+    transform<S, D> frame_a{}, frame_b{};
+    /// The wheel stays between these on the axis (m).
+    S min_translation = -scalar_traits<S>::max(), max_translation = scalar_traits<S>::max();
+    /// Of the suspension (Hz; 0: there is none), with a damping as a part of the critical one, and where it rests (m).
+    S frequency = S(0), damping_ratio = S(0), rest_translation = S(0);
+    /// A motor drives the spin to that speed (rad/s) by up to that torque (N m); with a speed of 0 it brakes.
+    S motor_speed = S(0), max_motor_torque = S(0);
+    /// In 3D, how far the wheel is turned about the axis of the suspension (rad, less than pi / 2).
+    S steering_angle = S(0);
+
+    static constexpr int row_count = joint_drive<S>::row_count + (D == 2 ? 2 : 5);
+    PHYSICS_HPP_MEMBERS(frame_a, frame_b, min_translation, max_translation, frequency, damping_ratio, rest_translation,
+                        motor_speed, max_motor_torque, steering_angle)
+
+    void rows(const joint_frames<S, D>& at, joint_row<S, D>* row) const {
+        const vec<S, D> r_b = at.r_b(frame_b.position), apart = at.between + (r_b - at.r_a(frame_a.position)),
+                        r_a = at.between + r_b;
+        const auto along = [&](int i) { return at.along(at.axis_a(frame_a.rotation, i), r_a, r_b); };
+        const auto translation = [&](int i) { return dot(at.axis_a(frame_a.rotation, i), apart); };
+        // The motor takes the place of that of the drive.
+        const joint_drive<S> drive{min_translation,  max_translation, {},           {},
+                                   rest_translation, frequency,       damping_ratio};
+        drive.rows(along(0), translation(0), row);
+        for (int i = 1; i < D; ++i) row[drive.row_count + i - 1] = along(i).equality(translation(i));
+        if constexpr (D == 2) {
+            if (max_motor_torque > S(0)) row[5] = at.about(S(1)).motor(motor_speed, max_motor_torque);
+        } else {
+            // The wheel's axis stays where it is steered to.
+            const rotation<S, 3> steered = rotation<S, 3>::from_axis_angle({S(1), S(0), S(0)}, steering_angle);
+            const vec<S, 3> x = at.axis_a(frame_a.rotation, 0), spin = at.axis_b(frame_b.rotation, 2),
+                            y = at.axis_a(frame_a.rotation * steered, 1), z = at.axis_a(frame_a.rotation * steered, 2),
+                            error = cross(z, spin);
+            row[6] = at.about(x).equality(dot(error, x));
+            row[7] = at.about(y).equality(dot(error, y));
+            if (max_motor_torque > S(0)) row[8] = at.about(spin).motor(motor_speed, max_motor_torque);
+        }
+    }
+};
+
+template <class S, int D>
+bool check(const wheel_joint<S, D>& joint, const char* function) {
+    if (!detail::check_frames(function, joint.frame_a, joint.frame_b) ||
+        !detail::check_finite(function, "min_translation", joint.min_translation) ||
+        !detail::check_finite(function, "max_translation", joint.max_translation) ||
+        !detail::check_limits(function, "min_translation", joint.min_translation, joint.max_translation,
+                              "it must be at most max_translation") ||
+        !detail::check_spring(function, joint.frequency, joint.damping_ratio) ||
+        !detail::check_finite(function, "rest_translation", joint.rest_translation) ||
+        !detail::check_finite(function, "motor_speed", joint.motor_speed) ||
+        !detail::check_not_negative(function, "max_motor_torque", joint.max_motor_torque) ||
+        !detail::check_finite(function, "steering_angle", joint.steering_angle))
+        return false;
+    if (D == 2 && !(joint.steering_angle == S(0)))
+        return detail::refuse(function, "steering_angle", static_cast<double>(joint.steering_angle),
+                              "it must be 0 in 2D");
+    return abs(joint.steering_angle) < S(1.5707) ||
+           detail::refuse(function, "steering_angle", static_cast<double>(joint.steering_angle),
+                          "it must be less than pi / 2 to either side");
 }
 
 PHYSICS_HPP_END
@@ -32002,7 +32121,9 @@ struct shape_names {
     using distance_joint = physics::distance_joint<S, D>;
     using prismatic_joint = physics::prismatic_joint<S, D>;
     using revolute_joint = physics::revolute_joint<S, D>;
+    using target_joint = physics::target_joint<S, D>;
     using weld_joint = physics::weld_joint<S, D>;
+    using wheel_joint = physics::wheel_joint<S, D>;
 };
 template <class S, int D>
 struct shape_aliases;

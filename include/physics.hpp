@@ -244,7 +244,9 @@
 #include "physics/joint/joint.hpp"
 #include "physics/joint/prismatic_joint.hpp"
 #include "physics/joint/revolute_joint.hpp"
+#include "physics/joint/target_joint.hpp"
 #include "physics/joint/weld_joint.hpp"
+#include "physics/joint/wheel_joint.hpp"
 
 // Bodies, contacts, and the solver that moves them.
 #include "physics/dynamics/body.hpp"

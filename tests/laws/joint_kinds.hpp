@@ -15,14 +15,18 @@ using rotation = physics::rotation<S, D>;
 constexpr double pi = 3.141592653589793;
 
 template <class... Policies>
-struct kinds : physics::recipe<S, D, physics::shapes<physics::ball, physics::box>,
-                               physics::joints<physics::ball_joint, physics::distance_joint, physics::prismatic_joint,
-                                               physics::revolute_joint, physics::weld_joint>,
-                               Policies...> {};
+struct kinds
+    : physics::recipe<
+          S, D, physics::shapes<physics::ball, physics::box>,
+          physics::joints<physics::ball_joint, physics::distance_joint, physics::prismatic_joint,
+                          physics::revolute_joint, physics::target_joint, physics::weld_joint, physics::wheel_joint>,
+          Policies...> {};
 using plain = physics::world<kinds<>>;
 using revolute_joint = physics::revolute_joint<S, D>;
 using prismatic_joint = physics::prismatic_joint<S, D>;
 using weld_joint = physics::weld_joint<S, D>;
+using wheel_joint = physics::wheel_joint<S, D>;
+using target_joint = physics::target_joint<S, D>;
 
 /// A box of 1 kg.
 template <class World>
@@ -42,6 +46,8 @@ body_id add_flywheel(World& w, const vec& where) {
 }
 inline double z_of(S w) { return number(w); }
 inline double z_of(const physics::vec<S, 3>& w) { return number(w.z); }
+inline vec spin_of(S) { return {}; }
+inline const physics::vec<S, 3>& spin_of(const physics::vec<S, 3>& w) { return w; }
 inline void set_z(S& w, double x) { w = S(x); }
 inline void set_z(physics::vec<S, 3>& w, double x) { w = {S(0), S(0), S(x)}; }
 template <class World>
@@ -219,6 +225,67 @@ CELL_CASE("joint kinds: a soft weld bends by its springs") {
     CHECK(std::abs(16 * pi * pi * angle - gravity * 0.5 * std::cos(angle)) < 0.02 * gravity);
 }
 
+CELL_CASE("joint kinds: a wheel's suspension sags by its load, its motor spins it, and nothing else moves") {
+    for (const int substeps : {1, 4, 16}) {
+        CAPTURE(substeps);
+        plain w = falling<plain>(substeps);
+        const body_id a = add_anchor(w, at(0, 0)), wheel = add_box(w, at(0, -1), 1, std::sqrt(2.0));
+        // The x axis of the suspension points down.
+        const rotation down = turn(-pi / 2);
+        const joint_id j = w.create_joint(a, wheel,
+                                          wheel_joint{.frame_a = {at(0, -1), down},
+                                                      .frequency = S(2),
+                                                      .damping_ratio = S(1),
+                                                      .motor_speed = S(4),
+                                                      .max_motor_torque = S(2)});
+        w.set_can_sleep(wheel, false);
+        run(w, 64);
+        CHECK(std::abs(z_of(w.angular_velocity(wheel)) - 2) < 0.01);
+        run(w, 192);
+        CHECK(std::abs(z_of(w.angular_velocity(wheel)) - 4) < 1e-3);
+        CHECK(std::abs(number(w.position(wheel)[1]) + 1 + gravity / (16 * pi * pi)) < 1e-3);
+        CHECK(std::abs(number(w.position(wheel)[0])) < 1e-4);
+        CHECK(std::abs(number(w.reaction(j).force[1]) - gravity) < 0.02);
+        // Limits bear it where there is no spring.
+        w.set_joint(j,
+                    wheel_joint{.frame_a = {at(0, -1), down}, .min_translation = S(-0.5), .max_translation = S(0.5)});
+        run(w, 128);
+        CHECK(std::abs(number(w.position(wheel)[1]) + 1.5) < 1e-3);
+    }
+}
+CELL_CASE("joint kinds: a wheel is steered about its suspension, and spins about its axle") {
+    if constexpr (D == 3) {
+        plain w = falling<plain>(4, 0);
+        const body_id a = add_anchor(w, at(0, 0)), wheel = add_flywheel(w, at(0, 0));
+        wheel_joint joint{.motor_speed = S(3), .max_motor_torque = S(10)};
+        const joint_id j = w.create_joint(a, wheel, joint);
+        run(w, 64);
+        joint.steering_angle = S(0.5);
+        w.set_joint(j, joint);
+        run(w, 128);
+        const vec axle = w.pose(wheel).rotation * at(0, 0, 1), spin = spin_of(w.angular_velocity(wheel));
+        CHECK(length_of(axle - at(0, -std::sin(0.5), std::cos(0.5))) < 1e-3);
+        CHECK(length_of(spin - axle * S(3)) < 2e-2);
+    }
+}
+CELL_CASE("joint kinds: a target draws by its spring, and by no more than its force") {
+    for (const int substeps : {1, 4, 16}) {
+        CAPTURE(substeps);
+        plain w = falling<plain>(substeps, 0);
+        const body_id world = add_anchor(w, at(0, 0)), b = add_ball(w, at(1, 0));
+        const joint_id mouse = w.create_joint(world, b, target_joint{});
+        run(w, 16, 0.1 / 16);
+        // (1 + omega t) e^(-omega t) of the way is left.
+        CHECK(std::abs(number(w.position(b)[0]) - 0.178976) < 0.06 / substeps);
+        w.set_joint(mouse, target_joint{.target = at(-50, 0), .max_force = S(2)});
+        w.set_linear_velocity(b, at(0, 0));
+        const double from = number(w.position(b)[0]);
+        run(w, 64);
+        CHECK(std::abs(from - number(w.position(b)[0]) - 1) < 0.02);
+        CHECK(std::abs(number(w.reaction(mouse).force[0]) + 2) < 1e-3);
+    }
+}
+
 /// A mechanism of three kinds, with its bodies in either order, in a world that is moved, turned and mirrored.
 struct crane {
     plain w;
@@ -347,6 +414,11 @@ CELL_CASE("joint kinds: bad ones are refused by name") {
     refuses("damping_ratio", revolute_joint{.frequency = S(1), .damping_ratio = S(-1)});
     refuses("min_translation", prismatic_joint{.min_translation = S(1), .max_translation = S(0)});
     refuses("max_motor_force", prismatic_joint{.max_motor_force = S(-1)});
+    refuses("min_translation", wheel_joint{.min_translation = S(1), .max_translation = S(0)});
+    refuses("steering_angle", wheel_joint{.steering_angle = S(1.6)});
+    if constexpr (D == 2) refuses("steering_angle", wheel_joint{.steering_angle = S(0.5)});
+    refuses("frequency", target_joint{.frequency = S(0)});
+    refuses("max_force", target_joint{.max_force = S(-1)});
     refuses("linear_frequency", weld_joint{.linear_frequency = S(-1)});
     refuses("angular_damping_ratio", weld_joint{.angular_damping_ratio = S(-1)});
     if constexpr (!cell::is_fixed) {

@@ -31,14 +31,6 @@ struct joint_row {
 
     /// A row that gives whatever it takes.
     static constexpr S unlimited() { return scalar_traits<S>::max() / S(8); }
-    /// The same row the other way round.
-    friend constexpr joint_row operator-(const joint_row& r) {
-        joint_row result = r;
-        result.direction = -r.direction;
-        result.angular_a = -r.angular_a;
-        result.angular_b = -r.angular_b;
-        return result;
-    }
     [[nodiscard]] constexpr bool is_on() const { return min_force < S(0) || max_force > S(0); }
     [[nodiscard]] constexpr bool is_spring() const { return frequency > S(0); }
     /// Whether it is on and may not give all that it takes.
@@ -76,6 +68,16 @@ struct joint_row {
         return r;
     }
 };
+
+/// The same row the other way round.
+template <class S, int D>
+constexpr joint_row<S, D> operator-(const joint_row<S, D>& r) {
+    joint_row<S, D> result = r;
+    result.direction = -r.direction;
+    result.angular_a = -r.angular_a;
+    result.angular_b = -r.angular_b;
+    return result;
+}
 
 /// An angle that is counted over any number of turns: 2 pi turns + angle, |angle| <= pi.
 template <class S>

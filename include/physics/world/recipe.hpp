@@ -11,7 +11,9 @@
 #include "physics/joint/distance_joint.hpp"
 #include "physics/joint/prismatic_joint.hpp"
 #include "physics/joint/revolute_joint.hpp"
+#include "physics/joint/target_joint.hpp"
 #include "physics/joint/weld_joint.hpp"
+#include "physics/joint/wheel_joint.hpp"
 #include "physics/shape/chain.hpp"
 #include "physics/shape/compound.hpp"
 #include "physics/shape/heightfield.hpp"
@@ -94,7 +96,9 @@ struct shape_names {
     using distance_joint = physics::distance_joint<S, D>;
     using prismatic_joint = physics::prismatic_joint<S, D>;
     using revolute_joint = physics::revolute_joint<S, D>;
+    using target_joint = physics::target_joint<S, D>;
     using weld_joint = physics::weld_joint<S, D>;
+    using wheel_joint = physics::wheel_joint<S, D>;
 };
 template <class S, int D>
 struct shape_aliases;

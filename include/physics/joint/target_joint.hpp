@@ -1,0 +1,41 @@
+// The target joint: dragging a body by a point.
+#pragma once
+
+#include "physics/joint/joint.hpp"
+
+PHYSICS_HPP_BEGIN
+
+/// Draws a point of B to a target in A's frame, in the world's if A is a static body at its origin, by a spring of
+/// limited force: as a mouse drags. Rows: D.
+template <class S, int D>
+struct target_joint {
+    /// In the frame of A, and in that of B (m).
+    vec<S, D> target{}, anchor_b{};
+    /// Of the spring (Hz, greater than 0), and its damping as a part of the critical one.
+    S frequency = S(5), damping_ratio = S(1);
+    /// Along each axis of the world, at most (N).
+    S max_force = scalar_traits<S>::max();
+
+    static constexpr int row_count = D;
+    PHYSICS_HPP_MEMBERS(target, anchor_b, frequency, damping_ratio, max_force)
+
+    void rows(const joint_frames<S, D>& at, joint_row<S, D>* row) const {
+        at.hold(target, anchor_b, row);
+        for (int i = 0; i < D; ++i) {
+            row[i] = row[i].spring(row[i].error, frequency, damping_ratio);
+            row[i].max_force = min(max_force, row[i].max_force);
+            row[i].min_force = -row[i].max_force;
+        }
+    }
+};
+
+template <class S, int D>
+bool check(const target_joint<S, D>& joint, const char* function) {
+    return detail::check_finite(function, "target", joint.target) &&
+           detail::check_finite(function, "anchor_b", joint.anchor_b) &&
+           detail::check_positive(function, "frequency", joint.frequency) &&
+           detail::check_not_negative(function, "damping_ratio", joint.damping_ratio) &&
+           detail::check_not_negative(function, "max_force", joint.max_force);
+}
+
+PHYSICS_HPP_END
