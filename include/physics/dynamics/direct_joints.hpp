@@ -29,7 +29,6 @@ class direct_joints {
     using pose = joint_pose<S, D, Rotates>;
     using poses_of = joint_poses<S, D, Rotates>;
     using response = row_response<K, S, D, Rotates>;
-    static constexpr int A = side::A, array = side::array;
 
 public:
     /// `used` components of a pattern; joint(lane, i) is the i-th joint of one, and bodies(lane, i) are its bodies.
@@ -59,7 +58,7 @@ public:
                 sides_[j.b].index[lane] = ends.b;
                 sides_[j.a].is_pushed = all[ends.a].inverse_mass > inverse_of<S>(0);
                 sides_[j.b].is_pushed = all[ends.b].inverse_mass > inverse_of<S>(0);
-                each_row(j, [&](std::uint32_t r, int k) {
+                j.each_row([&](std::uint32_t r, int k) {
                     rows_[r].impulse[lane] = kinds_[j.kind].first_impulse(joint_at(i, lane), k, h);
                 });
             }
@@ -88,12 +87,19 @@ public:
     void solve(body* bodies, const poses_of& poses, const joint_pass<S>& with, bool use_bias) {
         if (use_bias) note_forces();
         load(bodies);
+        // The last solve of a pass cuts no row off: what others give would not fit. Each lane goes on by itself.
+        const K zero = K::broadcast(C(0));
+        K open = K::broadcast(C(1)), cut = zero;
         for (int round = 0; round < max_rounds; ++round) {
-            const bool changed = choose_rows(with, use_bias, round == 0);
-            if (round > 0 && !changed) break;
-            if (changed) matrix_.factorise();
-            solve_once();
+            const bool settles = round >= free_rounds;
+            const K changed = choose_rows(with, use_bias, settles, open);
+            if (round > 0) open = select_greater(changed + cut, zero, open, zero);
+            if (greater(open, zero).bits() == 0) break;
+            if (!is_factorised_ || greater(changed, zero).bits() != 0) matrix_.factorise();
+            is_factorised_ = true;
+            cut = solve_once(open);
             if (!any_bounded_) break;
+            if (settles) open = select_greater(cut, zero, open, zero);
         }
         if (use_bias) {
             if (greater(P::load(resolved_), P::broadcast(S(0))).bits() != 0) look_ahead(poses, with);
@@ -106,7 +112,7 @@ public:
             for (int lane = 0; lane < W; ++lane) {
                 if (joint_at(i, lane) == nullptr) continue;
                 S given[access::max_rows] = {};
-                each_row(of_.joints[i], [&](std::uint32_t r, int k) { given[k] = rows_[r].impulse[lane]; });
+                of_.joints[i].each_row([&](std::uint32_t r, int k) { given[k] = rows_[r].impulse[lane]; });
                 kinds_[of_.joints[i].kind].store_impulses(joint_at(i, lane), h, given);
             }
     }
@@ -122,13 +128,6 @@ private:
     };
     [[nodiscard]] void* joint_at(std::uint32_t i, int lane) const {
         return joints_[i * W + static_cast<std::uint32_t>(lane)];
-    }
-    /// Calls f(row, which of the joint's rows it is).
-    template <class F>
-    static void each_row(const joint_pattern::joint& j, F&& f) {
-        std::uint32_t r = j.first_row;
-        for (int k = 0; k < access::max_rows; ++k)
-            if ((j.rows >> k & 1) != 0) f(r++, k);
     }
     void load(const body* bodies) {
         for (std::uint32_t k = 0; k < of_.body_count; ++k) velocities_[k].load(bodies, sides_[k].index);
@@ -188,7 +187,7 @@ private:
             length_squared_of(kinds_[j.kind].write(joint_at(i, lane), false, poses[at_a], poses[at_b], rows));
         double square = 0;
         vec<S, D> r_a, r_b;
-        each_row(j, [&](std::uint32_t r, int k) {
+        j.each_row([&](std::uint32_t r, int k) {
             rows_[r].write(lane, rows[k], a, b, with);
             const double part = part_of(to_double(rows[k].error), rows[k], apart);
             matrix_.row[r].slack.set_lane(lane, static_cast<C>(part > 1.0 / 1024 ? part * part : 0));
@@ -236,8 +235,9 @@ private:
         }
     }
 
-    /// Right-hand sides, and which rows are in the solve; true if these are others than before.
-    bool choose_rows(const joint_pass<S>& with, bool use_bias, bool is_first) {
+    /// Right-hand sides, and of lanes that are open (1) which rows are in the solve; greater than 0 where these are
+    /// others than before. To settle, rows only leave.
+    K choose_rows(const joint_pass<S>& with, bool use_bias, bool settles, const K& open) {
         const K zero = K::broadcast(C(0)), one = K::broadcast(C(1));
         K changed = zero;
         any_bounded_ = false;
@@ -271,41 +271,45 @@ private:
                 state_[k].bias = r.is_bounded || r.has_spring ? zero : bias;
                 const K v = widened<K>(r.speed_of(velocities_[j.a], velocities_[j.b])) - lanes_from<K>(r.speed);
                 w.right_hand = -(v + bias + (soft + w.leak) * before);
+                any_bounded_ = any_bounded_ || r.is_bounded;
                 if (r.is_bounded) {
-                    any_bounded_ = true;
                     // At a bound a row is in if it would leave it.
                     const K up = select_greater(w.right_hand, zero, one, zero);
                     const K down = select_greater(zero, w.right_hand, one, zero);
                     const K inside = select_greater(before, low, select_greater(high, before, one, down), up);
-                    in = in * inside;
+                    const K strictly = select_greater(before, low, select_greater(high, before, one, zero), zero);
+                    in = in * (settles ? strictly * w.in : inside);
                 }
-                const K differs = lane_abs(in - w.in) + lane_abs(soft - w.softness);
-                changed = max(changed, differs);
+                in = select_greater(open, zero, in, w.in);
+                soft = select_greater(open, zero, soft, w.softness);
+                changed = max(changed, lane_abs(in - w.in) + lane_abs(soft - w.softness));
                 w.in = in;
                 w.softness = soft;
             }
         }
-        const bool result = greater(changed, zero).bits() != 0 || (is_first && !is_factorised_);
-        is_factorised_ = true;
-        return result;
+        return changed;
     }
-    /// Has each row give by(row) more, up to its bounds.
+    /// Has each row give by(row) more, up to its bounds; greater than 0 where any was cut off by these.
     template <class F>
-    void give_more(F&& by) {
+    K give_more(F&& by) {
+        P cut = P::broadcast(S(0));
         for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
             const joint_pattern::joint& j = of_.joints[i];
             for (std::uint32_t r = j.first_row; r < j.first_row + j.row_count; ++r) {
-                const P before = P::load(rows_[r].impulse);
-                const P next = max(min(before + by(r), P::load(rows_[r].high)), P::load(rows_[r].low));
+                const P before = P::load(rows_[r].impulse), wanted = before + by(r);
+                const P next = max(min(wanted, P::load(rows_[r].high)), P::load(rows_[r].low));
+                cut = max(cut, lane_abs(wanted - next));
                 apply(r, j, next - before);
                 next.store(rows_[r].impulse);
             }
         }
+        return widened<K>(cut);
     }
-    /// Solves for the right-hand sides.
-    void solve_once() {
+    /// Solves for the right-hand sides of some lanes; greater than 0 where a row was cut off.
+    K solve_once(const K& open) {
+        for (std::uint32_t r = 0; r < of_.row_count; ++r) matrix_.row[r].right_hand *= open;
         matrix_.substitute();
-        give_more([this](std::uint32_t r) { return narrowed<P>(matrix_.row[r].right_hand); });
+        return give_more([this](std::uint32_t r) { return narrowed<P>(matrix_.row[r].right_hand); });
     }
     /// Rows are tangents to the ways of bodies, which the move leaves by what the square of the substep makes: solves
     /// once more for what holds where bodies will be. So half of what turns a motion is given before it and half after,
@@ -327,19 +331,18 @@ private:
                 joint_row<S, D> rows[access::max_rows];
                 const double apart =
                     length_squared_of(kinds_[j.kind].write(joint_at(i, lane), true, ahead_[j.a], ahead_[j.b], rows));
-                const auto &a = velocities_[j.a], &b = velocities_[j.b];
-                each_row(j, [&](std::uint32_t r, int k) {
+                j.each_row([&](std::uint32_t r, int k) {
                     if (rows_[r].is_bounded || rows_[r].has_spring) return;
                     const double error = to_double(rows_[r].error[lane]), ahead = to_double(rows[k].error);
-                    const double misses = ahead - error - to_double(rows_[r].speed_of(a, b).lane(lane) * with.h);
+                    const double misses =
+                        ahead - error -
+                        to_double(rows_[r].speed_of(velocities_[j.a], velocities_[j.b]).lane(lane) * with.h);
                     if (part_of(misses, rows[k], apart) > 0.0025) is_near[lane] = S(0);
                     matrix_.row[r].right_hand.set_lane(lane, static_cast<C>(-misses * to_double(with.inverse_h)));
                 });
             }
         }
-        for (std::uint32_t r = 0; r < of_.row_count; ++r)
-            matrix_.row[r].right_hand = matrix_.row[r].right_hand * lanes_from<K>(is_near);
-        solve_once();
+        solve_once(lanes_from<K>(is_near));
     }
     /// What rows give for their errors is taken back where it was given, along the same rows: a pass after the move
     /// would leave what heavy bodies are drawn by on the levers of light ones, and whirl them. That keeps angular
@@ -366,11 +369,11 @@ private:
         store(bodies);
     }
 
-    static constexpr int max_rounds = 4;
+    static constexpr int free_rounds = 4, max_rounds = 64;
     /// Of the square of omega h of what sways under the forces of joints: up to it substeps are short enough.
     static constexpr double max_resolved = 0.5;
-    /// See joint_matrix.
-    static constexpr double least_pivot = 0x1p-36;
+    /// See joint_matrix. Of rows that say the same, what is left is the square of how far bodies are off by.
+    static constexpr double least_pivot = 0x1p-20;
 
     const joint_pattern& of_;
     const access* kinds_;

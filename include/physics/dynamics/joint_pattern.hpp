@@ -30,6 +30,14 @@ struct joint_pattern {
         std::uint32_t panel, height;
         /// Where the numbers of the panel's rows begin in `panel_rows`, and its updates and couplings in the lists.
         std::uint32_t panel_rows, updates, couplings;
+
+        /// Calls f(row, which of the joint's rows it is).
+        template <class F>
+        void each_row(F&& f) const {
+            std::uint32_t r = first_row;
+            for (int k = 0; k < 32; ++k)
+                if ((rows >> k & 1) != 0) f(r++, k);
+        }
     };
     /// Rows of a panel that are to be taken, times others of it, from a later panel.
     struct update {
