@@ -23390,13 +23390,7 @@ struct twist_lanes {
     }
     /// Adds it to twists of single bodies.
     void add_to(twist_of<S, D, Rotates>* to, const std::uint32_t* index) const {
-        for (int lane = 0; lane < P::width; ++lane) {
-            auto& v = to[index[lane]];
-            for (int i = 0; i < D; ++i) v.linear[i] += at[i].lane(lane);
-            if constexpr (angular_size == 1) v.angular += at[D].lane(lane);
-            if constexpr (angular_size == 3)
-                for (int i = 0; i < 3; ++i) v.angular[i] += at[D + i].lane(lane);
-        }
+        for (int lane = 0; lane < P::width; ++lane) to[index[lane]] = to[index[lane]] + of(lane);
     }
 };
 
@@ -23855,8 +23849,7 @@ struct joint_pattern {
     std::uint64_t cost;
 };
 
-/// The components of a graph of joints that are worth solving directly, those with the same pattern one after the
-/// other.
+/// The components of a graph of joints, with a pattern if they are worth solving directly: equal ones share it.
 class joint_patterns {
 public:
     struct component {
@@ -24259,120 +24252,6 @@ private:
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/dynamics/soft_prepare.hpp
-// =================================================================================================
-// What preparing the soft solver's contacts in lanes is made of.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// What contacts are prepared in: floats as they are; other scalars by way of double, which has room for products of
-/// inverse masses.
-template <class S, int W>
-using preparing = kernel_pack<std::conditional_t<std::is_floating_point_v<S>, S, double>, W>;
-
-/// W contacts that are prepared together, some of which may be none. Contacts are rows of scalars, which lanes read
-/// faster than one by one.
-template <class S, int D, int W, class Features>
-class contact_gather {
-    using contact = solver_api::contact<S, D, Features>;
-    using P = kernel_pack<S, W>;
-
-public:
-    static constexpr int capacity = manifold<S, D>::capacity;
-
-    contact_gather() {
-        for (const contact*& one : at_) one = &none;
-    }
-    void add(int lane, const contact& c) { at_[lane] = &c; }
-
-    /// Where points are from their middles, in world axes, 1 for each point that there is, and how many there are.
-    S offset[capacity][D][W], there[capacity][W], count[W];
-
-    /// Reads where contacts with up to `maximum` points lie, and writes that to their frames and points.
-    template <class Frame, class Point>
-    PHYSICS_HPP_ALWAYS_INLINE void read(Frame& to, Point* to_points, int maximum) {
-        const S* rows[W];
-        for (int lane = 0; lane < W; ++lane) {
-            rows[lane] = &at_[lane]->normal[0];
-            count[lane] = S(int{at_[lane]->count});
-        }
-        P frame[3 * D], place[capacity][D + 1], middle[D];
-        read_rows(frame, rows);
-        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1)), points = P::load(count);
-        for (int i = 0; i < D; ++i) middle[i] = zero;
-        for (int k = 0; k < maximum; ++k) {
-            for (int lane = 0; lane < W; ++lane) rows[lane] = &at_[lane]->points[k].position[0];
-            read_rows(place[k], rows);
-            const P is = select_greater(points, P::broadcast(S(k)), one, zero);
-            is.store(there[k]);
-            for (P& component : place[k]) component = select_greater(is, zero, component, zero);
-            place[k][D].store(to_points[k].separation);
-            for (int i = 0; i < D; ++i) middle[i] = k == 0 ? place[0][i] : middle[i] + place[k][i];
-        }
-        const P share = one / max(points, one);
-        // In 3D friction has its lever from each body's own surface: from halfway between them, that of a needle which
-        // is tilted over the ground would be many times as long as the one about its own axis is.
-        P half_gap = zero;
-        if constexpr (D == 3) {
-            for (int k = 0; k < maximum; ++k) half_gap = half_gap + place[k][D];
-            half_gap = max(half_gap, zero) * share * P::broadcast(S(0.5));
-        }
-        for (int i = 0; i < D; ++i) {
-            middle[i] = middle[i] * share;
-            frame[i].store(to.normal[i]);
-            P on_a = middle[i], on_b = middle[i];
-            if constexpr (D == 3) {
-                on_a = on_a - half_gap * frame[i];
-                on_b = on_b + half_gap * frame[i];
-            }
-            (frame[D + i] + on_a).store(to.r_a[i]);
-            (frame[2 * D + i] + on_b).store(to.r_b[i]);
-            for (int k = 0; k < maximum; ++k)
-                select_greater(P::load(there[k]), zero, place[k][i] - middle[i], zero).store(offset[k][i]);
-        }
-    }
-
-private:
-    struct rows_from {
-        const S* const* first;
-        int skipped;
-
-        PHYSICS_HPP_ALWAYS_INLINE const S* operator[](int lane) const { return first[lane] + skipped; }
-        PHYSICS_HPP_ALWAYS_INLINE rows_from from(int lane) const { return {first + lane, skipped}; }
-    };
-    /// The first N scalars of each row. Lanes read on to a multiple of four, which is still within the contact.
-    template <int N>
-    PHYSICS_HPP_ALWAYS_INLINE static void read_rows(P (&to)[N], const S* const (&rows)[W]) {
-        if constexpr (W == 1) {
-            for (int i = 0; i < N; ++i) to[i] = {rows[0][i]};
-        } else {
-            for (int i = 0; i < N; i += 4) {
-                const quad<P> four = load4<P>(rows_from{rows, i});
-                to[i] = four.x;
-                if (i + 1 < N) to[i + 1] = four.y;
-                if (i + 2 < N) to[i + 2] = four.z;
-                if (i + 3 < N) to[i + 3] = four.w;
-            }
-        }
-    }
-    static_assert(offsetof(contact, r_a) == offsetof(contact, normal) + D * sizeof(S) &&
-                  offsetof(contact, r_b) == offsetof(contact, r_a) + D * sizeof(S) &&
-                  sizeof(contact) >= offsetof(contact, normal) + (D == 2 ? 8 : 12) * sizeof(S));
-    using point = contact_point<S, D, Features>;
-    static_assert(offsetof(point, separation) == offsetof(point, position) + D * sizeof(S) &&
-                  sizeof(point) >= offsetof(point, position) + 4 * sizeof(S));
-
-    static inline const contact none{};
-    const contact* at_[W];
-};
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
 // physics/dynamics/direct_joints.hpp
 // =================================================================================================
 // Joints solved directly: all rows of bodies that joints hold together at once.
@@ -24473,10 +24352,8 @@ public:
             if (!any_bounded_) break;
             if (settles) open = select_greater(cut, zero, open, zero);
         }
-        if (use_bias) {
-            if (greater(P::load(resolved_), P::broadcast(S(0))).bits() != 0) look_ahead(poses, with);
-            find_corrections();
-        }
+        if (use_bias && greater(P::load(resolved_), P::broadcast(S(0))).bits() != 0) look_ahead(poses, with);
+        if (use_bias) find_corrections();
         store(bodies);
     }
     void store_impulses(S h) const {
@@ -24561,9 +24438,11 @@ private:
         vec<S, D> r_a, r_b;
         j.each_row([&](std::uint32_t r, int k) {
             rows_[r].write(lane, rows[k], a, b, with);
-            const double part = part_of(to_double(rows[k].error), rows[k], apart);
+            // Of what has room, rests elsewhere or gives in, the error says nothing.
+            const bool holds = !rows[k].is_bounded() && !rows[k].is_spring();
+            const double part = holds ? part_of(to_double(rows[k].error), rows[k], apart) : 0;
             matrix_.row[r].slack.set_lane(lane, static_cast<C>(part > 1.0 / 1024 ? part * part : 0));
-            if (part > 0.0001 && !rows[k].is_bounded() && !rows[k].is_spring()) far_[lane] = S(1);
+            if (part > 0.0001) far_[lane] = S(1);
             if (rows[k].direction == vec<S, D>{}) return;
             const double given = to_double(state_[r].load[lane]);
             square += given * given;
@@ -24577,7 +24456,6 @@ private:
         sway_[j.b] += of_b * force_h2;
         unit_sway_[i].set_lane(lane, static_cast<C>(max(of_a, of_b) * to_double(with.h)));
     }
-
     void assemble() {
         const K zero = K::broadcast(C(0));
         for (std::uint32_t i = 0; i < of_.entries; ++i) matrix_.matrix[i] = zero;
@@ -24606,7 +24484,6 @@ private:
             }
         }
     }
-
     /// Right-hand sides, and of lanes that are open (1) which rows are in the solve; greater than 0 where these are
     /// others than before. To settle, rows only leave.
     K choose_rows(const joint_pass<S>& with, bool use_bias, bool settles, const K& open) {
@@ -24690,7 +24567,11 @@ private:
     void look_ahead(const poses_of& poses, const joint_pass<S>& with) {
         // Where bodies turn far the square is not all of it; and what is far off is drawn together first.
         S is_near[W] = {};
-        for (std::uint32_t r = 0; r < of_.row_count; ++r) matrix_.row[r].right_hand = K::broadcast(C(0));
+        for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
+            const joint_pattern::joint& j = of_.joints[i];
+            for (std::uint32_t r = j.first_row; r < j.first_row + j.row_count; ++r)
+                matrix_.row[r].right_hand = widened<K>(rows_[r].speed_of(velocities_[j.a], velocities_[j.b]));
+        }
         for (int lane = 0; lane < W; ++lane) {
             if (joint_at(0, lane) == nullptr) continue;
             for (std::uint32_t k = 0; k < of_.body_count; ++k) {
@@ -24704,13 +24585,12 @@ private:
                 const double apart =
                     length_squared_of(kinds_[j.kind].write(joint_at(i, lane), true, ahead_[j.a], ahead_[j.b], rows));
                 j.each_row([&](std::uint32_t r, int k) {
-                    if (rows_[r].is_bounded || rows_[r].has_spring) return;
-                    const double error = to_double(rows_[r].error[lane]), ahead = to_double(rows[k].error);
-                    const double misses =
-                        ahead - error -
-                        to_double(rows_[r].speed_of(velocities_[j.a], velocities_[j.b]).lane(lane) * with.h);
+                    K& right_hand = matrix_.row[r].right_hand;
+                    const bool holds = !rows_[r].is_bounded && !rows_[r].has_spring;
+                    const double moved = to_double(rows[k].error) - to_double(rows_[r].error[lane]),
+                                 misses = holds ? moved - right_hand.lane(lane) * to_double(with.h) : 0;
                     if (part_of(misses, rows[k], apart) > 0.0025) is_near[lane] = S(0);
-                    matrix_.row[r].right_hand.set_lane(lane, static_cast<C>(-misses * to_double(with.inverse_h)));
+                    right_hand.set_lane(lane, -misses * to_double(with.inverse_h));
                 });
             }
         }
@@ -24761,8 +24641,8 @@ private:
     /// Of each body how many joints it has.
     std::uint32_t* joints_of_;
     pose* ahead_;
-    bool is_factorised_ = false, are_forces_noted_ = false, are_corrected_ = false, has_loads_ = false;
-    bool any_bounded_ = false;
+    bool is_factorised_ = false, are_forces_noted_ = false, are_corrected_ = false, has_loads_ = false,
+         any_bounded_ = false;
     /// 1 where substeps are short enough; and where something is farther from what holds it than a hundredth.
     S resolved_[W] = {}, far_[W] = {};
 };
@@ -26366,6 +26246,120 @@ struct sequential_impulse {
         }
     };
 };
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/dynamics/soft_prepare.hpp
+// =================================================================================================
+// What preparing the soft solver's contacts in lanes is made of.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// What contacts are prepared in: floats as they are; other scalars by way of double, which has room for products of
+/// inverse masses.
+template <class S, int W>
+using preparing = kernel_pack<std::conditional_t<std::is_floating_point_v<S>, S, double>, W>;
+
+/// W contacts that are prepared together, some of which may be none. Contacts are rows of scalars, which lanes read
+/// faster than one by one.
+template <class S, int D, int W, class Features>
+class contact_gather {
+    using contact = solver_api::contact<S, D, Features>;
+    using P = kernel_pack<S, W>;
+
+public:
+    static constexpr int capacity = manifold<S, D>::capacity;
+
+    contact_gather() {
+        for (const contact*& one : at_) one = &none;
+    }
+    void add(int lane, const contact& c) { at_[lane] = &c; }
+
+    /// Where points are from their middles, in world axes, 1 for each point that there is, and how many there are.
+    S offset[capacity][D][W], there[capacity][W], count[W];
+
+    /// Reads where contacts with up to `maximum` points lie, and writes that to their frames and points.
+    template <class Frame, class Point>
+    PHYSICS_HPP_ALWAYS_INLINE void read(Frame& to, Point* to_points, int maximum) {
+        const S* rows[W];
+        for (int lane = 0; lane < W; ++lane) {
+            rows[lane] = &at_[lane]->normal[0];
+            count[lane] = S(int{at_[lane]->count});
+        }
+        P frame[3 * D], place[capacity][D + 1], middle[D];
+        read_rows(frame, rows);
+        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1)), points = P::load(count);
+        for (int i = 0; i < D; ++i) middle[i] = zero;
+        for (int k = 0; k < maximum; ++k) {
+            for (int lane = 0; lane < W; ++lane) rows[lane] = &at_[lane]->points[k].position[0];
+            read_rows(place[k], rows);
+            const P is = select_greater(points, P::broadcast(S(k)), one, zero);
+            is.store(there[k]);
+            for (P& component : place[k]) component = select_greater(is, zero, component, zero);
+            place[k][D].store(to_points[k].separation);
+            for (int i = 0; i < D; ++i) middle[i] = k == 0 ? place[0][i] : middle[i] + place[k][i];
+        }
+        const P share = one / max(points, one);
+        // In 3D friction has its lever from each body's own surface: from halfway between them, that of a needle which
+        // is tilted over the ground would be many times as long as the one about its own axis is.
+        P half_gap = zero;
+        if constexpr (D == 3) {
+            for (int k = 0; k < maximum; ++k) half_gap = half_gap + place[k][D];
+            half_gap = max(half_gap, zero) * share * P::broadcast(S(0.5));
+        }
+        for (int i = 0; i < D; ++i) {
+            middle[i] = middle[i] * share;
+            frame[i].store(to.normal[i]);
+            P on_a = middle[i], on_b = middle[i];
+            if constexpr (D == 3) {
+                on_a = on_a - half_gap * frame[i];
+                on_b = on_b + half_gap * frame[i];
+            }
+            (frame[D + i] + on_a).store(to.r_a[i]);
+            (frame[2 * D + i] + on_b).store(to.r_b[i]);
+            for (int k = 0; k < maximum; ++k)
+                select_greater(P::load(there[k]), zero, place[k][i] - middle[i], zero).store(offset[k][i]);
+        }
+    }
+
+private:
+    struct rows_from {
+        const S* const* first;
+        int skipped;
+
+        PHYSICS_HPP_ALWAYS_INLINE const S* operator[](int lane) const { return first[lane] + skipped; }
+        PHYSICS_HPP_ALWAYS_INLINE rows_from from(int lane) const { return {first + lane, skipped}; }
+    };
+    /// The first N scalars of each row. Lanes read on to a multiple of four, which is still within the contact.
+    template <int N>
+    PHYSICS_HPP_ALWAYS_INLINE static void read_rows(P (&to)[N], const S* const (&rows)[W]) {
+        if constexpr (W == 1) {
+            for (int i = 0; i < N; ++i) to[i] = {rows[0][i]};
+        } else {
+            for (int i = 0; i < N; i += 4) {
+                const quad<P> four = load4<P>(rows_from{rows, i});
+                to[i] = four.x;
+                if (i + 1 < N) to[i + 1] = four.y;
+                if (i + 2 < N) to[i + 2] = four.z;
+                if (i + 3 < N) to[i + 3] = four.w;
+            }
+        }
+    }
+    static_assert(offsetof(contact, r_a) == offsetof(contact, normal) + D * sizeof(S) &&
+                  offsetof(contact, r_b) == offsetof(contact, r_a) + D * sizeof(S) &&
+                  sizeof(contact) >= offsetof(contact, normal) + (D == 2 ? 8 : 12) * sizeof(S));
+    using point = contact_point<S, D, Features>;
+    static_assert(offsetof(point, separation) == offsetof(point, position) + D * sizeof(S) &&
+                  sizeof(point) >= offsetof(point, position) + 4 * sizeof(S));
+
+    static inline const contact none{};
+    const contact* at_[W];
+};
+
+}  // namespace detail
 
 PHYSICS_HPP_END
 

@@ -38,7 +38,6 @@ void a_rod_holds() {
         const double h = 1.0 / 60 / substeps;
         CHECK(s.error < 3 * (2 * gravity) * h * h + 1e-4);
         CHECK(s.error < last);
-        // README's figures.
         if (substeps <= 16) CHECK(s.error < (substeps == 1 ? 0.012 : substeps == 4 ? 0.0008 : 0.00006));
         // It swings through the lowest point, and gains nothing,
         CHECK(s.drop > 0.999);

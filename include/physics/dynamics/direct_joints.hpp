@@ -3,7 +3,6 @@
 
 #include "physics/dynamics/joint_access.hpp"
 #include "physics/dynamics/joint_matrix.hpp"
-#include "physics/dynamics/soft_prepare.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -101,10 +100,8 @@ public:
             if (!any_bounded_) break;
             if (settles) open = select_greater(cut, zero, open, zero);
         }
-        if (use_bias) {
-            if (greater(P::load(resolved_), P::broadcast(S(0))).bits() != 0) look_ahead(poses, with);
-            find_corrections();
-        }
+        if (use_bias && greater(P::load(resolved_), P::broadcast(S(0))).bits() != 0) look_ahead(poses, with);
+        if (use_bias) find_corrections();
         store(bodies);
     }
     void store_impulses(S h) const {
@@ -189,9 +186,11 @@ private:
         vec<S, D> r_a, r_b;
         j.each_row([&](std::uint32_t r, int k) {
             rows_[r].write(lane, rows[k], a, b, with);
-            const double part = part_of(to_double(rows[k].error), rows[k], apart);
+            // Of what has room, rests elsewhere or gives in, the error says nothing.
+            const bool holds = !rows[k].is_bounded() && !rows[k].is_spring();
+            const double part = holds ? part_of(to_double(rows[k].error), rows[k], apart) : 0;
             matrix_.row[r].slack.set_lane(lane, static_cast<C>(part > 1.0 / 1024 ? part * part : 0));
-            if (part > 0.0001 && !rows[k].is_bounded() && !rows[k].is_spring()) far_[lane] = S(1);
+            if (part > 0.0001) far_[lane] = S(1);
             if (rows[k].direction == vec<S, D>{}) return;
             const double given = to_double(state_[r].load[lane]);
             square += given * given;
@@ -205,7 +204,6 @@ private:
         sway_[j.b] += of_b * force_h2;
         unit_sway_[i].set_lane(lane, static_cast<C>(max(of_a, of_b) * to_double(with.h)));
     }
-
     void assemble() {
         const K zero = K::broadcast(C(0));
         for (std::uint32_t i = 0; i < of_.entries; ++i) matrix_.matrix[i] = zero;
@@ -234,7 +232,6 @@ private:
             }
         }
     }
-
     /// Right-hand sides, and of lanes that are open (1) which rows are in the solve; greater than 0 where these are
     /// others than before. To settle, rows only leave.
     K choose_rows(const joint_pass<S>& with, bool use_bias, bool settles, const K& open) {
@@ -318,7 +315,11 @@ private:
     void look_ahead(const poses_of& poses, const joint_pass<S>& with) {
         // Where bodies turn far the square is not all of it; and what is far off is drawn together first.
         S is_near[W] = {};
-        for (std::uint32_t r = 0; r < of_.row_count; ++r) matrix_.row[r].right_hand = K::broadcast(C(0));
+        for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
+            const joint_pattern::joint& j = of_.joints[i];
+            for (std::uint32_t r = j.first_row; r < j.first_row + j.row_count; ++r)
+                matrix_.row[r].right_hand = widened<K>(rows_[r].speed_of(velocities_[j.a], velocities_[j.b]));
+        }
         for (int lane = 0; lane < W; ++lane) {
             if (joint_at(0, lane) == nullptr) continue;
             for (std::uint32_t k = 0; k < of_.body_count; ++k) {
@@ -332,13 +333,12 @@ private:
                 const double apart =
                     length_squared_of(kinds_[j.kind].write(joint_at(i, lane), true, ahead_[j.a], ahead_[j.b], rows));
                 j.each_row([&](std::uint32_t r, int k) {
-                    if (rows_[r].is_bounded || rows_[r].has_spring) return;
-                    const double error = to_double(rows_[r].error[lane]), ahead = to_double(rows[k].error);
-                    const double misses =
-                        ahead - error -
-                        to_double(rows_[r].speed_of(velocities_[j.a], velocities_[j.b]).lane(lane) * with.h);
+                    K& right_hand = matrix_.row[r].right_hand;
+                    const bool holds = !rows_[r].is_bounded && !rows_[r].has_spring;
+                    const double moved = to_double(rows[k].error) - to_double(rows_[r].error[lane]),
+                                 misses = holds ? moved - right_hand.lane(lane) * to_double(with.h) : 0;
                     if (part_of(misses, rows[k], apart) > 0.0025) is_near[lane] = S(0);
-                    matrix_.row[r].right_hand.set_lane(lane, static_cast<C>(-misses * to_double(with.inverse_h)));
+                    right_hand.set_lane(lane, -misses * to_double(with.inverse_h));
                 });
             }
         }
@@ -389,8 +389,8 @@ private:
     /// Of each body how many joints it has.
     std::uint32_t* joints_of_;
     pose* ahead_;
-    bool is_factorised_ = false, are_forces_noted_ = false, are_corrected_ = false, has_loads_ = false;
-    bool any_bounded_ = false;
+    bool is_factorised_ = false, are_forces_noted_ = false, are_corrected_ = false, has_loads_ = false,
+         any_bounded_ = false;
     /// 1 where substeps are short enough; and where something is farther from what holds it than a hundredth.
     S resolved_[W] = {}, far_[W] = {};
 };

@@ -59,8 +59,7 @@ struct joint_pattern {
     std::uint64_t cost;
 };
 
-/// The components of a graph of joints that are worth solving directly, those with the same pattern one after the
-/// other.
+/// The components of a graph of joints, with a pattern if they are worth solving directly: equal ones share it.
 class joint_patterns {
 public:
     struct component {

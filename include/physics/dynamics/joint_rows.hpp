@@ -71,13 +71,7 @@ struct twist_lanes {
     }
     /// Adds it to twists of single bodies.
     void add_to(twist_of<S, D, Rotates>* to, const std::uint32_t* index) const {
-        for (int lane = 0; lane < P::width; ++lane) {
-            auto& v = to[index[lane]];
-            for (int i = 0; i < D; ++i) v.linear[i] += at[i].lane(lane);
-            if constexpr (angular_size == 1) v.angular += at[D].lane(lane);
-            if constexpr (angular_size == 3)
-                for (int i = 0; i < 3; ++i) v.angular[i] += at[D + i].lane(lane);
-        }
+        for (int lane = 0; lane < P::width; ++lane) to[index[lane]] = to[index[lane]] + of(lane);
     }
 };
 
