@@ -20646,17 +20646,39 @@ struct joint_drive {
 };
 
 /// What a kind of joint must offer: values whose members are listed, a function check(joint, function) like that of
-/// shapes, and how many rows it has, 1 to 16: rows(frames, row) writes them. It is pure geometry, and is asked in each
+/// shapes, and how many rows it has, 0 to 16: rows(frames, row) writes them. It is pure geometry, and is asked in each
 /// substep; all else is the library's.
 template <class Joint, class S, int D>
 concept joint_for = std::is_trivially_copyable_v<Joint> && detail::names_members<Joint> &&
     requires(const Joint& joint, const joint_frames<S, D>& at, joint_row<S, D>* row) {
     { check(joint, "create_joint") } -> std::same_as<bool>;
-    requires Joint::row_count >= 1 && Joint::row_count <= 16;
+    requires Joint::row_count >= 0 && Joint::row_count <= 16;
     joint.rows(at, row);
 };
 
 namespace detail {
+
+/// N values, of which there may be none.
+template <class T, int N>
+struct fixed_list {
+    T at[N] = {};
+
+    T& operator[](int i) { return at[i]; }
+    const T& operator[](int i) const { return at[i]; }
+    T* begin() { return at; }
+    T* end() { return at + N; }
+    const T* begin() const { return at; }
+    const T* end() const { return at + N; }
+};
+template <class T>
+struct fixed_list<T, 0> {
+    T& operator[](int) { return *begin(); }
+    const T& operator[](int) const { return *begin(); }
+    T* begin() { return nullptr; }
+    T* end() { return nullptr; }
+    const T* begin() const { return nullptr; }
+    const T* end() const { return nullptr; }
+};
 
 /// Whether the turns of a joint are counted.
 template <class Joint, class S, int D>
@@ -20779,6 +20801,30 @@ bool check(const distance_joint<S, D>& joint, const char* function) {
     return !(joint.min_length > joint.max_length) ||
            detail::refuse(function, "min_length", static_cast<double>(joint.min_length),
                           "it must be at most max_length");
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/joint/filter_joint.hpp
+// =================================================================================================
+// The filter joint.
+
+PHYSICS_HPP_BEGIN
+
+/// Keeps two bodies from colliding, and does nothing else: they move, sleep and wake apart. Rows: none.
+template <class S, int D>
+struct filter_joint {
+    static constexpr int row_count = 0;
+    template <class Self, class F>
+    static constexpr void each_member(Self&, F&&) {}
+
+    void rows(const joint_frames<S, D>&, joint_row<S, D>*) const {}
+};
+
+template <class S, int D>
+bool check(const filter_joint<S, D>&, const char*) {
+    return true;
 }
 
 PHYSICS_HPP_END
@@ -22776,7 +22822,7 @@ struct step_joint {
     /// Where its bodies are as the step begins.
     joint_frames<S, D> start;
     /// What its rows gave in a substep of that length (N s, s); 0 of joints that are new.
-    S impulse[Joint::row_count] = {};
+    [[no_unique_address]] detail::fixed_list<S, Joint::row_count> impulse{};
     S substep{};
     /// Which of the world's joints of its kind it is.
     std::uint32_t slot = 0;
@@ -25159,14 +25205,14 @@ private:
     }
     PHYSICS_HPP_NOINLINE void write_rows(int lane, const body* bodies, const pose* poses, const joint_pass<S>& with) {
         const std::uint32_t a = a_.index[lane], b = b_.index[lane];
-        joint_row<S, D> rows[Joint::row_count];
-        detail::write_rows(*joints_[lane], false, poses[a], poses[b], rows);
+        fixed_list<joint_row<S, D>, Joint::row_count> rows;
+        detail::write_rows(*joints_[lane], false, poses[a], poses[b], rows.begin());
         for (int k = 0; k < Joint::row_count; ++k) rows_[k].write(lane, rows[k], bodies[a], bodies[b], with);
     }
 
     step_joint<Joint, S, D>* joints_[W] = {};
     pushed_lanes<S, D, Rotates, W> a_, b_;
-    row rows_[Joint::row_count] = {};
+    fixed_list<row, Joint::row_count> rows_{};
 };
 
 }  // namespace detail
@@ -28487,7 +28533,7 @@ struct joint_record {
 template <class Joint, class S>
 struct stored_joint {
     Joint joint;
-    S impulse[Joint::row_count] = {};
+    [[no_unique_address]] fixed_list<S, Joint::row_count> impulse{};
     S substep{};
     /// Of joints that count their turns, see counted_angle.
     S angle{};
@@ -28517,6 +28563,11 @@ struct joint_set<S, D, joints<Joints...>> : joint_pool<Joints<S, D>, S>... {
         std::uint32_t kind = 0, result = 0;
         ((result = std::same_as<Joint, Joints<S, D>> ? kind : result, ++kind), ...);
         return result;
+    }
+    /// Whether joints of a kind hold bodies together: they have rows.
+    static constexpr bool holds(std::uint32_t kind) {
+        constexpr bool has_rows[] = {(Joints<S, D>::row_count > 0)...};
+        return has_rows[kind];
     }
     template <class Joint>
     pool<stored_joint<Joint, S>>& of_kind() {
@@ -28601,19 +28652,20 @@ void list_joints(const joint_set<S, D, Joints>& all, const pool<body<S, D, Rotat
         auto& to = found.template of_kind<Joint>();
         to.clear();
         found.begin[kind] = edges.size();
-        of_kind.each([&](std::uint32_t slot, const stored_joint<Joint, S>& from) {
-            const joint_record& record = all.records[from.number];
-            if (!record.enabled || (!is_pushed(record.body_a) && !is_pushed(record.body_b))) return;
-            const auto &a = bodies[record.body_a], &b = bodies[record.body_b];
-            auto& j = to.emplace_back(
-                &from.joint,
-                joint_frames<S, D>{a.rotation, b.rotation, a.mass.center, b.mass.center, b.center - a.center, {}});
-            for (int k = 0; k < Joint::row_count; ++k) j.impulse[k] = from.impulse[k];
-            j.substep = from.substep;
-            j.turned = from.turned();
-            j.slot = slot;
-            edges.push_back({record.body_a, record.body_b});
-        });
+        if constexpr (Joint::row_count > 0)
+            of_kind.each([&](std::uint32_t slot, const stored_joint<Joint, S>& from) {
+                const joint_record& record = all.records[from.number];
+                if (!record.enabled || (!is_pushed(record.body_a) && !is_pushed(record.body_b))) return;
+                const auto &a = bodies[record.body_a], &b = bodies[record.body_b];
+                auto& j = to.emplace_back(
+                    &from.joint,
+                    joint_frames<S, D>{a.rotation, b.rotation, a.mass.center, b.mass.center, b.center - a.center, {}});
+                for (int k = 0; k < Joint::row_count; ++k) j.impulse[k] = from.impulse[k];
+                j.substep = from.substep;
+                j.turned = from.turned();
+                j.slot = slot;
+                edges.push_back({record.body_a, record.body_b});
+            });
         found.begin[kind + 1] = edges.size();
     });
 }
@@ -28636,7 +28688,7 @@ void each_connected(const no_joints&, std::uint32_t, F&&) {}
 template <class Joints, class F>
 void each_connected(const Joints& joints, std::uint32_t body, F&& f) {
     joints.each_of(body, [&](std::uint32_t, const joint_record& r) {
-        if (r.enabled) f(r.other(body));
+        if (r.enabled && joints.holds(r.kind)) f(r.other(body));
     });
 }
 
@@ -32124,6 +32176,7 @@ struct shape_names {
     using compound_geometry = physics::compound_geometry<S, D>;
     using ball_joint = physics::ball_joint<S, D>;
     using distance_joint = physics::distance_joint<S, D>;
+    using filter_joint = physics::filter_joint<S, D>;
     using prismatic_joint = physics::prismatic_joint<S, D>;
     using revolute_joint = physics::revolute_joint<S, D>;
     using target_joint = physics::target_joint<S, D>;
@@ -34613,8 +34666,8 @@ joint_reaction<typename Plan::scalar, Plan::dimension> reaction_of(const state<P
     with_joint<Plan>(s, joint, [&]<class Joint>(const stored_joint<Joint, S>& j, frames_of<Plan> at) {
         if (!(j.substep > S(0))) return;
         if constexpr (counts_turns<Joint, S, D>) at.turned = j.turned().at(j.joint.angle(at));
-        joint_row<S, D> row[Joint::row_count];
-        j.joint.rows(at, row);
+        fixed_list<joint_row<S, D>, Joint::row_count> row;
+        j.joint.rows(at, row.begin());
         for (int k = 0; k < Joint::row_count; ++k) {
             sum.force += row[k].direction * (j.impulse[k] / j.substep);
             sum.torque += (row[k].angular_b - cross(row[k].r_b, row[k].direction)) * (j.impulse[k] / j.substep);

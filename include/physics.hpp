@@ -241,6 +241,7 @@
 // What a kind of joint is.
 #include "physics/joint/ball_joint.hpp"
 #include "physics/joint/distance_joint.hpp"
+#include "physics/joint/filter_joint.hpp"
 #include "physics/joint/joint.hpp"
 #include "physics/joint/prismatic_joint.hpp"
 #include "physics/joint/revolute_joint.hpp"

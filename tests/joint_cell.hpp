@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "cell.hpp"
@@ -16,7 +17,9 @@ using physics::body_type;
 using physics::joint_id;
 using vec = physics::vec<S, D>;
 using distance_joint = physics::distance_joint<S, D>;
-constexpr double gravity = 10;
+using transform = physics::transform<S, D>;
+using rotation = physics::rotation<S, D>;
+constexpr double gravity = 10, pi = 3.141592653589793;
 
 using few = physics::shapes<physics::ball, physics::box, physics::halfspace>;
 template <class... Policies>
@@ -88,6 +91,54 @@ inline double size_of(S x) { return std::abs(number(x)); }
 inline double size_of(const physics::vec<S, 3>& v) { return std::sqrt(number(v.x * v.x + v.y * v.y + v.z * v.z)); }
 inline double about_z(S inertia) { return number(inertia); }
 inline double about_z(const physics::symmetric<S>& inertia) { return number(inertia.zz); }
+
+/// A box of 1 kg.
+template <class World>
+body_id add_box(World& w, const vec& where, double half_x, double half_y) {
+    const body_id b = w.create_body({.position = where});
+    vec half = vec::filled(S(0.125));
+    half[0] = S(half_x);
+    half[1] = S(half_y);
+    const double size = 4 * half_x * half_y * (D == 2 ? 1 : 0.25);
+    w.create_shape(b, typename World::box{half}, {.density = S(1 / size)});
+    return b;
+}
+/// One whose moment of inertia about z is 1 kg m^2.
+template <class World>
+body_id add_flywheel(World& w, const vec& where) {
+    return add_box(w, where, 1, std::sqrt(2.0));
+}
+inline double z_of(S w) { return number(w); }
+inline double z_of(const physics::vec<S, 3>& w) { return number(w.z); }
+inline vec spin_of(S) { return {}; }
+inline const physics::vec<S, 3>& spin_of(const physics::vec<S, 3>& w) { return w; }
+inline void set_z(S& w, double x) { w = S(x); }
+inline void set_z(physics::vec<S, 3>& w, double x) { w = {S(0), S(0), S(x)}; }
+template <class World>
+void set_spin(World& w, body_id b, double x) {
+    typename World::angular v{};
+    set_z(v, x);
+    w.set_angular_velocity(b, v);
+}
+inline auto turned_by(physics::rotation<S, 2>, double angle) { return physics::rotation<S, 2>::from_angle(S(angle)); }
+inline auto turned_by(physics::rotation<S, 3>, double angle) {
+    return physics::rotation<S, 3>::from_axis_angle({S(0), S(0), S(1)}, S(angle));
+}
+inline void stretch(physics::rotation<S, 2>& r) { r.cosine = S(2); }
+inline void stretch(physics::rotation<S, 3>& r) { r.w = S(2); }
+inline rotation turn(double angle) { return turned_by(rotation{}, angle); }
+inline transform frame(double x, double y = 0, double angle = 0) { return {at(x, y), turn(angle)}; }
+
+/// What a call is refused with.
+template <class F>
+std::string refusal(F&& call) {
+    try {
+        call();
+    } catch (const physics::error& error) {
+        return error.what();
+    }
+    return "";
+}
 
 }  // namespace joint_laws
 }  // namespace

@@ -1,18 +1,12 @@
 // Laws of kinds of joints: statics and motions that are known, in every cell, from one substep on.
 #pragma once
 
-#include <string>
-
 #include "joint_cell.hpp"
-#include "laws/joint_worlds.hpp"
 
 namespace {
 namespace kind_laws {
 
 using namespace joint_laws;
-using transform = physics::transform<S, D>;
-using rotation = physics::rotation<S, D>;
-constexpr double pi = 3.141592653589793;
 
 template <class... Policies>
 struct kinds
@@ -27,43 +21,6 @@ using prismatic_joint = physics::prismatic_joint<S, D>;
 using weld_joint = physics::weld_joint<S, D>;
 using wheel_joint = physics::wheel_joint<S, D>;
 using target_joint = physics::target_joint<S, D>;
-
-/// A box of 1 kg.
-template <class World>
-body_id add_box(World& w, const vec& where, double half_x, double half_y) {
-    const body_id b = w.create_body({.position = where});
-    vec half = vec::filled(S(0.125));
-    half[0] = S(half_x);
-    half[1] = S(half_y);
-    const double size = 4 * half_x * half_y * (D == 2 ? 1 : 0.25);
-    w.create_shape(b, typename World::box{half}, {.density = S(1 / size)});
-    return b;
-}
-/// One whose moment of inertia about z is 1 kg m^2.
-template <class World>
-body_id add_flywheel(World& w, const vec& where) {
-    return add_box(w, where, 1, std::sqrt(2.0));
-}
-inline double z_of(S w) { return number(w); }
-inline double z_of(const physics::vec<S, 3>& w) { return number(w.z); }
-inline vec spin_of(S) { return {}; }
-inline const physics::vec<S, 3>& spin_of(const physics::vec<S, 3>& w) { return w; }
-inline void set_z(S& w, double x) { w = S(x); }
-inline void set_z(physics::vec<S, 3>& w, double x) { w = {S(0), S(0), S(x)}; }
-template <class World>
-void set_spin(World& w, body_id b, double x) {
-    typename World::angular v{};
-    set_z(v, x);
-    w.set_angular_velocity(b, v);
-}
-inline auto turned_by(physics::rotation<S, 2>, double angle) { return physics::rotation<S, 2>::from_angle(S(angle)); }
-inline auto turned_by(physics::rotation<S, 3>, double angle) {
-    return physics::rotation<S, 3>::from_axis_angle({S(0), S(0), S(1)}, S(angle));
-}
-inline void stretch(physics::rotation<S, 2>& r) { r.cosine = S(2); }
-inline void stretch(physics::rotation<S, 3>& r) { r.w = S(2); }
-inline rotation turn(double angle) { return turned_by(rotation{}, angle); }
-inline transform frame(double x, double y = 0, double angle = 0) { return {at(x, y), turn(angle)}; }
 
 template <class World>
 void a_rod_swings_from_its_hinge(int substeps) {

@@ -1,8 +1,6 @@
 // Laws of joints in worlds: islands, sleep, workers, the hash, snapshots, and what is refused.
 #pragma once
 
-#include <string>
-
 #include "joint_cell.hpp"
 #include "laws/members.hpp"
 
@@ -37,17 +35,6 @@ namespace {
 namespace joint_laws {
 
 using own_joints::pin;
-
-/// What a call is refused with.
-template <class F>
-std::string refusal(F&& call) {
-    try {
-        call();
-    } catch (const physics::error& error) {
-        return error.what();
-    }
-    return "";
-}
 
 /// A net of balls that falls on the ground, over a bar in the air.
 template <class World>

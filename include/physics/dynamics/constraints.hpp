@@ -15,7 +15,7 @@ struct step_joint {
     /// Where its bodies are as the step begins.
     joint_frames<S, D> start;
     /// What its rows gave in a substep of that length (N s, s); 0 of joints that are new.
-    S impulse[Joint::row_count] = {};
+    [[no_unique_address]] detail::fixed_list<S, Joint::row_count> impulse{};
     S substep{};
     /// Which of the world's joints of its kind it is.
     std::uint32_t slot = 0;

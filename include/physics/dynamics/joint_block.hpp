@@ -83,14 +83,14 @@ private:
     }
     PHYSICS_HPP_NOINLINE void write_rows(int lane, const body* bodies, const pose* poses, const joint_pass<S>& with) {
         const std::uint32_t a = a_.index[lane], b = b_.index[lane];
-        joint_row<S, D> rows[Joint::row_count];
-        detail::write_rows(*joints_[lane], false, poses[a], poses[b], rows);
+        fixed_list<joint_row<S, D>, Joint::row_count> rows;
+        detail::write_rows(*joints_[lane], false, poses[a], poses[b], rows.begin());
         for (int k = 0; k < Joint::row_count; ++k) rows_[k].write(lane, rows[k], bodies[a], bodies[b], with);
     }
 
     step_joint<Joint, S, D>* joints_[W] = {};
     pushed_lanes<S, D, Rotates, W> a_, b_;
-    row rows_[Joint::row_count] = {};
+    fixed_list<row, Joint::row_count> rows_{};
 };
 
 }  // namespace detail

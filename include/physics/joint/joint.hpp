@@ -161,17 +161,39 @@ struct joint_drive {
 };
 
 /// What a kind of joint must offer: values whose members are listed, a function check(joint, function) like that of
-/// shapes, and how many rows it has, 1 to 16: rows(frames, row) writes them. It is pure geometry, and is asked in each
+/// shapes, and how many rows it has, 0 to 16: rows(frames, row) writes them. It is pure geometry, and is asked in each
 /// substep; all else is the library's.
 template <class Joint, class S, int D>
 concept joint_for = std::is_trivially_copyable_v<Joint> && detail::names_members<Joint> &&
     requires(const Joint& joint, const joint_frames<S, D>& at, joint_row<S, D>* row) {
     { check(joint, "create_joint") } -> std::same_as<bool>;
-    requires Joint::row_count >= 1 && Joint::row_count <= 16;
+    requires Joint::row_count >= 0 && Joint::row_count <= 16;
     joint.rows(at, row);
 };
 
 namespace detail {
+
+/// N values, of which there may be none.
+template <class T, int N>
+struct fixed_list {
+    T at[N] = {};
+
+    T& operator[](int i) { return at[i]; }
+    const T& operator[](int i) const { return at[i]; }
+    T* begin() { return at; }
+    T* end() { return at + N; }
+    const T* begin() const { return at; }
+    const T* end() const { return at + N; }
+};
+template <class T>
+struct fixed_list<T, 0> {
+    T& operator[](int) { return *begin(); }
+    const T& operator[](int) const { return *begin(); }
+    T* begin() { return nullptr; }
+    T* end() { return nullptr; }
+    const T* begin() const { return nullptr; }
+    const T* end() const { return nullptr; }
+};
 
 /// Whether the turns of a joint are counted.
 template <class Joint, class S, int D>

@@ -32,7 +32,7 @@ struct joint_record {
 template <class Joint, class S>
 struct stored_joint {
     Joint joint;
-    S impulse[Joint::row_count] = {};
+    [[no_unique_address]] fixed_list<S, Joint::row_count> impulse{};
     S substep{};
     /// Of joints that count their turns, see counted_angle.
     S angle{};
@@ -62,6 +62,11 @@ struct joint_set<S, D, joints<Joints...>> : joint_pool<Joints<S, D>, S>... {
         std::uint32_t kind = 0, result = 0;
         ((result = std::same_as<Joint, Joints<S, D>> ? kind : result, ++kind), ...);
         return result;
+    }
+    /// Whether joints of a kind hold bodies together: they have rows.
+    static constexpr bool holds(std::uint32_t kind) {
+        constexpr bool has_rows[] = {(Joints<S, D>::row_count > 0)...};
+        return has_rows[kind];
     }
     template <class Joint>
     pool<stored_joint<Joint, S>>& of_kind() {
@@ -146,19 +151,20 @@ void list_joints(const joint_set<S, D, Joints>& all, const pool<body<S, D, Rotat
         auto& to = found.template of_kind<Joint>();
         to.clear();
         found.begin[kind] = edges.size();
-        of_kind.each([&](std::uint32_t slot, const stored_joint<Joint, S>& from) {
-            const joint_record& record = all.records[from.number];
-            if (!record.enabled || (!is_pushed(record.body_a) && !is_pushed(record.body_b))) return;
-            const auto &a = bodies[record.body_a], &b = bodies[record.body_b];
-            auto& j = to.emplace_back(
-                &from.joint,
-                joint_frames<S, D>{a.rotation, b.rotation, a.mass.center, b.mass.center, b.center - a.center, {}});
-            for (int k = 0; k < Joint::row_count; ++k) j.impulse[k] = from.impulse[k];
-            j.substep = from.substep;
-            j.turned = from.turned();
-            j.slot = slot;
-            edges.push_back({record.body_a, record.body_b});
-        });
+        if constexpr (Joint::row_count > 0)
+            of_kind.each([&](std::uint32_t slot, const stored_joint<Joint, S>& from) {
+                const joint_record& record = all.records[from.number];
+                if (!record.enabled || (!is_pushed(record.body_a) && !is_pushed(record.body_b))) return;
+                const auto &a = bodies[record.body_a], &b = bodies[record.body_b];
+                auto& j = to.emplace_back(
+                    &from.joint,
+                    joint_frames<S, D>{a.rotation, b.rotation, a.mass.center, b.mass.center, b.center - a.center, {}});
+                for (int k = 0; k < Joint::row_count; ++k) j.impulse[k] = from.impulse[k];
+                j.substep = from.substep;
+                j.turned = from.turned();
+                j.slot = slot;
+                edges.push_back({record.body_a, record.body_b});
+            });
         found.begin[kind + 1] = edges.size();
     });
 }
@@ -181,7 +187,7 @@ void each_connected(const no_joints&, std::uint32_t, F&&) {}
 template <class Joints, class F>
 void each_connected(const Joints& joints, std::uint32_t body, F&& f) {
     joints.each_of(body, [&](std::uint32_t, const joint_record& r) {
-        if (r.enabled) f(r.other(body));
+        if (r.enabled && joints.holds(r.kind)) f(r.other(body));
     });
 }
 

@@ -70,8 +70,8 @@ joint_reaction<typename Plan::scalar, Plan::dimension> reaction_of(const state<P
     with_joint<Plan>(s, joint, [&]<class Joint>(const stored_joint<Joint, S>& j, frames_of<Plan> at) {
         if (!(j.substep > S(0))) return;
         if constexpr (counts_turns<Joint, S, D>) at.turned = j.turned().at(j.joint.angle(at));
-        joint_row<S, D> row[Joint::row_count];
-        j.joint.rows(at, row);
+        fixed_list<joint_row<S, D>, Joint::row_count> row;
+        j.joint.rows(at, row.begin());
         for (int k = 0; k < Joint::row_count; ++k) {
             sum.force += row[k].direction * (j.impulse[k] / j.substep);
             sum.torque += (row[k].angular_b - cross(row[k].r_b, row[k].direction)) * (j.impulse[k] / j.substep);

@@ -9,6 +9,7 @@
 #include "physics/dynamics/soft_step.hpp"
 #include "physics/joint/ball_joint.hpp"
 #include "physics/joint/distance_joint.hpp"
+#include "physics/joint/filter_joint.hpp"
 #include "physics/joint/prismatic_joint.hpp"
 #include "physics/joint/revolute_joint.hpp"
 #include "physics/joint/target_joint.hpp"
@@ -94,6 +95,7 @@ struct shape_names {
     using compound_geometry = physics::compound_geometry<S, D>;
     using ball_joint = physics::ball_joint<S, D>;
     using distance_joint = physics::distance_joint<S, D>;
+    using filter_joint = physics::filter_joint<S, D>;
     using prismatic_joint = physics::prismatic_joint<S, D>;
     using revolute_joint = physics::revolute_joint<S, D>;
     using target_joint = physics::target_joint<S, D>;
