@@ -20511,6 +20511,8 @@ struct joint_row {
     S min_force{}, max_force{};
     /// The velocity J v that it drives to (m/s, rad/s).
     S speed{};
+    /// Whether the speed is all that it drives to, whatever C is: as stiff as it can be, and does not creep.
+    bool is_motor = false;
     /// Of a damped spring that takes C to 0 (Hz, 1); with a frequency of 0 it is as stiff as the solver can make it.
     S frequency{}, damping_ratio{};
 
@@ -20540,9 +20542,17 @@ struct joint_row {
     /// The same row, which drives J v to a speed by up to so much.
     [[nodiscard]] constexpr joint_row motor(S speed_, S max) const {
         joint_row r = *this;
+        r.is_motor = true;
         r.speed = speed_;
         r.max_force = max;
         r.min_force = -max;
+        return r;
+    }
+    /// The same row, which gives no more than that (N, N m).
+    [[nodiscard]] constexpr joint_row at_most(S max) const {
+        joint_row r = *this;
+        r.max_force = min(max, max_force);
+        r.min_force = -r.max_force;
         return r;
     }
     /// The same row as a damped spring.
@@ -20604,6 +20614,11 @@ struct joint_frames {
         result[i] = S(1);
         return result;
     }
+    /// The row of B that turns against A about an axis of a frame of A; in 2D there is but one.
+    [[nodiscard]] joint_row<S, D> about_a(const rotation<S, D>& frame, int i) const {
+        if constexpr (D == 2) return about(S(1));
+        else return about(axis_a(frame, i));
+    }
     /// How a frame of B is turned as seen from one of A.
     [[nodiscard]] rotation<S, D> relative(const rotation<S, D>& frame_a, const rotation<S, D>& frame_b) const {
         return inverse(rotation_a * frame_a) * (rotation_b * frame_b);
@@ -20647,7 +20662,9 @@ struct joint_drive {
 
 /// What a kind of joint must offer: values whose members are listed, a function check(joint, function) like that of
 /// shapes, and how many rows it has, 0 to 16: rows(frames, row) writes them. It is pure geometry, and is asked in each
-/// substep; all else is the library's.
+/// substep; all else is the library's. Of a kind that says so by the bits of `static constexpr std::uint32_t
+/// shared_bounds`, row k shares its max_force with row k + 1, and so on, up to three: not each of them, but the length
+/// of what they give together is bounded. Such rows are on together, with the same bounds and stiffness.
 template <class Joint, class S, int D>
 concept joint_for = std::is_trivially_copyable_v<Joint> && detail::names_members<Joint> &&
     requires(const Joint& joint, const joint_frames<S, D>& at, joint_row<S, D>* row) {
@@ -20830,6 +20847,80 @@ bool check(const filter_joint<S, D>&, const char*) {
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/joint/motor_joint.hpp
+// =================================================================================================
+// The motor joint.
+
+PHYSICS_HPP_BEGIN
+
+/// Drives B's frame, as seen from A's, to a velocity by limited forces, whatever the direction: with speeds of 0 that
+/// is friction. Springs may draw B's frame to A's as well. Forces act where B's frame is. Rows: 6 in 2D, 12 in 3D.
+template <class S, int D>
+struct motor_joint {
+    /// In the bodies' frames (m).
+    transform<S, D> frame_a{}, frame_b{};
+    /// Along and about the axes of A's frame (m/s, rad/s).
+    vec<S, D> linear_velocity{};
+    angular<S, D> angular_velocity{};
+    /// What drives it gives no more than these (N, N m).
+    S max_force = S(0), max_torque = S(0);
+    /// Of springs that draw B's frame to A's (Hz; 0: there are none), with a damping as a part of the critical one. In
+    /// 3D they turn it by the shorter way.
+    S linear_frequency = S(0), linear_damping_ratio = S(0);
+    S angular_frequency = S(0), angular_damping_ratio = S(0);
+    /// Springs give no more than these (N, N m).
+    S max_spring_force = scalar_traits<S>::max(), max_spring_torque = scalar_traits<S>::max();
+
+    static constexpr int turns = D == 2 ? 1 : 3, row_count = 2 * (D + turns);
+    static constexpr std::uint32_t shared_bounds = D == 2 ? 0b001001 : 0b011011011011;
+    PHYSICS_HPP_MEMBERS(frame_a, frame_b, linear_velocity, angular_velocity, max_force, max_torque, linear_frequency,
+                        linear_damping_ratio, angular_frequency, angular_damping_ratio, max_spring_force,
+                        max_spring_torque)
+
+    void rows(const joint_frames<S, D>& at, joint_row<S, D>* row) const {
+        const vec<S, D> r_b = at.r_b(frame_b.position), apart = at.between + (r_b - at.r_a(frame_a.position)),
+                        r_a = at.between + r_b;
+        for (int i = 0; i < D; ++i) {
+            const vec<S, D> x = at.axis_a(frame_a.rotation, i);
+            const joint_row<S, D> along = at.along(x, r_a, r_b);
+            if (max_force > S(0)) row[i] = along.motor(linear_velocity[i], max_force);
+            if (linear_frequency > S(0))
+                row[D + turns + i] =
+                    along.spring(dot(x, apart), linear_frequency, linear_damping_ratio).at_most(max_spring_force);
+        }
+        const angular<S, D> error = rotation_vector(at.relative(frame_a.rotation, frame_b.rotation));
+        for (int i = 0; i < turns; ++i) {
+            const joint_row<S, D> about = at.about_a(frame_a.rotation, i);
+            if (max_torque > S(0)) row[D + i] = about.motor(component(angular_velocity, i), max_torque);
+            if (angular_frequency > S(0))
+                row[2 * D + turns + i] = about.spring(component(error, i), angular_frequency, angular_damping_ratio)
+                                             .at_most(max_spring_torque);
+        }
+    }
+
+private:
+    static S component(S x, int) { return x; }
+    static S component(const vec<S, 3>& v, int i) { return v[i]; }
+};
+
+template <class S, int D>
+bool check(const motor_joint<S, D>& joint, const char* function) {
+    return detail::check_frames(function, joint.frame_a, joint.frame_b) &&
+           detail::check_finite(function, "linear_velocity", joint.linear_velocity) &&
+           detail::check_finite(function, "angular_velocity", joint.angular_velocity) &&
+           detail::check_not_negative(function, "max_force", joint.max_force) &&
+           detail::check_not_negative(function, "max_torque", joint.max_torque) &&
+           detail::check_not_negative(function, "linear_frequency", joint.linear_frequency) &&
+           detail::check_not_negative(function, "linear_damping_ratio", joint.linear_damping_ratio) &&
+           detail::check_not_negative(function, "angular_frequency", joint.angular_frequency) &&
+           detail::check_not_negative(function, "angular_damping_ratio", joint.angular_damping_ratio) &&
+           detail::check_not_negative(function, "max_spring_force", joint.max_spring_force) &&
+           detail::check_not_negative(function, "max_spring_torque", joint.max_spring_torque);
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/joint/prismatic_joint.hpp
 // =================================================================================================
 // The prismatic joint: sliders.
@@ -20957,19 +21048,16 @@ struct target_joint {
     vec<S, D> target{}, anchor_b{};
     /// Of the spring (Hz, greater than 0), and its damping as a part of the critical one.
     S frequency = S(5), damping_ratio = S(1);
-    /// Along each axis of the world, at most (N).
+    /// At most, whatever the direction (N).
     S max_force = scalar_traits<S>::max();
 
     static constexpr int row_count = D;
+    static constexpr std::uint32_t shared_bounds = D == 2 ? 0b1 : 0b11;
     PHYSICS_HPP_MEMBERS(target, anchor_b, frequency, damping_ratio, max_force)
 
     void rows(const joint_frames<S, D>& at, joint_row<S, D>* row) const {
         at.hold(target, anchor_b, row);
-        for (int i = 0; i < D; ++i) {
-            row[i] = row[i].spring(row[i].error, frequency, damping_ratio);
-            row[i].max_force = min(max_force, row[i].max_force);
-            row[i].min_force = -row[i].max_force;
-        }
+        for (int i = 0; i < D; ++i) row[i] = row[i].spring(row[i].error, frequency, damping_ratio).at_most(max_force);
     }
 };
 
@@ -23080,6 +23168,328 @@ double largest_magnitude(vec<S, D> v) {
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/dynamics/joint_pattern.hpp
+// =================================================================================================
+// Which joints are solved directly, and in what order their rows are eliminated.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// A joint as a part of a graph.
+struct graph_joint {
+    body_pair ends;
+    bool pushes_a, pushes_b;
+    /// Of a list of kinds, and of the joints of that kind.
+    std::uint32_t kind, number;
+    /// Bit k: row k is on, and is a spring, and has bounds.
+    std::uint32_t rows, springs, bounded;
+};
+
+/// The matrix of the rows of some joints, J M^-1 J^T, and its factors: where each entry is. Joints that push the same
+/// body are coupled. Joints are eliminated in their order here; of each the rows and what they are coupled to later on
+/// form a panel, by rows: its own rows, then those of later joints.
+struct joint_pattern {
+    struct joint {
+        std::uint32_t kind, rows;
+        /// Bodies by their numbers in the pattern.
+        std::uint32_t a, b;
+        std::uint32_t first_row, row_count;
+        std::uint32_t panel, height;
+        /// Where the numbers of the panel's rows begin in `panel_rows`, and its updates and couplings in the lists.
+        std::uint32_t panel_rows, updates, couplings;
+
+        /// Calls f(row, which of the joint's rows it is).
+        template <class F>
+        void each_row(F&& f) const {
+            std::uint32_t r = first_row;
+            for (int k = 0; k < 32; ++k)
+                if ((rows >> k & 1) != 0) f(r++, k);
+        }
+    };
+    /// Rows of a panel that are to be taken, times others of it, from a later panel.
+    struct update {
+        std::uint32_t to, stride, first, rows, other, columns;
+    };
+    /// Two joints that push the same body: the entries of the later one's rows in the panel of the first.
+    struct coupling {
+        std::uint32_t later, to, body;
+        bool first_is_b, later_is_b;
+    };
+
+    /// With one more joint, where lists end.
+    joint* joints;
+    std::uint32_t joint_count, body_count, row_count, entries;
+    std::uint32_t* panel_rows;
+    update* updates;
+    coupling* couplings;
+    /// Multiplications of a factorisation.
+    std::uint64_t cost;
+};
+
+/// The components of a graph of joints, with a pattern if they are worth solving directly: equal ones share it.
+class joint_patterns {
+public:
+    struct component {
+        /// Its joints in the order of elimination, as a range of `order`, and the pattern; null: too dear.
+        std::uint32_t first, count;
+        const joint_pattern* pattern;
+    };
+
+    /// Of joints in a world of so many bodies; those whose factorisation takes more than `max_cost` multiplications a
+    /// row have no pattern. O(joints), and where they are solved directly the size of their factors.
+    joint_patterns(const graph_joint* joints, std::uint32_t count, std::uint32_t bodies, std::uint32_t max_cost,
+                   arena& scratch)
+        : joints_(joints), count_(count), max_cost_(max_cost), scratch_(scratch) {
+        order_ = scratch.allocate<std::uint32_t>(count);
+        components_ = scratch.allocate<component>(count);
+        first_ = filled(bodies, none);
+        next_ = scratch.allocate<std::uint32_t>(2 * count);
+        for (std::uint32_t j = count; j-- > 0;) {
+            if (joints[j].pushes_a) link(j, 0, joints[j].ends.a);
+            if (joints[j].pushes_b) link(j, 1, joints[j].ends.b);
+        }
+        seen_ = filled(count, 0);
+        local_ = filled(bodies, none);
+        std::uint32_t at = 0;
+        for (std::uint32_t j = 0; j < count; ++j)
+            if (seen_[j] == 0) at = add_component(j, at);
+    }
+
+    [[nodiscard]] std::uint32_t size() const { return component_count_; }
+    [[nodiscard]] const component& operator[](std::uint32_t i) const { return components_[i]; }
+    /// Numbers of the component's joints.
+    [[nodiscard]] const std::uint32_t* order() const { return order_; }
+
+private:
+    static constexpr std::uint32_t none = null_index;
+
+    std::uint32_t* filled(std::uint32_t count, std::uint32_t value) {
+        auto* const all = scratch_.allocate<std::uint32_t>(count);
+        for (std::uint32_t i = 0; i < count; ++i) all[i] = value;
+        return all;
+    }
+    void link(std::uint32_t j, std::uint32_t side, std::uint32_t body) {
+        next_[2 * j + side] = first_[body];
+        first_[body] = 2 * j + side;
+    }
+    /// Calls f(joint, whether the body is its B) for those that push a body.
+    template <class F>
+    void each_of(std::uint32_t body, F&& f) const {
+        for (std::uint32_t n = first_[body]; n != none; n = next_[n]) f(n / 2, n % 2 == 1);
+    }
+    /// Calls f(body) for those that a joint pushes.
+    template <class F>
+    static void each_pushed(const graph_joint& j, F&& f) {
+        if (j.pushes_a) f(j.ends.a);
+        if (j.pushes_b) f(j.ends.b);
+    }
+    /// Breadth first from a joint; writes to order_ from `at` on, and gives the end.
+    std::uint32_t walk(std::uint32_t from, std::uint32_t at, std::uint32_t mark) {
+        std::uint32_t end = at;
+        order_[end++] = from;
+        seen_[from] = mark;
+        for (std::uint32_t i = at; i < end; ++i)
+            each_pushed(joints_[order_[i]], [&](std::uint32_t body) {
+                each_of(body, [&](std::uint32_t j, bool) {
+                    if (seen_[j] == mark) return;
+                    seen_[j] = mark;
+                    order_[end++] = j;
+                });
+            });
+        return end;
+    }
+    /// The component of a joint, whose joints begin at `at` in the order; gives where they end. From what is fixed on
+    /// outwards; leaves are eliminated first, which couples no joints of a tree that were not.
+    std::uint32_t add_component(std::uint32_t j, std::uint32_t at) {
+        std::uint32_t end = walk(j, at, 1), from = j;
+        for (std::uint32_t i = at; i < end; ++i) {
+            const graph_joint& one = joints_[order_[i]];
+            const graph_joint& best = joints_[from];
+            const bool is_fixed = !one.pushes_a || !one.pushes_b, was_fixed = !best.pushes_a || !best.pushes_b;
+            if ((is_fixed && !was_fixed) || (is_fixed == was_fixed && order_[i] < from)) from = order_[i];
+        }
+        end = walk(from, at, 2);
+        for (std::uint32_t i = at, k = end; i + 1 < k;) std::swap(order_[i++], order_[--k]);
+        components_[component_count_++] = {at, end - at, pattern_of(order_ + at, end - at)};
+        return end;
+    }
+
+    struct known {
+        const joint_pattern* pattern;
+        std::uint64_t hash;
+        known* next;
+        /// Of a pattern that was found to be too dear there is none.
+        const std::uint32_t* order;
+        std::uint32_t count;
+    };
+    /// A pattern that is alike, or a new one.
+    const joint_pattern* pattern_of(const std::uint32_t* order, std::uint32_t count) {
+        auto* const joints = scratch_.allocate<joint_pattern::joint>(count + 1);
+        std::uint32_t bodies = 0, rows = 0;
+        const auto number = [&](std::uint32_t body, bool is_pushed) {
+            if (!is_pushed) return bodies++;
+            if (local_[body] == none) local_[body] = bodies++;
+            return local_[body];
+        };
+        std::uint64_t hash = count;
+        const auto add = [&](std::uint64_t word) { hash = (hash ^ word) * 0x9e3779b97f4a7c15u, hash ^= hash >> 29; };
+        for (std::uint32_t i = 0; i < count; ++i) {
+            const graph_joint& j = joints_[order[i]];
+            joint_pattern::joint& to = joints[i] = {};
+            to.kind = j.kind;
+            to.rows = j.rows;
+            to.a = number(j.ends.a, j.pushes_a);
+            to.b = number(j.ends.b, j.pushes_b);
+            to.first_row = rows;
+            to.row_count = static_cast<std::uint32_t>(std::popcount(j.rows));
+            rows += to.row_count;
+            add(std::uint64_t{to.kind} << 34 | std::uint64_t{j.pushes_a} << 33 | std::uint64_t{j.pushes_b} << 32 |
+                to.rows);
+            add(std::uint64_t{to.a} << 32 | to.b);
+            add(std::uint64_t{j.springs} << 32 | j.bounded);
+        }
+        for (std::uint32_t i = 0; i < count; ++i)
+            each_pushed(joints_[order[i]], [&](std::uint32_t body) { local_[body] = none; });
+        const auto is_alike = [&](const known& k) {
+            if (k.hash != hash || k.count != count) return false;
+            for (std::uint32_t i = 0; i < count; ++i) {
+                const graph_joint &one = joints_[order[i]], &other = joints_[k.order[i]];
+                if (one.kind != other.kind || one.rows != other.rows || one.springs != other.springs ||
+                    one.bounded != other.bounded || one.pushes_a != other.pushes_a || one.pushes_b != other.pushes_b)
+                    return false;
+                if (k.pattern != nullptr &&
+                    (joints[i].a != k.pattern->joints[i].a || joints[i].b != k.pattern->joints[i].b))
+                    return false;
+            }
+            return true;
+        };
+        for (const known* k = known_[hash % buckets]; k != nullptr; k = k->next)
+            if (is_alike(*k)) return k->pattern;
+        auto* const pattern = scratch_.allocate<joint_pattern>(1);
+        *pattern = {joints, count, bodies, rows, 0, nullptr, nullptr, nullptr, 0};
+        const joint_pattern* const result = rows > 0 && find_entries(*pattern, order) ? pattern : nullptr;
+        known_[hash % buckets] =
+            new (scratch_.allocate<known>(1)) known{result, hash, known_[hash % buckets], order, count};
+        return result;
+    }
+
+    /// Which entries there are, and what is to be done with them; false if that is too much.
+    bool find_entries(joint_pattern& of, const std::uint32_t* order) {
+        const std::uint32_t count = of.joint_count;
+        // Of each joint the later ones that it is coupled to, by itself or by what was eliminated before.
+        const std::uint32_t** later = scratch_.allocate<const std::uint32_t*>(count);
+        std::uint32_t* later_count = scratch_.allocate<std::uint32_t>(count);
+        std::uint32_t *child = filled(count, none), *sibling = filled(count, none), *marked = filled(count, none);
+        std::uint32_t* place = scratch_.allocate<std::uint32_t>(count_);
+        for (std::uint32_t i = 0; i < count; ++i) place[order[i]] = i;
+        std::uint32_t* found = scratch_.allocate<std::uint32_t>(count);
+        std::uint32_t panel_rows = 0, updates = 0, couplings = 0;
+        const std::uint64_t limit = std::uint64_t{max_cost_} * of.row_count;
+        for (std::uint32_t i = 0; i < count; ++i) {
+            std::uint32_t n = 0;
+            const auto add = [&](std::uint32_t k) {
+                if (k <= i || marked[k] == i) return;
+                marked[k] = i;
+                found[n++] = k;
+            };
+            each_pushed(joints_[order[i]], [&](std::uint32_t body) {
+                each_of(body, [&](std::uint32_t j, bool) {
+                    add(place[j]);
+                    if (place[j] > i) ++couplings;
+                });
+            });
+            for (std::uint32_t c = child[i]; c != none; c = sibling[c])
+                for (std::uint32_t k = 0; k < later_count[c]; ++k) add(later[c][k]);
+            for (std::uint32_t k = 1; k < n; ++k)
+                for (std::uint32_t l = k; l > 0 && found[l - 1] > found[l]; --l) std::swap(found[l - 1], found[l]);
+            joint_pattern::joint& at = of.joints[i];
+            at.panel = of.entries;
+            at.height = at.row_count;
+            at.panel_rows = panel_rows;
+            for (std::uint32_t k = 0; k < n; ++k) at.height += of.joints[found[k]].row_count;
+            of.entries += at.height * at.row_count;
+            panel_rows += at.height;
+            of.cost += std::uint64_t{at.height} * at.height * at.row_count;
+            if (of.cost > limit || of.entries > max_entries) return false;
+            updates += n * (n + 1) / 2;
+            auto* const kept = scratch_.allocate<std::uint32_t>(n);
+            for (std::uint32_t k = 0; k < n; ++k) kept[k] = found[k];
+            later[i] = kept;
+            later_count[i] = n;
+            if (n > 0) {
+                sibling[i] = child[kept[0]];
+                child[kept[0]] = i;
+            }
+        }
+        of.panel_rows = scratch_.allocate<std::uint32_t>(panel_rows);
+        of.updates = scratch_.allocate<joint_pattern::update>(updates);
+        of.couplings = scratch_.allocate<joint_pattern::coupling>(couplings);
+        updates = couplings = 0;
+        for (std::uint32_t i = 0; i < count; ++i) {
+            joint_pattern::joint& at = of.joints[i];
+            at.updates = updates;
+            at.couplings = couplings;
+            std::uint32_t row = at.panel_rows;
+            const auto list_rows = [&](const joint_pattern::joint& j) {
+                for (std::uint32_t k = 0; k < j.row_count; ++k) of.panel_rows[row++] = j.first_row + k;
+            };
+            list_rows(at);
+            for (std::uint32_t k = 0; k < later_count[i]; ++k) list_rows(of.joints[later[i][k]]);
+            // Where a later joint's rows are in the panel of another.
+            const auto row_in = [&](std::uint32_t panel, std::uint32_t joint) {
+                std::uint32_t result = of.joints[panel].row_count;
+                for (std::uint32_t k = 0; later[panel][k] != joint; ++k) result += of.joints[later[panel][k]].row_count;
+                return result;
+            };
+            std::uint32_t other = at.row_count;
+            for (std::uint32_t k = 0; k < later_count[i]; ++k) {
+                const joint_pattern::joint& to = of.joints[later[i][k]];
+                std::uint32_t first = other;
+                for (std::uint32_t l = k; l < later_count[i]; ++l) {
+                    const joint_pattern::joint& from = of.joints[later[i][l]];
+                    const std::uint32_t in = l == k ? 0 : row_in(later[i][k], later[i][l]);
+                    of.updates[updates++] = {
+                        to.panel + in * to.row_count, to.row_count, first, from.row_count, other, to.row_count};
+                    first += from.row_count;
+                }
+                other += to.row_count;
+            }
+            const graph_joint& one = joints_[order[i]];
+            for (const bool is_b : {false, true}) {
+                if (!(is_b ? one.pushes_b : one.pushes_a)) continue;
+                each_of(is_b ? one.ends.b : one.ends.a, [&](std::uint32_t j, bool later_is_b) {
+                    if (place[j] <= i) return;
+                    of.couplings[couplings++] = {place[j], at.panel + row_in(i, place[j]) * at.row_count,
+                                                 is_b ? at.b : at.a, is_b, later_is_b};
+                });
+            }
+        }
+        of.joints[count] = {};
+        of.joints[count].updates = updates;
+        of.joints[count].couplings = couplings;
+        return true;
+    }
+
+    static constexpr std::uint32_t buckets = 64, max_entries = 1u << 22;
+
+    const graph_joint* joints_;
+    std::uint32_t count_, max_cost_;
+    arena& scratch_;
+    std::uint32_t* order_;
+    component* components_;
+    std::uint32_t component_count_ = 0;
+    /// Of each body its joints, as a list of 2 joint + side.
+    std::uint32_t *first_, *next_;
+    std::uint32_t *seen_, *local_;
+    known* known_[buckets] = {};
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/dynamics/contact_pass.hpp
 // =================================================================================================
 // How the soft solver goes over its contacts.
@@ -23552,6 +23962,9 @@ struct row_lanes {
             share[1][lane] = does.share;
             push[1][lane] = does.push;
             loss[1][lane] = S(1) - does.share;
+        } else if (from.is_motor) {
+            share[1][lane] = S(1);
+            push[1][lane] = loss[1][lane] = S(0);
         } else {
             share[1][lane] = with.rigid.mass_scale;
             push[1][lane] = with.rigid.mass_scale * with.rigid.rate;
@@ -23582,7 +23995,8 @@ struct row_lanes {
         const P zero = P::broadcast(S(0));
         return is_one_sided ? select_greater(P::load(one_sided), zero, max(P::load(error), zero), zero) : zero;
     }
-    /// Visits it alone.
+    /// Visits it alone. Of what others have a part in, the bound is left to them.
+    template <bool IsBounded = true>
     void solve(const joint_pass<S>& with, bool use_bias, const side& a, const side& b, lanes& of_a, lanes& of_b) {
         const P zero = P::broadcast(S(0)), one = P::broadcast(S(1)), limit = P::load(max_bias), free = room();
         const P at = P::load(error), left = select_greater(free, zero, one, P::load(share[use_bias]));
@@ -23590,7 +24004,7 @@ struct row_lanes {
         const P lost = select_greater(free, zero, zero, P::load(loss[use_bias]));
         const P before = P::load(impulse), v = speed_of(of_a, of_b) - P::load(speed);
         const P wanted = before - P::load(mass) * (left * v + max(min(bias, limit), -limit)) - lost * before;
-        const P next = max(min(wanted, P::load(high)), P::load(low));
+        const P next = IsBounded ? max(min(wanted, P::load(high)), P::load(low)) : wanted;
         apply(next - before, a, b, of_a, of_b);
         next.store(impulse);
     }
@@ -23705,6 +24119,84 @@ void store_impulses(step_joint<Joint, S, D>& to, S h, Given&& given) {
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/dynamics/shared_bounds.hpp
+// =================================================================================================
+// Rows of joints that share a bound: forces and torques that are limited as vectors, the same in all directions.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Which rows of a kind share their bound with the next one, see joint_for.
+template <class Joint>
+constexpr std::uint32_t shared_bounds_of() {
+    if constexpr (requires { Joint::shared_bounds; }) return Joint::shared_bounds;
+    else return 0;
+}
+/// How many rows share a bound, of which this is the first: 1 alone, and 0 of those that follow.
+constexpr int rows_together(std::uint32_t shared, int row) {
+    if (row > 0 && (shared >> (row - 1) & 1) != 0) return 0;
+    int count = 1;
+    for (; (shared >> row & 1) != 0; ++row) ++count;
+    return count;
+}
+/// Cuts off what n rows want to give together, and tells in which lanes.
+template <class Row, class P, class S, int W>
+void cut_together(const Row* rows, int n, P* wanted, S (&is_cut)[W]) {
+    for (int lane = 0; lane < W; ++lane) {
+        vec<S, 3> sum;
+        for (int i = 0; i < n; ++i) sum[i] = wanted[i].lane(lane);
+        const auto [direction, length] = direction_and_length_of(sum);
+        const S bound = rows->high[lane];
+        is_cut[lane] = length > bound ? S(1) : S(0);
+        if (length > bound)
+            for (int i = 0; i < n; ++i) wanted[i].set_lane(lane, direction[i] * bound);
+    }
+}
+/// Of n rows that share a bound, in lanes that are open: whether they are cut off, at the bound and not to leave it. If
+/// so, what they give turns towards what they want, since what they act on moves on. `by`: what they give more;
+/// `solved` has the right-hand sides. Greater than 0 where they turn.
+template <class Row, class Entry, class K, class P, class S, int W>
+K turn_together(const Row* rows, const Entry* solved, int n, const K& open, S (&is_cut)[W], P* by) {
+    using C = typename K::scalar;
+    K turns = K::broadcast(C(0));
+    for (int i = 0; i < n; ++i) by[i] = P::broadcast(S(0));
+    for (int lane = 0; lane < W; ++lane) {
+        if (!(open.lane(lane) > C(0))) continue;
+        const double bound = to_double(rows->high[lane]);
+        double given[3], wanted[3], squared = 0, outwards = 0, mass = to_double(rows->mass[lane]);
+        for (int i = 0; i < n; ++i) {
+            given[i] = to_double(rows[i].impulse[lane]);
+            wanted[i] = static_cast<double>(solved[i].right_hand.lane(lane));
+            squared += given[i] * given[i];
+            outwards += given[i] * wanted[i];
+            mass = min(mass, to_double(rows[i].mass[lane]));
+        }
+        is_cut[lane] = sqrt(squared) < bound * (1 - 0x1p-12) || outwards < 0 ? S(0) : S(1);
+        if (!(is_cut[lane] > S(0)) || !(bound > 0)) continue;
+        // By the least of their masses, so that they turn too far in no direction.
+        mass /= 1 + mass * static_cast<double>(solved->softness.lane(lane));
+        double sum = 0, farthest = 0;
+        for (int i = 0; i < n; ++i) {
+            wanted[i] = given[i] + mass * wanted[i];
+            sum += wanted[i] * wanted[i];
+        }
+        for (int i = 0; i < n; ++i) {
+            wanted[i] = wanted[i] * (bound / sqrt(sum)) - given[i];
+            farthest = max(farthest, abs(wanted[i]));
+        }
+        if (farthest < bound * 0x1p-12) continue;
+        for (int i = 0; i < n; ++i) by[i].set_lane(lane, S(wanted[i]));
+        turns.set_lane(lane, C(1));
+    }
+    return turns;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/dynamics/joint_access.hpp
 // =================================================================================================
 // What a direct solve asks of joints, and how it judges them.
@@ -23721,6 +24213,7 @@ struct joint_access {
     vec<S, D> (*write)(void* joint, bool is_ahead, const pose& a, const pose& b, joint_row<S, D>* rows);
     S (*first_impulse)(const void* joint, int row, S h);
     void (*store_impulses)(void* joint, S h, const S* given);
+    std::uint32_t shared_bounds;
 
     template <class Joint>
     static joint_access of() {
@@ -23733,7 +24226,8 @@ struct joint_access {
                 },
                 [](void* j, S h, const S* given) {
                     detail::store_impulses(*static_cast<step_joint*>(j), h, [given](int k) { return given[k]; });
-                }};
+                },
+                shared_bounds_of<Joint>()};
     }
     static constexpr int max_rows = 16;
 };
@@ -23798,6 +24292,49 @@ struct row_response {
         return sum;
     }
 };
+/// What a direct solve keeps of a row between solves.
+template <class P, class K, class S, int W>
+struct direct_row {
+    /// The speed that takes back its error; and what it has given for that.
+    K bias;
+    P correction;
+    /// In the last substep, all of it; and what lasts of that.
+    S given[W], load[W];
+    /// See rows_together, of rows that share a bound; and whether they are at it (1).
+    std::uint32_t together;
+    S is_cut[W];
+};
+/// J M^-1 J^T of rows.
+template <class S, int D, bool Rotates, class K, int W = K::width>
+void assemble(const joint_pattern& of, const row_lanes<S, D, Rotates, W>* rows,
+              const pushed_lanes<S, D, Rotates, W>* sides, K* matrix) {
+    const K zero = K::broadcast(typename K::scalar(0));
+    for (std::uint32_t i = 0; i < of.entries; ++i) matrix[i] = zero;
+    for (std::uint32_t i = 0; i < of.joint_count; ++i) {
+        const joint_pattern::joint& j = of.joints[i];
+        for (std::uint32_t k = 0; k < j.row_count; ++k) {
+            const auto& r = rows[j.first_row + k];
+            for (const bool is_b : {false, true}) {
+                const auto& to = sides[is_b ? j.b : j.a];
+                if (!to.is_pushed) continue;
+                const row_response<K, S, D, Rotates> moved(r, is_b, to);
+                for (std::uint32_t l = k; l < j.row_count; ++l) {
+                    K& at = matrix[j.panel + l * j.row_count + k];
+                    at = at + moved.answer(rows[j.first_row + l], is_b, false);
+                }
+                for (std::uint32_t n = j.couplings; n < of.joints[i + 1].couplings; ++n) {
+                    const joint_pattern::coupling& c = of.couplings[n];
+                    if (c.first_is_b != is_b) continue;
+                    const joint_pattern::joint& later = of.joints[c.later];
+                    for (std::uint32_t l = 0; l < later.row_count; ++l) {
+                        K& at = matrix[c.to + l * j.row_count + k];
+                        at = at + moved.answer(rows[later.first_row + l], c.later_is_b, c.later_is_b != is_b);
+                    }
+                }
+            }
+        }
+    }
+}
 /// The square of an error as a part of what a joint measures (of a radian, where a row only turns), up to 1.
 template <class S, int D>
 double part_of(double error, const joint_row<S, D>& of, double apart) {
@@ -23830,328 +24367,6 @@ double sway_of([[maybe_unused]] const solver_body<S, D, Rotates>& b, [[maybe_unu
         return sqrt(square) * across * (is_last ? moves / (moves + square * across) : 1);
     }
 }
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/dynamics/joint_pattern.hpp
-// =================================================================================================
-// Which joints are solved directly, and in what order their rows are eliminated.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// A joint as a part of a graph.
-struct graph_joint {
-    body_pair ends;
-    bool pushes_a, pushes_b;
-    /// Of a list of kinds, and of the joints of that kind.
-    std::uint32_t kind, number;
-    /// Bit k: row k is on, and is a spring, and has bounds.
-    std::uint32_t rows, springs, bounded;
-};
-
-/// The matrix of the rows of some joints, J M^-1 J^T, and its factors: where each entry is. Joints that push the same
-/// body are coupled. Joints are eliminated in their order here; of each the rows and what they are coupled to later on
-/// form a panel, by rows: its own rows, then those of later joints.
-struct joint_pattern {
-    struct joint {
-        std::uint32_t kind, rows;
-        /// Bodies by their numbers in the pattern.
-        std::uint32_t a, b;
-        std::uint32_t first_row, row_count;
-        std::uint32_t panel, height;
-        /// Where the numbers of the panel's rows begin in `panel_rows`, and its updates and couplings in the lists.
-        std::uint32_t panel_rows, updates, couplings;
-
-        /// Calls f(row, which of the joint's rows it is).
-        template <class F>
-        void each_row(F&& f) const {
-            std::uint32_t r = first_row;
-            for (int k = 0; k < 32; ++k)
-                if ((rows >> k & 1) != 0) f(r++, k);
-        }
-    };
-    /// Rows of a panel that are to be taken, times others of it, from a later panel.
-    struct update {
-        std::uint32_t to, stride, first, rows, other, columns;
-    };
-    /// Two joints that push the same body: the entries of the later one's rows in the panel of the first.
-    struct coupling {
-        std::uint32_t later, to, body;
-        bool first_is_b, later_is_b;
-    };
-
-    /// With one more joint, where lists end.
-    joint* joints;
-    std::uint32_t joint_count, body_count, row_count, entries;
-    std::uint32_t* panel_rows;
-    update* updates;
-    coupling* couplings;
-    /// Multiplications of a factorisation.
-    std::uint64_t cost;
-};
-
-/// The components of a graph of joints, with a pattern if they are worth solving directly: equal ones share it.
-class joint_patterns {
-public:
-    struct component {
-        /// Its joints in the order of elimination, as a range of `order`, and the pattern; null: too dear.
-        std::uint32_t first, count;
-        const joint_pattern* pattern;
-    };
-
-    /// Of joints in a world of so many bodies; those whose factorisation takes more than `max_cost` multiplications a
-    /// row have no pattern. O(joints), and where they are solved directly the size of their factors.
-    joint_patterns(const graph_joint* joints, std::uint32_t count, std::uint32_t bodies, std::uint32_t max_cost,
-                   arena& scratch)
-        : joints_(joints), count_(count), max_cost_(max_cost), scratch_(scratch) {
-        order_ = scratch.allocate<std::uint32_t>(count);
-        components_ = scratch.allocate<component>(count);
-        first_ = filled(bodies, none);
-        next_ = scratch.allocate<std::uint32_t>(2 * count);
-        for (std::uint32_t j = count; j-- > 0;) {
-            if (joints[j].pushes_a) link(j, 0, joints[j].ends.a);
-            if (joints[j].pushes_b) link(j, 1, joints[j].ends.b);
-        }
-        seen_ = filled(count, 0);
-        local_ = filled(bodies, none);
-        std::uint32_t at = 0;
-        for (std::uint32_t j = 0; j < count; ++j)
-            if (seen_[j] == 0) at = add_component(j, at);
-    }
-
-    [[nodiscard]] std::uint32_t size() const { return component_count_; }
-    [[nodiscard]] const component& operator[](std::uint32_t i) const { return components_[i]; }
-    /// Numbers of the component's joints.
-    [[nodiscard]] const std::uint32_t* order() const { return order_; }
-
-private:
-    static constexpr std::uint32_t none = null_index;
-
-    std::uint32_t* filled(std::uint32_t count, std::uint32_t value) {
-        auto* const all = scratch_.allocate<std::uint32_t>(count);
-        for (std::uint32_t i = 0; i < count; ++i) all[i] = value;
-        return all;
-    }
-    void link(std::uint32_t j, std::uint32_t side, std::uint32_t body) {
-        next_[2 * j + side] = first_[body];
-        first_[body] = 2 * j + side;
-    }
-    /// Calls f(joint, whether the body is its B) for those that push a body.
-    template <class F>
-    void each_of(std::uint32_t body, F&& f) const {
-        for (std::uint32_t n = first_[body]; n != none; n = next_[n]) f(n / 2, n % 2 == 1);
-    }
-    /// Calls f(body) for those that a joint pushes.
-    template <class F>
-    static void each_pushed(const graph_joint& j, F&& f) {
-        if (j.pushes_a) f(j.ends.a);
-        if (j.pushes_b) f(j.ends.b);
-    }
-    /// Breadth first from a joint; writes to order_ from `at` on, and gives the end.
-    std::uint32_t walk(std::uint32_t from, std::uint32_t at, std::uint32_t mark) {
-        std::uint32_t end = at;
-        order_[end++] = from;
-        seen_[from] = mark;
-        for (std::uint32_t i = at; i < end; ++i)
-            each_pushed(joints_[order_[i]], [&](std::uint32_t body) {
-                each_of(body, [&](std::uint32_t j, bool) {
-                    if (seen_[j] == mark) return;
-                    seen_[j] = mark;
-                    order_[end++] = j;
-                });
-            });
-        return end;
-    }
-    /// The component of a joint, whose joints begin at `at` in the order; gives where they end. From what is fixed on
-    /// outwards; leaves are eliminated first, which couples no joints of a tree that were not.
-    std::uint32_t add_component(std::uint32_t j, std::uint32_t at) {
-        std::uint32_t end = walk(j, at, 1), from = j;
-        for (std::uint32_t i = at; i < end; ++i) {
-            const graph_joint& one = joints_[order_[i]];
-            const graph_joint& best = joints_[from];
-            const bool is_fixed = !one.pushes_a || !one.pushes_b, was_fixed = !best.pushes_a || !best.pushes_b;
-            if ((is_fixed && !was_fixed) || (is_fixed == was_fixed && order_[i] < from)) from = order_[i];
-        }
-        end = walk(from, at, 2);
-        for (std::uint32_t i = at, k = end; i + 1 < k;) std::swap(order_[i++], order_[--k]);
-        components_[component_count_++] = {at, end - at, pattern_of(order_ + at, end - at)};
-        return end;
-    }
-
-    struct known {
-        const joint_pattern* pattern;
-        std::uint64_t hash;
-        known* next;
-        /// Of a pattern that was found to be too dear there is none.
-        const std::uint32_t* order;
-        std::uint32_t count;
-    };
-    /// A pattern that is alike, or a new one.
-    const joint_pattern* pattern_of(const std::uint32_t* order, std::uint32_t count) {
-        auto* const joints = scratch_.allocate<joint_pattern::joint>(count + 1);
-        std::uint32_t bodies = 0, rows = 0;
-        const auto number = [&](std::uint32_t body, bool is_pushed) {
-            if (!is_pushed) return bodies++;
-            if (local_[body] == none) local_[body] = bodies++;
-            return local_[body];
-        };
-        std::uint64_t hash = count;
-        const auto add = [&](std::uint64_t word) { hash = (hash ^ word) * 0x9e3779b97f4a7c15u, hash ^= hash >> 29; };
-        for (std::uint32_t i = 0; i < count; ++i) {
-            const graph_joint& j = joints_[order[i]];
-            joint_pattern::joint& to = joints[i] = {};
-            to.kind = j.kind;
-            to.rows = j.rows;
-            to.a = number(j.ends.a, j.pushes_a);
-            to.b = number(j.ends.b, j.pushes_b);
-            to.first_row = rows;
-            to.row_count = static_cast<std::uint32_t>(std::popcount(j.rows));
-            rows += to.row_count;
-            add(std::uint64_t{to.kind} << 34 | std::uint64_t{j.pushes_a} << 33 | std::uint64_t{j.pushes_b} << 32 |
-                to.rows);
-            add(std::uint64_t{to.a} << 32 | to.b);
-            add(std::uint64_t{j.springs} << 32 | j.bounded);
-        }
-        for (std::uint32_t i = 0; i < count; ++i)
-            each_pushed(joints_[order[i]], [&](std::uint32_t body) { local_[body] = none; });
-        const auto is_alike = [&](const known& k) {
-            if (k.hash != hash || k.count != count) return false;
-            for (std::uint32_t i = 0; i < count; ++i) {
-                const graph_joint &one = joints_[order[i]], &other = joints_[k.order[i]];
-                if (one.kind != other.kind || one.rows != other.rows || one.springs != other.springs ||
-                    one.bounded != other.bounded || one.pushes_a != other.pushes_a || one.pushes_b != other.pushes_b)
-                    return false;
-                if (k.pattern != nullptr &&
-                    (joints[i].a != k.pattern->joints[i].a || joints[i].b != k.pattern->joints[i].b))
-                    return false;
-            }
-            return true;
-        };
-        for (const known* k = known_[hash % buckets]; k != nullptr; k = k->next)
-            if (is_alike(*k)) return k->pattern;
-        auto* const pattern = scratch_.allocate<joint_pattern>(1);
-        *pattern = {joints, count, bodies, rows, 0, nullptr, nullptr, nullptr, 0};
-        const joint_pattern* const result = rows > 0 && find_entries(*pattern, order) ? pattern : nullptr;
-        known_[hash % buckets] =
-            new (scratch_.allocate<known>(1)) known{result, hash, known_[hash % buckets], order, count};
-        return result;
-    }
-
-    /// Which entries there are, and what is to be done with them; false if that is too much.
-    bool find_entries(joint_pattern& of, const std::uint32_t* order) {
-        const std::uint32_t count = of.joint_count;
-        // Of each joint the later ones that it is coupled to, by itself or by what was eliminated before.
-        const std::uint32_t** later = scratch_.allocate<const std::uint32_t*>(count);
-        std::uint32_t* later_count = scratch_.allocate<std::uint32_t>(count);
-        std::uint32_t *child = filled(count, none), *sibling = filled(count, none), *marked = filled(count, none);
-        std::uint32_t* place = scratch_.allocate<std::uint32_t>(count_);
-        for (std::uint32_t i = 0; i < count; ++i) place[order[i]] = i;
-        std::uint32_t* found = scratch_.allocate<std::uint32_t>(count);
-        std::uint32_t panel_rows = 0, updates = 0, couplings = 0;
-        const std::uint64_t limit = std::uint64_t{max_cost_} * of.row_count;
-        for (std::uint32_t i = 0; i < count; ++i) {
-            std::uint32_t n = 0;
-            const auto add = [&](std::uint32_t k) {
-                if (k <= i || marked[k] == i) return;
-                marked[k] = i;
-                found[n++] = k;
-            };
-            each_pushed(joints_[order[i]], [&](std::uint32_t body) {
-                each_of(body, [&](std::uint32_t j, bool) {
-                    add(place[j]);
-                    if (place[j] > i) ++couplings;
-                });
-            });
-            for (std::uint32_t c = child[i]; c != none; c = sibling[c])
-                for (std::uint32_t k = 0; k < later_count[c]; ++k) add(later[c][k]);
-            for (std::uint32_t k = 1; k < n; ++k)
-                for (std::uint32_t l = k; l > 0 && found[l - 1] > found[l]; --l) std::swap(found[l - 1], found[l]);
-            joint_pattern::joint& at = of.joints[i];
-            at.panel = of.entries;
-            at.height = at.row_count;
-            at.panel_rows = panel_rows;
-            for (std::uint32_t k = 0; k < n; ++k) at.height += of.joints[found[k]].row_count;
-            of.entries += at.height * at.row_count;
-            panel_rows += at.height;
-            of.cost += std::uint64_t{at.height} * at.height * at.row_count;
-            if (of.cost > limit || of.entries > max_entries) return false;
-            updates += n * (n + 1) / 2;
-            auto* const kept = scratch_.allocate<std::uint32_t>(n);
-            for (std::uint32_t k = 0; k < n; ++k) kept[k] = found[k];
-            later[i] = kept;
-            later_count[i] = n;
-            if (n > 0) {
-                sibling[i] = child[kept[0]];
-                child[kept[0]] = i;
-            }
-        }
-        of.panel_rows = scratch_.allocate<std::uint32_t>(panel_rows);
-        of.updates = scratch_.allocate<joint_pattern::update>(updates);
-        of.couplings = scratch_.allocate<joint_pattern::coupling>(couplings);
-        updates = couplings = 0;
-        for (std::uint32_t i = 0; i < count; ++i) {
-            joint_pattern::joint& at = of.joints[i];
-            at.updates = updates;
-            at.couplings = couplings;
-            std::uint32_t row = at.panel_rows;
-            const auto list_rows = [&](const joint_pattern::joint& j) {
-                for (std::uint32_t k = 0; k < j.row_count; ++k) of.panel_rows[row++] = j.first_row + k;
-            };
-            list_rows(at);
-            for (std::uint32_t k = 0; k < later_count[i]; ++k) list_rows(of.joints[later[i][k]]);
-            // Where a later joint's rows are in the panel of another.
-            const auto row_in = [&](std::uint32_t panel, std::uint32_t joint) {
-                std::uint32_t result = of.joints[panel].row_count;
-                for (std::uint32_t k = 0; later[panel][k] != joint; ++k) result += of.joints[later[panel][k]].row_count;
-                return result;
-            };
-            std::uint32_t other = at.row_count;
-            for (std::uint32_t k = 0; k < later_count[i]; ++k) {
-                const joint_pattern::joint& to = of.joints[later[i][k]];
-                std::uint32_t first = other;
-                for (std::uint32_t l = k; l < later_count[i]; ++l) {
-                    const joint_pattern::joint& from = of.joints[later[i][l]];
-                    const std::uint32_t in = l == k ? 0 : row_in(later[i][k], later[i][l]);
-                    of.updates[updates++] = {
-                        to.panel + in * to.row_count, to.row_count, first, from.row_count, other, to.row_count};
-                    first += from.row_count;
-                }
-                other += to.row_count;
-            }
-            const graph_joint& one = joints_[order[i]];
-            for (const bool is_b : {false, true}) {
-                if (!(is_b ? one.pushes_b : one.pushes_a)) continue;
-                each_of(is_b ? one.ends.b : one.ends.a, [&](std::uint32_t j, bool later_is_b) {
-                    if (place[j] <= i) return;
-                    of.couplings[couplings++] = {place[j], at.panel + row_in(i, place[j]) * at.row_count,
-                                                 is_b ? at.b : at.a, is_b, later_is_b};
-                });
-            }
-        }
-        of.joints[count] = {};
-        of.joints[count].updates = updates;
-        of.joints[count].couplings = couplings;
-        return true;
-    }
-
-    static constexpr std::uint32_t buckets = 64, max_entries = 1u << 22;
-
-    const graph_joint* joints_;
-    std::uint32_t count_, max_cost_;
-    arena& scratch_;
-    std::uint32_t* order_;
-    component* components_;
-    std::uint32_t component_count_ = 0;
-    /// Of each body its joints, as a list of 2 joint + side.
-    std::uint32_t *first_, *next_;
-    std::uint32_t *seen_, *local_;
-    known* known_[buckets] = {};
-};
 
 }  // namespace detail
 
@@ -24325,7 +24540,7 @@ class direct_joints {
     using access = joint_access<S, D, Rotates>;
     using pose = joint_pose<S, D, Rotates>;
     using poses_of = joint_poses<S, D, Rotates>;
-    using response = row_response<K, S, D, Rotates>;
+    using row_state = direct_row<P, K, S, W>;
 
 public:
     /// `used` components of a pattern; joint(lane, i) is the i-th joint of one, and bodies(lane, i) are its bodies.
@@ -24357,6 +24572,8 @@ public:
                 sides_[j.b].is_pushed = all[ends.b].inverse_mass > inverse_of<S>(0);
                 j.each_row([&](std::uint32_t r, int k) {
                     rows_[r].impulse[lane] = kinds_[j.kind].first_impulse(joint_at(i, lane), k, h);
+                    state_[r].together = static_cast<std::uint32_t>(rows_together(kinds_[j.kind].shared_bounds, k));
+                    any_shared_ = any_shared_ || state_[r].together > 1;
                 });
             }
         }
@@ -24389,8 +24606,12 @@ public:
         K open = K::broadcast(C(1)), cut = zero;
         for (int round = 0; round < max_rounds; ++round) {
             const bool settles = round >= free_rounds;
-            const K changed = choose_rows(with, use_bias, settles, open);
-            if (round > 0) open = select_greater(changed + cut, zero, open, zero);
+            K changed = choose_rows(with, use_bias, settles, open), turned = zero;
+            if (any_shared_ && !settles) {
+                turned = turn_shared(use_bias, open);
+                changed = max(changed, choose_rows(with, use_bias, settles, open));
+            }
+            if (round > 0) open = select_greater(changed + cut + turned, zero, open, zero);
             if (greater(open, zero).bits() == 0) break;
             if (!is_factorised_ || greater(changed, zero).bits() != 0) matrix_.factorise();
             is_factorised_ = true;
@@ -24413,14 +24634,6 @@ public:
     }
 
 private:
-    /// What is kept of a row between solves.
-    struct row_state {
-        /// The speed that takes back its error; and what it has given for that.
-        K bias;
-        P correction;
-        /// In the last substep, all of it; and what lasts of that.
-        S given[W], load[W];
-    };
     [[nodiscard]] void* joint_at(std::uint32_t i, int lane) const {
         return joints_[i * W + static_cast<std::uint32_t>(lane)];
     }
@@ -24433,6 +24646,11 @@ private:
     }
     void apply(std::uint32_t r, const joint_pattern::joint& j, const P& by) {
         rows_[r].apply(by, sides_[j.a], sides_[j.b], velocities_[j.a], velocities_[j.b]);
+    }
+    /// Has a row give so much in all.
+    void give(std::uint32_t r, const joint_pattern::joint& j, const P& next) {
+        apply(r, j, next - P::load(rows_[r].impulse));
+        next.store(rows_[r].impulse);
     }
     /// Gives the velocities what rows hold.
     void give(S sign) {
@@ -24469,7 +24687,7 @@ private:
             for (std::uint32_t k = 0; k < of_.body_count; ++k) largest = max(largest, sway_[k]);
             resolved_[lane] = largest > max_resolved ? S(0) : S(1);
         }
-        assemble();
+        assemble<S, D, Rotates>(of_, rows_, sides_, matrix_.matrix);
         is_factorised_ = false;
     }
     PHYSICS_HPP_NOINLINE void write_joint(std::uint32_t i, int lane, const body* bodies, const pose* poses,
@@ -24502,34 +24720,6 @@ private:
         sway_[j.b] += of_b * force_h2;
         unit_sway_[i].set_lane(lane, static_cast<C>(max(of_a, of_b) * to_double(with.h)));
     }
-    void assemble() {
-        const K zero = K::broadcast(C(0));
-        for (std::uint32_t i = 0; i < of_.entries; ++i) matrix_.matrix[i] = zero;
-        for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
-            const joint_pattern::joint& j = of_.joints[i];
-            for (std::uint32_t k = 0; k < j.row_count; ++k) {
-                const row& r = rows_[j.first_row + k];
-                for (const bool is_b : {false, true}) {
-                    const side& to = sides_[is_b ? j.b : j.a];
-                    if (!to.is_pushed) continue;
-                    const response moved(r, is_b, to);
-                    for (std::uint32_t l = k; l < j.row_count; ++l) {
-                        K& at = matrix_.matrix[j.panel + l * j.row_count + k];
-                        at = at + moved.answer(rows_[j.first_row + l], is_b, false);
-                    }
-                    for (std::uint32_t n = j.couplings; n < of_.joints[i + 1].couplings; ++n) {
-                        const joint_pattern::coupling& c = of_.couplings[n];
-                        if (c.first_is_b != is_b) continue;
-                        const joint_pattern::joint& later = of_.joints[c.later];
-                        for (std::uint32_t l = 0; l < later.row_count; ++l) {
-                            K& at = matrix_.matrix[c.to + l * j.row_count + k];
-                            at = at + moved.answer(rows_[later.first_row + l], c.later_is_b, c.later_is_b != is_b);
-                        }
-                    }
-                }
-            }
-        }
-    }
     /// Right-hand sides, and of lanes that are open (1) which rows are in the solve; greater than 0 where these are
     /// others than before. To settle, rows only leave.
     K choose_rows(const joint_pass<S>& with, bool use_bias, bool settles, const K& open) {
@@ -24538,6 +24728,8 @@ private:
         any_bounded_ = false;
         for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
             const joint_pattern::joint& j = of_.joints[i];
+            // Of those that share a bound.
+            const row_state* first = nullptr;
             for (std::uint32_t k = j.first_row; k < j.first_row + j.row_count; ++k) {
                 row& r = rows_[k];
                 auto& w = matrix_.row[k];
@@ -24567,7 +24759,10 @@ private:
                 const K v = widened<K>(r.speed_of(velocities_[j.a], velocities_[j.b])) - lanes_from<K>(r.speed);
                 w.right_hand = -(v + bias + (soft + w.leak) * before);
                 any_bounded_ = any_bounded_ || r.is_bounded;
-                if (r.is_bounded) {
+                if (state_[k].together != 0) first = &state_[k];
+                if (state_[k].together != 1) {
+                    in = in * (one - lanes_from<K>(first->is_cut)) * (settles ? w.in : one);
+                } else if (r.is_bounded) {
                     // At a bound a row is in if it would leave it.
                     const K up = select_greater(w.right_hand, zero, one, zero);
                     const K down = select_greater(zero, w.right_hand, one, zero);
@@ -24584,18 +24779,38 @@ private:
         }
         return changed;
     }
+    /// What rows that share a bound give turns to what they act on; greater than 0 where that changes anything.
+    K turn_shared(bool use_bias, const K& open) {
+        K turned = K::broadcast(C(0));
+        for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
+            const joint_pattern::joint& j = of_.joints[i];
+            for (std::uint32_t r = j.first_row, n; r < j.first_row + j.row_count; r += n) {
+                n = state_[r].together;
+                if (n == 1 || (rows_[r].has_spring && !use_bias)) continue;
+                P by[3];
+                turned = max(
+                    turned, turn_together(rows_ + r, matrix_.row + r, static_cast<int>(n), open, state_[r].is_cut, by));
+                for (std::uint32_t k = 0; k < n; ++k) give(r + k, j, P::load(rows_[r + k].impulse) + by[k]);
+            }
+        }
+        return turned;
+    }
     /// Has each row give by(row) more, up to its bounds; greater than 0 where any was cut off by these.
     template <class F>
     K give_more(F&& by) {
         P cut = P::broadcast(S(0));
         for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
             const joint_pattern::joint& j = of_.joints[i];
-            for (std::uint32_t r = j.first_row; r < j.first_row + j.row_count; ++r) {
-                const P before = P::load(rows_[r].impulse), wanted = before + by(r);
-                const P next = max(min(wanted, P::load(rows_[r].high)), P::load(rows_[r].low));
-                cut = max(cut, lane_abs(wanted - next));
-                apply(r, j, next - before);
-                next.store(rows_[r].impulse);
+            for (std::uint32_t r = j.first_row, n; r < j.first_row + j.row_count; r += n) {
+                n = state_[r].together;
+                P wanted[3], next[3];
+                for (std::uint32_t k = 0; k < n; ++k) next[k] = wanted[k] = P::load(rows_[r + k].impulse) + by(r + k);
+                if (n > 1) cut_together(rows_ + r, static_cast<int>(n), next, state_[r].is_cut);
+                else next[0] = max(min(wanted[0], P::load(rows_[r].high)), P::load(rows_[r].low));
+                for (std::uint32_t k = 0; k < n; ++k) {
+                    cut = max(cut, lane_abs(wanted[k] - next[k]));
+                    give(r + k, j, next[k]);
+                }
             }
         }
         return widened<K>(cut);
@@ -24688,7 +24903,7 @@ private:
     std::uint32_t* joints_of_;
     pose* ahead_;
     bool is_factorised_ = false, are_forces_noted_ = false, are_corrected_ = false, has_loads_ = false,
-         any_bounded_ = false;
+         any_bounded_ = false, any_shared_ = false;
     /// 1 where substeps are short enough; and where something is farther from what holds it than a hundredth.
     S resolved_[W] = {}, far_[W] = {};
 };
@@ -25179,8 +25394,17 @@ public:
     void solve(body* bodies, const joint_pass<S>& with, bool use_bias) {
         lanes of_a, of_b;
         load(bodies, of_a, of_b);
-        for (row& r : rows_)
-            if (r.is_on) r.solve(with, use_bias, a_, b_, of_a, of_b);
+        if constexpr (shared == 0) {
+            for (row& r : rows_)
+                if (r.is_on) r.solve(with, use_bias, a_, b_, of_a, of_b);
+        } else {
+            for (int k = 0, n; k < Joint::row_count; k += n) {
+                n = rows_together(shared, k);
+                if (!rows_[k].is_on) continue;
+                if (n > 1) solve_together(k, n, with, use_bias, of_a, of_b);
+                else rows_[k].solve(with, use_bias, a_, b_, of_a, of_b);
+            }
+        }
         store(bodies, of_a, of_b);
     }
     void store_impulses(S h) const {
@@ -25190,6 +25414,21 @@ public:
     }
 
 private:
+    static constexpr std::uint32_t shared = shared_bounds_of<Joint>();
+
+    void solve_together(int k, int n, const joint_pass<S>& with, bool use_bias, lanes& of_a, lanes& of_b) {
+        P wanted[3];
+        S is_cut[W];
+        for (int i = 0; i < n; ++i) {
+            rows_[k + i].template solve<false>(with, use_bias, a_, b_, of_a, of_b);
+            wanted[i] = P::load(rows_[k + i].impulse);
+        }
+        cut_together(&rows_[k], n, wanted, is_cut);
+        for (int i = 0; i < n; ++i) {
+            rows_[k + i].apply(wanted[i] - P::load(rows_[k + i].impulse), a_, b_, of_a, of_b);
+            wanted[i].store(rows_[k + i].impulse);
+        }
+    }
     void load(const body* bodies, lanes& of_a, lanes& of_b) const {
         of_a.load(bodies, a_.index);
         of_b.load(bodies, b_.index);
@@ -32177,6 +32416,7 @@ struct shape_names {
     using ball_joint = physics::ball_joint<S, D>;
     using distance_joint = physics::distance_joint<S, D>;
     using filter_joint = physics::filter_joint<S, D>;
+    using motor_joint = physics::motor_joint<S, D>;
     using prismatic_joint = physics::prismatic_joint<S, D>;
     using revolute_joint = physics::revolute_joint<S, D>;
     using target_joint = physics::target_joint<S, D>;

@@ -27,7 +27,7 @@ class direct_joints {
     using access = joint_access<S, D, Rotates>;
     using pose = joint_pose<S, D, Rotates>;
     using poses_of = joint_poses<S, D, Rotates>;
-    using response = row_response<K, S, D, Rotates>;
+    using row_state = direct_row<P, K, S, W>;
 
 public:
     /// `used` components of a pattern; joint(lane, i) is the i-th joint of one, and bodies(lane, i) are its bodies.
@@ -59,6 +59,8 @@ public:
                 sides_[j.b].is_pushed = all[ends.b].inverse_mass > inverse_of<S>(0);
                 j.each_row([&](std::uint32_t r, int k) {
                     rows_[r].impulse[lane] = kinds_[j.kind].first_impulse(joint_at(i, lane), k, h);
+                    state_[r].together = static_cast<std::uint32_t>(rows_together(kinds_[j.kind].shared_bounds, k));
+                    any_shared_ = any_shared_ || state_[r].together > 1;
                 });
             }
         }
@@ -91,8 +93,12 @@ public:
         K open = K::broadcast(C(1)), cut = zero;
         for (int round = 0; round < max_rounds; ++round) {
             const bool settles = round >= free_rounds;
-            const K changed = choose_rows(with, use_bias, settles, open);
-            if (round > 0) open = select_greater(changed + cut, zero, open, zero);
+            K changed = choose_rows(with, use_bias, settles, open), turned = zero;
+            if (any_shared_ && !settles) {
+                turned = turn_shared(use_bias, open);
+                changed = max(changed, choose_rows(with, use_bias, settles, open));
+            }
+            if (round > 0) open = select_greater(changed + cut + turned, zero, open, zero);
             if (greater(open, zero).bits() == 0) break;
             if (!is_factorised_ || greater(changed, zero).bits() != 0) matrix_.factorise();
             is_factorised_ = true;
@@ -115,14 +121,6 @@ public:
     }
 
 private:
-    /// What is kept of a row between solves.
-    struct row_state {
-        /// The speed that takes back its error; and what it has given for that.
-        K bias;
-        P correction;
-        /// In the last substep, all of it; and what lasts of that.
-        S given[W], load[W];
-    };
     [[nodiscard]] void* joint_at(std::uint32_t i, int lane) const {
         return joints_[i * W + static_cast<std::uint32_t>(lane)];
     }
@@ -135,6 +133,11 @@ private:
     }
     void apply(std::uint32_t r, const joint_pattern::joint& j, const P& by) {
         rows_[r].apply(by, sides_[j.a], sides_[j.b], velocities_[j.a], velocities_[j.b]);
+    }
+    /// Has a row give so much in all.
+    void give(std::uint32_t r, const joint_pattern::joint& j, const P& next) {
+        apply(r, j, next - P::load(rows_[r].impulse));
+        next.store(rows_[r].impulse);
     }
     /// Gives the velocities what rows hold.
     void give(S sign) {
@@ -171,7 +174,7 @@ private:
             for (std::uint32_t k = 0; k < of_.body_count; ++k) largest = max(largest, sway_[k]);
             resolved_[lane] = largest > max_resolved ? S(0) : S(1);
         }
-        assemble();
+        assemble<S, D, Rotates>(of_, rows_, sides_, matrix_.matrix);
         is_factorised_ = false;
     }
     PHYSICS_HPP_NOINLINE void write_joint(std::uint32_t i, int lane, const body* bodies, const pose* poses,
@@ -204,34 +207,6 @@ private:
         sway_[j.b] += of_b * force_h2;
         unit_sway_[i].set_lane(lane, static_cast<C>(max(of_a, of_b) * to_double(with.h)));
     }
-    void assemble() {
-        const K zero = K::broadcast(C(0));
-        for (std::uint32_t i = 0; i < of_.entries; ++i) matrix_.matrix[i] = zero;
-        for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
-            const joint_pattern::joint& j = of_.joints[i];
-            for (std::uint32_t k = 0; k < j.row_count; ++k) {
-                const row& r = rows_[j.first_row + k];
-                for (const bool is_b : {false, true}) {
-                    const side& to = sides_[is_b ? j.b : j.a];
-                    if (!to.is_pushed) continue;
-                    const response moved(r, is_b, to);
-                    for (std::uint32_t l = k; l < j.row_count; ++l) {
-                        K& at = matrix_.matrix[j.panel + l * j.row_count + k];
-                        at = at + moved.answer(rows_[j.first_row + l], is_b, false);
-                    }
-                    for (std::uint32_t n = j.couplings; n < of_.joints[i + 1].couplings; ++n) {
-                        const joint_pattern::coupling& c = of_.couplings[n];
-                        if (c.first_is_b != is_b) continue;
-                        const joint_pattern::joint& later = of_.joints[c.later];
-                        for (std::uint32_t l = 0; l < later.row_count; ++l) {
-                            K& at = matrix_.matrix[c.to + l * j.row_count + k];
-                            at = at + moved.answer(rows_[later.first_row + l], c.later_is_b, c.later_is_b != is_b);
-                        }
-                    }
-                }
-            }
-        }
-    }
     /// Right-hand sides, and of lanes that are open (1) which rows are in the solve; greater than 0 where these are
     /// others than before. To settle, rows only leave.
     K choose_rows(const joint_pass<S>& with, bool use_bias, bool settles, const K& open) {
@@ -240,6 +215,8 @@ private:
         any_bounded_ = false;
         for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
             const joint_pattern::joint& j = of_.joints[i];
+            // Of those that share a bound.
+            const row_state* first = nullptr;
             for (std::uint32_t k = j.first_row; k < j.first_row + j.row_count; ++k) {
                 row& r = rows_[k];
                 auto& w = matrix_.row[k];
@@ -269,7 +246,10 @@ private:
                 const K v = widened<K>(r.speed_of(velocities_[j.a], velocities_[j.b])) - lanes_from<K>(r.speed);
                 w.right_hand = -(v + bias + (soft + w.leak) * before);
                 any_bounded_ = any_bounded_ || r.is_bounded;
-                if (r.is_bounded) {
+                if (state_[k].together != 0) first = &state_[k];
+                if (state_[k].together != 1) {
+                    in = in * (one - lanes_from<K>(first->is_cut)) * (settles ? w.in : one);
+                } else if (r.is_bounded) {
                     // At a bound a row is in if it would leave it.
                     const K up = select_greater(w.right_hand, zero, one, zero);
                     const K down = select_greater(zero, w.right_hand, one, zero);
@@ -286,18 +266,38 @@ private:
         }
         return changed;
     }
+    /// What rows that share a bound give turns to what they act on; greater than 0 where that changes anything.
+    K turn_shared(bool use_bias, const K& open) {
+        K turned = K::broadcast(C(0));
+        for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
+            const joint_pattern::joint& j = of_.joints[i];
+            for (std::uint32_t r = j.first_row, n; r < j.first_row + j.row_count; r += n) {
+                n = state_[r].together;
+                if (n == 1 || (rows_[r].has_spring && !use_bias)) continue;
+                P by[3];
+                turned = max(
+                    turned, turn_together(rows_ + r, matrix_.row + r, static_cast<int>(n), open, state_[r].is_cut, by));
+                for (std::uint32_t k = 0; k < n; ++k) give(r + k, j, P::load(rows_[r + k].impulse) + by[k]);
+            }
+        }
+        return turned;
+    }
     /// Has each row give by(row) more, up to its bounds; greater than 0 where any was cut off by these.
     template <class F>
     K give_more(F&& by) {
         P cut = P::broadcast(S(0));
         for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
             const joint_pattern::joint& j = of_.joints[i];
-            for (std::uint32_t r = j.first_row; r < j.first_row + j.row_count; ++r) {
-                const P before = P::load(rows_[r].impulse), wanted = before + by(r);
-                const P next = max(min(wanted, P::load(rows_[r].high)), P::load(rows_[r].low));
-                cut = max(cut, lane_abs(wanted - next));
-                apply(r, j, next - before);
-                next.store(rows_[r].impulse);
+            for (std::uint32_t r = j.first_row, n; r < j.first_row + j.row_count; r += n) {
+                n = state_[r].together;
+                P wanted[3], next[3];
+                for (std::uint32_t k = 0; k < n; ++k) next[k] = wanted[k] = P::load(rows_[r + k].impulse) + by(r + k);
+                if (n > 1) cut_together(rows_ + r, static_cast<int>(n), next, state_[r].is_cut);
+                else next[0] = max(min(wanted[0], P::load(rows_[r].high)), P::load(rows_[r].low));
+                for (std::uint32_t k = 0; k < n; ++k) {
+                    cut = max(cut, lane_abs(wanted[k] - next[k]));
+                    give(r + k, j, next[k]);
+                }
             }
         }
         return widened<K>(cut);
@@ -390,7 +390,7 @@ private:
     std::uint32_t* joints_of_;
     pose* ahead_;
     bool is_factorised_ = false, are_forces_noted_ = false, are_corrected_ = false, has_loads_ = false,
-         any_bounded_ = false;
+         any_bounded_ = false, any_shared_ = false;
     /// 1 where substeps are short enough; and where something is farther from what holds it than a hundredth.
     S resolved_[W] = {}, far_[W] = {};
 };

@@ -1,7 +1,8 @@
 // What a direct solve asks of joints, and how it judges them.
 #pragma once
 
-#include "physics/dynamics/joint_rows.hpp"
+#include "physics/dynamics/joint_pattern.hpp"
+#include "physics/dynamics/shared_bounds.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -15,6 +16,7 @@ struct joint_access {
     vec<S, D> (*write)(void* joint, bool is_ahead, const pose& a, const pose& b, joint_row<S, D>* rows);
     S (*first_impulse)(const void* joint, int row, S h);
     void (*store_impulses)(void* joint, S h, const S* given);
+    std::uint32_t shared_bounds;
 
     template <class Joint>
     static joint_access of() {
@@ -27,7 +29,8 @@ struct joint_access {
                 },
                 [](void* j, S h, const S* given) {
                     detail::store_impulses(*static_cast<step_joint*>(j), h, [given](int k) { return given[k]; });
-                }};
+                },
+                shared_bounds_of<Joint>()};
     }
     static constexpr int max_rows = 16;
 };
@@ -92,6 +95,49 @@ struct row_response {
         return sum;
     }
 };
+/// What a direct solve keeps of a row between solves.
+template <class P, class K, class S, int W>
+struct direct_row {
+    /// The speed that takes back its error; and what it has given for that.
+    K bias;
+    P correction;
+    /// In the last substep, all of it; and what lasts of that.
+    S given[W], load[W];
+    /// See rows_together, of rows that share a bound; and whether they are at it (1).
+    std::uint32_t together;
+    S is_cut[W];
+};
+/// J M^-1 J^T of rows.
+template <class S, int D, bool Rotates, class K, int W = K::width>
+void assemble(const joint_pattern& of, const row_lanes<S, D, Rotates, W>* rows,
+              const pushed_lanes<S, D, Rotates, W>* sides, K* matrix) {
+    const K zero = K::broadcast(typename K::scalar(0));
+    for (std::uint32_t i = 0; i < of.entries; ++i) matrix[i] = zero;
+    for (std::uint32_t i = 0; i < of.joint_count; ++i) {
+        const joint_pattern::joint& j = of.joints[i];
+        for (std::uint32_t k = 0; k < j.row_count; ++k) {
+            const auto& r = rows[j.first_row + k];
+            for (const bool is_b : {false, true}) {
+                const auto& to = sides[is_b ? j.b : j.a];
+                if (!to.is_pushed) continue;
+                const row_response<K, S, D, Rotates> moved(r, is_b, to);
+                for (std::uint32_t l = k; l < j.row_count; ++l) {
+                    K& at = matrix[j.panel + l * j.row_count + k];
+                    at = at + moved.answer(rows[j.first_row + l], is_b, false);
+                }
+                for (std::uint32_t n = j.couplings; n < of.joints[i + 1].couplings; ++n) {
+                    const joint_pattern::coupling& c = of.couplings[n];
+                    if (c.first_is_b != is_b) continue;
+                    const joint_pattern::joint& later = of.joints[c.later];
+                    for (std::uint32_t l = 0; l < later.row_count; ++l) {
+                        K& at = matrix[c.to + l * j.row_count + k];
+                        at = at + moved.answer(rows[later.first_row + l], c.later_is_b, c.later_is_b != is_b);
+                    }
+                }
+            }
+        }
+    }
+}
 /// The square of an error as a part of what a joint measures (of a radian, where a row only turns), up to 1.
 template <class S, int D>
 double part_of(double error, const joint_row<S, D>& of, double apart) {

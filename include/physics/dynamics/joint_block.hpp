@@ -1,7 +1,7 @@
 // Joints of a kind in lanes, solved one row after the other.
 #pragma once
 
-#include "physics/dynamics/joint_rows.hpp"
+#include "physics/dynamics/shared_bounds.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -57,8 +57,17 @@ public:
     void solve(body* bodies, const joint_pass<S>& with, bool use_bias) {
         lanes of_a, of_b;
         load(bodies, of_a, of_b);
-        for (row& r : rows_)
-            if (r.is_on) r.solve(with, use_bias, a_, b_, of_a, of_b);
+        if constexpr (shared == 0) {
+            for (row& r : rows_)
+                if (r.is_on) r.solve(with, use_bias, a_, b_, of_a, of_b);
+        } else {
+            for (int k = 0, n; k < Joint::row_count; k += n) {
+                n = rows_together(shared, k);
+                if (!rows_[k].is_on) continue;
+                if (n > 1) solve_together(k, n, with, use_bias, of_a, of_b);
+                else rows_[k].solve(with, use_bias, a_, b_, of_a, of_b);
+            }
+        }
         store(bodies, of_a, of_b);
     }
     void store_impulses(S h) const {
@@ -68,6 +77,21 @@ public:
     }
 
 private:
+    static constexpr std::uint32_t shared = shared_bounds_of<Joint>();
+
+    void solve_together(int k, int n, const joint_pass<S>& with, bool use_bias, lanes& of_a, lanes& of_b) {
+        P wanted[3];
+        S is_cut[W];
+        for (int i = 0; i < n; ++i) {
+            rows_[k + i].template solve<false>(with, use_bias, a_, b_, of_a, of_b);
+            wanted[i] = P::load(rows_[k + i].impulse);
+        }
+        cut_together(&rows_[k], n, wanted, is_cut);
+        for (int i = 0; i < n; ++i) {
+            rows_[k + i].apply(wanted[i] - P::load(rows_[k + i].impulse), a_, b_, of_a, of_b);
+            wanted[i].store(rows_[k + i].impulse);
+        }
+    }
     void load(const body* bodies, lanes& of_a, lanes& of_b) const {
         of_a.load(bodies, a_.index);
         of_b.load(bodies, b_.index);

@@ -187,6 +187,9 @@ struct row_lanes {
             share[1][lane] = does.share;
             push[1][lane] = does.push;
             loss[1][lane] = S(1) - does.share;
+        } else if (from.is_motor) {
+            share[1][lane] = S(1);
+            push[1][lane] = loss[1][lane] = S(0);
         } else {
             share[1][lane] = with.rigid.mass_scale;
             push[1][lane] = with.rigid.mass_scale * with.rigid.rate;
@@ -217,7 +220,8 @@ struct row_lanes {
         const P zero = P::broadcast(S(0));
         return is_one_sided ? select_greater(P::load(one_sided), zero, max(P::load(error), zero), zero) : zero;
     }
-    /// Visits it alone.
+    /// Visits it alone. Of what others have a part in, the bound is left to them.
+    template <bool IsBounded = true>
     void solve(const joint_pass<S>& with, bool use_bias, const side& a, const side& b, lanes& of_a, lanes& of_b) {
         const P zero = P::broadcast(S(0)), one = P::broadcast(S(1)), limit = P::load(max_bias), free = room();
         const P at = P::load(error), left = select_greater(free, zero, one, P::load(share[use_bias]));
@@ -225,7 +229,7 @@ struct row_lanes {
         const P lost = select_greater(free, zero, zero, P::load(loss[use_bias]));
         const P before = P::load(impulse), v = speed_of(of_a, of_b) - P::load(speed);
         const P wanted = before - P::load(mass) * (left * v + max(min(bias, limit), -limit)) - lost * before;
-        const P next = max(min(wanted, P::load(high)), P::load(low));
+        const P next = IsBounded ? max(min(wanted, P::load(high)), P::load(low)) : wanted;
         apply(next - before, a, b, of_a, of_b);
         next.store(impulse);
     }

@@ -26,6 +26,8 @@ struct joint_row {
     S min_force{}, max_force{};
     /// The velocity J v that it drives to (m/s, rad/s).
     S speed{};
+    /// Whether the speed is all that it drives to, whatever C is: as stiff as it can be, and does not creep.
+    bool is_motor = false;
     /// Of a damped spring that takes C to 0 (Hz, 1); with a frequency of 0 it is as stiff as the solver can make it.
     S frequency{}, damping_ratio{};
 
@@ -55,9 +57,17 @@ struct joint_row {
     /// The same row, which drives J v to a speed by up to so much.
     [[nodiscard]] constexpr joint_row motor(S speed_, S max) const {
         joint_row r = *this;
+        r.is_motor = true;
         r.speed = speed_;
         r.max_force = max;
         r.min_force = -max;
+        return r;
+    }
+    /// The same row, which gives no more than that (N, N m).
+    [[nodiscard]] constexpr joint_row at_most(S max) const {
+        joint_row r = *this;
+        r.max_force = min(max, max_force);
+        r.min_force = -r.max_force;
         return r;
     }
     /// The same row as a damped spring.
@@ -119,6 +129,11 @@ struct joint_frames {
         result[i] = S(1);
         return result;
     }
+    /// The row of B that turns against A about an axis of a frame of A; in 2D there is but one.
+    [[nodiscard]] joint_row<S, D> about_a(const rotation<S, D>& frame, int i) const {
+        if constexpr (D == 2) return about(S(1));
+        else return about(axis_a(frame, i));
+    }
     /// How a frame of B is turned as seen from one of A.
     [[nodiscard]] rotation<S, D> relative(const rotation<S, D>& frame_a, const rotation<S, D>& frame_b) const {
         return inverse(rotation_a * frame_a) * (rotation_b * frame_b);
@@ -162,7 +177,9 @@ struct joint_drive {
 
 /// What a kind of joint must offer: values whose members are listed, a function check(joint, function) like that of
 /// shapes, and how many rows it has, 0 to 16: rows(frames, row) writes them. It is pure geometry, and is asked in each
-/// substep; all else is the library's.
+/// substep; all else is the library's. Of a kind that says so by the bits of `static constexpr std::uint32_t
+/// shared_bounds`, row k shares its max_force with row k + 1, and so on, up to three: not each of them, but the length
+/// of what they give together is bounded. Such rows are on together, with the same bounds and stiffness.
 template <class Joint, class S, int D>
 concept joint_for = std::is_trivially_copyable_v<Joint> && detail::names_members<Joint> &&
     requires(const Joint& joint, const joint_frames<S, D>& at, joint_row<S, D>* row) {

@@ -13,19 +13,16 @@ struct target_joint {
     vec<S, D> target{}, anchor_b{};
     /// Of the spring (Hz, greater than 0), and its damping as a part of the critical one.
     S frequency = S(5), damping_ratio = S(1);
-    /// Along each axis of the world, at most (N).
+    /// At most, whatever the direction (N).
     S max_force = scalar_traits<S>::max();
 
     static constexpr int row_count = D;
+    static constexpr std::uint32_t shared_bounds = D == 2 ? 0b1 : 0b11;
     PHYSICS_HPP_MEMBERS(target, anchor_b, frequency, damping_ratio, max_force)
 
     void rows(const joint_frames<S, D>& at, joint_row<S, D>* row) const {
         at.hold(target, anchor_b, row);
-        for (int i = 0; i < D; ++i) {
-            row[i] = row[i].spring(row[i].error, frequency, damping_ratio);
-            row[i].max_force = min(max_force, row[i].max_force);
-            row[i].min_force = -row[i].max_force;
-        }
+        for (int i = 0; i < D; ++i) row[i] = row[i].spring(row[i].error, frequency, damping_ratio).at_most(max_force);
     }
 };
 

@@ -10,6 +10,7 @@
 #include "physics/joint/ball_joint.hpp"
 #include "physics/joint/distance_joint.hpp"
 #include "physics/joint/filter_joint.hpp"
+#include "physics/joint/motor_joint.hpp"
 #include "physics/joint/prismatic_joint.hpp"
 #include "physics/joint/revolute_joint.hpp"
 #include "physics/joint/target_joint.hpp"
@@ -96,6 +97,7 @@ struct shape_names {
     using ball_joint = physics::ball_joint<S, D>;
     using distance_joint = physics::distance_joint<S, D>;
     using filter_joint = physics::filter_joint<S, D>;
+    using motor_joint = physics::motor_joint<S, D>;
     using prismatic_joint = physics::prismatic_joint<S, D>;
     using revolute_joint = physics::revolute_joint<S, D>;
     using target_joint = physics::target_joint<S, D>;
