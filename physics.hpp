@@ -20497,7 +20497,8 @@ PHYSICS_HPP_BEGIN
 /// follows `speed` and the error C goes to 0.
 template <class S, int D>
 struct joint_row {
-    /// Jacobian of B's centre of mass; that of A's is its negative. Of length 1, or 0 for rows that only turn.
+    /// Jacobian of B's centre of mass; that of A's is its negative. Of length 1 of rows that measure a length,
+    /// and 0 of those that only turn.
     vec<S, D> direction{};
     /// Jacobians of the angular velocities (m, or 1 for rows that only turn).
     angular<S, D> angular_a{}, angular_b{};
@@ -20586,6 +20587,8 @@ struct counted_angle {
         return {next, turns + (next - angle > S(pi) ? -1 : next - angle < S(-pi) ? 1 : 0)};
     }
     [[nodiscard]] constexpr S total() const { return angle + S(6.283185307179586) * S(turns); }
+
+    PHYSICS_HPP_MEMBERS(angle, turns)
 };
 
 /// Where the two bodies of a joint are. Points, axes and frames of joints are given in the frames of their bodies.
@@ -20595,7 +20598,7 @@ struct joint_frames {
     /// Centres of mass in the bodies' frames, and from A's to B's in world axes.
     vec<S, D> center_a, center_b, between;
     /// Of joints that count their turns, see joint_for.
-    counted_angle<S> turned{};
+    const counted_angle<S>* turned = nullptr;
 
     /// From a body's centre of mass to a point of it, in world axes.
     [[nodiscard]] vec<S, D> r_a(const vec<S, D>& point) const { return rotation_a * (point - center_a); }
@@ -20661,15 +20664,18 @@ struct joint_drive {
 };
 
 /// What a kind of joint must offer: values whose members are listed, a function check(joint, function) like that of
-/// shapes, and how many rows it has, 0 to 16: rows(frames, row) writes them. It is pure geometry, and is asked in each
+/// shapes, and how many rows it has, 0 to 24: rows(frames, row) writes them. It is pure geometry, and is asked in each
 /// substep; all else is the library's. Of a kind that says so by the bits of `static constexpr std::uint32_t
 /// shared_bounds`, row k shares its max_force with row k + 1, and so on, up to three: not each of them, but the length
-/// of what they give together is bounded. Such rows are on together, with the same bounds and stiffness.
+/// of what they give together is bounded. Such rows are on together, with the same bounds and stiffness. Of a kind with
+/// a `static constexpr int angle_count`, so many angles are counted: it tells angle(frames, i), |angle| <= pi, and
+/// finds them in frames.turned[i]. fill_in(frames) is called as a joint is made or set, for what it leaves open till
+/// then.
 template <class Joint, class S, int D>
 concept joint_for = std::is_trivially_copyable_v<Joint> && detail::names_members<Joint> &&
     requires(const Joint& joint, const joint_frames<S, D>& at, joint_row<S, D>* row) {
     { check(joint, "create_joint") } -> std::same_as<bool>;
-    requires Joint::row_count >= 0 && Joint::row_count <= 16;
+    requires Joint::row_count >= 0 && Joint::row_count <= 24;
     joint.rows(at, row);
 };
 
@@ -20697,11 +20703,22 @@ struct fixed_list<T, 0> {
     const T* end() const { return nullptr; }
 };
 
-/// Whether the turns of a joint are counted.
+/// How many angles of a kind are counted.
+template <class Joint>
+constexpr int angles_of() {
+    if constexpr (requires { Joint::angle_count; }) return Joint::angle_count;
+    else return 0;
+}
+template <class Joint, class S>
+using angle_list = fixed_list<counted_angle<S>, angles_of<Joint>()>;
+/// Angles that were last seen so, where bodies are now.
 template <class Joint, class S, int D>
-concept counts_turns = requires(const Joint& joint, const joint_frames<S, D>& at) {
-    joint.angle(at);
-};
+angle_list<Joint, S> count_turns([[maybe_unused]] const Joint& joint, [[maybe_unused]] const joint_frames<S, D>& at,
+                                 angle_list<Joint, S> turned) {
+    if constexpr (angles_of<Joint>() > 0)
+        for (int i = 0; i < angles_of<Joint>(); ++i) turned[i] = turned[i].at(joint.angle(at, i));
+    return turned;
+}
 
 /// Checks of what joints are made of.
 template <class S, int D>
@@ -20997,7 +21014,8 @@ struct revolute_joint {
     PHYSICS_HPP_MEMBERS(frame_a, frame_b, min_angle, max_angle, motor_speed, max_motor_torque, frequency, damping_ratio,
                         rest_angle)
 
-    [[nodiscard]] S angle(const joint_frames<S, D>& at) const {
+    static constexpr int angle_count = 1;
+    [[nodiscard]] S angle(const joint_frames<S, D>& at, int) const {
         const rotation<S, D> r = at.relative(frame_a.rotation, frame_b.rotation);
         if constexpr (D == 2) return r.angle();
         else return r.w < S(0) ? S(2) * atan2(-r.z, -r.w) : S(2) * atan2(r.z, r.w);
@@ -21006,11 +21024,11 @@ struct revolute_joint {
         const joint_drive<S> drive{min_angle,  max_angle, motor_speed,  max_motor_torque,
                                    rest_angle, frequency, damping_ratio};
         if constexpr (D == 2) {
-            drive.rows(at.about(S(1)), at.turned.total(), row);
+            drive.rows(at.about(S(1)), at.turned->total(), row);
         } else {
             const vec<S, 3> x = at.axis_a(frame_a.rotation, 0), y = at.axis_a(frame_a.rotation, 1),
                             z = at.axis_a(frame_a.rotation, 2), error = cross(z, at.axis_b(frame_b.rotation, 2));
-            drive.rows(at.about(z), at.turned.total(), row);
+            drive.rows(at.about(z), at.turned->total(), row);
             row[drive.row_count + 3] = at.about(x).equality(dot(error, x));
             row[drive.row_count + 4] = at.about(y).equality(dot(error, y));
         }
@@ -22915,7 +22933,7 @@ struct step_joint {
     /// Which of the world's joints of its kind it is.
     std::uint32_t slot = 0;
     /// Of joints that count their turns.
-    counted_angle<S> turned{};
+    [[no_unique_address]] detail::angle_list<Joint, S> turned{};
 };
 
 /// Joints of a kind that a solver is to solve, of a longer list.
@@ -23922,7 +23940,7 @@ struct row_lanes {
     void write(int lane, const joint_row<S, D>& from, const body& a, const body& b, const joint_pass<S>& with) {
         bool on = from.is_on();
         for (int i = 0; i < D; ++i) direction[i][lane] = from.direction[i];
-        I k = from.direction == vec<S, D>{} ? I(0) : a.inverse_mass + b.inverse_mass;
+        I k = mul<I>(a.inverse_mass + b.inverse_mass, dot(from.direction, from.direction));
         if constexpr (A == 1) {
             angular_a[0][lane] = from.angular_a;
             angular_b[0][lane] = from.angular_b;
@@ -24087,10 +24105,9 @@ vec<S, D> write_rows(step_joint<Joint, S, D>& joint, [[maybe_unused]] bool is_ah
     at.between = at.between + (b.displacement.linear - a.displacement.linear);
     at.rotation_a = a.rotation_from(at.rotation_a);
     at.rotation_b = b.rotation_from(at.rotation_b);
-    if constexpr (counts_turns<Joint, S, D>) {
-        at.turned = joint.turned.at(joint.joint->angle(at));
-        if (!is_ahead) joint.turned = at.turned;
-    }
+    const auto turned = count_turns(*joint.joint, at, joint.turned);
+    at.turned = turned.begin();
+    if (!is_ahead) joint.turned = turned;
     joint.joint->rows(at, rows);
     if (a.is_drawn || b.is_drawn)
         for (int k = 0; k < Joint::row_count; ++k) {
@@ -24219,6 +24236,7 @@ struct joint_access {
     static joint_access of() {
         using step_joint = solver_api::step_joint<Joint, S, D>;
         return {[](void* j, bool is_ahead, const pose& a, const pose& b, joint_row<S, D>* rows) {
+                    for (int k = 0; k < Joint::row_count; ++k) new (rows + k) joint_row<S, D>();
                     return write_rows(*static_cast<step_joint*>(j), is_ahead, a, b, rows);
                 },
                 [](const void* j, int row, S h) {
@@ -24229,7 +24247,12 @@ struct joint_access {
                 },
                 shared_bounds_of<Joint>()};
     }
-    static constexpr int max_rows = 16;
+    static constexpr int max_rows = 24;
+    /// Memory for the rows of a joint, which are made as they are written.
+    union row_memory {
+        joint_row<S, D> at[max_rows];
+        row_memory() {}
+    };
 };
 
 template <class S, int D>
@@ -24339,7 +24362,8 @@ void assemble(const joint_pattern& of, const row_lanes<S, D, Rotates, W>* rows,
 template <class S, int D>
 double part_of(double error, const joint_row<S, D>& of, double apart) {
     const bool turns = of.direction == vec<S, D>{};
-    const double size = turns ? 1 : apart + length_squared_of(of.r_a) + length_squared_of(of.r_b);
+    const double reach = apart + length_squared_of(of.r_a) + length_squared_of(of.r_b),
+                 size = turns ? 1 : length_squared_of(of.direction) * reach;
     return error * error < size ? error * error / size : 1;
 }
 /// The square of omega of a body that sways under a joint's force of 1 N on its lever. What hangs by no other joint
@@ -24695,23 +24719,23 @@ private:
         const joint_pattern::joint& j = of_.joints[i];
         const std::uint32_t at_a = sides_[j.a].index[lane], at_b = sides_[j.b].index[lane];
         const body &a = bodies[at_a], &b = bodies[at_b];
-        joint_row<S, D> rows[access::max_rows];
+        typename access::row_memory rows;
         const double apart =
-            length_squared_of(kinds_[j.kind].write(joint_at(i, lane), false, poses[at_a], poses[at_b], rows));
+            length_squared_of(kinds_[j.kind].write(joint_at(i, lane), false, poses[at_a], poses[at_b], rows.at));
         double square = 0;
         vec<S, D> r_a, r_b;
         j.each_row([&](std::uint32_t r, int k) {
-            rows_[r].write(lane, rows[k], a, b, with);
+            rows_[r].write(lane, rows.at[k], a, b, with);
             // Of what has room, rests elsewhere or gives in, the error says nothing.
-            const bool holds = !rows[k].is_bounded() && !rows[k].is_spring();
-            const double part = holds ? part_of(to_double(rows[k].error), rows[k], apart) : 0;
+            const bool holds = !rows.at[k].is_bounded() && !rows.at[k].is_spring();
+            const double part = holds ? part_of(to_double(rows.at[k].error), rows.at[k], apart) : 0;
             matrix_.row[r].slack.set_lane(lane, static_cast<C>(part > 1.0 / 1024 ? part * part : 0));
             if (part > 0.0001) far_[lane] = S(1);
-            if (rows[k].direction == vec<S, D>{}) return;
+            if (rows.at[k].direction == vec<S, D>{}) return;
             const double given = to_double(state_[r].load[lane]);
-            square += given * given;
-            r_a = rows[k].r_a;
-            r_b = rows[k].r_b;
+            square += length_squared_of(rows.at[k].direction) * given * given;
+            r_a = rows.at[k].r_a;
+            r_b = rows.at[k].r_b;
         });
         const double of_a = sway_of(a, r_a, joints_of_[j.a] == 1, to_double(b.inverse_mass)),
                      of_b = sway_of(b, r_b, joints_of_[j.b] == 1, to_double(a.inverse_mass));
@@ -24842,15 +24866,15 @@ private:
             is_near[lane] = far_[lane] > S(0) ? S(0) : resolved_[lane];
             for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
                 const joint_pattern::joint& j = of_.joints[i];
-                joint_row<S, D> rows[access::max_rows];
+                typename access::row_memory rows;
                 const double apart =
-                    length_squared_of(kinds_[j.kind].write(joint_at(i, lane), true, ahead_[j.a], ahead_[j.b], rows));
+                    length_squared_of(kinds_[j.kind].write(joint_at(i, lane), true, ahead_[j.a], ahead_[j.b], rows.at));
                 j.each_row([&](std::uint32_t r, int k) {
                     K& right_hand = matrix_.row[r].right_hand;
                     const bool holds = !rows_[r].is_bounded && !rows_[r].has_spring;
-                    const double moved = to_double(rows[k].error) - to_double(rows_[r].error[lane]),
+                    const double moved = to_double(rows.at[k].error) - to_double(rows_[r].error[lane]),
                                  misses = holds ? moved - right_hand.lane(lane) * to_double(with.h) : 0;
-                    if (part_of(misses, rows[k], apart) > 0.0025) is_near[lane] = S(0);
+                    if (part_of(misses, rows.at[k], apart) > 0.0025) is_near[lane] = S(0);
                     right_hand.set_lane(lane, -misses * to_double(with.inverse_h));
                 });
             }
@@ -25539,8 +25563,8 @@ public:
                 const body_pair& ends = joints.bodies(i);
                 const auto &a = bodies[ends.a], &b = bodies[ends.b];
                 steps[at] = &joints[i];
-                joint_row<S, D> rows[access::max_rows];
-                write_rows(joints[i], true, poses[ends.a], poses[ends.b], rows);
+                fixed_list<joint_row<S, D>, Joint::row_count> rows;
+                write_rows(joints[i], true, poses[ends.a], poses[ends.b], rows.begin());
                 new (all + at) graph_joint{
                     ends, a.inverse_mass > inverse_of<S>(0), b.inverse_mass > inverse_of<S>(0), kind, i, 0, 0, 0};
                 for (int k = 0; k < Joint::row_count; ++k) {
@@ -28774,14 +28798,11 @@ struct stored_joint {
     Joint joint;
     [[no_unique_address]] fixed_list<S, Joint::row_count> impulse{};
     S substep{};
-    /// Of joints that count their turns, see counted_angle.
-    S angle{};
-    std::int32_t turns = 0;
+    /// Of joints that count their turns.
+    [[no_unique_address]] angle_list<Joint, S> turned{};
     /// Its record.
     std::uint32_t number = 0;
-    PHYSICS_HPP_MEMBERS(joint, impulse, substep, angle, turns, number)
-
-    [[nodiscard]] counted_angle<S> turned() const { return {angle, turns}; }
+    PHYSICS_HPP_MEMBERS(joint, impulse, substep, turned, number)
 };
 template <class Joint, class S>
 struct joint_pool : pool<stored_joint<Joint, S>> {};
@@ -28896,12 +28917,11 @@ void list_joints(const joint_set<S, D, Joints>& all, const pool<body<S, D, Rotat
                 const joint_record& record = all.records[from.number];
                 if (!record.enabled || (!is_pushed(record.body_a) && !is_pushed(record.body_b))) return;
                 const auto &a = bodies[record.body_a], &b = bodies[record.body_b];
-                auto& j = to.emplace_back(
-                    &from.joint,
-                    joint_frames<S, D>{a.rotation, b.rotation, a.mass.center, b.mass.center, b.center - a.center, {}});
+                auto& j = to.emplace_back(&from.joint, joint_frames<S, D>{a.rotation, b.rotation, a.mass.center,
+                                                                          b.mass.center, b.center - a.center});
                 for (int k = 0; k < Joint::row_count; ++k) j.impulse[k] = from.impulse[k];
                 j.substep = from.substep;
-                j.turned = from.turned();
+                j.turned = from.turned;
                 j.slot = slot;
                 edges.push_back({record.body_a, record.body_b});
             });
@@ -28915,8 +28935,7 @@ void publish_joints(step_joints<S, D, Joints>& found, joint_set<S, D, Joints>& a
         for (const auto& j : found.template of_kind<Joint>()) {
             for (int k = 0; k < Joint::row_count; ++k) of_kind[j.slot].impulse[k] = j.impulse[k];
             of_kind[j.slot].substep = j.substep;
-            of_kind[j.slot].angle = j.turned.angle;
-            of_kind[j.slot].turns = j.turned.turns;
+            of_kind[j.slot].turned = j.turned;
         }
     });
 }
@@ -34227,8 +34246,11 @@ public:
         add(j.joint);
         for (const S impulse : j.impulse) add(impulse);
         add(j.substep);
-        add(j.angle);
-        add(std::uint64_t{j.number} << 32 | static_cast<std::uint32_t>(j.turns));
+        for (const auto& turned : j.turned) {
+            add(turned.angle);
+            add(std::uint64_t{static_cast<std::uint32_t>(turned.turns)});
+        }
+        add(std::uint64_t{j.number});
     }
     /// The manifold follows from the rest.
     template <class S, int D>
@@ -34851,6 +34873,25 @@ void wake_connected(world_data<Plan>& s, std::uint32_t joint) {
     world_code<Plan>::wake(s, s.joints.records[joint].body_b);
 }
 
+template <class Plan>
+using frames_of = joint_frames<typename Plan::scalar, Plan::dimension>;
+/// Where the bodies of a joint are.
+template <class Plan>
+frames_of<Plan> frames_at(const state<Plan>& s, std::uint32_t joint) {
+    const auto &a = s.bodies[s.joints.records[joint].body_a], &b = s.bodies[s.joints.records[joint].body_b];
+    return {a.rotation, b.rotation, a.mass.center, b.mass.center, b.center - a.center};
+}
+/// Has a joint that is made or set fill in what it leaves open.
+template <class Plan, class Joint>
+void fill_in([[maybe_unused]] state<Plan>& s, [[maybe_unused]] std::uint32_t joint) {
+    if constexpr (requires(Joint & j, const frames_of<Plan>& at) { j.fill_in(at); }) {
+        auto& j = s.joints.template of_kind<Joint>()[s.joints.records[joint].slot];
+        frames_of<Plan> at = frames_at<Plan>(s, joint);
+        j.turned = count_turns(j.joint, at, j.turned);
+        at.turned = j.turned.begin();
+        j.joint.fill_in(at);
+    }
+}
 template <class Plan, class Joint>
 joint_id create_joint(world_data<Plan>& s, body_id body_a, body_id body_b, const Joint& joint, const joint_def& def) {
     const char* f = "create_joint";
@@ -34869,31 +34910,29 @@ joint_id create_joint(world_data<Plan>& s, body_id body_a, body_id body_b, const
     record.collide_connected = def.collide_connected;
     record.user_data = def.user_data;
     const auto place = s.joints.records.insert(record);
-    of_kind.insert({joint, {}, {}, {}, 0, place.index});
+    of_kind.insert({joint, {}, {}, {}, place.index});
     s.joints.first[a.index] = s.joints.first[b.index] = place.index;
+    fill_in<Plan, Joint>(s, place.index);
     wake_connected(s, place.index);
     return {place.index, place.generation, s.tag};
 }
 
-template <class Plan>
-using frames_of = joint_frames<typename Plan::scalar, Plan::dimension>;
 /// Calls f(the joint with what it gave, its frames) for one of any kind.
 template <class Plan, class F>
 void with_joint(const state<Plan>& s, std::uint32_t joint, F&& f) {
     const joint_record& record = s.joints.records[joint];
-    const auto &a = s.bodies[record.body_a], &b = s.bodies[record.body_b];
-    const frames_of<Plan> at{a.rotation, b.rotation, a.mass.center, b.mass.center, b.center - a.center, {}};
+    const frames_of<Plan> at = frames_at<Plan>(s, joint);
     s.joints.each_kind(s.joints, [&](std::uint32_t kind, const auto& of_kind) {
         if (kind == record.kind) f(of_kind[record.slot], at);
     });
 }
-/// How far a joint is turned.
+/// How far a joint is turned, by the first of its angles.
 template <class Plan>
 typename Plan::scalar angle_of(const state<Plan>& s, std::uint32_t joint) {
     using S = typename Plan::scalar;
     S result{};
     with_joint<Plan>(s, joint, [&]<class Joint>(const stored_joint<Joint, S>& j, [[maybe_unused]] const auto& at) {
-        if constexpr (counts_turns<Joint, S, Plan::dimension>) result = j.turned().at(j.joint.angle(at)).total();
+        if constexpr (angles_of<Joint>() > 0) result = count_turns(j.joint, at, j.turned)[0].total();
     });
     return result;
 }
@@ -34905,7 +34944,8 @@ joint_reaction<typename Plan::scalar, Plan::dimension> reaction_of(const state<P
     joint_reaction<S, D> sum{};
     with_joint<Plan>(s, joint, [&]<class Joint>(const stored_joint<Joint, S>& j, frames_of<Plan> at) {
         if (!(j.substep > S(0))) return;
-        if constexpr (counts_turns<Joint, S, D>) at.turned = j.turned().at(j.joint.angle(at));
+        const auto turned = count_turns(j.joint, at, j.turned);
+        at.turned = turned.begin();
         fixed_list<joint_row<S, D>, Joint::row_count> row;
         j.joint.rows(at, row.begin());
         for (int k = 0; k < Joint::row_count; ++k) {
@@ -34997,6 +35037,7 @@ public:
         if (!at || !check(joint, "set_joint")) return;
         detail::wake_connected(state(), at.index);
         state().joints.template of_kind<Joint>()[record(at).slot].joint = joint;
+        detail::scoped([&] { detail::fill_in<Plan, Joint>(state(), at.index); });
     }
     [[nodiscard]] body_id body_a(joint_id id) const {
         const auto at = find(state(), id, "body_a");

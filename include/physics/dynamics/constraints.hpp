@@ -20,7 +20,7 @@ struct step_joint {
     /// Which of the world's joints of its kind it is.
     std::uint32_t slot = 0;
     /// Of joints that count their turns.
-    counted_angle<S> turned{};
+    [[no_unique_address]] detail::angle_list<Joint, S> turned{};
 };
 
 /// Joints of a kind that a solver is to solve, of a longer list.

@@ -182,23 +182,23 @@ private:
         const joint_pattern::joint& j = of_.joints[i];
         const std::uint32_t at_a = sides_[j.a].index[lane], at_b = sides_[j.b].index[lane];
         const body &a = bodies[at_a], &b = bodies[at_b];
-        joint_row<S, D> rows[access::max_rows];
+        typename access::row_memory rows;
         const double apart =
-            length_squared_of(kinds_[j.kind].write(joint_at(i, lane), false, poses[at_a], poses[at_b], rows));
+            length_squared_of(kinds_[j.kind].write(joint_at(i, lane), false, poses[at_a], poses[at_b], rows.at));
         double square = 0;
         vec<S, D> r_a, r_b;
         j.each_row([&](std::uint32_t r, int k) {
-            rows_[r].write(lane, rows[k], a, b, with);
+            rows_[r].write(lane, rows.at[k], a, b, with);
             // Of what has room, rests elsewhere or gives in, the error says nothing.
-            const bool holds = !rows[k].is_bounded() && !rows[k].is_spring();
-            const double part = holds ? part_of(to_double(rows[k].error), rows[k], apart) : 0;
+            const bool holds = !rows.at[k].is_bounded() && !rows.at[k].is_spring();
+            const double part = holds ? part_of(to_double(rows.at[k].error), rows.at[k], apart) : 0;
             matrix_.row[r].slack.set_lane(lane, static_cast<C>(part > 1.0 / 1024 ? part * part : 0));
             if (part > 0.0001) far_[lane] = S(1);
-            if (rows[k].direction == vec<S, D>{}) return;
+            if (rows.at[k].direction == vec<S, D>{}) return;
             const double given = to_double(state_[r].load[lane]);
-            square += given * given;
-            r_a = rows[k].r_a;
-            r_b = rows[k].r_b;
+            square += length_squared_of(rows.at[k].direction) * given * given;
+            r_a = rows.at[k].r_a;
+            r_b = rows.at[k].r_b;
         });
         const double of_a = sway_of(a, r_a, joints_of_[j.a] == 1, to_double(b.inverse_mass)),
                      of_b = sway_of(b, r_b, joints_of_[j.b] == 1, to_double(a.inverse_mass));
@@ -329,15 +329,15 @@ private:
             is_near[lane] = far_[lane] > S(0) ? S(0) : resolved_[lane];
             for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
                 const joint_pattern::joint& j = of_.joints[i];
-                joint_row<S, D> rows[access::max_rows];
+                typename access::row_memory rows;
                 const double apart =
-                    length_squared_of(kinds_[j.kind].write(joint_at(i, lane), true, ahead_[j.a], ahead_[j.b], rows));
+                    length_squared_of(kinds_[j.kind].write(joint_at(i, lane), true, ahead_[j.a], ahead_[j.b], rows.at));
                 j.each_row([&](std::uint32_t r, int k) {
                     K& right_hand = matrix_.row[r].right_hand;
                     const bool holds = !rows_[r].is_bounded && !rows_[r].has_spring;
-                    const double moved = to_double(rows[k].error) - to_double(rows_[r].error[lane]),
+                    const double moved = to_double(rows.at[k].error) - to_double(rows_[r].error[lane]),
                                  misses = holds ? moved - right_hand.lane(lane) * to_double(with.h) : 0;
-                    if (part_of(misses, rows[k], apart) > 0.0025) is_near[lane] = S(0);
+                    if (part_of(misses, rows.at[k], apart) > 0.0025) is_near[lane] = S(0);
                     right_hand.set_lane(lane, -misses * to_double(with.inverse_h));
                 });
             }

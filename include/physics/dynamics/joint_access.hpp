@@ -22,6 +22,7 @@ struct joint_access {
     static joint_access of() {
         using step_joint = solver_api::step_joint<Joint, S, D>;
         return {[](void* j, bool is_ahead, const pose& a, const pose& b, joint_row<S, D>* rows) {
+                    for (int k = 0; k < Joint::row_count; ++k) new (rows + k) joint_row<S, D>();
                     return write_rows(*static_cast<step_joint*>(j), is_ahead, a, b, rows);
                 },
                 [](const void* j, int row, S h) {
@@ -32,7 +33,12 @@ struct joint_access {
                 },
                 shared_bounds_of<Joint>()};
     }
-    static constexpr int max_rows = 16;
+    static constexpr int max_rows = 24;
+    /// Memory for the rows of a joint, which are made as they are written.
+    union row_memory {
+        joint_row<S, D> at[max_rows];
+        row_memory() {}
+    };
 };
 
 template <class S, int D>
@@ -142,7 +148,8 @@ void assemble(const joint_pattern& of, const row_lanes<S, D, Rotates, W>* rows,
 template <class S, int D>
 double part_of(double error, const joint_row<S, D>& of, double apart) {
     const bool turns = of.direction == vec<S, D>{};
-    const double size = turns ? 1 : apart + length_squared_of(of.r_a) + length_squared_of(of.r_b);
+    const double reach = apart + length_squared_of(of.r_a) + length_squared_of(of.r_b),
+                 size = turns ? 1 : length_squared_of(of.direction) * reach;
     return error * error < size ? error * error / size : 1;
 }
 /// The square of omega of a body that sways under a joint's force of 1 N on its lever. What hangs by no other joint

@@ -147,7 +147,7 @@ struct row_lanes {
     void write(int lane, const joint_row<S, D>& from, const body& a, const body& b, const joint_pass<S>& with) {
         bool on = from.is_on();
         for (int i = 0; i < D; ++i) direction[i][lane] = from.direction[i];
-        I k = from.direction == vec<S, D>{} ? I(0) : a.inverse_mass + b.inverse_mass;
+        I k = mul<I>(a.inverse_mass + b.inverse_mass, dot(from.direction, from.direction));
         if constexpr (A == 1) {
             angular_a[0][lane] = from.angular_a;
             angular_b[0][lane] = from.angular_b;
@@ -312,10 +312,9 @@ vec<S, D> write_rows(step_joint<Joint, S, D>& joint, [[maybe_unused]] bool is_ah
     at.between = at.between + (b.displacement.linear - a.displacement.linear);
     at.rotation_a = a.rotation_from(at.rotation_a);
     at.rotation_b = b.rotation_from(at.rotation_b);
-    if constexpr (counts_turns<Joint, S, D>) {
-        at.turned = joint.turned.at(joint.joint->angle(at));
-        if (!is_ahead) joint.turned = at.turned;
-    }
+    const auto turned = count_turns(*joint.joint, at, joint.turned);
+    at.turned = turned.begin();
+    if (!is_ahead) joint.turned = turned;
     joint.joint->rows(at, rows);
     if (a.is_drawn || b.is_drawn)
         for (int k = 0; k < Joint::row_count; ++k) {

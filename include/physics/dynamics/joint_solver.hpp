@@ -81,8 +81,8 @@ public:
                 const body_pair& ends = joints.bodies(i);
                 const auto &a = bodies[ends.a], &b = bodies[ends.b];
                 steps[at] = &joints[i];
-                joint_row<S, D> rows[access::max_rows];
-                write_rows(joints[i], true, poses[ends.a], poses[ends.b], rows);
+                fixed_list<joint_row<S, D>, Joint::row_count> rows;
+                write_rows(joints[i], true, poses[ends.a], poses[ends.b], rows.begin());
                 new (all + at) graph_joint{
                     ends, a.inverse_mass > inverse_of<S>(0), b.inverse_mass > inverse_of<S>(0), kind, i, 0, 0, 0};
                 for (int k = 0; k < Joint::row_count; ++k) {

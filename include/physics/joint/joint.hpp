@@ -12,7 +12,8 @@ PHYSICS_HPP_BEGIN
 /// follows `speed` and the error C goes to 0.
 template <class S, int D>
 struct joint_row {
-    /// Jacobian of B's centre of mass; that of A's is its negative. Of length 1, or 0 for rows that only turn.
+    /// Jacobian of B's centre of mass; that of A's is its negative. Of length 1 of rows that measure a length,
+    /// and 0 of those that only turn.
     vec<S, D> direction{};
     /// Jacobians of the angular velocities (m, or 1 for rows that only turn).
     angular<S, D> angular_a{}, angular_b{};
@@ -101,6 +102,8 @@ struct counted_angle {
         return {next, turns + (next - angle > S(pi) ? -1 : next - angle < S(-pi) ? 1 : 0)};
     }
     [[nodiscard]] constexpr S total() const { return angle + S(6.283185307179586) * S(turns); }
+
+    PHYSICS_HPP_MEMBERS(angle, turns)
 };
 
 /// Where the two bodies of a joint are. Points, axes and frames of joints are given in the frames of their bodies.
@@ -110,7 +113,7 @@ struct joint_frames {
     /// Centres of mass in the bodies' frames, and from A's to B's in world axes.
     vec<S, D> center_a, center_b, between;
     /// Of joints that count their turns, see joint_for.
-    counted_angle<S> turned{};
+    const counted_angle<S>* turned = nullptr;
 
     /// From a body's centre of mass to a point of it, in world axes.
     [[nodiscard]] vec<S, D> r_a(const vec<S, D>& point) const { return rotation_a * (point - center_a); }
@@ -176,15 +179,18 @@ struct joint_drive {
 };
 
 /// What a kind of joint must offer: values whose members are listed, a function check(joint, function) like that of
-/// shapes, and how many rows it has, 0 to 16: rows(frames, row) writes them. It is pure geometry, and is asked in each
+/// shapes, and how many rows it has, 0 to 24: rows(frames, row) writes them. It is pure geometry, and is asked in each
 /// substep; all else is the library's. Of a kind that says so by the bits of `static constexpr std::uint32_t
 /// shared_bounds`, row k shares its max_force with row k + 1, and so on, up to three: not each of them, but the length
-/// of what they give together is bounded. Such rows are on together, with the same bounds and stiffness.
+/// of what they give together is bounded. Such rows are on together, with the same bounds and stiffness. Of a kind with
+/// a `static constexpr int angle_count`, so many angles are counted: it tells angle(frames, i), |angle| <= pi, and
+/// finds them in frames.turned[i]. fill_in(frames) is called as a joint is made or set, for what it leaves open till
+/// then.
 template <class Joint, class S, int D>
 concept joint_for = std::is_trivially_copyable_v<Joint> && detail::names_members<Joint> &&
     requires(const Joint& joint, const joint_frames<S, D>& at, joint_row<S, D>* row) {
     { check(joint, "create_joint") } -> std::same_as<bool>;
-    requires Joint::row_count >= 0 && Joint::row_count <= 16;
+    requires Joint::row_count >= 0 && Joint::row_count <= 24;
     joint.rows(at, row);
 };
 
@@ -212,11 +218,22 @@ struct fixed_list<T, 0> {
     const T* end() const { return nullptr; }
 };
 
-/// Whether the turns of a joint are counted.
+/// How many angles of a kind are counted.
+template <class Joint>
+constexpr int angles_of() {
+    if constexpr (requires { Joint::angle_count; }) return Joint::angle_count;
+    else return 0;
+}
+template <class Joint, class S>
+using angle_list = fixed_list<counted_angle<S>, angles_of<Joint>()>;
+/// Angles that were last seen so, where bodies are now.
 template <class Joint, class S, int D>
-concept counts_turns = requires(const Joint& joint, const joint_frames<S, D>& at) {
-    joint.angle(at);
-};
+angle_list<Joint, S> count_turns([[maybe_unused]] const Joint& joint, [[maybe_unused]] const joint_frames<S, D>& at,
+                                 angle_list<Joint, S> turned) {
+    if constexpr (angles_of<Joint>() > 0)
+        for (int i = 0; i < angles_of<Joint>(); ++i) turned[i] = turned[i].at(joint.angle(at, i));
+    return turned;
+}
 
 /// Checks of what joints are made of.
 template <class S, int D>

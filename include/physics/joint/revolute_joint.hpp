@@ -23,7 +23,8 @@ struct revolute_joint {
     PHYSICS_HPP_MEMBERS(frame_a, frame_b, min_angle, max_angle, motor_speed, max_motor_torque, frequency, damping_ratio,
                         rest_angle)
 
-    [[nodiscard]] S angle(const joint_frames<S, D>& at) const {
+    static constexpr int angle_count = 1;
+    [[nodiscard]] S angle(const joint_frames<S, D>& at, int) const {
         const rotation<S, D> r = at.relative(frame_a.rotation, frame_b.rotation);
         if constexpr (D == 2) return r.angle();
         else return r.w < S(0) ? S(2) * atan2(-r.z, -r.w) : S(2) * atan2(r.z, r.w);
@@ -32,11 +33,11 @@ struct revolute_joint {
         const joint_drive<S> drive{min_angle,  max_angle, motor_speed,  max_motor_torque,
                                    rest_angle, frequency, damping_ratio};
         if constexpr (D == 2) {
-            drive.rows(at.about(S(1)), at.turned.total(), row);
+            drive.rows(at.about(S(1)), at.turned->total(), row);
         } else {
             const vec<S, 3> x = at.axis_a(frame_a.rotation, 0), y = at.axis_a(frame_a.rotation, 1),
                             z = at.axis_a(frame_a.rotation, 2), error = cross(z, at.axis_b(frame_b.rotation, 2));
-            drive.rows(at.about(z), at.turned.total(), row);
+            drive.rows(at.about(z), at.turned->total(), row);
             row[drive.row_count + 3] = at.about(x).equality(dot(error, x));
             row[drive.row_count + 4] = at.about(y).equality(dot(error, y));
         }

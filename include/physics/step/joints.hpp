@@ -34,14 +34,11 @@ struct stored_joint {
     Joint joint;
     [[no_unique_address]] fixed_list<S, Joint::row_count> impulse{};
     S substep{};
-    /// Of joints that count their turns, see counted_angle.
-    S angle{};
-    std::int32_t turns = 0;
+    /// Of joints that count their turns.
+    [[no_unique_address]] angle_list<Joint, S> turned{};
     /// Its record.
     std::uint32_t number = 0;
-    PHYSICS_HPP_MEMBERS(joint, impulse, substep, angle, turns, number)
-
-    [[nodiscard]] counted_angle<S> turned() const { return {angle, turns}; }
+    PHYSICS_HPP_MEMBERS(joint, impulse, substep, turned, number)
 };
 template <class Joint, class S>
 struct joint_pool : pool<stored_joint<Joint, S>> {};
@@ -156,12 +153,11 @@ void list_joints(const joint_set<S, D, Joints>& all, const pool<body<S, D, Rotat
                 const joint_record& record = all.records[from.number];
                 if (!record.enabled || (!is_pushed(record.body_a) && !is_pushed(record.body_b))) return;
                 const auto &a = bodies[record.body_a], &b = bodies[record.body_b];
-                auto& j = to.emplace_back(
-                    &from.joint,
-                    joint_frames<S, D>{a.rotation, b.rotation, a.mass.center, b.mass.center, b.center - a.center, {}});
+                auto& j = to.emplace_back(&from.joint, joint_frames<S, D>{a.rotation, b.rotation, a.mass.center,
+                                                                          b.mass.center, b.center - a.center});
                 for (int k = 0; k < Joint::row_count; ++k) j.impulse[k] = from.impulse[k];
                 j.substep = from.substep;
-                j.turned = from.turned();
+                j.turned = from.turned;
                 j.slot = slot;
                 edges.push_back({record.body_a, record.body_b});
             });
@@ -175,8 +171,7 @@ void publish_joints(step_joints<S, D, Joints>& found, joint_set<S, D, Joints>& a
         for (const auto& j : found.template of_kind<Joint>()) {
             for (int k = 0; k < Joint::row_count; ++k) of_kind[j.slot].impulse[k] = j.impulse[k];
             of_kind[j.slot].substep = j.substep;
-            of_kind[j.slot].angle = j.turned.angle;
-            of_kind[j.slot].turns = j.turned.turns;
+            of_kind[j.slot].turned = j.turned;
         }
     });
 }

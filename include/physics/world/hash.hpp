@@ -110,8 +110,11 @@ public:
         add(j.joint);
         for (const S impulse : j.impulse) add(impulse);
         add(j.substep);
-        add(j.angle);
-        add(std::uint64_t{j.number} << 32 | static_cast<std::uint32_t>(j.turns));
+        for (const auto& turned : j.turned) {
+            add(turned.angle);
+            add(std::uint64_t{static_cast<std::uint32_t>(turned.turns)});
+        }
+        add(std::uint64_t{j.number});
     }
     /// The manifold follows from the rest.
     template <class S, int D>

@@ -15,6 +15,25 @@ void wake_connected(world_data<Plan>& s, std::uint32_t joint) {
     world_code<Plan>::wake(s, s.joints.records[joint].body_b);
 }
 
+template <class Plan>
+using frames_of = joint_frames<typename Plan::scalar, Plan::dimension>;
+/// Where the bodies of a joint are.
+template <class Plan>
+frames_of<Plan> frames_at(const state<Plan>& s, std::uint32_t joint) {
+    const auto &a = s.bodies[s.joints.records[joint].body_a], &b = s.bodies[s.joints.records[joint].body_b];
+    return {a.rotation, b.rotation, a.mass.center, b.mass.center, b.center - a.center};
+}
+/// Has a joint that is made or set fill in what it leaves open.
+template <class Plan, class Joint>
+void fill_in([[maybe_unused]] state<Plan>& s, [[maybe_unused]] std::uint32_t joint) {
+    if constexpr (requires(Joint & j, const frames_of<Plan>& at) { j.fill_in(at); }) {
+        auto& j = s.joints.template of_kind<Joint>()[s.joints.records[joint].slot];
+        frames_of<Plan> at = frames_at<Plan>(s, joint);
+        j.turned = count_turns(j.joint, at, j.turned);
+        at.turned = j.turned.begin();
+        j.joint.fill_in(at);
+    }
+}
 template <class Plan, class Joint>
 joint_id create_joint(world_data<Plan>& s, body_id body_a, body_id body_b, const Joint& joint, const joint_def& def) {
     const char* f = "create_joint";
@@ -33,31 +52,29 @@ joint_id create_joint(world_data<Plan>& s, body_id body_a, body_id body_b, const
     record.collide_connected = def.collide_connected;
     record.user_data = def.user_data;
     const auto place = s.joints.records.insert(record);
-    of_kind.insert({joint, {}, {}, {}, 0, place.index});
+    of_kind.insert({joint, {}, {}, {}, place.index});
     s.joints.first[a.index] = s.joints.first[b.index] = place.index;
+    fill_in<Plan, Joint>(s, place.index);
     wake_connected(s, place.index);
     return {place.index, place.generation, s.tag};
 }
 
-template <class Plan>
-using frames_of = joint_frames<typename Plan::scalar, Plan::dimension>;
 /// Calls f(the joint with what it gave, its frames) for one of any kind.
 template <class Plan, class F>
 void with_joint(const state<Plan>& s, std::uint32_t joint, F&& f) {
     const joint_record& record = s.joints.records[joint];
-    const auto &a = s.bodies[record.body_a], &b = s.bodies[record.body_b];
-    const frames_of<Plan> at{a.rotation, b.rotation, a.mass.center, b.mass.center, b.center - a.center, {}};
+    const frames_of<Plan> at = frames_at<Plan>(s, joint);
     s.joints.each_kind(s.joints, [&](std::uint32_t kind, const auto& of_kind) {
         if (kind == record.kind) f(of_kind[record.slot], at);
     });
 }
-/// How far a joint is turned.
+/// How far a joint is turned, by the first of its angles.
 template <class Plan>
 typename Plan::scalar angle_of(const state<Plan>& s, std::uint32_t joint) {
     using S = typename Plan::scalar;
     S result{};
     with_joint<Plan>(s, joint, [&]<class Joint>(const stored_joint<Joint, S>& j, [[maybe_unused]] const auto& at) {
-        if constexpr (counts_turns<Joint, S, Plan::dimension>) result = j.turned().at(j.joint.angle(at)).total();
+        if constexpr (angles_of<Joint>() > 0) result = count_turns(j.joint, at, j.turned)[0].total();
     });
     return result;
 }
@@ -69,7 +86,8 @@ joint_reaction<typename Plan::scalar, Plan::dimension> reaction_of(const state<P
     joint_reaction<S, D> sum{};
     with_joint<Plan>(s, joint, [&]<class Joint>(const stored_joint<Joint, S>& j, frames_of<Plan> at) {
         if (!(j.substep > S(0))) return;
-        if constexpr (counts_turns<Joint, S, D>) at.turned = j.turned().at(j.joint.angle(at));
+        const auto turned = count_turns(j.joint, at, j.turned);
+        at.turned = turned.begin();
         fixed_list<joint_row<S, D>, Joint::row_count> row;
         j.joint.rows(at, row.begin());
         for (int k = 0; k < Joint::row_count; ++k) {
@@ -161,6 +179,7 @@ public:
         if (!at || !check(joint, "set_joint")) return;
         detail::wake_connected(state(), at.index);
         state().joints.template of_kind<Joint>()[record(at).slot].joint = joint;
+        detail::scoped([&] { detail::fill_in<Plan, Joint>(state(), at.index); });
     }
     [[nodiscard]] body_id body_a(joint_id id) const {
         const auto at = find(state(), id, "body_a");
