@@ -246,6 +246,7 @@
 #include "physics/joint/motor_joint.hpp"
 #include "physics/joint/prismatic_joint.hpp"
 #include "physics/joint/revolute_joint.hpp"
+#include "physics/joint/six_degrees_joint.hpp"
 #include "physics/joint/target_joint.hpp"
 #include "physics/joint/weld_joint.hpp"
 #include "physics/joint/wheel_joint.hpp"

@@ -158,7 +158,7 @@ struct joint_frames {
     }
 };
 
-/// What drives one coordinate of a joint, an angle or a length, by up to four rows.
+/// What drives one coordinate of a joint, an angle or a length, by up to four rows. Equal limits lock it.
 template <class S>
 struct joint_drive {
     S min, max;
@@ -166,11 +166,15 @@ struct joint_drive {
     S rest, frequency, damping_ratio;
 
     static constexpr int row_count = 4;
+    static constexpr bool is_limit(S x) { return x < scalar_traits<S>::max() && -x < scalar_traits<S>::max(); }
 
     /// `along` has the Jacobian of the coordinate, which is at `value`.
     template <int D>
     void rows(const joint_row<S, D>& along, S value, joint_row<S, D>* row) const {
-        constexpr auto is_limit = [](S x) { return x < scalar_traits<S>::max() && -x < scalar_traits<S>::max(); };
+        if (min == max) {
+            row[2] = along.equality(value - min);
+            return;
+        }
         if (frequency > S(0)) row[0] = along.spring(value - rest, frequency, damping_ratio);
         if (max_motor > S(0)) row[1] = along.motor(motor_speed, max_motor);
         if (is_limit(min)) row[2] = along.limit(value - min);

@@ -52,7 +52,10 @@ joint_id create_joint(world_data<Plan>& s, body_id body_a, body_id body_b, const
     record.collide_connected = def.collide_connected;
     record.user_data = def.user_data;
     const auto place = s.joints.records.insert(record);
-    of_kind.insert({joint, {}, {}, {}, place.index});
+    stored_joint<Joint, typename Plan::scalar> stored;
+    stored.joint = joint;
+    stored.number = place.index;
+    of_kind.insert(stored);
     s.joints.first[a.index] = s.joints.first[b.index] = place.index;
     fill_in<Plan, Joint>(s, place.index);
     wake_connected(s, place.index);

@@ -13,6 +13,7 @@
 #include "physics/joint/motor_joint.hpp"
 #include "physics/joint/prismatic_joint.hpp"
 #include "physics/joint/revolute_joint.hpp"
+#include "physics/joint/six_degrees_joint.hpp"
 #include "physics/joint/target_joint.hpp"
 #include "physics/joint/weld_joint.hpp"
 #include "physics/joint/wheel_joint.hpp"
@@ -100,6 +101,8 @@ struct shape_names {
     using motor_joint = physics::motor_joint<S, D>;
     using prismatic_joint = physics::prismatic_joint<S, D>;
     using revolute_joint = physics::revolute_joint<S, D>;
+    using joint_axis = physics::joint_axis<S>;
+    using six_degrees_joint = physics::six_degrees_joint<S, D>;
     using target_joint = physics::target_joint<S, D>;
     using weld_joint = physics::weld_joint<S, D>;
     using wheel_joint = physics::wheel_joint<S, D>;
