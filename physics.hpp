@@ -21199,6 +21199,134 @@ bool check(const six_degrees_joint<S, 3>& joint, const char* function) {
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/joint/swing_twist_joint.hpp
+// =================================================================================================
+// The swing-twist joint: shoulders and hips.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+inline constexpr double half_turn = 3.141592653589793;
+}
+
+/// Holds a point of B to one of A, and limits how B's frame turns as seen from A's: the x axis swings by the shortest
+/// turn, about an axis across it, within a cone whose section is an ellipse; and before that B twists about x. The
+/// twist is counted over any number of turns. In 3D only: in 2D a revolute joint is that. Rows: 13.
+template <class S, int D>
+struct swing_twist_joint;
+
+template <class S>
+struct swing_twist_joint<S, 3> {
+    /// In the bodies' frames (m). x is the axis of the twist.
+    transform<S, 3> frame_a{}, frame_b{};
+    /// How far B swings about the y and the z axis of A's frame, to either side (rad, 0 to pi: any). If both are 0 the
+    /// axis is fixed; between y and z they are the half axes of an ellipse.
+    S max_swing_y = S(detail::half_turn), max_swing_z = S(detail::half_turn);
+    /// The twist stays between these (rad). That needs swings of at most 3 rad: where x points backwards there is none.
+    S min_twist = -scalar_traits<S>::max(), max_twist = scalar_traits<S>::max();
+    /// A motor turns B as seen from A at this velocity (rad/s, in the axes of A's frame) by up to that torque (N m),
+    /// the same in all directions; with a speed of 0 it is friction.
+    vec<S, 3> motor_velocity{};
+    S max_motor_torque = S(0);
+    /// Of a spring (Hz; 0: there is none), with a damping as a part of the critical one, and how B's frame is turned as
+    /// seen from A's where it rests. It turns by the shorter way.
+    S frequency = S(0), damping_ratio = S(0);
+    rotation<S, 3> rest_rotation{};
+
+    static constexpr int row_count = 13, angle_count = 1;
+    static constexpr std::uint32_t shared_bounds = 0b11 << 7;
+    PHYSICS_HPP_MEMBERS(frame_a, frame_b, max_swing_y, max_swing_z, min_twist, max_twist, motor_velocity,
+                        max_motor_torque, frequency, damping_ratio, rest_rotation)
+
+    /// The twist.
+    [[nodiscard]] S angle(const joint_frames<S, 3>& at, int) const {
+        const rotation<S, 3> r = at.relative(frame_a.rotation, frame_b.rotation);
+        return r.w < S(0) ? S(2) * atan2(-r.x, -r.w) : S(2) * atan2(r.x, r.w);
+    }
+    void rows(const joint_frames<S, 3>& at, joint_row<S, 3>* row) const {
+        at.hold(frame_a.position, frame_b.position, row);
+        const vec<S, 3> a = at.axis_a(frame_a.rotation, 0), b = at.axis_b(frame_b.rotation, 0);
+        if (is_limit(max_swing_y) || is_limit(max_swing_z)) swing_rows(at, a, b, row + 3);
+        const joint_drive<S> twist{min_twist, max_twist, {}, {}, {}, {}, {}};
+        if (twist.is_limit(min_twist) || twist.is_limit(max_twist)) {
+            // What turns B about its x axis, and swings it not.
+            joint_row<S, 3> limits[twist.row_count];
+            twist.rows(at.about((a + b) / max(S(1) + dot(a, b), S(1.0 / 256))), at.turned->total(), limits);
+            row[5] = limits[2];
+            row[6] = limits[3];
+        }
+        if (max_motor_torque > S(0))
+            for (int i = 0; i < 3; ++i)
+                row[7 + i] = at.about_a(frame_a.rotation, i).motor(motor_velocity[i], max_motor_torque);
+        if (frequency > S(0)) {
+            const rotation<S, 3> r = at.relative(frame_a.rotation, frame_b.rotation) * inverse(rest_rotation);
+            const vec<S, 3> error = rotation_vector(r);
+            for (int i = 0; i < 3; ++i)
+                row[10 + i] = at.about_a(frame_a.rotation, i).spring(error[i], frequency, damping_ratio);
+        }
+    }
+
+private:
+    static bool is_limit(S swing) { return swing < S(detail::half_turn); }
+    /// The room in a cone in the direction in which B swings; where it may not swing about an axis, that is held.
+    void swing_rows(const joint_frames<S, 3>& at, const vec<S, 3>& a, const vec<S, 3>& b, joint_row<S, 3>* row) const {
+        const vec<S, 3> y = at.axis_a(frame_a.rotation, 1), z = at.axis_a(frame_a.rotation, 2);
+        if (!(max_swing_z > S(0))) row[0] = at.about(cross(b, y)).equality(dot(b, y));
+        if (!(max_swing_y > S(0))) row[1] = at.about(cross(b, z)).equality(dot(b, z));
+        if (!(max_swing_z > S(0)) && !(max_swing_y > S(0))) return;
+        if (!(max_swing_z > S(0))) {
+            if (is_limit(max_swing_y)) row[1] = swing_row(at, y, atan2(-dot(b, z), dot(b, a)), max_swing_y);
+        } else if (!(max_swing_y > S(0))) {
+            if (is_limit(max_swing_z)) row[0] = swing_row(at, z, atan2(dot(b, y), dot(b, a)), max_swing_z);
+        } else {
+            // The swing about the unit vector `across` by the angle, in which 1 is the ellipse, times its smaller half
+            // axis: that has a gradient of at most 1, and where the ellipse is a circle one of 1.
+            const auto [across, sine] = direction_and_length_of(cross(a, b));
+            const S angle = atan2(sine, dot(a, b)), smaller = min(max_swing_y, max_swing_z),
+                    ratio_y = smaller / max_swing_y, ratio_z = smaller / max_swing_z;
+            const vec<S, 3> u = sine > S(0) ? across : y;
+            const S c = dot(u, y), s = dot(u, z), c_y = c * ratio_y, s_z = s * ratio_z,
+                    size = sqrt(c_y * c_y + s_z * s_z);
+            const S turns = sine > S(1.0 / 64) ? angle / sine : angle > S(1) ? S(64) * angle : S(1);
+            const S aside = turns * c * s * (ratio_z * ratio_z - ratio_y * ratio_y) / size;
+            row[0] = at.about(-(u * size + cross(b, u) * aside)).limit(smaller - angle * size);
+        }
+    }
+    /// Keeps a swing about an axis within a limit to both sides.
+    static joint_row<S, 3> swing_row(const joint_frames<S, 3>& at, const vec<S, 3>& axis, S swing, S limit) {
+        return swing > S(0) ? at.about(-axis).limit(limit - swing) : at.about(axis).limit(limit + swing);
+    }
+};
+
+template <class S>
+bool check(const swing_twist_joint<S, 3>& joint, const char* function) {
+    const auto swing = [&](const char* field, S value) {
+        if (!detail::check_not_negative(function, field, value)) return false;
+        return value <= S(3.1416) ||
+               detail::refuse(function, field, static_cast<double>(value), "it must be at most pi");
+    };
+    if (!detail::check_frames(function, joint.frame_a, joint.frame_b) || !swing("max_swing_y", joint.max_swing_y) ||
+        !swing("max_swing_z", joint.max_swing_z) || !detail::check_finite(function, "min_twist", joint.min_twist) ||
+        !detail::check_finite(function, "max_twist", joint.max_twist) ||
+        !detail::check_limits(function, "min_twist", joint.min_twist, joint.max_twist,
+                              "it must be at most max_twist") ||
+        !detail::check_finite(function, "motor_velocity", joint.motor_velocity) ||
+        !detail::check_not_negative(function, "max_motor_torque", joint.max_motor_torque) ||
+        !detail::check_spring(function, joint.frequency, joint.damping_ratio) ||
+        !detail::check_frame(function, "rest_rotation", "rest_rotation", transform<S, 3>{{}, joint.rest_rotation}))
+        return false;
+    using drive = joint_drive<S>;
+    if (!drive::is_limit(joint.min_twist) && !drive::is_limit(joint.max_twist)) return true;
+    constexpr const char* rule = "with limits of the twist it must be at most 3";
+    if (joint.max_swing_y > S(3))
+        return detail::refuse(function, "max_swing_y", static_cast<double>(joint.max_swing_y), rule);
+    return joint.max_swing_z <= S(3) ||
+           detail::refuse(function, "max_swing_z", static_cast<double>(joint.max_swing_z), rule);
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/joint/target_joint.hpp
 // =================================================================================================
 // The target joint: dragging a body by a point.
@@ -32607,6 +32735,7 @@ struct shape_aliases<S, 3> : shape_names<S, 3> {
     using cylinder = physics::cylinder<S, 3>;
     using cone = physics::cone<S, 3>;
     using mesh = physics::mesh<S, 3>;
+    using swing_twist_joint = physics::swing_twist_joint<S, 3>;
     using mesh_geometry = physics::mesh_geometry<S, 3>;
 };
 

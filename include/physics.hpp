@@ -247,6 +247,7 @@
 #include "physics/joint/prismatic_joint.hpp"
 #include "physics/joint/revolute_joint.hpp"
 #include "physics/joint/six_degrees_joint.hpp"
+#include "physics/joint/swing_twist_joint.hpp"
 #include "physics/joint/target_joint.hpp"
 #include "physics/joint/weld_joint.hpp"
 #include "physics/joint/wheel_joint.hpp"

@@ -42,14 +42,16 @@ inline S times(S a, S b) { return a * b; }
 inline S times(const physics::vec<S, 3>& a, const physics::vec<S, 3>& b) { return dot(a, b); }
 /// Rows tell how fast what they measure changes, wherever the bodies are and however these move.
 template <class Joint>
-void rows_are_derivatives(const Joint& joint, cell::dice& dice, const rotation& relative) {
+void rows_are_derivatives(const Joint& joint, cell::dice& dice, const rotation& relative,
+                          bool are_points_held = false) {
     if constexpr (std::is_same_v<S, double>) {
         frames at;
         at.rotation_a = random_rotation(dice);
         at.rotation_b = at.rotation_a * joint.frame_a.rotation * relative * physics::inverse(joint.frame_b.rotation);
         at.center_a = dice.vec<vec>(-1, 1);
         at.center_b = dice.vec<vec>(-1, 1);
-        at.between = dice.vec<vec>(-1, 1);
+        at.between =
+            are_points_held ? at.r_a(joint.frame_a.position) - at.r_b(joint.frame_b.position) : dice.vec<vec>(-1, 1);
         const vec v = dice.vec<vec>(-1, 1);
         angular w_a{}, w_b{};
         set_random(w_a, dice);

@@ -14,6 +14,7 @@
 #include "physics/joint/prismatic_joint.hpp"
 #include "physics/joint/revolute_joint.hpp"
 #include "physics/joint/six_degrees_joint.hpp"
+#include "physics/joint/swing_twist_joint.hpp"
 #include "physics/joint/target_joint.hpp"
 #include "physics/joint/weld_joint.hpp"
 #include "physics/joint/wheel_joint.hpp"
@@ -123,6 +124,7 @@ struct shape_aliases<S, 3> : shape_names<S, 3> {
     using cylinder = physics::cylinder<S, 3>;
     using cone = physics::cone<S, 3>;
     using mesh = physics::mesh<S, 3>;
+    using swing_twist_joint = physics::swing_twist_joint<S, 3>;
     using mesh_geometry = physics::mesh_geometry<S, 3>;
 };
 
