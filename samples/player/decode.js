@@ -188,8 +188,10 @@ const decode = (() => {
         }
         if ((check >>> 0) !== raw.check) throw new Error(`the recording of "${raw.title}, ${raw.scalar}" is damaged`);
 
+        // A joint is two bodies, and a point in the frame of each.
+        const joints = raw.joints.map(([a, b, ...points]) => ({ a, b, at: points.slice(0, 3), to: points.slice(3) }));
         return {
-            bodies, slot, movers: movers.length, track, rest, frames, plane,
+            bodies, joints, slot, movers: movers.length, track, rest, frames, plane,
             interval: raw.dt * raw.every,
             contacts: { start: contactStart, spot: spot.data, normal: normal.data, level: level.data, link: link.data },
         };

@@ -78,6 +78,7 @@ const flat = (() => {
             context.lineCap = "round";
             context.stroke(mark);
         }
+        joints(context, ratio, sample.joints(scene, poses), line, pixels, X, Y, theme);
         for (const contact of contacts) touch(context, ratio, contact, levels, extent, scale, X, Y, theme);
         context.restore();
         return drawn;
@@ -111,6 +112,27 @@ const flat = (() => {
         context.fillStyle = paint.css(theme.groundLine);
         context.fillRect(-far, 0, 2 * far, 1.25 * ratio);
         context.restore();
+    }
+
+    /// A line from point to point, and where they are together a ring.
+    function joints(context, ratio, all, line, pixels, X, Y, theme) {
+        const lines = new Path2D(), rings = new Path2D(), r = Math.min(Math.max(pixels * 0.075, ratio), 2.6 * ratio);
+        for (const [from, to] of all) {
+            lines.moveTo(X(from[0]), Y(from[1]));
+            lines.lineTo(X(to[0]), Y(to[1]));
+            for (const [x, y] of [from, to]) {
+                rings.moveTo(X(x) + r, Y(y));
+                rings.arc(X(x), Y(y), r, 0, 2 * Math.PI);
+            }
+        }
+        context.lineWidth = 1.6 * line;
+        context.strokeStyle = paint.css(theme.ink, 0.8);
+        context.stroke(lines);
+        context.fillStyle = paint.css(theme.pale);
+        context.fill(rings);
+        context.lineWidth = line;
+        context.strokeStyle = paint.css(theme.dark ? theme.edge : theme.ink);
+        context.stroke(rings);
     }
 
     function touch(context, ratio, contact, levels, extent, scale, X, Y, theme) {

@@ -219,6 +219,9 @@ def facts_of_all_scenes(browser, page, report, most_bytes):
         report.check(abs(said["time"] - min(0.5, said["duration"])) < 1e-9, f"{name}: time is {said['time']}")
         report.check(said["renderer"] == "canvas", f"{name}: drawn without WebGL")
         report.check(str(said["bodies"]) == bodies, f"{name}: drew {said['bodies']} bodies of {bodies}")
+        stored = browser.run("JSON.parse(document.getElementById('recording').textContent)"
+                             f".scenes[{scene}].joints.length")
+        report.check(said["joints"] == stored, f"{name}: drew {said['joints']} joints of {stored}")
         report.check(all(isinstance(value, (int, float)) for value in said["pose"]), f"{name}: pose {said['pose']}")
         scenes.append(said)
     return scenes

@@ -16,7 +16,7 @@ const paint = (() => {
             bodies: Array.from({ length: BODIES }, (_, i) => colour("body-" + i)),
             fixed: colour("fixed"), kinematic: colour("kinematic"), edge: colour("edge"),
             ground: colour("ground"), groundLine: colour("ground-line"), ink: colour("ink"),
-            pale: colour("pale"),
+            pale: colour("pale"), rod: colour("rod"),
             heat: [0, 1, 2, 3].map(i => colour("heat-" + i)),
             dark: matchMedia("(prefers-color-scheme: dark)").matches,
         };

@@ -22,7 +22,7 @@
         index: 0, compare: false, time: 0, playing: false, speed: 1, loop: true, contacts: false,
         last: 0, pace: 0,       // the time of the last frame, and seconds a frame of late
     };
-    let drawn = { bodies: 0, touches: 0, time: -1 };
+    let drawn = { bodies: 0, joints: 0, touches: 0, time: -1 };
 
     // ---- Runs, unpacked when they are first shown
 
@@ -272,7 +272,8 @@
         duration: () => scenes.length ? duration() : 0,
         playing: () => state.playing, speed: () => state.speed, loop: () => state.loop, compare: () => state.compare,
         contactsShown: () => state.contacts,
-        drawnTime: () => drawn.time, bodies: () => drawn.bodies, contacts: () => drawn.touches,
+        drawnTime: () => drawn.time, bodies: () => drawn.bodies, joints: () => drawn.joints,
+        contacts: () => drawn.touches,
         renderer: () => stage.rendererName(), pageBytes: () => recording.bytes, errors: () => [...troubles],
     };
     window.player = Object.freeze(Object.defineProperties({

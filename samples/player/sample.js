@@ -117,6 +117,29 @@ const sample = (() => {
         }
     }
 
+    /// Every joint of the scene by its two points.
+    function joints(scene, poses) {
+        const place = (body, point) => {
+            const [x, y, z, ...turn] = poses.subarray(body * 7, body * 7 + 7), away = rotate(turn, point);
+            return [x + away[0], y + away[1], z + away[2]];
+        };
+        return scene.joints.map(({ a, b, at, to }) => [place(a, at), place(b, to)]);
+    }
+    /// Those whose points are apart, as thin capsules: ropes, rods and springs.
+    function* rods(scene, poses, radius) {
+        for (const [from, to] of joints(scene, poses)) {
+            const along = to.map((value, k) => value - from[k]), length = Math.hypot(...along);
+            if (length < radius) continue;
+            // The rotation that takes the x axis there.
+            const turn = [0, -along[2], along[1], length + along[0]];
+            const norm = Math.hypot(...turn), unit = norm > 1e-6 * length ? turn.map(v => v / norm) : [0, 0, 1, 0];
+            yield {
+                shape: { form: "capsule", size: [radius, length / 2] },
+                at: [...from.map((value, k) => (value + to[k]) / 2), ...unit],
+            };
+        }
+    }
+
     const reach = ({ form, size }) =>
         form === "sphere" ? size[0] : form === "capsule" ? size[0] + size[1] : form === "box" ? Math.hypot(...size) : 0;
 
@@ -169,5 +192,5 @@ const sample = (() => {
         return [low, Math.max(high, low + 3)];
     }
 
-    return { poses, contacts, shapes, extent, levels, rotate, multiply, place };
+    return { poses, contacts, shapes, joints, rods, extent, levels, rotate, multiply, place };
 })();

@@ -1,4 +1,4 @@
-// One recorded run: bodies, their shapes, and at every recorded frame their poses and contacts.
+// One recorded run: bodies, their shapes and joints, and at every recorded frame their poses and contacts.
 #pragma once
 
 #include <array>
@@ -73,7 +73,7 @@ struct scene_settings {
     char up = 'y';          ///< The axis that points up in 3D: 'y' or 'z'.
 };
 
-/// One recorded run. Add its bodies, then for every recorded state: `place` all bodies that may have moved,
+/// One recorded run. Add its bodies and joints, then for every recorded state: `place` all bodies that may have moved,
 /// `add` the contacts, `commit`. The first state is the start, before any step. Motion is stored as the difference
 /// from a prediction (go on as before), so that a body at rest costs a thousandth of a bit or so a frame.
 class recorded_scene {
@@ -114,6 +114,18 @@ public:
         bodies_.push_back(fresh);
         place(static_cast<int>(bodies_.size()) - 1, start);
         return static_cast<int>(bodies_.size()) - 1;
+    }
+
+    /// Adds a joint between two bodies before the first frame, from a point in the one's frame to one in the other's.
+    void add_joint(int body_a, const pose& point_a, int body_b, const pose& point_b) {
+        if (frames_ > 0) throw std::logic_error("samples: add_joint: the recording has begun");
+        for (int number : {body_a, body_b}) static_cast<void>(bodies_.at(static_cast<std::size_t>(number)));
+        std::string text = std::to_string(body_a) + "," + std::to_string(body_b);
+        for (double value : {point_a.x, point_a.y, point_a.z, point_b.x, point_b.y, point_b.z}) {
+            if (!std::isfinite(value)) refuse("point of a joint", value, "must be finite");
+            text += "," + detail::number(value, 6);
+        }
+        joint_texts_.push_back("[" + text + "]");
     }
 
     /// True for the steps to record, so that a program can skip the work for the others. Step 0 is the start.
@@ -167,6 +179,8 @@ public:
         for (std::size_t i = 0; i < kind_texts_.size(); ++i) text += (i ? "," : "") + kind_texts_[i];
         text += "],\"bodies\":[";
         for (std::size_t i = 0; i < bodies_.size(); ++i) text += (i ? "," : "") + std::to_string(bodies_[i].kind);
+        text += "],\"joints\":[";
+        for (std::size_t i = 0; i < joint_texts_.size(); ++i) text += (i ? "," : "") + joint_texts_[i];
         return text + "],\"data\":\"" + packed_ + "\"}";
     }
 
@@ -339,7 +353,7 @@ private:
     scene_settings settings_;
     std::vector<std::pair<std::string, std::string>> facts_;
     std::unordered_map<std::string, int> kinds_;
-    std::vector<std::string> kind_texts_;
+    std::vector<std::string> kind_texts_, joint_texts_;
     std::vector<body> bodies_;
     std::vector<touch> touches_;
     std::vector<stored_touch> stored_;

@@ -162,6 +162,10 @@ const solid = (() => {
                     lists[2].push(...foot, 2, ...unit, fade, 1, fade, 0, ...theme.ground, 1);
                 }
             }
+            for (const { shape, at } of sample.rods(scene, poses, 0.07 * extent.size)) {
+                const [r, half] = shape.size;
+                lists[1].push(at[0], at[1], at[2], 1, at[3], at[4], at[5], at[6], r, r, r, half, ...theme.rod, 1);
+            }
             lists.forEach((list, i) => {
                 meshes[i].count = list.length / FLOATS;
                 if (list.length) upload(meshes[i].instances, new Float32Array(list));

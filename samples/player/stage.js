@@ -182,7 +182,7 @@ function makeStage(element, asked, redraw) {
         }, { passive: false });
     }
 
-    /// Draws the runs at a time; gives the number of bodies and contacts that it drew.
+    /// Draws the runs at a time; gives the number of bodies, joints and contacts that it drew.
     function draw(time, withContacts, levels) {
         dirty = false;
         const space = group.dimension === 3, view = space ? openSolid() : null;
@@ -191,7 +191,7 @@ function makeStage(element, asked, redraw) {
         flatCanvas.hidden = onSolid;
         if (space) view.begin();
         else flatContext.clearRect(0, 0, flatCanvas.width, flatCanvas.height);
-        let bodies = 0, touches = 0;
+        let bodies = 0, joints = 0, touches = 0;
         for (const panel of panels) {
             const { scene, extent, poses } = panel.run;
             const contacts = withContacts ? sample.contacts(scene, time) : [];
@@ -203,9 +203,10 @@ function makeStage(element, asked, redraw) {
                 .map(value => Math.round(value * ratio));
             const pixels = { x, y, width: right - x, height: low - y };
             bodies += space ? view.draw(pixels, ratio, what) : flat.draw(flatContext, pixels, ratio, what);
+            joints += scene.joints.length;
             touches += contacts.length;
         }
-        return { bodies, touches };
+        return { bodies, joints, touches };
     }
 
     // Resizing clears a canvas: draw before the browser shows it.

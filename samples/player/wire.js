@@ -47,6 +47,8 @@ const wire = (() => {
                 items.push({ shape, at, turn, colour });
             }
         }
+        for (const { shape, at } of sample.rods(scene, poses, 0.07 * extent.size))
+            items.push({ shape, at, turn: at.slice(3), colour: theme.rod });
         const middle = extent.low.map((value, k) => (value + extent.high[k]) / 2);
         const radius = Math.max(Math.hypot(...extent.high.map((value, k) => value - extent.low[k])) / 2, 1);
         for (const ground of grounds) plane(context, project, ground, middle, radius, theme);

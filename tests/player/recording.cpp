@@ -304,6 +304,21 @@ TEST_CASE("385 bodies for 20 seconds stay within the budget of a page, and rest 
     CHECK(motion < 4'000'000);
 }
 
+TEST_CASE("joints are stored once, by their bodies and a point of each") {
+    samples::recorded_scene scene({.title = "rod", .scalar = "float", .dimension = 2});
+    for (const samples::motion kind : {samples::motion::fixed, samples::motion::dynamic})
+        scene.add_body(kind, {samples::sphere(0.5)});
+    scene.add_joint(0, samples::flat(0.25, -1), 1, samples::flat(0, 2.5));
+    scene.add_joint(1, {}, 0, {});
+    CHECK_THROWS_AS(scene.add_joint(0, {}, 2, {}), std::out_of_range);
+    CHECK_THROWS_AS(scene.add_joint(-1, {}, 1, {}), std::out_of_range);
+    CHECK_THROWS_WITH(scene.add_joint(0, samples::flat(std::numeric_limits<double>::infinity(), 0), 1, {}),
+                      "samples: recording: point of a joint is inf; it must be finite");
+    scene.commit();
+    CHECK_THROWS_AS(scene.add_joint(0, {}, 1, {}), std::logic_error);
+    CHECK(scene.json().find("\"joints\":[[0,1,0.25,-1,0,0,2.5,0],[1,0,0,0,0,0,0,0]]") != std::string::npos);
+}
+
 TEST_CASE("bad input is refused with the field and the value") {
     samples::recorded_scene scene({.title = "bad", .scalar = "float", .dimension = 2});
     scene.add_body(samples::motion::dynamic, {samples::sphere(0.5)});
