@@ -1,4 +1,4 @@
-// The same scenes in float, double and fixed point, in 2D and 3D: a table, and a page that plays the motion.
+// A wrecking ball in 2D and ragdolls in 3D, in float, double and fixed point: a table, and a page that plays it.
 #include <physics.hpp>
 
 #include <unistd.h>
@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "recording.hpp"
+#include "filming.hpp"
 #include "scenes.hpp"
 
 namespace {
@@ -19,69 +19,7 @@ constexpr int steps = 600;
 constexpr const char* page = "samples/out/flagship.html";
 
 template <class S, int D>
-struct recipe_of : physics::recipe<S, D> {};
-
-template <class S>
-samples::pose pose_of(const physics::transform<S, 2>& t) {
-    const auto n = [](S x) { return static_cast<double>(x); };
-    return samples::flat(n(t.position.x), n(t.position.y), n(t.rotation.cosine), n(t.rotation.sine));
-}
-template <class S>
-samples::pose pose_of(const physics::transform<S, 3>& t) {
-    const auto n = [](S x) { return static_cast<double>(x); };
-    return samples::solid(n(t.position.x), n(t.position.y), n(t.position.z), n(t.rotation.x), n(t.rotation.y),
-                          n(t.rotation.z), n(t.rotation.w));
-}
-
-template <class S, int D>
-samples::shape drawn(const physics::ball<S, D>& b, samples::pose at) {
-    return samples::sphere(static_cast<double>(b.radius), at);
-}
-template <class S, int D>
-samples::shape drawn(const physics::capsule<S, D>& c, samples::pose at) {
-    return samples::capsule(static_cast<double>(c.radius), static_cast<double>(c.half_length), at);
-}
-template <class S, int D>
-samples::shape drawn(const physics::box<S, D>& b, samples::pose at) {
-    return samples::box(static_cast<double>(b.half_extents.x), static_cast<double>(b.half_extents.y),
-                        D == 3 ? static_cast<double>(b.half_extents[D - 1]) : 0, at);
-}
-template <class S, int D>
-samples::shape drawn(const physics::halfspace<S, D>& h, samples::pose at) {
-    return samples::halfspace(static_cast<double>(h.normal.x), static_cast<double>(h.normal.y),
-                              D == 3 ? static_cast<double>(h.normal[D - 1]) : 0, static_cast<double>(h.offset), at);
-}
-
-/// Tells a recording of all bodies of a world.
-template <class World>
-void cast(samples::recorded_scene& scene, const World& world) {
-    for (const physics::body_id id : world.bodies()) {
-        std::vector<samples::shape> shapes;
-        for (const physics::shape_id s : world.shapes(id))
-            world.shape(s).visit(
-                [&](const auto& shape) { shapes.push_back(drawn(shape, pose_of(world.local_pose(s)))); });
-        const bool fixed = world.type(id) == physics::body_type::static_body;
-        scene.add_body(fixed ? samples::motion::fixed : samples::motion::dynamic, shapes, pose_of(world.pose(id)));
-    }
-}
-
-/// Records where all bodies are, and their contacts.
-template <class World>
-void shoot(samples::recorded_scene& scene, const World& world) {
-    const auto n = [](auto x) { return static_cast<double>(x); };
-    const auto depth = [&](const typename World::vec& v) {
-        return World::dimension == 3 ? n(v[World::dimension - 1]) : 0;
-    };
-    int number = 0;
-    for (const physics::body_id id : world.bodies()) scene.place(number++, pose_of(world.pose(id)));
-    for (const auto contact : world.contacts())
-        for (int k = 0; k < contact.count; ++k) {
-            const auto& p = contact.points[k];
-            scene.add({n(p.position.x), n(p.position.y), depth(p.position), n(contact.normal.x), n(contact.normal.y),
-                       depth(contact.normal), n(p.normal_impulse)});
-        }
-    scene.commit();
-}
+struct recipe_of : physics::recipe<S, D, scenes::joints> {};
 
 void show_progress(const char* name, int done) {
     static const bool terminal = isatty(fileno(stderr));
@@ -99,13 +37,19 @@ void run(samples::recording& film, const char* title, Build&& build) {
     samples::recorded_scene& scene =
         film.add_scene({.title = title, .scalar = physics::scalar_traits<S>::name(), .dimension = D});
 
-    double deepest = 0, seconds = 0;
+    double deepest = 0, gap = 0, seconds = 0;
+    std::vector<samples::held_points<world>> pins;
     clock::time_point began{};
     const world last = scenes::flagship<world>(build, steps, [&](const world& w, int step) {
         if (step > 0) seconds += std::chrono::duration<double>(clock::now() - began).count();
-        else cast(scene, w);
+        else {
+            samples::add_bodies(scene, w);
+            samples::add_joints(scene, w, samples::joints_of<physics::distance_joint>(w));
+            samples::add_joints(scene, w, pins = samples::joints_of<physics::ball_joint, physics::revolute_joint>(w));
+        }
         deepest = std::max(deepest, scenes::deepest_overlap(w));
-        if (scene.due(step)) shoot(scene, w);
+        gap = std::max(gap, samples::largest_gap(w, pins));
+        if (scene.due(step)) samples::add_frame(scene, w);
         show_progress(name.c_str(), step);
         began = clock::now();
     });
@@ -115,13 +59,13 @@ void run(samples::recording& film, const char* title, Build&& build) {
         std::snprintf(line, sizeof line, format, value);
         return std::string(line);
     };
-    const std::string columns[] = {std::to_string(last.steps()), text("%.3f", seconds * 1000 / steps),
-                                   text("%.1f", deepest * 1000), text("%.2e", scenes::kinetic_energy(last)),
+    const std::string columns[] = {text("%.3f", seconds * 1000 / steps), text("%.1f", deepest * 1000),
+                                   text("%.1f", scenes::deepest_overlap(last) * 1000), text("%.1f", gap * 1000),
                                    text("%016" PRIx64, last.state_hash())};
-    std::printf("%-14s %-8s %dD %6u %6s %9s %12s %12s  %s\n", title, physics::scalar_traits<S>::name(), D,
-                last.body_count(), columns[0].c_str(), columns[1].c_str(), columns[2].c_str(), columns[3].c_str(),
-                columns[4].c_str());
-    const char* labels[] = {"steps", "ms a step", "deepest overlap, mm", "kinetic energy, J", "state hash"};
+    std::printf("%-16s %-8s %dD %6u %6u %9s %9s %8s %8s  %s\n", title, physics::scalar_traits<S>::name(), D,
+                last.body_count(), last.joint_count(), columns[0].c_str(), columns[1].c_str(), columns[2].c_str(),
+                columns[3].c_str(), columns[4].c_str());
+    const char* labels[] = {"ms a step", "deepest overlap, mm", "at the end, mm", "widest joint, mm", "state hash"};
     for (int i = 0; i < 5; ++i) scene.fact(labels[i], columns[i]);
 }
 
@@ -136,10 +80,16 @@ void run_scalars(samples::recording& film, const char* title, Build&& build) {
 
 int main() {
     samples::recording film("physics", "one header, one source, three scalars, two dimensions");
-    std::printf("%-14s %-8s    %6s %6s %9s %12s %12s  %s\n", "scene", "scalar", "bodies", "steps", "ms/step",
-                "overlap, mm", "energy, J", "state hash");
-    run_scalars<2>(film, "crate pyramid", [](auto& w) { scenes::pyramid(w, 10); });
-    run_scalars<3>(film, "plank tower", [](auto& w) { scenes::tower(w, 10); });
+    std::printf("%-16s %-8s    %6s %6s %9s %9s %8s %8s  %s\n", "scene", "scalar", "bodies", "joints", "ms/step",
+                "overlap", "at rest", "joint", "state hash");
+    run_scalars<2>(film, "wrecking ball", [](auto& w) { scenes::wrecked_pyramid(w); });
+    run_scalars<3>(film, "ragdoll tower", [](auto& w) { scenes::ragdoll_tower(w); });
+    std::puts(
+        "\noverlap: the deepest of all contacts and steps, in mm. What flies at 12 m/s goes 20 cm in a step, and is\n"
+        "stopped short of static bodies only, unless it is made `continuous`: an overlap of that size is one of the\n"
+        "step in which two moving bodies meet. at rest: the deepest at the end. joint: how far one has opened at "
+        "most;\n"
+        "a body that is stopped short, at a fall on the ground, is for one step apart from what it is joined to.");
     try {
         const std::size_t bytes = film.write_html(page);
         std::printf("\n%s plays the motion in any browser (%.1f MB, no network needed)\n", page,

@@ -253,10 +253,10 @@ void net(const char* cell) {
     sum.print("net", cell);
 }
 
-/// The scenes of the flagship sample: a structure that stands, then is hit; the hash of every 30th state.
+/// The scenes of the flagship sample, with ball joints, hinges and ropes; the hash of every 30th state.
 template <class S, int D, class Build>
 void flagship(const char* scene, const char* cell, Build&& build) {
-    struct crates : physics::recipe<S, D> {};
+    struct crates : physics::recipe<S, D, scenes::joints> {};
     digest sum;
     scenes::flagship<physics::world<crates>>(build, 600, [&](const auto& world, int step) {
         if (step % 30 == 0) sum.word(world.state_hash());
@@ -265,8 +265,8 @@ void flagship(const char* scene, const char* cell, Build&& build) {
 }
 template <class S>
 void flagships(const char* in_plane, const char* in_space) {
-    flagship<S, 2>("pyramid", in_plane, [](auto& w) { scenes::pyramid(w, 10); });
-    flagship<S, 3>("tower", in_space, [](auto& w) { scenes::tower(w, 10); });
+    flagship<S, 2>("wrecked", in_plane, [](auto& w) { scenes::wrecked_pyramid(w); });
+    flagship<S, 3>("ragdolls", in_space, [](auto& w) { scenes::ragdoll_tower(w); });
 }
 
 }  // namespace

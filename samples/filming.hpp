@@ -1,0 +1,137 @@
+// Records the motion of a world: what its bodies, joints and contacts are to a page.
+#pragma once
+
+#include <physics.hpp>
+
+#include <algorithm>
+#include <map>
+#include <vector>
+
+#include "recording.hpp"
+
+namespace samples {
+
+template <class S>
+pose pose_of(const physics::transform<S, 2>& t) {
+    const auto n = [](S x) { return static_cast<double>(x); };
+    return flat(n(t.position.x), n(t.position.y), n(t.rotation.cosine), n(t.rotation.sine));
+}
+template <class S>
+pose pose_of(const physics::transform<S, 3>& t) {
+    const auto n = [](S x) { return static_cast<double>(x); };
+    return solid(n(t.position.x), n(t.position.y), n(t.position.z), n(t.rotation.x), n(t.rotation.y), n(t.rotation.z),
+                 n(t.rotation.w));
+}
+
+template <class S, int D>
+shape drawn(const physics::ball<S, D>& b, pose at) {
+    return sphere(static_cast<double>(b.radius), at);
+}
+template <class S, int D>
+shape drawn(const physics::capsule<S, D>& c, pose at) {
+    return capsule(static_cast<double>(c.radius), static_cast<double>(c.half_length), at);
+}
+template <class S, int D>
+shape drawn(const physics::box<S, D>& b, pose at) {
+    return box(static_cast<double>(b.half_extents.x), static_cast<double>(b.half_extents.y),
+               D == 3 ? static_cast<double>(b.half_extents[D - 1]) : 0, at);
+}
+template <class S, int D>
+shape drawn(const physics::halfspace<S, D>& h, pose at) {
+    return halfspace(static_cast<double>(h.normal.x), static_cast<double>(h.normal.y),
+                     D == 3 ? static_cast<double>(h.normal[D - 1]) : 0, static_cast<double>(h.offset), at);
+}
+
+/// Adds all bodies of a world.
+template <class World>
+void add_bodies(recorded_scene& scene, const World& world) {
+    for (const physics::body_id id : world.bodies()) {
+        std::vector<shape> shapes;
+        for (const physics::shape_id s : world.shapes(id))
+            world.shape(s).visit(
+                [&](const auto& shape) { shapes.push_back(drawn(shape, pose_of(world.local_pose(s)))); });
+        const bool fixed = world.type(id) == physics::body_type::static_body;
+        scene.add_body(fixed ? motion::fixed : motion::dynamic, shapes, pose_of(world.pose(id)));
+    }
+}
+
+/// Stores where all bodies are, and their contacts.
+template <class World>
+void add_frame(recorded_scene& scene, const World& world) {
+    const auto n = [](auto x) { return static_cast<double>(x); };
+    const auto depth = [&](const typename World::vec& v) {
+        return World::dimension == 3 ? n(v[World::dimension - 1]) : 0;
+    };
+    int number = 0;
+    for (const physics::body_id id : world.bodies()) scene.place(number++, pose_of(world.pose(id)));
+    for (const auto contact : world.contacts())
+        for (int k = 0; k < contact.count; ++k) {
+            const auto& p = contact.points[k];
+            scene.add({n(p.position.x), n(p.position.y), depth(p.position), n(contact.normal.x), n(contact.normal.y),
+                       depth(contact.normal), n(p.normal_impulse)});
+        }
+    scene.commit();
+}
+
+/// Where a joint acts, in the frames of its bodies.
+template <class Joint>
+auto point_a(const Joint& joint) {
+    if constexpr (requires { joint.anchor_a; }) return joint.anchor_a;
+    else if constexpr (requires { joint.target; }) return joint.target;
+    else return joint.frame_a.position;
+}
+template <class Joint>
+auto point_b(const Joint& joint) {
+    if constexpr (requires { joint.anchor_b; }) return joint.anchor_b;
+    else return joint.frame_b.position;
+}
+
+/// A joint as it is seen: a point of one body, and one of another that it is held to, or near.
+template <class World>
+struct held_points {
+    physics::body_id body_a, body_b;
+    typename World::vec in_a, in_b;
+
+    /// From the one to the other in the world.
+    typename World::vec apart(const World& world) const {
+        return world.pose(body_b) * in_b - world.pose(body_a) * in_a;
+    }
+};
+/// The joints of a world that are of these kinds: joints_of<physics::ball_joint, physics::weld_joint>(world).
+template <template <class, int> class... Kinds, class World>
+std::vector<held_points<World>> joints_of(const World& world) {
+    std::vector<held_points<World>> all;
+    const auto add = [&]<template <class, int> class Kind>(physics::joint_id id) {
+        // A joint of another kind is refused.
+        try {
+            const auto joint = world.template joint<Kind<typename World::scalar, World::dimension>>(id);
+            all.push_back({world.body_a(id), world.body_b(id), point_a(joint), point_b(joint)});
+        } catch (const physics::error&) {
+        }
+    };
+    for (const physics::joint_id id : world.joints()) (add.template operator()<Kinds>(id), ...);
+    return all;
+}
+/// How far any of these joints has opened (m).
+template <class World>
+double largest_gap(const World& world, const std::vector<held_points<World>>& joints) {
+    double largest = 0;
+    for (const auto& joint : joints)
+        largest = std::max(largest, static_cast<double>(physics::length(joint.apart(world))));
+    return largest;
+}
+
+/// Adds joints between bodies that have been added.
+template <class World>
+void add_joints(recorded_scene& scene, const World& world, const std::vector<held_points<World>>& joints) {
+    std::map<std::uint32_t, int> numbers;
+    for (const physics::body_id id : world.bodies()) numbers.emplace(id.index, static_cast<int>(numbers.size()));
+    const auto pose_at = [](const auto& point) {
+        return pose_of(physics::transform<typename World::scalar, World::dimension>{point, {}});
+    };
+    for (const auto& joint : joints)
+        scene.add_joint(numbers.at(joint.body_a.index), pose_at(joint.in_a), numbers.at(joint.body_b.index),
+                        pose_at(joint.in_b));
+}
+
+}  // namespace samples
