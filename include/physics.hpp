@@ -274,6 +274,7 @@
 #include "physics/dynamics/joint_pattern.hpp"
 #include "physics/dynamics/joint_rows.hpp"
 #include "physics/dynamics/joint_solver.hpp"
+#include "physics/dynamics/joint_system.hpp"
 #include "physics/dynamics/lane_vec.hpp"
 #include "physics/dynamics/material.hpp"
 #include "physics/dynamics/pose_lanes.hpp"

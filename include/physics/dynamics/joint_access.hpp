@@ -102,11 +102,10 @@ struct row_response {
     }
 };
 /// What a direct solve keeps of a row between solves.
-template <class P, class K, class S, int W>
+template <class P, class S, int W>
 struct direct_row {
-    /// The speed that takes back its error; and what it has given for that.
-    K bias;
-    P correction;
+    /// What it has given to take back its error; and what it had given before a solve.
+    P correction, start;
     /// In the last substep, all of it; and what lasts of that.
     S given[W], load[W];
     /// See rows_together, of rows that share a bound; and whether they are at it (1).

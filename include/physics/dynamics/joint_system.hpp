@@ -1,0 +1,194 @@
+// The rows of joints that are solved at once, with all that they act on.
+#pragma once
+
+#include "physics/dynamics/joint_access.hpp"
+#include "physics/dynamics/joint_matrix.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// W times the same joints between other bodies, one in each lane: their rows, the bodies that these push, and the
+/// matrix J M^-1 J^T. For the solve only, bodies have so much inertia that forces which turn with them cannot make a
+/// substep unstable: else light links under a heavy load blow up. Source: Tournier et al., Stable constrained dynamics
+/// (2015).
+template <class S, int D, bool Rotates, int W>
+class joint_system {
+protected:
+    using P = kernel_pack<S, W>;
+    using K = kernel_pack<double, W>;
+    using C = typename K::scalar;
+    using body = solver_body<S, D, Rotates>;
+    using lanes = twist_lanes<P, D, Rotates>;
+    using row = row_lanes<S, D, Rotates, W>;
+    using side = pushed_lanes<S, D, Rotates, W>;
+    using access = joint_access<S, D, Rotates>;
+    using pose = joint_pose<S, D, Rotates>;
+    using row_state = direct_row<P, S, W>;
+
+    /// `used` components of a pattern; joint(lane, i) is the i-th joint of one, and bodies(lane, i) are its bodies.
+    template <class JointAt, class BodiesOf>
+    joint_system(const joint_pattern& pattern, int used, const access* kinds, JointAt&& joint, BodiesOf&& bodies,
+                 const body* all, std::uint32_t dummy_body, S h, arena& scratch)
+        : of_(pattern), kinds_(kinds), matrix_(pattern, C(least_pivot), scratch) {
+        joints_ = scratch.template allocate<void*>(of_.joint_count * W);
+        rows_ = made<row>(of_.row_count, scratch);
+        state_ = made<row_state>(of_.row_count, scratch);
+        sides_ = made<side>(of_.body_count, scratch);
+        velocities_ = made<lanes>(of_.body_count, scratch);
+        sway_ = scratch.template allocate<double>(of_.body_count);
+        joints_of_ = made<std::uint32_t>(of_.body_count, scratch);
+        unit_sway_ = made<K>(of_.joint_count, scratch);
+        for (std::uint32_t k = 0; k < of_.body_count; ++k)
+            for (int lane = 0; lane < W; ++lane) sides_[k].index[lane] = dummy_body;
+        for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
+            const joint_pattern::joint& j = of_.joints[i];
+            ++joints_of_[j.a], ++joints_of_[j.b];
+            for (int lane = 0; lane < W; ++lane) {
+                joints_[i * W + static_cast<std::uint32_t>(lane)] = lane < used ? joint(lane, i) : nullptr;
+                if (lane >= used) continue;
+                const body_pair ends = bodies(lane, i);
+                sides_[j.a].index[lane] = ends.a;
+                sides_[j.b].index[lane] = ends.b;
+                sides_[j.a].is_pushed = all[ends.a].inverse_mass > inverse_of<S>(0);
+                sides_[j.b].is_pushed = all[ends.b].inverse_mass > inverse_of<S>(0);
+                j.each_row([&](std::uint32_t r, int k) {
+                    rows_[r].impulse[lane] = kinds_[j.kind].first_impulse(joint_at(i, lane), k, h);
+                    state_[r].together = static_cast<std::uint32_t>(rows_together(kinds_[j.kind].shared_bounds, k));
+                    any_shared_ = any_shared_ || state_[r].together > 1;
+                });
+            }
+        }
+    }
+    [[nodiscard]] void* joint_at(std::uint32_t i, int lane) const {
+        return joints_[i * W + static_cast<std::uint32_t>(lane)];
+    }
+    void load(const body* bodies) {
+        for (std::uint32_t k = 0; k < of_.body_count; ++k) velocities_[k].load(bodies, sides_[k].index);
+    }
+    void store(body* bodies) const {
+        for (std::uint32_t k = 0; k < of_.body_count; ++k)
+            if (sides_[k].is_pushed) velocities_[k].store(bodies, sides_[k].index);
+    }
+    void apply(std::uint32_t r, const joint_pattern::joint& j, const P& by) {
+        rows_[r].apply(by, sides_[j.a], sides_[j.b], velocities_[j.a], velocities_[j.b]);
+    }
+    /// Has a row give so much in all.
+    void give(std::uint32_t r, const joint_pattern::joint& j, const P& next) {
+        apply(r, j, next - P::load(rows_[r].impulse));
+        next.store(rows_[r].impulse);
+    }
+    /// Gives the velocities what rows hold.
+    void give(S sign) {
+        for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
+            const joint_pattern::joint& j = of_.joints[i];
+            for (std::uint32_t r = j.first_row; r < j.first_row + j.row_count; ++r)
+                apply(r, j, P::load(rows_[r].impulse) * P::broadcast(sign));
+        }
+    }
+
+    /// What lasts of forces, so that impacts are not taken for loads: the lesser of the last two substeps'.
+    void note_forces() {
+        if (are_forces_noted_) return;
+        are_forces_noted_ = true;
+        for (std::uint32_t r = 0; r < of_.row_count; ++r)
+            for (int lane = 0; lane < W; ++lane) {
+                row_state& w = state_[r];
+                const S now = abs(rows_[r].impulse[lane]);
+                w.load[lane] = has_loads_ ? min(now, w.given[lane]) : now;
+                w.given[lane] = now;
+            }
+        has_loads_ = true;
+    }
+    void write_rows(const body* bodies, const pose* poses, const joint_pass<S>& with) {
+        has_bounds_ = false;
+        for (std::uint32_t r = 0; r < of_.row_count; ++r) rows_[r].clear();
+        for (int lane = 0; lane < W; ++lane) {
+            if (joint_at(0, lane) == nullptr) continue;
+            far_[lane] = S(0);
+            largest_[lane] = 0;
+            for (std::uint32_t k = 0; k < of_.body_count; ++k) sway_[k] = 0;
+            for (std::uint32_t i = 0; i < of_.joint_count; ++i) write_joint(i, lane, bodies, poses, with);
+            for (std::uint32_t k = 0; k < of_.body_count; ++k)
+                sides_[k].put(lane, sides_[k].index[lane], bodies, sway_[k] > 1 ? S(1 / sway_[k]) : S(1));
+            double largest = 0;
+            for (std::uint32_t k = 0; k < of_.body_count; ++k) largest = max(largest, sway_[k]);
+            resolved_[lane] = largest > max_resolved ? S(0) : S(1);
+        }
+        assemble<S, D, Rotates>(of_, rows_, sides_, matrix_.matrix);
+        is_factorised_ = false;
+    }
+    PHYSICS_HPP_NOINLINE void write_joint(std::uint32_t i, int lane, const body* bodies, const pose* poses,
+                                          const joint_pass<S>& with) {
+        const joint_pattern::joint& j = of_.joints[i];
+        const std::uint32_t at_a = sides_[j.a].index[lane], at_b = sides_[j.b].index[lane];
+        const body &a = bodies[at_a], &b = bodies[at_b];
+        typename access::row_memory rows;
+        const double apart =
+            length_squared_of(kinds_[j.kind].write(joint_at(i, lane), false, poses[at_a], poses[at_b], rows.at));
+        double square = 0;
+        vec<S, D> r_a, r_b;
+        j.each_row([&](std::uint32_t r, int k) {
+            rows_[r].write(lane, rows.at[k], a, b, with);
+            // Of what has room, rests elsewhere or gives in, the error says nothing.
+            const bool holds = !rows.at[k].is_bounded() && !rows.at[k].is_spring();
+            const double part = holds ? part_of(to_double(rows.at[k].error), rows.at[k], apart) : 0;
+            const bool is_bounded = rows.at[k].is_bounded();
+            matrix_.row[r].slack.set_lane(lane, static_cast<C>(is_bounded ? slack_of_bounded : part));
+            has_bounds_ = has_bounds_ || is_bounded;
+            largest_[lane] = max(largest_[lane], part);
+            if (part > 0.0001) far_[lane] = S(1);
+            if (rows.at[k].direction == vec<S, D>{}) return;
+            const double given = to_double(state_[r].load[lane]);
+            square += length_squared_of(rows.at[k].direction) * given * given;
+            r_a = rows.at[k].r_a;
+            r_b = rows.at[k].r_b;
+        });
+        const double of_a = sway_of(a, r_a, joints_of_[j.a] == 1, to_double(b.inverse_mass)),
+                     of_b = sway_of(b, r_b, joints_of_[j.b] == 1, to_double(a.inverse_mass));
+        const double force_h2 = sqrt(square) * to_double(with.h);
+        sway_[j.a] += of_a * force_h2;
+        sway_[j.b] += of_b * force_h2;
+        unit_sway_[i].set_lane(lane, static_cast<C>(max(of_a, of_b) * to_double(with.h)));
+    }
+    /// Calls f(row, its joint) for each row.
+    template <class F>
+    void each_row(F&& f) const {
+        for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
+            const joint_pattern::joint& j = of_.joints[i];
+            for (std::uint32_t r = j.first_row; r < j.first_row + j.row_count; ++r) f(r, j);
+        }
+    }
+
+    /// Of the square of omega h of what sways under the forces of joints: up to it substeps are short enough.
+    static constexpr double max_resolved = 0.5;
+    /// See joint_matrix.
+    static constexpr double least_pivot = 0x1p-20;
+    /// What rows with bounds leave of their speed in a solve, where others all but say the same: so that it is they
+    /// that give way.
+    static constexpr double slack_of_bounded = 0x1p-14;
+
+    const joint_pattern& of_;
+    const access* kinds_;
+    void** joints_;
+    row* rows_;
+    row_state* state_;
+    side* sides_;
+    lanes* velocities_;
+    joint_matrix<K> matrix_;
+    double* sway_;
+    /// Of each joint the larger of its bodies' sways by an impulse of 1 N s a substep.
+    K* unit_sway_;
+    /// Of each body how many joints it has.
+    std::uint32_t* joints_of_;
+    bool is_factorised_ = false, are_forces_noted_ = false, has_loads_ = false, has_bounds_ = false,
+         any_shared_ = false;
+    /// 1 where substeps are short enough; and where something is farther from what holds it than a hundredth.
+    S resolved_[W] = {}, far_[W] = {};
+    /// The largest error, see part_of.
+    double largest_[W] = {};
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
