@@ -44,8 +44,8 @@ void run(samples::recording& film, const char* title, Build&& build) {
         if (step > 0) seconds += std::chrono::duration<double>(clock::now() - began).count();
         else {
             samples::add_bodies(scene, w);
-            samples::add_joints(scene, w, samples::joints_of<physics::distance_joint>(w));
-            samples::add_joints(scene, w, pins = samples::joints_of<physics::ball_joint, physics::revolute_joint>(w));
+            pins = samples::joints_of<physics::ball_joint, physics::revolute_joint>(w);
+            samples::add_joints(scene, w, pins);
         }
         deepest = std::max(deepest, scenes::deepest_overlap(w));
         gap = std::max(gap, samples::largest_gap(w, pins));

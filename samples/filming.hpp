@@ -4,7 +4,11 @@
 #include <physics.hpp>
 
 #include <algorithm>
+#include <cstdio>
+#include <cstdlib>
 #include <map>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "recording.hpp"
@@ -133,5 +137,54 @@ void add_joints(recorded_scene& scene, const World& world, const std::vector<hel
         scene.add_joint(numbers.at(joint.body_a.index), pose_at(joint.in_a), numbers.at(joint.body_b.index),
                         pose_at(joint.in_b));
 }
+
+/// A page of scenes, played one after the other, with what was found of each below it and on the terminal.
+class film {
+public:
+    film(const std::string& title, const std::string& subtitle, std::string path)
+        : page_(title, subtitle), path_(std::move(path)) {}
+
+    /// Plays a world, with these joints drawn, in steps of 1/60 s; calls before(seconds so far) ahead of each.
+    template <class World, class Before>
+    void play(const char* title, World& world, const std::vector<held_points<World>>& joints, double seconds,
+              Before&& before) {
+        using S = typename World::scalar;
+        scene_ = &page_.add_scene(
+            {.title = title, .scalar = physics::scalar_traits<S>::name(), .dimension = World::dimension});
+        add_bodies(*scene_, world);
+        add_joints(*scene_, world, joints);
+        const int steps = static_cast<int>(60 * seconds);
+        for (int i = 0; i <= steps; ++i) {
+            if (scene_->due(i)) add_frame(*scene_, world);
+            if (i == steps) break;
+            before(i / 60.0);
+            world.step(S(1.0 / 60));
+        }
+        std::printf("%s: %u bodies, %u joints, %.0f s\n", title, world.body_count(), world.joint_count(), seconds);
+    }
+    /// Tells what was found of the last scene.
+    void fact(const char* label, double value, const char* format = "%.2f") {
+        char text[40];
+        std::snprintf(text, sizeof text, format, value);
+        std::printf("    %-52s %s\n", label, text);
+        scene_->fact(label, text);
+    }
+    /// Writes the page; returns what main() returns.
+    int finish() {
+        try {
+            page_.write_html(path_);
+            std::printf("\n%s plays the motion in any browser\n", path_.c_str());
+            return EXIT_SUCCESS;
+        } catch (const std::exception& failure) {
+            std::fprintf(stderr, "%s\n", failure.what());
+            return EXIT_FAILURE;
+        }
+    }
+
+private:
+    recording page_;
+    std::string path_;
+    recorded_scene* scene_ = nullptr;
+};
 
 }  // namespace samples

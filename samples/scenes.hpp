@@ -122,8 +122,8 @@ physics::body_id wrecking_ball(World& world, double x, double y, double angle) {
 
 /// A person of eleven bodies, 1.75 m tall: head, trunk and pelvis, arms and legs of two bodies each, all of this
 /// density. Neck, spine, elbows and knees are hinges with limits and friction; shoulders and hips are ball joints, of
-/// which ropes keep upper arms and thighs within cones. The feet are at the place's origin, the face is towards z.
-/// Returns the trunk.
+/// which ropes keep upper arms and thighs within cones. Knees and elbows have the user data 1. The feet are at the
+/// place's origin, the face is towards z. Returns the trunk.
 template <class World>
 physics::body_id ragdoll(World& world, const physics::transform<typename World::scalar, 3>& place, double density) {
     using S = typename World::scalar;
@@ -143,7 +143,7 @@ physics::body_id ragdoll(World& world, const physics::transform<typename World::
     };
     // Joints are told where they are in the person.
     const auto hinge = [&](physics::body_id a, const auto& center_a, physics::body_id b, const auto& center_b,
-                           const auto& center, double min, double max) {
+                           const auto& center, double min, double max, std::uint64_t user_data = 0) {
         typename World::revolute_joint joint;
         // Its z axis is the person's x axis.
         joint.frame_a = {center - center_a, rotation::from_axis_angle(at(0, 1, 0), S(1.5707963))};
@@ -151,7 +151,7 @@ physics::body_id ragdoll(World& world, const physics::transform<typename World::
         joint.min_angle = S(min);
         joint.max_angle = S(max);
         joint.max_motor_torque = S(0.005 * density);
-        world.create_joint(a, b, joint);
+        world.create_joint(a, b, joint, {.user_data = user_data});
     };
     const auto socket = [&](physics::body_id a, const auto& center_a, physics::body_id b, const auto& center_b,
                             const auto& center, double length, const auto& axis, double cone) {
@@ -178,9 +178,9 @@ physics::body_id ragdoll(World& world, const physics::transform<typename World::
         const physics::body_id arm = part(arm_at, typename World::capsule{S(0.11), S(0.05)});
         const physics::body_id forearm = part(forearm_at, typename World::capsule{S(0.12), S(0.045)});
         socket(pelvis, pelvis_at, thigh, thigh_at, at(0.1 * side, 0.9), 0.43, at(0.2 * side, -0.8, 0.5657), 0.8);
-        hinge(thigh, thigh_at, shin, shin_at, at(0.1 * side, 0.47), 0, 2.3);
+        hinge(thigh, thigh_at, shin, shin_at, at(0.1 * side, 0.47), 0, 2.3, 1);
         socket(trunk, trunk_at, arm, arm_at, at(0.26 * side, 1.42), 0.3, at(0.6 * side, -0.6, 0.5292), 1.3);
-        hinge(arm, arm_at, forearm, forearm_at, at(0.26 * side, 1.12), -2.3, 0);
+        hinge(arm, arm_at, forearm, forearm_at, at(0.26 * side, 1.12), -2.3, 0, 1);
     }
     return trunk;
 }

