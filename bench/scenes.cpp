@@ -7,6 +7,8 @@
 //                               for all engines, ten minutes for one by --only
 //         [--scaling]           many pyramids from 1,000 to 100,000 bodies: what a body costs
 //
+// Scenes with joints are those of Box2D v3, Box3D and Jolt, without springs, damping and filters of collisions, which
+// not all engines have. The judge looks at their joints after each step.
 // Scenes are told to all engines in the same plain numbers (scenes/scene.hpp). Every adapter says what the engine made
 // of them, and the masses, poses, velocities and the gravity are compared before the first step. Damping is off, and so
 // is sleeping but in --rest; all else is as it ships: the settings are printed. The first run of an engine is for the
@@ -61,6 +63,10 @@ void judge_run(const scene& s, score& to) {
     to.complaint = j.complaint(states, r.it().gravity());
     for (int i = 1; i <= s.steps; ++i) {
         r.step();
+        if (!s.joints.empty()) {
+            r.it().read(states);
+            j.watch(states);
+        }
         if (i % 20 != 0 && i != s.steps) continue;
         if (i == s.steps) {
             to.contacts = r.it().contacts();

@@ -22,6 +22,8 @@ public:
     virtual void begin(const scene& s) = 0;
     /// Adds the next body of the scene.
     virtual void add(const body& b) = 0;
+    /// Joins two bodies that have been added; asked of those alone who can.
+    virtual void join(const joint&) {}
     /// Velocities of a driven body from now on.
     virtual void drive(int body, const triple& velocity, const triple& spin) = 0;
     virtual void step(double dt) = 0;
@@ -50,11 +52,14 @@ struct contestant {
     std::unique_ptr<engine> (*make)(int dimension) = nullptr;
     /// Whether it can, and should, play a scene of its dimension; null: any.
     bool (*plays)(const scene& s) = nullptr;
+    /// Whether it plays scenes with joints.
+    bool has_joints = false;
     /// Takes part only if it is named, or asked for by --stages.
     bool on_demand = false;
 
     [[nodiscard]] bool joins(const scene& s) const {
-        return (dimension == 0 || dimension == s.dimension) && (plays == nullptr || plays(s));
+        return (dimension == 0 || dimension == s.dimension) && (has_joints || s.joints.empty()) &&
+               (plays == nullptr || plays(s));
     }
 };
 

@@ -16,6 +16,23 @@ judge::judge(const scene& s) : scene_(s) {
             }
         masses_.push_back(mass_of(s.bodies[i], s.dimension));
     }
+    for (const joint& j : s.joints) joined_.insert(std::minmax(j.a, j.b));
+}
+
+void judge::watch(const std::vector<state>& states) {
+    const auto point = [&](int body, const triple& in_it) {
+        const state& s = states[static_cast<std::size_t>(body)];
+        return s.at + rotated(s.rotation, in_it);
+    };
+    for (const joint& j : scene_.joints) {
+        if (static_cast<std::size_t>(std::max(j.a, j.b)) >= states.size()) break;
+        const double gap = length(point(j.b, j.point_b) - point(j.a, j.point_a));
+        // What has no numbers any more is as far apart as can be.
+        result_.gap = gap >= 0 ? std::max(result_.gap, gap) : 1e300;
+        gaps_ += gap;
+        ++seen_;
+    }
+    if (seen_ > 0) result_.mean_gap = gaps_ / static_cast<double>(seen_);
 }
 
 std::string judge::complaint(const std::vector<state>& states, const triple& gravity) const {
@@ -69,6 +86,7 @@ void judge::sample(const std::vector<state>& states) {
         for (std::size_t j = i + 1; j < all.size() && all[j].lower[0] <= all[i].upper[0]; ++j) {
             const boxed &a = all[i], &b = all[j];
             if (a.it.body == b.it.body || !(a.it.pushed || b.it.pushed)) continue;
+            if (joined_.count(std::minmax(a.it.body, b.it.body)) > 0) continue;
             if (a.lower[1] > b.upper[1] || b.lower[1] > a.upper[1]) continue;
             if (a.lower[2] > b.upper[2] || b.lower[2] > a.upper[2]) continue;
             const double depth = overlap(a.it, b.it, scene_.dimension);

@@ -3,6 +3,8 @@
 // cylinders in space they are searched for, to a hundredth of a millimetre.
 #pragma once
 
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "scene.hpp"
@@ -47,6 +49,8 @@ struct verdict {
     double sag = 0, drift = 0;
     /// Kinetic energy at the end (J).
     double energy = 0;
+    /// The largest distance between points that a joint holds together, of all steps, and the mean (m).
+    double gap = 0, mean_gap = 0;
     /// Who is not where anybody could be.
     int lost = 0;
 };
@@ -57,12 +61,18 @@ public:
     /// What an engine says of a fresh world; empty if it is what the scene says.
     [[nodiscard]] std::string complaint(const std::vector<state>& states, const triple& gravity) const;
     void sample(const std::vector<state>& states);
+    /// Looks at the joints alone: after each step.
+    void watch(const std::vector<state>& states);
     [[nodiscard]] const verdict& result() const { return result_; }
 
 private:
     const scene& scene_;
     std::vector<piece> pieces_;
     std::vector<mass> masses_;
+    /// Bodies that are joined, the lower number first.
+    std::set<std::pair<int, int>> joined_;
+    double gaps_ = 0;
+    std::size_t seen_ = 0;
     verdict result_;
 };
 

@@ -15,6 +15,8 @@ struct maker {
 };
 
 const std::vector<maker>& makers();
+/// Those with joints.
+const std::vector<maker>& joint_makers();
 /// Those that are played to rest.
 const std::vector<maker>& piles();
 

@@ -215,9 +215,10 @@ const std::vector<maker>& piles() {
 
 const std::vector<maker>& makers() {
     static const std::vector<maker> all = [] {
-        std::vector<maker> both = flat_makers();
-        both.insert(both.end(), solid_makers().begin(), solid_makers().end());
-        return both;
+        std::vector<maker> every = flat_makers();
+        every.insert(every.end(), solid_makers().begin(), solid_makers().end());
+        every.insert(every.end(), joint_makers().begin(), joint_makers().end());
+        return every;
     }();
     return all;
 }

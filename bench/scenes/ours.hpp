@@ -23,8 +23,8 @@ struct kinds<3> {
         physics::shapes<physics::ball, physics::capsule, physics::box, physics::hull, physics::cylinder, physics::mesh>;
 };
 /// What plays: the default narrowphase, broadphase and integrator, the solver by name.
-template <class S, int D, class Solver>
-struct lineup : physics::recipe<S, D, typename kinds<D>::type, Solver> {};
+template <class S, int D, class Solver, class Joints = physics::joints<>>
+struct lineup : physics::recipe<S, D, typename kinds<D>::type, Solver, Joints> {};
 
 /// The one place where settings are made.
 template <class Settings>
@@ -151,7 +151,7 @@ struct by_oneself {
     }
 };
 
-template <class S, int D, class Solver, class Way = by_oneself>
+template <class S, int D, class Solver, class Way = by_oneself, class Joints = physics::joints<>>
 class ours final : public engine {
 public:
     void begin(const scene& s) override {
@@ -163,6 +163,26 @@ public:
             maker_.make(s, [&](const auto& it, const auto& def) {
                 static_cast<void>(world_->create_shape(ids_.back(), it, def));
             });
+    }
+    void join(const joint& j) override {
+        if constexpr (!std::is_same_v<Joints, physics::joints<>>) {
+            const physics::body_id a = ids_[static_cast<std::size_t>(j.a)], b = ids_[static_cast<std::size_t>(j.b)];
+            const auto point_a = to_vec<S, D>(j.point_a), point_b = to_vec<S, D>(j.point_b);
+            if constexpr (D == 3) {
+                world_->create_joint(a, b, physics::ball_joint<S, 3>{point_a, point_b});
+            } else {
+                // Its frame in B is turned so that the angle is 0 now.
+                const auto turned = inverse(world_->rotation(b)) * world_->rotation(a);
+                if (j.rigid) {
+                    world_->create_joint(a, b, physics::weld_joint<S, 2>{{point_a, {}}, {point_b, turned}});
+                    return;
+                }
+                physics::revolute_joint<S, 2> pin{{point_a, {}}, {point_b, turned}};
+                pin.max_motor_torque = S(j.friction);
+                if (j.lower < j.upper) pin.min_angle = S(j.lower), pin.max_angle = S(j.upper);
+                world_->create_joint(a, b, pin);
+            }
+        }
     }
     void drive(int body, const triple& velocity, const triple& spin) override {
         const physics::body_id id = ids_[static_cast<std::size_t>(body)];
@@ -197,7 +217,7 @@ public:
     [[nodiscard]] double contact_bytes() const override { return bytes_a_contact(*world_); }
 
 private:
-    using world = physics::world<lineup<S, D, Solver>>;
+    using world = physics::world<lineup<S, D, Solver, Joints>>;
 
     std::unique_ptr<world> world_;
     std::vector<physics::body_id> ids_;
@@ -205,10 +225,10 @@ private:
     Way way_;
 };
 
-template <class S, class Solver, class Way = by_oneself>
+template <class S, class Solver, class Way = by_oneself, class Joints = physics::joints<>>
 std::unique_ptr<engine> make_ours(int dimension) {
-    if (dimension == 2) return std::make_unique<ours<S, 2, Solver, Way>>();
-    return std::make_unique<ours<S, 3, Solver, Way>>();
+    if (dimension == 2) return std::make_unique<ours<S, 2, Solver, Way, Joints>>();
+    return std::make_unique<ours<S, 3, Solver, Way, Joints>>();
 }
 
 }  // namespace bench

@@ -28,6 +28,26 @@ public:
         bodies_.push_back(world_->CreateBody(&def));
         for (const shape& s : b.shapes) add(s);
     }
+    void join(const joint& j) override {
+        b2Body *const a = bodies_[static_cast<std::size_t>(j.a)], *const b = bodies_[static_cast<std::size_t>(j.b)];
+        if (j.rigid) {
+            b2WeldJointDef def;
+            def.bodyA = a, def.bodyB = b;
+            def.localAnchorA = to_b2(j.point_a), def.localAnchorB = to_b2(j.point_b);
+            def.referenceAngle = b->GetAngle() - a->GetAngle();
+            world_->CreateJoint(&def);
+            return;
+        }
+        b2RevoluteJointDef def;
+        def.bodyA = a, def.bodyB = b;
+        def.localAnchorA = to_b2(j.point_a), def.localAnchorB = to_b2(j.point_b);
+        def.referenceAngle = b->GetAngle() - a->GetAngle();
+        def.enableMotor = j.friction > 0;
+        def.maxMotorTorque = static_cast<float>(j.friction);
+        def.enableLimit = j.lower < j.upper;
+        def.lowerAngle = static_cast<float>(j.lower), def.upperAngle = static_cast<float>(j.upper);
+        world_->CreateJoint(&def);
+    }
     void drive(int body, const triple& velocity, const triple& spin) override {
         bodies_[static_cast<std::size_t>(body)]->SetLinearVelocity(to_b2(velocity));
         bodies_[static_cast<std::size_t>(body)]->SetAngularVelocity(static_cast<float>(spin[2]));
@@ -113,7 +133,8 @@ const enlisted here({.name = "box2d-2.4",
                      .dimension = 2,
                      .make = [](int) -> std::unique_ptr<engine> { return std::make_unique<box2d>(); },
                      // In spinner its boxes reach ahead four times as far as bodies fly: a step takes it seconds.
-                     .plays = [](const scene& s) { return !s.has(form::chain); }});
+                     .plays = [](const scene& s) { return !s.has(form::chain); },
+                     .has_joints = true});
 
 }  // namespace
 

@@ -18,8 +18,9 @@ triple from_bt(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
 class bullet final : public engine {
 public:
     ~bullet() override {
-        if (world_)
-            for (const auto& b : bodies_) world_->removeRigidBody(b.get());
+        if (!world_) return;
+        for (const auto& j : joints_) world_->removeConstraint(j.get());
+        for (const auto& b : bodies_) world_->removeRigidBody(b.get());
     }
     void begin(const scene& s) override {
         world_ = std::make_unique<btDiscreteDynamicsWorld>(&dispatcher_, &broadphase_, &solver_, &configuration_);
@@ -71,6 +72,12 @@ public:
         bodies_.back()->setLinearVelocity(to_bt(b.velocity));
         bodies_.back()->setAngularVelocity(to_bt(b.spin));
     }
+    void join(const joint& j) override {
+        joints_.push_back(std::make_unique<btPoint2PointConstraint>(*bodies_[static_cast<std::size_t>(j.a)],
+                                                                    *bodies_[static_cast<std::size_t>(j.b)],
+                                                                    to_bt(j.point_a), to_bt(j.point_b)));
+        world_->addConstraint(joints_.back().get(), true);
+    }
     void drive(int, const triple&, const triple&) override {}
     void step(double dt) override { world_->stepSimulation(static_cast<float>(dt), 0); }
     void read(std::vector<state>& states) const override {
@@ -111,13 +118,15 @@ private:
     std::vector<std::unique_ptr<btTriangleMesh>> meshes_;
     std::vector<std::unique_ptr<btCollisionShape>> shapes_;
     std::vector<std::unique_ptr<btRigidBody>> bodies_;
+    std::vector<std::unique_ptr<btTypedConstraint>> joints_;
     std::unique_ptr<btDiscreteDynamicsWorld> world_;
 };
 
 const enlisted here({.name = "bullet-3",
                      .settings = "10 rounds, split impulses; hulls have a skin of 4 cm",
                      .dimension = 3,
-                     .make = [](int) -> std::unique_ptr<engine> { return std::make_unique<bullet>(); }});
+                     .make = [](int) -> std::unique_ptr<engine> { return std::make_unique<bullet>(); },
+                     .has_joints = true});
 
 }  // namespace
 

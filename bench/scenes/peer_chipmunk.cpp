@@ -11,6 +11,10 @@ namespace {
 class chipmunk final : public engine {
 public:
     ~chipmunk() override {
+        for (cpConstraint* c : constraints_) {
+            cpSpaceRemoveConstraint(space_, c);
+            cpConstraintFree(c);
+        }
         for (cpShape* s : shapes_) {
             cpSpaceRemoveShape(space_, s);
             cpShapeFree(s);
@@ -38,6 +42,23 @@ public:
         if (b.kind == role::fixed) return cpSpaceReindexShapesForBody(space_, made);
         cpBodySetVelocity(made, cpv(b.velocity[0], b.velocity[1]));
         cpBodySetAngularVelocity(made, b.spin[2]);
+    }
+    void join(const joint& j) override {
+        cpBody *const a = bodies_[static_cast<std::size_t>(j.a)], *const b = bodies_[static_cast<std::size_t>(j.b)];
+        const auto keep = [&](cpConstraint* made) {
+            cpConstraintSetCollideBodies(made, cpFalse);
+            constraints_.push_back(cpSpaceAddConstraint(space_, made));
+        };
+        keep(cpPivotJointNew2(a, b, cpv(j.point_a[0], j.point_a[1]), cpv(j.point_b[0], j.point_b[1])));
+        // Angles are those of the bodies.
+        const double now = cpBodyGetAngle(b) - cpBodyGetAngle(a);
+        if (j.rigid) keep(cpRotaryLimitJointNew(a, b, now, now));
+        else if (j.lower < j.upper) keep(cpRotaryLimitJointNew(a, b, now + j.lower, now + j.upper));
+        if (j.friction > 0) {
+            cpConstraint* const motor = cpSimpleMotorNew(a, b, 0);
+            cpConstraintSetMaxForce(motor, j.friction);
+            keep(motor);
+        }
     }
     void drive(int body, const triple& velocity, const triple& spin) override {
         cpBodySetVelocity(bodies_[static_cast<std::size_t>(body)], cpv(velocity[0], velocity[1]));
@@ -115,12 +136,14 @@ private:
     cpSpace* space_ = nullptr;
     std::vector<cpBody*> bodies_;
     std::vector<cpShape*> shapes_;
+    std::vector<cpConstraint*> constraints_;
 };
 
 const enlisted here({.name = "chipmunk-7",
                      .settings = "10 rounds, slop 0.1 m, double",
                      .dimension = 2,
-                     .make = [](int) -> std::unique_ptr<engine> { return std::make_unique<chipmunk>(); }});
+                     .make = [](int) -> std::unique_ptr<engine> { return std::make_unique<chipmunk>(); },
+                     .has_joints = true});
 
 }  // namespace
 

@@ -49,6 +49,17 @@ public:
         bodies_.push_back(made);
         geoms_.push_back(geom);
     }
+    void join(const joint& j) override {
+        const dBodyID a = bodies_[static_cast<std::size_t>(j.a)], b = bodies_[static_cast<std::size_t>(j.b)];
+        if (!a && !b) return;
+        const dJointID made = dJointCreateBall(world_, nullptr);
+        dJointAttach(made, a, b);
+        dVector3 at;
+        const dBodyID it = b ? b : a;
+        const triple& point = b ? j.point_b : j.point_a;
+        dBodyGetRelPointPos(it, point[0], point[1], point[2], at);
+        dJointSetBallAnchor(made, at[0], at[1], at[2]);
+    }
     void drive(int, const triple&, const triple&) override {}
     void step(double dt) override {
         dJointGroupEmpty(joints_);
@@ -90,13 +101,14 @@ private:
     void meet(dGeomID a, dGeomID b) {
         const dBodyID first = dGeomGetBody(a), second = dGeomGetBody(b);
         if (!first && !second) return;
+        if (first && second && dAreConnectedExcluding(first, second, dJointTypeContact)) return;
         dContactGeom found[4];
         const int count = dCollide(a, b, 4, found, sizeof(dContactGeom));
         contacts_ += count > 0;
         for (int k = 0; k < count; ++k) {
             dContact c = {};
-            c.material.mode = dContactApprox1;
-            c.material.mu = friction_;
+            c.surface.mode = dContactApprox1;
+            c.surface.mu = friction_;
             c.geom = found[k];
             dJointAttach(dJointCreateContact(world_, joints_, &c), first, second);
         }
@@ -115,8 +127,9 @@ const enlisted here({.name = "ode-0.16",
                      .settings = "QuickStep, 20 rounds, ERP 0.2, at most 4 points a pair, double",
                      .dimension = 3,
                      .make = [](int) -> std::unique_ptr<engine> { return std::make_unique<ode>(); },
-                     // Its hulls are not made for heaps.
-                     .plays = [](const scene& s) { return !s.has(form::hull); }});
+                     // Its hulls are not made for heaps, and capsules are not told to it.
+                     .plays = [](const scene& s) { return !s.has(form::hull) && !s.has(form::capsule); },
+                     .has_joints = true});
 
 }  // namespace
 

@@ -27,10 +27,16 @@ public:
 private:
     void born() {
         while (next_ < scene_.bodies.size() && scene_.bodies[next_].born <= done_) engine_->add(scene_.bodies[next_++]);
+        const auto there = [&](int body) { return static_cast<std::size_t>(body) < next_; };
+        for (; joined_ < scene_.joints.size(); ++joined_) {
+            const joint& j = scene_.joints[joined_];
+            if (!there(j.a) || !there(j.b)) break;
+            engine_->join(j);
+        }
     }
     const scene& scene_;
     std::unique_ptr<engine> engine_;
-    std::size_t next_ = 0;
+    std::size_t next_ = 0, joined_ = 0;
     int done_ = 0;
     double last_ = 0;
 };

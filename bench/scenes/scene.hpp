@@ -13,6 +13,23 @@ using triple = std::array<double, 3>;
 /// A unit quaternion x, y, z, w; scenes in the plane turn about z.
 using turn = std::array<double, 4>;
 
+inline turn turned(double angle) { return {0, 0, std::sin(angle / 2), std::cos(angle / 2)}; }
+inline double angle_of(const turn& q) { return 2 * std::atan2(q[2], q[3]); }
+
+inline triple operator+(const triple& a, const triple& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+inline triple operator-(const triple& a, const triple& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+inline triple operator*(const triple& a, double k) { return {a[0] * k, a[1] * k, a[2] * k}; }
+inline double dot(const triple& a, const triple& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+inline triple cross(const triple& a, const triple& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+inline double length(const triple& a) { return std::sqrt(dot(a, a)); }
+inline triple rotated(const turn& q, const triple& v) {
+    const triple u = {q[0], q[1], q[2]}, t = cross(u, v) * 2;
+    return v + t * q[3] + cross(u, t);
+}
+inline turn inverse(const turn& q) { return {-q[0], -q[1], -q[2], q[3]}; }
+
 /// Cylinders and meshes are of space, segments and chains of the plane; the last three have no mass.
 enum class form { ball, capsule, box, hull, cylinder, segment, chain, mesh };
 enum class role { fixed, driven, free };
@@ -56,6 +73,17 @@ struct swing {
     }
 };
 
+/// Holds a point of one body to a point of another, whose bodies then do not collide.
+struct joint {
+    int a = 0, b = 0;
+    /// In the frames of the bodies.
+    triple point_a = {}, point_b = {};
+    /// In the plane: whether B keeps its turn too, up to which torque it does not turn (N m), and how far it turns
+    /// counter-clockwise from where it starts (rad), if lower < upper.
+    bool rigid = false;
+    double friction = 0, lower = 0, upper = 0;
+};
+
 struct scene {
     std::string name;
     int dimension = 2;
@@ -65,6 +93,8 @@ struct scene {
     /// Whether bodies may fall asleep.
     bool sleeps = false;
     std::vector<body> bodies;
+    /// Made as soon as both bodies are there; in the order of the younger of the two.
+    std::vector<joint> joints;
     std::vector<swing> swings;
     /// Bodies on top of structures, which should stay where they are.
     std::vector<int> tops;
@@ -74,6 +104,14 @@ struct scene {
     int add(body b) {
         bodies.push_back(std::move(b));
         return static_cast<int>(bodies.size()) - 1;
+    }
+    /// Joins two bodies at a place in the world.
+    joint& pin(int a, int b, const triple& place) {
+        const auto in = [&](int i) {
+            const body& it = bodies[static_cast<std::size_t>(i)];
+            return rotated(inverse(it.rotation), place - it.at);
+        };
+        return joints.emplace_back(joint{a, b, in(a), in(b)});
     }
     [[nodiscard]] bool has(form kind) const {
         for (const body& b : bodies)
@@ -102,22 +140,5 @@ struct state {
     triple velocity = {}, spin = {};
     double mass = 0;
 };
-
-inline turn turned(double angle) { return {0, 0, std::sin(angle / 2), std::cos(angle / 2)}; }
-inline double angle_of(const turn& q) { return 2 * std::atan2(q[2], q[3]); }
-
-inline triple operator+(const triple& a, const triple& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
-inline triple operator-(const triple& a, const triple& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-inline triple operator*(const triple& a, double k) { return {a[0] * k, a[1] * k, a[2] * k}; }
-inline double dot(const triple& a, const triple& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-inline triple cross(const triple& a, const triple& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-inline double length(const triple& a) { return std::sqrt(dot(a, a)); }
-inline triple rotated(const turn& q, const triple& v) {
-    const triple u = {q[0], q[1], q[2]}, t = cross(u, v) * 2;
-    return v + t * q[3] + cross(u, t);
-}
-inline turn inverse(const turn& q) { return {-q[0], -q[1], -q[2], q[3]}; }
 
 }  // namespace bench
