@@ -24640,6 +24640,22 @@ double part_of(double error, const joint_row<S, D>& of, double apart) {
                  size = turns ? 1 : length_squared_of(of.direction) * reach;
     return error * error < size ? error * error / size : 1;
 }
+/// The square of the lever on which a force of a joint turns the lighter of its bodies as fast as it moves it.
+template <class S, int D, bool Rotates>
+double own_lever_of(const solver_body<S, D, Rotates>& a, const solver_body<S, D, Rotates>& b) {
+    double result = 1e30;
+    if constexpr (Rotates)
+        for (const auto* body : {&a, &b}) {
+            double turns;
+            if constexpr (D == 2) turns = to_double(body->inverse_inertia);
+            else
+                turns = max(to_double(body->inverse_inertia.xx),
+                            max(to_double(body->inverse_inertia.yy), to_double(body->inverse_inertia.zz)));
+            const double moves = to_double(body->inverse_mass);
+            if (moves > 0 && turns > 0) result = min(result, moves / turns);
+        }
+    return result;
+}
 /// The square of omega of a body that sways under a joint's force of 1 N on its lever. What hangs by no other joint
 /// turns about this one, as far as that stands: `other` is the inverse mass behind it.
 template <class S, int D, bool Rotates>
@@ -24850,6 +24866,7 @@ protected:
         sway_ = scratch.template allocate<double>(of_.body_count);
         joints_of_ = made<std::uint32_t>(of_.body_count, scratch);
         unit_sway_ = made<K>(of_.joint_count, scratch);
+        own_lever_ = scratch.template allocate<double>(of_.joint_count * W);
         for (std::uint32_t k = 0; k < of_.body_count; ++k)
             for (int lane = 0; lane < W; ++lane) sides_[k].index[lane] = dummy_body;
         for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
@@ -24935,8 +24952,9 @@ protected:
         const std::uint32_t at_a = sides_[j.a].index[lane], at_b = sides_[j.b].index[lane];
         const body &a = bodies[at_a], &b = bodies[at_b];
         typename access::row_memory rows;
-        const double apart =
-            length_squared_of(kinds_[j.kind].write(joint_at(i, lane), false, poses[at_a], poses[at_b], rows.at));
+        const vec<S, D> between = kinds_[j.kind].write(joint_at(i, lane), false, poses[at_a], poses[at_b], rows.at);
+        own_lever_[i * W + static_cast<std::uint32_t>(lane)] = own_lever_of(a, b);
+        const double apart = own_lever_of(a, b) + length_squared_of(between);
         double square = 0;
         vec<S, D> r_a, r_b;
         j.each_row([&](std::uint32_t r, int k) {
@@ -24990,6 +25008,8 @@ protected:
     double* sway_;
     /// Of each joint the larger of its bodies' sways by an impulse of 1 N s a substep.
     K* unit_sway_;
+    /// See own_lever_of; of each joint in each lane.
+    double* own_lever_;
     /// Of each body how many joints it has.
     std::uint32_t* joints_of_;
     bool is_factorised_ = false, are_forces_noted_ = false, has_loads_ = false, has_bounds_ = false,
@@ -25080,7 +25100,8 @@ private:
     using base::joint_at, base::load, base::store, base::apply, base::give, base::note_forces, base::write_rows;
     using base::of_, base::kinds_, base::rows_, base::state_, base::sides_, base::velocities_, base::matrix_;
     using base::resolved_, base::far_, base::largest_, base::max_resolved;
-    using base::unit_sway_, base::is_factorised_, base::are_forces_noted_, base::has_bounds_, base::any_shared_;
+    using base::unit_sway_, base::own_lever_, base::is_factorised_, base::are_forces_noted_, base::has_bounds_,
+        base::any_shared_;
 
     /// Solves for speeds, with the bounds of rows; what is off is left to find_corrections. A row that would give more
     /// than it may is set to its bound, and all are solved again from where they were: what was too much has not acted.
@@ -25262,8 +25283,9 @@ private:
             for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
                 const joint_pattern::joint& j = of_.joints[i];
                 typename access::row_memory rows;
-                const double apart =
-                    length_squared_of(kinds_[j.kind].write(joint_at(i, lane), true, ahead_[j.a], ahead_[j.b], rows.at));
+                const vec<S, D> between =
+                    kinds_[j.kind].write(joint_at(i, lane), true, ahead_[j.a], ahead_[j.b], rows.at);
+                const double apart = own_lever_[i * W + static_cast<std::uint32_t>(lane)] + length_squared_of(between);
                 j.each_row([&](std::uint32_t r, int k) {
                     K& right_hand = matrix_.row[r].right_hand;
                     const bool holds = !rows_[r].is_bounded && !rows_[r].has_spring;

@@ -74,7 +74,8 @@ private:
     using base::joint_at, base::load, base::store, base::apply, base::give, base::note_forces, base::write_rows;
     using base::of_, base::kinds_, base::rows_, base::state_, base::sides_, base::velocities_, base::matrix_;
     using base::resolved_, base::far_, base::largest_, base::max_resolved;
-    using base::unit_sway_, base::is_factorised_, base::are_forces_noted_, base::has_bounds_, base::any_shared_;
+    using base::unit_sway_, base::own_lever_, base::is_factorised_, base::are_forces_noted_, base::has_bounds_,
+        base::any_shared_;
 
     /// Solves for speeds, with the bounds of rows; what is off is left to find_corrections. A row that would give more
     /// than it may is set to its bound, and all are solved again from where they were: what was too much has not acted.
@@ -256,8 +257,9 @@ private:
             for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
                 const joint_pattern::joint& j = of_.joints[i];
                 typename access::row_memory rows;
-                const double apart =
-                    length_squared_of(kinds_[j.kind].write(joint_at(i, lane), true, ahead_[j.a], ahead_[j.b], rows.at));
+                const vec<S, D> between =
+                    kinds_[j.kind].write(joint_at(i, lane), true, ahead_[j.a], ahead_[j.b], rows.at);
+                const double apart = own_lever_[i * W + static_cast<std::uint32_t>(lane)] + length_squared_of(between);
                 j.each_row([&](std::uint32_t r, int k) {
                     K& right_hand = matrix_.row[r].right_hand;
                     const bool holds = !rows_[r].is_bounded && !rows_[r].has_spring;

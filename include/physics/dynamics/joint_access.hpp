@@ -151,6 +151,22 @@ double part_of(double error, const joint_row<S, D>& of, double apart) {
                  size = turns ? 1 : length_squared_of(of.direction) * reach;
     return error * error < size ? error * error / size : 1;
 }
+/// The square of the lever on which a force of a joint turns the lighter of its bodies as fast as it moves it.
+template <class S, int D, bool Rotates>
+double own_lever_of(const solver_body<S, D, Rotates>& a, const solver_body<S, D, Rotates>& b) {
+    double result = 1e30;
+    if constexpr (Rotates)
+        for (const auto* body : {&a, &b}) {
+            double turns;
+            if constexpr (D == 2) turns = to_double(body->inverse_inertia);
+            else
+                turns = max(to_double(body->inverse_inertia.xx),
+                            max(to_double(body->inverse_inertia.yy), to_double(body->inverse_inertia.zz)));
+            const double moves = to_double(body->inverse_mass);
+            if (moves > 0 && turns > 0) result = min(result, moves / turns);
+        }
+    return result;
+}
 /// The square of omega of a body that sways under a joint's force of 1 N on its lever. What hangs by no other joint
 /// turns about this one, as far as that stands: `other` is the inverse mass behind it.
 template <class S, int D, bool Rotates>

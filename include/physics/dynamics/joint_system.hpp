@@ -39,6 +39,7 @@ protected:
         sway_ = scratch.template allocate<double>(of_.body_count);
         joints_of_ = made<std::uint32_t>(of_.body_count, scratch);
         unit_sway_ = made<K>(of_.joint_count, scratch);
+        own_lever_ = scratch.template allocate<double>(of_.joint_count * W);
         for (std::uint32_t k = 0; k < of_.body_count; ++k)
             for (int lane = 0; lane < W; ++lane) sides_[k].index[lane] = dummy_body;
         for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
@@ -124,8 +125,9 @@ protected:
         const std::uint32_t at_a = sides_[j.a].index[lane], at_b = sides_[j.b].index[lane];
         const body &a = bodies[at_a], &b = bodies[at_b];
         typename access::row_memory rows;
-        const double apart =
-            length_squared_of(kinds_[j.kind].write(joint_at(i, lane), false, poses[at_a], poses[at_b], rows.at));
+        const vec<S, D> between = kinds_[j.kind].write(joint_at(i, lane), false, poses[at_a], poses[at_b], rows.at);
+        own_lever_[i * W + static_cast<std::uint32_t>(lane)] = own_lever_of(a, b);
+        const double apart = own_lever_of(a, b) + length_squared_of(between);
         double square = 0;
         vec<S, D> r_a, r_b;
         j.each_row([&](std::uint32_t r, int k) {
@@ -179,6 +181,8 @@ protected:
     double* sway_;
     /// Of each joint the larger of its bodies' sways by an impulse of 1 N s a substep.
     K* unit_sway_;
+    /// See own_lever_of; of each joint in each lane.
+    double* own_lever_;
     /// Of each body how many joints it has.
     std::uint32_t* joints_of_;
     bool is_factorised_ = false, are_forces_noted_ = false, has_loads_ = false, has_bounds_ = false,
