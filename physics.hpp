@@ -20587,6 +20587,8 @@ struct counted_angle {
         return {next, turns + (next - angle > S(pi) ? -1 : next - angle < S(-pi) ? 1 : 0)};
     }
     [[nodiscard]] constexpr S total() const { return angle + S(6.283185307179586) * S(turns); }
+    /// The same, for differences of what has turned far.
+    [[nodiscard]] double wide_total() const { return detail::to_double(angle) + 6.283185307179586 * turns; }
 
     PHYSICS_HPP_MEMBERS(angle, turns)
 };
@@ -20625,6 +20627,11 @@ struct joint_frames {
     /// How a frame of B is turned as seen from one of A.
     [[nodiscard]] rotation<S, D> relative(const rotation<S, D>& frame_a, const rotation<S, D>& frame_b) const {
         return inverse(rotation_a * frame_a) * (rotation_b * frame_b);
+    }
+    /// How far that turns about the z axis, in [-pi, pi].
+    [[nodiscard]] static S angle_about_z(const rotation<S, D>& r) {
+        if constexpr (D == 2) return r.angle();
+        else return r.w < S(0) ? S(2) * atan2(-r.z, -r.w) : S(2) * atan2(r.z, r.w);
     }
     /// Rows that keep a frame of B turned as one of A: 1 in 2D, 3 in 3D.
     void hold(const rotation<S, D>& frame_a, const rotation<S, D>& frame_b, joint_row<S, D>* row) const {
@@ -20868,6 +20875,82 @@ bool check(const filter_joint<S, D>&, const char*) {
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/joint/gear_joint.hpp
+// =================================================================================================
+// The gear joint.
+
+PHYSICS_HPP_BEGIN
+
+/// Two wheels that mesh: A turns about the z axis of its frame `ratio` times as far as B about that of its own, the
+/// other way round. Turns are those against the line from A's centre to B's, counted over any number of them: other
+/// joints hold both to what they turn on, which may turn itself (planetary gears), at any angle (bevel and worm gears).
+/// In 3D the line must not lie along a z axis. Error: where the centres coincide, turns are those as seen from the
+/// world. Rows: 1.
+template <class S, int D>
+struct gear_joint {
+    /// In the bodies' frames (m), where the wheels' centres are.
+    transform<S, D> frame_a{}, frame_b{};
+    /// Of B's teeth to A's (not 0); negative of a wheel in a ring, where both turn the same way.
+    S ratio = S(1);
+    /// A's turn and `ratio` times B's (rad). Default: as they stand when the joint is made or set.
+    S phase = scalar_traits<S>::max();
+
+    static constexpr int row_count = 1, angle_count = 2;
+    PHYSICS_HPP_MEMBERS(frame_a, frame_b, ratio, phase)
+
+    /// How far A (0) and B (1) are turned.
+    [[nodiscard]] S angle(const joint_frames<S, D>& at, int i) const {
+        const rotation<S, D> r = i == 0 ? at.rotation_a * frame_a.rotation : at.rotation_b * frame_b.rotation;
+        const vec<S, D> seen = inverse_rotate(r, line_of(at).direction);
+        return atan2(-seen.y, seen.x);
+    }
+    void fill_in(const joint_frames<S, D>& at) {
+        if (phase == scalar_traits<S>::max()) phase = S(turn_of(at));
+    }
+    void rows(const joint_frames<S, D>& at, joint_row<S, D>* row) const {
+        const auto [line, distance] = line_of(at);
+        const angular<S, D> turn_a = turn_against(at.rotation_a * frame_a.rotation, line),
+                            turn_b = turn_against(at.rotation_b * frame_b.rotation, line) * ratio;
+        // The line turns by the force that bears both.
+        joint_row<S, D> r;
+        r.r_a = at.r_a(frame_a.position);
+        r.r_b = at.r_b(frame_b.position);
+        if (distance > S(0)) r.direction = cross(turn_a + turn_b, line) / -distance;
+        r.angular_a = turn_a - cross(r.r_a, r.direction);
+        r.angular_b = turn_b + cross(r.r_b, r.direction);
+        row[0] = r.equality(S(turn_of(at) - detail::to_double(phase)));
+    }
+
+private:
+    [[nodiscard]] direction_and_length<S, D> line_of(const joint_frames<S, D>& at) const {
+        direction_and_length<S, D> line =
+            direction_and_length_of(at.between + (at.r_b(frame_b.position) - at.r_a(frame_a.position)));
+        if (!(line.length > S(0))) line.direction = at.axis(0);
+        return line;
+    }
+    /// The Jacobian of the turn of a wheel about its z axis against a line, which is across that.
+    static S turn_against(const rotation<S, 2>&, const vec<S, 2>&) { return S(1); }
+    static vec<S, 3> turn_against(const rotation<S, 3>& wheel, const vec<S, 3>& line) {
+        const vec<S, 3> axis = wheel * joint_frames<S, 3>::axis(2);
+        const S along = dot(axis, line);
+        return (axis - line * along) / max(S(1) - along * along, S(1.0 / 4096));
+    }
+    [[nodiscard]] double turn_of(const joint_frames<S, D>& at) const {
+        return at.turned[0].wide_total() + detail::to_double(ratio) * at.turned[1].wide_total();
+    }
+};
+
+template <class S, int D>
+bool check(const gear_joint<S, D>& joint, const char* function) {
+    return detail::check_frames(function, joint.frame_a, joint.frame_b) &&
+           detail::check_finite(function, "ratio", joint.ratio) &&
+           (!(joint.ratio == S(0)) || detail::refuse(function, "ratio", 0.0, "it must not be 0")) &&
+           detail::check_finite(function, "phase", joint.phase);
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/joint/motor_joint.hpp
 // =================================================================================================
 // The motor joint.
@@ -20994,6 +21077,65 @@ bool check(const prismatic_joint<S, D>& joint, const char* function) {
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/joint/rack_joint.hpp
+// =================================================================================================
+// The rack joint: a rack and its pinion.
+
+PHYSICS_HPP_BEGIN
+
+/// A pinion A rolls on a rack B: as the pinion turns counter-clockwise about the z axis of its frame, as seen from the
+/// rack, this slides along the x axis of its own by the radius times the angle, counted over any number of turns. Other
+/// joints hold both to what they move on, which may move itself. The rack is where x is right of the pinion seen along
+/// z: at its bottom in 2D, for x to the right; with a negative radius opposite. Rows: 1.
+template <class S, int D>
+struct rack_joint {
+    /// In the bodies' frames (m): A's where the pinion's centre is.
+    transform<S, D> frame_a{}, frame_b{};
+    /// Of the pinion (m, not 0).
+    S radius = S(1);
+    /// Where B's frame is along x from the pinion's centre while both frames are turned alike (m). Default: as they
+    /// stand when the joint is made or set.
+    S offset = scalar_traits<S>::max();
+
+    static constexpr int row_count = 1, angle_count = 1;
+    PHYSICS_HPP_MEMBERS(frame_a, frame_b, radius, offset)
+
+    /// How far the pinion is turned as seen from the rack.
+    [[nodiscard]] S angle(const joint_frames<S, D>& at, int) const {
+        return -at.angle_about_z(at.relative(frame_a.rotation, frame_b.rotation));
+    }
+    void fill_in(const joint_frames<S, D>& at) {
+        if (offset == scalar_traits<S>::max()) offset = S(slip(at));
+    }
+    void rows(const joint_frames<S, D>& at, joint_row<S, D>* row) const {
+        // Both push each other where they roll.
+        const vec<S, D> x = at.axis_b(frame_b.rotation, 0);
+        vec<S, D> down;
+        if constexpr (D == 2) down = perpendicular(x);
+        else down = normalized(cross(x, at.axis_a(frame_a.rotation, 2)));
+        const vec<S, D> r_a = at.r_a(frame_a.position) + down * radius;
+        row[0] = at.along(x, r_a, r_a - at.between).equality(S(slip(at) - detail::to_double(offset)));
+    }
+
+private:
+    [[nodiscard]] double slip(const joint_frames<S, D>& at) const {
+        const vec<S, D> apart = at.between + (at.r_b(frame_b.position) - at.r_a(frame_a.position));
+        return detail::to_double(dot(at.axis_b(frame_b.rotation, 0), apart)) -
+               detail::to_double(radius) * at.turned->wide_total();
+    }
+};
+
+template <class S, int D>
+bool check(const rack_joint<S, D>& joint, const char* function) {
+    return detail::check_frames(function, joint.frame_a, joint.frame_b) &&
+           detail::check_finite(function, "radius", joint.radius) &&
+           (!(joint.radius == S(0)) || detail::refuse(function, "radius", 0.0, "it must not be 0")) &&
+           detail::check_finite(function, "offset", joint.offset);
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/joint/revolute_joint.hpp
 // =================================================================================================
 // The revolute joint: hinges.
@@ -21020,9 +21162,7 @@ struct revolute_joint {
 
     static constexpr int angle_count = 1;
     [[nodiscard]] S angle(const joint_frames<S, D>& at, int) const {
-        const rotation<S, D> r = at.relative(frame_a.rotation, frame_b.rotation);
-        if constexpr (D == 2) return r.angle();
-        else return r.w < S(0) ? S(2) * atan2(-r.z, -r.w) : S(2) * atan2(r.z, r.w);
+        return at.angle_about_z(at.relative(frame_a.rotation, frame_b.rotation));
     }
     void rows(const joint_frames<S, D>& at, joint_row<S, D>* row) const {
         const joint_drive<S> drive{min_angle,  max_angle, motor_speed,  max_motor_torque,
@@ -32895,6 +33035,8 @@ struct shape_names {
     using motor_joint = physics::motor_joint<S, D>;
     using prismatic_joint = physics::prismatic_joint<S, D>;
     using revolute_joint = physics::revolute_joint<S, D>;
+    using gear_joint = physics::gear_joint<S, D>;
+    using rack_joint = physics::rack_joint<S, D>;
     using joint_axis = physics::joint_axis<S>;
     using six_degrees_joint = physics::six_degrees_joint<S, D>;
     using target_joint = physics::target_joint<S, D>;

@@ -102,6 +102,8 @@ struct counted_angle {
         return {next, turns + (next - angle > S(pi) ? -1 : next - angle < S(-pi) ? 1 : 0)};
     }
     [[nodiscard]] constexpr S total() const { return angle + S(6.283185307179586) * S(turns); }
+    /// The same, for differences of what has turned far.
+    [[nodiscard]] double wide_total() const { return detail::to_double(angle) + 6.283185307179586 * turns; }
 
     PHYSICS_HPP_MEMBERS(angle, turns)
 };
@@ -140,6 +142,11 @@ struct joint_frames {
     /// How a frame of B is turned as seen from one of A.
     [[nodiscard]] rotation<S, D> relative(const rotation<S, D>& frame_a, const rotation<S, D>& frame_b) const {
         return inverse(rotation_a * frame_a) * (rotation_b * frame_b);
+    }
+    /// How far that turns about the z axis, in [-pi, pi].
+    [[nodiscard]] static S angle_about_z(const rotation<S, D>& r) {
+        if constexpr (D == 2) return r.angle();
+        else return r.w < S(0) ? S(2) * atan2(-r.z, -r.w) : S(2) * atan2(r.z, r.w);
     }
     /// Rows that keep a frame of B turned as one of A: 1 in 2D, 3 in 3D.
     void hold(const rotation<S, D>& frame_a, const rotation<S, D>& frame_b, joint_row<S, D>* row) const {

@@ -25,9 +25,7 @@ struct revolute_joint {
 
     static constexpr int angle_count = 1;
     [[nodiscard]] S angle(const joint_frames<S, D>& at, int) const {
-        const rotation<S, D> r = at.relative(frame_a.rotation, frame_b.rotation);
-        if constexpr (D == 2) return r.angle();
-        else return r.w < S(0) ? S(2) * atan2(-r.z, -r.w) : S(2) * atan2(r.z, r.w);
+        return at.angle_about_z(at.relative(frame_a.rotation, frame_b.rotation));
     }
     void rows(const joint_frames<S, D>& at, joint_row<S, D>* row) const {
         const joint_drive<S> drive{min_angle,  max_angle, motor_speed,  max_motor_torque,

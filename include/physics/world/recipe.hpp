@@ -10,8 +10,10 @@
 #include "physics/joint/ball_joint.hpp"
 #include "physics/joint/distance_joint.hpp"
 #include "physics/joint/filter_joint.hpp"
+#include "physics/joint/gear_joint.hpp"
 #include "physics/joint/motor_joint.hpp"
 #include "physics/joint/prismatic_joint.hpp"
+#include "physics/joint/rack_joint.hpp"
 #include "physics/joint/revolute_joint.hpp"
 #include "physics/joint/six_degrees_joint.hpp"
 #include "physics/joint/swing_twist_joint.hpp"
@@ -102,6 +104,8 @@ struct shape_names {
     using motor_joint = physics::motor_joint<S, D>;
     using prismatic_joint = physics::prismatic_joint<S, D>;
     using revolute_joint = physics::revolute_joint<S, D>;
+    using gear_joint = physics::gear_joint<S, D>;
+    using rack_joint = physics::rack_joint<S, D>;
     using joint_axis = physics::joint_axis<S>;
     using six_degrees_joint = physics::six_degrees_joint<S, D>;
     using target_joint = physics::target_joint<S, D>;
