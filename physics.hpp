@@ -20674,6 +20674,14 @@ struct joint_drive {
     }
 };
 
+/// What a joint gives B, and takes from A.
+template <class S, int D>
+struct joint_reaction {
+    /// Force (N), and torque about where it acts (N m): of joints with frames the place of B's.
+    vec<S, D> force;
+    angular<S, D> torque{};
+};
+
 /// What a kind of joint must offer: values whose members are listed, a function check(joint, function) like that of
 /// shapes, and how many rows it has, 0 to 24: rows(frames, row) writes them. It is pure geometry, and is asked in each
 /// substep; all else is the library's. Of a kind that says so by the bits of `static constexpr std::uint32_t
@@ -23349,6 +23357,8 @@ struct step_joint {
     std::uint32_t slot = 0;
     /// Of joints that count their turns.
     [[no_unique_address]] detail::angle_list<Joint, S> turned{};
+    /// What its rows gave in all substeps of a step (N s).
+    [[no_unique_address]] detail::fixed_list<S, Joint::row_count> sum{};
 };
 
 /// Joints of a kind that a solver is to solve, of a longer list.
@@ -24346,6 +24356,8 @@ struct row_lanes {
     /// Of passes without and with bias, see spring_step; and which part of an impulse goes.
     S push[2][W], share[2][W], loss[2][W];
     S mass[W], impulse[W];
+    /// Of all substeps together.
+    S total[W];
     /// Biases are no larger (m/s).
     S max_bias[W];
     /// Whether any lane is.
@@ -24405,6 +24417,8 @@ struct row_lanes {
         }
     }
 
+    /// Adds what it gave in a substep.
+    void add_up() { (P::load(total) + P::load(impulse)).store(total); }
     /// J times the velocities.
     P speed_of(const lanes& a, const lanes& b) const {
         auto sum = product(P::load(direction[0]), b.at[0] - a.at[0]);
@@ -24536,9 +24550,11 @@ template <class Joint, class S, int D>
 S first_impulse(const step_joint<Joint, S, D>& joint, int row, S h) {
     return joint.substep > S(0) ? joint.impulse[row] * impulse_ratio(joint.substep, h, S(8)) : S(0);
 }
-/// Keeps what rows gave: in a substep as long as usual ones, to which a shorter one adds its part.
-template <class Joint, class S, int D, class Given>
-void store_impulses(step_joint<Joint, S, D>& to, S h, Given&& given) {
+/// Keeps what rows gave in the step, and in a substep as long as usual ones, to which a shorter one adds its part:
+/// given(row) and sum(row).
+template <class Joint, class S, int D, class Given, class Sum>
+void store_impulses(step_joint<Joint, S, D>& to, S h, Given&& given, Sum&& sum) {
+    for (int k = 0; k < Joint::row_count; ++k) to.sum[k] = sum(k);
     const S before = to.substep, usual = max(h, before - h * S(0.125));
     const S kept = h < before ? S(1) - impulse_ratio(before, h) : S(0);
     for (int k = 0; k < Joint::row_count; ++k)
@@ -24644,7 +24660,7 @@ struct joint_access {
 
     vec<S, D> (*write)(void* joint, bool is_ahead, const pose& a, const pose& b, joint_row<S, D>* rows);
     S (*first_impulse)(const void* joint, int row, S h);
-    void (*store_impulses)(void* joint, S h, const S* given);
+    void (*store_impulses)(void* joint, S h, const S* given, const S* sum);
     std::uint32_t shared_bounds;
 
     template <class Joint>
@@ -24657,8 +24673,10 @@ struct joint_access {
                 [](const void* j, int row, S h) {
                     return detail::first_impulse(*static_cast<const step_joint*>(j), row, h);
                 },
-                [](void* j, S h, const S* given) {
-                    detail::store_impulses(*static_cast<step_joint*>(j), h, [given](int k) { return given[k]; });
+                [](void* j, S h, const S* given, const S* sum) {
+                    detail::store_impulses(
+                        *static_cast<step_joint*>(j), h, [given](int k) { return given[k]; },
+                        [sum](int k) { return sum[k]; });
                 },
                 shared_bounds_of<Joint>()};
     }
@@ -25221,17 +25239,22 @@ public:
         if (use_bias) note_forces();
         load(bodies);
         settle(with, use_bias);
-        if (use_bias) find_corrections(with);
         if (use_bias && greater(P::load(resolved_), P::broadcast(S(0))).bits() != 0) look_ahead(poses, with);
+        if (use_bias) find_corrections(with);
+        if (!use_bias)
+            for (std::uint32_t r = 0; r < of_.row_count; ++r) rows_[r].add_up();
         store(bodies);
     }
     void store_impulses(S h) const {
         for (std::uint32_t i = 0; i < of_.joint_count; ++i)
             for (int lane = 0; lane < W; ++lane) {
                 if (joint_at(i, lane) == nullptr) continue;
-                S given[access::max_rows] = {};
-                of_.joints[i].each_row([&](std::uint32_t r, int k) { given[k] = rows_[r].impulse[lane]; });
-                kinds_[of_.joints[i].kind].store_impulses(joint_at(i, lane), h, given);
+                S given[access::max_rows] = {}, sum[access::max_rows] = {};
+                of_.joints[i].each_row([&](std::uint32_t r, int k) {
+                    given[k] = rows_[r].impulse[lane];
+                    sum[k] = rows_[r].total[lane];
+                });
+                kinds_[of_.joints[i].kind].store_impulses(joint_at(i, lane), h, given, sum);
             }
     }
 
@@ -25250,11 +25273,12 @@ private:
         K open = K::broadcast(C(1)), cut = zero;
         if (has_bounds_) keep();
         for (int round = 0; round < max_rounds; ++round) {
-            const bool settles = round >= free_rounds;
-            K changed = choose_rows(with, use_bias, settles, open), turned = zero;
-            if (any_shared_ && !settles) {
-                turned = turn_shared(use_bias, open);
-                changed = max(changed, choose_rows(with, use_bias, settles, open));
+            // Where a row was cut off, speeds say nothing yet of what others are to do.
+            const K leave = round < free_rounds ? cut : K::broadcast(C(1));
+            K changed = choose_rows(with, use_bias, leave, open), turned = zero;
+            if (any_shared_) {
+                turned = turn_shared(use_bias, select_greater(leave, zero, zero, open));
+                changed = max(changed, choose_rows(with, use_bias, leave, open));
             }
             if (round > 0) {
                 open = select_greater(changed + cut + turned, zero, open, zero);
@@ -25299,9 +25323,9 @@ private:
         const K v = widened<K>(r.speed_of(velocities_[j.a], velocities_[j.b])) - lanes_from<K>(r.speed);
         return -(v + wanted(r, with, use_bias) + (w.softness + w.leak) * lanes_from<K>(r.impulse));
     }
-    /// Which rows of lanes that are open (1) are in the solve; greater than 0 where these are others than before. To
-    /// settle, rows only leave.
-    K choose_rows(const joint_pass<S>& with, bool use_bias, bool settles, const K& open) {
+    /// Which rows of lanes that are open (1) are in the solve; greater than 0 where these are others than before. In
+    /// lanes where they are to leave (greater than 0) none comes in.
+    K choose_rows(const joint_pass<S>& with, bool use_bias, const K& leave, const K& open) {
         const K zero = K::broadcast(C(0)), one = K::broadcast(C(1));
         K changed = zero;
         for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
@@ -25326,14 +25350,14 @@ private:
                 if (state_[k].together != 0) first = &state_[k];
                 if (r.is_bounded) w.right_hand = right_hand(j, k, with, use_bias);
                 if (state_[k].together != 1) {
-                    in = in * (one - lanes_from<K>(first->is_cut)) * (settles ? w.in : one);
+                    in = in * (one - lanes_from<K>(first->is_cut)) * select_greater(leave, zero, w.in, one);
                 } else if (r.is_bounded) {
                     // At a bound a row is in if it would leave it.
                     const K up = select_greater(w.right_hand, zero, one, zero);
                     const K down = select_greater(zero, w.right_hand, one, zero);
                     const K inside = select_greater(before, low, select_greater(high, before, one, down), up);
                     const K strictly = select_greater(before, low, select_greater(high, before, one, zero), zero);
-                    in = in * (settles ? strictly * w.in : inside);
+                    in = in * select_greater(leave, zero, strictly * w.in, inside);
                 }
                 in = select_greater(open, zero, in, w.in);
                 changed = max(changed, lane_abs(in - w.in));
@@ -25456,7 +25480,13 @@ private:
             const row& r = rows_[k];
             auto& w = matrix_.row[k];
             w.right_hand = zero;
-            if (r.has_spring || (r.is_bounded && !r.is_one_sided)) return;
+            if (r.has_spring) return;
+            if (r.is_bounded && !r.is_one_sided) {
+                // Motors and friction do not hold up what draws errors together: it would be more than they can.
+                has_changed = has_changed || greater(w.in, zero).bits() != 0;
+                w.in = zero;
+                return;
+            }
             const K bias = lanes_from<K>(r.error) * lanes_from<K>(r.push[1]) / share_of(r);
             w.right_hand = -limited(bias, r);
             if (!r.is_one_sided) return;
@@ -25519,7 +25549,7 @@ private:
         store(bodies);
     }
 
-    static constexpr int free_rounds = 4, max_rounds = 64;
+    static constexpr int free_rounds = 16, max_rounds = 64;
     /// A part of what joints measure that is rounding.
     static constexpr double rounding = 16 * to_double(scalar_traits<S>::epsilon());
 
@@ -26026,12 +26056,16 @@ public:
                 else rows_[k].solve(with, use_bias, a_, b_, of_a, of_b);
             }
         }
+        if (!use_bias)
+            for (row& r : rows_) r.add_up();
         store(bodies, of_a, of_b);
     }
     void store_impulses(S h) const {
         for (int lane = 0; lane < W; ++lane)
             if (joints_[lane] != nullptr)
-                detail::store_impulses(*joints_[lane], h, [&](int k) { return rows_[k].impulse[lane]; });
+                detail::store_impulses(
+                    *joints_[lane], h, [&](int k) { return rows_[k].impulse[lane]; },
+                    [&](int k) { return rows_[k].total[lane]; });
     }
 
 private:
@@ -29382,24 +29416,31 @@ struct joint_record {
     /// Which kind it is of, and which of that kind.
     std::uint32_t kind = 0, slot = 0;
     bool enabled = true, collide_connected = false;
+    /// By which force and torque it breaks (N, N m); 0: by none.
+    double break_force = 0, break_torque = 0;
     std::uint64_t user_data = 0;
-    PHYSICS_HPP_MEMBERS(body_a, body_b, next_a, next_b, kind, slot, enabled, collide_connected, user_data)
+    PHYSICS_HPP_MEMBERS(body_a, body_b, next_a, next_b, kind, slot, enabled, collide_connected, break_force,
+                        break_torque, user_data)
+
+    [[nodiscard]] bool can_break() const { return break_force > 0 || break_torque > 0; }
 
     [[nodiscard]] std::uint32_t other(std::uint32_t body) const { return body == body_a ? body_b : body_a; }
     std::uint32_t& next(std::uint32_t body) { return body == body_a ? next_a : next_b; }
     [[nodiscard]] std::uint32_t next(std::uint32_t body) const { return body == body_a ? next_a : next_b; }
 };
-/// A joint of a kind, and what its rows gave in a substep of that length (N s, s).
+/// A joint of a kind, and what its rows gave in a substep of that length, and in the last step (N s, s).
 template <class Joint, class S>
 struct stored_joint {
     Joint joint;
     [[no_unique_address]] fixed_list<S, Joint::row_count> impulse{};
     S substep{};
+    [[no_unique_address]] fixed_list<S, Joint::row_count> sum{};
+    S step{};
     /// Of joints that count their turns.
     [[no_unique_address]] angle_list<Joint, S> turned{};
     /// Its record.
     std::uint32_t number = 0;
-    PHYSICS_HPP_MEMBERS(joint, impulse, substep, turned, number)
+    PHYSICS_HPP_MEMBERS(joint, impulse, substep, sum, step, turned, number)
 };
 template <class Joint, class S>
 struct joint_pool : pool<stored_joint<Joint, S>> {};
@@ -29476,6 +29517,12 @@ struct step_joints<S, D, joints<Joints...>> : buffer<step_joint<Joints<S, D>, S,
     std::uint32_t begin[sizeof...(Joints) + 1] = {};
     /// Pairs of shapes that no joint keeps from colliding.
     buffer<proxy_pair> pairs;
+    /// Joints that broke, by their numbers.
+    struct broken_joint {
+        std::uint32_t number;
+        joint_reaction<S, D> reaction;
+    };
+    buffer<broken_joint> broken;
 
     template <class Joint>
     buffer<step_joint<Joint, S, D>>& of_kind() {
@@ -29504,6 +29551,7 @@ struct no_step_joints {};
 template <class S, int D, class Joints, bool Rotates>
 void list_joints(const joint_set<S, D, Joints>& all, const pool<body<S, D, Rotates>>& bodies, const awake_list& awake,
                  buffer<edge>& edges, step_joints<S, D, Joints>& found) {
+    found.broken.clear();
     const auto is_pushed = [&](std::uint32_t i) { return awake.has(i) && bodies[i].is_dynamic(); };
     all.each_kind(all, [&]<class Joint>(std::uint32_t kind, const pool<stored_joint<Joint, S>>& of_kind) {
         auto& to = found.template of_kind<Joint>();
@@ -29525,14 +29573,63 @@ void list_joints(const joint_set<S, D, Joints>& all, const pool<body<S, D, Rotat
         found.begin[kind + 1] = edges.size();
     });
 }
-/// What the joints of a step gave -> the world's.
+/// What the joints of a step of h seconds gave -> the world's.
 template <class S, int D, class Joints>
-void publish_joints(step_joints<S, D, Joints>& found, joint_set<S, D, Joints>& all) {
+void publish_joints(step_joints<S, D, Joints>& found, S h, joint_set<S, D, Joints>& all) {
     all.each_kind(all, [&]<class Joint>(std::uint32_t, pool<stored_joint<Joint, S>>& of_kind) {
         for (const auto& j : found.template of_kind<Joint>()) {
             for (int k = 0; k < Joint::row_count; ++k) of_kind[j.slot].impulse[k] = j.impulse[k];
+            for (int k = 0; k < Joint::row_count; ++k) of_kind[j.slot].sum[k] = j.sum[k];
             of_kind[j.slot].substep = j.substep;
+            of_kind[j.slot].step = h;
             of_kind[j.slot].turned = j.turned;
+        }
+    });
+}
+
+/// What a joint gave in the last step, along its rows where its bodies are.
+template <class Joint, class S, int D>
+joint_reaction<S, D> reaction_of(const stored_joint<Joint, S>& j, joint_frames<S, D> at) {
+    joint_reaction<S, D> sum{};
+    if (!(j.step > S(0))) return sum;
+    const auto turned = count_turns(j.joint, at, j.turned);
+    at.turned = turned.begin();
+    fixed_list<joint_row<S, D>, Joint::row_count> row;
+    j.joint.rows(at, row.begin());
+    for (int k = 0; k < Joint::row_count; ++k) {
+        const S force = j.sum[k] / j.step;
+        sum.force += row[k].direction * force;
+        sum.torque += (row[k].angular_b - cross(row[k].r_b, row[k].direction)) * force;
+    }
+    return sum;
+}
+template <class S, int D, bool Rotates>
+joint_frames<S, D> frames_between(const body<S, D, Rotates>& a, const body<S, D, Rotates>& b) {
+    return {a.rotation, b.rotation, a.mass.center, b.mass.center, b.center - a.center};
+}
+/// Joints that gave more than they can bear are no longer enabled; their bodies start to be still anew.
+template <class S, int D, class Joints, bool Rotates, class Sleep>
+void break_joints(step_joints<S, D, Joints>& found, const pool<body<S, D, Rotates>>& bodies,
+                  joint_set<S, D, Joints>& all, Sleep& sleep) {
+    all.each_kind(all, [&]<class Joint>(std::uint32_t, const pool<stored_joint<Joint, S>>& of_kind) {
+        for (const auto& j : found.template of_kind<Joint>()) {
+            joint_record& record = all.records[of_kind[j.slot].number];
+            if (!record.can_break()) continue;
+            const auto gave =
+                reaction_of(of_kind[j.slot], frames_between(bodies[record.body_a], bodies[record.body_b]));
+            const auto is_more = [](const auto& x, double limit) {
+                if constexpr (std::is_same_v<std::remove_cvref_t<decltype(x)>, S>)
+                    return limit > 0 && to_double(abs(x)) > limit;
+                else return limit > 0 && to_double(length(x)) > limit;
+            };
+            if (!is_more(gave.force, record.break_force) && !is_more(gave.torque, record.break_torque)) continue;
+            record.enabled = false;
+            found.broken.push_back({of_kind[j.slot].number, gave});
+            for (std::uint32_t k = found.broken.size() - 1;
+                 k > 0 && found.broken[k - 1].number > found.broken[k].number; --k)
+                std::swap(found.broken[k - 1], found.broken[k]);
+            for (const std::uint32_t body : {record.body_a, record.body_b})
+                if constexpr (requires { sleep.sleep_time; }) sleep.sleep_time[body] = {};
         }
     });
 }
@@ -31683,7 +31780,7 @@ void publish(state<Plan>& s, step_data<Plan>& d, const Moved& moved, const warm_
     warm.after_solve(d.new_contacts);
     s.contacts.swap(d.new_contacts);
     s.surfaces = d.new_material;
-    if constexpr (Plan::has_joints) publish_joints(d.joints, s.joints);
+    if constexpr (Plan::has_joints) publish_joints(d.joints, h, s.joints);
     if constexpr (Plan::remembers) d.pair_cache_changes.finish(s.memories);
     ++s.steps;
     s.step_lengths = {warm.next_usual_step(s.steps), h};
@@ -32779,6 +32876,7 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
 
     // Results -> bodies and contacts. From here on nothing fails.
     publish(s, d, moved, warm, h);
+    if constexpr (Plan::has_joints) break_joints(d.joints, s.bodies, s.joints, s.sleep);
     if constexpr (Plan::sweeps) s.continuous.report = sweep_report;
     if constexpr (Plan::sleeps) {
         // What was woken is awake for good, and so is what kinematic bodies are going to run into.
@@ -32891,6 +32989,9 @@ struct joint_def {
     bool enabled = true;
     /// True if its bodies collide with each other nevertheless.
     bool collide_connected = false;
+    /// It breaks by a force or a torque that is greater in a whole step (N, N m; 0: by none). It is no longer enabled
+    /// then, and among the broken_joints() of that step.
+    double break_force = 0, break_torque = 0;
     std::uint64_t user_data = 0;
 };
 
@@ -32907,12 +33008,11 @@ using shape_id = handle<shape_tag>;
 /// Names a joint of a world.
 using joint_id = handle<joint_tag>;
 
-/// What a joint gives B, and takes from A.
+/// A joint that broke in the last step, and what it gave in that.
 template <class S, int D>
-struct joint_reaction {
-    /// Force (N), and torque about where it acts (N m): of joints with frames the place of B's.
-    vec<S, D> force;
-    angular<S, D> torque{};
+struct broken_joint {
+    joint_id joint;
+    joint_reaction<S, D> reaction;
 };
 
 /// One contact as it is reported: both sides, and up to 2 (plane) or 4 (space) points.
@@ -34842,12 +34942,16 @@ public:
         add(std::uint64_t{r.body_a} << 32 | r.body_b);
         add(std::uint64_t{r.kind} << 32 | r.slot);
         add(std::uint64_t{r.enabled} | std::uint64_t{r.collide_connected} << 1);
+        add(std::bit_cast<std::uint64_t>(r.break_force));
+        add(std::bit_cast<std::uint64_t>(r.break_torque));
     }
     template <class Joint, class S>
     void add(const stored_joint<Joint, S>& j) {
         add(j.joint);
         for (const S impulse : j.impulse) add(impulse);
         add(j.substep);
+        for (const S sum : j.sum) add(sum);
+        add(j.step);
         for (const auto& turned : j.turned) {
             add(turned.angle);
             add(std::uint64_t{static_cast<std::uint32_t>(turned.turns)});
@@ -35503,13 +35607,17 @@ joint_id create_joint(world_data<Plan>& s, body_id body_a, body_id body_b, const
         refuse(f, "body_b", "the same as body_a", "a joint holds two bodies");
         return {};
     }
-    if (!check(joint, f)) return {};
+    if (!check(joint, f) || !check_not_negative(f, "break_force", def.break_force) ||
+        !check_not_negative(f, "break_torque", def.break_torque))
+        return {};
     auto& of_kind = s.joints.template of_kind<Joint>();
     joint_record record{a.index, b.index, s.joints.first[a.index], s.joints.first[b.index]};
     record.kind = s.joints.template kind_of<Joint>();
     record.slot = of_kind.next_index();
     record.enabled = def.enabled;
     record.collide_connected = def.collide_connected;
+    record.break_force = def.break_force;
+    record.break_torque = def.break_torque;
     record.user_data = def.user_data;
     const auto place = s.joints.records.insert(record);
     stored_joint<Joint, typename Plan::scalar> stored;
@@ -35541,26 +35649,6 @@ typename Plan::scalar angle_of(const state<Plan>& s, std::uint32_t joint) {
     });
     return result;
 }
-/// What a joint gave in the last substep, as a force on B and a torque about where that acts, where its bodies are.
-template <class Plan>
-joint_reaction<typename Plan::scalar, Plan::dimension> reaction_of(const state<Plan>& s, std::uint32_t joint) {
-    using S = typename Plan::scalar;
-    constexpr int D = Plan::dimension;
-    joint_reaction<S, D> sum{};
-    with_joint<Plan>(s, joint, [&]<class Joint>(const stored_joint<Joint, S>& j, frames_of<Plan> at) {
-        if (!(j.substep > S(0))) return;
-        const auto turned = count_turns(j.joint, at, j.turned);
-        at.turned = turned.begin();
-        fixed_list<joint_row<S, D>, Joint::row_count> row;
-        j.joint.rows(at, row.begin());
-        for (int k = 0; k < Joint::row_count; ++k) {
-            sum.force += row[k].direction * (j.impulse[k] / j.substep);
-            sum.torque += (row[k].angular_b - cross(row[k].r_b, row[k].direction)) * (j.impulse[k] / j.substep);
-        }
-    });
-    return sum;
-}
-
 /// The joints of a world, in the order of their numbers, or those of one body. A loop may change the world: it leaves
 /// out what has been destroyed, and goes no farther than the numbers that there were when it began.
 template <class Plan>
@@ -35598,6 +35686,37 @@ private:
     body_id body_;
 };
 
+/// The joints that broke in the last step.
+template <class Plan>
+class broken_range {
+public:
+    explicit broken_range(const world_data<Plan>& s) : state_(&s), all_(s.step.joints.broken) {}
+    class iterator {
+    public:
+        iterator(const world_data<Plan>& s, const typename step_joints_of<Plan>::broken_joint* at)
+            : state_(&s), at_(at) {}
+        broken_joint<typename Plan::scalar, Plan::dimension> operator*() const {
+            return {{at_->number, state_->joints.records.generation(at_->number), state_->tag}, at_->reaction};
+        }
+        iterator& operator++() {
+            ++at_;
+            return *this;
+        }
+        bool operator==(const iterator& other) const { return at_ == other.at_; }
+
+    private:
+        const world_data<Plan>* state_;
+        const typename step_joints_of<Plan>::broken_joint* at_;
+    };
+    iterator begin() const { return {*state_, all_.begin()}; }
+    iterator end() const { return {*state_, all_.end()}; }
+    [[nodiscard]] std::uint32_t size() const { return all_.size(); }
+
+private:
+    const world_data<Plan>* state_;
+    const buffer<typename step_joints_of<Plan>::broken_joint>& all_;
+};
+
 }  // namespace detail
 
 /// What a world can do with joints, where its recipe names kinds of them: joints<distance_joint>. A joint goes with its
@@ -35617,96 +35736,131 @@ public:
             return detail::scoped([&] { return detail::create_joint(state(), body_a, body_b, joint, def); });
         else return {};
     }
-    void destroy_joint(joint_id id) {
-        const auto at = find(state(), id, "destroy_joint");
-        if (!at) return;
-        detail::wake_connected(state(), at.index);
-        detail::erase_joint(state(), at.index);
-    }
-    /// True if the handle names a living joint of this world; never an error.
-    [[nodiscard]] bool contains(joint_id id) const { return detail::contains(state(), state().joints.records, id); }
-    [[nodiscard]] std::uint32_t joint_count() const { return state().joints.records.count(); }
-    /// All joints: `for (physics::joint_id j : world.joints())`.
-    [[nodiscard]] auto joints() const { return detail::joint_range<Plan>(state(), {}); }
+    /// The same for a frame in the world as it stands, which takes the place of the joint's own: of kinds that hold
+    /// frames, or a point.
+    template <class Joint>
+        requires requires(Joint& j) {
+            j.frame_a;
+        } ||(
+            requires(Joint& j) { j.anchor_a; } && !requires(Joint & j) { j.length; }) joint_id
+            create_joint_at(body_id body_a, body_id body_b, const transform<S, D>& frame, Joint joint,
+                            const joint_def& def = {}) {
+            const auto& world = static_cast<const World&>(*this);
+            if (!world.contains(body_a) || !world.contains(body_b)) return create_joint(body_a, body_b, joint, def);
+            if (!detail::check_frame("create_joint_at", "frame.position", "frame.rotation", frame)) return {};
+            detail::scoped([&] {
+                const transform<S, D> a = relative(world.pose(body_a), frame), b = relative(world.pose(body_b), frame);
+                if constexpr (requires { joint.frame_a; }) {
+                    joint.frame_a = a;
+                    joint.frame_b = b;
+                } else {
+                    joint.anchor_a = a.position;
+                    joint.anchor_b = b.position;
+                }
+            });
+            return create_joint(body_a, body_b, joint, def);
+        }
+        void destroy_joint(joint_id id) {
+            const auto at = find(state(), id, "destroy_joint");
+            if (!at) return;
+            detail::wake_connected(state(), at.index);
+            detail::erase_joint(state(), at.index);
+        }
+        /// True if the handle names a living joint of this world; never an error.
+        [[nodiscard]] bool contains(joint_id id) const { return detail::contains(state(), state().joints.records, id); }
+        [[nodiscard]] std::uint32_t joint_count() const { return state().joints.records.count(); }
+        /// All joints: `for (physics::joint_id j : world.joints())`.
+        [[nodiscard]] auto joints() const { return detail::joint_range<Plan>(state(), {}); }
 
-    /// What a joint is: of another kind it is refused.
-    template <class Joint>
-    [[nodiscard]] Joint joint(joint_id id) const {
-        const auto at = find_kind<Joint>(state(), id, "joint");
-        return at ? state().joints.template of_kind<Joint>()[record(at).slot].joint : Joint{};
-    }
-    /// Changes it to another joint of its kind; what it gave it begins with.
-    template <class Joint>
-    void set_joint(joint_id id, const Joint& joint) {
-        const auto at = find_kind<Joint>(state(), id, "set_joint");
-        if (!at || !check(joint, "set_joint")) return;
-        detail::wake_connected(state(), at.index);
-        state().joints.template of_kind<Joint>()[record(at).slot].joint = joint;
-        detail::scoped([&] { detail::fill_in<Plan, Joint>(state(), at.index); });
-    }
-    [[nodiscard]] body_id body_a(joint_id id) const {
-        const auto at = find(state(), id, "body_a");
-        return at ? name_of(record(at).body_a) : body_id{};
-    }
-    [[nodiscard]] body_id body_b(joint_id id) const {
-        const auto at = find(state(), id, "body_b");
-        return at ? name_of(record(at).body_b) : body_id{};
-    }
-    [[nodiscard]] bool joint_enabled(joint_id id) const {
-        const auto at = find(state(), id, "joint_enabled");
-        return at && record(at).enabled;
-    }
-    /// A joint that is not enabled holds nothing, and lets its bodies collide.
-    void set_joint_enabled(joint_id id, bool enabled) {
-        const auto at = find(state(), id, "set_joint_enabled");
-        if (!at || record(at).enabled == enabled) return;
-        detail::wake_connected(state(), at.index);
-        state().joints.records[at.index].enabled = enabled;
-    }
-    /// What it gave in the last substep of the last step in which it was awake, where its bodies are now.
-    [[nodiscard]] joint_reaction<S, D> reaction(joint_id id) const {
-        const auto at = find(state(), id, "reaction");
-        return at ? detail::scoped([&] { return detail::reaction_of(state(), at.index); }) : joint_reaction<S, D>{};
-    }
-    /// The angle of a joint that turns, over any number of turns (rad), where its bodies are; of others 0.
-    [[nodiscard]] S joint_angle(joint_id id) const {
-        const auto at = find(state(), id, "joint_angle");
-        return at ? detail::scoped([&] { return detail::angle_of(state(), at.index); }) : S(0);
-    }
-    [[nodiscard]] std::uint64_t user_data(joint_id id) const {
-        const auto at = find(state(), id, "user_data");
-        return at ? record(at).user_data : 0;
-    }
-    void set_user_data(joint_id id, std::uint64_t data) {
-        if (const auto at = find(state(), id, "set_user_data")) state().joints.records[at.index].user_data = data;
-    }
+        /// What a joint is: of another kind it is refused.
+        template <class Joint>
+        [[nodiscard]] Joint joint(joint_id id) const {
+            const auto at = find_kind<Joint>(state(), id, "joint");
+            return at ? state().joints.template of_kind<Joint>()[record(at).slot].joint : Joint{};
+        }
+        /// Changes it to another joint of its kind; what it gave it begins with.
+        template <class Joint>
+        void set_joint(joint_id id, const Joint& joint) {
+            const auto at = find_kind<Joint>(state(), id, "set_joint");
+            if (!at || !check(joint, "set_joint")) return;
+            detail::wake_connected(state(), at.index);
+            state().joints.template of_kind<Joint>()[record(at).slot].joint = joint;
+            detail::scoped([&] { detail::fill_in<Plan, Joint>(state(), at.index); });
+        }
+        [[nodiscard]] body_id body_a(joint_id id) const {
+            const auto at = find(state(), id, "body_a");
+            return at ? name_of(record(at).body_a) : body_id{};
+        }
+        [[nodiscard]] body_id body_b(joint_id id) const {
+            const auto at = find(state(), id, "body_b");
+            return at ? name_of(record(at).body_b) : body_id{};
+        }
+        [[nodiscard]] bool joint_enabled(joint_id id) const {
+            const auto at = find(state(), id, "joint_enabled");
+            return at && record(at).enabled;
+        }
+        /// A joint that is not enabled holds nothing, and lets its bodies collide.
+        void set_joint_enabled(joint_id id, bool enabled) {
+            const auto at = find(state(), id, "set_joint_enabled");
+            if (!at || record(at).enabled == enabled) return;
+            detail::wake_connected(state(), at.index);
+            state().joints.records[at.index].enabled = enabled;
+        }
+        /// What it gave in the last step in which it was awake, all of its rows and all substeps together, along its
+        /// rows where its bodies are now.
+        [[nodiscard]] joint_reaction<S, D> reaction(joint_id id) const {
+            joint_reaction<S, D> result{};
+            if (const auto at = find(state(), id, "reaction"))
+                detail::scoped([&] {
+                    detail::with_joint<Plan>(state(), at.index, [&](const auto& j, const auto& frames) {
+                        result = detail::reaction_of(j, frames);
+                    });
+                });
+            return result;
+        }
+        /// The joints that broke in the last step, in the order of their numbers; what has been destroyed since is no
+        /// longer a joint of this world. Copies and snapshots leave them out.
+        [[nodiscard]] auto broken_joints() const { return detail::broken_range<Plan>(state()); }
+        /// The angle of a joint that turns, over any number of turns (rad), where its bodies are; of others 0.
+        [[nodiscard]] S joint_angle(joint_id id) const {
+            const auto at = find(state(), id, "joint_angle");
+            return at ? detail::scoped([&] { return detail::angle_of(state(), at.index); }) : S(0);
+        }
+        [[nodiscard]] std::uint64_t user_data(joint_id id) const {
+            const auto at = find(state(), id, "user_data");
+            return at ? record(at).user_data : 0;
+        }
+        void set_user_data(joint_id id, std::uint64_t data) {
+            if (const auto at = find(state(), id, "set_user_data")) state().joints.records[at.index].user_data = data;
+        }
 
-private:
-    auto& state() { return detail::world_access::data_of(static_cast<World&>(*this)); }
-    const auto& state() const { return detail::world_access::data_of(static_cast<const World&>(*this)); }
-    template <class State>
-    static detail::lookup find(State& s, joint_id id, const char* function) {
-        return detail::find_joint(s, id, function);
-    }
-    template <class Joint>
-    static constexpr bool knows = detail::joints_of<Plan>::template knows<Joint>;
-    template <class Joint>
-    static constexpr void check_kind() {
-        static_assert(knows<Joint>,
-                      "physics::world: the recipe's set of joints lacks this one; name it in physics::joints<...>");
-    }
-    template <class Joint, class State>
-    static detail::lookup find_kind(State& s, joint_id id, const char* function) {
-        check_kind<Joint>();
-        const auto at = find(s, id, function);
-        if (!at) return at;
-        if (s.joints.records[at.index].kind == s.joints.template kind_of<Joint>()) return at;
-        return {0, detail::refuse(function, "joint", "of another kind", "it must be of the kind that is asked for")};
-    }
-    const auto& record(const detail::lookup& at) const { return state().joints.records[at.index]; }
-    [[nodiscard]] body_id name_of(std::uint32_t body) const {
-        return {body, state().bodies.generation(body), state().tag};
-    }
+    private:
+        auto& state() { return detail::world_access::data_of(static_cast<World&>(*this)); }
+        const auto& state() const { return detail::world_access::data_of(static_cast<const World&>(*this)); }
+        template <class State>
+        static detail::lookup find(State& s, joint_id id, const char* function) {
+            return detail::find_joint(s, id, function);
+        }
+        template <class Joint>
+        static constexpr bool knows = detail::joints_of<Plan>::template knows<Joint>;
+        template <class Joint>
+        static constexpr void check_kind() {
+            static_assert(knows<Joint>,
+                          "physics::world: the recipe's set of joints lacks this one; name it in physics::joints<...>");
+        }
+        template <class Joint, class State>
+        static detail::lookup find_kind(State& s, joint_id id, const char* function) {
+            check_kind<Joint>();
+            const auto at = find(s, id, function);
+            if (!at) return at;
+            if (s.joints.records[at.index].kind == s.joints.template kind_of<Joint>()) return at;
+            return {0,
+                    detail::refuse(function, "joint", "of another kind", "it must be of the kind that is asked for")};
+        }
+        const auto& record(const detail::lookup& at) const { return state().joints.records[at.index]; }
+        [[nodiscard]] body_id name_of(std::uint32_t body) const {
+            return {body, state().bodies.generation(body), state().tag};
+        }
 };
 /// Of a recipe without joints.
 template <class World, class Plan>

@@ -73,9 +73,9 @@ void a_cone_bears(double cone, int substeps, bool swapped) {
 }
 
 inline void what_is_thrown_stays_within(double y, double z, int substeps) {
-    // Up to a twentieth of a radian in a substep.
+    // Up to a twentieth of a radian in a substep: it may pass by two of them, since what bounds it is a tangent.
     cell::dice dice(6);
-    const double h = 1.0 / 64 / substeps, way = 4 * substeps * h;
+    const double h = 1.0 / 64 / substeps, way = 8 * substeps * h;
     for (int i = 0; i < 6; ++i) {
         CAPTURE(i);
         world w = falling<world>(substeps, 0);

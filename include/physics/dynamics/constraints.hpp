@@ -21,6 +21,8 @@ struct step_joint {
     std::uint32_t slot = 0;
     /// Of joints that count their turns.
     [[no_unique_address]] detail::angle_list<Joint, S> turned{};
+    /// What its rows gave in all substeps of a step (N s).
+    [[no_unique_address]] detail::fixed_list<S, Joint::row_count> sum{};
 };
 
 /// Joints of a kind that a solver is to solve, of a longer list.

@@ -55,17 +55,22 @@ public:
         if (use_bias) note_forces();
         load(bodies);
         settle(with, use_bias);
-        if (use_bias) find_corrections(with);
         if (use_bias && greater(P::load(resolved_), P::broadcast(S(0))).bits() != 0) look_ahead(poses, with);
+        if (use_bias) find_corrections(with);
+        if (!use_bias)
+            for (std::uint32_t r = 0; r < of_.row_count; ++r) rows_[r].add_up();
         store(bodies);
     }
     void store_impulses(S h) const {
         for (std::uint32_t i = 0; i < of_.joint_count; ++i)
             for (int lane = 0; lane < W; ++lane) {
                 if (joint_at(i, lane) == nullptr) continue;
-                S given[access::max_rows] = {};
-                of_.joints[i].each_row([&](std::uint32_t r, int k) { given[k] = rows_[r].impulse[lane]; });
-                kinds_[of_.joints[i].kind].store_impulses(joint_at(i, lane), h, given);
+                S given[access::max_rows] = {}, sum[access::max_rows] = {};
+                of_.joints[i].each_row([&](std::uint32_t r, int k) {
+                    given[k] = rows_[r].impulse[lane];
+                    sum[k] = rows_[r].total[lane];
+                });
+                kinds_[of_.joints[i].kind].store_impulses(joint_at(i, lane), h, given, sum);
             }
     }
 
@@ -84,11 +89,12 @@ private:
         K open = K::broadcast(C(1)), cut = zero;
         if (has_bounds_) keep();
         for (int round = 0; round < max_rounds; ++round) {
-            const bool settles = round >= free_rounds;
-            K changed = choose_rows(with, use_bias, settles, open), turned = zero;
-            if (any_shared_ && !settles) {
-                turned = turn_shared(use_bias, open);
-                changed = max(changed, choose_rows(with, use_bias, settles, open));
+            // Where a row was cut off, speeds say nothing yet of what others are to do.
+            const K leave = round < free_rounds ? cut : K::broadcast(C(1));
+            K changed = choose_rows(with, use_bias, leave, open), turned = zero;
+            if (any_shared_) {
+                turned = turn_shared(use_bias, select_greater(leave, zero, zero, open));
+                changed = max(changed, choose_rows(with, use_bias, leave, open));
             }
             if (round > 0) {
                 open = select_greater(changed + cut + turned, zero, open, zero);
@@ -133,9 +139,9 @@ private:
         const K v = widened<K>(r.speed_of(velocities_[j.a], velocities_[j.b])) - lanes_from<K>(r.speed);
         return -(v + wanted(r, with, use_bias) + (w.softness + w.leak) * lanes_from<K>(r.impulse));
     }
-    /// Which rows of lanes that are open (1) are in the solve; greater than 0 where these are others than before. To
-    /// settle, rows only leave.
-    K choose_rows(const joint_pass<S>& with, bool use_bias, bool settles, const K& open) {
+    /// Which rows of lanes that are open (1) are in the solve; greater than 0 where these are others than before. In
+    /// lanes where they are to leave (greater than 0) none comes in.
+    K choose_rows(const joint_pass<S>& with, bool use_bias, const K& leave, const K& open) {
         const K zero = K::broadcast(C(0)), one = K::broadcast(C(1));
         K changed = zero;
         for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
@@ -160,14 +166,14 @@ private:
                 if (state_[k].together != 0) first = &state_[k];
                 if (r.is_bounded) w.right_hand = right_hand(j, k, with, use_bias);
                 if (state_[k].together != 1) {
-                    in = in * (one - lanes_from<K>(first->is_cut)) * (settles ? w.in : one);
+                    in = in * (one - lanes_from<K>(first->is_cut)) * select_greater(leave, zero, w.in, one);
                 } else if (r.is_bounded) {
                     // At a bound a row is in if it would leave it.
                     const K up = select_greater(w.right_hand, zero, one, zero);
                     const K down = select_greater(zero, w.right_hand, one, zero);
                     const K inside = select_greater(before, low, select_greater(high, before, one, down), up);
                     const K strictly = select_greater(before, low, select_greater(high, before, one, zero), zero);
-                    in = in * (settles ? strictly * w.in : inside);
+                    in = in * select_greater(leave, zero, strictly * w.in, inside);
                 }
                 in = select_greater(open, zero, in, w.in);
                 changed = max(changed, lane_abs(in - w.in));
@@ -290,7 +296,13 @@ private:
             const row& r = rows_[k];
             auto& w = matrix_.row[k];
             w.right_hand = zero;
-            if (r.has_spring || (r.is_bounded && !r.is_one_sided)) return;
+            if (r.has_spring) return;
+            if (r.is_bounded && !r.is_one_sided) {
+                // Motors and friction do not hold up what draws errors together: it would be more than they can.
+                has_changed = has_changed || greater(w.in, zero).bits() != 0;
+                w.in = zero;
+                return;
+            }
             const K bias = lanes_from<K>(r.error) * lanes_from<K>(r.push[1]) / share_of(r);
             w.right_hand = -limited(bias, r);
             if (!r.is_one_sided) return;
@@ -353,7 +365,7 @@ private:
         store(bodies);
     }
 
-    static constexpr int free_rounds = 4, max_rounds = 64;
+    static constexpr int free_rounds = 16, max_rounds = 64;
     /// A part of what joints measure that is rounding.
     static constexpr double rounding = 16 * to_double(scalar_traits<S>::epsilon());
 

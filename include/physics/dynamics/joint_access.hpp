@@ -15,7 +15,7 @@ struct joint_access {
 
     vec<S, D> (*write)(void* joint, bool is_ahead, const pose& a, const pose& b, joint_row<S, D>* rows);
     S (*first_impulse)(const void* joint, int row, S h);
-    void (*store_impulses)(void* joint, S h, const S* given);
+    void (*store_impulses)(void* joint, S h, const S* given, const S* sum);
     std::uint32_t shared_bounds;
 
     template <class Joint>
@@ -28,8 +28,10 @@ struct joint_access {
                 [](const void* j, int row, S h) {
                     return detail::first_impulse(*static_cast<const step_joint*>(j), row, h);
                 },
-                [](void* j, S h, const S* given) {
-                    detail::store_impulses(*static_cast<step_joint*>(j), h, [given](int k) { return given[k]; });
+                [](void* j, S h, const S* given, const S* sum) {
+                    detail::store_impulses(
+                        *static_cast<step_joint*>(j), h, [given](int k) { return given[k]; },
+                        [sum](int k) { return sum[k]; });
                 },
                 shared_bounds_of<Joint>()};
     }

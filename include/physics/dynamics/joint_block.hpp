@@ -68,12 +68,16 @@ public:
                 else rows_[k].solve(with, use_bias, a_, b_, of_a, of_b);
             }
         }
+        if (!use_bias)
+            for (row& r : rows_) r.add_up();
         store(bodies, of_a, of_b);
     }
     void store_impulses(S h) const {
         for (int lane = 0; lane < W; ++lane)
             if (joints_[lane] != nullptr)
-                detail::store_impulses(*joints_[lane], h, [&](int k) { return rows_[k].impulse[lane]; });
+                detail::store_impulses(
+                    *joints_[lane], h, [&](int k) { return rows_[k].impulse[lane]; },
+                    [&](int k) { return rows_[k].total[lane]; });
     }
 
 private:

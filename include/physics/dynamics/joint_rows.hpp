@@ -138,6 +138,8 @@ struct row_lanes {
     /// Of passes without and with bias, see spring_step; and which part of an impulse goes.
     S push[2][W], share[2][W], loss[2][W];
     S mass[W], impulse[W];
+    /// Of all substeps together.
+    S total[W];
     /// Biases are no larger (m/s).
     S max_bias[W];
     /// Whether any lane is.
@@ -197,6 +199,8 @@ struct row_lanes {
         }
     }
 
+    /// Adds what it gave in a substep.
+    void add_up() { (P::load(total) + P::load(impulse)).store(total); }
     /// J times the velocities.
     P speed_of(const lanes& a, const lanes& b) const {
         auto sum = product(P::load(direction[0]), b.at[0] - a.at[0]);
@@ -328,9 +332,11 @@ template <class Joint, class S, int D>
 S first_impulse(const step_joint<Joint, S, D>& joint, int row, S h) {
     return joint.substep > S(0) ? joint.impulse[row] * impulse_ratio(joint.substep, h, S(8)) : S(0);
 }
-/// Keeps what rows gave: in a substep as long as usual ones, to which a shorter one adds its part.
-template <class Joint, class S, int D, class Given>
-void store_impulses(step_joint<Joint, S, D>& to, S h, Given&& given) {
+/// Keeps what rows gave in the step, and in a substep as long as usual ones, to which a shorter one adds its part:
+/// given(row) and sum(row).
+template <class Joint, class S, int D, class Given, class Sum>
+void store_impulses(step_joint<Joint, S, D>& to, S h, Given&& given, Sum&& sum) {
+    for (int k = 0; k < Joint::row_count; ++k) to.sum[k] = sum(k);
     const S before = to.substep, usual = max(h, before - h * S(0.125));
     const S kept = h < before ? S(1) - impulse_ratio(before, h) : S(0);
     for (int k = 0; k < Joint::row_count; ++k)

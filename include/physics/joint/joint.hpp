@@ -189,6 +189,14 @@ struct joint_drive {
     }
 };
 
+/// What a joint gives B, and takes from A.
+template <class S, int D>
+struct joint_reaction {
+    /// Force (N), and torque about where it acts (N m): of joints with frames the place of B's.
+    vec<S, D> force;
+    angular<S, D> torque{};
+};
+
 /// What a kind of joint must offer: values whose members are listed, a function check(joint, function) like that of
 /// shapes, and how many rows it has, 0 to 24: rows(frames, row) writes them. It is pure geometry, and is asked in each
 /// substep; all else is the library's. Of a kind that says so by the bits of `static constexpr std::uint32_t

@@ -21,24 +21,31 @@ struct joint_record {
     /// Which kind it is of, and which of that kind.
     std::uint32_t kind = 0, slot = 0;
     bool enabled = true, collide_connected = false;
+    /// By which force and torque it breaks (N, N m); 0: by none.
+    double break_force = 0, break_torque = 0;
     std::uint64_t user_data = 0;
-    PHYSICS_HPP_MEMBERS(body_a, body_b, next_a, next_b, kind, slot, enabled, collide_connected, user_data)
+    PHYSICS_HPP_MEMBERS(body_a, body_b, next_a, next_b, kind, slot, enabled, collide_connected, break_force,
+                        break_torque, user_data)
+
+    [[nodiscard]] bool can_break() const { return break_force > 0 || break_torque > 0; }
 
     [[nodiscard]] std::uint32_t other(std::uint32_t body) const { return body == body_a ? body_b : body_a; }
     std::uint32_t& next(std::uint32_t body) { return body == body_a ? next_a : next_b; }
     [[nodiscard]] std::uint32_t next(std::uint32_t body) const { return body == body_a ? next_a : next_b; }
 };
-/// A joint of a kind, and what its rows gave in a substep of that length (N s, s).
+/// A joint of a kind, and what its rows gave in a substep of that length, and in the last step (N s, s).
 template <class Joint, class S>
 struct stored_joint {
     Joint joint;
     [[no_unique_address]] fixed_list<S, Joint::row_count> impulse{};
     S substep{};
+    [[no_unique_address]] fixed_list<S, Joint::row_count> sum{};
+    S step{};
     /// Of joints that count their turns.
     [[no_unique_address]] angle_list<Joint, S> turned{};
     /// Its record.
     std::uint32_t number = 0;
-    PHYSICS_HPP_MEMBERS(joint, impulse, substep, turned, number)
+    PHYSICS_HPP_MEMBERS(joint, impulse, substep, sum, step, turned, number)
 };
 template <class Joint, class S>
 struct joint_pool : pool<stored_joint<Joint, S>> {};
@@ -115,6 +122,12 @@ struct step_joints<S, D, joints<Joints...>> : buffer<step_joint<Joints<S, D>, S,
     std::uint32_t begin[sizeof...(Joints) + 1] = {};
     /// Pairs of shapes that no joint keeps from colliding.
     buffer<proxy_pair> pairs;
+    /// Joints that broke, by their numbers.
+    struct broken_joint {
+        std::uint32_t number;
+        joint_reaction<S, D> reaction;
+    };
+    buffer<broken_joint> broken;
 
     template <class Joint>
     buffer<step_joint<Joint, S, D>>& of_kind() {
@@ -143,6 +156,7 @@ struct no_step_joints {};
 template <class S, int D, class Joints, bool Rotates>
 void list_joints(const joint_set<S, D, Joints>& all, const pool<body<S, D, Rotates>>& bodies, const awake_list& awake,
                  buffer<edge>& edges, step_joints<S, D, Joints>& found) {
+    found.broken.clear();
     const auto is_pushed = [&](std::uint32_t i) { return awake.has(i) && bodies[i].is_dynamic(); };
     all.each_kind(all, [&]<class Joint>(std::uint32_t kind, const pool<stored_joint<Joint, S>>& of_kind) {
         auto& to = found.template of_kind<Joint>();
@@ -164,14 +178,63 @@ void list_joints(const joint_set<S, D, Joints>& all, const pool<body<S, D, Rotat
         found.begin[kind + 1] = edges.size();
     });
 }
-/// What the joints of a step gave -> the world's.
+/// What the joints of a step of h seconds gave -> the world's.
 template <class S, int D, class Joints>
-void publish_joints(step_joints<S, D, Joints>& found, joint_set<S, D, Joints>& all) {
+void publish_joints(step_joints<S, D, Joints>& found, S h, joint_set<S, D, Joints>& all) {
     all.each_kind(all, [&]<class Joint>(std::uint32_t, pool<stored_joint<Joint, S>>& of_kind) {
         for (const auto& j : found.template of_kind<Joint>()) {
             for (int k = 0; k < Joint::row_count; ++k) of_kind[j.slot].impulse[k] = j.impulse[k];
+            for (int k = 0; k < Joint::row_count; ++k) of_kind[j.slot].sum[k] = j.sum[k];
             of_kind[j.slot].substep = j.substep;
+            of_kind[j.slot].step = h;
             of_kind[j.slot].turned = j.turned;
+        }
+    });
+}
+
+/// What a joint gave in the last step, along its rows where its bodies are.
+template <class Joint, class S, int D>
+joint_reaction<S, D> reaction_of(const stored_joint<Joint, S>& j, joint_frames<S, D> at) {
+    joint_reaction<S, D> sum{};
+    if (!(j.step > S(0))) return sum;
+    const auto turned = count_turns(j.joint, at, j.turned);
+    at.turned = turned.begin();
+    fixed_list<joint_row<S, D>, Joint::row_count> row;
+    j.joint.rows(at, row.begin());
+    for (int k = 0; k < Joint::row_count; ++k) {
+        const S force = j.sum[k] / j.step;
+        sum.force += row[k].direction * force;
+        sum.torque += (row[k].angular_b - cross(row[k].r_b, row[k].direction)) * force;
+    }
+    return sum;
+}
+template <class S, int D, bool Rotates>
+joint_frames<S, D> frames_between(const body<S, D, Rotates>& a, const body<S, D, Rotates>& b) {
+    return {a.rotation, b.rotation, a.mass.center, b.mass.center, b.center - a.center};
+}
+/// Joints that gave more than they can bear are no longer enabled; their bodies start to be still anew.
+template <class S, int D, class Joints, bool Rotates, class Sleep>
+void break_joints(step_joints<S, D, Joints>& found, const pool<body<S, D, Rotates>>& bodies,
+                  joint_set<S, D, Joints>& all, Sleep& sleep) {
+    all.each_kind(all, [&]<class Joint>(std::uint32_t, const pool<stored_joint<Joint, S>>& of_kind) {
+        for (const auto& j : found.template of_kind<Joint>()) {
+            joint_record& record = all.records[of_kind[j.slot].number];
+            if (!record.can_break()) continue;
+            const auto gave =
+                reaction_of(of_kind[j.slot], frames_between(bodies[record.body_a], bodies[record.body_b]));
+            const auto is_more = [](const auto& x, double limit) {
+                if constexpr (std::is_same_v<std::remove_cvref_t<decltype(x)>, S>)
+                    return limit > 0 && to_double(abs(x)) > limit;
+                else return limit > 0 && to_double(length(x)) > limit;
+            };
+            if (!is_more(gave.force, record.break_force) && !is_more(gave.torque, record.break_torque)) continue;
+            record.enabled = false;
+            found.broken.push_back({of_kind[j.slot].number, gave});
+            for (std::uint32_t k = found.broken.size() - 1;
+                 k > 0 && found.broken[k - 1].number > found.broken[k].number; --k)
+                std::swap(found.broken[k - 1], found.broken[k]);
+            for (const std::uint32_t body : {record.body_a, record.body_b})
+                if constexpr (requires { sleep.sleep_time; }) sleep.sleep_time[body] = {};
         }
     });
 }

@@ -41,7 +41,7 @@ void publish(state<Plan>& s, step_data<Plan>& d, const Moved& moved, const warm_
     warm.after_solve(d.new_contacts);
     s.contacts.swap(d.new_contacts);
     s.surfaces = d.new_material;
-    if constexpr (Plan::has_joints) publish_joints(d.joints, s.joints);
+    if constexpr (Plan::has_joints) publish_joints(d.joints, h, s.joints);
     if constexpr (Plan::remembers) d.pair_cache_changes.finish(s.memories);
     ++s.steps;
     s.step_lengths = {warm.next_usual_step(s.steps), h};

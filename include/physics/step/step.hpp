@@ -108,6 +108,7 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
 
     // Results -> bodies and contacts. From here on nothing fails.
     publish(s, d, moved, warm, h);
+    if constexpr (Plan::has_joints) break_joints(d.joints, s.bodies, s.joints, s.sleep);
     if constexpr (Plan::sweeps) s.continuous.report = sweep_report;
     if constexpr (Plan::sleeps) {
         // What was woken is awake for good, and so is what kinematic bodies are going to run into.

@@ -104,12 +104,16 @@ public:
         add(std::uint64_t{r.body_a} << 32 | r.body_b);
         add(std::uint64_t{r.kind} << 32 | r.slot);
         add(std::uint64_t{r.enabled} | std::uint64_t{r.collide_connected} << 1);
+        add(std::bit_cast<std::uint64_t>(r.break_force));
+        add(std::bit_cast<std::uint64_t>(r.break_torque));
     }
     template <class Joint, class S>
     void add(const stored_joint<Joint, S>& j) {
         add(j.joint);
         for (const S impulse : j.impulse) add(impulse);
         add(j.substep);
+        for (const S sum : j.sum) add(sum);
+        add(j.step);
         for (const auto& turned : j.turned) {
             add(turned.angle);
             add(std::uint64_t{static_cast<std::uint32_t>(turned.turns)});

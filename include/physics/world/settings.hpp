@@ -6,6 +6,7 @@
 #include "physics/dynamics/body.hpp"
 #include "physics/dynamics/contact.hpp"
 #include "physics/dynamics/islands.hpp"
+#include "physics/joint/joint.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -93,6 +94,9 @@ struct joint_def {
     bool enabled = true;
     /// True if its bodies collide with each other nevertheless.
     bool collide_connected = false;
+    /// It breaks by a force or a torque that is greater in a whole step (N, N m; 0: by none). It is no longer enabled
+    /// then, and among the broken_joints() of that step.
+    double break_force = 0, break_torque = 0;
     std::uint64_t user_data = 0;
 };
 
@@ -109,12 +113,11 @@ using shape_id = handle<shape_tag>;
 /// Names a joint of a world.
 using joint_id = handle<joint_tag>;
 
-/// What a joint gives B, and takes from A.
+/// A joint that broke in the last step, and what it gave in that.
 template <class S, int D>
-struct joint_reaction {
-    /// Force (N), and torque about where it acts (N m): of joints with frames the place of B's.
-    vec<S, D> force;
-    angular<S, D> torque{};
+struct broken_joint {
+    joint_id joint;
+    joint_reaction<S, D> reaction;
 };
 
 /// One contact as it is reported: both sides, and up to 2 (plane) or 4 (space) points.
