@@ -25225,7 +25225,11 @@ public:
     }
     /// See joint_block.
     void update_rows(body* bodies, const pose* poses, const joint_pass<S>& with, twist_of<S, D, Rotates>* starts) {
-        take_corrections_back(bodies);
+        if (are_corrected_) {
+            load(bodies);
+            take_corrections_back(P::load(is_taken_back_));
+            store(bodies);
+        }
         are_forces_noted_ = false;
         if (starts == nullptr) return write_rows(bodies, poses, with);
         for (std::uint32_t k = 0; k < of_.body_count; ++k) velocities_[k] = {};
@@ -25238,6 +25242,8 @@ public:
     void solve(body* bodies, const poses_of& poses, const joint_pass<S>& with, bool use_bias) {
         if (use_bias) note_forces();
         load(bodies);
+        // A solver may visit joints several times before it moves.
+        if (are_corrected_) take_corrections_back(P::broadcast(S(1)));
         settle(with, use_bias);
         if (use_bias && greater(P::load(resolved_), P::broadcast(S(0))).bits() != 0) look_ahead(poses, with);
         if (use_bias) find_corrections(with);
@@ -25476,31 +25482,47 @@ private:
     void find_corrections(const joint_pass<S>& with) {
         const K zero = K::broadcast(C(0)), one = K::broadcast(C(1));
         bool has_changed = false;
-        each_row([&](std::uint32_t k, const joint_pattern::joint& j) {
-            const row& r = rows_[k];
-            auto& w = matrix_.row[k];
-            w.right_hand = zero;
-            if (r.has_spring) return;
-            if (r.is_bounded && !r.is_one_sided) {
-                // Motors and friction do not hold up what draws errors together: it would be more than they can.
-                has_changed = has_changed || greater(w.in, zero).bits() != 0;
-                w.in = zero;
-                return;
-            }
-            const K bias = lanes_from<K>(r.error) * lanes_from<K>(r.push[1]) / share_of(r);
-            w.right_hand = -limited(bias, r);
-            if (!r.is_one_sided) return;
-            // Of what has gone too far, unless it goes back by itself.
-            const K is_one = lanes_from<K>(r.one_sided), v = widened<K>(r.speed_of(velocities_[j.a], velocities_[j.b]));
-            const K more = select_greater(zero, bias, max(w.right_hand - v, zero), zero);
-            const K in = select_greater(is_one, zero, select_greater(more, zero, one, w.in), w.in);
-            w.right_hand = select_greater(is_one, zero, more, w.right_hand);
-            has_changed = has_changed || greater(in, w.in).bits() != 0;
-            w.in = in;
-        });
-        if (has_changed) matrix_.factorise();
-        matrix_.substitute();
-        const P part = part_of_step(with, largest_, to_double(with.rigid.rate) * to_double(with.h));
+        P part;
+        for (int round = 0; round < max_corrections; ++round) {
+            each_row([&](std::uint32_t k, const joint_pattern::joint& j) {
+                const row& r = rows_[k];
+                auto& w = matrix_.row[k];
+                w.right_hand = zero;
+                if (r.has_spring) return;
+                if (r.is_bounded && !r.is_one_sided) {
+                    // Motors and friction do not hold up what draws errors together: it would be more than they can.
+                    has_changed = has_changed || greater(w.in, zero).bits() != 0;
+                    w.in = zero;
+                    return;
+                }
+                const K bias = lanes_from<K>(r.error) * lanes_from<K>(r.push[1]) / share_of(r);
+                w.right_hand = -limited(bias, r);
+                if (!r.is_one_sided) return;
+                // Of what has gone too far, unless it goes back by itself.
+                const K is_one = lanes_from<K>(r.one_sided),
+                        v = widened<K>(r.speed_of(velocities_[j.a], velocities_[j.b]));
+                const K more = select_greater(zero, bias, max(w.right_hand - v, zero), zero);
+                w.right_hand = select_greater(is_one, zero, more, w.right_hand);
+                if (round > 0) return;
+                const K in = select_greater(is_one, zero, select_greater(more, zero, one, w.in), w.in);
+                has_changed = has_changed || greater(in, w.in).bits() != 0;
+                w.in = in;
+            });
+            if (has_changed) matrix_.factorise();
+            matrix_.substitute();
+            part = part_of_step(with, largest_, to_double(with.rigid.rate) * to_double(with.h));
+            // Limits do not pull: those that would are left out.
+            has_changed = false;
+            each_row([&](std::uint32_t r, const joint_pattern::joint&) {
+                if (!rows_[r].is_one_sided) return;
+                auto& w = matrix_.row[r];
+                const P next = P::load(rows_[r].impulse) + narrowed<P>(w.right_hand) * part;
+                const K pulls = widened<K>(P::load(rows_[r].low) - next) * w.in;
+                w.in = select_greater(pulls, zero, zero, w.in);
+                has_changed = has_changed || greater(pulls, zero).bits() != 0;
+            });
+            if (!has_changed) break;
+        }
         K sway = lanes_from<K>(far_);
         each_row([&](std::uint32_t r, const joint_pattern::joint&) { state_[r].start = P::load(rows_[r].impulse); });
         give_more([&](std::uint32_t r) { return narrowed<P>(matrix_.row[r].right_hand) * part; });
@@ -25508,11 +25530,8 @@ private:
             state_[r].correction = P::load(rows_[r].impulse) - state_[r].start;
             sway = max(sway, lane_abs(widened<K>(state_[r].correction)) * unit_sway_[&j - of_.joints]);
         });
-        const K small = select_greater(sway, K::broadcast(C(max_resolved / 16)), zero, one);
-        are_corrected_ = greater(one, small).bits() != 0;
-        const P none = P::broadcast(S(0)), is_small = narrowed<P>(small);
-        for (std::uint32_t r = 0; r < of_.row_count; ++r)
-            state_[r].correction = select_greater(is_small, none, none, state_[r].correction);
+        narrowed<P>(select_greater(sway, K::broadcast(C(max_resolved / 16)), one, zero)).store(is_taken_back_);
+        are_corrected_ = true;
     }
     /// Which part may be given of what the right-hand sides say, for errors up to the largest. Where rows all but say
     /// the same, small errors ask for large turns, that lead elsewhere: turns may make no more errors by their
@@ -25541,15 +25560,12 @@ private:
         }
         return part;
     }
-    void take_corrections_back(body* bodies) {
-        if (!are_corrected_) return;
+    void take_corrections_back(const P& lanes_of) {
         are_corrected_ = false;
-        load(bodies);
-        give_more([this](std::uint32_t r) { return -state_[r].correction; });
-        store(bodies);
+        give_more([&](std::uint32_t r) { return -(state_[r].correction * lanes_of); });
     }
 
-    static constexpr int free_rounds = 16, max_rounds = 64;
+    static constexpr int free_rounds = 16, max_rounds = 64, max_corrections = 8;
     /// A part of what joints measure that is rounding.
     static constexpr double rounding = 16 * to_double(scalar_traits<S>::epsilon());
 
@@ -25557,6 +25573,8 @@ private:
     lanes *starts_, *moved_;
     pose* ahead_;
     bool are_corrected_ = false;
+    /// 1 in lanes where corrections are taken back along the rows that gave them.
+    S is_taken_back_[W] = {};
 };
 
 }  // namespace detail
@@ -26816,7 +26834,7 @@ struct sequential_impulse_settings {
     /// Approaches slower than this do not bounce, nor those that acceleration brings about within a substep.
     S restitution_threshold = S(0.5);
     /// See soft_step_settings.
-    int max_direct_cost = 256;
+    int max_direct_cost = 1024;
     /// Rounds of bounces in a substep, at most: an impact passes one contact in a round. What approaches after them
     /// stops.
     int reflections = 64;
@@ -29119,7 +29137,7 @@ struct soft_step_settings {
     S restitution_threshold = S(0.5);
     /// Joints that hold some bodies together are solved all at once where that takes up to so many multiplications a
     /// row: trees, and loops that are not too wide. 0: never.
-    int max_direct_cost = 256;
+    int max_direct_cost = 1024;
 };
 
 template <class S>

@@ -26,7 +26,7 @@ struct sequential_impulse_settings {
     /// Approaches slower than this do not bounce, nor those that acceleration brings about within a substep.
     S restitution_threshold = S(0.5);
     /// See soft_step_settings.
-    int max_direct_cost = 256;
+    int max_direct_cost = 1024;
     /// Rounds of bounces in a substep, at most: an impact passes one contact in a round. What approaches after them
     /// stops.
     int reflections = 64;

@@ -34,7 +34,7 @@ struct soft_step_settings {
     S restitution_threshold = S(0.5);
     /// Joints that hold some bodies together are solved all at once where that takes up to so many multiplications a
     /// row: trees, and loops that are not too wide. 0: never.
-    int max_direct_cost = 256;
+    int max_direct_cost = 1024;
 };
 
 template <class S>

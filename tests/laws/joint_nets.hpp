@@ -1,0 +1,141 @@
+// Laws of joints in random nets: what cannot all be met, light bodies between heavy ones, limits, motors.
+#pragma once
+
+#include "joint_cell.hpp"
+
+namespace {
+namespace net_laws {
+
+using namespace joint_laws;
+
+template <class... Policies>
+struct nets : physics::recipe<S, D, few,
+                              physics::joints<physics::ball_joint, physics::revolute_joint, physics::prismatic_joint,
+                                              physics::weld_joint, physics::wheel_joint>,
+                              Policies...> {};
+using plain = physics::world<nets<>>;
+using split = physics::world<nets<physics::sequential_impulse>>;
+
+struct net {
+    /// How far the places of a joint in its two bodies are apart, at most (m), and whether it is a tree.
+    double apart = 0;
+    bool is_tree = false, has_limits = false, has_motors = false;
+};
+
+inline rotation any_turn(cell::dice& dice) {
+    const rotation about_z = turn(dice.number(-3, 3));
+    const auto tilted = [&]<class Rotation>(const Rotation& r) {
+        if constexpr (D == 2) return r;
+        else return r * Rotation::from_axis_angle({S(1), S(0), S(0)}, S(dice.number(-3, 3)));
+    };
+    return tilted(about_z);
+}
+
+/// Joins up to 12 boxes of masses up to 1 : 10,000 by pins up to 4 m off them; gives the largest speed of any body in
+/// all steps and in the last ones.
+template <class World>
+std::pair<double, double> largest_speeds(const net& of, int seed, int substeps) {
+    cell::dice dice(static_cast<std::uint64_t>(seed) + 1);
+    World w = falling<World>(substeps, 0);
+    // By iterations light bodies between heavy ones are not held.
+    auto settings = w.settings();
+    settings.solver.max_direct_cost = 1 << 20;
+    w.set_settings(settings);
+    std::vector<body_id> all{add_anchor(w, at(0, 0)), add_anchor(w, at(3, 3))};
+    const int count = 3 + seed % 10;
+    for (int i = 0; i < count; ++i) {
+        const body_id b = w.create_body({.position = dice.vec<vec>(-4, 4), .rotation = any_turn(dice)});
+        vec half = vec::filled(S(0.15));
+        half[0] = S(dice.number(0.2, 0.7));
+        const physics::shape_id box =
+            w.create_shape(b, typename World::box{half}, {.density = S(std::pow(10.0, dice.number(-2, 2)))});
+        // It keeps its mass without its shape: contacts would hold the net in other places.
+        w.set_mass(b, w.mass(b));
+        w.destroy_shape(box);
+        all.push_back(b);
+    }
+    const auto pick = [&](int from, int to) { return static_cast<int>(dice.number(from, to - 0.001)); };
+    for (int i = 0; i < (of.is_tree ? count : 2 * count); ++i) {
+        // The first ones hang each body on one before it.
+        const int b = i < count ? 2 + i : pick(2, 2 + count), a = i < count ? pick(0, 2 + i) : pick(0, 2 + count);
+        if (a == b) continue;
+        const transform frame{dice.vec<vec>(-4, 4), any_turn(dice)};
+        const auto one = static_cast<std::size_t>(a), other = static_cast<std::size_t>(b);
+        const transform fa = relative(w.pose(all[one]), frame);
+        transform fb = relative(w.pose(all[other]), frame);
+        fb.position += dice.vec<vec>(-of.apart, of.apart + 1e-9);
+        const S limit = of.has_limits ? S(dice.number(0.01, 1)) : physics::scalar_traits<S>::max();
+        const S speed = S(dice.number(-10, 10)), force = of.has_motors ? S(std::pow(10.0, dice.number(0, 3))) : S(0);
+        switch (pick(0, 5)) {
+            case 0: w.create_joint(all[one], all[other], physics::ball_joint<S, D>{fa.position, fb.position}); break;
+            case 1:
+                w.create_joint(all[one], all[other],
+                               physics::revolute_joint<S, D>{.frame_a = fa,
+                                                             .frame_b = fb,
+                                                             .min_angle = -limit,
+                                                             .max_angle = limit,
+                                                             .motor_speed = speed,
+                                                             .max_motor_torque = force});
+                break;
+            case 2:
+                w.create_joint(all[one], all[other],
+                               physics::prismatic_joint<S, D>{.frame_a = fa,
+                                                              .frame_b = fb,
+                                                              .min_translation = -limit,
+                                                              .max_translation = limit,
+                                                              .motor_speed = speed,
+                                                              .max_motor_force = force});
+                break;
+            case 3:
+                w.create_joint(all[one], all[other], physics::weld_joint<S, D>{.frame_a = fa, .frame_b = fb});
+                break;
+            default:
+                w.create_joint(all[one], all[other],
+                               physics::wheel_joint<S, D>{.frame_a = fa,
+                                                          .frame_b = fb,
+                                                          .min_translation = -limit,
+                                                          .max_translation = limit,
+                                                          .motor_speed = speed,
+                                                          .max_motor_torque = force});
+        }
+    }
+    double largest = 0, last = 0;
+    for (int i = 0; i < 120; ++i) {
+        w.step(S(i % 3 == 0 ? 1.0 / 30 : 1.0 / 60));
+        for (const body_id b : all) {
+            const double speed = length_of(w.linear_velocity(b));
+            largest = std::max(largest, speed);
+            if (i >= 100) last = std::max(last, speed);
+        }
+    }
+    return {largest, last};
+}
+
+template <class World>
+void nets_stay_bounded(const net& of, double bound, double bound_of_last) {
+    for (int seed = 0; seed < 12; ++seed) {
+        CAPTURE(seed);
+        const auto [largest, last] = largest_speeds<World>(of, seed, 1 << seed % 5);
+        CHECK(largest < bound);
+        CHECK(last < bound_of_last);
+    }
+}
+CELL_CASE("joint nets: what is met stays at rest, whatever the net") {
+    // What rounding of places makes of itself as it is drawn together.
+    const double rest = 1e-4 + number(cell::tolerance(1 << 16));
+    SUBCASE("soft_step") { nets_stay_bounded<plain>({}, rest, rest); }
+    SUBCASE("sequential_impulse") { nets_stay_bounded<split>({}, rest, rest); }
+}
+CELL_CASE("joint nets: what cannot all be met comes to no harm") {
+    SUBCASE("soft_step") { nets_stay_bounded<plain>({.apart = 0.1}, 100, 20); }
+    SUBCASE("sequential_impulse") { nets_stay_bounded<split>({.apart = 0.1}, 100, 20); }
+    SUBCASE("with limits") { nets_stay_bounded<plain>({.apart = 0.1, .has_limits = true}, 100, 20); }
+}
+CELL_CASE("joint nets: motors go no faster than they drive the levers") {
+    SUBCASE("trees") { nets_stay_bounded<plain>({.is_tree = true, .has_motors = true}, 1000, 1000); }
+    SUBCASE("nets") { nets_stay_bounded<plain>({.has_motors = true}, 1000, 1000); }
+    SUBCASE("nets with limits") { nets_stay_bounded<plain>({.has_limits = true, .has_motors = true}, 1000, 1000); }
+}
+
+}  // namespace net_laws
+}  // namespace
