@@ -40,6 +40,10 @@ using own_joints::pin;
 template <class World>
 World net(int size = 12) {
     World w = falling<World>();
+    // By iterations: few bodies would make one group of the direct solve.
+    auto settings = w.settings();
+    settings.solver.max_direct_cost = 0;
+    w.set_settings(settings);
     vec up;
     up[1] = S(1);
     w.create_shape(add_anchor(w, at(0, 0)), typename World::halfspace{up});
