@@ -1,6 +1,5 @@
-// Joints whose motion is known: a pendulum wave, Newton's cradle, a bridge, a scissor lift; each with what it should
-// do.
-#include "physics.hpp"
+// Joints whose motion is known: a pendulum wave, Newton's cradle, a bridge; each with what it should do.
+#include <physics.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +15,7 @@ constexpr double pi = 3.141592653589793, gravity = 10;
 struct in_space : physics::recipe<double, 3, physics::joints<physics::distance_joint>> {};
 struct with_bounces
     : physics::recipe<double, 2, physics::joints<physics::distance_joint>, physics::sequential_impulse> {};
-struct in_plane : physics::recipe<double, 2, physics::joints<physics::revolute_joint, physics::prismatic_joint>> {};
+struct in_plane : physics::recipe<double, 2, physics::joints<physics::revolute_joint>> {};
 
 template <class World>
 physics::body_id add_anchor(World& world) {
@@ -135,60 +134,6 @@ void bridge(samples::film& film) {
     film.fact("widest joint, mm", 1000 * widest);
 }
 
-/// Eight pairs of crossed bars of 4 m, opened by a slider with a motor, under a platform of 600 kg.
-void scissor_lift(samples::film& film) {
-    using world = physics::world<in_plane>;
-    world arena{{.gravity = {0, -gravity}}};
-    const physics::body_id ground = add_anchor(arena);
-    arena.create_shape(ground, world::halfspace{{0, 1}, -0.5});
-    constexpr int levels = 8;
-    const double half = 2, folded = 0.2, wide = half * std::cos(folded), tall = half * std::sin(folded);
-    const auto pin = [&](physics::body_id a, const world::vec& at_a, physics::body_id b, const world::vec& at_b) {
-        arena.create_joint(a, b, world::revolute_joint{{at_a, {}}, {at_b, {}}});
-    };
-    physics::body_id up, down;  // the bars of the level below that rise to the right, and to the left
-    physics::body_id foot = arena.create_body({.position = {wide, 0}});
-    arena.create_shape(foot, world::ball{0.15}, {.density = 100});
-    for (int i = 0; i < levels; ++i) {
-        const double y = tall * (2 * i + 1);
-        const auto bar = [&](double angle) {
-            const physics::body_id id =
-                arena.create_body({.position = {0, y}, .rotation = physics::rotation<double, 2>::from_angle(angle)});
-            arena.create_shape(id, world::box{{half, 0.04}}, {.density = 50});
-            return id;
-        };
-        const physics::body_id right = bar(folded), left = bar(-folded);
-        pin(right, {}, left, {});
-        if (i == 0) pin(ground, {-wide, 0}, right, {-half, 0}), pin(foot, {}, left, {half, 0});
-        else pin(down, {-half, 0}, right, {-half, 0}), pin(up, {half, 0}, left, {half, 0});
-        up = right, down = left;
-    }
-    const double top = 2 * tall * levels;
-    const physics::body_id platform = arena.create_body({.position = {0, top + 0.2}});
-    arena.create_shape(platform, world::box{{2.2, 0.1}}, {.density = 600 / 0.88});
-    const physics::body_id shoe = arena.create_body({.position = {wide, top}});
-    arena.create_shape(shoe, world::ball{0.1}, {.density = 100});
-    pin(platform, {-wide, -0.2}, down, {-half, 0});
-    pin(shoe, {}, up, {half, 0});
-    arena.create_joint(platform, shoe, world::prismatic_joint{.frame_a = {{0, -0.2}, {}}});
-    const physics::joint_id motor = arena.create_joint(ground, foot, world::prismatic_joint{.max_motor_force = 1e6});
-    const auto pins = samples::joints_of<physics::revolute_joint>(arena);
-    double tilt = 0, off = 0, widest = 0;
-    film.play("scissor lift", arena, pins, 16, [&](double t) {
-        const double spread = arena.position(foot).x + wide, step = std::sqrt(4 * half * half - spread * spread);
-        tilt = std::max(tilt, std::fabs(arena.rotation(platform).angle()));
-        off = std::max(off, std::fabs(arena.position(platform).y - 0.2 - levels * step));
-        widest = std::max(widest, samples::largest_gap(arena, pins));
-        // The foot goes in, and out again, so that the platform rises and sinks by up to 1.2 m/s.
-        auto slider = arena.joint<world::prismatic_joint>(motor);
-        slider.motor_speed = -1.2 * std::sin(2 * pi * t / 16) * step / (levels * spread);
-        arena.set_joint(motor, slider);
-    });
-    film.fact("platform off the height that its foot implies, mm", 1000 * off);
-    film.fact("platform off level, mrad", 1000 * tilt);
-    film.fact("widest joint, mm", 1000 * widest);
-}
-
 }  // namespace
 
 int main() {
@@ -197,6 +142,5 @@ int main() {
     pendulum_wave(film);
     cradle(film);
     bridge(film);
-    scissor_lift(film);
     return film.finish();
 }
