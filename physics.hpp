@@ -20700,6 +20700,15 @@ concept joint_for = std::is_trivially_copyable_v<Joint> && detail::names_members
 
 namespace detail {
 
+/// Kinds that hold a frame of each body; and those too that hold the same point of both.
+template <class Joint>
+concept holds_frames = requires(Joint& j) {
+    j.frame_a, j.frame_b;
+};
+template <class Joint>
+concept placed_by_frame = holds_frames<Joint> ||(
+    requires(Joint& j) { j.anchor_a, j.anchor_b; } && !requires(Joint & j) { j.length; });
+
 /// N values, of which there may be none.
 template <class T, int N>
 struct fixed_list {
@@ -25111,8 +25120,8 @@ protected:
         const body &a = bodies[at_a], &b = bodies[at_b];
         typename access::row_memory rows;
         const vec<S, D> between = kinds_[j.kind].write(joint_at(i, lane), false, poses[at_a], poses[at_b], rows.at);
-        own_lever_[i * W + static_cast<std::uint32_t>(lane)] = own_lever_of(a, b);
-        const double apart = own_lever_of(a, b) + length_squared_of(between);
+        const double own = own_lever_of(a, b), apart = own + length_squared_of(between);
+        own_lever_[i * W + static_cast<std::uint32_t>(lane)] = own;
         double square = 0;
         vec<S, D> r_a, r_b;
         j.each_row([&](std::uint32_t r, int k) {
@@ -26075,7 +26084,8 @@ public:
             }
         }
         if (!use_bias)
-            for (row& r : rows_) r.add_up();
+            for (row& r : rows_)
+                if (r.is_on) r.add_up();
         store(bodies, of_a, of_b);
     }
     void store_impulses(S h) const {
@@ -29460,6 +29470,13 @@ struct stored_joint {
     std::uint32_t number = 0;
     PHYSICS_HPP_MEMBERS(joint, impulse, substep, sum, step, turned, number)
 };
+/// A joint that broke, and what it gave in that step.
+template <class S, int D>
+struct broken_record {
+    std::uint32_t number;
+    std::uint16_t generation;
+    joint_reaction<S, D> reaction;
+};
 template <class Joint, class S>
 struct joint_pool : pool<stored_joint<Joint, S>> {};
 
@@ -29471,6 +29488,8 @@ struct joint_set<S, D, joints<Joints...>> : joint_pool<Joints<S, D>, S>... {
     pool<joint_record> records;
     /// Of each body its last joint.
     buffer<std::uint32_t> first;
+    /// What broke in the last step, in the order of the numbers.
+    buffer<broken_record<S, D>> broken;
 
     template <class Joint>
     static constexpr bool knows = (std::same_as<Joint, Joints<S, D>> || ...);
@@ -29504,6 +29523,7 @@ struct joint_set<S, D, joints<Joints...>> : joint_pool<Joints<S, D>, S>... {
         each_kind(self, [&](std::uint32_t, auto& of_kind) { f(of_kind); });
         f(self.records);
         f(self.first);
+        f(self.broken);
     }
     /// Calls f(number, joint) for each joint of a body; f may take it out.
     template <class F>
@@ -29535,15 +29555,13 @@ struct step_joints<S, D, joints<Joints...>> : buffer<step_joint<Joints<S, D>, S,
     std::uint32_t begin[sizeof...(Joints) + 1] = {};
     /// Pairs of shapes that no joint keeps from colliding.
     buffer<proxy_pair> pairs;
-    /// Joints that broke, by their numbers.
-    struct broken_joint {
-        std::uint32_t number;
-        joint_reaction<S, D> reaction;
-    };
-    buffer<broken_joint> broken;
 
     template <class Joint>
     buffer<step_joint<Joint, S, D>>& of_kind() {
+        return *this;
+    }
+    template <class Joint>
+    const buffer<step_joint<Joint, S, D>>& of_kind() const {
         return *this;
     }
     [[nodiscard]] std::uint32_t edge_count() const { return begin[sizeof...(Joints)] - begin[0]; }
@@ -29567,9 +29585,9 @@ struct no_step_joints {};
 
 /// Joints, and which bodies move -> those of the step, where their bodies are, and their edges. O(joints).
 template <class S, int D, class Joints, bool Rotates>
-void list_joints(const joint_set<S, D, Joints>& all, const pool<body<S, D, Rotates>>& bodies, const awake_list& awake,
+void list_joints(joint_set<S, D, Joints>& all, const pool<body<S, D, Rotates>>& bodies, const awake_list& awake,
                  buffer<edge>& edges, step_joints<S, D, Joints>& found) {
-    found.broken.clear();
+    std::uint32_t can_break = 0;
     const auto is_pushed = [&](std::uint32_t i) { return awake.has(i) && bodies[i].is_dynamic(); };
     all.each_kind(all, [&]<class Joint>(std::uint32_t kind, const pool<stored_joint<Joint, S>>& of_kind) {
         auto& to = found.template of_kind<Joint>();
@@ -29587,9 +29605,12 @@ void list_joints(const joint_set<S, D, Joints>& all, const pool<body<S, D, Rotat
                 j.turned = from.turned;
                 j.slot = slot;
                 edges.push_back({record.body_a, record.body_b});
+                if (record.can_break()) ++can_break;
             });
         found.begin[kind + 1] = edges.size();
     });
+    // Nothing fails when they break.
+    all.broken.reserve(can_break);
 }
 /// What the joints of a step of h seconds gave -> the world's.
 template <class S, int D, class Joints>
@@ -29627,11 +29648,13 @@ joint_frames<S, D> frames_between(const body<S, D, Rotates>& a, const body<S, D,
 }
 /// Joints that gave more than they can bear are no longer enabled; their bodies start to be still anew.
 template <class S, int D, class Joints, bool Rotates, class Sleep>
-void break_joints(step_joints<S, D, Joints>& found, const pool<body<S, D, Rotates>>& bodies,
+void break_joints(const step_joints<S, D, Joints>& found, const pool<body<S, D, Rotates>>& bodies,
                   joint_set<S, D, Joints>& all, Sleep& sleep) {
+    all.broken.clear();
     all.each_kind(all, [&]<class Joint>(std::uint32_t, const pool<stored_joint<Joint, S>>& of_kind) {
         for (const auto& j : found.template of_kind<Joint>()) {
-            joint_record& record = all.records[of_kind[j.slot].number];
+            const std::uint32_t number = of_kind[j.slot].number;
+            joint_record& record = all.records[number];
             if (!record.can_break()) continue;
             const auto gave =
                 reaction_of(of_kind[j.slot], frames_between(bodies[record.body_a], bodies[record.body_b]));
@@ -29642,10 +29665,10 @@ void break_joints(step_joints<S, D, Joints>& found, const pool<body<S, D, Rotate
             };
             if (!is_more(gave.force, record.break_force) && !is_more(gave.torque, record.break_torque)) continue;
             record.enabled = false;
-            found.broken.push_back({of_kind[j.slot].number, gave});
-            for (std::uint32_t k = found.broken.size() - 1;
-                 k > 0 && found.broken[k - 1].number > found.broken[k].number; --k)
-                std::swap(found.broken[k - 1], found.broken[k]);
+            auto& broken = all.broken;
+            broken.push_back({number, all.records.generation(number), gave});
+            for (std::uint32_t k = broken.size() - 1; k > 0 && broken[k - 1].number > broken[k].number; --k)
+                std::swap(broken[k - 1], broken[k]);
             for (const std::uint32_t body : {record.body_a, record.body_b})
                 if constexpr (requires { sleep.sleep_time; }) sleep.sleep_time[body] = {};
         }
@@ -35708,31 +35731,30 @@ private:
 template <class Plan>
 class broken_range {
 public:
-    explicit broken_range(const world_data<Plan>& s) : state_(&s), all_(s.step.joints.broken) {}
+    explicit broken_range(const state<Plan>& s) : state_(&s) {}
     class iterator {
     public:
-        iterator(const world_data<Plan>& s, const typename step_joints_of<Plan>::broken_joint* at)
-            : state_(&s), at_(at) {}
+        iterator(const state<Plan>& s, std::uint32_t at) : state_(&s), at_(at) {}
         broken_joint<typename Plan::scalar, Plan::dimension> operator*() const {
-            return {{at_->number, state_->joints.records.generation(at_->number), state_->tag}, at_->reaction};
+            const auto& broken = state_->joints.broken[at_];
+            return {{broken.number, broken.generation, state_->tag}, broken.reaction};
         }
         iterator& operator++() {
             ++at_;
             return *this;
         }
-        bool operator==(const iterator& other) const { return at_ == other.at_; }
+        bool operator==(range_end) const { return at_ >= state_->joints.broken.size(); }
 
     private:
-        const world_data<Plan>* state_;
-        const typename step_joints_of<Plan>::broken_joint* at_;
+        const state<Plan>* state_;
+        std::uint32_t at_;
     };
-    iterator begin() const { return {*state_, all_.begin()}; }
-    iterator end() const { return {*state_, all_.end()}; }
-    [[nodiscard]] std::uint32_t size() const { return all_.size(); }
+    iterator begin() const { return {*state_, 0}; }
+    range_end end() const { return {}; }
+    [[nodiscard]] std::uint32_t size() const { return state_->joints.broken.size(); }
 
 private:
-    const world_data<Plan>* state_;
-    const buffer<typename step_joints_of<Plan>::broken_joint>& all_;
+    const state<Plan>* state_;
 };
 
 }  // namespace detail
@@ -35756,129 +35778,124 @@ public:
     }
     /// The same for a frame in the world as it stands, which takes the place of the joint's own: of kinds that hold
     /// frames, or a point.
+    template <detail::placed_by_frame Joint>
+    joint_id create_joint_at(body_id body_a, body_id body_b, const transform<S, D>& frame, Joint joint,
+                             const joint_def& def = {}) {
+        const auto& world = static_cast<const World&>(*this);
+        if (!world.contains(body_a) || !world.contains(body_b)) return create_joint(body_a, body_b, joint, def);
+        if (!detail::check_frame("create_joint_at", "frame.position", "frame.rotation", frame)) return {};
+        detail::scoped([&] {
+            const transform<S, D> a = relative(world.pose(body_a), frame), b = relative(world.pose(body_b), frame);
+            if constexpr (detail::holds_frames<Joint>) {
+                joint.frame_a = a;
+                joint.frame_b = b;
+            } else {
+                joint.anchor_a = a.position;
+                joint.anchor_b = b.position;
+            }
+        });
+        return create_joint(body_a, body_b, joint, def);
+    }
+    void destroy_joint(joint_id id) {
+        const auto at = find(state(), id, "destroy_joint");
+        if (!at) return;
+        detail::wake_connected(state(), at.index);
+        detail::erase_joint(state(), at.index);
+    }
+    /// True if the handle names a living joint of this world; never an error.
+    [[nodiscard]] bool contains(joint_id id) const { return detail::contains(state(), state().joints.records, id); }
+    [[nodiscard]] std::uint32_t joint_count() const { return state().joints.records.count(); }
+    /// All joints: `for (physics::joint_id j : world.joints())`.
+    [[nodiscard]] auto joints() const { return detail::joint_range<Plan>(state(), {}); }
+
+    /// What a joint is: of another kind it is refused.
     template <class Joint>
-        requires requires(Joint& j) {
-            j.frame_a;
-        } ||(
-            requires(Joint& j) { j.anchor_a; } && !requires(Joint & j) { j.length; }) joint_id
-            create_joint_at(body_id body_a, body_id body_b, const transform<S, D>& frame, Joint joint,
-                            const joint_def& def = {}) {
-            const auto& world = static_cast<const World&>(*this);
-            if (!world.contains(body_a) || !world.contains(body_b)) return create_joint(body_a, body_b, joint, def);
-            if (!detail::check_frame("create_joint_at", "frame.position", "frame.rotation", frame)) return {};
+    [[nodiscard]] Joint joint(joint_id id) const {
+        const auto at = find_kind<Joint>(state(), id, "joint");
+        return at ? state().joints.template of_kind<Joint>()[record(at).slot].joint : Joint{};
+    }
+    /// Changes it to another joint of its kind; what it gave it begins with.
+    template <class Joint>
+    void set_joint(joint_id id, const Joint& joint) {
+        const auto at = find_kind<Joint>(state(), id, "set_joint");
+        if (!at || !check(joint, "set_joint")) return;
+        detail::wake_connected(state(), at.index);
+        state().joints.template of_kind<Joint>()[record(at).slot].joint = joint;
+        detail::scoped([&] { detail::fill_in<Plan, Joint>(state(), at.index); });
+    }
+    [[nodiscard]] body_id body_a(joint_id id) const {
+        const auto at = find(state(), id, "body_a");
+        return at ? name_of(record(at).body_a) : body_id{};
+    }
+    [[nodiscard]] body_id body_b(joint_id id) const {
+        const auto at = find(state(), id, "body_b");
+        return at ? name_of(record(at).body_b) : body_id{};
+    }
+    [[nodiscard]] bool joint_enabled(joint_id id) const {
+        const auto at = find(state(), id, "joint_enabled");
+        return at && record(at).enabled;
+    }
+    /// A joint that is not enabled holds nothing, and lets its bodies collide.
+    void set_joint_enabled(joint_id id, bool enabled) {
+        const auto at = find(state(), id, "set_joint_enabled");
+        if (!at || record(at).enabled == enabled) return;
+        detail::wake_connected(state(), at.index);
+        state().joints.records[at.index].enabled = enabled;
+    }
+    /// What it gave in the last step in which it was awake, all of its rows and all substeps together, along its
+    /// rows where its bodies are now.
+    [[nodiscard]] joint_reaction<S, D> reaction(joint_id id) const {
+        joint_reaction<S, D> result{};
+        if (const auto at = find(state(), id, "reaction"))
             detail::scoped([&] {
-                const transform<S, D> a = relative(world.pose(body_a), frame), b = relative(world.pose(body_b), frame);
-                if constexpr (requires { joint.frame_a; }) {
-                    joint.frame_a = a;
-                    joint.frame_b = b;
-                } else {
-                    joint.anchor_a = a.position;
-                    joint.anchor_b = b.position;
-                }
-            });
-            return create_joint(body_a, body_b, joint, def);
-        }
-        void destroy_joint(joint_id id) {
-            const auto at = find(state(), id, "destroy_joint");
-            if (!at) return;
-            detail::wake_connected(state(), at.index);
-            detail::erase_joint(state(), at.index);
-        }
-        /// True if the handle names a living joint of this world; never an error.
-        [[nodiscard]] bool contains(joint_id id) const { return detail::contains(state(), state().joints.records, id); }
-        [[nodiscard]] std::uint32_t joint_count() const { return state().joints.records.count(); }
-        /// All joints: `for (physics::joint_id j : world.joints())`.
-        [[nodiscard]] auto joints() const { return detail::joint_range<Plan>(state(), {}); }
-
-        /// What a joint is: of another kind it is refused.
-        template <class Joint>
-        [[nodiscard]] Joint joint(joint_id id) const {
-            const auto at = find_kind<Joint>(state(), id, "joint");
-            return at ? state().joints.template of_kind<Joint>()[record(at).slot].joint : Joint{};
-        }
-        /// Changes it to another joint of its kind; what it gave it begins with.
-        template <class Joint>
-        void set_joint(joint_id id, const Joint& joint) {
-            const auto at = find_kind<Joint>(state(), id, "set_joint");
-            if (!at || !check(joint, "set_joint")) return;
-            detail::wake_connected(state(), at.index);
-            state().joints.template of_kind<Joint>()[record(at).slot].joint = joint;
-            detail::scoped([&] { detail::fill_in<Plan, Joint>(state(), at.index); });
-        }
-        [[nodiscard]] body_id body_a(joint_id id) const {
-            const auto at = find(state(), id, "body_a");
-            return at ? name_of(record(at).body_a) : body_id{};
-        }
-        [[nodiscard]] body_id body_b(joint_id id) const {
-            const auto at = find(state(), id, "body_b");
-            return at ? name_of(record(at).body_b) : body_id{};
-        }
-        [[nodiscard]] bool joint_enabled(joint_id id) const {
-            const auto at = find(state(), id, "joint_enabled");
-            return at && record(at).enabled;
-        }
-        /// A joint that is not enabled holds nothing, and lets its bodies collide.
-        void set_joint_enabled(joint_id id, bool enabled) {
-            const auto at = find(state(), id, "set_joint_enabled");
-            if (!at || record(at).enabled == enabled) return;
-            detail::wake_connected(state(), at.index);
-            state().joints.records[at.index].enabled = enabled;
-        }
-        /// What it gave in the last step in which it was awake, all of its rows and all substeps together, along its
-        /// rows where its bodies are now.
-        [[nodiscard]] joint_reaction<S, D> reaction(joint_id id) const {
-            joint_reaction<S, D> result{};
-            if (const auto at = find(state(), id, "reaction"))
-                detail::scoped([&] {
-                    detail::with_joint<Plan>(state(), at.index, [&](const auto& j, const auto& frames) {
-                        result = detail::reaction_of(j, frames);
-                    });
+                detail::with_joint<Plan>(state(), at.index, [&](const auto& j, const auto& frames) {
+                    result = detail::reaction_of(j, frames);
                 });
-            return result;
-        }
-        /// The joints that broke in the last step, in the order of their numbers; what has been destroyed since is no
-        /// longer a joint of this world. Copies and snapshots leave them out.
-        [[nodiscard]] auto broken_joints() const { return detail::broken_range<Plan>(state()); }
-        /// The angle of a joint that turns, over any number of turns (rad), where its bodies are; of others 0.
-        [[nodiscard]] S joint_angle(joint_id id) const {
-            const auto at = find(state(), id, "joint_angle");
-            return at ? detail::scoped([&] { return detail::angle_of(state(), at.index); }) : S(0);
-        }
-        [[nodiscard]] std::uint64_t user_data(joint_id id) const {
-            const auto at = find(state(), id, "user_data");
-            return at ? record(at).user_data : 0;
-        }
-        void set_user_data(joint_id id, std::uint64_t data) {
-            if (const auto at = find(state(), id, "set_user_data")) state().joints.records[at.index].user_data = data;
-        }
+            });
+        return result;
+    }
+    /// The joints that broke in the last step, in the order of their numbers. What has been destroyed since is no
+    /// longer a joint of this world.
+    [[nodiscard]] auto broken_joints() const { return detail::broken_range<Plan>(state()); }
+    /// The angle of a joint that turns, over any number of turns (rad), where its bodies are; of others 0.
+    [[nodiscard]] S joint_angle(joint_id id) const {
+        const auto at = find(state(), id, "joint_angle");
+        return at ? detail::scoped([&] { return detail::angle_of(state(), at.index); }) : S(0);
+    }
+    [[nodiscard]] std::uint64_t user_data(joint_id id) const {
+        const auto at = find(state(), id, "user_data");
+        return at ? record(at).user_data : 0;
+    }
+    void set_user_data(joint_id id, std::uint64_t data) {
+        if (const auto at = find(state(), id, "set_user_data")) state().joints.records[at.index].user_data = data;
+    }
 
-    private:
-        auto& state() { return detail::world_access::data_of(static_cast<World&>(*this)); }
-        const auto& state() const { return detail::world_access::data_of(static_cast<const World&>(*this)); }
-        template <class State>
-        static detail::lookup find(State& s, joint_id id, const char* function) {
-            return detail::find_joint(s, id, function);
-        }
-        template <class Joint>
-        static constexpr bool knows = detail::joints_of<Plan>::template knows<Joint>;
-        template <class Joint>
-        static constexpr void check_kind() {
-            static_assert(knows<Joint>,
-                          "physics::world: the recipe's set of joints lacks this one; name it in physics::joints<...>");
-        }
-        template <class Joint, class State>
-        static detail::lookup find_kind(State& s, joint_id id, const char* function) {
-            check_kind<Joint>();
-            const auto at = find(s, id, function);
-            if (!at) return at;
-            if (s.joints.records[at.index].kind == s.joints.template kind_of<Joint>()) return at;
-            return {0,
-                    detail::refuse(function, "joint", "of another kind", "it must be of the kind that is asked for")};
-        }
-        const auto& record(const detail::lookup& at) const { return state().joints.records[at.index]; }
-        [[nodiscard]] body_id name_of(std::uint32_t body) const {
-            return {body, state().bodies.generation(body), state().tag};
-        }
+private:
+    auto& state() { return detail::world_access::data_of(static_cast<World&>(*this)); }
+    const auto& state() const { return detail::world_access::data_of(static_cast<const World&>(*this)); }
+    template <class State>
+    static detail::lookup find(State& s, joint_id id, const char* function) {
+        return detail::find_joint(s, id, function);
+    }
+    template <class Joint>
+    static constexpr bool knows = detail::joints_of<Plan>::template knows<Joint>;
+    template <class Joint>
+    static constexpr void check_kind() {
+        static_assert(knows<Joint>,
+                      "physics::world: the recipe's set of joints lacks this one; name it in physics::joints<...>");
+    }
+    template <class Joint, class State>
+    static detail::lookup find_kind(State& s, joint_id id, const char* function) {
+        check_kind<Joint>();
+        const auto at = find(s, id, function);
+        if (!at) return at;
+        if (s.joints.records[at.index].kind == s.joints.template kind_of<Joint>()) return at;
+        return {0, detail::refuse(function, "joint", "of another kind", "it must be of the kind that is asked for")};
+    }
+    const auto& record(const detail::lookup& at) const { return state().joints.records[at.index]; }
+    [[nodiscard]] body_id name_of(std::uint32_t body) const {
+        return {body, state().bodies.generation(body), state().tag};
+    }
 };
 /// Of a recipe without joints.
 template <class World, class Plan>

@@ -139,6 +139,15 @@ std::string refusal(F&& call) {
     }
     return "";
 }
+/// Holds a world to refusing its first joint, by the name of a field.
+template <class World, class Joint>
+void is_refused(World& w, body_id a, body_id b, const char* field, const Joint& joint,
+                const physics::joint_def& def = {}) {
+    const std::string text = refusal([&] { w.create_joint(a, b, joint, def); });
+    CAPTURE(text);
+    CHECK(text.find(field) != text.npos);
+    CHECK(w.joint_count() == 0);
+}
 
 }  // namespace joint_laws
 }  // namespace

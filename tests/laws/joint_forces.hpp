@@ -71,15 +71,29 @@ CELL_CASE("joint forces: a joint breaks by more than it bears in a step, and tel
     SUBCASE("sequential_impulse") { a_joint_breaks_by_more_than_it_bears<split>(); }
 }
 
+CELL_CASE("joint forces: what broke is told by copies too, and never of a later joint") {
+    hanging<plain> h({.break_force = 15});
+    h.w.apply_force(h.ball, at(0, -20));
+    run(h.w, 1);
+    plain copy = h.w, assigned = falling<plain>();
+    assigned = h.w;
+    for (const plain* w : {&copy, &assigned}) {
+        REQUIRE(w->broken_joints().size() == 1);
+        for (const auto& broken : w->broken_joints()) CHECK(w->contains(broken.joint));
+    }
+    // Another joint in its place is not the one that broke.
+    copy.destroy_joint((*copy.broken_joints().begin()).joint);
+    copy.create_joint(h.top, h.ball, ball_joint{});
+    for (const auto& broken : copy.broken_joints()) CHECK_FALSE(copy.contains(broken.joint));
+    assigned = plain();
+    CHECK(assigned.broken_joints().size() == 0);
+}
+
 CELL_CASE("joint forces: what breaks is refused where it makes no sense") {
     plain w = falling<plain>();
     const body_id a = add_anchor(w, at(0, 0)), b = add_ball(w, at(0, -1));
-    const auto refuses = [&](const char* field, const physics::joint_def& def) {
-        CHECK(refusal([&] { w.create_joint(a, b, ball_joint{}, def); }).find(field) != std::string::npos);
-    };
-    refuses("break_force", {.break_force = -1});
-    refuses("break_torque", {.break_torque = std::nan("")});
-    CHECK(w.joint_count() == 0);
+    is_refused(w, a, b, "break_force", ball_joint{}, {.break_force = -1});
+    is_refused(w, a, b, "break_torque", ball_joint{}, {.break_torque = std::nan("")});
 }
 
 CELL_CASE("joint forces: frames may be given in the world as it stands") {

@@ -156,12 +156,7 @@ inline void a_motor_is_friction_and_a_spring_poses(int substeps) {
 CELL_CASE("joint swings: bad ones are refused by name") {
     world w = falling<world>();
     const body_id a = add_anchor(w, {}), b = add_ball(w, {});
-    const auto refuses = [&](const char* field, const joint& j) {
-        const std::string text = refusal([&] { w.create_joint(a, b, j); });
-        CAPTURE(text);
-        CHECK(text.find(field) != text.npos);
-        CHECK(w.joint_count() == 0);
-    };
+    const auto refuses = [&](const char* field, const joint& j) { is_refused(w, a, b, field, j); };
     rotation3 stretched;
     stretched.w = S(2);
     refuses("frame_b.rotation", {.frame_b = {{}, stretched}});

@@ -69,7 +69,8 @@ public:
             }
         }
         if (!use_bias)
-            for (row& r : rows_) r.add_up();
+            for (row& r : rows_)
+                if (r.is_on) r.add_up();
         store(bodies, of_a, of_b);
     }
     void store_impulses(S h) const {

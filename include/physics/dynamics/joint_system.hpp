@@ -126,8 +126,8 @@ protected:
         const body &a = bodies[at_a], &b = bodies[at_b];
         typename access::row_memory rows;
         const vec<S, D> between = kinds_[j.kind].write(joint_at(i, lane), false, poses[at_a], poses[at_b], rows.at);
-        own_lever_[i * W + static_cast<std::uint32_t>(lane)] = own_lever_of(a, b);
-        const double apart = own_lever_of(a, b) + length_squared_of(between);
+        const double own = own_lever_of(a, b), apart = own + length_squared_of(between);
+        own_lever_[i * W + static_cast<std::uint32_t>(lane)] = own;
         double square = 0;
         vec<S, D> r_a, r_b;
         j.each_row([&](std::uint32_t r, int k) {

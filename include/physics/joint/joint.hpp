@@ -215,6 +215,15 @@ concept joint_for = std::is_trivially_copyable_v<Joint> && detail::names_members
 
 namespace detail {
 
+/// Kinds that hold a frame of each body; and those too that hold the same point of both.
+template <class Joint>
+concept holds_frames = requires(Joint& j) {
+    j.frame_a, j.frame_b;
+};
+template <class Joint>
+concept placed_by_frame = holds_frames<Joint> ||(
+    requires(Joint& j) { j.anchor_a, j.anchor_b; } && !requires(Joint & j) { j.length; });
+
 /// N values, of which there may be none.
 template <class T, int N>
 struct fixed_list {

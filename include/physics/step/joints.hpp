@@ -47,6 +47,13 @@ struct stored_joint {
     std::uint32_t number = 0;
     PHYSICS_HPP_MEMBERS(joint, impulse, substep, sum, step, turned, number)
 };
+/// A joint that broke, and what it gave in that step.
+template <class S, int D>
+struct broken_record {
+    std::uint32_t number;
+    std::uint16_t generation;
+    joint_reaction<S, D> reaction;
+};
 template <class Joint, class S>
 struct joint_pool : pool<stored_joint<Joint, S>> {};
 
@@ -58,6 +65,8 @@ struct joint_set<S, D, joints<Joints...>> : joint_pool<Joints<S, D>, S>... {
     pool<joint_record> records;
     /// Of each body its last joint.
     buffer<std::uint32_t> first;
+    /// What broke in the last step, in the order of the numbers.
+    buffer<broken_record<S, D>> broken;
 
     template <class Joint>
     static constexpr bool knows = (std::same_as<Joint, Joints<S, D>> || ...);
@@ -91,6 +100,7 @@ struct joint_set<S, D, joints<Joints...>> : joint_pool<Joints<S, D>, S>... {
         each_kind(self, [&](std::uint32_t, auto& of_kind) { f(of_kind); });
         f(self.records);
         f(self.first);
+        f(self.broken);
     }
     /// Calls f(number, joint) for each joint of a body; f may take it out.
     template <class F>
@@ -122,15 +132,13 @@ struct step_joints<S, D, joints<Joints...>> : buffer<step_joint<Joints<S, D>, S,
     std::uint32_t begin[sizeof...(Joints) + 1] = {};
     /// Pairs of shapes that no joint keeps from colliding.
     buffer<proxy_pair> pairs;
-    /// Joints that broke, by their numbers.
-    struct broken_joint {
-        std::uint32_t number;
-        joint_reaction<S, D> reaction;
-    };
-    buffer<broken_joint> broken;
 
     template <class Joint>
     buffer<step_joint<Joint, S, D>>& of_kind() {
+        return *this;
+    }
+    template <class Joint>
+    const buffer<step_joint<Joint, S, D>>& of_kind() const {
         return *this;
     }
     [[nodiscard]] std::uint32_t edge_count() const { return begin[sizeof...(Joints)] - begin[0]; }
@@ -154,9 +162,9 @@ struct no_step_joints {};
 
 /// Joints, and which bodies move -> those of the step, where their bodies are, and their edges. O(joints).
 template <class S, int D, class Joints, bool Rotates>
-void list_joints(const joint_set<S, D, Joints>& all, const pool<body<S, D, Rotates>>& bodies, const awake_list& awake,
+void list_joints(joint_set<S, D, Joints>& all, const pool<body<S, D, Rotates>>& bodies, const awake_list& awake,
                  buffer<edge>& edges, step_joints<S, D, Joints>& found) {
-    found.broken.clear();
+    std::uint32_t can_break = 0;
     const auto is_pushed = [&](std::uint32_t i) { return awake.has(i) && bodies[i].is_dynamic(); };
     all.each_kind(all, [&]<class Joint>(std::uint32_t kind, const pool<stored_joint<Joint, S>>& of_kind) {
         auto& to = found.template of_kind<Joint>();
@@ -174,9 +182,12 @@ void list_joints(const joint_set<S, D, Joints>& all, const pool<body<S, D, Rotat
                 j.turned = from.turned;
                 j.slot = slot;
                 edges.push_back({record.body_a, record.body_b});
+                if (record.can_break()) ++can_break;
             });
         found.begin[kind + 1] = edges.size();
     });
+    // Nothing fails when they break.
+    all.broken.reserve(can_break);
 }
 /// What the joints of a step of h seconds gave -> the world's.
 template <class S, int D, class Joints>
@@ -214,11 +225,13 @@ joint_frames<S, D> frames_between(const body<S, D, Rotates>& a, const body<S, D,
 }
 /// Joints that gave more than they can bear are no longer enabled; their bodies start to be still anew.
 template <class S, int D, class Joints, bool Rotates, class Sleep>
-void break_joints(step_joints<S, D, Joints>& found, const pool<body<S, D, Rotates>>& bodies,
+void break_joints(const step_joints<S, D, Joints>& found, const pool<body<S, D, Rotates>>& bodies,
                   joint_set<S, D, Joints>& all, Sleep& sleep) {
+    all.broken.clear();
     all.each_kind(all, [&]<class Joint>(std::uint32_t, const pool<stored_joint<Joint, S>>& of_kind) {
         for (const auto& j : found.template of_kind<Joint>()) {
-            joint_record& record = all.records[of_kind[j.slot].number];
+            const std::uint32_t number = of_kind[j.slot].number;
+            joint_record& record = all.records[number];
             if (!record.can_break()) continue;
             const auto gave =
                 reaction_of(of_kind[j.slot], frames_between(bodies[record.body_a], bodies[record.body_b]));
@@ -229,10 +242,10 @@ void break_joints(step_joints<S, D, Joints>& found, const pool<body<S, D, Rotate
             };
             if (!is_more(gave.force, record.break_force) && !is_more(gave.torque, record.break_torque)) continue;
             record.enabled = false;
-            found.broken.push_back({of_kind[j.slot].number, gave});
-            for (std::uint32_t k = found.broken.size() - 1;
-                 k > 0 && found.broken[k - 1].number > found.broken[k].number; --k)
-                std::swap(found.broken[k - 1], found.broken[k]);
+            auto& broken = all.broken;
+            broken.push_back({number, all.records.generation(number), gave});
+            for (std::uint32_t k = broken.size() - 1; k > 0 && broken[k - 1].number > broken[k].number; --k)
+                std::swap(broken[k - 1], broken[k]);
             for (const std::uint32_t body : {record.body_a, record.body_b})
                 if constexpr (requires { sleep.sleep_time; }) sleep.sleep_time[body] = {};
         }

@@ -126,31 +126,30 @@ private:
 template <class Plan>
 class broken_range {
 public:
-    explicit broken_range(const world_data<Plan>& s) : state_(&s), all_(s.step.joints.broken) {}
+    explicit broken_range(const state<Plan>& s) : state_(&s) {}
     class iterator {
     public:
-        iterator(const world_data<Plan>& s, const typename step_joints_of<Plan>::broken_joint* at)
-            : state_(&s), at_(at) {}
+        iterator(const state<Plan>& s, std::uint32_t at) : state_(&s), at_(at) {}
         broken_joint<typename Plan::scalar, Plan::dimension> operator*() const {
-            return {{at_->number, state_->joints.records.generation(at_->number), state_->tag}, at_->reaction};
+            const auto& broken = state_->joints.broken[at_];
+            return {{broken.number, broken.generation, state_->tag}, broken.reaction};
         }
         iterator& operator++() {
             ++at_;
             return *this;
         }
-        bool operator==(const iterator& other) const { return at_ == other.at_; }
+        bool operator==(range_end) const { return at_ >= state_->joints.broken.size(); }
 
     private:
-        const world_data<Plan>* state_;
-        const typename step_joints_of<Plan>::broken_joint* at_;
+        const state<Plan>* state_;
+        std::uint32_t at_;
     };
-    iterator begin() const { return {*state_, all_.begin()}; }
-    iterator end() const { return {*state_, all_.end()}; }
-    [[nodiscard]] std::uint32_t size() const { return all_.size(); }
+    iterator begin() const { return {*state_, 0}; }
+    range_end end() const { return {}; }
+    [[nodiscard]] std::uint32_t size() const { return state_->joints.broken.size(); }
 
 private:
-    const world_data<Plan>* state_;
-    const buffer<typename step_joints_of<Plan>::broken_joint>& all_;
+    const state<Plan>* state_;
 };
 
 }  // namespace detail
@@ -174,129 +173,124 @@ public:
     }
     /// The same for a frame in the world as it stands, which takes the place of the joint's own: of kinds that hold
     /// frames, or a point.
+    template <detail::placed_by_frame Joint>
+    joint_id create_joint_at(body_id body_a, body_id body_b, const transform<S, D>& frame, Joint joint,
+                             const joint_def& def = {}) {
+        const auto& world = static_cast<const World&>(*this);
+        if (!world.contains(body_a) || !world.contains(body_b)) return create_joint(body_a, body_b, joint, def);
+        if (!detail::check_frame("create_joint_at", "frame.position", "frame.rotation", frame)) return {};
+        detail::scoped([&] {
+            const transform<S, D> a = relative(world.pose(body_a), frame), b = relative(world.pose(body_b), frame);
+            if constexpr (detail::holds_frames<Joint>) {
+                joint.frame_a = a;
+                joint.frame_b = b;
+            } else {
+                joint.anchor_a = a.position;
+                joint.anchor_b = b.position;
+            }
+        });
+        return create_joint(body_a, body_b, joint, def);
+    }
+    void destroy_joint(joint_id id) {
+        const auto at = find(state(), id, "destroy_joint");
+        if (!at) return;
+        detail::wake_connected(state(), at.index);
+        detail::erase_joint(state(), at.index);
+    }
+    /// True if the handle names a living joint of this world; never an error.
+    [[nodiscard]] bool contains(joint_id id) const { return detail::contains(state(), state().joints.records, id); }
+    [[nodiscard]] std::uint32_t joint_count() const { return state().joints.records.count(); }
+    /// All joints: `for (physics::joint_id j : world.joints())`.
+    [[nodiscard]] auto joints() const { return detail::joint_range<Plan>(state(), {}); }
+
+    /// What a joint is: of another kind it is refused.
     template <class Joint>
-        requires requires(Joint& j) {
-            j.frame_a;
-        } ||(
-            requires(Joint& j) { j.anchor_a; } && !requires(Joint & j) { j.length; }) joint_id
-            create_joint_at(body_id body_a, body_id body_b, const transform<S, D>& frame, Joint joint,
-                            const joint_def& def = {}) {
-            const auto& world = static_cast<const World&>(*this);
-            if (!world.contains(body_a) || !world.contains(body_b)) return create_joint(body_a, body_b, joint, def);
-            if (!detail::check_frame("create_joint_at", "frame.position", "frame.rotation", frame)) return {};
+    [[nodiscard]] Joint joint(joint_id id) const {
+        const auto at = find_kind<Joint>(state(), id, "joint");
+        return at ? state().joints.template of_kind<Joint>()[record(at).slot].joint : Joint{};
+    }
+    /// Changes it to another joint of its kind; what it gave it begins with.
+    template <class Joint>
+    void set_joint(joint_id id, const Joint& joint) {
+        const auto at = find_kind<Joint>(state(), id, "set_joint");
+        if (!at || !check(joint, "set_joint")) return;
+        detail::wake_connected(state(), at.index);
+        state().joints.template of_kind<Joint>()[record(at).slot].joint = joint;
+        detail::scoped([&] { detail::fill_in<Plan, Joint>(state(), at.index); });
+    }
+    [[nodiscard]] body_id body_a(joint_id id) const {
+        const auto at = find(state(), id, "body_a");
+        return at ? name_of(record(at).body_a) : body_id{};
+    }
+    [[nodiscard]] body_id body_b(joint_id id) const {
+        const auto at = find(state(), id, "body_b");
+        return at ? name_of(record(at).body_b) : body_id{};
+    }
+    [[nodiscard]] bool joint_enabled(joint_id id) const {
+        const auto at = find(state(), id, "joint_enabled");
+        return at && record(at).enabled;
+    }
+    /// A joint that is not enabled holds nothing, and lets its bodies collide.
+    void set_joint_enabled(joint_id id, bool enabled) {
+        const auto at = find(state(), id, "set_joint_enabled");
+        if (!at || record(at).enabled == enabled) return;
+        detail::wake_connected(state(), at.index);
+        state().joints.records[at.index].enabled = enabled;
+    }
+    /// What it gave in the last step in which it was awake, all of its rows and all substeps together, along its
+    /// rows where its bodies are now.
+    [[nodiscard]] joint_reaction<S, D> reaction(joint_id id) const {
+        joint_reaction<S, D> result{};
+        if (const auto at = find(state(), id, "reaction"))
             detail::scoped([&] {
-                const transform<S, D> a = relative(world.pose(body_a), frame), b = relative(world.pose(body_b), frame);
-                if constexpr (requires { joint.frame_a; }) {
-                    joint.frame_a = a;
-                    joint.frame_b = b;
-                } else {
-                    joint.anchor_a = a.position;
-                    joint.anchor_b = b.position;
-                }
-            });
-            return create_joint(body_a, body_b, joint, def);
-        }
-        void destroy_joint(joint_id id) {
-            const auto at = find(state(), id, "destroy_joint");
-            if (!at) return;
-            detail::wake_connected(state(), at.index);
-            detail::erase_joint(state(), at.index);
-        }
-        /// True if the handle names a living joint of this world; never an error.
-        [[nodiscard]] bool contains(joint_id id) const { return detail::contains(state(), state().joints.records, id); }
-        [[nodiscard]] std::uint32_t joint_count() const { return state().joints.records.count(); }
-        /// All joints: `for (physics::joint_id j : world.joints())`.
-        [[nodiscard]] auto joints() const { return detail::joint_range<Plan>(state(), {}); }
-
-        /// What a joint is: of another kind it is refused.
-        template <class Joint>
-        [[nodiscard]] Joint joint(joint_id id) const {
-            const auto at = find_kind<Joint>(state(), id, "joint");
-            return at ? state().joints.template of_kind<Joint>()[record(at).slot].joint : Joint{};
-        }
-        /// Changes it to another joint of its kind; what it gave it begins with.
-        template <class Joint>
-        void set_joint(joint_id id, const Joint& joint) {
-            const auto at = find_kind<Joint>(state(), id, "set_joint");
-            if (!at || !check(joint, "set_joint")) return;
-            detail::wake_connected(state(), at.index);
-            state().joints.template of_kind<Joint>()[record(at).slot].joint = joint;
-            detail::scoped([&] { detail::fill_in<Plan, Joint>(state(), at.index); });
-        }
-        [[nodiscard]] body_id body_a(joint_id id) const {
-            const auto at = find(state(), id, "body_a");
-            return at ? name_of(record(at).body_a) : body_id{};
-        }
-        [[nodiscard]] body_id body_b(joint_id id) const {
-            const auto at = find(state(), id, "body_b");
-            return at ? name_of(record(at).body_b) : body_id{};
-        }
-        [[nodiscard]] bool joint_enabled(joint_id id) const {
-            const auto at = find(state(), id, "joint_enabled");
-            return at && record(at).enabled;
-        }
-        /// A joint that is not enabled holds nothing, and lets its bodies collide.
-        void set_joint_enabled(joint_id id, bool enabled) {
-            const auto at = find(state(), id, "set_joint_enabled");
-            if (!at || record(at).enabled == enabled) return;
-            detail::wake_connected(state(), at.index);
-            state().joints.records[at.index].enabled = enabled;
-        }
-        /// What it gave in the last step in which it was awake, all of its rows and all substeps together, along its
-        /// rows where its bodies are now.
-        [[nodiscard]] joint_reaction<S, D> reaction(joint_id id) const {
-            joint_reaction<S, D> result{};
-            if (const auto at = find(state(), id, "reaction"))
-                detail::scoped([&] {
-                    detail::with_joint<Plan>(state(), at.index, [&](const auto& j, const auto& frames) {
-                        result = detail::reaction_of(j, frames);
-                    });
+                detail::with_joint<Plan>(state(), at.index, [&](const auto& j, const auto& frames) {
+                    result = detail::reaction_of(j, frames);
                 });
-            return result;
-        }
-        /// The joints that broke in the last step, in the order of their numbers; what has been destroyed since is no
-        /// longer a joint of this world. Copies and snapshots leave them out.
-        [[nodiscard]] auto broken_joints() const { return detail::broken_range<Plan>(state()); }
-        /// The angle of a joint that turns, over any number of turns (rad), where its bodies are; of others 0.
-        [[nodiscard]] S joint_angle(joint_id id) const {
-            const auto at = find(state(), id, "joint_angle");
-            return at ? detail::scoped([&] { return detail::angle_of(state(), at.index); }) : S(0);
-        }
-        [[nodiscard]] std::uint64_t user_data(joint_id id) const {
-            const auto at = find(state(), id, "user_data");
-            return at ? record(at).user_data : 0;
-        }
-        void set_user_data(joint_id id, std::uint64_t data) {
-            if (const auto at = find(state(), id, "set_user_data")) state().joints.records[at.index].user_data = data;
-        }
+            });
+        return result;
+    }
+    /// The joints that broke in the last step, in the order of their numbers. What has been destroyed since is no
+    /// longer a joint of this world.
+    [[nodiscard]] auto broken_joints() const { return detail::broken_range<Plan>(state()); }
+    /// The angle of a joint that turns, over any number of turns (rad), where its bodies are; of others 0.
+    [[nodiscard]] S joint_angle(joint_id id) const {
+        const auto at = find(state(), id, "joint_angle");
+        return at ? detail::scoped([&] { return detail::angle_of(state(), at.index); }) : S(0);
+    }
+    [[nodiscard]] std::uint64_t user_data(joint_id id) const {
+        const auto at = find(state(), id, "user_data");
+        return at ? record(at).user_data : 0;
+    }
+    void set_user_data(joint_id id, std::uint64_t data) {
+        if (const auto at = find(state(), id, "set_user_data")) state().joints.records[at.index].user_data = data;
+    }
 
-    private:
-        auto& state() { return detail::world_access::data_of(static_cast<World&>(*this)); }
-        const auto& state() const { return detail::world_access::data_of(static_cast<const World&>(*this)); }
-        template <class State>
-        static detail::lookup find(State& s, joint_id id, const char* function) {
-            return detail::find_joint(s, id, function);
-        }
-        template <class Joint>
-        static constexpr bool knows = detail::joints_of<Plan>::template knows<Joint>;
-        template <class Joint>
-        static constexpr void check_kind() {
-            static_assert(knows<Joint>,
-                          "physics::world: the recipe's set of joints lacks this one; name it in physics::joints<...>");
-        }
-        template <class Joint, class State>
-        static detail::lookup find_kind(State& s, joint_id id, const char* function) {
-            check_kind<Joint>();
-            const auto at = find(s, id, function);
-            if (!at) return at;
-            if (s.joints.records[at.index].kind == s.joints.template kind_of<Joint>()) return at;
-            return {0,
-                    detail::refuse(function, "joint", "of another kind", "it must be of the kind that is asked for")};
-        }
-        const auto& record(const detail::lookup& at) const { return state().joints.records[at.index]; }
-        [[nodiscard]] body_id name_of(std::uint32_t body) const {
-            return {body, state().bodies.generation(body), state().tag};
-        }
+private:
+    auto& state() { return detail::world_access::data_of(static_cast<World&>(*this)); }
+    const auto& state() const { return detail::world_access::data_of(static_cast<const World&>(*this)); }
+    template <class State>
+    static detail::lookup find(State& s, joint_id id, const char* function) {
+        return detail::find_joint(s, id, function);
+    }
+    template <class Joint>
+    static constexpr bool knows = detail::joints_of<Plan>::template knows<Joint>;
+    template <class Joint>
+    static constexpr void check_kind() {
+        static_assert(knows<Joint>,
+                      "physics::world: the recipe's set of joints lacks this one; name it in physics::joints<...>");
+    }
+    template <class Joint, class State>
+    static detail::lookup find_kind(State& s, joint_id id, const char* function) {
+        check_kind<Joint>();
+        const auto at = find(s, id, function);
+        if (!at) return at;
+        if (s.joints.records[at.index].kind == s.joints.template kind_of<Joint>()) return at;
+        return {0, detail::refuse(function, "joint", "of another kind", "it must be of the kind that is asked for")};
+    }
+    const auto& record(const detail::lookup& at) const { return state().joints.records[at.index]; }
+    [[nodiscard]] body_id name_of(std::uint32_t body) const {
+        return {body, state().bodies.generation(body), state().tag};
+    }
 };
 /// Of a recipe without joints.
 template <class World, class Plan>
