@@ -386,30 +386,34 @@ def units(tally):
         print(excerpt(message))
 
 
+def film(name, page):
+    """Compiles and runs one sample that writes a page, and looks at the page; returns what went wrong, or nothing."""
+    program, page = BUILD / name, ROOT / f"samples/out/{page}.html"
+    page.unlink(missing_ok=True)
+    done = subprocess.run(["g++", "-std=c++20", "-O1", "-Wall", "-Wextra", "-Werror", "-I.", f"samples/{name}.cpp",
+                           "-o", program], cwd=ROOT, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    if done.returncode:
+        return done.stdout
+    done = subprocess.run([program], cwd=ROOT, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    if done.returncode or re.search(r"\b(nan|inf)\b", done.stdout):
+        return f"it ends with {done.returncode}:\n{done.stdout}"
+    if not page.is_file():
+        return f"it wrote no {page}"
+    # Looks at the page where there is a browser, and only says so where there is none.
+    done = subprocess.run([sys.executable, "samples/player/look.py", page], cwd=ROOT, text=True, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT)
+    return done.stdout if done.returncode else ""
+
+
 def films(tally):
     """The samples that write a page run, tell numbers, and write pages that unpack and draw."""
+    pages = {"02_flagship": "flagship", "06_ragdolls": "ragdolls", "07_mechanisms": "mechanisms", "08_car": "car"}
     passed, failed = 0, 0
-    for name, page in (("02_flagship", "flagship"), ("06_ragdolls", "ragdolls"), ("07_mechanisms", "mechanisms"),
-                       ("08_car", "car")):
-        program, page = BUILD / name, ROOT / f"samples/out/{page}.html"
-        page.unlink(missing_ok=True)
-        done = subprocess.run(["g++", "-std=c++20", "-O1", "-Wall", "-Wextra", "-Werror", "-I.", f"samples/{name}.cpp",
-                               "-o", program], cwd=ROOT, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
-        message = done.stdout if done.returncode else ""
-        if not message:
-            done = subprocess.run([program], cwd=ROOT, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
-            if done.returncode or re.search(r"\b(nan|inf)\b", done.stdout):
-                message = f"it ends with {done.returncode}:\n{done.stdout}"
-            elif not page.is_file():
-                message = f"it wrote no {page}"
-        # Looks at the page where there is a browser, and only says so where there is none.
-        if not message:
-            done = subprocess.run([sys.executable, "samples/player/look.py", page], cwd=ROOT, text=True,
-                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
-            message = done.stdout if done.returncode else ""
-        passed, failed = passed + (not message), failed + bool(message)
-        if message:
-            print(excerpt(f"{name}: {message}"))
+    with concurrent.futures.ThreadPoolExecutor(JOBS) as pool:
+        for name, message in zip(pages, pool.map(film, pages, pages.values())):
+            passed, failed = passed + (not message), failed + bool(message)
+            if message:
+                print(excerpt(f"{name}: {message}"))
     tally.add(passed, failed)
     say(f"  films: {passed} passed, {failed} failed")
 

@@ -95,11 +95,18 @@ void tumble(const char* cell) {
     sum.print("tumble", cell);
 }
 
-/// Balls, capsules and boxes fall into a heap on tilted ground; the hash of every 16th state of 4 seconds.
+/// Most scenes share the recipe of their scalar and dimension, since worlds take long to compile; some have no joints.
 template <class S, int D, class... Policies>
+struct joined : physics::recipe<S, D, scenes::joints, Policies...> {};
+template <class S, int D, class... Policies>
+struct plain : physics::recipe<S, D, Policies...> {};
+
+/// Balls, capsules and boxes fall into a heap on tilted ground; the hash of every 16th state of 4 seconds.
+template <class Recipe>
 void heap(const char* cell) {
-    struct falling : physics::recipe<S, D, Policies...> {};
-    using world = physics::world<falling>;
+    using S = typename Recipe::scalar;
+    constexpr int D = Recipe::dimension;
+    using world = physics::world<Recipe>;
     world w;
     typename world::halfspace slope;
     slope.normal.x = S(0.28);
@@ -125,10 +132,11 @@ void heap(const char* cell) {
 
 /// Balls and boxes on belts that resist rolling: a slope that runs uphill, and a slab that turns upon it. They lie far
 /// and wide, so that their contacts fill the widest lanes that a solver may choose.
-template <class S, int D, class... Policies>
+template <class Recipe>
 void belts(const char* cell) {
-    struct moving : physics::recipe<S, D, Policies...> {};
-    using world = physics::world<moving>;
+    using S = typename Recipe::scalar;
+    constexpr int D = Recipe::dimension;
+    using world = physics::world<Recipe>;
     using motion = physics::surface_motion<S, D>;
     const auto running = [](S speed) {
         if constexpr (std::is_same_v<motion, S>) return motion(speed);
@@ -217,10 +225,11 @@ void rubble(const char* cell) {
 }
 
 /// A net of rods, ropes and springs that falls over a bar; the hash of every 16th state of 4 seconds.
-template <class S, int D, class... Policies>
+template <class Recipe>
 void net(const char* cell) {
-    struct joined : physics::recipe<S, D, physics::joints<physics::distance_joint>, Policies...> {};
-    using world = physics::world<joined>;
+    using S = typename Recipe::scalar;
+    constexpr int D = Recipe::dimension;
+    using world = physics::world<Recipe>;
     world w;
     typename world::halfspace ground;
     ground.normal.x = S(0);
@@ -256,9 +265,8 @@ void net(const char* cell) {
 /// The scenes of the flagship sample, with ball joints, hinges and ropes; the hash of every 30th state.
 template <class S, int D, class Build>
 void flagship(const char* scene, const char* cell, Build&& build) {
-    struct crates : physics::recipe<S, D, scenes::joints> {};
     digest sum;
-    scenes::flagship<physics::world<crates>>(build, 600, [&](const auto& world, int step) {
+    scenes::flagship<physics::world<joined<S, D>>>(build, 600, [&](const auto& world, int step) {
         if (step % 30 == 0) sum.word(world.state_hash());
     });
     sum.print(scene, cell);
@@ -282,24 +290,24 @@ int main() {
     tumble<double, 3>("double/3D");
     tumble<physics::fixed32, 2>("fixed32/2D");
     tumble<physics::fixed32, 3>("fixed32/3D");
-    heap<float, 2>("float/2D");
+    heap<plain<float, 2>>("float/2D");
 #ifndef CONTROL  // Which only has to show that flags can change bits.
-    heap<float, 3>("float/3D");
-    heap<double, 2>("double/2D");
-    heap<double, 3>("double/3D");
-    heap<physics::fixed32, 2>("fixed32/2D");
-    heap<physics::fixed32, 3>("fixed32/3D");
-    belts<float, 2>("float/2D");
-    belts<float, 3>("float/3D");
-    belts<double, 3, physics::soft_step_with<physics::point_friction>>("double/3D");
-    belts<physics::fixed32, 3>("fixed32/3D");
+    heap<joined<float, 3>>("float/3D");
+    heap<joined<double, 2>>("double/2D");
+    heap<joined<double, 3>>("double/3D");
+    heap<joined<physics::fixed32, 2>>("fixed32/2D");
+    heap<joined<physics::fixed32, 3>>("fixed32/3D");
+    belts<joined<float, 2>>("float/2D");
+    belts<joined<float, 3>>("float/3D");
+    belts<plain<double, 3, physics::soft_step_with<physics::point_friction>>>("double/3D");
+    belts<joined<physics::fixed32, 3>>("fixed32/3D");
     rubble<float>("float/3D");
     rubble<physics::fixed32>("fixed32/3D");
-    net<float, 2>("float/2D");
-    net<float, 3>("float/3D");
-    net<double, 3, physics::sequential_impulse>("double/3D");
-    net<physics::fixed32, 2>("fixed32/2D");
-    net<physics::fixed32, 3>("fixed32/3D");
+    net<joined<float, 2>>("float/2D");
+    net<joined<float, 3>>("float/3D");
+    net<joined<double, 3, physics::sequential_impulse>>("double/3D");
+    net<joined<physics::fixed32, 2>>("fixed32/2D");
+    net<joined<physics::fixed32, 3>>("fixed32/3D");
     flagships<float>("float/2D", "float/3D");
     flagships<double>("double/2D", "double/3D");
     flagships<physics::fixed32>("fixed32/2D", "fixed32/3D");
