@@ -20650,6 +20650,21 @@ struct joint_frames {
     }
 };
 
+/// The same for joints that hold bodies to points of the world.
+template <class S, int D>
+struct grounded_frames : joint_frames<S, D> {
+    /// A's centre of mass in the world.
+    vec<S, D> place_a;
+
+    /// From points of the world to points of A and of B.
+    [[nodiscard]] vec<S, D> line_a(const vec<S, D>& from, const vec<S, D>& point) const {
+        return (place_a - from) + this->r_a(point);
+    }
+    [[nodiscard]] vec<S, D> line_b(const vec<S, D>& from, const vec<S, D>& point) const {
+        return (place_a - from) + (this->between + this->r_b(point));
+    }
+};
+
 /// What drives one coordinate of a joint, an angle or a length, by up to four rows. Equal limits lock it.
 template <class S>
 struct joint_drive {
@@ -20682,32 +20697,7 @@ struct joint_reaction {
     angular<S, D> torque{};
 };
 
-/// What a kind of joint must offer: values whose members are listed, a function check(joint, function) like that of
-/// shapes, and how many rows it has, 0 to 24: rows(frames, row) writes them. It is pure geometry, and is asked in each
-/// substep; all else is the library's. Of a kind that says so by the bits of `static constexpr std::uint32_t
-/// shared_bounds`, row k shares its max_force with row k + 1, and so on, up to three: not each of them, but the length
-/// of what they give together is bounded. Such rows are on together, with the same bounds and stiffness. Of a kind with
-/// a `static constexpr int angle_count`, so many angles are counted: it tells angle(frames, i), |angle| <= pi, and
-/// finds them in frames.turned[i]. fill_in(frames) is called as a joint is made or set, for what it leaves open till
-/// then.
-template <class Joint, class S, int D>
-concept joint_for = std::is_trivially_copyable_v<Joint> && detail::names_members<Joint> &&
-    requires(const Joint& joint, const joint_frames<S, D>& at, joint_row<S, D>* row) {
-    { check(joint, "create_joint") } -> std::same_as<bool>;
-    requires Joint::row_count >= 0 && Joint::row_count <= 24;
-    joint.rows(at, row);
-};
-
 namespace detail {
-
-/// Kinds that hold a frame of each body; and those too that hold the same point of both.
-template <class Joint>
-concept holds_frames = requires(Joint& j) {
-    j.frame_a, j.frame_b;
-};
-template <class Joint>
-concept placed_by_frame = holds_frames<Joint> ||(
-    requires(Joint& j) { j.anchor_a, j.anchor_b; } && !requires(Joint & j) { j.length; });
 
 /// N values, of which there may be none.
 template <class T, int N>
@@ -20730,6 +20720,97 @@ struct fixed_list<T, 0> {
     const T* begin() const { return nullptr; }
     const T* end() const { return nullptr; }
 };
+
+/// Whether rows of a kind pull A and B in directions of their own.
+template <class Joint>
+constexpr bool has_two_directions() {
+    if constexpr (requires { Joint::two_directions; }) return Joint::two_directions;
+    else return false;
+}
+template <class Joint, class S, int D>
+using frames_for = std::conditional_t<has_two_directions<Joint>(), grounded_frames<S, D>, joint_frames<S, D>>;
+
+/// Where rows are written to. `Two`: and of each also in which direction it pulls A.
+template <class S, int D, bool Two>
+struct row_target {
+    joint_row<S, D>* row;
+
+    [[nodiscard]] const vec<S, D>& direction_a(int k) const { return row[k].direction; }
+    /// That of the body which it moves more; null of rows that only turn.
+    [[nodiscard]] const vec<S, D>& direction(int k) const { return row[k].direction; }
+};
+template <class S, int D>
+struct row_target<S, D, true> {
+    joint_row<S, D>* row;
+    vec<S, D>* of_a;
+
+    [[nodiscard]] const vec<S, D>& direction_a(int k) const { return of_a[k]; }
+    [[nodiscard]] const vec<S, D>& direction(int k) const {
+        return largest(row[k].direction) < largest(of_a[k]) ? of_a[k] : row[k].direction;
+    }
+};
+/// N rows.
+template <class S, int D, int N, bool Two>
+struct row_list {
+    fixed_list<joint_row<S, D>, N> row;
+
+    row_target<S, D, false> target() { return {row.begin()}; }
+};
+template <class S, int D, int N>
+struct row_list<S, D, N, true> {
+    fixed_list<joint_row<S, D>, N> row;
+    fixed_list<vec<S, D>, N> of_a;
+
+    row_target<S, D, true> target() { return {row.begin(), of_a.begin()}; }
+};
+/// The rows of a joint of any kind.
+template <class Joint, class S, int D, bool Two>
+void rows_of(const Joint& joint, const frames_for<Joint, S, D>& at, const row_target<S, D, Two>& to) {
+    if constexpr (has_two_directions<Joint>()) {
+        joint.rows(at, to.row, to.of_a);
+    } else {
+        joint.rows(at, to.row);
+        if constexpr (Two)
+            for (int k = 0; k < Joint::row_count; ++k) to.of_a[k] = to.row[k].direction;
+    }
+}
+template <class Joint, class S, int D>
+concept writes_rows = requires(const Joint& joint, const frames_for<Joint, S, D>& at,
+                               const row_target<S, D, has_two_directions<Joint>()>& to) {
+    rows_of<Joint>(joint, at, to);
+};
+
+}  // namespace detail
+
+/// What a kind of joint must offer: values whose members are listed, a function check(joint, function) like that of
+/// shapes, and how many rows it has, 0 to 24: rows(frames, row) writes them. It is pure geometry, and is asked in each
+/// substep; all else is the library's. Of a kind that says so by the bits of `static constexpr std::uint32_t
+/// shared_bounds`, row k shares its max_force with row k + 1, and so on, up to three: not each of them, but the length
+/// of what they give together is bounded. Such rows are on together, with the same bounds and stiffness. Of a kind with
+/// a `static constexpr int angle_count`, so many angles are counted: it tells angle(frames, i), |angle| <= pi, and
+/// finds them in frames.turned[i]. fill_in(frames) is called as a joint is made or set, for what it leaves open till
+/// then; check_at(frames, function) before that, for what depends on where bodies are. Of a kind with a
+/// `static constexpr bool two_directions = true` a row pulls A otherwise than B, and the world bears the difference:
+/// rows(grounded_frames, row, direction_a) writes the negative of the Jacobian of A's centre of mass too.
+template <class Joint, class S, int D>
+concept joint_for = std::is_trivially_copyable_v<Joint> && detail::names_members<Joint> &&
+    requires(const Joint& joint) {
+    { check(joint, "create_joint") } -> std::same_as<bool>;
+    requires Joint::row_count >= 0 && Joint::row_count <= 24;
+    requires detail::writes_rows<Joint, S, D>;
+};
+
+namespace detail {
+
+/// Kinds that hold a frame of each body; and those too that hold the same point of both.
+template <class Joint>
+concept holds_frames = requires(Joint& j) {
+    j.frame_a, j.frame_b;
+};
+template <class Joint>
+concept placed_by_frame = holds_frames<Joint> ||(
+    requires(Joint& j) { j.anchor_a, j.anchor_b; } && !requires(Joint & j) { j.length; } &&
+    !requires(Joint & j) { j.ground_a; });
 
 /// How many angles of a kind are counted.
 template <class Joint>
@@ -21089,6 +21170,91 @@ bool check(const prismatic_joint<S, D>& joint, const char* function) {
            detail::check_not_negative(function, "max_motor_force", joint.max_motor_force) &&
            detail::check_spring(function, joint.frequency, joint.damping_ratio) &&
            detail::check_finite(function, "rest_translation", joint.rest_translation);
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/joint/pulley_joint.hpp
+// =================================================================================================
+// The pulley joint: a rope over wheels that stand still.
+
+PHYSICS_HPP_BEGIN
+
+/// A rope from a point of A over two points of the world to one of B: the length on A's side and `ratio` times that on
+/// B's stay within limits. As it stands it is a rope, which pulls and does not push; with equal limits it does both.
+/// With the tension T it pulls A by T and B by `ratio` T, as a block and tackle does. Rows: 4. Error: while a point is
+/// on its wheel it is pulled along x; what is drawn beyond the wheel is pulled back to it.
+template <class S, int D>
+struct pulley_joint {
+    /// Stands for the length when the joint is made or set.
+    static constexpr S as_it_stands = scalar_traits<S>::max();
+
+    /// Where the rope ends, in the bodies' frames (m).
+    vec<S, D> anchor_a{}, anchor_b{};
+    /// Where its wheels are, in the world (m); not where the anchors are when it is made or set.
+    vec<S, D> ground_a{}, ground_b{};
+    /// How much of the rope on A's side a length on B's takes up, greater than 0: 2 where B hangs in a loop.
+    S ratio = S(1);
+    /// The length on A's side and `ratio` times that on B's stay between these (m).
+    S min_length = S(0), max_length = as_it_stands;
+
+    static constexpr int row_count = 4;
+    static constexpr bool two_directions = true;
+    PHYSICS_HPP_MEMBERS(anchor_a, anchor_b, ground_a, ground_b, ratio, min_length, max_length)
+
+    /// The length on A's side and `ratio` times that on B's, where bodies are (m).
+    [[nodiscard]] S length(const grounded_frames<S, D>& at) const {
+        return physics::length(at.line_a(ground_a, anchor_a)) + ratio * physics::length(at.line_b(ground_b, anchor_b));
+    }
+    [[nodiscard]] bool check_at(const grounded_frames<S, D>& at, const char* function) const {
+        constexpr const char* rule = "there must be some rope on both sides";
+        if (at.line_a(ground_a, anchor_a) == vec<S, D>{})
+            return detail::refuse(function, "ground_a", "where anchor_a is", rule);
+        if (at.line_b(ground_b, anchor_b) == vec<S, D>{})
+            return detail::refuse(function, "ground_b", "where anchor_b is", rule);
+        pulley_joint filled = *this;
+        filled.fill_in(at);
+        return detail::check_limits(function, "min_length", filled.min_length, filled.max_length,
+                                    "it must be at most max_length");
+    }
+    void fill_in(const grounded_frames<S, D>& at) {
+        if (min_length == as_it_stands) min_length = length(at);
+        if (max_length == as_it_stands) max_length = length(at);
+    }
+    void rows(const grounded_frames<S, D>& at, joint_row<S, D>* row, vec<S, D>* direction_a) const {
+        auto a = direction_and_length_of(at.line_a(ground_a, anchor_a)),
+             b = direction_and_length_of(at.line_b(ground_b, anchor_b));
+        if (!(a.length > S(0))) a.direction = at.axis(0);
+        if (!(b.length > S(0))) b.direction = at.axis(0);
+        const vec<S, D> r_a = at.r_a(anchor_a), r_b = at.r_b(anchor_b), pull_b = b.direction * ratio;
+        const joint_row<S, D> longer{pull_b, cross(r_a, a.direction), cross(r_b, pull_b), r_a, r_b};
+        const S on_b = ratio * b.length, now = a.length + on_b;
+        direction_a[0] = -a.direction;
+        direction_a[1] = a.direction;
+        // No side takes up more than all of it: at a wheel the direction on the other side turns back, and says
+        // nothing.
+        direction_a[2] = a.direction;
+        row[2] = joint_row<S, D>{{}, -longer.angular_a, {}, r_a, r_b}.limit(max_length - a.length);
+        row[3] = joint_row<S, D>{-pull_b, {}, -longer.angular_b, r_a, r_b}.limit(max_length - on_b);
+        if (min_length == max_length) {
+            row[0] = longer.equality(now - max_length);
+            return;
+        }
+        if (min_length > S(0)) row[0] = longer.limit(now - min_length);
+        row[1] = (-longer).limit(max_length - now);
+    }
+};
+
+template <class S, int D>
+bool check(const pulley_joint<S, D>& joint, const char* function) {
+    return detail::check_finite(function, "anchor_a", joint.anchor_a) &&
+           detail::check_finite(function, "anchor_b", joint.anchor_b) &&
+           detail::check_finite(function, "ground_a", joint.ground_a) &&
+           detail::check_finite(function, "ground_b", joint.ground_b) &&
+           detail::check_positive(function, "ratio", joint.ratio) &&
+           detail::check_not_negative(function, "min_length", joint.min_length) &&
+           detail::check_positive(function, "max_length", joint.max_length);
 }
 
 PHYSICS_HPP_END
@@ -23358,7 +23524,7 @@ template <class Joint, class S, int D>
 struct step_joint {
     const Joint* joint;
     /// Where its bodies are as the step begins.
-    joint_frames<S, D> start;
+    detail::frames_for<Joint, S, D> start;
     /// What its rows gave in a substep of that length (N s, s); 0 of joints that are new.
     [[no_unique_address]] detail::fixed_list<S, Joint::row_count> impulse{};
     S substep{};
@@ -24348,9 +24514,17 @@ struct pushed_lanes {
     }
 };
 
-/// A row of W joints.
-template <class S, int D, bool Rotates, int W>
-struct row_lanes {
+/// Of rows that pull A in a direction of its own.
+template <class S, int D, int W, bool Two>
+struct own_directions {};
+template <class S, int D, int W>
+struct own_directions<S, D, W, true> {
+    S direction_a[D][W];
+};
+
+/// A row of W joints. `Two`: A has a direction of its own.
+template <class S, int D, bool Rotates, int W, bool Two>
+struct row_lanes : own_directions<S, D, W, Two> {
     using I = inverse_of<S>;
     using P = kernel_pack<S, W>;
     using Q = kernel_pack<I, W>;
@@ -24373,10 +24547,15 @@ struct row_lanes {
     bool is_on, is_one_sided, is_bounded, has_spring;
 
     void clear() { is_on = is_one_sided = is_bounded = has_spring = false; }
-    void write(int lane, const joint_row<S, D>& from, const body& a, const body& b, const joint_pass<S>& with) {
+    void write(int lane, const joint_row<S, D>& from, const vec<S, D>& to_a, const body& a, const body& b,
+               const joint_pass<S>& with) {
         bool on = from.is_on();
         for (int i = 0; i < D; ++i) direction[i][lane] = from.direction[i];
         I k = mul<I>(a.inverse_mass + b.inverse_mass, dot(from.direction, from.direction));
+        if constexpr (Two) {
+            for (int i = 0; i < D; ++i) this->direction_a[i][lane] = to_a[i];
+            k = mul<I>(a.inverse_mass, dot(to_a, to_a)) + mul<I>(b.inverse_mass, dot(from.direction, from.direction));
+        }
         if constexpr (A == 1) {
             angular_a[0][lane] = from.angular_a;
             angular_b[0][lane] = from.angular_b;
@@ -24428,10 +24607,18 @@ struct row_lanes {
 
     /// Adds what it gave in a substep.
     void add_up() { (P::load(total) + P::load(impulse)).store(total); }
+    [[nodiscard]] const auto& direction_of([[maybe_unused]] bool is_b) const {
+        if constexpr (Two) return is_b ? direction : this->direction_a;
+        else return direction;
+    }
     /// J times the velocities.
     P speed_of(const lanes& a, const lanes& b) const {
         auto sum = product(P::load(direction[0]), b.at[0] - a.at[0]);
         for (int i = 1; i < D; ++i) sum = sum + product(P::load(direction[i]), b.at[i] - a.at[i]);
+        // Adds nothing to rows of kinds with one direction: their bits are the same among others.
+        if constexpr (Two)
+            for (int i = 0; i < D; ++i)
+                sum = sum + product(P::load(direction[i]) - P::load(this->direction_a[i]), a.at[i]);
         for (int i = 0; i < A; ++i)
             sum = sum + (product(P::load(angular_a[i]), a.at[D + i]) + product(P::load(angular_b[i]), b.at[D + i]));
         return narrow<S>(sum);
@@ -24440,8 +24627,9 @@ struct row_lanes {
         const Q mass_a = Q::load(a.mass), mass_b = Q::load(b.mass);
         for (int i = 0; i < D; ++i) {
             const P p = P::load(direction[i]) * by;
-            of_a.at[i] = of_a.at[i] - mul<S>(mass_a, p);
             of_b.at[i] = of_b.at[i] + mul<S>(mass_b, p);
+            if constexpr (Two) of_a.at[i] = of_a.at[i] - mul<S>(mass_a, P::load(this->direction_a[i]) * by);
+            else of_a.at[i] = of_a.at[i] - mul<S>(mass_a, p);
         }
         turn(a, angular_a, by, of_a);
         turn(b, angular_b, by, of_b);
@@ -24536,21 +24724,22 @@ private:
 
 /// Writes the rows of a joint whose bodies have these poses; gives the way from one centre of mass to the other. Turns
 /// are counted where bodies are, and not where they are looked for ahead.
-template <class Joint, class S, int D, bool Rotates>
+template <class Joint, class S, int D, bool Rotates, bool Two>
 vec<S, D> write_rows(step_joint<Joint, S, D>& joint, [[maybe_unused]] bool is_ahead, const joint_pose<S, D, Rotates>& a,
-                     const joint_pose<S, D, Rotates>& b, joint_row<S, D>* rows) {
-    joint_frames<S, D> at = joint.start;
+                     const joint_pose<S, D, Rotates>& b, const row_target<S, D, Two>& to) {
+    auto at = joint.start;
     at.between = at.between + (b.displacement.linear - a.displacement.linear);
     at.rotation_a = a.rotation_from(at.rotation_a);
     at.rotation_b = b.rotation_from(at.rotation_b);
     const auto turned = count_turns(*joint.joint, at, joint.turned);
     at.turned = turned.begin();
     if (!is_ahead) joint.turned = turned;
-    joint.joint->rows(at, rows);
+    if constexpr (has_two_directions<Joint>()) at.place_a = at.place_a + a.displacement.linear;
+    rows_of(*joint.joint, at, to);
     if (a.is_drawn || b.is_drawn)
         for (int k = 0; k < Joint::row_count; ++k) {
-            rows[k].angular_a = a.drawn(rows[k].angular_a);
-            rows[k].angular_b = b.drawn(rows[k].angular_b);
+            to.row[k].angular_a = a.drawn(to.row[k].angular_a);
+            to.row[k].angular_b = b.drawn(to.row[k].angular_b);
         }
     return at.between;
 }
@@ -24662,12 +24851,13 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// What a direct solve asks of a joint, whatever its kind.
-template <class S, int D, bool Rotates>
+/// What a direct solve asks of a joint, whatever its kind. `Two`: among others of kinds with two directions.
+template <class S, int D, bool Rotates, bool Two>
 struct joint_access {
     using pose = joint_pose<S, D, Rotates>;
+    using target = row_target<S, D, Two>;
 
-    vec<S, D> (*write)(void* joint, bool is_ahead, const pose& a, const pose& b, joint_row<S, D>* rows);
+    vec<S, D> (*write)(void* joint, bool is_ahead, const pose& a, const pose& b, target to);
     S (*first_impulse)(const void* joint, int row, S h);
     void (*store_impulses)(void* joint, S h, const S* given, const S* sum);
     std::uint32_t shared_bounds;
@@ -24675,9 +24865,11 @@ struct joint_access {
     template <class Joint>
     static joint_access of() {
         using step_joint = solver_api::step_joint<Joint, S, D>;
-        return {[](void* j, bool is_ahead, const pose& a, const pose& b, joint_row<S, D>* rows) {
-                    for (int k = 0; k < Joint::row_count; ++k) new (rows + k) joint_row<S, D>();
-                    return write_rows(*static_cast<step_joint*>(j), is_ahead, a, b, rows);
+        return {[](void* j, bool is_ahead, const pose& a, const pose& b, target to) {
+                    for (int k = 0; k < Joint::row_count; ++k) new (to.row + k) joint_row<S, D>();
+                    if constexpr (Two)
+                        for (int k = 0; k < Joint::row_count; ++k) new (to.of_a + k) vec<S, D>();
+                    return write_rows(*static_cast<step_joint*>(j), is_ahead, a, b, to);
                 },
                 [](const void* j, int row, S h) {
                     return detail::first_impulse(*static_cast<const step_joint*>(j), row, h);
@@ -24695,6 +24887,14 @@ struct joint_access {
         joint_row<S, D> at[max_rows];
         row_memory() {}
     };
+    union direction_memory {
+        vec<S, D> at[Two ? max_rows : 1];
+        direction_memory() {}
+    };
+    static target target_of(row_memory& rows, [[maybe_unused]] direction_memory& directions) {
+        if constexpr (Two) return {rows.at, directions.at};
+        else return {rows.at};
+    }
 };
 
 template <class S, int D>
@@ -24727,16 +24927,16 @@ PHYSICS_HPP_ALWAYS_INLINE P narrowed(const K& x) {
     }
 }
 /// M^-1 J^T of a row, of one of its bodies.
-template <class K, class S, int D, bool Rotates>
+template <class K, class S, int D, bool Rotates, bool Two>
 struct row_response {
     static constexpr int W = K::width, A = pushed_lanes<S, D, Rotates, W>::A;
-    using row = row_lanes<S, D, Rotates, W>;
+    using row = row_lanes<S, D, Rotates, W, Two>;
 
     K linear[D], angular[row::array];
 
     row_response(const row& r, bool is_b, const pushed_lanes<S, D, Rotates, W>& to) {
         const K mass = lanes_from<K>(to.mass);
-        for (int c = 0; c < D; ++c) linear[c] = mass * lanes_from<K>(r.direction[c]);
+        for (int c = 0; c < D; ++c) linear[c] = mass * lanes_from<K>(r.direction_of(is_b)[c]);
         [[maybe_unused]] const auto& axis = is_b ? r.angular_b : r.angular_a;
         if constexpr (A == 1) angular[0] = lanes_from<K>(to.inertia[0]) * lanes_from<K>(axis[0]);
         if constexpr (A == 3) {
@@ -24749,8 +24949,9 @@ struct row_response {
     }
     /// The speed of a row of the same body by that; `opposed`: the body is A of one of both, and B of the other.
     [[nodiscard]] K answer(const row& r, bool is_b, bool opposed) const {
-        K sum = lanes_from<K>(r.direction[0]) * linear[0];
-        for (int c = 1; c < D; ++c) sum = sum + lanes_from<K>(r.direction[c]) * linear[c];
+        const auto& direction = r.direction_of(is_b);
+        K sum = lanes_from<K>(direction[0]) * linear[0];
+        for (int c = 1; c < D; ++c) sum = sum + lanes_from<K>(direction[c]) * linear[c];
         if (opposed) sum = -sum;
         [[maybe_unused]] const auto& axis = is_b ? r.angular_b : r.angular_a;
         for (int c = 0; c < A; ++c) sum = sum + lanes_from<K>(axis[c]) * angular[c];
@@ -24769,8 +24970,8 @@ struct direct_row {
     S is_cut[W];
 };
 /// J M^-1 J^T of rows.
-template <class S, int D, bool Rotates, class K, int W = K::width>
-void assemble(const joint_pattern& of, const row_lanes<S, D, Rotates, W>* rows,
+template <class S, int D, bool Rotates, bool Two, class K, int W = K::width>
+void assemble(const joint_pattern& of, const row_lanes<S, D, Rotates, W, Two>* rows,
               const pushed_lanes<S, D, Rotates, W>* sides, K* matrix) {
     const K zero = K::broadcast(typename K::scalar(0));
     for (std::uint32_t i = 0; i < of.entries; ++i) matrix[i] = zero;
@@ -24781,7 +24982,7 @@ void assemble(const joint_pattern& of, const row_lanes<S, D, Rotates, W>* rows,
             for (const bool is_b : {false, true}) {
                 const auto& to = sides[is_b ? j.b : j.a];
                 if (!to.is_pushed) continue;
-                const row_response<K, S, D, Rotates> moved(r, is_b, to);
+                const row_response<K, S, D, Rotates, Two> moved(r, is_b, to);
                 for (std::uint32_t l = k; l < j.row_count; ++l) {
                     K& at = matrix[j.panel + l * j.row_count + k];
                     at = at + moved.answer(rows[j.first_row + l], is_b, false);
@@ -24801,10 +25002,10 @@ void assemble(const joint_pattern& of, const row_lanes<S, D, Rotates, W>* rows,
 }
 /// The square of an error as a part of what a joint measures (of a radian, where a row only turns), up to 1.
 template <class S, int D>
-double part_of(double error, const joint_row<S, D>& of, double apart) {
-    const bool turns = of.direction == vec<S, D>{};
+double part_of(double error, const joint_row<S, D>& of, const vec<S, D>& direction, double apart) {
+    const bool turns = direction == vec<S, D>{};
     const double reach = apart + length_squared_of(of.r_a) + length_squared_of(of.r_b),
-                 size = turns ? 1 : length_squared_of(of.direction) * reach;
+                 size = turns ? 1 : length_squared_of(direction) * reach;
     return error * error < size ? error * error / size : 1;
 }
 /// The square of the lever on which a force of a joint turns the lighter of its bodies as fast as it moves it.
@@ -25006,7 +25207,7 @@ namespace detail {
 /// matrix J M^-1 J^T. For the solve only, bodies have so much inertia that forces which turn with them cannot make a
 /// substep unstable: else light links under a heavy load blow up. Source: Tournier et al., Stable constrained dynamics
 /// (2015).
-template <class S, int D, bool Rotates, int W>
+template <class S, int D, bool Rotates, int W, bool Two>
 class joint_system {
 protected:
     using P = kernel_pack<S, W>;
@@ -25014,9 +25215,9 @@ protected:
     using C = typename K::scalar;
     using body = solver_body<S, D, Rotates>;
     using lanes = twist_lanes<P, D, Rotates>;
-    using row = row_lanes<S, D, Rotates, W>;
+    using row = row_lanes<S, D, Rotates, W, Two>;
     using side = pushed_lanes<S, D, Rotates, W>;
-    using access = joint_access<S, D, Rotates>;
+    using access = joint_access<S, D, Rotates, Two>;
     using pose = joint_pose<S, D, Rotates>;
     using row_state = direct_row<P, S, W>;
 
@@ -25110,7 +25311,7 @@ protected:
             for (std::uint32_t k = 0; k < of_.body_count; ++k) largest = max(largest, sway_[k]);
             resolved_[lane] = largest > max_resolved ? S(0) : S(1);
         }
-        assemble<S, D, Rotates>(of_, rows_, sides_, matrix_.matrix);
+        assemble<S, D, Rotates, Two>(of_, rows_, sides_, matrix_.matrix);
         is_factorised_ = false;
     }
     PHYSICS_HPP_NOINLINE void write_joint(std::uint32_t i, int lane, const body* bodies, const pose* poses,
@@ -25119,33 +25320,42 @@ protected:
         const std::uint32_t at_a = sides_[j.a].index[lane], at_b = sides_[j.b].index[lane];
         const body &a = bodies[at_a], &b = bodies[at_b];
         typename access::row_memory rows;
-        const vec<S, D> between = kinds_[j.kind].write(joint_at(i, lane), false, poses[at_a], poses[at_b], rows.at);
+        typename access::direction_memory directions;
+        const auto to = access::target_of(rows, directions);
+        const vec<S, D> between = kinds_[j.kind].write(joint_at(i, lane), false, poses[at_a], poses[at_b], to);
         const double own = own_lever_of(a, b), apart = own + length_squared_of(between);
         own_lever_[i * W + static_cast<std::uint32_t>(lane)] = own;
-        double square = 0;
+        double square = 0, square_a = 0, largest = 1, largest_a = 1;
         vec<S, D> r_a, r_b;
         j.each_row([&](std::uint32_t r, int k) {
-            rows_[r].write(lane, rows.at[k], a, b, with);
+            rows_[r].write(lane, rows.at[k], to.direction_a(k), a, b, with);
             // Of what has room, rests elsewhere or gives in, the error says nothing.
             const bool holds = !rows.at[k].is_bounded() && !rows.at[k].is_spring();
-            const double part = holds ? part_of(to_double(rows.at[k].error), rows.at[k], apart) : 0;
+            const double part = holds ? part_of(to_double(rows.at[k].error), rows.at[k], to.direction(k), apart) : 0;
             const bool is_bounded = rows.at[k].is_bounded();
             matrix_.row[r].slack.set_lane(lane, static_cast<C>(is_bounded ? slack_of_bounded : part));
             has_bounds_ = has_bounds_ || is_bounded;
             largest_[lane] = max(largest_[lane], part);
             if (part > 0.0001) far_[lane] = S(1);
-            if (rows.at[k].direction == vec<S, D>{}) return;
+            if (to.direction(k) == vec<S, D>{}) return;
             const double given = to_double(state_[r].load[lane]);
             square += length_squared_of(rows.at[k].direction) * given * given;
+            if constexpr (Two) {
+                square_a += length_squared_of(to.direction_a(k)) * given * given;
+                largest = max(largest, length_squared_of(rows.at[k].direction));
+                largest_a = max(largest_a, length_squared_of(to.direction_a(k)));
+            }
             r_a = rows.at[k].r_a;
             r_b = rows.at[k].r_b;
         });
         const double of_a = sway_of(a, r_a, joints_of_[j.a] == 1, to_double(b.inverse_mass)),
                      of_b = sway_of(b, r_b, joints_of_[j.b] == 1, to_double(a.inverse_mass));
         const double force_h2 = sqrt(square) * to_double(with.h);
-        sway_[j.a] += of_a * force_h2;
+        if constexpr (Two) sway_[j.a] += of_a * sqrt(square_a) * to_double(with.h);
+        else sway_[j.a] += of_a * force_h2;
         sway_[j.b] += of_b * force_h2;
-        unit_sway_[i].set_lane(lane, static_cast<C>(max(of_a, of_b) * to_double(with.h)));
+        const double unit = Two ? max(of_a * sqrt(largest_a), of_b * sqrt(largest)) : max(of_a, of_b);
+        unit_sway_[i].set_lane(lane, static_cast<C>(unit * to_double(with.h)));
     }
     /// Calls f(row, its joint) for each row.
     template <class F>
@@ -25207,9 +25417,9 @@ namespace detail {
 /// what they are to hold (damped least squares): not all of them can be met, perhaps, and what seems to do it would be
 /// a leap. Source: Baraff, Linear-time dynamics using Lagrange multipliers (1996); Judice, Pires, A block pivoting
 /// algorithm (1994); Nakamura, Hanafusa, Inverse kinematic solutions with singularity robustness (1986).
-template <class S, int D, bool Rotates, int W>
-class direct_joints : joint_system<S, D, Rotates, W> {
-    using base = joint_system<S, D, Rotates, W>;
+template <class S, int D, bool Rotates, int W, bool Two>
+class direct_joints : joint_system<S, D, Rotates, W, Two> {
+    using base = joint_system<S, D, Rotates, W, Two>;
     using typename base::P, typename base::K, typename base::C, typename base::body, typename base::lanes;
     using typename base::row, typename base::access, typename base::pose, typename base::row_state;
     using poses_of = joint_poses<S, D, Rotates>;
@@ -25462,15 +25672,16 @@ private:
             for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
                 const joint_pattern::joint& j = of_.joints[i];
                 typename access::row_memory rows;
-                const vec<S, D> between =
-                    kinds_[j.kind].write(joint_at(i, lane), true, ahead_[j.a], ahead_[j.b], rows.at);
+                typename access::direction_memory directions;
+                const auto to = access::target_of(rows, directions);
+                const vec<S, D> between = kinds_[j.kind].write(joint_at(i, lane), true, ahead_[j.a], ahead_[j.b], to);
                 const double apart = own_lever_[i * W + static_cast<std::uint32_t>(lane)] + length_squared_of(between);
                 j.each_row([&](std::uint32_t r, int k) {
                     K& right_hand = matrix_.row[r].right_hand;
                     const bool holds = !rows_[r].is_bounded && !rows_[r].has_spring;
                     const double moved = to_double(rows.at[k].error) - to_double(rows_[r].error[lane]),
                                  misses = holds ? moved - right_hand.lane(lane) * to_double(with.h) : 0;
-                    const double part = part_of(misses, rows.at[k], apart);
+                    const double part = part_of(misses, rows.at[k], to.direction(k), apart);
                     largest[lane] = max(largest[lane], part);
                     if (part > 0.0025) is_near[lane] = S(0);
                     // Rows that all but say the same would make much of what is rounding.
@@ -26029,7 +26240,7 @@ class joint_block {
     using P = kernel_pack<S, W>;
     using body = solver_body<S, D, Rotates>;
     using lanes = twist_lanes<P, D, Rotates>;
-    using row = row_lanes<S, D, Rotates, W>;
+    using row = row_lanes<S, D, Rotates, W, has_two_directions<Joint>()>;
     using pose = joint_pose<S, D, Rotates>;
 
 public:
@@ -26127,9 +26338,11 @@ private:
     }
     PHYSICS_HPP_NOINLINE void write_rows(int lane, const body* bodies, const pose* poses, const joint_pass<S>& with) {
         const std::uint32_t a = a_.index[lane], b = b_.index[lane];
-        fixed_list<joint_row<S, D>, Joint::row_count> rows;
-        detail::write_rows(*joints_[lane], false, poses[a], poses[b], rows.begin());
-        for (int k = 0; k < Joint::row_count; ++k) rows_[k].write(lane, rows[k], bodies[a], bodies[b], with);
+        row_list<S, D, Joint::row_count, has_two_directions<Joint>()> rows;
+        const auto to = rows.target();
+        detail::write_rows(*joints_[lane], false, poses[a], poses[b], to);
+        for (int k = 0; k < Joint::row_count; ++k)
+            rows_[k].write(lane, to.row[k], to.direction_a(k), bodies[a], bodies[b], with);
     }
 
     step_joint<Joint, S, D>* joints_[W] = {};
@@ -26201,9 +26414,9 @@ template <class Constraints, int W>
 class direct_groups;
 template <class S, int D, class Features, template <class, int> class... Joints, int W>
 class direct_groups<constraints<S, D, Features, joints<Joints...>>, W> {
-    static constexpr bool rotates = Features::rotation;
-    using group = direct_joints<S, D, rotates, W>;
-    using access = joint_access<S, D, rotates>;
+    static constexpr bool rotates = Features::rotation, two = (has_two_directions<Joints<S, D>>() || ...);
+    using group = direct_joints<S, D, rotates, W, two>;
+    using access = joint_access<S, D, rotates, two>;
     using constraints_type = constraints<S, D, Features, joints<Joints...>>;
 
 public:
@@ -26222,8 +26435,9 @@ public:
                 const body_pair& ends = joints.bodies(i);
                 const auto &a = bodies[ends.a], &b = bodies[ends.b];
                 steps[at] = &joints[i];
-                fixed_list<joint_row<S, D>, Joint::row_count> rows;
-                write_rows(joints[i], true, poses[ends.a], poses[ends.b], rows.begin());
+                row_list<S, D, Joint::row_count, has_two_directions<Joint>()> list_of_rows;
+                const auto rows = list_of_rows.target().row;
+                write_rows(joints[i], true, poses[ends.a], poses[ends.b], list_of_rows.target());
                 new (all + at) graph_joint{
                     ends, a.inverse_mass > inverse_of<S>(0), b.inverse_mass > inverse_of<S>(0), kind, i, 0, 0, 0};
                 for (int k = 0; k < Joint::row_count; ++k) {
@@ -29583,6 +29797,13 @@ struct step_joints<S, D, joints<Joints...>> : buffer<step_joint<Joints<S, D>, S,
 };
 struct no_step_joints {};
 
+/// Where the bodies of a joint are.
+template <class Joint, class S, int D, bool Rotates>
+frames_for<Joint, S, D> frames_between(const body<S, D, Rotates>& a, const body<S, D, Rotates>& b) {
+    const joint_frames<S, D> at{a.rotation, b.rotation, a.mass.center, b.mass.center, b.center - a.center};
+    if constexpr (has_two_directions<Joint>()) return {at, a.center};
+    else return at;
+}
 /// Joints, and which bodies move -> those of the step, where their bodies are, and their edges. O(joints).
 template <class S, int D, class Joints, bool Rotates>
 void list_joints(joint_set<S, D, Joints>& all, const pool<body<S, D, Rotates>>& bodies, const awake_list& awake,
@@ -29598,8 +29819,7 @@ void list_joints(joint_set<S, D, Joints>& all, const pool<body<S, D, Rotates>>& 
                 const joint_record& record = all.records[from.number];
                 if (!record.enabled || (!is_pushed(record.body_a) && !is_pushed(record.body_b))) return;
                 const auto &a = bodies[record.body_a], &b = bodies[record.body_b];
-                auto& j = to.emplace_back(&from.joint, joint_frames<S, D>{a.rotation, b.rotation, a.mass.center,
-                                                                          b.mass.center, b.center - a.center});
+                auto& j = to.emplace_back(&from.joint, frames_between<Joint>(a, b));
                 for (int k = 0; k < Joint::row_count; ++k) j.impulse[k] = from.impulse[k];
                 j.substep = from.substep;
                 j.turned = from.turned;
@@ -29627,24 +29847,23 @@ void publish_joints(step_joints<S, D, Joints>& found, S h, joint_set<S, D, Joint
 }
 
 /// What a joint gave in the last step, along its rows where its bodies are.
-template <class Joint, class S, int D>
-joint_reaction<S, D> reaction_of(const stored_joint<Joint, S>& j, joint_frames<S, D> at) {
+template <class Joint, class S, int D, bool Rotates>
+joint_reaction<S, D> reaction_of(const stored_joint<Joint, S>& j, const body<S, D, Rotates>& a,
+                                 const body<S, D, Rotates>& b) {
     joint_reaction<S, D> sum{};
     if (!(j.step > S(0))) return sum;
+    auto at = frames_between<Joint>(a, b);
     const auto turned = count_turns(j.joint, at, j.turned);
     at.turned = turned.begin();
-    fixed_list<joint_row<S, D>, Joint::row_count> row;
-    j.joint.rows(at, row.begin());
+    row_list<S, D, Joint::row_count, has_two_directions<Joint>()> rows;
+    rows_of(j.joint, at, rows.target());
+    const auto& row = rows.row;
     for (int k = 0; k < Joint::row_count; ++k) {
         const S force = j.sum[k] / j.step;
         sum.force += row[k].direction * force;
         sum.torque += (row[k].angular_b - cross(row[k].r_b, row[k].direction)) * force;
     }
     return sum;
-}
-template <class S, int D, bool Rotates>
-joint_frames<S, D> frames_between(const body<S, D, Rotates>& a, const body<S, D, Rotates>& b) {
-    return {a.rotation, b.rotation, a.mass.center, b.mass.center, b.center - a.center};
 }
 /// Joints that gave more than they can bear are no longer enabled; their bodies start to be still anew.
 template <class S, int D, class Joints, bool Rotates, class Sleep>
@@ -29656,8 +29875,7 @@ void break_joints(const step_joints<S, D, Joints>& found, const pool<body<S, D, 
             const std::uint32_t number = of_kind[j.slot].number;
             joint_record& record = all.records[number];
             if (!record.can_break()) continue;
-            const auto gave =
-                reaction_of(of_kind[j.slot], frames_between(bodies[record.body_a], bodies[record.body_b]));
+            const auto gave = reaction_of(of_kind[j.slot], bodies[record.body_a], bodies[record.body_b]);
             const auto is_more = [](const auto& x, double limit) {
                 if constexpr (std::is_same_v<std::remove_cvref_t<decltype(x)>, S>)
                     return limit > 0 && to_double(abs(x)) > limit;
@@ -33177,6 +33395,7 @@ struct shape_names {
     using prismatic_joint = physics::prismatic_joint<S, D>;
     using revolute_joint = physics::revolute_joint<S, D>;
     using gear_joint = physics::gear_joint<S, D>;
+    using pulley_joint = physics::pulley_joint<S, D>;
     using rack_joint = physics::rack_joint<S, D>;
     using joint_axis = physics::joint_axis<S>;
     using six_degrees_joint = physics::six_degrees_joint<S, D>;
@@ -35620,20 +35839,22 @@ void wake_connected(world_data<Plan>& s, std::uint32_t joint) {
     world_code<Plan>::wake(s, s.joints.records[joint].body_b);
 }
 
-template <class Plan>
-using frames_of = joint_frames<typename Plan::scalar, Plan::dimension>;
-/// Where the bodies of a joint are.
-template <class Plan>
-frames_of<Plan> frames_at(const state<Plan>& s, std::uint32_t joint) {
-    const auto &a = s.bodies[s.joints.records[joint].body_a], &b = s.bodies[s.joints.records[joint].body_b];
-    return {a.rotation, b.rotation, a.mass.center, b.mass.center, b.center - a.center};
+/// Whether a joint may be made or set between these bodies where they are.
+template <class Plan, class Joint>
+bool check_joint(const state<Plan>& s, const Joint& joint, std::uint32_t a, std::uint32_t b, const char* function) {
+    if (!check(joint, function)) return false;
+    const auto at = frames_between<Joint>(s.bodies[a], s.bodies[b]);
+    if constexpr (requires { joint.check_at(at, function); }) return joint.check_at(at, function);
+    else return true;
 }
 /// Has a joint that is made or set fill in what it leaves open.
 template <class Plan, class Joint>
 void fill_in([[maybe_unused]] state<Plan>& s, [[maybe_unused]] std::uint32_t joint) {
-    if constexpr (requires(Joint & j, const frames_of<Plan>& at) { j.fill_in(at); }) {
-        auto& j = s.joints.template of_kind<Joint>()[s.joints.records[joint].slot];
-        frames_of<Plan> at = frames_at<Plan>(s, joint);
+    using frames = frames_for<Joint, typename Plan::scalar, Plan::dimension>;
+    if constexpr (requires(Joint & j, const frames& at) { j.fill_in(at); }) {
+        const joint_record& record = s.joints.records[joint];
+        auto& j = s.joints.template of_kind<Joint>()[record.slot];
+        frames at = frames_between<Joint>(s.bodies[record.body_a], s.bodies[record.body_b]);
         j.turned = count_turns(j.joint, at, j.turned);
         at.turned = j.turned.begin();
         j.joint.fill_in(at);
@@ -35648,7 +35869,7 @@ joint_id create_joint(world_data<Plan>& s, body_id body_a, body_id body_b, const
         refuse(f, "body_b", "the same as body_a", "a joint holds two bodies");
         return {};
     }
-    if (!check(joint, f) || !check_not_negative(f, "break_force", def.break_force) ||
+    if (!check_joint<Plan>(s, joint, a.index, b.index, f) || !check_not_negative(f, "break_force", def.break_force) ||
         !check_not_negative(f, "break_torque", def.break_torque))
         return {};
     auto& of_kind = s.joints.template of_kind<Joint>();
@@ -35671,13 +35892,12 @@ joint_id create_joint(world_data<Plan>& s, body_id body_a, body_id body_b, const
     return {place.index, place.generation, s.tag};
 }
 
-/// Calls f(the joint with what it gave, its frames) for one of any kind.
+/// Calls f(the joint with what it gave, its bodies) for one of any kind.
 template <class Plan, class F>
 void with_joint(const state<Plan>& s, std::uint32_t joint, F&& f) {
     const joint_record& record = s.joints.records[joint];
-    const frames_of<Plan> at = frames_at<Plan>(s, joint);
     s.joints.each_kind(s.joints, [&](std::uint32_t kind, const auto& of_kind) {
-        if (kind == record.kind) f(of_kind[record.slot], at);
+        if (kind == record.kind) f(of_kind[record.slot], s.bodies[record.body_a], s.bodies[record.body_b]);
     });
 }
 /// How far a joint is turned, by the first of its angles.
@@ -35685,9 +35905,11 @@ template <class Plan>
 typename Plan::scalar angle_of(const state<Plan>& s, std::uint32_t joint) {
     using S = typename Plan::scalar;
     S result{};
-    with_joint<Plan>(s, joint, [&]<class Joint>(const stored_joint<Joint, S>& j, [[maybe_unused]] const auto& at) {
-        if constexpr (angles_of<Joint>() > 0) result = count_turns(j.joint, at, j.turned)[0].total();
-    });
+    const auto angle = [&]<class Joint>(const stored_joint<Joint, S>& j, const auto& a, const auto& b) {
+        if constexpr (angles_of<Joint>() > 0)
+            result = count_turns(j.joint, frames_between<Joint>(a, b), j.turned)[0].total();
+    };
+    with_joint<Plan>(s, joint, angle);
     return result;
 }
 /// The joints of a world, in the order of their numbers, or those of one body. A loop may change the world: it leaves
@@ -35818,7 +36040,11 @@ public:
     template <class Joint>
     void set_joint(joint_id id, const Joint& joint) {
         const auto at = find_kind<Joint>(state(), id, "set_joint");
-        if (!at || !check(joint, "set_joint")) return;
+        if (!at) return;
+        const bool is_good = detail::scoped([&] {
+            return detail::check_joint<Plan>(state(), joint, record(at).body_a, record(at).body_b, "set_joint");
+        });
+        if (!is_good) return;
         detail::wake_connected(state(), at.index);
         state().joints.template of_kind<Joint>()[record(at).slot].joint = joint;
         detail::scoped([&] { detail::fill_in<Plan, Joint>(state(), at.index); });
@@ -35848,8 +36074,8 @@ public:
         joint_reaction<S, D> result{};
         if (const auto at = find(state(), id, "reaction"))
             detail::scoped([&] {
-                detail::with_joint<Plan>(state(), at.index, [&](const auto& j, const auto& frames) {
-                    result = detail::reaction_of(j, frames);
+                detail::with_joint<Plan>(state(), at.index, [&](const auto& j, const auto& a, const auto& b) {
+                    result = detail::reaction_of(j, a, b);
                 });
             });
         return result;

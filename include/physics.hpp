@@ -246,6 +246,7 @@
 #include "physics/joint/joint.hpp"
 #include "physics/joint/motor_joint.hpp"
 #include "physics/joint/prismatic_joint.hpp"
+#include "physics/joint/pulley_joint.hpp"
 #include "physics/joint/rack_joint.hpp"
 #include "physics/joint/revolute_joint.hpp"
 #include "physics/joint/six_degrees_joint.hpp"

@@ -54,6 +54,15 @@ World falling(int substeps = 4, double g = gravity) {
     settings.solver.substeps = substeps;
     return World(settings);
 }
+/// Whose joints are solved directly, or by iterations.
+template <class World>
+World falling_by(int substeps, bool direct) {
+    World w = falling<World>(substeps);
+    auto settings = w.settings();
+    if (!direct) settings.solver.max_direct_cost = 0;
+    w.set_settings(settings);
+    return w;
+}
 template <class World>
 body_id add_anchor(World& w, const vec& where) {
     return w.create_body({.type = body_type::static_body, .position = where});

@@ -13,7 +13,7 @@ template <class Joint, class S, int D>
 struct step_joint {
     const Joint* joint;
     /// Where its bodies are as the step begins.
-    joint_frames<S, D> start;
+    detail::frames_for<Joint, S, D> start;
     /// What its rows gave in a substep of that length (N s, s); 0 of joints that are new.
     [[no_unique_address]] detail::fixed_list<S, Joint::row_count> impulse{};
     S substep{};

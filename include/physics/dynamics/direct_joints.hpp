@@ -14,9 +14,9 @@ namespace detail {
 /// what they are to hold (damped least squares): not all of them can be met, perhaps, and what seems to do it would be
 /// a leap. Source: Baraff, Linear-time dynamics using Lagrange multipliers (1996); Judice, Pires, A block pivoting
 /// algorithm (1994); Nakamura, Hanafusa, Inverse kinematic solutions with singularity robustness (1986).
-template <class S, int D, bool Rotates, int W>
-class direct_joints : joint_system<S, D, Rotates, W> {
-    using base = joint_system<S, D, Rotates, W>;
+template <class S, int D, bool Rotates, int W, bool Two>
+class direct_joints : joint_system<S, D, Rotates, W, Two> {
+    using base = joint_system<S, D, Rotates, W, Two>;
     using typename base::P, typename base::K, typename base::C, typename base::body, typename base::lanes;
     using typename base::row, typename base::access, typename base::pose, typename base::row_state;
     using poses_of = joint_poses<S, D, Rotates>;
@@ -269,15 +269,16 @@ private:
             for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
                 const joint_pattern::joint& j = of_.joints[i];
                 typename access::row_memory rows;
-                const vec<S, D> between =
-                    kinds_[j.kind].write(joint_at(i, lane), true, ahead_[j.a], ahead_[j.b], rows.at);
+                typename access::direction_memory directions;
+                const auto to = access::target_of(rows, directions);
+                const vec<S, D> between = kinds_[j.kind].write(joint_at(i, lane), true, ahead_[j.a], ahead_[j.b], to);
                 const double apart = own_lever_[i * W + static_cast<std::uint32_t>(lane)] + length_squared_of(between);
                 j.each_row([&](std::uint32_t r, int k) {
                     K& right_hand = matrix_.row[r].right_hand;
                     const bool holds = !rows_[r].is_bounded && !rows_[r].has_spring;
                     const double moved = to_double(rows.at[k].error) - to_double(rows_[r].error[lane]),
                                  misses = holds ? moved - right_hand.lane(lane) * to_double(with.h) : 0;
-                    const double part = part_of(misses, rows.at[k], apart);
+                    const double part = part_of(misses, rows.at[k], to.direction(k), apart);
                     largest[lane] = max(largest[lane], part);
                     if (part > 0.0025) is_near[lane] = S(0);
                     // Rows that all but say the same would make much of what is rounding.

@@ -8,12 +8,13 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// What a direct solve asks of a joint, whatever its kind.
-template <class S, int D, bool Rotates>
+/// What a direct solve asks of a joint, whatever its kind. `Two`: among others of kinds with two directions.
+template <class S, int D, bool Rotates, bool Two>
 struct joint_access {
     using pose = joint_pose<S, D, Rotates>;
+    using target = row_target<S, D, Two>;
 
-    vec<S, D> (*write)(void* joint, bool is_ahead, const pose& a, const pose& b, joint_row<S, D>* rows);
+    vec<S, D> (*write)(void* joint, bool is_ahead, const pose& a, const pose& b, target to);
     S (*first_impulse)(const void* joint, int row, S h);
     void (*store_impulses)(void* joint, S h, const S* given, const S* sum);
     std::uint32_t shared_bounds;
@@ -21,9 +22,11 @@ struct joint_access {
     template <class Joint>
     static joint_access of() {
         using step_joint = solver_api::step_joint<Joint, S, D>;
-        return {[](void* j, bool is_ahead, const pose& a, const pose& b, joint_row<S, D>* rows) {
-                    for (int k = 0; k < Joint::row_count; ++k) new (rows + k) joint_row<S, D>();
-                    return write_rows(*static_cast<step_joint*>(j), is_ahead, a, b, rows);
+        return {[](void* j, bool is_ahead, const pose& a, const pose& b, target to) {
+                    for (int k = 0; k < Joint::row_count; ++k) new (to.row + k) joint_row<S, D>();
+                    if constexpr (Two)
+                        for (int k = 0; k < Joint::row_count; ++k) new (to.of_a + k) vec<S, D>();
+                    return write_rows(*static_cast<step_joint*>(j), is_ahead, a, b, to);
                 },
                 [](const void* j, int row, S h) {
                     return detail::first_impulse(*static_cast<const step_joint*>(j), row, h);
@@ -41,6 +44,14 @@ struct joint_access {
         joint_row<S, D> at[max_rows];
         row_memory() {}
     };
+    union direction_memory {
+        vec<S, D> at[Two ? max_rows : 1];
+        direction_memory() {}
+    };
+    static target target_of(row_memory& rows, [[maybe_unused]] direction_memory& directions) {
+        if constexpr (Two) return {rows.at, directions.at};
+        else return {rows.at};
+    }
 };
 
 template <class S, int D>
@@ -73,16 +84,16 @@ PHYSICS_HPP_ALWAYS_INLINE P narrowed(const K& x) {
     }
 }
 /// M^-1 J^T of a row, of one of its bodies.
-template <class K, class S, int D, bool Rotates>
+template <class K, class S, int D, bool Rotates, bool Two>
 struct row_response {
     static constexpr int W = K::width, A = pushed_lanes<S, D, Rotates, W>::A;
-    using row = row_lanes<S, D, Rotates, W>;
+    using row = row_lanes<S, D, Rotates, W, Two>;
 
     K linear[D], angular[row::array];
 
     row_response(const row& r, bool is_b, const pushed_lanes<S, D, Rotates, W>& to) {
         const K mass = lanes_from<K>(to.mass);
-        for (int c = 0; c < D; ++c) linear[c] = mass * lanes_from<K>(r.direction[c]);
+        for (int c = 0; c < D; ++c) linear[c] = mass * lanes_from<K>(r.direction_of(is_b)[c]);
         [[maybe_unused]] const auto& axis = is_b ? r.angular_b : r.angular_a;
         if constexpr (A == 1) angular[0] = lanes_from<K>(to.inertia[0]) * lanes_from<K>(axis[0]);
         if constexpr (A == 3) {
@@ -95,8 +106,9 @@ struct row_response {
     }
     /// The speed of a row of the same body by that; `opposed`: the body is A of one of both, and B of the other.
     [[nodiscard]] K answer(const row& r, bool is_b, bool opposed) const {
-        K sum = lanes_from<K>(r.direction[0]) * linear[0];
-        for (int c = 1; c < D; ++c) sum = sum + lanes_from<K>(r.direction[c]) * linear[c];
+        const auto& direction = r.direction_of(is_b);
+        K sum = lanes_from<K>(direction[0]) * linear[0];
+        for (int c = 1; c < D; ++c) sum = sum + lanes_from<K>(direction[c]) * linear[c];
         if (opposed) sum = -sum;
         [[maybe_unused]] const auto& axis = is_b ? r.angular_b : r.angular_a;
         for (int c = 0; c < A; ++c) sum = sum + lanes_from<K>(axis[c]) * angular[c];
@@ -115,8 +127,8 @@ struct direct_row {
     S is_cut[W];
 };
 /// J M^-1 J^T of rows.
-template <class S, int D, bool Rotates, class K, int W = K::width>
-void assemble(const joint_pattern& of, const row_lanes<S, D, Rotates, W>* rows,
+template <class S, int D, bool Rotates, bool Two, class K, int W = K::width>
+void assemble(const joint_pattern& of, const row_lanes<S, D, Rotates, W, Two>* rows,
               const pushed_lanes<S, D, Rotates, W>* sides, K* matrix) {
     const K zero = K::broadcast(typename K::scalar(0));
     for (std::uint32_t i = 0; i < of.entries; ++i) matrix[i] = zero;
@@ -127,7 +139,7 @@ void assemble(const joint_pattern& of, const row_lanes<S, D, Rotates, W>* rows,
             for (const bool is_b : {false, true}) {
                 const auto& to = sides[is_b ? j.b : j.a];
                 if (!to.is_pushed) continue;
-                const row_response<K, S, D, Rotates> moved(r, is_b, to);
+                const row_response<K, S, D, Rotates, Two> moved(r, is_b, to);
                 for (std::uint32_t l = k; l < j.row_count; ++l) {
                     K& at = matrix[j.panel + l * j.row_count + k];
                     at = at + moved.answer(rows[j.first_row + l], is_b, false);
@@ -147,10 +159,10 @@ void assemble(const joint_pattern& of, const row_lanes<S, D, Rotates, W>* rows,
 }
 /// The square of an error as a part of what a joint measures (of a radian, where a row only turns), up to 1.
 template <class S, int D>
-double part_of(double error, const joint_row<S, D>& of, double apart) {
-    const bool turns = of.direction == vec<S, D>{};
+double part_of(double error, const joint_row<S, D>& of, const vec<S, D>& direction, double apart) {
+    const bool turns = direction == vec<S, D>{};
     const double reach = apart + length_squared_of(of.r_a) + length_squared_of(of.r_b),
-                 size = turns ? 1 : length_squared_of(of.direction) * reach;
+                 size = turns ? 1 : length_squared_of(direction) * reach;
     return error * error < size ? error * error / size : 1;
 }
 /// The square of the lever on which a force of a joint turns the lighter of its bodies as fast as it moves it.

@@ -14,7 +14,7 @@ class joint_block {
     using P = kernel_pack<S, W>;
     using body = solver_body<S, D, Rotates>;
     using lanes = twist_lanes<P, D, Rotates>;
-    using row = row_lanes<S, D, Rotates, W>;
+    using row = row_lanes<S, D, Rotates, W, has_two_directions<Joint>()>;
     using pose = joint_pose<S, D, Rotates>;
 
 public:
@@ -112,9 +112,11 @@ private:
     }
     PHYSICS_HPP_NOINLINE void write_rows(int lane, const body* bodies, const pose* poses, const joint_pass<S>& with) {
         const std::uint32_t a = a_.index[lane], b = b_.index[lane];
-        fixed_list<joint_row<S, D>, Joint::row_count> rows;
-        detail::write_rows(*joints_[lane], false, poses[a], poses[b], rows.begin());
-        for (int k = 0; k < Joint::row_count; ++k) rows_[k].write(lane, rows[k], bodies[a], bodies[b], with);
+        row_list<S, D, Joint::row_count, has_two_directions<Joint>()> rows;
+        const auto to = rows.target();
+        detail::write_rows(*joints_[lane], false, poses[a], poses[b], to);
+        for (int k = 0; k < Joint::row_count; ++k)
+            rows_[k].write(lane, to.row[k], to.direction_a(k), bodies[a], bodies[b], with);
     }
 
     step_joint<Joint, S, D>* joints_[W] = {};

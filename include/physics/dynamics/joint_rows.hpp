@@ -121,9 +121,17 @@ struct pushed_lanes {
     }
 };
 
-/// A row of W joints.
-template <class S, int D, bool Rotates, int W>
-struct row_lanes {
+/// Of rows that pull A in a direction of its own.
+template <class S, int D, int W, bool Two>
+struct own_directions {};
+template <class S, int D, int W>
+struct own_directions<S, D, W, true> {
+    S direction_a[D][W];
+};
+
+/// A row of W joints. `Two`: A has a direction of its own.
+template <class S, int D, bool Rotates, int W, bool Two>
+struct row_lanes : own_directions<S, D, W, Two> {
     using I = inverse_of<S>;
     using P = kernel_pack<S, W>;
     using Q = kernel_pack<I, W>;
@@ -146,10 +154,15 @@ struct row_lanes {
     bool is_on, is_one_sided, is_bounded, has_spring;
 
     void clear() { is_on = is_one_sided = is_bounded = has_spring = false; }
-    void write(int lane, const joint_row<S, D>& from, const body& a, const body& b, const joint_pass<S>& with) {
+    void write(int lane, const joint_row<S, D>& from, const vec<S, D>& to_a, const body& a, const body& b,
+               const joint_pass<S>& with) {
         bool on = from.is_on();
         for (int i = 0; i < D; ++i) direction[i][lane] = from.direction[i];
         I k = mul<I>(a.inverse_mass + b.inverse_mass, dot(from.direction, from.direction));
+        if constexpr (Two) {
+            for (int i = 0; i < D; ++i) this->direction_a[i][lane] = to_a[i];
+            k = mul<I>(a.inverse_mass, dot(to_a, to_a)) + mul<I>(b.inverse_mass, dot(from.direction, from.direction));
+        }
         if constexpr (A == 1) {
             angular_a[0][lane] = from.angular_a;
             angular_b[0][lane] = from.angular_b;
@@ -201,10 +214,18 @@ struct row_lanes {
 
     /// Adds what it gave in a substep.
     void add_up() { (P::load(total) + P::load(impulse)).store(total); }
+    [[nodiscard]] const auto& direction_of([[maybe_unused]] bool is_b) const {
+        if constexpr (Two) return is_b ? direction : this->direction_a;
+        else return direction;
+    }
     /// J times the velocities.
     P speed_of(const lanes& a, const lanes& b) const {
         auto sum = product(P::load(direction[0]), b.at[0] - a.at[0]);
         for (int i = 1; i < D; ++i) sum = sum + product(P::load(direction[i]), b.at[i] - a.at[i]);
+        // Adds nothing to rows of kinds with one direction: their bits are the same among others.
+        if constexpr (Two)
+            for (int i = 0; i < D; ++i)
+                sum = sum + product(P::load(direction[i]) - P::load(this->direction_a[i]), a.at[i]);
         for (int i = 0; i < A; ++i)
             sum = sum + (product(P::load(angular_a[i]), a.at[D + i]) + product(P::load(angular_b[i]), b.at[D + i]));
         return narrow<S>(sum);
@@ -213,8 +234,9 @@ struct row_lanes {
         const Q mass_a = Q::load(a.mass), mass_b = Q::load(b.mass);
         for (int i = 0; i < D; ++i) {
             const P p = P::load(direction[i]) * by;
-            of_a.at[i] = of_a.at[i] - mul<S>(mass_a, p);
             of_b.at[i] = of_b.at[i] + mul<S>(mass_b, p);
+            if constexpr (Two) of_a.at[i] = of_a.at[i] - mul<S>(mass_a, P::load(this->direction_a[i]) * by);
+            else of_a.at[i] = of_a.at[i] - mul<S>(mass_a, p);
         }
         turn(a, angular_a, by, of_a);
         turn(b, angular_b, by, of_b);
@@ -309,21 +331,22 @@ private:
 
 /// Writes the rows of a joint whose bodies have these poses; gives the way from one centre of mass to the other. Turns
 /// are counted where bodies are, and not where they are looked for ahead.
-template <class Joint, class S, int D, bool Rotates>
+template <class Joint, class S, int D, bool Rotates, bool Two>
 vec<S, D> write_rows(step_joint<Joint, S, D>& joint, [[maybe_unused]] bool is_ahead, const joint_pose<S, D, Rotates>& a,
-                     const joint_pose<S, D, Rotates>& b, joint_row<S, D>* rows) {
-    joint_frames<S, D> at = joint.start;
+                     const joint_pose<S, D, Rotates>& b, const row_target<S, D, Two>& to) {
+    auto at = joint.start;
     at.between = at.between + (b.displacement.linear - a.displacement.linear);
     at.rotation_a = a.rotation_from(at.rotation_a);
     at.rotation_b = b.rotation_from(at.rotation_b);
     const auto turned = count_turns(*joint.joint, at, joint.turned);
     at.turned = turned.begin();
     if (!is_ahead) joint.turned = turned;
-    joint.joint->rows(at, rows);
+    if constexpr (has_two_directions<Joint>()) at.place_a = at.place_a + a.displacement.linear;
+    rows_of(*joint.joint, at, to);
     if (a.is_drawn || b.is_drawn)
         for (int k = 0; k < Joint::row_count; ++k) {
-            rows[k].angular_a = a.drawn(rows[k].angular_a);
-            rows[k].angular_b = b.drawn(rows[k].angular_b);
+            to.row[k].angular_a = a.drawn(to.row[k].angular_a);
+            to.row[k].angular_b = b.drawn(to.row[k].angular_b);
         }
     return at.between;
 }

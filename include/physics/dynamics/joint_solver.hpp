@@ -60,9 +60,9 @@ template <class Constraints, int W>
 class direct_groups;
 template <class S, int D, class Features, template <class, int> class... Joints, int W>
 class direct_groups<constraints<S, D, Features, joints<Joints...>>, W> {
-    static constexpr bool rotates = Features::rotation;
-    using group = direct_joints<S, D, rotates, W>;
-    using access = joint_access<S, D, rotates>;
+    static constexpr bool rotates = Features::rotation, two = (has_two_directions<Joints<S, D>>() || ...);
+    using group = direct_joints<S, D, rotates, W, two>;
+    using access = joint_access<S, D, rotates, two>;
     using constraints_type = constraints<S, D, Features, joints<Joints...>>;
 
 public:
@@ -81,8 +81,9 @@ public:
                 const body_pair& ends = joints.bodies(i);
                 const auto &a = bodies[ends.a], &b = bodies[ends.b];
                 steps[at] = &joints[i];
-                fixed_list<joint_row<S, D>, Joint::row_count> rows;
-                write_rows(joints[i], true, poses[ends.a], poses[ends.b], rows.begin());
+                row_list<S, D, Joint::row_count, has_two_directions<Joint>()> list_of_rows;
+                const auto rows = list_of_rows.target().row;
+                write_rows(joints[i], true, poses[ends.a], poses[ends.b], list_of_rows.target());
                 new (all + at) graph_joint{
                     ends, a.inverse_mass > inverse_of<S>(0), b.inverse_mass > inverse_of<S>(0), kind, i, 0, 0, 0};
                 for (int k = 0; k < Joint::row_count; ++k) {

@@ -12,7 +12,7 @@ namespace detail {
 /// matrix J M^-1 J^T. For the solve only, bodies have so much inertia that forces which turn with them cannot make a
 /// substep unstable: else light links under a heavy load blow up. Source: Tournier et al., Stable constrained dynamics
 /// (2015).
-template <class S, int D, bool Rotates, int W>
+template <class S, int D, bool Rotates, int W, bool Two>
 class joint_system {
 protected:
     using P = kernel_pack<S, W>;
@@ -20,9 +20,9 @@ protected:
     using C = typename K::scalar;
     using body = solver_body<S, D, Rotates>;
     using lanes = twist_lanes<P, D, Rotates>;
-    using row = row_lanes<S, D, Rotates, W>;
+    using row = row_lanes<S, D, Rotates, W, Two>;
     using side = pushed_lanes<S, D, Rotates, W>;
-    using access = joint_access<S, D, Rotates>;
+    using access = joint_access<S, D, Rotates, Two>;
     using pose = joint_pose<S, D, Rotates>;
     using row_state = direct_row<P, S, W>;
 
@@ -116,7 +116,7 @@ protected:
             for (std::uint32_t k = 0; k < of_.body_count; ++k) largest = max(largest, sway_[k]);
             resolved_[lane] = largest > max_resolved ? S(0) : S(1);
         }
-        assemble<S, D, Rotates>(of_, rows_, sides_, matrix_.matrix);
+        assemble<S, D, Rotates, Two>(of_, rows_, sides_, matrix_.matrix);
         is_factorised_ = false;
     }
     PHYSICS_HPP_NOINLINE void write_joint(std::uint32_t i, int lane, const body* bodies, const pose* poses,
@@ -125,33 +125,42 @@ protected:
         const std::uint32_t at_a = sides_[j.a].index[lane], at_b = sides_[j.b].index[lane];
         const body &a = bodies[at_a], &b = bodies[at_b];
         typename access::row_memory rows;
-        const vec<S, D> between = kinds_[j.kind].write(joint_at(i, lane), false, poses[at_a], poses[at_b], rows.at);
+        typename access::direction_memory directions;
+        const auto to = access::target_of(rows, directions);
+        const vec<S, D> between = kinds_[j.kind].write(joint_at(i, lane), false, poses[at_a], poses[at_b], to);
         const double own = own_lever_of(a, b), apart = own + length_squared_of(between);
         own_lever_[i * W + static_cast<std::uint32_t>(lane)] = own;
-        double square = 0;
+        double square = 0, square_a = 0, largest = 1, largest_a = 1;
         vec<S, D> r_a, r_b;
         j.each_row([&](std::uint32_t r, int k) {
-            rows_[r].write(lane, rows.at[k], a, b, with);
+            rows_[r].write(lane, rows.at[k], to.direction_a(k), a, b, with);
             // Of what has room, rests elsewhere or gives in, the error says nothing.
             const bool holds = !rows.at[k].is_bounded() && !rows.at[k].is_spring();
-            const double part = holds ? part_of(to_double(rows.at[k].error), rows.at[k], apart) : 0;
+            const double part = holds ? part_of(to_double(rows.at[k].error), rows.at[k], to.direction(k), apart) : 0;
             const bool is_bounded = rows.at[k].is_bounded();
             matrix_.row[r].slack.set_lane(lane, static_cast<C>(is_bounded ? slack_of_bounded : part));
             has_bounds_ = has_bounds_ || is_bounded;
             largest_[lane] = max(largest_[lane], part);
             if (part > 0.0001) far_[lane] = S(1);
-            if (rows.at[k].direction == vec<S, D>{}) return;
+            if (to.direction(k) == vec<S, D>{}) return;
             const double given = to_double(state_[r].load[lane]);
             square += length_squared_of(rows.at[k].direction) * given * given;
+            if constexpr (Two) {
+                square_a += length_squared_of(to.direction_a(k)) * given * given;
+                largest = max(largest, length_squared_of(rows.at[k].direction));
+                largest_a = max(largest_a, length_squared_of(to.direction_a(k)));
+            }
             r_a = rows.at[k].r_a;
             r_b = rows.at[k].r_b;
         });
         const double of_a = sway_of(a, r_a, joints_of_[j.a] == 1, to_double(b.inverse_mass)),
                      of_b = sway_of(b, r_b, joints_of_[j.b] == 1, to_double(a.inverse_mass));
         const double force_h2 = sqrt(square) * to_double(with.h);
-        sway_[j.a] += of_a * force_h2;
+        if constexpr (Two) sway_[j.a] += of_a * sqrt(square_a) * to_double(with.h);
+        else sway_[j.a] += of_a * force_h2;
         sway_[j.b] += of_b * force_h2;
-        unit_sway_[i].set_lane(lane, static_cast<C>(max(of_a, of_b) * to_double(with.h)));
+        const double unit = Two ? max(of_a * sqrt(largest_a), of_b * sqrt(largest)) : max(of_a, of_b);
+        unit_sway_[i].set_lane(lane, static_cast<C>(unit * to_double(with.h)));
     }
     /// Calls f(row, its joint) for each row.
     template <class F>

@@ -165,6 +165,21 @@ struct joint_frames {
     }
 };
 
+/// The same for joints that hold bodies to points of the world.
+template <class S, int D>
+struct grounded_frames : joint_frames<S, D> {
+    /// A's centre of mass in the world.
+    vec<S, D> place_a;
+
+    /// From points of the world to points of A and of B.
+    [[nodiscard]] vec<S, D> line_a(const vec<S, D>& from, const vec<S, D>& point) const {
+        return (place_a - from) + this->r_a(point);
+    }
+    [[nodiscard]] vec<S, D> line_b(const vec<S, D>& from, const vec<S, D>& point) const {
+        return (place_a - from) + (this->between + this->r_b(point));
+    }
+};
+
 /// What drives one coordinate of a joint, an angle or a length, by up to four rows. Equal limits lock it.
 template <class S>
 struct joint_drive {
@@ -197,32 +212,7 @@ struct joint_reaction {
     angular<S, D> torque{};
 };
 
-/// What a kind of joint must offer: values whose members are listed, a function check(joint, function) like that of
-/// shapes, and how many rows it has, 0 to 24: rows(frames, row) writes them. It is pure geometry, and is asked in each
-/// substep; all else is the library's. Of a kind that says so by the bits of `static constexpr std::uint32_t
-/// shared_bounds`, row k shares its max_force with row k + 1, and so on, up to three: not each of them, but the length
-/// of what they give together is bounded. Such rows are on together, with the same bounds and stiffness. Of a kind with
-/// a `static constexpr int angle_count`, so many angles are counted: it tells angle(frames, i), |angle| <= pi, and
-/// finds them in frames.turned[i]. fill_in(frames) is called as a joint is made or set, for what it leaves open till
-/// then.
-template <class Joint, class S, int D>
-concept joint_for = std::is_trivially_copyable_v<Joint> && detail::names_members<Joint> &&
-    requires(const Joint& joint, const joint_frames<S, D>& at, joint_row<S, D>* row) {
-    { check(joint, "create_joint") } -> std::same_as<bool>;
-    requires Joint::row_count >= 0 && Joint::row_count <= 24;
-    joint.rows(at, row);
-};
-
 namespace detail {
-
-/// Kinds that hold a frame of each body; and those too that hold the same point of both.
-template <class Joint>
-concept holds_frames = requires(Joint& j) {
-    j.frame_a, j.frame_b;
-};
-template <class Joint>
-concept placed_by_frame = holds_frames<Joint> ||(
-    requires(Joint& j) { j.anchor_a, j.anchor_b; } && !requires(Joint & j) { j.length; });
 
 /// N values, of which there may be none.
 template <class T, int N>
@@ -245,6 +235,97 @@ struct fixed_list<T, 0> {
     const T* begin() const { return nullptr; }
     const T* end() const { return nullptr; }
 };
+
+/// Whether rows of a kind pull A and B in directions of their own.
+template <class Joint>
+constexpr bool has_two_directions() {
+    if constexpr (requires { Joint::two_directions; }) return Joint::two_directions;
+    else return false;
+}
+template <class Joint, class S, int D>
+using frames_for = std::conditional_t<has_two_directions<Joint>(), grounded_frames<S, D>, joint_frames<S, D>>;
+
+/// Where rows are written to. `Two`: and of each also in which direction it pulls A.
+template <class S, int D, bool Two>
+struct row_target {
+    joint_row<S, D>* row;
+
+    [[nodiscard]] const vec<S, D>& direction_a(int k) const { return row[k].direction; }
+    /// That of the body which it moves more; null of rows that only turn.
+    [[nodiscard]] const vec<S, D>& direction(int k) const { return row[k].direction; }
+};
+template <class S, int D>
+struct row_target<S, D, true> {
+    joint_row<S, D>* row;
+    vec<S, D>* of_a;
+
+    [[nodiscard]] const vec<S, D>& direction_a(int k) const { return of_a[k]; }
+    [[nodiscard]] const vec<S, D>& direction(int k) const {
+        return largest(row[k].direction) < largest(of_a[k]) ? of_a[k] : row[k].direction;
+    }
+};
+/// N rows.
+template <class S, int D, int N, bool Two>
+struct row_list {
+    fixed_list<joint_row<S, D>, N> row;
+
+    row_target<S, D, false> target() { return {row.begin()}; }
+};
+template <class S, int D, int N>
+struct row_list<S, D, N, true> {
+    fixed_list<joint_row<S, D>, N> row;
+    fixed_list<vec<S, D>, N> of_a;
+
+    row_target<S, D, true> target() { return {row.begin(), of_a.begin()}; }
+};
+/// The rows of a joint of any kind.
+template <class Joint, class S, int D, bool Two>
+void rows_of(const Joint& joint, const frames_for<Joint, S, D>& at, const row_target<S, D, Two>& to) {
+    if constexpr (has_two_directions<Joint>()) {
+        joint.rows(at, to.row, to.of_a);
+    } else {
+        joint.rows(at, to.row);
+        if constexpr (Two)
+            for (int k = 0; k < Joint::row_count; ++k) to.of_a[k] = to.row[k].direction;
+    }
+}
+template <class Joint, class S, int D>
+concept writes_rows = requires(const Joint& joint, const frames_for<Joint, S, D>& at,
+                               const row_target<S, D, has_two_directions<Joint>()>& to) {
+    rows_of<Joint>(joint, at, to);
+};
+
+}  // namespace detail
+
+/// What a kind of joint must offer: values whose members are listed, a function check(joint, function) like that of
+/// shapes, and how many rows it has, 0 to 24: rows(frames, row) writes them. It is pure geometry, and is asked in each
+/// substep; all else is the library's. Of a kind that says so by the bits of `static constexpr std::uint32_t
+/// shared_bounds`, row k shares its max_force with row k + 1, and so on, up to three: not each of them, but the length
+/// of what they give together is bounded. Such rows are on together, with the same bounds and stiffness. Of a kind with
+/// a `static constexpr int angle_count`, so many angles are counted: it tells angle(frames, i), |angle| <= pi, and
+/// finds them in frames.turned[i]. fill_in(frames) is called as a joint is made or set, for what it leaves open till
+/// then; check_at(frames, function) before that, for what depends on where bodies are. Of a kind with a
+/// `static constexpr bool two_directions = true` a row pulls A otherwise than B, and the world bears the difference:
+/// rows(grounded_frames, row, direction_a) writes the negative of the Jacobian of A's centre of mass too.
+template <class Joint, class S, int D>
+concept joint_for = std::is_trivially_copyable_v<Joint> && detail::names_members<Joint> &&
+    requires(const Joint& joint) {
+    { check(joint, "create_joint") } -> std::same_as<bool>;
+    requires Joint::row_count >= 0 && Joint::row_count <= 24;
+    requires detail::writes_rows<Joint, S, D>;
+};
+
+namespace detail {
+
+/// Kinds that hold a frame of each body; and those too that hold the same point of both.
+template <class Joint>
+concept holds_frames = requires(Joint& j) {
+    j.frame_a, j.frame_b;
+};
+template <class Joint>
+concept placed_by_frame = holds_frames<Joint> ||(
+    requires(Joint& j) { j.anchor_a, j.anchor_b; } && !requires(Joint & j) { j.length; } &&
+    !requires(Joint & j) { j.ground_a; });
 
 /// How many angles of a kind are counted.
 template <class Joint>

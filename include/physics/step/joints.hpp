@@ -160,6 +160,13 @@ struct step_joints<S, D, joints<Joints...>> : buffer<step_joint<Joints<S, D>, S,
 };
 struct no_step_joints {};
 
+/// Where the bodies of a joint are.
+template <class Joint, class S, int D, bool Rotates>
+frames_for<Joint, S, D> frames_between(const body<S, D, Rotates>& a, const body<S, D, Rotates>& b) {
+    const joint_frames<S, D> at{a.rotation, b.rotation, a.mass.center, b.mass.center, b.center - a.center};
+    if constexpr (has_two_directions<Joint>()) return {at, a.center};
+    else return at;
+}
 /// Joints, and which bodies move -> those of the step, where their bodies are, and their edges. O(joints).
 template <class S, int D, class Joints, bool Rotates>
 void list_joints(joint_set<S, D, Joints>& all, const pool<body<S, D, Rotates>>& bodies, const awake_list& awake,
@@ -175,8 +182,7 @@ void list_joints(joint_set<S, D, Joints>& all, const pool<body<S, D, Rotates>>& 
                 const joint_record& record = all.records[from.number];
                 if (!record.enabled || (!is_pushed(record.body_a) && !is_pushed(record.body_b))) return;
                 const auto &a = bodies[record.body_a], &b = bodies[record.body_b];
-                auto& j = to.emplace_back(&from.joint, joint_frames<S, D>{a.rotation, b.rotation, a.mass.center,
-                                                                          b.mass.center, b.center - a.center});
+                auto& j = to.emplace_back(&from.joint, frames_between<Joint>(a, b));
                 for (int k = 0; k < Joint::row_count; ++k) j.impulse[k] = from.impulse[k];
                 j.substep = from.substep;
                 j.turned = from.turned;
@@ -204,24 +210,23 @@ void publish_joints(step_joints<S, D, Joints>& found, S h, joint_set<S, D, Joint
 }
 
 /// What a joint gave in the last step, along its rows where its bodies are.
-template <class Joint, class S, int D>
-joint_reaction<S, D> reaction_of(const stored_joint<Joint, S>& j, joint_frames<S, D> at) {
+template <class Joint, class S, int D, bool Rotates>
+joint_reaction<S, D> reaction_of(const stored_joint<Joint, S>& j, const body<S, D, Rotates>& a,
+                                 const body<S, D, Rotates>& b) {
     joint_reaction<S, D> sum{};
     if (!(j.step > S(0))) return sum;
+    auto at = frames_between<Joint>(a, b);
     const auto turned = count_turns(j.joint, at, j.turned);
     at.turned = turned.begin();
-    fixed_list<joint_row<S, D>, Joint::row_count> row;
-    j.joint.rows(at, row.begin());
+    row_list<S, D, Joint::row_count, has_two_directions<Joint>()> rows;
+    rows_of(j.joint, at, rows.target());
+    const auto& row = rows.row;
     for (int k = 0; k < Joint::row_count; ++k) {
         const S force = j.sum[k] / j.step;
         sum.force += row[k].direction * force;
         sum.torque += (row[k].angular_b - cross(row[k].r_b, row[k].direction)) * force;
     }
     return sum;
-}
-template <class S, int D, bool Rotates>
-joint_frames<S, D> frames_between(const body<S, D, Rotates>& a, const body<S, D, Rotates>& b) {
-    return {a.rotation, b.rotation, a.mass.center, b.mass.center, b.center - a.center};
 }
 /// Joints that gave more than they can bear are no longer enabled; their bodies start to be still anew.
 template <class S, int D, class Joints, bool Rotates, class Sleep>
@@ -233,8 +238,7 @@ void break_joints(const step_joints<S, D, Joints>& found, const pool<body<S, D, 
             const std::uint32_t number = of_kind[j.slot].number;
             joint_record& record = all.records[number];
             if (!record.can_break()) continue;
-            const auto gave =
-                reaction_of(of_kind[j.slot], frames_between(bodies[record.body_a], bodies[record.body_b]));
+            const auto gave = reaction_of(of_kind[j.slot], bodies[record.body_a], bodies[record.body_b]);
             const auto is_more = [](const auto& x, double limit) {
                 if constexpr (std::is_same_v<std::remove_cvref_t<decltype(x)>, S>)
                     return limit > 0 && to_double(abs(x)) > limit;

@@ -15,20 +15,22 @@ void wake_connected(world_data<Plan>& s, std::uint32_t joint) {
     world_code<Plan>::wake(s, s.joints.records[joint].body_b);
 }
 
-template <class Plan>
-using frames_of = joint_frames<typename Plan::scalar, Plan::dimension>;
-/// Where the bodies of a joint are.
-template <class Plan>
-frames_of<Plan> frames_at(const state<Plan>& s, std::uint32_t joint) {
-    const auto &a = s.bodies[s.joints.records[joint].body_a], &b = s.bodies[s.joints.records[joint].body_b];
-    return {a.rotation, b.rotation, a.mass.center, b.mass.center, b.center - a.center};
+/// Whether a joint may be made or set between these bodies where they are.
+template <class Plan, class Joint>
+bool check_joint(const state<Plan>& s, const Joint& joint, std::uint32_t a, std::uint32_t b, const char* function) {
+    if (!check(joint, function)) return false;
+    const auto at = frames_between<Joint>(s.bodies[a], s.bodies[b]);
+    if constexpr (requires { joint.check_at(at, function); }) return joint.check_at(at, function);
+    else return true;
 }
 /// Has a joint that is made or set fill in what it leaves open.
 template <class Plan, class Joint>
 void fill_in([[maybe_unused]] state<Plan>& s, [[maybe_unused]] std::uint32_t joint) {
-    if constexpr (requires(Joint & j, const frames_of<Plan>& at) { j.fill_in(at); }) {
-        auto& j = s.joints.template of_kind<Joint>()[s.joints.records[joint].slot];
-        frames_of<Plan> at = frames_at<Plan>(s, joint);
+    using frames = frames_for<Joint, typename Plan::scalar, Plan::dimension>;
+    if constexpr (requires(Joint & j, const frames& at) { j.fill_in(at); }) {
+        const joint_record& record = s.joints.records[joint];
+        auto& j = s.joints.template of_kind<Joint>()[record.slot];
+        frames at = frames_between<Joint>(s.bodies[record.body_a], s.bodies[record.body_b]);
         j.turned = count_turns(j.joint, at, j.turned);
         at.turned = j.turned.begin();
         j.joint.fill_in(at);
@@ -43,7 +45,7 @@ joint_id create_joint(world_data<Plan>& s, body_id body_a, body_id body_b, const
         refuse(f, "body_b", "the same as body_a", "a joint holds two bodies");
         return {};
     }
-    if (!check(joint, f) || !check_not_negative(f, "break_force", def.break_force) ||
+    if (!check_joint<Plan>(s, joint, a.index, b.index, f) || !check_not_negative(f, "break_force", def.break_force) ||
         !check_not_negative(f, "break_torque", def.break_torque))
         return {};
     auto& of_kind = s.joints.template of_kind<Joint>();
@@ -66,13 +68,12 @@ joint_id create_joint(world_data<Plan>& s, body_id body_a, body_id body_b, const
     return {place.index, place.generation, s.tag};
 }
 
-/// Calls f(the joint with what it gave, its frames) for one of any kind.
+/// Calls f(the joint with what it gave, its bodies) for one of any kind.
 template <class Plan, class F>
 void with_joint(const state<Plan>& s, std::uint32_t joint, F&& f) {
     const joint_record& record = s.joints.records[joint];
-    const frames_of<Plan> at = frames_at<Plan>(s, joint);
     s.joints.each_kind(s.joints, [&](std::uint32_t kind, const auto& of_kind) {
-        if (kind == record.kind) f(of_kind[record.slot], at);
+        if (kind == record.kind) f(of_kind[record.slot], s.bodies[record.body_a], s.bodies[record.body_b]);
     });
 }
 /// How far a joint is turned, by the first of its angles.
@@ -80,9 +81,11 @@ template <class Plan>
 typename Plan::scalar angle_of(const state<Plan>& s, std::uint32_t joint) {
     using S = typename Plan::scalar;
     S result{};
-    with_joint<Plan>(s, joint, [&]<class Joint>(const stored_joint<Joint, S>& j, [[maybe_unused]] const auto& at) {
-        if constexpr (angles_of<Joint>() > 0) result = count_turns(j.joint, at, j.turned)[0].total();
-    });
+    const auto angle = [&]<class Joint>(const stored_joint<Joint, S>& j, const auto& a, const auto& b) {
+        if constexpr (angles_of<Joint>() > 0)
+            result = count_turns(j.joint, frames_between<Joint>(a, b), j.turned)[0].total();
+    };
+    with_joint<Plan>(s, joint, angle);
     return result;
 }
 /// The joints of a world, in the order of their numbers, or those of one body. A loop may change the world: it leaves
@@ -213,7 +216,11 @@ public:
     template <class Joint>
     void set_joint(joint_id id, const Joint& joint) {
         const auto at = find_kind<Joint>(state(), id, "set_joint");
-        if (!at || !check(joint, "set_joint")) return;
+        if (!at) return;
+        const bool is_good = detail::scoped([&] {
+            return detail::check_joint<Plan>(state(), joint, record(at).body_a, record(at).body_b, "set_joint");
+        });
+        if (!is_good) return;
         detail::wake_connected(state(), at.index);
         state().joints.template of_kind<Joint>()[record(at).slot].joint = joint;
         detail::scoped([&] { detail::fill_in<Plan, Joint>(state(), at.index); });
@@ -243,8 +250,8 @@ public:
         joint_reaction<S, D> result{};
         if (const auto at = find(state(), id, "reaction"))
             detail::scoped([&] {
-                detail::with_joint<Plan>(state(), at.index, [&](const auto& j, const auto& frames) {
-                    result = detail::reaction_of(j, frames);
+                detail::with_joint<Plan>(state(), at.index, [&](const auto& j, const auto& a, const auto& b) {
+                    result = detail::reaction_of(j, a, b);
                 });
             });
         return result;

@@ -13,6 +13,7 @@
 #include "physics/joint/gear_joint.hpp"
 #include "physics/joint/motor_joint.hpp"
 #include "physics/joint/prismatic_joint.hpp"
+#include "physics/joint/pulley_joint.hpp"
 #include "physics/joint/rack_joint.hpp"
 #include "physics/joint/revolute_joint.hpp"
 #include "physics/joint/six_degrees_joint.hpp"
@@ -105,6 +106,7 @@ struct shape_names {
     using prismatic_joint = physics::prismatic_joint<S, D>;
     using revolute_joint = physics::revolute_joint<S, D>;
     using gear_joint = physics::gear_joint<S, D>;
+    using pulley_joint = physics::pulley_joint<S, D>;
     using rack_joint = physics::rack_joint<S, D>;
     using joint_axis = physics::joint_axis<S>;
     using six_degrees_joint = physics::six_degrees_joint<S, D>;
