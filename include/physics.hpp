@@ -240,6 +240,7 @@
 
 // What a kind of joint is.
 #include "physics/joint/ball_joint.hpp"
+#include "physics/joint/cone_joint.hpp"
 #include "physics/joint/distance_joint.hpp"
 #include "physics/joint/filter_joint.hpp"
 #include "physics/joint/gear_joint.hpp"
@@ -250,6 +251,7 @@
 #include "physics/joint/rack_joint.hpp"
 #include "physics/joint/revolute_joint.hpp"
 #include "physics/joint/six_degrees_joint.hpp"
+#include "physics/joint/swing_cone.hpp"
 #include "physics/joint/swing_twist_joint.hpp"
 #include "physics/joint/target_joint.hpp"
 #include "physics/joint/weld_joint.hpp"

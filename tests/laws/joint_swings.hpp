@@ -14,9 +14,13 @@ using rotation3 = physics::rotation<S, 3>;
 
 template <class... Policies>
 struct swings : physics::recipe<S, 3, physics::shapes<physics::ball, physics::box>,
-                                physics::joints<physics::swing_twist_joint>, Policies...> {};
+                                physics::joints<physics::cone_joint, physics::swing_twist_joint>, Policies...> {};
 using joint = physics::swing_twist_joint<S, 3>;
+using cone_joint = physics::cone_joint<S, 3>;
 using world = physics::world<swings<>>;
+
+inline void set_cone(joint& j, double angle) { j.max_swing_y = j.max_swing_z = S(angle); }
+inline void set_cone(cone_joint& j, double angle) { j.half_angle = S(angle); }
 
 inline rotation3 about(const vec3& axis, double angle) { return rotation3::from_axis_angle(axis, S(angle)); }
 
@@ -50,7 +54,7 @@ CELL_CASE("joint swings: a swing is no twist, however far and whereto") {
     }
 }
 
-template <class World>
+template <class Joint, class World>
 void a_cone_bears(double cone, int substeps, bool swapped) {
     World w = falling<World>(substeps);
     const body_id a = add_anchor(w, {}), b = add_box(w, {}, 0.5, 0.125);
@@ -59,10 +63,8 @@ void a_cone_bears(double cone, int substeps, bool swapped) {
     w.set_pose(b, {arm * vec3{S(0.5), S(0), S(0)}, arm});
     w.set_damping(b, S(0), S(2));
     w.set_can_sleep(b, false);
-    joint j{.frame_a = {{}, about({S(0), S(0), S(1)}, pi / 2)},
-            .frame_b = {{S(-0.5), S(0), S(0)}, {}},
-            .max_swing_y = S(cone),
-            .max_swing_z = S(cone)};
+    Joint j{.frame_a = {{}, about({S(0), S(0), S(1)}, pi / 2)}, .frame_b = {{S(-0.5), S(0), S(0)}, {}}};
+    set_cone(j, cone);
     if (swapped) std::swap(j.frame_a, j.frame_b);
     const joint_id id = swapped ? w.create_joint(b, a, j) : w.create_joint(a, b, j);
     run(w, 512);
@@ -169,8 +171,12 @@ CELL_CASE("joint swings: bad ones are refused by name") {
     refuses("frequency", {.frequency = S(-1)});
     refuses("damping_ratio", {.frequency = S(1), .damping_ratio = S(-1)});
     refuses("rest_rotation", {.rest_rotation = stretched});
+    is_refused(w, a, b, "half_angle is 3.2", cone_joint{.half_angle = S(3.2)});
+    is_refused(w, a, b, "half_angle is -1", cone_joint{.half_angle = S(-1)});
+    is_refused(w, a, b, "frame_a.rotation", cone_joint{.frame_a = {{}, stretched}});
     if constexpr (!cell::is_fixed) {
         const S bad = S(0) / S(0);
+        is_refused(w, a, b, "half_angle is nan", cone_joint{.half_angle = bad});
         refuses("max_swing_y", {.max_swing_y = bad});
         refuses("min_twist", {.min_twist = bad});
         refuses("motor_velocity.x", {.motor_velocity = {bad, S(0), S(0)}});
@@ -184,8 +190,11 @@ CELL_CASE("joint swings: an arm leans on its cone, beyond a right angle too") {
                 CAPTURE(cone);
                 CAPTURE(substeps);
                 CAPTURE(swapped);
-                a_cone_bears<world>(cone, substeps, swapped);
-                a_cone_bears<physics::world<swings<physics::sequential_impulse>>>(cone, substeps, swapped);
+                using hard = physics::world<swings<physics::sequential_impulse>>;
+                a_cone_bears<joint, world>(cone, substeps, swapped);
+                a_cone_bears<joint, hard>(cone, substeps, swapped);
+                a_cone_bears<cone_joint, world>(cone, substeps, swapped);
+                a_cone_bears<cone_joint, hard>(cone, substeps, swapped);
             }
 }
 CELL_CASE("joint swings: what is thrown at cones, ellipses and twists stays within them") {
@@ -197,6 +206,24 @@ CELL_CASE("joint swings: what is thrown at cones, ellipses and twists stays with
                 CAPTURE(z);
                 what_is_thrown_stays_within(y, z, substeps);
             }
+}
+CELL_CASE("joint swings: a cone joint moves as a swing-twist joint with the same swings to all sides") {
+    for (const double angle : {0.0, 0.5, 2.5, pi}) {
+        CAPTURE(angle);
+        const auto moved = [&]<class Joint>(Joint j) {
+            world w = falling<world>();
+            const body_id a = add_anchor(w, {}), b = add_box(w, {S(0.5), S(0), S(0)}, 0.5, 0.125);
+            j.frame_b.position.x = S(-0.5);
+            set_cone(j, angle);
+            w.create_joint(a, b, j);
+            w.set_angular_velocity(b, {S(1), S(2), S(3)});
+            run(w, 100);
+            return w.pose(b);
+        };
+        const auto by_cone = moved(cone_joint{}), by_swings = moved(joint{});
+        CHECK(by_cone.position == by_swings.position);
+        CHECK(by_cone.rotation == by_swings.rotation);
+    }
 }
 CELL_CASE("joint swings: a cone of 0 is a fixed axis, and a swing of 0 leaves a hinge") {
     for (const int substeps : {1, 4}) {

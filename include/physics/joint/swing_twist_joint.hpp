@@ -1,13 +1,9 @@
 // The swing-twist joint: shoulders and hips.
 #pragma once
 
-#include "physics/joint/joint.hpp"
+#include "physics/joint/swing_cone.hpp"
 
 PHYSICS_HPP_BEGIN
-
-namespace detail {
-inline constexpr double half_turn = 3.141592653589793;
-}
 
 /// Holds a point of B to one of A, and limits how B's frame turns as seen from A's: the x axis swings by the shortest
 /// turn, about an axis across it, within a cone whose section is an ellipse; and before that B twists about x. The
@@ -45,11 +41,11 @@ struct swing_twist_joint<S, 3> {
     }
     void rows(const joint_frames<S, 3>& at, joint_row<S, 3>* row) const {
         at.hold(frame_a.position, frame_b.position, row);
-        const vec<S, 3> a = at.axis_a(frame_a.rotation, 0), b = at.axis_b(frame_b.rotation, 0);
-        if (is_limit(max_swing_y) || is_limit(max_swing_z)) swing_rows(at, a, b, row + 3);
+        detail::swing_cone<S>{max_swing_y, max_swing_z}.rows(at, frame_a.rotation, frame_b.rotation, row + 3);
         const joint_drive<S> twist{min_twist, max_twist, {}, {}, {}, {}, {}};
         if (twist.is_limit(min_twist) || twist.is_limit(max_twist)) {
             // What turns B about its x axis, and swings it not.
+            const vec<S, 3> a = at.axis_a(frame_a.rotation, 0), b = at.axis_b(frame_b.rotation, 0);
             joint_row<S, 3> limits[twist.row_count];
             twist.rows(at.about((a + b) / max(S(1) + dot(a, b), S(1.0 / 256))), at.turned->total(), limits);
             row[5] = limits[2];
@@ -65,48 +61,14 @@ struct swing_twist_joint<S, 3> {
                 row[10 + i] = at.about_a(frame_a.rotation, i).spring(error[i], frequency, damping_ratio);
         }
     }
-
-private:
-    static bool is_limit(S swing) { return swing < S(detail::half_turn); }
-    /// The room in a cone in the direction in which B swings; where it may not swing about an axis, that is held.
-    void swing_rows(const joint_frames<S, 3>& at, const vec<S, 3>& a, const vec<S, 3>& b, joint_row<S, 3>* row) const {
-        const vec<S, 3> y = at.axis_a(frame_a.rotation, 1), z = at.axis_a(frame_a.rotation, 2);
-        if (!(max_swing_z > S(0))) row[0] = at.about(cross(b, y)).equality(dot(b, y));
-        if (!(max_swing_y > S(0))) row[1] = at.about(cross(b, z)).equality(dot(b, z));
-        if (!(max_swing_z > S(0)) && !(max_swing_y > S(0))) return;
-        if (!(max_swing_z > S(0))) {
-            if (is_limit(max_swing_y)) row[1] = swing_row(at, y, atan2(-dot(b, z), dot(b, a)), max_swing_y);
-        } else if (!(max_swing_y > S(0))) {
-            if (is_limit(max_swing_z)) row[0] = swing_row(at, z, atan2(dot(b, y), dot(b, a)), max_swing_z);
-        } else {
-            // The swing about the unit vector `across` by the angle, in which 1 is the ellipse, times its smaller half
-            // axis: that has a gradient of at most 1, and where the ellipse is a circle one of 1.
-            const auto [across, sine] = direction_and_length_of(cross(a, b));
-            const S angle = atan2(sine, dot(a, b)), smaller = min(max_swing_y, max_swing_z),
-                    ratio_y = smaller / max_swing_y, ratio_z = smaller / max_swing_z;
-            const vec<S, 3> u = sine > S(0) ? across : y;
-            const S c = dot(u, y), s = dot(u, z), c_y = c * ratio_y, s_z = s * ratio_z,
-                    size = sqrt(c_y * c_y + s_z * s_z);
-            const S turns = sine > S(1.0 / 64) ? angle / sine : angle > S(1) ? S(64) * angle : S(1);
-            const S aside = turns * c * s * (ratio_z * ratio_z - ratio_y * ratio_y) / size;
-            row[0] = at.about(-(u * size + cross(b, u) * aside)).limit(smaller - angle * size);
-        }
-    }
-    /// Keeps a swing about an axis within a limit to both sides.
-    static joint_row<S, 3> swing_row(const joint_frames<S, 3>& at, const vec<S, 3>& axis, S swing, S limit) {
-        return swing > S(0) ? at.about(-axis).limit(limit - swing) : at.about(axis).limit(limit + swing);
-    }
 };
 
 template <class S>
 bool check(const swing_twist_joint<S, 3>& joint, const char* function) {
-    const auto swing = [&](const char* field, S value) {
-        if (!detail::check_not_negative(function, field, value)) return false;
-        return value <= S(3.1416) ||
-               detail::refuse(function, field, static_cast<double>(value), "it must be at most pi");
-    };
-    if (!detail::check_frames(function, joint.frame_a, joint.frame_b) || !swing("max_swing_y", joint.max_swing_y) ||
-        !swing("max_swing_z", joint.max_swing_z) || !detail::check_finite(function, "min_twist", joint.min_twist) ||
+    if (!detail::check_frames(function, joint.frame_a, joint.frame_b) ||
+        !detail::check_swing(function, "max_swing_y", joint.max_swing_y) ||
+        !detail::check_swing(function, "max_swing_z", joint.max_swing_z) ||
+        !detail::check_finite(function, "min_twist", joint.min_twist) ||
         !detail::check_finite(function, "max_twist", joint.max_twist) ||
         !detail::check_limits(function, "min_twist", joint.min_twist, joint.max_twist,
                               "it must be at most max_twist") ||

@@ -8,6 +8,7 @@
 #include "physics/dynamics/sequential_impulse.hpp"
 #include "physics/dynamics/soft_step.hpp"
 #include "physics/joint/ball_joint.hpp"
+#include "physics/joint/cone_joint.hpp"
 #include "physics/joint/distance_joint.hpp"
 #include "physics/joint/filter_joint.hpp"
 #include "physics/joint/gear_joint.hpp"
@@ -130,6 +131,7 @@ struct shape_aliases<S, 3> : shape_names<S, 3> {
     using cylinder = physics::cylinder<S, 3>;
     using cone = physics::cone<S, 3>;
     using mesh = physics::mesh<S, 3>;
+    using cone_joint = physics::cone_joint<S, 3>;
     using swing_twist_joint = physics::swing_twist_joint<S, 3>;
     using mesh_geometry = physics::mesh_geometry<S, 3>;
 };
