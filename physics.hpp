@@ -20601,6 +20601,8 @@ struct joint_frames {
     vec<S, D> center_a, center_b, between;
     /// Of joints that count their turns, see joint_for.
     const counted_angle<S>* turned = nullptr;
+    /// Whether angles are only to be counted: they may be 0.1 rad off, but not where they pass pi.
+    bool is_rough = false;
 
     /// From a body's centre of mass to a point of it, in world axes.
     [[nodiscard]] vec<S, D> r_a(const vec<S, D>& point) const { return rotation_a * (point - center_a); }
@@ -20629,9 +20631,13 @@ struct joint_frames {
         return inverse(rotation_a * frame_a) * (rotation_b * frame_b);
     }
     /// How far that turns about the z axis, in [-pi, pi].
-    [[nodiscard]] static S angle_about_z(const rotation<S, D>& r) {
-        if constexpr (D == 2) return r.angle();
-        else return r.w < S(0) ? S(2) * atan2(-r.z, -r.w) : S(2) * atan2(r.z, r.w);
+    [[nodiscard]] S angle_about_z(const rotation<S, D>& r) const {
+        if constexpr (D == 2) {
+            return is_rough ? rough_angle(r.sine, r.cosine) : r.angle();
+        } else {
+            const S z = r.w < S(0) ? -r.z : r.z, w = r.w < S(0) ? -r.w : r.w;
+            return S(2) * (is_rough ? rough_angle(z, w) : atan2(z, w));
+        }
     }
     /// Rows that keep a frame of B turned as one of A: 1 in 2D, 3 in 3D.
     void hold(const rotation<S, D>& frame_a, const rotation<S, D>& frame_b, joint_row<S, D>* row) const {
@@ -20646,7 +20652,37 @@ struct joint_frames {
     /// D rows that hold a point of B to one of A.
     void hold(const vec<S, D>& point_a, const vec<S, D>& point_b, joint_row<S, D>* row) const {
         const vec<S, D> to_a = r_a(point_a), to_b = r_b(point_b), apart = between + (to_b - to_a);
-        for (int i = 0; i < D; ++i) row[i] = along(axis(i), to_a, to_b).equality(apart[i]);
+        for (int i = 0; i < D; ++i) {
+            // Member by member: copies of rows would wait for what has just been written.
+            row[i].direction = axis(i);
+            row[i].angular_a = -cross_axis(to_a, i);
+            row[i].angular_b = cross_axis(to_b, i);
+            row[i].r_a = to_a;
+            row[i].r_b = to_b;
+            row[i].error = apart[i];
+            row[i].max_force = joint_row<S, D>::unlimited();
+            row[i].min_force = -row[i].max_force;
+        }
+    }
+
+private:
+    /// r x axis(i).
+    static angular<S, D> cross_axis(const vec<S, D>& r, int i) {
+        if constexpr (D == 2) {
+            return i == 0 ? -r.y : r.x;
+        } else {
+            return i == 0   ? vec<S, 3>{S(0), r.z, -r.y}
+                   : i == 1 ? vec<S, 3>{-r.z, S(0), r.x}
+                            : vec<S, 3>{r.y, -r.x, S(0)};
+        }
+    }
+    /// The angle of (x, y) to 0.1 rad, exact at multiples of pi / 2.
+    static S rough_angle(S y, S x) {
+        const S sum = abs(x) + abs(y);
+        if (!(sum > S(0))) return S(0);
+        constexpr double pi = 3.141592653589793;
+        const S angle = y / sum * S(pi / 2);
+        return x < S(0) ? S(y < S(0) ? -pi : pi) - angle : angle;
     }
 };
 
@@ -20673,6 +20709,8 @@ struct joint_drive {
     S rest, frequency, damping_ratio;
 
     static constexpr int row_count = 4;
+    /// Whether it matters where the coordinate is.
+    [[nodiscard]] constexpr bool uses_value() const { return frequency > S(0) || is_limit(min) || is_limit(max); }
     static constexpr bool is_limit(S x) { return x < scalar_traits<S>::max() && -x < scalar_traits<S>::max(); }
 
     /// `along` has the Jacobian of the coordinate, which is at `value`.
@@ -20788,10 +20826,11 @@ concept writes_rows = requires(const Joint& joint, const frames_for<Joint, S, D>
 /// shared_bounds`, row k shares its max_force with row k + 1, and so on, up to three: not each of them, but the length
 /// of what they give together is bounded. Such rows are on together, with the same bounds and stiffness. Of a kind with
 /// a `static constexpr int angle_count`, so many angles are counted: it tells angle(frames, i), |angle| <= pi, and
-/// finds them in frames.turned[i]. fill_in(frames) is called as a joint is made or set, for what it leaves open till
-/// then; check_at(frames, function) before that, for what depends on where bodies are. Of a kind with a
-/// `static constexpr bool two_directions = true` a row pulls A otherwise than B, and the world bears the difference:
-/// rows(grounded_frames, row, direction_a) writes the negative of the Jacobian of A's centre of mass too.
+/// finds them in frames.turned[i]; where it offers uses_angles(), these are exact only if it says so. fill_in(frames)
+/// is called as a joint is made or set, for what it leaves open till then; check_at(frames, function) before that, for
+/// what depends on where bodies are. Of a kind with a `static constexpr bool two_directions = true` a row pulls A
+/// otherwise than B, and the world bears the difference: rows(grounded_frames, row, direction_a) writes the negative of
+/// the Jacobian of A's centre of mass too.
 template <class Joint, class S, int D>
 concept joint_for = std::is_trivially_copyable_v<Joint> && detail::names_members<Joint> &&
     requires(const Joint& joint) {
@@ -20820,6 +20859,12 @@ constexpr int angles_of() {
 }
 template <class Joint, class S>
 using angle_list = fixed_list<counted_angle<S>, angles_of<Joint>()>;
+/// Whether rows depend on them.
+template <class Joint>
+bool uses_angles([[maybe_unused]] const Joint& joint) {
+    if constexpr (requires { joint.uses_angles(); }) return joint.uses_angles();
+    else return true;
+}
 /// Angles that were last seen so, where bodies are now.
 template <class Joint, class S, int D>
 angle_list<Joint, S> count_turns([[maybe_unused]] const Joint& joint, [[maybe_unused]] const joint_frames<S, D>& at,
@@ -21446,9 +21491,9 @@ struct revolute_joint {
     [[nodiscard]] S angle(const joint_frames<S, D>& at, int) const {
         return at.angle_about_z(at.relative(frame_a.rotation, frame_b.rotation));
     }
+    [[nodiscard]] bool uses_angles() const { return drive_of().uses_value(); }
     void rows(const joint_frames<S, D>& at, joint_row<S, D>* row) const {
-        const joint_drive<S> drive{min_angle,  max_angle, motor_speed,  max_motor_torque,
-                                   rest_angle, frequency, damping_ratio};
+        const joint_drive<S> drive = drive_of();
         if constexpr (D == 2) {
             drive.rows(at.about(S(1)), at.turned->total(), row);
         } else {
@@ -21459,6 +21504,11 @@ struct revolute_joint {
             row[drive.row_count + 4] = at.about(y).equality(dot(error, y));
         }
         at.hold(frame_a.position, frame_b.position, row + drive.row_count);
+    }
+
+private:
+    [[nodiscard]] joint_drive<S> drive_of() const {
+        return {min_angle, max_angle, motor_speed, max_motor_torque, rest_angle, frequency, damping_ratio};
     }
 };
 
@@ -24529,13 +24579,6 @@ struct twist_lanes {
     }
 };
 
-/// The change of angular velocity by an angular impulse of 1 about an axis, about the same axis.
-template <class S>
-constexpr inverse_of<S> torque_k(inverse_of<S> inverse_inertia, S axis, S) {
-    using I = inverse_of<S>;
-    return mul<I>(mul<I>(inverse_inertia, axis), axis);
-}
-
 /// W bodies, and how they answer to impulses.
 template <class S, int D, bool Rotates, int W>
 struct pushed_lanes {
@@ -24549,7 +24592,7 @@ struct pushed_lanes {
     I mass[W] = {}, inertia[A == 3 ? 6 : 1][W] = {};
     bool is_pushed = false;
 
-    void put(int lane, std::uint32_t number, const solver_body<S, D, Rotates>* bodies, S share = S(1)) {
+    void put(int lane, std::uint32_t number, const solver_body<S, D, Rotates>* bodies) {
         const auto& b = bodies[number];
         index[lane] = number;
         mass[lane] = b.inverse_mass;
@@ -24559,19 +24602,38 @@ struct pushed_lanes {
             const I six[] = {m.xx, m.xy, m.xz, m.yy, m.yz, m.zz};
             for (int i = 0; i < 6; ++i) inertia[i][lane] = six[i];
         }
-        if (share < S(1))
-            for (auto& entry : inertia) entry[lane] = mul<I>(entry[lane], share);
+    }
+    /// Has bodies turn by so large a part of what they would.
+    void scale_inertia(const S* share) {
+        for (auto& entry : inertia)
+            for (int lane = 0; lane < W; ++lane)
+                if (share[lane] < S(1)) entry[lane] = mul<I>(entry[lane], share[lane]);
+    }
+    /// The change of angular velocity by an angular impulse of 1 about an axis, about the same axis.
+    Q answer(const S (&axis)[array][W]) const {
+        P x[array];
+        for (int i = 0; i < array; ++i) x[i] = P::load(axis[i]);
+        if constexpr (A == 1) {
+            return mul<I>(mul<I>(Q::load(inertia[0]), x[0]), x[0]);
+        } else {
+            Q y[3];
+            for (int i = 0; i < 3; ++i) y[i] = narrow<I>(inertia_row(i, x));
+            return narrow<I>(product(y[0], x[0]) + product(y[1], x[1]) + product(y[2], x[2]));
+        }
     }
     /// The change of angular velocity by an angular impulse.
     void turn(const P (&impulse)[array], P (&change)[array]) const {
         if constexpr (A == 1) change[0] = mul<S>(Q::load(inertia[0]), impulse[0]);
-        if constexpr (A == 3) {
-            constexpr int place[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
-            for (int i = 0; i < 3; ++i)
-                change[i] = narrow<S>(product(Q::load(inertia[place[i][0]]), impulse[0]) +
-                                      product(Q::load(inertia[place[i][1]]), impulse[1]) +
-                                      product(Q::load(inertia[place[i][2]]), impulse[2]));
-        }
+        if constexpr (A == 3)
+            for (int i = 0; i < 3; ++i) change[i] = narrow<S>(inertia_row(i, impulse));
+    }
+
+private:
+    /// A row of the inverse inertia times a vector, before it is rounded.
+    auto inertia_row(int i, const P (&v)[array]) const {
+        constexpr int place[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+        return product(Q::load(inertia[place[i][0]]), v[0]) + product(Q::load(inertia[place[i][1]]), v[1]) +
+               product(Q::load(inertia[place[i][2]]), v[2]);
     }
 };
 
@@ -24597,8 +24659,8 @@ struct row_lanes : own_directions<S, D, W, Two> {
     S direction[D][W], angular_a[array][W], angular_b[array][W];
     /// See joint_row; impulses in a substep.
     S error[W], low[W], high[W], speed[W], one_sided[W], spring[W];
-    /// Of passes without and with bias, see spring_step; and which part of an impulse goes.
-    S push[2][W], share[2][W], loss[2][W];
+    /// In passes with bias, see spring_step; and which part of an impulse goes.
+    S push[W], share[W], loss[W];
     S mass[W], impulse[W];
     /// Of all substeps together.
     S total[W];
@@ -24608,15 +24670,11 @@ struct row_lanes : own_directions<S, D, W, Two> {
     bool is_on, is_one_sided, is_bounded, has_spring;
 
     void clear() { is_on = is_one_sided = is_bounded = has_spring = false; }
-    void write(int lane, const joint_row<S, D>& from, const vec<S, D>& to_a, const body& a, const body& b,
-               const joint_pass<S>& with) {
-        bool on = from.is_on();
+    /// Writes what a joint says of it into a lane. Once all lanes are written, finish has to follow.
+    void put(int lane, const joint_row<S, D>& from, [[maybe_unused]] const vec<S, D>& to_a, const joint_pass<S>& with) {
         for (int i = 0; i < D; ++i) direction[i][lane] = from.direction[i];
-        I k = mul<I>(a.inverse_mass + b.inverse_mass, dot(from.direction, from.direction));
-        if constexpr (Two) {
+        if constexpr (Two)
             for (int i = 0; i < D; ++i) this->direction_a[i][lane] = to_a[i];
-            k = mul<I>(a.inverse_mass, dot(to_a, to_a)) + mul<I>(b.inverse_mass, dot(from.direction, from.direction));
-        }
         if constexpr (A == 1) {
             angular_a[0][lane] = from.angular_a;
             angular_b[0][lane] = from.angular_b;
@@ -24626,44 +24684,46 @@ struct row_lanes : own_directions<S, D, W, Two> {
                 angular_b[i][lane] = from.angular_b[i];
             }
         }
-        if constexpr (Rotates)
-            k = k + torque_k<S>(a.inverse_inertia, from.angular_a, from.angular_a) +
-                torque_k<S>(b.inverse_inertia, from.angular_b, from.angular_b);
-        on = on && k > I(0);
-        const bool is_one = on && !(from.min_force < S(0)), is_spring = from.is_spring();
+        const bool on = from.is_on(), is_one = on && !(from.min_force < S(0)), is_spring = from.is_spring();
         is_on = is_on || on;
         is_one_sided = is_one_sided || is_one;
-        const S unlimited = joint_row<S, D>::unlimited(), own = on ? reciprocal<S>(k) : S(0);
-        is_bounded = is_bounded || (on && from.is_bounded());
-        const S limit = unlimited / max(own, S(1)), max_error = limit * min(with.h, S(1));
-        mass[lane] = own;
-        max_bias[lane] = limit;
-        error[lane] = clamp(from.error, -max_error, max_error);
-        one_sided[lane] = is_one ? S(1) : S(0);
-        speed[lane] = from.speed;
-        const S max_force = unlimited / max(with.h, S(1));
-        low[lane] = on ? max(from.min_force, -max_force) * with.h : S(0);
-        high[lane] = on ? min(from.max_force, max_force) * with.h : S(0);
-        // What is off forgets what it gave.
-        impulse[lane] = clamp(impulse[lane], low[lane], high[lane]);
-        // Springs act once in a substep, as forces do: passes without bias leave them alone.
-        share[0][lane] = is_spring ? S(0) : S(1);
-        push[0][lane] = loss[0][lane] = S(0);
-        spring[lane] = is_spring ? S(1) : S(0);
+        is_bounded = is_bounded || from.is_bounded();
         has_spring = has_spring || is_spring;
+        error[lane] = from.error;
+        speed[lane] = from.speed;
+        low[lane] = from.min_force;
+        high[lane] = from.max_force;
+        one_sided[lane] = is_one ? S(1) : S(0);
+        spring[lane] = is_spring ? S(1) : S(0);
         if (is_spring) {
             const auto does = spring_step<S>::of(from.frequency, from.damping_ratio, with.h);
-            share[1][lane] = does.share;
-            push[1][lane] = does.push;
-            loss[1][lane] = S(1) - does.share;
+            share[lane] = does.share;
+            push[lane] = does.push;
+            loss[lane] = S(1) - does.share;
         } else if (from.is_motor) {
-            share[1][lane] = S(1);
-            push[1][lane] = loss[1][lane] = S(0);
+            share[lane] = S(1);
+            push[lane] = loss[lane] = S(0);
         } else {
-            share[1][lane] = with.rigid.mass_scale;
-            push[1][lane] = with.rigid.mass_scale * with.rigid.rate;
-            loss[1][lane] = with.rigid.impulse_scale;
+            share[lane] = with.rigid.mass_scale;
+            push[lane] = with.rigid.mass_scale * with.rigid.rate;
+            loss[lane] = with.rigid.impulse_scale;
         }
+    }
+    /// Turns forces into impulses, and cuts off what no number could hold.
+    void finish(const side& a, const side& b, const joint_pass<S>& with) {
+        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1)), h = P::broadcast(with.h);
+        const S unlimited = joint_row<S, D>::unlimited(), max_force = unlimited / max(with.h, S(1));
+        const P own = select_greater(P::load(high), P::load(low), inverse(k_of(a, b)), zero),
+                limit = P::broadcast(unlimited) / max(own, one), most = limit * min(h, one);
+        own.store(mass);
+        limit.store(max_bias);
+        max(min(P::load(error), most), -most).store(error);
+        const P least = select_greater(own, zero, max(P::load(low), P::broadcast(-max_force)) * h, zero),
+                largest = select_greater(own, zero, min(P::load(high), P::broadcast(max_force)) * h, zero);
+        least.store(low);
+        largest.store(high);
+        // What is off forgets what it gave.
+        max(min(P::load(impulse), largest), least).store(impulse);
     }
 
     /// Adds what it gave in a substep.
@@ -24700,14 +24760,27 @@ struct row_lanes : own_directions<S, D, W, Two> {
         const P zero = P::broadcast(S(0));
         return is_one_sided ? select_greater(P::load(one_sided), zero, max(P::load(error), zero), zero) : zero;
     }
-    /// Visits it alone. Of what others have a part in, the bound is left to them.
+    /// Visits it alone. Of what others have a part in, the bound is left to them. Springs act once in a substep, as
+    /// forces do: passes without bias leave them alone.
     template <bool IsBounded = true>
     void solve(const joint_pass<S>& with, bool use_bias, const side& a, const side& b, lanes& of_a, lanes& of_b) {
-        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1)), limit = P::load(max_bias), free = room();
-        const P at = P::load(error), left = select_greater(free, zero, one, P::load(share[use_bias]));
-        const P bias = select_greater(free, zero, free * P::broadcast(with.inverse_h), at * P::load(push[use_bias]));
-        const P lost = select_greater(free, zero, zero, P::load(loss[use_bias]));
+        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
         const P before = P::load(impulse), v = speed_of(of_a, of_b) - P::load(speed);
+        P left = one, bias = zero, lost = zero;
+        if (use_bias) {
+            left = P::load(share);
+            bias = P::load(error) * P::load(push);
+            lost = P::load(loss);
+        } else if (has_spring) {
+            left = one - P::load(spring);
+        }
+        if (is_one_sided) {
+            const P free = room();
+            left = select_greater(free, zero, one, left);
+            bias = select_greater(free, zero, free * P::broadcast(with.inverse_h), bias);
+            lost = select_greater(free, zero, zero, lost);
+        }
+        const P limit = P::load(max_bias);
         const P wanted = before - P::load(mass) * (left * v + max(min(bias, limit), -limit)) - lost * before;
         const P next = IsBounded ? max(min(wanted, P::load(high)), P::load(low)) : wanted;
         apply(next - before, a, b, of_a, of_b);
@@ -24715,6 +24788,25 @@ struct row_lanes : own_directions<S, D, W, Two> {
     }
 
 private:
+    using array_of_lanes = S[W];
+
+    /// J M^-1 J^T.
+    Q k_of(const side& a, const side& b) const {
+        const P along = square_of(direction);
+        Q k = mul<I>(Q::load(a.mass) + Q::load(b.mass), along);
+        if constexpr (Two) k = mul<I>(Q::load(a.mass), square_of(this->direction_a)) + mul<I>(Q::load(b.mass), along);
+        if constexpr (Rotates) k = k + a.answer(angular_a) + b.answer(angular_b);
+        return k;
+    }
+    static P square_of(const array_of_lanes* v) {
+        auto sum = product(P::load(v[0]), P::load(v[0]));
+        for (int i = 1; i < D; ++i) sum = sum + product(P::load(v[i]), P::load(v[i]));
+        return narrow<S>(sum);
+    }
+    static P inverse(const Q& k) {
+        if constexpr (std::is_same_v<P, Q>) return lane_reciprocal(k);
+        else return P::broadcast(k.lane(0) > I(0) ? reciprocal<S>(k.lane(0)) : S(0));
+    }
     static void turn([[maybe_unused]] const side& of, [[maybe_unused]] const S (&axis)[array][W],
                      [[maybe_unused]] const P& by, [[maybe_unused]] lanes& to) {
         if constexpr (A > 0) {
@@ -24792,6 +24884,7 @@ vec<S, D> write_rows(step_joint<Joint, S, D>& joint, [[maybe_unused]] bool is_ah
     at.between = at.between + (b.displacement.linear - a.displacement.linear);
     at.rotation_a = a.rotation_from(at.rotation_a);
     at.rotation_b = b.rotation_from(at.rotation_b);
+    at.is_rough = !uses_angles(*joint.joint);
     const auto turned = count_turns(*joint.joint, at, joint.turned);
     at.turned = turned.begin();
     if (!is_ahead) joint.turned = turned;
@@ -25293,6 +25386,7 @@ protected:
         sides_ = made<side>(of_.body_count, scratch);
         velocities_ = made<lanes>(of_.body_count, scratch);
         sway_ = scratch.template allocate<double>(of_.body_count);
+        inertia_share_ = made<S>(of_.body_count * W, scratch);
         joints_of_ = made<std::uint32_t>(of_.body_count, scratch);
         unit_sway_ = made<K>(of_.joint_count, scratch);
         own_lever_ = scratch.template allocate<double>(of_.joint_count * W);
@@ -25365,13 +25459,18 @@ protected:
             far_[lane] = S(0);
             largest_[lane] = 0;
             for (std::uint32_t k = 0; k < of_.body_count; ++k) sway_[k] = 0;
+            for (std::uint32_t k = 0; k < of_.body_count; ++k) sides_[k].put(lane, sides_[k].index[lane], bodies);
             for (std::uint32_t i = 0; i < of_.joint_count; ++i) write_joint(i, lane, bodies, poses, with);
-            for (std::uint32_t k = 0; k < of_.body_count; ++k)
-                sides_[k].put(lane, sides_[k].index[lane], bodies, sway_[k] > 1 ? S(1 / sway_[k]) : S(1));
             double largest = 0;
-            for (std::uint32_t k = 0; k < of_.body_count; ++k) largest = max(largest, sway_[k]);
+            for (std::uint32_t k = 0; k < of_.body_count; ++k) {
+                inertia_share_[k * W + static_cast<std::uint32_t>(lane)] = sway_[k] > 1 ? S(1 / sway_[k]) : S(1);
+                largest = max(largest, sway_[k]);
+            }
             resolved_[lane] = largest > max_resolved ? S(0) : S(1);
         }
+        each_row(
+            [&](std::uint32_t r, const joint_pattern::joint& j) { rows_[r].finish(sides_[j.a], sides_[j.b], with); });
+        for (std::uint32_t k = 0; k < of_.body_count; ++k) sides_[k].scale_inertia(inertia_share_ + k * W);
         assemble<S, D, Rotates, Two>(of_, rows_, sides_, matrix_.matrix);
         is_factorised_ = false;
     }
@@ -25389,7 +25488,7 @@ protected:
         double square = 0, square_a = 0, largest = 1, largest_a = 1;
         vec<S, D> r_a, r_b;
         j.each_row([&](std::uint32_t r, int k) {
-            rows_[r].write(lane, rows.at[k], to.direction_a(k), a, b, with);
+            rows_[r].put(lane, rows.at[k], to.direction_a(k), with);
             // Of what has room, rests elsewhere or gives in, the error says nothing.
             const bool holds = !rows.at[k].is_bounded() && !rows.at[k].is_spring();
             const double part = holds ? part_of(to_double(rows.at[k].error), rows.at[k], to.direction(k), apart) : 0;
@@ -25444,6 +25543,8 @@ protected:
     lanes* velocities_;
     joint_matrix<K> matrix_;
     double* sway_;
+    /// Of each body in each lane which part of its inverse inertia it has for the solve.
+    S* inertia_share_;
     /// Of each joint the larger of its bodies' sways by an impulse of 1 N s a substep.
     K* unit_sway_;
     /// See own_lever_of; of each joint in each lane.
@@ -25585,7 +25686,7 @@ private:
         K bias = zero;
         if (use_bias) {
             // Of springs with the share m of the speed: m J v + p C + (1 - m) / m_eff lambda = 0.
-            bias = lanes_from<K>(r.error) * lanes_from<K>(r.push[1]) / share_of(r);
+            bias = lanes_from<K>(r.error) * lanes_from<K>(r.push) / share_of(r);
         }
         if (r.is_one_sided) {
             const K free = widened<K>(r.room()) * K::broadcast(static_cast<C>(to_double(with.inverse_h)));
@@ -25593,7 +25694,7 @@ private:
         }
         return limited(bias, r);
     }
-    static K share_of(const row& r) { return max(lanes_from<K>(r.share[1]), K::broadcast(C(1e-6))); }
+    static K share_of(const row& r) { return max(lanes_from<K>(r.share), K::broadcast(C(1e-6))); }
     static K limited(const K& bias, const row& r) {
         const K limit = lanes_from<K>(r.max_bias);
         return max(min(bias, limit), -limit);
@@ -25625,8 +25726,7 @@ private:
                 K soft = zero, in = select_greater(high, low, one, zero);
                 if (r.has_spring) {
                     const K is_spring = lanes_from<K>(r.spring);
-                    soft =
-                        use_bias ? lane_quotient(lanes_from<K>(r.loss[1]), share_of(r) * lanes_from<K>(r.mass)) : zero;
+                    soft = use_bias ? lane_quotient(lanes_from<K>(r.loss), share_of(r) * lanes_from<K>(r.mass)) : zero;
                     soft = select_greater(is_spring, zero, soft, zero);
                     if (!use_bias) in = select_greater(is_spring, zero, zero, in);
                 }
@@ -25776,7 +25876,7 @@ private:
                     w.in = zero;
                     return;
                 }
-                const K bias = lanes_from<K>(r.error) * lanes_from<K>(r.push[1]) / share_of(r);
+                const K bias = lanes_from<K>(r.error) * lanes_from<K>(r.push) / share_of(r);
                 w.right_hand = -limited(bias, r);
                 if (!r.is_one_sided) return;
                 // Of what has gone too far, unless it goes back by itself.
@@ -26305,12 +26405,22 @@ class joint_block {
     using pose = joint_pose<S, D, Rotates>;
 
 public:
+    using row_type = row;
+
+    /// `on`: the rows that are on in any lane, by their bits; `rows` has the place for so many.
+    joint_block(std::uint32_t on, row* rows) : rows_(rows) {
+        for (int k = 0; k < Joint::row_count; ++k) {
+            if ((on >> k & 1) == 0) continue;
+            new (rows + count_) row();
+            kind_row_[count_++] = static_cast<std::uint8_t>(k);
+        }
+    }
     /// Writes a joint into a lane, and what it gives in the first substep.
     void put(int lane, step_joint<Joint, S, D>& joint, const body_pair& ends, const body* bodies, S h) {
         joints_[lane] = &joint;
         a_.put(lane, ends.a, bodies);
         b_.put(lane, ends.b, bodies);
-        for (int k = 0; k < Joint::row_count; ++k) rows_[k].impulse[lane] = first_impulse(joint, k, h);
+        each_row([&](row& r, int k) { r.impulse[lane] = first_impulse(joint, k, h); });
     }
     void put_nothing(int lane, std::uint32_t dummy_body) { a_.index[lane] = b_.index[lane] = dummy_body; }
     /// Which sides are pushed, which is the same for all lanes.
@@ -26321,23 +26431,20 @@ public:
 
     /// Writes the rows where bodies are now, and gives these what the last substep gave.
     void warm_start(body* bodies, const pose* poses, const joint_pass<S>& with) {
-        write_rows(bodies, poses, with);
+        write_rows(poses, with);
         lanes of_a, of_b;
         load(bodies, of_a, of_b);
-        for (const row& r : rows_)
-            if (r.is_on) r.apply(P::load(r.impulse), a_, b_, of_a, of_b);
+        each_row([&](const row& r, int) { r.apply(P::load(r.impulse), a_, b_, of_a, of_b); });
         store(bodies, of_a, of_b);
     }
     /// Writes the rows anew after bodies have moved. Of what the substep gave, the next one is to begin with the same
     /// impulses along the new rows: starts (v - what it begins with) change by the difference.
-    void update_rows(body* bodies, const pose* poses, const joint_pass<S>& with, twist_of<S, D, Rotates>* starts) {
-        if (starts == nullptr) return write_rows(bodies, poses, with);
+    void update_rows(body*, const pose* poses, const joint_pass<S>& with, twist_of<S, D, Rotates>* starts) {
+        if (starts == nullptr) return write_rows(poses, with);
         lanes of_a{}, of_b{};
-        for (const row& r : rows_)
-            if (r.is_on) r.apply(P::load(r.impulse), a_, b_, of_a, of_b);
-        write_rows(bodies, poses, with);
-        for (const row& r : rows_)
-            if (r.is_on) r.apply(-P::load(r.impulse), a_, b_, of_a, of_b);
+        each_row([&](const row& r, int) { r.apply(P::load(r.impulse), a_, b_, of_a, of_b); });
+        write_rows(poses, with);
+        each_row([&](const row& r, int) { r.apply(-P::load(r.impulse), a_, b_, of_a, of_b); });
         if (a_.is_pushed) of_a.add_to(starts, a_.index);
         if (b_.is_pushed) of_b.add_to(starts, b_.index);
     }
@@ -26345,31 +26452,38 @@ public:
         lanes of_a, of_b;
         load(bodies, of_a, of_b);
         if constexpr (shared == 0) {
-            for (row& r : rows_)
-                if (r.is_on) r.solve(with, use_bias, a_, b_, of_a, of_b);
+            each_row([&](row& r, int) { r.solve(with, use_bias, a_, b_, of_a, of_b); });
         } else {
-            for (int k = 0, n; k < Joint::row_count; k += n) {
-                n = rows_together(shared, k);
-                if (!rows_[k].is_on) continue;
-                if (n > 1) solve_together(k, n, with, use_bias, of_a, of_b);
-                else rows_[k].solve(with, use_bias, a_, b_, of_a, of_b);
+            for (int i = 0, n; i < count_; i += n) {
+                n = rows_together(shared, kind_row_[i]);
+                if (n > 1) solve_together(i, n, with, use_bias, of_a, of_b);
+                else rows_[i].solve(with, use_bias, a_, b_, of_a, of_b);
             }
         }
-        if (!use_bias)
-            for (row& r : rows_)
-                if (r.is_on) r.add_up();
+        if (!use_bias) each_row([](row& r, int) { r.add_up(); });
         store(bodies, of_a, of_b);
     }
     void store_impulses(S h) const {
-        for (int lane = 0; lane < W; ++lane)
-            if (joints_[lane] != nullptr)
-                detail::store_impulses(
-                    *joints_[lane], h, [&](int k) { return rows_[k].impulse[lane]; },
-                    [&](int k) { return rows_[k].total[lane]; });
+        for (int lane = 0; lane < W; ++lane) {
+            if (joints_[lane] == nullptr) continue;
+            fixed_list<S, Joint::row_count> given, sum;
+            each_row([&](const row& r, int k) {
+                given[k] = r.impulse[lane];
+                sum[k] = r.total[lane];
+            });
+            detail::store_impulses(
+                *joints_[lane], h, [&](int k) { return given[k]; }, [&](int k) { return sum[k]; });
+        }
     }
 
 private:
     static constexpr std::uint32_t shared = shared_bounds_of<Joint>();
+
+    /// f(row, its number among those of the kind).
+    template <class F>
+    void each_row(F&& f) const {
+        for (int i = 0; i < count_; ++i) f(rows_[i], kind_row_[i]);
+    }
 
     void solve_together(int k, int n, const joint_pass<S>& with, bool use_bias, lanes& of_a, lanes& of_b) {
         P wanted[3];
@@ -26392,23 +26506,24 @@ private:
         if (a_.is_pushed) of_a.store(bodies, a_.index);
         if (b_.is_pushed) of_b.store(bodies, b_.index);
     }
-    void write_rows(const body* bodies, const pose* poses, const joint_pass<S>& with) {
-        for (row& r : rows_) r.clear();
+    void write_rows(const pose* poses, const joint_pass<S>& with) {
+        each_row([](row& r, int) { r.clear(); });
         for (int lane = 0; lane < W; ++lane)
-            if (joints_[lane] != nullptr) write_rows(lane, bodies, poses, with);
+            if (joints_[lane] != nullptr) write_lane(lane, poses, with);
+        each_row([&](row& r, int) { r.finish(a_, b_, with); });
     }
-    PHYSICS_HPP_NOINLINE void write_rows(int lane, const body* bodies, const pose* poses, const joint_pass<S>& with) {
-        const std::uint32_t a = a_.index[lane], b = b_.index[lane];
+    PHYSICS_HPP_NOINLINE void write_lane(int lane, const pose* poses, const joint_pass<S>& with) {
         row_list<S, D, Joint::row_count, has_two_directions<Joint>()> rows;
         const auto to = rows.target();
-        detail::write_rows(*joints_[lane], false, poses[a], poses[b], to);
-        for (int k = 0; k < Joint::row_count; ++k)
-            rows_[k].write(lane, to.row[k], to.direction_a(k), bodies[a], bodies[b], with);
+        detail::write_rows(*joints_[lane], false, poses[a_.index[lane]], poses[b_.index[lane]], to);
+        each_row([&](row& r, int k) { r.put(lane, to.row[k], to.direction_a(k), with); });
     }
 
     step_joint<Joint, S, D>* joints_[W] = {};
     pushed_lanes<S, D, Rotates, W> a_, b_;
-    fixed_list<row, Joint::row_count> rows_{};
+    row* rows_;
+    int count_ = 0;
+    fixed_list<std::uint8_t, Joint::row_count> kind_row_{};
 };
 
 }  // namespace detail
@@ -26424,11 +26539,11 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// Some joints of a list.
+/// Some joints of a list, and by bits which of their rows are on.
 template <class Joint, class S, int D>
 struct joint_selection {
     const joint_list<Joint, S, D>& all;
-    const std::uint32_t* which;
+    const std::uint32_t *which, *on;
     std::uint32_t count;
 
     [[nodiscard]] std::uint32_t size() const { return count; }
@@ -26448,15 +26563,20 @@ public:
         const colours_of_contacts colours = colour_edges(joints, always, bodies, scratch, tasks);
         blocks_ = blocks_by_colour(colours, W);
         first_ = scratch.template allocate<block>(blocks_.count());
-        blocks_.each_at_once(tasks, [&](std::uint32_t k, std::uint32_t group, std::uint32_t) {
-            block& to = *new (first_ + k) block();
-            const std::uint32_t lanes = blocks_.lanes_of(group), end = colours.begin[group + 1];
-            std::uint32_t at = colours.begin[group] + (k - blocks_.begin[group]) * lanes;
-            for (int lane = 0; lane < W; ++lane, ++at) {
-                if (static_cast<std::uint32_t>(lane) < lanes && at < end)
-                    to.put(lane, joints[colours.order[at]], joints.bodies(colours.order[at]), bodies.first, h);
-                else to.put_nothing(lane, bodies.dummy_body());
+        // Blocks have the rows that are on in any of their lanes.
+        auto* const on = scratch.template allocate<std::uint32_t>(blocks_.count());
+        auto* const rows = scratch.template allocate<row*>(blocks_.count());
+        for (std::uint32_t group = 0; group < blocks_.colours; ++group)
+            for (std::uint32_t k = blocks_.begin[group]; k < blocks_.begin[group + 1]; ++k) {
+                on[k] = 0;
+                each_lane(colours, k, group, [&](int, std::uint32_t i) { on[k] |= joints.on[i]; });
+                rows[k] = scratch.template allocate<row>(static_cast<std::uint32_t>(std::popcount(on[k])));
             }
+        blocks_.each_at_once(tasks, [&](std::uint32_t k, std::uint32_t group, std::uint32_t) {
+            block& to = *new (first_ + k) block(on[k], rows[k]);
+            for (int lane = 0; lane < W; ++lane) to.put_nothing(lane, bodies.dummy_body());
+            each_lane(colours, k, group,
+                      [&](int lane, std::uint32_t i) { to.put(lane, joints[i], joints.bodies(i), bodies.first, h); });
             to.note_sides(bodies.first);
         });
     }
@@ -26466,6 +26586,17 @@ public:
     }
 
 private:
+    using row = typename block::row_type;
+
+    /// f(lane, joint) for the joints of a block of that colour.
+    template <class F>
+    void each_lane(const colours_of_contacts& colours, std::uint32_t k, std::uint32_t group, F&& f) const {
+        const std::uint32_t lanes = blocks_.lanes_of(group), end = colours.begin[group + 1];
+        std::uint32_t at = colours.begin[group] + (k - blocks_.begin[group]) * lanes;
+        for (std::uint32_t lane = 0; lane < lanes && at < end; ++lane, ++at)
+            f(static_cast<int>(lane), colours.order[at]);
+    }
+
     blocks_by_colour blocks_;
     block* first_;
 };
@@ -26481,7 +26612,7 @@ class direct_groups<constraints<S, D, Features, joints<Joints...>>, W> {
     using constraints_type = constraints<S, D, Features, joints<Joints...>>;
 
 public:
-    /// Of each kind which joints are left to be solved otherwise: f(kind, numbers, count).
+    /// Of each kind which joints are left to be solved otherwise: f(kind, numbers, rows that are on, count).
     template <class F>
     void make(const constraints_type& of, solver_bodies<S, D, rotates> bodies, const joint_pose<S, D, rotates>* poses,
               std::uint32_t max_cost, S h, arena& scratch, F&& rest) {
@@ -26538,10 +26669,14 @@ public:
         at = 0;
         for (std::uint32_t k = 0; k < sizeof...(Joints); ++k) {
             auto* const left = scratch.template allocate<std::uint32_t>(count);
+            auto* const on = scratch.template allocate<std::uint32_t>(count);
             std::uint32_t n = 0;
-            for (; at < count && all[at].kind == k; ++at)
-                if (!is_direct[at]) left[n++] = all[at].number;
-            rest(k, left, n);
+            for (; at < count && all[at].kind == k; ++at) {
+                if (is_direct[at]) continue;
+                left[n] = all[at].number;
+                on[n++] = all[at].rows;
+            }
+            rest(k, left, on, n);
         }
     }
     template <class F>
@@ -26590,14 +26725,16 @@ public:
           poses_(scratch.allocate<detail::joint_pose<S, D, rotates>>(bodies.count)),
           pass_{h, S(1) / h, detail::softness<S>::of(frequency, damping_ratio, h)} {
         find_poses(tasks);
-        const std::uint32_t* which[sizeof...(Joints)] = {};
+        const std::uint32_t *which[sizeof...(Joints)] = {}, *on[sizeof...(Joints)] = {};
         std::uint32_t counts[sizeof...(Joints)] = {}, kind = 0;
-        direct_.make(of, bodies, poses_, static_cast<std::uint32_t>(max_direct_cost), h, scratch,
-                     [&](std::uint32_t k, const std::uint32_t* numbers, std::uint32_t count) {
-                         which[k] = numbers;
-                         counts[k] = count;
-                     });
-        ((make_blocks<Joints<S, D>>(of, which[kind], counts[kind], bodies, scratch, tasks), ++kind), ...);
+        direct_.make(
+            of, bodies, poses_, static_cast<std::uint32_t>(max_direct_cost), h, scratch,
+            [&](std::uint32_t k, const std::uint32_t* numbers, const std::uint32_t* rows, std::uint32_t count) {
+                which[k] = numbers;
+                on[k] = rows;
+                counts[k] = count;
+            });
+        ((make_blocks<Joints<S, D>>(of, which[kind], on[kind], counts[kind], bodies, scratch, tasks), ++kind), ...);
     }
     /// Gives bodies what the last substep gave.
     void warm_start(detail::task_runner& tasks) {
@@ -26621,9 +26758,9 @@ public:
 
 private:
     template <class Joint>
-    void make_blocks(const constraints_type& of, const std::uint32_t* which, std::uint32_t count, bodies_type bodies,
-                     arena& scratch, detail::task_runner& tasks) {
-        blocks<Joint>::make({of.template joints_of_kind<Joint>(), which, count}, bodies, pass_.h, scratch, tasks);
+    void make_blocks(const constraints_type& of, const std::uint32_t* which, const std::uint32_t* on,
+                     std::uint32_t count, bodies_type bodies, arena& scratch, detail::task_runner& tasks) {
+        blocks<Joint>::make({of.template joints_of_kind<Joint>(), which, on, count}, bodies, pass_.h, scratch, tasks);
     }
     template <class F>
     void each(detail::task_runner& tasks, F&& f) {

@@ -121,7 +121,7 @@ private:
         K bias = zero;
         if (use_bias) {
             // Of springs with the share m of the speed: m J v + p C + (1 - m) / m_eff lambda = 0.
-            bias = lanes_from<K>(r.error) * lanes_from<K>(r.push[1]) / share_of(r);
+            bias = lanes_from<K>(r.error) * lanes_from<K>(r.push) / share_of(r);
         }
         if (r.is_one_sided) {
             const K free = widened<K>(r.room()) * K::broadcast(static_cast<C>(to_double(with.inverse_h)));
@@ -129,7 +129,7 @@ private:
         }
         return limited(bias, r);
     }
-    static K share_of(const row& r) { return max(lanes_from<K>(r.share[1]), K::broadcast(C(1e-6))); }
+    static K share_of(const row& r) { return max(lanes_from<K>(r.share), K::broadcast(C(1e-6))); }
     static K limited(const K& bias, const row& r) {
         const K limit = lanes_from<K>(r.max_bias);
         return max(min(bias, limit), -limit);
@@ -161,8 +161,7 @@ private:
                 K soft = zero, in = select_greater(high, low, one, zero);
                 if (r.has_spring) {
                     const K is_spring = lanes_from<K>(r.spring);
-                    soft =
-                        use_bias ? lane_quotient(lanes_from<K>(r.loss[1]), share_of(r) * lanes_from<K>(r.mass)) : zero;
+                    soft = use_bias ? lane_quotient(lanes_from<K>(r.loss), share_of(r) * lanes_from<K>(r.mass)) : zero;
                     soft = select_greater(is_spring, zero, soft, zero);
                     if (!use_bias) in = select_greater(is_spring, zero, zero, in);
                 }
@@ -312,7 +311,7 @@ private:
                     w.in = zero;
                     return;
                 }
-                const K bias = lanes_from<K>(r.error) * lanes_from<K>(r.push[1]) / share_of(r);
+                const K bias = lanes_from<K>(r.error) * lanes_from<K>(r.push) / share_of(r);
                 w.right_hand = -limited(bias, r);
                 if (!r.is_one_sided) return;
                 // Of what has gone too far, unless it goes back by itself.

@@ -18,12 +18,22 @@ class joint_block {
     using pose = joint_pose<S, D, Rotates>;
 
 public:
+    using row_type = row;
+
+    /// `on`: the rows that are on in any lane, by their bits; `rows` has the place for so many.
+    joint_block(std::uint32_t on, row* rows) : rows_(rows) {
+        for (int k = 0; k < Joint::row_count; ++k) {
+            if ((on >> k & 1) == 0) continue;
+            new (rows + count_) row();
+            kind_row_[count_++] = static_cast<std::uint8_t>(k);
+        }
+    }
     /// Writes a joint into a lane, and what it gives in the first substep.
     void put(int lane, step_joint<Joint, S, D>& joint, const body_pair& ends, const body* bodies, S h) {
         joints_[lane] = &joint;
         a_.put(lane, ends.a, bodies);
         b_.put(lane, ends.b, bodies);
-        for (int k = 0; k < Joint::row_count; ++k) rows_[k].impulse[lane] = first_impulse(joint, k, h);
+        each_row([&](row& r, int k) { r.impulse[lane] = first_impulse(joint, k, h); });
     }
     void put_nothing(int lane, std::uint32_t dummy_body) { a_.index[lane] = b_.index[lane] = dummy_body; }
     /// Which sides are pushed, which is the same for all lanes.
@@ -34,23 +44,20 @@ public:
 
     /// Writes the rows where bodies are now, and gives these what the last substep gave.
     void warm_start(body* bodies, const pose* poses, const joint_pass<S>& with) {
-        write_rows(bodies, poses, with);
+        write_rows(poses, with);
         lanes of_a, of_b;
         load(bodies, of_a, of_b);
-        for (const row& r : rows_)
-            if (r.is_on) r.apply(P::load(r.impulse), a_, b_, of_a, of_b);
+        each_row([&](const row& r, int) { r.apply(P::load(r.impulse), a_, b_, of_a, of_b); });
         store(bodies, of_a, of_b);
     }
     /// Writes the rows anew after bodies have moved. Of what the substep gave, the next one is to begin with the same
     /// impulses along the new rows: starts (v - what it begins with) change by the difference.
-    void update_rows(body* bodies, const pose* poses, const joint_pass<S>& with, twist_of<S, D, Rotates>* starts) {
-        if (starts == nullptr) return write_rows(bodies, poses, with);
+    void update_rows(body*, const pose* poses, const joint_pass<S>& with, twist_of<S, D, Rotates>* starts) {
+        if (starts == nullptr) return write_rows(poses, with);
         lanes of_a{}, of_b{};
-        for (const row& r : rows_)
-            if (r.is_on) r.apply(P::load(r.impulse), a_, b_, of_a, of_b);
-        write_rows(bodies, poses, with);
-        for (const row& r : rows_)
-            if (r.is_on) r.apply(-P::load(r.impulse), a_, b_, of_a, of_b);
+        each_row([&](const row& r, int) { r.apply(P::load(r.impulse), a_, b_, of_a, of_b); });
+        write_rows(poses, with);
+        each_row([&](const row& r, int) { r.apply(-P::load(r.impulse), a_, b_, of_a, of_b); });
         if (a_.is_pushed) of_a.add_to(starts, a_.index);
         if (b_.is_pushed) of_b.add_to(starts, b_.index);
     }
@@ -58,31 +65,38 @@ public:
         lanes of_a, of_b;
         load(bodies, of_a, of_b);
         if constexpr (shared == 0) {
-            for (row& r : rows_)
-                if (r.is_on) r.solve(with, use_bias, a_, b_, of_a, of_b);
+            each_row([&](row& r, int) { r.solve(with, use_bias, a_, b_, of_a, of_b); });
         } else {
-            for (int k = 0, n; k < Joint::row_count; k += n) {
-                n = rows_together(shared, k);
-                if (!rows_[k].is_on) continue;
-                if (n > 1) solve_together(k, n, with, use_bias, of_a, of_b);
-                else rows_[k].solve(with, use_bias, a_, b_, of_a, of_b);
+            for (int i = 0, n; i < count_; i += n) {
+                n = rows_together(shared, kind_row_[i]);
+                if (n > 1) solve_together(i, n, with, use_bias, of_a, of_b);
+                else rows_[i].solve(with, use_bias, a_, b_, of_a, of_b);
             }
         }
-        if (!use_bias)
-            for (row& r : rows_)
-                if (r.is_on) r.add_up();
+        if (!use_bias) each_row([](row& r, int) { r.add_up(); });
         store(bodies, of_a, of_b);
     }
     void store_impulses(S h) const {
-        for (int lane = 0; lane < W; ++lane)
-            if (joints_[lane] != nullptr)
-                detail::store_impulses(
-                    *joints_[lane], h, [&](int k) { return rows_[k].impulse[lane]; },
-                    [&](int k) { return rows_[k].total[lane]; });
+        for (int lane = 0; lane < W; ++lane) {
+            if (joints_[lane] == nullptr) continue;
+            fixed_list<S, Joint::row_count> given, sum;
+            each_row([&](const row& r, int k) {
+                given[k] = r.impulse[lane];
+                sum[k] = r.total[lane];
+            });
+            detail::store_impulses(
+                *joints_[lane], h, [&](int k) { return given[k]; }, [&](int k) { return sum[k]; });
+        }
     }
 
 private:
     static constexpr std::uint32_t shared = shared_bounds_of<Joint>();
+
+    /// f(row, its number among those of the kind).
+    template <class F>
+    void each_row(F&& f) const {
+        for (int i = 0; i < count_; ++i) f(rows_[i], kind_row_[i]);
+    }
 
     void solve_together(int k, int n, const joint_pass<S>& with, bool use_bias, lanes& of_a, lanes& of_b) {
         P wanted[3];
@@ -105,23 +119,24 @@ private:
         if (a_.is_pushed) of_a.store(bodies, a_.index);
         if (b_.is_pushed) of_b.store(bodies, b_.index);
     }
-    void write_rows(const body* bodies, const pose* poses, const joint_pass<S>& with) {
-        for (row& r : rows_) r.clear();
+    void write_rows(const pose* poses, const joint_pass<S>& with) {
+        each_row([](row& r, int) { r.clear(); });
         for (int lane = 0; lane < W; ++lane)
-            if (joints_[lane] != nullptr) write_rows(lane, bodies, poses, with);
+            if (joints_[lane] != nullptr) write_lane(lane, poses, with);
+        each_row([&](row& r, int) { r.finish(a_, b_, with); });
     }
-    PHYSICS_HPP_NOINLINE void write_rows(int lane, const body* bodies, const pose* poses, const joint_pass<S>& with) {
-        const std::uint32_t a = a_.index[lane], b = b_.index[lane];
+    PHYSICS_HPP_NOINLINE void write_lane(int lane, const pose* poses, const joint_pass<S>& with) {
         row_list<S, D, Joint::row_count, has_two_directions<Joint>()> rows;
         const auto to = rows.target();
-        detail::write_rows(*joints_[lane], false, poses[a], poses[b], to);
-        for (int k = 0; k < Joint::row_count; ++k)
-            rows_[k].write(lane, to.row[k], to.direction_a(k), bodies[a], bodies[b], with);
+        detail::write_rows(*joints_[lane], false, poses[a_.index[lane]], poses[b_.index[lane]], to);
+        each_row([&](row& r, int k) { r.put(lane, to.row[k], to.direction_a(k), with); });
     }
 
     step_joint<Joint, S, D>* joints_[W] = {};
     pushed_lanes<S, D, Rotates, W> a_, b_;
-    fixed_list<row, Joint::row_count> rows_{};
+    row* rows_;
+    int count_ = 0;
+    fixed_list<std::uint8_t, Joint::row_count> kind_row_{};
 };
 
 }  // namespace detail

@@ -75,13 +75,6 @@ struct twist_lanes {
     }
 };
 
-/// The change of angular velocity by an angular impulse of 1 about an axis, about the same axis.
-template <class S>
-constexpr inverse_of<S> torque_k(inverse_of<S> inverse_inertia, S axis, S) {
-    using I = inverse_of<S>;
-    return mul<I>(mul<I>(inverse_inertia, axis), axis);
-}
-
 /// W bodies, and how they answer to impulses.
 template <class S, int D, bool Rotates, int W>
 struct pushed_lanes {
@@ -95,7 +88,7 @@ struct pushed_lanes {
     I mass[W] = {}, inertia[A == 3 ? 6 : 1][W] = {};
     bool is_pushed = false;
 
-    void put(int lane, std::uint32_t number, const solver_body<S, D, Rotates>* bodies, S share = S(1)) {
+    void put(int lane, std::uint32_t number, const solver_body<S, D, Rotates>* bodies) {
         const auto& b = bodies[number];
         index[lane] = number;
         mass[lane] = b.inverse_mass;
@@ -105,19 +98,38 @@ struct pushed_lanes {
             const I six[] = {m.xx, m.xy, m.xz, m.yy, m.yz, m.zz};
             for (int i = 0; i < 6; ++i) inertia[i][lane] = six[i];
         }
-        if (share < S(1))
-            for (auto& entry : inertia) entry[lane] = mul<I>(entry[lane], share);
+    }
+    /// Has bodies turn by so large a part of what they would.
+    void scale_inertia(const S* share) {
+        for (auto& entry : inertia)
+            for (int lane = 0; lane < W; ++lane)
+                if (share[lane] < S(1)) entry[lane] = mul<I>(entry[lane], share[lane]);
+    }
+    /// The change of angular velocity by an angular impulse of 1 about an axis, about the same axis.
+    Q answer(const S (&axis)[array][W]) const {
+        P x[array];
+        for (int i = 0; i < array; ++i) x[i] = P::load(axis[i]);
+        if constexpr (A == 1) {
+            return mul<I>(mul<I>(Q::load(inertia[0]), x[0]), x[0]);
+        } else {
+            Q y[3];
+            for (int i = 0; i < 3; ++i) y[i] = narrow<I>(inertia_row(i, x));
+            return narrow<I>(product(y[0], x[0]) + product(y[1], x[1]) + product(y[2], x[2]));
+        }
     }
     /// The change of angular velocity by an angular impulse.
     void turn(const P (&impulse)[array], P (&change)[array]) const {
         if constexpr (A == 1) change[0] = mul<S>(Q::load(inertia[0]), impulse[0]);
-        if constexpr (A == 3) {
-            constexpr int place[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
-            for (int i = 0; i < 3; ++i)
-                change[i] = narrow<S>(product(Q::load(inertia[place[i][0]]), impulse[0]) +
-                                      product(Q::load(inertia[place[i][1]]), impulse[1]) +
-                                      product(Q::load(inertia[place[i][2]]), impulse[2]));
-        }
+        if constexpr (A == 3)
+            for (int i = 0; i < 3; ++i) change[i] = narrow<S>(inertia_row(i, impulse));
+    }
+
+private:
+    /// A row of the inverse inertia times a vector, before it is rounded.
+    auto inertia_row(int i, const P (&v)[array]) const {
+        constexpr int place[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+        return product(Q::load(inertia[place[i][0]]), v[0]) + product(Q::load(inertia[place[i][1]]), v[1]) +
+               product(Q::load(inertia[place[i][2]]), v[2]);
     }
 };
 
@@ -143,8 +155,8 @@ struct row_lanes : own_directions<S, D, W, Two> {
     S direction[D][W], angular_a[array][W], angular_b[array][W];
     /// See joint_row; impulses in a substep.
     S error[W], low[W], high[W], speed[W], one_sided[W], spring[W];
-    /// Of passes without and with bias, see spring_step; and which part of an impulse goes.
-    S push[2][W], share[2][W], loss[2][W];
+    /// In passes with bias, see spring_step; and which part of an impulse goes.
+    S push[W], share[W], loss[W];
     S mass[W], impulse[W];
     /// Of all substeps together.
     S total[W];
@@ -154,15 +166,11 @@ struct row_lanes : own_directions<S, D, W, Two> {
     bool is_on, is_one_sided, is_bounded, has_spring;
 
     void clear() { is_on = is_one_sided = is_bounded = has_spring = false; }
-    void write(int lane, const joint_row<S, D>& from, const vec<S, D>& to_a, const body& a, const body& b,
-               const joint_pass<S>& with) {
-        bool on = from.is_on();
+    /// Writes what a joint says of it into a lane. Once all lanes are written, finish has to follow.
+    void put(int lane, const joint_row<S, D>& from, [[maybe_unused]] const vec<S, D>& to_a, const joint_pass<S>& with) {
         for (int i = 0; i < D; ++i) direction[i][lane] = from.direction[i];
-        I k = mul<I>(a.inverse_mass + b.inverse_mass, dot(from.direction, from.direction));
-        if constexpr (Two) {
+        if constexpr (Two)
             for (int i = 0; i < D; ++i) this->direction_a[i][lane] = to_a[i];
-            k = mul<I>(a.inverse_mass, dot(to_a, to_a)) + mul<I>(b.inverse_mass, dot(from.direction, from.direction));
-        }
         if constexpr (A == 1) {
             angular_a[0][lane] = from.angular_a;
             angular_b[0][lane] = from.angular_b;
@@ -172,44 +180,46 @@ struct row_lanes : own_directions<S, D, W, Two> {
                 angular_b[i][lane] = from.angular_b[i];
             }
         }
-        if constexpr (Rotates)
-            k = k + torque_k<S>(a.inverse_inertia, from.angular_a, from.angular_a) +
-                torque_k<S>(b.inverse_inertia, from.angular_b, from.angular_b);
-        on = on && k > I(0);
-        const bool is_one = on && !(from.min_force < S(0)), is_spring = from.is_spring();
+        const bool on = from.is_on(), is_one = on && !(from.min_force < S(0)), is_spring = from.is_spring();
         is_on = is_on || on;
         is_one_sided = is_one_sided || is_one;
-        const S unlimited = joint_row<S, D>::unlimited(), own = on ? reciprocal<S>(k) : S(0);
-        is_bounded = is_bounded || (on && from.is_bounded());
-        const S limit = unlimited / max(own, S(1)), max_error = limit * min(with.h, S(1));
-        mass[lane] = own;
-        max_bias[lane] = limit;
-        error[lane] = clamp(from.error, -max_error, max_error);
-        one_sided[lane] = is_one ? S(1) : S(0);
-        speed[lane] = from.speed;
-        const S max_force = unlimited / max(with.h, S(1));
-        low[lane] = on ? max(from.min_force, -max_force) * with.h : S(0);
-        high[lane] = on ? min(from.max_force, max_force) * with.h : S(0);
-        // What is off forgets what it gave.
-        impulse[lane] = clamp(impulse[lane], low[lane], high[lane]);
-        // Springs act once in a substep, as forces do: passes without bias leave them alone.
-        share[0][lane] = is_spring ? S(0) : S(1);
-        push[0][lane] = loss[0][lane] = S(0);
-        spring[lane] = is_spring ? S(1) : S(0);
+        is_bounded = is_bounded || from.is_bounded();
         has_spring = has_spring || is_spring;
+        error[lane] = from.error;
+        speed[lane] = from.speed;
+        low[lane] = from.min_force;
+        high[lane] = from.max_force;
+        one_sided[lane] = is_one ? S(1) : S(0);
+        spring[lane] = is_spring ? S(1) : S(0);
         if (is_spring) {
             const auto does = spring_step<S>::of(from.frequency, from.damping_ratio, with.h);
-            share[1][lane] = does.share;
-            push[1][lane] = does.push;
-            loss[1][lane] = S(1) - does.share;
+            share[lane] = does.share;
+            push[lane] = does.push;
+            loss[lane] = S(1) - does.share;
         } else if (from.is_motor) {
-            share[1][lane] = S(1);
-            push[1][lane] = loss[1][lane] = S(0);
+            share[lane] = S(1);
+            push[lane] = loss[lane] = S(0);
         } else {
-            share[1][lane] = with.rigid.mass_scale;
-            push[1][lane] = with.rigid.mass_scale * with.rigid.rate;
-            loss[1][lane] = with.rigid.impulse_scale;
+            share[lane] = with.rigid.mass_scale;
+            push[lane] = with.rigid.mass_scale * with.rigid.rate;
+            loss[lane] = with.rigid.impulse_scale;
         }
+    }
+    /// Turns forces into impulses, and cuts off what no number could hold.
+    void finish(const side& a, const side& b, const joint_pass<S>& with) {
+        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1)), h = P::broadcast(with.h);
+        const S unlimited = joint_row<S, D>::unlimited(), max_force = unlimited / max(with.h, S(1));
+        const P own = select_greater(P::load(high), P::load(low), inverse(k_of(a, b)), zero),
+                limit = P::broadcast(unlimited) / max(own, one), most = limit * min(h, one);
+        own.store(mass);
+        limit.store(max_bias);
+        max(min(P::load(error), most), -most).store(error);
+        const P least = select_greater(own, zero, max(P::load(low), P::broadcast(-max_force)) * h, zero),
+                largest = select_greater(own, zero, min(P::load(high), P::broadcast(max_force)) * h, zero);
+        least.store(low);
+        largest.store(high);
+        // What is off forgets what it gave.
+        max(min(P::load(impulse), largest), least).store(impulse);
     }
 
     /// Adds what it gave in a substep.
@@ -246,14 +256,27 @@ struct row_lanes : own_directions<S, D, W, Two> {
         const P zero = P::broadcast(S(0));
         return is_one_sided ? select_greater(P::load(one_sided), zero, max(P::load(error), zero), zero) : zero;
     }
-    /// Visits it alone. Of what others have a part in, the bound is left to them.
+    /// Visits it alone. Of what others have a part in, the bound is left to them. Springs act once in a substep, as
+    /// forces do: passes without bias leave them alone.
     template <bool IsBounded = true>
     void solve(const joint_pass<S>& with, bool use_bias, const side& a, const side& b, lanes& of_a, lanes& of_b) {
-        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1)), limit = P::load(max_bias), free = room();
-        const P at = P::load(error), left = select_greater(free, zero, one, P::load(share[use_bias]));
-        const P bias = select_greater(free, zero, free * P::broadcast(with.inverse_h), at * P::load(push[use_bias]));
-        const P lost = select_greater(free, zero, zero, P::load(loss[use_bias]));
+        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
         const P before = P::load(impulse), v = speed_of(of_a, of_b) - P::load(speed);
+        P left = one, bias = zero, lost = zero;
+        if (use_bias) {
+            left = P::load(share);
+            bias = P::load(error) * P::load(push);
+            lost = P::load(loss);
+        } else if (has_spring) {
+            left = one - P::load(spring);
+        }
+        if (is_one_sided) {
+            const P free = room();
+            left = select_greater(free, zero, one, left);
+            bias = select_greater(free, zero, free * P::broadcast(with.inverse_h), bias);
+            lost = select_greater(free, zero, zero, lost);
+        }
+        const P limit = P::load(max_bias);
         const P wanted = before - P::load(mass) * (left * v + max(min(bias, limit), -limit)) - lost * before;
         const P next = IsBounded ? max(min(wanted, P::load(high)), P::load(low)) : wanted;
         apply(next - before, a, b, of_a, of_b);
@@ -261,6 +284,25 @@ struct row_lanes : own_directions<S, D, W, Two> {
     }
 
 private:
+    using array_of_lanes = S[W];
+
+    /// J M^-1 J^T.
+    Q k_of(const side& a, const side& b) const {
+        const P along = square_of(direction);
+        Q k = mul<I>(Q::load(a.mass) + Q::load(b.mass), along);
+        if constexpr (Two) k = mul<I>(Q::load(a.mass), square_of(this->direction_a)) + mul<I>(Q::load(b.mass), along);
+        if constexpr (Rotates) k = k + a.answer(angular_a) + b.answer(angular_b);
+        return k;
+    }
+    static P square_of(const array_of_lanes* v) {
+        auto sum = product(P::load(v[0]), P::load(v[0]));
+        for (int i = 1; i < D; ++i) sum = sum + product(P::load(v[i]), P::load(v[i]));
+        return narrow<S>(sum);
+    }
+    static P inverse(const Q& k) {
+        if constexpr (std::is_same_v<P, Q>) return lane_reciprocal(k);
+        else return P::broadcast(k.lane(0) > I(0) ? reciprocal<S>(k.lane(0)) : S(0));
+    }
     static void turn([[maybe_unused]] const side& of, [[maybe_unused]] const S (&axis)[array][W],
                      [[maybe_unused]] const P& by, [[maybe_unused]] lanes& to) {
         if constexpr (A > 0) {
@@ -338,6 +380,7 @@ vec<S, D> write_rows(step_joint<Joint, S, D>& joint, [[maybe_unused]] bool is_ah
     at.between = at.between + (b.displacement.linear - a.displacement.linear);
     at.rotation_a = a.rotation_from(at.rotation_a);
     at.rotation_b = b.rotation_from(at.rotation_b);
+    at.is_rough = !uses_angles(*joint.joint);
     const auto turned = count_turns(*joint.joint, at, joint.turned);
     at.turned = turned.begin();
     if (!is_ahead) joint.turned = turned;

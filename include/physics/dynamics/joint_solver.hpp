@@ -9,11 +9,11 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// Some joints of a list.
+/// Some joints of a list, and by bits which of their rows are on.
 template <class Joint, class S, int D>
 struct joint_selection {
     const joint_list<Joint, S, D>& all;
-    const std::uint32_t* which;
+    const std::uint32_t *which, *on;
     std::uint32_t count;
 
     [[nodiscard]] std::uint32_t size() const { return count; }
@@ -33,15 +33,20 @@ public:
         const colours_of_contacts colours = colour_edges(joints, always, bodies, scratch, tasks);
         blocks_ = blocks_by_colour(colours, W);
         first_ = scratch.template allocate<block>(blocks_.count());
-        blocks_.each_at_once(tasks, [&](std::uint32_t k, std::uint32_t group, std::uint32_t) {
-            block& to = *new (first_ + k) block();
-            const std::uint32_t lanes = blocks_.lanes_of(group), end = colours.begin[group + 1];
-            std::uint32_t at = colours.begin[group] + (k - blocks_.begin[group]) * lanes;
-            for (int lane = 0; lane < W; ++lane, ++at) {
-                if (static_cast<std::uint32_t>(lane) < lanes && at < end)
-                    to.put(lane, joints[colours.order[at]], joints.bodies(colours.order[at]), bodies.first, h);
-                else to.put_nothing(lane, bodies.dummy_body());
+        // Blocks have the rows that are on in any of their lanes.
+        auto* const on = scratch.template allocate<std::uint32_t>(blocks_.count());
+        auto* const rows = scratch.template allocate<row*>(blocks_.count());
+        for (std::uint32_t group = 0; group < blocks_.colours; ++group)
+            for (std::uint32_t k = blocks_.begin[group]; k < blocks_.begin[group + 1]; ++k) {
+                on[k] = 0;
+                each_lane(colours, k, group, [&](int, std::uint32_t i) { on[k] |= joints.on[i]; });
+                rows[k] = scratch.template allocate<row>(static_cast<std::uint32_t>(std::popcount(on[k])));
             }
+        blocks_.each_at_once(tasks, [&](std::uint32_t k, std::uint32_t group, std::uint32_t) {
+            block& to = *new (first_ + k) block(on[k], rows[k]);
+            for (int lane = 0; lane < W; ++lane) to.put_nothing(lane, bodies.dummy_body());
+            each_lane(colours, k, group,
+                      [&](int lane, std::uint32_t i) { to.put(lane, joints[i], joints.bodies(i), bodies.first, h); });
             to.note_sides(bodies.first);
         });
     }
@@ -51,6 +56,17 @@ public:
     }
 
 private:
+    using row = typename block::row_type;
+
+    /// f(lane, joint) for the joints of a block of that colour.
+    template <class F>
+    void each_lane(const colours_of_contacts& colours, std::uint32_t k, std::uint32_t group, F&& f) const {
+        const std::uint32_t lanes = blocks_.lanes_of(group), end = colours.begin[group + 1];
+        std::uint32_t at = colours.begin[group] + (k - blocks_.begin[group]) * lanes;
+        for (std::uint32_t lane = 0; lane < lanes && at < end; ++lane, ++at)
+            f(static_cast<int>(lane), colours.order[at]);
+    }
+
     blocks_by_colour blocks_;
     block* first_;
 };
@@ -66,7 +82,7 @@ class direct_groups<constraints<S, D, Features, joints<Joints...>>, W> {
     using constraints_type = constraints<S, D, Features, joints<Joints...>>;
 
 public:
-    /// Of each kind which joints are left to be solved otherwise: f(kind, numbers, count).
+    /// Of each kind which joints are left to be solved otherwise: f(kind, numbers, rows that are on, count).
     template <class F>
     void make(const constraints_type& of, solver_bodies<S, D, rotates> bodies, const joint_pose<S, D, rotates>* poses,
               std::uint32_t max_cost, S h, arena& scratch, F&& rest) {
@@ -123,10 +139,14 @@ public:
         at = 0;
         for (std::uint32_t k = 0; k < sizeof...(Joints); ++k) {
             auto* const left = scratch.template allocate<std::uint32_t>(count);
+            auto* const on = scratch.template allocate<std::uint32_t>(count);
             std::uint32_t n = 0;
-            for (; at < count && all[at].kind == k; ++at)
-                if (!is_direct[at]) left[n++] = all[at].number;
-            rest(k, left, n);
+            for (; at < count && all[at].kind == k; ++at) {
+                if (is_direct[at]) continue;
+                left[n] = all[at].number;
+                on[n++] = all[at].rows;
+            }
+            rest(k, left, on, n);
         }
     }
     template <class F>
@@ -175,14 +195,16 @@ public:
           poses_(scratch.allocate<detail::joint_pose<S, D, rotates>>(bodies.count)),
           pass_{h, S(1) / h, detail::softness<S>::of(frequency, damping_ratio, h)} {
         find_poses(tasks);
-        const std::uint32_t* which[sizeof...(Joints)] = {};
+        const std::uint32_t *which[sizeof...(Joints)] = {}, *on[sizeof...(Joints)] = {};
         std::uint32_t counts[sizeof...(Joints)] = {}, kind = 0;
-        direct_.make(of, bodies, poses_, static_cast<std::uint32_t>(max_direct_cost), h, scratch,
-                     [&](std::uint32_t k, const std::uint32_t* numbers, std::uint32_t count) {
-                         which[k] = numbers;
-                         counts[k] = count;
-                     });
-        ((make_blocks<Joints<S, D>>(of, which[kind], counts[kind], bodies, scratch, tasks), ++kind), ...);
+        direct_.make(
+            of, bodies, poses_, static_cast<std::uint32_t>(max_direct_cost), h, scratch,
+            [&](std::uint32_t k, const std::uint32_t* numbers, const std::uint32_t* rows, std::uint32_t count) {
+                which[k] = numbers;
+                on[k] = rows;
+                counts[k] = count;
+            });
+        ((make_blocks<Joints<S, D>>(of, which[kind], on[kind], counts[kind], bodies, scratch, tasks), ++kind), ...);
     }
     /// Gives bodies what the last substep gave.
     void warm_start(detail::task_runner& tasks) {
@@ -206,9 +228,9 @@ public:
 
 private:
     template <class Joint>
-    void make_blocks(const constraints_type& of, const std::uint32_t* which, std::uint32_t count, bodies_type bodies,
-                     arena& scratch, detail::task_runner& tasks) {
-        blocks<Joint>::make({of.template joints_of_kind<Joint>(), which, count}, bodies, pass_.h, scratch, tasks);
+    void make_blocks(const constraints_type& of, const std::uint32_t* which, const std::uint32_t* on,
+                     std::uint32_t count, bodies_type bodies, arena& scratch, detail::task_runner& tasks) {
+        blocks<Joint>::make({of.template joints_of_kind<Joint>(), which, on, count}, bodies, pass_.h, scratch, tasks);
     }
     template <class F>
     void each(detail::task_runner& tasks, F&& f) {

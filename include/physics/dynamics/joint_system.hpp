@@ -37,6 +37,7 @@ protected:
         sides_ = made<side>(of_.body_count, scratch);
         velocities_ = made<lanes>(of_.body_count, scratch);
         sway_ = scratch.template allocate<double>(of_.body_count);
+        inertia_share_ = made<S>(of_.body_count * W, scratch);
         joints_of_ = made<std::uint32_t>(of_.body_count, scratch);
         unit_sway_ = made<K>(of_.joint_count, scratch);
         own_lever_ = scratch.template allocate<double>(of_.joint_count * W);
@@ -109,13 +110,18 @@ protected:
             far_[lane] = S(0);
             largest_[lane] = 0;
             for (std::uint32_t k = 0; k < of_.body_count; ++k) sway_[k] = 0;
+            for (std::uint32_t k = 0; k < of_.body_count; ++k) sides_[k].put(lane, sides_[k].index[lane], bodies);
             for (std::uint32_t i = 0; i < of_.joint_count; ++i) write_joint(i, lane, bodies, poses, with);
-            for (std::uint32_t k = 0; k < of_.body_count; ++k)
-                sides_[k].put(lane, sides_[k].index[lane], bodies, sway_[k] > 1 ? S(1 / sway_[k]) : S(1));
             double largest = 0;
-            for (std::uint32_t k = 0; k < of_.body_count; ++k) largest = max(largest, sway_[k]);
+            for (std::uint32_t k = 0; k < of_.body_count; ++k) {
+                inertia_share_[k * W + static_cast<std::uint32_t>(lane)] = sway_[k] > 1 ? S(1 / sway_[k]) : S(1);
+                largest = max(largest, sway_[k]);
+            }
             resolved_[lane] = largest > max_resolved ? S(0) : S(1);
         }
+        each_row(
+            [&](std::uint32_t r, const joint_pattern::joint& j) { rows_[r].finish(sides_[j.a], sides_[j.b], with); });
+        for (std::uint32_t k = 0; k < of_.body_count; ++k) sides_[k].scale_inertia(inertia_share_ + k * W);
         assemble<S, D, Rotates, Two>(of_, rows_, sides_, matrix_.matrix);
         is_factorised_ = false;
     }
@@ -133,7 +139,7 @@ protected:
         double square = 0, square_a = 0, largest = 1, largest_a = 1;
         vec<S, D> r_a, r_b;
         j.each_row([&](std::uint32_t r, int k) {
-            rows_[r].write(lane, rows.at[k], to.direction_a(k), a, b, with);
+            rows_[r].put(lane, rows.at[k], to.direction_a(k), with);
             // Of what has room, rests elsewhere or gives in, the error says nothing.
             const bool holds = !rows.at[k].is_bounded() && !rows.at[k].is_spring();
             const double part = holds ? part_of(to_double(rows.at[k].error), rows.at[k], to.direction(k), apart) : 0;
@@ -188,6 +194,8 @@ protected:
     lanes* velocities_;
     joint_matrix<K> matrix_;
     double* sway_;
+    /// Of each body in each lane which part of its inverse inertia it has for the solve.
+    S* inertia_share_;
     /// Of each joint the larger of its bodies' sways by an impulse of 1 N s a substep.
     K* unit_sway_;
     /// See own_lever_of; of each joint in each lane.

@@ -116,6 +116,8 @@ struct joint_frames {
     vec<S, D> center_a, center_b, between;
     /// Of joints that count their turns, see joint_for.
     const counted_angle<S>* turned = nullptr;
+    /// Whether angles are only to be counted: they may be 0.1 rad off, but not where they pass pi.
+    bool is_rough = false;
 
     /// From a body's centre of mass to a point of it, in world axes.
     [[nodiscard]] vec<S, D> r_a(const vec<S, D>& point) const { return rotation_a * (point - center_a); }
@@ -144,9 +146,13 @@ struct joint_frames {
         return inverse(rotation_a * frame_a) * (rotation_b * frame_b);
     }
     /// How far that turns about the z axis, in [-pi, pi].
-    [[nodiscard]] static S angle_about_z(const rotation<S, D>& r) {
-        if constexpr (D == 2) return r.angle();
-        else return r.w < S(0) ? S(2) * atan2(-r.z, -r.w) : S(2) * atan2(r.z, r.w);
+    [[nodiscard]] S angle_about_z(const rotation<S, D>& r) const {
+        if constexpr (D == 2) {
+            return is_rough ? rough_angle(r.sine, r.cosine) : r.angle();
+        } else {
+            const S z = r.w < S(0) ? -r.z : r.z, w = r.w < S(0) ? -r.w : r.w;
+            return S(2) * (is_rough ? rough_angle(z, w) : atan2(z, w));
+        }
     }
     /// Rows that keep a frame of B turned as one of A: 1 in 2D, 3 in 3D.
     void hold(const rotation<S, D>& frame_a, const rotation<S, D>& frame_b, joint_row<S, D>* row) const {
@@ -161,7 +167,37 @@ struct joint_frames {
     /// D rows that hold a point of B to one of A.
     void hold(const vec<S, D>& point_a, const vec<S, D>& point_b, joint_row<S, D>* row) const {
         const vec<S, D> to_a = r_a(point_a), to_b = r_b(point_b), apart = between + (to_b - to_a);
-        for (int i = 0; i < D; ++i) row[i] = along(axis(i), to_a, to_b).equality(apart[i]);
+        for (int i = 0; i < D; ++i) {
+            // Member by member: copies of rows would wait for what has just been written.
+            row[i].direction = axis(i);
+            row[i].angular_a = -cross_axis(to_a, i);
+            row[i].angular_b = cross_axis(to_b, i);
+            row[i].r_a = to_a;
+            row[i].r_b = to_b;
+            row[i].error = apart[i];
+            row[i].max_force = joint_row<S, D>::unlimited();
+            row[i].min_force = -row[i].max_force;
+        }
+    }
+
+private:
+    /// r x axis(i).
+    static angular<S, D> cross_axis(const vec<S, D>& r, int i) {
+        if constexpr (D == 2) {
+            return i == 0 ? -r.y : r.x;
+        } else {
+            return i == 0   ? vec<S, 3>{S(0), r.z, -r.y}
+                   : i == 1 ? vec<S, 3>{-r.z, S(0), r.x}
+                            : vec<S, 3>{r.y, -r.x, S(0)};
+        }
+    }
+    /// The angle of (x, y) to 0.1 rad, exact at multiples of pi / 2.
+    static S rough_angle(S y, S x) {
+        const S sum = abs(x) + abs(y);
+        if (!(sum > S(0))) return S(0);
+        constexpr double pi = 3.141592653589793;
+        const S angle = y / sum * S(pi / 2);
+        return x < S(0) ? S(y < S(0) ? -pi : pi) - angle : angle;
     }
 };
 
@@ -188,6 +224,8 @@ struct joint_drive {
     S rest, frequency, damping_ratio;
 
     static constexpr int row_count = 4;
+    /// Whether it matters where the coordinate is.
+    [[nodiscard]] constexpr bool uses_value() const { return frequency > S(0) || is_limit(min) || is_limit(max); }
     static constexpr bool is_limit(S x) { return x < scalar_traits<S>::max() && -x < scalar_traits<S>::max(); }
 
     /// `along` has the Jacobian of the coordinate, which is at `value`.
@@ -303,10 +341,11 @@ concept writes_rows = requires(const Joint& joint, const frames_for<Joint, S, D>
 /// shared_bounds`, row k shares its max_force with row k + 1, and so on, up to three: not each of them, but the length
 /// of what they give together is bounded. Such rows are on together, with the same bounds and stiffness. Of a kind with
 /// a `static constexpr int angle_count`, so many angles are counted: it tells angle(frames, i), |angle| <= pi, and
-/// finds them in frames.turned[i]. fill_in(frames) is called as a joint is made or set, for what it leaves open till
-/// then; check_at(frames, function) before that, for what depends on where bodies are. Of a kind with a
-/// `static constexpr bool two_directions = true` a row pulls A otherwise than B, and the world bears the difference:
-/// rows(grounded_frames, row, direction_a) writes the negative of the Jacobian of A's centre of mass too.
+/// finds them in frames.turned[i]; where it offers uses_angles(), these are exact only if it says so. fill_in(frames)
+/// is called as a joint is made or set, for what it leaves open till then; check_at(frames, function) before that, for
+/// what depends on where bodies are. Of a kind with a `static constexpr bool two_directions = true` a row pulls A
+/// otherwise than B, and the world bears the difference: rows(grounded_frames, row, direction_a) writes the negative of
+/// the Jacobian of A's centre of mass too.
 template <class Joint, class S, int D>
 concept joint_for = std::is_trivially_copyable_v<Joint> && detail::names_members<Joint> &&
     requires(const Joint& joint) {
@@ -335,6 +374,12 @@ constexpr int angles_of() {
 }
 template <class Joint, class S>
 using angle_list = fixed_list<counted_angle<S>, angles_of<Joint>()>;
+/// Whether rows depend on them.
+template <class Joint>
+bool uses_angles([[maybe_unused]] const Joint& joint) {
+    if constexpr (requires { joint.uses_angles(); }) return joint.uses_angles();
+    else return true;
+}
 /// Angles that were last seen so, where bodies are now.
 template <class Joint, class S, int D>
 angle_list<Joint, S> count_turns([[maybe_unused]] const Joint& joint, [[maybe_unused]] const joint_frames<S, D>& at,

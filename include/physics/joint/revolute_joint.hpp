@@ -27,9 +27,9 @@ struct revolute_joint {
     [[nodiscard]] S angle(const joint_frames<S, D>& at, int) const {
         return at.angle_about_z(at.relative(frame_a.rotation, frame_b.rotation));
     }
+    [[nodiscard]] bool uses_angles() const { return drive_of().uses_value(); }
     void rows(const joint_frames<S, D>& at, joint_row<S, D>* row) const {
-        const joint_drive<S> drive{min_angle,  max_angle, motor_speed,  max_motor_torque,
-                                   rest_angle, frequency, damping_ratio};
+        const joint_drive<S> drive = drive_of();
         if constexpr (D == 2) {
             drive.rows(at.about(S(1)), at.turned->total(), row);
         } else {
@@ -40,6 +40,11 @@ struct revolute_joint {
             row[drive.row_count + 4] = at.about(y).equality(dot(error, y));
         }
         at.hold(frame_a.position, frame_b.position, row + drive.row_count);
+    }
+
+private:
+    [[nodiscard]] joint_drive<S> drive_of() const {
+        return {min_angle, max_angle, motor_speed, max_motor_torque, rest_angle, frequency, damping_ratio};
     }
 };
 
