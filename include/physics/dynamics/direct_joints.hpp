@@ -121,15 +121,16 @@ private:
         K bias = zero;
         if (use_bias) {
             // Of springs with the share m of the speed: m J v + p C + (1 - m) / m_eff lambda = 0.
-            bias = lanes_from<K>(r.error) * lanes_from<K>(r.push) / share_of(r);
+            bias = limited(lanes_from<K>(r.error) * lanes_from<K>(r.push), r) / share_of(r);
         }
         if (r.is_one_sided) {
             const K free = widened<K>(r.room()) * K::broadcast(static_cast<C>(to_double(with.inverse_h)));
-            bias = select_greater(lanes_from<K>(r.one_sided), zero, free, bias);
+            bias = select_greater(lanes_from<K>(r.one_sided), zero, limited(free, r), bias);
         }
-        return limited(bias, r);
+        return bias;
     }
-    static K share_of(const row& r) { return max(lanes_from<K>(r.share), K::broadcast(C(1e-6))); }
+    /// Of springs without damping it is 0, which would divide: so little does not show.
+    static K share_of(const row& r) { return max(lanes_from<K>(r.share), K::broadcast(C(1e-12))); }
     static K limited(const K& bias, const row& r) {
         const K limit = lanes_from<K>(r.max_bias);
         return max(min(bias, limit), -limit);
