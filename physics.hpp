@@ -20487,6 +20487,60 @@ struct sweep_and_prune {
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/joint/joint_spring.hpp
+// =================================================================================================
+// Springs of joints, as users describe them.
+
+PHYSICS_HPP_BEGIN
+
+/// A damped spring: by a frequency (Hz, with the mass that the bodies have along it) and a part of the critical
+/// damping; or by a stiffness (N/m, N m/rad) and a damping (N s/m, N m s/rad), whatever the masses are.
+template <class S>
+struct joint_spring {
+    S frequency{}, damping_ratio{}, stiffness{}, damping{};
+
+    [[nodiscard]] constexpr bool is_physical() const { return stiffness > S(0) || damping > S(0); }
+    [[nodiscard]] constexpr bool is_on() const { return frequency > S(0) || is_physical(); }
+};
+
+namespace detail {
+
+/// What the fields of a spring are called.
+struct spring_names {
+    const char *frequency, *damping_ratio, *stiffness, *damping, *both;
+};
+inline constexpr spring_names plain_spring{"frequency", "damping_ratio", "stiffness", "damping",
+                                           "beside frequency and damping_ratio it must be 0"};
+inline constexpr spring_names linear_spring{"linear_frequency", "linear_damping_ratio", "linear_stiffness",
+                                            "linear_damping",
+                                            "beside linear_frequency and linear_damping_ratio it must be 0"};
+inline constexpr spring_names angular_spring{"angular_frequency", "angular_damping_ratio", "angular_stiffness",
+                                             "angular_damping",
+                                             "beside angular_frequency and angular_damping_ratio it must be 0"};
+/// Of an axis: behind its name.
+inline constexpr spring_names axis_spring{".frequency", ".damping_ratio", ".stiffness", ".damping",
+                                          "beside frequency and damping_ratio it must be 0"};
+template <class S>
+bool check_spring(const char* function, const joint_spring<S>& spring, const spring_names& names = plain_spring,
+                  const char* of = "") {
+    const auto good = [&](const char* field, S value) {
+        if (!is_finite(value)) return refuse(function, of, field, static_cast<double>(value), "it must be finite");
+        return value >= S(0) || refuse(function, of, field, static_cast<double>(value), "it must not be negative");
+    };
+    if (!good(names.frequency, spring.frequency) || !good(names.damping_ratio, spring.damping_ratio) ||
+        !good(names.stiffness, spring.stiffness) || !good(names.damping, spring.damping))
+        return false;
+    if (!spring.is_physical() || !(spring.frequency > S(0) || spring.damping_ratio > S(0))) return true;
+    const bool is_stiff = spring.stiffness > S(0);
+    return refuse(function, of, is_stiff ? names.stiffness : names.damping,
+                  static_cast<double>(is_stiff ? spring.stiffness : spring.damping), names.both);
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/joint/joint.hpp
 // =================================================================================================
 // Joints: what a kind of joint tells of itself, whoever solves it.
@@ -20514,13 +20568,15 @@ struct joint_row {
     S speed{};
     /// Whether the speed is all that it drives to, whatever C is: as stiff as it can be, and does not creep.
     bool is_motor = false;
-    /// Of a damped spring that takes C to 0 (Hz, 1); with a frequency of 0 it is as stiff as the solver can make it.
+    /// Of a damped spring that takes C to 0 (Hz, 1); with a frequency of 0 it is as stiff as the solver can make it. Or
+    /// these are a stiffness and a damping (N/m, N s/m; N m/rad, N m s/rad).
     S frequency{}, damping_ratio{};
+    bool is_physical = false;
 
     /// A row that gives whatever it takes.
     static constexpr S unlimited() { return scalar_traits<S>::max() / S(8); }
     [[nodiscard]] constexpr bool is_on() const { return min_force < S(0) || max_force > S(0); }
-    [[nodiscard]] constexpr bool is_spring() const { return frequency > S(0); }
+    [[nodiscard]] constexpr bool is_spring() const { return is_physical || frequency > S(0); }
     /// Whether it is on and may not give all that it takes.
     [[nodiscard]] constexpr bool is_bounded() const {
         return is_on() && (max_force < unlimited() || -min_force < unlimited());
@@ -20561,6 +20617,12 @@ struct joint_row {
         joint_row r = equality(error_);
         r.frequency = frequency_;
         r.damping_ratio = damping_ratio_;
+        return r;
+    }
+    [[nodiscard]] constexpr joint_row spring(S error_, const joint_spring<S>& by) const {
+        if (!by.is_physical()) return spring(error_, by.frequency, by.damping_ratio);
+        joint_row r = spring(error_, by.stiffness, by.damping);
+        r.is_physical = true;
         return r;
     }
 };
@@ -20706,11 +20768,12 @@ template <class S>
 struct joint_drive {
     S min, max;
     S motor_speed, max_motor;
-    S rest, frequency, damping_ratio;
+    S rest;
+    joint_spring<S> spring;
 
     static constexpr int row_count = 4;
     /// Whether it matters where the coordinate is.
-    [[nodiscard]] constexpr bool uses_value() const { return frequency > S(0) || is_limit(min) || is_limit(max); }
+    [[nodiscard]] constexpr bool uses_value() const { return spring.is_on() || is_limit(min) || is_limit(max); }
     static constexpr bool is_limit(S x) { return x < scalar_traits<S>::max() && -x < scalar_traits<S>::max(); }
 
     /// `along` has the Jacobian of the coordinate, which is at `value`.
@@ -20720,7 +20783,7 @@ struct joint_drive {
             row[2] = along.equality(value - min);
             return;
         }
-        if (frequency > S(0)) row[0] = along.spring(value - rest, frequency, damping_ratio);
+        if (spring.is_on()) row[0] = along.spring(value - rest, spring);
         if (max_motor > S(0)) row[1] = along.motor(motor_speed, max_motor);
         if (is_limit(min)) row[2] = along.limit(value - min);
         if (is_limit(max)) row[3] = (-along).limit(max - value);
@@ -20891,11 +20954,6 @@ template <class S>
 bool check_limits(const char* function, const char* min_name, S min, S max, const char* rule) {
     return min <= max || refuse(function, min_name, static_cast<double>(min), rule);
 }
-template <class S>
-bool check_spring(const char* function, S frequency, S damping_ratio) {
-    return check_not_negative(function, "frequency", frequency) &&
-           check_not_negative(function, "damping_ratio", damping_ratio);
-}
 
 }  // namespace detail
 
@@ -21041,7 +21099,8 @@ PHYSICS_HPP_END
 PHYSICS_HPP_BEGIN
 
 /// Holds two points of two bodies at a distance. As it stands it is a rod; with a min_length of 0 a rope; with a
-/// frequency a damped spring, which limits may bound. Rows: 3. Error: while the points coincide, it pulls along x.
+/// frequency or a stiffness a damped spring, which limits may bound. Rows: 3. Error: while the points coincide, it
+/// pulls along x.
 template <class S, int D>
 struct distance_joint {
     /// Points in the bodies' frames (m).
@@ -21051,12 +21110,17 @@ struct distance_joint {
     /// Of the spring (Hz; 0: there is none), as it swings with the mass that the bodies have along the line; and its
     /// damping as a part of the critical one.
     S frequency = S(0), damping_ratio = S(0);
+    /// The same whatever the masses are (N/m, N s/m), instead of those.
+    S stiffness = S(0), damping = S(0);
     /// The distance stays between these (m).
-    S min_length = frequency > S(0) ? S(0) : length;
-    S max_length = frequency > S(0) ? scalar_traits<S>::max() : length;
+    S min_length = spring().is_on() ? S(0) : length;
+    S max_length = spring().is_on() ? scalar_traits<S>::max() : length;
 
     static constexpr int row_count = 3;
-    PHYSICS_HPP_MEMBERS(anchor_a, anchor_b, length, frequency, damping_ratio, min_length, max_length)
+    PHYSICS_HPP_MEMBERS(anchor_a, anchor_b, length, frequency, damping_ratio, stiffness, damping, min_length,
+                        max_length)
+
+    [[nodiscard]] joint_spring<S> spring() const { return {frequency, damping_ratio, stiffness, damping}; }
 
     void rows(const joint_frames<S, D>& at, joint_row<S, D>* row) const {
         const vec<S, D> r_a = at.r_a(anchor_a), r_b = at.r_b(anchor_b), line = at.between + (r_b - r_a);
@@ -21069,7 +21133,7 @@ struct distance_joint {
             row[0] = apart.equality(distance - max_length);
             return;
         }
-        if (frequency > S(0)) row[0] = apart.spring(distance - length, frequency, damping_ratio);
+        if (spring().is_on()) row[0] = apart.spring(distance - length, spring());
         if (min_length > S(0)) row[1] = apart.limit(distance - min_length);
         if (max_length < joint_row<S, D>::unlimited()) row[2] = together.limit(max_length - distance);
     }
@@ -21079,9 +21143,7 @@ template <class S, int D>
 bool check(const distance_joint<S, D>& joint, const char* function) {
     if (!detail::check_finite(function, "anchor_a", joint.anchor_a) ||
         !detail::check_finite(function, "anchor_b", joint.anchor_b) ||
-        !detail::check_positive(function, "length", joint.length) ||
-        !detail::check_not_negative(function, "frequency", joint.frequency) ||
-        !detail::check_not_negative(function, "damping_ratio", joint.damping_ratio) ||
+        !detail::check_positive(function, "length", joint.length) || !detail::check_spring(function, joint.spring()) ||
         !detail::check_not_negative(function, "min_length", joint.min_length) ||
         !detail::check_positive(function, "max_length", joint.max_length))
         return false;
@@ -21214,14 +21276,24 @@ struct motor_joint {
     /// 3D they turn it by the shorter way.
     S linear_frequency = S(0), linear_damping_ratio = S(0);
     S angular_frequency = S(0), angular_damping_ratio = S(0);
+    /// The same whatever the masses are, instead of those (N/m, N s/m; N m/rad, N m s/rad).
+    S linear_stiffness = S(0), linear_damping = S(0);
+    S angular_stiffness = S(0), angular_damping = S(0);
     /// Springs give no more than these (N, N m).
     S max_spring_force = scalar_traits<S>::max(), max_spring_torque = scalar_traits<S>::max();
 
     static constexpr int turns = D == 2 ? 1 : 3, row_count = 2 * (D + turns);
     static constexpr std::uint32_t shared_bounds = D == 2 ? 0b001001 : 0b011011011011;
     PHYSICS_HPP_MEMBERS(frame_a, frame_b, linear_velocity, angular_velocity, max_force, max_torque, linear_frequency,
-                        linear_damping_ratio, angular_frequency, angular_damping_ratio, max_spring_force,
-                        max_spring_torque)
+                        linear_damping_ratio, angular_frequency, angular_damping_ratio, linear_stiffness,
+                        linear_damping, angular_stiffness, angular_damping, max_spring_force, max_spring_torque)
+
+    [[nodiscard]] joint_spring<S> linear_spring() const {
+        return {linear_frequency, linear_damping_ratio, linear_stiffness, linear_damping};
+    }
+    [[nodiscard]] joint_spring<S> angular_spring() const {
+        return {angular_frequency, angular_damping_ratio, angular_stiffness, angular_damping};
+    }
 
     void rows(const joint_frames<S, D>& at, joint_row<S, D>* row) const {
         const vec<S, D> r_b = at.r_b(frame_b.position), apart = at.between + (r_b - at.r_a(frame_a.position)),
@@ -21230,17 +21302,15 @@ struct motor_joint {
             const vec<S, D> x = at.axis_a(frame_a.rotation, i);
             const joint_row<S, D> along = at.along(x, r_a, r_b);
             if (max_force > S(0)) row[i] = along.motor(linear_velocity[i], max_force);
-            if (linear_frequency > S(0))
-                row[D + turns + i] =
-                    along.spring(dot(x, apart), linear_frequency, linear_damping_ratio).at_most(max_spring_force);
+            if (linear_spring().is_on())
+                row[D + turns + i] = along.spring(dot(x, apart), linear_spring()).at_most(max_spring_force);
         }
         const angular<S, D> error = rotation_vector(at.relative(frame_a.rotation, frame_b.rotation));
         for (int i = 0; i < turns; ++i) {
             const joint_row<S, D> about = at.about_a(frame_a.rotation, i);
             if (max_torque > S(0)) row[D + i] = about.motor(component(angular_velocity, i), max_torque);
-            if (angular_frequency > S(0))
-                row[2 * D + turns + i] = about.spring(component(error, i), angular_frequency, angular_damping_ratio)
-                                             .at_most(max_spring_torque);
+            if (angular_spring().is_on())
+                row[2 * D + turns + i] = about.spring(component(error, i), angular_spring()).at_most(max_spring_torque);
         }
     }
 
@@ -21256,10 +21326,8 @@ bool check(const motor_joint<S, D>& joint, const char* function) {
            detail::check_finite(function, "angular_velocity", joint.angular_velocity) &&
            detail::check_not_negative(function, "max_force", joint.max_force) &&
            detail::check_not_negative(function, "max_torque", joint.max_torque) &&
-           detail::check_not_negative(function, "linear_frequency", joint.linear_frequency) &&
-           detail::check_not_negative(function, "linear_damping_ratio", joint.linear_damping_ratio) &&
-           detail::check_not_negative(function, "angular_frequency", joint.angular_frequency) &&
-           detail::check_not_negative(function, "angular_damping_ratio", joint.angular_damping_ratio) &&
+           detail::check_spring(function, joint.linear_spring(), detail::linear_spring) &&
+           detail::check_spring(function, joint.angular_spring(), detail::angular_spring) &&
            detail::check_not_negative(function, "max_spring_force", joint.max_spring_force) &&
            detail::check_not_negative(function, "max_spring_torque", joint.max_spring_torque);
 }
@@ -21285,18 +21353,22 @@ struct prismatic_joint {
     S motor_speed = S(0), max_motor_force = S(0);
     /// Of a spring (Hz; 0: there is none), with a damping as a part of the critical one, and where it rests (m).
     S frequency = S(0), damping_ratio = S(0), rest_translation = S(0);
+    /// The same whatever the masses are (N/m, N s/m), instead of those.
+    S stiffness = S(0), damping = S(0);
 
     static constexpr int row_count = joint_drive<S>::row_count + (D == 2 ? 2 : 5);
     PHYSICS_HPP_MEMBERS(frame_a, frame_b, min_translation, max_translation, motor_speed, max_motor_force, frequency,
-                        damping_ratio, rest_translation)
+                        damping_ratio, rest_translation, stiffness, damping)
+
+    [[nodiscard]] joint_spring<S> spring() const { return {frequency, damping_ratio, stiffness, damping}; }
 
     void rows(const joint_frames<S, D>& at, joint_row<S, D>* row) const {
         const vec<S, D> r_b = at.r_b(frame_b.position), apart = at.between + (r_b - at.r_a(frame_a.position)),
                         r_a = at.between + r_b;
         const auto along = [&](int i) { return at.along(at.axis_a(frame_a.rotation, i), r_a, r_b); };
         const auto translation = [&](int i) { return dot(at.axis_a(frame_a.rotation, i), apart); };
-        const joint_drive<S> drive{min_translation,  max_translation, motor_speed,  max_motor_force,
-                                   rest_translation, frequency,       damping_ratio};
+        const joint_drive<S> drive{min_translation, max_translation,  motor_speed,
+                                   max_motor_force, rest_translation, spring()};
         drive.rows(along(0), translation(0), row);
         for (int i = 1; i < D; ++i) row[drive.row_count + i - 1] = along(i).equality(translation(i));
         at.hold(frame_a.rotation, frame_b.rotation, row + drive.row_count + D - 1);
@@ -21312,7 +21384,7 @@ bool check(const prismatic_joint<S, D>& joint, const char* function) {
                                 "it must be at most max_translation") &&
            detail::check_finite(function, "motor_speed", joint.motor_speed) &&
            detail::check_not_negative(function, "max_motor_force", joint.max_motor_force) &&
-           detail::check_spring(function, joint.frequency, joint.damping_ratio) &&
+           detail::check_spring(function, joint.spring()) &&
            detail::check_finite(function, "rest_translation", joint.rest_translation);
 }
 
@@ -21482,10 +21554,14 @@ struct revolute_joint {
     S motor_speed = S(0), max_motor_torque = S(0);
     /// Of a spring (Hz; 0: there is none), with a damping as a part of the critical one, and where it rests (rad).
     S frequency = S(0), damping_ratio = S(0), rest_angle = S(0);
+    /// The same whatever the masses are (N m/rad, N m s/rad), instead of those.
+    S stiffness = S(0), damping = S(0);
 
     static constexpr int row_count = joint_drive<S>::row_count + (D == 2 ? 2 : 5);
     PHYSICS_HPP_MEMBERS(frame_a, frame_b, min_angle, max_angle, motor_speed, max_motor_torque, frequency, damping_ratio,
-                        rest_angle)
+                        rest_angle, stiffness, damping)
+
+    [[nodiscard]] joint_spring<S> spring() const { return {frequency, damping_ratio, stiffness, damping}; }
 
     static constexpr int angle_count = 1;
     [[nodiscard]] S angle(const joint_frames<S, D>& at, int) const {
@@ -21508,7 +21584,7 @@ struct revolute_joint {
 
 private:
     [[nodiscard]] joint_drive<S> drive_of() const {
-        return {min_angle, max_angle, motor_speed, max_motor_torque, rest_angle, frequency, damping_ratio};
+        return {min_angle, max_angle, motor_speed, max_motor_torque, rest_angle, spring()};
     }
 };
 
@@ -21521,7 +21597,7 @@ bool check(const revolute_joint<S, D>& joint, const char* function) {
                                 "it must be at most max_angle") &&
            detail::check_finite(function, "motor_speed", joint.motor_speed) &&
            detail::check_not_negative(function, "max_motor_torque", joint.max_motor_torque) &&
-           detail::check_spring(function, joint.frequency, joint.damping_ratio) &&
+           detail::check_spring(function, joint.spring()) &&
            detail::check_finite(function, "rest_angle", joint.rest_angle);
 }
 
@@ -21543,17 +21619,19 @@ struct joint_axis {
     S motor_speed = S(0), max_motor = S(0);
     /// Of a spring (Hz; 0: there is none), with a damping as a part of the critical one, and where it rests (m, rad).
     S frequency = S(0), damping_ratio = S(0), rest = S(0);
+    /// The same whatever the masses are, instead of those (N/m, N s/m; N m/rad, N m s/rad).
+    S stiffness = S(0), damping = S(0);
 
-    PHYSICS_HPP_MEMBERS(min, max, motor_speed, max_motor, frequency, damping_ratio, rest)
+    PHYSICS_HPP_MEMBERS(min, max, motor_speed, max_motor, frequency, damping_ratio, rest, stiffness, damping)
+
+    [[nodiscard]] joint_spring<S> spring() const { return {frequency, damping_ratio, stiffness, damping}; }
     /// One that stays where it is.
     static constexpr joint_axis locked(S where = S(0)) { return {where, where}; }
     [[nodiscard]] constexpr bool is_free() const {
-        return !(max_motor > S(0)) && !(frequency > S(0)) && !joint_drive<S>::is_limit(min) &&
+        return !(max_motor > S(0)) && !spring().is_on() && !joint_drive<S>::is_limit(min) &&
                !joint_drive<S>::is_limit(max);
     }
-    [[nodiscard]] constexpr joint_drive<S> drive() const {
-        return {min, max, motor_speed, max_motor, rest, frequency, damping_ratio};
-    }
+    [[nodiscard]] constexpr joint_drive<S> drive() const { return {min, max, motor_speed, max_motor, rest, spring()}; }
 };
 
 namespace detail {
@@ -21580,10 +21658,7 @@ bool check_axis(const char* function, const char* name, const joint_axis<S>& axi
     if (!is_finite(axis.motor_speed)) return bad(".motor_speed", axis.motor_speed, finite);
     if (!is_finite(axis.max_motor)) return bad(".max_motor", axis.max_motor, finite);
     if (axis.max_motor < S(0)) return bad(".max_motor", axis.max_motor, positive);
-    if (!is_finite(axis.frequency)) return bad(".frequency", axis.frequency, finite);
-    if (axis.frequency < S(0)) return bad(".frequency", axis.frequency, positive);
-    if (!is_finite(axis.damping_ratio)) return bad(".damping_ratio", axis.damping_ratio, finite);
-    if (axis.damping_ratio < S(0)) return bad(".damping_ratio", axis.damping_ratio, positive);
+    if (!check_spring(function, axis.spring(), axis_spring, name)) return false;
     return is_finite(axis.rest) || bad(".rest", axis.rest, finite);
 }
 
@@ -21700,11 +21775,15 @@ struct swing_twist_joint<S, 3> {
     /// seen from A's where it rests. It turns by the shorter way.
     S frequency = S(0), damping_ratio = S(0);
     rotation<S, 3> rest_rotation{};
+    /// The same whatever the masses are (N m/rad, N m s/rad), instead of those.
+    S stiffness = S(0), damping = S(0);
 
     static constexpr int row_count = 13, angle_count = 1;
     static constexpr std::uint32_t shared_bounds = 0b11 << 7;
     PHYSICS_HPP_MEMBERS(frame_a, frame_b, max_swing_y, max_swing_z, min_twist, max_twist, motor_velocity,
-                        max_motor_torque, frequency, damping_ratio, rest_rotation)
+                        max_motor_torque, frequency, damping_ratio, rest_rotation, stiffness, damping)
+
+    [[nodiscard]] joint_spring<S> spring() const { return {frequency, damping_ratio, stiffness, damping}; }
 
     /// The twist.
     [[nodiscard]] S angle(const joint_frames<S, 3>& at, int) const {
@@ -21714,7 +21793,7 @@ struct swing_twist_joint<S, 3> {
     void rows(const joint_frames<S, 3>& at, joint_row<S, 3>* row) const {
         at.hold(frame_a.position, frame_b.position, row);
         detail::swing_cone<S>{max_swing_y, max_swing_z}.rows(at, frame_a.rotation, frame_b.rotation, row + 3);
-        const joint_drive<S> twist{min_twist, max_twist, {}, {}, {}, {}, {}};
+        const joint_drive<S> twist{min_twist, max_twist, {}, {}, {}, {}};
         if (twist.is_limit(min_twist) || twist.is_limit(max_twist)) {
             // What turns B about its x axis, and swings it not.
             const vec<S, 3> a = at.axis_a(frame_a.rotation, 0), b = at.axis_b(frame_b.rotation, 0);
@@ -21726,11 +21805,10 @@ struct swing_twist_joint<S, 3> {
         if (max_motor_torque > S(0))
             for (int i = 0; i < 3; ++i)
                 row[7 + i] = at.about_a(frame_a.rotation, i).motor(motor_velocity[i], max_motor_torque);
-        if (frequency > S(0)) {
+        if (spring().is_on()) {
             const rotation<S, 3> r = at.relative(frame_a.rotation, frame_b.rotation) * inverse(rest_rotation);
             const vec<S, 3> error = rotation_vector(r);
-            for (int i = 0; i < 3; ++i)
-                row[10 + i] = at.about_a(frame_a.rotation, i).spring(error[i], frequency, damping_ratio);
+            for (int i = 0; i < 3; ++i) row[10 + i] = at.about_a(frame_a.rotation, i).spring(error[i], spring());
         }
     }
 };
@@ -21746,7 +21824,7 @@ bool check(const swing_twist_joint<S, 3>& joint, const char* function) {
                               "it must be at most max_twist") ||
         !detail::check_finite(function, "motor_velocity", joint.motor_velocity) ||
         !detail::check_not_negative(function, "max_motor_torque", joint.max_motor_torque) ||
-        !detail::check_spring(function, joint.frequency, joint.damping_ratio) ||
+        !detail::check_spring(function, joint.spring()) ||
         !detail::check_frame(function, "rest_rotation", "rest_rotation", transform<S, 3>{{}, joint.rest_rotation}))
         return false;
     using drive = joint_drive<S>;
@@ -21773,18 +21851,23 @@ template <class S, int D>
 struct target_joint {
     /// In the frame of A, and in that of B (m).
     vec<S, D> target{}, anchor_b{};
-    /// Of the spring (Hz, greater than 0), and its damping as a part of the critical one.
-    S frequency = S(5), damping_ratio = S(1);
+    /// Of the spring, whatever the masses are (N/m, N s/m; 0: by a frequency).
+    S stiffness = S(0), damping = S(0);
+    /// Of the spring (Hz, greater than 0 unless it has a stiffness), and its damping as a part of the critical one.
+    S frequency = stiffness > S(0) || damping > S(0) ? S(0) : S(5);
+    S damping_ratio = stiffness > S(0) || damping > S(0) ? S(0) : S(1);
     /// At most, whatever the direction (N).
     S max_force = scalar_traits<S>::max();
 
     static constexpr int row_count = D;
     static constexpr std::uint32_t shared_bounds = D == 2 ? 0b1 : 0b11;
-    PHYSICS_HPP_MEMBERS(target, anchor_b, frequency, damping_ratio, max_force)
+    PHYSICS_HPP_MEMBERS(target, anchor_b, stiffness, damping, frequency, damping_ratio, max_force)
+
+    [[nodiscard]] joint_spring<S> spring() const { return {frequency, damping_ratio, stiffness, damping}; }
 
     void rows(const joint_frames<S, D>& at, joint_row<S, D>* row) const {
         at.hold(target, anchor_b, row);
-        for (int i = 0; i < D; ++i) row[i] = row[i].spring(row[i].error, frequency, damping_ratio).at_most(max_force);
+        for (int i = 0; i < D; ++i) row[i] = row[i].spring(row[i].error, spring()).at_most(max_force);
     }
 };
 
@@ -21792,8 +21875,8 @@ template <class S, int D>
 bool check(const target_joint<S, D>& joint, const char* function) {
     return detail::check_finite(function, "target", joint.target) &&
            detail::check_finite(function, "anchor_b", joint.anchor_b) &&
-           detail::check_positive(function, "frequency", joint.frequency) &&
-           detail::check_not_negative(function, "damping_ratio", joint.damping_ratio) &&
+           detail::check_spring(function, joint.spring()) &&
+           (joint.spring().is_physical() || detail::check_positive(function, "frequency", joint.frequency)) &&
            detail::check_not_negative(function, "max_force", joint.max_force);
 }
 
@@ -21814,18 +21897,27 @@ struct weld_joint {
     /// Of springs (Hz; 0: rigid), with a damping as a part of the critical one.
     S linear_frequency = S(0), linear_damping_ratio = S(0);
     S angular_frequency = S(0), angular_damping_ratio = S(0);
+    /// The same whatever the masses are, instead of those (N/m, N s/m; N m/rad, N m s/rad).
+    S linear_stiffness = S(0), linear_damping = S(0);
+    S angular_stiffness = S(0), angular_damping = S(0);
 
     static constexpr int row_count = D == 2 ? 3 : 6;
     PHYSICS_HPP_MEMBERS(frame_a, frame_b, linear_frequency, linear_damping_ratio, angular_frequency,
-                        angular_damping_ratio)
+                        angular_damping_ratio, linear_stiffness, linear_damping, angular_stiffness, angular_damping)
+
+    [[nodiscard]] joint_spring<S> linear_spring() const {
+        return {linear_frequency, linear_damping_ratio, linear_stiffness, linear_damping};
+    }
+    [[nodiscard]] joint_spring<S> angular_spring() const {
+        return {angular_frequency, angular_damping_ratio, angular_stiffness, angular_damping};
+    }
 
     void rows(const joint_frames<S, D>& at, joint_row<S, D>* row) const {
         at.hold(frame_a.rotation, frame_b.rotation, row);
         at.hold(frame_a.position, frame_b.position, row + row_count - D);
         for (int i = 0; i < row_count; ++i) {
-            const bool is_linear = i >= row_count - D;
-            row[i].frequency = is_linear ? linear_frequency : angular_frequency;
-            row[i].damping_ratio = is_linear ? linear_damping_ratio : angular_damping_ratio;
+            const joint_spring<S> by = i >= row_count - D ? linear_spring() : angular_spring();
+            if (by.is_on()) row[i] = row[i].spring(row[i].error, by);
         }
     }
 };
@@ -21833,10 +21925,8 @@ struct weld_joint {
 template <class S, int D>
 bool check(const weld_joint<S, D>& joint, const char* function) {
     return detail::check_frames(function, joint.frame_a, joint.frame_b) &&
-           detail::check_not_negative(function, "linear_frequency", joint.linear_frequency) &&
-           detail::check_not_negative(function, "linear_damping_ratio", joint.linear_damping_ratio) &&
-           detail::check_not_negative(function, "angular_frequency", joint.angular_frequency) &&
-           detail::check_not_negative(function, "angular_damping_ratio", joint.angular_damping_ratio);
+           detail::check_spring(function, joint.linear_spring(), detail::linear_spring) &&
+           detail::check_spring(function, joint.angular_spring(), detail::angular_spring);
 }
 
 PHYSICS_HPP_END
@@ -21859,6 +21949,8 @@ struct wheel_joint {
     S min_translation = -scalar_traits<S>::max(), max_translation = scalar_traits<S>::max();
     /// Of the suspension (Hz; 0: there is none), with a damping as a part of the critical one, and where it rests (m).
     S frequency = S(0), damping_ratio = S(0), rest_translation = S(0);
+    /// The same whatever the masses are (N/m, N s/m), instead of those.
+    S stiffness = S(0), damping = S(0);
     /// A motor drives the spin to that speed (rad/s) by up to that torque (N m); with a speed of 0 it brakes.
     S motor_speed = S(0), max_motor_torque = S(0);
     /// In 3D, how far the wheel is turned about the axis of the suspension (rad, less than pi / 2).
@@ -21866,7 +21958,9 @@ struct wheel_joint {
 
     static constexpr int row_count = joint_drive<S>::row_count + (D == 2 ? 2 : 5);
     PHYSICS_HPP_MEMBERS(frame_a, frame_b, min_translation, max_translation, frequency, damping_ratio, rest_translation,
-                        motor_speed, max_motor_torque, steering_angle)
+                        stiffness, damping, motor_speed, max_motor_torque, steering_angle)
+
+    [[nodiscard]] joint_spring<S> spring() const { return {frequency, damping_ratio, stiffness, damping}; }
 
     void rows(const joint_frames<S, D>& at, joint_row<S, D>* row) const {
         const vec<S, D> r_b = at.r_b(frame_b.position), apart = at.between + (r_b - at.r_a(frame_a.position)),
@@ -21874,8 +21968,7 @@ struct wheel_joint {
         const auto along = [&](int i) { return at.along(at.axis_a(frame_a.rotation, i), r_a, r_b); };
         const auto translation = [&](int i) { return dot(at.axis_a(frame_a.rotation, i), apart); };
         // The motor takes the place of that of the drive.
-        const joint_drive<S> drive{min_translation,  max_translation, {},           {},
-                                   rest_translation, frequency,       damping_ratio};
+        const joint_drive<S> drive{min_translation, max_translation, {}, {}, rest_translation, spring()};
         drive.rows(along(0), translation(0), row);
         for (int i = 1; i < D; ++i) row[drive.row_count + i - 1] = along(i).equality(translation(i));
         if constexpr (D == 2) {
@@ -21900,7 +21993,7 @@ bool check(const wheel_joint<S, D>& joint, const char* function) {
         !detail::check_finite(function, "max_translation", joint.max_translation) ||
         !detail::check_limits(function, "min_translation", joint.min_translation, joint.max_translation,
                               "it must be at most max_translation") ||
-        !detail::check_spring(function, joint.frequency, joint.damping_ratio) ||
+        !detail::check_spring(function, joint.spring()) ||
         !detail::check_finite(function, "rest_translation", joint.rest_translation) ||
         !detail::check_finite(function, "motor_speed", joint.motor_speed) ||
         !detail::check_not_negative(function, "max_motor_torque", joint.max_motor_torque) ||
@@ -24534,8 +24627,18 @@ struct spring_step {
 
     static spring_step of(S frequency, S damping_ratio, S h) {
         const S omega = S(6.283185307179586) * frequency, angle = omega * h, damping = damping_ratio * angle;
+        return of(omega, angle, damping, max(S(1) - damping_ratio * damping_ratio, S(0)));
+    }
+    /// The same by a stiffness and a damping, of a mass.
+    static spring_step physical(S stiffness, S damping, S mass, S h) {
+        const S omega = sqrt(stiffness / mass), angle = omega * h, half = damping * h / (mass + mass);
+        const S ratio = half < angle ? half / angle : S(1);
+        return of(omega, angle, half, S(1) - ratio * ratio);
+    }
+
+private:
+    static spring_step of(S omega, S angle, S damping, S below_critical) {
         const S implicit = clamp(angle + angle - S(1), S(0), S(1));
-        const S below_critical = max(S(1) - damping_ratio * damping_ratio, S(0));
         const S d = (damping + damping) * (S(1) + damping * below_critical) + implicit * angle * angle;
         return {d / (S(1) + d), omega * angle / (S(1) + d)};
     }
@@ -24667,9 +24770,9 @@ struct row_lanes : own_directions<S, D, W, Two> {
     /// Biases are no larger (m/s).
     S max_bias[W];
     /// Whether any lane is.
-    bool is_on, is_one_sided, is_bounded, has_spring;
+    bool is_on, is_one_sided, is_bounded, has_spring, is_physical;
 
-    void clear() { is_on = is_one_sided = is_bounded = has_spring = false; }
+    void clear() { is_on = is_one_sided = is_bounded = has_spring = is_physical = false; }
     /// Writes what a joint says of it into a lane. Once all lanes are written, finish has to follow.
     void put(int lane, const joint_row<S, D>& from, [[maybe_unused]] const vec<S, D>& to_a, const joint_pass<S>& with) {
         for (int i = 0; i < D; ++i) direction[i][lane] = from.direction[i];
@@ -24695,11 +24798,14 @@ struct row_lanes : own_directions<S, D, W, Two> {
         high[lane] = from.max_force;
         one_sided[lane] = is_one ? S(1) : S(0);
         spring[lane] = is_spring ? S(1) : S(0);
-        if (is_spring) {
-            const auto does = spring_step<S>::of(from.frequency, from.damping_ratio, with.h);
-            share[lane] = does.share;
-            push[lane] = does.push;
-            loss[lane] = S(1) - does.share;
+        if (from.is_physical) {
+            // Its mass is not known yet.
+            share[lane] = from.frequency;
+            push[lane] = from.damping_ratio;
+            spring[lane] = S(2);
+            is_physical = true;
+        } else if (is_spring) {
+            set_spring(lane, spring_step<S>::of(from.frequency, from.damping_ratio, with.h));
         } else if (from.is_motor) {
             share[lane] = S(1);
             push[lane] = loss[lane] = S(0);
@@ -24724,6 +24830,13 @@ struct row_lanes : own_directions<S, D, W, Two> {
         largest.store(high);
         // What is off forgets what it gave.
         max(min(P::load(impulse), largest), least).store(impulse);
+        if (!is_physical) return;
+        for (int lane = 0; lane < W; ++lane) {
+            if (!(spring[lane] > S(1))) continue;
+            spring[lane] = S(1);
+            set_spring(lane, mass[lane] > S(0) ? spring_step<S>::physical(share[lane], push[lane], mass[lane], with.h)
+                                               : spring_step<S>{});
+        }
     }
 
     /// Adds what it gave in a substep.
@@ -24790,6 +24903,11 @@ struct row_lanes : own_directions<S, D, W, Two> {
 private:
     using array_of_lanes = S[W];
 
+    void set_spring(int lane, const spring_step<S>& does) {
+        share[lane] = does.share;
+        push[lane] = does.push;
+        loss[lane] = S(1) - does.share;
+    }
     /// J M^-1 J^T.
     Q k_of(const side& a, const side& b) const {
         const P along = square_of(direction);

@@ -245,6 +245,7 @@
 #include "physics/joint/filter_joint.hpp"
 #include "physics/joint/gear_joint.hpp"
 #include "physics/joint/joint.hpp"
+#include "physics/joint/joint_spring.hpp"
 #include "physics/joint/motor_joint.hpp"
 #include "physics/joint/prismatic_joint.hpp"
 #include "physics/joint/pulley_joint.hpp"

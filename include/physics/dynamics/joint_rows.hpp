@@ -30,8 +30,18 @@ struct spring_step {
 
     static spring_step of(S frequency, S damping_ratio, S h) {
         const S omega = S(6.283185307179586) * frequency, angle = omega * h, damping = damping_ratio * angle;
+        return of(omega, angle, damping, max(S(1) - damping_ratio * damping_ratio, S(0)));
+    }
+    /// The same by a stiffness and a damping, of a mass.
+    static spring_step physical(S stiffness, S damping, S mass, S h) {
+        const S omega = sqrt(stiffness / mass), angle = omega * h, half = damping * h / (mass + mass);
+        const S ratio = half < angle ? half / angle : S(1);
+        return of(omega, angle, half, S(1) - ratio * ratio);
+    }
+
+private:
+    static spring_step of(S omega, S angle, S damping, S below_critical) {
         const S implicit = clamp(angle + angle - S(1), S(0), S(1));
-        const S below_critical = max(S(1) - damping_ratio * damping_ratio, S(0));
         const S d = (damping + damping) * (S(1) + damping * below_critical) + implicit * angle * angle;
         return {d / (S(1) + d), omega * angle / (S(1) + d)};
     }
@@ -163,9 +173,9 @@ struct row_lanes : own_directions<S, D, W, Two> {
     /// Biases are no larger (m/s).
     S max_bias[W];
     /// Whether any lane is.
-    bool is_on, is_one_sided, is_bounded, has_spring;
+    bool is_on, is_one_sided, is_bounded, has_spring, is_physical;
 
-    void clear() { is_on = is_one_sided = is_bounded = has_spring = false; }
+    void clear() { is_on = is_one_sided = is_bounded = has_spring = is_physical = false; }
     /// Writes what a joint says of it into a lane. Once all lanes are written, finish has to follow.
     void put(int lane, const joint_row<S, D>& from, [[maybe_unused]] const vec<S, D>& to_a, const joint_pass<S>& with) {
         for (int i = 0; i < D; ++i) direction[i][lane] = from.direction[i];
@@ -191,11 +201,14 @@ struct row_lanes : own_directions<S, D, W, Two> {
         high[lane] = from.max_force;
         one_sided[lane] = is_one ? S(1) : S(0);
         spring[lane] = is_spring ? S(1) : S(0);
-        if (is_spring) {
-            const auto does = spring_step<S>::of(from.frequency, from.damping_ratio, with.h);
-            share[lane] = does.share;
-            push[lane] = does.push;
-            loss[lane] = S(1) - does.share;
+        if (from.is_physical) {
+            // Its mass is not known yet.
+            share[lane] = from.frequency;
+            push[lane] = from.damping_ratio;
+            spring[lane] = S(2);
+            is_physical = true;
+        } else if (is_spring) {
+            set_spring(lane, spring_step<S>::of(from.frequency, from.damping_ratio, with.h));
         } else if (from.is_motor) {
             share[lane] = S(1);
             push[lane] = loss[lane] = S(0);
@@ -220,6 +233,13 @@ struct row_lanes : own_directions<S, D, W, Two> {
         largest.store(high);
         // What is off forgets what it gave.
         max(min(P::load(impulse), largest), least).store(impulse);
+        if (!is_physical) return;
+        for (int lane = 0; lane < W; ++lane) {
+            if (!(spring[lane] > S(1))) continue;
+            spring[lane] = S(1);
+            set_spring(lane, mass[lane] > S(0) ? spring_step<S>::physical(share[lane], push[lane], mass[lane], with.h)
+                                               : spring_step<S>{});
+        }
     }
 
     /// Adds what it gave in a substep.
@@ -286,6 +306,11 @@ struct row_lanes : own_directions<S, D, W, Two> {
 private:
     using array_of_lanes = S[W];
 
+    void set_spring(int lane, const spring_step<S>& does) {
+        share[lane] = does.share;
+        push[lane] = does.push;
+        loss[lane] = S(1) - does.share;
+    }
     /// J M^-1 J^T.
     Q k_of(const side& a, const side& b) const {
         const P along = square_of(direction);

@@ -6,7 +6,8 @@
 PHYSICS_HPP_BEGIN
 
 /// Holds two points of two bodies at a distance. As it stands it is a rod; with a min_length of 0 a rope; with a
-/// frequency a damped spring, which limits may bound. Rows: 3. Error: while the points coincide, it pulls along x.
+/// frequency or a stiffness a damped spring, which limits may bound. Rows: 3. Error: while the points coincide, it
+/// pulls along x.
 template <class S, int D>
 struct distance_joint {
     /// Points in the bodies' frames (m).
@@ -16,12 +17,17 @@ struct distance_joint {
     /// Of the spring (Hz; 0: there is none), as it swings with the mass that the bodies have along the line; and its
     /// damping as a part of the critical one.
     S frequency = S(0), damping_ratio = S(0);
+    /// The same whatever the masses are (N/m, N s/m), instead of those.
+    S stiffness = S(0), damping = S(0);
     /// The distance stays between these (m).
-    S min_length = frequency > S(0) ? S(0) : length;
-    S max_length = frequency > S(0) ? scalar_traits<S>::max() : length;
+    S min_length = spring().is_on() ? S(0) : length;
+    S max_length = spring().is_on() ? scalar_traits<S>::max() : length;
 
     static constexpr int row_count = 3;
-    PHYSICS_HPP_MEMBERS(anchor_a, anchor_b, length, frequency, damping_ratio, min_length, max_length)
+    PHYSICS_HPP_MEMBERS(anchor_a, anchor_b, length, frequency, damping_ratio, stiffness, damping, min_length,
+                        max_length)
+
+    [[nodiscard]] joint_spring<S> spring() const { return {frequency, damping_ratio, stiffness, damping}; }
 
     void rows(const joint_frames<S, D>& at, joint_row<S, D>* row) const {
         const vec<S, D> r_a = at.r_a(anchor_a), r_b = at.r_b(anchor_b), line = at.between + (r_b - r_a);
@@ -34,7 +40,7 @@ struct distance_joint {
             row[0] = apart.equality(distance - max_length);
             return;
         }
-        if (frequency > S(0)) row[0] = apart.spring(distance - length, frequency, damping_ratio);
+        if (spring().is_on()) row[0] = apart.spring(distance - length, spring());
         if (min_length > S(0)) row[1] = apart.limit(distance - min_length);
         if (max_length < joint_row<S, D>::unlimited()) row[2] = together.limit(max_length - distance);
     }
@@ -44,9 +50,7 @@ template <class S, int D>
 bool check(const distance_joint<S, D>& joint, const char* function) {
     if (!detail::check_finite(function, "anchor_a", joint.anchor_a) ||
         !detail::check_finite(function, "anchor_b", joint.anchor_b) ||
-        !detail::check_positive(function, "length", joint.length) ||
-        !detail::check_not_negative(function, "frequency", joint.frequency) ||
-        !detail::check_not_negative(function, "damping_ratio", joint.damping_ratio) ||
+        !detail::check_positive(function, "length", joint.length) || !detail::check_spring(function, joint.spring()) ||
         !detail::check_not_negative(function, "min_length", joint.min_length) ||
         !detail::check_positive(function, "max_length", joint.max_length))
         return false;

@@ -3,6 +3,7 @@
 
 #include "physics/base/members.hpp"
 #include "physics/base/stage.hpp"
+#include "physics/joint/joint_spring.hpp"
 #include "physics/space/check.hpp"
 #include "physics/space/space.hpp"
 
@@ -29,13 +30,15 @@ struct joint_row {
     S speed{};
     /// Whether the speed is all that it drives to, whatever C is: as stiff as it can be, and does not creep.
     bool is_motor = false;
-    /// Of a damped spring that takes C to 0 (Hz, 1); with a frequency of 0 it is as stiff as the solver can make it.
+    /// Of a damped spring that takes C to 0 (Hz, 1); with a frequency of 0 it is as stiff as the solver can make it. Or
+    /// these are a stiffness and a damping (N/m, N s/m; N m/rad, N m s/rad).
     S frequency{}, damping_ratio{};
+    bool is_physical = false;
 
     /// A row that gives whatever it takes.
     static constexpr S unlimited() { return scalar_traits<S>::max() / S(8); }
     [[nodiscard]] constexpr bool is_on() const { return min_force < S(0) || max_force > S(0); }
-    [[nodiscard]] constexpr bool is_spring() const { return frequency > S(0); }
+    [[nodiscard]] constexpr bool is_spring() const { return is_physical || frequency > S(0); }
     /// Whether it is on and may not give all that it takes.
     [[nodiscard]] constexpr bool is_bounded() const {
         return is_on() && (max_force < unlimited() || -min_force < unlimited());
@@ -76,6 +79,12 @@ struct joint_row {
         joint_row r = equality(error_);
         r.frequency = frequency_;
         r.damping_ratio = damping_ratio_;
+        return r;
+    }
+    [[nodiscard]] constexpr joint_row spring(S error_, const joint_spring<S>& by) const {
+        if (!by.is_physical()) return spring(error_, by.frequency, by.damping_ratio);
+        joint_row r = spring(error_, by.stiffness, by.damping);
+        r.is_physical = true;
         return r;
     }
 };
@@ -221,11 +230,12 @@ template <class S>
 struct joint_drive {
     S min, max;
     S motor_speed, max_motor;
-    S rest, frequency, damping_ratio;
+    S rest;
+    joint_spring<S> spring;
 
     static constexpr int row_count = 4;
     /// Whether it matters where the coordinate is.
-    [[nodiscard]] constexpr bool uses_value() const { return frequency > S(0) || is_limit(min) || is_limit(max); }
+    [[nodiscard]] constexpr bool uses_value() const { return spring.is_on() || is_limit(min) || is_limit(max); }
     static constexpr bool is_limit(S x) { return x < scalar_traits<S>::max() && -x < scalar_traits<S>::max(); }
 
     /// `along` has the Jacobian of the coordinate, which is at `value`.
@@ -235,7 +245,7 @@ struct joint_drive {
             row[2] = along.equality(value - min);
             return;
         }
-        if (frequency > S(0)) row[0] = along.spring(value - rest, frequency, damping_ratio);
+        if (spring.is_on()) row[0] = along.spring(value - rest, spring);
         if (max_motor > S(0)) row[1] = along.motor(motor_speed, max_motor);
         if (is_limit(min)) row[2] = along.limit(value - min);
         if (is_limit(max)) row[3] = (-along).limit(max - value);
@@ -405,11 +415,6 @@ bool check_frames(const char* function, const transform<S, D>& a, const transfor
 template <class S>
 bool check_limits(const char* function, const char* min_name, S min, S max, const char* rule) {
     return min <= max || refuse(function, min_name, static_cast<double>(min), rule);
-}
-template <class S>
-bool check_spring(const char* function, S frequency, S damping_ratio) {
-    return check_not_negative(function, "frequency", frequency) &&
-           check_not_negative(function, "damping_ratio", damping_ratio);
 }
 
 }  // namespace detail

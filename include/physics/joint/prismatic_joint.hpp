@@ -17,18 +17,22 @@ struct prismatic_joint {
     S motor_speed = S(0), max_motor_force = S(0);
     /// Of a spring (Hz; 0: there is none), with a damping as a part of the critical one, and where it rests (m).
     S frequency = S(0), damping_ratio = S(0), rest_translation = S(0);
+    /// The same whatever the masses are (N/m, N s/m), instead of those.
+    S stiffness = S(0), damping = S(0);
 
     static constexpr int row_count = joint_drive<S>::row_count + (D == 2 ? 2 : 5);
     PHYSICS_HPP_MEMBERS(frame_a, frame_b, min_translation, max_translation, motor_speed, max_motor_force, frequency,
-                        damping_ratio, rest_translation)
+                        damping_ratio, rest_translation, stiffness, damping)
+
+    [[nodiscard]] joint_spring<S> spring() const { return {frequency, damping_ratio, stiffness, damping}; }
 
     void rows(const joint_frames<S, D>& at, joint_row<S, D>* row) const {
         const vec<S, D> r_b = at.r_b(frame_b.position), apart = at.between + (r_b - at.r_a(frame_a.position)),
                         r_a = at.between + r_b;
         const auto along = [&](int i) { return at.along(at.axis_a(frame_a.rotation, i), r_a, r_b); };
         const auto translation = [&](int i) { return dot(at.axis_a(frame_a.rotation, i), apart); };
-        const joint_drive<S> drive{min_translation,  max_translation, motor_speed,  max_motor_force,
-                                   rest_translation, frequency,       damping_ratio};
+        const joint_drive<S> drive{min_translation, max_translation,  motor_speed,
+                                   max_motor_force, rest_translation, spring()};
         drive.rows(along(0), translation(0), row);
         for (int i = 1; i < D; ++i) row[drive.row_count + i - 1] = along(i).equality(translation(i));
         at.hold(frame_a.rotation, frame_b.rotation, row + drive.row_count + D - 1);
@@ -44,7 +48,7 @@ bool check(const prismatic_joint<S, D>& joint, const char* function) {
                                 "it must be at most max_translation") &&
            detail::check_finite(function, "motor_speed", joint.motor_speed) &&
            detail::check_not_negative(function, "max_motor_force", joint.max_motor_force) &&
-           detail::check_spring(function, joint.frequency, joint.damping_ratio) &&
+           detail::check_spring(function, joint.spring()) &&
            detail::check_finite(function, "rest_translation", joint.rest_translation);
 }
 

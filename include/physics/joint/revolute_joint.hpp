@@ -18,10 +18,14 @@ struct revolute_joint {
     S motor_speed = S(0), max_motor_torque = S(0);
     /// Of a spring (Hz; 0: there is none), with a damping as a part of the critical one, and where it rests (rad).
     S frequency = S(0), damping_ratio = S(0), rest_angle = S(0);
+    /// The same whatever the masses are (N m/rad, N m s/rad), instead of those.
+    S stiffness = S(0), damping = S(0);
 
     static constexpr int row_count = joint_drive<S>::row_count + (D == 2 ? 2 : 5);
     PHYSICS_HPP_MEMBERS(frame_a, frame_b, min_angle, max_angle, motor_speed, max_motor_torque, frequency, damping_ratio,
-                        rest_angle)
+                        rest_angle, stiffness, damping)
+
+    [[nodiscard]] joint_spring<S> spring() const { return {frequency, damping_ratio, stiffness, damping}; }
 
     static constexpr int angle_count = 1;
     [[nodiscard]] S angle(const joint_frames<S, D>& at, int) const {
@@ -44,7 +48,7 @@ struct revolute_joint {
 
 private:
     [[nodiscard]] joint_drive<S> drive_of() const {
-        return {min_angle, max_angle, motor_speed, max_motor_torque, rest_angle, frequency, damping_ratio};
+        return {min_angle, max_angle, motor_speed, max_motor_torque, rest_angle, spring()};
     }
 };
 
@@ -57,7 +61,7 @@ bool check(const revolute_joint<S, D>& joint, const char* function) {
                                 "it must be at most max_angle") &&
            detail::check_finite(function, "motor_speed", joint.motor_speed) &&
            detail::check_not_negative(function, "max_motor_torque", joint.max_motor_torque) &&
-           detail::check_spring(function, joint.frequency, joint.damping_ratio) &&
+           detail::check_spring(function, joint.spring()) &&
            detail::check_finite(function, "rest_angle", joint.rest_angle);
 }
 

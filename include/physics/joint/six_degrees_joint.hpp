@@ -14,17 +14,19 @@ struct joint_axis {
     S motor_speed = S(0), max_motor = S(0);
     /// Of a spring (Hz; 0: there is none), with a damping as a part of the critical one, and where it rests (m, rad).
     S frequency = S(0), damping_ratio = S(0), rest = S(0);
+    /// The same whatever the masses are, instead of those (N/m, N s/m; N m/rad, N m s/rad).
+    S stiffness = S(0), damping = S(0);
 
-    PHYSICS_HPP_MEMBERS(min, max, motor_speed, max_motor, frequency, damping_ratio, rest)
+    PHYSICS_HPP_MEMBERS(min, max, motor_speed, max_motor, frequency, damping_ratio, rest, stiffness, damping)
+
+    [[nodiscard]] joint_spring<S> spring() const { return {frequency, damping_ratio, stiffness, damping}; }
     /// One that stays where it is.
     static constexpr joint_axis locked(S where = S(0)) { return {where, where}; }
     [[nodiscard]] constexpr bool is_free() const {
-        return !(max_motor > S(0)) && !(frequency > S(0)) && !joint_drive<S>::is_limit(min) &&
+        return !(max_motor > S(0)) && !spring().is_on() && !joint_drive<S>::is_limit(min) &&
                !joint_drive<S>::is_limit(max);
     }
-    [[nodiscard]] constexpr joint_drive<S> drive() const {
-        return {min, max, motor_speed, max_motor, rest, frequency, damping_ratio};
-    }
+    [[nodiscard]] constexpr joint_drive<S> drive() const { return {min, max, motor_speed, max_motor, rest, spring()}; }
 };
 
 namespace detail {
@@ -51,10 +53,7 @@ bool check_axis(const char* function, const char* name, const joint_axis<S>& axi
     if (!is_finite(axis.motor_speed)) return bad(".motor_speed", axis.motor_speed, finite);
     if (!is_finite(axis.max_motor)) return bad(".max_motor", axis.max_motor, finite);
     if (axis.max_motor < S(0)) return bad(".max_motor", axis.max_motor, positive);
-    if (!is_finite(axis.frequency)) return bad(".frequency", axis.frequency, finite);
-    if (axis.frequency < S(0)) return bad(".frequency", axis.frequency, positive);
-    if (!is_finite(axis.damping_ratio)) return bad(".damping_ratio", axis.damping_ratio, finite);
-    if (axis.damping_ratio < S(0)) return bad(".damping_ratio", axis.damping_ratio, positive);
+    if (!check_spring(function, axis.spring(), axis_spring, name)) return false;
     return is_finite(axis.rest) || bad(".rest", axis.rest, finite);
 }
 

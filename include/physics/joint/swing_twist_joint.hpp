@@ -28,11 +28,15 @@ struct swing_twist_joint<S, 3> {
     /// seen from A's where it rests. It turns by the shorter way.
     S frequency = S(0), damping_ratio = S(0);
     rotation<S, 3> rest_rotation{};
+    /// The same whatever the masses are (N m/rad, N m s/rad), instead of those.
+    S stiffness = S(0), damping = S(0);
 
     static constexpr int row_count = 13, angle_count = 1;
     static constexpr std::uint32_t shared_bounds = 0b11 << 7;
     PHYSICS_HPP_MEMBERS(frame_a, frame_b, max_swing_y, max_swing_z, min_twist, max_twist, motor_velocity,
-                        max_motor_torque, frequency, damping_ratio, rest_rotation)
+                        max_motor_torque, frequency, damping_ratio, rest_rotation, stiffness, damping)
+
+    [[nodiscard]] joint_spring<S> spring() const { return {frequency, damping_ratio, stiffness, damping}; }
 
     /// The twist.
     [[nodiscard]] S angle(const joint_frames<S, 3>& at, int) const {
@@ -42,7 +46,7 @@ struct swing_twist_joint<S, 3> {
     void rows(const joint_frames<S, 3>& at, joint_row<S, 3>* row) const {
         at.hold(frame_a.position, frame_b.position, row);
         detail::swing_cone<S>{max_swing_y, max_swing_z}.rows(at, frame_a.rotation, frame_b.rotation, row + 3);
-        const joint_drive<S> twist{min_twist, max_twist, {}, {}, {}, {}, {}};
+        const joint_drive<S> twist{min_twist, max_twist, {}, {}, {}, {}};
         if (twist.is_limit(min_twist) || twist.is_limit(max_twist)) {
             // What turns B about its x axis, and swings it not.
             const vec<S, 3> a = at.axis_a(frame_a.rotation, 0), b = at.axis_b(frame_b.rotation, 0);
@@ -54,11 +58,10 @@ struct swing_twist_joint<S, 3> {
         if (max_motor_torque > S(0))
             for (int i = 0; i < 3; ++i)
                 row[7 + i] = at.about_a(frame_a.rotation, i).motor(motor_velocity[i], max_motor_torque);
-        if (frequency > S(0)) {
+        if (spring().is_on()) {
             const rotation<S, 3> r = at.relative(frame_a.rotation, frame_b.rotation) * inverse(rest_rotation);
             const vec<S, 3> error = rotation_vector(r);
-            for (int i = 0; i < 3; ++i)
-                row[10 + i] = at.about_a(frame_a.rotation, i).spring(error[i], frequency, damping_ratio);
+            for (int i = 0; i < 3; ++i) row[10 + i] = at.about_a(frame_a.rotation, i).spring(error[i], spring());
         }
     }
 };
@@ -74,7 +77,7 @@ bool check(const swing_twist_joint<S, 3>& joint, const char* function) {
                               "it must be at most max_twist") ||
         !detail::check_finite(function, "motor_velocity", joint.motor_velocity) ||
         !detail::check_not_negative(function, "max_motor_torque", joint.max_motor_torque) ||
-        !detail::check_spring(function, joint.frequency, joint.damping_ratio) ||
+        !detail::check_spring(function, joint.spring()) ||
         !detail::check_frame(function, "rest_rotation", "rest_rotation", transform<S, 3>{{}, joint.rest_rotation}))
         return false;
     using drive = joint_drive<S>;

@@ -16,6 +16,8 @@ struct wheel_joint {
     S min_translation = -scalar_traits<S>::max(), max_translation = scalar_traits<S>::max();
     /// Of the suspension (Hz; 0: there is none), with a damping as a part of the critical one, and where it rests (m).
     S frequency = S(0), damping_ratio = S(0), rest_translation = S(0);
+    /// The same whatever the masses are (N/m, N s/m), instead of those.
+    S stiffness = S(0), damping = S(0);
     /// A motor drives the spin to that speed (rad/s) by up to that torque (N m); with a speed of 0 it brakes.
     S motor_speed = S(0), max_motor_torque = S(0);
     /// In 3D, how far the wheel is turned about the axis of the suspension (rad, less than pi / 2).
@@ -23,7 +25,9 @@ struct wheel_joint {
 
     static constexpr int row_count = joint_drive<S>::row_count + (D == 2 ? 2 : 5);
     PHYSICS_HPP_MEMBERS(frame_a, frame_b, min_translation, max_translation, frequency, damping_ratio, rest_translation,
-                        motor_speed, max_motor_torque, steering_angle)
+                        stiffness, damping, motor_speed, max_motor_torque, steering_angle)
+
+    [[nodiscard]] joint_spring<S> spring() const { return {frequency, damping_ratio, stiffness, damping}; }
 
     void rows(const joint_frames<S, D>& at, joint_row<S, D>* row) const {
         const vec<S, D> r_b = at.r_b(frame_b.position), apart = at.between + (r_b - at.r_a(frame_a.position)),
@@ -31,8 +35,7 @@ struct wheel_joint {
         const auto along = [&](int i) { return at.along(at.axis_a(frame_a.rotation, i), r_a, r_b); };
         const auto translation = [&](int i) { return dot(at.axis_a(frame_a.rotation, i), apart); };
         // The motor takes the place of that of the drive.
-        const joint_drive<S> drive{min_translation,  max_translation, {},           {},
-                                   rest_translation, frequency,       damping_ratio};
+        const joint_drive<S> drive{min_translation, max_translation, {}, {}, rest_translation, spring()};
         drive.rows(along(0), translation(0), row);
         for (int i = 1; i < D; ++i) row[drive.row_count + i - 1] = along(i).equality(translation(i));
         if constexpr (D == 2) {
@@ -57,7 +60,7 @@ bool check(const wheel_joint<S, D>& joint, const char* function) {
         !detail::check_finite(function, "max_translation", joint.max_translation) ||
         !detail::check_limits(function, "min_translation", joint.min_translation, joint.max_translation,
                               "it must be at most max_translation") ||
-        !detail::check_spring(function, joint.frequency, joint.damping_ratio) ||
+        !detail::check_spring(function, joint.spring()) ||
         !detail::check_finite(function, "rest_translation", joint.rest_translation) ||
         !detail::check_finite(function, "motor_speed", joint.motor_speed) ||
         !detail::check_not_negative(function, "max_motor_torque", joint.max_motor_torque) ||
