@@ -25,7 +25,7 @@ public:
             wheels_[i] = arena.create_body({.position = at + place});
             arena.create_shape(wheels_[i], world::ball{radius}, {.density = 128, .material = {.friction = 1}});
             // The suspension's axis is up, that of the wheel is z.
-            const rotation upright = rotation::from_axis_angle({0, 0, 1}, 1.5707963f);
+            const rotation upright = rotation::from_axes({0, 1, 0}, {0, 0, 1});
             joints_[i] = arena.create_joint(chassis_, wheels_[i],
                                             world::wheel_joint{.frame_a = {place, upright},
                                                                .frame_b = {{}, upright},

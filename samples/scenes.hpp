@@ -146,7 +146,7 @@ physics::body_id ragdoll(World& world, const physics::transform<typename World::
                            const auto& center, double min, double max, std::uint64_t user_data = 0) {
         typename World::revolute_joint joint;
         // Its z axis is the person's x axis.
-        joint.frame_a = {center - center_a, rotation::from_axis_angle(at(0, 1, 0), S(1.5707963))};
+        joint.frame_a = {center - center_a, rotation::from_z_axis(at(1, 0, 0))};
         joint.frame_b = {center - center_b, joint.frame_a.rotation};
         joint.min_angle = S(min);
         joint.max_angle = S(max);

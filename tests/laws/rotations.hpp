@@ -162,4 +162,62 @@ CELL_CASE("rotation: is_finite finds every bad component") {
         }
 }
 
+inline vec axis_of(double x, double y, double z) {
+    vec v;
+    const double all[] = {x, y, z};
+    for (int i = 0; i < cell::dimension; ++i) v[i] = S(all[i]);
+    return v;
+}
+template <class F>
+std::string refused_axis(F&& make) {
+    try {
+        make();
+    } catch (const physics::error& error) {
+        return error.what();
+    }
+    return "";
+}
+CELL_CASE("rotation: axes go where they are told, by the shortest turn") {
+    cell::dice dice(27);
+    const vec x = axis_of(1, 0, 0);
+    for (int i = 0; i < 1000; ++i) {
+        const vec v = dice.vec<vec>(-4, 4);
+        if (size(to_reals(v)) < 0.25) continue;
+        const rotation r = rotation::from_x_axis(v);
+        CHECK(norm_error(r) <= cell::tolerance(4));
+        CHECK(near(r * x, unit(to_reals(v)), 32));
+        const double cosine = unit(to_reals(v)).x;
+        CHECK(std::abs(size(to_reals(rotation_vector(r))) - std::acos(cosine)) < 1e-3);
+#if CELL_DIMENSION == 3
+        const vec z = axis_of(0, 0, 1), other = dice.vec<vec>(-4, 4);
+        CHECK(near(rotation::from_z_axis(v) * z, unit(to_reals(v)), 32));
+        if (size(cross(to_reals(v), to_reals(other))) < 1) continue;
+        const rotation both = rotation::from_axes(v, other);
+        CHECK(near(both * x, unit(to_reals(v)), 64));
+        // No nearer to the other than in its plane.
+        const reals across = cross(unit(to_reals(v)), unit(to_reals(other)));
+        CHECK(std::abs(dot(to_reals(both * z), across)) < 512 * epsilon);
+        CHECK(dot(to_reals(both * z), to_reals(other)) > 0);
+#endif
+    }
+    for (const vec& v : {x, axis_of(-1, 0, 0), axis_of(-64, 0, 0), axis_of(-1, 1.0 / 1024, 0)})
+        CHECK(near(rotation::from_x_axis(v) * x, unit(to_reals(v)), 32));
+    CHECK(rotation::from_x_axis(x) == rotation{});
+}
+CELL_CASE("rotation: axes without a direction are refused by name") {
+    CHECK(refused_axis([] { (void)rotation::from_x_axis(vec{}); }) ==
+          "physics: from_x_axis: axis is 0; it must have a length");
+    if constexpr (!cell::is_fixed)
+        CHECK(refused_axis([] { (void)rotation::from_x_axis(axis_of(0, std::nan(""), 0)); }) ==
+              "physics: from_x_axis: axis.y is nan; it must be finite");
+#if CELL_DIMENSION == 3
+    const vec z = axis_of(0, 0, 1);
+    CHECK(refused_axis([] { (void)rotation::from_z_axis(vec{}); }).find("axis is 0") != std::string::npos);
+    CHECK(refused_axis([&] { (void)rotation::from_axes(vec{}, z); }).find("x_axis is 0") != std::string::npos);
+    CHECK(refused_axis([&] { (void)rotation::from_axes(z, vec{}); }).find("z_axis is 0") != std::string::npos);
+    CHECK(refused_axis([&] { (void)rotation::from_axes(z, axis_of(0, 0, -2)); }).find("along x_axis") !=
+          std::string::npos);
+#endif
+}
+
 }  // namespace

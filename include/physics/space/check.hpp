@@ -82,6 +82,11 @@ bool check_not_negative(const char* function, const char* field, S value) {
     return check_finite(function, field, value) &&
            (!(value < S(0)) || refuse(function, field, static_cast<double>(value), "it must not be negative"));
 }
+template <class S, int D>
+bool check_axis(const char* function, const char* field, const vec<S, D>& axis) {
+    return check_finite(function, field, axis) &&
+           (largest(axis) > S(0) || refuse(function, field, 0.0, "it must have a length"));
+}
 
 }  // namespace detail
 

@@ -1,6 +1,7 @@
 // Rotation in 2D: a unit complex number.
 #pragma once
 
+#include "physics/space/check.hpp"
 #include "physics/space/mat.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -22,6 +23,13 @@ struct rotation<S, 2> {
     static rotation from_angle(S radians) {
         const auto [s, c] = sine_cosine(radians);
         return {c, s};
+    }
+    /// Takes the x axis to the direction of a vector of any length: of the frames of joints that slide. Error: a null
+    /// vector is refused, and the result is the identity.
+    static rotation from_x_axis(const vec<S, 2>& axis) {
+        if (!detail::check_axis("from_x_axis", "axis", axis)) return {};
+        const vec<S, 2> x = normalized(axis);
+        return {x.x, x.y};
     }
     /// The angle in radians, in [-pi, pi].
     [[nodiscard]] S angle() const { return atan2(sine, cosine); }

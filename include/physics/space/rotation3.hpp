@@ -1,6 +1,7 @@
 // Rotation in 3D: a unit quaternion.
 #pragma once
 
+#include "physics/space/check.hpp"
 #include "physics/space/rotation2.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -18,6 +19,15 @@ struct rotation<S, 3> {
         const auto [s, c] = sine_cosine(radians * S(0.5));
         return {axis.x * s, axis.y * s, axis.z * s, c};
     }
+    /// Takes the x axis to the direction of a vector of any length, by the shortest turn: of the frames of joints that
+    /// slide, roll or swing. Error: a null vector is refused, and the result is the identity.
+    static rotation from_x_axis(const vec<S, 3>& axis);
+    /// The same for the z axis: of the frames of joints that turn.
+    static rotation from_z_axis(const vec<S, 3>& axis);
+    /// Takes the x axis to the direction of one, and the z axis as near as it may to that of another: of the frames of
+    /// wheels. Error: vectors to within a thousandth of a line are refused, and the result is the identity.
+    static rotation from_axes(const vec<S, 3>& x_axis, const vec<S, 3>& z_axis);
+
     [[nodiscard]] constexpr vec<S, 3> imaginary() const { return {x, y, z}; }
 
     friend bool operator==(rotation, rotation) = default;
@@ -123,6 +133,45 @@ constexpr rotation<S, 3> turned(rotation<S, 3> a, vec<S, 3> angle) {
     const rotation<S, 3> r{a.x + change.x, a.y + change.y, a.z + change.z, a.w + change.w};
     const S lack = detail::norm_lack(r) * S(0.5);
     return {r.x + r.x * lack, r.y + r.y * lack, r.z + r.z * lack, r.w + r.w * lack};
+}
+
+namespace detail {
+
+/// By the shortest turn from one unit vector to another; `across` is one across the first.
+template <class S>
+rotation<S, 3> shortest_turn(const vec<S, 3>& from, const vec<S, 3>& to, const vec<S, 3>& across) {
+    const vec<S, 3> axis = cross(from, to);
+    const S cosine = dot(from, to);
+    if (!(cosine < S(0))) return normalized(rotation<S, 3>{axis.x, axis.y, axis.z, S(1) + cosine});
+    // 1 + cosine would be what rounding leaves of it.
+    const auto [along, sine] = direction_and_length_of(axis);
+    const vec<S, 3> about = sine > S(0) ? along : across;
+    return normalized(rotation<S, 3>{about.x, about.y, about.z, sine / (S(1) - cosine)});
+}
+
+}  // namespace detail
+
+template <class S>
+rotation<S, 3> rotation<S, 3>::from_x_axis(const vec<S, 3>& axis) {
+    if (!detail::check_axis("from_x_axis", "axis", axis)) return {};
+    return detail::shortest_turn<S>({S(1), S(0), S(0)}, physics::normalized(axis), {S(0), S(0), S(1)});
+}
+template <class S>
+rotation<S, 3> rotation<S, 3>::from_z_axis(const vec<S, 3>& axis) {
+    if (!detail::check_axis("from_z_axis", "axis", axis)) return {};
+    return detail::shortest_turn<S>({S(0), S(0), S(1)}, physics::normalized(axis), {S(1), S(0), S(0)});
+}
+template <class S>
+rotation<S, 3> rotation<S, 3>::from_axes(const vec<S, 3>& x_axis, const vec<S, 3>& z_axis) {
+    if (!detail::check_axis("from_axes", "x_axis", x_axis) || !detail::check_axis("from_axes", "z_axis", z_axis))
+        return {};
+    const rotation first = from_x_axis(x_axis);
+    const vec<S, 3> aim = inverse_rotate(first, physics::normalized(z_axis));
+    if (max(abs(aim.y), abs(aim.z)) < S(0.001)) {
+        detail::refuse("from_axes", "z_axis", "along x_axis", "it must not be");
+        return {};
+    }
+    return physics::normalized(first * from_axis_angle({S(1), S(0), S(0)}, atan2(-aim.y, aim.z)));
 }
 
 PHYSICS_HPP_END
