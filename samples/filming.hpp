@@ -106,12 +106,10 @@ template <template <class, int> class... Kinds, class World>
 std::vector<held_points<World>> joints_of(const World& world) {
     std::vector<held_points<World>> all;
     const auto add = [&]<template <class, int> class Kind>(physics::joint_id id) {
-        // A joint of another kind is refused.
-        try {
-            const auto joint = world.template joint<Kind<typename World::scalar, World::dimension>>(id);
-            all.push_back({world.body_a(id), world.body_b(id), point_a(joint), point_b(joint)});
-        } catch (const physics::error&) {
-        }
+        using joint_type = Kind<typename World::scalar, World::dimension>;
+        if (!world.template is_joint<joint_type>(id)) return;
+        const auto joint = world.template joint<joint_type>(id);
+        all.push_back({world.body_a(id), world.body_b(id), point_a(joint), point_b(joint)});
     };
     for (const physics::joint_id id : world.joints()) (add.template operator()<Kinds>(id), ...);
     return all;

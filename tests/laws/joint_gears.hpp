@@ -279,6 +279,11 @@ CELL_CASE("joint gears: what they leave open is filled in as they are made and s
     const gear_joint kept = w.joint<gear_joint>(gear);
     w.set_joint(gear, kept);
     CHECK(w.joint<gear_joint>(gear).phase == kept.phase);
+    // Nor does what is filled in as it was wake what sleeps.
+    for (int i = 0; i < 640 && !w.is_asleep(a); ++i) run(w, 1);
+    REQUIRE(w.is_asleep(a));
+    w.set_joint(gear, kept);
+    CHECK(w.is_asleep(a));
 }
 CELL_CASE("joint gears: bad ones are refused by name") {
     plain w = falling<plain>();

@@ -153,6 +153,35 @@ CELL_CASE("joints: what hangs together sleeps and wakes together") {
     run(c.w, 1);
     CHECK(c.awake(0, 3));
 }
+CELL_CASE("joints: what is set to what it is sleeps on, and what changes wakes") {
+    sleeping_chain c;
+    const distance_joint now = c.w.joint<distance_joint>(c.rods[0]);
+    c.w.set_joint(c.rods[0], now);
+    c.w.set_joint(c.rods[0], distance_joint{.length = S(0.5)});
+    c.w.set_joint_enabled(c.rods[0], true);
+    CHECK(c.asleep(0, 6));
+    distance_joint other = now;
+    SUBCASE("an anchor") { other.anchor_b = at(0, 0.125); }
+    SUBCASE("a limit") { other.max_length = S(0.625); }
+    SUBCASE("a damping without effect") { other.damping_ratio = S(1); }
+    c.w.set_joint(c.rods[0], other);
+    CHECK(c.awake(0, 3));
+    CHECK(c.asleep(3, 6));
+}
+CELL_CASE("joints: their kind is told") {
+    using both = physics::recipe<S, D, few, physics::joints<physics::ball_joint, physics::distance_joint>>;
+    physics::world<both> v;
+    using ball_joint = physics::ball_joint<S, D>;
+    const body_id a = add_anchor(v, at(0, 0)), b = add_ball(v, at(1));
+    const joint_id ball = v.create_joint(a, b, ball_joint{.anchor_a = at(1)}),
+                   rod = v.create_joint(a, b, distance_joint{});
+    CHECK(v.is_joint<ball_joint>(ball));
+    CHECK_FALSE(v.is_joint<distance_joint>(ball));
+    CHECK(v.is_joint<distance_joint>(rod));
+    CHECK_FALSE(v.is_joint<ball_joint>(rod));
+    v.destroy_joint(rod);
+    CHECK(refusal([&] { (void)v.is_joint<ball_joint>(rod); }).find("is_joint") != std::string::npos);
+}
 CELL_CASE("joints: a kinematic body that moves wakes what hangs on it, and keeps it awake") {
     sleeping_chain c;
     SUBCASE("by its velocity") { c.w.set_linear_velocity(c.kinematic, at(0.25)); }

@@ -15,6 +15,31 @@ void wake_connected(world_data<Plan>& s, std::uint32_t joint) {
     world_code<Plan>::wake(s, s.joints.records[joint].body_b);
 }
 
+/// Whether two values have equal members. Taken for different: members without a ==, and more than 32 of them.
+template <class T>
+bool has_equal_members(const T& a, const T& b) {
+    if constexpr (names_members<T>) {
+        constexpr int limit = 32;
+        const void* of_a[limit] = {};
+        int count = 0, at = 0;
+        T::each_member(a, [&](const auto& member) {
+            if (count < limit) of_a[count] = &member;
+            ++count;
+        });
+        if (count > limit) return false;
+        bool result = true;
+        T::each_member(b, [&]<class Member>(const Member& member) {
+            result = has_equal_members(*static_cast<const Member*>(of_a[at++]), member) && result;
+        });
+        return result;
+    } else if constexpr (requires {
+                             { a == b } -> std::convertible_to<bool>;
+                         }) {
+        return a == b;
+    } else {
+        return false;
+    }
+}
 /// Whether a joint may be made or set between these bodies where they are.
 template <class Plan, class Joint>
 bool check_joint(const state<Plan>& s, const Joint& joint, std::uint32_t a, std::uint32_t b, const char* function) {
@@ -25,16 +50,26 @@ bool check_joint(const state<Plan>& s, const Joint& joint, std::uint32_t a, std:
 }
 /// Has a joint that is made or set fill in what it leaves open.
 template <class Plan, class Joint>
-void fill_in([[maybe_unused]] state<Plan>& s, [[maybe_unused]] std::uint32_t joint) {
+void fill_in([[maybe_unused]] state<Plan>& s, [[maybe_unused]] std::uint32_t number, [[maybe_unused]] Joint& joint) {
     using frames = frames_for<Joint, typename Plan::scalar, Plan::dimension>;
     if constexpr (requires(Joint & j, const frames& at) { j.fill_in(at); }) {
-        const joint_record& record = s.joints.records[joint];
+        const joint_record& record = s.joints.records[number];
         auto& j = s.joints.template of_kind<Joint>()[record.slot];
         frames at = frames_between<Joint>(s.bodies[record.body_a], s.bodies[record.body_b]);
-        j.turned = count_turns(j.joint, at, j.turned);
+        j.turned = count_turns(joint, at, j.turned);
         at.turned = j.turned.begin();
-        j.joint.fill_in(at);
+        joint.fill_in(at);
     }
+}
+template <class Plan, class Joint>
+void set_joint(world_data<Plan>& s, std::uint32_t number, Joint joint) {
+    const joint_record& record = s.joints.records[number];
+    if (!check_joint<Plan>(s, joint, record.body_a, record.body_b, "set_joint")) return;
+    Joint& now = s.joints.template of_kind<Joint>()[record.slot].joint;
+    fill_in<Plan>(s, number, joint);
+    if (has_equal_members(now, joint)) return;
+    wake_connected(s, number);
+    now = joint;
 }
 template <class Plan, class Joint>
 joint_id create_joint(world_data<Plan>& s, body_id body_a, body_id body_b, const Joint& joint, const joint_def& def) {
@@ -63,7 +98,7 @@ joint_id create_joint(world_data<Plan>& s, body_id body_a, body_id body_b, const
     stored.number = place.index;
     of_kind.insert(stored);
     s.joints.first[a.index] = s.joints.first[b.index] = place.index;
-    fill_in<Plan, Joint>(s, place.index);
+    fill_in<Plan, Joint>(s, place.index, of_kind[record.slot].joint);
     wake_connected(s, place.index);
     return {place.index, place.generation, s.tag};
 }
@@ -212,18 +247,18 @@ public:
         const auto at = find_kind<Joint>(state(), id, "joint");
         return at ? state().joints.template of_kind<Joint>()[record(at).slot].joint : Joint{};
     }
-    /// Changes it to another joint of its kind; what it gave it begins with.
+    /// Whether a joint is of a kind: is_joint<world::revolute_joint>(id).
+    template <class Joint>
+    [[nodiscard]] bool is_joint(joint_id id) const {
+        check_kind<Joint>();
+        const auto at = find(state(), id, "is_joint");
+        return at && record(at).kind == state().joints.template kind_of<Joint>();
+    }
+    /// Changes it to another joint of its kind; what it gave it begins with. If it is as it was, what sleeps goes on.
     template <class Joint>
     void set_joint(joint_id id, const Joint& joint) {
         const auto at = find_kind<Joint>(state(), id, "set_joint");
-        if (!at) return;
-        const bool is_good = detail::scoped([&] {
-            return detail::check_joint<Plan>(state(), joint, record(at).body_a, record(at).body_b, "set_joint");
-        });
-        if (!is_good) return;
-        detail::wake_connected(state(), at.index);
-        state().joints.template of_kind<Joint>()[record(at).slot].joint = joint;
-        detail::scoped([&] { detail::fill_in<Plan, Joint>(state(), at.index); });
+        if (at) detail::scoped([&] { detail::set_joint<Plan>(state(), at.index, joint); });
     }
     [[nodiscard]] body_id body_a(joint_id id) const {
         const auto at = find(state(), id, "body_a");
