@@ -2817,6 +2817,11 @@ template <class S, int W>
 using kernel_pack = pack<S, W, (is_wide_kernel<S, W> ? 32 : vector_bytes)>;
 
 #if PHYSICS_HPP_VECTOR_BYTES > 0
+#define PHYSICS_HPP_CONVERT(lanes, type) __builtin_convertvector(lanes, type)
+#else
+#define PHYSICS_HPP_CONVERT(lanes, type) lanes
+#endif
+#if PHYSICS_HPP_VECTOR_BYTES > 0
 
 #if defined(__has_builtin)
 #if __has_builtin(__builtin_shufflevector)
@@ -3022,12 +3027,38 @@ PHYSICS_HPP_ALWAYS_INLINE P lanes_of(S a, S b, S c, S d) {
 /// Lanes of scalars of one type from or to such of another.
 template <class K, class T>
 PHYSICS_HPP_ALWAYS_INLINE K lanes_from(const T* from) {
-    if constexpr (std::is_same_v<typename K::scalar, T>) {
+    using C = typename K::scalar;
+    if constexpr (std::is_same_v<C, T>) {
         return K::load(from);
+    } else if constexpr (K::width == 1) {
+        return {static_cast<C>(to_double(*from))};
+    } else if constexpr (requires(K x) { x.low; }) {
+        return {lanes_from<typename K::half>(from), lanes_from<typename K::half>(from + K::width / 2)};
+    } else if constexpr (K::width == 2) {
+        return {typename K::storage{static_cast<C>(from[0]), static_cast<C>(from[1])}};
     } else {
-        K lanes;
-        for (int i = 0; i < K::width; ++i) lanes.set_lane(i, to_double(from[i]));
-        return lanes;
+        const typename lane_storage<T, K::width>::type lanes =
+            *reinterpret_cast<const typename lane_storage<T, K::width>::unaligned*>(from);
+        return {PHYSICS_HPP_CONVERT(lanes, typename K::storage)};
+    }
+}
+/// Lanes in another type.
+template <class P, class K>
+PHYSICS_HPP_ALWAYS_INLINE P lanes_to(const K& x) {
+    using S = typename P::scalar;
+    if constexpr (std::is_same_v<P, K>) {
+        return x;
+    } else if constexpr (P::width == 1) {
+        return {S(x.value)};
+    } else if constexpr (requires(P p) { p.low; }) {
+        return {lanes_to<typename P::half>(x.low), lanes_to<typename P::half>(x.high)};
+    } else if constexpr (!requires { x.low; }) {
+        return {PHYSICS_HPP_CONVERT(x.value, typename P::storage)};
+    } else if constexpr (P::width == 4) {
+        return lanes_of<P>(S(x.lane(0)), S(x.lane(1)), S(x.lane(2)), S(x.lane(3)));
+    } else {
+        using half = pack<S, P::width / 2, 16>;
+        return join<P>(lanes_to<half>(x.low), lanes_to<half>(x.high));
     }
 }
 template <class K, class T>
@@ -20601,9 +20632,9 @@ bool check_spring(const char* function, const joint_spring<S>& spring, const spr
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/joint/joint.hpp
+// physics/joint/joint_row.hpp
 // =================================================================================================
-// Joints: what a kind of joint tells of itself, whoever solves it.
+// What kinds of joints are made of: rows, and where bodies are.
 
 PHYSICS_HPP_BEGIN
 
@@ -20822,6 +20853,15 @@ struct grounded_frames : joint_frames<S, D> {
         return (place_a - from) + (this->between + this->r_b(point));
     }
 };
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/joint/joint.hpp
+// =================================================================================================
+// Joints: what a kind of joint tells of itself, whoever solves it.
+
+PHYSICS_HPP_BEGIN
 
 /// What drives one coordinate of a joint, an angle or a length, by up to four rows. Equal limits lock it.
 template <class S>
@@ -24659,9 +24699,9 @@ using rolling_at = std::conditional_t<D == 2, rolling2<S>, rolling3<S>>;
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/dynamics/joint_rows.hpp
+// physics/dynamics/row_lanes.hpp
 // =================================================================================================
-// Rows of joints in lanes: what solvers of joints are made of, whatever the kinds are.
+// Rows of joints in lanes, and the bodies that they push, whatever the kinds are.
 
 PHYSICS_HPP_BEGIN
 
@@ -24880,16 +24920,16 @@ struct row_lanes : own_directions<S, D, W, Two> {
         const P zero = P::broadcast(S(0)), one = P::broadcast(S(1)), h = P::broadcast(with.h);
         const S unlimited = joint_row<S, D>::unlimited(), max_force = unlimited / max(with.h, S(1));
         const P own = select_greater(P::load(high), P::load(low), inverse(k_of(a, b)), zero),
-                limit = P::broadcast(unlimited) / max(own, one), most = limit * min(h, one);
+                limit = P::broadcast(unlimited) / max(own, one), max_error = limit * min(h, one);
         own.store(mass);
         limit.store(max_bias);
-        max(min(P::load(error), most), -most).store(error);
-        const P least = select_greater(own, zero, max(P::load(low), P::broadcast(-max_force)) * h, zero),
-                largest = select_greater(own, zero, min(P::load(high), P::broadcast(max_force)) * h, zero);
-        least.store(low);
-        largest.store(high);
+        max(min(P::load(error), max_error), -max_error).store(error);
+        const P low_impulse = select_greater(own, zero, max(P::load(low), P::broadcast(-max_force)) * h, zero),
+                high_impulse = select_greater(own, zero, min(P::load(high), P::broadcast(max_force)) * h, zero);
+        low_impulse.store(low);
+        high_impulse.store(high);
         // What is off forgets what it gave.
-        max(min(P::load(impulse), largest), least).store(impulse);
+        max(min(P::load(impulse), high_impulse), low_impulse).store(impulse);
         if (!is_physical) return;
         for (int lane = 0; lane < W; ++lane) {
             if (!(spring[lane] > S(1))) continue;
@@ -24995,6 +25035,19 @@ private:
         }
     }
 };
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/dynamics/joint_rows.hpp
+// =================================================================================================
+// Where the bodies of joints are within a step, and the rows that joints have there.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
 
 /// Where a body is within a step.
 template <class S, int D, bool Rotates>
@@ -25241,9 +25294,9 @@ PHYSICS_HPP_ALWAYS_INLINE K widened(const P& x) {
     if constexpr (std::is_same_v<K, P>) {
         return x;
     } else {
-        K result;
-        for (int i = 0; i < K::width; ++i) result.set_lane(i, to_double(x.lane(i)));
-        return result;
+        typename P::scalar lanes[P::width];
+        x.store(lanes);
+        return lanes_from<K>(lanes);
     }
 }
 template <class P, class K>
@@ -25251,11 +25304,8 @@ PHYSICS_HPP_ALWAYS_INLINE P narrowed(const K& x) {
     if constexpr (std::is_same_v<K, P>) {
         return x;
     } else {
-        using S = typename P::scalar;
-        const double limit = to_double(joint_row<S, 2>::unlimited());
-        P result;
-        for (int i = 0; i < K::width; ++i) result.set_lane(i, S(clamp(x.lane(i), -limit, limit)));
-        return result;
+        const K limit = K::broadcast(to_double(joint_row<typename P::scalar, 2>::unlimited()));
+        return lanes_to<P>(max(min(x, limit), -limit));
     }
 }
 /// M^-1 J^T of a row, of one of its bodies.
@@ -25620,13 +25670,12 @@ protected:
     void note_forces() {
         if (are_forces_noted_) return;
         are_forces_noted_ = true;
-        for (std::uint32_t r = 0; r < of_.row_count; ++r)
-            for (int lane = 0; lane < W; ++lane) {
-                row_state& w = state_[r];
-                const S now = abs(rows_[r].impulse[lane]);
-                w.load[lane] = has_loads_ ? min(now, w.given[lane]) : now;
-                w.given[lane] = now;
-            }
+        for (std::uint32_t r = 0; r < of_.row_count; ++r) {
+            row_state& w = state_[r];
+            const P now = lane_abs(P::load(rows_[r].impulse));
+            (has_loads_ ? min(now, P::load(w.given)) : now).store(w.load);
+            now.store(w.given);
+        }
         has_loads_ = true;
     }
     void write_rows(const body* bodies, const pose* poses, const joint_pass<S>& with) {

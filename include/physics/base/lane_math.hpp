@@ -34,12 +34,38 @@ PHYSICS_HPP_ALWAYS_INLINE P lanes_of(S a, S b, S c, S d) {
 /// Lanes of scalars of one type from or to such of another.
 template <class K, class T>
 PHYSICS_HPP_ALWAYS_INLINE K lanes_from(const T* from) {
-    if constexpr (std::is_same_v<typename K::scalar, T>) {
+    using C = typename K::scalar;
+    if constexpr (std::is_same_v<C, T>) {
         return K::load(from);
+    } else if constexpr (K::width == 1) {
+        return {static_cast<C>(to_double(*from))};
+    } else if constexpr (requires(K x) { x.low; }) {
+        return {lanes_from<typename K::half>(from), lanes_from<typename K::half>(from + K::width / 2)};
+    } else if constexpr (K::width == 2) {
+        return {typename K::storage{static_cast<C>(from[0]), static_cast<C>(from[1])}};
     } else {
-        K lanes;
-        for (int i = 0; i < K::width; ++i) lanes.set_lane(i, to_double(from[i]));
-        return lanes;
+        const typename lane_storage<T, K::width>::type lanes =
+            *reinterpret_cast<const typename lane_storage<T, K::width>::unaligned*>(from);
+        return {PHYSICS_HPP_CONVERT(lanes, typename K::storage)};
+    }
+}
+/// Lanes in another type.
+template <class P, class K>
+PHYSICS_HPP_ALWAYS_INLINE P lanes_to(const K& x) {
+    using S = typename P::scalar;
+    if constexpr (std::is_same_v<P, K>) {
+        return x;
+    } else if constexpr (P::width == 1) {
+        return {S(x.value)};
+    } else if constexpr (requires(P p) { p.low; }) {
+        return {lanes_to<typename P::half>(x.low), lanes_to<typename P::half>(x.high)};
+    } else if constexpr (!requires { x.low; }) {
+        return {PHYSICS_HPP_CONVERT(x.value, typename P::storage)};
+    } else if constexpr (P::width == 4) {
+        return lanes_of<P>(S(x.lane(0)), S(x.lane(1)), S(x.lane(2)), S(x.lane(3)));
+    } else {
+        using half = pack<S, P::width / 2, 16>;
+        return join<P>(lanes_to<half>(x.low), lanes_to<half>(x.high));
     }
 }
 template <class K, class T>

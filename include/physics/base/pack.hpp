@@ -247,6 +247,11 @@ template <class S, int W>
 using kernel_pack = pack<S, W, (is_wide_kernel<S, W> ? 32 : vector_bytes)>;
 
 #if PHYSICS_HPP_VECTOR_BYTES > 0
+#define PHYSICS_HPP_CONVERT(lanes, type) __builtin_convertvector(lanes, type)
+#else
+#define PHYSICS_HPP_CONVERT(lanes, type) lanes
+#endif
+#if PHYSICS_HPP_VECTOR_BYTES > 0
 
 #if defined(__has_builtin)
 #if __has_builtin(__builtin_shufflevector)

@@ -66,9 +66,9 @@ PHYSICS_HPP_ALWAYS_INLINE K widened(const P& x) {
     if constexpr (std::is_same_v<K, P>) {
         return x;
     } else {
-        K result;
-        for (int i = 0; i < K::width; ++i) result.set_lane(i, to_double(x.lane(i)));
-        return result;
+        typename P::scalar lanes[P::width];
+        x.store(lanes);
+        return lanes_from<K>(lanes);
     }
 }
 template <class P, class K>
@@ -76,11 +76,8 @@ PHYSICS_HPP_ALWAYS_INLINE P narrowed(const K& x) {
     if constexpr (std::is_same_v<K, P>) {
         return x;
     } else {
-        using S = typename P::scalar;
-        const double limit = to_double(joint_row<S, 2>::unlimited());
-        P result;
-        for (int i = 0; i < K::width; ++i) result.set_lane(i, S(clamp(x.lane(i), -limit, limit)));
-        return result;
+        const K limit = K::broadcast(to_double(joint_row<typename P::scalar, 2>::unlimited()));
+        return lanes_to<P>(max(min(x, limit), -limit));
     }
 }
 /// M^-1 J^T of a row, of one of its bodies.

@@ -93,13 +93,12 @@ protected:
     void note_forces() {
         if (are_forces_noted_) return;
         are_forces_noted_ = true;
-        for (std::uint32_t r = 0; r < of_.row_count; ++r)
-            for (int lane = 0; lane < W; ++lane) {
-                row_state& w = state_[r];
-                const S now = abs(rows_[r].impulse[lane]);
-                w.load[lane] = has_loads_ ? min(now, w.given[lane]) : now;
-                w.given[lane] = now;
-            }
+        for (std::uint32_t r = 0; r < of_.row_count; ++r) {
+            row_state& w = state_[r];
+            const P now = lane_abs(P::load(rows_[r].impulse));
+            (has_loads_ ? min(now, P::load(w.given)) : now).store(w.load);
+            now.store(w.given);
+        }
         has_loads_ = true;
     }
     void write_rows(const body* bodies, const pose* poses, const joint_pass<S>& with) {

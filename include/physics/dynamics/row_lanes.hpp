@@ -1,0 +1,344 @@
+// Rows of joints in lanes, and the bodies that they push, whatever the kinds are.
+#pragma once
+
+#include "physics/base/pack_rows.hpp"
+#include "physics/dynamics/constraints.hpp"
+#include "physics/dynamics/contact_pass.hpp"
+#include "physics/dynamics/friction.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// What joints are solved with.
+template <class S>
+struct joint_pass {
+    /// Length of a substep (s), and its inverse.
+    S h, inverse_h;
+    /// Of rows that are as stiff as can be.
+    softness<S> rigid;
+};
+
+/// What a damped spring does in a substep: it takes `share` of the speed along it, and adds `push` times its error:
+/// v' = (v - omega^2 h x) / (1 + D). It sags by its load exactly. Without damping D is 0, as in symplectic Euler: it
+/// keeps its amplitude; with it decay is right to the square of omega h below critical damping, and the slow mode
+/// beyond. Two such springs on one body may be unstable from omega h = 2 on: between 1/2 and 1 the implicit form takes
+/// over. Source: Catto, Soft constraints (GDC 2011); Hairer, Lubich, Wanner, Geometric Numerical Integration, I.1.
+template <class S>
+struct spring_step {
+    S share, push;
+
+    static spring_step of(S frequency, S damping_ratio, S h) {
+        const S omega = S(6.283185307179586) * frequency, angle = omega * h, damping = damping_ratio * angle;
+        return of(omega, angle, damping, max(S(1) - damping_ratio * damping_ratio, S(0)));
+    }
+    /// The same by a stiffness and a damping, of a mass.
+    static spring_step physical(S stiffness, S damping, S mass, S h) {
+        const S omega = sqrt(stiffness / mass), angle = omega * h, half = damping * h / (mass + mass);
+        const S ratio = half < angle ? half / angle : S(1);
+        return of(omega, angle, half, S(1) - ratio * ratio);
+    }
+
+private:
+    static spring_step of(S omega, S angle, S damping, S below_critical) {
+        const S implicit = clamp(angle + angle - S(1), S(0), S(1));
+        const S d = (damping + damping) * (S(1) + damping * below_critical) + implicit * angle * angle;
+        return {d / (S(1) + d), omega * angle / (S(1) + d)};
+    }
+};
+
+/// Velocities of W bodies, component by component.
+template <class P, int D, bool Rotates>
+struct twist_lanes {
+    using S = typename P::scalar;
+    using body = solver_body<S, D, Rotates>;
+    static constexpr int angular_size = !Rotates ? 0 : D == 2 ? 1 : 3, size = D + angular_size;
+    static constexpr int stride = sizeof(body) / sizeof(S);
+
+    /// Behind the velocity is what follows in a row: so much of the displacement as fills it.
+    P at[(size + 3) / 4 * 4];
+
+    void load(const body* bodies, const std::uint32_t* index) {
+        const auto* first = reinterpret_cast<const S*>(bodies);
+        for (int i = 0; i < size; i += 4) {
+            const quad<P> four = load4<P>(indexed_rows<const S, stride>{first + i, index});
+            at[i] = four.x, at[i + 1] = four.y, at[i + 2] = four.z, at[i + 3] = four.w;
+        }
+    }
+    void store(body* bodies, const std::uint32_t* index) const {
+        auto* first = reinterpret_cast<S*>(bodies);
+        for (int i = 0; i < size; i += 4)
+            store4(indexed_rows<S, stride>{first + i, index}, quad<P>{at[i], at[i + 1], at[i + 2], at[i + 3]});
+    }
+    /// That of one body.
+    [[nodiscard]] twist_of<S, D, Rotates> of(int lane) const {
+        twist_of<S, D, Rotates> v;
+        for (int i = 0; i < D; ++i) v.linear[i] = at[i].lane(lane);
+        if constexpr (angular_size == 1) v.angular = at[D].lane(lane);
+        if constexpr (angular_size == 3)
+            for (int i = 0; i < 3; ++i) v.angular[i] = at[D + i].lane(lane);
+        return v;
+    }
+    /// Adds it to twists of single bodies.
+    void add_to(twist_of<S, D, Rotates>* to, const std::uint32_t* index) const {
+        for (int lane = 0; lane < P::width; ++lane) to[index[lane]] = to[index[lane]] + of(lane);
+    }
+};
+
+/// W bodies, and how they answer to impulses.
+template <class S, int D, bool Rotates, int W>
+struct pushed_lanes {
+    using I = inverse_of<S>;
+    using P = kernel_pack<S, W>;
+    using Q = kernel_pack<I, W>;
+    using lanes = twist_lanes<P, D, Rotates>;
+    static constexpr int A = lanes::angular_size, array = A > 0 ? A : 1;
+
+    std::uint32_t index[W] = {};
+    I mass[W] = {}, inertia[A == 3 ? 6 : 1][W] = {};
+    bool is_pushed = false;
+
+    void put(int lane, std::uint32_t number, const solver_body<S, D, Rotates>* bodies) {
+        const auto& b = bodies[number];
+        index[lane] = number;
+        mass[lane] = b.inverse_mass;
+        if constexpr (A == 1) inertia[0][lane] = b.inverse_inertia;
+        if constexpr (A == 3) {
+            const auto& m = b.inverse_inertia;
+            const I six[] = {m.xx, m.xy, m.xz, m.yy, m.yz, m.zz};
+            for (int i = 0; i < 6; ++i) inertia[i][lane] = six[i];
+        }
+    }
+    /// Has bodies turn by so large a part of what they would.
+    void scale_inertia(const S* share) {
+        for (auto& entry : inertia)
+            for (int lane = 0; lane < W; ++lane)
+                if (share[lane] < S(1)) entry[lane] = mul<I>(entry[lane], share[lane]);
+    }
+    /// The change of angular velocity by an angular impulse of 1 about an axis, about the same axis.
+    Q answer(const S (&axis)[array][W]) const {
+        P x[array];
+        for (int i = 0; i < array; ++i) x[i] = P::load(axis[i]);
+        if constexpr (A == 1) {
+            return mul<I>(mul<I>(Q::load(inertia[0]), x[0]), x[0]);
+        } else {
+            Q y[3];
+            for (int i = 0; i < 3; ++i) y[i] = narrow<I>(inertia_row(i, x));
+            return narrow<I>(product(y[0], x[0]) + product(y[1], x[1]) + product(y[2], x[2]));
+        }
+    }
+    /// The change of angular velocity by an angular impulse.
+    void turn(const P (&impulse)[array], P (&change)[array]) const {
+        if constexpr (A == 1) change[0] = mul<S>(Q::load(inertia[0]), impulse[0]);
+        if constexpr (A == 3)
+            for (int i = 0; i < 3; ++i) change[i] = narrow<S>(inertia_row(i, impulse));
+    }
+
+private:
+    /// A row of the inverse inertia times a vector, before it is rounded.
+    auto inertia_row(int i, const P (&v)[array]) const {
+        constexpr int place[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+        return product(Q::load(inertia[place[i][0]]), v[0]) + product(Q::load(inertia[place[i][1]]), v[1]) +
+               product(Q::load(inertia[place[i][2]]), v[2]);
+    }
+};
+
+/// Of rows that pull A in a direction of its own.
+template <class S, int D, int W, bool Two>
+struct own_directions {};
+template <class S, int D, int W>
+struct own_directions<S, D, W, true> {
+    S direction_a[D][W];
+};
+
+/// A row of W joints. `Two`: A has a direction of its own.
+template <class S, int D, bool Rotates, int W, bool Two>
+struct row_lanes : own_directions<S, D, W, Two> {
+    using I = inverse_of<S>;
+    using P = kernel_pack<S, W>;
+    using Q = kernel_pack<I, W>;
+    using body = solver_body<S, D, Rotates>;
+    using lanes = twist_lanes<P, D, Rotates>;
+    using side = pushed_lanes<S, D, Rotates, W>;
+    static constexpr int A = side::A, array = side::array;
+
+    S direction[D][W], angular_a[array][W], angular_b[array][W];
+    /// See joint_row; impulses in a substep.
+    S error[W], low[W], high[W], speed[W], one_sided[W], spring[W];
+    /// In passes with bias, see spring_step; and which part of an impulse goes.
+    S push[W], share[W], loss[W];
+    S mass[W], impulse[W];
+    /// Of all substeps together.
+    S total[W];
+    /// Biases are no larger (m/s).
+    S max_bias[W];
+    /// Whether any lane is.
+    bool is_on, is_one_sided, is_bounded, has_spring, is_physical;
+
+    void clear() { is_on = is_one_sided = is_bounded = has_spring = is_physical = false; }
+    /// Writes what a joint says of it into a lane. Once all lanes are written, finish has to follow.
+    void put(int lane, const joint_row<S, D>& from, [[maybe_unused]] const vec<S, D>& to_a, const joint_pass<S>& with) {
+        for (int i = 0; i < D; ++i) direction[i][lane] = from.direction[i];
+        if constexpr (Two)
+            for (int i = 0; i < D; ++i) this->direction_a[i][lane] = to_a[i];
+        if constexpr (A == 1) {
+            angular_a[0][lane] = from.angular_a;
+            angular_b[0][lane] = from.angular_b;
+        } else if constexpr (A == 3) {
+            for (int i = 0; i < A; ++i) {
+                angular_a[i][lane] = from.angular_a[i];
+                angular_b[i][lane] = from.angular_b[i];
+            }
+        }
+        const bool on = from.is_on(), is_one = on && !(from.min_force < S(0)), is_spring = from.is_spring();
+        is_on = is_on || on;
+        is_one_sided = is_one_sided || is_one;
+        is_bounded = is_bounded || from.is_bounded();
+        has_spring = has_spring || is_spring;
+        error[lane] = from.error;
+        speed[lane] = from.speed;
+        low[lane] = from.min_force;
+        high[lane] = from.max_force;
+        one_sided[lane] = is_one ? S(1) : S(0);
+        spring[lane] = is_spring ? S(1) : S(0);
+        if (from.is_physical) {
+            // Its mass is not known yet.
+            share[lane] = from.frequency;
+            push[lane] = from.damping_ratio;
+            spring[lane] = S(2);
+            is_physical = true;
+        } else if (is_spring) {
+            set_spring(lane, spring_step<S>::of(from.frequency, from.damping_ratio, with.h));
+        } else if (from.is_motor) {
+            share[lane] = S(1);
+            push[lane] = loss[lane] = S(0);
+        } else {
+            share[lane] = with.rigid.mass_scale;
+            push[lane] = with.rigid.mass_scale * with.rigid.rate;
+            loss[lane] = with.rigid.impulse_scale;
+        }
+    }
+    /// Turns forces into impulses, and cuts off what no number could hold.
+    void finish(const side& a, const side& b, const joint_pass<S>& with) {
+        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1)), h = P::broadcast(with.h);
+        const S unlimited = joint_row<S, D>::unlimited(), max_force = unlimited / max(with.h, S(1));
+        const P own = select_greater(P::load(high), P::load(low), inverse(k_of(a, b)), zero),
+                limit = P::broadcast(unlimited) / max(own, one), max_error = limit * min(h, one);
+        own.store(mass);
+        limit.store(max_bias);
+        max(min(P::load(error), max_error), -max_error).store(error);
+        const P low_impulse = select_greater(own, zero, max(P::load(low), P::broadcast(-max_force)) * h, zero),
+                high_impulse = select_greater(own, zero, min(P::load(high), P::broadcast(max_force)) * h, zero);
+        low_impulse.store(low);
+        high_impulse.store(high);
+        // What is off forgets what it gave.
+        max(min(P::load(impulse), high_impulse), low_impulse).store(impulse);
+        if (!is_physical) return;
+        for (int lane = 0; lane < W; ++lane) {
+            if (!(spring[lane] > S(1))) continue;
+            spring[lane] = S(1);
+            set_spring(lane, mass[lane] > S(0) ? spring_step<S>::physical(share[lane], push[lane], mass[lane], with.h)
+                                               : spring_step<S>{});
+        }
+    }
+
+    /// Adds what it gave in a substep.
+    void add_up() { (P::load(total) + P::load(impulse)).store(total); }
+    [[nodiscard]] const auto& direction_of([[maybe_unused]] bool is_b) const {
+        if constexpr (Two) return is_b ? direction : this->direction_a;
+        else return direction;
+    }
+    /// J times the velocities.
+    P speed_of(const lanes& a, const lanes& b) const {
+        auto sum = product(P::load(direction[0]), b.at[0] - a.at[0]);
+        for (int i = 1; i < D; ++i) sum = sum + product(P::load(direction[i]), b.at[i] - a.at[i]);
+        // Adds nothing to rows of kinds with one direction: their bits are the same among others.
+        if constexpr (Two)
+            for (int i = 0; i < D; ++i)
+                sum = sum + product(P::load(direction[i]) - P::load(this->direction_a[i]), a.at[i]);
+        for (int i = 0; i < A; ++i)
+            sum = sum + (product(P::load(angular_a[i]), a.at[D + i]) + product(P::load(angular_b[i]), b.at[D + i]));
+        return narrow<S>(sum);
+    }
+    void apply(const P& by, const side& a, const side& b, lanes& of_a, lanes& of_b) const {
+        const Q mass_a = Q::load(a.mass), mass_b = Q::load(b.mass);
+        for (int i = 0; i < D; ++i) {
+            const P p = P::load(direction[i]) * by;
+            of_b.at[i] = of_b.at[i] + mul<S>(mass_b, p);
+            if constexpr (Two) of_a.at[i] = of_a.at[i] - mul<S>(mass_a, P::load(this->direction_a[i]) * by);
+            else of_a.at[i] = of_a.at[i] - mul<S>(mass_a, p);
+        }
+        turn(a, angular_a, by, of_a);
+        turn(b, angular_b, by, of_b);
+    }
+    /// What has room may come so near within the substep: that speed, else 0.
+    P room() const {
+        const P zero = P::broadcast(S(0));
+        return is_one_sided ? select_greater(P::load(one_sided), zero, max(P::load(error), zero), zero) : zero;
+    }
+    /// Visits it alone. Of what others have a part in, the bound is left to them. Springs act once in a substep, as
+    /// forces do: passes without bias leave them alone.
+    template <bool IsBounded = true>
+    void solve(const joint_pass<S>& with, bool use_bias, const side& a, const side& b, lanes& of_a, lanes& of_b) {
+        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
+        const P before = P::load(impulse), v = speed_of(of_a, of_b) - P::load(speed);
+        P left = one, bias = zero, lost = zero;
+        if (use_bias) {
+            left = P::load(share);
+            bias = P::load(error) * P::load(push);
+            lost = P::load(loss);
+        } else if (has_spring) {
+            left = one - P::load(spring);
+        }
+        if (is_one_sided) {
+            const P free = room();
+            left = select_greater(free, zero, one, left);
+            bias = select_greater(free, zero, free * P::broadcast(with.inverse_h), bias);
+            lost = select_greater(free, zero, zero, lost);
+        }
+        const P limit = P::load(max_bias);
+        const P wanted = before - P::load(mass) * (left * v + max(min(bias, limit), -limit)) - lost * before;
+        const P next = IsBounded ? max(min(wanted, P::load(high)), P::load(low)) : wanted;
+        apply(next - before, a, b, of_a, of_b);
+        next.store(impulse);
+    }
+
+private:
+    using array_of_lanes = S[W];
+
+    void set_spring(int lane, const spring_step<S>& does) {
+        share[lane] = does.share;
+        push[lane] = does.push;
+        loss[lane] = S(1) - does.share;
+    }
+    /// J M^-1 J^T.
+    Q k_of(const side& a, const side& b) const {
+        const P along = square_of(direction);
+        Q k = mul<I>(Q::load(a.mass) + Q::load(b.mass), along);
+        if constexpr (Two) k = mul<I>(Q::load(a.mass), square_of(this->direction_a)) + mul<I>(Q::load(b.mass), along);
+        if constexpr (Rotates) k = k + a.answer(angular_a) + b.answer(angular_b);
+        return k;
+    }
+    static P square_of(const array_of_lanes* v) {
+        auto sum = product(P::load(v[0]), P::load(v[0]));
+        for (int i = 1; i < D; ++i) sum = sum + product(P::load(v[i]), P::load(v[i]));
+        return narrow<S>(sum);
+    }
+    static P inverse(const Q& k) {
+        if constexpr (std::is_same_v<P, Q>) return lane_reciprocal(k);
+        else return P::broadcast(k.lane(0) > I(0) ? reciprocal<S>(k.lane(0)) : S(0));
+    }
+    static void turn([[maybe_unused]] const side& of, [[maybe_unused]] const S (&axis)[array][W],
+                     [[maybe_unused]] const P& by, [[maybe_unused]] lanes& to) {
+        if constexpr (A > 0) {
+            P moment[array], change[array];
+            for (int i = 0; i < A; ++i) moment[i] = P::load(axis[i]) * by;
+            of.turn(moment, change);
+            for (int i = 0; i < A; ++i) to.at[D + i] = to.at[D + i] + change[i];
+        }
+    }
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
