@@ -1,4 +1,4 @@
-// Joints whose motion is known: a pendulum wave, Newton's cradle, a bridge; each with what it should do.
+// Joints whose motion is known: a pendulum wave, Newton's cradle, a bridge, a lift, a crane; with what each should do.
 #include <physics.hpp>
 
 #include <algorithm>
@@ -15,7 +15,8 @@ constexpr double pi = 3.141592653589793, gravity = 10;
 struct in_space : physics::recipe<double, 3, physics::joints<physics::distance_joint>> {};
 struct with_bounces
     : physics::recipe<double, 2, physics::joints<physics::distance_joint>, physics::sequential_impulse> {};
-struct in_plane : physics::recipe<double, 2, physics::joints<physics::revolute_joint>> {};
+struct in_plane : physics::recipe<double, 2, physics::joints<physics::revolute_joint, physics::prismatic_joint>> {};
+struct with_ropes : physics::recipe<double, 2, physics::joints<physics::distance_joint, physics::pulley_joint>> {};
 
 template <class World>
 physics::body_id add_anchor(World& world) {
@@ -134,6 +135,102 @@ void bridge(samples::film& film) {
     film.fact("widest joint, mm", 1000 * widest);
 }
 
+/// Eight pairs of crossed bars of 4 m, opened by a slider with a motor, under a platform of 600 kg.
+void scissor_lift(samples::film& film) {
+    using world = physics::world<in_plane>;
+    world arena{{.gravity = {0, -gravity}}};
+    const physics::body_id ground = add_anchor(arena);
+    arena.create_shape(ground, world::halfspace{{0, 1}, -0.5});
+    constexpr int levels = 8;
+    const double half = 2, folded = 0.2, wide = half * std::cos(folded), tall = half * std::sin(folded);
+    const auto pin = [&](physics::body_id a, const world::vec& at_a, physics::body_id b, const world::vec& at_b) {
+        arena.create_joint(a, b, world::revolute_joint{{at_a, {}}, {at_b, {}}});
+    };
+    physics::body_id up, down;  // the bars of the level below that rise to the right, and to the left
+    physics::body_id foot = arena.create_body({.position = {wide, 0}});
+    arena.create_shape(foot, world::ball{0.15}, {.density = 100});
+    for (int i = 0; i < levels; ++i) {
+        const double y = tall * (2 * i + 1);
+        const auto bar = [&](double angle) {
+            const physics::body_id id =
+                arena.create_body({.position = {0, y}, .rotation = physics::rotation<double, 2>::from_angle(angle)});
+            arena.create_shape(id, world::box{{half, 0.04}}, {.density = 50});
+            return id;
+        };
+        const physics::body_id right = bar(folded), left = bar(-folded);
+        pin(right, {}, left, {});
+        if (i == 0) pin(ground, {-wide, 0}, right, {-half, 0}), pin(foot, {}, left, {half, 0});
+        else pin(down, {-half, 0}, right, {-half, 0}), pin(up, {half, 0}, left, {half, 0});
+        up = right, down = left;
+    }
+    const double top = 2 * tall * levels;
+    const physics::body_id platform = arena.create_body({.position = {0, top + 0.2}});
+    arena.create_shape(platform, world::box{{2.2, 0.1}}, {.density = 600 / 0.88});
+    const physics::body_id shoe = arena.create_body({.position = {wide, top}});
+    arena.create_shape(shoe, world::ball{0.1}, {.density = 100});
+    pin(platform, {-wide, -0.2}, down, {-half, 0});
+    pin(shoe, {}, up, {half, 0});
+    arena.create_joint(platform, shoe, world::prismatic_joint{.frame_a = {{0, -0.2}, {}}});
+    const physics::joint_id motor = arena.create_joint(ground, foot, world::prismatic_joint{.max_motor_force = 1e6});
+    const auto pins = samples::joints_of<physics::revolute_joint>(arena);
+    double tilt = 0, off = 0, widest = 0;
+    film.play("scissor lift", arena, pins, 16, [&](double t) {
+        const double spread = arena.position(foot).x + wide, step = std::sqrt(4 * half * half - spread * spread);
+        tilt = std::max(tilt, std::fabs(arena.rotation(platform).angle()));
+        off = std::max(off, std::fabs(arena.position(platform).y - 0.2 - levels * step));
+        widest = std::max(widest, samples::largest_gap(arena, pins));
+        // The foot goes in, and out again, so that the platform rises and sinks by up to 1.2 m/s.
+        auto slider = arena.joint<world::prismatic_joint>(motor);
+        slider.motor_speed = -1.2 * std::sin(2 * pi * t / 16) * step / (levels * spread);
+        arena.set_joint(motor, slider);
+    });
+    film.fact("platform off the height that its foot implies, mm", 1000 * off);
+    film.fact("platform off level, mrad", 1000 * tilt);
+    film.fact("widest joint, mm", 1000 * widest);
+}
+
+/// A winch hauls a container of 2 t on slings, by a block and tackle over a crane's jib, and puts it down again.
+void crane(samples::film& film) {
+    using world = physics::world<with_ropes>;
+    world arena{{.gravity = {0, -gravity}}};
+    const physics::body_id frame = add_anchor(arena);
+    arena.create_shape(frame, world::halfspace{{0, 1}, 0});
+    arena.create_shape(frame, world::box{{0.4, 6}}, {.position = {0, 6}});
+    arena.create_shape(frame, world::box{{4.4, 0.25}}, {.position = {3.2, 12}});
+    const world::vec wheels[] = {{-1, 12}, {7, 11.5}};
+    const physics::body_id winch =
+        arena.create_body({.type = physics::body_type::kinematic_body, .position = {-4, 0.3}});
+    arena.create_shape(winch, world::box{{0.6, 0.3}});
+    const physics::body_id hook = arena.create_body({.position = {7, 3.7}}),
+                           load = arena.create_body({.position = {7, 1}});
+    arena.create_shape(hook, world::ball{0.2}, {.density = 100 / (0.04 * pi)});
+    arena.create_shape(load, world::box{{1.5, 1}}, {.density = 2000 / 6.0});
+    const world::pulley_joint over{.ground_a = wheels[0], .ground_b = wheels[1], .ratio = 2};
+    const physics::joint_id rope = arena.create_joint(winch, hook, over);
+    // Slings to its upper corners, which are slack at first.
+    const double sling = std::hypot(1.4, 1.8);
+    for (const double x : {-1.4, 1.4})
+        arena.create_joint(hook, load, world::distance_joint{.anchor_b = {x, 1}, .length = sling, .min_length = 0});
+    const auto rope_length = [&] {
+        return length(arena.position(winch) - wheels[0]) + 2 * length(arena.position(hook) - wheels[1]);
+    };
+    const double whole = rope_length();
+    double highest = 0, longest = 0, tension = 0;
+    film.play("crane", arena, samples::joints_of<physics::distance_joint, physics::pulley_joint>(arena), 20,
+              [&](double t) {
+                  // 12 m to the left, and back.
+                  arena.set_linear_velocity(winch, {t < 8 ? -1.5 : t < 12 ? 0 : 1.5, 0});
+                  highest = std::max(highest, arena.position(load).y);
+                  longest = std::max(longest, rope_length() - whole);
+                  if (t >= 11 && t < 12) tension += arena.reaction(rope).force.y / 2 / 60;
+              });
+    film.fact("container lifted by, m", highest - 1);
+    film.fact("rope longer than it is by at most, mm", 1000 * longest);
+    film.fact("half the weight of hook and container, N", 2100 * gravity / 2);
+    film.fact("pull of the rope while it hangs, mean of 1 s, N", tension);
+    film.fact("container back from where it stood, mm", 1000 * std::fabs(arena.position(load).x - 7));
+}
+
 }  // namespace
 
 int main() {
@@ -142,5 +239,7 @@ int main() {
     pendulum_wave(film);
     cradle(film);
     bridge(film);
+    scissor_lift(film);
+    crane(film);
     return film.finish();
 }

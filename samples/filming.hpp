@@ -109,6 +109,18 @@ std::vector<held_points<World>> joints_of(const World& world) {
         using joint_type = Kind<typename World::scalar, World::dimension>;
         if (!world.template is_joint<joint_type>(id)) return;
         const auto joint = world.template joint<joint_type>(id);
+        if constexpr (requires { joint.ground_a; }) {
+            // A rope over wheels of the world, which a body that stands still holds.
+            for (const physics::body_id still : world.bodies()) {
+                if (world.type(still) != physics::body_type::static_body) continue;
+                const auto in_still = inverse(world.pose(still));
+                const auto a = in_still * joint.ground_a, b = in_still * joint.ground_b;
+                all.push_back({world.body_a(id), still, joint.anchor_a, a});
+                all.push_back({still, still, a, b});
+                all.push_back({still, world.body_b(id), b, joint.anchor_b});
+                return;
+            }
+        }
         all.push_back({world.body_a(id), world.body_b(id), point_a(joint), point_b(joint)});
     };
     for (const physics::joint_id id : world.joints()) (add.template operator()<Kinds>(id), ...);

@@ -164,6 +164,12 @@ const sample = (() => {
                     high[k].push(at[k] + 0.8 * r);
                 }
             }
+            // What hangs is seen with what it hangs on.
+            for (const end of joints(scene, poses).flat())
+                for (let k = 0; k < 3; ++k) {
+                    low[k].push(end[k]);
+                    high[k].push(end[k]);
+                }
         }
         if (!sizes.length) return { low: [-5, -5, -5], high: [5, 5, 5], size: 1 };
         const rank = (list, part) => Float64Array.from(list).sort()[Math.round(part * (list.length - 1))];
