@@ -26835,7 +26835,8 @@ class direct_groups;
 template <class S, int D, class Features, template <class, int> class... Joints, int W>
 class direct_groups<constraints<S, D, Features, joints<Joints...>>, W> {
     static constexpr bool rotates = Features::rotation, two = (has_two_directions<Joints<S, D>>() || ...);
-    using group = direct_joints<S, D, rotates, W, two>;
+    template <int Width>
+    using group = direct_joints<S, D, rotates, Width, two>;
     using access = joint_access<S, D, rotates, two>;
     using constraints_type = constraints<S, D, Features, joints<Joints...>>;
 
@@ -26876,7 +26877,8 @@ public:
         for (std::uint32_t i = 0; i < count; ++i) is_direct[i] = false;
         bool* const taken = scratch.template allocate<bool>(patterns.size());
         for (std::uint32_t i = 0; i < patterns.size(); ++i) taken[i] = patterns[i].pattern == nullptr;
-        groups_ = scratch.template allocate<group*>(patterns.size());
+        groups_ = scratch.template allocate<group<W>*>(patterns.size());
+        alone_ = scratch.template allocate<group<1>*>(patterns.size());
         for (std::uint32_t i = 0; i < patterns.size(); ++i) {
             if (taken[i]) continue;
             const joint_patterns::component* lane[W] = {};
@@ -26889,10 +26891,15 @@ public:
                     is_direct[patterns.order()[patterns[k].first + n]] = true;
             }
             const auto number = [&](int l, std::uint32_t n) { return patterns.order()[lane[l]->first + n]; };
-            groups_[count_++] = new (scratch.template allocate<group>(1)) group(
-                *patterns[i].pattern, used, kinds_, [&](int l, std::uint32_t n) { return steps[number(l, n)]; },
-                [&](int l, std::uint32_t n) { return all[number(l, n)].ends; }, bodies.first, bodies.dummy_body(), h,
-                scratch);
+            const auto make = [&]<class Group>(Group*& to) {
+                to = new (scratch.template allocate<Group>(1)) Group(
+                    *patterns[i].pattern, used, kinds_, [&](int l, std::uint32_t n) { return steps[number(l, n)]; },
+                    [&](int l, std::uint32_t n) { return all[number(l, n)].ends; }, bodies.first, bodies.dummy_body(),
+                    h, scratch);
+            };
+            // Of one with no like there would be a lane in use.
+            if (used > 1 || W == 1) make(groups_[count_++]);
+            else make(alone_[alone_count_++]);
         }
         at = 0;
         for (std::uint32_t k = 0; k < sizeof...(Joints); ++k) {
@@ -26909,15 +26916,19 @@ public:
     }
     template <class F>
     void each(task_runner& tasks, F&& f) const {
-        tasks.parallel_for(count_, 1, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
-            for (std::uint32_t k = first; k < end; ++k) f(*groups_[k]);
+        tasks.parallel_for(count_ + alone_count_, 1, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
+            for (std::uint32_t k = first; k < end; ++k) {
+                if (k < count_) f(*groups_[k]);
+                else f(*alone_[k - count_]);
+            }
         });
     }
 
 private:
     access kinds_[sizeof...(Joints)];
-    group** groups_ = nullptr;
-    std::uint32_t count_ = 0;
+    group<W>** groups_ = nullptr;
+    group<1>** alone_ = nullptr;
+    std::uint32_t count_ = 0, alone_count_ = 0;
 };
 
 }  // namespace detail
