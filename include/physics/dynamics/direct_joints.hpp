@@ -28,7 +28,6 @@ public:
                   const body* all, std::uint32_t dummy_body, S h, arena& scratch)
         : base(pattern, used, kinds, joint, bodies, all, dummy_body, h, scratch) {
         starts_ = made<lanes>(of_.body_count, scratch);
-        moved_ = made<lanes>(of_.body_count, scratch);
         ahead_ = made<pose>(of_.body_count, scratch);
     }
 
@@ -82,7 +81,8 @@ public:
 
 private:
     using base::each_row;
-    using base::joint_at, base::load, base::store, base::apply, base::give, base::note_forces, base::write_rows;
+    using base::joint_at, base::load, base::store, base::apply, base::give, base::note_forces, base::write_rows,
+        base::part_of_step;
     using base::of_, base::kinds_, base::rows_, base::state_, base::sides_, base::velocities_, base::matrix_;
     using base::resolved_, base::far_, base::largest_, base::max_resolved;
     using base::unit_sway_, base::own_lever_, base::is_factorised_, base::are_forces_noted_, base::has_bounds_,
@@ -253,19 +253,35 @@ private:
     /// and heavy bodies' errors do not act on the levers of light ones. Source: RATTLE (Andersen 1983); Hairer, Lubich,
     /// Wanner, Geometric Numerical Integration, VII.1.
     void look_ahead(const poses_of& poses, const joint_pass<S>& with) {
-        // Where bodies turn far the square is not all of it; and what is far off is drawn together first.
-        S is_near[W] = {};
-        double largest[W] = {};
         each_row([&](std::uint32_t r, const joint_pattern::joint& j) {
             matrix_.row[r].right_hand = widened<K>(rows_[r].speed_of(velocities_[j.a], velocities_[j.b]));
         });
+        S is_near[W] = {};
+        for (int lane = 0; lane < W; ++lane)
+            is_near[lane] = joint_at(0, lane) == nullptr || far_[lane] > S(0) ? S(0) : resolved_[lane];
+        double largest[W] = {};
+        look(poses, with, is_near, largest, true);
+        // What that leaves is about the square of what was missed. Left there, it would add to the energy of what turns
+        // for long.
+        bool again = false;
+        for (int lane = 0; lane < W; ++lane) {
+            if (!(largest[lane] > rounding)) is_near[lane] = S(0);
+            largest[lane] = 0;
+            again = again || is_near[lane] > S(0);
+        }
+        if (again) look(poses, with, is_near, largest, false);
+    }
+    /// Has rows of lanes that are near take back by how much they miss where bodies will be, if it is `first` besides
+    /// what the speeds that are their right-hand sides ask for. Lanes that turn too far are near no longer: there the
+    /// square is not all of it, and what is far off is drawn together first. Gives the largest of the squares of
+    /// misses.
+    void look(const poses_of& poses, const joint_pass<S>& with, S (&is_near)[W], double (&largest)[W], bool first) {
         for (int lane = 0; lane < W; ++lane) {
             if (joint_at(0, lane) == nullptr) continue;
             for (std::uint32_t k = 0; k < of_.body_count; ++k) {
                 const auto v = velocities_[k].of(lane);
                 ahead_[k] = poses.of(sides_[k].index[lane], &v, with.h);
             }
-            is_near[lane] = far_[lane] > S(0) ? S(0) : resolved_[lane];
             for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
                 const joint_pattern::joint& j = of_.joints[i];
                 typename access::row_memory rows;
@@ -277,7 +293,8 @@ private:
                     K& right_hand = matrix_.row[r].right_hand;
                     const bool holds = !rows_[r].is_bounded && !rows_[r].has_spring;
                     const double moved = to_double(rows.at[k].error) - to_double(rows_[r].error[lane]),
-                                 misses = holds ? moved - right_hand.lane(lane) * to_double(with.h) : 0;
+                                 asked = first ? right_hand.lane(lane) * to_double(with.h) : 0,
+                                 misses = holds ? moved - asked : 0;
                     const double part = part_of(misses, rows.at[k], to.direction(k), apart);
                     largest[lane] = max(largest[lane], part);
                     if (part > 0.0025) is_near[lane] = S(0);
@@ -350,33 +367,6 @@ private:
         narrowed<P>(select_greater(sway, K::broadcast(C(max_resolved / 16)), one, zero)).store(is_taken_back_);
         are_corrected_ = true;
     }
-    /// Which part may be given of what the right-hand sides say, for errors up to the largest. Where rows all but say
-    /// the same, small errors ask for large turns, that lead elsewhere: turns may make no more errors by their
-    /// curvature than this fraction of what they are to take away.
-    P part_of_step(const joint_pass<S>& with, const double* largest, double fraction) {
-        P part = P::broadcast(S(1));
-        if constexpr (lanes::angular_size > 0) {
-            for (std::uint32_t k = 0; k < of_.body_count; ++k) moved_[k] = {};
-            each_row([&](std::uint32_t r, const joint_pattern::joint& j) {
-                rows_[r].apply(narrowed<P>(matrix_.row[r].right_hand), sides_[j.a], sides_[j.b], moved_[j.a],
-                               moved_[j.b]);
-            });
-            for (int lane = 0; lane < W; ++lane) {
-                double square = 0;
-                for (std::uint32_t k = 0; k < of_.body_count; ++k) {
-                    double turn = 0;
-                    for (int c = D; c < lanes::size; ++c) {
-                        const double angle = to_double(moved_[k].at[c].lane(lane)) * to_double(with.h);
-                        turn += angle * angle;
-                    }
-                    if (sides_[k].is_pushed) square = max(square, turn);
-                }
-                const double limit = fraction * sqrt(largest[lane]);
-                if (square > limit) part.set_lane(lane, S(sqrt(limit / square)));
-            }
-        }
-        return part;
-    }
     void take_corrections_back(const P& lanes_of) {
         are_corrected_ = false;
         give_more([&](std::uint32_t r) { return -(state_[r].correction * lanes_of); });
@@ -386,8 +376,8 @@ private:
     /// A part of what joints measure that is rounding.
     static constexpr double rounding = 16 * to_double(scalar_traits<S>::epsilon());
 
-    /// Velocities before a solve; and what a step would add to them.
-    lanes *starts_, *moved_;
+    /// Velocities before a solve.
+    lanes* starts_;
     pose* ahead_;
     bool are_corrected_ = false;
     /// 1 in lanes where corrections are taken back along the rows that gave them.

@@ -36,6 +36,7 @@ protected:
         state_ = made<row_state>(of_.row_count, scratch);
         sides_ = made<side>(of_.body_count, scratch);
         velocities_ = made<lanes>(of_.body_count, scratch);
+        moved_ = made<lanes>(of_.body_count, scratch);
         sway_ = scratch.template allocate<double>(of_.body_count);
         inertia_share_ = made<S>(of_.body_count * W, scratch);
         joints_of_ = made<std::uint32_t>(of_.body_count, scratch);
@@ -167,6 +168,33 @@ protected:
         const double unit = Two ? max(of_a * sqrt(largest_a), of_b * sqrt(largest)) : max(of_a, of_b);
         unit_sway_[i].set_lane(lane, static_cast<C>(unit * to_double(with.h)));
     }
+    /// Which part may be given of what the right-hand sides say, for errors up to the largest. Where rows all but say
+    /// the same, small errors ask for large turns, that lead elsewhere: turns may make no more errors by their
+    /// curvature than this fraction of what they are to take away.
+    P part_of_step(const joint_pass<S>& with, const double* largest, double fraction) {
+        P part = P::broadcast(S(1));
+        if constexpr (lanes::angular_size > 0) {
+            for (std::uint32_t k = 0; k < of_.body_count; ++k) moved_[k] = {};
+            each_row([&](std::uint32_t r, const joint_pattern::joint& j) {
+                rows_[r].apply(narrowed<P>(matrix_.row[r].right_hand), sides_[j.a], sides_[j.b], moved_[j.a],
+                               moved_[j.b]);
+            });
+            for (int lane = 0; lane < W; ++lane) {
+                double square = 0;
+                for (std::uint32_t k = 0; k < of_.body_count; ++k) {
+                    double turn = 0;
+                    for (int c = D; c < lanes::size; ++c) {
+                        const double angle = to_double(moved_[k].at[c].lane(lane)) * to_double(with.h);
+                        turn += angle * angle;
+                    }
+                    if (sides_[k].is_pushed) square = max(square, turn);
+                }
+                const double limit = fraction * sqrt(largest[lane]);
+                if (square > limit) part.set_lane(lane, S(sqrt(limit / square)));
+            }
+        }
+        return part;
+    }
     /// Calls f(row, its joint) for each row.
     template <class F>
     void each_row(F&& f) const {
@@ -190,7 +218,8 @@ protected:
     row* rows_;
     row_state* state_;
     side* sides_;
-    lanes* velocities_;
+    /// And what a step would add to them.
+    lanes *velocities_, *moved_;
     joint_matrix<K> matrix_;
     double* sway_;
     /// Of each body in each lane which part of its inverse inertia it has for the solve.
