@@ -25719,7 +25719,9 @@ protected:
             rows_[r].put(lane, rows.at[k], to.direction_a(k), with);
             // Of what has room, rests elsewhere or gives in, the error says nothing.
             const bool holds = !rows.at[k].is_bounded() && !rows.at[k].is_spring();
-            const double part = holds ? part_of(to_double(rows.at[k].error), rows.at[k], to.direction(k), apart) : 0;
+            const bool is_beyond = rows.at[k].is_on() && !(rows.at[k].min_force < S(0)) && rows.at[k].error < S(0);
+            const double part =
+                holds || is_beyond ? part_of(to_double(rows.at[k].error), rows.at[k], to.direction(k), apart) : 0;
             const bool is_bounded = rows.at[k].is_bounded();
             matrix_.row[r].slack.set_lane(lane, static_cast<C>(is_bounded ? slack_of_bounded : part));
             has_bounds_ = has_bounds_ || is_bounded;
@@ -26083,10 +26085,10 @@ private:
         double largest[W] = {};
         look(poses, with, is_near, largest, true);
         // What that leaves is about the square of what was missed. Left there, it would add to the energy of what turns
-        // for long.
+        // for long, in float too.
         bool again = false;
         for (int lane = 0; lane < W; ++lane) {
-            if (!(largest[lane] > rounding)) is_near[lane] = S(0);
+            if (!(largest[lane] > rounding * rounding)) is_near[lane] = S(0);
             largest[lane] = 0;
             again = again || is_near[lane] > S(0);
         }

@@ -135,6 +135,28 @@ CELL_CASE("joint forces: a motor stops at the limit of its joint") {
         }
 }
 
+CELL_CASE("joint forces: limits that are moved draw along what has come to lie beyond them") {
+    for (const int n : {1, 4}) {
+        CAPTURE(n);
+        plain w = falling<plain>(n);
+        const body_id a = add_anchor(w, at(0, 0)), b = add_box(w, at(0.5), 0.5, 0.125);
+        revolute_joint hinge{.frame_b = frame(-0.5), .min_angle = S(-0.1), .max_angle = S(0.1)};
+        const joint_id j = w.create_joint(a, b, hinge);
+        run(w, 32);
+        hinge.min_angle = S(1);
+        hinge.max_angle = S(2);
+        w.set_joint(j, hinge);
+        double fastest = 0;
+        for (int i = 0; i < 64; ++i) {
+            run(w, 1);
+            fastest = std::max(fastest, std::abs(z_of(w.angular_velocity(b))));
+        }
+        // Drawn, not thrown.
+        CHECK(number(w.joint_angle(j)) == doctest::Approx(1).epsilon(0.001));
+        CHECK(fastest < 1);
+    }
+}
+
 /// Arms in a row on a wall, with friction in their hinges and limits that their weight drives them into.
 CELL_CASE("joint forces: arms with friction sink to their limits, and stay there") {
     for (const int n : {1, 4, 16})

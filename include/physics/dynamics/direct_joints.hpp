@@ -262,10 +262,10 @@ private:
         double largest[W] = {};
         look(poses, with, is_near, largest, true);
         // What that leaves is about the square of what was missed. Left there, it would add to the energy of what turns
-        // for long.
+        // for long, in float too.
         bool again = false;
         for (int lane = 0; lane < W; ++lane) {
-            if (!(largest[lane] > rounding)) is_near[lane] = S(0);
+            if (!(largest[lane] > rounding * rounding)) is_near[lane] = S(0);
             largest[lane] = 0;
             again = again || is_near[lane] > S(0);
         }
