@@ -24,12 +24,13 @@ from features import compiled, progress
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build/bench/joints.d"
 CSV = ROOT / "bench/out/joints.csv"
-KINDS = ["ball", "distance", "filter", "gear", "motor", "prismatic", "rack", "revolute", "six_degrees", "swing_twist",
-         "target", "weld", "wheel"]
+KINDS = ["ball", "cone", "distance", "filter", "gear", "motor", "prismatic", "pulley", "rack", "revolute",
+         "six_degrees", "swing_twist", "target", "weld", "wheel"]
+IN_3D = {"cone", "swing_twist"}
 
 
 def kinds_of(dimension):
-    return [kind for kind in KINDS if dimension == 3 or kind != "swing_twist"]
+    return [kind for kind in KINDS if dimension == 3 or kind not in IN_3D]
 
 
 def names_joints(target):

@@ -23,7 +23,11 @@ template <template <class, int> class Kind>
 void join(world& w, physics::body_id a, physics::body_id b, const physics::joints<Kind>&) {
     using joint = Kind<float, DIMENSION>;
     vec place = w.position(b);
-    if constexpr (
+    if constexpr (requires(joint j) { j.ground_a; }) {
+        vec up;
+        up[1] = 2;
+        w.create_joint(a, b, joint{.ground_a = w.position(a) + up, .ground_b = place + up});
+    } else if constexpr (
         requires(joint j) { j.ratio; } || requires(joint j) { j.radius; } || requires(joint j) { j.length; }) {
         w.create_joint(a, b, joint{});
     } else if constexpr (requires(joint j) { j.target; }) {

@@ -49,6 +49,25 @@ scene joint_grid3(bool quick) {
     return quick ? grid("joint_grid3", 3, 30, 0, 29, 60) : grid("joint_grid3", 3, 100, 0, 99, 100);
 }
 
+/// A level net of balls whose edges are fixed.
+scene chain_mail(bool quick) {
+    const int side = quick ? 20 : 60;
+    scene s = named("chain_mail", 3, quick ? 60 : 300);
+    const shape node = ball(0.4, heavy);
+    const auto is_fixed = [=](int i) { return i == 0 || i + 1 == side; };
+    for (int k = 0; k < side; ++k)
+        for (int i = 0; i < side; ++i) {
+            body b = solid({1.0 * k, 0, 1.0 * i}, node);
+            const bool fixed = is_fixed(i) || is_fixed(k);
+            if (fixed) b.kind = role::fixed;
+            const int me = s.add(b);
+            // Two that are fixed need none.
+            if (i > 0 && !(fixed && (is_fixed(i - 1) || is_fixed(k)))) s.pin(me - 1, me, {1.0 * k, 0, i - 0.5});
+            if (k > 0 && !(fixed && (is_fixed(k - 1) || is_fixed(i)))) s.pin(me - side, me, {k - 0.5, 0, 1.0 * i});
+        }
+    return s;
+}
+
 scene bridge(bool quick) {
     const int planks = quick ? 40 : 160;
     scene s = named("bridge", 2, quick ? 120 : 600);
@@ -162,6 +181,20 @@ scene rain_of_ragdolls(bool quick) {
     s.upper = {25, 1000, 1};
     return s;
 }
+scene rain_of_ragdolls3(bool quick) {
+    scene s = named("rain_of_ragdolls3", 3, quick ? 150 : 500);
+    s.add(ground({0, -1, 0}, box({8, 1, 8})));
+    for (const double side : {-1.0, 1.0}) {
+        s.add(ground({9 * side, 10, 0}, box({1, 10, 8})));
+        s.add(ground({0, 10, 9 * side}, box({8, 10, 1})));
+    }
+    for (int i = 0; i < (quick ? 25 : 125); ++i)
+        add_ragdoll(s, {3.0 * (i % 5) - 6, 12, 3.0 * (i / 5 % 5) - 6 + 0.5 * (i / 25 % 2)}, heavy, {0, -10, 0},
+                    60 * (i / 25));
+    s.lower = {-8, -0.5, -8};
+    s.upper = {8, 1000, 8};
+    return s;
+}
 scene ragdoll_pile(bool quick) {
     scene s = named("ragdoll_pile", 3, quick ? 120 : 600);
     s.add(ground({0, -1, 0}, box({20, 1, 20})));
@@ -205,6 +238,8 @@ const std::vector<maker>& joint_makers() {
         {"joint_grid3", 3, "100 by 100 balls with ball joints, hung by a row", joint_grid3},
         {"ball_and_chain3", 3, "32 capsules and a ball of 585 times the mass of one", ball_and_chain3},
         {"bridge3", 3, "150 planks with two ball joints to each neighbour", bridge3},
+        {"chain_mail", 3, "60 by 60 balls with ball joints, laid level, whose edges are fixed", chain_mail},
+        {"rain_of_ragdolls3", 3, "125 ragdolls with bare ball joints that rain into a bin", rain_of_ragdolls3},
         {"ragdoll_pile", 3, "20 ragdolls with bare ball joints that fall on a heap", ragdoll_pile},
         {"chains", 3, "625 chains of four capsules, kicked", chains},
     };
