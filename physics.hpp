@@ -26918,7 +26918,7 @@ public:
                     [&](int l, std::uint32_t n) { return all[number(l, n)].ends; }, bodies.first, bodies.dummy_body(),
                     h, scratch);
             };
-            // Of one with no like there would be a lane in use.
+            // One with no like would leave all lanes but one unused.
             if (used > 1 || W == 1) make(groups_[count_++]);
             else make(alone_[alone_count_++]);
         }

@@ -31,8 +31,8 @@ STEP = re.compile(r"^\[(\d+)/(\d+)\] ")
 
 
 # Seconds that each group takes on two idle cores: all that the estimates of what is left are made of.
-SECONDS = {"cheap": 63, "misuse": 28, "gcc": 300, "clang": 470, "determinism": 290, "sanitize": 135, "fuzz": 50,
-           "quick": 220}
+SECONDS = {"cheap": 63, "misuse": 34, "gcc": 550, "clang": 550, "determinism": 600, "sanitize": 190, "fuzz": 40,
+           "quick": 300}
 
 
 class Tally:
