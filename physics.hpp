@@ -20754,7 +20754,7 @@ struct joint_frames {
     vec<S, D> center_a, center_b, between;
     /// Of joints that count their turns, see joint_for.
     const counted_angle<S>* turned = nullptr;
-    /// Whether angles are only to be counted: they may be 0.1 rad off, but not where they pass pi.
+    /// Whether angles are only to be counted: they may be 0.15 rad off, but not where they pass pi.
     bool is_rough = false;
 
     /// From a body's centre of mass to a point of it, in world axes.
@@ -24854,7 +24854,6 @@ struct row_lanes : own_directions<S, D, W, Two> {
     using I = inverse_of<S>;
     using P = kernel_pack<S, W>;
     using Q = kernel_pack<I, W>;
-    using body = solver_body<S, D, Rotates>;
     using lanes = twist_lanes<P, D, Rotates>;
     using side = pushed_lanes<S, D, Rotates, W>;
     static constexpr int A = side::A, array = side::array;

@@ -157,7 +157,6 @@ struct row_lanes : own_directions<S, D, W, Two> {
     using I = inverse_of<S>;
     using P = kernel_pack<S, W>;
     using Q = kernel_pack<I, W>;
-    using body = solver_body<S, D, Rotates>;
     using lanes = twist_lanes<P, D, Rotates>;
     using side = pushed_lanes<S, D, Rotates, W>;
     static constexpr int A = side::A, array = side::array;

@@ -123,7 +123,7 @@ struct joint_frames {
     vec<S, D> center_a, center_b, between;
     /// Of joints that count their turns, see joint_for.
     const counted_angle<S>* turned = nullptr;
-    /// Whether angles are only to be counted: they may be 0.1 rad off, but not where they pass pi.
+    /// Whether angles are only to be counted: they may be 0.15 rad off, but not where they pass pi.
     bool is_rough = false;
 
     /// From a body's centre of mass to a point of it, in world axes.
