@@ -23650,6 +23650,8 @@ struct colours_of_contacts {
     std::uint32_t count = 0;
     /// Whether the last group's contacts may push the same body.
     bool last_is_serial = false;
+    /// Of each group, by its bit, whether its contacts push bodies of joints. Not of the last one if it is serial.
+    std::uint64_t is_of_joints = 0;
 };
 
 /// Whether a contact is about to push: it has, or its surfaces overlap.
@@ -23662,11 +23664,12 @@ bool is_active(const contact<S, D, Features>& c) {
 
 /// Colours edges greedily in their order, contacts or joints of a kind: first those between two bodies that can be
 /// pushed, then in colours of their own those that push only A and those that push only B, so that what holds the pile
-/// acts last, and all of a colour push the same sides. Within a colour those that are about to push come first, so that
-/// lanes have the same to do. O(contacts). Source: Catto, Solver2D (2024); greedy edge colouring.
+/// acts last, and all of a colour push the same sides. Those of bodies that have joints, if they are told, have colours
+/// of their own too. Within a colour those that are about to push come first, so that lanes have the same to do.
+/// O(contacts). Source: Catto, Solver2D (2024); greedy edge colouring.
 template <class Edges, class IsActive, class S, int D, bool Rotates>
 colours_of_contacts colour_edges(const Edges& edges, IsActive&& is_active, solver_bodies<S, D, Rotates> bodies,
-                                 arena& scratch, task_runner& tasks) {
+                                 const bool* has_joint, arena& scratch, task_runner& tasks) {
     const std::uint32_t count = edges.size();
     colours_of_contacts result;
     result.order = scratch.template allocate<std::uint32_t>(count);
@@ -23676,7 +23679,7 @@ colours_of_contacts colour_edges(const Edges& edges, IsActive&& is_active, solve
     auto* colour_of = scratch.template allocate<std::uint8_t>(count);
     std::uint32_t sizes[colours_of_contacts::capacity] = {}, first = 0;
     constexpr std::uint32_t serial = colours_of_contacts::capacity - 1, share = 256;
-    constexpr std::uint8_t uncoloured = 128, idle = 64, moves_a = 1, moves_b = 2, moves_both = 3;
+    constexpr std::uint8_t uncoloured = 128, idle = 64, jointed = 4, moves_a = 1, moves_b = 2, moves_both = 3;
     const auto is_pushed = [&](std::uint32_t i) { return bodies[i].inverse_mass > inverse_of<S>(0); };
     tasks.parallel_for(count, share, [&](std::uint32_t begin, std::uint32_t end, std::uint32_t) {
         // Copies, as what is written may be anything to the compiler.
@@ -23686,9 +23689,11 @@ colours_of_contacts colour_edges(const Edges& edges, IsActive&& is_active, solve
             const body_pair of = all.bodies(i);
             sides[i] = static_cast<std::uint8_t>(uncoloured | (is_active(all, i) ? 0 : idle) |
                                                  (is_pushed(of.a) ? moves_a : 0) | (is_pushed(of.b) ? moves_b : 0));
+            if (has_joint != nullptr && (has_joint[of.a] || has_joint[of.b])) sides[i] |= jointed;
         }
     });
-    for (const std::uint8_t sides : {moves_both, moves_a, moves_b, std::uint8_t{0}}) {
+    std::uint64_t is_of_joints = 0;
+    const auto colour_those_of = [&](std::uint8_t sides) {
         for (std::uint32_t i = 0; i < bodies.count; ++i) used[i] = 0;
         std::uint32_t end = first;
         for (std::uint32_t i = 0; i < count; ++i) {
@@ -23706,12 +23711,19 @@ colours_of_contacts colour_edges(const Edges& edges, IsActive&& is_active, solve
             colour_of[i] = static_cast<std::uint8_t>(colour | (colour_of[i] & idle));
             ++sizes[colour];
         }
+        if ((sides & jointed) != 0)
+            for (std::uint32_t k = first; k < end; ++k) is_of_joints |= std::uint64_t{1} << k;
         first = end;
+    };
+    for (const std::uint8_t sides : {moves_both, moves_a, moves_b, std::uint8_t{0}}) {
+        colour_those_of(sides);
+        if (has_joint != nullptr) colour_those_of(sides | jointed);
     }
     std::uint32_t place[colours_of_contacts::capacity], at = 0;
     for (std::uint32_t k = 0; k < colours_of_contacts::capacity; ++k) {
         place[k] = at;
         if (sizes[k] == 0) continue;
+        result.is_of_joints |= (is_of_joints >> k & 1) << result.count;
         result.begin[result.count++] = at;
         result.last_is_serial = k == serial;
         at += sizes[k];
@@ -23738,15 +23750,16 @@ colours_of_contacts colour_edges(const Edges& edges, IsActive&& is_active, solve
 }
 template <class S, int D, class Features>
 colours_of_contacts colour(const contact_constraints<S, D, Features>& contacts,
-                           solver_bodies<S, D, Features::rotation> bodies, arena& scratch, task_runner& tasks) {
+                           solver_bodies<S, D, Features::rotation> bodies, const bool* has_joint, arena& scratch,
+                           task_runner& tasks) {
     const auto active = [](const auto& all, std::uint32_t i) { return is_active(all[i]); };
-    return colour_edges(contacts, active, bodies, scratch, tasks);
+    return colour_edges(contacts, active, bodies, has_joint, scratch, tasks);
 }
 template <class S, int D, class Features>
 colours_of_contacts colour(const contact_constraints<S, D, Features>& contacts,
                            solver_bodies<S, D, Features::rotation> bodies, arena& scratch) {
     task_runner alone;
-    return colour(contacts, bodies, scratch, alone);
+    return colour(contacts, bodies, nullptr, scratch, alone);
 }
 
 /// Blocks of up to so many edges of a colour, and how workers go over them.
@@ -23759,10 +23772,15 @@ struct blocks_by_colour {
     std::uint32_t colours;
     std::uint32_t edges_a_block;
     bool last_is_serial;
+    /// See colours_of_contacts.
+    std::uint64_t is_of_joints;
 
     blocks_by_colour() = default;
     blocks_by_colour(const colours_of_contacts& of, int lanes)
-        : colours(of.count), edges_a_block(static_cast<std::uint32_t>(lanes)), last_is_serial(of.last_is_serial) {
+        : colours(of.count),
+          edges_a_block(static_cast<std::uint32_t>(lanes)),
+          last_is_serial(of.last_is_serial),
+          is_of_joints(of.is_of_joints) {
         begin[0] = 0;
         for (std::uint32_t group = 0; group < colours; ++group) {
             const std::uint32_t edges = of.begin[group + 1] - of.begin[group], size = lanes_of(group);
@@ -23782,6 +23800,16 @@ struct blocks_by_colour {
             return each_in_parallel(tasks, &f,
                                     [](const void* of, std::uint32_t k) { (*static_cast<const F*>(of))(k); });
         for (std::uint32_t k = 0; k < count(); ++k) f(k);
+    }
+    /// The same for those that push bodies of joints.
+    template <class F>
+    void each_of_joints(task_runner& tasks, F&& f) const {
+        for (std::uint32_t group = 0; group < colours; ++group)
+            if ((is_of_joints >> group & 1) != 0)
+                tasks.parallel_for(begin[group + 1] - begin[group], share,
+                                   [&](std::uint32_t start, std::uint32_t end, std::uint32_t) {
+                                       for (std::uint32_t k = start; k < end; ++k) f(begin[group] + k);
+                                   });
     }
     /// Calls f(block's number, colour, worker) for all of them in any order: each is for the worker that has it in the
     /// passes.
@@ -23884,6 +23912,31 @@ public:
 };
 
 }  // namespace solver_api
+
+namespace detail {
+
+/// Which bodies have joints; null where there are contacts only.
+template <class S, int D, class Features, bool Rotates>
+const bool* bodies_of_joints(const solver_api::contact_constraints<S, D, Features>&,
+                             const solver_bodies<S, D, Rotates>&, arena&) {
+    return nullptr;
+}
+template <class S, int D, class Features, template <class, int> class... Joints, bool Rotates>
+const bool* bodies_of_joints(const solver_api::constraints<S, D, Features, joints<Joints...>>& of,
+                             const solver_bodies<S, D, Rotates>& bodies, arena& scratch) {
+    if ((of.template joints_of_kind<Joints<S, D>>().size() + ...) == 0) return nullptr;
+    auto* const result = scratch.allocate<bool>(bodies.count);
+    for (std::uint32_t k = 0; k < bodies.count; ++k) result[k] = false;
+    const auto mark = [&](const auto& list) {
+        for (std::uint32_t i = 0; i < list.size(); ++i)
+            for (const std::uint32_t k : {list.bodies(i).a, list.bodies(i).b})
+                result[k] = bodies[k].inverse_mass > inverse_of<S>(0);
+    };
+    (mark(of.template joints_of_kind<Joints<S, D>>()), ...);
+    return result;
+}
+
+}  // namespace detail
 
 PHYSICS_HPP_END
 
@@ -24707,6 +24760,11 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
+/// What a round over joints is for: speeds, with springs or without; to take errors back; or speeds and errors at once.
+enum class joint_round : std::uint8_t { relaxing = 0, speeds = 1, corrections = 2, all = 3 };
+constexpr bool has_springs(joint_round r) { return (static_cast<unsigned>(r) & 1) != 0; }
+constexpr bool has_errors(joint_round r) { return (static_cast<unsigned>(r) & 2) != 0; }
+
 /// What joints are solved with.
 template <class S>
 struct joint_pass {
@@ -24864,6 +24922,8 @@ struct row_lanes : own_directions<S, D, W, Two> {
     /// In passes with bias, see spring_step; and which part of an impulse goes.
     S push[W], share[W], loss[W];
     S mass[W], impulse[W];
+    /// What of the impulse took the error back, where that is to be taken back itself.
+    S correction[W];
     /// Of all substeps together.
     S total[W];
     /// Biases are no larger (m/s).
@@ -24973,17 +25033,26 @@ struct row_lanes : own_directions<S, D, W, Two> {
         return is_one_sided ? select_greater(P::load(one_sided), zero, max(P::load(error), zero), zero) : zero;
     }
     /// Visits it alone. Of what others have a part in, the bound is left to them. Springs act once in a substep, as
-    /// forces do: passes without bias leave them alone.
+    /// forces do: rounds without them leave them alone. It keeps by what errors are taken back: in rounds for nothing
+    /// else, and of lanes that are `far` (1, else 0).
     template <bool IsBounded = true>
-    void solve(const joint_pass<S>& with, bool use_bias, const side& a, const side& b, lanes& of_a, lanes& of_b) {
+    void solve(const joint_pass<S>& with, joint_round round, const side& a, const side& b, lanes& of_a, lanes& of_b,
+               [[maybe_unused]] const P* far = nullptr) {
         const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
         const P before = P::load(impulse), v = speed_of(of_a, of_b) - P::load(speed);
         P left = one, bias = zero, lost = zero;
-        if (use_bias) {
+        const bool springs = has_springs(round), errors = has_errors(round);
+        if (errors || (springs && has_spring)) {
             left = P::load(share);
             bias = P::load(error) * P::load(push);
             lost = P::load(loss);
-        } else if (has_spring) {
+        }
+        if (has_spring && springs != errors) {
+            const P is_spring = P::load(spring), in = springs ? is_spring : one - is_spring;
+            left = select_greater(in, zero, left, springs ? one : zero);
+            bias = bias * in;
+            lost = lost * in;
+        } else if (has_spring && !springs) {
             left = one - P::load(spring);
         }
         if (is_one_sided) {
@@ -24995,6 +25064,19 @@ struct row_lanes : own_directions<S, D, W, Two> {
         const P limit = P::load(max_bias);
         const P wanted = before - P::load(mass) * (left * v + max(min(bias, limit), -limit)) - lost * before;
         const P next = IsBounded ? max(min(wanted, P::load(high)), P::load(low)) : wanted;
+        apply(next - before, a, b, of_a, of_b);
+        next.store(impulse);
+        if (!IsBounded || !errors) return;
+        if (!springs) return (P::load(correction) + (next - before)).store(correction);
+        if (far == nullptr) return;
+        P is_rigid = has_spring ? one - P::load(spring) : one;
+        if (is_one_sided) is_rigid = select_greater(room(), zero, zero, is_rigid);
+        const P without = max(min(before - P::load(mass) * left * v - lost * before, P::load(high)), P::load(low));
+        ((next - without) * is_rigid * *far).store(correction);
+    }
+    /// Takes back by what solve has taken errors back.
+    void take_correction_back(const side& a, const side& b, lanes& of_a, lanes& of_b) {
+        const P before = P::load(impulse), next = max(min(before - P::load(correction), P::load(high)), P::load(low));
         apply(next - before, a, b, of_a, of_b);
         next.store(impulse);
     }
@@ -25876,15 +25958,18 @@ public:
         for (std::uint32_t k = 0; k < of_.body_count; ++k)
             if (sides_[k].is_pushed) velocities_[k].add_to(starts, sides_[k].index);
     }
-    void solve(body* bodies, const poses_of& poses, const joint_pass<S>& with, bool use_bias) {
-        if (use_bias) note_forces();
+    void solve(body* bodies, const poses_of& poses, const joint_pass<S>& with, joint_round round) {
+        const bool springs = has_springs(round), errors = has_errors(round);
+        // All at once: further rounds would find the same.
+        if (errors && !springs && are_corrected_) return;
+        if (springs) note_forces();
         load(bodies);
         // A solver may visit joints several times before it moves.
         if (are_corrected_) take_corrections_back(P::broadcast(S(1)));
-        settle(with, use_bias);
-        if (use_bias && greater(P::load(resolved_), P::broadcast(S(0))).bits() != 0) look_ahead(poses, with);
-        if (use_bias) find_corrections(with);
-        if (!use_bias)
+        if (springs || !errors) settle(with, springs);
+        if (springs && greater(P::load(resolved_), P::broadcast(S(0))).bits() != 0) look_ahead(poses, with);
+        if (errors) find_corrections(with);
+        if (round == joint_round::relaxing)
             for (std::uint32_t r = 0; r < of_.row_count; ++r) rows_[r].add_up();
         store(bodies);
     }
@@ -26668,6 +26753,8 @@ public:
         joints_[lane] = &joint;
         a_.put(lane, ends.a, bodies);
         b_.put(lane, ends.b, bodies);
+        far_error_[lane] =
+            S(0.01 * sqrt(own_lever_of(bodies[ends.a], bodies[ends.b]) + length_squared_of(joint.start.between)));
         each_row([&](row& r, int k) { r.impulse[lane] = first_impulse(joint, k, h); });
     }
     void put_nothing(int lane, std::uint32_t dummy_body) { a_.index[lane] = b_.index[lane] = dummy_body; }
@@ -26687,7 +26774,14 @@ public:
     }
     /// Writes the rows anew after bodies have moved. Of what the substep gave, the next one is to begin with the same
     /// impulses along the new rows: starts (v - what it begins with) change by the difference.
-    void update_rows(body*, const pose* poses, const joint_pass<S>& with, twist_of<S, D, Rotates>* starts) {
+    void update_rows(body* bodies, const pose* poses, const joint_pass<S>& with, twist_of<S, D, Rotates>* starts) {
+        if (is_any_far_ || is_corrected_) {
+            lanes of_a, of_b;
+            load(bodies, of_a, of_b);
+            each_row([&](row& r, int) { r.take_correction_back(a_, b_, of_a, of_b); });
+            store(bodies, of_a, of_b);
+            is_corrected_ = false;
+        }
         if (starts == nullptr) return write_rows(poses, with);
         lanes of_a{}, of_b{};
         each_row([&](const row& r, int) { r.apply(P::load(r.impulse), a_, b_, of_a, of_b); });
@@ -26696,19 +26790,22 @@ public:
         if (a_.is_pushed) of_a.add_to(starts, a_.index);
         if (b_.is_pushed) of_b.add_to(starts, b_.index);
     }
-    void solve(body* bodies, const joint_pass<S>& with, bool use_bias) {
+    void solve(body* bodies, const joint_pass<S>& with, joint_round round) {
         lanes of_a, of_b;
         load(bodies, of_a, of_b);
+        const P far_lanes = P::load(is_far_);
+        const P* const far = is_any_far_ ? &far_lanes : nullptr;
         if constexpr (shared == 0) {
-            each_row([&](row& r, int) { r.solve(with, use_bias, a_, b_, of_a, of_b); });
+            each_row([&](row& r, int) { r.solve(with, round, a_, b_, of_a, of_b, far); });
         } else {
             for (int i = 0, n; i < count_; i += n) {
                 n = rows_together(shared, kind_row_[i]);
-                if (n > 1) solve_together(i, n, with, use_bias, of_a, of_b);
-                else rows_[i].solve(with, use_bias, a_, b_, of_a, of_b);
+                if (n > 1) solve_together(i, n, with, round, of_a, of_b);
+                else rows_[i].solve(with, round, a_, b_, of_a, of_b, far);
             }
         }
-        if (!use_bias) each_row([](row& r, int) { r.add_up(); });
+        is_corrected_ = is_corrected_ || round == joint_round::corrections;
+        if (round == joint_round::relaxing) each_row([](row& r, int) { r.add_up(); });
         store(bodies, of_a, of_b);
     }
     void store_impulses(S h) const {
@@ -26733,11 +26830,11 @@ private:
         for (int i = 0; i < count_; ++i) f(rows_[i], kind_row_[i]);
     }
 
-    void solve_together(int k, int n, const joint_pass<S>& with, bool use_bias, lanes& of_a, lanes& of_b) {
+    void solve_together(int k, int n, const joint_pass<S>& with, joint_round round, lanes& of_a, lanes& of_b) {
         P wanted[3];
         S is_cut[W];
         for (int i = 0; i < n; ++i) {
-            rows_[k + i].template solve<false>(with, use_bias, a_, b_, of_a, of_b);
+            rows_[k + i].template solve<false>(with, round, a_, b_, of_a, of_b);
             wanted[i] = P::load(rows_[k + i].impulse);
         }
         cut_together(&rows_[k], n, wanted, is_cut);
@@ -26759,6 +26856,24 @@ private:
         for (int lane = 0; lane < W; ++lane)
             if (joints_[lane] != nullptr) write_lane(lane, poses, with);
         each_row([&](row& r, int) { r.finish(a_, b_, with); });
+        find_far();
+    }
+    /// Where errors are larger than a hundredth of what joints measure.
+    void find_far() {
+        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
+        P far = zero;
+        each_row([&](row& r, int) {
+            zero.store(r.correction);
+            P pulls = zero, error = lane_abs(P::load(r.error));
+            for (int i = 0; i < D; ++i) pulls = pulls + lane_abs(P::load(r.direction[i]));
+            // Of what has room or gives in, the error says nothing.
+            if (r.is_one_sided) error = select_greater(P::load(r.one_sided) * P::load(r.error), zero, zero, error);
+            if (r.has_spring) error = select_greater(P::load(r.spring), zero, zero, error);
+            const P limit = select_greater(pulls, zero, P::load(far_error_) * pulls, P::broadcast(S(0.01)));
+            far = max(far, select_greater(error, limit, one, zero));
+        });
+        far.store(is_far_);
+        is_any_far_ = greater(far, zero).bits() != 0;
     }
     PHYSICS_HPP_NOINLINE void write_lane(int lane, const pose* poses, const joint_pass<S>& with) {
         row_list<S, D, Joint::row_count, has_two_directions<Joint>()> rows;
@@ -26768,6 +26883,10 @@ private:
     }
 
     step_joint<Joint, S, D>* joints_[W] = {};
+    /// From which errors on joints are far from what they hold (m; of angles it is 0.01), and where they are (1, else
+    /// 0).
+    S far_error_[W] = {}, is_far_[W] = {};
+    bool is_any_far_ = false, is_corrected_ = false;
     pushed_lanes<S, D, Rotates, W> a_, b_;
     row* rows_;
     int count_ = 0;
@@ -26808,7 +26927,7 @@ public:
     void make(const joint_selection<Joint, S, D>& joints, solver_bodies<S, D, Rotates> bodies, S h, arena& scratch,
               task_runner& tasks) {
         const auto always = [](const auto&, std::uint32_t) { return true; };
-        const colours_of_contacts colours = colour_edges(joints, always, bodies, scratch, tasks);
+        const colours_of_contacts colours = colour_edges(joints, always, bodies, nullptr, scratch, tasks);
         blocks_ = blocks_by_colour(colours, W);
         first_ = scratch.template allocate<block>(blocks_.count());
         // Blocks have the rows that are on in any of their lanes.
@@ -27007,15 +27126,24 @@ public:
     }
     /// One pass over the joints; true if there are kinds of them.
     bool solve(detail::task_runner& tasks, bool use_bias) {
-        direct_.each(tasks, [=, this](auto& b) { b.solve(bodies_.first, poses_of_, pass_, use_bias); });
-        (blocks<Joints<S, D>>::each(tasks, [=, this](auto& b) { b.solve(bodies_.first, pass_, use_bias); }), ...);
-        return true;
+        return solve(tasks, use_bias ? detail::joint_round::all : detail::joint_round::relaxing);
     }
+    /// The same as solve with bias in two calls, for solvers that go over contacts several times in between: what takes
+    /// errors back must not become a load of contacts. First speeds and springs, any number of times.
+    bool solve_speeds(detail::task_runner& tasks) { return solve(tasks, detail::joint_round::speeds); }
+    /// Then, before bodies move, the errors; joints that are not solved directly take all of them back in several
+    /// passes only.
+    bool correct(detail::task_runner& tasks) { return solve(tasks, detail::joint_round::corrections); }
     void store_impulses(detail::task_runner& tasks) {
         each(tasks, [this](auto& b) { b.store_impulses(pass_.h); });
     }
 
 private:
+    bool solve(detail::task_runner& tasks, detail::joint_round round) {
+        direct_.each(tasks, [=, this](auto& b) { b.solve(bodies_.first, poses_of_, pass_, round); });
+        (blocks<Joints<S, D>>::each(tasks, [=, this](auto& b) { b.solve(bodies_.first, pass_, round); }), ...);
+        return true;
+    }
     template <class Joint>
     void make_blocks(const constraints_type& of, const std::uint32_t* which, const std::uint32_t* on,
                      std::uint32_t count, bodies_type bodies, arena& scratch, detail::task_runner& tasks) {
@@ -27052,6 +27180,8 @@ public:
     void warm_start(detail::task_runner&) {}
     void update_rows(detail::task_runner&, twist_of<S, D, Features::rotation>*) {}
     bool solve(detail::task_runner&, bool) { return false; }
+    bool solve_speeds(detail::task_runner&) { return false; }
+    bool correct(detail::task_runner&) { return false; }
     void store_impulses(detail::task_runner&) {}
 };
 
@@ -27574,6 +27704,7 @@ struct sequential_impulse {
             solver_api::joint_solver<Constraints> joints(contacts, bodies, motion, h_sub, S(0.25) / h_sub, S(2),
                                                          with.max_direct_cost, scratch, serial);
             const surfaces of = contacts.surfaces();
+            const bool* const has_joint = detail::bodies_of_joints(contacts, bodies, scratch);
             block* blocks = scratch.template allocate<block>(contacts.size());
             for (std::uint32_t i = 0; i < contacts.size(); ++i)
                 new (blocks + i) block(contacts[i], contacts.bodies(i), of, bodies, share);
@@ -27591,20 +27722,21 @@ struct sequential_impulse {
                     warm_start(contacts[k], of, blocks[k], bodies);
                 }
                 joints.warm_start(serial);
-                const auto solve_joints = [&] { return joints.solve(serial, true); };
-                alternating_passes(with.iterations, contacts, solve_joints,
-                                   [&](contact& c, std::uint32_t k, bool back) {
-                                       solve_contact(c, of, blocks[k], bodies, with, back);
-                                       return true;
-                                   });
+                const auto solve_one = [&](contact& c, std::uint32_t k, bool back) {
+                    solve_contact(c, of, blocks[k], bodies, with, back);
+                    return true;
+                };
+                alternating_passes(
+                    with.iterations, contacts, [&] { return joints.solve_speeds(serial); }, solve_one);
+                for (int round = 0; round < with.iterations; ++round) joints.correct(serial);
                 for (std::uint32_t k = 0; k < bodies.count; ++k) position_velocities[k] = {};
-                const auto no_joints = [] { return false; };
-                alternating_passes(with.iterations, contacts, no_joints,
-                                   [&](const contact& c, std::uint32_t k, bool back) {
-                                       return solve_position(c, blocks[k], bodies, position_velocities, back);
-                                   });
-                integrate_positions(bodies, velocity_change, position_velocities, with.max_depenetration_speed, h_sub,
-                                    motion);
+                const auto push_one = [&](const contact& c, std::uint32_t k, bool back) {
+                    return solve_position(c, blocks[k], bodies, position_velocities, back);
+                };
+                alternating_passes(
+                    with.iterations, contacts, [] { return false; }, push_one);
+                integrate_positions(bodies, has_joint, velocity_change, position_velocities,
+                                    with.max_depenetration_speed, h_sub, motion);
                 joints.update_rows(serial, nullptr);
                 joints.solve(serial, false);
                 for (std::uint32_t k = 0; k < contacts.size(); ++k) blocks[k].add_up(contacts[k].count);
@@ -27698,14 +27830,13 @@ struct sequential_impulse {
                 for (std::uint32_t i = 0; i < contacts.size(); ++i)
                     if (of.restitution_of(contacts[i]) > S(0)) capacity += contacts[i].count;
             bounces result(bodies, capacity, scratch);
-            if constexpr (Features::restitution) {
+            if constexpr (Features::restitution)
                 for (std::uint32_t i = 0; i < contacts.size(); ++i) {
                     const S restitution = of.restitution_of(contacts[i]);
                     for (int k = 0; restitution > S(0) && k < contacts[i].count; ++k)
                         result.add(contacts[i], blocks[i].ends, k, restitution, blocks[i].rows[k].mass,
                                    blocks[i].rows[k].bounce);
                 }
-            }
             return result;
         }
 
@@ -27847,19 +27978,18 @@ struct sequential_impulse {
             return changed;
         }
         static void apply_position_impulse(twist_type& of, const body& b, vec<S, D> impulse, vec<S, D> anchor) {
-            body pushed{};
+            body pushed = b;
             pushed.velocity = of;
-            pushed.inverse_mass = b.inverse_mass;
-            pushed.inverse_inertia = b.inverse_inertia;
             pushed.apply(impulse, anchor);
             of = pushed.velocity;
         }
         template <class Motion>
-        static void integrate_positions(bodies_type bodies, const twist_type* velocity_change,
+        static void integrate_positions(bodies_type bodies, const bool* has_joint, const twist_type* velocity_change,
                                         twist_type* position_velocities, S fastest, S h, Motion& motion) {
             for (std::uint32_t i = 0; i < bodies.count; ++i) {
                 if (position_velocities[i] == twist_type{}) continue;
-                limit(position_velocities[i], fastest);
+                // What keeps joints from pushing bodies into others is as fast as they are.
+                if (has_joint == nullptr || !has_joint[i]) limit(position_velocities[i], fastest);
                 take_from_speed(bodies[i].velocity, position_velocities[i], velocity_change[i]);
                 bodies[i].velocity = bodies[i].velocity + position_velocities[i];
             }
@@ -29867,7 +29997,8 @@ struct soft_step_with {
         template <class Constraints = solver_api::contact_constraints<S, D, Features>, class Motion>
         static void solve(bodies_type all, const Constraints& contacts, const settings& with, S h, arena& scratch,
                           Motion&& motion, detail::task_runner& tasks) {
-            const detail::colours_of_contacts colours = detail::colour(contacts, all, scratch, tasks);
+            const detail::colours_of_contacts colours =
+                detail::colour(contacts, all, detail::bodies_of_joints(contacts, all, scratch), scratch, tasks);
 #if PHYSICS_HPP_AVX2_KERNELS
             if constexpr (Width > 1 && Width == detail::native_width<S>) {
                 using wide = in<Space, Features, 2 * Width, detail::avx2_kernels>;
@@ -29913,6 +30044,8 @@ struct soft_step_with {
                 start.velocities()};
             detail::contact_pass<S, D, rotates> relaxed = biased;
             relaxed.use_bias = false;
+            detail::contact_pass<S, D, rotates> released = biased;
+            released.spring = {S(0), S(1), S(0)};
             solver_api::joint_solver<Constraints, detail::native_width<S>> joints(
                 contacts, all, motion, h_sub, S(joint_frequency_ratio) / (usual / S(with.substeps)),
                 S(joint_damping_ratio), with.max_direct_cost, scratch, tasks);
@@ -29935,6 +30068,11 @@ struct soft_step_with {
                 start.integrate_positions(motion, h_sub);
                 relaxed.over_relaxes = i + 1 < with.substeps;
                 joints.update_rows(tasks, start.velocities());
+                // What kept corrections of joints from pushing bodies into others goes, before joints spread it.
+                if constexpr (requires { Constraints::joint_kinds; })
+                    blocks.each_of_joints(tasks, [bodies, first, &released](std::uint32_t k) {
+                        kernels::solve(first[k], bodies, released);
+                    });
                 joints.solve(tasks, false);
                 blocks.each(tasks,
                             [bodies, first, &relaxed](std::uint32_t k) { kernels::solve(first[k], bodies, relaxed); });

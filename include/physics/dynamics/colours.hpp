@@ -21,6 +21,8 @@ struct colours_of_contacts {
     std::uint32_t count = 0;
     /// Whether the last group's contacts may push the same body.
     bool last_is_serial = false;
+    /// Of each group, by its bit, whether its contacts push bodies of joints. Not of the last one if it is serial.
+    std::uint64_t is_of_joints = 0;
 };
 
 /// Whether a contact is about to push: it has, or its surfaces overlap.
@@ -33,11 +35,12 @@ bool is_active(const contact<S, D, Features>& c) {
 
 /// Colours edges greedily in their order, contacts or joints of a kind: first those between two bodies that can be
 /// pushed, then in colours of their own those that push only A and those that push only B, so that what holds the pile
-/// acts last, and all of a colour push the same sides. Within a colour those that are about to push come first, so that
-/// lanes have the same to do. O(contacts). Source: Catto, Solver2D (2024); greedy edge colouring.
+/// acts last, and all of a colour push the same sides. Those of bodies that have joints, if they are told, have colours
+/// of their own too. Within a colour those that are about to push come first, so that lanes have the same to do.
+/// O(contacts). Source: Catto, Solver2D (2024); greedy edge colouring.
 template <class Edges, class IsActive, class S, int D, bool Rotates>
 colours_of_contacts colour_edges(const Edges& edges, IsActive&& is_active, solver_bodies<S, D, Rotates> bodies,
-                                 arena& scratch, task_runner& tasks) {
+                                 const bool* has_joint, arena& scratch, task_runner& tasks) {
     const std::uint32_t count = edges.size();
     colours_of_contacts result;
     result.order = scratch.template allocate<std::uint32_t>(count);
@@ -47,7 +50,7 @@ colours_of_contacts colour_edges(const Edges& edges, IsActive&& is_active, solve
     auto* colour_of = scratch.template allocate<std::uint8_t>(count);
     std::uint32_t sizes[colours_of_contacts::capacity] = {}, first = 0;
     constexpr std::uint32_t serial = colours_of_contacts::capacity - 1, share = 256;
-    constexpr std::uint8_t uncoloured = 128, idle = 64, moves_a = 1, moves_b = 2, moves_both = 3;
+    constexpr std::uint8_t uncoloured = 128, idle = 64, jointed = 4, moves_a = 1, moves_b = 2, moves_both = 3;
     const auto is_pushed = [&](std::uint32_t i) { return bodies[i].inverse_mass > inverse_of<S>(0); };
     tasks.parallel_for(count, share, [&](std::uint32_t begin, std::uint32_t end, std::uint32_t) {
         // Copies, as what is written may be anything to the compiler.
@@ -57,9 +60,11 @@ colours_of_contacts colour_edges(const Edges& edges, IsActive&& is_active, solve
             const body_pair of = all.bodies(i);
             sides[i] = static_cast<std::uint8_t>(uncoloured | (is_active(all, i) ? 0 : idle) |
                                                  (is_pushed(of.a) ? moves_a : 0) | (is_pushed(of.b) ? moves_b : 0));
+            if (has_joint != nullptr && (has_joint[of.a] || has_joint[of.b])) sides[i] |= jointed;
         }
     });
-    for (const std::uint8_t sides : {moves_both, moves_a, moves_b, std::uint8_t{0}}) {
+    std::uint64_t is_of_joints = 0;
+    const auto colour_those_of = [&](std::uint8_t sides) {
         for (std::uint32_t i = 0; i < bodies.count; ++i) used[i] = 0;
         std::uint32_t end = first;
         for (std::uint32_t i = 0; i < count; ++i) {
@@ -77,12 +82,19 @@ colours_of_contacts colour_edges(const Edges& edges, IsActive&& is_active, solve
             colour_of[i] = static_cast<std::uint8_t>(colour | (colour_of[i] & idle));
             ++sizes[colour];
         }
+        if ((sides & jointed) != 0)
+            for (std::uint32_t k = first; k < end; ++k) is_of_joints |= std::uint64_t{1} << k;
         first = end;
+    };
+    for (const std::uint8_t sides : {moves_both, moves_a, moves_b, std::uint8_t{0}}) {
+        colour_those_of(sides);
+        if (has_joint != nullptr) colour_those_of(sides | jointed);
     }
     std::uint32_t place[colours_of_contacts::capacity], at = 0;
     for (std::uint32_t k = 0; k < colours_of_contacts::capacity; ++k) {
         place[k] = at;
         if (sizes[k] == 0) continue;
+        result.is_of_joints |= (is_of_joints >> k & 1) << result.count;
         result.begin[result.count++] = at;
         result.last_is_serial = k == serial;
         at += sizes[k];
@@ -109,15 +121,16 @@ colours_of_contacts colour_edges(const Edges& edges, IsActive&& is_active, solve
 }
 template <class S, int D, class Features>
 colours_of_contacts colour(const contact_constraints<S, D, Features>& contacts,
-                           solver_bodies<S, D, Features::rotation> bodies, arena& scratch, task_runner& tasks) {
+                           solver_bodies<S, D, Features::rotation> bodies, const bool* has_joint, arena& scratch,
+                           task_runner& tasks) {
     const auto active = [](const auto& all, std::uint32_t i) { return is_active(all[i]); };
-    return colour_edges(contacts, active, bodies, scratch, tasks);
+    return colour_edges(contacts, active, bodies, has_joint, scratch, tasks);
 }
 template <class S, int D, class Features>
 colours_of_contacts colour(const contact_constraints<S, D, Features>& contacts,
                            solver_bodies<S, D, Features::rotation> bodies, arena& scratch) {
     task_runner alone;
-    return colour(contacts, bodies, scratch, alone);
+    return colour(contacts, bodies, nullptr, scratch, alone);
 }
 
 /// Blocks of up to so many edges of a colour, and how workers go over them.
@@ -130,10 +143,15 @@ struct blocks_by_colour {
     std::uint32_t colours;
     std::uint32_t edges_a_block;
     bool last_is_serial;
+    /// See colours_of_contacts.
+    std::uint64_t is_of_joints;
 
     blocks_by_colour() = default;
     blocks_by_colour(const colours_of_contacts& of, int lanes)
-        : colours(of.count), edges_a_block(static_cast<std::uint32_t>(lanes)), last_is_serial(of.last_is_serial) {
+        : colours(of.count),
+          edges_a_block(static_cast<std::uint32_t>(lanes)),
+          last_is_serial(of.last_is_serial),
+          is_of_joints(of.is_of_joints) {
         begin[0] = 0;
         for (std::uint32_t group = 0; group < colours; ++group) {
             const std::uint32_t edges = of.begin[group + 1] - of.begin[group], size = lanes_of(group);
@@ -153,6 +171,16 @@ struct blocks_by_colour {
             return each_in_parallel(tasks, &f,
                                     [](const void* of, std::uint32_t k) { (*static_cast<const F*>(of))(k); });
         for (std::uint32_t k = 0; k < count(); ++k) f(k);
+    }
+    /// The same for those that push bodies of joints.
+    template <class F>
+    void each_of_joints(task_runner& tasks, F&& f) const {
+        for (std::uint32_t group = 0; group < colours; ++group)
+            if ((is_of_joints >> group & 1) != 0)
+                tasks.parallel_for(begin[group + 1] - begin[group], share,
+                                   [&](std::uint32_t start, std::uint32_t end, std::uint32_t) {
+                                       for (std::uint32_t k = start; k < end; ++k) f(begin[group] + k);
+                                   });
     }
     /// Calls f(block's number, colour, worker) for all of them in any order: each is for the worker that has it in the
     /// passes.

@@ -70,4 +70,29 @@ public:
 
 }  // namespace solver_api
 
+namespace detail {
+
+/// Which bodies have joints; null where there are contacts only.
+template <class S, int D, class Features, bool Rotates>
+const bool* bodies_of_joints(const solver_api::contact_constraints<S, D, Features>&,
+                             const solver_bodies<S, D, Rotates>&, arena&) {
+    return nullptr;
+}
+template <class S, int D, class Features, template <class, int> class... Joints, bool Rotates>
+const bool* bodies_of_joints(const solver_api::constraints<S, D, Features, joints<Joints...>>& of,
+                             const solver_bodies<S, D, Rotates>& bodies, arena& scratch) {
+    if ((of.template joints_of_kind<Joints<S, D>>().size() + ...) == 0) return nullptr;
+    auto* const result = scratch.allocate<bool>(bodies.count);
+    for (std::uint32_t k = 0; k < bodies.count; ++k) result[k] = false;
+    const auto mark = [&](const auto& list) {
+        for (std::uint32_t i = 0; i < list.size(); ++i)
+            for (const std::uint32_t k : {list.bodies(i).a, list.bodies(i).b})
+                result[k] = bodies[k].inverse_mass > inverse_of<S>(0);
+    };
+    (mark(of.template joints_of_kind<Joints<S, D>>()), ...);
+    return result;
+}
+
+}  // namespace detail
+
 PHYSICS_HPP_END

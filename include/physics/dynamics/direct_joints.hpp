@@ -54,15 +54,18 @@ public:
         for (std::uint32_t k = 0; k < of_.body_count; ++k)
             if (sides_[k].is_pushed) velocities_[k].add_to(starts, sides_[k].index);
     }
-    void solve(body* bodies, const poses_of& poses, const joint_pass<S>& with, bool use_bias) {
-        if (use_bias) note_forces();
+    void solve(body* bodies, const poses_of& poses, const joint_pass<S>& with, joint_round round) {
+        const bool springs = has_springs(round), errors = has_errors(round);
+        // All at once: further rounds would find the same.
+        if (errors && !springs && are_corrected_) return;
+        if (springs) note_forces();
         load(bodies);
         // A solver may visit joints several times before it moves.
         if (are_corrected_) take_corrections_back(P::broadcast(S(1)));
-        settle(with, use_bias);
-        if (use_bias && greater(P::load(resolved_), P::broadcast(S(0))).bits() != 0) look_ahead(poses, with);
-        if (use_bias) find_corrections(with);
-        if (!use_bias)
+        if (springs || !errors) settle(with, springs);
+        if (springs && greater(P::load(resolved_), P::broadcast(S(0))).bits() != 0) look_ahead(poses, with);
+        if (errors) find_corrections(with);
+        if (round == joint_round::relaxing)
             for (std::uint32_t r = 0; r < of_.row_count; ++r) rows_[r].add_up();
         store(bodies);
     }

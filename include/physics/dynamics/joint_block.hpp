@@ -33,6 +33,8 @@ public:
         joints_[lane] = &joint;
         a_.put(lane, ends.a, bodies);
         b_.put(lane, ends.b, bodies);
+        far_error_[lane] =
+            S(0.01 * sqrt(own_lever_of(bodies[ends.a], bodies[ends.b]) + length_squared_of(joint.start.between)));
         each_row([&](row& r, int k) { r.impulse[lane] = first_impulse(joint, k, h); });
     }
     void put_nothing(int lane, std::uint32_t dummy_body) { a_.index[lane] = b_.index[lane] = dummy_body; }
@@ -52,7 +54,14 @@ public:
     }
     /// Writes the rows anew after bodies have moved. Of what the substep gave, the next one is to begin with the same
     /// impulses along the new rows: starts (v - what it begins with) change by the difference.
-    void update_rows(body*, const pose* poses, const joint_pass<S>& with, twist_of<S, D, Rotates>* starts) {
+    void update_rows(body* bodies, const pose* poses, const joint_pass<S>& with, twist_of<S, D, Rotates>* starts) {
+        if (is_any_far_ || is_corrected_) {
+            lanes of_a, of_b;
+            load(bodies, of_a, of_b);
+            each_row([&](row& r, int) { r.take_correction_back(a_, b_, of_a, of_b); });
+            store(bodies, of_a, of_b);
+            is_corrected_ = false;
+        }
         if (starts == nullptr) return write_rows(poses, with);
         lanes of_a{}, of_b{};
         each_row([&](const row& r, int) { r.apply(P::load(r.impulse), a_, b_, of_a, of_b); });
@@ -61,19 +70,22 @@ public:
         if (a_.is_pushed) of_a.add_to(starts, a_.index);
         if (b_.is_pushed) of_b.add_to(starts, b_.index);
     }
-    void solve(body* bodies, const joint_pass<S>& with, bool use_bias) {
+    void solve(body* bodies, const joint_pass<S>& with, joint_round round) {
         lanes of_a, of_b;
         load(bodies, of_a, of_b);
+        const P far_lanes = P::load(is_far_);
+        const P* const far = is_any_far_ ? &far_lanes : nullptr;
         if constexpr (shared == 0) {
-            each_row([&](row& r, int) { r.solve(with, use_bias, a_, b_, of_a, of_b); });
+            each_row([&](row& r, int) { r.solve(with, round, a_, b_, of_a, of_b, far); });
         } else {
             for (int i = 0, n; i < count_; i += n) {
                 n = rows_together(shared, kind_row_[i]);
-                if (n > 1) solve_together(i, n, with, use_bias, of_a, of_b);
-                else rows_[i].solve(with, use_bias, a_, b_, of_a, of_b);
+                if (n > 1) solve_together(i, n, with, round, of_a, of_b);
+                else rows_[i].solve(with, round, a_, b_, of_a, of_b, far);
             }
         }
-        if (!use_bias) each_row([](row& r, int) { r.add_up(); });
+        is_corrected_ = is_corrected_ || round == joint_round::corrections;
+        if (round == joint_round::relaxing) each_row([](row& r, int) { r.add_up(); });
         store(bodies, of_a, of_b);
     }
     void store_impulses(S h) const {
@@ -98,11 +110,11 @@ private:
         for (int i = 0; i < count_; ++i) f(rows_[i], kind_row_[i]);
     }
 
-    void solve_together(int k, int n, const joint_pass<S>& with, bool use_bias, lanes& of_a, lanes& of_b) {
+    void solve_together(int k, int n, const joint_pass<S>& with, joint_round round, lanes& of_a, lanes& of_b) {
         P wanted[3];
         S is_cut[W];
         for (int i = 0; i < n; ++i) {
-            rows_[k + i].template solve<false>(with, use_bias, a_, b_, of_a, of_b);
+            rows_[k + i].template solve<false>(with, round, a_, b_, of_a, of_b);
             wanted[i] = P::load(rows_[k + i].impulse);
         }
         cut_together(&rows_[k], n, wanted, is_cut);
@@ -124,6 +136,24 @@ private:
         for (int lane = 0; lane < W; ++lane)
             if (joints_[lane] != nullptr) write_lane(lane, poses, with);
         each_row([&](row& r, int) { r.finish(a_, b_, with); });
+        find_far();
+    }
+    /// Where errors are larger than a hundredth of what joints measure.
+    void find_far() {
+        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
+        P far = zero;
+        each_row([&](row& r, int) {
+            zero.store(r.correction);
+            P pulls = zero, error = lane_abs(P::load(r.error));
+            for (int i = 0; i < D; ++i) pulls = pulls + lane_abs(P::load(r.direction[i]));
+            // Of what has room or gives in, the error says nothing.
+            if (r.is_one_sided) error = select_greater(P::load(r.one_sided) * P::load(r.error), zero, zero, error);
+            if (r.has_spring) error = select_greater(P::load(r.spring), zero, zero, error);
+            const P limit = select_greater(pulls, zero, P::load(far_error_) * pulls, P::broadcast(S(0.01)));
+            far = max(far, select_greater(error, limit, one, zero));
+        });
+        far.store(is_far_);
+        is_any_far_ = greater(far, zero).bits() != 0;
     }
     PHYSICS_HPP_NOINLINE void write_lane(int lane, const pose* poses, const joint_pass<S>& with) {
         row_list<S, D, Joint::row_count, has_two_directions<Joint>()> rows;
@@ -133,6 +163,10 @@ private:
     }
 
     step_joint<Joint, S, D>* joints_[W] = {};
+    /// From which errors on joints are far from what they hold (m; of angles it is 0.01), and where they are (1, else
+    /// 0).
+    S far_error_[W] = {}, is_far_[W] = {};
+    bool is_any_far_ = false, is_corrected_ = false;
     pushed_lanes<S, D, Rotates, W> a_, b_;
     row* rows_;
     int count_ = 0;

@@ -30,7 +30,7 @@ public:
     void make(const joint_selection<Joint, S, D>& joints, solver_bodies<S, D, Rotates> bodies, S h, arena& scratch,
               task_runner& tasks) {
         const auto always = [](const auto&, std::uint32_t) { return true; };
-        const colours_of_contacts colours = colour_edges(joints, always, bodies, scratch, tasks);
+        const colours_of_contacts colours = colour_edges(joints, always, bodies, nullptr, scratch, tasks);
         blocks_ = blocks_by_colour(colours, W);
         first_ = scratch.template allocate<block>(blocks_.count());
         // Blocks have the rows that are on in any of their lanes.
@@ -229,15 +229,24 @@ public:
     }
     /// One pass over the joints; true if there are kinds of them.
     bool solve(detail::task_runner& tasks, bool use_bias) {
-        direct_.each(tasks, [=, this](auto& b) { b.solve(bodies_.first, poses_of_, pass_, use_bias); });
-        (blocks<Joints<S, D>>::each(tasks, [=, this](auto& b) { b.solve(bodies_.first, pass_, use_bias); }), ...);
-        return true;
+        return solve(tasks, use_bias ? detail::joint_round::all : detail::joint_round::relaxing);
     }
+    /// The same as solve with bias in two calls, for solvers that go over contacts several times in between: what takes
+    /// errors back must not become a load of contacts. First speeds and springs, any number of times.
+    bool solve_speeds(detail::task_runner& tasks) { return solve(tasks, detail::joint_round::speeds); }
+    /// Then, before bodies move, the errors; joints that are not solved directly take all of them back in several
+    /// passes only.
+    bool correct(detail::task_runner& tasks) { return solve(tasks, detail::joint_round::corrections); }
     void store_impulses(detail::task_runner& tasks) {
         each(tasks, [this](auto& b) { b.store_impulses(pass_.h); });
     }
 
 private:
+    bool solve(detail::task_runner& tasks, detail::joint_round round) {
+        direct_.each(tasks, [=, this](auto& b) { b.solve(bodies_.first, poses_of_, pass_, round); });
+        (blocks<Joints<S, D>>::each(tasks, [=, this](auto& b) { b.solve(bodies_.first, pass_, round); }), ...);
+        return true;
+    }
     template <class Joint>
     void make_blocks(const constraints_type& of, const std::uint32_t* which, const std::uint32_t* on,
                      std::uint32_t count, bodies_type bodies, arena& scratch, detail::task_runner& tasks) {
@@ -274,6 +283,8 @@ public:
     void warm_start(detail::task_runner&) {}
     void update_rows(detail::task_runner&, twist_of<S, D, Features::rotation>*) {}
     bool solve(detail::task_runner&, bool) { return false; }
+    bool solve_speeds(detail::task_runner&) { return false; }
+    bool correct(detail::task_runner&) { return false; }
     void store_impulses(detail::task_runner&) {}
 };
 

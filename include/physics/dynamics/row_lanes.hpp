@@ -10,6 +10,11 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
+/// What a round over joints is for: speeds, with springs or without; to take errors back; or speeds and errors at once.
+enum class joint_round : std::uint8_t { relaxing = 0, speeds = 1, corrections = 2, all = 3 };
+constexpr bool has_springs(joint_round r) { return (static_cast<unsigned>(r) & 1) != 0; }
+constexpr bool has_errors(joint_round r) { return (static_cast<unsigned>(r) & 2) != 0; }
+
 /// What joints are solved with.
 template <class S>
 struct joint_pass {
@@ -167,6 +172,8 @@ struct row_lanes : own_directions<S, D, W, Two> {
     /// In passes with bias, see spring_step; and which part of an impulse goes.
     S push[W], share[W], loss[W];
     S mass[W], impulse[W];
+    /// What of the impulse took the error back, where that is to be taken back itself.
+    S correction[W];
     /// Of all substeps together.
     S total[W];
     /// Biases are no larger (m/s).
@@ -276,17 +283,26 @@ struct row_lanes : own_directions<S, D, W, Two> {
         return is_one_sided ? select_greater(P::load(one_sided), zero, max(P::load(error), zero), zero) : zero;
     }
     /// Visits it alone. Of what others have a part in, the bound is left to them. Springs act once in a substep, as
-    /// forces do: passes without bias leave them alone.
+    /// forces do: rounds without them leave them alone. It keeps by what errors are taken back: in rounds for nothing
+    /// else, and of lanes that are `far` (1, else 0).
     template <bool IsBounded = true>
-    void solve(const joint_pass<S>& with, bool use_bias, const side& a, const side& b, lanes& of_a, lanes& of_b) {
+    void solve(const joint_pass<S>& with, joint_round round, const side& a, const side& b, lanes& of_a, lanes& of_b,
+               [[maybe_unused]] const P* far = nullptr) {
         const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
         const P before = P::load(impulse), v = speed_of(of_a, of_b) - P::load(speed);
         P left = one, bias = zero, lost = zero;
-        if (use_bias) {
+        const bool springs = has_springs(round), errors = has_errors(round);
+        if (errors || (springs && has_spring)) {
             left = P::load(share);
             bias = P::load(error) * P::load(push);
             lost = P::load(loss);
-        } else if (has_spring) {
+        }
+        if (has_spring && springs != errors) {
+            const P is_spring = P::load(spring), in = springs ? is_spring : one - is_spring;
+            left = select_greater(in, zero, left, springs ? one : zero);
+            bias = bias * in;
+            lost = lost * in;
+        } else if (has_spring && !springs) {
             left = one - P::load(spring);
         }
         if (is_one_sided) {
@@ -298,6 +314,19 @@ struct row_lanes : own_directions<S, D, W, Two> {
         const P limit = P::load(max_bias);
         const P wanted = before - P::load(mass) * (left * v + max(min(bias, limit), -limit)) - lost * before;
         const P next = IsBounded ? max(min(wanted, P::load(high)), P::load(low)) : wanted;
+        apply(next - before, a, b, of_a, of_b);
+        next.store(impulse);
+        if (!IsBounded || !errors) return;
+        if (!springs) return (P::load(correction) + (next - before)).store(correction);
+        if (far == nullptr) return;
+        P is_rigid = has_spring ? one - P::load(spring) : one;
+        if (is_one_sided) is_rigid = select_greater(room(), zero, zero, is_rigid);
+        const P without = max(min(before - P::load(mass) * left * v - lost * before, P::load(high)), P::load(low));
+        ((next - without) * is_rigid * *far).store(correction);
+    }
+    /// Takes back by what solve has taken errors back.
+    void take_correction_back(const side& a, const side& b, lanes& of_a, lanes& of_b) {
+        const P before = P::load(impulse), next = max(min(before - P::load(correction), P::load(high)), P::load(low));
         apply(next - before, a, b, of_a, of_b);
         next.store(impulse);
     }

@@ -85,6 +85,7 @@ struct sequential_impulse {
             solver_api::joint_solver<Constraints> joints(contacts, bodies, motion, h_sub, S(0.25) / h_sub, S(2),
                                                          with.max_direct_cost, scratch, serial);
             const surfaces of = contacts.surfaces();
+            const bool* const has_joint = detail::bodies_of_joints(contacts, bodies, scratch);
             block* blocks = scratch.template allocate<block>(contacts.size());
             for (std::uint32_t i = 0; i < contacts.size(); ++i)
                 new (blocks + i) block(contacts[i], contacts.bodies(i), of, bodies, share);
@@ -102,20 +103,21 @@ struct sequential_impulse {
                     warm_start(contacts[k], of, blocks[k], bodies);
                 }
                 joints.warm_start(serial);
-                const auto solve_joints = [&] { return joints.solve(serial, true); };
-                alternating_passes(with.iterations, contacts, solve_joints,
-                                   [&](contact& c, std::uint32_t k, bool back) {
-                                       solve_contact(c, of, blocks[k], bodies, with, back);
-                                       return true;
-                                   });
+                const auto solve_one = [&](contact& c, std::uint32_t k, bool back) {
+                    solve_contact(c, of, blocks[k], bodies, with, back);
+                    return true;
+                };
+                alternating_passes(
+                    with.iterations, contacts, [&] { return joints.solve_speeds(serial); }, solve_one);
+                for (int round = 0; round < with.iterations; ++round) joints.correct(serial);
                 for (std::uint32_t k = 0; k < bodies.count; ++k) position_velocities[k] = {};
-                const auto no_joints = [] { return false; };
-                alternating_passes(with.iterations, contacts, no_joints,
-                                   [&](const contact& c, std::uint32_t k, bool back) {
-                                       return solve_position(c, blocks[k], bodies, position_velocities, back);
-                                   });
-                integrate_positions(bodies, velocity_change, position_velocities, with.max_depenetration_speed, h_sub,
-                                    motion);
+                const auto push_one = [&](const contact& c, std::uint32_t k, bool back) {
+                    return solve_position(c, blocks[k], bodies, position_velocities, back);
+                };
+                alternating_passes(
+                    with.iterations, contacts, [] { return false; }, push_one);
+                integrate_positions(bodies, has_joint, velocity_change, position_velocities,
+                                    with.max_depenetration_speed, h_sub, motion);
                 joints.update_rows(serial, nullptr);
                 joints.solve(serial, false);
                 for (std::uint32_t k = 0; k < contacts.size(); ++k) blocks[k].add_up(contacts[k].count);
@@ -209,14 +211,13 @@ struct sequential_impulse {
                 for (std::uint32_t i = 0; i < contacts.size(); ++i)
                     if (of.restitution_of(contacts[i]) > S(0)) capacity += contacts[i].count;
             bounces result(bodies, capacity, scratch);
-            if constexpr (Features::restitution) {
+            if constexpr (Features::restitution)
                 for (std::uint32_t i = 0; i < contacts.size(); ++i) {
                     const S restitution = of.restitution_of(contacts[i]);
                     for (int k = 0; restitution > S(0) && k < contacts[i].count; ++k)
                         result.add(contacts[i], blocks[i].ends, k, restitution, blocks[i].rows[k].mass,
                                    blocks[i].rows[k].bounce);
                 }
-            }
             return result;
         }
 
@@ -358,19 +359,18 @@ struct sequential_impulse {
             return changed;
         }
         static void apply_position_impulse(twist_type& of, const body& b, vec<S, D> impulse, vec<S, D> anchor) {
-            body pushed{};
+            body pushed = b;
             pushed.velocity = of;
-            pushed.inverse_mass = b.inverse_mass;
-            pushed.inverse_inertia = b.inverse_inertia;
             pushed.apply(impulse, anchor);
             of = pushed.velocity;
         }
         template <class Motion>
-        static void integrate_positions(bodies_type bodies, const twist_type* velocity_change,
+        static void integrate_positions(bodies_type bodies, const bool* has_joint, const twist_type* velocity_change,
                                         twist_type* position_velocities, S fastest, S h, Motion& motion) {
             for (std::uint32_t i = 0; i < bodies.count; ++i) {
                 if (position_velocities[i] == twist_type{}) continue;
-                limit(position_velocities[i], fastest);
+                // What keeps joints from pushing bodies into others is as fast as they are.
+                if (has_joint == nullptr || !has_joint[i]) limit(position_velocities[i], fastest);
                 take_from_speed(bodies[i].velocity, position_velocities[i], velocity_change[i]);
                 bodies[i].velocity = bodies[i].velocity + position_velocities[i];
             }

@@ -83,7 +83,8 @@ struct soft_step_with {
         template <class Constraints = solver_api::contact_constraints<S, D, Features>, class Motion>
         static void solve(bodies_type all, const Constraints& contacts, const settings& with, S h, arena& scratch,
                           Motion&& motion, detail::task_runner& tasks) {
-            const detail::colours_of_contacts colours = detail::colour(contacts, all, scratch, tasks);
+            const detail::colours_of_contacts colours =
+                detail::colour(contacts, all, detail::bodies_of_joints(contacts, all, scratch), scratch, tasks);
 #if PHYSICS_HPP_AVX2_KERNELS
             if constexpr (Width > 1 && Width == detail::native_width<S>) {
                 using wide = in<Space, Features, 2 * Width, detail::avx2_kernels>;
@@ -129,6 +130,8 @@ struct soft_step_with {
                 start.velocities()};
             detail::contact_pass<S, D, rotates> relaxed = biased;
             relaxed.use_bias = false;
+            detail::contact_pass<S, D, rotates> released = biased;
+            released.spring = {S(0), S(1), S(0)};
             solver_api::joint_solver<Constraints, detail::native_width<S>> joints(
                 contacts, all, motion, h_sub, S(joint_frequency_ratio) / (usual / S(with.substeps)),
                 S(joint_damping_ratio), with.max_direct_cost, scratch, tasks);
@@ -151,6 +154,11 @@ struct soft_step_with {
                 start.integrate_positions(motion, h_sub);
                 relaxed.over_relaxes = i + 1 < with.substeps;
                 joints.update_rows(tasks, start.velocities());
+                // What kept corrections of joints from pushing bodies into others goes, before joints spread it.
+                if constexpr (requires { Constraints::joint_kinds; })
+                    blocks.each_of_joints(tasks, [bodies, first, &released](std::uint32_t k) {
+                        kernels::solve(first[k], bodies, released);
+                    });
                 joints.solve(tasks, false);
                 blocks.each(tasks,
                             [bodies, first, &relaxed](std::uint32_t k) { kernels::solve(first[k], bodies, relaxed); });

@@ -1,0 +1,135 @@
+// Laws of what joints hold together and what it lands on: it stays there, and so does what is drawn together there.
+#pragma once
+
+#include "joint_cell.hpp"
+
+namespace {
+namespace joint_impact_laws {
+
+using namespace joint_laws;
+using ball_joint = physics::ball_joint<S, D>;
+using weld_joint = physics::weld_joint<S, D>;
+template <class... Policies>
+struct impacts : physics::recipe<S, D, few, physics::joints<physics::ball_joint, physics::weld_joint>, Policies...> {};
+using plain = physics::world<impacts<>>;
+using hard = physics::world<impacts<physics::sequential_impulse>>;
+
+/// Boxes of 1 kg that are welded to each other, one upon the other; the lowest begins at that height.
+template <class World>
+std::vector<body_id> add_column(World& w, int count, double x, double height) {
+    std::vector<body_id> all;
+    for (int i = 0; i < count; ++i) {
+        all.push_back(add_box(w, at(x, height + 0.25 + 0.5 * i), 0.25, 0.25));
+        w.set_can_sleep(all.back(), false);
+        if (i == 0) continue;
+        weld_joint joint;
+        joint.frame_a.position = at(0, 0.25);
+        joint.frame_b.position = at(0, -0.25);
+        w.create_joint(all[all.size() - 2], all.back(), joint);
+    }
+    return all;
+}
+template <class World>
+void add_ground(World& w) {
+    w.create_shape(w.create_body({.type = body_type::static_body}), typename World::halfspace{});
+}
+template <class World>
+vec mean_velocity(const World& w, const std::vector<body_id>& bodies) {
+    vec sum{};
+    for (const body_id b : bodies) sum = sum + w.linear_velocity(b);
+    return sum * S(1.0 / double(bodies.size()));
+}
+template <class World>
+double fastest_rise(World& w, const std::vector<body_id>& bodies, int steps) {
+    double fastest = 0;
+    for (int i = 0; i < steps; ++i) {
+        w.step(S(1.0 / 64));
+        fastest = std::max(fastest, number(mean_velocity(w, bodies)[1]));
+    }
+    return fastest;
+}
+
+/// How fast a column that has fallen on the ground at 10 m/s leaves it. Without restitution it would not.
+template <class World>
+double rebound(int count, int substeps, bool direct) {
+    World w = falling_by<World>(substeps, direct);
+    add_ground(w);
+    const auto column = add_column(w, count, 0, 0.05);
+    for (const body_id b : column) w.set_linear_velocity(b, at(0, -10));
+    const double result = fastest_rise(w, column, 48);
+    if (direct)
+        for (std::size_t i = 1; i < column.size(); ++i)
+            CHECK(std::abs(distance_of(w, column[i - 1], column[i]) - 0.5) < 0.02);
+    return result;
+}
+CELL_CASE("joint impacts: what lands in one piece does not leave the ground again") {
+    for (const int substeps : {1, 4, 16, 64})
+        for (const int count : {1, 2, 6}) {
+            CAPTURE(substeps);
+            CAPTURE(count);
+            const double most = count == 1 ? 0.1 : count == 2 ? 1.5 : 3.5;
+            CHECK(rebound<plain>(count, substeps, true) < most);
+            CHECK(rebound<hard>(count, substeps, true) < most);
+            CHECK(rebound<hard>(count, substeps, false) < most);
+            if (substeps < 64) CHECK(rebound<plain>(count, substeps, false) < 1.5 * most);
+        }
+}
+
+/// A box is put where its weld does not hold it: into the one below, above its place, or beside it.
+template <class World>
+void is_drawn_back(const vec& by, int substeps, bool direct) {
+    World w = falling_by<World>(substeps, direct);
+    add_ground(w);
+    const auto column = add_column(w, 2, 0, 0);
+    run(w, 32);
+    w.set_pose(column[1], {w.position(column[1]) + by, w.pose(column[1]).rotation});
+    CHECK(fastest_rise(w, column, 32) < 3);
+    run(w, 32);
+    CHECK(std::abs(distance_of(w, column[0], column[1]) - 0.5) < 0.02);
+}
+CELL_CASE("joint impacts: what is drawn together on the ground is not thrown") {
+    for (const int substeps : {1, 4, 16, 64})
+        for (const bool direct : {true, false})
+            for (const vec& by : {at(0, -0.2), at(0, 0.2), at(0.2, 0)}) {
+                CAPTURE(substeps);
+                CAPTURE(direct);
+                CAPTURE(number(by[0]));
+                CAPTURE(number(by[1]));
+                is_drawn_back<plain>(by, substeps, direct);
+                is_drawn_back<hard>(by, substeps, direct);
+            }
+}
+
+/// Where bodies are that have landed: a column, a pile of boxes, or both far from each other.
+template <class World>
+std::vector<vec> landed(bool column, bool pile) {
+    World w = falling<World>();
+    add_ground(w);
+    std::vector<body_id> all;
+    if (column) all = add_column(w, 5, -40, 0.5);
+    if (pile) {
+        for (int i = 0; i < 6; ++i) all.push_back(add_box(w, at(40 + 0.0625 * i, 0.5 + 0.75 * i), 0.25, 0.25));
+        // One lies on a pair that a joint holds together.
+        all.push_back(add_box(w, at(60, 0.25), 0.25, 0.25));
+        all.push_back(add_box(w, at(60.75, 0.25), 0.25, 0.25));
+        w.create_joint(all[all.size() - 2], all.back(), ball_joint{.anchor_a = at(0.375), .anchor_b = at(-0.375)});
+        all.push_back(add_box(w, at(60.375, 0.875), 0.25, 0.25));
+    }
+    run(w, 96);
+    std::vector<vec> places;
+    for (const body_id b : all) places.push_back(w.position(b));
+    return places;
+}
+template <class World>
+void others_change_no_bit() {
+    std::vector<vec> apart = landed<World>(true, false);
+    for (const vec& place : landed<World>(false, true)) apart.push_back(place);
+    CHECK(apart == landed<World>(true, true));
+}
+CELL_CASE("joint impacts: what lands elsewhere changes no bit") {
+    others_change_no_bit<plain>();
+    others_change_no_bit<hard>();
+}
+
+}  // namespace joint_impact_laws
+}  // namespace
