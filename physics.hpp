@@ -25546,9 +25546,9 @@ struct joint_matrix {
     struct entry {
         /// Whether it is in the solve (1) or not (0); and of springs what is added to the diagonal.
         K in, softness;
-        /// Of rows that are far from what they are to hold, as a part of their diagonal: how far they may stay off.
-        /// Not all of them can be met, perhaps, and what seems to do it would be a leap.
-        K slack;
+        /// As parts of their diagonals, how far rows give way: that have bounds; and, where errors are taken back, that
+        /// are far from what they are to hold.
+        K slack, far;
         /// Of rows that others say already: how much they give way under what they bear.
         K leak;
         K right_hand, inverse_pivot;
@@ -25572,7 +25572,7 @@ struct joint_matrix {
     }
 
     /// L D L^T of the rows that are in; the others have a diagonal of 1.
-    void factorise() {
+    void factorise(bool corrects) {
         const K zero = K::broadcast(C(0)), one = K::broadcast(C(1));
         for (std::uint32_t i = 0; i < of.joint_count; ++i) {
             const joint_pattern::joint& j = of.joints[i];
@@ -25582,7 +25582,9 @@ struct joint_matrix {
                     const std::uint32_t n = j.panel + l * j.row_count + k;
                     const entry& w = row[j.first_row + k];
                     if (l == k)
-                        factors[n] = select_greater(w.in, zero, matrix[n] + matrix[n] * w.slack + w.softness, one);
+                        factors[n] = select_greater(
+                            w.in, zero, matrix[n] + matrix[n] * (corrects ? w.slack + w.far : w.slack) + w.softness,
+                            one);
                     else factors[n] = matrix[n] * (w.in * row[at].in);
                 }
             }
@@ -25761,7 +25763,7 @@ protected:
         has_loads_ = true;
     }
     void write_rows(const body* bodies, const pose* poses, const joint_pass<S>& with) {
-        has_bounds_ = false;
+        has_bounds_ = is_any_far_ = false;
         for (std::uint32_t r = 0; r < of_.row_count; ++r) rows_[r].clear();
         for (int lane = 0; lane < W; ++lane) {
             if (joint_at(0, lane) == nullptr) continue;
@@ -25804,8 +25806,11 @@ protected:
             const double part =
                 holds || is_beyond ? part_of(to_double(rows.at[k].error), rows.at[k], to.direction(k), apart) : 0;
             const bool is_bounded = rows.at[k].is_bounded();
-            matrix_.row[r].slack.set_lane(lane, static_cast<C>(is_bounded ? slack_of_bounded : part));
+            const double far = is_bounded || part * share_of_far < least_pivot ? 0 : part * share_of_far;
+            matrix_.row[r].slack.set_lane(lane, static_cast<C>(is_bounded ? slack_of_bounded : 0));
+            matrix_.row[r].far.set_lane(lane, static_cast<C>(far));
             has_bounds_ = has_bounds_ || is_bounded;
+            is_any_far_ = is_any_far_ || far > 0;
             largest_[lane] = max(largest_[lane], part);
             if (part > 0.0001) far_[lane] = S(1);
             if (to.direction(k) == vec<S, D>{}) return;
@@ -25840,16 +25845,19 @@ protected:
                                moved_[j.b]);
             });
             for (int lane = 0; lane < W; ++lane) {
-                double square = 0;
+                double square = 0, sum = 0;
                 for (std::uint32_t k = 0; k < of_.body_count; ++k) {
                     double turn = 0;
                     for (int c = D; c < lanes::size; ++c) {
                         const double angle = to_double(moved_[k].at[c].lane(lane)) * to_double(with.h);
                         turn += angle * angle;
                     }
-                    if (sides_[k].is_pushed) square = max(square, turn);
+                    if (!sides_[k].is_pushed) continue;
+                    square = max(square, turn);
+                    sum += turn;
                 }
                 const double limit = fraction * sqrt(largest[lane]);
+                if (sum > limit / 16) is_curved_[lane] = S(1);
                 if (square > limit) part.set_lane(lane, S(sqrt(limit / square)));
             }
         }
@@ -25868,6 +25876,9 @@ protected:
     static constexpr double max_resolved = 0.5;
     /// See joint_matrix.
     static constexpr double least_pivot = 0x1p-20;
+    /// How far rows give way that are as far off as what they measure is large. More of it holds up what many bodies
+    /// have to move for, less of it lets nets that cannot be met leap.
+    static constexpr double share_of_far = 1.0 / 16;
     /// What rows with bounds leave of their speed in a solve, where others all but say the same: so that it is they
     /// that give way.
     static constexpr double slack_of_bounded = 0x1p-14;
@@ -25891,11 +25902,234 @@ protected:
     /// Of each body how many joints it has.
     std::uint32_t* joints_of_;
     bool is_factorised_ = false, are_forces_noted_ = false, has_loads_ = false, has_bounds_ = false,
-         any_shared_ = false;
+         any_shared_ = false, is_any_far_ = false;
     /// 1 where substeps are short enough; and where something is farther from what holds it than a hundredth.
     S resolved_[W] = {}, far_[W] = {};
+    /// 1 where bodies turn so far in a correction that their ways are curved.
+    S is_curved_[W] = {};
     /// The largest error, see part_of.
     double largest_[W] = {};
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/dynamics/joint_corrections.hpp
+// =================================================================================================
+// How joints that are solved at once take their errors back.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// A damped Newton step towards poses without errors, for a move of bodies only. Rows that are far from what they are
+/// to hold give way (damped least squares): not all of them can be met, perhaps, and what seems to do it would be a
+/// leap. Where bodies turn so far for it that their curved ways matter, a shorter step is looked for, until errors
+/// lessen by the measure of the matrix: a taut chain would shake itself apart else. Source: Nakamura, Hanafusa, Inverse
+/// kinematic solutions with singularity robustness (1986); Deuflhard, Newton Methods for Nonlinear Problems (2004),
+/// 3.3, the natural monotonicity test.
+template <class S, int D, bool Rotates, int W, bool Two>
+class joint_corrections : protected joint_system<S, D, Rotates, W, Two> {
+    using base = joint_system<S, D, Rotates, W, Two>;
+
+protected:
+    using typename base::P, typename base::K, typename base::C, typename base::body, typename base::lanes;
+    using typename base::row, typename base::access, typename base::pose;
+    using poses_of = joint_poses<S, D, Rotates>;
+    using joint_of_pattern = joint_pattern::joint;
+    using base::far_, base::largest_, base::is_curved_, base::max_resolved, base::unit_sway_, base::is_factorised_,
+        base::is_any_far_;
+    using base::joint_at, base::each_row, base::apply, base::give, base::part_of_step;
+    using base::of_, base::kinds_, base::rows_, base::state_, base::sides_, base::velocities_, base::moved_,
+        base::matrix_;
+
+    /// See joint_system.
+    template <class JointAt, class BodiesOf>
+    joint_corrections(const joint_pattern& pattern, int used, const access* kinds, JointAt&& joint, BodiesOf&& bodies,
+                      const body* all, std::uint32_t dummy_body, S h, arena& scratch)
+        : base(pattern, used, kinds, joint, bodies, all, dummy_body, h, scratch) {
+        ahead_ = made<pose>(of_.body_count, scratch);
+        errors_ = made<K>(of_.row_count, scratch);
+    }
+
+    /// Of springs without damping it is 0, which would divide: so little does not show.
+    static K share_of(const row& r) { return max(lanes_from<K>(r.share), K::broadcast(C(1e-12))); }
+    static K limited(const K& bias, const row& r) {
+        const K limit = lanes_from<K>(r.max_bias);
+        return max(min(bias, limit), -limit);
+    }
+    /// Has each row give by(row) more, up to its bounds; greater than 0 where any was cut off by these.
+    template <class F>
+    K give_more(F&& by) {
+        P cut = P::broadcast(S(0));
+        for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
+            const joint_of_pattern& j = of_.joints[i];
+            for (std::uint32_t r = j.first_row, n; r < j.first_row + j.row_count; r += n) {
+                n = state_[r].together;
+                P wanted[3], next[3];
+                for (std::uint32_t k = 0; k < n; ++k) next[k] = wanted[k] = P::load(rows_[r + k].impulse) + by(r + k);
+                if (n > 1) cut_together(rows_ + r, static_cast<int>(n), next, state_[r].is_cut);
+                else next[0] = max(min(wanted[0], P::load(rows_[r].high)), P::load(rows_[r].low));
+                for (std::uint32_t k = 0; k < n; ++k) {
+                    cut = max(cut, lane_abs(wanted[k] - next[k]));
+                    give(r + k, j, next[k]);
+                }
+            }
+        }
+        return widened<K>(cut);
+    }
+    /// Calls f(row, its joint, its number there, what the joint says) for the rows of a lane where ahead_ has its
+    /// bodies; the last also tells how far apart these are.
+    template <class F>
+    void each_row_ahead(int lane, F&& f) {
+        for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
+            const joint_of_pattern& j = of_.joints[i];
+            typename access::row_memory rows;
+            typename access::direction_memory directions;
+            const auto to = access::target_of(rows, directions);
+            const vec<S, D> between = kinds_[j.kind].write(joint_at(i, lane), true, ahead_[j.a], ahead_[j.b], to);
+            j.each_row([&](std::uint32_t r, int k) { f(r, i, rows.at[k], to.direction(k), between); });
+        }
+    }
+
+    /// Has rows take their errors back. What they give for that is taken back where it was given, along the same rows:
+    /// a pass after the move would leave what heavy bodies are drawn by on the levers of light ones, and whirl them.
+    /// That keeps angular momentum but for how far errors move the bodies; where they are small, the pass does it,
+    /// which keeps all of it.
+    void find_corrections(const poses_of& poses, const joint_pass<S>& with) {
+        const K zero = K::broadcast(C(0)), one = K::broadcast(C(1));
+        bool has_changed = is_any_far_;
+        P part;
+        for (S& is : is_curved_) is = S(0);
+        for (int round = 0; round < max_corrections; ++round) {
+            each_row([&](std::uint32_t k, const joint_of_pattern& j) {
+                const row& r = rows_[k];
+                auto& w = matrix_.row[k];
+                w.right_hand = zero;
+                if (r.has_spring) return;
+                if (r.is_bounded && !r.is_one_sided) {
+                    // Motors and friction do not hold up what draws errors together: it would be more than they can.
+                    has_changed = has_changed || greater(w.in, zero).bits() != 0;
+                    w.in = zero;
+                    return;
+                }
+                const K bias = lanes_from<K>(r.error) * lanes_from<K>(r.push) / share_of(r);
+                w.right_hand = -limited(bias, r);
+                if (!r.is_one_sided) return;
+                // Of what has gone too far, unless it goes back by itself.
+                const K is_one = lanes_from<K>(r.one_sided),
+                        v = widened<K>(r.speed_of(velocities_[j.a], velocities_[j.b]));
+                const K more = select_greater(zero, bias, max(w.right_hand - v, zero), zero);
+                w.right_hand = select_greater(is_one, zero, more, w.right_hand);
+                if (round > 0) return;
+                const K in = select_greater(is_one, zero, select_greater(more, zero, one, w.in), w.in);
+                has_changed = has_changed || greater(in, w.in).bits() != 0;
+                w.in = in;
+            });
+            if (has_changed) {
+                matrix_.factorise(true);
+                is_factorised_ = false;
+            }
+            matrix_.substitute();
+            part = part_of_step(with, largest_, to_double(with.rigid.rate) * to_double(with.h));
+            // Limits do not pull: those that would are left out.
+            has_changed = false;
+            each_row([&](std::uint32_t r, const joint_of_pattern&) {
+                if (!rows_[r].is_one_sided) return;
+                auto& w = matrix_.row[r];
+                const P next = P::load(rows_[r].impulse) + narrowed<P>(w.right_hand) * part;
+                const K pulls = widened<K>(P::load(rows_[r].low) - next) * w.in;
+                w.in = select_greater(pulls, zero, zero, w.in);
+                has_changed = has_changed || greater(pulls, zero).bits() != 0;
+            });
+            if (!has_changed) break;
+        }
+        K sway = lanes_from<K>(far_);
+        each_row([&](std::uint32_t r, const joint_of_pattern&) {
+            state_[r].start = P::load(rows_[r].impulse);
+            state_[r].correction = narrowed<P>(matrix_.row[r].right_hand);
+        });
+        if (greater(P::load(is_curved_), P::broadcast(S(0))).bits() != 0) shorten(poses, with, part);
+        give_more([&](std::uint32_t r) { return state_[r].correction * part; });
+        each_row([&](std::uint32_t r, const joint_of_pattern& j) {
+            state_[r].correction = P::load(rows_[r].impulse) - state_[r].start;
+            sway = max(sway, lane_abs(widened<K>(state_[r].correction)) * unit_sway_[&j - of_.joints]);
+        });
+        narrowed<P>(select_greater(sway, K::broadcast(C(max_resolved / 16)), one, zero)).store(is_taken_back_);
+        are_corrected_ = true;
+    }
+    void take_corrections_back(const P& lanes_of) {
+        are_corrected_ = false;
+        give_more([&](std::uint32_t r) { return -(state_[r].correction * lanes_of); });
+    }
+
+    /// Solves for the right-hand sides e, and gives e^T (J M^-1 J^T)^-1 e of each lane.
+    void solve_and_measure(double (&size)[W]) {
+        for (std::uint32_t r = 0; r < of_.row_count; ++r) errors_[r] = matrix_.row[r].right_hand;
+        matrix_.substitute();
+        for (int lane = 0; lane < W; ++lane) {
+            size[lane] = 0;
+            for (std::uint32_t r = 0; r < of_.row_count; ++r)
+                size[lane] += static_cast<double>(errors_[r].lane(lane)) *
+                              static_cast<double>(matrix_.row[r].right_hand.lane(lane));
+        }
+    }
+
+    pose* ahead_;
+    bool are_corrected_ = false;
+    /// 1 in lanes where corrections are taken back along the rows that gave them.
+    S is_taken_back_[W] = {};
+
+private:
+    /// e^T (J M^-1 J^T)^-1 e, of the errors where that part of the corrections would have bodies.
+    void measure(const poses_of& poses, const joint_pass<S>& with, const P& part, double (&size)[W]) {
+        for (int lane = 0; lane < W; ++lane) {
+            if (!(is_curved_[lane] > S(0))) {
+                each_row(
+                    [&](std::uint32_t r, const joint_of_pattern&) { matrix_.row[r].right_hand.set_lane(lane, 0); });
+                continue;
+            }
+            for (std::uint32_t k = 0; k < of_.body_count; ++k) {
+                lanes v{};
+                if (sides_[k].is_pushed)
+                    for (int c = 0; c < lanes::size; ++c) v.at[c] = moved_[k].at[c] * part;
+                const auto moves = v.of(lane);
+                ahead_[k] = poses.of(sides_[k].index[lane], &moves, with.h);
+            }
+            each_row_ahead(lane, [&](std::uint32_t r, std::uint32_t, const auto& at, const auto&, const auto&) {
+                const double error = to_double(at.error);
+                const bool is_beyond = rows_[r].one_sided[lane] > S(0) && error < 0;
+                const bool counts = !rows_[r].has_spring && (is_beyond || !rows_[r].is_bounded);
+                matrix_.row[r].right_hand.set_lane(lane, counts ? static_cast<C>(error) : C(0));
+            });
+        }
+        solve_and_measure(size);
+    }
+    /// Shortens the part of corrections that is given in lanes with curved ways, until it takes from the errors at
+    /// least half of what it would if ways were straight; none if none does.
+    void shorten(const poses_of& poses, const joint_pass<S>& with, P& part) {
+        double before[W], after[W];
+        measure(poses, with, P::broadcast(S(0)), before);
+        const double share = to_double(with.rigid.mass_scale * with.rigid.rate * with.h);
+        bool is_too_long = true;
+        for (int tries = 0; tries < max_tries && is_too_long; ++tries) {
+            measure(poses, with, part, after);
+            is_too_long = false;
+            for (int lane = 0; lane < W; ++lane) {
+                const S of = part.lane(lane);
+                if (!(is_curved_[lane] > S(0)) || after[lane] <= before[lane] * (1 - share * to_double(of))) continue;
+                is_too_long = true;
+                part.set_lane(lane, tries + 1 < max_tries ? of * S(0.25) : S(0));
+            }
+        }
+    }
+
+    static constexpr int max_corrections = 8, max_tries = 5;
+
+    /// Of rows, where bodies would be.
+    K* errors_;
 };
 
 }  // namespace detail
@@ -25914,16 +26148,14 @@ namespace detail {
 /// W times the same joints between other bodies, one in each lane. The rows J of all of them are solved at once:
 /// J M^-1 J^T is factorised by L D L^T along the joints' graph, in time linear in their number where that is a tree.
 /// Limits, motors and other rows with bounds are in or out; a row that would give more than it may is set to its bound,
-/// and the others are solved again. Rows that say what others say already give way, and so do rows that are far from
-/// what they are to hold (damped least squares): not all of them can be met, perhaps, and what seems to do it would be
-/// a leap. Source: Baraff, Linear-time dynamics using Lagrange multipliers (1996); Judice, Pires, A block pivoting
-/// algorithm (1994); Nakamura, Hanafusa, Inverse kinematic solutions with singularity robustness (1986).
+/// and the others are solved again. Rows that say what others say already give way. Source: Baraff, Linear-time
+/// dynamics using Lagrange multipliers (1996); Judice, Pires, A block pivoting algorithm (1994).
 template <class S, int D, bool Rotates, int W, bool Two>
-class direct_joints : joint_system<S, D, Rotates, W, Two> {
-    using base = joint_system<S, D, Rotates, W, Two>;
+class direct_joints : joint_corrections<S, D, Rotates, W, Two> {
+    using base = joint_corrections<S, D, Rotates, W, Two>;
     using typename base::P, typename base::K, typename base::C, typename base::body, typename base::lanes;
+    using typename base::poses_of;
     using typename base::row, typename base::access, typename base::pose, typename base::row_state;
-    using poses_of = joint_poses<S, D, Rotates>;
 
 public:
     /// See joint_system.
@@ -25932,7 +26164,7 @@ public:
                   const body* all, std::uint32_t dummy_body, S h, arena& scratch)
         : base(pattern, used, kinds, joint, bodies, all, dummy_body, h, scratch) {
         starts_ = made<lanes>(of_.body_count, scratch);
-        ahead_ = made<pose>(of_.body_count, scratch);
+        asked_ = made<K>(of_.row_count, scratch);
     }
 
     void warm_start(body* bodies, const pose* poses, const joint_pass<S>& with) {
@@ -25968,7 +26200,7 @@ public:
         if (are_corrected_) take_corrections_back(P::broadcast(S(1)));
         if (springs || !errors) settle(with, springs);
         if (springs && greater(P::load(resolved_), P::broadcast(S(0))).bits() != 0) look_ahead(poses, with);
-        if (errors) find_corrections(with);
+        if (errors) find_corrections(poses, with);
         if (round == joint_round::relaxing)
             for (std::uint32_t r = 0; r < of_.row_count; ++r) rows_[r].add_up();
         store(bodies);
@@ -25988,12 +26220,14 @@ public:
 
 private:
     using base::each_row;
-    using base::joint_at, base::load, base::store, base::apply, base::give, base::note_forces, base::write_rows,
-        base::part_of_step;
+    using base::find_corrections, base::take_corrections_back, base::share_of, base::limited;
+    using base::joint_at, base::load, base::store, base::apply, base::give, base::give_more, base::note_forces,
+        base::write_rows, base::part_of_step, base::each_row_ahead;
     using base::of_, base::kinds_, base::rows_, base::state_, base::sides_, base::velocities_, base::matrix_;
+    using base::own_lever_, base::is_factorised_, base::are_forces_noted_, base::has_bounds_, base::any_shared_;
     using base::resolved_, base::far_, base::largest_, base::max_resolved;
-    using base::unit_sway_, base::own_lever_, base::is_factorised_, base::are_forces_noted_, base::has_bounds_,
-        base::any_shared_;
+    using base::solve_and_measure, base::moved_, base::is_curved_, base::ahead_, base::are_corrected_,
+        base::is_taken_back_;
 
     /// Solves for speeds, with the bounds of rows; what is off is left to find_corrections. A row that would give more
     /// than it may is set to its bound, and all are solved again from where they were: what was too much has not acted.
@@ -26014,7 +26248,7 @@ private:
                 if (greater(open, zero).bits() == 0) break;
                 go_back(narrowed<P>(open));
             }
-            if (!is_factorised_ || greater(changed, zero).bits() != 0) matrix_.factorise();
+            if (!is_factorised_ || greater(changed, zero).bits() != 0) matrix_.factorise(false);
             is_factorised_ = true;
             find_right_hands(with, use_bias);
             cut = solve_once(open);
@@ -26035,12 +26269,6 @@ private:
             bias = select_greater(lanes_from<K>(r.one_sided), zero, limited(free, r), bias);
         }
         return bias;
-    }
-    /// Of springs without damping it is 0, which would divide: so little does not show.
-    static K share_of(const row& r) { return max(lanes_from<K>(r.share), K::broadcast(C(1e-12))); }
-    static K limited(const K& bias, const row& r) {
-        const K limit = lanes_from<K>(r.max_bias);
-        return max(min(bias, limit), -limit);
     }
     void find_right_hands(const joint_pass<S>& with, bool use_bias) {
         each_row([&](std::uint32_t r, const joint_pattern::joint& j) {
@@ -26129,26 +26357,6 @@ private:
         }
         return turned;
     }
-    /// Has each row give by(row) more, up to its bounds; greater than 0 where any was cut off by these.
-    template <class F>
-    K give_more(F&& by) {
-        P cut = P::broadcast(S(0));
-        for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
-            const joint_pattern::joint& j = of_.joints[i];
-            for (std::uint32_t r = j.first_row, n; r < j.first_row + j.row_count; r += n) {
-                n = state_[r].together;
-                P wanted[3], next[3];
-                for (std::uint32_t k = 0; k < n; ++k) next[k] = wanted[k] = P::load(rows_[r + k].impulse) + by(r + k);
-                if (n > 1) cut_together(rows_ + r, static_cast<int>(n), next, state_[r].is_cut);
-                else next[0] = max(min(wanted[0], P::load(rows_[r].high)), P::load(rows_[r].low));
-                for (std::uint32_t k = 0; k < n; ++k) {
-                    cut = max(cut, lane_abs(wanted[k] - next[k]));
-                    give(r + k, j, next[k]);
-                }
-            }
-        }
-        return widened<K>(cut);
-    }
     /// Solves for the right-hand sides of some lanes; greater than 0 where a row was cut off.
     K solve_once(const K& open) {
         for (std::uint32_t r = 0; r < of_.row_count; ++r) matrix_.row[r].right_hand *= open;
@@ -26180,115 +26388,90 @@ private:
     }
     /// Has rows of lanes that are near take back by how much they miss where bodies will be, if it is `first` besides
     /// what the speeds that are their right-hand sides ask for. Lanes that turn too far are near no longer: there the
-    /// square is not all of it, and what is far off is drawn together first. Gives the largest of the squares of
-    /// misses.
+    /// square is not all of it, and what is far off is drawn together first; nor are those whose ways are so curved
+    /// that a quarter of it would still be missed. Gives the largest of the squares of misses.
     void look(const poses_of& poses, const joint_pass<S>& with, S (&is_near)[W], double (&largest)[W], bool first) {
+        const P none = P::broadcast(S(0));
+        for (std::uint32_t r = 0; r < of_.row_count; ++r)
+            asked_[r] = first ? matrix_.row[r].right_hand : K::broadcast(C(0));
+        double before[W] = {}, after[W] = {}, ignored[W] = {};
+        find_misses(poses, with, none, is_near, largest, before);
+        for (S& is : is_curved_) is = S(0);
+        const P part = part_of_step(with, largest, 1);
+        for (std::uint32_t r = 0; r < of_.row_count; ++r)
+            state_[r].correction = narrowed<P>(matrix_.row[r].right_hand) * part;
+        const P curved = P::load(is_curved_) * P::load(is_near);
+        if (greater(curved, none).bits() != 0) {
+            S tried[W];
+            curved.store(tried);
+            find_misses(poses, with, part, tried, ignored, after);
+            for (int lane = 0; lane < W; ++lane)
+                if (curved.lane(lane) > S(0) && !(tried[lane] > S(0) && after[lane] <= before[lane] / 16))
+                    is_near[lane] = S(0);
+        }
+        if (has_bounds_) leave_cut_lanes(is_near);
+        const P near = P::load(is_near);
+        give_more([&](std::uint32_t r) { return state_[r].correction * near; });
+    }
+    /// Lanes where a row would be cut off are near no longer: what the others give answers to all of it.
+    void leave_cut_lanes(S (&is_near)[W]) const {
+        for (std::uint32_t r = 0, n; r < of_.row_count; r += n) {
+            n = state_[r].together > 1 ? state_[r].together : 1;
+            if (!rows_[r].is_bounded) continue;
+            for (int lane = 0; lane < W; ++lane) {
+                const auto next = [&](std::uint32_t k) {
+                    return rows_[k].impulse[lane] + state_[k].correction.lane(lane);
+                };
+                double square = 0;
+                for (std::uint32_t k = r; k < r + n; ++k) square += to_double(next(k)) * to_double(next(k));
+                const double high = to_double(rows_[r].high[lane]);
+                const bool is_cut =
+                    n > 1 ? square > high * high : next(r) > rows_[r].high[lane] || next(r) < rows_[r].low[lane];
+                if (is_cut) is_near[lane] = S(0);
+            }
+        }
+    }
+    /// What lanes that are near miss where bodies will be with that part of what they are moved by more; and solves for
+    /// it.
+    void find_misses(const poses_of& poses, const joint_pass<S>& with, const P& part, S (&is_near)[W],
+                     double (&largest)[W], double (&size)[W]) {
         for (int lane = 0; lane < W; ++lane) {
             if (joint_at(0, lane) == nullptr) continue;
             for (std::uint32_t k = 0; k < of_.body_count; ++k) {
-                const auto v = velocities_[k].of(lane);
+                lanes at = velocities_[k];
+                if (part.lane(lane) > S(0) && sides_[k].is_pushed)
+                    for (int c = 0; c < lanes::size; ++c) at.at[c] = at.at[c] + moved_[k].at[c] * part;
+                const auto v = at.of(lane);
                 ahead_[k] = poses.of(sides_[k].index[lane], &v, with.h);
             }
-            for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
-                const joint_pattern::joint& j = of_.joints[i];
-                typename access::row_memory rows;
-                typename access::direction_memory directions;
-                const auto to = access::target_of(rows, directions);
-                const vec<S, D> between = kinds_[j.kind].write(joint_at(i, lane), true, ahead_[j.a], ahead_[j.b], to);
+            each_row_ahead(lane, [&](std::uint32_t r, std::uint32_t i, const auto& at, const auto& direction,
+                                     const vec<S, D>& between) {
                 const double apart = own_lever_[i * W + static_cast<std::uint32_t>(lane)] + length_squared_of(between);
-                j.each_row([&](std::uint32_t r, int k) {
-                    K& right_hand = matrix_.row[r].right_hand;
-                    const bool holds = !rows_[r].is_bounded && !rows_[r].has_spring;
-                    const double moved = to_double(rows.at[k].error) - to_double(rows_[r].error[lane]),
-                                 asked = first ? right_hand.lane(lane) * to_double(with.h) : 0,
-                                 misses = holds ? moved - asked : 0;
-                    const double part = part_of(misses, rows.at[k], to.direction(k), apart);
-                    largest[lane] = max(largest[lane], part);
-                    if (part > 0.0025) is_near[lane] = S(0);
-                    // Rows that all but say the same would make much of what is rounding.
-                    right_hand.set_lane(lane, part > rounding * rounding ? -misses * to_double(with.inverse_h) : 0);
-                });
-            }
+                const bool holds = !rows_[r].is_bounded && !rows_[r].has_spring;
+                const double moved = to_double(at.error) - to_double(rows_[r].error[lane]),
+                             asked = static_cast<double>(asked_[r].lane(lane)) * to_double(with.h),
+                             misses = holds ? moved - asked : 0;
+                const double miss = part_of(misses, at, direction, apart);
+                largest[lane] = max(largest[lane], miss);
+                if (miss > 0.0025) is_near[lane] = S(0);
+                // Rows that all but say the same would make much of what is rounding.
+                const double speed = miss > rounding * rounding ? -misses * to_double(with.inverse_h) : 0;
+                matrix_.row[r].right_hand.set_lane(lane, static_cast<C>(speed));
+            });
         }
         const K near = lanes_from<K>(is_near);
         for (std::uint32_t r = 0; r < of_.row_count; ++r) matrix_.row[r].right_hand *= near;
-        matrix_.substitute();
-        const P part = part_of_step(with, largest, 1);
-        give_more([&](std::uint32_t r) { return narrowed<P>(matrix_.row[r].right_hand) * part; });
-    }
-    /// Has rows take their errors back. What they give for that is taken back where it was given, along the same rows:
-    /// a pass after the move would leave what heavy bodies are drawn by on the levers of light ones, and whirl them.
-    /// That keeps angular momentum but for how far errors move the bodies; where they are small, the pass does it,
-    /// which keeps all of it.
-    void find_corrections(const joint_pass<S>& with) {
-        const K zero = K::broadcast(C(0)), one = K::broadcast(C(1));
-        bool has_changed = false;
-        P part;
-        for (int round = 0; round < max_corrections; ++round) {
-            each_row([&](std::uint32_t k, const joint_pattern::joint& j) {
-                const row& r = rows_[k];
-                auto& w = matrix_.row[k];
-                w.right_hand = zero;
-                if (r.has_spring) return;
-                if (r.is_bounded && !r.is_one_sided) {
-                    // Motors and friction do not hold up what draws errors together: it would be more than they can.
-                    has_changed = has_changed || greater(w.in, zero).bits() != 0;
-                    w.in = zero;
-                    return;
-                }
-                const K bias = lanes_from<K>(r.error) * lanes_from<K>(r.push) / share_of(r);
-                w.right_hand = -limited(bias, r);
-                if (!r.is_one_sided) return;
-                // Of what has gone too far, unless it goes back by itself.
-                const K is_one = lanes_from<K>(r.one_sided),
-                        v = widened<K>(r.speed_of(velocities_[j.a], velocities_[j.b]));
-                const K more = select_greater(zero, bias, max(w.right_hand - v, zero), zero);
-                w.right_hand = select_greater(is_one, zero, more, w.right_hand);
-                if (round > 0) return;
-                const K in = select_greater(is_one, zero, select_greater(more, zero, one, w.in), w.in);
-                has_changed = has_changed || greater(in, w.in).bits() != 0;
-                w.in = in;
-            });
-            if (has_changed) matrix_.factorise();
-            matrix_.substitute();
-            part = part_of_step(with, largest_, to_double(with.rigid.rate) * to_double(with.h));
-            // Limits do not pull: those that would are left out.
-            has_changed = false;
-            each_row([&](std::uint32_t r, const joint_pattern::joint&) {
-                if (!rows_[r].is_one_sided) return;
-                auto& w = matrix_.row[r];
-                const P next = P::load(rows_[r].impulse) + narrowed<P>(w.right_hand) * part;
-                const K pulls = widened<K>(P::load(rows_[r].low) - next) * w.in;
-                w.in = select_greater(pulls, zero, zero, w.in);
-                has_changed = has_changed || greater(pulls, zero).bits() != 0;
-            });
-            if (!has_changed) break;
-        }
-        K sway = lanes_from<K>(far_);
-        each_row([&](std::uint32_t r, const joint_pattern::joint&) { state_[r].start = P::load(rows_[r].impulse); });
-        give_more([&](std::uint32_t r) { return narrowed<P>(matrix_.row[r].right_hand) * part; });
-        each_row([&](std::uint32_t r, const joint_pattern::joint& j) {
-            state_[r].correction = P::load(rows_[r].impulse) - state_[r].start;
-            sway = max(sway, lane_abs(widened<K>(state_[r].correction)) * unit_sway_[&j - of_.joints]);
-        });
-        narrowed<P>(select_greater(sway, K::broadcast(C(max_resolved / 16)), one, zero)).store(is_taken_back_);
-        are_corrected_ = true;
-    }
-    void take_corrections_back(const P& lanes_of) {
-        are_corrected_ = false;
-        give_more([&](std::uint32_t r) { return -(state_[r].correction * lanes_of); });
+        solve_and_measure(size);
     }
 
-    static constexpr int free_rounds = 16, max_rounds = 64, max_corrections = 8;
+    static constexpr int free_rounds = 16, max_rounds = 64;
     /// A part of what joints measure that is rounding.
     static constexpr double rounding = 16 * to_double(scalar_traits<S>::epsilon());
 
     /// Velocities before a solve.
     lanes* starts_;
-    pose* ahead_;
-    bool are_corrected_ = false;
-    /// 1 in lanes where corrections are taken back along the rows that gave them.
-    S is_taken_back_[W] = {};
+    /// What speeds asked for before a look ahead.
+    K* asked_;
 };
 
 }  // namespace detail

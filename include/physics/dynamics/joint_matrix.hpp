@@ -28,9 +28,9 @@ struct joint_matrix {
     struct entry {
         /// Whether it is in the solve (1) or not (0); and of springs what is added to the diagonal.
         K in, softness;
-        /// Of rows that are far from what they are to hold, as a part of their diagonal: how far they may stay off.
-        /// Not all of them can be met, perhaps, and what seems to do it would be a leap.
-        K slack;
+        /// As parts of their diagonals, how far rows give way: that have bounds; and, where errors are taken back, that
+        /// are far from what they are to hold.
+        K slack, far;
         /// Of rows that others say already: how much they give way under what they bear.
         K leak;
         K right_hand, inverse_pivot;
@@ -54,7 +54,7 @@ struct joint_matrix {
     }
 
     /// L D L^T of the rows that are in; the others have a diagonal of 1.
-    void factorise() {
+    void factorise(bool corrects) {
         const K zero = K::broadcast(C(0)), one = K::broadcast(C(1));
         for (std::uint32_t i = 0; i < of.joint_count; ++i) {
             const joint_pattern::joint& j = of.joints[i];
@@ -64,7 +64,9 @@ struct joint_matrix {
                     const std::uint32_t n = j.panel + l * j.row_count + k;
                     const entry& w = row[j.first_row + k];
                     if (l == k)
-                        factors[n] = select_greater(w.in, zero, matrix[n] + matrix[n] * w.slack + w.softness, one);
+                        factors[n] = select_greater(
+                            w.in, zero, matrix[n] + matrix[n] * (corrects ? w.slack + w.far : w.slack) + w.softness,
+                            one);
                     else factors[n] = matrix[n] * (w.in * row[at].in);
                 }
             }

@@ -103,7 +103,7 @@ protected:
         has_loads_ = true;
     }
     void write_rows(const body* bodies, const pose* poses, const joint_pass<S>& with) {
-        has_bounds_ = false;
+        has_bounds_ = is_any_far_ = false;
         for (std::uint32_t r = 0; r < of_.row_count; ++r) rows_[r].clear();
         for (int lane = 0; lane < W; ++lane) {
             if (joint_at(0, lane) == nullptr) continue;
@@ -146,8 +146,11 @@ protected:
             const double part =
                 holds || is_beyond ? part_of(to_double(rows.at[k].error), rows.at[k], to.direction(k), apart) : 0;
             const bool is_bounded = rows.at[k].is_bounded();
-            matrix_.row[r].slack.set_lane(lane, static_cast<C>(is_bounded ? slack_of_bounded : part));
+            const double far = is_bounded || part * share_of_far < least_pivot ? 0 : part * share_of_far;
+            matrix_.row[r].slack.set_lane(lane, static_cast<C>(is_bounded ? slack_of_bounded : 0));
+            matrix_.row[r].far.set_lane(lane, static_cast<C>(far));
             has_bounds_ = has_bounds_ || is_bounded;
+            is_any_far_ = is_any_far_ || far > 0;
             largest_[lane] = max(largest_[lane], part);
             if (part > 0.0001) far_[lane] = S(1);
             if (to.direction(k) == vec<S, D>{}) return;
@@ -182,16 +185,19 @@ protected:
                                moved_[j.b]);
             });
             for (int lane = 0; lane < W; ++lane) {
-                double square = 0;
+                double square = 0, sum = 0;
                 for (std::uint32_t k = 0; k < of_.body_count; ++k) {
                     double turn = 0;
                     for (int c = D; c < lanes::size; ++c) {
                         const double angle = to_double(moved_[k].at[c].lane(lane)) * to_double(with.h);
                         turn += angle * angle;
                     }
-                    if (sides_[k].is_pushed) square = max(square, turn);
+                    if (!sides_[k].is_pushed) continue;
+                    square = max(square, turn);
+                    sum += turn;
                 }
                 const double limit = fraction * sqrt(largest[lane]);
+                if (sum > limit / 16) is_curved_[lane] = S(1);
                 if (square > limit) part.set_lane(lane, S(sqrt(limit / square)));
             }
         }
@@ -210,6 +216,9 @@ protected:
     static constexpr double max_resolved = 0.5;
     /// See joint_matrix.
     static constexpr double least_pivot = 0x1p-20;
+    /// How far rows give way that are as far off as what they measure is large. More of it holds up what many bodies
+    /// have to move for, less of it lets nets that cannot be met leap.
+    static constexpr double share_of_far = 1.0 / 16;
     /// What rows with bounds leave of their speed in a solve, where others all but say the same: so that it is they
     /// that give way.
     static constexpr double slack_of_bounded = 0x1p-14;
@@ -233,9 +242,11 @@ protected:
     /// Of each body how many joints it has.
     std::uint32_t* joints_of_;
     bool is_factorised_ = false, are_forces_noted_ = false, has_loads_ = false, has_bounds_ = false,
-         any_shared_ = false;
+         any_shared_ = false, is_any_far_ = false;
     /// 1 where substeps are short enough; and where something is farther from what holds it than a hundredth.
     S resolved_[W] = {}, far_[W] = {};
+    /// 1 where bodies turn so far in a correction that their ways are curved.
+    S is_curved_[W] = {};
     /// The largest error, see part_of.
     double largest_[W] = {};
 };
