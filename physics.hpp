@@ -25878,7 +25878,7 @@ protected:
     static constexpr double least_pivot = 0x1p-20;
     /// How far rows give way that are as far off as what they measure is large. More of it holds up what many bodies
     /// have to move for, less of it lets nets that cannot be met leap.
-    static constexpr double share_of_far = 1.0 / 16;
+    static constexpr double share_of_far = 1.0 / 4;
     /// What rows with bounds leave of their speed in a solve, where others all but say the same: so that it is they
     /// that give way.
     static constexpr double slack_of_bounded = 0x1p-14;
@@ -25980,8 +25980,8 @@ protected:
         }
         return widened<K>(cut);
     }
-    /// Calls f(row, its joint, its number there, what the joint says) for the rows of a lane where ahead_ has its
-    /// bodies; the last also tells how far apart these are.
+    /// Calls f(row, number of its joint, what that says of the row, its direction, way between the bodies) for the rows
+    /// of a lane, where ahead_ has its bodies.
     template <class F>
     void each_row_ahead(int lane, F&& f) {
         for (std::uint32_t i = 0; i < of_.joint_count; ++i) {

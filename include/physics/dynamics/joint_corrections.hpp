@@ -63,8 +63,8 @@ protected:
         }
         return widened<K>(cut);
     }
-    /// Calls f(row, its joint, its number there, what the joint says) for the rows of a lane where ahead_ has its
-    /// bodies; the last also tells how far apart these are.
+    /// Calls f(row, number of its joint, what that says of the row, its direction, way between the bodies) for the rows
+    /// of a lane, where ahead_ has its bodies.
     template <class F>
     void each_row_ahead(int lane, F&& f) {
         for (std::uint32_t i = 0; i < of_.joint_count; ++i) {

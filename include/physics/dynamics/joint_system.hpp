@@ -218,7 +218,7 @@ protected:
     static constexpr double least_pivot = 0x1p-20;
     /// How far rows give way that are as far off as what they measure is large. More of it holds up what many bodies
     /// have to move for, less of it lets nets that cannot be met leap.
-    static constexpr double share_of_far = 1.0 / 16;
+    static constexpr double share_of_far = 1.0 / 4;
     /// What rows with bounds leave of their speed in a solve, where others all but say the same: so that it is they
     /// that give way.
     static constexpr double slack_of_bounded = 0x1p-14;
