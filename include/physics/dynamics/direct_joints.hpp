@@ -87,7 +87,7 @@ private:
         base::write_rows, base::part_of_step, base::each_row_ahead;
     using base::of_, base::kinds_, base::rows_, base::state_, base::sides_, base::velocities_, base::matrix_;
     using base::own_lever_, base::is_factorised_, base::are_forces_noted_, base::has_bounds_, base::any_shared_;
-    using base::resolved_, base::far_, base::largest_, base::max_resolved;
+    using base::resolved_, base::far_;
     using base::solve_and_measure, base::moved_, base::is_curved_, base::ahead_, base::are_corrected_,
         base::is_taken_back_;
 
