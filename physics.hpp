@@ -23936,6 +23936,18 @@ const bool* bodies_of_joints(const solver_api::constraints<S, D, Features, joint
     return result;
 }
 
+/// Which bodies that can be pushed have contacts.
+template <class S, int D, class Features, bool Rotates>
+const bool* bodies_of_contacts(const solver_api::contact_constraints<S, D, Features>& of,
+                               const solver_bodies<S, D, Rotates>& bodies, arena& scratch) {
+    auto* const result = scratch.template allocate<bool>(bodies.count);
+    for (std::uint32_t k = 0; k < bodies.count; ++k) result[k] = false;
+    for (std::uint32_t i = 0; i < of.size(); ++i)
+        for (const std::uint32_t k : {of.bodies(i).a, of.bodies(i).b})
+            result[k] = bodies[k].inverse_mass > inverse_of<S>(0);
+    return result;
+}
+
 }  // namespace detail
 
 PHYSICS_HPP_END
@@ -26190,6 +26202,19 @@ public:
         for (std::uint32_t k = 0; k < of_.body_count; ++k)
             if (sides_[k].is_pushed) velocities_[k].add_to(starts, sides_[k].index);
     }
+    /// Says that bodies of a lane have contacts.
+    void touch(int lane) { is_touched_[lane] = S(1); }
+    /// Solves for the speeds of lanes with contacts.
+    void solve_before_contacts(body* bodies, const joint_pass<S>& with) {
+        const P touched = P::load(is_touched_);
+        if (greater(touched, P::broadcast(S(0))).bits() == 0) return;
+        note_forces();
+        load(bodies);
+        keep();
+        settle(with, true, widened<K>(touched));
+        undo_elsewhere(touched);
+        store(bodies);
+    }
     void solve(body* bodies, const poses_of& poses, const joint_pass<S>& with, joint_round round) {
         const bool springs = has_springs(round), errors = has_errors(round);
         // All at once: further rounds would find the same.
@@ -26198,7 +26223,7 @@ public:
         load(bodies);
         // A solver may visit joints several times before it moves.
         if (are_corrected_) take_corrections_back(P::broadcast(S(1)));
-        if (springs || !errors) settle(with, springs);
+        if (springs || !errors) settle(with, springs, K::broadcast(C(1)));
         if (springs && greater(P::load(resolved_), P::broadcast(S(0))).bits() != 0) look_ahead(poses, with);
         if (errors) find_corrections(poses, with);
         if (round == joint_round::relaxing)
@@ -26229,16 +26254,17 @@ private:
     using base::solve_and_measure, base::moved_, base::is_curved_, base::ahead_, base::are_corrected_,
         base::is_taken_back_;
 
-    /// Solves for speeds, with the bounds of rows; what is off is left to find_corrections. A row that would give more
-    /// than it may is set to its bound, and all are solved again from where they were: what was too much has not acted.
-    void settle(const joint_pass<S>& with, bool use_bias) {
+    /// Solves for speeds in lanes that are open (1, else 0), with the bounds of rows; what is off is left to
+    /// find_corrections. A row that would give more than it may is set to its bound, and all are solved again from
+    /// where they were: what was too much has not acted.
+    void settle(const joint_pass<S>& with, bool use_bias, K open) {
         const K zero = K::broadcast(C(0));
-        K open = K::broadcast(C(1)), cut = zero;
+        K cut = zero;
         if (has_bounds_) keep();
         for (int round = 0; round < max_rounds; ++round) {
             // Where a row was cut off, speeds say nothing yet of what others are to do.
             const K leave = round < free_rounds ? cut : K::broadcast(C(1));
-            K changed = choose_rows(with, use_bias, leave, open), turned = zero;
+            K turned = zero, changed = choose_rows(with, use_bias, leave, open);
             if (any_shared_) {
                 turned = turn_shared(use_bias, select_greater(leave, zero, zero, open));
                 changed = max(changed, choose_rows(with, use_bias, leave, open));
@@ -26340,6 +26366,15 @@ private:
             select_greater(open, zero, next, now).store(rows_[r].impulse);
             apply(r, j, select_greater(open, zero, next - start, zero));
         });
+    }
+    /// In lanes that are not open all is again as it was kept.
+    void undo_elsewhere(const P& open) {
+        const P zero = P::broadcast(S(0));
+        for (std::uint32_t k = 0; k < of_.body_count; ++k)
+            for (int c = 0; c < lanes::size; ++c)
+                velocities_[k].at[c] = select_greater(open, zero, velocities_[k].at[c], starts_[k].at[c]);
+        for (std::uint32_t r = 0; r < of_.row_count; ++r)
+            select_greater(open, zero, P::load(rows_[r].impulse), state_[r].start).store(rows_[r].impulse);
     }
     /// What rows that share a bound give turns to what they act on; greater than 0 where that changes anything.
     K turn_shared(bool use_bias, const K& open) {
@@ -26463,11 +26498,12 @@ private:
         for (std::uint32_t r = 0; r < of_.row_count; ++r) matrix_.row[r].right_hand *= near;
         solve_and_measure(size);
     }
-
     static constexpr int free_rounds = 16, max_rounds = 64;
     /// A part of what joints measure that is rounding.
     static constexpr double rounding = 16 * to_double(scalar_traits<S>::epsilon());
 
+    /// 1 in lanes with contacts.
+    S is_touched_[W] = {};
     /// Velocities before a solve.
     lanes* starts_;
     /// What speeds asked for before a look ahead.
@@ -27199,6 +27235,7 @@ public:
         for (std::uint32_t i = 0; i < count; ++i) is_direct[i] = false;
         bool* const taken = scratch.template allocate<bool>(patterns.size());
         for (std::uint32_t i = 0; i < patterns.size(); ++i) taken[i] = patterns[i].pattern == nullptr;
+        const bool* const has_contacts = bodies_of_contacts(of, bodies, scratch);
         groups_ = scratch.template allocate<group<W>*>(patterns.size());
         alone_ = scratch.template allocate<group<1>*>(patterns.size());
         for (std::uint32_t i = 0; i < patterns.size(); ++i) {
@@ -27218,6 +27255,11 @@ public:
                     *patterns[i].pattern, used, kinds_, [&](int l, std::uint32_t n) { return steps[number(l, n)]; },
                     [&](int l, std::uint32_t n) { return all[number(l, n)].ends; }, bodies.first, bodies.dummy_body(),
                     h, scratch);
+                for (int l = 0; l < used; ++l)
+                    for (std::uint32_t n = 0; n < lane[l]->count; ++n) {
+                        const body_pair& ends = all[number(l, n)].ends;
+                        if (has_contacts[ends.a] || has_contacts[ends.b]) to->touch(l);
+                    }
             };
             // One with no like would leave all lanes but one unused.
             if (used > 1 || W == 1) make(groups_[count_++]);
@@ -27307,12 +27349,20 @@ public:
         find_poses(tasks);
         each(tasks, [=, this](auto& b) { b.update_rows(bodies_.first, poses_, pass_, start_velocity); });
     }
-    /// One pass over the joints; true if there are kinds of them.
+    /// One pass over the joints; true if there are kinds of them. With bias, contacts that are visited after it answer
+    /// to what takes errors back, and may throw what is joined: solvers better use one of the pairs below for it.
     bool solve(detail::task_runner& tasks, bool use_bias) {
         return solve(tasks, use_bias ? detail::joint_round::all : detail::joint_round::relaxing);
     }
-    /// The same as solve with bias in two calls, for solvers that go over contacts several times in between: what takes
-    /// errors back must not become a load of contacts. First speeds and springs, any number of times.
+    /// The same as solve with bias in two calls, around one pass over contacts: joints that are solved directly hold
+    /// exactly when bodies move, whatever contacts do. The first call costs them nothing where there are no contacts.
+    void solve_before_contacts(detail::task_runner& tasks) {
+        direct_.each(tasks, [this](auto& b) { b.solve_before_contacts(bodies_.first, pass_); });
+        solve_iterative(tasks, detail::joint_round::all);
+    }
+    void solve_after_contacts(detail::task_runner& tasks) { solve_direct(tasks, detail::joint_round::all); }
+    /// The same for solvers that go over contacts several times in between. First speeds and springs, any number of
+    /// times.
     bool solve_speeds(detail::task_runner& tasks) { return solve(tasks, detail::joint_round::speeds); }
     /// Then, before bodies move, the errors; joints that are not solved directly take all of them back in several
     /// passes only.
@@ -27323,9 +27373,15 @@ public:
 
 private:
     bool solve(detail::task_runner& tasks, detail::joint_round round) {
-        direct_.each(tasks, [=, this](auto& b) { b.solve(bodies_.first, poses_of_, pass_, round); });
-        (blocks<Joints<S, D>>::each(tasks, [=, this](auto& b) { b.solve(bodies_.first, pass_, round); }), ...);
+        solve_direct(tasks, round);
+        solve_iterative(tasks, round);
         return true;
+    }
+    void solve_direct(detail::task_runner& tasks, detail::joint_round round) {
+        direct_.each(tasks, [=, this](auto& b) { b.solve(bodies_.first, poses_of_, pass_, round); });
+    }
+    void solve_iterative(detail::task_runner& tasks, detail::joint_round round) {
+        (blocks<Joints<S, D>>::each(tasks, [=, this](auto& b) { b.solve(bodies_.first, pass_, round); }), ...);
     }
     template <class Joint>
     void make_blocks(const constraints_type& of, const std::uint32_t* which, const std::uint32_t* on,
@@ -27363,6 +27419,8 @@ public:
     void warm_start(detail::task_runner&) {}
     void update_rows(detail::task_runner&, twist_of<S, D, Features::rotation>*) {}
     bool solve(detail::task_runner&, bool) { return false; }
+    void solve_before_contacts(detail::task_runner&) {}
+    void solve_after_contacts(detail::task_runner&) {}
     bool solve_speeds(detail::task_runner&) { return false; }
     bool correct(detail::task_runner&) { return false; }
     void store_impulses(detail::task_runner&) {}
@@ -30245,9 +30303,10 @@ struct soft_step_with {
                             kernels::note_approaches(blocks.first[k], bodies, biased);
                             blocks.bounces[k].now = blocks.first[k].bounces_now;
                         });
-                joints.solve(tasks, true);
+                joints.solve_before_contacts(tasks);
                 blocks.each(tasks,
                             [bodies, first, &biased](std::uint32_t k) { kernels::solve(first[k], bodies, biased); });
+                joints.solve_after_contacts(tasks);
                 start.integrate_positions(motion, h_sub);
                 relaxed.over_relaxes = i + 1 < with.substeps;
                 joints.update_rows(tasks, start.velocities());

@@ -93,6 +93,18 @@ const bool* bodies_of_joints(const solver_api::constraints<S, D, Features, joint
     return result;
 }
 
+/// Which bodies that can be pushed have contacts.
+template <class S, int D, class Features, bool Rotates>
+const bool* bodies_of_contacts(const solver_api::contact_constraints<S, D, Features>& of,
+                               const solver_bodies<S, D, Rotates>& bodies, arena& scratch) {
+    auto* const result = scratch.template allocate<bool>(bodies.count);
+    for (std::uint32_t k = 0; k < bodies.count; ++k) result[k] = false;
+    for (std::uint32_t i = 0; i < of.size(); ++i)
+        for (const std::uint32_t k : {of.bodies(i).a, of.bodies(i).b})
+            result[k] = bodies[k].inverse_mass > inverse_of<S>(0);
+    return result;
+}
+
 }  // namespace detail
 
 PHYSICS_HPP_END

@@ -52,6 +52,19 @@ public:
         for (std::uint32_t k = 0; k < of_.body_count; ++k)
             if (sides_[k].is_pushed) velocities_[k].add_to(starts, sides_[k].index);
     }
+    /// Says that bodies of a lane have contacts.
+    void touch(int lane) { is_touched_[lane] = S(1); }
+    /// Solves for the speeds of lanes with contacts.
+    void solve_before_contacts(body* bodies, const joint_pass<S>& with) {
+        const P touched = P::load(is_touched_);
+        if (greater(touched, P::broadcast(S(0))).bits() == 0) return;
+        note_forces();
+        load(bodies);
+        keep();
+        settle(with, true, widened<K>(touched));
+        undo_elsewhere(touched);
+        store(bodies);
+    }
     void solve(body* bodies, const poses_of& poses, const joint_pass<S>& with, joint_round round) {
         const bool springs = has_springs(round), errors = has_errors(round);
         // All at once: further rounds would find the same.
@@ -60,7 +73,7 @@ public:
         load(bodies);
         // A solver may visit joints several times before it moves.
         if (are_corrected_) take_corrections_back(P::broadcast(S(1)));
-        if (springs || !errors) settle(with, springs);
+        if (springs || !errors) settle(with, springs, K::broadcast(C(1)));
         if (springs && greater(P::load(resolved_), P::broadcast(S(0))).bits() != 0) look_ahead(poses, with);
         if (errors) find_corrections(poses, with);
         if (round == joint_round::relaxing)
@@ -91,16 +104,17 @@ private:
     using base::solve_and_measure, base::moved_, base::is_curved_, base::ahead_, base::are_corrected_,
         base::is_taken_back_;
 
-    /// Solves for speeds, with the bounds of rows; what is off is left to find_corrections. A row that would give more
-    /// than it may is set to its bound, and all are solved again from where they were: what was too much has not acted.
-    void settle(const joint_pass<S>& with, bool use_bias) {
+    /// Solves for speeds in lanes that are open (1, else 0), with the bounds of rows; what is off is left to
+    /// find_corrections. A row that would give more than it may is set to its bound, and all are solved again from
+    /// where they were: what was too much has not acted.
+    void settle(const joint_pass<S>& with, bool use_bias, K open) {
         const K zero = K::broadcast(C(0));
-        K open = K::broadcast(C(1)), cut = zero;
+        K cut = zero;
         if (has_bounds_) keep();
         for (int round = 0; round < max_rounds; ++round) {
             // Where a row was cut off, speeds say nothing yet of what others are to do.
             const K leave = round < free_rounds ? cut : K::broadcast(C(1));
-            K changed = choose_rows(with, use_bias, leave, open), turned = zero;
+            K turned = zero, changed = choose_rows(with, use_bias, leave, open);
             if (any_shared_) {
                 turned = turn_shared(use_bias, select_greater(leave, zero, zero, open));
                 changed = max(changed, choose_rows(with, use_bias, leave, open));
@@ -202,6 +216,15 @@ private:
             select_greater(open, zero, next, now).store(rows_[r].impulse);
             apply(r, j, select_greater(open, zero, next - start, zero));
         });
+    }
+    /// In lanes that are not open all is again as it was kept.
+    void undo_elsewhere(const P& open) {
+        const P zero = P::broadcast(S(0));
+        for (std::uint32_t k = 0; k < of_.body_count; ++k)
+            for (int c = 0; c < lanes::size; ++c)
+                velocities_[k].at[c] = select_greater(open, zero, velocities_[k].at[c], starts_[k].at[c]);
+        for (std::uint32_t r = 0; r < of_.row_count; ++r)
+            select_greater(open, zero, P::load(rows_[r].impulse), state_[r].start).store(rows_[r].impulse);
     }
     /// What rows that share a bound give turns to what they act on; greater than 0 where that changes anything.
     K turn_shared(bool use_bias, const K& open) {
@@ -325,11 +348,12 @@ private:
         for (std::uint32_t r = 0; r < of_.row_count; ++r) matrix_.row[r].right_hand *= near;
         solve_and_measure(size);
     }
-
     static constexpr int free_rounds = 16, max_rounds = 64;
     /// A part of what joints measure that is rounding.
     static constexpr double rounding = 16 * to_double(scalar_traits<S>::epsilon());
 
+    /// 1 in lanes with contacts.
+    S is_touched_[W] = {};
     /// Velocities before a solve.
     lanes* starts_;
     /// What speeds asked for before a look ahead.

@@ -119,6 +119,7 @@ public:
         for (std::uint32_t i = 0; i < count; ++i) is_direct[i] = false;
         bool* const taken = scratch.template allocate<bool>(patterns.size());
         for (std::uint32_t i = 0; i < patterns.size(); ++i) taken[i] = patterns[i].pattern == nullptr;
+        const bool* const has_contacts = bodies_of_contacts(of, bodies, scratch);
         groups_ = scratch.template allocate<group<W>*>(patterns.size());
         alone_ = scratch.template allocate<group<1>*>(patterns.size());
         for (std::uint32_t i = 0; i < patterns.size(); ++i) {
@@ -138,6 +139,11 @@ public:
                     *patterns[i].pattern, used, kinds_, [&](int l, std::uint32_t n) { return steps[number(l, n)]; },
                     [&](int l, std::uint32_t n) { return all[number(l, n)].ends; }, bodies.first, bodies.dummy_body(),
                     h, scratch);
+                for (int l = 0; l < used; ++l)
+                    for (std::uint32_t n = 0; n < lane[l]->count; ++n) {
+                        const body_pair& ends = all[number(l, n)].ends;
+                        if (has_contacts[ends.a] || has_contacts[ends.b]) to->touch(l);
+                    }
             };
             // One with no like would leave all lanes but one unused.
             if (used > 1 || W == 1) make(groups_[count_++]);
@@ -227,12 +233,20 @@ public:
         find_poses(tasks);
         each(tasks, [=, this](auto& b) { b.update_rows(bodies_.first, poses_, pass_, start_velocity); });
     }
-    /// One pass over the joints; true if there are kinds of them.
+    /// One pass over the joints; true if there are kinds of them. With bias, contacts that are visited after it answer
+    /// to what takes errors back, and may throw what is joined: solvers better use one of the pairs below for it.
     bool solve(detail::task_runner& tasks, bool use_bias) {
         return solve(tasks, use_bias ? detail::joint_round::all : detail::joint_round::relaxing);
     }
-    /// The same as solve with bias in two calls, for solvers that go over contacts several times in between: what takes
-    /// errors back must not become a load of contacts. First speeds and springs, any number of times.
+    /// The same as solve with bias in two calls, around one pass over contacts: joints that are solved directly hold
+    /// exactly when bodies move, whatever contacts do. The first call costs them nothing where there are no contacts.
+    void solve_before_contacts(detail::task_runner& tasks) {
+        direct_.each(tasks, [this](auto& b) { b.solve_before_contacts(bodies_.first, pass_); });
+        solve_iterative(tasks, detail::joint_round::all);
+    }
+    void solve_after_contacts(detail::task_runner& tasks) { solve_direct(tasks, detail::joint_round::all); }
+    /// The same for solvers that go over contacts several times in between. First speeds and springs, any number of
+    /// times.
     bool solve_speeds(detail::task_runner& tasks) { return solve(tasks, detail::joint_round::speeds); }
     /// Then, before bodies move, the errors; joints that are not solved directly take all of them back in several
     /// passes only.
@@ -243,9 +257,15 @@ public:
 
 private:
     bool solve(detail::task_runner& tasks, detail::joint_round round) {
-        direct_.each(tasks, [=, this](auto& b) { b.solve(bodies_.first, poses_of_, pass_, round); });
-        (blocks<Joints<S, D>>::each(tasks, [=, this](auto& b) { b.solve(bodies_.first, pass_, round); }), ...);
+        solve_direct(tasks, round);
+        solve_iterative(tasks, round);
         return true;
+    }
+    void solve_direct(detail::task_runner& tasks, detail::joint_round round) {
+        direct_.each(tasks, [=, this](auto& b) { b.solve(bodies_.first, poses_of_, pass_, round); });
+    }
+    void solve_iterative(detail::task_runner& tasks, detail::joint_round round) {
+        (blocks<Joints<S, D>>::each(tasks, [=, this](auto& b) { b.solve(bodies_.first, pass_, round); }), ...);
     }
     template <class Joint>
     void make_blocks(const constraints_type& of, const std::uint32_t* which, const std::uint32_t* on,
@@ -283,6 +303,8 @@ public:
     void warm_start(detail::task_runner&) {}
     void update_rows(detail::task_runner&, twist_of<S, D, Features::rotation>*) {}
     bool solve(detail::task_runner&, bool) { return false; }
+    void solve_before_contacts(detail::task_runner&) {}
+    void solve_after_contacts(detail::task_runner&) {}
     bool solve_speeds(detail::task_runner&) { return false; }
     bool correct(detail::task_runner&) { return false; }
     void store_impulses(detail::task_runner&) {}

@@ -148,9 +148,10 @@ struct soft_step_with {
                             kernels::note_approaches(blocks.first[k], bodies, biased);
                             blocks.bounces[k].now = blocks.first[k].bounces_now;
                         });
-                joints.solve(tasks, true);
+                joints.solve_before_contacts(tasks);
                 blocks.each(tasks,
                             [bodies, first, &biased](std::uint32_t k) { kernels::solve(first[k], bodies, biased); });
+                joints.solve_after_contacts(tasks);
                 start.integrate_positions(motion, h_sub);
                 relaxed.over_relaxes = i + 1 < with.substeps;
                 joints.update_rows(tasks, start.velocities());
