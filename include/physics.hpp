@@ -277,6 +277,7 @@
 #include "physics/dynamics/islands.hpp"
 #include "physics/dynamics/joint_access.hpp"
 #include "physics/dynamics/joint_block.hpp"
+#include "physics/dynamics/joint_bounds.hpp"
 #include "physics/dynamics/joint_corrections.hpp"
 #include "physics/dynamics/joint_matrix.hpp"
 #include "physics/dynamics/joint_pattern.hpp"

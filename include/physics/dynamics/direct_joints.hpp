@@ -1,7 +1,7 @@
 // Joints solved directly: all rows of bodies that joints hold together at once.
 #pragma once
 
-#include "physics/dynamics/joint_corrections.hpp"
+#include "physics/dynamics/joint_bounds.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -13,8 +13,8 @@ namespace detail {
 /// and the others are solved again. Rows that say what others say already give way. Source: Baraff, Linear-time
 /// dynamics using Lagrange multipliers (1996); Judice, Pires, A block pivoting algorithm (1994).
 template <class S, int D, bool Rotates, int W, bool Two>
-class direct_joints : joint_corrections<S, D, Rotates, W, Two> {
-    using base = joint_corrections<S, D, Rotates, W, Two>;
+class direct_joints : joint_bounds<S, D, Rotates, W, Two> {
+    using base = joint_bounds<S, D, Rotates, W, Two>;
     using typename base::P, typename base::K, typename base::C, typename base::body, typename base::lanes;
     using typename base::poses_of;
     using typename base::row, typename base::access, typename base::pose, typename base::row_state;
@@ -95,7 +95,7 @@ public:
 
 private:
     using base::each_row;
-    using base::find_corrections, base::take_corrections_back, base::share_of, base::limited;
+    using base::find_corrections, base::take_corrections_back, base::settle;
     using base::joint_at, base::load, base::store, base::apply, base::give, base::give_more, base::note_forces,
         base::write_rows, base::part_of_step, base::each_row_ahead;
     using base::of_, base::kinds_, base::rows_, base::state_, base::sides_, base::velocities_, base::matrix_;
@@ -104,118 +104,10 @@ private:
     using base::solve_and_measure, base::moved_, base::is_curved_, base::ahead_, base::are_corrected_,
         base::is_taken_back_;
 
-    /// Solves for speeds in lanes that are open (1, else 0), with the bounds of rows; what is off is left to
-    /// find_corrections. A row that would give more than it may is set to its bound, and all are solved again from
-    /// where they were: what was too much has not acted.
-    void settle(const joint_pass<S>& with, bool use_bias, K open) {
-        const K zero = K::broadcast(C(0));
-        K cut = zero;
-        if (has_bounds_) keep();
-        for (int round = 0; round < max_rounds; ++round) {
-            // Where a row was cut off, speeds say nothing yet of what others are to do.
-            const K leave = round < free_rounds ? cut : K::broadcast(C(1));
-            K turned = zero, changed = choose_rows(with, use_bias, leave, open);
-            if (any_shared_) {
-                turned = turn_shared(use_bias, select_greater(leave, zero, zero, open));
-                changed = max(changed, choose_rows(with, use_bias, leave, open));
-            }
-            if (round > 0) {
-                open = select_greater(changed + cut + turned, zero, open, zero);
-                if (greater(open, zero).bits() == 0) break;
-                go_back(narrowed<P>(open));
-            }
-            if (!is_factorised_ || greater(changed, zero).bits() != 0) matrix_.factorise(false);
-            is_factorised_ = true;
-            find_right_hands(with, use_bias);
-            cut = solve_once(open);
-            if (!has_bounds_) break;
-        }
-    }
-    /// What a row's speed is to become 0 with; see find_corrections.
-    K wanted(const row& r, const joint_pass<S>& with, bool use_bias) const {
-        const K zero = K::broadcast(C(0));
-        if (!r.has_spring && !r.is_one_sided) return zero;
-        K bias = zero;
-        if (use_bias) {
-            // Of springs with the share m of the speed: m J v + p C + (1 - m) / m_eff lambda = 0.
-            bias = limited(lanes_from<K>(r.error) * lanes_from<K>(r.push), r) / share_of(r);
-        }
-        if (r.is_one_sided) {
-            const K free = widened<K>(r.room()) * K::broadcast(static_cast<C>(to_double(with.inverse_h)));
-            bias = select_greater(lanes_from<K>(r.one_sided), zero, limited(free, r), bias);
-        }
-        return bias;
-    }
-    void find_right_hands(const joint_pass<S>& with, bool use_bias) {
-        each_row([&](std::uint32_t r, const joint_pattern::joint& j) {
-            matrix_.row[r].right_hand = right_hand(j, r, with, use_bias);
-        });
-    }
-    K right_hand(const joint_pattern::joint& j, std::uint32_t k, const joint_pass<S>& with, bool use_bias) const {
-        const row& r = rows_[k];
-        const auto& w = matrix_.row[k];
-        const K v = widened<K>(r.speed_of(velocities_[j.a], velocities_[j.b])) - lanes_from<K>(r.speed);
-        return -(v + wanted(r, with, use_bias) + (w.softness + w.leak) * lanes_from<K>(r.impulse));
-    }
-    /// Which rows of lanes that are open (1) are in the solve; greater than 0 where these are others than before. In
-    /// lanes where they are to leave (greater than 0) none comes in.
-    K choose_rows(const joint_pass<S>& with, bool use_bias, const K& leave, const K& open) {
-        const K zero = K::broadcast(C(0)), one = K::broadcast(C(1));
-        K changed = zero;
-        for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
-            const joint_pattern::joint& j = of_.joints[i];
-            // Of those that share a bound.
-            const row_state* first = nullptr;
-            for (std::uint32_t k = j.first_row; k < j.first_row + j.row_count; ++k) {
-                row& r = rows_[k];
-                auto& w = matrix_.row[k];
-                const K before = lanes_from<K>(r.impulse), low = lanes_from<K>(r.low), high = lanes_from<K>(r.high);
-                K soft = zero, in = select_greater(high, low, one, zero);
-                if (r.has_spring) {
-                    const K is_spring = lanes_from<K>(r.spring);
-                    soft = use_bias ? lane_quotient(lanes_from<K>(r.loss), share_of(r) * lanes_from<K>(r.mass)) : zero;
-                    soft = select_greater(is_spring, zero, soft, zero);
-                    if (!use_bias) in = select_greater(is_spring, zero, zero, in);
-                }
-                soft = select_greater(open, zero, soft, w.softness);
-                changed = max(changed, lane_abs(soft - w.softness));
-                w.softness = soft;
-                if (state_[k].together != 0) first = &state_[k];
-                if (r.is_bounded) w.right_hand = right_hand(j, k, with, use_bias);
-                if (state_[k].together != 1) {
-                    in = in * (one - lanes_from<K>(first->is_cut)) * select_greater(leave, zero, w.in, one);
-                } else if (r.is_bounded) {
-                    // At a bound a row is in if it would leave it.
-                    const K up = select_greater(w.right_hand, zero, one, zero);
-                    const K down = select_greater(zero, w.right_hand, one, zero);
-                    const K inside = select_greater(before, low, select_greater(high, before, one, down), up);
-                    const K strictly = select_greater(before, low, select_greater(high, before, one, zero), zero);
-                    in = in * select_greater(leave, zero, strictly * w.in, inside);
-                }
-                in = select_greater(open, zero, in, w.in);
-                changed = max(changed, lane_abs(in - w.in));
-                w.in = in;
-            }
-        }
-        return changed;
-    }
     /// Keeps what there is before a solve.
     void keep() {
         for (std::uint32_t r = 0; r < of_.row_count; ++r) state_[r].start = P::load(rows_[r].impulse);
         for (std::uint32_t k = 0; k < of_.body_count; ++k) starts_[k] = velocities_[k];
-    }
-    /// Goes back to that in lanes that are open, but for rows that are at a bound.
-    void go_back(const P& open) {
-        const P zero = P::broadcast(S(0));
-        for (std::uint32_t k = 0; k < of_.body_count; ++k)
-            for (int c = 0; c < lanes::size; ++c)
-                velocities_[k].at[c] = select_greater(open, zero, starts_[k].at[c], velocities_[k].at[c]);
-        each_row([&](std::uint32_t r, const joint_pattern::joint& j) {
-            const P now = P::load(rows_[r].impulse), start = state_[r].start;
-            const P next = select_greater(narrowed<P>(matrix_.row[r].in), zero, start, now);
-            select_greater(open, zero, next, now).store(rows_[r].impulse);
-            apply(r, j, select_greater(open, zero, next - start, zero));
-        });
     }
     /// In lanes that are not open all is again as it was kept.
     void undo_elsewhere(const P& open) {
@@ -225,28 +117,6 @@ private:
                 velocities_[k].at[c] = select_greater(open, zero, velocities_[k].at[c], starts_[k].at[c]);
         for (std::uint32_t r = 0; r < of_.row_count; ++r)
             select_greater(open, zero, P::load(rows_[r].impulse), state_[r].start).store(rows_[r].impulse);
-    }
-    /// What rows that share a bound give turns to what they act on; greater than 0 where that changes anything.
-    K turn_shared(bool use_bias, const K& open) {
-        K turned = K::broadcast(C(0));
-        for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
-            const joint_pattern::joint& j = of_.joints[i];
-            for (std::uint32_t r = j.first_row, n; r < j.first_row + j.row_count; r += n) {
-                n = state_[r].together;
-                if (n == 1 || (rows_[r].has_spring && !use_bias)) continue;
-                P by[3];
-                turned = max(
-                    turned, turn_together(rows_ + r, matrix_.row + r, static_cast<int>(n), open, state_[r].is_cut, by));
-                for (std::uint32_t k = 0; k < n; ++k) give(r + k, j, P::load(rows_[r + k].impulse) + by[k]);
-            }
-        }
-        return turned;
-    }
-    /// Solves for the right-hand sides of some lanes; greater than 0 where a row was cut off.
-    K solve_once(const K& open) {
-        for (std::uint32_t r = 0; r < of_.row_count; ++r) matrix_.row[r].right_hand *= open;
-        matrix_.substitute();
-        return give_more([this](std::uint32_t r) { return narrowed<P>(matrix_.row[r].right_hand); });
     }
     /// Rows are tangents to the ways of bodies, which the move leaves by what the square of the substep makes: solves
     /// once more for what holds where bodies will be. So half of what turns a motion is given before it and half after,
@@ -348,7 +218,7 @@ private:
         for (std::uint32_t r = 0; r < of_.row_count; ++r) matrix_.row[r].right_hand *= near;
         solve_and_measure(size);
     }
-    static constexpr int free_rounds = 16, max_rounds = 64;
+
     /// A part of what joints measure that is rounding.
     static constexpr double rounding = 16 * to_double(scalar_traits<S>::epsilon());
 

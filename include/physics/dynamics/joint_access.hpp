@@ -119,9 +119,8 @@ struct direct_row {
     P correction, start;
     /// In the last substep, all of it; and what lasts of that.
     S given[W], load[W];
-    /// See rows_together, of rows that share a bound; and whether they are at it (1).
+    /// See rows_together.
     std::uint32_t together;
-    S is_cut[W];
 };
 /// J M^-1 J^T of rows.
 template <class S, int D, bool Rotates, bool Two, class K, int W = K::width>

@@ -112,12 +112,11 @@ private:
 
     void solve_together(int k, int n, const joint_pass<S>& with, joint_round round, lanes& of_a, lanes& of_b) {
         P wanted[3];
-        S is_cut[W];
         for (int i = 0; i < n; ++i) {
             rows_[k + i].template solve<false>(with, round, a_, b_, of_a, of_b);
             wanted[i] = P::load(rows_[k + i].impulse);
         }
-        cut_together(&rows_[k], n, wanted, is_cut);
+        cut_together<W>(&rows_[k], n, wanted);
         for (int i = 0; i < n; ++i) {
             rows_[k + i].apply(wanted[i] - P::load(rows_[k + i].impulse), a_, b_, of_a, of_b);
             wanted[i].store(rows_[k + i].impulse);

@@ -43,25 +43,20 @@ protected:
         const K limit = lanes_from<K>(r.max_bias);
         return max(min(bias, limit), -limit);
     }
-    /// Has each row give by(row) more, up to its bounds; greater than 0 where any was cut off by these.
+    /// Has each row give by(row) more, up to its bounds.
     template <class F>
-    K give_more(F&& by) {
-        P cut = P::broadcast(S(0));
+    void give_more(F&& by) {
         for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
             const joint_of_pattern& j = of_.joints[i];
             for (std::uint32_t r = j.first_row, n; r < j.first_row + j.row_count; r += n) {
                 n = state_[r].together;
-                P wanted[3], next[3];
-                for (std::uint32_t k = 0; k < n; ++k) next[k] = wanted[k] = P::load(rows_[r + k].impulse) + by(r + k);
-                if (n > 1) cut_together(rows_ + r, static_cast<int>(n), next, state_[r].is_cut);
-                else next[0] = max(min(wanted[0], P::load(rows_[r].high)), P::load(rows_[r].low));
-                for (std::uint32_t k = 0; k < n; ++k) {
-                    cut = max(cut, lane_abs(wanted[k] - next[k]));
-                    give(r + k, j, next[k]);
-                }
+                P next[3];
+                for (std::uint32_t k = 0; k < n; ++k) next[k] = P::load(rows_[r + k].impulse) + by(r + k);
+                if (n > 1) cut_together<W>(rows_ + r, static_cast<int>(n), next);
+                else next[0] = max(min(next[0], P::load(rows_[r].high)), P::load(rows_[r].low));
+                for (std::uint32_t k = 0; k < n; ++k) give(r + k, j, next[k]);
             }
         }
-        return widened<K>(cut);
     }
     /// Calls f(row, number of its joint, what that says of the row, its direction, way between the bodies) for the rows
     /// of a lane, where ahead_ has its bodies.

@@ -53,6 +53,25 @@ struct joint_matrix {
         panel_ = made<K>(largest, scratch);
     }
 
+    [[nodiscard]] const K& diagonal(const joint_pattern::joint& j, std::uint32_t r) const {
+        return matrix[j.panel + (r - j.first_row) * (j.row_count + 1)];
+    }
+    /// The matrix times x, of all rows.
+    void multiply(const K* x, K* result) const {
+        for (std::uint32_t r = 0; r < of.row_count; ++r) result[r] = K::broadcast(C(0));
+        for (std::uint32_t i = 0; i < of.joint_count; ++i) {
+            const joint_pattern::joint& j = of.joints[i];
+            for (std::uint32_t l = 0; l < j.height; ++l) {
+                const std::uint32_t at = of.panel_rows[j.panel_rows + l];
+                for (std::uint32_t k = 0; k < j.row_count && k <= l; ++k) {
+                    const std::uint32_t r = j.first_row + k;
+                    const K& a = matrix[j.panel + l * j.row_count + k];
+                    result[at] = result[at] + a * x[r];
+                    if (l != k) result[r] = result[r] + a * x[at];
+                }
+            }
+        }
+    }
     /// L D L^T of the rows that are in; the others have a diagonal of 1.
     void factorise(bool corrects) {
         const K zero = K::broadcast(C(0)), one = K::broadcast(C(1));
