@@ -24772,8 +24772,9 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// What a round over joints is for: speeds, with springs or without; to take errors back; or speeds and errors at once.
-enum class joint_round : std::uint8_t { relaxing = 0, speeds = 1, corrections = 2, all = 3 };
+/// What a round over joints is for: speeds, with springs or without; to take errors back; speeds and errors at once; or
+/// speeds of what has contacts, before these are visited.
+enum class joint_round : std::uint8_t { relaxing = 0, speeds = 1, corrections = 2, all = 3, before_contacts = 5 };
 constexpr bool has_springs(joint_round r) { return (static_cast<unsigned>(r) & 1) != 0; }
 constexpr bool has_errors(joint_round r) { return (static_cast<unsigned>(r) & 2) != 0; }
 
@@ -26512,18 +26513,8 @@ public:
     }
     /// Says that bodies of a lane have contacts.
     void touch(int lane) { is_touched_[lane] = S(1); }
-    /// Solves for the speeds of lanes with contacts.
-    void solve_before_contacts(body* bodies, const joint_pass<S>& with) {
-        const P touched = P::load(is_touched_);
-        if (greater(touched, P::broadcast(S(0))).bits() == 0) return;
-        note_forces();
-        load(bodies);
-        keep();
-        settle(with, true, widened<K>(touched));
-        undo_elsewhere(touched);
-        store(bodies);
-    }
     void solve(body* bodies, const poses_of& poses, const joint_pass<S>& with, joint_round round) {
+        if (round == joint_round::before_contacts) return solve_before_contacts(bodies, with);
         const bool springs = has_springs(round), errors = has_errors(round);
         // All at once: further rounds would find the same.
         if (errors && !springs && are_corrected_) return;
@@ -26562,6 +26553,17 @@ private:
     using base::solve_and_measure, base::moved_, base::is_curved_, base::ahead_, base::are_corrected_,
         base::is_taken_back_;
 
+    /// Solves for the speeds of lanes with contacts.
+    void solve_before_contacts(body* bodies, const joint_pass<S>& with) {
+        const P touched = P::load(is_touched_);
+        if (greater(touched, P::broadcast(S(0))).bits() == 0) return;
+        note_forces();
+        load(bodies);
+        keep();
+        settle(with, true, widened<K>(touched));
+        undo_elsewhere(touched);
+        store(bodies);
+    }
     /// Keeps what there is before a solve.
     void keep() {
         for (std::uint32_t r = 0; r < of_.row_count; ++r) state_[r].start = P::load(rows_[r].impulse);
@@ -27534,7 +27536,7 @@ public:
     /// The same as solve with bias in two calls, around one pass over contacts: joints that are solved directly hold
     /// exactly when bodies move, whatever contacts do. The first call costs them nothing where there are no contacts.
     void solve_before_contacts(detail::task_runner& tasks) {
-        direct_.each(tasks, [this](auto& b) { b.solve_before_contacts(bodies_.first, pass_); });
+        solve_direct(tasks, detail::joint_round::before_contacts);
         solve_iterative(tasks, detail::joint_round::all);
     }
     void solve_after_contacts(detail::task_runner& tasks) { solve_direct(tasks, detail::joint_round::all); }

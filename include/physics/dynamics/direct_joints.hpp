@@ -54,18 +54,8 @@ public:
     }
     /// Says that bodies of a lane have contacts.
     void touch(int lane) { is_touched_[lane] = S(1); }
-    /// Solves for the speeds of lanes with contacts.
-    void solve_before_contacts(body* bodies, const joint_pass<S>& with) {
-        const P touched = P::load(is_touched_);
-        if (greater(touched, P::broadcast(S(0))).bits() == 0) return;
-        note_forces();
-        load(bodies);
-        keep();
-        settle(with, true, widened<K>(touched));
-        undo_elsewhere(touched);
-        store(bodies);
-    }
     void solve(body* bodies, const poses_of& poses, const joint_pass<S>& with, joint_round round) {
+        if (round == joint_round::before_contacts) return solve_before_contacts(bodies, with);
         const bool springs = has_springs(round), errors = has_errors(round);
         // All at once: further rounds would find the same.
         if (errors && !springs && are_corrected_) return;
@@ -104,6 +94,17 @@ private:
     using base::solve_and_measure, base::moved_, base::is_curved_, base::ahead_, base::are_corrected_,
         base::is_taken_back_;
 
+    /// Solves for the speeds of lanes with contacts.
+    void solve_before_contacts(body* bodies, const joint_pass<S>& with) {
+        const P touched = P::load(is_touched_);
+        if (greater(touched, P::broadcast(S(0))).bits() == 0) return;
+        note_forces();
+        load(bodies);
+        keep();
+        settle(with, true, widened<K>(touched));
+        undo_elsewhere(touched);
+        store(bodies);
+    }
     /// Keeps what there is before a solve.
     void keep() {
         for (std::uint32_t r = 0; r < of_.row_count; ++r) state_[r].start = P::load(rows_[r].impulse);

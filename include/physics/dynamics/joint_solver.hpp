@@ -241,7 +241,7 @@ public:
     /// The same as solve with bias in two calls, around one pass over contacts: joints that are solved directly hold
     /// exactly when bodies move, whatever contacts do. The first call costs them nothing where there are no contacts.
     void solve_before_contacts(detail::task_runner& tasks) {
-        direct_.each(tasks, [this](auto& b) { b.solve_before_contacts(bodies_.first, pass_); });
+        solve_direct(tasks, detail::joint_round::before_contacts);
         solve_iterative(tasks, detail::joint_round::all);
     }
     void solve_after_contacts(detail::task_runner& tasks) { solve_direct(tasks, detail::joint_round::all); }

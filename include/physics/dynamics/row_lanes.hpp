@@ -10,8 +10,9 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// What a round over joints is for: speeds, with springs or without; to take errors back; or speeds and errors at once.
-enum class joint_round : std::uint8_t { relaxing = 0, speeds = 1, corrections = 2, all = 3 };
+/// What a round over joints is for: speeds, with springs or without; to take errors back; speeds and errors at once; or
+/// speeds of what has contacts, before these are visited.
+enum class joint_round : std::uint8_t { relaxing = 0, speeds = 1, corrections = 2, all = 3, before_contacts = 5 };
 constexpr bool has_springs(joint_round r) { return (static_cast<unsigned>(r) & 1) != 0; }
 constexpr bool has_errors(joint_round r) { return (static_cast<unsigned>(r) & 2) != 0; }
 
