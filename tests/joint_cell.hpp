@@ -112,6 +112,33 @@ body_id add_box(World& w, const vec& where, double half_x, double half_y) {
     w.create_shape(b, typename World::box{half}, {.density = S(1 / size)});
     return b;
 }
+/// Planks of 1 kg and 1 m that just fill their span between two anchors, with friction in their hinges (N m).
+template <class World>
+std::vector<body_id> add_taut_bridge(World& w, int count, double friction) {
+    std::vector<body_id> planks;
+    body_id last = add_anchor(w, at(0, 0));
+    const auto pin = [&](body_id b, double far_a, double far_b) {
+        physics::revolute_joint<S, D> joint{.max_motor_torque = S(friction)};
+        joint.frame_a.position = at(far_a);
+        joint.frame_b.position = at(far_b);
+        w.create_joint(last, b, joint);
+        last = b;
+    };
+    for (int i = 0; i < count; ++i) {
+        planks.push_back(add_box(w, at(i + 0.5), 0.5, 0.125));
+        w.set_can_sleep(planks.back(), false);
+        pin(planks.back(), i == 0 ? 0 : 0.5, -0.5);
+    }
+    pin(add_anchor(w, at(count)), 0.5, 0);
+    return planks;
+}
+template <class World>
+double widest_gap(const World& w, const std::vector<body_id>& planks) {
+    double gap = 0;
+    for (std::size_t k = 1; k < planks.size(); ++k)
+        gap = std::max(gap, length_of(w.pose(planks[k - 1]) * at(0.5) - w.pose(planks[k]) * at(-0.5)));
+    return gap;
+}
 /// One whose moment of inertia about z is 1 kg m^2.
 template <class World>
 body_id add_flywheel(World& w, const vec& where) {

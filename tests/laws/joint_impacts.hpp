@@ -8,7 +8,6 @@ namespace joint_impact_laws {
 
 using namespace joint_laws;
 using ball_joint = physics::ball_joint<S, D>;
-using revolute_joint = physics::revolute_joint<S, D>;
 using weld_joint = physics::weld_joint<S, D>;
 template <class... Policies>
 struct impacts
@@ -109,23 +108,8 @@ struct opening {
 };
 template <class World>
 opening bridge_under_boxes(int substeps, double friction, double mass) {
-    constexpr int count = 24;
     World w = falling_by<World>(substeps, true);
-    std::vector<body_id> planks;
-    body_id last = add_anchor(w, at(0, 0));
-    const auto pin = [&](body_id b, double far_a, double far_b) {
-        revolute_joint joint{.max_motor_torque = S(friction)};
-        joint.frame_a.position = at(far_a);
-        joint.frame_b.position = at(far_b);
-        w.create_joint(last, b, joint);
-        last = b;
-    };
-    for (int i = 0; i < count; ++i) {
-        planks.push_back(add_box(w, at(i + 0.5), 0.5, 0.125));
-        w.set_can_sleep(planks.back(), false);
-        pin(planks.back(), i == 0 ? 0 : 0.5, -0.5);
-    }
-    pin(add_anchor(w, at(count)), 0.5, 0);
+    const std::vector<body_id> planks = add_taut_bridge(w, 24, friction);
     for (const double x : {6.0, 11.5, 12.5}) {
         const body_id box = w.create_body({.position = at(x, 2 + x / 8)});
         w.create_shape(box, typename World::box{vec::filled(S(0.25))}, {.density = S(mass * (D == 2 ? 4 : 8))});
@@ -133,11 +117,7 @@ opening bridge_under_boxes(int substeps, double friction, double mass) {
     opening result;
     for (int i = 0; i < 256; ++i) {
         w.step(S(1.0 / 64));
-        result.last = 0;
-        for (std::size_t k = 1; k < planks.size(); ++k) {
-            const double gap = length_of(w.pose(planks[k - 1]) * at(0.5) - w.pose(planks[k]) * at(-0.5));
-            result.last = std::max(result.last, gap);
-        }
+        result.last = widest_gap(w, planks);
         result.largest = std::max(result.largest, result.last);
     }
     return result;

@@ -60,30 +60,15 @@ void a_chain_hangs(int substeps) {
 }
 CELL_CASE("joint loads: a chain hangs as it should, and pulls at both ends") { a_chain_hangs<plain>(2); }
 
-/// Planks that just fill the span between two walls: taut, they cannot sag, and only rounding and substeps let them.
+/// Taut, it cannot sag, and only rounding and substeps let it.
 template <class World>
 double taut_bridge(int count, int substeps, double friction) {
     World w = falling<World>(substeps);
-    std::vector<body_id> planks;
-    body_id last = add_anchor(w, at(0, 0));
-    const auto pin = [&](body_id b, double far_a, double far_b) {
-        revolute_joint joint{.max_motor_torque = S(friction)};
-        joint.frame_a.position = at(far_a);
-        joint.frame_b.position = at(far_b);
-        w.create_joint(last, b, joint);
-        last = b;
-    };
-    for (int i = 0; i < count; ++i) {
-        planks.push_back(add_box(w, at(i + 0.5), 0.5, 0.125));
-        w.set_can_sleep(planks.back(), false);
-        pin(planks.back(), i == 0 ? 0 : 0.5, -0.5);
-    }
-    pin(add_anchor(w, at(count)), 0.5, 0);
+    const std::vector<body_id> planks = add_taut_bridge(w, count, friction);
     double gap = 0;
     for (int i = 0; i < 256; ++i) {
         w.step(S(1.0 / 64));
-        for (std::size_t k = 1; k < planks.size(); ++k)
-            gap = std::max(gap, length_of(w.pose(planks[k - 1]) * at(0.5) - w.pose(planks[k]) * at(-0.5)));
+        gap = std::max(gap, widest_gap(w, planks));
     }
     return gap;
 }

@@ -9,15 +9,14 @@ namespace detail {
 
 /// W times the same joints between other bodies, one in each lane. The rows J of all of them are solved at once:
 /// J M^-1 J^T is factorised by L D L^T along the joints' graph, in time linear in their number where that is a tree.
-/// Limits, motors and other rows with bounds are in or out; a row that would give more than it may is set to its bound,
-/// and the others are solved again. Rows that say what others say already give way. Source: Baraff, Linear-time
-/// dynamics using Lagrange multipliers (1996); Judice, Pires, A block pivoting algorithm (1994).
+/// Rows that say what others say already give way. Source: Baraff, Linear-time dynamics using Lagrange multipliers
+/// (1996).
 template <class S, int D, bool Rotates, int W, bool Two>
 class direct_joints : joint_bounds<S, D, Rotates, W, Two> {
     using base = joint_bounds<S, D, Rotates, W, Two>;
     using typename base::P, typename base::K, typename base::C, typename base::body, typename base::lanes;
     using typename base::poses_of;
-    using typename base::row, typename base::access, typename base::pose, typename base::row_state;
+    using typename base::row, typename base::access, typename base::pose;
 
 public:
     /// See joint_system.
@@ -86,10 +85,10 @@ public:
 private:
     using base::each_row;
     using base::find_corrections, base::take_corrections_back, base::settle;
-    using base::joint_at, base::load, base::store, base::apply, base::give, base::give_more, base::note_forces,
-        base::write_rows, base::part_of_step, base::each_row_ahead;
+    using base::joint_at, base::load, base::store, base::give, base::give_more, base::note_forces, base::write_rows,
+        base::part_of_step, base::each_row_ahead;
     using base::of_, base::kinds_, base::rows_, base::state_, base::sides_, base::velocities_, base::matrix_;
-    using base::own_lever_, base::is_factorised_, base::are_forces_noted_, base::has_bounds_, base::any_shared_;
+    using base::own_lever_, base::are_forces_noted_, base::has_bounds_;
     using base::resolved_, base::far_;
     using base::solve_and_measure, base::moved_, base::is_curved_, base::ahead_, base::are_corrected_,
         base::is_taken_back_;

@@ -17,7 +17,7 @@ class joint_bounds : protected joint_corrections<S, D, Rotates, W, Two> {
     using base = joint_corrections<S, D, Rotates, W, Two>;
 
 protected:
-    using base::each_row, base::give_more, base::limited, base::share_of;
+    using base::give_more, base::limited, base::share_of;
     using base::of_, base::rows_, base::state_, base::velocities_, base::matrix_, base::is_factorised_,
         base::has_bounds_, base::any_shared_;
     using typename base::P, typename base::K, typename base::C, typename base::body;
